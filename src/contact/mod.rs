@@ -1,0 +1,40 @@
+//! Friction contact of one node pair: the law, its parameters and its states.
+//!
+//! Knows no finite elements, no harmonics and no files.
+
+/// Constants of one contact pair.
+///
+/// Units: stiffness N/m, force N, displacement m. Sign: normal approach v > 0 is compression.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactParameters<T> {
+    /// Normal stiffness k_n ≥ 0.
+    pub k_n: T,
+    /// Tangential stiffness [k_t1, k_t2] ≥ 0.
+    pub k_t: [T; 2],
+    /// Friction coefficient mu ≥ 0.
+    pub mu: T,
+    /// Normal force at v = 0 (constant preload); negative is a gap of −n_0/k_n.
+    pub n_0: T,
+    /// Tangential displacement at which the unslipped slider carries no traction.
+    pub anchor: [T; 2],
+}
+
+/// How the two tangential directions share the Coulomb limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FrictionLaw {
+    /// Each direction has its own limit: |T₁| ≤ mu N and |T₂| ≤ mu N.
+    Box,
+    /// Coupled radial return: |(T₁, T₂)| ≤ mu N.
+    Circle,
+}
+
+/// Where the slider is anchored when a separated contact closes between two samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Recontact {
+    /// At the last separated sample.
+    AtSample,
+    /// At the instant of closing, by linear interpolation of the approach.
+    Interpolated,
+}

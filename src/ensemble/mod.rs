@@ -1,0 +1,3 @@
+//! Many samples: from inputs to outcomes.
+
+pub mod outcome;

@@ -1,0 +1,67 @@
+//! What one sample gives: inputs, and one record per excitation level.
+
+use crate::hb::Status;
+
+/// All that is kept of one sample.
+#[derive(Debug, Clone)]
+pub struct SampleOutcome {
+    /// Index of the sample in the study, 0-based.
+    pub index: u64,
+    /// Sampled inputs, in the order of the study's input names.
+    pub inputs: Vec<f64>,
+    /// One record per excitation level, in the order of the study's levels.
+    pub levels: Vec<LevelOutcome>,
+}
+
+/// Resonance of one sample at one excitation level.
+#[derive(Debug, Clone)]
+pub struct LevelOutcome {
+    /// Excitation level (N for the built-in model).
+    pub level: f64,
+    /// How the solve ended; without a solution the numbers of `peak` are absent.
+    pub status: Status,
+    /// The resonance peak, if found.
+    pub peak: Option<PeakRecord>,
+    /// Forced response around the peak, ascending in frequency, single-valued; may be empty.
+    pub curve: Vec<CurvePoint>,
+    /// Newton iterations spent on this level.
+    pub newton_iterations: usize,
+    /// Linear factorisations spent on this level.
+    pub factorizations: usize,
+}
+
+/// Numbers of one resonance peak.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct PeakRecord {
+    /// Resonance frequency (Hz).
+    pub frequency_hz: f64,
+    /// Amplitude |q̂₁| of the first response coordinate (m).
+    pub amplitude_m: f64,
+    /// Estimated relative change of the amplitude by the harmonics left out; absent if not asked for.
+    pub truncation_error: Option<f64>,
+    /// Highest harmonic of the solution.
+    pub highest_harmonic: usize,
+    /// Share of (pair, time) that sticks.
+    pub stick_fraction: f64,
+    /// Share of (pair, time) that slips in at least one direction.
+    pub slip_fraction: f64,
+    /// Share of (pair, time) that is separated.
+    pub separated_fraction: f64,
+    /// Work of the excitation per cycle (J).
+    pub work_input_j: f64,
+    /// Work dissipated by the damping matrix per cycle (J).
+    pub work_viscous_j: f64,
+    /// Work dissipated by friction per cycle (J).
+    pub work_friction_j: f64,
+    /// Largest component of the residual over the fixed displacement scale.
+    pub residual: f64,
+}
+
+/// One point of a forced response curve.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct CurvePoint {
+    /// Frequency (Hz).
+    pub frequency_hz: f64,
+    /// Amplitude of the first response coordinate (m).
+    pub amplitude_m: f64,
+}

@@ -1,0 +1,5 @@
+//! Harmonic balance.
+
+pub mod status;
+
+pub use status::Status;

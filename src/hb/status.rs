@@ -1,0 +1,79 @@
+//! How a solve ended.
+
+/// Outcome of one nonlinear solve; data, never an error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// Converged, truncation error below the threshold (or not asked for).
+    Converged,
+    /// Converged, but the truncation error is above the threshold at the highest harmonic allowed.
+    TruncationAboveThreshold,
+    /// Converged, but the contacts bounce: a period-1 response is not to be trusted.
+    BouncingContact,
+    /// Newton's method used up its iterations.
+    MaxIterations,
+    /// Continuation could not go on with the smallest step.
+    StepTooSmall,
+    /// A non-finite number turned up.
+    NonFinite,
+    /// The amplitude has no maximum inside the frequency band.
+    NoPeakInBand,
+}
+
+impl Status {
+    /// Every status, in the order of reports.
+    pub const ALL: [Self; 7] = [
+        Self::Converged,
+        Self::TruncationAboveThreshold,
+        Self::BouncingContact,
+        Self::MaxIterations,
+        Self::StepTooSmall,
+        Self::NonFinite,
+        Self::NoPeakInBand,
+    ];
+
+    /// Whether the numbers that go with this status solve the balance equations.
+    #[must_use]
+    pub fn has_solution(self) -> bool {
+        matches!(
+            self,
+            Self::Converged | Self::TruncationAboveThreshold | Self::BouncingContact
+        )
+    }
+
+    /// Name in files and reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::TruncationAboveThreshold => "truncation-above-threshold",
+            Self::BouncingContact => "bouncing-contact",
+            Self::MaxIterations => "max-iterations",
+            Self::StepTooSmall => "step-too-small",
+            Self::NonFinite => "non-finite",
+            Self::NoPeakInBand => "no-peak-in-band",
+        }
+    }
+
+    /// One sentence for the reader of a report.
+    #[must_use]
+    pub fn explanation(self) -> &'static str {
+        match self {
+            Self::Converged => {
+                "the balance equations hold and the truncation error is below the threshold"
+            }
+            Self::TruncationAboveThreshold => {
+                "the balance equations hold, but more harmonics than allowed are needed for the threshold"
+            }
+            Self::BouncingContact => {
+                "the balance equations hold, but the strip bounces and a response with the period of the excitation is not to be trusted"
+            }
+            Self::MaxIterations => "Newton's method did not converge from any start that was tried",
+            Self::StepTooSmall => "the continuation could not go on with the smallest step",
+            Self::NonFinite => "a number overflowed or was undefined",
+            Self::NoPeakInBand => {
+                "the amplitude has no maximum inside the frequency band of the study"
+            }
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! The reduced model: matrices, contact pairs, loads and responses. Knows no contact law and no harmonic balance.
+
+use faer::Mat;
+
+/// A linear form on the degrees of freedom: Σ weight · q[dof]. Empty = the direction is absent.
+pub type SparseRow = Vec<(usize, f64)>;
+
+/// Linear part of a blade–damper model with everything that loads it and looks at it.
+///
+/// M q̈ + C q̇ + K q = f₀ + level · (f_c cos ωt + f_s sin ωt) − Σ B_t1ᵀ T₁ + B_t2ᵀ T₂ + B_nᵀ N.
+///
+/// Units: SI (or any consistent set). Shape: matrices n × n, forces `[n]`.
+#[derive(Debug, Clone)]
+pub struct ReducedModel {
+    /// What the model is, for reports.
+    pub name: String,
+    /// One name per degree of freedom.
+    pub dof_names: Vec<String>,
+    /// M, symmetric positive definite.
+    pub mass: Mat<f64>,
+    /// C, symmetric positive semidefinite.
+    pub damping: Mat<f64>,
+    /// K, symmetric positive semidefinite; rigid-body modes that the contacts hold are allowed.
+    pub stiffness: Mat<f64>,
+    /// Stiffness added in the 0th harmonic only: holds the mean in-plane position of a strip in gross slip.
+    pub retention: Option<Mat<f64>>,
+    /// Contact pairs.
+    pub contacts: Vec<ContactPair>,
+    /// f₀.
+    pub static_force: Vec<f64>,
+    /// f_c per unit level.
+    pub cosine_force: Vec<f64>,
+    /// f_s per unit level.
+    pub sine_force: Vec<f64>,
+    /// Response coordinates; the amplitude of the first one defines resonance.
+    pub responses: Vec<Response>,
+}
+
+/// Kinematics of one node pair. Sign: relative displacement strip minus blade; n > 0 is compression.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactPair {
+    /// Name, unique in the model.
+    pub name: String,
+    /// First tangential relative displacement.
+    pub t1: SparseRow,
+    /// Second tangential relative displacement.
+    pub t2: SparseRow,
+    /// Normal approach.
+    pub n: SparseRow,
+    /// Area that the pair stands for (m²); shares the interface stiffness. 1 where it has no meaning.
+    pub area: f64,
+    /// Interface that the pair belongs to (0, 1, …).
+    pub interface: usize,
+}
+
+/// A named coordinate whose amplitude is reported.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Response {
+    /// Name, unique in the model.
+    pub name: String,
+    /// Weights on the degrees of freedom.
+    pub row: SparseRow,
+}
+
+impl ReducedModel {
+    /// Number of degrees of freedom n.
+    #[must_use]
+    pub fn n_dofs(&self) -> usize {
+        self.mass.nrows()
+    }
+
+    /// Number of contact pairs.
+    #[must_use]
+    pub fn n_contacts(&self) -> usize {
+        self.contacts.len()
+    }
+}

@@ -1,0 +1,31 @@
+//! SI units only inside; the named conversions at the edges.
+
+/// rad/s → Hz.
+#[must_use]
+pub fn rad_s_to_hz(omega: f64) -> f64 {
+    omega / std::f64::consts::TAU
+}
+
+/// Hz → rad/s.
+#[must_use]
+pub fn hz_to_rad_s(frequency: f64) -> f64 {
+    frequency * std::f64::consts::TAU
+}
+
+/// mm → m.
+#[must_use]
+pub fn mm_to_m(length: f64) -> f64 {
+    length * 1e-3
+}
+
+/// N/µm → N/m.
+#[must_use]
+pub fn n_per_um_to_n_per_m(stiffness: f64) -> f64 {
+    stiffness * 1e6
+}
+
+/// m → µm.
+#[must_use]
+pub fn m_to_um(length: f64) -> f64 {
+    length * 1e6
+}
