@@ -14,6 +14,7 @@ pub mod linalg;
 pub mod model;
 pub mod report;
 pub mod sampling;
+pub mod setting;
 pub mod statistics;
 pub mod study;
 pub mod units;

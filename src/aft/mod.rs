@@ -1,1 +1,5 @@
-//! Room `aft`.
+//! Alternating frequency–time evaluation of contact forces on a batch of harmonic states.
+
+pub mod settings;
+
+pub use settings::{AftSettings, Laps};

@@ -1,0 +1,9 @@
+//! Verification: every numerical routine against an independent truth.
+
+mod aft;
+mod contact;
+mod fe;
+mod hb;
+mod reference;
+mod sampling;
+mod two_blade;
