@@ -1,1 +1,3 @@
-//! Room `linalg`.
+//! Linear algebra on top of faer.
+
+pub mod gmres;
