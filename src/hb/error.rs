@@ -1,12 +1,12 @@
 //! Why a harmonic balance problem cannot be set up.
 
 /// A model or sample that is not a harmonic balance problem.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProblemError {
     /// The eigenproblem of the free structure cannot be solved.
     #[error(transparent)]
-    Eigen(#[from] crate::linalg::eigen::EigenError),
+    Eigen(#[from] crate::linalg::LinalgError),
     /// A rigid-body motion is held neither by the structure, nor by stuck contacts, nor by the retention.
     #[error("the structure with all contacts stuck can move as a rigid body: add contact stiffness, supports or retention")]
     NotHeld,

@@ -1,9 +1,23 @@
-//! Harmonic balance.
+//! Multi-harmonic balance with coupled static and dynamic equations.
+//!
+//! A [`ModalModel`] (once per study) and contact parameters (once per sample) make a [`Problem`]; a [`Balance`] is
+//! that problem on a harmonic set. Start reading at `balance` (the equations), then `newton`, `peak`.
 
+pub mod balance;
+pub mod compliance;
+pub mod error;
+pub mod jacobian;
+pub mod modal;
+pub mod newton;
+pub mod problem;
 pub mod settings;
 pub mod solution;
 pub mod status;
 
+pub use balance::Balance;
+pub use error::ProblemError;
+pub use modal::ModalModel;
+pub use problem::Problem;
 pub use settings::{AlertSettings, HbSettings, NewtonSettings, SliderAnchor};
 pub use solution::{ContactFractions, CycleWork, Solution};
 pub use status::Status;

@@ -5,7 +5,7 @@
 //! its dynamic stiffness costs nothing to invert; that is why these coordinates are used. No mode is left out.
 
 use super::ProblemError;
-use crate::linalg::eigen::symmetric_generalized_eigen;
+use crate::linalg::symmetric_generalized_eigen;
 use crate::model::{ReducedModel, SparseRow};
 use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
@@ -58,7 +58,8 @@ impl ModalModel {
     /// # Errors
     /// [`ProblemError::Eigen`] if M is not positive definite or the eigensolver fails.
     pub fn new(model: &ReducedModel) -> Result<Self, ProblemError> {
-        let (lambda, modes) = symmetric_generalized_eigen(model.stiffness.as_ref(), model.mass.as_ref())?;
+        let (lambda, modes) = 
+            symmetric_generalized_eigen(model.stiffness.as_ref(), model.mass.as_ref())?;
         let pairs = &model.contacts;
         let rows: Vec<&SparseRow> = (pairs.iter().map(|p| &p.t1))
             .chain(pairs.iter().map(|p| &p.t2))

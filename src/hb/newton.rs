@@ -9,6 +9,7 @@ use super::settings::NewtonSettings;
 use super::status::Status;
 use crate::aft::Want;
 use faer::prelude::c64;
+use std::sync::Arc;
 
 /// A point in the space of unknowns, frequency and level.
 #[derive(Debug, Clone)]
@@ -81,8 +82,8 @@ impl std::ops::AddAssign for WorkCount {
 pub struct Iterate {
     /// The point.
     pub point: Point,
-    /// Compliances at its frequency.
-    pub compliance: Compliance,
+    /// Compliances at its frequency, shared by the iterates of one frequency.
+    pub compliance: Arc<Compliance>,
     /// Contact forces and tangents.
     pub contact: ContactResponse,
     /// R.
@@ -104,11 +105,11 @@ impl Iterate {
     /// Evaluates everything at `point`.
     #[must_use]
     pub fn new(balance: &Balance<'_>, point: Point) -> Self {
-        let compliance = balance.compliance(point.omega);
+        let compliance = Arc::new(balance.compliance(point.omega));
         Self::with_compliance(balance, point, compliance)
     }
 
-    fn with_compliance(balance: &Balance<'_>, point: Point, compliance: Compliance) -> Self {
+    fn with_compliance(balance: &Balance<'_>, point: Point, compliance: Arc<Compliance>) -> Self {
         let contact = balance.contact(&point.r, Want::ForcesAndTangents);
         let residual = balance.residual(&compliance, point.level, &point.r, &contact.force);
         let motion = balance.motion(&compliance, point.level, &point.r, &contact.force);
@@ -243,7 +244,11 @@ fn advance(balance: &Balance<'_>, from: &Iterate, step: &Direction, size: f64) -
             omega: from.point.omega + damping * step.omega,
             level: from.point.level,
         };
-        let trial = Iterate::new(balance, point);
+        let trial = if step.omega == 0.0 {
+            Iterate::with_compliance(balance, point, Arc::clone(&from.compliance))
+        } else {
+            Iterate::new(balance, point)
+        };
         let fell = trial.relative_residual(balance) <= (1.0 - 0.1 * damping) * size;
         if fell || step.omega != 0.0 || damping <= MIN_DAMPING {
             return trial;
