@@ -6,7 +6,7 @@
 use super::compliance::{Compliance, HarmonicCompliance};
 use super::jacobian::PairTangent;
 use super::problem::Problem;
-use crate::aft::{AftBatch, AftForces, AftPlan, AftSettings, Want, evaluate};
+use crate::aft::{AftBatch, AftForces, AftPlan, AftSettings, Block, Tangent, Want, evaluate};
 use crate::harmonics::HarmonicSet;
 use faer::prelude::*;
 
@@ -53,7 +53,7 @@ pub struct ContactResponse {
     /// dF − K_c of the pairs that do not stick all the time; empty unless asked for.
     pub active: Vec<PairTangent>,
     /// Per pair: samples that stick, slip, are separated.
-    pub samples: Vec<[usize; 3]>,
+    pub samples: Vec<[u32; 3]>,
 }
 
 /// Motion of the whole structure in modal coordinates.
@@ -107,28 +107,34 @@ impl<'p> Balance<'p> {
         let mut forces = AftForces::default();
         evaluate(&self.plan, &batch, want, &mut forces);
         ContactResponse {
-            force: transpose_blocks(&forces.force, 3, m, n_c),
-            active: if want == Want::Forces { Vec::new() } else { self.active_pairs(&forces) },
-            samples: forces.summary.iter().map(|s| [s.stick, s.slip, s.separated]).collect(),
+            force: transpose_blocks(&forces.forces, 3, m, n_c),
+            active: self.active_pairs(&forces),
+            samples: forces.summaries.iter().map(|s| [s.stick, s.slip, s.separated]).collect(),
         }
     }
 
+    /// dF − K_c of the pairs that are not stuck all the time.
     fn active_pairs(&self, forces: &AftForces<f64>) -> Vec<PairTangent> {
         let (n_c, m) = (self.layout.n_pairs, self.layout.n_coefficients);
-        (0..n_c)
-            .filter_map(|pair| {
-                let blocks = forces.blocks(pair)?;
-                let blocks = (blocks.iter())
-                    .map(|(row, column, values)| {
-                        let mut deviation = values.to_vec();
-                        if row == column {
-                            let k = self.problem.stuck_stiffness[row * n_c + pair];
-                            (0..m).for_each(|a| deviation[a * m + a] -= k);
-                        }
-                        (row, column, deviation)
-                    })
-                    .collect();
-                Some(PairTangent { pair, blocks })
+        let deviation = |pair: usize, offset: usize, block: Block| {
+            let (row, column) = (block.row_component(), block.column_component());
+            let mut values = forces.block(offset, block).to_vec();
+            if row == column {
+                let k = self.problem.stuck_stiffness[row * n_c + pair];
+                (0..m).for_each(|a| values[a * m + a] -= k);
+            }
+            (row, column, values)
+        };
+        (forces.tangents.iter().enumerate())
+            .filter_map(|(pair, tangent)| match *tangent {
+                Tangent::Stuck => None,
+                Tangent::Blocks(offset) => {
+                    let blocks = (Block::ALL.into_iter())
+                        .map(|block| deviation(pair, offset, block))
+                        .filter(|(.., values)| values.iter().any(|v| *v != 0.0))
+                        .collect();
+                    Some(PairTangent { pair, blocks })
+                }
             })
             .collect()
     }

@@ -3,16 +3,21 @@
 //! A [`ModalModel`] (once per study) and contact parameters (once per sample) make a [`Problem`]; a [`Balance`] is
 //! that problem on a harmonic set. Start reading at `balance` (the equations), then `newton`, `peak`.
 
+pub mod alert;
 pub mod balance;
 pub mod compliance;
+pub mod continuation;
 pub mod error;
 pub mod jacobian;
 pub mod modal;
 pub mod newton;
+pub mod peak;
 pub mod problem;
+pub mod resonance;
 pub mod settings;
 pub mod solution;
 pub mod status;
+pub mod track;
 
 pub use balance::Balance;
 pub use error::ProblemError;

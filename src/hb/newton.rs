@@ -208,19 +208,19 @@ pub fn solve(
             return Err((Status::MaxIterations, count));
         }
         let jacobian = iterate.jacobian(balance);
-        let step = newton_step(balance, &iterate, &jacobian, condition, closing);
+        let step = newton_step(balance, &iterate, &jacobian, condition);
         count += WorkCount { iterations: 1, factorizations: jacobian.factorizations() };
         iterate = advance(balance, &iterate, &step, size);
     }
 }
 
 /// The full Newton step of the (bordered) system.
-fn newton_step(
+#[must_use]
+pub fn newton_step(
     balance: &Balance<'_>,
     iterate: &Iterate,
     jacobian: &Jacobian<'_>,
     condition: Condition<'_>,
-    closing: f64,
 ) -> Direction {
     let towards = Direction { r: negated(&jacobian.solve(&iterate.residual)), omega: 0.0 };
     if matches!(condition, Condition::FixedFrequency) {
@@ -228,6 +228,7 @@ fn newton_step(
     }
     let along = Direction { r: iterate.frequency_rate(balance, jacobian), omega: 1.0 };
     let rate = |d: &Direction| condition.rate(balance, iterate, jacobian, d);
+    let closing = condition.value(balance, iterate);
     let limit = MAX_FREQUENCY_STEP * iterate.point.omega;
     let omega = (-(closing + rate(&towards)) / rate(&along)).clamp(-limit, limit);
     let r = (towards.r.iter().zip(&along.r)).map(|(a, b)| a + omega * b).collect();
