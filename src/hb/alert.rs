@@ -28,7 +28,7 @@ pub fn time_points(aft: AftSettings, harmonics: &HarmonicSet) -> AftSettings {
 #[must_use]
 pub fn truncation_error(
     balance: &Balance<'_>,
-    solution: &Iterate,
+    solution: &Iterate<'_>,
     larger: &Balance<'_>,
     condition: Condition<'_>,
 ) -> f64 {

@@ -58,7 +58,7 @@ pub struct ContactResponse {
 
 /// Motion of the whole structure in modal coordinates.
 #[derive(Debug)]
-pub struct ModalResponse {
+pub struct Motion {
     /// η₀. Shape: `[n]`.
     pub rest: Vec<f64>,
     /// η̂ₖ of the dynamic harmonics in order. Shape: `[n_harmonics][n]`.
@@ -68,8 +68,8 @@ pub struct ModalResponse {
 /// Rates of what drives the structure along some path.
 #[derive(Debug, Clone, Copy)]
 pub struct LoadRate<'a> {
-    /// Rate of the contact forces. Shape as the unknowns.
-    pub force: &'a [f64],
+    /// Rate of the force deviation g. Shape as the unknowns.
+    pub deviation: &'a [f64],
     /// Rate of the frequency.
     pub omega: f64,
     /// Rate of the excitation level.
@@ -90,7 +90,7 @@ impl<'p> Balance<'p> {
 
     /// Compliances at the frequency `omega` (rad/s).
     #[must_use]
-    pub fn compliance(&self, omega: f64) -> Compliance {
+    pub fn compliance(&self, omega: f64) -> Compliance<'p> {
         let problem = self.problem;
         Compliance::new(problem.model, &problem.stuck_stiffness, self.harmonics.orders(), omega)
     }
@@ -148,7 +148,7 @@ impl<'p> Balance<'p> {
 
     /// R(r) for the contact forces `force` = F(r). Units: m.
     #[must_use]
-    pub fn residual(&self, at: &Compliance, level: f64, r: &[f64], force: &[f64]) -> Vec<f64> {
+    pub fn residual(&self, at: &Compliance<'_>, level: f64, r: &[f64], force: &[f64]) -> Vec<f64> {
         let n = self.layout.n_relative();
         let g = self.deviation(r, force);
         let mut out = r.to_vec();
@@ -176,7 +176,7 @@ impl<'p> Balance<'p> {
 
     /// ∂R/∂level at fixed r.
     #[must_use]
-    pub fn level_slope(&self, at: &Compliance) -> Vec<f64> {
+    pub fn level_slope(&self, at: &Compliance<'_>) -> Vec<f64> {
         let mut out = vec![0.0; self.layout.n_unknowns()];
         if let Some(first) = at.harmonics.first() {
             self.store(0, &self.stuck_relative(first, 1.0), -1.0, &mut out);
@@ -184,67 +184,59 @@ impl<'p> Balance<'p> {
         out
     }
 
-    /// ∂R/∂ω at fixed r: (I − G K_c) BΦ Z⁻¹ (dZ/dω) η, harmonic by harmonic. Units: m/(rad/s).
+    /// ∂R/∂ω at fixed r: BΦ Z_s⁻¹ (dZ/dω) η, harmonic by harmonic. Units: m/(rad/s).
     #[must_use]
-    pub fn frequency_slope(&self, at: &Compliance, motion: &ModalResponse) -> Vec<f64> {
+    pub fn frequency_slope(&self, at: &Compliance<'_>, motion: &Motion) -> Vec<f64> {
         let mut out = vec![0.0; self.layout.n_unknowns()];
         for (i, (h, eta)) in at.harmonics.iter().zip(&motion.dynamic).enumerate() {
-            let force = self.problem.model.impedance_slope(h.order, at.omega, eta);
-            let free = self.problem.model.relative(&h.impedance.solve(&force));
-            self.store(i, &self.hold_stuck(h, free), 1.0, &mut out);
+            let load = self.problem.model.impedance_slope(h.order, at.omega, eta);
+            self.store(i, &self.problem.model.relative(&h.solve(&load)), 1.0, &mut out);
         }
         out
     }
 
     /// Motion of the structure under the excitation and the contact forces.
     #[must_use]
-    pub fn motion(&self, at: &Compliance, level: f64, r: &[f64], force: &[f64]) -> ModalResponse {
+    pub fn motion(&self, at: &Compliance<'_>, level: f64, r: &[f64], force: &[f64]) -> Motion {
         let model = self.problem.model;
         let n = self.layout.n_relative();
         let rest = &self.problem.stuck_static;
-        let g = self.deviation(&r[..n], &force[..n]);
+        let g = self.deviation(r, force);
         let pushed = &rest.eta_per_force * Col::from_fn(n, |i| g[i]);
         let dynamic = (at.harmonics.iter().enumerate())
             .map(|(i, h)| {
-                let mut load = model.modal_contact_force(&self.complex(i, force));
+                let mut load = model.contact_load(&self.complex(i, &g));
                 load.iter_mut().for_each(|f| *f = -*f);
                 if h.order == 1 {
                     (load.iter_mut().zip(&model.force)).for_each(|(l, f)| *l += f * level);
                 }
-                h.impedance.solve(&load)
+                h.solve(&load)
             })
             .collect();
-        ModalResponse {
+        Motion {
             rest: rest.eta.iter().zip(pushed.iter()).map(|(a, b)| a - b).collect(),
             dynamic,
         }
     }
 
-    /// Rate of the first harmonic of response 0 that goes with the rates of contact forces, frequency and level.
+    /// Rate of the first harmonic of response 0 that goes with the rates of force deviation, frequency and level.
     #[must_use]
-    pub fn response_rate(&self, at: &Compliance, motion: &ModalResponse, rate: &LoadRate<'_>) -> c64 {
+    pub fn response_rate(&self, at: &Compliance<'_>, motion: &Motion, rate: &LoadRate<'_>) -> c64 {
         let model = self.problem.model;
         let (first, eta) = (&at.harmonics[0], &motion.dynamic[0]);
-        let mut load = model.modal_contact_force(&self.complex(0, rate.force));
+        let mut load = model.contact_load(&self.complex(0, rate.deviation));
         let inertia = model.impedance_slope(first.order, at.omega, eta);
         for ((load, inertia), force) in load.iter_mut().zip(&inertia).zip(&model.force) {
             *load = force * rate.level - *load - inertia * rate.omega;
         }
-        model.responses(&first.impedance.solve(&load))[0]
-    }
-
-    /// (I + H K_c)⁻¹ x = x − G K_c x.
-    fn hold_stuck(&self, h: &HarmonicCompliance, x: Vec<c64>) -> Vec<c64> {
-        let spring: Vec<c64> =
-            (x.iter().zip(&self.problem.stuck_stiffness)).map(|(x, k)| x * *k).collect();
-        x.iter().zip(h.apply(&spring)).map(|(x, y)| x - y).collect()
+        model.responses(&first.solve(&load))[0]
     }
 
     /// r̂₁ of the stuck structure.
-    fn stuck_relative(&self, first: &HarmonicCompliance, level: f64) -> Vec<c64> {
+    fn stuck_relative(&self, first: &HarmonicCompliance<'_>, level: f64) -> Vec<c64> {
         let model = self.problem.model;
         let load: Vec<c64> = model.force.iter().map(|f| f * level).collect();
-        self.hold_stuck(first, model.relative(&first.impedance.solve(&load)))
+        model.relative(&first.solve(&load))
     }
 
     /// Complex amplitudes of the i-th dynamic harmonic of a coefficient-major vector.

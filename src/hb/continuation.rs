@@ -10,9 +10,9 @@ use faer::prelude::c64;
 
 /// A solution with the tangent of its branch.
 #[derive(Debug)]
-pub struct BranchPoint {
+pub struct BranchPoint<'p> {
     /// The solution.
-    pub iterate: Iterate,
+    pub iterate: Iterate<'p>,
     /// Unit tangent in `metric`.
     pub tangent: Direction,
     /// Inner product, scaled to this point.
@@ -49,14 +49,14 @@ impl StepSettings {
 /// Newton iterations per step that the step control aims at.
 const WANTED_ITERATIONS: f64 = 4.0;
 
-impl BranchPoint {
+impl<'p> BranchPoint<'p> {
     /// The tangent at `iterate`, with increasing frequency if `previous` is absent, else turning less than 90°.
     ///
     /// Without `metric` the inner product is scaled to this point.
     #[must_use]
     pub fn new(
-        balance: &Balance<'_>,
-        iterate: Iterate,
+        balance: &Balance<'p>,
+        iterate: Iterate<'p>,
         omega_scale: f64,
         metric: Option<Metric>,
         previous: Option<&Direction>,
@@ -97,10 +97,10 @@ impl BranchPoint {
     /// The status of the failed correction.
     pub fn step(
         &self,
-        balance: &Balance<'_>,
+        balance: &Balance<'p>,
         step: f64,
         newton: NewtonSettings,
-    ) -> Result<(Iterate, WorkCount), (Status, WorkCount)> {
+    ) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
         let base = &self.iterate.point;
         let predicted = Point {
             r: (base.r.iter().zip(&self.tangent.r)).map(|(r, t)| r + step * t).collect(),
@@ -133,12 +133,12 @@ pub struct WalkEnd {
 
 /// Walks along the branch from `start`; `visit` sees every new point with the one before it and the length of the
 /// step between them, and says whether to go on.
-pub fn walk(
-    balance: &Balance<'_>,
-    start: BranchPoint,
+pub fn walk<'p>(
+    balance: &Balance<'p>,
+    start: BranchPoint<'p>,
     newton: NewtonSettings,
     steps: StepSettings,
-    mut visit: impl FnMut(&BranchPoint, &BranchPoint, f64) -> bool,
+    mut visit: impl FnMut(&BranchPoint<'p>, &BranchPoint<'p>, f64) -> bool,
 ) -> WalkEnd {
     let mut count = WorkCount::default();
     let mut point = start;

@@ -6,7 +6,7 @@
 pub enum ProblemError {
     /// The eigenproblem of the free structure cannot be solved.
     #[error(transparent)]
-    Eigen(#[from] crate::linalg::LinalgError),
+    Linalg(#[from] crate::linalg::LinalgError),
     /// A rigid-body motion is held neither by the structure, nor by stuck contacts, nor by the retention.
     #[error("the structure with all contacts stuck can move as a rigid body: add contact stiffness, supports or retention")]
     NotHeld,

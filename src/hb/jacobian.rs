@@ -34,7 +34,7 @@ pub struct PairTangent {
 #[derive(Debug)]
 pub struct Jacobian<'a> {
     layout: Layout,
-    compliance: &'a Compliance,
+    compliance: &'a Compliance<'a>,
     static_compliance: &'a Mat<f64>,
     active: &'a [PairTangent],
     /// Positions of the active unknowns among the relative displacements of one coefficient.
@@ -60,7 +60,7 @@ impl<'a> Jacobian<'a> {
     pub fn new(
         layout: &Layout,
         problem: &'a Problem<'_>,
-        compliance: &'a Compliance,
+        compliance: &'a Compliance<'a>,
         active: &'a [PairTangent],
     ) -> Self {
         let rows: Vec<usize> = (0..3)

@@ -1,6 +1,6 @@
 //! Multi-harmonic balance with coupled static and dynamic equations.
 //!
-//! A [`ModalModel`] (once per study) and contact parameters (once per sample) make a [`Problem`]; a [`Balance`] is
+//! A [`LinearModel`] (once per study) and contact parameters (once per sample) make a [`Problem`]; a [`Balance`] is
 //! that problem on a harmonic set. Start reading at `balance` (the equations), then `newton`, `peak`.
 
 pub mod alert;
@@ -9,7 +9,7 @@ pub mod compliance;
 pub mod continuation;
 pub mod error;
 pub mod jacobian;
-pub mod modal;
+pub mod linear;
 pub mod newton;
 pub mod peak;
 pub mod problem;
@@ -21,7 +21,7 @@ pub mod track;
 
 pub use balance::Balance;
 pub use error::ProblemError;
-pub use modal::ModalModel;
+pub use linear::LinearModel;
 pub use problem::Problem;
 pub use settings::{AlertSettings, HbSettings, NewtonSettings, SliderAnchor};
 pub use solution::{ContactFractions, CycleWork, Solution};

@@ -2,7 +2,7 @@
 //!
 //! The bordered system [J R_ω; c_r c_ω] is solved by block elimination with the two right-hand sides R and R_ω.
 
-use super::balance::{Balance, ContactResponse, LoadRate, ModalResponse};
+use super::balance::{Balance, ContactResponse, LoadRate, Motion};
 use super::compliance::Compliance;
 use super::jacobian::Jacobian;
 use super::settings::NewtonSettings;
@@ -79,17 +79,17 @@ impl std::ops::AddAssign for WorkCount {
 
 /// A point with everything evaluated there.
 #[derive(Debug)]
-pub struct Iterate {
+pub struct Iterate<'p> {
     /// The point.
     pub point: Point,
     /// Compliances at its frequency, shared by the iterates of one frequency.
-    pub compliance: Arc<Compliance>,
+    pub compliance: Arc<Compliance<'p>>,
     /// Contact forces and tangents.
     pub contact: ContactResponse,
     /// R.
     pub residual: Vec<f64>,
     /// Motion of the structure.
-    pub motion: ModalResponse,
+    pub motion: Motion,
 }
 
 /// Phase error (rad) accepted at a phase resonance; it only starts the search of the maximum.
@@ -101,15 +101,15 @@ const MAX_FREQUENCY_STEP: f64 = 0.02;
 /// Smallest damping factor of the line search.
 const MIN_DAMPING: f64 = 1.0 / 64.0;
 
-impl Iterate {
+impl<'p> Iterate<'p> {
     /// Evaluates everything at `point`.
     #[must_use]
-    pub fn new(balance: &Balance<'_>, point: Point) -> Self {
+    pub fn new(balance: &Balance<'p>, point: Point) -> Self {
         let compliance = Arc::new(balance.compliance(point.omega));
         Self::with_compliance(balance, point, compliance)
     }
 
-    fn with_compliance(balance: &Balance<'_>, point: Point, compliance: Arc<Compliance>) -> Self {
+    fn with_compliance(balance: &Balance<'p>, point: Point, compliance: Arc<Compliance<'p>>) -> Self {
         let contact = balance.contact(&point.r, Want::ForcesAndTangents);
         let residual = balance.residual(&compliance, point.level, &point.r, &contact.force);
         let motion = balance.motion(&compliance, point.level, &point.r, &contact.force);
@@ -126,7 +126,7 @@ impl Iterate {
 
     /// The Jacobian here.
     #[must_use]
-    pub fn jacobian<'a>(&'a self, balance: &'a Balance<'_>) -> Jacobian<'a> {
+    pub fn jacobian<'a>(&'a self, balance: &'a Balance<'p>) -> Jacobian<'a> {
         Jacobian::new(&balance.layout, balance.problem, &self.compliance, &self.contact.active)
     }
 
@@ -152,12 +152,8 @@ impl Iterate {
         direction: &Direction,
         level: f64,
     ) -> c64 {
-        let mut force = jacobian.deviation(&direction.r);
-        let k_c = balance.problem.stuck_stiffness.iter().cycle();
-        for ((f, r), k) in force.iter_mut().zip(&direction.r).zip(k_c) {
-            *f += k * r;
-        }
-        let rate = LoadRate { force: &force, omega: direction.omega, level };
+        let deviation = jacobian.deviation(&direction.r);
+        let rate = LoadRate { deviation: &deviation, omega: direction.omega, level };
         balance.response_rate(&self.compliance, &self.motion, &rate)
     }
 }
@@ -187,12 +183,12 @@ impl Metric {
 ///
 /// # Errors
 /// The status that says why not, and the work spent.
-pub fn solve(
-    balance: &Balance<'_>,
+pub fn solve<'p>(
+    balance: &Balance<'p>,
     start: Point,
     condition: Condition<'_>,
     settings: NewtonSettings,
-) -> Result<(Iterate, WorkCount), (Status, WorkCount)> {
+) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
     let mut count = WorkCount::default();
     let mut iterate = Iterate::new(balance, start);
     loop {
@@ -218,7 +214,7 @@ pub fn solve(
 #[must_use]
 pub fn newton_step(
     balance: &Balance<'_>,
-    iterate: &Iterate,
+    iterate: &Iterate<'_>,
     jacobian: &Jacobian<'_>,
     condition: Condition<'_>,
 ) -> Direction {
@@ -237,7 +233,12 @@ pub fn newton_step(
 
 /// Takes the step. At a fixed frequency it is damped until the residual falls; with a moving frequency the
 /// condition is part of the system and the residual alone is no measure, so the full step is taken.
-fn advance(balance: &Balance<'_>, from: &Iterate, step: &Direction, size: f64) -> Iterate {
+fn advance<'p>(
+    balance: &Balance<'p>,
+    from: &Iterate<'p>,
+    step: &Direction,
+    size: f64,
+) -> Iterate<'p> {
     let mut damping = 1.0;
     loop {
         let point = Point {
@@ -287,7 +288,7 @@ impl Condition<'_> {
     fn rate(
         self,
         balance: &Balance<'_>,
-        iterate: &Iterate,
+        iterate: &Iterate<'_>,
         jacobian: &Jacobian<'_>,
         direction: &Direction,
     ) -> f64 {

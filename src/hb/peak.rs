@@ -30,21 +30,21 @@ const MAX_POINTS: usize = 40;
 const MAX_HALVINGS: usize = 8;
 
 /// A point at arclength `s` from the start of the search.
-struct Station {
+struct Station<'p> {
     s: f64,
-    point: BranchPoint,
+    point: BranchPoint<'p>,
 }
 
 /// Finds the maximum of |ŷ| next to `start`.
 ///
 /// # Errors
 /// [`Status::NoPeakInBand`] if the search leaves the band, else the status of the solve that failed.
-pub fn find_peak(
-    balance: &Balance<'_>,
-    start: Iterate,
+pub fn find_peak<'p>(
+    balance: &Balance<'p>,
+    start: Iterate<'p>,
     settings: PeakSettings,
     newton: NewtonSettings,
-) -> Result<(BranchPoint, WorkCount), (Status, WorkCount)> {
+) -> Result<(BranchPoint<'p>, WorkCount), (Status, WorkCount)> {
     let omega_scale = 2.0 * settings.band.width();
     let (first, mut count) = BranchPoint::new(balance, start, omega_scale, None, None);
     let metric = first.metric;
@@ -77,13 +77,13 @@ pub fn find_peak(
 }
 
 /// One step, halved while the solve fails.
-fn halving_step(
-    balance: &Balance<'_>,
-    from: &BranchPoint,
+fn halving_step<'p>(
+    balance: &Balance<'p>,
+    from: &BranchPoint<'p>,
     mut length: f64,
     newton: NewtonSettings,
     count: &mut WorkCount,
-) -> Result<(Iterate, f64), (Status, WorkCount)> {
+) -> Result<(Iterate<'p>, f64), (Status, WorkCount)> {
     let mut last = Status::StepTooSmall;
     for _ in 0..MAX_HALVINGS {
         match from.step(balance, length, newton) {
@@ -102,15 +102,15 @@ fn halving_step(
 }
 
 /// The last two stations, or the two that bracket the maximum.
-struct Search {
-    older: Option<Station>,
-    newer: Station,
+struct Search<'p> {
+    older: Option<Station<'p>>,
+    newer: Station<'p>,
     /// Factor on the growth of the older end: halved each time that end stays in the bracket (Illinois rule).
     weight: f64,
 }
 
-impl Search {
-    fn new(first: Station) -> Self {
+impl<'p> Search<'p> {
+    fn new(first: Station<'p>) -> Self {
         Self { older: None, newer: first, weight: 1.0 }
     }
 
@@ -137,14 +137,14 @@ impl Search {
         }
     }
 
-    fn nearest(&self, s: f64) -> &Station {
+    fn nearest(&self, s: f64) -> &Station<'p> {
         match &self.older {
             Some(older) if (older.s - s).abs() < (self.newer.s - s).abs() => older,
             _ => &self.newer,
         }
     }
 
-    fn add(&mut self, station: Station) {
+    fn add(&mut self, station: Station<'p>) {
         let same_side = station.point.growth() * self.newer.point.growth() > 0.0;
         if self.bracketed() && same_side {
             self.weight *= 0.5;
@@ -169,7 +169,7 @@ impl Search {
         self.newer.s + step.copysign(g_new)
     }
 
-    fn into_best(self) -> BranchPoint {
+    fn into_best(self) -> BranchPoint<'p> {
         match self.older {
             Some(older) if older.point.response.norm() > self.newer.point.response.norm() => {
                 older.point

@@ -1,7 +1,7 @@
 //! The nonlinear problem of one sample: a linear model, contact parameters and the static load.
 
 use super::ProblemError;
-use super::modal::ModalModel;
+use super::linear::LinearModel;
 use super::settings::SliderAnchor;
 use crate::contact::ContactParameters;
 use faer::linalg::solvers::Llt;
@@ -11,7 +11,7 @@ use faer::prelude::*;
 #[derive(Debug)]
 pub struct Problem<'m> {
     /// Linear part.
-    pub model: &'m ModalModel,
+    pub model: &'m LinearModel,
     /// Contact parameters, anchors included. Shape: `[n_contacts]`.
     pub contacts: Vec<ContactParameters<f64>>,
     /// Diagonal of K_c, stiffness of the stuck contacts (N/m). Shape: `[3·n_contacts]`, t1 of every pair, t2, n.
@@ -44,7 +44,7 @@ impl<'m> Problem<'m> {
     /// [`ProblemError::NotHeld`] if the stuck structure has a rigid-body motion left in the 0th harmonic;
     /// [`ProblemError::NoLoad`] if neither static nor harmonic force moves a contact or the structure.
     pub fn new(
-        model: &'m ModalModel,
+        model: &'m LinearModel,
         mut contacts: Vec<ContactParameters<f64>>,
         static_load_scale: f64,
         anchor: SliderAnchor,
@@ -77,7 +77,7 @@ impl<'m> Problem<'m> {
 }
 
 impl StuckStatic {
-    fn new(model: &ModalModel, k_c: &[f64], load_scale: f64) -> Result<Self, ProblemError> {
+    fn new(model: &LinearModel, k_c: &[f64], load_scale: f64) -> Result<Self, ProblemError> {
         let factor = static_factor(model, k_c)?;
         let solve = |f: &[f64]| -> Vec<f64> {
             factor.solve(Col::from_fn(f.len(), |i| f[i])).iter().copied().collect()
@@ -106,13 +106,9 @@ impl StuckStatic {
 }
 
 /// Cholesky factor of Λ + retention + (BΦ)ᵀ diag(k) BΦ.
-fn static_factor(model: &ModalModel, k: &[f64]) -> Result<Llt<f64>, ProblemError> {
-    let n = model.n_modes();
-    let springs = Mat::from_fn(k.len(), n, |i, j| k[i] * model.contact[(i, j)]);
-    let mut stiffness = model.contact.transpose() * springs;
-    for i in 0..n {
-        stiffness[(i, i)] += model.lambda[i];
-    }
+fn static_factor(model: &LinearModel, k: &[f64]) -> Result<Llt<f64>, ProblemError> {
+    let mut stiffness = model.stiffness_with_springs(k);
+    let n = stiffness.nrows();
     if let Some(retention) = &model.retention {
         stiffness += retention;
     }
@@ -127,7 +123,7 @@ fn static_factor(model: &ModalModel, k: &[f64]) -> Result<Llt<f64>, ProblemError
 
 /// Tangential displacements at rest when the contacts only push: active set on the closed pairs.
 fn frictionless_equilibrium(
-    model: &ModalModel,
+    model: &LinearModel,
     contacts: &[ContactParameters<f64>],
     load_scale: f64,
 ) -> Result<Vec<[f64; 2]>, ProblemError> {
@@ -142,7 +138,7 @@ fn frictionless_equilibrium(
             preload[2 * n_c + i] = c.n_0;
         }
         let factor = static_factor(model, &k)?;
-        let load = Col::from_fn(model.n_modes(), |j| load_scale * model.static_force[j]);
+        let load = Col::from_fn(model.n_coordinates(), |j| load_scale * model.static_force[j]);
         let eta = factor.solve(load - model.contact.transpose() * preload);
         let r = &model.contact * eta;
         let now: Vec<bool> = (contacts.iter().enumerate())

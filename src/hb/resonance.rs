@@ -1,9 +1,9 @@
 //! Resonance of the fully stuck structure: the linear start of every nonlinear one.
 
 use super::compliance::Compliance;
-use super::modal::ModalDamping;
+use super::linear::{LinearModel, Structure};
 use super::problem::Problem;
-use crate::linalg::LinalgError;
+use crate::linalg::{LinalgError, symmetric_generalized_eigen};
 use faer::prelude::*;
 
 /// A resonance of the stuck structure.
@@ -40,24 +40,18 @@ impl Band {
     }
 }
 
-/// Natural frequencies (rad/s, ascending) and modes (columns, in free modal coordinates) of the stuck structure.
+/// Natural frequencies (rad/s, ascending) and modes (columns, mass-normalised) of the stuck structure.
 ///
 /// # Errors
 /// [`LinalgError`] if the eigensolver fails.
 pub fn stuck_modes(problem: &Problem<'_>) -> Result<(Vec<f64>, Mat<f64>), LinalgError> {
-    let model = problem.model;
-    let n = model.n_modes();
-    let springs = Mat::from_fn(problem.stuck_stiffness.len(), n, |i, j| {
-        problem.stuck_stiffness[i] * model.contact[(i, j)]
-    });
-    let mut stiffness = model.contact.transpose() * springs;
-    for i in 0..n {
-        stiffness[(i, i)] += model.lambda[i];
-    }
-    let eigen = (stiffness.self_adjoint_eigen(faer::Side::Lower))
-        .map_err(|_| LinalgError::EigenNotConverged { residual: f64::NAN })?;
-    let omega = eigen.S().column_vector().iter().map(|l| l.max(0.0).sqrt()).collect();
-    Ok((omega, eigen.U().to_owned()))
+    let stiffness = problem.model.stiffness_with_springs(&problem.stuck_stiffness);
+    let mass = match &problem.model.structure {
+        Structure::Modal { .. } => Mat::identity(stiffness.nrows(), stiffness.ncols()),
+        Structure::Physical { mass, .. } => mass.clone(),
+    };
+    let (lambda, modes) = symmetric_generalized_eigen(stiffness.as_ref(), mass.as_ref())?;
+    Ok((lambda.iter().map(|l| l.max(0.0).sqrt()).collect(), modes))
 }
 
 /// The resonance of the stuck structure inside `band` with the largest modal amplitude of response 0.
@@ -75,7 +69,7 @@ pub fn stuck_resonance(
         .map(|j| {
             let mode: Vec<c64> = modes.col(j).iter().map(|x| c64::new(*x, 0.0)).collect();
             let force: c64 = mode.iter().zip(&model.force).map(|(x, f)| x.re * f).sum();
-            let half_bandwidth = 0.5 * damping_of(&model.damping, &mode);
+            let half_bandwidth = 0.5 * damping_of(model, &mode);
             let residue = (force * model.responses(&mode)[0]).norm();
             let amplitude = residue / (2.0 * omega[j] * half_bandwidth.max(1e-12 * omega[j]));
             (j, half_bandwidth, amplitude)
@@ -91,27 +85,21 @@ pub fn stuck_resonance(
 /// First harmonic of response 0 of the stuck structure at `omega` per unit level (m).
 #[must_use]
 pub fn stuck_response(problem: &Problem<'_>, omega: f64) -> c64 {
-    let model = problem.model;
-    let at = Compliance::new(model, &problem.stuck_stiffness, &[0, 1], omega);
-    let first = &at.harmonics[0];
-    let free = model.relative(&first.impedance.solve(&model.force));
-    let spring = |r: &[c64]| -> Vec<c64> {
-        r.iter().zip(&problem.stuck_stiffness).map(|(r, k)| r * *k).collect()
-    };
-    let held: Vec<c64> =
-        free.iter().zip(first.apply(&spring(&free))).map(|(r, y)| r - y).collect();
-    let contact = model.modal_contact_force(&spring(&held));
-    let load: Vec<c64> = model.force.iter().zip(&contact).map(|(f, c)| f - c).collect();
-    model.responses(&first.impedance.solve(&load))[0]
+    response_with_springs(problem.model, &problem.stuck_stiffness, omega)
 }
 
 /// First harmonic of response 0 of the structure with all contacts open at `omega` per unit level (m).
 #[must_use]
 pub fn free_response(problem: &Problem<'_>, omega: f64) -> c64 {
-    let model = problem.model;
-    model.responses(&model.impedance(omega).solve(&model.force))[0]
+    let open = vec![0.0; problem.stuck_stiffness.len()];
+    response_with_springs(problem.model, &open, omega)
 }
 
-fn damping_of(damping: &ModalDamping, mode: &[c64]) -> f64 {
-    damping.apply(mode).iter().zip(mode).map(|(c, x)| (c * x.conj()).re).sum()
+fn response_with_springs(model: &LinearModel, k: &[f64], omega: f64) -> c64 {
+    let at = Compliance::new(model, k, &[0, 1], omega);
+    model.responses(&at.harmonics[0].solve(&model.force))[0]
+}
+
+fn damping_of(model: &LinearModel, mode: &[c64]) -> f64 {
+    model.damp(mode).iter().zip(mode).map(|(c, x)| (c * x.conj()).re).sum()
 }

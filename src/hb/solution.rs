@@ -61,7 +61,7 @@ pub struct Solution {
 impl Solution {
     /// Everything reported of a solved iterate (or of the last iterate of a failed solve).
     #[must_use]
-    pub fn new(balance: &Balance<'_>, iterate: &Iterate, status: Status, work_count: WorkCount) -> Self {
+    pub fn new(balance: &Balance<'_>, iterate: &Iterate<'_>, status: Status, work_count: WorkCount) -> Self {
         let model = balance.problem.model;
         let rest: Vec<c64> = iterate.motion.rest.iter().map(|x| c64::new(*x, 0.0)).collect();
         let mut responses: Vec<f64> = model.responses(&rest).iter().map(|y| y.re).collect();
@@ -107,7 +107,7 @@ impl ContactFractions {
 impl CycleWork {
     /// ∮ f·q̇ dt of the excitation, ∮ q̇ᵀCq̇ dt, and ∮ F·ṙ dt of the contacts.
     #[must_use]
-    pub fn new(balance: &Balance<'_>, iterate: &Iterate) -> Self {
+    pub fn new(balance: &Balance<'_>, iterate: &Iterate<'_>) -> Self {
         let model = balance.problem.model;
         let level = iterate.point.level;
         let mut work = Self::default();
@@ -118,7 +118,7 @@ impl CycleWork {
             if h.order == 1 {
                 work.input = PI * level * power(&model.force, eta);
             }
-            let damping: f64 = (model.damping.apply(eta).iter().zip(eta))
+            let damping: f64 = (model.damp(eta).iter().zip(eta))
                 .map(|(c_eta, eta)| (eta.conj() * c_eta).re)
                 .sum();
             work.viscous += PI * k * k * iterate.point.omega * damping;

@@ -45,7 +45,7 @@ struct Track<'a, 'p> {
     settings: &'a HbSettings,
     peak: PeakSettings,
     phasor: c64,
-    at: Option<Iterate>,
+    at: Option<Iterate<'p>>,
     ratio: f64,
     count: WorkCount,
 }
@@ -84,7 +84,7 @@ impl LevelPeak {
     }
 }
 
-impl Track<'_, '_> {
+impl<'p> Track<'_, 'p> {
     /// Solves at or below the first level, where the stuck solution is a good start.
     fn start(&mut self, resonance: &StuckResonance, first_level: f64) {
         let stuck = |level: f64| stuck_point(self.balance, resonance.omega, level);
@@ -118,7 +118,7 @@ impl Track<'_, '_> {
     }
 
     /// Moves the track to `level` by steps whose ratio adapts; gives a copy of the solution there.
-    fn follow(&mut self, level: f64) -> Result<Iterate, Status> {
+    fn follow(&mut self, level: f64) -> Result<Iterate<'p>, Status> {
         loop {
             let at = self.at.as_ref().ok_or(Status::StepTooSmall)?;
             let left = level / at.point.level;
@@ -146,7 +146,7 @@ impl Track<'_, '_> {
     }
 
     /// Tangent predictor in the level along the phase resonance.
-    fn predict(&self, at: &Iterate, level: f64) -> Point {
+    fn predict(&self, at: &Iterate<'_>, level: f64) -> Point {
         let jacobian = at.jacobian(self.balance);
         let slope = self.balance.level_slope(&at.compliance);
         let by_level = Direction { r: jacobian.solve(&slope).iter().map(|x| -x).collect(), omega: 0.0 };
@@ -165,7 +165,7 @@ impl Track<'_, '_> {
     }
 
     /// Raises the harmonics from a converged peak until the alert is silent, and reports the peak.
-    fn refined(&mut self, iterate: Iterate) -> LevelPeak {
+    fn refined(&mut self, iterate: Iterate<'p>) -> LevelPeak {
         let level = iterate.point.level;
         let Some(alert) = self.settings.alert else {
             return self.report(self.balance, &iterate, Status::Converged, None);
@@ -175,7 +175,7 @@ impl Track<'_, '_> {
             let aft = time_points(self.settings.aft, &harmonics);
             Balance::new(problem, harmonics, aft)
         };
-        let mut raised: Option<Balance<'_>> = None;
+        let mut raised: Option<Balance<'p>> = None;
         let mut iterate = iterate;
         loop {
             let balance = raised.as_ref().unwrap_or(self.balance);
@@ -209,17 +209,17 @@ impl Track<'_, '_> {
     fn raise(
         &mut self,
         balance: &Balance<'_>,
-        iterate: &Iterate,
-        larger: &Balance<'_>,
+        iterate: &Iterate<'_>,
+        larger: &Balance<'p>,
         condition: Condition<'_>,
-    ) -> Result<Iterate, Status> {
+    ) -> Result<Iterate<'p>, Status> {
         let newton = self.settings.newton;
         let start = self.tally(solve(larger, pad(balance, &iterate.point, larger), condition, newton))?;
         self.tally(find_peak(larger, start, self.peak, newton)).map(|point| point.iterate)
     }
 
     /// Walks through the whole band at `level` and refines the highest point met.
-    fn sweep(&mut self, level: f64) -> Result<BranchPoint, Status> {
+    fn sweep(&mut self, level: f64) -> Result<BranchPoint<'p>, Status> {
         let band = self.peak.band;
         let newton = self.settings.newton;
         let start = stuck_point(self.balance, band.low, level);
@@ -253,7 +253,7 @@ impl Track<'_, '_> {
     fn report(
         &self,
         balance: &Balance<'_>,
-        iterate: &Iterate,
+        iterate: &Iterate<'_>,
         status: Status,
         truncation_error: Option<f64>,
     ) -> LevelPeak {
