@@ -1,7 +1,7 @@
 //! Node-states per second of the contact evaluation, with and without tangents.
 //!
-//! States: random first harmonics with decaying higher ones; about half of the samples slip, a tenth are separated, a
-//! sixth of the states are stuck.
+//! States: random harmonics that decay with the order; half of the samples slip, 3 % are separated, an eighth of the
+//! states are stuck, and the circle law takes 3 laps on average.
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};

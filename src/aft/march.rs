@@ -164,11 +164,11 @@ impl<T: Real> Workspace<T> {
         }
     }
 
+    /// One lap of the box law from the sliders `w`, which end where the lap ends.
     #[allow(
         clippy::needless_range_loop,
         reason = "a plain loop over lanes becomes vector code"
     )]
-    /// One lap of the box law from the sliders `w`, which end where the lap ends.
     pub(super) fn box_lap(&mut self, w: &mut [Lane<T>; 2]) -> LapCount<T> {
         let p = &self.parameters;
         let mut count = LapCount::<T>::default();

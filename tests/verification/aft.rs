@@ -333,7 +333,7 @@ fn plain_traction(
 #[test]
 fn forces_agree_with_a_plain_march() {
     for set in sets() {
-        let states = random_states(&mut ChaCha8Rng::seed_from_u64(4), &set, 60);
+        let states = random_states(&mut ChaCha8Rng::seed_from_u64(4), &set, 240);
         for plan in plans(&set, &[Laps::Periodic, Laps::Fixed(1), Laps::Fixed(3)]) {
             let out = run(&plan, &states, Want::Forces);
             let laps = match (plan.settings().laps, plan.settings().law) {
