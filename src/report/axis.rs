@@ -141,7 +141,7 @@ fn tick_label(value: f64, step: f64) -> String {
     if size >= 1e5 || size < 1e-3 {
         return scientific(value, step);
     }
-    let decimals = (-step.log10() + 1e-9).ceil().clamp(0.0, 8.0) as usize;
+    let decimals = (-step.log10() - 1e-9).ceil().clamp(0.0, 8.0) as usize;
     minus_sign(&format!("{value:.decimals$}"))
 }
 

@@ -29,12 +29,17 @@ impl LengthUnit {
 
 /// Four significant digits, powers of ten where that is long.
 pub(super) fn significant(value: f64) -> String {
+    with_digits(value, 4)
+}
+
+/// The given number of significant digits, powers of ten where that is long.
+pub(super) fn with_digits(value: f64, digits: i32) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
     let exponent = (value.abs() * (1.0 + 1e-12)).log10().floor() as i32;
     if (-3..5).contains(&exponent) {
-        let decimals = (3 - exponent).clamp(0, 6) as usize;
+        let decimals = (digits - 1 - exponent).clamp(0, 6) as usize;
         return minus_sign(&format!("{value:.decimals$}"));
     }
     let mantissa = value / 10f64.powi(exponent);

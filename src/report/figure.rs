@@ -7,7 +7,7 @@ use std::fmt::Write;
 /// Size of a panel in its own units; the page scales it to its column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Size {
-    /// Three in a row.
+    /// Three or four in a row.
     Small,
     /// Two in a row.
     Large,
@@ -36,8 +36,8 @@ impl Panel {
     /// An empty panel.
     pub(super) fn new(size: Size, title: impl Into<String>, x: Axis, y: Axis) -> Self {
         let (width, height) = match size {
-            Size::Small => (340.0, 226.0),
-            Size::Large => (470.0, 330.0),
+            Size::Small => (310.0, 214.0),
+            Size::Large => (430.0, 305.0),
         };
         Self {
             width,
@@ -242,16 +242,16 @@ fn write_text(svg: &mut String, class: &str, (x, y): (f64, f64), text: &str) {
     );
 }
 
-/// Colour of excitation level `i` of `n`, low levels dark: the first 80 % of the plasma map, which stays
-/// ordered for the colour-blind and in grey and is readable on white.
+/// Colour of excitation level `i` of `n`: a ramp from navy over violet to orange, low levels dark.
+/// It runs along blue–red–yellow, which the common colour deficiencies keep apart, and stays readable on white.
 pub(super) fn level_colour(i: usize, n: usize) -> String {
     const STOPS: [[f64; 3]; 6] = [
-        [13.0, 8.0, 135.0],
-        [84.0, 2.0, 163.0],
-        [139.0, 10.0, 165.0],
-        [185.0, 50.0, 137.0],
-        [219.0, 92.0, 104.0],
-        [244.0, 136.0, 73.0],
+        [16.0, 28.0, 100.0],
+        [28.0, 92.0, 190.0],
+        [118.0, 72.0, 200.0],
+        [186.0, 50.0, 150.0],
+        [222.0, 74.0, 82.0],
+        [242.0, 146.0, 56.0],
     ];
     let position = i as f64 / (n.max(2) - 1) as f64 * (STOPS.len() - 1) as f64;
     let stop = (position as usize).min(STOPS.len() - 2);

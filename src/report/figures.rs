@@ -73,7 +73,7 @@ impl<'a> Figures<'a> {
         match quantity {
             Quantity::Frequency => "Resonance frequency (Hz)".to_owned(),
             Quantity::AmplitudePerLevel => {
-                format!("Amplitude per excitation ({})", self.amplitude_unit())
+                format!("Amplitude ({})", self.amplitude_unit())
             }
         }
     }
@@ -269,13 +269,12 @@ impl<'a> Figures<'a> {
         }
     }
 
-    /// Frequency and amplitude per level: one histogram each.
-    pub(super) fn histograms(&self) -> Vec<String> {
-        let levels = 0..self.input.levels.len();
-        let both = [Quantity::Frequency, Quantity::AmplitudePerLevel];
-        levels
-            .flat_map(|i| both.map(|quantity| self.histogram(quantity, i)))
-            .collect()
+    /// One histogram per level: of the frequency, then of the amplitude.
+    pub(super) fn histograms(&self) -> [Vec<String>; 2] {
+        [Quantity::Frequency, Quantity::AmplitudePerLevel].map(|quantity| {
+            let levels = 0..self.input.levels.len();
+            levels.map(|i| self.histogram(quantity, i)).collect()
+        })
     }
 
     fn histogram(&self, quantity: Quantity, i: usize) -> String {
@@ -320,7 +319,11 @@ impl<'a> Figures<'a> {
         both.map(|quantity| {
             let x = Axis::around(self.label(quantity), self.all_values(quantity));
             let y = Axis::linear("Share of samples below", 0.0, 1.0);
-            let mut panel = Panel::new(Size::Large, "Distribution function", x, y);
+            let title = match quantity {
+                Quantity::Frequency => "Distribution of the resonance frequency",
+                Quantity::AmplitudePerLevel => "Distribution of the amplitude",
+            };
+            let mut panel = Panel::new(Size::Large, title, x, y);
             for i in 0..self.input.levels.len() {
                 let corners = empirical_cdf(&Sorted::finite(self.values(quantity, i)));
                 panel.steps(&format!("level l{i}"), &corners, 0.0);

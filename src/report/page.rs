@@ -1,6 +1,6 @@
 //! The page: words and tables around the figures.
 
-use super::display::{duration, hertz, percent, short, significant};
+use super::display::{duration, hertz, percent, short, significant, with_digits};
 use super::figure::level_colour;
 use super::figures::{Captioned, Figures};
 use super::summary::{Distribution, LevelSummary, Quantile, Summary};
@@ -58,7 +58,7 @@ pub(super) fn render(input: &ReportInput, summary: &Summary) -> Result<String, R
         cloud => safe(figures.cloud()),
         bands => captioned(figures.bands()),
         envelopes => Serde(envelopes(&figures, summary, &level_names)),
-        histograms => safe_all(figures.histograms()),
+        histograms => figures.histograms().map(safe_all).to_vec(),
         distributions => safe_all(figures.distributions()),
         inputs => safe_all(figures.input_scatter()),
         correlations => correlations(summary),
@@ -151,6 +151,7 @@ fn envelopes(figures: &Figures, summary: &Summary, names: &[String]) -> Vec<Enve
     let envelope = |title: String,
                     distribution: &dyn Fn(&LevelSummary) -> &Distribution,
                     nominal: &dyn Fn(&LevelSummary) -> Option<f64>,
+                    unit: f64,
                     show: &dyn Fn(f64) -> String| {
         let levels = summary.levels.iter().enumerate();
         let rows = levels.map(|(i, level)| EnvelopeRow {
@@ -158,7 +159,7 @@ fn envelopes(figures: &Figures, summary: &Summary, names: &[String]) -> Vec<Enve
             colour: i,
             nominal: nominal(level).map_or_else(|| DASH.to_owned(), show),
             cells: cells(distribution(level), level.failed, show),
-            mean: mean(distribution(level), show),
+            mean: mean(distribution(level), show, unit),
         });
         Envelope {
             title,
@@ -170,18 +171,21 @@ fn envelopes(figures: &Figures, summary: &Summary, names: &[String]) -> Vec<Enve
             "Resonance frequency (Hz)".to_owned(),
             &|l| &l.frequency_hz,
             &|l| Some(l.nominal?.frequency_hz),
+            1.0,
             &hertz,
         ),
         envelope(
             format!("Amplitude per excitation ({})", figures.amplitude_unit()),
             &|l| &l.amplitude_per_unit_level_m,
             &|l| Some(l.nominal?.amplitude_m / l.level),
+            scale,
             &|v| significant(v * scale),
         ),
         envelope(
             format!("Amplitude ({})", figures.unit.symbol),
             &|l| &l.amplitude_m,
             &|l| Some(l.nominal?.amplitude_m),
+            scale,
             &|v| significant(v * scale),
         ),
     ]
@@ -206,12 +210,15 @@ fn cells(distribution: &Distribution, failed: usize, show: &dyn Fn(f64) -> Strin
     cells
 }
 
-fn mean(distribution: &Distribution, show: &dyn Fn(f64) -> String) -> String {
+/// Mean ± standard deviation, the latter with three digits in `unit` per SI unit.
+fn mean(distribution: &Distribution, show: &dyn Fn(f64) -> String, unit: f64) -> String {
     match distribution.moments {
         None => DASH.to_owned(),
         Some(m) => match m.standard_deviation {
             None => show(m.mean),
-            Some(deviation) => format!("{} ± {}", show(m.mean), show(deviation)),
+            Some(deviation) => {
+                format!("{} ± {}", show(m.mean), with_digits(deviation * unit, 3))
+            }
         },
     }
 }

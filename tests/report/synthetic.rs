@@ -105,7 +105,8 @@ fn level(index: u64, [scale, mu]: [f64; 2], i: usize) -> LevelOutcome {
     let shift = 6.9 * scale.powf(0.33).min(2.2) * stick.powf(0.8);
     let frequency = FREE + shift + 0.05 * (noise - 0.5);
     let damping = mu * (1.0 - stick) * stick.powf(0.3) * 12.0 / (1.0 + (force / 60.0).powi(2));
-    let amplitude = FREE_AMPLITUDE * (1.0 - 0.13 * stick) / (1.0 + 0.5 * damping) * (0.98 + 0.04 * noise);
+    let amplitude =
+        FREE_AMPLITUDE * (1.0 - 0.13 * stick) / (1.0 + 0.5 * damping) * (0.98 + 0.04 * noise);
     let failed = i == 7 && scale > 3.0 && mu > 0.5;
     let status = if failed {
         Status::MaxIterations
@@ -121,7 +122,11 @@ fn level(index: u64, [scale, mu]: [f64; 2], i: usize) -> LevelOutcome {
         level: force,
         status,
         peak: (!failed).then(|| peak(force, frequency, amplitude * force, stick, noise)),
-        curve: if failed { Vec::new() } else { lorentz(frequency, amplitude * force, width, 14.0) },
+        curve: if failed {
+            Vec::new()
+        } else {
+            lorentz(frequency, amplitude * force, width, 14.0)
+        },
         newton_iterations: 8 + (noise * 20.0) as usize + if failed { 60 } else { 0 },
         factorizations: 4 + (noise * 9.0) as usize,
     }
