@@ -109,7 +109,12 @@ impl Axis {
         let last = (self.high / step + 1e-6).floor() as i64;
         (first..=last)
             .map(|i| i as f64 * step)
-            .map(|value| (value, tick_label(value, step)))
+            .map(|value| {
+                (
+                    value,
+                    tick_label(value, step, self.low.abs().max(self.high.abs())),
+                )
+            })
             .collect()
     }
 
@@ -130,33 +135,31 @@ impl Axis {
             .step_by(stride)
             .flat_map(|exponent| mantissas.iter().map(move |m| m * 10f64.powi(exponent)))
             .filter(|v| (self.low * 0.9999..=self.high * 1.0001).contains(v))
-            .map(|value| (value, tick_label(value, value)))
+            .map(|value| (value, tick_label(value, value, value)))
             .collect()
     }
 }
 
-/// A number with just the decimals that its step needs; powers of ten where it would be long.
-fn tick_label(value: f64, step: f64) -> String {
-    let size = value.abs().max(step);
-    if size >= 1e5 || size < 1e-3 {
-        return scientific(value, step);
-    }
-    let decimals = (-step.log10() - 1e-9).ceil().clamp(0.0, 8.0) as usize;
-    minus_sign(&format!("{value:.decimals$}"))
-}
-
-fn scientific(value: f64, step: f64) -> String {
+/// A number with just the decimals that its step needs; with the power of ten of `size`, the largest number
+/// beside it, where that is long.
+fn tick_label(value: f64, step: f64, size: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
-    let exponent = (value.abs().log10() + 1e-9).floor();
-    let mantissa = value / 10f64.powf(exponent);
-    let power = format!("10{}", superscript(exponent as i32));
-    if (mantissa - 1.0).abs() < 1e-6 {
-        return power;
+    let long = size >= 1e5 || size < 1e-3;
+    let exponent = if long {
+        (size.log10() + 1e-9).floor()
+    } else {
+        0.0
+    };
+    let unit = 10f64.powf(exponent);
+    let decimals = (-(step / unit).log10() - 1e-9).ceil().clamp(0.0, 8.0) as usize;
+    let number = minus_sign(&format!("{:.decimals$}", value / unit));
+    match (long, number.as_str()) {
+        (false, _) => number,
+        (true, "1") => format!("10{}", superscript(exponent as i32)),
+        (true, _) => format!("{number}·10{}", superscript(exponent as i32)),
     }
-    let decimals = (exponent - step.log10().floor()).clamp(0.0, 6.0) as usize;
-    minus_sign(&format!("{mantissa:.decimals$}·{power}"))
 }
 
 #[cfg(test)]
@@ -180,11 +183,19 @@ mod tests {
         );
         assert_eq!(
             labels(&Axis::linear("", 0.0, 3e9)),
-            ["0", "10⁹", "2·10⁹", "3·10⁹"]
+            [
+                "0",
+                "0.5·10⁹",
+                "1.0·10⁹",
+                "1.5·10⁹",
+                "2.0·10⁹",
+                "2.5·10⁹",
+                "3.0·10⁹"
+            ]
         );
         assert_eq!(
-            labels(&Axis::around("", [0.1, 10.0].into_iter()))[..2],
-            ["0.1", "0.3"]
+            labels(&Axis::around("", [0.1, 10.0].into_iter())),
+            ["0.1", "0.2", "0.5", "1", "2", "5", "10"]
         );
     }
 

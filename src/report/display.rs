@@ -1,5 +1,8 @@
 //! Numbers for people: units, decimals, typographic signs.
 
+/// What stands where there is no number.
+pub(super) const DASH: &str = "–";
+
 /// Unit in which the report shows displacements, one for the whole report.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LengthUnit {
@@ -34,6 +37,9 @@ pub(super) fn significant(value: f64) -> String {
 
 /// The given number of significant digits, powers of ten where that is long.
 pub(super) fn with_digits(value: f64, digits: i32) -> String {
+    if !value.is_finite() {
+        return DASH.to_owned();
+    }
     if value == 0.0 {
         return "0".to_owned();
     }
@@ -58,27 +64,28 @@ pub(super) fn short(value: f64) -> String {
 
 /// A frequency: two decimals from 100 Hz on, four digits below.
 pub(super) fn hertz(value: f64) -> String {
-    if value.abs() >= 100.0 {
+    if value.is_finite() && value.abs() >= 100.0 {
         format!("{value:.2}")
     } else {
         significant(value)
     }
 }
 
-/// A share as a percentage.
+/// A share as a percentage with two digits.
 pub(super) fn percent(share: f64) -> String {
     let value = 100.0 * share;
     match value.abs() {
         0.0 => "0 %".to_owned(),
-        small if small < 0.1 => format!("{} %", significant(value)),
-        small if small < 10.0 => format!("{value:.1} %"),
-        _ => format!("{value:.0} %"),
+        small if small < 9.95 => format!("{} %", with_digits(value, 2)),
+        large if large.is_finite() => format!("{value:.0} %"),
+        _ => DASH.to_owned(),
     }
 }
 
 /// A duration in the unit that fits.
 pub(super) fn duration(seconds: f64) -> String {
     match seconds {
+        s if !s.is_finite() => DASH.to_owned(),
         s if s < 60.0 => format!("{s:.1} s"),
         s if s < 3600.0 => format!("{:.0} min {:.0} s", (s / 60.0).floor(), s % 60.0),
         s => format!(

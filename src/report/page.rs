@@ -1,6 +1,6 @@
 //! The page: words and tables around the figures.
 
-use super::display::{duration, hertz, percent, short, significant, with_digits};
+use super::display::{DASH, duration, hertz, percent, short, significant, with_digits};
 use super::figure::level_colour;
 use super::figures::{Captioned, Figures};
 use super::summary::{Distribution, LevelSummary, Quantile, Summary};
@@ -9,8 +9,6 @@ use crate::hb::Status;
 use crate::statistics::Interval;
 use minijinja::value::Serde;
 use minijinja::{Environment, Value, context};
-
-const DASH: &str = "–";
 
 /// One cell of an envelope table.
 #[derive(serde::Serialize)]
@@ -264,13 +262,11 @@ fn statuses(summary: &Summary) -> Vec<Value> {
     Status::ALL.into_iter().map(row).collect()
 }
 
-fn failure_rates(summary: &Summary) -> Vec<(String, String)> {
+/// Failure rate per level with its limits.
+fn failure_rates(summary: &Summary) -> Vec<[String; 3]> {
     let rate = |level: &LevelSummary| match level.failure_rate {
-        None => (DASH.to_owned(), String::new()),
-        Some(r) => (
-            percent(r.estimate),
-            format!("{} … {}", percent(r.lower), percent(r.upper)),
-        ),
+        None => [DASH; 3].map(str::to_owned),
+        Some(r) => [r.estimate, r.lower, r.upper].map(percent),
     };
     summary.levels.iter().map(rate).collect()
 }
