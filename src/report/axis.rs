@@ -63,7 +63,7 @@ impl Axis {
     }
 
     /// The same axis starting at zero.
-    pub(super) fn from_zero(mut self) -> Self {
+    pub(super) fn starting_at_zero(mut self) -> Self {
         if self.scale == Scale::Linear && self.high > 0.0 {
             self.low = 0.0;
         }
@@ -146,7 +146,7 @@ fn tick_label(value: f64, step: f64, size: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
-    let long = size >= 1e5 || size < 1e-3;
+    let long = !(1e-3..1e5).contains(&size);
     let exponent = if long {
         (size.log10() + 1e-9).floor()
     } else {

@@ -243,7 +243,7 @@ impl<'a> Figures<'a> {
     pub(super) fn cloud(&self) -> String {
         let (frequency, amplitude) = (Quantity::Frequency, Quantity::AmplitudePerLevel);
         let x = Axis::around(self.label(frequency), self.all_values(frequency));
-        let y = Axis::around(self.label(amplitude), self.all_values(amplitude)).from_zero();
+        let y = Axis::around(self.label(amplitude), self.all_values(amplitude)).starting_at_zero();
         let mut panel = Panel::new(Size::Large, "Resonance peaks of all samples", x, y);
         for i in 0..self.input.levels.len() {
             let points = self.values(frequency, i).zip(self.values(amplitude, i));
@@ -326,6 +326,9 @@ impl<'a> Figures<'a> {
             let mut panel = Panel::new(Size::Large, title, x, y);
             for i in 0..self.input.levels.len() {
                 let corners = empirical_cdf(&Sorted::finite(self.values(quantity, i)));
+                // From the last corner back, so that thinned steps still end at 1.
+                let kept = corners.into_iter().rev().collect();
+                let corners: Vec<_> = thinned(kept).into_iter().rev().collect();
                 panel.steps(&format!("level l{i}"), &corners, 0.0);
             }
             self.note_if_empty(&mut panel);

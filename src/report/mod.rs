@@ -2,7 +2,7 @@
 //!
 //! Both are made from the same [`Summary`]; the page adds figures. A sample without a solution is counted, shown
 //! and bounded, never dropped in silence. The page is one file: no network, no script.
-//! Knows how results look, not how they were computed. Start reading in [`summary`].
+//! Knows how results look, not how they were computed. Start reading in [`mod@summary`].
 
 mod axis;
 mod display;

@@ -165,6 +165,7 @@ mod tests {
     }
 
     /// The error on a smooth monotone arc falls at least with the second order: halving the spacing quarters it.
+    /// Seen to fail with the sign of the right-hand slope flipped.
     #[test]
     fn interpolation_converges() {
         let error = |n: usize| {
@@ -224,6 +225,7 @@ mod tests {
 
     /// Y(t) = Z₁ cos t + Z₂ sin t with standard normal Z: the pointwise 95 % band is ±1.96 and holds the share
     /// P(Z₁² + Z₂² ≤ 1.96²) = 1 − exp(−1.96²/2) = 0.8535 of whole curves.
+    /// Seen to fail when one point inside was enough.
     #[test]
     fn a_pointwise_band_is_no_envelope() {
         let n = 100;

@@ -157,7 +157,7 @@ mod tests {
         assert_eq!(cdf, [(1.0, 0.25), (2.0, 0.75), (4.0, 1.0)]);
     }
 
-    /// Seen to fail with the partition point one bin further (the maximum fell out of the last bin).
+    /// Seen to fail without the `min` that keeps the maximum in the last bin.
     #[test]
     fn every_value_lands_in_exactly_one_bin() {
         for values in [

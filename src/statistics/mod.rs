@@ -2,7 +2,7 @@
 //!
 //! Pure functions on slices. Everything starts from [`Sorted`], so results depend neither on the order of the
 //! samples nor on the number of threads, and no statistic is ever NaN: an absent answer is `None`.
-//! Knows no blade, no contact and no file. Start reading in [`quantile`].
+//! Knows no blade, no contact and no file. Start reading in [`mod@quantile`].
 
 pub mod band;
 pub mod distribution;

@@ -48,6 +48,7 @@ fn samples_survive_the_round_trip() {
 }
 
 /// Numbers of a failed solve and numbers that are not finite are null, never NaN.
+/// Seen to fail without the filter for finite numbers.
 #[test]
 fn failed_and_non_finite_numbers_are_null() {
     let mut study = SyntheticStudy::new(2);
@@ -72,6 +73,7 @@ fn failed_and_non_finite_numbers_are_null() {
     );
 }
 
+/// Seen to fail with the first point of each curve left out.
 #[test]
 fn curves_have_one_row_per_point() {
     let study = SyntheticStudy::new(3);
@@ -88,6 +90,7 @@ fn curves_have_one_row_per_point() {
     assert_eq!(reader.get_row_iter(None).unwrap().count(), n_points);
 }
 
+/// Seen to fail without the look for duplicates.
 #[test]
 fn inputs_named_like_columns_are_refused() {
     let study = SyntheticStudy::new(1);
