@@ -1,3 +1,4 @@
 //! Many samples: from inputs to outcomes.
 
 pub mod outcome;
+pub mod store;

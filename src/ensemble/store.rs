@@ -1,0 +1,435 @@
+//! Outcomes on disk: `samples.parquet` (one row per sample and level) and `curves.parquet` (one row per point).
+//!
+//! A sample without a solution keeps its row: status and work counts are there, the numbers of the peak are null.
+//! No column ever holds NaN. Files appear whole or not at all.
+
+use super::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
+use crate::contact::{FrictionLaw, Recontact};
+use crate::hb::{SliderAnchor, Status};
+use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
+use parquet::column::writer::ColumnWriter;
+use parquet::data_type::ByteArray;
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::file::writer::SerializedFileWriter;
+use parquet::record::{Field, Row};
+use parquet::schema::types::{Type, TypePtr};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io::Write;
+use std::path::Path;
+use std::sync::Arc;
+
+/// What a result must carry to be understood and repeated.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Provenance {
+    /// Name of the study.
+    pub study: String,
+    /// Root seed of the samples.
+    pub seed: u64,
+    /// Version of this program.
+    pub version: String,
+    /// Name of the model.
+    pub model: String,
+    /// Friction law.
+    pub law: FrictionLaw,
+    /// Slider anchor at the end of a separation.
+    pub recontact: Recontact,
+    /// Slider anchor at the start.
+    pub anchor: SliderAnchor,
+    /// Harmonics of the first solution.
+    pub harmonics: Vec<usize>,
+    /// Time points per period of the contact evaluation.
+    pub time_points: usize,
+    /// Truncation error above which harmonics are added; absent if not estimated.
+    pub truncation_threshold: Option<f64>,
+    /// Harmonics are raised up to this order; absent if they are fixed.
+    pub highest_harmonic: Option<usize>,
+}
+
+/// Why outcomes could not be stored or read back.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StoreError {
+    /// The operating system refused.
+    #[error("result file: {0}")]
+    File(#[from] std::io::Error),
+    /// The Parquet library refused.
+    #[error("result file: {0}")]
+    Parquet(#[from] ParquetError),
+    /// An input bears the name of another column.
+    #[error("input {0:?}: the name is already a column of the result file")]
+    DuplicateColumn(String),
+    /// The file lacks something that this program writes.
+    #[error("result file: {0} is missing or of another type")]
+    Missing(String),
+}
+
+/// Samples read back from `samples.parquet`.
+#[derive(Debug, Clone)]
+pub struct StoredSamples {
+    /// Key-value metadata of the file, one entry per field of [`Provenance`].
+    pub metadata: BTreeMap<String, String>,
+    /// Names of the inputs.
+    pub input_names: Vec<String>,
+    /// The outcomes, without their curves.
+    pub outcomes: Vec<SampleOutcome>,
+}
+
+/// Samples per row group: bounds the memory of a write to a few megabytes.
+const ROW_GROUP: usize = 4096;
+const INPUTS_KEY: &str = "inputs";
+
+/// Writes `path` as a whole: to a temporary file beside it first, which then takes its name.
+///
+/// # Errors
+/// Whatever `fill` returns, or the operating system when the file cannot be created or renamed.
+pub fn replace_file<E: From<std::io::Error>>(
+    path: &Path,
+    fill: impl FnOnce(&mut File) -> Result<(), E>,
+) -> Result<(), E> {
+    let folder = match path.parent() {
+        Some(parent) if parent != Path::new("") => parent,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        // The library's default is 0600; results are for colleagues too, as far as the umask allows.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder)?;
+    fill(file.as_file_mut())?;
+    file.as_file_mut().flush()?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|e| E::from(e.error))?;
+    Ok(())
+}
+
+/// Writes one row per sample and level.
+///
+/// Columns: `sample`, the inputs by name, `level`, `status`, then the fields of [`PeakRecord`] (null without a
+/// solution), `newton_iterations`, `factorizations`. Units are those of [`PeakRecord`].
+///
+/// # Errors
+/// [`StoreError`]; then `path` is as it was.
+pub fn write_samples(
+    path: &Path,
+    provenance: &Provenance,
+    input_names: &[String],
+    outcomes: &[SampleOutcome],
+) -> Result<(), StoreError> {
+    let mut metadata = key_values(provenance)?;
+    let names = serde_json::to_string(input_names).map_err(std::io::Error::from)?;
+    metadata.push(KeyValue::new(INPUTS_KEY.to_owned(), names));
+    let table = |part: &[SampleOutcome]| sample_columns(input_names, part);
+    write_table(path, metadata, outcomes, table)
+}
+
+/// Writes the forced response curves: `sample`, `level`, `frequency_hz`, `amplitude_m`.
+///
+/// # Errors
+/// [`StoreError`]; then `path` is as it was.
+pub fn write_curves(
+    path: &Path,
+    provenance: &Provenance,
+    outcomes: &[SampleOutcome],
+) -> Result<(), StoreError> {
+    write_table(path, key_values(provenance)?, outcomes, curve_columns)
+}
+
+/// Reads what [`write_samples`] wrote.
+///
+/// # Errors
+/// [`StoreError`] if the file cannot be read or lacks a column.
+pub fn read_samples(path: &Path) -> Result<StoredSamples, StoreError> {
+    let reader = SerializedFileReader::new(File::open(path)?)?;
+    let stored = reader.metadata().file_metadata().key_value_metadata();
+    let metadata: BTreeMap<String, String> = stored
+        .into_iter()
+        .flatten()
+        .filter_map(|pair| Some((pair.key.clone(), pair.value.clone()?)))
+        .collect();
+    let input_names: Vec<String> = metadata
+        .get(INPUTS_KEY)
+        .and_then(|names| serde_json::from_str(names).ok())
+        .ok_or_else(|| StoreError::Missing(INPUTS_KEY.to_owned()))?;
+    let mut outcomes: Vec<SampleOutcome> = Vec::new();
+    for row in reader.get_row_iter(None)? {
+        let row = Record::of(row?);
+        let index = row.count("sample")? as u64;
+        if outcomes.last().is_none_or(|last| last.index != index) {
+            let inputs: Result<_, _> = input_names.iter().map(|name| row.real(name)).collect();
+            outcomes.push(SampleOutcome {
+                index,
+                inputs: inputs?,
+                levels: Vec::new(),
+            });
+        }
+        if let Some(outcome) = outcomes.last_mut() {
+            outcome.levels.push(row.level_outcome()?);
+        }
+    }
+    Ok(StoredSamples {
+        metadata,
+        input_names,
+        outcomes,
+    })
+}
+
+/// One column of a table, nullable where its kind says so.
+enum Column {
+    Count(Vec<Option<i64>>),
+    Real(Vec<Option<f64>>),
+    Text(Vec<&'static str>),
+}
+
+impl Column {
+    fn schema(&self, name: &str) -> Result<TypePtr, ParquetError> {
+        let (physical, logical, repetition) = match self {
+            Self::Count(_) => (Physical::INT64, None, Repetition::OPTIONAL),
+            Self::Real(_) => (Physical::DOUBLE, None, Repetition::OPTIONAL),
+            Self::Text(_) => (
+                Physical::BYTE_ARRAY,
+                Some(LogicalType::String),
+                Repetition::REQUIRED,
+            ),
+        };
+        let field = Type::primitive_type_builder(name, physical)
+            .with_logical_type(logical)
+            .with_repetition(repetition)
+            .build()?;
+        Ok(Arc::new(field))
+    }
+
+    fn write(&self, writer: &mut ColumnWriter<'_>) -> Result<(), ParquetError> {
+        match (self, writer) {
+            (Self::Count(values), ColumnWriter::Int64ColumnWriter(w)) => {
+                let (present, levels) = split(values);
+                w.write_batch(&present, Some(&levels), None)?;
+            }
+            (Self::Real(values), ColumnWriter::DoubleColumnWriter(w)) => {
+                let (present, levels) = split(values);
+                w.write_batch(&present, Some(&levels), None)?;
+            }
+            (Self::Text(values), ColumnWriter::ByteArrayColumnWriter(w)) => {
+                let bytes: Vec<ByteArray> = values.iter().map(|&text| text.into()).collect();
+                w.write_batch(&bytes, None, None)?;
+            }
+            _ => return Err(ParquetError::General("column of another type".to_owned())),
+        }
+        Ok(())
+    }
+}
+
+/// Present values and the definition level of every row (1 = present), as Parquet wants them.
+fn split<T: Copy>(values: &[Option<T>]) -> (Vec<T>, Vec<i16>) {
+    let present = values.iter().flatten().copied().collect();
+    let levels = values.iter().map(|v| i16::from(v.is_some())).collect();
+    (present, levels)
+}
+
+type Table = Vec<(String, Column)>;
+
+fn count(value: usize) -> Option<i64> {
+    i64::try_from(value).ok()
+}
+
+fn sample_columns(input_names: &[String], outcomes: &[SampleOutcome]) -> Table {
+    let rows: Vec<(&SampleOutcome, &LevelOutcome)> = outcomes
+        .iter()
+        .flat_map(|outcome| outcome.levels.iter().map(move |level| (outcome, level)))
+        .collect();
+    let finite = |value: f64| Some(value).filter(|v| v.is_finite());
+    let peak = |level: &LevelOutcome| level.peak.filter(|_| level.status.has_solution());
+    let real = |f: fn(&PeakRecord) -> Option<f64>| {
+        let value = |(_, level): &(_, &LevelOutcome)| peak(level).as_ref().and_then(f);
+        Column::Real(rows.iter().map(|row| value(row).and_then(finite)).collect())
+    };
+    let mut table: Table = Vec::new();
+    let mut add = |name: &str, column: Column| table.push((name.to_owned(), column));
+    let index = |outcome: &SampleOutcome| i64::try_from(outcome.index).ok();
+    add(
+        "sample",
+        Column::Count(rows.iter().map(|(o, _)| index(o)).collect()),
+    );
+    for (i, name) in input_names.iter().enumerate() {
+        let input = |o: &SampleOutcome| o.inputs.get(i).copied().and_then(finite);
+        add(
+            name,
+            Column::Real(rows.iter().map(|(o, _)| input(o)).collect()),
+        );
+    }
+    add(
+        "level",
+        Column::Real(rows.iter().map(|(_, l)| finite(l.level)).collect()),
+    );
+    add(
+        "status",
+        Column::Text(rows.iter().map(|(_, l)| l.status.name()).collect()),
+    );
+    add("frequency_hz", real(|p| Some(p.frequency_hz)));
+    add("amplitude_m", real(|p| Some(p.amplitude_m)));
+    add("truncation_error", real(|p| p.truncation_error));
+    let highest = |l: &LevelOutcome| peak(l).and_then(|p| count(p.highest_harmonic));
+    add(
+        "highest_harmonic",
+        Column::Count(rows.iter().map(|(_, l)| highest(l)).collect()),
+    );
+    add("stick_fraction", real(|p| Some(p.stick_fraction)));
+    add("slip_fraction", real(|p| Some(p.slip_fraction)));
+    add("separated_fraction", real(|p| Some(p.separated_fraction)));
+    add("work_input_j", real(|p| Some(p.work_input_j)));
+    add("work_viscous_j", real(|p| Some(p.work_viscous_j)));
+    add("work_friction_j", real(|p| Some(p.work_friction_j)));
+    add("residual", real(|p| Some(p.residual)));
+    let newton = rows.iter().map(|(_, l)| count(l.newton_iterations));
+    add("newton_iterations", Column::Count(newton.collect()));
+    let factorizations = rows.iter().map(|(_, l)| count(l.factorizations));
+    add("factorizations", Column::Count(factorizations.collect()));
+    table
+}
+
+fn curve_columns(outcomes: &[SampleOutcome]) -> Table {
+    let (mut sample, mut level) = (Vec::new(), Vec::new());
+    let (mut frequency, mut amplitude) = (Vec::new(), Vec::new());
+    for outcome in outcomes {
+        for record in &outcome.levels {
+            for point in &record.curve {
+                sample.push(i64::try_from(outcome.index).ok());
+                level.push(Some(record.level).filter(|v| v.is_finite()));
+                frequency.push(Some(point.frequency_hz).filter(|v| v.is_finite()));
+                amplitude.push(Some(point.amplitude_m).filter(|v| v.is_finite()));
+            }
+        }
+    }
+    vec![
+        ("sample".to_owned(), Column::Count(sample)),
+        ("level".to_owned(), Column::Real(level)),
+        ("frequency_hz".to_owned(), Column::Real(frequency)),
+        ("amplitude_m".to_owned(), Column::Real(amplitude)),
+    ]
+}
+
+/// The provenance as pairs; texts as they are, everything else as JSON.
+fn key_values(provenance: &Provenance) -> Result<Vec<KeyValue>, StoreError> {
+    let value = serde_json::to_value(provenance).map_err(std::io::Error::from)?;
+    let fields = value.as_object().into_iter().flatten();
+    Ok(fields
+        .map(|(key, value)| {
+            let text = value
+                .as_str()
+                .map_or_else(|| value.to_string(), str::to_owned);
+            KeyValue::new(key.clone(), text)
+        })
+        .collect())
+}
+
+fn write_table(
+    path: &Path,
+    metadata: Vec<KeyValue>,
+    outcomes: &[SampleOutcome],
+    table: impl Fn(&[SampleOutcome]) -> Table,
+) -> Result<(), StoreError> {
+    let columns = table(&[]);
+    let mut names = BTreeSet::new();
+    if let Some((name, _)) = columns.iter().find(|(name, _)| !names.insert(name)) {
+        return Err(StoreError::DuplicateColumn(name.clone()));
+    }
+    let fields: Result<Vec<TypePtr>, _> = columns.iter().map(|(name, c)| c.schema(name)).collect();
+    let schema = Type::group_type_builder("schema")
+        .with_fields(fields?)
+        .build()?;
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::SNAPPY)
+        .set_key_value_metadata(Some(metadata))
+        .build();
+    replace_file(path, |file| {
+        let mut writer = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))?;
+        for part in outcomes.chunks(ROW_GROUP) {
+            let mut group = writer.next_row_group()?;
+            for (_, column) in table(part) {
+                if let Some(mut target) = group.next_column()? {
+                    column.write(target.untyped())?;
+                    target.close()?;
+                }
+            }
+            group.close()?;
+        }
+        writer.close()?;
+        Ok(())
+    })
+}
+
+/// A row by column name.
+struct Record(BTreeMap<String, Field>);
+
+impl Record {
+    fn of(row: Row) -> Self {
+        Self(row.into_columns().into_iter().collect())
+    }
+
+    fn missing(name: &str) -> StoreError {
+        StoreError::Missing(name.to_owned())
+    }
+
+    fn optional(&self, name: &str) -> Result<Option<f64>, StoreError> {
+        match self.0.get(name) {
+            Some(Field::Double(value)) => Ok(Some(*value)),
+            Some(Field::Null) => Ok(None),
+            _ => Err(Self::missing(name)),
+        }
+    }
+
+    fn real(&self, name: &str) -> Result<f64, StoreError> {
+        self.optional(name)?.ok_or_else(|| Self::missing(name))
+    }
+
+    fn count(&self, name: &str) -> Result<usize, StoreError> {
+        match self.0.get(name) {
+            Some(Field::Long(value)) => usize::try_from(*value).map_err(|_| Self::missing(name)),
+            _ => Err(Self::missing(name)),
+        }
+    }
+
+    fn status(&self) -> Result<Status, StoreError> {
+        let Some(Field::Str(name)) = self.0.get("status") else {
+            return Err(Self::missing("status"));
+        };
+        let known = Status::ALL.into_iter().find(|status| status.name() == name);
+        known.ok_or_else(|| Self::missing("status"))
+    }
+
+    fn level_outcome(&self) -> Result<LevelOutcome, StoreError> {
+        Ok(LevelOutcome {
+            level: self.real("level")?,
+            status: self.status()?,
+            peak: self.peak()?,
+            curve: Vec::new(),
+            newton_iterations: self.count("newton_iterations")?,
+            factorizations: self.count("factorizations")?,
+        })
+    }
+
+    fn peak(&self) -> Result<Option<PeakRecord>, StoreError> {
+        let Some(frequency_hz) = self.optional("frequency_hz")? else {
+            return Ok(None);
+        };
+        Ok(Some(PeakRecord {
+            frequency_hz,
+            amplitude_m: self.real("amplitude_m")?,
+            truncation_error: self.optional("truncation_error")?,
+            highest_harmonic: self.count("highest_harmonic")?,
+            stick_fraction: self.real("stick_fraction")?,
+            slip_fraction: self.real("slip_fraction")?,
+            separated_fraction: self.real("separated_fraction")?,
+            work_input_j: self.real("work_input_j")?,
+            work_viscous_j: self.real("work_viscous_j")?,
+            work_friction_j: self.real("work_friction_j")?,
+            residual: self.real("residual")?,
+        }))
+    }
+}

@@ -1,0 +1,137 @@
+//! Numbers for people: units, decimals, typographic signs.
+
+/// What stands where there is no number.
+pub(super) const DASH: &str = "–";
+
+/// Unit in which the report shows displacements, one for the whole report.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LengthUnit {
+    /// Units per metre.
+    pub(super) per_metre: f64,
+    /// Symbol.
+    pub(super) symbol: &'static str,
+}
+
+impl LengthUnit {
+    /// The largest unit in which `largest_m` (m) is at least 1/2; µm when nothing is known.
+    pub(super) fn for_largest(largest_m: f64) -> Self {
+        const UNITS: [(f64, &str); 5] = [
+            (1.0, "m"),
+            (1e3, "mm"),
+            (1e6, "µm"),
+            (1e9, "nm"),
+            (1e12, "pm"),
+        ];
+        let found = UNITS
+            .iter()
+            .find(|(per_metre, _)| largest_m * per_metre >= 0.5);
+        let &(per_metre, symbol) = found.unwrap_or(&UNITS[2]);
+        Self { per_metre, symbol }
+    }
+}
+
+/// Four significant digits, powers of ten where that is long.
+pub(super) fn significant(value: f64) -> String {
+    with_digits(value, 4)
+}
+
+/// The given number of significant digits, powers of ten where that is long.
+pub(super) fn with_digits(value: f64, digits: i32) -> String {
+    if !value.is_finite() {
+        return DASH.to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let exponent = (value.abs() * (1.0 + 1e-12)).log10().floor() as i32;
+    if (-3..5).contains(&exponent) {
+        let decimals = (digits - 1 - exponent).clamp(0, 6) as usize;
+        return minus_sign(&format!("{value:.decimals$}"));
+    }
+    let mantissa = value / 10f64.powi(exponent);
+    minus_sign(&format!("{mantissa:.2}·10{}", superscript(exponent)))
+}
+
+/// A number as short as it can be written: excitation levels, inputs.
+pub(super) fn short(value: f64) -> String {
+    let plain = value.to_string();
+    if plain.len() <= 7 {
+        minus_sign(&plain)
+    } else {
+        significant(value)
+    }
+}
+
+/// A frequency: two decimals from 100 Hz on, four digits below.
+pub(super) fn hertz(value: f64) -> String {
+    if value.is_finite() && value.abs() >= 100.0 {
+        format!("{value:.2}")
+    } else {
+        significant(value)
+    }
+}
+
+/// A share as a percentage with two digits.
+pub(super) fn percent(share: f64) -> String {
+    let value = 100.0 * share;
+    match value.abs() {
+        0.0 => "0 %".to_owned(),
+        small if small < 9.95 => format!("{} %", with_digits(value, 2)),
+        large if large.is_finite() => format!("{value:.0} %"),
+        _ => DASH.to_owned(),
+    }
+}
+
+/// A duration in the unit that fits.
+pub(super) fn duration(seconds: f64) -> String {
+    match seconds {
+        s if !s.is_finite() => DASH.to_owned(),
+        s if s < 60.0 => format!("{s:.1} s"),
+        s if s < 3600.0 => format!("{:.0} min {:.0} s", (s / 60.0).floor(), s % 60.0),
+        s => format!(
+            "{:.0} h {:.0} min",
+            (s / 3600.0).floor(),
+            (s % 3600.0) / 60.0
+        ),
+    }
+}
+
+/// A whole number in superscript digits.
+pub(super) fn superscript(number: i32) -> String {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let digit = |c: char| c.to_digit(10).map_or('⁻', |d| DIGITS[d as usize]);
+    number.to_string().chars().map(digit).collect()
+}
+
+/// The text with a true minus sign instead of a hyphen.
+pub(super) fn minus_sign(text: &str) -> String {
+    text.replace('-', "−")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Seen to fail with the exponent rounded instead of floored.
+    #[test]
+    fn numbers_are_short_and_exact() {
+        assert_eq!(significant(3.2654), "3.265");
+        assert_eq!(significant(0.01), "0.01000");
+        assert_eq!(significant(1095.4), "1095");
+        assert_eq!(significant(-2.5e-7), "−2.50·10⁻⁷");
+        assert_eq!(significant(0.0), "0");
+        assert_eq!((short(300.0), short(0.1)), ("300".into(), "0.1".into()));
+        assert_eq!(hertz(2968.304), "2968.30");
+        assert_eq!(
+            (percent(0.0), percent(0.0234), percent(0.5)),
+            ("0 %".into(), "2.3 %".into(), "50 %".into())
+        );
+        assert_eq!(
+            (duration(12.34), duration(75.0), duration(7260.0)),
+            ("12.3 s".into(), "1 min 15 s".into(), "2 h 1 min".into())
+        );
+        assert_eq!(LengthUnit::for_largest(3.8e-6).symbol, "µm");
+        assert_eq!(LengthUnit::for_largest(0.0).symbol, "µm");
+        assert_eq!(LengthUnit::for_largest(f64::NAN).symbol, "µm");
+    }
+}

@@ -1,0 +1,261 @@
+//! One panel of a figure as inline SVG. Colours, weights and fonts are in `style.css`, found by class.
+
+use super::axis::Axis;
+use minijinja::HtmlEscape;
+use std::fmt::Write;
+
+/// Size of a panel in its own units; the page scales it to its column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Size {
+    /// Three or four in a row.
+    Small,
+    /// Two in a row.
+    Large,
+}
+
+const LEFT: f64 = 54.0;
+const RIGHT: f64 = 12.0;
+const TOP: f64 = 24.0;
+const BOTTOM: f64 = 42.0;
+/// Widest character of a tick label in panel units.
+const CHARACTER: f64 = 6.6;
+
+/// A panel under construction: marks are drawn in the order of the calls.
+#[derive(Debug, Clone)]
+pub(super) struct Panel {
+    width: f64,
+    height: f64,
+    title: String,
+    x: Axis,
+    y: Axis,
+    marks: String,
+    note: Option<String>,
+}
+
+impl Panel {
+    /// An empty panel.
+    pub(super) fn new(size: Size, title: impl Into<String>, x: Axis, y: Axis) -> Self {
+        let (width, height) = match size {
+            Size::Small => (310.0, 214.0),
+            Size::Large => (430.0, 305.0),
+        };
+        Self {
+            width,
+            height,
+            title: title.into(),
+            x,
+            y,
+            marks: String::new(),
+            note: None,
+        }
+    }
+
+    fn inner(&self) -> (f64, f64) {
+        (self.width - LEFT - RIGHT, self.height - TOP - BOTTOM)
+    }
+
+    /// Position inside the plot area; `None` for what has no place on the axes.
+    fn place(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
+        let (width, height) = self.inner();
+        // Far outside is cut off anyway; the clamp keeps the numbers short.
+        let x = self.x.position(x)?.clamp(-9.0, 9.0) * width;
+        let y = (1.0 - self.y.position(y)?.clamp(-9.0, 9.0)) * height;
+        Some((x, y))
+    }
+
+    fn path(&mut self, class: &str, data: &str) {
+        if !data.is_empty() {
+            let _ = write!(self.marks, "<path class=\"{class}\" d=\"{data}\"/>");
+        }
+    }
+
+    fn polyline(&self, points: impl Iterator<Item = (f64, f64)>) -> String {
+        let mut data = String::new();
+        let mut command = 'M';
+        for point in points {
+            match self.place(point) {
+                Some((x, y)) => {
+                    let _ = write!(data, "{command}{x:.1} {y:.1}");
+                    command = 'L';
+                }
+                None => command = 'M',
+            }
+        }
+        data
+    }
+
+    /// A line through the points, interrupted where a point has no place.
+    pub(super) fn line(&mut self, class: &str, points: impl Iterator<Item = (f64, f64)>) {
+        let data = self.polyline(points);
+        self.path(&format!("line {class}"), &data);
+    }
+
+    /// A filled band (x, lower, upper).
+    pub(super) fn band(&mut self, class: &str, points: &[(f64, f64, f64)]) {
+        let upper = points.iter().map(|p| (p.0, p.2));
+        let lower = points.iter().rev().map(|p| (p.0, p.1));
+        let data = self.polyline(upper.chain(lower));
+        self.path(&format!("band {class}"), &data);
+    }
+
+    /// Round dots; one path for all of them keeps the file small.
+    pub(super) fn dots(&mut self, class: &str, points: impl Iterator<Item = (f64, f64)>) {
+        let mut data = String::new();
+        for (x, y) in points.filter_map(|p| self.place(p)) {
+            let _ = write!(data, "M{x:.1} {y:.1}h0");
+        }
+        self.path(&format!("dots {class}"), &data);
+    }
+
+    /// Crosses.
+    pub(super) fn crosses(&mut self, class: &str, points: impl Iterator<Item = (f64, f64)>) {
+        let mut data = String::new();
+        for (x, y) in points.filter_map(|p| self.place(p)) {
+            let _ = write!(data, "M{:.1} {:.1}l6 6m-6 0l6-6", x - 3.0, y - 3.0);
+        }
+        self.path(&format!("cross {class}"), &data);
+    }
+
+    /// A ring around a nominal value.
+    pub(super) fn ring(&mut self, class: &str, point: (f64, f64)) {
+        if let Some((x, y)) = self.place(point) {
+            let _ = write!(
+                self.marks,
+                "<circle class=\"ring {class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4.5\"/>"
+            );
+        }
+    }
+
+    /// A staircase that starts at `base`, runs level to each corner and steps there.
+    pub(super) fn steps(&mut self, class: &str, corners: &[(f64, f64)], base: f64) {
+        let mut height = base;
+        let stairs = corners.iter().flat_map(|&(x, y)| {
+            let foot = (x, height);
+            height = y;
+            [foot, (x, y)]
+        });
+        let data = self.polyline(stairs.collect::<Vec<_>>().into_iter());
+        self.path(&format!("line {class}"), &data);
+    }
+
+    /// Bars (left, right, height) on the zero line.
+    pub(super) fn bars(&mut self, class: &str, bars: impl Iterator<Item = (f64, f64, f64)>) {
+        let mut data = String::new();
+        for (left, right, height) in bars {
+            let corners = (self.place((left, 0.0)), self.place((right, height)));
+            if let (Some((x0, y0)), Some((x1, y1))) = corners {
+                // A bin of width 0 (all values equal) is still a bar.
+                let x1 = x1.max(x0 + 3.0);
+                let _ = write!(data, "M{x0:.1} {y0:.1}V{y1:.1}H{x1:.1}V{y0:.1}Z");
+            }
+        }
+        self.path(&format!("bar {class}"), &data);
+    }
+
+    /// A vertical line over the whole height.
+    pub(super) fn rule(&mut self, class: &str, x: f64) {
+        let (width, height) = self.inner();
+        if let Some(x) = self.x.position(x) {
+            let data = format!("M{:.1} 0V{height:.1}", x.clamp(-9.0, 9.0) * width);
+            self.path(&format!("rule {class}"), &data);
+        }
+    }
+
+    /// A sentence in the middle of the panel, for when there is nothing to draw.
+    pub(super) fn note(&mut self, text: &str) {
+        self.note = Some(text.to_owned());
+    }
+
+    /// The panel as SVG; title and axis labels are escaped here.
+    pub(super) fn svg(&self) -> String {
+        let (width, height) = self.inner();
+        let mut svg = format!(
+            "<svg class=\"panel\" viewBox=\"0 0 {:.0} {:.0}\" role=\"img\" aria-label=\"{}: {} over {}\">",
+            self.width,
+            self.height,
+            HtmlEscape(&self.title),
+            HtmlEscape(&self.y.label),
+            HtmlEscape(&self.x.label)
+        );
+        self.write_axes(&mut svg);
+        // The inner picture cuts off what leaves the plot area.
+        let _ = write!(
+            svg,
+            "<svg x=\"{LEFT}\" y=\"{TOP}\" width=\"{width:.0}\" height=\"{height:.0}\">{}</svg>",
+            self.marks
+        );
+        let _ = write!(
+            svg,
+            "<path class=\"frame\" d=\"M{LEFT} {TOP}v{height:.1}h{width:.1}\"/>"
+        );
+        if let Some(note) = &self.note {
+            write_text(
+                &mut svg,
+                "note",
+                (LEFT + width / 2.0, TOP + height / 2.0),
+                note,
+            );
+        }
+        svg.push_str("</svg>");
+        svg
+    }
+
+    fn write_axes(&self, svg: &mut String) {
+        let (width, height) = self.inner();
+        write_text(svg, "title", (LEFT, 15.0), &self.title);
+        for (value, label) in self.x.ticks(|c| (c as f64 * CHARACTER + 14.0) / width) {
+            if let Some(position) = self.x.position(value) {
+                let x = LEFT + position * width;
+                let _ = write!(
+                    svg,
+                    "<path class=\"grid\" d=\"M{x:.1} {TOP}v{height:.1}\"/>"
+                );
+                write_text(svg, "tick x", (x, TOP + height + 15.0), &label);
+            }
+        }
+        for (value, label) in self.y.ticks(|_| 26.0 / height) {
+            if let Some(position) = self.y.position(value) {
+                let y = TOP + (1.0 - position) * height;
+                let _ = write!(
+                    svg,
+                    "<path class=\"grid\" d=\"M{LEFT} {y:.1}h{width:.1}\"/>"
+                );
+                write_text(svg, "tick y", (LEFT - 6.0, y + 3.8), &label);
+            }
+        }
+        let bottom = (LEFT + width / 2.0, self.height - 8.0);
+        write_text(svg, "label", bottom, &self.x.label);
+        let middle = TOP + height / 2.0;
+        let _ = write!(
+            svg,
+            "<text class=\"label\" transform=\"translate(13 {middle:.1}) rotate(-90)\">{}</text>",
+            HtmlEscape(&self.y.label)
+        );
+    }
+}
+
+fn write_text(svg: &mut String, class: &str, (x, y): (f64, f64), text: &str) {
+    let _ = write!(
+        svg,
+        "<text class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\">{}</text>",
+        HtmlEscape(text)
+    );
+}
+
+/// Colour of excitation level `i` of `n`: a ramp from navy over violet to orange, low levels dark.
+/// It runs along blue–red–yellow, which the common colour deficiencies keep apart, and stays readable on white.
+pub(super) fn level_colour(i: usize, n: usize) -> String {
+    const STOPS: [[f64; 3]; 6] = [
+        [16.0, 28.0, 100.0],
+        [28.0, 92.0, 190.0],
+        [118.0, 72.0, 200.0],
+        [186.0, 50.0, 150.0],
+        [222.0, 74.0, 82.0],
+        [242.0, 146.0, 56.0],
+    ];
+    let position = i as f64 / (n.max(2) - 1) as f64 * (STOPS.len() - 1) as f64;
+    let stop = (position as usize).min(STOPS.len() - 2);
+    let share = position - stop as f64;
+    let mix = |c: usize| STOPS[stop][c] + share * (STOPS[stop + 1][c] - STOPS[stop][c]);
+    format!("rgb({:.0} {:.0} {:.0})", mix(0), mix(1), mix(2))
+}

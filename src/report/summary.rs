@@ -1,0 +1,251 @@
+//! The numbers of a study: `summary.json`.
+
+use super::{ReportInput, counted_status, usable_peak};
+use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
+use crate::ensemble::store::Provenance;
+use crate::hb::{ContactFractions, Status};
+use crate::statistics::{
+    FailureRate, Interval, Moments, QuantileEstimate, Sorted, failure_rate, moments, quantile,
+    quantile_bounds, quantile_estimate, rank_correlation,
+};
+use std::collections::BTreeMap;
+
+/// Probabilities of the quantiles in a report.
+pub const PROBABILITIES: [f64; 3] = [0.05, 0.5, 0.95];
+/// Confidence of every interval in a report.
+pub const CONFIDENCE: f64 = 0.95;
+
+/// All numbers of a study. Field names are stable and end in their unit.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct Summary {
+    /// Study, seed, version, law and settings.
+    pub provenance: Provenance,
+    /// Names of the sampled inputs.
+    pub inputs: Vec<String>,
+    /// Number of samples, failed ones included.
+    pub samples: usize,
+    /// Unit of the excitation levels.
+    pub level_unit: String,
+    /// Resonance frequency without contact forces, nominal inputs.
+    pub free_frequency_hz: f64,
+    /// Resonance frequency with all contacts stuck, nominal inputs.
+    pub stuck_frequency_hz: f64,
+    /// Confidence of every interval.
+    pub confidence: f64,
+    /// Wall time of the study.
+    pub wall_time_s: f64,
+    /// One entry per excitation level.
+    pub levels: Vec<LevelSummary>,
+}
+
+/// Statistics of all samples at one excitation level.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct LevelSummary {
+    /// Excitation level.
+    pub level: f64,
+    /// Samples per status, every status listed; they add up to the number of samples.
+    pub statuses: BTreeMap<&'static str, usize>,
+    /// Samples without a solution.
+    pub failed: usize,
+    /// Share of samples without a solution, with confidence limits; absent without samples.
+    pub failure_rate: Option<FailureRate>,
+    /// Peak at the nominal inputs.
+    pub nominal: Option<PeakRecord>,
+    /// Resonance frequency (Hz).
+    pub frequency_hz: Distribution,
+    /// Amplitude (m).
+    pub amplitude_m: Distribution,
+    /// Amplitude over excitation level (m per unit level).
+    pub amplitude_per_unit_level_m: Distribution,
+    /// Estimated relative change of the amplitude by the harmonics left out.
+    pub truncation_error: Distribution,
+    /// Number of solutions per highest harmonic.
+    pub highest_harmonics: BTreeMap<usize, usize>,
+    /// Mean shares of the contact states.
+    pub mean_contact_fractions: Option<ContactFractions>,
+    /// Largest |input − viscous − friction| work per cycle over the input work.
+    pub worst_work_balance: Option<f64>,
+    /// Newton iterations per sample, failed ones included.
+    pub newton_iterations: WorkCount,
+    /// Linear factorisations per sample, failed ones included.
+    pub factorizations: WorkCount,
+    /// How strongly each input orders the results.
+    pub rank_correlations: Vec<InputCorrelation>,
+}
+
+/// What is known of one result: from the samples with a solution, and what the others leave open.
+#[derive(Debug, Clone, Default, serde::Serialize)]
+pub struct Distribution {
+    /// Number of samples that count.
+    pub valid: usize,
+    /// Mean, standard deviation and range; absent without samples.
+    pub moments: Option<Moments>,
+    /// One entry per probability; empty without samples.
+    pub quantiles: Vec<Quantile>,
+}
+
+/// A quantile, its confidence interval and its range over all values that failed samples could have had.
+#[derive(Debug, Clone, Copy, serde::Serialize)]
+pub struct Quantile {
+    /// Estimate from the samples with a solution.
+    #[serde(flatten)]
+    pub valid_only: QuantileEstimate,
+    /// Failed samples at −∞ (lower) and +∞ (upper); absent = not bounded.
+    pub failure_bounds: Interval,
+}
+
+/// Work of the solver per sample.
+#[derive(Debug, Clone, Copy, serde::Serialize)]
+pub struct WorkCount {
+    /// Median.
+    pub median: Option<f64>,
+    /// 95 % quantile.
+    pub q95: Option<f64>,
+    /// Sum over all samples.
+    pub total: usize,
+}
+
+/// Spearman's rank correlation of one input with the results; absent where either does not vary.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct InputCorrelation {
+    /// Name of the input.
+    pub input: String,
+    /// With the resonance frequency.
+    pub frequency: Option<f64>,
+    /// With the amplitude.
+    pub amplitude: Option<f64>,
+}
+
+impl Summary {
+    /// Statistics of a study.
+    ///
+    /// Shape: every outcome, and the nominal one, has one record per entry of `input.levels`.
+    #[must_use]
+    pub fn of(input: &ReportInput) -> Self {
+        for outcome in input.outcomes.iter().chain(input.nominal) {
+            assert_eq!(
+                outcome.levels.len(),
+                input.levels.len(),
+                "one record per excitation level"
+            );
+        }
+        Self {
+            provenance: input.provenance.clone(),
+            inputs: input.input_names.to_vec(),
+            samples: input.outcomes.len(),
+            level_unit: input.level_unit.to_owned(),
+            free_frequency_hz: input.free_frequency_hz,
+            stuck_frequency_hz: input.stuck_frequency_hz,
+            confidence: CONFIDENCE,
+            wall_time_s: input.wall_time_s,
+            levels: (0..input.levels.len())
+                .map(|i| LevelSummary::of(input, i))
+                .collect(),
+        }
+    }
+}
+
+impl LevelSummary {
+    fn of(input: &ReportInput, i: usize) -> Self {
+        let level = input.levels[i];
+        let records: Vec<&LevelOutcome> = input.outcomes.iter().map(|o| &o.levels[i]).collect();
+        let peaks: Vec<PeakRecord> = records.iter().filter_map(|r| usable_peak(r)).collect();
+        let failed = records.len() - peaks.len();
+        let distribution = |value: &dyn Fn(&PeakRecord) -> Option<f64>| {
+            Distribution::of(peaks.iter().filter_map(value), failed)
+        };
+        let mut highest_harmonics = BTreeMap::new();
+        for peak in &peaks {
+            *highest_harmonics.entry(peak.highest_harmonic).or_insert(0) += 1;
+        }
+        Self {
+            level,
+            statuses: count_statuses(&records),
+            failed,
+            failure_rate: failure_rate(failed, records.len(), CONFIDENCE),
+            nominal: input.nominal.and_then(|o| usable_peak(&o.levels[i])),
+            frequency_hz: distribution(&|p| Some(p.frequency_hz)),
+            amplitude_m: distribution(&|p| Some(p.amplitude_m)),
+            amplitude_per_unit_level_m: distribution(&|p| Some(p.amplitude_m / level)),
+            truncation_error: distribution(&|p| p.truncation_error),
+            highest_harmonics,
+            mean_contact_fractions: mean_fractions(&peaks),
+            worst_work_balance: worst_work_balance(&peaks),
+            newton_iterations: WorkCount::of(records.iter().map(|r| r.newton_iterations)),
+            factorizations: WorkCount::of(records.iter().map(|r| r.factorizations)),
+            rank_correlations: correlations(input, i),
+        }
+    }
+}
+
+impl Distribution {
+    fn of(values: impl Iterator<Item = f64>, failed: usize) -> Self {
+        let sorted = Sorted::finite(values);
+        let estimate = |&p: &f64| {
+            Some(Quantile {
+                valid_only: quantile_estimate(&sorted, p, CONFIDENCE)?,
+                failure_bounds: quantile_bounds(&sorted, failed, p),
+            })
+        };
+        Self {
+            valid: sorted.values().len(),
+            moments: moments(&sorted),
+            quantiles: PROBABILITIES.iter().filter_map(estimate).collect(),
+        }
+    }
+}
+
+impl WorkCount {
+    fn of(counts: impl Iterator<Item = usize> + Clone) -> Self {
+        let sorted = Sorted::finite(counts.clone().map(|c| c as f64));
+        Self {
+            median: quantile(&sorted, 0.5),
+            q95: quantile(&sorted, 0.95),
+            total: counts.sum(),
+        }
+    }
+}
+
+fn count_statuses(records: &[&LevelOutcome]) -> BTreeMap<&'static str, usize> {
+    let mut counts: BTreeMap<_, _> = Status::ALL.iter().map(|s| (s.name(), 0)).collect();
+    for record in records {
+        *counts.entry(counted_status(record).name()).or_insert(0) += 1;
+    }
+    counts
+}
+
+fn mean_fractions(peaks: &[PeakRecord]) -> Option<ContactFractions> {
+    let mean = |value: fn(&PeakRecord) -> f64| {
+        moments(&Sorted::finite(peaks.iter().map(value))).map(|m| m.mean)
+    };
+    Some(ContactFractions {
+        stick: mean(|p| p.stick_fraction)?,
+        slip: mean(|p| p.slip_fraction)?,
+        separated: mean(|p| p.separated_fraction)?,
+    })
+}
+
+fn worst_work_balance(peaks: &[PeakRecord]) -> Option<f64> {
+    let imbalance = |p: &PeakRecord| {
+        let dissipated = p.work_viscous_j + p.work_friction_j;
+        (p.work_input_j - dissipated).abs() / p.work_input_j.abs()
+    };
+    let sorted = Sorted::finite(peaks.iter().map(imbalance));
+    sorted.values().last().copied()
+}
+
+fn correlations(input: &ReportInput, i: usize) -> Vec<InputCorrelation> {
+    let with = |j: usize, value: fn(&PeakRecord) -> f64| {
+        let pair =
+            |o: &SampleOutcome| Some((*o.inputs.get(j)?, value(&usable_peak(&o.levels[i])?)));
+        rank_correlation(&input.outcomes.iter().filter_map(pair).collect::<Vec<_>>())
+    };
+    let names = input.input_names.iter().enumerate();
+    names
+        .map(|(j, name)| InputCorrelation {
+            input: name.clone(),
+            frequency: with(j, |p| p.frequency_hz),
+            amplitude: with(j, |p| p.amplitude_m),
+        })
+        .collect()
+}

@@ -1,0 +1,10 @@
+//! From outcomes to files: Parquet, summary and page.
+#![expect(
+    clippy::unwrap_used,
+    reason = "a helper of tests may panic like a test"
+)]
+
+mod page;
+mod store;
+mod summary;
+mod synthetic;
