@@ -21,7 +21,10 @@ pub fn enlarged(harmonics: &HarmonicSet, cap: Option<usize>) -> HarmonicSet {
 #[must_use]
 pub fn time_points(aft: AftSettings, harmonics: &HarmonicSet) -> AftSettings {
     let wanted = (12 * harmonics.highest()).next_power_of_two();
-    AftSettings { n_time: aft.n_time.max(wanted), ..aft }
+    AftSettings {
+        n_time: aft.n_time.max(wanted),
+        ..aft
+    }
 }
 
 /// Relative change of |ŷ| by one Newton step on `larger`, under `condition`.
@@ -46,7 +49,9 @@ pub fn truncation_error(
 #[must_use]
 pub fn pad(from: &Balance<'_>, point: &Point, to: &Balance<'_>) -> Point {
     Point {
-        r: from.harmonics.convert(&point.r, from.layout.n_relative(), &to.harmonics),
+        r: from
+            .harmonics
+            .convert(&point.r, from.layout.n_relative(), &to.harmonics),
         omega: point.omega,
         level: point.level,
     }

@@ -85,14 +85,24 @@ impl<'p> Balance<'p> {
             n_coefficients: harmonics.n_coefficients(),
         };
         let plan = AftPlan::new(&harmonics, aft);
-        Self { problem, harmonics, layout, plan }
+        Self {
+            problem,
+            harmonics,
+            layout,
+            plan,
+        }
     }
 
     /// Compliances at the frequency `omega` (rad/s).
     #[must_use]
     pub fn compliance(&self, omega: f64) -> Compliance<'p> {
         let problem = self.problem;
-        Compliance::new(problem.model, &problem.stuck_stiffness, self.harmonics.orders(), omega)
+        Compliance::new(
+            problem.model,
+            &problem.stuck_stiffness,
+            self.harmonics.orders(),
+            omega,
+        )
     }
 
     /// Contact forces at `r`, with tangents if wanted.
@@ -109,7 +119,11 @@ impl<'p> Balance<'p> {
         ContactResponse {
             force: transpose_blocks(&forces.forces, 3, m, n_c),
             active: self.active_pairs(&forces),
-            samples: forces.summaries.iter().map(|s| [s.stick, s.slip, s.separated]).collect(),
+            samples: forces
+                .summaries
+                .iter()
+                .map(|s| [s.stick, s.slip, s.separated])
+                .collect(),
         }
     }
 
@@ -143,7 +157,9 @@ impl<'p> Balance<'p> {
     #[must_use]
     pub fn deviation(&self, r: &[f64], force: &[f64]) -> Vec<f64> {
         let k_c = self.problem.stuck_stiffness.iter().cycle();
-        (force.iter().zip(r).zip(k_c)).map(|((f, r), k)| f - k * r).collect()
+        (force.iter().zip(r).zip(k_c))
+            .map(|((f, r), k)| f - k * r)
+            .collect()
     }
 
     /// R(r) for the contact forces `force` = F(r). Units: m.
@@ -190,7 +206,12 @@ impl<'p> Balance<'p> {
         let mut out = vec![0.0; self.layout.n_unknowns()];
         for (i, (h, eta)) in at.harmonics.iter().zip(&motion.dynamic).enumerate() {
             let load = self.problem.model.impedance_slope(h.order, at.omega, eta);
-            self.store(i, &self.problem.model.relative(&h.solve(&load)), 1.0, &mut out);
+            self.store(
+                i,
+                &self.problem.model.relative(&h.solve(&load)),
+                1.0,
+                &mut out,
+            );
         }
         out
     }
@@ -214,7 +235,12 @@ impl<'p> Balance<'p> {
             })
             .collect();
         Motion {
-            rest: rest.eta.iter().zip(pushed.iter()).map(|(a, b)| a - b).collect(),
+            rest: rest
+                .eta
+                .iter()
+                .zip(pushed.iter())
+                .map(|(a, b)| a - b)
+                .collect(),
             dynamic,
         }
     }
@@ -243,7 +269,10 @@ impl<'p> Balance<'p> {
     #[must_use]
     pub fn complex(&self, i: usize, x: &[f64]) -> Vec<c64> {
         let n = self.layout.n_relative();
-        let (c, s) = (&x[(2 * i + 1) * n..(2 * i + 2) * n], &x[(2 * i + 2) * n..(2 * i + 3) * n]);
+        let (c, s) = (
+            &x[(2 * i + 1) * n..(2 * i + 2) * n],
+            &x[(2 * i + 2) * n..(2 * i + 3) * n],
+        );
         c.iter().zip(s).map(|(&c, &s)| c64::new(c, -s)).collect()
     }
 

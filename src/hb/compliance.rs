@@ -71,8 +71,9 @@ impl<'p> HarmonicCompliance<'p> {
                 });
                 let lu = z.partial_piv_lu();
                 let b = &model.contact;
-                let columns =
-                    lu.solve(Mat::from_fn(b.ncols(), b.nrows(), |i, j| c64::new(b[(j, i)], 0.0)));
+                let columns = lu.solve(Mat::from_fn(b.ncols(), b.nrows(), |i, j| {
+                    c64::new(b[(j, i)], 0.0)
+                }));
                 let part = |f: fn(&c64) -> f64| {
                     b * Mat::from_fn(b.ncols(), b.nrows(), |i, j| f(&columns[(i, j)]))
                 };
@@ -80,26 +81,41 @@ impl<'p> HarmonicCompliance<'p> {
                 (Impedance::Stuck(lu), real, imaginary)
             }
         };
-        Self { order, real, imaginary, model, stuck_stiffness: k_c, impedance }
+        Self {
+            order,
+            real,
+            imaginary,
+            model,
+            stuck_stiffness: k_c,
+            impedance,
+        }
     }
 
     /// η̂ = Z_s⁻¹ `load`. Shape: `[n]`.
     #[must_use]
     pub fn solve(&self, load: &[c64]) -> Vec<c64> {
         match &self.impedance {
-            Impedance::Stuck(lu) => {
-                lu.solve(Col::from_fn(load.len(), |i| load[i])).iter().copied().collect()
-            }
+            Impedance::Stuck(lu) => lu
+                .solve(Col::from_fn(load.len(), |i| load[i]))
+                .iter()
+                .copied()
+                .collect(),
             Impedance::Free(inverse) => {
                 let times_inverse =
                     |x: &[c64]| -> Vec<c64> { x.iter().zip(inverse).map(|(x, d)| x * d).collect() };
                 let spring = |r: &[c64]| -> Vec<c64> {
-                    r.iter().zip(self.stuck_stiffness).map(|(r, k)| r * *k).collect()
+                    r.iter()
+                        .zip(self.stuck_stiffness)
+                        .map(|(r, k)| r * *k)
+                        .collect()
                 };
                 let free = times_inverse(load);
                 let r = self.model.relative(&free);
-                let held: Vec<c64> =
-                    r.iter().zip(self.apply(&spring(&r))).map(|(r, y)| r - y).collect();
+                let held: Vec<c64> = r
+                    .iter()
+                    .zip(self.apply(&spring(&r)))
+                    .map(|(r, y)| r - y)
+                    .collect();
                 let hold = times_inverse(&self.model.contact_load(&spring(&held)));
                 free.iter().zip(&hold).map(|(a, b)| a - b).collect()
             }
@@ -112,7 +128,9 @@ impl<'p> HarmonicCompliance<'p> {
         let x_cosine: Vec<f64> = x.iter().map(|z| z.re).collect();
         let x_sine: Vec<f64> = x.iter().map(|z| -z.im).collect();
         self.add_real((&x_cosine, &x_sine), (&mut cosine, &mut sine));
-        (cosine.iter().zip(&sine)).map(|(&c, &s)| c64::new(c, -s)).collect()
+        (cosine.iter().zip(&sine))
+            .map(|(&c, &s)| c64::new(c, -s))
+            .collect()
     }
 
     /// (c, s) += G (x_c, x_s) in cosine and sine coefficients; x̂ = x_c − i x_s.
@@ -123,7 +141,10 @@ impl<'p> HarmonicCompliance<'p> {
             }
             let real = self.real.col_as_slice(j);
             let imaginary = self.imaginary.col_as_slice(j);
-            for (((c, s), &a), &b) in (y.0.iter_mut().zip(y.1.iter_mut())).zip(real).zip(imaginary) {
+            for (((c, s), &a), &b) in (y.0.iter_mut().zip(y.1.iter_mut()))
+                .zip(real)
+                .zip(imaginary)
+            {
                 *c += a * x_c + b * x_s;
                 *s += a * x_s - b * x_c;
             }
@@ -134,12 +155,13 @@ impl<'p> HarmonicCompliance<'p> {
 /// G = (I + H K_c)⁻¹ H with H = L D Lᵀ, the receptance of the free structure.
 fn compliance_of_free(l: &Mat<f64>, inverse: &[c64], k_c: &[f64]) -> (Mat<f64>, Mat<f64>) {
     let (m, n) = (l.nrows(), l.ncols());
-    let receptance = |f: fn(&c64) -> f64| {
-        Mat::from_fn(m, n, |i, j| l[(i, j)] * f(&inverse[j])) * l.transpose()
-    };
+    let receptance =
+        |f: fn(&c64) -> f64| Mat::from_fn(m, n, |i, j| l[(i, j)] * f(&inverse[j])) * l.transpose();
     let (h_real, h_imaginary) = (receptance(|z| z.re), receptance(|z| z.im));
     let h = Mat::from_fn(m, m, |i, j| c64::new(h_real[(i, j)], h_imaginary[(i, j)]));
-    let held = Mat::from_fn(m, m, |i, j| h[(i, j)] * k_c[j] + if i == j { 1.0 } else { 0.0 });
+    let held = Mat::from_fn(m, m, |i, j| {
+        h[(i, j)] * k_c[j] + if i == j { 1.0 } else { 0.0 }
+    });
     let g = held.partial_piv_lu().solve(h);
     let part = |f: fn(&c64) -> f64| Mat::from_fn(m, m, |i, j| f(&g[(i, j)]));
     (part(|z| z.re), part(|z| z.im))

@@ -42,7 +42,13 @@ impl StepSettings {
     /// Steps for a band of the width `band` (rad/s).
     #[must_use]
     pub fn for_band(band: f64) -> Self {
-        Self { first: 0.05, largest: 0.4, smallest: 1e-6, omega_scale: 2.0 * band, max_steps: 2000 }
+        Self {
+            first: 0.05,
+            largest: 0.4,
+            smallest: 1e-6,
+            omega_scale: 2.0 * band,
+            max_steps: 2000,
+        }
     }
 }
 
@@ -64,8 +70,10 @@ impl<'p> BranchPoint<'p> {
         let n = balance.layout.n_relative();
         let metric = metric.unwrap_or_else(|| Metric::at(balance, &iterate.point, omega_scale));
         let jacobian = iterate.jacobian(balance);
-        let mut tangent =
-            Direction { r: iterate.frequency_rate(balance, &jacobian), omega: 1.0 };
+        let mut tangent = Direction {
+            r: iterate.frequency_rate(balance, &jacobian),
+            omega: 1.0,
+        };
         let mut scale = 1.0 / metric.dot(n, &tangent, &tangent).sqrt();
         if previous.is_some_and(|p| metric.dot(n, p, &tangent) < 0.0) {
             scale = -scale;
@@ -73,10 +81,22 @@ impl<'p> BranchPoint<'p> {
         tangent.r.iter_mut().for_each(|r| *r *= scale);
         tangent.omega *= scale;
         let response_rate = iterate.response_rate(balance, &jacobian, &tangent, 0.0);
-        let count = WorkCount { iterations: 0, factorizations: jacobian.factorizations() };
+        let count = WorkCount {
+            iterations: 0,
+            factorizations: jacobian.factorizations(),
+        };
         drop(jacobian);
         let response = iterate.response(balance);
-        (Self { iterate, tangent, metric, response, response_rate }, count)
+        (
+            Self {
+                iterate,
+                tangent,
+                metric,
+                response,
+                response_rate,
+            },
+            count,
+        )
     }
 
     /// d ln|ŷ| / ds.
@@ -103,12 +123,18 @@ impl<'p> BranchPoint<'p> {
     ) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
         let base = &self.iterate.point;
         let predicted = Point {
-            r: (base.r.iter().zip(&self.tangent.r)).map(|(r, t)| r + step * t).collect(),
+            r: (base.r.iter().zip(&self.tangent.r))
+                .map(|(r, t)| r + step * t)
+                .collect(),
             omega: base.omega + step * self.tangent.omega,
             level: base.level,
         };
-        let condition =
-            Condition::ArcLength { base, tangent: &self.tangent, step, metric: self.metric };
+        let condition = Condition::ArcLength {
+            base,
+            tangent: &self.tangent,
+            step,
+            metric: self.metric,
+        };
         solve(balance, predicted, condition, newton)
     }
 
@@ -158,7 +184,10 @@ pub fn walk<'p>(
                 let go_on = visit(&point, &next, length);
                 point = next;
                 if !go_on {
-                    return WalkEnd { status: Status::Converged, count };
+                    return WalkEnd {
+                        status: Status::Converged,
+                        count,
+                    };
                 }
                 let ease = WANTED_ITERATIONS / work.iterations.max(1) as f64;
                 length = (length * ease.clamp(0.5, 2.0)).min(steps.largest);
@@ -167,12 +196,18 @@ pub fn walk<'p>(
                 count += work;
                 length *= 0.5;
                 if length < steps.smallest {
-                    let status =
-                        if status == Status::NonFinite { status } else { Status::StepTooSmall };
+                    let status = if status == Status::NonFinite {
+                        status
+                    } else {
+                        Status::StepTooSmall
+                    };
                     return WalkEnd { status, count };
                 }
             }
         }
     }
-    WalkEnd { status: Status::MaxIterations, count }
+    WalkEnd {
+        status: Status::MaxIterations,
+        count,
+    }
 }

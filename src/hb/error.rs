@@ -8,7 +8,9 @@ pub enum ProblemError {
     #[error(transparent)]
     Linalg(#[from] crate::linalg::LinalgError),
     /// A rigid-body motion is held neither by the structure, nor by stuck contacts, nor by the retention.
-    #[error("the structure with all contacts stuck can move as a rigid body: add contact stiffness, supports or retention")]
+    #[error(
+        "the structure with all contacts stuck can move as a rigid body: add contact stiffness, supports or retention"
+    )]
     NotHeld,
     /// The harmonic force moves no contact.
     #[error("the harmonic force does not move any contact pair: check the excitation")]

@@ -16,7 +16,10 @@ use faer::prelude::*;
 const DENSE_LIMIT: usize = 350;
 
 /// Krylov solves are exact enough to keep Newton's quadratic convergence down to the tolerance.
-const GMRES: GmresSettings = GmresSettings { tolerance: 1e-8, max_iterations: 250 };
+const GMRES: GmresSettings = GmresSettings {
+    tolerance: 1e-8,
+    max_iterations: 250,
+};
 
 /// GMRES results worse than this are discarded in favour of a dense factor.
 const GMRES_ACCEPTED: f64 = 1e-3;
@@ -64,12 +67,22 @@ impl<'a> Jacobian<'a> {
         active: &'a [PairTangent],
     ) -> Self {
         let rows: Vec<usize> = (0..3)
-            .flat_map(|component| active.iter().map(move |t| component * layout.n_pairs + t.pair))
+            .flat_map(|component| {
+                active
+                    .iter()
+                    .map(move |t| component * layout.n_pairs + t.pair)
+            })
             .collect();
-        let pick = |g: &Mat<f64>| Mat::from_fn(rows.len(), rows.len(), |i, j| g[(rows[i], rows[j])]);
+        let pick =
+            |g: &Mat<f64>| Mat::from_fn(rows.len(), rows.len(), |i, j| g[(rows[i], rows[j])]);
         let static_compliance = &problem.stuck_static.compliance;
         let restricted = std::iter::once((pick(static_compliance), None))
-            .chain(compliance.harmonics.iter().map(|h| (pick(&h.real), Some(pick(&h.imaginary)))))
+            .chain(
+                compliance
+                    .harmonics
+                    .iter()
+                    .map(|h| (pick(&h.real), Some(pick(&h.imaginary)))),
+            )
             .collect();
         let mut jacobian = Self {
             layout: layout.clone(),
@@ -131,9 +144,11 @@ impl<'a> Jacobian<'a> {
     pub fn add_compliance(&self, x: &[f64], y: &mut [f64]) {
         let n = self.layout.n_relative();
         add_columns(self.static_compliance, &x[..n], &mut y[..n]);
-        for (h, (x, y)) in (self.compliance.harmonics.iter())
-            .zip(x[n..].chunks_exact(2 * n).zip(y[n..].chunks_exact_mut(2 * n)))
-        {
+        for (h, (x, y)) in (self.compliance.harmonics.iter()).zip(
+            x[n..]
+                .chunks_exact(2 * n)
+                .zip(y[n..].chunks_exact_mut(2 * n)),
+        ) {
             let (y_c, y_s) = y.split_at_mut(n);
             h.add_real((&x[..n], &x[n..]), (y_c, y_s));
         }
@@ -164,9 +179,11 @@ impl<'a> Jacobian<'a> {
         let dg = self.restrict(&self.deviation(&full));
         let mut y = v.to_vec();
         add_columns(&self.restricted[0].0, &dg[..n], &mut y[..n]);
-        for ((real, imaginary), (dg, y)) in (self.restricted[1..].iter())
-            .zip(dg[n..].chunks_exact(2 * n).zip(y[n..].chunks_exact_mut(2 * n)))
-        {
+        for ((real, imaginary), (dg, y)) in (self.restricted[1..].iter()).zip(
+            dg[n..]
+                .chunks_exact(2 * n)
+                .zip(y[n..].chunks_exact_mut(2 * n)),
+        ) {
             let (y_c, y_s) = y.split_at_mut(n);
             add_columns(real, &dg[..n], y_c);
             add_columns(real, &dg[n..], y_s);
@@ -243,8 +260,8 @@ impl<'a> Jacobian<'a> {
     }
 
     fn prolong(&self, active: &[f64], x: &mut [f64]) {
-        for (coefficient, values) in (x.chunks_exact_mut(self.layout.n_relative()))
-            .zip(active.chunks_exact(self.rows.len()))
+        for (coefficient, values) in
+            (x.chunks_exact_mut(self.layout.n_relative())).zip(active.chunks_exact(self.rows.len()))
         {
             for (&i, &value) in self.rows.iter().zip(values) {
                 coefficient[i] = value;

@@ -99,7 +99,11 @@ impl LinearModel {
             contact: rows_times(&rows, phi),
             response: rows_times(&responses, phi),
             static_force: project(&model.static_force),
-            force: cosine.iter().zip(&sine).map(|(&c, &s)| c64::new(c, -s)).collect(),
+            force: cosine
+                .iter()
+                .zip(&sine)
+                .map(|(&c, &s)| c64::new(c, -s))
+                .collect(),
             n_contacts: pairs.len(),
         }
     }
@@ -125,7 +129,9 @@ impl LinearModel {
     /// Stiffness of the structure with springs `k` (N/m, shape `[3·n_contacts]`) between the contacts.
     #[must_use]
     pub fn stiffness_with_springs(&self, k: &[f64]) -> Mat<f64> {
-        let springs = Mat::from_fn(k.len(), self.n_coordinates(), |i, j| k[i] * self.contact[(i, j)]);
+        let springs = Mat::from_fn(k.len(), self.n_coordinates(), |i, j| {
+            k[i] * self.contact[(i, j)]
+        });
         self.stiffness() + self.contact.transpose() * springs
     }
 
@@ -179,7 +185,11 @@ impl LinearModel {
     #[must_use]
     pub fn contact_load(&self, force: &[c64]) -> Vec<c64> {
         (0..self.n_coordinates())
-            .map(|j| (self.contact.col(j).iter().zip(force)).map(|(b, f)| f * *b).sum())
+            .map(|j| {
+                (self.contact.col(j).iter().zip(force))
+                    .map(|(b, f)| f * *b)
+                    .sum()
+            })
             .collect()
     }
 }
@@ -200,7 +210,10 @@ fn diagonal(full: &Mat<f64>) -> Option<Vec<f64>> {
 
 fn rows_times(rows: &[&SparseRow], phi: &Mat<f64>) -> Mat<f64> {
     Mat::from_fn(rows.len(), phi.ncols(), |i, j| {
-        rows[i].iter().map(|&(dof, weight)| weight * phi[(dof, j)]).sum()
+        rows[i]
+            .iter()
+            .map(|&(dof, weight)| weight * phi[(dof, j)])
+            .sum()
     })
 }
 

@@ -98,8 +98,17 @@ const PHASE_TOLERANCE: f64 = 1e-6;
 /// Largest relative change of the frequency in one iteration.
 const MAX_FREQUENCY_STEP: f64 = 0.02;
 
+/// Iterations within which the smallest residual must halve; a start that does not manage that never converged.
+const PATIENCE: usize = 12;
+
 /// Smallest damping factor of the line search.
 const MIN_DAMPING: f64 = 1.0 / 64.0;
+
+/// The same with a moving frequency, where every trial needs new compliances.
+const MIN_DAMPING_MOVING: f64 = 1.0 / 16.0;
+
+/// Residuals below this need no damping: the condition alone may still be open.
+const NEAR: f64 = 1e-2;
 
 impl<'p> Iterate<'p> {
     /// Evaluates everything at `point`.
@@ -109,11 +118,21 @@ impl<'p> Iterate<'p> {
         Self::with_compliance(balance, point, compliance)
     }
 
-    fn with_compliance(balance: &Balance<'p>, point: Point, compliance: Arc<Compliance<'p>>) -> Self {
+    fn with_compliance(
+        balance: &Balance<'p>,
+        point: Point,
+        compliance: Arc<Compliance<'p>>,
+    ) -> Self {
         let contact = balance.contact(&point.r, Want::ForcesAndTangents);
         let residual = balance.residual(&compliance, point.level, &point.r, &contact.force);
         let motion = balance.motion(&compliance, point.level, &point.r, &contact.force);
-        Self { point, compliance, contact, residual, motion }
+        Self {
+            point,
+            compliance,
+            contact,
+            residual,
+            motion,
+        }
     }
 
     /// Largest residual component over the fixed displacement scale.
@@ -121,13 +140,22 @@ impl<'p> Iterate<'p> {
     pub fn relative_residual(&self, balance: &Balance<'_>) -> f64 {
         let scale = balance.problem.displacement_scale(self.point.level);
         let largest = self.residual.iter().map(|r| r.abs()).fold(0.0, f64::max);
-        if self.residual.iter().all(|r| r.is_finite()) { largest / scale } else { f64::NAN }
+        if self.residual.iter().all(|r| r.is_finite()) {
+            largest / scale
+        } else {
+            f64::NAN
+        }
     }
 
     /// The Jacobian here.
     #[must_use]
     pub fn jacobian<'a>(&'a self, balance: &'a Balance<'p>) -> Jacobian<'a> {
-        Jacobian::new(&balance.layout, balance.problem, &self.compliance, &self.contact.active)
+        Jacobian::new(
+            &balance.layout,
+            balance.problem,
+            &self.compliance,
+            &self.contact.active,
+        )
     }
 
     /// First harmonic of response 0.
@@ -153,7 +181,11 @@ impl<'p> Iterate<'p> {
         level: f64,
     ) -> c64 {
         let deviation = jacobian.deviation(&direction.r);
-        let rate = LoadRate { deviation: &deviation, omega: direction.omega, level };
+        let rate = LoadRate {
+            deviation: &deviation,
+            omega: direction.omega,
+            level,
+        };
         balance.response_rate(&self.compliance, &self.motion, &rate)
     }
 }
@@ -174,7 +206,11 @@ impl Metric {
     /// ⟨a, b⟩ for unknowns whose 0th harmonic has `n_relative` entries.
     #[must_use]
     pub fn dot(&self, n_relative: usize, a: &Direction, b: &Direction) -> f64 {
-        let r: f64 = a.r[n_relative..].iter().zip(&b.r[n_relative..]).map(|(a, b)| a * b).sum();
+        let r: f64 = a.r[n_relative..]
+            .iter()
+            .zip(&b.r[n_relative..])
+            .map(|(a, b)| a * b)
+            .sum();
         self.displacement * r + self.frequency * a.omega * b.omega
     }
 }
@@ -191,6 +227,7 @@ pub fn solve<'p>(
 ) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
     let mut count = WorkCount::default();
     let mut iterate = Iterate::new(balance, start);
+    let mut progress = Progress::default();
     loop {
         let size = iterate.relative_residual(balance);
         if !size.is_finite() {
@@ -200,12 +237,15 @@ pub fn solve<'p>(
         if size <= settings.tolerance && closing.abs() <= condition.tolerance() {
             return Ok((iterate, count));
         }
-        if count.iterations == settings.max_iterations {
+        if count.iterations == settings.max_iterations || progress.stalls(size) {
             return Err((Status::MaxIterations, count));
         }
         let jacobian = iterate.jacobian(balance);
         let step = newton_step(balance, &iterate, &jacobian, condition);
-        count += WorkCount { iterations: 1, factorizations: jacobian.factorizations() };
+        count += WorkCount {
+            iterations: 1,
+            factorizations: jacobian.factorizations(),
+        };
         iterate = advance(balance, &iterate, &step, size);
     }
 }
@@ -218,21 +258,63 @@ pub fn newton_step(
     jacobian: &Jacobian<'_>,
     condition: Condition<'_>,
 ) -> Direction {
-    let towards = Direction { r: negated(&jacobian.solve(&iterate.residual)), omega: 0.0 };
+    let towards = Direction {
+        r: negated(&jacobian.solve(&iterate.residual)),
+        omega: 0.0,
+    };
     if matches!(condition, Condition::FixedFrequency) {
         return towards;
     }
-    let along = Direction { r: iterate.frequency_rate(balance, jacobian), omega: 1.0 };
+    let along = Direction {
+        r: iterate.frequency_rate(balance, jacobian),
+        omega: 1.0,
+    };
     let rate = |d: &Direction| condition.rate(balance, iterate, jacobian, d);
     let closing = condition.value(balance, iterate);
     let limit = MAX_FREQUENCY_STEP * iterate.point.omega;
     let omega = (-(closing + rate(&towards)) / rate(&along)).clamp(-limit, limit);
-    let r = (towards.r.iter().zip(&along.r)).map(|(a, b)| a + omega * b).collect();
+    let r = (towards.r.iter().zip(&along.r))
+        .map(|(a, b)| a + omega * b)
+        .collect();
     Direction { r, omega }
 }
 
-/// Takes the step. At a fixed frequency it is damped until the residual falls; with a moving frequency the
-/// condition is part of the system and the residual alone is no measure, so the full step is taken.
+/// The smallest residuals of the running and the previous window of iterations.
+struct Progress {
+    iterations: usize,
+    best: f64,
+    best_before: f64,
+}
+
+impl Default for Progress {
+    fn default() -> Self {
+        Self {
+            iterations: 0,
+            best: f64::INFINITY,
+            best_before: f64::INFINITY,
+        }
+    }
+}
+
+impl Progress {
+    /// Whether the residual has not halved within the last window.
+    fn stalls(&mut self, size: f64) -> bool {
+        if self.iterations == 0 {
+            self.best_before = size;
+        }
+        self.best = self.best.min(size);
+        self.iterations += 1;
+        if !self.iterations.is_multiple_of(PATIENCE) {
+            return false;
+        }
+        let stalled = self.best > 0.5 * self.best_before;
+        self.best_before = self.best;
+        stalled
+    }
+}
+
+/// Takes the step, damped until the residual falls; with a moving frequency it must only not grow, since the
+/// condition is part of the system.
 fn advance<'p>(
     balance: &Balance<'p>,
     from: &Iterate<'p>,
@@ -242,7 +324,9 @@ fn advance<'p>(
     let mut damping = 1.0;
     loop {
         let point = Point {
-            r: (from.point.r.iter().zip(&step.r)).map(|(r, d)| r + damping * d).collect(),
+            r: (from.point.r.iter().zip(&step.r))
+                .map(|(r, d)| r + damping * d)
+                .collect(),
             omega: from.point.omega + damping * step.omega,
             level: from.point.level,
         };
@@ -251,8 +335,12 @@ fn advance<'p>(
         } else {
             Iterate::new(balance, point)
         };
-        let fell = trial.relative_residual(balance) <= (1.0 - 0.1 * damping) * size;
-        if fell || step.omega != 0.0 || damping <= MIN_DAMPING {
+        let (allowed, smallest) = if step.omega == 0.0 {
+            ((1.0 - 0.1 * damping) * size, MIN_DAMPING)
+        } else {
+            (size, MIN_DAMPING_MOVING)
+        };
+        if trial.relative_residual(balance) <= allowed.max(NEAR) || damping <= smallest {
             return trial;
         }
         damping *= 0.5;
@@ -275,9 +363,16 @@ impl Condition<'_> {
                 let y = iterate.response(balance);
                 (y * phasor.conj()).im / y.norm()
             }
-            Self::ArcLength { base, tangent, step, metric } => {
+            Self::ArcLength {
+                base,
+                tangent,
+                step,
+                metric,
+            } => {
                 let gone = Direction {
-                    r: (iterate.point.r.iter().zip(&base.r)).map(|(a, b)| a - b).collect(),
+                    r: (iterate.point.r.iter().zip(&base.r))
+                        .map(|(a, b)| a - b)
+                        .collect(),
                     omega: iterate.point.omega - base.omega,
                 };
                 metric.dot(balance.layout.n_relative(), &gone, tangent) - step
@@ -298,9 +393,9 @@ impl Condition<'_> {
                 let rate = iterate.response_rate(balance, jacobian, direction, 0.0);
                 (rate * phasor.conj()).im / iterate.response(balance).norm()
             }
-            Self::ArcLength { tangent, metric, .. } => {
-                metric.dot(balance.layout.n_relative(), direction, tangent)
-            }
+            Self::ArcLength {
+                tangent, metric, ..
+            } => metric.dot(balance.layout.n_relative(), direction, tangent),
         }
     }
 }

@@ -49,13 +49,25 @@ pub fn find_peak<'p>(
     let (first, mut count) = BranchPoint::new(balance, start, omega_scale, None, None);
     let metric = first.metric;
     let mut step = first.growth() / first.phase_rate().powi(2);
-    step = step.abs().clamp(SHORTEST_STEP, LONGEST_STEP).copysign(first.growth());
-    let mut search = Search::new(Station { s: 0.0, point: first });
+    step = step
+        .abs()
+        .clamp(SHORTEST_STEP, LONGEST_STEP)
+        .copysign(first.growth());
+    let mut search = Search::new(Station {
+        s: 0.0,
+        point: first,
+    });
     for _ in 0..MAX_POINTS {
         let from = search.nearest(step);
-        let (iterate, length) = halving_step(balance, &from.point, step - from.s, newton, &mut count)?;
-        let (point, work) =
-            BranchPoint::new(balance, iterate, omega_scale, Some(metric), Some(&from.point.tangent));
+        let (iterate, length) =
+            halving_step(balance, &from.point, step - from.s, newton, &mut count)?;
+        let (point, work) = BranchPoint::new(
+            balance,
+            iterate,
+            omega_scale,
+            Some(metric),
+            Some(&from.point.tangent),
+        );
         count += work;
         let (omega, previous) = (point.iterate.point.omega, from.point.iterate.point.omega);
         if !settings.band.contains(omega) {
@@ -111,12 +123,15 @@ struct Search<'p> {
 
 impl<'p> Search<'p> {
     fn new(first: Station<'p>) -> Self {
-        Self { older: None, newer: first, weight: 1.0 }
+        Self {
+            older: None,
+            newer: first,
+            weight: 1.0,
+        }
     }
 
     fn bracketed(&self) -> bool {
-        (self.older.as_ref())
-            .is_some_and(|o| o.point.growth() * self.newer.point.growth() <= 0.0)
+        (self.older.as_ref()).is_some_and(|o| o.point.growth() * self.newer.point.growth() <= 0.0)
     }
 
     /// Whether the growth falls along the branch, so that its zero is a maximum.
@@ -130,7 +145,10 @@ impl<'p> Search<'p> {
     fn bracket_width(&self) -> f64 {
         match &self.older {
             Some(older) if self.bracketed() => {
-                let (a, b) = (older.point.iterate.point.omega, self.newer.point.iterate.point.omega);
+                let (a, b) = (
+                    older.point.iterate.point.omega,
+                    self.newer.point.iterate.point.omega,
+                );
                 (a - b).abs() / b
             }
             _ => f64::INFINITY,
@@ -157,7 +175,9 @@ impl<'p> Search<'p> {
 
     /// Where the growth vanishes by the secant; a limited step uphill where the secant has no maximum.
     fn next(&self) -> f64 {
-        let Some(older) = &self.older else { return self.newer.s };
+        let Some(older) = &self.older else {
+            return self.newer.s;
+        };
         let (g_old, g_new) = (older.point.growth(), self.newer.point.growth());
         let span = self.newer.s - older.s;
         if self.bracketed() {
@@ -165,7 +185,11 @@ impl<'p> Search<'p> {
         }
         let limit = (3.0 * span.abs()).min(LONGEST_STEP);
         let secant = g_new * span / (g_new - g_old);
-        let step = if self.is_maximum() { secant.abs().min(limit) } else { limit };
+        let step = if self.is_maximum() {
+            secant.abs().min(limit)
+        } else {
+            limit
+        };
         self.newer.s + step.copysign(g_new)
     }
 

@@ -49,7 +49,11 @@ impl<'m> Problem<'m> {
         static_load_scale: f64,
         anchor: SliderAnchor,
     ) -> Result<Self, ProblemError> {
-        assert_eq!(contacts.len(), model.n_contacts, "one parameter set per contact pair");
+        assert_eq!(
+            contacts.len(),
+            model.n_contacts,
+            "one parameter set per contact pair"
+        );
         let anchors = match anchor {
             SliderAnchor::Unloaded => vec![[0.0; 2]; contacts.len()],
             SliderAnchor::StaticEquilibrium => {
@@ -64,14 +68,24 @@ impl<'m> Problem<'m> {
             .chain(contacts.iter().map(|c| c.k_n))
             .collect();
         let stuck_static = StuckStatic::new(model, &stuck_stiffness, static_load_scale)?;
-        Ok(Self { model, contacts, stuck_stiffness, stuck_static, static_load_scale })
+        Ok(Self {
+            model,
+            contacts,
+            stuck_stiffness,
+            stuck_static,
+            static_load_scale,
+        })
     }
 
     /// Fixed scale of the residual at an excitation level (m): it must not grow with the iterate, or a strip
     /// that flies off would pass for converged.
     #[must_use]
     pub fn displacement_scale(&self, level: f64) -> f64 {
-        let at_rest = self.stuck_static.relative.iter().fold(0.0, |m: f64, r| m.max(r.abs()));
+        let at_rest = self
+            .stuck_static
+            .relative
+            .iter()
+            .fold(0.0, |m: f64, r| m.max(r.abs()));
         at_rest + level * self.stuck_static.excitation_scale
     }
 }
@@ -80,12 +94,22 @@ impl StuckStatic {
     fn new(model: &LinearModel, k_c: &[f64], load_scale: f64) -> Result<Self, ProblemError> {
         let factor = static_factor(model, k_c)?;
         let solve = |f: &[f64]| -> Vec<f64> {
-            factor.solve(Col::from_fn(f.len(), |i| f[i])).iter().copied().collect()
+            factor
+                .solve(Col::from_fn(f.len(), |i| f[i]))
+                .iter()
+                .copied()
+                .collect()
         };
         let relative = |eta: &[f64]| -> Vec<f64> {
-            (&model.contact * Col::from_fn(eta.len(), |i| eta[i])).iter().copied().collect()
+            (&model.contact * Col::from_fn(eta.len(), |i| eta[i]))
+                .iter()
+                .copied()
+                .collect()
         };
-        let eta: Vec<f64> = solve(&model.static_force).iter().map(|x| x * load_scale).collect();
+        let eta: Vec<f64> = solve(&model.static_force)
+            .iter()
+            .map(|x| x * load_scale)
+            .collect();
         let eta_per_force = factor.solve(model.contact.transpose());
         let part = |f: fn(&c64) -> f64| model.force.iter().map(f).collect::<Vec<f64>>();
         let excitation_scale = [part(|f| f.re), part(|f| f.im)]
@@ -113,8 +137,12 @@ fn static_factor(model: &LinearModel, k: &[f64]) -> Result<Llt<f64>, ProblemErro
         stiffness += retention;
     }
     let largest = (0..n).map(|i| stiffness[(i, i)]).fold(0.0, f64::max);
-    let factor = stiffness.llt(faer::Side::Lower).map_err(|_| ProblemError::NotHeld)?;
-    let smallest_pivot = (0..n).map(|i| factor.L()[(i, i)]).fold(f64::INFINITY, f64::min);
+    let factor = stiffness
+        .llt(faer::Side::Lower)
+        .map_err(|_| ProblemError::NotHeld)?;
+    let smallest_pivot = (0..n)
+        .map(|i| factor.L()[(i, i)])
+        .fold(f64::INFINITY, f64::min);
     if smallest_pivot * smallest_pivot <= largest * f64::EPSILON {
         return Err(ProblemError::NotHeld);
     }
@@ -138,7 +166,9 @@ fn frictionless_equilibrium(
             preload[2 * n_c + i] = c.n_0;
         }
         let factor = static_factor(model, &k)?;
-        let load = Col::from_fn(model.n_coordinates(), |j| load_scale * model.static_force[j]);
+        let load = Col::from_fn(model.n_coordinates(), |j| {
+            load_scale * model.static_force[j]
+        });
         let eta = factor.solve(load - model.contact.transpose() * preload);
         let r = &model.contact * eta;
         let now: Vec<bool> = (contacts.iter().enumerate())

@@ -45,7 +45,9 @@ impl Band {
 /// # Errors
 /// [`LinalgError`] if the eigensolver fails.
 pub fn stuck_modes(problem: &Problem<'_>) -> Result<(Vec<f64>, Mat<f64>), LinalgError> {
-    let stiffness = problem.model.stiffness_with_springs(&problem.stuck_stiffness);
+    let stiffness = problem
+        .model
+        .stiffness_with_springs(&problem.stuck_stiffness);
     let mass = match &problem.model.structure {
         Structure::Modal { .. } => Mat::identity(stiffness.nrows(), stiffness.ncols()),
         Structure::Physical { mass, .. } => mass.clone(),
@@ -101,5 +103,10 @@ fn response_with_springs(model: &LinearModel, k: &[f64], omega: f64) -> c64 {
 }
 
 fn damping_of(model: &LinearModel, mode: &[c64]) -> f64 {
-    model.damp(mode).iter().zip(mode).map(|(c, x)| (c * x.conj()).re).sum()
+    model
+        .damp(mode)
+        .iter()
+        .zip(mode)
+        .map(|(c, x)| (c * x.conj()).re)
+        .sum()
 }

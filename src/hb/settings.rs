@@ -26,7 +26,7 @@ pub struct NewtonSettings {
 impl Default for NewtonSettings {
     fn default() -> Self {
         Self {
-            tolerance: 1e-10,
+            tolerance: 1e-9,
             max_iterations: 40,
         }
     }

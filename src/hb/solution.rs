@@ -61,9 +61,19 @@ pub struct Solution {
 impl Solution {
     /// Everything reported of a solved iterate (or of the last iterate of a failed solve).
     #[must_use]
-    pub fn new(balance: &Balance<'_>, iterate: &Iterate<'_>, status: Status, work_count: WorkCount) -> Self {
+    pub fn new(
+        balance: &Balance<'_>,
+        iterate: &Iterate<'_>,
+        status: Status,
+        work_count: WorkCount,
+    ) -> Self {
         let model = balance.problem.model;
-        let rest: Vec<c64> = iterate.motion.rest.iter().map(|x| c64::new(*x, 0.0)).collect();
+        let rest: Vec<c64> = iterate
+            .motion
+            .rest
+            .iter()
+            .map(|x| c64::new(*x, 0.0))
+            .collect();
         let mut responses: Vec<f64> = model.responses(&rest).iter().map(|y| y.re).collect();
         for eta in &iterate.motion.dynamic {
             let y = model.responses(eta);
@@ -100,7 +110,11 @@ impl ContactFractions {
     pub fn new(samples: &[[u32; 3]]) -> Self {
         let total = f64::from(samples.iter().flatten().sum::<u32>().max(1));
         let share = |state: usize| f64::from(samples.iter().map(|s| s[state]).sum::<u32>()) / total;
-        Self { stick: share(0), slip: share(1), separated: share(2) }
+        Self {
+            stick: share(0),
+            slip: share(1),
+            separated: share(2),
+        }
     }
 }
 
@@ -111,8 +125,12 @@ impl CycleWork {
         let model = balance.problem.model;
         let level = iterate.point.level;
         let mut work = Self::default();
-        for (i, (h, eta)) in
-            iterate.compliance.harmonics.iter().zip(&iterate.motion.dynamic).enumerate()
+        for (i, (h, eta)) in iterate
+            .compliance
+            .harmonics
+            .iter()
+            .zip(&iterate.motion.dynamic)
+            .enumerate()
         {
             let k = h.order as f64;
             if h.order == 1 {
@@ -132,5 +150,9 @@ impl CycleWork {
 
 /// Im(f̂* · x̂)·(−1): work per cycle over π of the force f̂ on the displacement x̂ with q = Re q̂ e^{ikωt}.
 fn power(force: &[c64], displacement: &[c64]) -> f64 {
-    force.iter().zip(displacement).map(|(f, x)| -(f.conj() * x).im).sum()
+    force
+        .iter()
+        .zip(displacement)
+        .map(|(f, x)| -(f.conj() * x).im)
+        .sum()
 }

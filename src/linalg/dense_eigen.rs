@@ -41,7 +41,9 @@ pub fn symmetric_generalized_eigen(
     // components give double eigenvalues
     let eigen = DMatrix::from_fn(n, n, |i, j| standard[(i, j)])
         .try_symmetric_eigen(f64::EPSILON, 100 * n)
-        .ok_or(LinalgError::EigenNotConverged { residual: f64::INFINITY })?;
+        .ok_or(LinalgError::EigenNotConverged {
+            residual: f64::INFINITY,
+        })?;
     let mut phi = Mat::from_fn(n, n, |i, j| eigen.eigenvectors[(i, j)]);
     lower.transpose().solve_upper_triangular_in_place(&mut phi);
     Ok(refined(stiffness, mass, &phi))
