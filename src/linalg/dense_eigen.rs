@@ -1,11 +1,44 @@
 //! Dense generalised symmetric eigenvalue problem, accurate at the low end of a wide spectrum.
 
 use super::LinalgError;
-use faer::{Mat, MatRef, Side};
-use nalgebra::DMatrix;
+use faer::diag::Diag;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::evd::{
+    ComputeEigenvectors, SelfAdjointEvdParams, self_adjoint_evd, self_adjoint_evd_scratch,
+};
+use faer::{Mat, MatRef, Par, Side, Spec};
 
 /// Eigenvalues closer than this (relative) form a cluster: any orthonormal basis of it serves.
 const CLUSTER: f64 = 1e-5;
+
+/// All eigenpairs of a symmetric matrix (lower triangle read): eigenvalues ascending, orthonormal eigenvectors.
+///
+/// By the implicit QR algorithm at every size. faer's own choice from 128 on, divide and conquer, is avoided: in
+/// version 0.24.4 it returned wrong pairs for a Lanczos projection with a densely packed spectrum (kept as a test:
+/// `densely_packed_modes_of_a_plate_converge`).
+///
+/// # Errors
+/// [`LinalgError::EigenNotConverged`] for a matrix that is not finite.
+pub fn symmetric_eigen(a: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), LinalgError> {
+    let n = a.nrows();
+    let mut params: Spec<SelfAdjointEvdParams, f64> = Spec::default();
+    params.config.recursion_threshold = usize::MAX;
+    let mut values = Diag::zeros(n);
+    let mut vectors = Mat::zeros(n, n);
+    let scratch = self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, params);
+    self_adjoint_evd(
+        a,
+        values.as_mut(),
+        Some(vectors.as_mut()),
+        Par::Seq,
+        MemStack::new(&mut MemBuffer::new(scratch)),
+        params,
+    )
+    .map_err(|_| LinalgError::EigenNotConverged {
+        residual: f64::INFINITY,
+    })?;
+    Ok(((0..n).map(|i| values[i]).collect(), vectors))
+}
 
 /// All eigenpairs of K φ = λ M φ: λ ascending and Φ with Φᵀ M Φ = I.
 ///
@@ -37,14 +70,7 @@ pub fn symmetric_generalized_eigen(
     lower.solve_lower_triangular_in_place(&mut standard);
     let mut standard = standard.transpose().to_owned();
     lower.solve_lower_triangular_in_place(&mut standard);
-    // nalgebra's QR iteration: the divide-and-conquer of faer 0.24.4 leaves residuals of 1e-3 |A| where two identical
-    // components give double eigenvalues
-    let eigen = DMatrix::from_fn(n, n, |i, j| standard[(i, j)])
-        .try_symmetric_eigen(f64::EPSILON, 100 * n)
-        .ok_or(LinalgError::EigenNotConverged {
-            residual: f64::INFINITY,
-        })?;
-    let mut phi = Mat::from_fn(n, n, |i, j| eigen.eigenvectors[(i, j)]);
+    let (_, mut phi) = symmetric_eigen(standard.as_ref())?;
     lower.transpose().solve_upper_triangular_in_place(&mut phi);
     Ok(refined(stiffness, mass, &phi))
 }

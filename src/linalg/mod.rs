@@ -6,7 +6,7 @@ mod dense_eigen;
 pub mod gmres;
 mod sparse_eigen;
 
-pub use dense_eigen::symmetric_generalized_eigen;
+pub use dense_eigen::{symmetric_eigen, symmetric_generalized_eigen};
 pub use sparse_eigen::{LowestModes, lowest_modes};
 
 /// Why a factorisation or an eigenvalue problem has no answer.

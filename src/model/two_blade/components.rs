@@ -18,7 +18,7 @@ pub(super) struct Layout {
     across: Vec<f64>,
     /// Contact lines along the gap.
     along: Vec<f64>,
-    blade_element: f64,
+    blade_element: [f64; 3],
     strip_element: f64,
     material: Material,
 }
@@ -47,7 +47,7 @@ impl Layout {
             along: equal_steps(-0.5 * strip[1], 0.5 * strip[1], n_along),
             platform,
             strip,
-            blade_element: mm_to_m(settings.blade_element_mm),
+            blade_element: metres(settings.blade_element_mm),
             strip_element: mm_to_m(settings.strip_element_mm),
             material: Material {
                 youngs_modulus: settings.youngs_modulus_gpa * 1e9,
@@ -118,7 +118,9 @@ impl Layout {
         let z: Vec<f64> = faces(2)
             .chain(heights.iter().map(|&h| self.airfoil_point(h)[2]))
             .collect();
-        let lines = [&x, &y, &z].map(|required| grid_lines(required, self.blade_element));
+        let required = [&x, &y, &z];
+        let lines =
+            std::array::from_fn(|axis| grid_lines(required[axis], self.blade_element[axis]));
         FeModel::new(tensor_mesh(&lines, &boxes), &self.material, |p| {
             p[2].abs() < 1e-9
         })
