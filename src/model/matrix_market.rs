@@ -1,0 +1,109 @@
+//! Matrix Market files: the dense or sparse real matrices that a user brings.
+
+use std::path::Path;
+
+use faer::Mat;
+use nalgebra_sparse::CooMatrix;
+use nalgebra_sparse::io::{
+    MatrixMarketError, MatrixMarketErrorKind, load_coo_from_matrix_market_str,
+};
+
+use super::matrices::MatricesError;
+
+/// Largest number of rows or columns: a dense matrix of this size takes 3.2 GB.
+const LARGEST: usize = 20_000;
+
+/// Reads a real or integer matrix, `coordinate` or `array`, `general` or `symmetric` (lower triangle stored).
+///
+/// Entries given twice are added. Comment lines may stand between header and size line only.
+///
+/// # Errors
+/// [`MatricesError::File`] if it cannot be read, [`MatricesError::Matrix`] on anything but such a matrix.
+pub(super) fn read_matrix(path: &Path) -> Result<Mat<f64>, MatricesError> {
+    let text = std::fs::read_to_string(path).map_err(|source| MatricesError::File {
+        path: path.to_owned(),
+        source,
+    })?;
+    check_size_line(&text).map_err(|(line, rule)| MatricesError::matrix(path, Some(line), rule))?;
+    let coordinates: CooMatrix<f64> = load_coo_from_matrix_market_str(&text).map_err(|error| {
+        let (line, rule) = explain(&error);
+        MatricesError::matrix(path, line, rule)
+    })?;
+    let mut matrix = Mat::zeros(coordinates.nrows(), coordinates.ncols());
+    for (i, j, value) in coordinates.triplet_iter() {
+        if !value.is_finite() {
+            let rule = format!(
+                "entry ({}, {}) = {value}: must be a finite number",
+                i + 1,
+                j + 1
+            );
+            return Err(MatricesError::matrix(path, None, rule));
+        }
+        matrix[(i, j)] += value;
+    }
+    Ok(matrix)
+}
+
+/// Refuses sizes that the reader's own arithmetic could not hold, before it sees them.
+fn check_size_line(text: &str) -> Result<(), (usize, String)> {
+    let mut lines = text
+        .lines()
+        .enumerate()
+        .filter(|(_, line)| !line.trim().is_empty());
+    match lines.next() {
+        Some((_, header))
+            if header
+                .to_ascii_lowercase()
+                .starts_with("%%matrixmarket matrix") => {}
+        Some((i, _)) => return Err((i + 1, HEADER_RULE.to_owned())),
+        None => return Err((1, "the file is empty".to_owned())),
+    }
+    let Some((i, size)) = lines.find(|(_, line)| !line.trim_start().starts_with('%')) else {
+        return Err((1, "the size line is missing".to_owned()));
+    };
+    for word in size.split_whitespace().take(2) {
+        let rows: usize = word.parse().unwrap_or(usize::MAX);
+        if rows == 0 || rows > LARGEST {
+            return Err((
+                i + 1,
+                format!("size {word}: must be an integer from 1 to {LARGEST}"),
+            ));
+        }
+    }
+    Ok(())
+}
+
+const HEADER_RULE: &str = "must start with a Matrix Market header such as \
+    `%%MatrixMarket matrix coordinate real symmetric`";
+
+/// Line, where known, and one plain sentence for what the library's reader refuses.
+fn explain(error: &MatrixMarketError) -> (Option<usize>, String) {
+    let line = error
+        .message()
+        .split_once("--> ")
+        .and_then(|(_, place)| place.split(':').next()?.trim().parse().ok());
+    let rule = match error.kind() {
+        MatrixMarketErrorKind::ParsingError if line == Some(1) => HEADER_RULE.to_owned(),
+        MatrixMarketErrorKind::ParsingError => {
+            "is not a line of a Matrix Market file (row column value, \
+             or one value in array format)"
+                .to_owned()
+        }
+        MatrixMarketErrorKind::TypeMismatch => "must be a real or integer matrix".to_owned(),
+        MatrixMarketErrorKind::ZeroError => "indices must start at 1".to_owned(),
+        MatrixMarketErrorKind::SparseFormatError(_) => {
+            "an index is beyond the size that the size line states".to_owned()
+        }
+        MatrixMarketErrorKind::NotLowerTriangle => {
+            "a symmetric matrix must store its lower triangle (row >= column) only".to_owned()
+        }
+        MatrixMarketErrorKind::NonSquare => "a symmetric matrix must be square".to_owned(),
+        _ => error
+            .message()
+            .lines()
+            .next()
+            .unwrap_or("cannot be read")
+            .to_owned(),
+    };
+    (line, rule)
+}
