@@ -1,6 +1,7 @@
 //! The reduced model: matrices, contact pairs, loads and responses. Knows the
 //! contacts' constants, but no contact law and no harmonic balance.
 
+pub mod interface;
 pub mod matrices;
 mod matrix_checks;
 pub mod matrix_contacts;

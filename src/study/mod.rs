@@ -1,1 +1,16 @@
-//! Room `study`.
+//! The study file and the commands on it.
+//!
+//! Reads `study.toml` into the rooms' own settings ([`Study`]) and orchestrates them; holds no numerics.
+//! Start reading at [`Study::read`]; the commands are [`inspect`], `solve` and `run`.
+
+pub mod document;
+pub mod frequency;
+pub mod inspect;
+pub mod output;
+pub mod read;
+pub mod tables;
+
+pub use frequency::{FrequencySettings, FrequencyUnit, Points};
+pub use inspect::{Inspection, inspect};
+pub use output::OutputSettings;
+pub use read::{ModelSettings, Study};
