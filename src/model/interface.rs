@@ -44,10 +44,7 @@ impl InterfaceSettings {
     /// # Errors
     /// [`BadSetting`] with the key of the study file; stiffness in N/µm as there.
     pub fn validate(&self) -> Result<(), BadSetting> {
-        positive(
-            "normal_stiffness_n_per_um",
-            self.normal_stiffness * 1e-6,
-        )?;
+        positive("normal_stiffness_n_per_um", self.normal_stiffness * 1e-6)?;
         positive(
             "tangential_stiffness_n_per_um",
             self.tangential_stiffness * 1e-6,

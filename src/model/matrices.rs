@@ -10,9 +10,9 @@ use faer::Mat;
 use super::matrix_checks::{positive_definite, positive_semidefinite, symmetric};
 use super::matrix_contacts::ContactTable;
 use super::matrix_market::read_matrix;
-use super::modes::modes;
 use super::{ReducedModel, Response, SparseRow};
 use crate::contact::ContactParameters;
+use crate::linalg::symmetric_generalized_eigen;
 use crate::setting::{BadSetting, non_negative};
 
 /// Why a model cannot be built from the user's files.
@@ -267,18 +267,17 @@ impl MatricesSettings {
         mass: &Mat<f64>,
     ) -> Result<Mat<f64>, MatricesError> {
         let ratio = self.modal_damping_ratio.unwrap_or(0.0);
-        let modes = modes(stiffness.as_ref(), mass.as_ref()).ok_or_else(|| BadSetting {
-            key: "modal_damping_ratio".to_owned(),
-            value: ratio.to_string(),
-            rule: "needs modes, but the eigenvalue problem of stiffness and mass failed".to_owned(),
-        })?;
-        let weighted = mass * &modes.shapes;
-        let n = mass.nrows();
-        Ok(Mat::from_fn(n, n, |i, j| {
-            (0..n)
-                .map(|m| 2.0 * ratio * modes.omega[m] * weighted[(i, m)] * weighted[(j, m)])
-                .sum()
-        }))
+        let (lambda, shapes) = symmetric_generalized_eigen(stiffness.as_ref(), mass.as_ref())
+            .map_err(|error| BadSetting {
+                key: "modal_damping_ratio".to_owned(),
+                value: ratio.to_string(),
+                rule: format!("needs the modes of the structure, but {error}"),
+            })?;
+        let weighted = mass * &shapes;
+        let scaled = Mat::from_fn(mass.nrows(), lambda.len(), |i, m| {
+            2.0 * ratio * lambda[m].max(0.0).sqrt() * weighted[(i, m)]
+        });
+        Ok(scaled * weighted.transpose())
     }
 
     fn names(&self, folder: &Path, n: usize) -> Result<Vec<String>, MatricesError> {

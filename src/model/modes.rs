@@ -1,56 +1,30 @@
 //! Linear modes of a reduced model: free contacts and stuck contacts.
 
-use faer::{Mat, MatRef, Side};
+use faer::Mat;
 
 use super::ReducedModel;
 use crate::contact::ContactParameters;
-
-/// Undamped modes, in ascending order.
-#[derive(Debug, Clone)]
-pub struct Modes {
-    /// Natural angular frequencies (rad/s); rigid-body modes are 0 up to round-off.
-    pub omega: Vec<f64>,
-    /// Mass-normalised mode shapes, one per column. Shape: n × n.
-    pub shapes: Mat<f64>,
-}
-
-/// Modes of K φ = ω² M φ.
-///
-/// `None` if M is not positive definite or the iteration fails.
-#[must_use]
-pub fn modes(stiffness: MatRef<'_, f64>, mass: MatRef<'_, f64>) -> Option<Modes> {
-    let factor = mass.llt(Side::Lower).ok()?;
-    let lower = factor.L();
-    let mut reduced = stiffness.to_owned();
-    lower.solve_lower_triangular_in_place(&mut reduced);
-    let mut reduced = reduced.transpose().to_owned();
-    lower.solve_lower_triangular_in_place(&mut reduced);
-    let eigen = reduced.self_adjoint_eigen(Side::Lower).ok()?;
-    let mut shapes = eigen.U().to_owned();
-    lower
-        .transpose()
-        .solve_upper_triangular_in_place(&mut shapes);
-    let omega = eigen
-        .S()
-        .column_vector()
-        .iter()
-        .map(|lambda| lambda.max(0.0).sqrt())
-        .collect();
-    Some(Modes { omega, shapes })
-}
+use crate::linalg::{LinalgError, symmetric_generalized_eigen};
 
 impl ReducedModel {
-    /// Natural angular frequencies (rad/s) without contact forces, ascending.
-    #[must_use]
-    pub fn free_frequencies(&self) -> Option<Vec<f64>> {
-        Some(modes(self.stiffness.as_ref(), self.mass.as_ref())?.omega)
+    /// Natural angular frequencies (rad/s) without contact forces, ascending; rigid-body modes are 0 up to round-off.
+    ///
+    /// # Errors
+    /// [`LinalgError`] if the matrices are not what the model promises.
+    pub fn free_frequencies(&self) -> Result<Vec<f64>, LinalgError> {
+        frequencies(&self.stiffness, &self.mass)
     }
 
     /// Natural angular frequencies (rad/s) with every contact closed and stuck, ascending.
     ///
     /// K + Σ k_n B_nᵀB_n + k_t1 B_t1ᵀB_t1 + k_t2 B_t2ᵀB_t2. Shape: `parameters` `[n_contacts]`.
-    #[must_use]
-    pub fn stuck_frequencies(&self, parameters: &[ContactParameters<f64>]) -> Option<Vec<f64>> {
+    ///
+    /// # Errors
+    /// [`LinalgError`] if the matrices are not what the model promises.
+    pub fn stuck_frequencies(
+        &self,
+        parameters: &[ContactParameters<f64>],
+    ) -> Result<Vec<f64>, LinalgError> {
         assert_eq!(
             parameters.len(),
             self.contacts.len(),
@@ -66,6 +40,12 @@ impl ReducedModel {
                 }
             }
         }
-        Some(modes(stiffness.as_ref(), self.mass.as_ref())?.omega)
+        frequencies(&stiffness, &self.mass)
     }
+}
+
+/// √λ of K φ = λ M φ.
+fn frequencies(stiffness: &Mat<f64>, mass: &Mat<f64>) -> Result<Vec<f64>, LinalgError> {
+    let (lambda, _) = symmetric_generalized_eigen(stiffness.as_ref(), mass.as_ref())?;
+    Ok(lambda.iter().map(|l| l.max(0.0).sqrt()).collect())
 }

@@ -1,8 +1,8 @@
 //! What a study is about to compute: sizes, linear frequencies, memory and time.
 
-use crate::Error;
 use super::frequency::FrequencyUnit;
 use super::read::Study;
+use crate::Error;
 use crate::sampling::Input;
 
 /// Number of frequencies that are shown.
@@ -51,14 +51,14 @@ pub struct Inspection {
 /// Whatever building the model refuses; [`Error::Command`] if its eigenvalue problem fails.
 pub fn inspect(study: &Study) -> Result<Inspection, Error> {
     let (model, parameters) = study.build_model()?;
-    let no_modes = || Error::Command {
+    let no_modes = |error| Error::Command {
         path: study.path.clone(),
-        message: "the eigenvalue problem of stiffness and mass failed".to_owned(),
+        message: format!("linear modes of the model: {error}"),
     };
     let unit = study.frequency.unit;
     let in_unit = |omega: Vec<f64>| omega.iter().map(|w| unit.of_rad_s(*w)).collect::<Vec<_>>();
-    let free = in_unit(model.free_frequencies().ok_or_else(no_modes)?);
-    let stuck = in_unit(model.stuck_frequencies(&parameters).ok_or_else(no_modes)?);
+    let free = in_unit(model.free_frequencies().map_err(no_modes)?);
+    let stuck = in_unit(model.stuck_frequencies(&parameters).map_err(no_modes)?);
     let names = |rows: &[crate::model::Response]| rows.iter().map(|r| r.name.clone()).collect();
     let unknowns = unknowns(study, model.n_contacts());
     Ok(Inspection {
@@ -69,7 +69,12 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         warnings: warnings(study, &free),
         free: free.into_iter().take(SHOWN).collect(),
         stuck: stuck.into_iter().take(SHOWN).collect(),
-        inputs: study.design.inputs().iter().map(|(i, _)| Input::name(*i)).collect(),
+        inputs: study
+            .design
+            .inputs()
+            .iter()
+            .map(|(i, _)| Input::name(*i))
+            .collect(),
         samples: study.samples,
         levels: study.levels.clone(),
         unknowns,
@@ -82,9 +87,10 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
 /// Three relative displacements per pair and coefficient.
 fn unknowns(study: &Study, n_contacts: usize) -> [usize; 2] {
     let first = study.solver.harmonics.n_coefficients();
-    let highest = study.solver.alert.map_or(first, |alert| {
-        first.max(2 * alert.highest_harmonic + 1)
-    });
+    let highest = study
+        .solver
+        .alert
+        .map_or(first, |alert| first.max(2 * alert.highest_harmonic + 1));
     [first, highest].map(|n| 3 * n_contacts * n)
 }
 

@@ -12,5 +12,5 @@ pub mod tables;
 
 pub use frequency::{FrequencySettings, FrequencyUnit, Points};
 pub use inspect::{Inspection, inspect};
-pub use output::OutputSettings;
+pub use output::{OutputFolder, OutputSettings};
 pub use read::{ModelSettings, Study};

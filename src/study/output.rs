@@ -85,7 +85,8 @@ impl OutputFolder {
     ) -> Result<PathBuf, Error> {
         let path = self.0.join(name);
         let partial = self.0.join(format!(".{name}.partial"));
-        let written = write_through(&partial, content).and_then(|()| std::fs::rename(&partial, &path));
+        let written =
+            write_through(&partial, content).and_then(|()| std::fs::rename(&partial, &path));
         match written {
             Ok(()) => Ok(path),
             Err(source) => {

@@ -138,12 +138,14 @@ impl Study {
                 let parameters = interface.parameters(&model.contacts);
                 Ok((model, parameters))
             }
-            ModelSettings::Matrices(settings) => settings
-                .build(&self.name, self.folder())
-                .map_err(|error| match error {
-                    MatricesError::Setting(bad) => self.bad_setting(&bad.under("model")),
-                    error => Error::Matrices(error),
-                }),
+            ModelSettings::Matrices(settings) => {
+                settings
+                    .build(&self.name, self.folder())
+                    .map_err(|error| match error {
+                        MatricesError::Setting(bad) => self.bad_setting(&bad.under("model")),
+                        error => Error::Matrices(error),
+                    })
+            }
         }
     }
 

@@ -51,8 +51,14 @@ impl ContactSection {
     pub fn refuse_interface(&self) -> Result<(), BadSetting> {
         let share = self.share.map(|share| format!("{share:?}"));
         let given = [
-            ("normal_stiffness_n_per_um", number(self.normal_stiffness_n_per_um)),
-            ("tangential_stiffness_n_per_um", number(self.tangential_stiffness_n_per_um)),
+            (
+                "normal_stiffness_n_per_um",
+                number(self.normal_stiffness_n_per_um),
+            ),
+            (
+                "tangential_stiffness_n_per_um",
+                number(self.tangential_stiffness_n_per_um),
+            ),
             ("friction_coefficient", number(self.friction_coefficient)),
             ("share", share),
         ];
