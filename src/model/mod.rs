@@ -8,7 +8,41 @@ pub mod matrix_contacts;
 mod matrix_market;
 pub mod modes;
 
+mod craig_bampton;
+pub mod two_blade;
+
+pub use craig_bampton::CraigBampton;
+
+use crate::fe::FeError;
+use crate::linalg::LinalgError;
+use crate::setting::BadSetting;
 use faer::Mat;
+
+/// Why a model cannot be built.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ModelError {
+    /// A setting breaks a rule.
+    #[error(transparent)]
+    Setting(#[from] BadSetting),
+    /// The finite element mesh is no model.
+    #[error(transparent)]
+    Fe(#[from] FeError),
+    /// A factorisation or eigenvalue problem has no answer.
+    #[error(transparent)]
+    Linalg(#[from] LinalgError),
+    /// A master node is clamped or not in the mesh.
+    #[error("no free node at {position:?} m")]
+    NoFreeNode {
+        /// Where it was expected (m).
+        position: [f64; 3],
+    },
+    /// The blade has no second mode that moves mainly in x.
+    #[error("no neck bending among the first {searched} blade modes")]
+    NoNeckBending {
+        /// Number of modes searched.
+        searched: usize,
+    },
+}
 
 /// A linear form on the degrees of freedom: Σ weight · q[dof]. Empty = the direction is absent.
 pub type SparseRow = Vec<(usize, f64)>;

@@ -1,0 +1,94 @@
+//! Meshes of hexahedra on a tensor grid.
+
+/// Axis-parallel box (m).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cuboid {
+    /// Corner with the smallest coordinates.
+    pub min: [f64; 3],
+    /// Corner with the largest coordinates.
+    pub max: [f64; 3],
+}
+
+impl Cuboid {
+    fn contains(&self, point: [f64; 3]) -> bool {
+        (0..3).all(|i| self.min[i] < point[i] && point[i] < self.max[i])
+    }
+}
+
+/// Hexahedral mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HexMesh {
+    /// Node positions (m).
+    pub nodes: Vec<[f64; 3]>,
+    /// Corner nodes of every element in the order of [`super::hex8::CORNERS`].
+    pub elements: Vec<[usize; 8]>,
+}
+
+impl HexMesh {
+    /// The node at `position`, within a millionth of the mesh's extent.
+    #[must_use]
+    pub fn node_at(&self, position: [f64; 3]) -> Option<usize> {
+        let reach = |x: &[f64; 3]| x.iter().fold(0.0, |r: f64, c| r.max(c.abs()));
+        let tolerance = 1e-6 * self.nodes.iter().map(reach).fold(0.0, f64::max);
+        self.nodes
+            .iter()
+            .position(|x| (0..3).all(|i| (x[i] - position[i]).abs() <= tolerance))
+    }
+}
+
+/// Grid lines through all of `required`, further divided into equal steps of at most `step`.
+///
+/// Required lines closer than a millionth of their span are one line.
+#[must_use]
+pub fn grid_lines(required: &[f64], step: f64) -> Vec<f64> {
+    let mut sorted = required.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let span = sorted.last().unwrap_or(&0.0) - sorted.first().unwrap_or(&0.0);
+    sorted.dedup_by(|b, a| *b - *a <= 1e-6 * span);
+    let mut lines = Vec::new();
+    for pair in sorted.windows(2) {
+        // The small allowance keeps a length of exactly n steps at n steps despite round-off.
+        let n = ((pair[1] - pair[0]) / step - 1e-9).ceil().max(1.0);
+        let n_steps = n as usize;
+        lines.extend((0..n_steps).map(|i| pair[0] + (pair[1] - pair[0]) * i as f64 / n));
+    }
+    lines.extend(sorted.last());
+    lines
+}
+
+/// Mesh of the grid cells whose centre lies in one of the boxes; boxes that touch share their nodes.
+///
+/// The grid must have lines at all faces of the boxes.
+#[must_use]
+pub fn tensor_mesh(lines: &[Vec<f64>; 3], boxes: &[Cuboid]) -> HexMesh {
+    let n = [lines[0].len(), lines[1].len(), lines[2].len()];
+    let mut number = vec![usize::MAX; n[0] * n[1] * n[2]];
+    let mut mesh = HexMesh {
+        nodes: Vec::new(),
+        elements: Vec::new(),
+    };
+    let cells = |axis: usize| 0..n[axis].saturating_sub(1);
+    for k in cells(2) {
+        for j in cells(1) {
+            for i in cells(0) {
+                let middle = |axis: usize, c: usize| 0.5 * (lines[axis][c] + lines[axis][c + 1]);
+                let centre = [middle(0, i), middle(1, j), middle(2, k)];
+                if !boxes.iter().any(|b| b.contains(centre)) {
+                    continue;
+                }
+                mesh.elements.push(super::hex8::CORNERS.map(|corner| {
+                    let up = |axis: usize| usize::from(corner[axis] > 0.0);
+                    let at = [i + up(0), j + up(1), k + up(2)];
+                    let slot = &mut number[at[0] + n[0] * (at[1] + n[1] * at[2])];
+                    if *slot == usize::MAX {
+                        *slot = mesh.nodes.len();
+                        mesh.nodes
+                            .push(std::array::from_fn(|axis| lines[axis][at[axis]]));
+                    }
+                    *slot
+                }));
+            }
+        }
+    }
+    mesh
+}

@@ -1,0 +1,178 @@
+//! Component mode synthesis with fixed interfaces.
+//!
+//! u = Ψ q with q = (master displacements, modal coordinates): Ψ = [ I 0 ; −K_ii⁻¹ K_ib Φ_i ].
+//! Source: Craig & Bampton 1968, AIAA J. 6, 1313.
+
+use crate::fe::FeModel;
+use crate::linalg::{LinalgError, lowest_modes, symmetric_generalized_eigen};
+use crate::units::rad_s_to_hz;
+use faer::linalg::solvers::Solve;
+use faer::sparse::{SparseColMat, Triplet};
+use faer::{Mat, Side};
+
+/// A component reduced to its master degrees of freedom and fixed-interface modes.
+#[derive(Debug, Clone)]
+pub struct CraigBampton {
+    /// Number of masters b; they come first in q, in the order given.
+    pub n_masters: usize,
+    /// Ψ, n_full × (b + modes): recovers the full displacement.
+    pub basis: Mat<f64>,
+    /// ΨᵀKΨ: block diagonal, statically condensed masters and λ of the modes.
+    pub stiffness: Mat<f64>,
+    /// ΨᵀMΨ.
+    pub mass: Mat<f64>,
+    /// Frequency of the first fixed-interface mode that was left out (Hz); infinite if none was.
+    pub cut_off: f64,
+}
+
+impl CraigBampton {
+    /// Keeps `masters` (distinct degrees of freedom of `fe`) and the `n_modes` lowest modes with masters fixed.
+    ///
+    /// # Errors
+    /// [`LinalgError`] if fixing the masters leaves rigid-body motion, or the modes do not converge.
+    pub fn new(fe: &FeModel, masters: &[usize], n_modes: usize) -> Result<Self, LinalgError> {
+        let parts = Partition::new(fe.n_dofs(), masters);
+        let k_ii = parts.inner_block(&fe.stiffness);
+        let m_ii = parts.inner_block(&fe.mass);
+        let modes = lowest_modes(&k_ii, &m_ii, n_modes + 1, 0.0)?;
+        let n_modes = n_modes.min(parts.inner.len());
+        let factor =
+            k_ii.sp_cholesky(Side::Lower)
+                .map_err(|_| LinalgError::NotPositiveDefinite {
+                    matrix: "stiffness with fixed masters",
+                })?;
+        let k_ib = parts.coupling(&fe.stiffness);
+        let constraint = -factor.solve(&k_ib);
+        let (b, n) = (masters.len(), masters.len() + n_modes);
+        let mut basis = Mat::zeros(fe.n_dofs(), n);
+        for (column, &dof) in masters.iter().enumerate() {
+            basis[(dof, column)] = 1.0;
+        }
+        for (row, &dof) in parts.inner.iter().enumerate() {
+            for column in 0..n {
+                basis[(dof, column)] = if column < b {
+                    constraint[(row, column)]
+                } else {
+                    modes.shapes[(row, column - b)]
+                };
+            }
+        }
+        let condensed = parts.masters_block(&fe.stiffness) + k_ib.transpose() * &constraint;
+        let mut stiffness = Mat::zeros(n, n);
+        stiffness.submatrix_mut(0, 0, b, b).copy_from(&condensed);
+        for (i, lambda) in modes.lambda.iter().take(n_modes).enumerate() {
+            stiffness[(b + i, b + i)] = *lambda;
+        }
+        Ok(Self {
+            n_masters: b,
+            mass: symmetric(&(basis.transpose() * (&fe.mass * &basis))),
+            stiffness: symmetric(&stiffness),
+            basis,
+            cut_off: modes
+                .lambda
+                .get(n_modes)
+                .map_or(f64::INFINITY, |l| rad_s_to_hz(l.sqrt())),
+        })
+    }
+
+    /// Number of reduced coordinates.
+    #[must_use]
+    pub fn n_dofs(&self) -> usize {
+        self.mass.nrows()
+    }
+
+    /// λ ascending ((rad/s)²) and M-orthonormal modes of the reduced component.
+    ///
+    /// # Errors
+    /// [`LinalgError`] if the reduced matrices are not definite.
+    pub fn modes(&self) -> Result<(Vec<f64>, Mat<f64>), LinalgError> {
+        symmetric_generalized_eigen(self.stiffness.as_ref(), self.mass.as_ref())
+    }
+}
+
+/// (A + Aᵀ)/2: removes the unsymmetric round-off of products.
+fn symmetric(a: &Mat<f64>) -> Mat<f64> {
+    Mat::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] + a[(j, i)]))
+}
+
+/// Where each degree of freedom went.
+#[derive(Clone, Copy)]
+enum Place {
+    Master(usize),
+    Inner(usize),
+}
+
+/// Split of the degrees of freedom into masters and inner ones.
+struct Partition {
+    place: Vec<Place>,
+    inner: Vec<usize>,
+    n_masters: usize,
+}
+
+impl Partition {
+    fn new(n_dofs: usize, masters: &[usize]) -> Self {
+        let mut place = vec![Place::Inner(0); n_dofs];
+        for (i, &dof) in masters.iter().enumerate() {
+            assert!(
+                matches!(place[dof], Place::Inner(_)),
+                "master {dof} is listed twice"
+            );
+            place[dof] = Place::Master(i);
+        }
+        let mut inner = Vec::new();
+        for (dof, slot) in place.iter_mut().enumerate() {
+            if let Place::Inner(i) = slot {
+                *i = inner.len();
+                inner.push(dof);
+            }
+        }
+        Self {
+            place,
+            inner,
+            n_masters: masters.len(),
+        }
+    }
+
+    /// Entries of the full matrix with the places of row and column.
+    fn entries<'a>(
+        &'a self,
+        full: &'a SparseColMat<usize, f64>,
+    ) -> impl Iterator<Item = (Place, Place, f64)> + 'a {
+        full.triplet_iter()
+            .map(|t| (self.place[t.row], self.place[t.col], *t.val))
+    }
+
+    fn inner_block(&self, full: &SparseColMat<usize, f64>) -> SparseColMat<usize, f64> {
+        let entries: Vec<_> = self
+            .entries(full)
+            .filter_map(|entry| match entry {
+                (Place::Inner(row), Place::Inner(col), val) => Some(Triplet { row, col, val }),
+                _ => None,
+            })
+            .collect();
+        let n = self.inner.len();
+        SparseColMat::try_new_from_triplets(n, n, &entries)
+            .unwrap_or_else(|_| unreachable!("indices come from the partition"))
+    }
+
+    /// Rows inner, columns masters.
+    fn coupling(&self, full: &SparseColMat<usize, f64>) -> Mat<f64> {
+        let mut block = Mat::zeros(self.inner.len(), self.n_masters);
+        for entry in self.entries(full) {
+            if let (Place::Inner(row), Place::Master(col), val) = entry {
+                block[(row, col)] = val;
+            }
+        }
+        block
+    }
+
+    fn masters_block(&self, full: &SparseColMat<usize, f64>) -> Mat<f64> {
+        let mut block = Mat::zeros(self.n_masters, self.n_masters);
+        for entry in self.entries(full) {
+            if let (Place::Master(row), Place::Master(col), val) = entry {
+                block[(row, col)] = val;
+            }
+        }
+        block
+    }
+}

@@ -1,0 +1,136 @@
+//! Linear limits of the rig: no contact and all contacts stuck.
+
+use super::{TwoBladeModel, frequencies};
+use crate::linalg::{LinalgError, symmetric_generalized_eigen};
+use crate::model::SparseRow;
+use faer::Mat;
+
+/// Modes of the rig with linear contact springs.
+#[derive(Debug, Clone)]
+pub struct LinearModes {
+    /// Natural frequencies, ascending (Hz).
+    pub frequencies: Vec<f64>,
+    /// Mass-normalised shapes, one per column.
+    pub shapes: Mat<f64>,
+}
+
+/// A mode found by its shape.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrackedMode {
+    /// Index among all modes of the rig.
+    pub index: usize,
+    /// Frequency (Hz).
+    pub frequency: f64,
+    /// Correlation with the free mode, (φᵀMφ₀)² for mass-normalised shapes: 1 is identity.
+    pub correlation: f64,
+}
+
+impl TwoBladeModel {
+    /// Frequency of neck bending without strip (Hz): the second blade mode that moves mainly in x.
+    #[must_use]
+    pub fn free_neck_bending(&self) -> f64 {
+        frequencies(&self.blade_modes.lambda)[self.blade_modes.x_bending[1]]
+    }
+
+    /// Frequency of the blade's first bending in x without strip (Hz).
+    #[must_use]
+    pub fn free_first_bending(&self) -> f64 {
+        frequencies(&self.blade_modes.lambda)[self.blade_modes.x_bending[0]]
+    }
+
+    /// Modes with springs k_n, k_t (N/m) in all contact pairs, all stuck and closed: K + Σ BᵀkB, without retention.
+    ///
+    /// Shape: both `[n_contacts]`; k_t holds for both tangential directions.
+    ///
+    /// # Errors
+    /// [`LinalgError`] if the eigenvalue problem fails.
+    pub fn stuck_modes(&self, k_n: &[f64], k_t: &[f64]) -> Result<LinearModes, LinalgError> {
+        assert!(
+            k_n.len() == self.reduced.n_contacts() && k_t.len() == k_n.len(),
+            "one stiffness per contact pair"
+        );
+        let mut stiffness = self.reduced.stiffness.clone();
+        for (i, pair) in self.reduced.contacts.iter().enumerate() {
+            add_spring(&mut stiffness, &pair.t1, k_t[i]);
+            add_spring(&mut stiffness, &pair.t2, k_t[i]);
+            add_spring(&mut stiffness, &pair.n, k_n[i]);
+        }
+        let (lambda, shapes) =
+            symmetric_generalized_eigen(stiffness.as_ref(), self.reduced.mass.as_ref())?;
+        Ok(LinearModes {
+            frequencies: frequencies(&lambda),
+            shapes,
+        })
+    }
+
+    /// Equal springs: each pair has the interface stiffness (N/m) over the number of pairs of the interface.
+    ///
+    /// # Errors
+    /// [`LinalgError`] if the eigenvalue problem fails.
+    pub fn stuck_neck_bending(
+        &self,
+        interface_k_n: f64,
+        interface_k_t: f64,
+    ) -> Result<TrackedMode, LinalgError> {
+        let n = self.reduced.n_contacts();
+        let per_interface = 0.5 * n as f64;
+        let k_n = vec![interface_k_n / per_interface; n];
+        let k_t = vec![interface_k_t / per_interface; n];
+        Ok(self.neck_bending_in(&self.stuck_modes(&k_n, &k_t)?))
+    }
+
+    /// The mode most like in-phase neck bending of the free blades.
+    #[must_use]
+    pub fn neck_bending_in(&self, modes: &LinearModes) -> TrackedMode {
+        let free = self.in_phase_shape(self.blade_modes.x_bending[1]);
+        let projections = (&self.reduced.mass * free).transpose() * &modes.shapes;
+        let correlation = |k: usize| projections[(0, k)].powi(2);
+        let index = (0..modes.frequencies.len())
+            .max_by(|&a, &b| correlation(a).total_cmp(&correlation(b)))
+            .unwrap_or(0);
+        TrackedMode {
+            index,
+            frequency: modes.frequencies[index],
+            correlation: correlation(index),
+        }
+    }
+
+    /// Motion of the platforms against each other in the first two in-phase bending modes, per side: root mean square
+    /// of |u₁ − u₂|/2 over the contact nodes, as a fraction of the response point's motion.
+    #[must_use]
+    pub fn relative_platform_motion(&self) -> [f64; 2] {
+        self.blade_modes.x_bending.map(|mode| {
+            let shape = self.in_phase_shape(mode);
+            let n_blade = self.blade_modes.mirror.len();
+            let n_contact = self.reduced.n_contacts() / 2;
+            let relative: f64 = (0..3 * n_contact)
+                .map(|dof| 0.5 * (shape[(dof, 0)] - shape[(n_blade + dof, 0)]))
+                .map(|u| u * u)
+                .sum();
+            let response = &self.reduced.responses[0].row;
+            let reference: f64 = response.iter().map(|&(dof, w)| w * shape[(dof, 0)]).sum();
+            (relative / n_contact as f64).sqrt() / reference.abs()
+        })
+    }
+
+    /// Mass-normalised shape in which both blades have mode `mode` with equal motion in x, the strip at rest.
+    fn in_phase_shape(&self, mode: usize) -> Mat<f64> {
+        let blade = self.blade_modes.shapes.col(mode);
+        let n = self.blade_modes.mirror.len();
+        let mut shape = Mat::zeros(self.reduced.n_dofs(), 1);
+        for q in 0..n {
+            shape[(q, 0)] = blade[q] / 2f64.sqrt();
+            shape[(n + q, 0)] = -self.blade_modes.mirror[q] * blade[q] / 2f64.sqrt();
+        }
+        shape
+    }
+}
+
+/// K += k w wᵀ.
+fn add_spring(stiffness: &mut Mat<f64>, row: &SparseRow, k: f64) {
+    for &(i, w_i) in row {
+        for &(j, w_j) in row {
+            stiffness[(i, j)] += k * w_i * w_j;
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! Geometry, material, damping and loads of the rig, as a user writes them.
+
+use crate::setting::{BadSetting, non_negative, positive};
+
+/// Relative sign of the two excitation forces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Phase {
+    /// Equal forces in x: both blades move the same way, the platforms' edges shear and lift against each other.
+    InPhase,
+    /// Mirrored forces: the gap opens and closes.
+    OutOfPhase,
+}
+
+/// The rig: two mirror-image blades, each a clamped neck, a platform and an airfoil, and a strip under both platforms.
+///
+/// Axes: x from blade 1 to blade 2, y along the gap, z radially outwards. Blade 1 is the one at x < 0.
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, serde::Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TwoBladeSettings {
+    /// Neck, x × y × z (mm); clamped at its foot.
+    pub neck_mm: [f64; 3],
+    /// Platform on top of the neck, x × y × z (mm).
+    pub platform_mm: [f64; 3],
+    /// Airfoil on top of the platform, x × y × z (mm).
+    pub airfoil_mm: [f64; 3],
+    /// Offset of the airfoil in y (mm); couples bending and torsion.
+    pub airfoil_offset_mm: f64,
+    /// Gap between the platforms (mm).
+    pub gap_mm: f64,
+    /// Strip, x × y × z (mm), centred under the gap.
+    pub strip_mm: [f64; 3],
+    /// Young's modulus of blades and strip (GPa).
+    pub youngs_modulus_gpa: f64,
+    /// Poisson's ratio.
+    pub poisson_ratio: f64,
+    /// Density (kg/m³).
+    pub density_kg_m3: f64,
+    /// Contact nodes per interface, [across the gap, along it].
+    pub contact_nodes: [usize; 2],
+    /// Longest element edge in the blades (mm).
+    pub blade_element_mm: f64,
+    /// Longest element edge in the strip (mm); one layer through its thickness.
+    pub strip_element_mm: f64,
+    /// Fixed-interface modes kept per blade.
+    pub blade_modes: usize,
+    /// Fixed-interface modes kept of the strip.
+    pub strip_modes: usize,
+    /// Damping ratio of every blade mode.
+    pub blade_damping_ratio: f64,
+    /// Damping ratio of the strip at 1 kHz; grows with frequency (stiffness-proportional).
+    pub strip_damping_ratio: f64,
+    /// Centrifugal load on the strip (N), towards +z.
+    pub centrifugal_load_n: f64,
+    /// Share of the load of each contact node (any scale), in the order of the contact pairs; without it the load is
+    /// a uniform body force.
+    pub pressure_weights: Option<Vec<f64>>,
+    /// Stiffness that holds the mean in-plane motion of the strip, harmonic 0 only (N/m). It decides nothing but
+    /// the position at which a strip in gross slip settles.
+    pub retention_n_per_m: f64,
+    /// Height of the excited point over the airfoil's root, as a fraction of the airfoil.
+    pub excitation_height: f64,
+    /// Direction of the force on blade 1.
+    pub excitation_direction: [f64; 3],
+    /// Sign of the force on blade 2.
+    pub excitation_phase: Phase,
+    /// Height of the response point over the airfoil's root, as a fraction of the airfoil.
+    pub response_height: f64,
+}
+
+impl Default for TwoBladeSettings {
+    fn default() -> Self {
+        Self {
+            neck_mm: [26.0, 30.0, 23.4],
+            platform_mm: [35.9, 50.0, 17.0],
+            airfoil_mm: [4.05, 20.0, 83.5],
+            airfoil_offset_mm: 15.0,
+            gap_mm: 0.45,
+            strip_mm: [10.0, 50.0, 0.4],
+            youngs_modulus_gpa: 210.0,
+            poisson_ratio: 0.3,
+            density_kg_m3: 7850.0,
+            contact_nodes: [3, 5],
+            blade_element_mm: 5.0,
+            strip_element_mm: 3.0,
+            blade_modes: 20,
+            strip_modes: 12,
+            blade_damping_ratio: 2e-4,
+            strip_damping_ratio: 2e-3,
+            centrifugal_load_n: 180.0,
+            pressure_weights: None,
+            retention_n_per_m: 1e7,
+            excitation_height: 0.0,
+            excitation_direction: [1.0, 0.0, 0.0],
+            excitation_phase: Phase::InPhase,
+            response_height: 0.722,
+        }
+    }
+}
+
+impl TwoBladeSettings {
+    /// Checks every rule, also those between the parts of the geometry.
+    ///
+    /// # Errors
+    /// The first [`BadSetting`].
+    pub fn validate(&self) -> Result<(), BadSetting> {
+        self.validate_geometry()?;
+        self.validate_discretisation()?;
+        self.validate_physics()
+    }
+
+    fn validate_geometry(&self) -> Result<(), BadSetting> {
+        let solids = [
+            ("neck_mm", self.neck_mm),
+            ("platform_mm", self.platform_mm),
+            ("airfoil_mm", self.airfoil_mm),
+            ("strip_mm", self.strip_mm),
+        ];
+        for (key, lengths) in solids {
+            for length in lengths {
+                positive(key, length)?;
+            }
+        }
+        positive("gap_mm", self.gap_mm)?;
+        let fits = |part: f64, offset: f64, whole: f64| part + 2.0 * offset.abs() <= whole + 1e-9;
+        for axis in 0..2 {
+            BadSetting::unless(
+                fits(self.neck_mm[axis], 0.0, self.platform_mm[axis]),
+                "neck_mm",
+                self.neck_mm[axis],
+                "must not be wider than the platform",
+            )?;
+        }
+        BadSetting::unless(
+            self.airfoil_mm[0] <= self.platform_mm[0]
+                && fits(
+                    self.airfoil_mm[1],
+                    self.airfoil_offset_mm,
+                    self.platform_mm[1],
+                ),
+            "airfoil_offset_mm",
+            self.airfoil_offset_mm,
+            "the airfoil must stand on the platform",
+        )?;
+        BadSetting::unless(
+            self.gap_mm < self.strip_mm[0],
+            "gap_mm",
+            self.gap_mm,
+            "must be narrower than the strip",
+        )?;
+        BadSetting::unless(
+            self.strip_mm[1] <= self.platform_mm[1] + 1e-9,
+            "strip_mm",
+            self.strip_mm[1],
+            "must not be longer than the platform",
+        )?;
+        let overhang = 0.5 * (self.platform_mm[0] - self.neck_mm[0]);
+        BadSetting::unless(
+            overhang + 1e-9 >= self.strip_overlap_mm(),
+            "strip_mm",
+            self.strip_mm[0],
+            "must fit under the platform without touching the neck",
+        )
+    }
+
+    fn validate_discretisation(&self) -> Result<(), BadSetting> {
+        positive("blade_element_mm", self.blade_element_mm)?;
+        positive("strip_element_mm", self.strip_element_mm)?;
+        BadSetting::unless(
+            self.contact_nodes.iter().all(|&n| n >= 2),
+            "contact_nodes",
+            format!("{:?}", self.contact_nodes),
+            "needs at least 2 nodes in each direction",
+        )?;
+        for (key, height) in [
+            ("excitation_height", self.excitation_height),
+            ("response_height", self.response_height),
+        ] {
+            BadSetting::unless(
+                (0.0..=1.0).contains(&height),
+                key,
+                height,
+                "must lie in 0 ..= 1",
+            )?;
+        }
+        Ok(())
+    }
+
+    fn validate_physics(&self) -> Result<(), BadSetting> {
+        positive("youngs_modulus_gpa", self.youngs_modulus_gpa)?;
+        positive("density_kg_m3", self.density_kg_m3)?;
+        BadSetting::unless(
+            self.poisson_ratio > -1.0 && self.poisson_ratio < 0.5,
+            "poisson_ratio",
+            self.poisson_ratio,
+            "must lie between -1 and 0.5",
+        )?;
+        non_negative("blade_damping_ratio", self.blade_damping_ratio)?;
+        non_negative("strip_damping_ratio", self.strip_damping_ratio)?;
+        positive("centrifugal_load_n", self.centrifugal_load_n)?;
+        positive("retention_n_per_m", self.retention_n_per_m)?;
+        BadSetting::unless(
+            self.excitation_direction.iter().all(|d| d.is_finite())
+                && self.excitation_direction.iter().any(|d| *d != 0.0),
+            "excitation_direction",
+            format!("{:?}", self.excitation_direction),
+            "must be a finite vector, not zero",
+        )?;
+        let Some(weights) = &self.pressure_weights else {
+            return Ok(());
+        };
+        let n_pairs = 2 * self.contact_nodes[0] * self.contact_nodes[1];
+        BadSetting::unless(
+            weights.len() == n_pairs
+                && weights.iter().all(|w| w.is_finite() && *w >= 0.0)
+                && weights.iter().sum::<f64>() > 0.0,
+            "pressure_weights",
+            format!("{} values", weights.len()),
+            &format!("needs {n_pairs} values >= 0, one per contact pair, not all zero"),
+        )
+    }
+
+    /// Width of the strip under one platform (mm).
+    #[must_use]
+    pub fn strip_overlap_mm(&self) -> f64 {
+        0.5 * (self.strip_mm[0] - self.gap_mm)
+    }
+}
