@@ -121,7 +121,12 @@ fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
     )?;
     writeln!(out, "responses           {}", list(&facts.response_names))?;
     let unit = facts.unit.name();
-    writeln!(out, "free frequencies    {} {unit}", numbers(&facts.free))?;
+    writeln!(
+        out,
+        "free frequencies    {} {unit} ({} rigid-body modes)",
+        numbers(&facts.free),
+        facts.n_rigid
+    )?;
     writeln!(out, "stuck frequencies   {} {unit}", numbers(&facts.stuck))?;
     let inputs = match facts.inputs.as_slice() {
         [] => "none".to_owned(),

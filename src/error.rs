@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::model::ModelError;
 use crate::model::matrices::MatricesError;
 
 /// Everything that ends a command with exit code 2.
@@ -29,6 +30,9 @@ pub enum Error {
     /// A file of the user's model breaks a rule.
     #[error(transparent)]
     Matrices(#[from] MatricesError),
+    /// The built-in model cannot be built from its settings.
+    #[error("model: {0}")]
+    Model(#[from] ModelError),
     /// The study lacks what the command needs, or the model has no such numbers.
     #[error("{}: {message}", path.display())]
     Command {

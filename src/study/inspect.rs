@@ -25,7 +25,9 @@ pub struct Inspection {
     pub contact_names: Vec<String>,
     /// Names of the responses.
     pub response_names: Vec<String>,
-    /// First natural frequencies without contact.
+    /// Number of rigid-body modes without contact.
+    pub n_rigid: usize,
+    /// First flexible natural frequencies without contact.
     pub free: Vec<f64>,
     /// First natural frequencies with every contact closed and stuck.
     pub stuck: Vec<f64>,
@@ -59,6 +61,8 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
     let in_unit = |omega: Vec<f64>| omega.iter().map(|w| unit.of_rad_s(*w)).collect::<Vec<_>>();
     let free = in_unit(model.free_frequencies().map_err(no_modes)?);
     let stuck = in_unit(model.stuck_frequencies(&parameters).map_err(no_modes)?);
+    let rigid_below = RIGID * free.last().copied().unwrap_or(0.0);
+    let n_rigid = free.iter().take_while(|f| **f <= rigid_below).count();
     let names = |rows: &[crate::model::Response]| rows.iter().map(|r| r.name.clone()).collect();
     let unknowns = unknowns(study, model.n_contacts());
     Ok(Inspection {
@@ -66,8 +70,9 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         unit,
         contact_names: model.contacts.iter().map(|c| c.name.clone()).collect(),
         response_names: names(&model.responses),
-        warnings: warnings(study, &free),
-        free: free.into_iter().take(SHOWN).collect(),
+        warnings: warnings(study, free.get(n_rigid).copied()),
+        n_rigid,
+        free: free.into_iter().skip(n_rigid).take(SHOWN).collect(),
         stuck: stuck.into_iter().take(SHOWN).collect(),
         inputs: study
             .design
@@ -108,13 +113,11 @@ fn time(study: &Study, unknowns: usize) -> f64 {
     study.samples as f64 * study.levels.len() as f64 * FACTORIZATIONS_PER_PEAK * solve
 }
 
-fn warnings(study: &Study, free: &[f64]) -> Vec<String> {
+fn warnings(study: &Study, flexible: Option<f64>) -> Vec<String> {
     let mut warnings = Vec::new();
-    let largest = free.last().copied().unwrap_or(0.0);
-    let flexible = free.iter().find(|f| **f > RIGID * largest);
     let [low, high] = PLAUSIBLE_HZ;
     match flexible {
-        Some(f) if study.frequency.unit == FrequencyUnit::Hertz && !(low..=high).contains(f) => {
+        Some(f) if study.frequency.unit == FrequencyUnit::Hertz && !(low..=high).contains(&f) => {
             warnings.push(format!(
                 "the first flexible frequency is {f:.3e} Hz: check the units of stiffness (N/m) and mass (kg)"
             ));

@@ -10,9 +10,10 @@ use super::tables::{ContactSection, SolverSection};
 use crate::Error;
 use crate::contact::ContactParameters;
 use crate::hb::HbSettings;
-use crate::model::ReducedModel;
 use crate::model::interface::InterfaceSettings;
 use crate::model::matrices::{MatricesError, MatricesSettings};
+use crate::model::two_blade::{self, TwoBladeSettings};
+use crate::model::{ModelError, ReducedModel};
 use crate::sampling::{Design, DistributionTable, Input};
 use crate::setting::BadSetting;
 
@@ -130,11 +131,13 @@ impl Study {
     pub fn build_model(&self) -> Result<(ReducedModel, Vec<ContactParameters<f64>>), Error> {
         match &self.model {
             ModelSettings::TwoBladeStrip { blades, interface } => {
-                let model = blades.build(&self.name);
-                let model = model.map_err(|message| Error::Command {
-                    path: self.path.clone(),
-                    message,
-                })?;
+                let mut model = two_blade::build(blades)
+                    .map_err(|error| match error {
+                        ModelError::Setting(bad) => self.bad_setting(&bad.under("model")),
+                        error => Error::Model(error),
+                    })?
+                    .reduced;
+                model.name.clone_from(&self.name);
                 let parameters = interface.parameters(&model.contacts);
                 Ok((model, parameters))
             }
@@ -218,19 +221,4 @@ fn design(document: &mut Document<'_>, seed: u64) -> Result<Design, Error> {
     }
     let design = Design::new(seed, inputs).map_err(|bad| bad.under("inputs"));
     document.checked(design)
-}
-
-/// Stands in for the built-in model's settings until that model is there.
-#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TwoBladeSettings {}
-
-impl TwoBladeSettings {
-    fn validate(&self) -> Result<(), BadSetting> {
-        Ok(())
-    }
-
-    fn build(&self, name: &str) -> Result<ReducedModel, String> {
-        Err(format!("the built-in model of {name} is not there yet"))
-    }
 }
