@@ -8,9 +8,11 @@ pub mod frequency;
 pub mod inspect;
 pub mod output;
 pub mod read;
+pub mod solve;
 pub mod tables;
 
 pub use frequency::{FrequencySettings, FrequencyUnit, Points};
 pub use inspect::{Inspection, inspect};
 pub use output::{OutputFolder, OutputSettings};
 pub use read::{ModelSettings, Study};
+pub use solve::{LevelCurve, write_curves};
