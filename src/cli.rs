@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use microslip::Error;
-use microslip::study::{Inspection, OutputFolder, Study, inspect};
+use microslip::study::{Inspection, OutputFolder, Progress, Study, inspect, solve};
 
 /// Exit code of every failure.
 const FAILURE: u8 = 2;
@@ -77,11 +77,56 @@ fn execute(command: &Command) -> Result<(), Error> {
             let inspection = inspect(&study)?;
             print(|out| show(out, &inspection))
         }
-        Command::Run(arguments) | Command::Solve(arguments) => {
+        Command::Solve(arguments) => {
+            let study = Study::read(&arguments.study)?;
+            let folder = output_folder(&study, arguments)?;
+            let bar = Bar::new(arguments.quiet);
+            let no_solver = |_: &_, _: &_, _| Err(not_there(&study));
+            solve(&study, &folder, no_solver, |p| bar.show(p))?;
+            Ok(())
+        }
+        Command::Run(arguments) => {
             let study = Study::read(&arguments.study)?;
             output_folder(&study, arguments)?;
             study.build_model()?;
-            Ok(())
+            Err(not_there(&study))
+        }
+    }
+}
+
+/// Until the solver is wired in.
+fn not_there(study: &Study) -> Error {
+    Error::Command {
+        path: study.path.clone(),
+        message: "this build has no solver yet; `microslip inspect` works".to_owned(),
+    }
+}
+
+/// Progress on standard error: a bar on a terminal, else one line per twentieth.
+struct Bar {
+    bar: indicatif::ProgressBar,
+    quiet: bool,
+}
+
+impl Bar {
+    fn new(quiet: bool) -> Self {
+        let bar = if quiet {
+            indicatif::ProgressBar::hidden()
+        } else {
+            indicatif::ProgressBar::new(0)
+        };
+        Self { bar, quiet }
+    }
+
+    fn show(&self, Progress { done, total }: Progress) {
+        self.bar.set_length(total);
+        self.bar.set_position(done);
+        let twentieth = |n: u64| 20 * n / total.max(1);
+        let step = done > 0 && twentieth(done) > twentieth(done - 1);
+        if !self.quiet && self.bar.is_hidden() && step {
+            let eta = self.bar.eta().as_secs();
+            // Progress that cannot be shown is no reason to stop.
+            let _ = writeln!(std::io::stderr(), "{done}/{total}, about {eta} s left");
         }
     }
 }

@@ -1,4 +1,8 @@
 //! The command line: bad input gives exit code 2 and one message that names file, line, key and rule.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot set up its files fails"
+)]
 
 use std::path::Path;
 use std::process::Output;

@@ -112,3 +112,51 @@ impl ContactTable {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::matrices::MatricesSettings;
+
+    /// Two masses without coupling: C = diag 2 ζ √(k m); a gap g is a preload −k_n g; a null weight is no entry.
+    ///
+    /// Seen to fail with ζ instead of 2 ζ.
+    #[test]
+    fn damping_preload_and_rows_of_a_small_model() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, a: f64, b: f64| {
+            let text = format!(
+                "%%MatrixMarket matrix coordinate real symmetric\n2 2 2\n1 1 {a}\n2 2 {b}\n"
+            );
+            std::fs::write(folder.path().join(name), text).unwrap();
+        };
+        write("m.mtx", 2.0, 0.5);
+        write("k.mtx", 8.0, 0.0);
+        let text = r#"
+            mass = "m.mtx"
+            stiffness = "k.mtx"
+            modal_damping_ratio = 0.1
+            cosine_force = { 1 = 1.0 }
+            static_force = { 2 = 3.0 }
+            responses = ["1", { name = "both", row = { 1 = 1.0, 2 = -1.0 } }]
+            [[contact]]
+            name = "c"
+            t1 = { 1 = 0.0, 2 = 1.0 }
+            n = { 2 = 2.0, 1 = 1.0 }
+            k_t1 = 4.0
+            k_n = 5.0
+            mu = 0.3
+            gap = 0.1
+        "#;
+        let settings: MatricesSettings = toml::from_str(text).unwrap();
+        let (model, parameters) = settings.build("small", folder.path()).unwrap();
+        assert!((model.damping[(0, 0)] - 0.2 * 4.0).abs() < 1e-12);
+        assert!(model.damping[(1, 1)].abs() < 1e-12);
+        assert_eq!(parameters[0].n_0, -0.5);
+        assert_eq!(parameters[0].k_t, [4.0, 0.0]);
+        assert_eq!(model.contacts[0].t1, [(1, 1.0)]);
+        assert_eq!(model.contacts[0].n, [(0, 1.0), (1, 2.0)]);
+        assert!(model.contacts[0].t2.is_empty());
+        assert_eq!(model.responses[1].row, [(0, 1.0), (1, -1.0)]);
+        assert_eq!(model.static_force, [0.0, 3.0]);
+    }
+}

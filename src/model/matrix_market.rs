@@ -107,3 +107,52 @@ fn explain(error: &MatrixMarketError) -> (Option<usize>, String) {
     };
     (line, rule)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Mat<f64>, MatricesError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.mtx");
+        std::fs::write(&path, text).unwrap();
+        read_matrix(&path)
+    }
+
+    /// Seen to fail with `=` instead of `+=` for the entry.
+    #[test]
+    fn every_storage_of_one_matrix_reads_the_same() {
+        let storages = [
+            "%%MatrixMarket matrix array real general\n2 2\n4\n-1\n-1\n3.5\n",
+            "%%MatrixMarket matrix array real symmetric\n% comment\n2 2\n4\n-1\n3.5\n",
+            "%%MatrixMarket matrix coordinate real symmetric\n2 2 3\n1 1 4\n2 1 -1.0e0\n2 2 3.5\n",
+            "%%matrixmarket matrix coordinate real general\n2 2 5\n1 1 4\n2 1 -1\n1 2 -1\n2 2 3\n2 2 .5\n",
+            "%%MatrixMarket matrix array real general\r\n2 2\r\n4\r\n-1\r\n-1\r\n3.5\r\n",
+        ];
+        for text in storages {
+            let a = read(text).unwrap();
+            let entries = [a[(0, 0)], a[(1, 0)], a[(0, 1)], a[(1, 1)]];
+            assert_eq!(entries, [4.0, -1.0, -1.0, 3.5], "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_real_matrix_is_refused_without_panic() {
+        let header = "%%MatrixMarket matrix coordinate real general";
+        let sizes = [
+            "2 2",
+            "2 2 1",
+            "2 2 1\n3 1 1.0",
+            "2 2 1\n1 1",
+            "0 0 0",
+            "-1 2 1",
+            "2 2 1\n1 1 1e",
+            "a b c",
+        ];
+        for size in sizes {
+            assert!(read(&format!("{header}\n{size}\n")).is_err(), "{size}");
+        }
+        assert!(read("%%MatrixMarket matrix coordinate pattern general\n1 1 1\n1 1\n").is_err());
+        assert!(read("%%MatrixMarket vector array real general\n1\n1\n").is_err());
+    }
+}

@@ -36,7 +36,7 @@ mod tests {
 
     /// Computed apart, from the published description of the cipher in exact integers.
     ///
-    /// Seen to fail with seed and sample exchanged.
+    /// Seen to fail with the seed as the nonce.
     #[test]
     fn known_answers_of_seed_sample_and_dimension() {
         assert_eq!(uniform(1, 0, 0), 0.574_492_268_609_940_2);

@@ -1,7 +1,7 @@
 //! The study file and the commands on it.
 //!
 //! Reads `study.toml` into the rooms' own settings ([`Study`]) and orchestrates them; holds no numerics.
-//! Start reading at [`Study::read`]; the commands are [`inspect`], `solve` and `run`.
+//! Start reading at [`Study::read`]; the commands are [`inspect()`], [`solve()`] and `run`.
 
 pub mod document;
 pub mod frequency;
@@ -15,4 +15,4 @@ pub use frequency::{FrequencySettings, FrequencyUnit, Points};
 pub use inspect::{Inspection, inspect};
 pub use output::{OutputFolder, OutputSettings};
 pub use read::{ModelSettings, Study};
-pub use solve::{LevelCurve, write_curves};
+pub use solve::{LevelCurve, Progress, solve, write_curves};

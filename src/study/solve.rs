@@ -11,8 +11,44 @@ use super::frequency::FrequencyUnit;
 use super::output::OutputFolder;
 use super::read::Study;
 use crate::Error;
+use crate::contact::ContactParameters;
 use crate::hb::{ContactFractions, CycleWork, Solution, Status};
 use crate::model::ReducedModel;
+
+/// How far a command has come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// Parts done.
+    pub done: u64,
+    /// All parts.
+    pub total: u64,
+}
+
+/// Computes the nominal forced response level by level and writes it.
+///
+/// `curve` gives the solutions at one level: by continuation over the band or at the prescribed frequencies, as
+/// `study.frequency.points` says. `progress` is called before the first level and after each.
+///
+/// # Errors
+/// Whatever building the model refuses; [`Error::File`] if a result cannot be written.
+pub fn solve(
+    study: &Study,
+    folder: &OutputFolder,
+    curve: impl Fn(&ReducedModel, &[ContactParameters<f64>], f64) -> Result<Vec<Solution>, Error>,
+    progress: impl Fn(Progress),
+) -> Result<Vec<LevelCurve>, Error> {
+    let (model, parameters) = study.build_model()?;
+    let total = study.levels.len() as u64;
+    let mut curves = Vec::new();
+    progress(Progress { done: 0, total });
+    for (&level, done) in study.levels.iter().zip(1..) {
+        let solutions = curve(&model, &parameters, level)?;
+        curves.push(LevelCurve { level, solutions });
+        progress(Progress { done, total });
+    }
+    write_curves(folder, study, &model, &curves)?;
+    Ok(curves)
+}
 
 /// Forced response at one excitation level.
 #[derive(Debug, Clone)]
