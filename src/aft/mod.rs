@@ -1,5 +1,15 @@
 //! Alternating frequency–time evaluation of contact forces on a batch of harmonic states.
 
+mod batch;
+mod circle;
+mod circle_tangent;
+mod evaluate;
+mod march;
+mod plan;
 pub mod settings;
+mod tangent;
 
+pub use batch::{AftBatch, AftForces, Block, Periodicity, StateSummary, Tangent, Want};
+pub use evaluate::evaluate;
+pub use plan::AftPlan;
 pub use settings::{AftSettings, Laps};

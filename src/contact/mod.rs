@@ -2,6 +2,11 @@
 //!
 //! Knows no finite elements, no harmonics and no files.
 
+pub mod law;
+mod real;
+
+pub use real::Real;
+
 /// Constants of one contact pair.
 ///
 /// Units: stiffness N/m, force N, displacement m. Sign: normal approach v > 0 is compression.

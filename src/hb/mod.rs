@@ -1,9 +1,28 @@
-//! Harmonic balance.
+//! Multi-harmonic balance with coupled static and dynamic equations.
+//!
+//! A [`LinearModel`] (once per study) and contact parameters (once per sample) make a [`Problem`]; a [`Balance`] is
+//! that problem on a harmonic set. Start reading at `balance` (the equations), then `newton`, `peak`.
 
+pub mod alert;
+pub mod balance;
+pub mod compliance;
+pub mod continuation;
+pub mod error;
+pub mod jacobian;
+pub mod linear;
+pub mod newton;
+pub mod peak;
+pub mod problem;
+pub mod resonance;
 pub mod settings;
 pub mod solution;
 pub mod status;
+pub mod track;
 
+pub use balance::Balance;
+pub use error::ProblemError;
+pub use linear::LinearModel;
+pub use problem::Problem;
 pub use settings::{AlertSettings, HbSettings, NewtonSettings, SliderAnchor};
 pub use solution::{ContactFractions, CycleWork, Solution};
 pub use status::Status;

@@ -1,7 +1,11 @@
 //! What one nonlinear solve returns.
 
+use super::balance::Balance;
+use super::newton::{Iterate, WorkCount};
 use super::status::Status;
 use crate::harmonics::HarmonicSet;
+use faer::prelude::c64;
+use std::f64::consts::PI;
 
 /// Shares of (pair, time) in each contact state; they add up to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
@@ -36,8 +40,10 @@ pub struct Solution {
     pub level: f64,
     /// Harmonics of the solution.
     pub harmonics: HarmonicSet,
-    /// Relative contact displacements (m). Shape: `[n_coefficients][3 · n_contacts]`, components t1, t2, n.
+    /// Relative contact displacements (m). Shape: `[n_coefficients][3 · n_contacts]`: t1 of every pair, t2, n.
     pub relative: Vec<f64>,
+    /// Total contact forces (N). Shape as `relative`.
+    pub force: Vec<f64>,
     /// Response coordinates (m). Shape: `[n_coefficients][n_responses]`.
     pub responses: Vec<f64>,
     /// Largest residual component over the displacement scale.
@@ -48,17 +54,83 @@ pub struct Solution {
     pub work: CycleWork,
     /// Estimated relative change of the amplitude by the harmonics left out.
     pub truncation_error: Option<f64>,
-    /// Newton iterations.
-    pub newton_iterations: usize,
-    /// Linear factorisations.
-    pub factorizations: usize,
+    /// Newton iterations and factorisations spent.
+    pub work_count: WorkCount,
 }
 
 impl Solution {
+    /// Everything reported of a solved iterate (or of the last iterate of a failed solve).
+    #[must_use]
+    pub fn new(balance: &Balance<'_>, iterate: &Iterate<'_>, status: Status, work_count: WorkCount) -> Self {
+        let model = balance.problem.model;
+        let rest: Vec<c64> = iterate.motion.rest.iter().map(|x| c64::new(*x, 0.0)).collect();
+        let mut responses: Vec<f64> = model.responses(&rest).iter().map(|y| y.re).collect();
+        for eta in &iterate.motion.dynamic {
+            let y = model.responses(eta);
+            responses.extend(y.iter().map(|y| y.re));
+            responses.extend(y.iter().map(|y| -y.im));
+        }
+        Self {
+            status,
+            omega: iterate.point.omega,
+            level: iterate.point.level,
+            harmonics: balance.harmonics.clone(),
+            relative: iterate.point.r.clone(),
+            force: iterate.contact.force.clone(),
+            responses,
+            residual: iterate.relative_residual(balance),
+            contact: ContactFractions::new(&iterate.contact.samples),
+            work: CycleWork::new(balance, iterate),
+            truncation_error: None,
+            work_count,
+        }
+    }
+
     /// Amplitude |q̂₁| of the first harmonic of response `i` (m).
     #[must_use]
     pub fn amplitude(&self, i: usize) -> f64 {
         let n = self.responses.len() / self.harmonics.n_coefficients();
         self.responses[n + i].hypot(self.responses[2 * n + i])
     }
+}
+
+impl ContactFractions {
+    /// Shares of the samples [stick, slip, separated] counted per pair.
+    #[must_use]
+    pub fn new(samples: &[[u32; 3]]) -> Self {
+        let total = f64::from(samples.iter().flatten().sum::<u32>().max(1));
+        let share = |state: usize| f64::from(samples.iter().map(|s| s[state]).sum::<u32>()) / total;
+        Self { stick: share(0), slip: share(1), separated: share(2) }
+    }
+}
+
+impl CycleWork {
+    /// ∮ f·q̇ dt of the excitation, ∮ q̇ᵀCq̇ dt, and ∮ F·ṙ dt of the contacts.
+    #[must_use]
+    pub fn new(balance: &Balance<'_>, iterate: &Iterate<'_>) -> Self {
+        let model = balance.problem.model;
+        let level = iterate.point.level;
+        let mut work = Self::default();
+        for (i, (h, eta)) in
+            iterate.compliance.harmonics.iter().zip(&iterate.motion.dynamic).enumerate()
+        {
+            let k = h.order as f64;
+            if h.order == 1 {
+                work.input = PI * level * power(&model.force, eta);
+            }
+            let damping: f64 = (model.damp(eta).iter().zip(eta))
+                .map(|(c_eta, eta)| (eta.conj() * c_eta).re)
+                .sum();
+            work.viscous += PI * k * k * iterate.point.omega * damping;
+            let force = balance.complex(i, &iterate.contact.force);
+            let relative = balance.complex(i, &iterate.point.r);
+            work.friction += PI * k * power(&force, &relative);
+        }
+        work
+    }
+}
+
+/// Im(f̂* · x̂)·(−1): work per cycle over π of the force f̂ on the displacement x̂ with q = Re q̂ e^{ikωt}.
+fn power(force: &[c64], displacement: &[c64]) -> f64 {
+    force.iter().zip(displacement).map(|(f, x)| -(f.conj() * x).im).sum()
 }

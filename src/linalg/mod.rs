@@ -1,8 +1,9 @@
-//! Linear algebra on top of faer: generalised eigenvalue problems, dense and sparse.
+//! Linear algebra on top of faer: generalised eigenvalue problems, dense and sparse, and GMRES.
 //!
 //! Knows nothing of structures; the names stiffness and mass are used because they are the pencil's usual names.
 
 mod dense_eigen;
+pub mod gmres;
 mod sparse_eigen;
 
 pub use dense_eigen::symmetric_generalized_eigen;

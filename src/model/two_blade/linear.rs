@@ -95,21 +95,24 @@ impl TwoBladeModel {
         }
     }
 
-    /// Motion of the platforms against each other in the first two in-phase bending modes, per side: root mean square
-    /// of |u₁ − u₂|/2 over the contact nodes, as a fraction of the response point's motion.
+    /// Motion of the platforms against each other in the first two in-phase bending modes, as [x, y, z] per mode:
+    /// root mean square of (u₁ − u₂)/2 over the contact nodes, as a fraction of the response point's motion.
     #[must_use]
-    pub fn relative_platform_motion(&self) -> [f64; 2] {
+    pub fn relative_platform_motion(&self) -> [[f64; 3]; 2] {
+        let n_blade = self.blade_modes.mirror.len();
+        let n_contact = self.reduced.n_contacts() / 2;
         self.blade_modes.x_bending.map(|mode| {
             let shape = self.in_phase_shape(mode);
-            let n_blade = self.blade_modes.mirror.len();
-            let n_contact = self.reduced.n_contacts() / 2;
-            let relative: f64 = (0..3 * n_contact)
-                .map(|dof| 0.5 * (shape[(dof, 0)] - shape[(n_blade + dof, 0)]))
-                .map(|u| u * u)
-                .sum();
             let response = &self.reduced.responses[0].row;
             let reference: f64 = response.iter().map(|&(dof, w)| w * shape[(dof, 0)]).sum();
-            (relative / n_contact as f64).sqrt() / reference.abs()
+            std::array::from_fn(|axis| {
+                let squares: f64 = (0..n_contact)
+                    .map(|node| 3 * node + axis)
+                    .map(|dof| 0.5 * (shape[(dof, 0)] - shape[(n_blade + dof, 0)]))
+                    .map(|u| u * u)
+                    .sum();
+                (squares / n_contact as f64).sqrt() / reference.abs()
+            })
         })
     }
 

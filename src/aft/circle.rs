@@ -1,0 +1,257 @@
+//! Steady cycle of the coupled (circle) law.
+//!
+//! One lap maps the two slider positions at its start to those at its end. The map shortens distances, so laps
+//! converge, but slowly where little slips; Newton's method on the two end tractions converges in a few laps. Where
+//! the map is the identity (no slip over a lap) every slider position is steady, and the one that plain laps reach
+//! from the anchor counts.
+
+use super::batch::Periodicity;
+use super::march::{LANES, Lane, LapCount, Workspace};
+use super::plan::AftPlan;
+use super::settings::Laps;
+use crate::contact::Real;
+use crate::contact::law::{anchored_at_closing, circle_step};
+
+/// Laps with Newton steps before the march goes on with plain laps.
+const NEWTON_LAPS: u32 = 30;
+/// Laps after which a cycle counts as not periodic.
+const MAX_LAPS: u32 = 200;
+/// Traction change over a lap, in rounding errors of the largest traction, below which the lap is periodic.
+const TOLERANCE: f64 = 256.0;
+
+/// How the lanes were marched.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cycle<T> {
+    /// Counts of the last lap.
+    pub count: LapCount<T>,
+    /// Sliders at the start of the last lap (m).
+    pub start: [Lane<T>; 2],
+    /// Laps of each state.
+    pub laps: [u32; LANES],
+    /// Periodicity of each state.
+    pub periodicity: [Periodicity; LANES],
+    /// Whether the derivative is that of plain laps from the anchor, not that of the steady cycle.
+    pub from_anchor: [bool; LANES],
+    /// In contact and stuck all the time.
+    pub stuck: [bool; LANES],
+}
+
+/// 2 × 2 identity for every lane.
+pub(super) fn identity<T: Real>() -> [Lane<T>; 4] {
+    [
+        [T::ONE; LANES],
+        [T::ZERO; LANES],
+        [T::ZERO; LANES],
+        [T::ONE; LANES],
+    ]
+}
+
+/// Marches the lanes of `work`; their tractions are then those of the last lap.
+pub(super) fn march<T: Real>(plan: &AftPlan<T>, work: &mut Workspace<T>) -> Cycle<T> {
+    let mut w = work.parameters.anchor;
+    let mut monodromy = identity();
+    let count = work.circle_lap::<true>(&mut w, &mut monodromy);
+    let mut cycle = Cycle {
+        stuck: std::array::from_fn(|l| count.slip[l] == T::ZERO && work.separated[l] == T::ZERO),
+        count,
+        start: work.parameters.anchor,
+        laps: [1; LANES],
+        periodicity: [Periodicity::DependsOnAnchor; LANES],
+        from_anchor: [true; LANES],
+    };
+    if cycle.stuck.iter().all(|&s| s) {
+        return cycle;
+    }
+    match plan.settings.laps {
+        Laps::Fixed(n) => cycle.fixed(work, n, w, monodromy),
+        Laps::Periodic => cycle.steady(work, w),
+    }
+    cycle
+}
+
+impl<T: Real> Cycle<T> {
+    /// The laps after the first one, which ended at `w`.
+    fn fixed(
+        &mut self,
+        work: &mut Workspace<T>,
+        laps: usize,
+        mut w: [Lane<T>; 2],
+        mut monodromy: [Lane<T>; 4],
+    ) {
+        for _ in 1..laps {
+            work.samples[0].closing = work.closing_over_end;
+            self.start = w;
+            monodromy = identity();
+            self.count = work.circle_lap::<true>(&mut w, &mut monodromy);
+        }
+        for l in 0..LANES {
+            if !self.stuck[l] {
+                self.laps[l] = u32::try_from(laps).unwrap_or(u32::MAX);
+            }
+            let change = change_over_lap(work, l, lane2(&self.start, l), lane2(&w, l));
+            let periodic = size(change) <= tolerance(work, l);
+            self.periodicity[l] = classify(periodic, &monodromy, l);
+        }
+    }
+
+    /// Steady cycle of every lane, from the sliders at the end of the first lap.
+    fn steady(&mut self, work: &mut Workspace<T>, w: [Lane<T>; 2]) {
+        work.samples[0].closing = work.closing_over_end;
+        self.start = w;
+        let mut search = [Search::default(); LANES];
+        for (search, &stuck) in search.iter_mut().zip(&self.stuck) {
+            search.done = stuck;
+        }
+        for lap in 2..=MAX_LAPS {
+            let (mut end, mut monodromy) = (self.start, identity());
+            self.count = work.circle_lap::<true>(&mut end, &mut monodromy);
+            for (l, search) in search.iter_mut().enumerate().filter(|(_, s)| !s.done) {
+                self.laps[l] = lap;
+                let change = change_over_lap(work, l, lane2(&self.start, l), lane2(&end, l));
+                let periodic = size(change) <= tolerance(work, l);
+                if periodic || lap == MAX_LAPS {
+                    search.done = true;
+                    self.periodicity[l] = classify(periodic, &monodromy, l);
+                    self.from_anchor[l] = is_singular(&monodromy, l);
+                } else {
+                    let step = search.step(change, lane4(&monodromy, l), lap);
+                    for d in 0..2 {
+                        self.start[d][l] += step[d] * work.parameters.flexibility[d][l];
+                    }
+                }
+            }
+            if search.iter().all(|s| s.done) {
+                break;
+            }
+        }
+        for (l, search) in search.iter().enumerate() {
+            if search.newton && self.from_anchor[l] {
+                self.plain_laps(work, l);
+            }
+        }
+    }
+
+    /// Plain laps of one lane from the anchor, where Newton's method ended in a cycle that is not unique.
+    fn plain_laps(&mut self, work: &mut Workspace<T>, l: usize) {
+        let mut w = lane2(&work.parameters.anchor, l);
+        self.periodicity[l] = Periodicity::NotPeriodic;
+        for lap in 1..=MAX_LAPS {
+            let start = w;
+            let slip = lap_of_lane(work, l, &mut w, lap == 1);
+            for d in 0..2 {
+                self.start[d][l] = start[d];
+            }
+            (self.laps[l], self.count.slip[l]) = (lap, slip);
+            let change = change_over_lap(work, l, start, w);
+            if lap > 1 && size(change) <= tolerance(work, l) {
+                self.periodicity[l] = Periodicity::DependsOnAnchor;
+                return;
+            }
+        }
+    }
+}
+
+/// Search for the steady slider of one lane.
+#[derive(Debug, Clone, Copy, Default)]
+struct Search<T> {
+    done: bool,
+    /// Whether a Newton step was made.
+    newton: bool,
+    /// Change over the lap before, while Newton steps are tried.
+    last: Option<T>,
+}
+
+impl<T: Real> Search<T> {
+    /// Change of k_t w for the next lap: a Newton step unless the last one failed to halve the change over a lap.
+    fn step(&mut self, change: [T; 2], m: [T; 4], lap: u32) -> [T; 2] {
+        let now = size(change);
+        let failed = self.last.is_some_and(|last| now + now > last);
+        let determinant = determinant_of_identity_minus(m);
+        if failed || lap > NEWTON_LAPS || determinant <= T::EPSILON.sqrt() {
+            self.last = None;
+            return change;
+        }
+        (self.last, self.newton) = (Some(now), true);
+        solve_identity_minus(m, change)
+    }
+}
+
+/// x of (I − M) x = b.
+pub(super) fn solve_identity_minus<T: Real>(m: [T; 4], b: [T; 2]) -> [T; 2] {
+    let determinant = determinant_of_identity_minus(m);
+    let (a, d) = (T::ONE - m[0], T::ONE - m[3]);
+    [
+        (d * b[0] + m[1] * b[1]) / determinant,
+        (a * b[1] + m[2] * b[0]) / determinant,
+    ]
+}
+
+fn determinant_of_identity_minus<T: Real>(m: [T; 4]) -> T {
+    (T::ONE - m[0]) * (T::ONE - m[3]) - m[1] * m[2]
+}
+
+fn is_singular<T: Real>(monodromy: &[Lane<T>; 4], l: usize) -> bool {
+    determinant_of_identity_minus(lane4(monodromy, l)) <= T::EPSILON.sqrt()
+}
+
+fn classify<T: Real>(periodic: bool, monodromy: &[Lane<T>; 4], l: usize) -> Periodicity {
+    match (periodic, is_singular(monodromy, l)) {
+        (false, _) => Periodicity::NotPeriodic,
+        (true, true) => Periodicity::DependsOnAnchor,
+        (true, false) => Periodicity::Unique,
+    }
+}
+
+/// Largest change of a traction over a lap that counts as rounding (N).
+pub(super) fn tolerance<T: Real>(work: &Workspace<T>, l: usize) -> T {
+    T::from_f64(TOLERANCE) * T::EPSILON * work.scale[l]
+}
+
+/// Change of k_t w over a lap (N).
+pub(super) fn change_over_lap<T: Real>(
+    work: &Workspace<T>,
+    l: usize,
+    start: [T; 2],
+    end: [T; 2],
+) -> [T; 2] {
+    let k_t = work.parameters.of(l).k_t;
+    [k_t[0] * (end[0] - start[0]), k_t[1] * (end[1] - start[1])]
+}
+
+pub(super) fn size<T: Real>(x: [T; 2]) -> T {
+    (x[0] * x[0] + x[1] * x[1]).sqrt()
+}
+
+pub(super) fn lane2<T: Copy>(x: &[Lane<T>; 2], l: usize) -> [T; 2] {
+    [x[0][l], x[1][l]]
+}
+
+fn lane4<T: Copy>(x: &[Lane<T>; 4], l: usize) -> [T; 4] {
+    [x[0][l], x[1][l], x[2][l], x[3][l]]
+}
+
+/// One lap of one lane; returns the number of samples that slip.
+fn lap_of_lane<T: Real>(work: &mut Workspace<T>, l: usize, w: &mut [T; 2], first: bool) -> T {
+    let p = work.parameters;
+    let mut slip = T::ZERO;
+    for (i, s) in work.samples.iter_mut().enumerate() {
+        let u = [s.u[0][l], s.u[1][l]];
+        let closing = if first && i == 0 {
+            T::ZERO
+        } else {
+            s.closing[l]
+        };
+        let start = [
+            anchored_at_closing(w[0], u[0], closing),
+            anchored_at_closing(w[1], u[1], closing),
+        ];
+        let limit = p.mu[l] * s.normal[l];
+        let step = circle_step(lane2(&p.k_t, l), lane2(&p.flexibility, l), limit, u, start);
+        *w = step.slider;
+        [s.traction[0][l], s.traction[1][l]] = step.traction;
+        if step.slips && s.gap[l] > T::ZERO {
+            slip += T::ONE;
+        }
+    }
+    slip
+}

@@ -1,0 +1,250 @@
+//! Exact derivative of the circle law.
+//!
+//! The slider carries the derivative B = k_t dw of its position by all displacement coefficients. A stick segment adds
+//! k_t b_i − B (one masked sum and one rank-1 product); a slip sample returns the predicted derivative to the disc,
+//! dT = (L/|T*|) p pᵀ dT* + mu k_n e b_i with e = T*/|T*| and p normal to e, and adds one rank-1 product.
+
+use super::batch::Block;
+use super::circle::{Cycle, lane2, solve_identity_minus};
+use super::march::slip_monodromy;
+use super::tangent::{SegmentScratch, View, add_masked_gram, add_scaled};
+use crate::contact::Real;
+use crate::contact::law::{CircleStep, anchored_at_closing, circle_step};
+
+/// Rank-1 products that are added to the blocks together.
+const RANK: usize = 4;
+
+/// Scratch of the derivative of the circle law.
+#[derive(Debug, Clone, Default)]
+pub(super) struct CircleScratch<T> {
+    /// Slider (m) and its derivative times k_t. Shape: `[2]`, `[2][3m]`.
+    slider: [T; 2],
+    by: [Vec<T>; 2],
+    /// Derivative of the end traction by the start traction.
+    monodromy: [T; 4],
+    /// Traction derivative of the present slip sample. Shape: `[2][3m]`.
+    slip: [Vec<T>; 2],
+    /// Weights and traction derivatives that wait to be added. Shape: `[rank][m]`, `[rank][2][3m]`.
+    weights: Vec<T>,
+    rows: Vec<T>,
+    waiting: usize,
+}
+
+/// Where the derivative of one lap goes.
+struct Target<'a, T> {
+    segments: &'a mut SegmentScratch<T>,
+    out: &'a mut [T],
+}
+
+/// Derivative blocks of the circle law for the lane in `view`, marched as `cycle` says.
+///
+/// Shape: `out` `[block][m][m]`, zero on entry.
+pub(super) fn circle_tangent<T: Real>(
+    view: View<T>,
+    cycle: &Cycle<T>,
+    scratch: &mut CircleScratch<T>,
+    segments: &mut SegmentScratch<T>,
+    out: &mut [T],
+) {
+    let size = view.plan.m * view.plan.m;
+    let p = view.parameters();
+    scratch.clear(view);
+    if cycle.from_anchor[view.lane] {
+        scratch.slider = p.anchor;
+        for lap in 1..cycle.laps[view.lane] {
+            scratch.lap(view, lap == 1, None);
+        }
+    } else {
+        scratch.slider = lane2(&cycle.start, view.lane);
+        scratch.lap(view, false, None);
+        scratch.close_cycle();
+        scratch.slider = lane2(&cycle.start, view.lane);
+    }
+    let first = cycle.from_anchor[view.lane] && cycle.laps[view.lane] == 1;
+    let target = Target { segments, out };
+    scratch.lap(view, first, Some(target));
+    segments.contact_spectrum(view);
+    let nn = &mut out[Block::NN as usize * size..][..size];
+    segments.add_contact(view.plan, p.k_n, nn);
+}
+
+impl<T: Real> CircleScratch<T> {
+    fn clear(&mut self, view: View<T>) {
+        let m = view.plan.m;
+        for rows in self.by.iter_mut().chain(&mut self.slip) {
+            rows.clear();
+            rows.resize(3 * m, T::ZERO);
+        }
+        self.weights.resize(RANK * m, T::ZERO);
+        self.rows.resize(RANK * 6 * m, T::ZERO);
+        self.monodromy = [T::ONE, T::ZERO, T::ZERO, T::ONE];
+        self.waiting = 0;
+    }
+
+    /// Start derivative of the periodic slider from the end derivative of a lap with a fixed start: (I − M)⁻¹ B.
+    fn close_cycle(&mut self) {
+        let [first, second] = &mut self.by;
+        for (a, b) in first.iter_mut().zip(second) {
+            [*a, *b] = solve_identity_minus(self.monodromy, [*a, *b]);
+        }
+    }
+
+    /// One lap of slider and derivative; with a target, the traction derivatives are analysed into its blocks.
+    fn lap(&mut self, view: View<T>, first: bool, mut target: Option<Target<T>>) {
+        let p = view.parameters();
+        let flexibility = lane2(&view.work.parameters.flexibility, view.lane);
+        let mut stick_start = None;
+        for (i, s) in view.work.samples.iter().enumerate() {
+            let u = [s.u[0][view.lane], s.u[1][view.lane]];
+            if !(first && i == 0) {
+                self.close_gap(view, i, s.closing[view.lane], u);
+            }
+            let limit = p.mu * s.normal[view.lane];
+            let step = circle_step(p.k_t, flexibility, limit, u, self.slider);
+            let contact = s.gap[view.lane] > T::ZERO;
+            if contact && !step.slips {
+                stick_start = stick_start.or(Some(i));
+                continue;
+            }
+            if let (Some(start), Some(target)) = (stick_start.take(), &mut target) {
+                self.stick_segment(view, start, i, target);
+            }
+            self.slider = step.slider;
+            if !contact {
+                self.follow(view, i);
+                continue;
+            }
+            self.slip(view, i, &step);
+            if let Some(target) = &mut target {
+                self.queue_slip(view, i, target.out);
+            }
+        }
+        if let Some(mut target) = target {
+            if let Some(start) = stick_start {
+                self.stick_segment(view, start, view.plan.n_time(), &mut target);
+            }
+            self.flush(view.plan.m, target.out);
+        }
+    }
+
+    /// Slider anchored at the instant of closing before sample i.
+    fn close_gap(&mut self, view: View<T>, i: usize, instant: T, u: [T; 2]) {
+        if instant == T::ZERO {
+            return;
+        }
+        let (m, p, row) = (view.plan.m, view.parameters(), view.plan.row(i));
+        let (before, factors) = view.closing_derivative(i);
+        let row_before = view.plan.row(before);
+        for d in 0..2 {
+            let jump = p.k_t[d] * (u[d] - self.slider[d]);
+            for value in &mut self.by[d] {
+                *value = (T::ONE - instant) * *value;
+            }
+            add_scaled(&mut self.by[d][d * m..][..m], p.k_t[d] * instant, row);
+            add_scaled(&mut self.by[d][2 * m..], jump * factors[0], row_before);
+            add_scaled(&mut self.by[d][2 * m..], jump * factors[1], row);
+            self.slider[d] = anchored_at_closing(self.slider[d], u[d], instant);
+        }
+    }
+
+    /// Separated: the slider is where the surface is.
+    fn follow(&mut self, view: View<T>, i: usize) {
+        let (m, p) = (view.plan.m, view.parameters());
+        for d in 0..2 {
+            self.by[d].fill(T::ZERO);
+            add_scaled(&mut self.by[d][d * m..][..m], p.k_t[d], view.plan.row(i));
+            self.slider[d] = view.work.samples[i].u[d][view.lane];
+        }
+        self.monodromy = [T::ZERO; 4];
+    }
+
+    /// Traction derivative of a slip sample into `slip`, and the slider derivative after it.
+    fn slip(&mut self, view: View<T>, i: usize, step: &CircleStep<T>) {
+        let (m, p, row) = (view.plan.m, view.parameters(), view.plan.row(i));
+        let length = super::circle::size(step.trial);
+        let e = [step.trial[0] / length, step.trial[1] / length];
+        let [first, second] = &mut self.slip;
+        for (((s0, s1), b0), b1) in first
+            .iter_mut()
+            .zip(second)
+            .zip(&self.by[0])
+            .zip(&self.by[1])
+        {
+            // p pᵀ (−B); the direct part k_t b_i of dT* is added below.
+            let along = step.ratio * (e[1] * *b0 - e[0] * *b1);
+            (*s0, *s1) = (-(e[1] * along), e[0] * along);
+        }
+        let normal = [-e[1], e[0]];
+        for d in 0..2 {
+            for c in 0..2 {
+                let factor = step.ratio * normal[d] * normal[c] * p.k_t[c];
+                add_scaled(&mut self.slip[d][c * m..][..m], factor, row);
+            }
+            add_scaled(&mut self.slip[d][2 * m..], p.mu * p.k_n * e[d], row);
+            for (b, &t) in self.by[d].iter_mut().zip(&self.slip[d]) {
+                *b = -t;
+            }
+            add_scaled(&mut self.by[d][d * m..][..m], p.k_t[d], row);
+        }
+        self.monodromy = slip_monodromy(step.trial, step.ratio, self.monodromy);
+    }
+
+    /// Analysis of the stick segment `start..end`: k_t b_i − B.
+    fn stick_segment(&mut self, view: View<T>, start: usize, end: usize, target: &mut Target<T>) {
+        let (plan, k_t) = (view.plan, view.parameters().k_t);
+        let (m, size) = (plan.m, plan.m * plan.m);
+        let run = target.segments.run(plan, start, end);
+        for (block, k) in [(Block::T1T1, k_t[0]), (Block::T2T2, k_t[1])] {
+            let block = &mut target.out[block as usize * size..][..size];
+            add_masked_gram(plan, run, k, block);
+        }
+        let at = self.waiting;
+        let weights = &mut self.weights[at * m..][..m];
+        weights.copy_from_slice(target.segments.sums_of_run(plan));
+        for d in 0..2 {
+            let row = &mut self.rows[(2 * at + d) * 3 * m..][..3 * m];
+            for (value, &b) in row.iter_mut().zip(&self.by[d]) {
+                *value = -b;
+            }
+        }
+        self.advance(m, target.out);
+    }
+
+    fn queue_slip(&mut self, view: View<T>, i: usize, out: &mut [T]) {
+        let (m, at) = (view.plan.m, self.waiting);
+        let weights = self.weights[at * m..][..m].iter_mut();
+        for ((value, &b), &w) in weights.zip(view.plan.row(i)).zip(&view.plan.weight) {
+            *value = w * b;
+        }
+        for d in 0..2 {
+            self.rows[(2 * at + d) * 3 * m..][..3 * m].copy_from_slice(&self.slip[d]);
+        }
+        self.advance(m, out);
+    }
+
+    fn advance(&mut self, m: usize, out: &mut [T]) {
+        self.waiting += 1;
+        if self.waiting == RANK {
+            self.flush(m, out);
+        }
+    }
+
+    /// Adds the waiting products to the blocks.
+    fn flush(&mut self, m: usize, out: &mut [T]) {
+        self.weights[self.waiting * m..].fill(T::ZERO);
+        for block in &Block::ALL[..Block::NN as usize] {
+            let (d, c) = (block.row_component(), block.column_component());
+            let row = |r: usize| &self.rows[(2 * r + d) * 3 * m + c * m..][..m];
+            let rows: [&[T]; RANK] = std::array::from_fn(row);
+            let target = &mut out[*block as usize * m * m..][..m * m];
+            for (a, target) in target.chunks_exact_mut(m).enumerate() {
+                let w: [T; RANK] = std::array::from_fn(|r| self.weights[r * m + a]);
+                for (b, value) in target.iter_mut().enumerate() {
+                    *value += (w[0] * rows[0][b] + w[1] * rows[1][b])
+                        + (w[2] * rows[2][b] + w[3] * rows[3][b]);
+                }
+            }
+        }
+        self.waiting = 0;
+    }
+}

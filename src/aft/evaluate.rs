@@ -1,0 +1,202 @@
+//! Evaluation of a batch on the processor.
+
+use super::batch::{AftBatch, AftForces, Block, Periodicity, StateSummary, Tangent, Want};
+use super::circle::{self, Cycle};
+use super::circle_tangent::{CircleScratch, circle_tangent};
+use super::march::{LANES, Workspace};
+use super::plan::AftPlan;
+use super::settings::Laps;
+use super::tangent::{Event, SegmentScratch, View, box_tangent};
+use crate::contact::{FrictionLaw, Real};
+
+/// Buffers of an evaluation.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Scratch<T> {
+    work: Workspace<T>,
+    segments: SegmentScratch<T>,
+    circle: CircleScratch<T>,
+}
+
+/// Last events of both directions before the last lap, per lane.
+type Events = [[Option<Event>; 2]; LANES];
+
+/// Contact forces, and tangents if wanted, of every state of the batch.
+///
+/// The result of a state does not depend on the others, bit for bit. Buffers of `out` are reused.
+pub fn evaluate<T: Real>(
+    plan: &AftPlan<T>,
+    batch: &AftBatch<T>,
+    want: Want,
+    out: &mut AftForces<T>,
+) {
+    out.reset(plan, batch);
+    let mut scratch = std::mem::take(&mut out.scratch);
+    for first in (0..batch.n_states).step_by(LANES) {
+        scratch.work.load(plan, batch, first);
+        let (cycle, events) = match plan.settings().law {
+            FrictionLaw::Box => march_box(plan, &mut scratch.work, want),
+            FrictionLaw::Circle => {
+                let cycle = circle::march(plan, &mut scratch.work);
+                (cycle, Events::default())
+            }
+        };
+        store_forces(plan, &mut scratch.work, first, out);
+        for lane in 0..LANES.min(batch.n_states - first) {
+            out.summaries
+                .push(summary(plan, &scratch.work, &cycle, lane));
+            if want == Want::ForcesAndTangents {
+                store_tangent(plan, &mut scratch, (&cycle, events[lane]), lane, out);
+            }
+        }
+    }
+    out.scratch = scratch;
+}
+
+/// Box law: the period map is a projection, so the second lap is periodic.
+fn march_box<T: Real>(
+    plan: &AftPlan<T>,
+    work: &mut Workspace<T>,
+    want: Want,
+) -> (Cycle<T>, Events) {
+    let laps = match plan.settings().laps {
+        Laps::Fixed(n) => n,
+        Laps::Periodic => 2,
+    };
+    let mut events = Events::default();
+    let mut w = work.parameters.anchor;
+    let mut start = w;
+    let mut count = work.box_lap(&mut w);
+    let stuck: [bool; LANES] =
+        std::array::from_fn(|l| count.slip[l] == T::ZERO && work.separated[l] == T::ZERO);
+    let all_stuck = stuck.iter().all(|&s| s);
+    for _ in 1..if all_stuck { 1 } else { laps } {
+        if want == Want::ForcesAndTangents {
+            update_events(plan, work, &stuck, &mut events);
+        }
+        work.samples[0].closing = work.closing_over_end;
+        start = w;
+        count = work.box_lap(&mut w);
+    }
+    let mut cycle = Cycle {
+        count,
+        start,
+        laps: stuck.map(|s| {
+            if s {
+                1
+            } else {
+                u32::try_from(laps).unwrap_or(u32::MAX)
+            }
+        }),
+        periodicity: [Periodicity::NotPeriodic; LANES],
+        from_anchor: [true; LANES],
+        stuck,
+    };
+    for l in 0..LANES {
+        let (start, end) = (circle::lane2(&start, l), circle::lane2(&w, l));
+        let change = circle::size(circle::change_over_lap(work, l, start, end));
+        if change <= circle::tolerance(work, l) {
+            cycle.periodicity[l] = box_periodicity(work, &cycle, l);
+        }
+    }
+    (cycle, events)
+}
+
+/// A periodic direction forgets its start if it separates or slips both ways.
+fn box_periodicity<T: Real>(work: &Workspace<T>, cycle: &Cycle<T>, l: usize) -> Periodicity {
+    let forgets = |d: usize| {
+        work.parameters.k_t[d][l] == T::ZERO
+            || (cycle.count.upper[d][l] > T::ZERO && cycle.count.lower[d][l] > T::ZERO)
+    };
+    if work.separated[l] > T::ZERO || (forgets(0) && forgets(1)) {
+        Periodicity::Unique
+    } else {
+        Periodicity::DependsOnAnchor
+    }
+}
+
+/// Notes the last events of the lap just marched, before the next lap overwrites it.
+fn update_events<T: Real>(
+    plan: &AftPlan<T>,
+    work: &Workspace<T>,
+    stuck: &[bool; LANES],
+    events: &mut Events,
+) {
+    for lane in (0..LANES).filter(|&l| !stuck[l]) {
+        let view = View { plan, work, lane };
+        for (d, event) in events[lane].iter_mut().enumerate() {
+            *event = view.last_event(d).or(*event);
+        }
+    }
+}
+
+fn store_forces<T: Real>(
+    plan: &AftPlan<T>,
+    work: &mut Workspace<T>,
+    first: usize,
+    out: &mut AftForces<T>,
+) {
+    let (n, m) = (out.n_states, out.n_coefficients);
+    let lanes = LANES.min(n - first);
+    for c in 0..3 {
+        let forces = &mut out.forces[c * m * n..][..m * n];
+        work.analyse(plan, c, |j, values| {
+            forces[j * n + first..][..lanes].copy_from_slice(&values[..lanes]);
+        });
+    }
+}
+
+fn summary<T: Real>(
+    plan: &AftPlan<T>,
+    work: &Workspace<T>,
+    cycle: &Cycle<T>,
+    lane: usize,
+) -> StateSummary {
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a whole number between 0 and Nt"
+    )]
+    let whole = |x: T| x.to_f64() as u32;
+    let (slip, separated) = (whole(cycle.count.slip[lane]), whole(work.separated[lane]));
+    let total = u32::try_from(plan.n_time()).unwrap_or(u32::MAX);
+    StateSummary {
+        stick: total - slip - separated,
+        slip,
+        separated,
+        laps: cycle.laps[lane],
+        periodicity: cycle.periodicity[lane],
+    }
+}
+
+fn store_tangent<T: Real>(
+    plan: &AftPlan<T>,
+    scratch: &mut Scratch<T>,
+    (cycle, events): (&Cycle<T>, [Option<Event>; 2]),
+    lane: usize,
+    out: &mut AftForces<T>,
+) {
+    if cycle.stuck[lane] {
+        out.tangents.push(Tangent::Stuck);
+        return;
+    }
+    let offset = out.blocks.len();
+    out.tangents.push(Tangent::Blocks(offset));
+    out.blocks
+        .resize(offset + Block::COUNT * plan.m * plan.m, T::ZERO);
+    let blocks = &mut out.blocks[offset..];
+    let view = View {
+        plan,
+        work: &scratch.work,
+        lane,
+    };
+    match plan.settings().law {
+        FrictionLaw::Box => box_tangent(view, events, &mut scratch.segments, blocks),
+        FrictionLaw::Circle => circle_tangent(
+            view,
+            cycle,
+            &mut scratch.circle,
+            &mut scratch.segments,
+            blocks,
+        ),
+    }
+}

@@ -1,0 +1,122 @@
+//! Tables for one harmonic set and one number of time points.
+
+use super::settings::AftSettings;
+use crate::contact::Real;
+use crate::harmonics::HarmonicSet;
+
+/// Everything of a contact evaluation that does not depend on the state.
+#[derive(Debug, Clone)]
+pub struct AftPlan<T> {
+    pub(super) settings: AftSettings,
+    /// Number m of coefficients of one displacement.
+    pub(super) m: usize,
+    /// Harmonic orders, ascending from 0.
+    pub(super) orders: Vec<usize>,
+    /// b: values of the basis functions. Shape: `[time][coefficient]`.
+    pub(super) basis: Vec<T>,
+    /// Weight w of each coefficient in the analysis: 1/Nt for the mean, 2/Nt else. Shape: `[coefficient]`.
+    pub(super) weight: Vec<T>,
+    /// w b over the first half period (points 0 to Nt/2), for folded signals. Shape: `[coefficient][half]`.
+    pub(super) analysis: Vec<T>,
+    /// Sums over the points before i of cos kθ and sin kθ for k = 0..=2H. Shape: `[Nt + 1][2][2H + 1]`.
+    pub(super) prefix: Vec<T>,
+}
+
+impl<T: Real> AftPlan<T> {
+    /// The tables for `harmonics` and `settings`.
+    ///
+    /// # Panics
+    /// If the time grid does not resolve the highest harmonic ([`AftSettings::validate`] makes sure that it does).
+    #[must_use]
+    pub fn new(harmonics: &HarmonicSet, settings: AftSettings) -> Self {
+        let n_time = settings.n_time;
+        assert!(
+            n_time > 2 * harmonics.highest() && u32::try_from(n_time).is_ok(),
+            "{n_time} points per period cannot carry harmonic {}",
+            harmonics.highest()
+        );
+        let (m, orders) = (harmonics.n_coefficients(), harmonics.orders().to_vec());
+        let weight: Vec<f64> = (0..m)
+            .map(|j| if j == 0 { 1.0 } else { 2.0 } / n_time as f64)
+            .collect();
+        let (cos, sin) = circle_points(n_time);
+        let value = |j: usize, i: usize| {
+            let phase = orders[j.div_ceil(2)] * i % n_time;
+            if j % 2 == 1 || j == 0 {
+                cos[phase]
+            } else {
+                sin[phase]
+            }
+        };
+        let convert = |x: f64| T::from_f64(x);
+        let basis = (0..n_time).flat_map(|i| (0..m).map(move |j| (j, i)));
+        let analysis = (0..m).flat_map(|j| (0..=n_time / 2).map(move |i| (j, i)));
+        Self {
+            settings,
+            m,
+            basis: basis.map(|(j, i)| convert(value(j, i))).collect(),
+            analysis: analysis
+                .map(|(j, i)| convert(weight[j] * value(j, i)))
+                .collect(),
+            prefix: prefix_sums(&cos, &sin, 2 * harmonics.highest() + 1),
+            weight: weight.into_iter().map(convert).collect(),
+            orders,
+        }
+    }
+
+    /// Settings of the evaluation.
+    #[must_use]
+    pub fn settings(&self) -> AftSettings {
+        self.settings
+    }
+
+    /// Number of coefficients of one displacement or force component.
+    #[must_use]
+    pub fn n_coefficients(&self) -> usize {
+        self.m
+    }
+
+    /// Points per period.
+    pub(super) fn n_time(&self) -> usize {
+        self.settings.n_time
+    }
+
+    /// Row b_i of the basis. Shape: `[coefficient]`.
+    pub(super) fn row(&self, i: usize) -> &[T] {
+        &self.basis[i * self.m..][..self.m]
+    }
+
+    /// Number of orders in the spectrum of a mask: 0 to 2H.
+    pub(super) fn n_mask_orders(&self) -> usize {
+        2 * self.orders[self.orders.len() - 1] + 1
+    }
+
+    /// Prefix sums before point i. Shape: `[2][2H + 1]`, cosines then sines.
+    pub(super) fn prefix_row(&self, i: usize) -> &[T] {
+        let width = 2 * self.n_mask_orders();
+        &self.prefix[i * width..][..width]
+    }
+}
+
+/// Cosines and sines of the n-th part turns.
+fn circle_points(n: usize) -> (Vec<f64>, Vec<f64>) {
+    crate::harmonics::phases(n)
+        .into_iter()
+        .map(|phase| (phase.cos(), phase.sin()))
+        .unzip()
+}
+
+/// Σ_{i' < i} cos(k θ_i') and sin(k θ_i'), shape `[n + 1][2][n_orders]`, summed in double precision.
+fn prefix_sums<T: Real>(cos: &[f64], sin: &[f64], n_orders: usize) -> Vec<T> {
+    let n = cos.len();
+    let mut sums = vec![0.0; 2 * n_orders];
+    let mut table = Vec::with_capacity((n + 1) * 2 * n_orders);
+    for i in 0..=n {
+        table.extend(sums.iter().map(|&s| T::from_f64(s)));
+        for k in 0..n_orders {
+            sums[k] += cos[k * i % n];
+            sums[n_orders + k] += sin[k * i % n];
+        }
+    }
+    table
+}

@@ -1,0 +1,268 @@
+//! The balance equations of one problem on one harmonic set.
+//!
+//! Unknown: r, the relative displacements at the contacts, coefficient-major, `[n_coefficients][3·n_contacts]`.
+//! R₀ = r₀ − r₀^stuck + G₀ g₀ and R̂ₖ = r̂ₖ − r̂ₖ^stuck + Gₖ ĝₖ with g = F(r) − K_c r (see [`super::compliance`]).
+
+use super::compliance::{Compliance, HarmonicCompliance};
+use super::jacobian::PairTangent;
+use super::problem::Problem;
+use crate::aft::{AftBatch, AftForces, AftPlan, AftSettings, Block, Tangent, Want, evaluate};
+use crate::harmonics::HarmonicSet;
+use faer::prelude::*;
+
+/// Sizes and order of the unknowns: coefficient, then component (t1, t2, n), then pair.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Layout {
+    /// Number of contact pairs.
+    pub n_pairs: usize,
+    /// Coefficients per displacement.
+    pub n_coefficients: usize,
+}
+
+impl Layout {
+    /// Relative displacements per coefficient.
+    #[must_use]
+    pub fn n_relative(&self) -> usize {
+        3 * self.n_pairs
+    }
+
+    /// Length of the vector of unknowns.
+    #[must_use]
+    pub fn n_unknowns(&self) -> usize {
+        self.n_relative() * self.n_coefficients
+    }
+}
+
+/// A problem discretised on a harmonic set and a time grid.
+#[derive(Debug)]
+pub struct Balance<'p> {
+    /// The problem.
+    pub problem: &'p Problem<'p>,
+    /// Harmonics of the unknowns.
+    pub harmonics: HarmonicSet,
+    /// Order of the unknowns.
+    pub layout: Layout,
+    plan: AftPlan<f64>,
+}
+
+/// Contact forces at one iterate.
+#[derive(Debug)]
+pub struct ContactResponse {
+    /// F, total contact forces (N). Shape as the unknowns.
+    pub force: Vec<f64>,
+    /// dF − K_c of the pairs that do not stick all the time; empty unless asked for.
+    pub active: Vec<PairTangent>,
+    /// Per pair: samples that stick, slip, are separated.
+    pub samples: Vec<[u32; 3]>,
+}
+
+/// Motion of the whole structure in modal coordinates.
+#[derive(Debug)]
+pub struct Motion {
+    /// η₀. Shape: `[n]`.
+    pub rest: Vec<f64>,
+    /// η̂ₖ of the dynamic harmonics in order. Shape: `[n_harmonics][n]`.
+    pub dynamic: Vec<Vec<c64>>,
+}
+
+/// Rates of what drives the structure along some path.
+#[derive(Debug, Clone, Copy)]
+pub struct LoadRate<'a> {
+    /// Rate of the force deviation g. Shape as the unknowns.
+    pub deviation: &'a [f64],
+    /// Rate of the frequency.
+    pub omega: f64,
+    /// Rate of the excitation level.
+    pub level: f64,
+}
+
+impl<'p> Balance<'p> {
+    /// Discretises `problem`.
+    #[must_use]
+    pub fn new(problem: &'p Problem<'p>, harmonics: HarmonicSet, aft: AftSettings) -> Self {
+        let layout = Layout {
+            n_pairs: problem.contacts.len(),
+            n_coefficients: harmonics.n_coefficients(),
+        };
+        let plan = AftPlan::new(&harmonics, aft);
+        Self { problem, harmonics, layout, plan }
+    }
+
+    /// Compliances at the frequency `omega` (rad/s).
+    #[must_use]
+    pub fn compliance(&self, omega: f64) -> Compliance<'p> {
+        let problem = self.problem;
+        Compliance::new(problem.model, &problem.stuck_stiffness, self.harmonics.orders(), omega)
+    }
+
+    /// Contact forces at `r`, with tangents if wanted.
+    #[must_use]
+    pub fn contact(&self, r: &[f64], want: Want) -> ContactResponse {
+        let (n_c, m) = (self.layout.n_pairs, self.layout.n_coefficients);
+        let batch = AftBatch {
+            n_states: n_c,
+            displacement: transpose_blocks(r, m, 3, n_c),
+            parameters: self.problem.contacts.clone(),
+        };
+        let mut forces = AftForces::default();
+        evaluate(&self.plan, &batch, want, &mut forces);
+        ContactResponse {
+            force: transpose_blocks(&forces.forces, 3, m, n_c),
+            active: self.active_pairs(&forces),
+            samples: forces.summaries.iter().map(|s| [s.stick, s.slip, s.separated]).collect(),
+        }
+    }
+
+    /// dF − K_c of the pairs that are not stuck all the time.
+    fn active_pairs(&self, forces: &AftForces<f64>) -> Vec<PairTangent> {
+        let (n_c, m) = (self.layout.n_pairs, self.layout.n_coefficients);
+        let deviation = |pair: usize, offset: usize, block: Block| {
+            let (row, column) = (block.row_component(), block.column_component());
+            let mut values = forces.block(offset, block).to_vec();
+            if row == column {
+                let k = self.problem.stuck_stiffness[row * n_c + pair];
+                (0..m).for_each(|a| values[a * m + a] -= k);
+            }
+            (row, column, values)
+        };
+        (forces.tangents.iter().enumerate())
+            .filter_map(|(pair, tangent)| match *tangent {
+                Tangent::Stuck => None,
+                Tangent::Blocks(offset) => {
+                    let blocks = (Block::ALL.into_iter())
+                        .map(|block| deviation(pair, offset, block))
+                        .filter(|(.., values)| values.iter().any(|v| *v != 0.0))
+                        .collect();
+                    Some(PairTangent { pair, blocks })
+                }
+            })
+            .collect()
+    }
+
+    /// g = F − K_c r.
+    #[must_use]
+    pub fn deviation(&self, r: &[f64], force: &[f64]) -> Vec<f64> {
+        let k_c = self.problem.stuck_stiffness.iter().cycle();
+        (force.iter().zip(r).zip(k_c)).map(|((f, r), k)| f - k * r).collect()
+    }
+
+    /// R(r) for the contact forces `force` = F(r). Units: m.
+    #[must_use]
+    pub fn residual(&self, at: &Compliance<'_>, level: f64, r: &[f64], force: &[f64]) -> Vec<f64> {
+        let n = self.layout.n_relative();
+        let g = self.deviation(r, force);
+        let mut out = r.to_vec();
+        let rest = &self.problem.stuck_static;
+        for i in 0..n {
+            out[i] -= rest.relative[i];
+        }
+        for (j, g) in g[..n].iter().enumerate() {
+            (out.iter_mut().zip(rest.compliance.col(j).iter())).for_each(|(r, c)| *r += c * g);
+        }
+        for (i, h) in at.harmonics.iter().enumerate() {
+            let range = (2 * i + 1) * n..(2 * i + 3) * n;
+            let (g_c, g_s) = g[range.clone()].split_at(n);
+            let (r_c, r_s) = out[range].split_at_mut(n);
+            h.add_real((g_c, g_s), (r_c, r_s));
+            if h.order == 1 {
+                for (j, z) in self.stuck_relative(h, level).iter().enumerate() {
+                    r_c[j] -= z.re;
+                    r_s[j] += z.im;
+                }
+            }
+        }
+        out
+    }
+
+    /// ∂R/∂level at fixed r.
+    #[must_use]
+    pub fn level_slope(&self, at: &Compliance<'_>) -> Vec<f64> {
+        let mut out = vec![0.0; self.layout.n_unknowns()];
+        if let Some(first) = at.harmonics.first() {
+            self.store(0, &self.stuck_relative(first, 1.0), -1.0, &mut out);
+        }
+        out
+    }
+
+    /// ∂R/∂ω at fixed r: BΦ Z_s⁻¹ (dZ/dω) η, harmonic by harmonic. Units: m/(rad/s).
+    #[must_use]
+    pub fn frequency_slope(&self, at: &Compliance<'_>, motion: &Motion) -> Vec<f64> {
+        let mut out = vec![0.0; self.layout.n_unknowns()];
+        for (i, (h, eta)) in at.harmonics.iter().zip(&motion.dynamic).enumerate() {
+            let load = self.problem.model.impedance_slope(h.order, at.omega, eta);
+            self.store(i, &self.problem.model.relative(&h.solve(&load)), 1.0, &mut out);
+        }
+        out
+    }
+
+    /// Motion of the structure under the excitation and the contact forces.
+    #[must_use]
+    pub fn motion(&self, at: &Compliance<'_>, level: f64, r: &[f64], force: &[f64]) -> Motion {
+        let model = self.problem.model;
+        let n = self.layout.n_relative();
+        let rest = &self.problem.stuck_static;
+        let g = self.deviation(r, force);
+        let pushed = &rest.eta_per_force * Col::from_fn(n, |i| g[i]);
+        let dynamic = (at.harmonics.iter().enumerate())
+            .map(|(i, h)| {
+                let mut load = model.contact_load(&self.complex(i, &g));
+                load.iter_mut().for_each(|f| *f = -*f);
+                if h.order == 1 {
+                    (load.iter_mut().zip(&model.force)).for_each(|(l, f)| *l += f * level);
+                }
+                h.solve(&load)
+            })
+            .collect();
+        Motion {
+            rest: rest.eta.iter().zip(pushed.iter()).map(|(a, b)| a - b).collect(),
+            dynamic,
+        }
+    }
+
+    /// Rate of the first harmonic of response 0 that goes with the rates of force deviation, frequency and level.
+    #[must_use]
+    pub fn response_rate(&self, at: &Compliance<'_>, motion: &Motion, rate: &LoadRate<'_>) -> c64 {
+        let model = self.problem.model;
+        let (first, eta) = (&at.harmonics[0], &motion.dynamic[0]);
+        let mut load = model.contact_load(&self.complex(0, rate.deviation));
+        let inertia = model.impedance_slope(first.order, at.omega, eta);
+        for ((load, inertia), force) in load.iter_mut().zip(&inertia).zip(&model.force) {
+            *load = force * rate.level - *load - inertia * rate.omega;
+        }
+        model.responses(&first.solve(&load))[0]
+    }
+
+    /// r̂₁ of the stuck structure.
+    fn stuck_relative(&self, first: &HarmonicCompliance<'_>, level: f64) -> Vec<c64> {
+        let model = self.problem.model;
+        let load: Vec<c64> = model.force.iter().map(|f| f * level).collect();
+        model.relative(&first.solve(&load))
+    }
+
+    /// Complex amplitudes of the i-th dynamic harmonic of a coefficient-major vector.
+    #[must_use]
+    pub fn complex(&self, i: usize, x: &[f64]) -> Vec<c64> {
+        let n = self.layout.n_relative();
+        let (c, s) = (&x[(2 * i + 1) * n..(2 * i + 2) * n], &x[(2 * i + 2) * n..(2 * i + 3) * n]);
+        c.iter().zip(s).map(|(&c, &s)| c64::new(c, -s)).collect()
+    }
+
+    fn store(&self, i: usize, z: &[c64], factor: f64, out: &mut [f64]) {
+        let n = self.layout.n_relative();
+        for (j, z) in z.iter().enumerate() {
+            out[(2 * i + 1) * n + j] = factor * z.re;
+            out[(2 * i + 2) * n + j] = -factor * z.im;
+        }
+    }
+}
+
+/// `[a][b][width]` → `[b][a][width]`.
+fn transpose_blocks(x: &[f64], a: usize, b: usize, width: usize) -> Vec<f64> {
+    let mut out = Vec::with_capacity(x.len());
+    for j in 0..b {
+        for i in 0..a {
+            out.extend_from_slice(&x[(i * b + j) * width..(i * b + j + 1) * width]);
+        }
+    }
+    out
+}

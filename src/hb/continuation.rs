@@ -1,0 +1,178 @@
+//! Pseudo-arclength continuation of the forced response in frequency; passes folds.
+//!
+//! Source: Seydel, Practical Bifurcation and Stability Analysis, 3rd ed. 2010, ch. 4.
+
+use super::balance::Balance;
+use super::newton::{Condition, Direction, Iterate, Metric, Point, WorkCount, solve};
+use super::settings::NewtonSettings;
+use super::status::Status;
+use faer::prelude::c64;
+
+/// A solution with the tangent of its branch.
+#[derive(Debug)]
+pub struct BranchPoint<'p> {
+    /// The solution.
+    pub iterate: Iterate<'p>,
+    /// Unit tangent in `metric`.
+    pub tangent: Direction,
+    /// Inner product, scaled to this point.
+    pub metric: Metric,
+    /// First harmonic ŷ of response 0 (m).
+    pub response: c64,
+    /// dŷ/ds along the tangent.
+    pub response_rate: c64,
+}
+
+/// How steps are chosen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepSettings {
+    /// First step: relative change of the dynamic displacements.
+    pub first: f64,
+    /// Largest step.
+    pub largest: f64,
+    /// Smallest step before giving up.
+    pub smallest: f64,
+    /// Change of frequency that counts as much as a step of 1 (rad/s).
+    pub omega_scale: f64,
+    /// Steps before giving up.
+    pub max_steps: usize,
+}
+
+impl StepSettings {
+    /// Steps for a band of the width `band` (rad/s).
+    #[must_use]
+    pub fn for_band(band: f64) -> Self {
+        Self { first: 0.05, largest: 0.4, smallest: 1e-6, omega_scale: 2.0 * band, max_steps: 2000 }
+    }
+}
+
+/// Newton iterations per step that the step control aims at.
+const WANTED_ITERATIONS: f64 = 4.0;
+
+impl<'p> BranchPoint<'p> {
+    /// The tangent at `iterate`, with increasing frequency if `previous` is absent, else turning less than 90°.
+    ///
+    /// Without `metric` the inner product is scaled to this point.
+    #[must_use]
+    pub fn new(
+        balance: &Balance<'p>,
+        iterate: Iterate<'p>,
+        omega_scale: f64,
+        metric: Option<Metric>,
+        previous: Option<&Direction>,
+    ) -> (Self, WorkCount) {
+        let n = balance.layout.n_relative();
+        let metric = metric.unwrap_or_else(|| Metric::at(balance, &iterate.point, omega_scale));
+        let jacobian = iterate.jacobian(balance);
+        let mut tangent =
+            Direction { r: iterate.frequency_rate(balance, &jacobian), omega: 1.0 };
+        let mut scale = 1.0 / metric.dot(n, &tangent, &tangent).sqrt();
+        if previous.is_some_and(|p| metric.dot(n, p, &tangent) < 0.0) {
+            scale = -scale;
+        }
+        tangent.r.iter_mut().for_each(|r| *r *= scale);
+        tangent.omega *= scale;
+        let response_rate = iterate.response_rate(balance, &jacobian, &tangent, 0.0);
+        let count = WorkCount { iterations: 0, factorizations: jacobian.factorizations() };
+        drop(jacobian);
+        let response = iterate.response(balance);
+        (Self { iterate, tangent, metric, response, response_rate }, count)
+    }
+
+    /// d ln|ŷ| / ds.
+    #[must_use]
+    pub fn growth(&self) -> f64 {
+        (self.response.conj() * self.response_rate).re / self.response.norm_sqr()
+    }
+
+    /// d arg ŷ / ds.
+    #[must_use]
+    pub fn phase_rate(&self) -> f64 {
+        (self.response.conj() * self.response_rate).im / self.response.norm_sqr()
+    }
+
+    /// The solution at the (signed) distance `step` along the tangent.
+    ///
+    /// # Errors
+    /// The status of the failed correction.
+    pub fn step(
+        &self,
+        balance: &Balance<'p>,
+        step: f64,
+        newton: NewtonSettings,
+    ) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
+        let base = &self.iterate.point;
+        let predicted = Point {
+            r: (base.r.iter().zip(&self.tangent.r)).map(|(r, t)| r + step * t).collect(),
+            omega: base.omega + step * self.tangent.omega,
+            level: base.level,
+        };
+        let condition =
+            Condition::ArcLength { base, tangent: &self.tangent, step, metric: self.metric };
+        solve(balance, predicted, condition, newton)
+    }
+
+    /// The same point, walked in the opposite direction.
+    #[must_use]
+    pub fn reversed(mut self) -> Self {
+        self.tangent.r.iter_mut().for_each(|r| *r = -*r);
+        self.tangent.omega = -self.tangent.omega;
+        self.response_rate = -self.response_rate;
+        self
+    }
+}
+
+/// Why a walk along a branch ended, with the work done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WalkEnd {
+    /// `Converged` if the visitor ended it.
+    pub status: Status,
+    /// Work of all steps.
+    pub count: WorkCount,
+}
+
+/// Walks along the branch from `start`; `visit` sees every new point with the one before it and the length of the
+/// step between them, and says whether to go on.
+pub fn walk<'p>(
+    balance: &Balance<'p>,
+    start: BranchPoint<'p>,
+    newton: NewtonSettings,
+    steps: StepSettings,
+    mut visit: impl FnMut(&BranchPoint<'p>, &BranchPoint<'p>, f64) -> bool,
+) -> WalkEnd {
+    let mut count = WorkCount::default();
+    let mut point = start;
+    let mut length = steps.first;
+    for _ in 0..steps.max_steps {
+        match point.step(balance, length, newton) {
+            Ok((iterate, work)) => {
+                count += work;
+                let (next, work_tangent) = BranchPoint::new(
+                    balance,
+                    iterate,
+                    steps.omega_scale,
+                    None,
+                    Some(&point.tangent),
+                );
+                count += work_tangent;
+                let go_on = visit(&point, &next, length);
+                point = next;
+                if !go_on {
+                    return WalkEnd { status: Status::Converged, count };
+                }
+                let ease = WANTED_ITERATIONS / work.iterations.max(1) as f64;
+                length = (length * ease.clamp(0.5, 2.0)).min(steps.largest);
+            }
+            Err((status, work)) => {
+                count += work;
+                length *= 0.5;
+                if length < steps.smallest {
+                    let status =
+                        if status == Status::NonFinite { status } else { Status::StepTooSmall };
+                    return WalkEnd { status, count };
+                }
+            }
+        }
+    }
+    WalkEnd { status: Status::MaxIterations, count }
+}

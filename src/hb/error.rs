@@ -1,0 +1,19 @@
+//! Why a harmonic balance problem cannot be set up.
+
+/// A model or sample that is not a harmonic balance problem.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProblemError {
+    /// The eigenproblem of the free structure cannot be solved.
+    #[error(transparent)]
+    Linalg(#[from] crate::linalg::LinalgError),
+    /// A rigid-body motion is held neither by the structure, nor by stuck contacts, nor by the retention.
+    #[error("the structure with all contacts stuck can move as a rigid body: add contact stiffness, supports or retention")]
+    NotHeld,
+    /// The harmonic force moves no contact.
+    #[error("the harmonic force does not move any contact pair: check the excitation")]
+    NoLoad,
+    /// The frictionless static equilibrium for the anchors was not found.
+    #[error("no static equilibrium without friction was found for the slider anchors")]
+    NoStaticEquilibrium,
+}

@@ -1,0 +1,216 @@
+//! The linear model in the coordinates in which its dynamic stiffness is cheapest to invert.
+//!
+//! With q = Φ η, Φᵀ M Φ = I and Φᵀ K Φ = Λ the free structure (contacts open) obeys
+//! η̈ + Ĉ η̇ + Λ η = Φᵀ f. Where Ĉ is diagonal, as for components with modal or proportional damping, Z = Λ − Ω² + iΩĈ
+//! costs nothing to invert and a large model uses these coordinates; no mode is left out. Else η = q.
+
+use super::ProblemError;
+use crate::linalg::symmetric_generalized_eigen;
+use crate::model::{ReducedModel, SparseRow};
+use faer::prelude::*;
+
+/// Smaller models are solved in their own coordinates whatever their damping: factors are cheap there, and exact where
+/// the modal receptance cancels, close to a resonance of the free structure.
+const MODAL_FROM: usize = 120;
+
+/// Off-diagonal damping below this share of its diagonal neighbours is round-off.
+const DIAGONAL_TOLERANCE: f64 = 1e-8;
+
+/// A [`ReducedModel`] in coordinates η, with its contact, load and response vectors.
+#[derive(Debug, Clone)]
+pub struct LinearModel {
+    /// Mass, damping and stiffness of the free structure.
+    pub structure: Structure,
+    /// Φᵀ K₀ Φ, stiffness of the 0th harmonic only.
+    pub retention: Option<Mat<f64>>,
+    /// B Φ: η → relative contact displacements. Shape: 3·n_contacts × n, rows ordered t1 of every pair, t2, n.
+    pub contact: Mat<f64>,
+    /// η → response coordinates. Shape: n_responses × n.
+    pub response: Mat<f64>,
+    /// Φᵀ f₀. Shape: `[n]`.
+    pub static_force: Vec<f64>,
+    /// Φᵀ (f_c − i f_s) per unit level. Shape: `[n]`.
+    pub force: Vec<c64>,
+    /// Number of contact pairs.
+    pub n_contacts: usize,
+}
+
+/// Matrices of the free structure.
+#[derive(Debug, Clone)]
+pub enum Structure {
+    /// η are modal coordinates.
+    Modal {
+        /// Λ, squared natural frequencies ((rad/s)²), ascending. Shape: `[n]`.
+        lambda: Vec<f64>,
+        /// Diagonal of Ĉ (1/s). Shape: `[n]`.
+        damping: Vec<f64>,
+    },
+    /// η are the model's own degrees of freedom.
+    Physical {
+        /// M.
+        mass: Mat<f64>,
+        /// C.
+        damping: Mat<f64>,
+        /// K.
+        stiffness: Mat<f64>,
+    },
+}
+
+impl LinearModel {
+    /// Chooses the coordinates and transforms everything.
+    ///
+    /// # Errors
+    /// [`ProblemError::Linalg`] if M is not positive definite or the eigensolver fails.
+    pub fn new(model: &ReducedModel) -> Result<Self, ProblemError> {
+        let (lambda, modes) =
+            symmetric_generalized_eigen(model.stiffness.as_ref(), model.mass.as_ref())?;
+        let damping = modes.transpose() * &model.damping * &modes;
+        let modal = diagonal(&damping).filter(|c| c.len() >= MODAL_FROM);
+        Ok(match modal {
+            Some(damping) => {
+                Self::in_coordinates(model, Structure::Modal { lambda, damping }, &modes)
+            }
+            None => {
+                let structure = Structure::Physical {
+                    mass: model.mass.clone(),
+                    damping: model.damping.clone(),
+                    stiffness: model.stiffness.clone(),
+                };
+                Self::in_coordinates(model, structure, &Mat::identity(lambda.len(), lambda.len()))
+            }
+        })
+    }
+
+    fn in_coordinates(model: &ReducedModel, structure: Structure, phi: &Mat<f64>) -> Self {
+        let pairs = &model.contacts;
+        let rows: Vec<&SparseRow> = (pairs.iter().map(|p| &p.t1))
+            .chain(pairs.iter().map(|p| &p.t2))
+            .chain(pairs.iter().map(|p| &p.n))
+            .collect();
+        let responses: Vec<&SparseRow> = model.responses.iter().map(|r| &r.row).collect();
+        let project = |f: &[f64]| -> Vec<f64> {
+            let f = Col::from_fn(f.len(), |i| f[i]);
+            (phi.transpose() * f).iter().copied().collect()
+        };
+        let (cosine, sine) = (project(&model.cosine_force), project(&model.sine_force));
+        Self {
+            structure,
+            retention: model.retention.as_ref().map(|k| phi.transpose() * k * phi),
+            contact: rows_times(&rows, phi),
+            response: rows_times(&responses, phi),
+            static_force: project(&model.static_force),
+            force: cosine.iter().zip(&sine).map(|(&c, &s)| c64::new(c, -s)).collect(),
+            n_contacts: pairs.len(),
+        }
+    }
+
+    /// Number n of coordinates η.
+    #[must_use]
+    pub fn n_coordinates(&self) -> usize {
+        self.force.len()
+    }
+
+    /// Static stiffness of the free structure. Shape: n × n.
+    #[must_use]
+    pub fn stiffness(&self) -> Mat<f64> {
+        match &self.structure {
+            Structure::Modal { lambda, .. } => {
+                let n = lambda.len();
+                Mat::from_fn(n, n, |i, j| if i == j { lambda[i] } else { 0.0 })
+            }
+            Structure::Physical { stiffness, .. } => stiffness.clone(),
+        }
+    }
+
+    /// Stiffness of the structure with springs `k` (N/m, shape `[3·n_contacts]`) between the contacts.
+    #[must_use]
+    pub fn stiffness_with_springs(&self, k: &[f64]) -> Mat<f64> {
+        let springs = Mat::from_fn(k.len(), self.n_coordinates(), |i, j| k[i] * self.contact[(i, j)]);
+        self.stiffness() + self.contact.transpose() * springs
+    }
+
+    /// Number of relative displacements, 3 per contact pair.
+    #[must_use]
+    pub fn n_relative(&self) -> usize {
+        3 * self.n_contacts
+    }
+
+    /// (dZ/dω) η for harmonic k at ω: (−2k²ω M + ik C) η.
+    #[must_use]
+    pub fn impedance_slope(&self, k: usize, omega: f64, eta: &[c64]) -> Vec<c64> {
+        let k = k as f64;
+        (self.damp(eta).iter().zip(self.weigh(eta)))
+            .map(|(c_eta, m_eta)| m_eta * (-2.0 * k * k * omega) + c64::new(0.0, k) * c_eta)
+            .collect()
+    }
+
+    /// C η.
+    #[must_use]
+    pub fn damp(&self, eta: &[c64]) -> Vec<c64> {
+        match &self.structure {
+            Structure::Modal { damping, .. } => {
+                eta.iter().zip(damping).map(|(eta, c)| eta * *c).collect()
+            }
+            Structure::Physical { damping, .. } => times(damping, eta),
+        }
+    }
+
+    /// M η.
+    fn weigh(&self, eta: &[c64]) -> Vec<c64> {
+        match &self.structure {
+            Structure::Modal { .. } => eta.to_vec(),
+            Structure::Physical { mass, .. } => times(mass, eta),
+        }
+    }
+
+    /// B Φ η. Shape: `[n]` → `[3·n_contacts]`.
+    #[must_use]
+    pub fn relative(&self, eta: &[c64]) -> Vec<c64> {
+        times(&self.contact, eta)
+    }
+
+    /// Response coordinates of η. Shape: `[n]` → `[n_responses]`.
+    #[must_use]
+    pub fn responses(&self, eta: &[c64]) -> Vec<c64> {
+        times(&self.response, eta)
+    }
+
+    /// Φᵀ Bᵀ f. Shape: `[3·n_contacts]` → `[n]`.
+    #[must_use]
+    pub fn contact_load(&self, force: &[c64]) -> Vec<c64> {
+        (0..self.n_coordinates())
+            .map(|j| (self.contact.col(j).iter().zip(force)).map(|(b, f)| f * *b).sum())
+            .collect()
+    }
+}
+
+/// The diagonal of Ĉ if the rest is round-off.
+fn diagonal(full: &Mat<f64>) -> Option<Vec<f64>> {
+    let n = full.nrows();
+    let largest = (0..n).map(|i| full[(i, i)]).fold(0.0, f64::max);
+    let floor = largest * f64::EPSILON * n as f64;
+    let only = (0..n).all(|i| {
+        (0..i).all(|j| {
+            let neighbours = (full[(i, i)].abs() * full[(j, j)].abs()).sqrt();
+            full[(i, j)].abs() <= DIAGONAL_TOLERANCE * neighbours + floor
+        })
+    });
+    only.then(|| (0..n).map(|i| full[(i, i)]).collect())
+}
+
+fn rows_times(rows: &[&SparseRow], phi: &Mat<f64>) -> Mat<f64> {
+    Mat::from_fn(rows.len(), phi.ncols(), |i, j| {
+        rows[i].iter().map(|&(dof, weight)| weight * phi[(dof, j)]).sum()
+    })
+}
+
+/// A x of a real matrix and a complex vector, column by column.
+pub(super) fn times(a: &Mat<f64>, x: &[c64]) -> Vec<c64> {
+    let mut y = vec![c64::new(0.0, 0.0); a.nrows()];
+    for (j, x) in x.iter().enumerate() {
+        for (y, a) in y.iter_mut().zip(a.col(j).iter()) {
+            *y += x * *a;
+        }
+    }
+    y
+}

@@ -1,0 +1,310 @@
+//! Newton's method for the balance equations, at a fixed frequency or with the frequency as an unknown.
+//!
+//! The bordered system [J R_ω; c_r c_ω] is solved by block elimination with the two right-hand sides R and R_ω.
+
+use super::balance::{Balance, ContactResponse, LoadRate, Motion};
+use super::compliance::Compliance;
+use super::jacobian::Jacobian;
+use super::settings::NewtonSettings;
+use super::status::Status;
+use crate::aft::Want;
+use faer::prelude::c64;
+use std::sync::Arc;
+
+/// A point in the space of unknowns, frequency and level.
+#[derive(Debug, Clone)]
+pub struct Point {
+    /// Relative displacements (m), order of [`super::balance::Layout`].
+    pub r: Vec<f64>,
+    /// Excitation frequency (rad/s).
+    pub omega: f64,
+    /// Excitation level.
+    pub level: f64,
+}
+
+/// Rate of change of a point along a path.
+#[derive(Debug, Clone)]
+pub struct Direction {
+    /// Rate of the relative displacements.
+    pub r: Vec<f64>,
+    /// Rate of the frequency.
+    pub omega: f64,
+}
+
+/// Inner product of directions. The 0th harmonic is left out: the mean position of a strip is so soft that it would
+/// swallow every step.
+#[derive(Debug, Clone, Copy)]
+pub struct Metric {
+    /// Weight of the dynamic displacements (1/m²).
+    pub displacement: f64,
+    /// Weight of the frequency (s²/rad²).
+    pub frequency: f64,
+}
+
+/// What closes the system when the frequency is unknown.
+#[derive(Debug, Clone, Copy)]
+pub enum Condition<'a> {
+    /// The frequency is given.
+    FixedFrequency,
+    /// Response 0 is in phase with this unit phasor (phase resonance).
+    PhaseLocked(c64),
+    /// The step from `base` has the length `step` along `tangent` (pseudo-arclength).
+    ArcLength {
+        /// Start of the step.
+        base: &'a Point,
+        /// Unit tangent there.
+        tangent: &'a Direction,
+        /// Length of the step.
+        step: f64,
+        /// Inner product.
+        metric: Metric,
+    },
+}
+
+/// Work done by solves.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct WorkCount {
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Linear factorisations.
+    pub factorizations: usize,
+}
+
+impl std::ops::AddAssign for WorkCount {
+    fn add_assign(&mut self, other: Self) {
+        self.iterations += other.iterations;
+        self.factorizations += other.factorizations;
+    }
+}
+
+/// A point with everything evaluated there.
+#[derive(Debug)]
+pub struct Iterate<'p> {
+    /// The point.
+    pub point: Point,
+    /// Compliances at its frequency, shared by the iterates of one frequency.
+    pub compliance: Arc<Compliance<'p>>,
+    /// Contact forces and tangents.
+    pub contact: ContactResponse,
+    /// R.
+    pub residual: Vec<f64>,
+    /// Motion of the structure.
+    pub motion: Motion,
+}
+
+/// Phase error (rad) accepted at a phase resonance; it only starts the search of the maximum.
+const PHASE_TOLERANCE: f64 = 1e-6;
+
+/// Largest relative change of the frequency in one iteration.
+const MAX_FREQUENCY_STEP: f64 = 0.02;
+
+/// Smallest damping factor of the line search.
+const MIN_DAMPING: f64 = 1.0 / 64.0;
+
+impl<'p> Iterate<'p> {
+    /// Evaluates everything at `point`.
+    #[must_use]
+    pub fn new(balance: &Balance<'p>, point: Point) -> Self {
+        let compliance = Arc::new(balance.compliance(point.omega));
+        Self::with_compliance(balance, point, compliance)
+    }
+
+    fn with_compliance(balance: &Balance<'p>, point: Point, compliance: Arc<Compliance<'p>>) -> Self {
+        let contact = balance.contact(&point.r, Want::ForcesAndTangents);
+        let residual = balance.residual(&compliance, point.level, &point.r, &contact.force);
+        let motion = balance.motion(&compliance, point.level, &point.r, &contact.force);
+        Self { point, compliance, contact, residual, motion }
+    }
+
+    /// Largest residual component over the fixed displacement scale.
+    #[must_use]
+    pub fn relative_residual(&self, balance: &Balance<'_>) -> f64 {
+        let scale = balance.problem.displacement_scale(self.point.level);
+        let largest = self.residual.iter().map(|r| r.abs()).fold(0.0, f64::max);
+        if self.residual.iter().all(|r| r.is_finite()) { largest / scale } else { f64::NAN }
+    }
+
+    /// The Jacobian here.
+    #[must_use]
+    pub fn jacobian<'a>(&'a self, balance: &'a Balance<'p>) -> Jacobian<'a> {
+        Jacobian::new(&balance.layout, balance.problem, &self.compliance, &self.contact.active)
+    }
+
+    /// First harmonic of response 0.
+    #[must_use]
+    pub fn response(&self, balance: &Balance<'_>) -> c64 {
+        balance.problem.model.responses(&self.motion.dynamic[0])[0]
+    }
+
+    /// dr/dω along the solution branch: −J⁻¹ R_ω.
+    #[must_use]
+    pub fn frequency_rate(&self, balance: &Balance<'_>, jacobian: &Jacobian<'_>) -> Vec<f64> {
+        let slope = balance.frequency_slope(&self.compliance, &self.motion);
+        negated(&jacobian.solve(&slope))
+    }
+
+    /// Rate of response 0 when the point moves along `direction` (and the level along `level`).
+    #[must_use]
+    pub fn response_rate(
+        &self,
+        balance: &Balance<'_>,
+        jacobian: &Jacobian<'_>,
+        direction: &Direction,
+        level: f64,
+    ) -> c64 {
+        let deviation = jacobian.deviation(&direction.r);
+        let rate = LoadRate { deviation: &deviation, omega: direction.omega, level };
+        balance.response_rate(&self.compliance, &self.motion, &rate)
+    }
+}
+
+impl Metric {
+    /// Relative to the dynamic displacements at `point` and to `omega_scale` (rad/s).
+    #[must_use]
+    pub fn at(balance: &Balance<'_>, point: &Point, omega_scale: f64) -> Self {
+        let n = balance.layout.n_relative();
+        let size: f64 = point.r[n..].iter().map(|r| r * r).sum();
+        let floor = balance.problem.displacement_scale(point.level) * 1e-6;
+        Self {
+            displacement: 1.0 / size.max(floor * floor),
+            frequency: 1.0 / (omega_scale * omega_scale),
+        }
+    }
+
+    /// ⟨a, b⟩ for unknowns whose 0th harmonic has `n_relative` entries.
+    #[must_use]
+    pub fn dot(&self, n_relative: usize, a: &Direction, b: &Direction) -> f64 {
+        let r: f64 = a.r[n_relative..].iter().zip(&b.r[n_relative..]).map(|(a, b)| a * b).sum();
+        self.displacement * r + self.frequency * a.omega * b.omega
+    }
+}
+
+/// Solves the balance equations under `condition`, starting at `start`.
+///
+/// # Errors
+/// The status that says why not, and the work spent.
+pub fn solve<'p>(
+    balance: &Balance<'p>,
+    start: Point,
+    condition: Condition<'_>,
+    settings: NewtonSettings,
+) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
+    let mut count = WorkCount::default();
+    let mut iterate = Iterate::new(balance, start);
+    loop {
+        let size = iterate.relative_residual(balance);
+        if !size.is_finite() {
+            return Err((Status::NonFinite, count));
+        }
+        let closing = condition.value(balance, &iterate);
+        if size <= settings.tolerance && closing.abs() <= condition.tolerance() {
+            return Ok((iterate, count));
+        }
+        if count.iterations == settings.max_iterations {
+            return Err((Status::MaxIterations, count));
+        }
+        let jacobian = iterate.jacobian(balance);
+        let step = newton_step(balance, &iterate, &jacobian, condition);
+        count += WorkCount { iterations: 1, factorizations: jacobian.factorizations() };
+        iterate = advance(balance, &iterate, &step, size);
+    }
+}
+
+/// The full Newton step of the (bordered) system.
+#[must_use]
+pub fn newton_step(
+    balance: &Balance<'_>,
+    iterate: &Iterate<'_>,
+    jacobian: &Jacobian<'_>,
+    condition: Condition<'_>,
+) -> Direction {
+    let towards = Direction { r: negated(&jacobian.solve(&iterate.residual)), omega: 0.0 };
+    if matches!(condition, Condition::FixedFrequency) {
+        return towards;
+    }
+    let along = Direction { r: iterate.frequency_rate(balance, jacobian), omega: 1.0 };
+    let rate = |d: &Direction| condition.rate(balance, iterate, jacobian, d);
+    let closing = condition.value(balance, iterate);
+    let limit = MAX_FREQUENCY_STEP * iterate.point.omega;
+    let omega = (-(closing + rate(&towards)) / rate(&along)).clamp(-limit, limit);
+    let r = (towards.r.iter().zip(&along.r)).map(|(a, b)| a + omega * b).collect();
+    Direction { r, omega }
+}
+
+/// Takes the step. At a fixed frequency it is damped until the residual falls; with a moving frequency the
+/// condition is part of the system and the residual alone is no measure, so the full step is taken.
+fn advance<'p>(
+    balance: &Balance<'p>,
+    from: &Iterate<'p>,
+    step: &Direction,
+    size: f64,
+) -> Iterate<'p> {
+    let mut damping = 1.0;
+    loop {
+        let point = Point {
+            r: (from.point.r.iter().zip(&step.r)).map(|(r, d)| r + damping * d).collect(),
+            omega: from.point.omega + damping * step.omega,
+            level: from.point.level,
+        };
+        let trial = if step.omega == 0.0 {
+            Iterate::with_compliance(balance, point, Arc::clone(&from.compliance))
+        } else {
+            Iterate::new(balance, point)
+        };
+        let fell = trial.relative_residual(balance) <= (1.0 - 0.1 * damping) * size;
+        if fell || step.omega != 0.0 || damping <= MIN_DAMPING {
+            return trial;
+        }
+        damping *= 0.5;
+    }
+}
+
+impl Condition<'_> {
+    fn tolerance(self) -> f64 {
+        match self {
+            Self::FixedFrequency => f64::INFINITY,
+            Self::PhaseLocked(_) => PHASE_TOLERANCE,
+            Self::ArcLength { step, .. } => 1e-6 * step.abs(),
+        }
+    }
+
+    fn value(self, balance: &Balance<'_>, iterate: &Iterate) -> f64 {
+        match self {
+            Self::FixedFrequency => 0.0,
+            Self::PhaseLocked(phasor) => {
+                let y = iterate.response(balance);
+                (y * phasor.conj()).im / y.norm()
+            }
+            Self::ArcLength { base, tangent, step, metric } => {
+                let gone = Direction {
+                    r: (iterate.point.r.iter().zip(&base.r)).map(|(a, b)| a - b).collect(),
+                    omega: iterate.point.omega - base.omega,
+                };
+                metric.dot(balance.layout.n_relative(), &gone, tangent) - step
+            }
+        }
+    }
+
+    fn rate(
+        self,
+        balance: &Balance<'_>,
+        iterate: &Iterate<'_>,
+        jacobian: &Jacobian<'_>,
+        direction: &Direction,
+    ) -> f64 {
+        match self {
+            Self::FixedFrequency => 0.0,
+            Self::PhaseLocked(phasor) => {
+                let rate = iterate.response_rate(balance, jacobian, direction, 0.0);
+                (rate * phasor.conj()).im / iterate.response(balance).norm()
+            }
+            Self::ArcLength { tangent, metric, .. } => {
+                metric.dot(balance.layout.n_relative(), direction, tangent)
+            }
+        }
+    }
+}
+
+fn negated(x: &[f64]) -> Vec<f64> {
+    x.iter().map(|x| -x).collect()
+}

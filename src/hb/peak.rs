@@ -1,0 +1,180 @@
+//! The resonance peak: a maximum of the amplitude along the solution branch, found directly.
+//!
+//! Close to a resonance ln|ŷ| is nearly a parabola in arclength whose curvature is −(d arg ŷ/ds)², as for one
+//! oscillator; that gives the first step, secants the next ones, and a bracket makes an end of it. Walking along the
+//! arc instead of the frequency axis keeps overhanging peaks harmless.
+
+use super::balance::Balance;
+use super::continuation::BranchPoint;
+use super::newton::{Iterate, WorkCount};
+use super::resonance::Band;
+use super::settings::NewtonSettings;
+use super::status::Status;
+
+/// How exactly, and where, a peak is located.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PeakSettings {
+    /// Where the peak must lie.
+    pub band: Band,
+    /// Relative change of frequency between the last two points.
+    pub frequency_tolerance: f64,
+}
+
+/// First steps shorter than this (relative change of the displacements) would measure curvature in round-off.
+const SHORTEST_STEP: f64 = 1e-3;
+/// Longer steps would leave the neighbourhood in which the curvature estimate holds.
+const LONGEST_STEP: f64 = 0.3;
+/// Points visited before giving up.
+const MAX_POINTS: usize = 40;
+/// Halvings of one step before giving up.
+const MAX_HALVINGS: usize = 8;
+
+/// A point at arclength `s` from the start of the search.
+struct Station<'p> {
+    s: f64,
+    point: BranchPoint<'p>,
+}
+
+/// Finds the maximum of |ŷ| next to `start`.
+///
+/// # Errors
+/// [`Status::NoPeakInBand`] if the search leaves the band, else the status of the solve that failed.
+pub fn find_peak<'p>(
+    balance: &Balance<'p>,
+    start: Iterate<'p>,
+    settings: PeakSettings,
+    newton: NewtonSettings,
+) -> Result<(BranchPoint<'p>, WorkCount), (Status, WorkCount)> {
+    let omega_scale = 2.0 * settings.band.width();
+    let (first, mut count) = BranchPoint::new(balance, start, omega_scale, None, None);
+    let metric = first.metric;
+    let mut step = first.growth() / first.phase_rate().powi(2);
+    step = step.abs().clamp(SHORTEST_STEP, LONGEST_STEP).copysign(first.growth());
+    let mut search = Search::new(Station { s: 0.0, point: first });
+    for _ in 0..MAX_POINTS {
+        let from = search.nearest(step);
+        let (iterate, length) = halving_step(balance, &from.point, step - from.s, newton, &mut count)?;
+        let (point, work) =
+            BranchPoint::new(balance, iterate, omega_scale, Some(metric), Some(&from.point.tangent));
+        count += work;
+        let (omega, previous) = (point.iterate.point.omega, from.point.iterate.point.omega);
+        if !settings.band.contains(omega) {
+            return Err((Status::NoPeakInBand, count));
+        }
+        let s = from.s + length;
+        let moved = (omega - previous).abs() / omega;
+        search.add(Station { s, point });
+        let tolerance = settings.frequency_tolerance;
+        if search.is_maximum() && (moved <= tolerance || search.bracket_width() <= tolerance) {
+            return Ok((search.into_best(), count));
+        }
+        step = search.next();
+    }
+    if search.is_maximum() && search.bracket_width() <= 10.0 * settings.frequency_tolerance {
+        return Ok((search.into_best(), count));
+    }
+    Err((Status::MaxIterations, count))
+}
+
+/// One step, halved while the solve fails.
+fn halving_step<'p>(
+    balance: &Balance<'p>,
+    from: &BranchPoint<'p>,
+    mut length: f64,
+    newton: NewtonSettings,
+    count: &mut WorkCount,
+) -> Result<(Iterate<'p>, f64), (Status, WorkCount)> {
+    let mut last = Status::StepTooSmall;
+    for _ in 0..MAX_HALVINGS {
+        match from.step(balance, length, newton) {
+            Ok((iterate, work)) => {
+                *count += work;
+                return Ok((iterate, length));
+            }
+            Err((status, work)) => {
+                *count += work;
+                last = status;
+                length *= 0.5;
+            }
+        }
+    }
+    Err((last, *count))
+}
+
+/// The last two stations, or the two that bracket the maximum.
+struct Search<'p> {
+    older: Option<Station<'p>>,
+    newer: Station<'p>,
+    /// Factor on the growth of the older end: halved each time that end stays in the bracket (Illinois rule).
+    weight: f64,
+}
+
+impl<'p> Search<'p> {
+    fn new(first: Station<'p>) -> Self {
+        Self { older: None, newer: first, weight: 1.0 }
+    }
+
+    fn bracketed(&self) -> bool {
+        (self.older.as_ref())
+            .is_some_and(|o| o.point.growth() * self.newer.point.growth() <= 0.0)
+    }
+
+    /// Whether the growth falls along the branch, so that its zero is a maximum.
+    fn is_maximum(&self) -> bool {
+        self.older.as_ref().is_some_and(|older| {
+            (self.newer.point.growth() - older.point.growth()) * (self.newer.s - older.s) < 0.0
+        })
+    }
+
+    /// Relative frequency distance of the bracket's ends.
+    fn bracket_width(&self) -> f64 {
+        match &self.older {
+            Some(older) if self.bracketed() => {
+                let (a, b) = (older.point.iterate.point.omega, self.newer.point.iterate.point.omega);
+                (a - b).abs() / b
+            }
+            _ => f64::INFINITY,
+        }
+    }
+
+    fn nearest(&self, s: f64) -> &Station<'p> {
+        match &self.older {
+            Some(older) if (older.s - s).abs() < (self.newer.s - s).abs() => older,
+            _ => &self.newer,
+        }
+    }
+
+    fn add(&mut self, station: Station<'p>) {
+        let same_side = station.point.growth() * self.newer.point.growth() > 0.0;
+        if self.bracketed() && same_side {
+            self.weight *= 0.5;
+            self.newer = station;
+        } else {
+            self.weight = 1.0;
+            self.older = Some(std::mem::replace(&mut self.newer, station));
+        }
+    }
+
+    /// Where the growth vanishes by the secant; a limited step uphill where the secant has no maximum.
+    fn next(&self) -> f64 {
+        let Some(older) = &self.older else { return self.newer.s };
+        let (g_old, g_new) = (older.point.growth(), self.newer.point.growth());
+        let span = self.newer.s - older.s;
+        if self.bracketed() {
+            return self.newer.s - g_new * span / (g_new - self.weight * g_old);
+        }
+        let limit = (3.0 * span.abs()).min(LONGEST_STEP);
+        let secant = g_new * span / (g_new - g_old);
+        let step = if self.is_maximum() { secant.abs().min(limit) } else { limit };
+        self.newer.s + step.copysign(g_new)
+    }
+
+    fn into_best(self) -> BranchPoint<'p> {
+        match self.older {
+            Some(older) if older.point.response.norm() > self.newer.point.response.norm() => {
+                older.point
+            }
+            _ => self.newer.point,
+        }
+    }
+}

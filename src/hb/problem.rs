@@ -1,0 +1,153 @@
+//! The nonlinear problem of one sample: a linear model, contact parameters and the static load.
+
+use super::ProblemError;
+use super::linear::LinearModel;
+use super::settings::SliderAnchor;
+use crate::contact::ContactParameters;
+use faer::linalg::solvers::Llt;
+use faer::prelude::*;
+
+/// What is solved, without any choice of how: see [`super::HbSettings`] for that.
+#[derive(Debug)]
+pub struct Problem<'m> {
+    /// Linear part.
+    pub model: &'m LinearModel,
+    /// Contact parameters, anchors included. Shape: `[n_contacts]`.
+    pub contacts: Vec<ContactParameters<f64>>,
+    /// Diagonal of K_c, stiffness of the stuck contacts (N/m). Shape: `[3·n_contacts]`, t1 of every pair, t2, n.
+    pub stuck_stiffness: Vec<f64>,
+    /// Static (0th harmonic) solution of the stuck structure.
+    pub stuck_static: StuckStatic,
+    /// Factor on the static force f₀.
+    pub static_load_scale: f64,
+}
+
+/// Stuck structure at rest: η₀ = `eta` − `eta_per_force` g₀, r₀ = `relative` − `compliance` g₀.
+#[derive(Debug)]
+pub struct StuckStatic {
+    /// Modal coordinates under the static load. Shape: `[n]`.
+    pub eta: Vec<f64>,
+    /// Modal coordinates per contact force. Shape: n × 3·n_contacts.
+    pub eta_per_force: Mat<f64>,
+    /// Relative displacements under the static load (m). Shape: `[3·n_contacts]`.
+    pub relative: Vec<f64>,
+    /// G₀ (m/N). Shape: 3·n_contacts square.
+    pub compliance: Mat<f64>,
+    /// Largest relative displacement under the unit excitation applied statically (m).
+    pub excitation_scale: f64,
+}
+
+impl<'m> Problem<'m> {
+    /// Sets the sample up; the anchors of `contacts` are set here by the policy.
+    ///
+    /// # Errors
+    /// [`ProblemError::NotHeld`] if the stuck structure has a rigid-body motion left in the 0th harmonic;
+    /// [`ProblemError::NoLoad`] if neither static nor harmonic force moves a contact or the structure.
+    pub fn new(
+        model: &'m LinearModel,
+        mut contacts: Vec<ContactParameters<f64>>,
+        static_load_scale: f64,
+        anchor: SliderAnchor,
+    ) -> Result<Self, ProblemError> {
+        assert_eq!(contacts.len(), model.n_contacts, "one parameter set per contact pair");
+        let anchors = match anchor {
+            SliderAnchor::Unloaded => vec![[0.0; 2]; contacts.len()],
+            SliderAnchor::StaticEquilibrium => {
+                frictionless_equilibrium(model, &contacts, static_load_scale)?
+            }
+        };
+        for (contact, anchor) in contacts.iter_mut().zip(anchors) {
+            contact.anchor = anchor;
+        }
+        let stuck_stiffness: Vec<f64> = (contacts.iter().map(|c| c.k_t[0]))
+            .chain(contacts.iter().map(|c| c.k_t[1]))
+            .chain(contacts.iter().map(|c| c.k_n))
+            .collect();
+        let stuck_static = StuckStatic::new(model, &stuck_stiffness, static_load_scale)?;
+        Ok(Self { model, contacts, stuck_stiffness, stuck_static, static_load_scale })
+    }
+
+    /// Fixed scale of the residual at an excitation level (m): it must not grow with the iterate, or a strip
+    /// that flies off would pass for converged.
+    #[must_use]
+    pub fn displacement_scale(&self, level: f64) -> f64 {
+        let at_rest = self.stuck_static.relative.iter().fold(0.0, |m: f64, r| m.max(r.abs()));
+        at_rest + level * self.stuck_static.excitation_scale
+    }
+}
+
+impl StuckStatic {
+    fn new(model: &LinearModel, k_c: &[f64], load_scale: f64) -> Result<Self, ProblemError> {
+        let factor = static_factor(model, k_c)?;
+        let solve = |f: &[f64]| -> Vec<f64> {
+            factor.solve(Col::from_fn(f.len(), |i| f[i])).iter().copied().collect()
+        };
+        let relative = |eta: &[f64]| -> Vec<f64> {
+            (&model.contact * Col::from_fn(eta.len(), |i| eta[i])).iter().copied().collect()
+        };
+        let eta: Vec<f64> = solve(&model.static_force).iter().map(|x| x * load_scale).collect();
+        let eta_per_force = factor.solve(model.contact.transpose());
+        let part = |f: fn(&c64) -> f64| model.force.iter().map(f).collect::<Vec<f64>>();
+        let excitation_scale = [part(|f| f.re), part(|f| f.im)]
+            .iter()
+            .flat_map(|f| relative(&solve(f)))
+            .fold(0.0, |m: f64, r| m.max(r.abs()));
+        if excitation_scale == 0.0 && model.n_contacts > 0 {
+            return Err(ProblemError::NoLoad);
+        }
+        Ok(Self {
+            relative: relative(&eta),
+            compliance: &model.contact * &eta_per_force,
+            eta,
+            eta_per_force,
+            excitation_scale,
+        })
+    }
+}
+
+/// Cholesky factor of Λ + retention + (BΦ)ᵀ diag(k) BΦ.
+fn static_factor(model: &LinearModel, k: &[f64]) -> Result<Llt<f64>, ProblemError> {
+    let mut stiffness = model.stiffness_with_springs(k);
+    let n = stiffness.nrows();
+    if let Some(retention) = &model.retention {
+        stiffness += retention;
+    }
+    let largest = (0..n).map(|i| stiffness[(i, i)]).fold(0.0, f64::max);
+    let factor = stiffness.llt(faer::Side::Lower).map_err(|_| ProblemError::NotHeld)?;
+    let smallest_pivot = (0..n).map(|i| factor.L()[(i, i)]).fold(f64::INFINITY, f64::min);
+    if smallest_pivot * smallest_pivot <= largest * f64::EPSILON {
+        return Err(ProblemError::NotHeld);
+    }
+    Ok(factor)
+}
+
+/// Tangential displacements at rest when the contacts only push: active set on the closed pairs.
+fn frictionless_equilibrium(
+    model: &LinearModel,
+    contacts: &[ContactParameters<f64>],
+    load_scale: f64,
+) -> Result<Vec<[f64; 2]>, ProblemError> {
+    let n_c = contacts.len();
+    let mut closed = vec![true; n_c];
+    let limit = 2 * n_c + 10;
+    for _ in 0..limit {
+        let mut k = vec![0.0; 3 * n_c];
+        let mut preload = Col::<f64>::zeros(3 * n_c);
+        for (i, c) in contacts.iter().enumerate().filter(|(i, _)| closed[*i]) {
+            k[2 * n_c + i] = c.k_n;
+            preload[2 * n_c + i] = c.n_0;
+        }
+        let factor = static_factor(model, &k)?;
+        let load = Col::from_fn(model.n_coordinates(), |j| load_scale * model.static_force[j]);
+        let eta = factor.solve(load - model.contact.transpose() * preload);
+        let r = &model.contact * eta;
+        let now: Vec<bool> = (contacts.iter().enumerate())
+            .map(|(i, c)| c.n_0 + c.k_n * r[2 * n_c + i] > 0.0)
+            .collect();
+        if now == closed {
+            return Ok((0..n_c).map(|i| [r[i], r[n_c + i]]).collect());
+        }
+        closed = now;
+    }
+    Err(ProblemError::NoStaticEquilibrium)
+}

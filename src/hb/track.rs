@@ -1,0 +1,308 @@
+//! Resonance peaks of one problem over ascending excitation levels.
+//!
+//! Below slip onset the stuck structure is linear, so the track starts there and follows the phase resonance in the
+//! level; at each level asked for, the maximum next to the phase resonance is located and the harmonics are raised
+//! until the error alert is silent. Where that fails the whole band is swept by continuation.
+
+use super::alert::{enlarged, pad, time_points, truncation_error};
+use super::balance::Balance;
+use super::continuation::{BranchPoint, StepSettings, walk};
+use super::newton::{Condition, Direction, Iterate, Point, WorkCount, solve};
+use super::peak::{PeakSettings, find_peak};
+use super::problem::Problem;
+use super::resonance::{StuckResonance, stuck_resonance};
+use super::settings::HbSettings;
+use super::solution::Solution;
+use super::status::Status;
+use crate::linalg::LinalgError;
+use faer::prelude::c64;
+
+/// Peak at one level.
+#[derive(Debug)]
+pub struct LevelPeak {
+    /// Excitation level.
+    pub level: f64,
+    /// How it ended.
+    pub status: Status,
+    /// The solution at the peak, if any.
+    pub solution: Option<Solution>,
+    /// Work spent on this level.
+    pub count: WorkCount,
+}
+
+/// Share of the slip onset at which the track starts.
+const START_BELOW_ONSET: f64 = 0.5;
+/// Largest first ratio between two levels of the track.
+const FIRST_RATIO: f64 = 3.0;
+/// Ratios below this end the track.
+const SMALLEST_RATIO: f64 = 1.02;
+/// Newton iterations of one step of the track; more mean that the step was too long.
+const TRACK_ITERATIONS: usize = 12;
+
+/// The phase-resonant solution the track has reached.
+struct Track<'a, 'p> {
+    balance: &'a Balance<'p>,
+    settings: &'a HbSettings,
+    peak: PeakSettings,
+    phasor: c64,
+    at: Option<Iterate<'p>>,
+    ratio: f64,
+    count: WorkCount,
+}
+
+/// Peaks of `problem` at the ascending `levels`.
+///
+/// # Errors
+/// [`LinalgError`] if the modes of the stuck structure cannot be found. Solves that fail are statuses.
+pub fn track_peaks(
+    problem: &Problem<'_>,
+    settings: &HbSettings,
+    peak: PeakSettings,
+    levels: &[f64],
+) -> Result<Vec<LevelPeak>, LinalgError> {
+    let Some(resonance) = stuck_resonance(problem, peak.band)? else {
+        let nothing = |&level| LevelPeak::failed(level, Status::NoPeakInBand, WorkCount::default());
+        return Ok(levels.iter().map(nothing).collect());
+    };
+    let balance = Balance::new(problem, settings.harmonics.clone(), settings.aft);
+    let mut track = Track {
+        balance: &balance,
+        settings,
+        peak,
+        phasor: resonance.response / resonance.response.norm(),
+        at: None,
+        ratio: FIRST_RATIO,
+        count: WorkCount::default(),
+    };
+    track.start(&resonance, levels.first().copied().unwrap_or(1.0));
+    Ok(levels.iter().map(|&level| track.level(level)).collect())
+}
+
+impl LevelPeak {
+    fn failed(level: f64, status: Status, count: WorkCount) -> Self {
+        Self { level, status, solution: None, count }
+    }
+}
+
+impl<'p> Track<'_, 'p> {
+    /// Solves at or below the first level, where the stuck solution is a good start.
+    fn start(&mut self, resonance: &StuckResonance, first_level: f64) {
+        let stuck = |level: f64| stuck_point(self.balance, resonance.omega, level);
+        let onset = slip_onset(self.balance, &stuck(1.0));
+        let level = first_level.min(START_BELOW_ONSET * onset);
+        match solve(self.balance, stuck(level), Condition::PhaseLocked(self.phasor), self.settings.newton) {
+            Ok((iterate, work)) => {
+                self.count += work;
+                self.at = Some(iterate);
+            }
+            Err((_, work)) => self.count += work,
+        }
+    }
+
+    /// Follows the phase resonance to `level` and returns the peak there.
+    fn level(&mut self, level: f64) -> LevelPeak {
+        self.count = WorkCount::default();
+        let reached = self.follow(level);
+        let located = reached.and_then(|start| {
+            let found = find_peak(self.balance, start, self.peak, self.settings.newton);
+            self.tally(found)
+        });
+        let found = match located {
+            Ok(point) => Ok(point),
+            Err(_) => self.sweep(level),
+        };
+        match found {
+            Ok(point) => self.refined(point.iterate),
+            Err(status) => LevelPeak::failed(level, status, self.count),
+        }
+    }
+
+    /// Moves the track to `level` by steps whose ratio adapts; gives a copy of the solution there.
+    fn follow(&mut self, level: f64) -> Result<Iterate<'p>, Status> {
+        loop {
+            let at = self.at.as_ref().ok_or(Status::StepTooSmall)?;
+            let left = level / at.point.level;
+            if (left - 1.0).abs() < 1e-12 {
+                return Ok(Iterate::new(self.balance, at.point.clone()));
+            }
+            let ratio = if left > self.ratio { self.ratio.min(left.sqrt().max(SMALLEST_RATIO)) } else { left };
+            let target = if ratio == left { level } else { at.point.level * ratio };
+            let predicted = self.predict(at, target);
+            let newton = super::NewtonSettings { max_iterations: TRACK_ITERATIONS, ..self.settings.newton };
+            let solved = solve(self.balance, predicted, Condition::PhaseLocked(self.phasor), newton);
+            match self.tally(solved) {
+                Ok(iterate) if self.peak.band.contains(iterate.point.omega) => {
+                    self.at = Some(iterate);
+                    self.ratio = (self.ratio * 1.5).min(10.0);
+                }
+                _ => {
+                    self.ratio = ratio.sqrt();
+                    if self.ratio < SMALLEST_RATIO {
+                        return Err(Status::StepTooSmall);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Tangent predictor in the level along the phase resonance.
+    fn predict(&self, at: &Iterate<'_>, level: f64) -> Point {
+        let jacobian = at.jacobian(self.balance);
+        let slope = self.balance.level_slope(&at.compliance);
+        let by_level = Direction { r: jacobian.solve(&slope).iter().map(|x| -x).collect(), omega: 0.0 };
+        let by_omega = Direction { r: at.frequency_rate(self.balance, &jacobian), omega: 1.0 };
+        let off_phase = |rate: c64| (rate * self.phasor.conj()).im;
+        let level_rate = off_phase(at.response_rate(self.balance, &jacobian, &by_level, 1.0));
+        let omega_rate = off_phase(at.response_rate(self.balance, &jacobian, &by_omega, 0.0));
+        let step = level - at.point.level;
+        let omega = -step * level_rate / omega_rate;
+        let rates = by_level.r.iter().zip(&by_omega.r);
+        Point {
+            r: at.point.r.iter().zip(rates).map(|(r, (l, o))| r + step * l + omega * o).collect(),
+            omega: at.point.omega + omega,
+            level,
+        }
+    }
+
+    /// Raises the harmonics from a converged peak until the alert is silent, and reports the peak.
+    fn refined(&mut self, iterate: Iterate<'p>) -> LevelPeak {
+        let level = iterate.point.level;
+        let Some(alert) = self.settings.alert else {
+            return self.report(self.balance, &iterate, Status::Converged, None);
+        };
+        let problem = self.balance.problem;
+        let discretised = |harmonics| {
+            let aft = time_points(self.settings.aft, &harmonics);
+            Balance::new(problem, harmonics, aft)
+        };
+        let mut raised: Option<Balance<'p>> = None;
+        let mut iterate = iterate;
+        loop {
+            let balance = raised.as_ref().unwrap_or(self.balance);
+            let highest = balance.harmonics.highest();
+            let cap = (highest < alert.highest_harmonic).then_some(alert.highest_harmonic);
+            let larger = discretised(enlarged(&balance.harmonics, cap));
+            let y = iterate.response(balance);
+            let condition = Condition::PhaseLocked(y / y.norm());
+            let error = truncation_error(balance, &iterate, &larger, condition);
+            self.count += WorkCount { iterations: 1, factorizations: 1 };
+            if error <= alert.threshold {
+                return self.report(balance, &iterate, Status::Converged, Some(error));
+            }
+            let next = match cap {
+                Some(_) => self.raise(balance, &iterate, &larger, condition),
+                None => Err(Status::TruncationAboveThreshold),
+            };
+            match next {
+                Ok(point) => iterate = point,
+                Err(_) => {
+                    let status = Status::TruncationAboveThreshold;
+                    return self.report(balance, &iterate, status, Some(error));
+                }
+            }
+            debug_assert!((iterate.point.level - level).abs() <= 0.0, "raising keeps the level");
+            raised = Some(larger);
+        }
+    }
+
+    /// The same peak on more harmonics.
+    fn raise(
+        &mut self,
+        balance: &Balance<'_>,
+        iterate: &Iterate<'_>,
+        larger: &Balance<'p>,
+        condition: Condition<'_>,
+    ) -> Result<Iterate<'p>, Status> {
+        let newton = self.settings.newton;
+        let start = self.tally(solve(larger, pad(balance, &iterate.point, larger), condition, newton))?;
+        self.tally(find_peak(larger, start, self.peak, newton)).map(|point| point.iterate)
+    }
+
+    /// Walks through the whole band at `level` and refines the highest point met.
+    fn sweep(&mut self, level: f64) -> Result<BranchPoint<'p>, Status> {
+        let band = self.peak.band;
+        let newton = self.settings.newton;
+        let start = stuck_point(self.balance, band.low, level);
+        let start = self.tally(solve(self.balance, start, Condition::FixedFrequency, newton))?;
+        let steps = StepSettings::for_band(band.width());
+        let (first, work) = BranchPoint::new(self.balance, start, steps.omega_scale, None, None);
+        self.count += work;
+        let mut best: Option<(f64, Point)> = None;
+        let end = walk(self.balance, first, newton, steps, |_, point, _| {
+            let amplitude = point.response.norm();
+            if band.contains(point.iterate.point.omega)
+                && best.as_ref().is_none_or(|(largest, _)| amplitude > *largest)
+            {
+                best = Some((amplitude, point.iterate.point.clone()));
+            }
+            point.iterate.point.omega < band.high && point.iterate.point.omega > 0.5 * band.low
+        });
+        self.count += end.count;
+        let (_, point) = best.ok_or(end.status)?;
+        let start = Iterate::new(self.balance, point);
+        let peak = self.tally(find_peak(self.balance, start, self.peak, newton))?;
+        let y = peak.response;
+        self.phasor = y / y.norm();
+        let locked = peak.iterate.point.clone();
+        self.at = self
+            .tally(solve(self.balance, locked, Condition::PhaseLocked(self.phasor), newton))
+            .ok();
+        Ok(peak)
+    }
+
+    fn report(
+        &self,
+        balance: &Balance<'_>,
+        iterate: &Iterate<'_>,
+        status: Status,
+        truncation_error: Option<f64>,
+    ) -> LevelPeak {
+        let mut solution = Solution::new(balance, iterate, status, self.count);
+        solution.truncation_error = truncation_error;
+        LevelPeak {
+            level: iterate.point.level,
+            status,
+            solution: Some(solution),
+            count: self.count,
+        }
+    }
+
+    fn tally<T>(&mut self, result: Result<(T, WorkCount), (Status, WorkCount)>) -> Result<T, Status> {
+        match result {
+            Ok((value, work)) => {
+                self.count += work;
+                Ok(value)
+            }
+            Err((status, work)) => {
+                self.count += work;
+                Err(status)
+            }
+        }
+    }
+}
+
+/// Solution of the fully stuck structure.
+#[must_use]
+pub fn stuck_point(balance: &Balance<'_>, omega: f64, level: f64) -> Point {
+    let at = balance.compliance(omega);
+    let zero = vec![0.0; balance.layout.n_unknowns()];
+    let force = zero.clone();
+    let residual = balance.residual(&at, level, &zero, &force);
+    Point { r: residual.iter().map(|r| -r).collect(), omega, level }
+}
+
+/// Level at which the stuck solution, given per unit level, first breaks the Coulomb limit or opens a pair.
+fn slip_onset(balance: &Balance<'_>, unit: &Point) -> f64 {
+    let n_c = balance.layout.n_pairs;
+    let n = balance.layout.n_relative();
+    let dynamic = |i: usize| unit.r[n + i].hypot(unit.r[2 * n + i]);
+    (balance.problem.contacts.iter().enumerate())
+        .map(|(pair, c)| {
+            let preload = c.n_0 + c.k_n * unit.r[2 * n_c + pair];
+            let [t1, t2] = [0, 1].map(|axis| c.k_t[axis] * dynamic(axis * n_c + pair));
+            let normal = c.k_n * dynamic(2 * n_c + pair);
+            preload.max(0.0) * (c.mu / (t1.hypot(t2) + c.mu * normal)).min(1.0 / normal)
+        })
+        .filter(|level| *level > 0.0)
+        .fold(f64::INFINITY, f64::min)
+}
