@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use microslip::Error;
-use microslip::study::{Inspection, OutputFolder, Progress, Study, inspect, solve};
+use microslip::study::{Inspection, LevelCurve, OutputFolder, Progress, Study, inspect, solve};
 
 /// Exit code of every failure.
 const FAILURE: u8 = 2;
@@ -81,9 +81,21 @@ fn execute(command: &Command) -> Result<(), Error> {
             let study = Study::read(&arguments.study)?;
             let folder = output_folder(&study, arguments)?;
             let bar = Bar::new(arguments.quiet);
-            let no_solver = |_: &_, _: &_, _| Err(not_there(&study));
-            solve(&study, &folder, no_solver, |p| bar.show(p))?;
-            Ok(())
+            let curves = solve(&study, &folder, |progress| bar.show(progress))?;
+            bar.clear();
+            if arguments.quiet {
+                return Ok(());
+            }
+            print(|out| {
+                for curve in &curves {
+                    show_curve(out, &study, curve)?;
+                }
+                writeln!(
+                    out,
+                    "curve.csv and solution.json are in {}",
+                    folder.path().display()
+                )
+            })
         }
         Command::Run(arguments) => {
             let study = Study::read(&arguments.study)?;
@@ -94,11 +106,35 @@ fn execute(command: &Command) -> Result<(), Error> {
     }
 }
 
-/// Until the solver is wired in.
+/// Level, number of points and largest amplitude of the first response.
+fn show_curve(out: &mut dyn Write, study: &Study, curve: &LevelCurve) -> std::io::Result<()> {
+    let solved = curve.solutions.iter().filter(|s| s.status.has_solution());
+    let n_solved = solved.clone().count();
+    let peak = solved.max_by(|a, b| a.amplitude(0).total_cmp(&b.amplitude(0)));
+    write!(
+        out,
+        "level {}: {n_solved} of {} points solved",
+        curve.level,
+        curve.solutions.len()
+    )?;
+    if let Some(peak) = peak {
+        let unit = study.frequency.unit;
+        let frequency = unit.of_rad_s(peak.omega);
+        write!(
+            out,
+            ", largest amplitude {:.6e} at {frequency:.6} {}",
+            peak.amplitude(0),
+            unit.name()
+        )?;
+    }
+    writeln!(out)
+}
+
+/// Until the ensemble is wired in.
 fn not_there(study: &Study) -> Error {
     Error::Command {
         path: study.path.clone(),
-        message: "this build has no solver yet; `microslip inspect` works".to_owned(),
+        message: "this build has no `run` yet; `inspect` and `solve` work".to_owned(),
     }
 }
 
@@ -116,6 +152,11 @@ impl Bar {
             indicatif::ProgressBar::new(0)
         };
         Self { bar, quiet }
+    }
+
+    /// Makes room for the summary.
+    fn clear(&self) {
+        self.bar.finish_and_clear();
     }
 
     fn show(&self, Progress { done, total }: Progress) {

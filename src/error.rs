@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::hb::ProblemError;
 use crate::model::ModelError;
 use crate::model::matrices::MatricesError;
 
@@ -33,6 +34,9 @@ pub enum Error {
     /// The built-in model cannot be built from its settings.
     #[error("model: {0}")]
     Model(#[from] ModelError),
+    /// The model with these contacts is no harmonic balance problem.
+    #[error("model: {0}")]
+    Problem(#[from] ProblemError),
     /// The study lacks what the command needs, or the model has no such numbers.
     #[error("{}: {message}", path.display())]
     Command {

@@ -115,7 +115,7 @@ pub enum Vector {
 pub enum ResponseTable {
     /// One degree of freedom under its own name.
     Dof(String),
-    /// Σ weight · q[dof].
+    /// `Σ weight · q[dof]`.
     Row {
         /// Name of the response.
         name: String,

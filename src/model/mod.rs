@@ -44,7 +44,7 @@ pub enum ModelError {
     },
 }
 
-/// A linear form on the degrees of freedom: Σ weight · q[dof]. Empty = the direction is absent.
+/// A linear form on the degrees of freedom: `Σ weight · q[dof]`. Empty = the direction is absent.
 pub type SparseRow = Vec<(usize, f64)>;
 
 /// Linear part of a blade–damper model with everything that loads it and looks at it.

@@ -7,12 +7,13 @@ use std::io::Write;
 
 use serde::Serialize;
 
-use super::frequency::FrequencyUnit;
+use super::frequency::{FrequencyUnit, Points};
 use super::output::OutputFolder;
 use super::read::Study;
 use crate::Error;
-use crate::contact::ContactParameters;
-use crate::hb::{ContactFractions, CycleWork, Solution, Status};
+use crate::hb::forced_response::{at_frequencies, over_band};
+use crate::hb::resonance::Band;
+use crate::hb::{ContactFractions, CycleWork, LinearModel, Problem, Solution, Status};
 use crate::model::ReducedModel;
 
 /// How far a command has come.
@@ -26,23 +27,29 @@ pub struct Progress {
 
 /// Computes the nominal forced response level by level and writes it.
 ///
-/// `curve` gives the solutions at one level: by continuation over the band or at the prescribed frequencies, as
-/// `study.frequency.points` says. `progress` is called before the first level and after each.
+/// By continuation over the band or at the prescribed frequencies, as `study.frequency.points` says. `progress` is
+/// called before the first level and after each.
 ///
 /// # Errors
-/// Whatever building the model refuses; [`Error::File`] if a result cannot be written.
+/// Whatever building the model refuses; [`Error::Problem`] if it is no harmonic balance problem; [`Error::File`] if
+/// a result cannot be written.
 pub fn solve(
     study: &Study,
     folder: &OutputFolder,
-    curve: impl Fn(&ReducedModel, &[ContactParameters<f64>], f64) -> Result<Vec<Solution>, Error>,
     progress: impl Fn(Progress),
 ) -> Result<Vec<LevelCurve>, Error> {
     let (model, parameters) = study.build_model()?;
+    let linear = LinearModel::new(&model)?;
+    let problem = Problem::new(&linear, parameters, 1.0, study.solver.anchor)?;
+    let [low, high] = study.frequency.band;
     let total = study.levels.len() as u64;
     let mut curves = Vec::new();
     progress(Progress { done: 0, total });
     for (&level, done) in study.levels.iter().zip(1..) {
-        let solutions = curve(&model, &parameters, level)?;
+        let solutions = match &study.frequency.points {
+            Points::Continuation => over_band(&problem, &study.solver, level, Band { low, high }),
+            Points::Prescribed(omega) => at_frequencies(&problem, &study.solver, level, omega),
+        };
         curves.push(LevelCurve { level, solutions });
         progress(Progress { done, total });
     }
@@ -67,7 +74,8 @@ pub struct LevelCurve {
 ///
 /// `solution.json`: `study`, `frequency_unit`, `coefficient_order`, `levels[]` of `level` and `points[]`: frequency,
 /// `status`, `harmonics`, `responses` (name → coefficients 0, c1, s1, … in m), `contact_fractions`, `work_j`,
-/// `truncation_error`, `residual`, `newton_iterations`, `factorizations`.
+/// `truncation_error`, `residual`, `newton_iterations`, `factorizations`. Without a solution `responses`,
+/// `contact_fractions` and `work_j` are null.
 ///
 /// # Errors
 /// [`Error::File`] if a file cannot be written; older files then stay as they were.
@@ -125,9 +133,9 @@ struct PointRecord<'a> {
     frequency_rad_s: Option<f64>,
     status: Status,
     harmonics: &'a [usize],
-    responses: BTreeMap<&'a str, Vec<f64>>,
-    contact_fractions: ContactFractions,
-    work_j: CycleWork,
+    responses: Option<BTreeMap<&'a str, Vec<f64>>>,
+    contact_fractions: Option<ContactFractions>,
+    work_j: Option<CycleWork>,
     truncation_error: Option<f64>,
     residual: f64,
     newton_iterations: usize,
@@ -142,18 +150,19 @@ impl<'a> PointRecord<'a> {
             rows.map(|row| row[i]).collect()
         };
         let named = names.iter().enumerate();
+        let solved = solution.status.has_solution();
         Self {
             frequency_hz: frequency(FrequencyUnit::Hertz),
             frequency_rad_s: frequency(FrequencyUnit::RadiansPerSecond),
             status: solution.status,
             harmonics: solution.harmonics.orders(),
-            responses: named.map(|(i, name)| (*name, coefficients(i))).collect(),
-            contact_fractions: solution.contact,
-            work_j: solution.work,
+            responses: solved.then(|| named.map(|(i, name)| (*name, coefficients(i))).collect()),
+            contact_fractions: solved.then_some(solution.contact),
+            work_j: solved.then_some(solution.work),
             truncation_error: solution.truncation_error,
             residual: solution.residual,
-            newton_iterations: solution.newton_iterations,
-            factorizations: solution.factorizations,
+            newton_iterations: solution.work_count.iterations,
+            factorizations: solution.work_count.factorizations,
         }
     }
 }
@@ -215,7 +224,7 @@ fn write_numbers(
     writeln!(
         out,
         ",{truncation_error},{},{},{}",
-        solution.residual, solution.newton_iterations, solution.factorizations
+        solution.residual, solution.work_count.iterations, solution.work_count.factorizations
     )
 }
 
@@ -232,6 +241,7 @@ fn csv_field(text: &str) -> String {
 mod tests {
     use super::*;
     use crate::harmonics::HarmonicSet;
+    use crate::hb::newton::WorkCount;
 
     fn solution(status: Status) -> Solution {
         Solution {
@@ -245,8 +255,11 @@ mod tests {
             contact: ContactFractions::default(),
             work: CycleWork::default(),
             truncation_error: None,
-            newton_iterations: 3,
-            factorizations: 2,
+            force: Vec::new(),
+            work_count: WorkCount {
+                iterations: 3,
+                factorizations: 2,
+            },
         }
     }
 
@@ -278,8 +291,9 @@ mod tests {
     fn records_order_coefficients_by_response() {
         let solution = solution(Status::Converged);
         let record = PointRecord::new(&solution, FrequencyUnit::RadiansPerSecond, &["x", "y"]);
-        assert_eq!(record.responses["x"], [0.0, 3.0, 4.0]);
-        assert_eq!(record.responses["y"], [7.0, 0.0, 1.0]);
+        let responses = record.responses.unwrap();
+        assert_eq!(responses["x"], [0.0, 3.0, 4.0]);
+        assert_eq!(responses["y"], [7.0, 0.0, 1.0]);
         assert!(record.frequency_hz.is_none());
     }
 }

@@ -1,87 +1,9 @@
-//! The command line: bad input gives exit code 2 and one message that names file, line, key and rule.
-#![allow(
-    clippy::unwrap_used,
-    reason = "a test that cannot set up its files fails"
-)]
+//! Bad input gives exit code 2 and one message that names file, line, key and rule.
 
 use std::path::Path;
 use std::process::Output;
 
-use assert_cmd::Command;
-use tempfile::TempDir;
-
-const STUDY: &str = r#"name = "two masses"
-seed = 7
-samples = 10
-levels = [1.0, 2.0]
-
-[model]
-kind = "matrices"
-mass = "mass.mtx"
-stiffness = "stiffness.mtx"
-modal_damping_ratio = 0.01
-dof_names = ["x1", "x2"]
-static_force = { x2 = 5.0 }
-cosine_force = { x1 = 1.0 }
-responses = ["x1"]
-
-[[model.contact]]
-name = "c1"
-t1 = { x1 = 1.0 }
-n = { x2 = 1.0 }
-k_t1 = 2e5
-k_n = 1e6
-mu = 0.3
-
-[contact]
-law = "box"
-
-[inputs.friction_coefficient]
-distribution = "uniform"
-low = 0.1
-high = 0.8
-
-[solver]
-harmonics = 5
-time_points = 128
-
-[frequency]
-band_hz = [100, 200]
-
-[output]
-quantiles = [0.1, 0.9]
-"#;
-
-const MASS: &str = "%%MatrixMarket matrix coordinate real symmetric\n2 2 2\n1 1 1.0\n2 2 1.5\n";
-const STIFFNESS: &str = "%%MatrixMarket matrix array real general\n2 2\n1e6\n-2e5\n-2e5\n8e5\n";
-
-/// A folder with the study and its matrices, `old` replaced by `new` in `file`.
-fn folder(file: &str, old: &str, new: &str) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text) in [
-        ("study.toml", STUDY),
-        ("mass.mtx", MASS),
-        ("stiffness.mtx", STIFFNESS),
-    ] {
-        let text = if name == file {
-            assert!(text.contains(old), "{file} has no {old:?}");
-            text.replacen(old, new, 1)
-        } else {
-            text.to_owned()
-        };
-        std::fs::write(folder.path().join(name), text).unwrap();
-    }
-    folder
-}
-
-fn microslip(folder: &Path, arguments: &[&str]) -> Output {
-    Command::cargo_bin("microslip")
-        .unwrap()
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap()
-}
+use crate::{MASS, folder, microslip};
 
 /// Exit code 2, nothing on stdout, and one line `error: …` that holds every fragment.
 fn assert_refused(what: &str, output: &Output, fragments: &[&str]) {
@@ -534,4 +456,39 @@ fn wrong_arguments_exit_with_2_and_help_with_0() {
     let output = microslip(here, &["--help"]);
     assert_eq!(output.status.code(), Some(0));
     assert!(String::from_utf8_lossy(&output.stdout).contains("microslip run study.toml"));
+}
+
+/// Seen to fail with results written straight to their own names.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_leaves_old_results_as_they_were() {
+    let folder = folder("study.toml", "[100, 200]", "[100, 200]\npoints = 3");
+    let out = folder.path().join("out");
+    std::fs::create_dir(&out).unwrap();
+    std::fs::write(out.join("solution.json"), "old").unwrap();
+    std::os::unix::fs::symlink("/dev/full", out.join(".solution.json.partial")).unwrap();
+    let arguments = ["solve", "study.toml", "--output", "out", "--quiet"];
+    let output = microslip(folder.path(), &arguments);
+    assert_refused("full disk", &output, &["out/solution.json: No space left"]);
+    let names: Vec<_> = std::fs::read_dir(&out).unwrap().collect();
+    assert_eq!(names.len(), 1, "{names:?}");
+    assert_eq!(std::fs::read(out.join("solution.json")).unwrap(), b"old");
+}
+
+/// The table under "Your own model" in the README is a study that works.
+#[test]
+fn the_example_of_the_readme_is_accepted() {
+    let readme = std::fs::read_to_string("README.md").unwrap();
+    let example = readme.split("```toml\n").nth(1).unwrap();
+    let example = example.split("```").next().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let head = "name = \"readme\"\nlevels = [1.0]\nfrequency = { band_rad_s = [0.5, 2.0] }\n";
+    std::fs::write(folder.path().join("study.toml"), format!("{head}{example}")).unwrap();
+    let identity =
+        "%%MatrixMarket matrix coordinate integer symmetric\n3 3 3\n1 1 1\n2 2 1\n3 3 1\n";
+    for name in ["mass", "stiffness", "damping", "retention"] {
+        std::fs::write(folder.path().join(format!("{name}.mtx")), identity).unwrap();
+    }
+    let output = microslip(folder.path(), &["inspect", "study.toml"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
 }
