@@ -108,15 +108,16 @@ impl<T: Real> Cycle<T> {
             for (l, search) in search.iter_mut().enumerate().filter(|(_, s)| !s.done) {
                 self.laps[l] = lap;
                 let change = change_over_lap(work, l, lane2(&self.start, l), lane2(&end, l));
-                let periodic = size(change) <= tolerance(work, l);
-                if periodic || lap == MAX_LAPS {
+                let tolerance = tolerance(work, l);
+                let m = lane4(&monodromy, l);
+                if search.settled(change, m, tolerance) || lap == MAX_LAPS {
                     search.done = true;
-                    self.periodicity[l] = classify(periodic, &monodromy, l);
-                    self.from_anchor[l] = is_singular(&monodromy, l);
+                    self.periodicity[l] = classify(size(change) <= tolerance, &monodromy, l);
+                    self.from_anchor[l] = is_singular(m);
                 } else {
-                    let step = search.step(change, lane4(&monodromy, l), lap);
-                    for d in 0..2 {
-                        self.start[d][l] += step[d] * work.parameters.flexibility[d][l];
+                    let step = search.step(change, m, lap);
+                    for (d, start) in self.start.iter_mut().enumerate() {
+                        start[l] += step[d] * work.parameters.flexibility[d][l];
                     }
                 }
             }
@@ -125,29 +126,32 @@ impl<T: Real> Cycle<T> {
             }
         }
         for (l, search) in search.iter().enumerate() {
-            if search.newton && self.from_anchor[l] {
+            let rests = self.count.overshoot[l] <= T::EPSILON.sqrt();
+            if search.newton && rests {
                 self.plain_laps(work, l);
             }
         }
     }
 
-    /// Plain laps of one lane from the anchor, where Newton's method ended in a cycle that is not unique.
+    /// Plain laps of one lane from the anchor, where Newton's method ended in a cycle without slip, which is not
+    /// unique. If they creep towards their limit, the cycle that Newton's method found stays.
     fn plain_laps(&mut self, work: &mut Workspace<T>, l: usize) {
+        let found = lane2(&self.start, l);
         let mut w = lane2(&work.parameters.anchor, l);
-        self.periodicity[l] = Periodicity::NotPeriodic;
         for lap in 1..=MAX_LAPS {
             let start = w;
             let slip = lap_of_lane(work, l, &mut w, lap == 1);
-            for d in 0..2 {
-                self.start[d][l] = start[d];
-            }
-            (self.laps[l], self.count.slip[l]) = (lap, slip);
             let change = change_over_lap(work, l, start, w);
             if lap > 1 && size(change) <= tolerance(work, l) {
+                (self.start[0][l], self.start[1][l]) = (start[0], start[1]);
+                (self.laps[l], self.count.slip[l]) = (lap, slip);
                 self.periodicity[l] = Periodicity::DependsOnAnchor;
+                self.from_anchor[l] = true;
                 return;
             }
         }
+        w = found;
+        self.count.slip[l] = lap_of_lane(work, l, &mut w, false);
     }
 }
 
@@ -162,12 +166,27 @@ struct Search<T> {
 }
 
 impl<T: Real> Search<T> {
-    /// Change of k_t w for the next lap: a Newton step unless the last one failed to halve the change over a lap.
+    /// Whether the distance to the steady slider, as Newton's method sees it, is within rounding; if I − M is nearly
+    /// singular it stays larger, and the search ends when the change over a lap no longer falls.
+    fn settled(&self, change: [T; 2], m: [T; 4], tolerance: T) -> bool {
+        let distance = if is_singular(m) {
+            change
+        } else {
+            solve_identity_minus(m, change)
+        };
+        size(distance) <= tolerance || (size(change) <= tolerance && self.failed(change))
+    }
+
+    /// Whether the last Newton step failed to halve the change over a lap.
+    fn failed(&self, change: [T; 2]) -> bool {
+        let now = size(change);
+        self.last.is_some_and(|last| now + now > last)
+    }
+
+    /// Change of k_t w for the next lap: a Newton step if it can be made and the last one did not fail.
     fn step(&mut self, change: [T; 2], m: [T; 4], lap: u32) -> [T; 2] {
         let now = size(change);
-        let failed = self.last.is_some_and(|last| now + now > last);
-        let determinant = determinant_of_identity_minus(m);
-        if failed || lap > NEWTON_LAPS || determinant <= T::EPSILON.sqrt() {
+        if self.failed(change) || lap > NEWTON_LAPS || is_singular(m) {
             self.last = None;
             return change;
         }
@@ -190,12 +209,12 @@ fn determinant_of_identity_minus<T: Real>(m: [T; 4]) -> T {
     (T::ONE - m[0]) * (T::ONE - m[3]) - m[1] * m[2]
 }
 
-fn is_singular<T: Real>(monodromy: &[Lane<T>; 4], l: usize) -> bool {
-    determinant_of_identity_minus(lane4(monodromy, l)) <= T::EPSILON.sqrt()
+fn is_singular<T: Real>(m: [T; 4]) -> bool {
+    determinant_of_identity_minus(m) <= T::EPSILON.sqrt()
 }
 
 fn classify<T: Real>(periodic: bool, monodromy: &[Lane<T>; 4], l: usize) -> Periodicity {
-    match (periodic, is_singular(monodromy, l)) {
+    match (periodic, is_singular(lane4(monodromy, l))) {
         (false, _) => Periodicity::NotPeriodic,
         (true, true) => Periodicity::DependsOnAnchor,
         (true, false) => Periodicity::Unique,

@@ -102,7 +102,7 @@ impl<T: Real> CircleScratch<T> {
             let limit = p.mu * s.normal[view.lane];
             let step = circle_step(p.k_t, flexibility, limit, u, self.slider);
             let contact = s.gap[view.lane] > T::ZERO;
-            if contact && !step.slips {
+            if contact && !step.touches {
                 stick_start = stick_start.or(Some(i));
                 continue;
             }
@@ -135,14 +135,14 @@ impl<T: Real> CircleScratch<T> {
         let (m, p, row) = (view.plan.m, view.parameters(), view.plan.row(i));
         let (before, factors) = view.closing_derivative(i);
         let row_before = view.plan.row(before);
-        for d in 0..2 {
+        for (d, by) in self.by.iter_mut().enumerate() {
             let jump = p.k_t[d] * (u[d] - self.slider[d]);
-            for value in &mut self.by[d] {
+            for value in by.iter_mut() {
                 *value = (T::ONE - instant) * *value;
             }
-            add_scaled(&mut self.by[d][d * m..][..m], p.k_t[d] * instant, row);
-            add_scaled(&mut self.by[d][2 * m..], jump * factors[0], row_before);
-            add_scaled(&mut self.by[d][2 * m..], jump * factors[1], row);
+            add_scaled(&mut by[d * m..][..m], p.k_t[d] * instant, row);
+            add_scaled(&mut by[2 * m..], jump * factors[0], row_before);
+            add_scaled(&mut by[2 * m..], jump * factors[1], row);
             self.slider[d] = anchored_at_closing(self.slider[d], u[d], instant);
         }
     }

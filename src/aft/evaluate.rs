@@ -41,11 +41,11 @@ pub fn evaluate<T: Real>(
             }
         };
         store_forces(plan, &mut scratch.work, first, out);
-        for lane in 0..LANES.min(batch.n_states - first) {
+        for (lane, &events) in events.iter().enumerate().take(batch.n_states - first) {
             out.summaries
                 .push(summary(plan, &scratch.work, &cycle, lane));
             if want == Want::ForcesAndTangents {
-                store_tangent(plan, &mut scratch, (&cycle, events[lane]), lane, out);
+                store_tangent(plan, &mut scratch, (&cycle, events), lane, out);
             }
         }
     }

@@ -77,6 +77,8 @@ pub(super) struct LapCount<T> {
     pub upper: [Lane<T>; 2],
     /// See `upper`.
     pub lower: [Lane<T>; 2],
+    /// Largest 1 − L/|T*|: how far the contact slips at most (circle law only).
+    pub overshoot: Lane<T>,
 }
 
 /// Buffers of one group of lanes.
@@ -163,9 +165,13 @@ impl<T: Real> Workspace<T> {
     }
 
     /// One lap of the box law from the sliders `w`, which end where the lap ends.
+    #[allow(
+        clippy::needless_range_loop,
+        reason = "a plain loop over lanes becomes vector code"
+    )]
     pub(super) fn box_lap(&mut self, w: &mut [Lane<T>; 2]) -> LapCount<T> {
         let p = &self.parameters;
-        let mut count = LapCount::default();
+        let mut count = LapCount::<T>::default();
         for s in &mut self.samples {
             for l in 0..LANES {
                 let limit = p.mu[l] * s.normal[l];
@@ -196,7 +202,7 @@ impl<T: Real> Workspace<T> {
         monodromy: &mut [Lane<T>; 4],
     ) -> LapCount<T> {
         let p = &self.parameters;
-        let mut count = LapCount::default();
+        let mut count = LapCount::<T>::default();
         for s in &mut self.samples {
             for l in 0..LANES {
                 let u = [s.u[0][l], s.u[1][l]];
@@ -212,6 +218,7 @@ impl<T: Real> Workspace<T> {
                 [w[0][l], w[1][l]] = step.slider;
                 let contact = s.gap[l] > T::ZERO;
                 count.slip[l] += flag(step.slips & contact);
+                count.overshoot[l] = count.overshoot[l].or_larger(T::ONE - step.ratio);
                 if MONODROMY {
                     let factor = [
                         monodromy[0][l],
@@ -222,7 +229,7 @@ impl<T: Real> Workspace<T> {
                     let turned = slip_monodromy(step.trial, step.ratio, factor);
                     for (entry, (&old, new)) in monodromy.iter_mut().zip(factor.iter().zip(turned))
                     {
-                        let sliding = if step.slips { new } else { old };
+                        let sliding = if step.touches { new } else { old };
                         entry[l] = if contact { sliding } else { T::ZERO };
                     }
                 }

@@ -6,6 +6,7 @@
 //! O(Nt) to find the segments and O(segments · m²). Derived from the transition rules of Petrov and Ewins
 //! (J. Turbomach. 125, 2003).
 
+use super::batch::Block;
 use super::march::Workspace;
 use super::plan::AftPlan;
 use crate::contact::{ContactParameters, Real};
@@ -105,9 +106,11 @@ pub(super) fn box_tangent<T: Real>(
     out: &mut [T],
 ) {
     let size = view.plan.m * view.plan.m;
-    let mut blocks = out.chunks_exact_mut(size);
-    let mut next = || blocks.next().unwrap_or_default();
-    let [t1t1, _, _, t2t2, t1n, t2n, nn] = std::array::from_fn(|_| next());
+    assert_eq!(out.len(), Block::COUNT * size, "one tangent");
+    let (t1t1, rest) = out.split_at_mut(size);
+    let (t2t2, rest) = rest[2 * size..].split_at_mut(size);
+    let (t1n, rest) = rest.split_at_mut(size);
+    let (t2n, nn) = rest.split_at_mut(size);
     let p = view.parameters();
     scratch.direction(view, 0, before[0], t1t1, t1n);
     scratch.direction(view, 1, before[1], t2t2, t2n);

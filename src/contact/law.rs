@@ -60,6 +60,9 @@ pub struct CircleStep<T> {
     pub ratio: T,
     /// Whether it slips: |T*| > L.
     pub slips: bool,
+    /// Whether it slips or touches the limit to rounding: the slider is then tied to this instant, and derivatives
+    /// take it as slipping, whichever way a rounding error falls.
+    pub touches: bool,
 }
 
 /// Radial return of both directions to the disc of radius L = mu N; the sliders follow as w = u − T/k_t.
@@ -75,6 +78,7 @@ pub fn circle_step<T: Real>(
     let trial = [k_t[0] * (u[0] - slider[0]), k_t[1] * (u[1] - slider[1])];
     let square = trial[0] * trial[0] + trial[1] * trial[1];
     let slips = square > limit * limit;
+    let touches = square > limit * limit * (T::ONE - T::from_f64(64.0) * T::EPSILON);
     let returned = limit / square.sqrt();
     let ratio = if slips { returned } else { T::ONE };
     let traction = [ratio * trial[0], ratio * trial[1]];
@@ -91,5 +95,6 @@ pub fn circle_step<T: Real>(
         trial,
         ratio,
         slips,
+        touches,
     }
 }

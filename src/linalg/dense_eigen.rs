@@ -1,23 +1,22 @@
 //! Dense generalised symmetric eigenvalue problem, accurate at the low end of a wide spectrum.
 
 use super::LinalgError;
-use faer::linalg::solvers::SelfAdjointEigen;
 use faer::{Mat, MatRef, Side};
+use nalgebra::DMatrix;
 
-/// Shift over the mean of the spectrum, tr K / tr M: far below the modes of interest, far above round-off.
-const RELATIVE_SHIFT: f64 = 1e-7;
+/// Eigenvalues closer than this (relative) form a cluster: any orthonormal basis of it serves.
+const CLUSTER: f64 = 1e-5;
 
 /// All eigenpairs of K φ = λ M φ: λ ascending and Φ with Φᵀ M Φ = I.
 ///
-/// K is positive semidefinite (rigid-body modes allowed), M positive definite. With K + σM = L Lᵀ the routine
-/// diagonalises L⁻¹ M L⁻ᵀ, whose *largest* eigenvalues 1/(λ + σ) belong to the *lowest* modes; so these keep
-/// their relative accuracy when λ spans many decades, which the usual reduction by the factor of M loses.
-/// λ comes from the Rayleigh quotient φᵀMφ of vectors with φᵀ(K + σM)φ = 1.
+/// K is positive semidefinite (rigid-body modes allowed), M positive definite. With M = L Lᵀ the routine diagonalises
+/// L⁻¹ K L⁻ᵀ, which leaves the lowest modes with a relative error of round-off times the spread of λ (many decades for
+/// finite elements); one step of refinement on K and M themselves gives them their digits back.
 ///
-/// Shape: K, M, Φ n × n, λ `[n]`. Source: Golub & Van Loan 2013, §8.7.2 with the roles of K and M exchanged.
+/// Shape: K, M, Φ n × n, λ `[n]`. Source: Golub & Van Loan 2013, §8.7.2.
 ///
 /// # Errors
-/// [`LinalgError::NotPositiveDefinite`] if K + σM has no Cholesky factor or M a direction without mass.
+/// [`LinalgError::NotPositiveDefinite`] if M has no Cholesky factor.
 pub fn symmetric_generalized_eigen(
     stiffness: MatRef<'_, f64>,
     mass: MatRef<'_, f64>,
@@ -30,52 +29,55 @@ pub fn symmetric_generalized_eigen(
     if n == 0 {
         return Ok((Vec::new(), Mat::zeros(0, 0)));
     }
-    let trace = |a: MatRef<'_, f64>| (0..n).map(|i| a[(i, i)]).sum::<f64>();
-    let shift = RELATIVE_SHIFT * trace(stiffness) / trace(mass);
-    let shifted = stiffness + faer::Scale(shift) * mass;
-    let factor = shifted
+    let factor = mass
         .llt(Side::Lower)
-        .map_err(|_| LinalgError::NotPositiveDefinite {
-            matrix: "stiffness + shift mass",
-        })?;
+        .map_err(|_| LinalgError::NotPositiveDefinite { matrix: "mass" })?;
     let lower = factor.L();
-    let mut flexible = mass.to_owned();
-    lower.solve_lower_triangular_in_place(&mut flexible);
-    let mut flexible = flexible.transpose().to_owned();
-    lower.solve_lower_triangular_in_place(&mut flexible);
-    let eigen = SelfAdjointEigen::new(flexible.as_ref(), Side::Lower).map_err(|_| {
-        LinalgError::EigenNotConverged {
-            residual: f64::INFINITY,
-        }
-    })?;
-    let mut vectors = eigen.U().to_owned();
-    lower
-        .transpose()
-        .solve_upper_triangular_in_place(&mut vectors);
-    mass_normalised(&vectors, mass, shift)
+    let mut standard = stiffness.to_owned();
+    lower.solve_lower_triangular_in_place(&mut standard);
+    let mut standard = standard.transpose().to_owned();
+    lower.solve_lower_triangular_in_place(&mut standard);
+    // nalgebra's QR iteration: the divide-and-conquer of faer 0.24.4 leaves residuals of 1e-3 |A| where two identical
+    // components give double eigenvalues
+    let eigen = DMatrix::from_fn(n, n, |i, j| standard[(i, j)])
+        .try_symmetric_eigen(f64::EPSILON, 100 * n)
+        .ok_or(LinalgError::EigenNotConverged { residual: f64::INFINITY })?;
+    let mut phi = Mat::from_fn(n, n, |i, j| eigen.eigenvectors[(i, j)]);
+    lower.transpose().solve_upper_triangular_in_place(&mut phi);
+    Ok(refined(stiffness, mass, &phi))
 }
 
-/// λ = 1/φᵀMφ − σ and φ/√(φᵀMφ) of every column, in ascending order of λ.
-fn mass_normalised(
-    vectors: &Mat<f64>,
+/// One step of iterative refinement of all pairs, in ascending order of λ.
+///
+/// With K̂ = ΦᵀKΦ and M̂ = ΦᵀMΦ, φⱼ ← φⱼ + Σᵢ cᵢⱼ φᵢ, cᵢⱼ = (λⱼ M̂ᵢⱼ − K̂ᵢⱼ)/(λᵢ − λⱼ), cⱼⱼ = (1 − M̂ⱼⱼ)/2; within
+/// a cluster only the mass is orthogonalised. λ is the Rayleigh quotient.
+/// Source: Ogita & Aishima, Japan J. Indust. Appl. Math. 35 (2018) 1007, carried over to the pencil.
+fn refined(
+    stiffness: MatRef<'_, f64>,
     mass: MatRef<'_, f64>,
-    shift: f64,
-) -> Result<(Vec<f64>, Mat<f64>), LinalgError> {
-    let n = vectors.nrows();
-    let momentum = mass * vectors;
-    let modal_mass: Vec<f64> = (0..n)
-        .map(|j| vectors.col(j).transpose() * momentum.col(j))
-        .collect();
-    if modal_mass.iter().any(|m| m.is_nan() || *m <= 0.0) {
-        return Err(LinalgError::NotPositiveDefinite { matrix: "mass" });
-    }
-    let mut order: Vec<usize> = (0..n).collect();
-    order.sort_by(|&a, &b| modal_mass[b].total_cmp(&modal_mass[a]));
-    let lambda = order.iter().map(|&j| 1.0 / modal_mass[j] - shift).collect();
-    let phi = Mat::from_fn(n, n, |i, k| {
-        vectors[(i, order[k])] / modal_mass[order[k]].sqrt()
+    phi: &Mat<f64>,
+) -> (Vec<f64>, Mat<f64>) {
+    let n = phi.ncols();
+    let k = phi.transpose() * stiffness * phi;
+    let m = phi.transpose() * mass * phi;
+    let quotient: Vec<f64> = (0..n).map(|i| k[(i, i)] / m[(i, i)]).collect();
+    // smaller quotients are round-off of the largest one: rigid-body modes, a cluster of their own
+    let floor = n as f64 * f64::EPSILON * quotient.iter().fold(0.0, |a: f64, l| a.max(*l));
+    let correction = Mat::from_fn(n, n, |i, j| {
+        let (a, b) = (quotient[i], quotient[j]);
+        if i == j {
+            0.5 * (1.0 - m[(i, i)])
+        } else if (a - b).abs() <= CLUSTER * a.abs().max(b.abs()) + floor {
+            -0.5 * m[(i, j)]
+        } else {
+            (b * m[(i, j)] - k[(i, j)]) / (a - b)
+        }
     });
-    Ok((lambda, phi))
+    let corrected = phi + phi * correction;
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&a, &b| quotient[a].total_cmp(&quotient[b]));
+    let lambda = order.iter().map(|&j| quotient[j]).collect();
+    (lambda, Mat::from_fn(n, n, |i, j| corrected[(i, order[j])]))
 }
 
 #[cfg(test)]
@@ -83,7 +85,7 @@ mod tests {
     use super::*;
 
     /// Graded pencil K = T Λ Tᵀ, M = T Tᵀ with T = I + ½ superdiagonal: two rigid-body modes, then 1e7 … 1e14.
-    /// Seen to fail: reduced by the Cholesky factor of M instead, the lowest λ were off by up to 5e-10.
+    /// Seen to fail: without the refinement the lowest λ were off by up to 5e-10.
     #[test]
     fn low_eigenvalues_keep_relative_accuracy_over_seven_decades() {
         let n = 60;

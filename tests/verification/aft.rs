@@ -1,7 +1,8 @@
 //! Verification of `aft`: the batch evaluation and its exact derivative.
 
 use microslip::aft::{
-    AftBatch, AftForces, AftPlan, AftSettings, Block, Laps, Periodicity, Tangent, Want, evaluate,
+    AftBatch, AftForces, AftPlan, AftSettings, Block, Laps, Periodicity, StateSummary, Tangent,
+    Want, evaluate,
 };
 use microslip::contact::{ContactParameters, FrictionLaw, Real, Recontact};
 use microslip::harmonics::{HarmonicSet, phases};
@@ -11,15 +12,20 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// Coefficients `[3][m]` and parameters of one state.
 #[derive(Debug, Clone)]
-pub struct State {
-    pub q: Vec<f64>,
-    pub p: ContactParameters<f64>,
+pub(crate) struct State {
+    pub(crate) q: Vec<f64>,
+    pub(crate) p: ContactParameters<f64>,
 }
 
-pub const LAWS: [FrictionLaw; 2] = [FrictionLaw::Box, FrictionLaw::Circle];
-pub const RECONTACTS: [Recontact; 2] = [Recontact::AtSample, Recontact::Interpolated];
+pub(crate) const LAWS: [FrictionLaw; 2] = [FrictionLaw::Box, FrictionLaw::Circle];
+pub(crate) const RECONTACTS: [Recontact; 2] = [Recontact::AtSample, Recontact::Interpolated];
 
-pub fn settings(n_time: usize, law: FrictionLaw, recontact: Recontact, laps: Laps) -> AftSettings {
+pub(crate) fn settings(
+    n_time: usize,
+    law: FrictionLaw,
+    recontact: Recontact,
+    laps: Laps,
+) -> AftSettings {
     AftSettings {
         n_time,
         law,
@@ -28,7 +34,7 @@ pub fn settings(n_time: usize, law: FrictionLaw, recontact: Recontact, laps: Lap
     }
 }
 
-pub fn batch<T: Real>(states: &[State]) -> AftBatch<T> {
+pub(crate) fn batch<T: Real>(states: &[State]) -> AftBatch<T> {
     let cast = T::from_f64;
     let width = states.first().map_or(0, |s| s.q.len());
     let displacement = (0..width)
@@ -51,41 +57,40 @@ pub fn batch<T: Real>(states: &[State]) -> AftBatch<T> {
     }
 }
 
-pub fn run<T: Real>(plan: &AftPlan<T>, states: &[State], want: Want) -> AftForces<T> {
+pub(crate) fn run<T: Real>(plan: &AftPlan<T>, states: &[State], want: Want) -> AftForces<T> {
     let mut out = AftForces::default();
     evaluate(plan, &batch(states), want, &mut out);
     out
 }
 
 /// Force coefficients `[3][m]` of one state.
-pub fn forces<T: Real>(out: &AftForces<T>, state: usize) -> Vec<f64> {
+pub(crate) fn forces<T: Real>(out: &AftForces<T>, state: usize) -> Vec<f64> {
     let column = out.forces.iter().skip(state).step_by(out.n_states);
     column.map(|&f| f.to_f64()).collect()
 }
 
-/// Dense tangent `[3m][3m]` of one state.
-fn tangent<T: Real>(out: &AftForces<T>, state: usize, p: &ContactParameters<T>) -> Vec<f64> {
-    let width = 3 * out.n_coefficients;
-    let mut dense = vec![0.0; width * width];
-    for j in 0..width {
-        let mut x = vec![T::ZERO; width];
-        let mut y = x.clone();
-        x[j] = T::ONE;
-        out.apply_tangent(state, p, &x, &mut y);
-        for i in 0..width {
-            dense[i * width + j] = y[i].to_f64();
-        }
-    }
-    dense
+/// Force coefficients of one state evaluated alone.
+pub(crate) fn forces_of(set: &HarmonicSet, s: AftSettings, state: &State) -> Vec<f64> {
+    let plan = AftPlan::<f64>::new(set, s);
+    forces(&run(&plan, std::slice::from_ref(state), Want::Forces), 0)
+}
+
+/// Largest difference over the largest entry of `expected`.
+pub(crate) fn relative_difference(found: &[f64], expected: &[f64]) -> f64 {
+    let largest = expected
+        .iter()
+        .fold(f64::MIN_POSITIVE, |a, x| a.max(x.abs()));
+    let pairs = found.iter().zip(expected);
+    pairs.fold(0.0, |a: f64, (f, e)| a.max((f - e).abs())) / largest
 }
 
 /// Random states in nondimensional units: stick, slip, lift-off, mixed, constant normal load, absent directions.
-pub fn random_states(rng: &mut ChaCha8Rng, set: &HarmonicSet, n: usize) -> Vec<State> {
+fn random_states(rng: &mut ChaCha8Rng, set: &HarmonicSet, n: usize) -> Vec<State> {
     let m = set.n_coefficients();
     (0..n)
         .map(|_| {
             let amplitude = 10f64.powf(rng.random_range(-1.0..1.2));
-            let lift = 10f64.powf(rng.random_range(-1.5..0.4));
+            let lift = 10f64.powf(rng.random_range(-1.5..0.9));
             let mut q = vec![0.0; 3 * m];
             for c in 0..3 {
                 for j in 0..m {
@@ -122,94 +127,397 @@ pub fn random_states(rng: &mut ChaCha8Rng, set: &HarmonicSet, n: usize) -> Vec<S
         .collect()
 }
 
-/// Relative error of the tangent of one state against central differences; `None` if an event lies within a step.
-fn difference_error(plan: &AftPlan<f64>, state: &State) -> Option<f64> {
-    let width = state.q.len();
-    let base = run(plan, std::slice::from_ref(state), Want::ForcesAndTangents);
-    let exact = tangent(&base, 0, &state.p);
-    let scale = state.q.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
-    let h = 1e-5 * scale;
-    let mut steps = Vec::new();
+/// Dense tangent `[3m][3m]` of one state.
+fn tangent(out: &AftForces<f64>, state: usize, p: &ContactParameters<f64>) -> Vec<f64> {
+    let width = 3 * out.n_coefficients;
+    let mut dense = vec![0.0; width * width];
     for j in 0..width {
-        for sign in [1.0, -1.0] {
-            let mut moved = state.clone();
-            moved.q[j] += sign * h;
-            steps.push(moved);
+        let mut x = vec![0.0; width];
+        let mut y = x.clone();
+        x[j] = 1.0;
+        out.apply_tangent(state, p, &x, &mut y);
+        for i in 0..width {
+            dense[i * width + j] = y[i];
         }
     }
-    let stepped = run(plan, &steps, Want::Forces);
-    if stepped.summaries.iter().any(|s| {
-        let b = &base.summaries[0];
-        (s.stick, s.slip, s.separated) != (b.stick, b.slip, b.separated)
-    }) {
-        return None;
-    }
-    let norm = exact.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
-    let mut worst: f64 = 0.0;
+    dense
+}
+
+/// Largest error of the tangent over the block norms against central differences of three steps; the best step counts,
+/// since an event may lie within the larger ones.
+fn difference_error(plan: &AftPlan<f64>, state: &State) -> f64 {
+    let base = run(plan, std::slice::from_ref(state), Want::ForcesAndTangents);
+    let exact = tangent(&base, 0, &state.p);
+    let size = state.q.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+    let steps = [3e-5, 3e-6, 3e-7].map(|h| step_error(plan, state, &exact, h * size));
+    steps.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// The same for one step `h`.
+fn step_error(plan: &AftPlan<f64>, state: &State, exact: &[f64], h: f64) -> f64 {
+    let width = state.q.len();
+    let m = width / 3;
+    let stepped: Vec<State> = (0..2 * width)
+        .map(|i| {
+            let mut moved = state.clone();
+            moved.q[i / 2] += if i % 2 == 0 { h } else { -h };
+            moved
+        })
+        .collect();
+    let stepped = run(plan, &stepped, Want::Forces);
+    let largest = exact.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+    let mut norms = [1e-2 * largest; 9];
+    let mut errors = [0.0f64; 9];
     for j in 0..width {
         let (up, down) = (forces(&stepped, 2 * j), forces(&stepped, 2 * j + 1));
         for i in 0..width {
-            let difference = (up[i] - down[i]) / (2.0 * h);
-            worst = worst.max((difference - exact[i * width + j]).abs());
+            let block = i / m * 3 + j / m;
+            let entry = exact[i * width + j];
+            norms[block] = norms[block].max(entry.abs());
+            let error = (up[i] - down[i]) / (2.0 * h) - entry;
+            errors[block] = errors[block].max(error.abs());
         }
     }
-    Some(worst / norm)
+    let relative = errors.iter().zip(norms).map(|(e, n)| e / n);
+    relative.fold(0.0, f64::max)
 }
 
-#[test]
-fn quick_tangent() {
-    let sets = [
+fn sets() -> [HarmonicSet; 3] {
+    [
         HarmonicSet::up_to(1),
-        HarmonicSet::up_to(5),
-        HarmonicSet::new(vec![0, 1, 3, 5]).unwrap(),
-    ];
+        HarmonicSet::up_to(4),
+        HarmonicSet::new(vec![0, 1, 3, 5]).unwrap_or_else(|e| panic!("{e}")),
+    ]
+}
+
+/// The plans of every law, re-contact rule and lap rule.
+fn plans(set: &HarmonicSet, laps: &[Laps]) -> Vec<AftPlan<f64>> {
+    let mut plans = Vec::new();
     for law in LAWS {
         for recontact in RECONTACTS {
-            for laps in [
-                Laps::Periodic,
-                Laps::Fixed(1),
-                Laps::Fixed(2),
-                Laps::Fixed(3),
-            ] {
-                for set in &sets {
-                    let mut rng = ChaCha8Rng::seed_from_u64(1);
-                    let plan = AftPlan::new(set, settings(64, law, recontact, laps));
-                    let states = random_states(&mut rng, set, 60);
-                    let mut errors = Vec::new();
-                    for s in &states {
-                        if let Some(e) = difference_error(&plan, s) {
-                            errors.push(e);
-                        }
-                    }
-                    errors.sort_by(f64::total_cmp);
-                    let out = run(&plan, &states, Want::ForcesAndTangents);
-                    let np = out
-                        .summaries
-                        .iter()
-                        .filter(|s| s.periodicity == Periodicity::NotPeriodic)
-                        .count();
-                    let da = out
-                        .summaries
-                        .iter()
-                        .filter(|s| s.periodicity == Periodicity::DependsOnAnchor)
-                        .count();
-                    let stuck = out
-                        .tangents
-                        .iter()
-                        .filter(|t| **t == Tangent::Stuck)
-                        .count();
-                    let laps_max = out.summaries.iter().map(|s| s.laps).max();
-                    println!(
-                        "{law:?} {recontact:?} {laps:?} {:?}: n {} median {:.1e} p90 {:.1e} max {:.1e}  notper {np} anchor {da} stuck {stuck} laps {laps_max:?}",
-                        set.orders(),
-                        errors.len(),
-                        errors[errors.len() / 2],
-                        errors[errors.len() * 9 / 10],
-                        errors[errors.len() - 1]
-                    );
+            for &laps in laps {
+                plans.push(AftPlan::new(set, settings(48, law, recontact, laps)));
+            }
+        }
+    }
+    plans
+}
+
+/// Seen to fail with: last event of lap 1 forgotten (`update_events` removed); sign of the closing derivative;
+/// start of the steady circle cycle not closed (`close_cycle` removed).
+#[test]
+fn tangents_agree_with_central_differences() {
+    let all_laps = [
+        Laps::Periodic,
+        Laps::Fixed(1),
+        Laps::Fixed(2),
+        Laps::Fixed(4),
+    ];
+    for set in sets() {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let states = random_states(&mut rng, &set, 240);
+        for plan in plans(&set, &all_laps) {
+            for (i, state) in states.iter().enumerate() {
+                let error = difference_error(&plan, state);
+                assert!(error < 1e-7, "{:?}, state {i}: {error:e}", plan.settings());
+            }
+        }
+    }
+}
+
+/// The random states reach every kind of motion, so that the checks above mean something.
+#[test]
+fn random_states_stick_slip_lift_and_mix() {
+    let set = HarmonicSet::up_to(4);
+    let states = random_states(&mut ChaCha8Rng::seed_from_u64(3), &set, 240);
+    for plan in plans(&set, &[Laps::Periodic]) {
+        let out = run(&plan, &states, Want::ForcesAndTangents);
+        let count = |f: fn(&StateSummary) -> bool| out.summaries.iter().filter(|s| f(s)).count();
+        assert!(
+            out.tangents
+                .iter()
+                .filter(|&&t| t == Tangent::Stuck)
+                .count()
+                > 10,
+            "stuck"
+        );
+        assert!(count(|s| s.slip > 0 && s.separated == 0) > 50, "slip");
+        assert!(
+            count(|s| s.stick > 0 && s.slip > 0 && s.separated > 0) > 20,
+            "mixed"
+        );
+        assert!(
+            count(|s| s.periodicity == Periodicity::Unique) > 100,
+            "unique"
+        );
+        assert!(
+            count(|s| s.periodicity == Periodicity::DependsOnAnchor) > 20,
+            "anchored"
+        );
+        assert_eq!(
+            count(|s| s.periodicity == Periodicity::NotPeriodic),
+            0,
+            "not periodic"
+        );
+        assert!(
+            out.summaries
+                .iter()
+                .all(|s| s.stick + s.slip + s.separated == 48),
+            "samples"
+        );
+    }
+}
+
+/// Slider rule of the reference problems, written down without regard to speed. Laps end early once the sliders repeat.
+fn plain_forces(set: &HarmonicSet, state: &State, s: AftSettings, laps: usize) -> Vec<f64> {
+    let (m, p) = (set.n_coefficients(), &state.p);
+    let rows: Vec<Vec<f64>> = phases(s.n_time).into_iter().map(|t| set.basis(t)).collect();
+    let sum = |row: &[f64], q: &[f64]| -> f64 { row.iter().zip(q).map(|(b, q)| b * q).sum() };
+    let signal = |c: usize| rows.iter().map(move |row| sum(row, &state.q[c * m..]));
+    let u: [Vec<f64>; 2] = [signal(0).collect(), signal(1).collect()];
+    let gap: Vec<f64> = signal(2).map(|v| p.n_0 + p.k_n * v).collect();
+    let mut w = p.anchor;
+    let mut out = Vec::new();
+    for lap in 0..laps {
+        let start = w;
+        out = vec![0.0; 3 * m];
+        for (i, row) in rows.iter().enumerate() {
+            let before = (i + s.n_time - 1) % s.n_time;
+            let closes = gap[before] <= 0.0 && gap[i] > 0.0 && (lap > 0 || i > 0);
+            if closes && s.recontact == Recontact::Interpolated {
+                let instant = gap[before] / (gap[before] - gap[i]);
+                w = [0, 1].map(|d| u[d][before] + instant * (u[d][i] - u[d][before]));
+            }
+            let normal = gap[i].max(0.0);
+            let traction = plain_traction(p, s.law, p.mu * normal, [u[0][i], u[1][i]], &mut w);
+            for (c, f) in [traction[0], traction[1], normal].into_iter().enumerate() {
+                for (j, b) in row.iter().enumerate() {
+                    out[c * m + j] += if j == 0 { 1.0 } else { 2.0 } / s.n_time as f64 * f * b;
+                }
+            }
+        }
+        if lap > 2 && start == w {
+            break;
+        }
+    }
+    out
+}
+
+/// Traction of one sample; moves the sliders `w`.
+fn plain_traction(
+    p: &ContactParameters<f64>,
+    law: FrictionLaw,
+    limit: f64,
+    u: [f64; 2],
+    w: &mut [f64; 2],
+) -> [f64; 2] {
+    let trial = [0, 1].map(|d| p.k_t[d] * (u[d] - w[d]));
+    let traction = match law {
+        FrictionLaw::Box => trial.map(|t| t.clamp(-limit, limit)),
+        FrictionLaw::Circle => {
+            let size = trial[0].hypot(trial[1]);
+            trial.map(|t| if size > limit { t * limit / size } else { t })
+        }
+    };
+    for d in 0..2 {
+        if limit == 0.0 {
+            w[d] = u[d];
+        } else if traction[d] != trial[d] {
+            w[d] = u[d] - traction[d] / p.k_t[d];
+        }
+    }
+    traction
+}
+
+/// Seen to fail with: closing over the end of the period left out; plain laps instead of Newton's method stopped at 5.
+#[test]
+fn forces_agree_with_a_plain_march() {
+    for set in sets() {
+        let states = random_states(&mut ChaCha8Rng::seed_from_u64(4), &set, 240);
+        for plan in plans(&set, &[Laps::Periodic, Laps::Fixed(1), Laps::Fixed(3)]) {
+            let out = run(&plan, &states, Want::Forces);
+            let laps = match (plan.settings().laps, plan.settings().law) {
+                (Laps::Fixed(n), _) => n,
+                (Laps::Periodic, FrictionLaw::Box) => 2,
+                (Laps::Periodic, FrictionLaw::Circle) => 20_000,
+            };
+            for (i, state) in states.iter().enumerate() {
+                let plain = plain_forces(&set, state, plan.settings(), laps);
+                let error = relative_difference(&forces(&out, i), &plain);
+                assert!(error < 1e-11, "{:?} state {i}: {error:e}", plan.settings());
+            }
+        }
+    }
+}
+
+/// Homogeneity of degree 1 without preload and anchor: J U = F (Euler). Seen to fail with: one normal block dropped.
+#[test]
+fn without_preload_the_tangent_reproduces_the_force() {
+    for set in sets() {
+        let mut states = random_states(&mut ChaCha8Rng::seed_from_u64(5), &set, 200);
+        for s in &mut states {
+            (s.p.n_0, s.p.anchor) = (0.0, [0.0; 2]);
+        }
+        for plan in plans(&set, &[Laps::Periodic, Laps::Fixed(2)]) {
+            let out = run(&plan, &states, Want::ForcesAndTangents);
+            for (i, s) in states.iter().enumerate() {
+                let mut product = vec![0.0; s.q.len()];
+                out.apply_tangent(i, &s.p, &s.q, &mut product);
+                let error = relative_difference(&product, &forces(&out, i));
+                assert!(error < 1e-12, "{:?} state {i}: {error:e}", plan.settings());
+            }
+        }
+    }
+}
+
+/// F(s k, s n_0) = s F(k, n_0). Seen to fail with: k_n left out of the scaling.
+#[test]
+fn forces_scale_with_stiffness() {
+    let set = HarmonicSet::up_to(4);
+    let states = random_states(&mut ChaCha8Rng::seed_from_u64(6), &set, 200);
+    let scaled: Vec<State> = states
+        .iter()
+        .cloned()
+        .map(|mut s| {
+            (s.p.k_n, s.p.n_0) = (3.7 * s.p.k_n, 3.7 * s.p.n_0);
+            s.p.k_t = s.p.k_t.map(|k| 3.7 * k);
+            s
+        })
+        .collect();
+    for plan in plans(&set, &[Laps::Periodic, Laps::Fixed(3)]) {
+        let (one, other) = (
+            run(&plan, &states, Want::Forces),
+            run(&plan, &scaled, Want::Forces),
+        );
+        for i in 0..states.len() {
+            let expected: Vec<f64> = forces(&one, i).iter().map(|f| 3.7 * f).collect();
+            let error = relative_difference(&forces(&other, i), &expected);
+            assert!(error < 1e-12, "{:?} state {i}: {error:e}", plan.settings());
+        }
+    }
+}
+
+/// The period map of the box law is a projection. Seen to fail with: the circle law in place of the box law.
+#[test]
+fn the_third_lap_of_the_box_law_repeats_the_second() {
+    let set = HarmonicSet::up_to(4);
+    let states = random_states(&mut ChaCha8Rng::seed_from_u64(7), &set, 500);
+    for recontact in RECONTACTS {
+        let lap = |n| {
+            let s = settings(64, FrictionLaw::Box, recontact, Laps::Fixed(n));
+            run(&AftPlan::<f64>::new(&set, s), &states, Want::Forces)
+        };
+        let (second, third) = (lap(2), lap(3));
+        for i in 0..states.len() {
+            let error = relative_difference(&forces(&third, i), &forces(&second, i));
+            assert!(error < 1e-13, "state {i}: {error:e}");
+            assert_ne!(
+                second.summaries[i].periodicity,
+                Periodicity::NotPeriodic,
+                "state {i}"
+            );
+        }
+    }
+}
+
+/// Shifts the time of every component by `turn` radians: θ → θ + turn.
+fn shifted(q: &[f64], set: &HarmonicSet, turn: f64) -> Vec<f64> {
+    let mut out = q.to_vec();
+    for row in out.chunks_exact_mut(set.n_coefficients()) {
+        for (pair, &k) in row[1..].chunks_exact_mut(2).zip(&set.orders()[1..]) {
+            let (sin, cos) = (k as f64 * turn).sin_cos();
+            let (c, s) = (pair[0], pair[1]);
+            (pair[0], pair[1]) = (c * cos + s * sin, s * cos - c * sin);
+        }
+    }
+    out
+}
+
+/// Seen to fail with: closing over the end of the period left out.
+#[test]
+fn a_shift_in_time_shifts_the_unique_steady_force() {
+    for set in sets() {
+        let states = random_states(&mut ChaCha8Rng::seed_from_u64(8), &set, 200);
+        for plan in plans(&set, &[Laps::Periodic]) {
+            let turn = std::f64::consts::TAU * 11.0 / 48.0;
+            let moved: Vec<State> = states
+                .iter()
+                .map(|s| State {
+                    q: shifted(&s.q, &set, turn),
+                    p: s.p,
+                })
+                .collect();
+            let (one, other) = (
+                run(&plan, &states, Want::Forces),
+                run(&plan, &moved, Want::Forces),
+            );
+            for (i, summary) in one.summaries.iter().enumerate() {
+                if summary.periodicity == Periodicity::Unique {
+                    let expected = shifted(&forces(&one, i), &set, turn);
+                    let error = relative_difference(&forces(&other, i), &expected);
+                    assert!(error < 1e-11, "{:?} state {i}: {error:e}", plan.settings());
                 }
             }
         }
     }
-    let _ = (phases(3), Block::NN);
+}
+
+/// Seen to fail with: the Newton search of a lane ended by the others (`all` for `any` in the loop over laps).
+#[test]
+fn a_state_does_not_see_its_neighbours() {
+    let set = HarmonicSet::up_to(4);
+    let states = random_states(&mut ChaCha8Rng::seed_from_u64(9), &set, 37);
+    let size = Block::COUNT * set.n_coefficients().pow(2);
+    for plan in plans(&set, &[Laps::Periodic, Laps::Fixed(2)]) {
+        let together = run(&plan, &states, Want::ForcesAndTangents);
+        for (i, state) in states.iter().enumerate() {
+            let alone = run(&plan, std::slice::from_ref(state), Want::ForcesAndTangents);
+            assert_eq!(
+                forces(&together, i),
+                forces(&alone, 0),
+                "forces of state {i}"
+            );
+            assert_eq!(
+                together.summaries[i], alone.summaries[0],
+                "summary of state {i}"
+            );
+            match (together.tangents[i], alone.tangents[0]) {
+                (Tangent::Blocks(a), Tangent::Blocks(b)) => {
+                    assert_eq!(
+                        together.blocks[a..][..size],
+                        alone.blocks[b..][..size],
+                        "{i}"
+                    );
+                }
+                (a, b) => assert_eq!(a, b, "tangent of state {i}"),
+            }
+        }
+    }
+}
+
+/// Seen to fail with: displacements of the single-precision batch rounded to 12 bits.
+#[test]
+fn single_precision_follows_double_precision() {
+    let set = HarmonicSet::up_to(5);
+    let states = random_states(&mut ChaCha8Rng::seed_from_u64(10), &set, 400);
+    for law in LAWS {
+        let s = settings(128, law, Recontact::Interpolated, Laps::Periodic);
+        let double = run(
+            &AftPlan::<f64>::new(&set, s),
+            &states,
+            Want::ForcesAndTangents,
+        );
+        let single = run(
+            &AftPlan::<f32>::new(&set, s),
+            &states,
+            Want::ForcesAndTangents,
+        );
+        let mut errors: Vec<f64> = (0..states.len())
+            .map(|i| relative_difference(&forces(&single, i), &forces(&double, i)))
+            .collect();
+        errors.sort_by(f64::total_cmp);
+        assert!(errors[200] < 1e-6, "median {:e}", errors[200]);
+        assert!(errors[390] < 1e-5, "97.5 % {:e}", errors[390]);
+        assert!(errors[399] < 1e-2, "largest {:e}", errors[399]);
+    }
 }
