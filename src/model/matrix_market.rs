@@ -25,10 +25,11 @@ pub(super) fn read_matrix(path: &Path) -> Result<Mat<f64>, MatricesError> {
         source,
     })?;
     check_size_line(&text).map_err(|(line, rule)| MatricesError::matrix(path, Some(line), rule))?;
-    let coordinates: CooMatrix<f64> = load_coo_from_matrix_market_str(&text).map_err(|error| {
-        let (line, rule) = explain(&error);
-        MatricesError::matrix(path, line, rule)
-    })?;
+    let coordinates: CooMatrix<f64> =
+        load_coo_from_matrix_market_str(&as_real(text)).map_err(|error| {
+            let (line, rule) = explain(&error);
+            MatricesError::matrix(path, line, rule)
+        })?;
     let mut matrix = Mat::zeros(coordinates.nrows(), coordinates.ncols());
     for (i, j, value) in coordinates.triplet_iter() {
         if !value.is_finite() {
@@ -42,6 +43,16 @@ pub(super) fn read_matrix(path: &Path) -> Result<Mat<f64>, MatricesError> {
         matrix[(i, j)] += value;
     }
     Ok(matrix)
+}
+
+/// An `integer` matrix under a `real` header: the library reads integers into integer types only.
+fn as_real(text: String) -> String {
+    let header = text.lines().next().unwrap_or_default().to_ascii_lowercase();
+    if !header.contains(" integer ") {
+        return text;
+    }
+    let values = &text[header.len()..];
+    format!("{}{values}", header.replace(" integer ", " real "))
 }
 
 /// Refuses sizes that the reader's own arithmetic could not hold, before it sees them.
@@ -127,6 +138,7 @@ mod tests {
             "%%MatrixMarket matrix array real symmetric\n% comment\n2 2\n4\n-1\n3.5\n",
             "%%MatrixMarket matrix coordinate real symmetric\n2 2 3\n1 1 4\n2 1 -1.0e0\n2 2 3.5\n",
             "%%matrixmarket matrix coordinate real general\n2 2 5\n1 1 4\n2 1 -1\n1 2 -1\n2 2 3\n2 2 .5\n",
+            "%%MatrixMarket matrix coordinate INTEGER symmetric\n2 2 4\n1 1 4\n2 1 -1\n2 2 3\n2 2 0.5\n",
             "%%MatrixMarket matrix array real general\r\n2 2\r\n4\r\n-1\r\n-1\r\n3.5\r\n",
         ];
         for text in storages {
