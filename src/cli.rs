@@ -227,6 +227,15 @@ fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
         levels.len(),
         levels.join(", ")
     )?;
+    show_cost(out, facts)?;
+    for warning in &facts.warnings {
+        writeln!(out, "warning: {warning}")?;
+    }
+    Ok(())
+}
+
+/// Size of one solve, memory and time.
+fn show_cost(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
     let [first, highest] = facts.unknowns;
     writeln!(
         out,
@@ -242,9 +251,6 @@ fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
         "time, one core      about {} (within a factor of five)",
         duration(facts.time_s)
     )?;
-    for warning in &facts.warnings {
-        writeln!(out, "warning: {warning}")?;
-    }
     Ok(())
 }
 
