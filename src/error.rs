@@ -1,17 +1,59 @@
 //! Why a command cannot go on. A sample that does not converge is a [`crate::hb::Status`], not an error.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use crate::hb::ProblemError;
+use crate::model::ModelError;
+use crate::model::matrices::MatricesError;
 
 /// Everything that ends a command with exit code 2.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A file could not be read or written.
-    #[error("{path}: {source}")]
+    #[error("{}: {source}", path.display())]
     File {
         /// The file.
         path: PathBuf,
         /// What the operating system said.
         source: std::io::Error,
     },
+    /// A line of the study file breaks a rule.
+    #[error("{}:{line}: {message}", path.display())]
+    Study {
+        /// The study file.
+        path: PathBuf,
+        /// 1-based line.
+        line: usize,
+        /// Key, value and rule.
+        message: String,
+    },
+    /// A file of the user's model breaks a rule.
+    #[error(transparent)]
+    Matrices(#[from] MatricesError),
+    /// The built-in model cannot be built from its settings.
+    #[error("model: {0}")]
+    Model(#[from] ModelError),
+    /// The model with these contacts is no harmonic balance problem.
+    #[error("model: {0}")]
+    Problem(#[from] ProblemError),
+    /// The study lacks what the command needs, or the model has no such numbers.
+    #[error("{}: {message}", path.display())]
+    Command {
+        /// The study file.
+        path: PathBuf,
+        /// What is missing and how to give it.
+        message: String,
+    },
+}
+
+impl Error {
+    /// `source` happened on `path`.
+    #[must_use]
+    pub fn file(path: &Path, source: std::io::Error) -> Self {
+        Self::File {
+            path: path.to_owned(),
+            source,
+        }
+    }
 }

@@ -8,6 +8,7 @@ pub mod balance;
 pub mod compliance;
 pub mod continuation;
 pub mod error;
+pub mod forced_response;
 pub mod jacobian;
 pub mod linear;
 pub mod newton;

@@ -1,4 +1,12 @@
-//! The reduced model: matrices, contact pairs, loads and responses. Knows no contact law and no harmonic balance.
+//! The reduced model: matrices, contact pairs, loads and responses. Knows the
+//! contacts' constants, but no contact law and no harmonic balance.
+
+pub mod interface;
+pub mod matrices;
+mod matrix_checks;
+pub mod matrix_contacts;
+mod matrix_market;
+pub mod modes;
 
 mod craig_bampton;
 pub mod two_blade;

@@ -1,1 +1,18 @@
-//! Room `study`.
+//! The study file and the commands on it.
+//!
+//! Reads `study.toml` into the rooms' own settings ([`Study`]) and orchestrates them; holds no numerics.
+//! Start reading at [`Study::read`]; the commands are [`inspect()`], [`solve()`] and `run`.
+
+pub mod document;
+pub mod frequency;
+pub mod inspect;
+pub mod output;
+pub mod read;
+pub mod solve;
+pub mod tables;
+
+pub use frequency::{FrequencySettings, FrequencyUnit, Points};
+pub use inspect::{Inspection, inspect};
+pub use output::{OutputFolder, OutputSettings};
+pub use read::{ModelSettings, Study};
+pub use solve::{LevelCurve, Progress, solve, write_curves};

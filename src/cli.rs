@@ -1,0 +1,274 @@
+//! Arguments, messages and exit codes: 0 = done, 2 = bad input or a file that cannot be read or written.
+
+use std::io::{ErrorKind, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+use microslip::Error;
+use microslip::study::{Inspection, LevelCurve, OutputFolder, Progress, Study, inspect, solve};
+
+/// Exit code of every failure.
+const FAILURE: u8 = 2;
+
+const EXAMPLES: &str = "\
+Examples:
+  microslip inspect study.toml              what would be computed: sizes, frequencies, time
+  microslip solve study.toml                nominal forced response at every level
+  microslip run study.toml --threads 8      all samples, statistics and report
+  microslip run study.toml --output other/  the same into another folder
+
+Exit codes: 0 done, 2 bad input or a file that cannot be read or written.";
+
+#[derive(Parser)]
+#[command(version, about, after_help = EXAMPLES)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Compute every sample of a study and write tables and report.
+    Run(StudyArguments),
+    /// Compute the nominal forced response at every level: curve.csv and solution.json.
+    Solve(StudyArguments),
+    /// Show what a study would compute: degrees of freedom, frequencies, contact pairs, memory and time.
+    Inspect(StudyArguments),
+}
+
+#[derive(Args)]
+struct StudyArguments {
+    /// The study file.
+    study: PathBuf,
+    /// Threads; all cores if absent. The results do not depend on it.
+    #[arg(long)]
+    threads: Option<std::num::NonZeroUsize>,
+    /// Folder of the results, instead of the study's own.
+    #[arg(long)]
+    output: Option<PathBuf>,
+    /// No progress and no summary.
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Runs the command of the process's arguments.
+pub(crate) fn main() -> ExitCode {
+    // Help and version end here with 0; wrong arguments with clap's own message and 2.
+    let arguments = Arguments::parse();
+    match execute(&arguments.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        // A reader such as `head` that has seen enough is no failure of ours.
+        Err(Error::File { source, .. }) if source.kind() == ErrorKind::BrokenPipe => {
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            // Nothing is left to be done if even the message cannot be written.
+            let _ = writeln!(std::io::stderr(), "error: {error}");
+            ExitCode::from(FAILURE)
+        }
+    }
+}
+
+fn execute(command: &Command) -> Result<(), Error> {
+    match command {
+        Command::Inspect(arguments) => {
+            let study = Study::read(&arguments.study)?;
+            let inspection = inspect(&study)?;
+            print(|out| show(out, &inspection))
+        }
+        Command::Solve(arguments) => {
+            let study = Study::read(&arguments.study)?;
+            let folder = output_folder(&study, arguments)?;
+            let bar = Bar::new(arguments.quiet);
+            let curves = solve(&study, &folder, |progress| bar.show(progress))?;
+            bar.clear();
+            if arguments.quiet {
+                return Ok(());
+            }
+            print(|out| {
+                for curve in &curves {
+                    show_curve(out, &study, curve)?;
+                }
+                writeln!(
+                    out,
+                    "curve.csv and solution.json are in {}",
+                    folder.path().display()
+                )
+            })
+        }
+        Command::Run(arguments) => {
+            let study = Study::read(&arguments.study)?;
+            output_folder(&study, arguments)?;
+            study.build_model()?;
+            Err(not_there(&study))
+        }
+    }
+}
+
+/// Level, number of points and largest amplitude of the first response.
+fn show_curve(out: &mut dyn Write, study: &Study, curve: &LevelCurve) -> std::io::Result<()> {
+    let solved = curve.solutions.iter().filter(|s| s.status.has_solution());
+    let n_solved = solved.clone().count();
+    let peak = solved.max_by(|a, b| a.amplitude(0).total_cmp(&b.amplitude(0)));
+    write!(
+        out,
+        "level {}: {n_solved} of {} points solved",
+        curve.level,
+        curve.solutions.len()
+    )?;
+    if let Some(peak) = peak {
+        let unit = study.frequency.unit;
+        let frequency = unit.of_rad_s(peak.omega);
+        write!(
+            out,
+            ", largest amplitude {:.6e} at {frequency:.6} {}",
+            peak.amplitude(0),
+            unit.name()
+        )?;
+    }
+    writeln!(out)
+}
+
+/// Until the ensemble is wired in.
+fn not_there(study: &Study) -> Error {
+    Error::Command {
+        path: study.path.clone(),
+        message: "this build has no `run` yet; `inspect` and `solve` work".to_owned(),
+    }
+}
+
+/// Progress on standard error: a bar on a terminal, else one line per twentieth.
+struct Bar {
+    bar: indicatif::ProgressBar,
+    quiet: bool,
+}
+
+impl Bar {
+    fn new(quiet: bool) -> Self {
+        let bar = if quiet {
+            indicatif::ProgressBar::hidden()
+        } else {
+            indicatif::ProgressBar::new(0)
+        };
+        Self { bar, quiet }
+    }
+
+    /// Makes room for the summary.
+    fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    fn show(&self, Progress { done, total }: Progress) {
+        self.bar.set_length(total);
+        self.bar.set_position(done);
+        let twentieth = |n: u64| 20 * n / total.max(1);
+        let step = done > 0 && twentieth(done) > twentieth(done - 1);
+        if !self.quiet && self.bar.is_hidden() && step {
+            let eta = self.bar.eta().as_secs();
+            // Progress that cannot be shown is no reason to stop.
+            let _ = writeln!(std::io::stderr(), "{done}/{total}, about {eta} s left");
+        }
+    }
+}
+
+/// Opened before any work, so that an unwritable folder costs no computation.
+fn output_folder(study: &Study, arguments: &StudyArguments) -> Result<OutputFolder, Error> {
+    let own = study.folder().join(&study.output.folder);
+    OutputFolder::open(arguments.output.as_deref().unwrap_or(&own))
+}
+
+/// Writes to the standard output; a full disk behind it is an error, not a panic.
+fn print(content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<(), Error> {
+    let mut out = std::io::stdout().lock();
+    content(&mut out)
+        .and_then(|()| out.flush())
+        .map_err(|source| Error::file("standard output".as_ref(), source))
+}
+
+fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
+    let list = |names: &[String]| abbreviated(names);
+    let numbers = |values: &[f64]| {
+        let words: Vec<_> = values.iter().map(|f| format!("{f:.6}")).collect();
+        words.join(" ")
+    };
+    writeln!(out, "study               {}", facts.name)?;
+    writeln!(
+        out,
+        "degrees of freedom  {}: {}",
+        facts.dof_names.len(),
+        list(&facts.dof_names)
+    )?;
+    writeln!(
+        out,
+        "contact pairs       {}: {}",
+        facts.contact_names.len(),
+        list(&facts.contact_names)
+    )?;
+    writeln!(out, "responses           {}", list(&facts.response_names))?;
+    let unit = facts.unit.name();
+    writeln!(
+        out,
+        "free frequencies    {} {unit} ({} rigid-body modes)",
+        numbers(&facts.free),
+        facts.n_rigid
+    )?;
+    writeln!(out, "stuck frequencies   {} {unit}", numbers(&facts.stuck))?;
+    let inputs = match facts.inputs.as_slice() {
+        [] => "none".to_owned(),
+        names => names.join(", "),
+    };
+    writeln!(out, "random inputs       {inputs}")?;
+    let levels: Vec<_> = facts.levels.iter().map(f64::to_string).collect();
+    writeln!(
+        out,
+        "samples x levels    {} x {} ({})",
+        facts.samples,
+        levels.len(),
+        levels.join(", ")
+    )?;
+    show_cost(out, facts)?;
+    for warning in &facts.warnings {
+        writeln!(out, "warning: {warning}")?;
+    }
+    Ok(())
+}
+
+/// Size of one solve, memory and time.
+fn show_cost(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
+    let [first, highest] = facts.unknowns;
+    writeln!(
+        out,
+        "unknowns per solve  {first}, up to {highest} with more harmonics"
+    )?;
+    writeln!(
+        out,
+        "memory per thread   {:.1} MB",
+        facts.memory_bytes / 1e6
+    )?;
+    writeln!(
+        out,
+        "time, one core      about {} (within a factor of five)",
+        duration(facts.time_s)
+    )?;
+    Ok(())
+}
+
+/// The first names and how many more there are.
+fn abbreviated(names: &[String]) -> String {
+    const SHOWN: usize = 12;
+    let mut text = names[..names.len().min(SHOWN)].join(", ");
+    if names.len() > SHOWN {
+        text.push_str(&format!(", and {} more", names.len() - SHOWN));
+    }
+    text
+}
+
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 1.0 => "a second".to_owned(),
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}

@@ -1,0 +1,362 @@
+//! A user's own reduced model: matrices from Matrix Market files, contacts and loads from tables.
+//!
+//! Units: any consistent set; SI if frequencies are given in Hz. Start reading at [`MatricesSettings::build`].
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use faer::Mat;
+
+use super::matrix_checks::{positive_definite, positive_semidefinite, symmetric};
+use super::matrix_contacts::ContactTable;
+use super::matrix_market::read_matrix;
+use super::{ReducedModel, Response, SparseRow};
+use crate::contact::ContactParameters;
+use crate::linalg::symmetric_generalized_eigen;
+use crate::setting::{BadSetting, non_negative};
+
+/// Why a model cannot be built from the user's files.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MatricesError {
+    /// A value in the study file; the key is relative to `[model]`.
+    #[error(transparent)]
+    Setting(#[from] BadSetting),
+    /// A file could not be read.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// A file's content breaks a rule.
+    #[error("{place}: {rule}")]
+    Matrix {
+        /// File, and line where there is one.
+        place: String,
+        /// The rule.
+        rule: String,
+    },
+}
+
+impl MatricesError {
+    /// The content of `path` breaks `rule`.
+    pub(super) fn matrix(path: &Path, line: Option<usize>, rule: String) -> Self {
+        let place = match line {
+            Some(line) => format!("{}:{line}", path.display()),
+            None => path.display().to_string(),
+        };
+        Self::Matrix { place, rule }
+    }
+}
+
+/// `[model]` with `kind = "matrices"`. Files are relative to the study file's folder.
+#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MatricesSettings {
+    /// M: Matrix Market file.
+    pub mass: PathBuf,
+    /// K: Matrix Market file.
+    pub stiffness: PathBuf,
+    /// C: Matrix Market file; either this or `modal_damping_ratio`.
+    pub damping: Option<PathBuf>,
+    /// The same damping ratio in every mode of the free structure; rigid-body modes stay undamped.
+    pub modal_damping_ratio: Option<f64>,
+    /// Stiffness added in harmonic 0 only: Matrix Market file.
+    pub retention: Option<PathBuf>,
+    /// Names of the degrees of freedom; "1", "2", … if absent.
+    pub dof_names: Option<DofNames>,
+    /// f₀.
+    pub static_force: Option<Vector>,
+    /// f_c per unit level.
+    pub cosine_force: Option<Vector>,
+    /// f_s per unit level.
+    pub sine_force: Option<Vector>,
+    /// Contact pairs.
+    #[serde(default)]
+    pub contact: Vec<ContactTable>,
+    /// Response coordinates; resonance is the maximum of the first one's amplitude.
+    pub responses: Vec<ResponseTable>,
+}
+
+/// Names in the study file, or a text file with one name per line.
+#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected a list of names or the name of a text file"
+)]
+pub enum DofNames {
+    /// The names.
+    List(Vec<String>),
+    /// The file.
+    File(PathBuf),
+}
+
+/// A vector on the degrees of freedom.
+#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected a table of dof = number, or the name of a Matrix Market file"
+)]
+pub enum Vector {
+    /// Name → value; the others are 0.
+    Table(BTreeMap<String, f64>),
+    /// Matrix Market file with one column.
+    File(PathBuf),
+}
+
+/// A response coordinate.
+#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected the name of a dof, or { name = \"...\", row = { dof = weight } }"
+)]
+pub enum ResponseTable {
+    /// One degree of freedom under its own name.
+    Dof(String),
+    /// `Σ weight · q[dof]`.
+    Row {
+        /// Name of the response.
+        name: String,
+        /// Name of the degree of freedom → weight.
+        row: BTreeMap<String, f64>,
+    },
+}
+
+/// Names of the degrees of freedom with their indices.
+pub(super) struct DofIndex(BTreeMap<String, usize>);
+
+impl DofIndex {
+    /// The sparse row that a table states. `key` is the table's place in the file.
+    pub(super) fn row(
+        &self,
+        key: &str,
+        table: &BTreeMap<String, f64>,
+    ) -> Result<SparseRow, BadSetting> {
+        let mut row = SparseRow::new();
+        for (dof, &weight) in table {
+            let key = format!("{key}.{dof}");
+            let rule = "must name a degree of freedom of the model";
+            let Some(&i) = self.0.get(dof) else {
+                return Err(BadSetting {
+                    key,
+                    value: weight.to_string(),
+                    rule: rule.to_owned(),
+                });
+            };
+            BadSetting::unless(weight.is_finite(), &key, weight, "must be a finite number")?;
+            if weight != 0.0 {
+                row.push((i, weight));
+            }
+        }
+        row.sort_by_key(|&(i, _)| i);
+        Ok(row)
+    }
+}
+
+impl MatricesSettings {
+    /// Checks what needs no file.
+    ///
+    /// # Errors
+    /// [`BadSetting`] with a key relative to `[model]`.
+    pub fn validate(&self) -> Result<(), BadSetting> {
+        let both = self.damping.is_some() && self.modal_damping_ratio.is_some();
+        let ratio = self.modal_damping_ratio.unwrap_or(0.0);
+        let rule = "must be absent if damping is given";
+        BadSetting::unless(!both, "modal_damping_ratio", ratio, rule)?;
+        let neither = self.damping.is_none() && self.modal_damping_ratio.is_none();
+        let rule = "must be given, or modal_damping_ratio";
+        BadSetting::unless(!neither, "damping", "(absent)", rule)?;
+        non_negative("modal_damping_ratio", ratio)?;
+        BadSetting::unless(ratio < 1.0, "modal_damping_ratio", ratio, "must be below 1")?;
+        let n = self.responses.len();
+        BadSetting::unless(n > 0, "responses", "[]", "must have at least one response")?;
+        let n = self.contact.len();
+        BadSetting::unless(n > 0, "contact", "[]", "must have at least one pair")?;
+        for (i, contact) in self.contact.iter().enumerate() {
+            contact
+                .validate()
+                .map_err(|bad| bad.under(&format!("contact[{i}]")))?;
+        }
+        Ok(())
+    }
+
+    /// Reads the files and builds the model. `folder` is the study file's; `name` goes to the model.
+    ///
+    /// # Errors
+    /// [`MatricesError`] on the first rule that a file or a table breaks.
+    pub fn build(
+        &self,
+        name: &str,
+        folder: &Path,
+    ) -> Result<(ReducedModel, Vec<ContactParameters<f64>>), MatricesError> {
+        self.validate()?;
+        let mass = self.checked(folder, &self.mass, None, positive_definite)?;
+        let n = mass.nrows();
+        let stiffness = self.checked(folder, &self.stiffness, Some(n), positive_semidefinite)?;
+        let damping = match &self.damping {
+            Some(file) => self.checked(folder, file, Some(n), positive_semidefinite)?,
+            None => self.modal_damping(&stiffness, &mass)?,
+        };
+        let retention = match &self.retention {
+            Some(file) => Some(self.checked(folder, file, Some(n), positive_semidefinite)?),
+            None => None,
+        };
+        let dof_names = self.names(folder, n)?;
+        let index = DofIndex(dof_names.iter().cloned().zip(0..).collect());
+        let vector = |key, vector: &Option<Vector>| dense(folder, key, vector, n, &index);
+        let cosine_force = vector("cosine_force", &self.cosine_force)?;
+        let sine_force = vector("sine_force", &self.sine_force)?;
+        let excited = cosine_force.iter().chain(&sine_force).any(|f| *f != 0.0);
+        let rule = "must not be zero together with sine_force: nothing would vibrate";
+        BadSetting::unless(excited, "cosine_force", "0", rule)?;
+        let mut contacts = Vec::new();
+        let mut parameters = Vec::new();
+        for (i, table) in self.contact.iter().enumerate() {
+            contacts.push(table.pair(&format!("contact[{i}]"), &index)?);
+            parameters.push(table.parameters());
+        }
+        unique("contact", contacts.iter().map(|pair| pair.name.as_str()))?;
+        let model = ReducedModel {
+            name: name.to_owned(),
+            static_force: vector("static_force", &self.static_force)?,
+            responses: self.response_rows(&index)?,
+            dof_names,
+            mass,
+            damping,
+            stiffness,
+            retention,
+            contacts,
+            cosine_force,
+            sine_force,
+        };
+        Ok((model, parameters))
+    }
+
+    /// Reads a square symmetric matrix of `size` rows with a further property.
+    fn checked(
+        &self,
+        folder: &Path,
+        file: &Path,
+        size: Option<usize>,
+        property: fn(&Mat<f64>) -> Result<(), String>,
+    ) -> Result<Mat<f64>, MatricesError> {
+        let path = folder.join(file);
+        let matrix = read_matrix(&path)?;
+        let broken = |rule| MatricesError::matrix(&path, None, rule);
+        let (rows, columns) = (matrix.nrows(), matrix.ncols());
+        if rows != columns {
+            return Err(broken(format!("is {rows} x {columns}: must be square")));
+        }
+        if let Some(n) = size.filter(|n| *n != rows) {
+            return Err(broken(format!(
+                "is {rows} x {rows}: must be {n} x {n}, the size of {}",
+                self.mass.display()
+            )));
+        }
+        let matrix = symmetric(&matrix).map_err(broken)?;
+        property(&matrix).map_err(broken)?;
+        Ok(matrix)
+    }
+
+    /// C = Σ 2 ζ ω (Mφ)(Mφ)ᵀ over the modes of the free structure.
+    fn modal_damping(
+        &self,
+        stiffness: &Mat<f64>,
+        mass: &Mat<f64>,
+    ) -> Result<Mat<f64>, MatricesError> {
+        let ratio = self.modal_damping_ratio.unwrap_or(0.0);
+        let (lambda, shapes) = symmetric_generalized_eigen(stiffness.as_ref(), mass.as_ref())
+            .map_err(|error| BadSetting {
+                key: "modal_damping_ratio".to_owned(),
+                value: ratio.to_string(),
+                rule: format!("needs the modes of the structure, but {error}"),
+            })?;
+        let weighted = mass * &shapes;
+        let scaled = Mat::from_fn(mass.nrows(), lambda.len(), |i, m| {
+            2.0 * ratio * lambda[m].max(0.0).sqrt() * weighted[(i, m)]
+        });
+        Ok(scaled * weighted.transpose())
+    }
+
+    fn names(&self, folder: &Path, n: usize) -> Result<Vec<String>, MatricesError> {
+        let names: Vec<String> = match &self.dof_names {
+            None => (1..=n).map(|i| i.to_string()).collect(),
+            Some(DofNames::List(names)) => names.clone(),
+            Some(DofNames::File(file)) => {
+                let path = folder.join(file);
+                let text = std::fs::read_to_string(&path)
+                    .map_err(|source| MatricesError::File { path, source })?;
+                let lines = text.lines().map(str::trim);
+                lines.filter(|l| !l.is_empty()).map(str::to_owned).collect()
+            }
+        };
+        let rule = format!("must be {n}, one per row of the mass matrix");
+        let given = format!("{} names", names.len());
+        BadSetting::unless(names.len() == n, "dof_names", given, &rule)?;
+        unique("dof_names", names.iter().map(String::as_str))?;
+        Ok(names)
+    }
+
+    fn response_rows(&self, index: &DofIndex) -> Result<Vec<Response>, BadSetting> {
+        let mut responses = Vec::new();
+        for (i, table) in self.responses.iter().enumerate() {
+            let key = format!("responses[{i}]");
+            let (name, row) = match table {
+                ResponseTable::Dof(dof) => (dof, index.row(&key, &[(dof.clone(), 1.0)].into())?),
+                ResponseTable::Row { name, row } => (name, index.row(&format!("{key}.row"), row)?),
+            };
+            let rule = "must have a weight that is not zero";
+            BadSetting::unless(!row.is_empty(), &key, name, rule)?;
+            responses.push(Response {
+                name: name.clone(),
+                row,
+            });
+        }
+        unique("responses", responses.iter().map(|r| r.name.as_str()))?;
+        Ok(responses)
+    }
+}
+
+/// The n values that a table or a file states.
+fn dense(
+    folder: &Path,
+    key: &str,
+    vector: &Option<Vector>,
+    n: usize,
+    index: &DofIndex,
+) -> Result<Vec<f64>, MatricesError> {
+    let mut values = vec![0.0; n];
+    match vector {
+        None => {}
+        Some(Vector::Table(table)) => {
+            for (i, value) in index.row(key, table)? {
+                values[i] = value;
+            }
+        }
+        Some(Vector::File(file)) => {
+            let path = folder.join(file);
+            let matrix = read_matrix(&path)?;
+            if (matrix.nrows(), matrix.ncols()) != (n, 1) {
+                let rule = format!(
+                    "is {} x {}: must be {n} x 1",
+                    matrix.nrows(),
+                    matrix.ncols()
+                );
+                return Err(MatricesError::matrix(&path, None, rule));
+            }
+            values.copy_from_slice(matrix.col_as_slice(0));
+        }
+    }
+    Ok(values)
+}
+
+/// Refuses the first name that is given twice.
+fn unique<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Result<(), BadSetting> {
+    let mut seen = std::collections::BTreeSet::new();
+    for name in names {
+        BadSetting::unless(seen.insert(name), key, name, "must not be given twice")?;
+    }
+    Ok(())
+}

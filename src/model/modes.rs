@@ -1,0 +1,51 @@
+//! Linear modes of a reduced model: free contacts and stuck contacts.
+
+use faer::Mat;
+
+use super::ReducedModel;
+use crate::contact::ContactParameters;
+use crate::linalg::{LinalgError, symmetric_generalized_eigen};
+
+impl ReducedModel {
+    /// Natural angular frequencies (rad/s) without contact forces, ascending; rigid-body modes are 0 up to round-off.
+    ///
+    /// # Errors
+    /// [`LinalgError`] if the matrices are not what the model promises.
+    pub fn free_frequencies(&self) -> Result<Vec<f64>, LinalgError> {
+        frequencies(&self.stiffness, &self.mass)
+    }
+
+    /// Natural angular frequencies (rad/s) with every contact closed and stuck, ascending.
+    ///
+    /// K + Σ k_n B_nᵀB_n + k_t1 B_t1ᵀB_t1 + k_t2 B_t2ᵀB_t2. Shape: `parameters` `[n_contacts]`.
+    ///
+    /// # Errors
+    /// [`LinalgError`] if the matrices are not what the model promises.
+    pub fn stuck_frequencies(
+        &self,
+        parameters: &[ContactParameters<f64>],
+    ) -> Result<Vec<f64>, LinalgError> {
+        assert_eq!(
+            parameters.len(),
+            self.contacts.len(),
+            "one set of parameters per contact pair"
+        );
+        let mut stiffness = self.stiffness.clone();
+        for (pair, p) in self.contacts.iter().zip(parameters) {
+            for (row, k) in [(&pair.t1, p.k_t[0]), (&pair.t2, p.k_t[1]), (&pair.n, p.k_n)] {
+                for &(i, a) in row {
+                    for &(j, b) in row {
+                        stiffness[(i, j)] += k * a * b;
+                    }
+                }
+            }
+        }
+        frequencies(&stiffness, &self.mass)
+    }
+}
+
+/// √λ of K φ = λ M φ.
+fn frequencies(stiffness: &Mat<f64>, mass: &Mat<f64>) -> Result<Vec<f64>, LinalgError> {
+    let (lambda, _) = symmetric_generalized_eigen(stiffness.as_ref(), mass.as_ref())?;
+    Ok(lambda.iter().map(|l| l.max(0.0).sqrt()).collect())
+}

@@ -1,0 +1,84 @@
+//! The quantities of a study that may be random.
+
+use super::distribution::Distribution;
+use crate::setting::BadSetting;
+
+/// A quantity that may be random. The order is the order of the sampled values everywhere.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Input {
+    /// Factor on the normal and the tangential contact stiffness.
+    StiffnessScale,
+    /// Factor on the normal contact stiffness, on top of [`Input::StiffnessScale`].
+    NormalStiffnessScale,
+    /// Factor on the tangential contact stiffness, on top of [`Input::StiffnessScale`].
+    TangentialStiffnessScale,
+    /// Friction coefficient mu of every contact pair (absolute, not a factor).
+    FrictionCoefficient,
+    /// Factor on the static load (the centrifugal force on the strip).
+    StaticLoadScale,
+}
+
+impl Input {
+    /// Every input, in order.
+    pub const ALL: [Self; 5] = [
+        Self::StiffnessScale,
+        Self::NormalStiffnessScale,
+        Self::TangentialStiffnessScale,
+        Self::FrictionCoefficient,
+        Self::StaticLoadScale,
+    ];
+
+    /// Name in study files, tables and reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::StiffnessScale => "stiffness_scale",
+            Self::NormalStiffnessScale => "normal_stiffness_scale",
+            Self::TangentialStiffnessScale => "tangential_stiffness_scale",
+            Self::FrictionCoefficient => "friction_coefficient",
+            Self::StaticLoadScale => "static_load_scale",
+        }
+    }
+
+    /// The input of that name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|input| input.name() == name)
+    }
+
+    /// Dimension of the uniform stream. Fixed for ever, so that a further input leaves the others' samples alone.
+    #[must_use]
+    pub fn dimension(self) -> u32 {
+        match self {
+            Self::StiffnessScale => 0,
+            Self::NormalStiffnessScale => 1,
+            Self::TangentialStiffnessScale => 2,
+            Self::FrictionCoefficient => 3,
+            Self::StaticLoadScale => 4,
+        }
+    }
+
+    /// Refuses a distribution that can give this input a value without physical meaning (negative; a factor of 0).
+    ///
+    /// # Errors
+    /// [`BadSetting`] on `truncation` or `value`, relative to the input.
+    pub fn accepts(self, distribution: &Distribution) -> Result<(), BadSetting> {
+        let low = distribution.support()[0];
+        if let Some(value) = distribution.fixed_value() {
+            let zero_allowed = matches!(self, Self::FrictionCoefficient | Self::StaticLoadScale);
+            let holds = value > 0.0 || (zero_allowed && value == 0.0);
+            let rule = if zero_allowed {
+                "must be >= 0"
+            } else {
+                "must be > 0"
+            };
+            return BadSetting::unless(holds, "value", value, rule);
+        }
+        BadSetting::unless(
+            low >= 0.0,
+            "distribution",
+            format!("{} on ({low}, ...)", distribution.shape().name()),
+            "must not give negative values: raise low or add truncation = [low, high]",
+        )
+    }
+}

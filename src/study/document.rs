@@ -1,0 +1,205 @@
+//! A TOML text that knows the line of every key, so that every message can name it.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use serde::de::DeserializeOwned;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue, ValueDeserializer};
+
+use crate::Error;
+use crate::setting::BadSetting;
+
+/// A parsed TOML file whose sections are taken out one by one.
+pub struct Document<'t> {
+    path: PathBuf,
+    text: &'t str,
+    root: DeTable<'t>,
+    places: Vec<Place>,
+}
+
+/// Where a key and its value stand in the text, in bytes.
+struct Place {
+    key: String,
+    line_of: usize,
+    value: Range<usize>,
+}
+
+impl<'t> Document<'t> {
+    /// Parses `text`, the content of `path`.
+    ///
+    /// # Errors
+    /// [`Error::Study`] on the first syntax error.
+    pub fn parse(path: &Path, text: &'t str) -> Result<Self, Error> {
+        let root = DeTable::parse(text).map_err(|error| {
+            let at = error.span().map_or(0, |span| span.start);
+            Error::Study {
+                path: path.to_owned(),
+                line: line_at(text, at),
+                message: format!("not valid TOML: {}", one_line(error.message())),
+            }
+        })?;
+        let mut places = Vec::new();
+        collect_places("", root.get_ref(), &mut places);
+        Ok(Self {
+            path: path.to_owned(),
+            text,
+            root: root.into_inner(),
+            places,
+        })
+    }
+
+    /// Takes a top-level value out; `None` if it is absent.
+    ///
+    /// # Errors
+    /// [`Error::Study`] if it does not have the shape of `T`.
+    pub fn take<T: DeserializeOwned>(&mut self, key: &str) -> Result<Option<T>, Error> {
+        match self.root.remove(key) {
+            None => Ok(None),
+            Some(value) => self.deserialize(value).map(Some),
+        }
+    }
+
+    /// Takes a string out of a section, such as the `kind` that decides how the rest is read.
+    ///
+    /// # Errors
+    /// [`Error::Study`] if the section is no table, or the key is absent or no string.
+    pub fn take_string(&mut self, section: &str, key: &str) -> Result<String, Error> {
+        let dotted = format!("{section}.{key}");
+        let value = self.root.get_mut(section).map(Spanned::get_mut);
+        let removed = match value {
+            Some(DeValue::Table(table)) => table.remove(key),
+            Some(_) => return Err(self.at_key(section, "must be a table".to_owned())),
+            None => return Err(self.at_key(section, format!("must be given, with a {key}"))),
+        };
+        match removed {
+            Some(value) => self.deserialize(value),
+            None => Err(self.at_key(&dotted, "must be given".to_owned())),
+        }
+    }
+
+    /// Refuses whatever was not taken.
+    ///
+    /// # Errors
+    /// [`Error::Study`] on the first key that is left, naming the `known` ones.
+    pub fn finish(&self, known: &[&str]) -> Result<(), Error> {
+        let left = self
+            .root
+            .keys()
+            .min_by_key(|key| key.span().start)
+            .map(|key| key.get_ref().to_string());
+        match left {
+            None => Ok(()),
+            Some(key) => {
+                Err(self.at_key(&key, format!("unknown key; known are {}", known.join(", "))))
+            }
+        }
+    }
+
+    /// The error of a setting, at the line of its key, or of the section that lacks it.
+    #[must_use]
+    pub fn bad_setting(&self, bad: &BadSetting) -> Error {
+        Error::Study {
+            path: self.path.clone(),
+            line: self.line_of(&bad.key),
+            message: bad.to_string(),
+        }
+    }
+
+    /// The value, or the error of the setting at the line of its key.
+    ///
+    /// # Errors
+    /// [`Error::Study`] if the setting is bad.
+    pub fn checked<T>(&self, result: Result<T, BadSetting>) -> Result<T, Error> {
+        result.map_err(|bad| self.bad_setting(&bad))
+    }
+
+    /// An error at the line of `key`.
+    #[must_use]
+    pub fn at_key(&self, key: &str, rule: String) -> Error {
+        Error::Study {
+            path: self.path.clone(),
+            line: self.line_of(key),
+            message: format!("{key}: {rule}"),
+        }
+    }
+
+    fn deserialize<T: DeserializeOwned>(&self, value: Spanned<DeValue<'t>>) -> Result<T, Error> {
+        let whole = value.span();
+        T::deserialize(ValueDeserializer::from(value)).map_err(|error| {
+            let span = error.span().unwrap_or(whole);
+            let key = self.key_around(&span).unwrap_or_default();
+            let message = one_line(error.message());
+            Error::Study {
+                path: self.path.clone(),
+                line: line_at(self.text, span.start),
+                message: format!("{key}: {message}"),
+            }
+        })
+    }
+
+    /// Dotted key whose value is the smallest that holds `span`.
+    fn key_around(&self, span: &Range<usize>) -> Option<String> {
+        let around = |place: &&Place| {
+            place.value.start <= span.start && span.end <= place.value.end
+                || place.line_of == span.start
+        };
+        self.places
+            .iter()
+            .filter(around)
+            .min_by_key(|place| place.value.len())
+            .map(|place| place.key.clone())
+    }
+
+    /// Line of the key itself, or of the longest section name that starts it; 1 if there is none.
+    fn line_of(&self, key: &str) -> usize {
+        let starts = |place: &&Place| {
+            key.strip_prefix(place.key.as_str())
+                .is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+        };
+        self.places
+            .iter()
+            .filter(starts)
+            .max_by_key(|place| place.key.len())
+            .map_or(1, |place| line_at(self.text, place.line_of))
+    }
+}
+
+/// Every key below `table`, as `a.b.c`; elements of arrays as `a[0]`.
+fn collect_places(prefix: &str, table: &DeTable<'_>, places: &mut Vec<Place>) {
+    for (key, value) in table {
+        let dotted = if prefix.is_empty() {
+            key.get_ref().to_string()
+        } else {
+            format!("{prefix}.{}", key.get_ref())
+        };
+        add_place(dotted, key.span().start, value, places);
+    }
+}
+
+fn add_place(key: String, line_of: usize, value: &Spanned<DeValue<'_>>, places: &mut Vec<Place>) {
+    match value.get_ref() {
+        DeValue::Table(table) => collect_places(&key, table, places),
+        DeValue::Array(array) => {
+            for (i, element) in array.iter().enumerate() {
+                add_place(format!("{key}[{i}]"), element.span().start, element, places);
+            }
+        }
+        _ => {}
+    }
+    places.push(Place {
+        key,
+        line_of,
+        value: value.span(),
+    });
+}
+
+/// 1-based line of a byte.
+fn line_at(text: &str, byte: usize) -> usize {
+    let before = &text.as_bytes()[..byte.min(text.len())];
+    1 + before.iter().filter(|b| **b == b'\n').count()
+}
+
+fn one_line(message: &str) -> String {
+    message.split_whitespace().collect::<Vec<_>>().join(" ")
+}

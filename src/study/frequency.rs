@@ -1,0 +1,176 @@
+//! Frequencies of a study: the band of the resonance search, and where `solve` evaluates the response.
+
+use crate::setting::{BadSetting, positive};
+use crate::units::{hz_to_rad_s, rad_s_to_hz};
+
+/// Unit in which a study states and reports frequencies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub enum FrequencyUnit {
+    /// Cycles per second: models in SI units.
+    #[serde(rename = "Hz")]
+    Hertz,
+    /// Angular frequency: non-dimensional models.
+    #[serde(rename = "rad/s")]
+    RadiansPerSecond,
+}
+
+impl FrequencyUnit {
+    /// As written in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hertz => "Hz",
+            Self::RadiansPerSecond => "rad/s",
+        }
+    }
+
+    /// Ending of keys and columns in this unit.
+    #[must_use]
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Self::Hertz => "hz",
+            Self::RadiansPerSecond => "rad_s",
+        }
+    }
+
+    /// Angular frequency (rad/s) of a value in this unit.
+    #[must_use]
+    pub fn to_rad_s(self, value: f64) -> f64 {
+        match self {
+            Self::Hertz => hz_to_rad_s(value),
+            Self::RadiansPerSecond => value,
+        }
+    }
+
+    /// Value in this unit of an angular frequency (rad/s).
+    #[must_use]
+    pub fn of_rad_s(self, omega: f64) -> f64 {
+        match self {
+            Self::Hertz => rad_s_to_hz(omega),
+            Self::RadiansPerSecond => omega,
+        }
+    }
+}
+
+/// Where `solve` evaluates the response.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Points {
+    /// A continuous curve over the band.
+    Continuation,
+    /// At these angular frequencies (rad/s), ascending.
+    Prescribed(Vec<f64>),
+}
+
+/// Frequencies of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrequencySettings {
+    /// Unit of the study file and of its results.
+    pub unit: FrequencyUnit,
+    /// Band of the resonance search (rad/s), ascending.
+    pub band: [f64; 2],
+    /// Points of `solve`.
+    pub points: Points,
+}
+
+/// `[frequency]` of a study file.
+#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrequencyTable {
+    band_hz: Option<[f64; 2]>,
+    band_rad_s: Option<[f64; 2]>,
+    values_hz: Option<Vec<f64>>,
+    values_rad_s: Option<Vec<f64>>,
+    points: Option<usize>,
+}
+
+/// Most points that `points` may ask for.
+const MOST_POINTS: usize = 1_000_000;
+
+impl FrequencyTable {
+    /// The settings that the table states.
+    ///
+    /// # Errors
+    /// [`BadSetting`] with a key relative to `[frequency]`.
+    pub fn settings(&self) -> Result<FrequencySettings, BadSetting> {
+        let (unit, band) = self.band()?;
+        let suffix = unit.suffix();
+        let key = format!("band_{suffix}");
+        let written = format!("[{}, {}]", band[0], band[1]);
+        positive(&key, band[0])?;
+        positive(&key, band[1])?;
+        let rule = "must be [low, high] with low < high";
+        BadSetting::unless(band[0] < band[1], &key, written, rule)?;
+        Ok(FrequencySettings {
+            unit,
+            band: band.map(|f| unit.to_rad_s(f)),
+            points: self.points(unit, band)?,
+        })
+    }
+
+    fn band(&self) -> Result<(FrequencyUnit, [f64; 2]), BadSetting> {
+        let refused = |key: &str, value: &str, rule: &str| BadSetting {
+            key: key.to_owned(),
+            value: value.to_owned(),
+            rule: rule.to_owned(),
+        };
+        match (self.band_hz, self.band_rad_s) {
+            (Some(band), None) => Ok((FrequencyUnit::Hertz, band)),
+            (None, Some(band)) => Ok((FrequencyUnit::RadiansPerSecond, band)),
+            (None, None) => {
+                let rule = "must be given, or band_rad_s for a non-dimensional model";
+                Err(refused("band_hz", "(absent)", rule))
+            }
+            (Some(_), Some(_)) => {
+                let rule = "must be absent if band_hz is given";
+                Err(refused("band_rad_s", "[...]", rule))
+            }
+        }
+    }
+
+    fn points(&self, unit: FrequencyUnit, band: [f64; 2]) -> Result<Points, BadSetting> {
+        let (values, other, other_key) = match unit {
+            FrequencyUnit::Hertz => (&self.values_hz, &self.values_rad_s, "values_rad_s"),
+            FrequencyUnit::RadiansPerSecond => (&self.values_rad_s, &self.values_hz, "values_hz"),
+        };
+        let rule = format!("must be in the unit of the band: values_{}", unit.suffix());
+        BadSetting::unless(other.is_none(), other_key, "[...]", &rule)?;
+        let points = self.points;
+        let count = points.unwrap_or(2);
+        let rule = format!("must be from 2 to {MOST_POINTS}");
+        BadSetting::unless((2..=MOST_POINTS).contains(&count), "points", count, &rule)?;
+        match (values, points) {
+            (Some(_), Some(_)) => {
+                let rule = "must be absent if values are given";
+                BadSetting::unless(false, "points", count, rule)?;
+                Ok(Points::Continuation)
+            }
+            (None, None) => Ok(Points::Continuation),
+            (None, Some(n)) => {
+                let step = (band[1] - band[0]) / (n - 1) as f64;
+                let values = (0..n).map(|i| unit.to_rad_s(band[0] + step * i as f64));
+                Ok(Points::Prescribed(values.collect()))
+            }
+            (Some(values), None) => {
+                let key = format!("values_{}", unit.suffix());
+                ascending_positive(&key, values)?;
+                let values = values.iter().map(|f| unit.to_rad_s(*f));
+                Ok(Points::Prescribed(values.collect()))
+            }
+        }
+    }
+}
+
+/// Requires a list of at least one finite positive number, each greater than the one before.
+///
+/// # Errors
+/// [`BadSetting`] on `key` or `key[i]`.
+pub(super) fn ascending_positive(key: &str, values: &[f64]) -> Result<(), BadSetting> {
+    BadSetting::unless(!values.is_empty(), key, "[]", "must not be empty")?;
+    for (i, value) in values.iter().enumerate() {
+        positive(&format!("{key}[{i}]"), *value)?;
+        let rule = "must be greater than the one before";
+        let holds = i == 0 || values[i - 1] < *value;
+        BadSetting::unless(holds, &format!("{key}[{i}]"), value, rule)?;
+    }
+    Ok(())
+}

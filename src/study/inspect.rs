@@ -1,0 +1,132 @@
+//! What a study is about to compute: sizes, linear frequencies, memory and time.
+
+use super::frequency::FrequencyUnit;
+use super::read::Study;
+use crate::Error;
+use crate::sampling::Input;
+
+/// Number of frequencies that are shown.
+const SHOWN: usize = 10;
+/// Range in which the first flexible frequency of a blade in SI units must lie (Hz).
+const PLAUSIBLE_HZ: [f64; 2] = [0.1, 1e6];
+/// Frequencies below this part of the largest one are rigid-body modes up to round-off.
+const RIGID: f64 = 1e-6;
+
+/// Facts about a study, none of which needs a nonlinear solution.
+#[derive(Debug, Clone)]
+pub struct Inspection {
+    /// Name of the study.
+    pub name: String,
+    /// Unit of the frequencies.
+    pub unit: FrequencyUnit,
+    /// Names of the degrees of freedom.
+    pub dof_names: Vec<String>,
+    /// Names of the contact pairs.
+    pub contact_names: Vec<String>,
+    /// Names of the responses.
+    pub response_names: Vec<String>,
+    /// Number of rigid-body modes without contact.
+    pub n_rigid: usize,
+    /// First flexible natural frequencies without contact.
+    pub free: Vec<f64>,
+    /// First natural frequencies with every contact closed and stuck.
+    pub stuck: Vec<f64>,
+    /// Names of the random inputs.
+    pub inputs: Vec<&'static str>,
+    /// Number of samples.
+    pub samples: u64,
+    /// Excitation levels.
+    pub levels: Vec<f64>,
+    /// Unknowns of one nonlinear solve at the first and at the highest harmonics.
+    pub unknowns: [usize; 2],
+    /// Memory of one solve at the highest harmonics (bytes): Jacobian and its factors.
+    pub memory_bytes: f64,
+    /// Time of the whole study on one core (s), within about a factor of five.
+    pub time_s: f64,
+    /// What looks like a mistake.
+    pub warnings: Vec<String>,
+}
+
+/// Gathers the facts.
+///
+/// # Errors
+/// Whatever building the model refuses; [`Error::Command`] if its eigenvalue problem fails.
+pub fn inspect(study: &Study) -> Result<Inspection, Error> {
+    let (model, parameters) = study.build_model()?;
+    let no_modes = |error| Error::Command {
+        path: study.path.clone(),
+        message: format!("linear modes of the model: {error}"),
+    };
+    let unit = study.frequency.unit;
+    let in_unit = |omega: Vec<f64>| omega.iter().map(|w| unit.of_rad_s(*w)).collect::<Vec<_>>();
+    let free = in_unit(model.free_frequencies().map_err(no_modes)?);
+    let stuck = in_unit(model.stuck_frequencies(&parameters).map_err(no_modes)?);
+    let rigid_below = RIGID * free.last().copied().unwrap_or(0.0);
+    let n_rigid = free.iter().take_while(|f| **f <= rigid_below).count();
+    let names = |rows: &[crate::model::Response]| rows.iter().map(|r| r.name.clone()).collect();
+    let unknowns = unknowns(study, model.n_contacts());
+    Ok(Inspection {
+        name: study.name.clone(),
+        unit,
+        contact_names: model.contacts.iter().map(|c| c.name.clone()).collect(),
+        response_names: names(&model.responses),
+        warnings: warnings(study, free.get(n_rigid).copied()),
+        n_rigid,
+        free: free.into_iter().skip(n_rigid).take(SHOWN).collect(),
+        stuck: stuck.into_iter().take(SHOWN).collect(),
+        inputs: study
+            .design
+            .inputs()
+            .iter()
+            .map(|(i, _)| Input::name(*i))
+            .collect(),
+        samples: study.samples,
+        levels: study.levels.clone(),
+        unknowns,
+        memory_bytes: 3.0 * 8.0 * (unknowns[1] as f64).powi(2),
+        time_s: time(study, unknowns[0]),
+        dof_names: model.dof_names,
+    })
+}
+
+/// Three relative displacements per pair and coefficient.
+fn unknowns(study: &Study, n_contacts: usize) -> [usize; 2] {
+    let first = study.solver.harmonics.n_coefficients();
+    let highest = study
+        .solver
+        .alert
+        .map_or(first, |alert| first.max(2 * alert.highest_harmonic + 1));
+    [first, highest].map(|n| 3 * n_contacts * n)
+}
+
+/// Factorisations of one resonance search, warm-started.
+const FACTORIZATIONS_PER_PEAK: f64 = 40.0;
+/// Operations per second of a dense factorisation on one core.
+const FLOPS: f64 = 5e9;
+/// Time of everything but the factorisation, per unknown (s).
+const ASSEMBLY_PER_UNKNOWN: f64 = 1e-5;
+
+/// ⅔ n³ operations per factorisation and a linear part.
+fn time(study: &Study, unknowns: usize) -> f64 {
+    let n = unknowns as f64;
+    let solve = 2.0 / 3.0 * n.powi(3) / FLOPS + ASSEMBLY_PER_UNKNOWN * n;
+    study.samples as f64 * study.levels.len() as f64 * FACTORIZATIONS_PER_PEAK * solve
+}
+
+fn warnings(study: &Study, flexible: Option<f64>) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let [low, high] = PLAUSIBLE_HZ;
+    match flexible {
+        Some(f) if study.frequency.unit == FrequencyUnit::Hertz && !(low..=high).contains(&f) => {
+            warnings.push(format!(
+                "the first flexible frequency is {f:.3e} Hz: check the units of stiffness (N/m) and mass (kg)"
+            ));
+        }
+        Some(_) => {}
+        None => warnings.push("the structure has no flexible mode".to_owned()),
+    }
+    if study.samples > 1 && study.design.inputs().is_empty() {
+        warnings.push("no [inputs]: every sample will be the same".to_owned());
+    }
+    warnings
+}

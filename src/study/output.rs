@@ -1,0 +1,136 @@
+//! What a study leaves behind, and how files are written so that a failure spoils none.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use crate::Error;
+use crate::setting::BadSetting;
+
+/// `[output]` of a study file.
+#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct OutputSettings {
+    /// Points of the forced response curve that is kept per sample and level.
+    pub curve_points: usize,
+    /// Quantiles of the report, ascending in (0, 1).
+    pub quantiles: Vec<f64>,
+    /// Folder of the results, relative to the study file.
+    pub folder: PathBuf,
+}
+
+impl Default for OutputSettings {
+    fn default() -> Self {
+        Self {
+            curve_points: 200,
+            quantiles: vec![0.05, 0.5, 0.95],
+            folder: PathBuf::from("results"),
+        }
+    }
+}
+
+impl OutputSettings {
+    /// Checks ranges.
+    ///
+    /// # Errors
+    /// [`BadSetting`] with a key relative to `[output]`.
+    pub fn validate(&self) -> Result<(), BadSetting> {
+        let n = self.curve_points;
+        let rule = "must be from 2 to 100000";
+        BadSetting::unless((2..=100_000).contains(&n), "curve_points", n, rule)?;
+        let none = self.quantiles.is_empty();
+        BadSetting::unless(!none, "quantiles", "[]", "must not be empty")?;
+        for (i, q) in self.quantiles.iter().enumerate() {
+            let ascending = i == 0 || self.quantiles[i - 1] < *q;
+            let holds = ascending && 0.0 < *q && *q < 1.0;
+            let rule = "must be between 0 and 1, each greater than the one before";
+            BadSetting::unless(holds, &format!("quantiles[{i}]"), q, rule)?;
+        }
+        let empty = self.folder.as_os_str().is_empty();
+        BadSetting::unless(!empty, "folder", "\"\"", "must not be empty")
+    }
+}
+
+/// A folder that exists and can be written to.
+#[derive(Debug, Clone)]
+pub struct OutputFolder(PathBuf);
+
+impl OutputFolder {
+    /// Makes the folder where it is missing and tries to write to it, before any work is spent.
+    ///
+    /// # Errors
+    /// [`Error::File`] if it cannot be made or written to.
+    pub fn open(path: &Path) -> Result<Self, Error> {
+        std::fs::create_dir_all(path).map_err(|source| Error::file(path, source))?;
+        tempfile::tempfile_in(path).map_err(|source| Error::file(path, source))?;
+        Ok(Self(path.to_owned()))
+    }
+
+    /// The path.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+
+    /// Writes a file whole or not at all: an older file of that name stays until the new one is on the disk.
+    ///
+    /// Until then the content stands in `.<name>.partial`, which a failure removes.
+    ///
+    /// # Errors
+    /// [`Error::File`] if the content cannot be produced or written (no space left, …).
+    pub fn write(
+        &self,
+        name: &str,
+        content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+    ) -> Result<PathBuf, Error> {
+        let path = self.0.join(name);
+        let partial = self.0.join(format!(".{name}.partial"));
+        let written =
+            write_through(&partial, content).and_then(|()| std::fs::rename(&partial, &path));
+        match written {
+            Ok(()) => Ok(path),
+            Err(source) => {
+                // The first failure is what the user needs to know; a partial file left behind harms nothing.
+                let _ = std::fs::remove_file(&partial);
+                Err(Error::file(&path, source))
+            }
+        }
+    }
+}
+
+/// Writes `content` and waits until it is on the disk.
+fn write_through(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> std::io::Result<()> {
+    let mut buffer = BufWriter::new(File::create(path)?);
+    content(&mut buffer)?;
+    buffer.flush()?;
+    buffer.get_ref().sync_all()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Seen to fail with `partial` equal to `path`.
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = OutputFolder::open(&folder.path().join("a/b")).unwrap();
+        output.write("x.csv", |w| w.write_all(b"old")).unwrap();
+        let failed = output.write("x.csv", |w| {
+            w.write_all(b"new")?;
+            Err(std::io::ErrorKind::StorageFull.into())
+        });
+        assert!(matches!(failed, Err(Error::File { .. })));
+        assert_eq!(std::fs::read(output.path().join("x.csv")).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(output.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_folder_below_a_file_is_refused() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        assert!(OutputFolder::open(&file.path().join("results")).is_err());
+    }
+}

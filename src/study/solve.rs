@@ -1,0 +1,299 @@
+//! Nominal forced response: what `solve` writes.
+//!
+//! `curve.csv` has one row per level and frequency; `solution.json` has the harmonics of every response.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+
+use serde::Serialize;
+
+use super::frequency::{FrequencyUnit, Points};
+use super::output::OutputFolder;
+use super::read::Study;
+use crate::Error;
+use crate::hb::forced_response::{at_frequencies, over_band};
+use crate::hb::resonance::Band;
+use crate::hb::{ContactFractions, CycleWork, LinearModel, Problem, Solution, Status};
+use crate::model::ReducedModel;
+
+/// How far a command has come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// Parts done.
+    pub done: u64,
+    /// All parts.
+    pub total: u64,
+}
+
+/// Computes the nominal forced response level by level and writes it.
+///
+/// By continuation over the band or at the prescribed frequencies, as `study.frequency.points` says. `progress` is
+/// called before the first level and after each.
+///
+/// # Errors
+/// Whatever building the model refuses; [`Error::Problem`] if it is no harmonic balance problem; [`Error::File`] if
+/// a result cannot be written.
+pub fn solve(
+    study: &Study,
+    folder: &OutputFolder,
+    progress: impl Fn(Progress),
+) -> Result<Vec<LevelCurve>, Error> {
+    let (model, parameters) = study.build_model()?;
+    let linear = LinearModel::new(&model)?;
+    let problem = Problem::new(&linear, parameters, 1.0, study.solver.anchor)?;
+    let [low, high] = study.frequency.band;
+    let total = study.levels.len() as u64;
+    let mut curves = Vec::new();
+    progress(Progress { done: 0, total });
+    for (&level, done) in study.levels.iter().zip(1..) {
+        let solutions = match &study.frequency.points {
+            Points::Continuation => over_band(&problem, &study.solver, level, Band { low, high }),
+            Points::Prescribed(omega) => at_frequencies(&problem, &study.solver, level, omega),
+        };
+        curves.push(LevelCurve { level, solutions });
+        progress(Progress { done, total });
+    }
+    write_curves(folder, study, &model, &curves)?;
+    Ok(curves)
+}
+
+/// Forced response at one excitation level.
+#[derive(Debug, Clone)]
+pub struct LevelCurve {
+    /// Excitation level.
+    pub level: f64,
+    /// Points in the order of the curve; failed ones included.
+    pub solutions: Vec<Solution>,
+}
+
+/// Writes `curve.csv` and `solution.json`.
+///
+/// `curve.csv`: level; frequency_hz (or _rad_s); status; per response |q̂₁| in m (amplitude_NAME_m; without unit for
+/// non-dimensional models), empty without a solution; shares of (pair, time) in each contact state; truncation_error;
+/// residual; newton_iterations; factorizations.
+///
+/// `solution.json`: `study`, `frequency_unit`, `coefficient_order`, `levels[]` of `level` and `points[]`: frequency,
+/// `status`, `harmonics`, `responses` (name → coefficients 0, c1, s1, … in m), `contact_fractions`, `work_j`,
+/// `truncation_error`, `residual`, `newton_iterations`, `factorizations`. Without a solution `responses`,
+/// `contact_fractions` and `work_j` are null.
+///
+/// # Errors
+/// [`Error::File`] if a file cannot be written; older files then stay as they were.
+pub fn write_curves(
+    folder: &OutputFolder,
+    study: &Study,
+    model: &ReducedModel,
+    curves: &[LevelCurve],
+) -> Result<(), Error> {
+    let unit = study.frequency.unit;
+    let names: Vec<&str> = model.responses.iter().map(|r| r.name.as_str()).collect();
+    let record = SolutionRecord {
+        study: &study.name,
+        frequency_unit: unit,
+        coefficient_order: "q(t) = q0 + sum ck cos(k w t) + sk sin(k w t): q0, c1, s1, ... over `harmonics`",
+        levels: curves
+            .iter()
+            .map(|curve| LevelRecord {
+                level: curve.level,
+                points: curve
+                    .solutions
+                    .iter()
+                    .map(|solution| PointRecord::new(solution, unit, &names))
+                    .collect(),
+            })
+            .collect(),
+    };
+    folder.write("solution.json", |out| {
+        serde_json::to_writer(&mut *out, &record)?;
+        writeln!(out)
+    })?;
+    folder.write("curve.csv", |out| write_csv(out, unit, &names, curves))?;
+    Ok(())
+}
+
+#[derive(Serialize)]
+struct SolutionRecord<'a> {
+    study: &'a str,
+    frequency_unit: FrequencyUnit,
+    coefficient_order: &'static str,
+    levels: Vec<LevelRecord<'a>>,
+}
+
+#[derive(Serialize)]
+struct LevelRecord<'a> {
+    level: f64,
+    points: Vec<PointRecord<'a>>,
+}
+
+#[derive(Serialize)]
+struct PointRecord<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frequency_hz: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frequency_rad_s: Option<f64>,
+    status: Status,
+    harmonics: &'a [usize],
+    responses: Option<BTreeMap<&'a str, Vec<f64>>>,
+    contact_fractions: Option<ContactFractions>,
+    work_j: Option<CycleWork>,
+    truncation_error: Option<f64>,
+    residual: f64,
+    newton_iterations: usize,
+    factorizations: usize,
+}
+
+impl<'a> PointRecord<'a> {
+    fn new(solution: &'a Solution, unit: FrequencyUnit, names: &[&'a str]) -> Self {
+        let frequency = |u| (unit == u).then(|| unit.of_rad_s(solution.omega));
+        let coefficients = |i: usize| {
+            let rows = solution.responses.chunks_exact(names.len());
+            rows.map(|row| row[i]).collect()
+        };
+        let named = names.iter().enumerate();
+        let solved = solution.status.has_solution();
+        Self {
+            frequency_hz: frequency(FrequencyUnit::Hertz),
+            frequency_rad_s: frequency(FrequencyUnit::RadiansPerSecond),
+            status: solution.status,
+            harmonics: solution.harmonics.orders(),
+            responses: solved.then(|| named.map(|(i, name)| (*name, coefficients(i))).collect()),
+            contact_fractions: solved.then_some(solution.contact),
+            work_j: solved.then_some(solution.work),
+            truncation_error: solution.truncation_error,
+            residual: solution.residual,
+            newton_iterations: solution.work_count.iterations,
+            factorizations: solution.work_count.factorizations,
+        }
+    }
+}
+
+fn write_csv(
+    out: &mut dyn Write,
+    unit: FrequencyUnit,
+    names: &[&str],
+    curves: &[LevelCurve],
+) -> std::io::Result<()> {
+    let length = match unit {
+        FrequencyUnit::Hertz => "_m",
+        FrequencyUnit::RadiansPerSecond => "",
+    };
+    write!(out, "level,frequency_{},status", unit.suffix())?;
+    for name in names {
+        write!(out, ",{}", csv_field(&format!("amplitude_{name}{length}")))?;
+    }
+    writeln!(
+        out,
+        ",stick_fraction,slip_fraction,separated_fraction,truncation_error,residual,newton_iterations,factorizations"
+    )?;
+    for curve in curves {
+        for solution in &curve.solutions {
+            let frequency = unit.of_rad_s(solution.omega);
+            write!(
+                out,
+                "{},{frequency},{}",
+                curve.level,
+                solution.status.name()
+            )?;
+            write_numbers(out, solution, names.len())?;
+        }
+    }
+    Ok(())
+}
+
+/// The rest of a row: what a failed solve does not have stays empty.
+fn write_numbers(
+    out: &mut dyn Write,
+    solution: &Solution,
+    n_responses: usize,
+) -> std::io::Result<()> {
+    let solved = solution.status.has_solution();
+    let optional = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
+    let if_solved = |value: f64| optional(solved.then_some(value));
+    for i in 0..n_responses {
+        write!(out, ",{}", if_solved(solution.amplitude(i)))?;
+    }
+    let ContactFractions {
+        stick,
+        slip,
+        separated,
+    } = solution.contact;
+    for fraction in [stick, slip, separated] {
+        write!(out, ",{}", if_solved(fraction))?;
+    }
+    let truncation_error = optional(solution.truncation_error.filter(|_| solved));
+    writeln!(
+        out,
+        ",{truncation_error},{},{},{}",
+        solution.residual, solution.work_count.iterations, solution.work_count.factorizations
+    )
+}
+
+/// Quoted where a comma, a quote or a line break would end the field (RFC 4180).
+fn csv_field(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::harmonics::HarmonicSet;
+    use crate::hb::newton::WorkCount;
+
+    fn solution(status: Status) -> Solution {
+        Solution {
+            status,
+            omega: std::f64::consts::TAU * 50.0,
+            level: 2.0,
+            harmonics: HarmonicSet::up_to(1),
+            relative: Vec::new(),
+            responses: vec![0.0, 7.0, 3.0, 0.0, 4.0, 1.0],
+            residual: 1e-12,
+            contact: ContactFractions::default(),
+            work: CycleWork::default(),
+            truncation_error: None,
+            force: Vec::new(),
+            work_count: WorkCount {
+                iterations: 3,
+                factorizations: 2,
+            },
+        }
+    }
+
+    /// Seen to fail with the amplitude written whatever the status.
+    #[test]
+    fn rows_hold_amplitudes_of_solved_points_only() {
+        let curves = [LevelCurve {
+            level: 2.0,
+            solutions: vec![solution(Status::Converged), solution(Status::MaxIterations)],
+        }];
+        let mut text = Vec::new();
+        write_csv(&mut text, FrequencyUnit::Hertz, &["tip", "a,b"], &curves).unwrap();
+        let text = String::from_utf8(text).unwrap();
+        let lines: Vec<_> = text.lines().collect();
+        assert!(
+            lines[0].starts_with("level,frequency_hz,status,amplitude_tip_m,\"amplitude_a,b_m\",")
+        );
+        assert!(lines[1].starts_with("2,50,converged,5,1,"), "{}", lines[1]);
+        assert!(
+            lines[2].starts_with("2,50,max-iterations,,,"),
+            "{}",
+            lines[2]
+        );
+        let columns = |line: &str| line.matches(',').count();
+        assert_eq!(columns(lines[1]), columns(lines[2]));
+    }
+
+    #[test]
+    fn records_order_coefficients_by_response() {
+        let solution = solution(Status::Converged);
+        let record = PointRecord::new(&solution, FrequencyUnit::RadiansPerSecond, &["x", "y"]);
+        let responses = record.responses.unwrap();
+        assert_eq!(responses["x"], [0.0, 3.0, 4.0]);
+        assert_eq!(responses["y"], [7.0, 0.0, 1.0]);
+        assert!(record.frequency_hz.is_none());
+    }
+}

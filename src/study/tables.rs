@@ -1,0 +1,217 @@
+//! Sections `[contact]` and `[solver]` of a study file and the settings that they state.
+
+use crate::aft::{AftSettings, Laps};
+use crate::contact::{FrictionLaw, Recontact};
+use crate::harmonics::HarmonicSet;
+use crate::hb::{AlertSettings, HbSettings, NewtonSettings, SliderAnchor};
+use crate::model::interface::{InterfaceSettings, Share};
+use crate::setting::BadSetting;
+use crate::units::n_per_um_to_n_per_m;
+
+/// `[contact]`. Stiffness, friction and share belong to the built-in model; a user's own model has them per pair.
+#[derive(Debug, Clone, Default, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ContactSection {
+    normal_stiffness_n_per_um: Option<f64>,
+    tangential_stiffness_n_per_um: Option<f64>,
+    friction_coefficient: Option<f64>,
+    share: Option<Share>,
+    law: Option<FrictionLaw>,
+    recontact: Option<Recontact>,
+    anchor: Option<SliderAnchor>,
+}
+
+impl ContactSection {
+    /// Constants of the interfaces of the built-in model.
+    ///
+    /// # Errors
+    /// [`BadSetting`] with a key relative to `[contact]`.
+    pub fn interface(&self) -> Result<InterfaceSettings, BadSetting> {
+        let default = InterfaceSettings::default();
+        let settings = InterfaceSettings {
+            normal_stiffness: self
+                .normal_stiffness_n_per_um
+                .map_or(default.normal_stiffness, n_per_um_to_n_per_m),
+            tangential_stiffness: self
+                .tangential_stiffness_n_per_um
+                .map_or(default.tangential_stiffness, n_per_um_to_n_per_m),
+            friction_coefficient: self
+                .friction_coefficient
+                .unwrap_or(default.friction_coefficient),
+            share: self.share.unwrap_or(default.share),
+        };
+        settings.validate()?;
+        Ok(settings)
+    }
+
+    /// Refuses what a model with constants per pair would ignore.
+    ///
+    /// # Errors
+    /// [`BadSetting`] with a key relative to `[contact]`.
+    pub fn refuse_interface(&self) -> Result<(), BadSetting> {
+        let share = self.share.map(|share| format!("{share:?}"));
+        let given = [
+            (
+                "normal_stiffness_n_per_um",
+                number(self.normal_stiffness_n_per_um),
+            ),
+            (
+                "tangential_stiffness_n_per_um",
+                number(self.tangential_stiffness_n_per_um),
+            ),
+            ("friction_coefficient", number(self.friction_coefficient)),
+            ("share", share),
+        ];
+        for (key, value) in given {
+            let rule = "must be absent: a model of kind \"matrices\" has its constants in [[model.contact]]";
+            BadSetting::unless(value.is_none(), key, value.unwrap_or_default(), rule)?;
+        }
+        Ok(())
+    }
+}
+
+fn number(value: Option<f64>) -> Option<String> {
+    value.map(|value| value.to_string())
+}
+
+/// `[solver]`.
+#[derive(Debug, Clone, Default, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SolverSection {
+    harmonics: Option<Harmonics>,
+    time_points: Option<usize>,
+    laps: Option<LapsTable>,
+    tolerance: Option<f64>,
+    max_iterations: Option<usize>,
+    alert: Option<Alert>,
+}
+
+/// Harmonics of the first solution.
+#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected the highest harmonic (5) or a list of harmonics ([0, 1, 3, 5])"
+)]
+enum Harmonics {
+    UpTo(usize),
+    List(Vec<usize>),
+}
+
+/// Passes over the period.
+#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[serde(untagged, expecting = "expected \"periodic\" or a number of passes")]
+enum LapsTable {
+    Fixed(usize),
+    Named(NamedLaps),
+}
+
+#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum NamedLaps {
+    Periodic,
+}
+
+/// Error alert.
+#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected false, or a table with threshold and highest_harmonic (numbers)"
+)]
+enum Alert {
+    Switch(bool),
+    On(AlertTable),
+}
+
+#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AlertTable {
+    threshold: Option<f64>,
+    highest_harmonic: Option<usize>,
+}
+
+/// Harmonics of the first solution if the study does not say.
+const DEFAULT_HARMONIC: usize = 5;
+/// Highest harmonic that can be asked for.
+const HIGHEST_HARMONIC: usize = 1000;
+/// Points per period if the study does not say.
+const DEFAULT_TIME_POINTS: usize = 128;
+
+impl SolverSection {
+    /// Settings of the harmonic balance solver.
+    ///
+    /// # Errors
+    /// [`BadSetting`] with a key relative to the file: `solver.…` or `contact.…`.
+    pub fn settings(&self, contact: &ContactSection) -> Result<HbSettings, BadSetting> {
+        let harmonics = self.harmonics()?;
+        let settings = HbSettings {
+            aft: AftSettings {
+                n_time: self.time_points.unwrap_or(DEFAULT_TIME_POINTS),
+                law: contact.law.unwrap_or(FrictionLaw::Box),
+                recontact: contact.recontact.unwrap_or(Recontact::Interpolated),
+                laps: match self.laps {
+                    Some(LapsTable::Fixed(n)) => Laps::Fixed(n),
+                    Some(LapsTable::Named(NamedLaps::Periodic)) | None => Laps::Periodic,
+                },
+            },
+            anchor: contact.anchor.unwrap_or(SliderAnchor::Unloaded),
+            newton: self.newton(),
+            alert: self.alert(&harmonics),
+            harmonics,
+        };
+        settings.validate().map_err(|mut bad| {
+            // The file has one flat table where the settings have one struct for Newton's method.
+            bad.key = bad.key.replace("newton.", "");
+            bad.under("solver")
+        })?;
+        Ok(settings)
+    }
+
+    fn harmonics(&self) -> Result<HarmonicSet, BadSetting> {
+        let bad = |value: String, rule: &str| BadSetting {
+            key: "solver.harmonics".to_owned(),
+            value,
+            rule: rule.to_owned(),
+        };
+        let highest = match &self.harmonics {
+            None => DEFAULT_HARMONIC,
+            Some(Harmonics::UpTo(highest)) => *highest,
+            Some(Harmonics::List(orders)) => orders.last().copied().unwrap_or(0),
+        };
+        if !(1..=HIGHEST_HARMONIC).contains(&highest) {
+            let rule = format!("the highest harmonic must be from 1 to {HIGHEST_HARMONIC}");
+            return Err(bad(highest.to_string(), &rule));
+        }
+        match &self.harmonics {
+            Some(Harmonics::List(orders)) => HarmonicSet::new(orders.clone()).map_err(|_| {
+                let rule = "must be ascending without repetition and contain 0 and 1";
+                bad(format!("{orders:?}"), rule)
+            }),
+            _ => Ok(HarmonicSet::up_to(highest)),
+        }
+    }
+
+    fn newton(&self) -> NewtonSettings {
+        let default = NewtonSettings::default();
+        NewtonSettings {
+            tolerance: self.tolerance.unwrap_or(default.tolerance),
+            max_iterations: self.max_iterations.unwrap_or(default.max_iterations),
+        }
+    }
+
+    /// The default alert gives way to a solution that starts above its highest harmonic.
+    fn alert(&self, harmonics: &HarmonicSet) -> Option<AlertSettings> {
+        let default = AlertSettings::default();
+        let highest = default.highest_harmonic.max(harmonics.highest());
+        match &self.alert {
+            Some(Alert::Switch(false)) => None,
+            None | Some(Alert::Switch(true)) => Some(AlertSettings {
+                threshold: default.threshold,
+                highest_harmonic: highest,
+            }),
+            Some(Alert::On(table)) => Some(AlertSettings {
+                threshold: table.threshold.unwrap_or(default.threshold),
+                highest_harmonic: table.highest_harmonic.unwrap_or(highest),
+            }),
+        }
+    }
+}

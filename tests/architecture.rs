@@ -1,0 +1,175 @@
+//! Imports follow the room table of ARCHITECTURE.md, and no source file outgrows its limit.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot read the sources fails"
+)]
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// Most lines of a source file.
+const LONGEST_FILE: usize = 600;
+/// Files that declare the rooms; they import none.
+const ROOTS: [&str; 2] = ["lib", "main"];
+
+/// Room → rooms that it may import, from the table under `## Rooms`.
+fn room_table() -> BTreeMap<String, BTreeSet<String>> {
+    let text = std::fs::read_to_string("ARCHITECTURE.md").unwrap();
+    let section = text.split("\n## Rooms").nth(1).unwrap();
+    let section = section.split("\n## ").next().unwrap();
+    section
+        .lines()
+        .filter(|line| line.starts_with('|') && !line.starts_with("| ---"))
+        .skip(1)
+        .map(|line| {
+            let cells: Vec<_> = line.split('|').map(str::trim).collect();
+            let words = cells[3].split(',').map(|room| room.trim().to_owned());
+            (
+                cells[1].to_owned(),
+                words.filter(|room| !room.is_empty()).collect(),
+            )
+        })
+        .collect()
+}
+
+fn source_files(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files.extend(source_files(&path));
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            files.push(path);
+        }
+    }
+    files.sort();
+    files
+}
+
+/// First folder or file name below `src`.
+fn room_of(file: &Path) -> String {
+    let first = file.strip_prefix("src").unwrap().iter().next().unwrap();
+    first.to_str().unwrap().trim_end_matches(".rs").to_owned()
+}
+
+/// Rooms that a text names after `crate::` or `microslip::`, groups in braces included; comments do not count.
+fn imported_rooms(text: &str) -> BTreeSet<String> {
+    let code: String = text
+        .lines()
+        .map(|line| line.split("//").next().unwrap_or_default())
+        .collect::<Vec<_>>()
+        .join("\n");
+    let mut rooms = BTreeSet::new();
+    for root in ["crate::", "microslip::"] {
+        for (at, _) in code.match_indices(root) {
+            let rest = &code[at + root.len()..];
+            match rest.strip_prefix('{') {
+                Some(group) => rooms.extend(group_members(group)),
+                None => rooms.extend(first_word(rest)),
+            }
+        }
+    }
+    // `crate::Error` is the room `error`, re-exported.
+    if rooms.remove("Error") {
+        rooms.insert("error".to_owned());
+    }
+    rooms
+}
+
+/// First words of the members of `a::b, c::{d, e}, f}`, up to the brace that closes the group.
+fn group_members(group: &str) -> Vec<String> {
+    let (mut depth, mut member, mut members) = (0, String::new(), Vec::new());
+    for c in group.chars() {
+        match c {
+            '}' if depth == 0 => break,
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            ',' if depth == 0 => members.push(std::mem::take(&mut member)),
+            _ if depth == 0 => member.push(c),
+            _ => {}
+        }
+    }
+    members.push(member);
+    members
+        .iter()
+        .filter_map(|m| first_word(m.trim()))
+        .collect()
+}
+
+fn first_word(text: &str) -> Option<String> {
+    let word: String = text
+        .chars()
+        .take_while(|c| c.is_alphanumeric() || *c == '_')
+        .collect();
+    (!word.is_empty()).then_some(word)
+}
+
+/// Seen to fail with `use crate::hb::Status;` in `src/contact/mod.rs` and with the row of `report` taken out.
+#[test]
+fn imports_follow_the_room_table() {
+    let table = room_table();
+    let mut broken = Vec::new();
+    let mut seen = BTreeSet::new();
+    for file in source_files(Path::new("src")) {
+        let room = room_of(&file);
+        if ROOTS.contains(&room.as_str()) {
+            continue;
+        }
+        let Some(allowed) = table.get(&room) else {
+            broken.push(format!(
+                "{}: room {room} is not in the table",
+                file.display()
+            ));
+            continue;
+        };
+        for import in imported_rooms(&std::fs::read_to_string(&file).unwrap()) {
+            if import != room && !allowed.contains(&import) {
+                broken.push(format!(
+                    "{}: {room} may not import {import}",
+                    file.display()
+                ));
+            }
+        }
+        seen.insert(room);
+    }
+    for room in table.keys().filter(|room| !seen.contains(*room)) {
+        broken.push(format!("ARCHITECTURE.md: room {room} does not exist"));
+    }
+    assert!(broken.is_empty(), "\n{}", broken.join("\n"));
+}
+
+/// Rooms depend on each other in one direction only.
+#[test]
+fn the_room_table_has_no_cycle() {
+    let mut table = room_table();
+    while !table.is_empty() {
+        let floor: Vec<_> = table
+            .iter()
+            .filter(|(_, imports)| imports.iter().all(|room| !table.contains_key(room)))
+            .map(|(room, _)| room.clone())
+            .collect();
+        assert!(!floor.is_empty(), "a cycle among {:?}", table.keys());
+        for room in floor {
+            table.remove(&room);
+        }
+    }
+}
+
+/// Seen to fail with the limit at 300.
+#[test]
+fn no_source_file_is_too_long() {
+    for folder in ["src", "tests"] {
+        for file in source_files(Path::new(folder)) {
+            let lines = std::fs::read_to_string(&file).unwrap().lines().count();
+            assert!(lines <= LONGEST_FILE, "{}: {lines} lines", file.display());
+        }
+    }
+}
+
+#[test]
+fn imports_are_found_wherever_they_stand() {
+    let text = "use crate::hb::{Status};\nuse crate::{aft, contact::{a, b}, Error};\nlet x = crate::fe::y(); // crate::no\n";
+    let found = imported_rooms(text);
+    let expected = ["aft", "contact", "error", "fe", "hb"].map(str::to_owned);
+    assert_eq!(found, BTreeSet::from(expected));
+}

@@ -1,0 +1,87 @@
+//! The command line, run as a user runs it.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot set up its files fails"
+)]
+
+mod bad_input;
+mod solve;
+
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+const STUDY: &str = r#"name = "two masses"
+seed = 7
+samples = 10
+levels = [1.0, 2.0]
+
+[model]
+kind = "matrices"
+mass = "mass.mtx"
+stiffness = "stiffness.mtx"
+modal_damping_ratio = 0.01
+dof_names = ["x1", "x2"]
+static_force = { x2 = 5.0 }
+cosine_force = { x1 = 1.0 }
+responses = ["x1"]
+
+[[model.contact]]
+name = "c1"
+t1 = { x1 = 1.0 }
+n = { x2 = 1.0 }
+k_t1 = 2e5
+k_n = 1e6
+mu = 0.3
+
+[contact]
+law = "box"
+
+[inputs.friction_coefficient]
+distribution = "uniform"
+low = 0.1
+high = 0.8
+
+[solver]
+harmonics = 5
+time_points = 128
+
+[frequency]
+band_hz = [100, 200]
+
+[output]
+quantiles = [0.1, 0.9]
+"#;
+
+const MASS: &str = "%%MatrixMarket matrix coordinate real symmetric\n2 2 2\n1 1 1.0\n2 2 1.5\n";
+const STIFFNESS: &str = "%%MatrixMarket matrix array real general\n2 2\n1e6\n-2e5\n-2e5\n8e5\n";
+
+/// A folder with the study and its matrices, `old` replaced by `new` in `file`.
+fn folder(file: &str, old: &str, new: &str) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [
+        ("study.toml", STUDY),
+        ("mass.mtx", MASS),
+        ("stiffness.mtx", STIFFNESS),
+    ] {
+        let text = if name == file {
+            assert!(text.contains(old), "{file} has no {old:?}");
+            text.replacen(old, new, 1)
+        } else {
+            text.to_owned()
+        };
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    folder
+}
+
+fn microslip(folder: &Path, arguments: &[&str]) -> Output {
+    Command::cargo_bin("microslip")
+        .unwrap()
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .unwrap()
+}

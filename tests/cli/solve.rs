@@ -1,0 +1,94 @@
+//! `solve` from study file to result files, against solutions of published codes.
+
+use std::path::Path;
+
+use crate::microslip;
+
+/// The study file of a published-code comparison, solved by the command: every coefficient to 1e-9 of the largest.
+///
+/// Seen to fail with the slider's two laps replaced by one.
+#[test]
+fn solve_reproduces_the_reference_solutions_of_three_problems() {
+    for case in ["jenkins-1dof", "varying-normal-3dof", "blades-strip-oop"] {
+        let source = Path::new("tests/reference").join(case);
+        let study = std::fs::read_to_string(source.join("study.toml")).unwrap();
+        let fixed = std::fs::read_to_string(source.join("fixed.json")).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        for matrix in ["mass.mtx", "stiffness.mtx", "damping.mtx"] {
+            std::fs::copy(source.join(matrix), folder.path().join(matrix)).unwrap();
+        }
+        for solution in serde_json::from_str::<Vec<Fixed>>(&fixed).unwrap() {
+            // The circle law run to its periodic cycle stops at a tolerance of its own.
+            let Some(laps) = solution.loops else { continue };
+            let text = solution.study(&study, laps);
+            std::fs::write(folder.path().join("study.toml"), text).unwrap();
+            let output = microslip(
+                folder.path(),
+                &["solve", "study.toml", "--output", "out", "--quiet"],
+            );
+            assert_eq!(output.status.code(), Some(0), "{case}: {output:?}");
+            assert!(
+                output.stdout.is_empty() && output.stderr.is_empty(),
+                "{case}: not quiet"
+            );
+            solution.assert_equals(case, &folder.path().join("out/solution.json"));
+        }
+    }
+}
+
+/// One entry of `fixed.json`.
+#[derive(serde::Deserialize)]
+struct Fixed {
+    law: String,
+    loops: Option<usize>,
+    #[serde(rename = "H")]
+    highest_harmonic: usize,
+    #[serde(rename = "Nt")]
+    time_points: usize,
+    level: f64,
+    unit: String,
+    frequency: Vec<f64>,
+    dof_names: Vec<String>,
+    harmonics: Vec<Vec<Vec<f64>>>,
+}
+
+impl Fixed {
+    /// The case's study with this entry's settings.
+    fn study(&self, text: &str, laps: usize) -> String {
+        let unit = if self.unit == "Hz" { "hz" } else { "rad_s" };
+        let lines = text.lines().map(|line| match line.split(" = ").next() {
+            Some("levels") => format!("levels = [{}]", self.level),
+            Some("law") => format!("law = \"{}\"", self.law),
+            Some("harmonics") => format!("harmonics = {}\nlaps = {laps}", self.highest_harmonic),
+            Some("time_points") => format!("time_points = {}", self.time_points),
+            Some("points") => format!("values_{unit} = {:?}", self.frequency),
+            _ => line.to_owned(),
+        });
+        lines.collect::<Vec<_>>().join("\n")
+    }
+
+    fn assert_equals(&self, case: &str, file: &Path) {
+        let text = std::fs::read_to_string(file).unwrap();
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let points = json["levels"][0]["points"].as_array().unwrap();
+        assert_eq!(points.len(), self.frequency.len(), "{case}");
+        for (point, expected) in points.iter().zip(&self.harmonics) {
+            let scale = expected
+                .iter()
+                .flatten()
+                .fold(0.0_f64, |m, x| m.max(x.abs()));
+            for (i, name) in self.dof_names.iter().enumerate() {
+                let found = point["responses"][name].as_array().unwrap();
+                assert_eq!(found.len(), expected.len(), "{case}");
+                for (found, row) in found.iter().zip(expected) {
+                    let error = (found.as_f64().unwrap() - row[i]).abs() / scale;
+                    assert!(
+                        error < 1e-9,
+                        "{case}, level {}, {name}: off by {error:e}",
+                        self.level
+                    );
+                }
+            }
+        }
+    }
+}
