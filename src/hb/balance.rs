@@ -93,6 +93,12 @@ impl<'p> Balance<'p> {
         }
     }
 
+    /// Time points per period.
+    #[must_use]
+    pub fn n_time(&self) -> usize {
+        self.plan.settings().n_time
+    }
+
     /// Compliances at the frequency `omega` (rad/s).
     #[must_use]
     pub fn compliance(&self, omega: f64) -> Compliance<'p> {

@@ -11,7 +11,7 @@ use super::continuation::{BranchPoint, StepSettings, walk};
 use super::newton::{Condition, Direction, Iterate, Point, WorkCount, solve};
 use super::peak::{PeakSettings, find_peak};
 use super::problem::Problem;
-use super::resonance::{StuckResonance, stuck_resonance};
+use super::resonance::{LinearResonance, linear_resonance};
 use super::settings::{HbSettings, NewtonSettings};
 use super::solution::Solution;
 use super::status::Status;
@@ -68,7 +68,8 @@ pub fn track_peaks(
     peak: PeakSettings,
     levels: &[f64],
 ) -> Result<Vec<LevelPeak>, LinalgError> {
-    let Some(resonance) = stuck_resonance(problem, peak.band)? else {
+    let Some(resonance) = linear_resonance(problem.model, &problem.stuck_stiffness, peak.band)?
+    else {
         let nothing = |&level| LevelPeak::failed(level, Status::NoPeakInBand, WorkCount::default());
         return Ok(levels.iter().map(nothing).collect());
     };
@@ -104,7 +105,7 @@ impl LevelPeak {
 
 impl<'a, 'p> Track<'a, 'p> {
     /// Solves at or below the first level, where the stuck solution is a good start.
-    fn start(&mut self, resonance: &StuckResonance, first_level: f64) {
+    fn start(&mut self, resonance: &LinearResonance, first_level: f64) {
         let balance = &self.ladder[0];
         let stuck = |level: f64| stuck_point(balance, resonance.omega, level);
         let onset = slip_onset(balance, &stuck(1.0));
