@@ -162,7 +162,7 @@ impl<'a, 'p> Track<'a, 'p> {
             };
             iterate = self.tally(solve(to, pad(from, &iterate.point, to), condition, newton))?;
         }
-        self.to_level(self.ladder.len() - 1, iterate, level)
+        self.bring_to_level(self.ladder.len() - 1, iterate, level)
     }
 
     /// Moves the track up to `level` by steps whose ratio adapts; gives a copy of the solution there.
@@ -194,7 +194,7 @@ impl<'a, 'p> Track<'a, 'p> {
         }
         let at = self.at.as_ref().ok_or(Status::StepTooSmall)?;
         let start = Iterate::new(&self.ladder[0], at.point.clone());
-        self.to_level(0, start, level)
+        self.bring_to_level(0, start, level)
     }
 
     /// The phase resonance on rung `rung` whose amplitude is `ratio` times the `amplitude` at `point`.
@@ -220,7 +220,7 @@ impl<'a, 'p> Track<'a, 'p> {
     }
 
     /// Corrects a phase resonance to exactly `level`: by secants in the amplitude until near, then at the fixed level.
-    fn to_level(
+    fn bring_to_level(
         &mut self,
         rung: usize,
         start: Iterate<'p>,
