@@ -130,7 +130,7 @@ fn peaks(mu: f64, levels: &[f64]) -> Vec<[f64; 2]> {
 
 /// Published: amplitude per force falls, then rises; the peak moves from the stuck frequency to the free one. Partial
 /// lift-off may lift the amplitude by a few percent before slip sets in.
-/// Seen to fail: with a friction coefficient of 0.001 (no fall).
+/// Seen to fail: with a friction coefficient of 0.1 (minimum already at 5 N).
 #[test]
 fn peaks_move_from_stuck_to_free_through_a_minimum_of_amplitude() {
     let levels = [0.1, 1.0, 5.0, 10.0, 20.0, 50.0, 100.0, 300.0];
@@ -157,9 +157,9 @@ fn peaks_move_from_stuck_to_free_through_a_minimum_of_amplitude() {
 }
 
 /// Published: about 50 % between friction coefficients 0.1 and 0.6 at 20 N, read as the drop from the weaker friction.
-/// Seen to fail: at 50 N.
+/// Seen to fail: at 50 N (17 %).
 #[test]
-fn friction_coefficient_halves_the_peak_at_twenty_newton() {
+fn friction_coefficient_lowers_the_peak_at_twenty_newton() {
     let [weak, strong] = [0.1, 0.6].map(|mu| peaks(mu, &[0.1, 20.0])[1][1]);
     let drop = 1.0 - strong / weak;
     println!("drop {:.1} %", 100.0 * drop);
