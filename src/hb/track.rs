@@ -252,64 +252,56 @@ impl<'a, 'p> Track<'a, 'p> {
     }
 
     /// Raises the harmonics from a converged peak until the alert is silent, and reports the peak.
+    ///
+    /// On the way the solution keeps the phase of the last peak; the maximum is searched once, on the final set.
     fn refined(&mut self, iterate: Iterate<'p>) -> LevelPeak {
         let Some(alert) = self.settings.alert else {
             return self.report(self.full(), &iterate, Status::Converged, None);
         };
-        let problem = self.full().problem;
-        let discretised = |harmonics| {
-            let aft = time_points(self.settings.aft, &harmonics);
-            Balance::new(problem, harmonics, aft)
-        };
+        let y = iterate.response(self.full());
+        let phase = Condition::PhaseLocked(y / y.norm());
         let mut raised: Option<Balance<'p>> = None;
         let mut iterate = iterate;
-        loop {
+        let (status, error) = loop {
             let balance = raised.as_ref().unwrap_or(self.full());
-            let highest = balance.harmonics.highest();
-            let cap = (highest < alert.highest_harmonic).then_some(alert.highest_harmonic);
-            let larger = discretised(enlarged(&balance.harmonics, cap));
-            let y = iterate.response(balance);
-            let condition = Condition::PhaseLocked(y / y.norm());
-            let error = truncation_error(balance, &iterate, &larger, condition);
+            let below_cap = balance.harmonics.highest() < alert.highest_harmonic;
+            let larger = self.enlarged(balance, below_cap.then_some(alert.highest_harmonic));
+            let error = truncation_error(balance, &iterate, &larger, phase);
             self.count += WorkCount {
                 iterations: 1,
                 factorizations: 1,
             };
             if error <= alert.threshold {
-                return self.report(balance, &iterate, Status::Converged, Some(error));
+                break (Status::Converged, error);
             }
-            let next = match cap {
-                Some(_) => self.raise(balance, &iterate, &larger, condition),
-                None => Err(Status::TruncationAboveThreshold),
-            };
-            match next {
-                Ok(point) => iterate = point,
-                Err(_) => {
-                    let status = Status::TruncationAboveThreshold;
-                    return self.report(balance, &iterate, status, Some(error));
-                }
+            if !below_cap {
+                break (Status::TruncationAboveThreshold, error);
+            }
+            let padded = pad(balance, &iterate.point, &larger);
+            match self.tally(solve(&larger, padded, phase, self.settings.newton)) {
+                Ok(solved) => iterate = solved,
+                Err(_) => break (Status::TruncationAboveThreshold, error),
             }
             raised = Some(larger);
-        }
+        };
+        let Some(balance) = raised else {
+            return self.report(self.full(), &iterate, status, Some(error));
+        };
+        let start = iterate.point.clone();
+        let found = find_peak(&balance, iterate, self.peak, self.settings.newton);
+        let peak = match self.tally(found) {
+            Ok(point) => point.iterate,
+            // the phase resonance stands for the maximum that could not be located
+            Err(_) => Iterate::new(&balance, start),
+        };
+        self.report(&balance, &peak, status, Some(error))
     }
 
-    /// The same peak on more harmonics.
-    fn raise(
-        &mut self,
-        balance: &Balance<'_>,
-        iterate: &Iterate<'_>,
-        larger: &Balance<'p>,
-        condition: Condition<'_>,
-    ) -> Result<Iterate<'p>, Status> {
-        let newton = self.settings.newton;
-        let start = self.tally(solve(
-            larger,
-            pad(balance, &iterate.point, larger),
-            condition,
-            newton,
-        ))?;
-        self.tally(find_peak(larger, start, self.peak, newton))
-            .map(|point| point.iterate)
+    /// The same problem on the next larger set, up to `cap`.
+    fn enlarged(&self, balance: &Balance<'p>, cap: Option<usize>) -> Balance<'p> {
+        let harmonics = enlarged(&balance.harmonics, cap);
+        let aft = time_points(self.settings.aft, &harmonics);
+        Balance::new(balance.problem, harmonics, aft)
     }
 
     /// Walks through the whole band at `level` and refines the highest point met.

@@ -2,6 +2,9 @@
 //!
 //! Source: Saad, Iterative Methods for Sparse Linear Systems, 2nd ed. 2003, algorithms 6.9 and 9.5.
 
+/// Partial sums of an inner product.
+const LANES: usize = 8;
+
 /// What a GMRES run gives.
 #[derive(Debug, Clone)]
 pub struct GmresResult {
@@ -106,8 +109,22 @@ fn back_substitute(triangle: &[Vec<f64>], rhs: &[f64]) -> Vec<f64> {
     y
 }
 
+/// Inner product in eight partial sums, in a fixed order: the compiler can use vector registers without changing bits.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
+    let (a, b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let rest: f64 = a
+        .remainder()
+        .iter()
+        .zip(b.remainder())
+        .map(|(x, y)| x * y)
+        .sum();
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.zip(b) {
+        for ((sum, x), y) in sums.iter_mut().zip(a).zip(b) {
+            *sum += x * y;
+        }
+    }
+    sums.iter().sum::<f64>() + rest
 }
 
 fn norm(a: &[f64]) -> f64 {
