@@ -10,6 +10,7 @@ pub mod continuation;
 pub mod error;
 pub mod forced_response;
 pub mod jacobian;
+pub mod ladder;
 pub mod linear;
 pub mod newton;
 pub mod peak;
@@ -18,6 +19,7 @@ pub mod resonance;
 pub mod settings;
 pub mod solution;
 pub mod status;
+pub mod sweep;
 pub mod track;
 
 pub use balance::Balance;

@@ -8,6 +8,7 @@
 use super::alert::{enlarged, pad, time_points, truncation_error};
 use super::balance::Balance;
 use super::continuation::{BranchPoint, StepSettings, walk};
+use super::ladder::Ladder;
 use super::newton::{Condition, Direction, Iterate, Point, WorkCount, solve};
 use super::peak::{PeakSettings, find_peak};
 use super::problem::Problem;
@@ -15,7 +16,6 @@ use super::resonance::{StuckResonance, stuck_resonance};
 use super::settings::{HbSettings, NewtonSettings};
 use super::solution::Solution;
 use super::status::Status;
-use crate::harmonics::HarmonicSet;
 use crate::linalg::LinalgError;
 use faer::prelude::c64;
 
@@ -40,15 +40,13 @@ const RATIOS: [f64; 2] = [2.0, 4.0];
 const SMALLEST_RATIO: f64 = 1.02;
 /// Newton iterations of one step of the track; more mean that the step was too long.
 const TRACK_ITERATIONS: usize = 30;
-/// Highest harmonics of the sets on the way from the track to the study's set.
-const RUNGS: [usize; 3] = [1, 2, 3];
 /// Steps of the sweep that replaces a failed track.
 const SWEEP_STEPS: usize = 200;
 
 /// The phase-resonant solution the track has reached.
 struct Track<'a, 'p> {
-    /// The problem on sets with more and more harmonics: the track runs on the first, the study wants the last.
-    ladder: &'a [Balance<'p>],
+    /// The track runs on the first rung; the study wants the full set.
+    ladder: &'a Ladder<'p>,
     settings: &'a HbSettings,
     peak: PeakSettings,
     /// Direction of the first harmonic of response 0 at resonance.
@@ -72,12 +70,7 @@ pub fn track_peaks(
         let nothing = |&level| LevelPeak::failed(level, Status::NoPeakInBand, WorkCount::default());
         return Ok(levels.iter().map(nothing).collect());
     };
-    let ladder: Vec<Balance<'_>> = (RUNGS.iter())
-        .filter(|&&rung| rung < settings.harmonics.highest())
-        .map(|&rung| HarmonicSet::up_to(rung))
-        .chain([settings.harmonics.clone()])
-        .map(|harmonics| Balance::new(problem, harmonics, settings.aft))
-        .collect();
+    let ladder = Ladder::new(problem, settings);
     let mut track = Track {
         ladder: &ladder,
         settings,
@@ -105,7 +98,7 @@ impl LevelPeak {
 impl<'a, 'p> Track<'a, 'p> {
     /// Solves at or below the first level, where the stuck solution is a good start.
     fn start(&mut self, resonance: &StuckResonance, first_level: f64) {
-        let balance = &self.ladder[0];
+        let balance = self.ladder.first();
         let stuck = |level: f64| stuck_point(balance, resonance.omega, level);
         let onset = slip_onset(balance, &stuck(1.0));
         let level = first_level.min(START_BELOW_ONSET * onset);
@@ -124,7 +117,12 @@ impl<'a, 'p> Track<'a, 'p> {
         self.count = WorkCount::default();
         let reached = self.follow(level);
         let located = reached
-            .and_then(|start| self.climb(start))
+            .and_then(|start| {
+                let phase = Condition::PhaseLocked(self.phasor);
+                let newton = self.settings.newton;
+                let climbed = self.ladder.climb(start.point, phase, newton);
+                self.tally(climbed)
+            })
             .and_then(|start| {
                 let found = find_peak(self.full(), start, self.peak, self.settings.newton);
                 self.tally(found)
@@ -137,23 +135,12 @@ impl<'a, 'p> Track<'a, 'p> {
 
     /// The problem on the harmonic set of the study.
     fn full(&self) -> &'a Balance<'p> {
-        &self.ladder[self.ladder.len() - 1]
-    }
-
-    /// Adds harmonics to a phase-resonant solution, rung by rung.
-    fn climb(&mut self, start: Iterate<'p>) -> Result<Iterate<'p>, Status> {
-        let phase = Condition::PhaseLocked(self.phasor);
-        let mut iterate = start;
-        for rungs in self.ladder.windows(2) {
-            let padded = pad(&rungs[0], &iterate.point, &rungs[1]);
-            iterate = self.tally(solve(&rungs[1], padded, phase, self.settings.newton))?;
-        }
-        Ok(iterate)
+        self.ladder.full()
     }
 
     /// Moves the track to `level` by steps whose ratio adapts; gives a copy of the solution there.
     fn follow(&mut self, level: f64) -> Result<Iterate<'p>, Status> {
-        let balance = &self.ladder[0];
+        let balance = self.ladder.first();
         let newton = NewtonSettings {
             max_iterations: TRACK_ITERATIONS,
             ..self.settings.newton
@@ -198,7 +185,7 @@ impl<'a, 'p> Track<'a, 'p> {
 
     /// Tangent predictor in the level along the phase resonance.
     fn predict(&self, at: &Iterate<'_>, level: f64) -> Point {
-        let balance = &self.ladder[0];
+        let balance = self.ladder.first();
         let jacobian = at.jacobian(balance);
         let slope = balance.level_slope(&at.compliance);
         let by_level = Direction {
