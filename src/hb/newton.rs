@@ -273,7 +273,8 @@ pub fn polish<'p>(balance: &Balance<'p>, solved: Iterate<'p>) -> (Iterate<'p>, W
             iterate.relative_residual(balance),
             trial.relative_residual(balance),
         );
-        if after.is_nan() || after > 0.5 * before {
+        // A residual of exactly 0 ends it too.
+        if after.is_nan() || after >= 0.5 * before {
             return (iterate, count);
         }
         drop(jacobian);
