@@ -10,7 +10,7 @@ use super::resonance::Band;
 use super::settings::{AlertSettings, HbSettings};
 use super::solution::Solution;
 use super::status::Status;
-use super::sweep::Sweep;
+use super::sweep::{Sweep, SweepDirection};
 use super::track::stuck_point;
 
 /// Largest step of a curve: 2 % of the amplitude, or 4 % of the band.
@@ -20,9 +20,9 @@ const MOST_STEPS: usize = 20_000;
 /// Part of the band's lower end down to which an overhanging branch is followed.
 const LOWEST: f64 = 0.5;
 
-/// Solutions at the frequencies `omega` (rad/s), ascending or descending, in their order.
+/// Solutions at the ascending frequencies `omega` (rad/s), in that order.
 ///
-/// Where several solutions exist, the one that a slow sweep in the order of `omega` meets; see [`super::sweep`]. With
+/// Where several solutions exist, the one that a slow sweep in the given direction meets; see [`super::sweep`]. With
 /// an error alert every solution gets more harmonics until the truncation error is below the threshold.
 #[must_use]
 pub fn at_frequencies(
@@ -30,11 +30,11 @@ pub fn at_frequencies(
     settings: &HbSettings,
     level: f64,
     omega: &[f64],
+    direction: SweepDirection,
 ) -> Vec<Solution> {
-    let rungs = Ladder::new(problem, settings);
+    let ladder = Ladder::new(problem, settings);
     let alerts = alert_sets(problem, settings);
-    let upward = omega.first() <= omega.last();
-    let mut sweep = Sweep::new(&rungs, settings.newton, level, upward);
+    let mut sweep = Sweep::new(&ladder, settings.newton, level, direction);
     let solution = |&omega: &f64| match sweep.next(omega) {
         Ok((iterate, count)) => refined(&alerts, iterate, settings, count),
         Err((status, count)) => {
@@ -42,7 +42,14 @@ pub fn at_frequencies(
             Solution::new(&alerts[0], &Iterate::new(&alerts[0], stuck), status, count)
         }
     };
-    omega.iter().map(solution).collect()
+    match direction {
+        SweepDirection::Upward => omega.iter().map(solution).collect(),
+        SweepDirection::Downward => {
+            let mut solutions: Vec<Solution> = omega.iter().rev().map(solution).collect();
+            solutions.reverse();
+            solutions
+        }
+    }
 }
 
 /// Solutions along the branch from the lower to the upper end of `band`; overhanging parts are included, also where
@@ -62,7 +69,8 @@ pub fn over_band(
     let report =
         |iterate: &Iterate<'_>, count| finished(&balance, iterate, next.as_ref(), settings, count);
     let ladder = Ladder::new(problem, settings);
-    let (first, count) = match Sweep::new(&ladder, settings.newton, level, true).next(band.low) {
+    let mut sweep = Sweep::new(&ladder, settings.newton, level, SweepDirection::Upward);
+    let (first, count) = match sweep.next(band.low) {
         Ok(solved) => solved,
         Err((status, count)) => {
             let start = stuck_point(&balance, band.low, level);

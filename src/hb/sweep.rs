@@ -2,8 +2,8 @@
 //!
 //! Between two frequencies the branch is followed: by one tangent step where that predicts the next solution well, else
 //! by continuation to the first point with the wanted frequency. So where several solutions exist the one met first on
-//! the branch is reported, past a fold the one beyond it. The first frequency is reached from the stuck structure
-//! where it hardly slips, else by running in, with few harmonics, from a frequency off it.
+//! the branch is reported, past a fold the one beyond it. The first frequency is reached in the same way, with few
+//! harmonics, from a frequency well off it, where the level is raised from stick.
 
 use super::balance::Balance;
 use super::continuation::{BranchPoint, StepSettings, walk};
@@ -29,6 +29,17 @@ const LEVEL_RATIO: f64 = 3.0;
 /// Ratios below this end the raising of the level.
 const SMALLEST_RATIO: f64 = 1.005;
 
+/// Which way the frequencies go, and so which solution is met where there are several.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SweepDirection {
+    /// From low to high frequencies.
+    #[default]
+    Upward,
+    /// From high to low frequencies.
+    Downward,
+}
+
 type Solved<'p> = Result<Iterate<'p>, Status>;
 
 /// The state of a sweep.
@@ -37,22 +48,26 @@ pub struct Sweep<'a, 'p> {
     ladder: &'a Ladder<'p>,
     newton: NewtonSettings,
     level: f64,
-    /// Whether the frequencies rise.
-    upward: bool,
+    direction: SweepDirection,
     /// The solution at the last frequency.
     at: Option<Point>,
     count: WorkCount,
 }
 
 impl<'a, 'p> Sweep<'a, 'p> {
-    /// A sweep at `level` that has not begun; `upward` says which way the frequencies go.
+    /// A sweep at `level` that has not begun.
     #[must_use]
-    pub fn new(ladder: &'a Ladder<'p>, newton: NewtonSettings, level: f64, upward: bool) -> Self {
+    pub fn new(
+        ladder: &'a Ladder<'p>,
+        newton: NewtonSettings,
+        level: f64,
+        direction: SweepDirection,
+    ) -> Self {
         Self {
             ladder,
             newton,
             level,
-            upward,
+            direction,
             at: None,
             count: WorkCount::default(),
         }
@@ -104,14 +119,9 @@ impl<'a, 'p> Sweep<'a, 'p> {
     fn from_nothing(&mut self, omega: f64) -> Solved<'p> {
         let ladder = self.ladder;
         let full = ladder.full();
-        let (direct, close) = self.close_to(full, stuck_point(full, omega, self.level));
-        if close {
-            return direct;
-        }
-        let away = if self.upward {
-            omega * (1.0 - RUN_IN)
-        } else {
-            omega * (1.0 + RUN_IN)
+        let away = match self.direction {
+            SweepDirection::Upward => omega * (1.0 - RUN_IN),
+            SweepDirection::Downward => omega * (1.0 + RUN_IN),
         };
         let first = ladder.first();
         let run_in = (self.raised(first, away))
@@ -122,10 +132,13 @@ impl<'a, 'p> Sweep<'a, 'p> {
                 let start = self.raised(first, omega)?;
                 self.climb(start)
             })
-            .or(direct)
             .or_else(|_| {
                 let start = self.raised(full, away)?;
                 self.walk(full, &start.point, omega)
+            })
+            .or_else(|_| {
+                let (direct, _) = self.close_to(full, stuck_point(full, omega, self.level));
+                direct
             })
     }
 
@@ -222,10 +235,9 @@ impl<'a, 'p> Sweep<'a, 'p> {
     fn branch(&self, balance: &Balance<'p>, iterate: Iterate<'p>) -> (BranchPoint<'p>, WorkCount) {
         let scale = iterate.point.omega;
         let (branch, work) = BranchPoint::new(balance, iterate, scale, None, None);
-        let branch = if self.upward {
-            branch
-        } else {
-            branch.reversed()
+        let branch = match self.direction {
+            SweepDirection::Upward => branch,
+            SweepDirection::Downward => branch.reversed(),
         };
         (branch, work)
     }

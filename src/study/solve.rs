@@ -48,7 +48,9 @@ pub fn solve(
     for (&level, done) in study.levels.iter().zip(1..) {
         let solutions = match &study.frequency.points {
             Points::Continuation => over_band(&problem, &study.solver, level, Band { low, high }),
-            Points::Prescribed(omega) => at_frequencies(&problem, &study.solver, level, omega),
+            Points::Prescribed { omega, sweep } => {
+                at_frequencies(&problem, &study.solver, level, omega, *sweep)
+            }
         };
         curves.push(LevelCurve { level, solutions });
         progress(Progress { done, total });
