@@ -1,10 +1,11 @@
 //! Solutions at prescribed frequencies, found as a slow frequency sweep would find them.
 //!
-//! Between two frequencies the branch is followed: by one tangent step where that predicts the next solution well, else
+//! Between two frequencies the branch is followed: by tangent steps where they predict the next solution well, else
 //! by continuation to the first point with the wanted frequency. So where several solutions exist the one met first on
 //! the branch is reported, past a fold the one beyond it. The first frequency is reached in the same way, with few
 //! harmonics, from a frequency well off it, where the level is raised from stick.
 
+use super::alert::pad;
 use super::balance::Balance;
 use super::continuation::{BranchPoint, StepSettings, walk};
 use super::ladder::Ladder;
@@ -16,6 +17,8 @@ use super::track::stuck_point;
 /// Largest distance between a start and its solution, relative to the displacements, that leaves no doubt that both
 /// lie on one branch.
 const CLOSE: f64 = 0.2;
+/// Tangent steps into which the way to the next frequency may be cut.
+const MOST_PARTS: u32 = 16;
 /// Distance of the run-in from the first frequency, relative.
 const RUN_IN: f64 = 0.4;
 /// Largest steps of a walk, and of its repetition if the frequency could not be hit.
@@ -94,25 +97,48 @@ impl<'a, 'p> Sweep<'a, 'p> {
         }
     }
 
-    /// Follows the branch from the last solution.
+    /// Follows the branch from the last solution: by tangent steps in the frequency, shorter where the prediction is
+    /// poor; where that ends, at a fold, by continuation with few harmonics, then with all.
     fn from_neighbour(&mut self, from: Point, omega: f64) -> Solved<'p> {
         let full = self.ladder.full();
-        let (branch, work) = self.branch(full, Iterate::new(full, from.clone()));
-        self.count += work;
-        let step = (omega - from.omega) / branch.tangent.omega;
-        let predicted = Point {
-            r: moved(&from.r, step, &branch.tangent.r),
-            omega,
-            level: from.level,
-        };
-        let direct = self.close_to(full, predicted);
-        match direct {
-            (solved, true) => solved,
-            (direct, false) => self
-                .walk(full, &from, omega)
-                .or_else(|_| self.from_nothing(omega))
-                .or(direct),
+        let shortest = (omega - from.omega).abs() / f64::from(MOST_PARTS);
+        let mut at = from;
+        let mut step = omega - at.omega;
+        while step.abs() >= shortest {
+            let target = if (omega - at.omega).abs() <= step.abs() {
+                omega
+            } else {
+                at.omega + step
+            };
+            let (branch, work) = self.branch(full, Iterate::new(full, at.clone()));
+            self.count += work;
+            let length = (target - at.omega) / branch.tangent.omega;
+            let predicted = Point {
+                r: moved(&at.r, length, &branch.tangent.r),
+                omega: target,
+                level: at.level,
+            };
+            match self.close_to(full, predicted) {
+                (Ok(solved), true) if target == omega => return Ok(solved),
+                (Ok(solved), true) => {
+                    at = solved.point;
+                    step *= 2.0;
+                }
+                _ => step *= 0.5,
+            }
         }
+        self.walk_with_few(&at, omega)
+            .or_else(|_| self.walk(full, &at, omega))
+            .or_else(|_| self.from_nothing(omega))
+    }
+
+    /// Continuation with few harmonics, the others added at the end.
+    fn walk_with_few(&mut self, from: &Point, omega: f64) -> Solved<'p> {
+        let first = self.ladder.first();
+        let few = pad(self.ladder.full(), from, first);
+        let (start, _) = self.close_to(first, few);
+        let start = self.walk(first, &start?.point, omega)?;
+        self.climb(start)
     }
 
     /// Finds a first solution.
