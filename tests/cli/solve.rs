@@ -6,7 +6,7 @@ use crate::microslip;
 
 /// The study file of a published-code comparison, solved by the command: every coefficient to 1e-9 of the largest.
 ///
-/// Seen to fail with the slider's two laps replaced by one, and without the final Newton steps to round-off.
+/// Seen to fail with the slider's two laps replaced by one.
 #[test]
 fn solve_reproduces_the_reference_solutions_of_three_problems() {
     for case in ["jenkins-1dof", "varying-normal-3dof", "blades-strip-oop"] {

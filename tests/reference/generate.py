@@ -100,8 +100,8 @@ def peaks(reference, responses):
         if marching:
             keep["time_marching"] = {key: marching[key] for key in ("scheme", "steps_per_period", "A1") if key in marching}
             keep["time_marching"]["extrapolated"] = marching.get("A1_richardson", marching.get("A1_extrapolated"))
-        # First harmonic of every named degree of freedom; seven digits are more than the comparison needs.
-        amplitude = [[float(f"{math.hypot(h[1][i], h[2][i]):.7g}") for i in at] for h in level["harmonics"]]
+        # First harmonic of every named degree of freedom; nine digits are more than the comparison needs.
+        amplitude = [[float(f"{math.hypot(h[1][i], h[2][i]):.9g}") for i in at] for h in level["harmonics"]]
         keep["curve"] = {"frequency": level.get("frequency", level.get("frequency_hz")), "amplitude": amplitude}
         levels.append(keep)
     head = {key: reference[key] for key in ("law", "H", "Nt", "slider_init")}
