@@ -43,6 +43,17 @@ pub enum SweepDirection {
     Downward,
 }
 
+impl SweepDirection {
+    /// Name in study files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Upward => "upward",
+            Self::Downward => "downward",
+        }
+    }
+}
+
 type Solved<'p> = Result<Iterate<'p>, Status>;
 
 /// The state of a sweep.

@@ -151,7 +151,7 @@ impl FrequencyTable {
             (None, None) => {
                 let rule = "must be absent for a continuous curve, which has all solutions";
                 return match self.sweep {
-                    Some(sweep) => Err(refused("sweep", &format!("{sweep:?}"), rule)),
+                    Some(sweep) => Err(refused("sweep", &sweep.name(), rule)),
                     None => Ok(Points::Continuation),
                 };
             }

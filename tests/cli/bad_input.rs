@@ -208,6 +208,11 @@ fn bad_values_name_line_key_and_rule() {
                 "[100, 200]\npoints = 1",
                 &[":38: frequency.points = 1: must be from 2"],
             ),
+            (
+                "[100, 200]",
+                "[100, 200]\nsweep = \"upward\"",
+                &[":38: frequency.sweep = upward: must be absent for a continuous"],
+            ),
             ("[100, 200]", "[100]", &[":37: frequency.band_hz: "]),
             (
                 "band_hz = [100, 200]",

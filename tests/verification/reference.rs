@@ -160,13 +160,17 @@ struct Curve {
 }
 
 /// First-harmonic amplitudes of all responses along the curve of every level, to the digits stored.
-fn meets_curves(name: &str) {
+///
+/// Of many frequencies only every `stride`-th, which saves time and asks more of the sweep.
+fn meets_curves(name: &str, stride: usize) {
     let case = Case::read(name, "study.toml");
     let peaks: Peaks = json(name, "peaks.json");
     let settings = case.settings(peaks.highest_harmonic, peaks.time_points);
     for level in &peaks.levels {
-        let solutions = case.sweep(&settings, level.level, &level.curve.frequency);
-        for (solution, expected) in solutions.iter().zip(&level.curve.amplitude) {
+        let curve = &level.curve;
+        let frequency: Vec<f64> = curve.frequency.iter().copied().step_by(stride).collect();
+        let solutions = case.sweep(&settings, level.level, &frequency);
+        for (solution, expected) in solutions.iter().zip(curve.amplitude.iter().step_by(stride)) {
             assert!(solution.status.has_solution(), "{:?}", solution.status);
             for (i, expected) in expected.iter().enumerate() {
                 let error = (solution.amplitude(i) / expected - 1.0).abs();
@@ -185,19 +189,19 @@ fn meets_curves(name: &str) {
 /// Seen to fail with 29 harmonics instead of 31.
 #[test]
 fn jenkins_curves_agree() {
-    meets_curves("jenkins-1dof");
+    meets_curves("jenkins-1dof", 1);
 }
 
 /// Seen to fail with 29 harmonics instead of 31.
 #[test]
 fn varying_normal_load_curves_agree() {
-    meets_curves("varying-normal-3dof");
+    meets_curves("varying-normal-3dof", 1);
 }
 
 /// Seen to fail with 14 harmonics instead of 15.
 #[test]
 fn blades_and_strip_curves_agree() {
-    meets_curves("blades-strip-oop");
+    meets_curves("blades-strip-oop", 4);
 }
 
 /// The amplitude at the peak frequency for the finest (H, Nt), each alone, without neighbours to start from.
