@@ -6,7 +6,10 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use microslip::Error;
-use microslip::study::{Inspection, LevelCurve, OutputFolder, Progress, Study, inspect, solve};
+use microslip::report::Summary;
+use microslip::study::{
+    Inspection, LevelCurve, OutputFolder, Progress, Study, inspect, run, solve,
+};
 
 /// Exit code of every failure.
 const FAILURE: u8 = 2;
@@ -71,6 +74,13 @@ pub(crate) fn main() -> ExitCode {
 }
 
 fn execute(command: &Command) -> Result<(), Error> {
+    let (Command::Run(common) | Command::Solve(common) | Command::Inspect(common)) = command;
+    if let Some(threads) = common.threads {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.get())
+            .build_global()
+            .map_err(|error| Error::Threads(error.to_string()))?;
+    }
     match command {
         Command::Inspect(arguments) => {
             let study = Study::read(&arguments.study)?;
@@ -99,11 +109,52 @@ fn execute(command: &Command) -> Result<(), Error> {
         }
         Command::Run(arguments) => {
             let study = Study::read(&arguments.study)?;
-            output_folder(&study, arguments)?;
-            study.build_model()?;
-            Err(not_there(&study))
+            let folder = output_folder(&study, arguments)?;
+            let bar = Bar::new(arguments.quiet);
+            let result = run(&study, &folder, |progress| bar.show(progress))?;
+            bar.clear();
+            if arguments.quiet {
+                return Ok(());
+            }
+            print(|out| {
+                show_levels(out, &result.summary)?;
+                let path = folder.path().display();
+                writeln!(
+                    out,
+                    "samples.parquet, curves.parquet, summary.json and report.html are in {path}"
+                )
+            })
         }
     }
+}
+
+/// One line per level: samples solved, and the 5, 50 and 95 % quantiles of frequency and amplitude.
+fn show_levels(out: &mut dyn Write, summary: &Summary) -> std::io::Result<()> {
+    for level in &summary.levels {
+        let solved = summary.samples - level.failed;
+        let (value, unit) = (level.level, &summary.level_unit);
+        write!(
+            out,
+            "level {value} {unit}: {solved} of {} samples solved",
+            summary.samples
+        )?;
+        let quantiles = level
+            .frequency_hz
+            .quantiles
+            .iter()
+            .zip(&level.amplitude_m.quantiles);
+        for (frequency, amplitude) in quantiles {
+            write!(
+                out,
+                "; {:.0} %: {:.3} Hz, {:.4e} m",
+                100.0 * frequency.valid_only.probability,
+                frequency.valid_only.estimate,
+                amplitude.valid_only.estimate
+            )?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
 }
 
 /// Level, number of points and largest amplitude of the first response.
@@ -128,14 +179,6 @@ fn show_curve(out: &mut dyn Write, study: &Study, curve: &LevelCurve) -> std::io
         )?;
     }
     writeln!(out)
-}
-
-/// Until the ensemble is wired in.
-fn not_there(study: &Study) -> Error {
-    Error::Command {
-        path: study.path.clone(),
-        message: "this build has no `run` yet; `inspect` and `solve` work".to_owned(),
-    }
 }
 
 /// Progress on standard error: a bar on a terminal, else one line per twentieth.

@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::ensemble::store::StoreError;
 use crate::hb::ProblemError;
 use crate::model::ModelError;
 use crate::model::matrices::MatricesError;
+use crate::report::ReportError;
 
 /// Everything that ends a command with exit code 2.
 #[derive(Debug, thiserror::Error)]
@@ -37,6 +39,15 @@ pub enum Error {
     /// The model with these contacts is no harmonic balance problem.
     #[error("model: {0}")]
     Problem(#[from] ProblemError),
+    /// The threads asked for could not be started.
+    #[error("--threads: {0}")]
+    Threads(String),
+    /// Outcomes could not be stored.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The report could not be written.
+    #[error(transparent)]
+    Report(#[from] ReportError),
     /// The study lacks what the command needs, or the model has no such numbers.
     #[error("{}: {message}", path.display())]
     Command {

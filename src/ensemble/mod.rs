@@ -1,4 +1,7 @@
-//! Many samples: from inputs to outcomes.
+//! Many samples: from inputs to outcomes to files.
 
 pub mod outcome;
+pub mod runner;
 pub mod store;
+
+pub use runner::Ensemble;

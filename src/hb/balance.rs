@@ -93,6 +93,12 @@ impl<'p> Balance<'p> {
         }
     }
 
+    /// Time points per period.
+    #[must_use]
+    pub fn n_time(&self) -> usize {
+        self.plan.settings().n_time
+    }
+
     /// Compliances at the frequency `omega` (rad/s).
     #[must_use]
     pub fn compliance(&self, omega: f64) -> Compliance<'p> {
@@ -169,9 +175,7 @@ impl<'p> Balance<'p> {
         let g = self.deviation(r, force);
         let mut out = r.to_vec();
         let rest = &self.problem.stuck_static;
-        for i in 0..n {
-            out[i] -= rest.relative[i];
-        }
+        (out.iter_mut().zip(&rest.relative)).for_each(|(r, stuck)| *r -= stuck);
         for (j, g) in g[..n].iter().enumerate() {
             (out.iter_mut().zip(rest.compliance.col(j).iter())).for_each(|(r, c)| *r += c * g);
         }

@@ -31,6 +31,12 @@ impl<'p> Ladder<'p> {
         Self { rungs }
     }
 
+    /// The problem on every rung, fewest harmonics first.
+    #[must_use]
+    pub fn rungs(&self) -> &[Balance<'p>] {
+        &self.rungs
+    }
+
     /// The problem on the fewest harmonics.
     #[must_use]
     pub fn first(&self) -> &Balance<'p> {

@@ -7,6 +7,7 @@ pub mod alert;
 pub mod balance;
 pub mod compliance;
 pub mod continuation;
+pub mod curve;
 pub mod error;
 pub mod forced_response;
 pub mod jacobian;

@@ -48,6 +48,14 @@ pub enum Condition<'a> {
     FixedFrequency,
     /// Response 0 is in phase with this unit phasor (phase resonance).
     PhaseLocked(c64),
+    /// Response 0 is `amplitude` times this unit phasor; the excitation level follows. A resonance is single-valued in its
+    /// amplitude also where it is not in its level.
+    Amplitude {
+        /// Unit phasor.
+        phasor: c64,
+        /// Amplitude (m).
+        amplitude: f64,
+    },
     /// The step from `base` has the length `step` along `tangent` (pseudo-arclength).
     ArcLength {
         /// Start of the step.
@@ -98,6 +106,15 @@ const PHASE_TOLERANCE: f64 = 1e-6;
 /// Largest relative change of the frequency in one iteration.
 const MAX_FREQUENCY_STEP: f64 = 0.02;
 
+/// Residual over the largest displacement that cancellation in the compliance of modal models leaves (measured).
+const ROUND_OFF: f64 = 5e-11;
+
+/// Bound on what round-off may excuse.
+const COARSEST_TOLERANCE: f64 = 1e-7;
+
+/// Largest relative change of the level in one iteration.
+const MAX_LEVEL_STEP: f64 = 0.5;
+
 /// Iterations within which the smallest residual must halve; a start that does not manage that never converged.
 const PATIENCE: usize = 12;
 
@@ -147,6 +164,14 @@ impl<'p> Iterate<'p> {
         }
     }
 
+    /// Relative residual below which only round-off is left: stiff contacts have small penetrations, the scale of the
+    /// residual, but large motions to cancel in it. Never so large that a flying strip would pass for converged.
+    fn attainable(&self, balance: &Balance<'_>) -> f64 {
+        let scale = balance.problem.displacement_scale(self.point.level);
+        let largest = self.point.r.iter().map(|r| r.abs()).fold(0.0, f64::max);
+        (ROUND_OFF * largest / scale).min(COARSEST_TOLERANCE)
+    }
+
     /// The Jacobian here.
     #[must_use]
     pub fn jacobian<'a>(&'a self, balance: &'a Balance<'p>) -> Jacobian<'a> {
@@ -169,6 +194,12 @@ impl<'p> Iterate<'p> {
     pub fn frequency_rate(&self, balance: &Balance<'_>, jacobian: &Jacobian<'_>) -> Vec<f64> {
         let slope = balance.frequency_slope(&self.compliance, &self.motion);
         negated(&jacobian.solve(&slope))
+    }
+
+    /// dr/dlevel at a fixed frequency: −J⁻¹ R_level.
+    #[must_use]
+    pub fn level_rate(&self, balance: &Balance<'_>, jacobian: &Jacobian<'_>) -> Vec<f64> {
+        negated(&jacobian.solve(&balance.level_slope(&self.compliance)))
     }
 
     /// Rate of response 0 when the point moves along `direction` (and the level along `level`).
@@ -233,15 +264,19 @@ pub fn solve<'p>(
         if !size.is_finite() {
             return Err((Status::NonFinite, count));
         }
-        let closing = condition.value(balance, &iterate);
-        if size <= settings.tolerance && closing.abs() <= condition.tolerance() {
+        let open = condition
+            .values(balance, &iterate)
+            .iter()
+            .any(|c| c.abs() > condition.tolerance());
+        let wanted = settings.tolerance.max(iterate.attainable(balance));
+        if size <= wanted && !open {
             return Ok((iterate, count));
         }
         if count.iterations == settings.max_iterations || progress.stalls(size) {
             return Err((Status::MaxIterations, count));
         }
         let jacobian = iterate.jacobian(balance);
-        let step = newton_step(balance, &iterate, &jacobian, condition);
+        let step = bordered_step(balance, &iterate, &jacobian, condition);
         count += WorkCount {
             iterations: 1,
             factorizations: jacobian.factorizations(),
@@ -282,7 +317,7 @@ pub fn polish<'p>(balance: &Balance<'p>, solved: Iterate<'p>) -> (Iterate<'p>, W
     }
 }
 
-/// The full Newton step of the (bordered) system.
+/// The full Newton step of the (bordered) system at a fixed level.
 #[must_use]
 pub fn newton_step(
     balance: &Balance<'_>,
@@ -290,25 +325,75 @@ pub fn newton_step(
     jacobian: &Jacobian<'_>,
     condition: Condition<'_>,
 ) -> Direction {
-    let towards = Direction {
-        r: negated(&jacobian.solve(&iterate.residual)),
-        omega: 0.0,
+    bordered_step(balance, iterate, jacobian, condition).direction
+}
+
+/// A Newton step with the change of the level.
+struct Step {
+    direction: Direction,
+    level: f64,
+}
+
+impl Step {
+    fn add(&mut self, factor: f64, other: &Self) {
+        for (a, b) in self.direction.r.iter_mut().zip(&other.direction.r) {
+            *a += factor * b;
+        }
+        self.direction.omega += factor * other.direction.omega;
+        self.level += factor * other.level;
+    }
+}
+
+/// The Newton step for r, and for the frequency and the level where the condition sets them free.
+fn bordered_step(
+    balance: &Balance<'_>,
+    iterate: &Iterate<'_>,
+    jacobian: &Jacobian<'_>,
+    condition: Condition<'_>,
+) -> Step {
+    let mut step = Step {
+        direction: Direction {
+            r: negated(&jacobian.solve(&iterate.residual)),
+            omega: 0.0,
+        },
+        level: 0.0,
     };
     if matches!(condition, Condition::FixedFrequency) {
-        return towards;
+        return step;
     }
-    let along = Direction {
-        r: iterate.frequency_rate(balance, jacobian),
-        omega: 1.0,
+    let by_omega = Step {
+        direction: Direction {
+            r: iterate.frequency_rate(balance, jacobian),
+            omega: 1.0,
+        },
+        level: 0.0,
     };
-    let rate = |d: &Direction| condition.rate(balance, iterate, jacobian, d);
-    let closing = condition.value(balance, iterate);
+    let rates = |s: &Step| condition.rates(balance, iterate, jacobian, &s.direction, s.level);
+    let [c1, c2] = condition.values(balance, iterate);
+    let [t1, t2] = rates(&step);
+    let [a1, a2] = rates(&by_omega);
     let limit = MAX_FREQUENCY_STEP * iterate.point.omega;
-    let omega = (-(closing + rate(&towards)) / rate(&along)).clamp(-limit, limit);
-    let r = (towards.r.iter().zip(&along.r))
-        .map(|(a, b)| a + omega * b)
-        .collect();
-    Direction { r, omega }
+    if let Condition::Amplitude { .. } = condition {
+        let by_level = Step {
+            direction: Direction {
+                r: iterate.level_rate(balance, jacobian),
+                omega: 0.0,
+            },
+            level: 1.0,
+        };
+        let [b1, b2] = rates(&by_level);
+        let determinant = a1 * b2 - a2 * b1;
+        let (e1, e2) = (-(c1 + t1), -(c2 + t2));
+        let omega = (e1 * b2 - e2 * b1) / determinant;
+        let level = (a1 * e2 - a2 * e1) / determinant;
+        // the level must stay positive
+        let largest = MAX_LEVEL_STEP * iterate.point.level;
+        step.add(omega.clamp(-limit, limit), &by_omega);
+        step.add(level.clamp(-largest, largest), &by_level);
+    } else {
+        step.add((-(c1 + t1) / a1).clamp(-limit, limit), &by_omega);
+    }
+    step
 }
 
 /// The smallest residuals of the running and the previous window of iterations.
@@ -347,27 +432,23 @@ impl Progress {
 
 /// Takes the step, damped until the residual falls; with a moving frequency it must only not grow, since the
 /// condition is part of the system.
-fn advance<'p>(
-    balance: &Balance<'p>,
-    from: &Iterate<'p>,
-    step: &Direction,
-    size: f64,
-) -> Iterate<'p> {
+fn advance<'p>(balance: &Balance<'p>, from: &Iterate<'p>, step: &Step, size: f64) -> Iterate<'p> {
+    let direction = &step.direction;
     let mut damping = 1.0;
     loop {
         let point = Point {
-            r: (from.point.r.iter().zip(&step.r))
+            r: (from.point.r.iter().zip(&direction.r))
                 .map(|(r, d)| r + damping * d)
                 .collect(),
-            omega: from.point.omega + damping * step.omega,
-            level: from.point.level,
+            omega: from.point.omega + damping * direction.omega,
+            level: from.point.level + damping * step.level,
         };
-        let trial = if step.omega == 0.0 {
+        let trial = if direction.omega == 0.0 {
             Iterate::with_compliance(balance, point, Arc::clone(&from.compliance))
         } else {
             Iterate::new(balance, point)
         };
-        let (allowed, smallest) = if step.omega == 0.0 {
+        let (allowed, smallest) = if direction.omega == 0.0 {
             ((1.0 - 0.1 * damping) * size, MIN_DAMPING)
         } else {
             (size, MIN_DAMPING_MOVING)
@@ -383,17 +464,22 @@ impl Condition<'_> {
     fn tolerance(self) -> f64 {
         match self {
             Self::FixedFrequency => f64::INFINITY,
-            Self::PhaseLocked(_) => PHASE_TOLERANCE,
+            Self::PhaseLocked(_) | Self::Amplitude { .. } => PHASE_TOLERANCE,
             Self::ArcLength { step, .. } => 1e-6 * step.abs(),
         }
     }
 
-    fn value(self, balance: &Balance<'_>, iterate: &Iterate) -> f64 {
+    /// What must vanish; the second entry is used by [`Condition::Amplitude`] alone.
+    fn values(self, balance: &Balance<'_>, iterate: &Iterate) -> [f64; 2] {
         match self {
-            Self::FixedFrequency => 0.0,
+            Self::FixedFrequency => [0.0; 2],
             Self::PhaseLocked(phasor) => {
                 let y = iterate.response(balance);
-                (y * phasor.conj()).im / y.norm()
+                [(y * phasor.conj()).im / y.norm(), 0.0]
+            }
+            Self::Amplitude { phasor, amplitude } => {
+                let y = iterate.response(balance) * phasor.conj() / amplitude;
+                [y.im, y.re - 1.0]
             }
             Self::ArcLength {
                 base,
@@ -407,27 +493,39 @@ impl Condition<'_> {
                         .collect(),
                     omega: iterate.point.omega - base.omega,
                 };
-                metric.dot(balance.layout.n_relative(), &gone, tangent) - step
+                [
+                    metric.dot(balance.layout.n_relative(), &gone, tangent) - step,
+                    0.0,
+                ]
             }
         }
     }
 
-    fn rate(
+    fn rates(
         self,
         balance: &Balance<'_>,
         iterate: &Iterate<'_>,
         jacobian: &Jacobian<'_>,
         direction: &Direction,
-    ) -> f64 {
+        level: f64,
+    ) -> [f64; 2] {
+        let response_rate = || iterate.response_rate(balance, jacobian, direction, level);
         match self {
-            Self::FixedFrequency => 0.0,
+            Self::FixedFrequency => [0.0; 2],
             Self::PhaseLocked(phasor) => {
-                let rate = iterate.response_rate(balance, jacobian, direction, 0.0);
-                (rate * phasor.conj()).im / iterate.response(balance).norm()
+                let rate = response_rate() * phasor.conj();
+                [rate.im / iterate.response(balance).norm(), 0.0]
+            }
+            Self::Amplitude { phasor, amplitude } => {
+                let rate = response_rate() * phasor.conj() / amplitude;
+                [rate.im, rate.re]
             }
             Self::ArcLength {
                 tangent, metric, ..
-            } => metric.dot(balance.layout.n_relative(), direction, tangent),
+            } => [
+                metric.dot(balance.layout.n_relative(), direction, tangent),
+                0.0,
+            ],
         }
     }
 }

@@ -1,14 +1,17 @@
-//! Resonance of the fully stuck structure: the linear start of every nonlinear one.
+//! Resonance of the structure with linear springs at the contacts: stuck, the start of every nonlinear one; open, its
+//! limit at large excitation.
 
 use super::compliance::Compliance;
 use super::linear::{LinearModel, Structure};
-use super::problem::Problem;
 use crate::linalg::{LinalgError, symmetric_generalized_eigen};
 use faer::prelude::*;
 
-/// A resonance of the stuck structure.
+/// Damping ratios below this count as this much when modes are ranked.
+const UNDAMPED: f64 = 1e-12;
+
+/// A resonance.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StuckResonance {
+pub struct LinearResonance {
     /// Undamped natural frequency (rad/s).
     pub omega: f64,
     /// Half bandwidth, damping constant of the mode (rad/s).
@@ -40,32 +43,23 @@ impl Band {
     }
 }
 
-/// Natural frequencies (rad/s, ascending) and modes (columns, mass-normalised) of the stuck structure.
+/// The resonance of the structure with linear springs `k` (N/m, shape `[3·n_contacts]`) between the contacts whose
+/// modal amplitude of response 0 is largest inside `band`.
 ///
 /// # Errors
-/// [`LinalgError`] if the eigensolver fails.
-pub fn stuck_modes(problem: &Problem<'_>) -> Result<(Vec<f64>, Mat<f64>), LinalgError> {
-    let stiffness = problem
-        .model
-        .stiffness_with_springs(&problem.stuck_stiffness);
-    let mass = match &problem.model.structure {
+/// [`LinalgError`] if the eigensolver fails. `Ok(None)` if no natural frequency lies in the band.
+pub fn linear_resonance(
+    model: &LinearModel,
+    k: &[f64],
+    band: Band,
+) -> Result<Option<LinearResonance>, LinalgError> {
+    let stiffness = model.stiffness_with_springs(k);
+    let mass = match &model.structure {
         Structure::Modal { .. } => Mat::identity(stiffness.nrows(), stiffness.ncols()),
         Structure::Physical { mass, .. } => mass.clone(),
     };
     let (lambda, modes) = symmetric_generalized_eigen(stiffness.as_ref(), mass.as_ref())?;
-    Ok((lambda.iter().map(|l| l.max(0.0).sqrt()).collect(), modes))
-}
-
-/// The resonance of the stuck structure inside `band` with the largest modal amplitude of response 0.
-///
-/// # Errors
-/// [`LinalgError`] if the eigensolver fails. `Ok(None)` if no natural frequency lies in the band.
-pub fn stuck_resonance(
-    problem: &Problem<'_>,
-    band: Band,
-) -> Result<Option<StuckResonance>, LinalgError> {
-    let model = problem.model;
-    let (omega, modes) = stuck_modes(problem)?;
+    let omega: Vec<f64> = lambda.iter().map(|l| l.max(0.0).sqrt()).collect();
     let strongest = (0..omega.len())
         .filter(|&j| band.contains(omega[j]))
         .map(|j| {
@@ -73,40 +67,26 @@ pub fn stuck_resonance(
             let force: c64 = mode.iter().zip(&model.force).map(|(x, f)| x.re * f).sum();
             let half_bandwidth = 0.5 * damping_of(model, &mode);
             let residue = (force * model.responses(&mode)[0]).norm();
-            let amplitude = residue / (2.0 * omega[j] * half_bandwidth.max(1e-12 * omega[j]));
+            let amplitude = residue / (2.0 * omega[j] * half_bandwidth.max(UNDAMPED * omega[j]));
             (j, half_bandwidth, amplitude)
         })
         .max_by(|a, b| a.2.total_cmp(&b.2));
-    Ok(strongest.map(|(j, half_bandwidth, _)| StuckResonance {
+    Ok(strongest.map(|(j, half_bandwidth, _)| LinearResonance {
         omega: omega[j],
         half_bandwidth,
-        response: stuck_response(problem, omega[j]),
+        response: linear_response(model, k, omega[j]),
     }))
 }
 
-/// First harmonic of response 0 of the stuck structure at `omega` per unit level (m).
+/// First harmonic of response 0 at `omega` per unit level (m) with linear springs `k` between the contacts.
 #[must_use]
-pub fn stuck_response(problem: &Problem<'_>, omega: f64) -> c64 {
-    response_with_springs(problem.model, &problem.stuck_stiffness, omega)
-}
-
-/// First harmonic of response 0 of the structure with all contacts open at `omega` per unit level (m).
-#[must_use]
-pub fn free_response(problem: &Problem<'_>, omega: f64) -> c64 {
-    let open = vec![0.0; problem.stuck_stiffness.len()];
-    response_with_springs(problem.model, &open, omega)
-}
-
-fn response_with_springs(model: &LinearModel, k: &[f64], omega: f64) -> c64 {
+pub fn linear_response(model: &LinearModel, k: &[f64], omega: f64) -> c64 {
     let at = Compliance::new(model, k, &[0, 1], omega);
     model.responses(&at.harmonics[0].solve(&model.force))[0]
 }
 
 fn damping_of(model: &LinearModel, mode: &[c64]) -> f64 {
-    model
-        .damp(mode)
-        .iter()
-        .zip(mode)
+    (model.damp(mode).iter().zip(mode))
         .map(|(c, x)| (c * x.conj()).re)
         .sum()
 }

@@ -3,7 +3,7 @@
 use super::balance::Balance;
 use super::newton::{Iterate, WorkCount};
 use super::status::Status;
-use crate::harmonics::HarmonicSet;
+use crate::harmonics::{HarmonicSet, phases};
 use faer::prelude::c64;
 use std::f64::consts::PI;
 
@@ -50,6 +50,8 @@ pub struct Solution {
     pub residual: f64,
     /// Contact states.
     pub contact: ContactFractions,
+    /// Share of time in which no pair at all is closed: the strip flies.
+    pub flight_fraction: f64,
     /// Energy balance.
     pub work: CycleWork,
     /// Estimated relative change of the amplitude by the harmonics left out.
@@ -57,6 +59,9 @@ pub struct Solution {
     /// Newton iterations and factorisations spent.
     pub work_count: WorkCount,
 }
+
+/// Share of (pair, time) out of contact above which the strip bounces.
+const MOST_SEPARATED: f64 = 0.6;
 
 impl Solution {
     /// Everything reported of a solved iterate (or of the last iterate of a failed solve).
@@ -90,10 +95,19 @@ impl Solution {
             responses,
             residual: iterate.relative_residual(balance),
             contact: ContactFractions::new(&iterate.contact.samples),
+            flight_fraction: flight_fraction(balance, &iterate.point.r),
             work: CycleWork::new(balance, iterate),
             truncation_error: None,
             work_count,
         }
+    }
+
+    /// Whether the contacts bounce so much that a response with the period of the excitation is not to be trusted: the
+    /// strip flies, or the pairs are open for most of the time. Time integration of the rig settles to one period up to
+    /// shares of about one half (100 N) and does not any more at 300 N, where it is two thirds and more.
+    #[must_use]
+    pub fn bounces(&self) -> bool {
+        self.flight_fraction > 0.0 || self.contact.separated > MOST_SEPARATED
     }
 
     /// Amplitude |q̂₁| of the first harmonic of response `i` (m).
@@ -105,9 +119,8 @@ impl Solution {
 }
 
 impl ContactFractions {
-    /// Shares of the samples [stick, slip, separated] counted per pair.
-    #[must_use]
-    pub fn new(samples: &[[u32; 3]]) -> Self {
+    /// Shares of the samples [stick, slip, separated] counted per pair, and of the flight.
+    fn new(samples: &[[u32; 3]]) -> Self {
         let total = f64::from(samples.iter().flatten().sum::<u32>().max(1));
         let share = |state: usize| f64::from(samples.iter().map(|s| s[state]).sum::<u32>()) / total;
         Self {
@@ -116,6 +129,27 @@ impl ContactFractions {
             separated: share(2),
         }
     }
+}
+
+/// Share of the phases at which every pair is open.
+fn flight_fraction(balance: &Balance<'_>, r: &[f64]) -> f64 {
+    let contacts = &balance.problem.contacts;
+    let normal = 2 * contacts.len();
+    let open = |basis: &[f64]| {
+        contacts.iter().enumerate().all(|(pair, c)| {
+            let coefficients = r.chunks_exact(balance.layout.n_relative());
+            let approach: f64 = (basis.iter().zip(coefficients))
+                .map(|(b, r)| b * r[normal + pair])
+                .sum();
+            c.n_0 + c.k_n * approach <= 0.0
+        })
+    };
+    let phases = phases(balance.n_time());
+    let n_open = phases
+        .iter()
+        .filter(|theta| open(&balance.harmonics.basis(**theta)))
+        .count();
+    n_open as f64 / phases.len() as f64
 }
 
 impl CycleWork {

@@ -18,11 +18,13 @@ pub enum Status {
     NonFinite,
     /// The amplitude has no maximum inside the frequency band.
     NoPeakInBand,
+    /// Even with all contacts stuck the structure is not held: there is nothing to solve.
+    NotHeld,
 }
 
 impl Status {
     /// Every status, in the order of reports.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Converged,
         Self::TruncationAboveThreshold,
         Self::BouncingContact,
@@ -30,6 +32,7 @@ impl Status {
         Self::StepTooSmall,
         Self::NonFinite,
         Self::NoPeakInBand,
+        Self::NotHeld,
     ];
 
     /// Whether the numbers that go with this status solve the balance equations.
@@ -52,6 +55,7 @@ impl Status {
             Self::StepTooSmall => "step-too-small",
             Self::NonFinite => "non-finite",
             Self::NoPeakInBand => "no-peak-in-band",
+            Self::NotHeld => "not-held",
         }
     }
 
@@ -73,6 +77,9 @@ impl Status {
             Self::NonFinite => "a number overflowed or was undefined",
             Self::NoPeakInBand => {
                 "the amplitude has no maximum inside the frequency band of the study"
+            }
+            Self::NotHeld => {
+                "contact stiffness and static load leave the structure with a free rigid-body motion"
             }
         }
     }

@@ -94,8 +94,8 @@ impl<'a, 'p> Sweep<'a, 'p> {
     pub fn next(&mut self, omega: f64) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
         self.count = WorkCount::default();
         let solved = match self.at.take() {
-            Some(point) => self.from_neighbour(point, omega),
-            None => self.from_nothing(omega),
+            Some(point) => self.follow_branch(point, omega),
+            None => self.run_in(omega),
         };
         match solved {
             Ok(iterate) => {
@@ -110,7 +110,7 @@ impl<'a, 'p> Sweep<'a, 'p> {
 
     /// Follows the branch from the last solution: by tangent steps in the frequency, shorter where the prediction is
     /// poor; where that ends, at a fold, by continuation with few harmonics, then with all.
-    fn from_neighbour(&mut self, from: Point, omega: f64) -> Solved<'p> {
+    fn follow_branch(&mut self, from: Point, omega: f64) -> Solved<'p> {
         let full = self.ladder.full();
         let shortest = (omega - from.omega).abs() / f64::from(MOST_PARTS);
         let mut at = from;
@@ -140,7 +140,7 @@ impl<'a, 'p> Sweep<'a, 'p> {
         }
         self.walk_with_few(&at, omega)
             .or_else(|_| self.walk(full, &at, omega))
-            .or_else(|_| self.from_nothing(omega))
+            .or_else(|_| self.run_in(omega))
     }
 
     /// Continuation with few harmonics, the others added at the end.
@@ -153,7 +153,7 @@ impl<'a, 'p> Sweep<'a, 'p> {
     }
 
     /// Finds a first solution.
-    fn from_nothing(&mut self, omega: f64) -> Solved<'p> {
+    fn run_in(&mut self, omega: f64) -> Solved<'p> {
         let ladder = self.ladder;
         let full = ladder.full();
         let away = match self.direction {
@@ -161,10 +161,10 @@ impl<'a, 'p> Sweep<'a, 'p> {
             SweepDirection::Downward => omega * (1.0 + RUN_IN),
         };
         let first = ladder.first();
-        let run_in = (self.raised(first, away))
+        let reached = (self.raised(first, away))
             .and_then(|start| self.walk(first, &start.point, omega))
             .and_then(|start| self.climb(start));
-        run_in
+        reached
             .or_else(|_| {
                 let start = self.raised(first, omega)?;
                 self.climb(start)

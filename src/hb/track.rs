@@ -1,18 +1,19 @@
 //! Resonance peaks of one problem over ascending excitation levels.
 //!
-//! Below slip onset the stuck structure is linear, so the track starts there and follows the phase resonance in the
-//! level with one harmonic, which is cheap and smooth. At each level asked for, harmonics are added step by step, the
-//! maximum next to the phase resonance is located, and more harmonics follow until the error alert is silent. Where
-//! that fails the whole band is swept by continuation.
+//! Below slip onset the stuck structure is linear, so the track starts there and follows the phase resonance with one
+//! harmonic, which is cheap and smooth, by steps of its amplitude: the level that an amplitude needs is unique where the
+//! amplitude that a level gives is not. At each level asked for, harmonics are added step by step, the maximum next to
+//! the phase resonance is located, and more harmonics follow until the error alert is silent. Where that fails the
+//! whole band is swept by continuation.
 
 use super::alert::{enlarged, pad, time_points, truncation_error};
 use super::balance::Balance;
 use super::continuation::{BranchPoint, StepSettings, walk};
 use super::ladder::Ladder;
-use super::newton::{Condition, Direction, Iterate, Point, WorkCount, solve};
+use super::newton::{Condition, Iterate, Point, WorkCount, solve};
 use super::peak::{PeakSettings, find_peak};
 use super::problem::Problem;
-use super::resonance::{StuckResonance, stuck_resonance};
+use super::resonance::{LinearResonance, linear_resonance};
 use super::settings::{HbSettings, NewtonSettings};
 use super::solution::Solution;
 use super::status::Status;
@@ -34,10 +35,16 @@ pub struct LevelPeak {
 
 /// Share of the slip onset at which the track starts.
 const START_BELOW_ONSET: f64 = 0.5;
-/// First and largest ratio between two levels of the track.
+/// First and largest ratio between two amplitudes of the track.
 const RATIOS: [f64; 2] = [2.0, 4.0];
 /// Ratios below this end the track.
-const SMALLEST_RATIO: f64 = 1.02;
+const SMALLEST_RATIO: f64 = 1.005;
+/// Relative distance from the level asked for at which the level is fixed instead of the amplitude.
+const NEAR_LEVEL: f64 = 0.02;
+/// Longest step of ln amplitude on the way.
+const LONGEST_SECANT: f64 = 0.7;
+/// Amplitudes tried to come that near.
+const MOST_SECANTS: usize = 12;
 /// Newton iterations of one step of the track; more mean that the step was too long.
 const TRACK_ITERATIONS: usize = 30;
 /// Steps of the sweep that replaces a failed track.
@@ -45,8 +52,8 @@ const SWEEP_STEPS: usize = 200;
 
 /// The phase-resonant solution the track has reached.
 struct Track<'a, 'p> {
-    /// The track runs on the first rung; the study wants the full set.
-    ladder: &'a Ladder<'p>,
+    /// The problem on sets with more and more harmonics: the track runs on the first, the study wants the last.
+    ladder: &'a [Balance<'p>],
     settings: &'a HbSettings,
     peak: PeakSettings,
     /// Direction of the first harmonic of response 0 at resonance.
@@ -66,13 +73,14 @@ pub fn track_peaks(
     peak: PeakSettings,
     levels: &[f64],
 ) -> Result<Vec<LevelPeak>, LinalgError> {
-    let Some(resonance) = stuck_resonance(problem, peak.band)? else {
+    let Some(resonance) = linear_resonance(problem.model, &problem.stuck_stiffness, peak.band)?
+    else {
         let nothing = |&level| LevelPeak::failed(level, Status::NoPeakInBand, WorkCount::default());
         return Ok(levels.iter().map(nothing).collect());
     };
     let ladder = Ladder::new(problem, settings);
     let mut track = Track {
-        ladder: &ladder,
+        ladder: ladder.rungs(),
         settings,
         peak,
         phasor: resonance.response / resonance.response.norm(),
@@ -97,8 +105,8 @@ impl LevelPeak {
 
 impl<'a, 'p> Track<'a, 'p> {
     /// Solves at or below the first level, where the stuck solution is a good start.
-    fn start(&mut self, resonance: &StuckResonance, first_level: f64) {
-        let balance = self.ladder.first();
+    fn start(&mut self, resonance: &LinearResonance, first_level: f64) {
+        let balance = &self.ladder[0];
         let stuck = |level: f64| stuck_point(balance, resonance.omega, level);
         let onset = slip_onset(balance, &stuck(1.0));
         let level = first_level.min(START_BELOW_ONSET * onset);
@@ -117,12 +125,7 @@ impl<'a, 'p> Track<'a, 'p> {
         self.count = WorkCount::default();
         let reached = self.follow(level);
         let located = reached
-            .and_then(|start| {
-                let phase = Condition::PhaseLocked(self.phasor);
-                let newton = self.settings.newton;
-                let climbed = self.ladder.climb(start.point, phase, newton);
-                self.tally(climbed)
-            })
+            .and_then(|start| self.climb(start))
             .and_then(|start| {
                 let found = find_peak(self.full(), start, self.peak, self.settings.newton);
                 self.tally(found)
@@ -135,40 +138,41 @@ impl<'a, 'p> Track<'a, 'p> {
 
     /// The problem on the harmonic set of the study.
     fn full(&self) -> &'a Balance<'p> {
-        self.ladder.full()
+        &self.ladder[self.ladder.len() - 1]
     }
 
-    /// Moves the track to `level` by steps whose ratio adapts; gives a copy of the solution there.
+    /// Adds harmonics to a phase-resonant solution, rung by rung at its amplitude, then returns to its level.
+    fn climb(&mut self, start: Iterate<'p>) -> Result<Iterate<'p>, Status> {
+        let level = start.point.level;
+        let newton = self.settings.newton;
+        let mut iterate = start;
+        for rung in 1..self.ladder.len() {
+            let (from, to) = (&self.ladder[rung - 1], &self.ladder[rung]);
+            let amplitude = iterate.response(from).norm();
+            let condition = Condition::Amplitude {
+                phasor: self.phasor,
+                amplitude,
+            };
+            iterate = self.tally(solve(to, pad(from, &iterate.point, to), condition, newton))?;
+        }
+        self.bring_to_level(self.ladder.len() - 1, iterate, level)
+    }
+
+    /// Moves the track up to `level` by steps whose ratio adapts; gives a copy of the solution there.
     fn follow(&mut self, level: f64) -> Result<Iterate<'p>, Status> {
-        let balance = self.ladder.first();
         let newton = NewtonSettings {
             max_iterations: TRACK_ITERATIONS,
             ..self.settings.newton
         };
         loop {
             let at = self.at.as_ref().ok_or(Status::StepTooSmall)?;
-            let left = level / at.point.level;
-            if (left - 1.0).abs() < 1e-12 {
-                return Ok(Iterate::new(balance, at.point.clone()));
+            if at.point.level >= level * (1.0 - 1e-9) {
+                break;
             }
-            let ratio = if left > self.ratio {
-                self.ratio.min(left.sqrt().max(SMALLEST_RATIO))
-            } else {
-                left
-            };
-            let target = if ratio == left {
-                level
-            } else {
-                at.point.level * ratio
-            };
-            let predicted = self.predict(at, target);
-            let solved = solve(
-                balance,
-                predicted,
-                Condition::PhaseLocked(self.phasor),
-                newton,
-            );
-            match self.tally(solved) {
+            // a little more than a linear structure would need
+            let ratio = self.ratio.min(1.1 * level / at.point.level);
+            let (point, amplitude) = (at.point.clone(), at.response(&self.ladder[0]).norm());
+            match self.scaled(0, &point, amplitude, ratio, newton) {
                 Ok(iterate) if self.peak.band.contains(iterate.point.omega) => {
                     self.at = Some(iterate);
                     self.ratio = (self.ratio * 1.3).min(RATIOS[1]);
@@ -181,39 +185,63 @@ impl<'a, 'p> Track<'a, 'p> {
                 }
             }
         }
+        let at = self.at.as_ref().ok_or(Status::StepTooSmall)?;
+        let start = Iterate::new(&self.ladder[0], at.point.clone());
+        self.bring_to_level(0, start, level)
     }
 
-    /// Tangent predictor in the level along the phase resonance.
-    fn predict(&self, at: &Iterate<'_>, level: f64) -> Point {
-        let balance = self.ladder.first();
-        let jacobian = at.jacobian(balance);
-        let slope = balance.level_slope(&at.compliance);
-        let by_level = Direction {
-            r: jacobian.solve(&slope).iter().map(|x| -x).collect(),
-            omega: 0.0,
+    /// The phase resonance on rung `rung` whose amplitude is `ratio` times the `amplitude` at `point`.
+    fn scaled(
+        &mut self,
+        rung: usize,
+        point: &Point,
+        amplitude: f64,
+        ratio: f64,
+        newton: NewtonSettings,
+    ) -> Result<Iterate<'p>, Status> {
+        let balance = &self.ladder[rung];
+        let n_relative = balance.layout.n_relative();
+        let mut start = point.clone();
+        // the blades carry the contacts along: dynamic displacements grow with the amplitude
+        start.r[n_relative..].iter_mut().for_each(|r| *r *= ratio);
+        start.level *= ratio;
+        let condition = Condition::Amplitude {
+            phasor: self.phasor,
+            amplitude: ratio * amplitude,
         };
-        let by_omega = Direction {
-            r: at.frequency_rate(balance, &jacobian),
-            omega: 1.0,
-        };
-        let off_phase = |direction: &Direction, level: f64| {
-            let rate = at.response_rate(balance, &jacobian, direction, level);
-            (rate * self.phasor.conj()).im
-        };
-        let step = level - at.point.level;
-        let omega = -step * off_phase(&by_level, 1.0) / off_phase(&by_omega, 0.0);
-        let rates = by_level.r.iter().zip(&by_omega.r);
-        Point {
-            r: at
-                .point
-                .r
-                .iter()
-                .zip(rates)
-                .map(|(r, (l, o))| r + step * l + omega * o)
-                .collect(),
-            omega: at.point.omega + omega,
-            level,
+        self.tally(solve(balance, start, condition, newton))
+    }
+
+    /// Corrects a phase resonance to exactly `level`: by secants in the amplitude until near, then at the fixed level.
+    fn bring_to_level(
+        &mut self,
+        rung: usize,
+        start: Iterate<'p>,
+        level: f64,
+    ) -> Result<Iterate<'p>, Status> {
+        let balance = &self.ladder[rung];
+        let newton = self.settings.newton;
+        let mut at = start;
+        let (mut slope, mut longest) = (1.0, LONGEST_SECANT);
+        for _ in 0..MOST_SECANTS {
+            let gap = (level / at.point.level).ln();
+            if gap.abs() <= NEAR_LEVEL {
+                break;
+            }
+            let step = (gap * slope).clamp(-longest, longest);
+            let amplitude = at.response(balance).norm();
+            match self.scaled(rung, &at.point, amplitude, step.exp(), newton) {
+                Ok(next) => {
+                    let moved = (next.point.level / at.point.level).ln();
+                    slope = (step / moved).clamp(0.1, 3.0);
+                    at = next;
+                }
+                Err(_) => longest = 0.5 * step.abs(),
+            }
         }
+        let point = Point { level, ..at.point };
+        let solved = solve(balance, point, Condition::PhaseLocked(self.phasor), newton);
+        self.tally(solved)
     }
 
     /// Raises the harmonics from a converged peak until the alert is silent, and reports the peak.
@@ -322,10 +350,13 @@ impl<'a, 'p> Track<'a, 'p> {
         truncation_error: Option<f64>,
     ) -> LevelPeak {
         let mut solution = Solution::new(balance, iterate, status, self.count);
+        if solution.bounces() {
+            solution.status = Status::BouncingContact;
+        }
         solution.truncation_error = truncation_error;
         LevelPeak {
             level: iterate.point.level,
-            status,
+            status: solution.status,
             solution: Some(solution),
             count: self.count,
         }

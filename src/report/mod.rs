@@ -58,20 +58,20 @@ pub enum ReportError {
     Page(#[from] minijinja::Error),
 }
 
-/// Writes `summary.json` and `report.html` into `folder`; each file appears whole or not at all.
+/// Writes `summary.json` and `report.html` into `folder`, each whole or not at all, and returns the summary.
 ///
 /// Shape: every outcome, and the nominal one, has one record per entry of `input.levels`.
 ///
 /// # Errors
 /// [`ReportError`] if a file cannot be written.
-pub fn write(folder: &Path, input: &ReportInput) -> Result<(), ReportError> {
+pub fn write(folder: &Path, input: &ReportInput) -> Result<Summary, ReportError> {
     let summary = Summary::of(input);
     let json = serde_json::to_string_pretty(&summary).map_err(std::io::Error::from)?;
     let page = page::render(input, &summary)?;
     for (name, text) in [("summary.json", json), ("report.html", page)] {
         replace_file(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
     }
-    Ok(())
+    Ok(summary)
 }
 
 /// The peak of a level if it solves the balance equations and its numbers are finite.

@@ -1,13 +1,14 @@
 //! The study file and the commands on it.
 //!
 //! Reads `study.toml` into the rooms' own settings ([`Study`]) and orchestrates them; holds no numerics.
-//! Start reading at [`Study::read`]; the commands are [`inspect()`], [`solve()`] and `run`.
+//! Start reading at [`Study::read`]; the commands are [`inspect()`], [`solve()`] and [`run()`].
 
 pub mod document;
 pub mod frequency;
 pub mod inspect;
 pub mod output;
 pub mod read;
+pub mod run;
 pub mod solve;
 pub mod tables;
 
@@ -15,4 +16,5 @@ pub use frequency::{FrequencySettings, FrequencyUnit, Points};
 pub use inspect::{Inspection, inspect};
 pub use output::{OutputFolder, OutputSettings};
 pub use read::{ModelSettings, Study};
+pub use run::{RunResult, run};
 pub use solve::{LevelCurve, Progress, solve, write_curves};

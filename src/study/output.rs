@@ -11,10 +11,6 @@ use crate::setting::BadSetting;
 #[derive(Debug, Clone, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct OutputSettings {
-    /// Points of the forced response curve that is kept per sample and level.
-    pub curve_points: usize,
-    /// Quantiles of the report, ascending in (0, 1).
-    pub quantiles: Vec<f64>,
     /// Folder of the results, relative to the study file.
     pub folder: PathBuf,
 }
@@ -22,8 +18,6 @@ pub struct OutputSettings {
 impl Default for OutputSettings {
     fn default() -> Self {
         Self {
-            curve_points: 200,
-            quantiles: vec![0.05, 0.5, 0.95],
             folder: PathBuf::from("results"),
         }
     }
@@ -35,17 +29,6 @@ impl OutputSettings {
     /// # Errors
     /// [`BadSetting`] with a key relative to `[output]`.
     pub fn validate(&self) -> Result<(), BadSetting> {
-        let n = self.curve_points;
-        let rule = "must be from 2 to 100000";
-        BadSetting::unless((2..=100_000).contains(&n), "curve_points", n, rule)?;
-        let none = self.quantiles.is_empty();
-        BadSetting::unless(!none, "quantiles", "[]", "must not be empty")?;
-        for (i, q) in self.quantiles.iter().enumerate() {
-            let ascending = i == 0 || self.quantiles[i - 1] < *q;
-            let holds = ascending && 0.0 < *q && *q < 1.0;
-            let rule = "must be between 0 and 1, each greater than the one before";
-            BadSetting::unless(holds, &format!("quantiles[{i}]"), q, rule)?;
-        }
         let empty = self.folder.as_os_str().is_empty();
         BadSetting::unless(!empty, "folder", "\"\"", "must not be empty")
     }

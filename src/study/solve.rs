@@ -249,6 +249,7 @@ mod tests {
             responses: vec![0.0, 7.0, 3.0, 0.0, 4.0, 1.0],
             residual: 1e-12,
             contact: ContactFractions::default(),
+            flight_fraction: 0.0,
             work: CycleWork::default(),
             truncation_error: None,
             force: Vec::new(),

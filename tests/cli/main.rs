@@ -52,7 +52,6 @@ time_points = 128
 band_hz = [100, 200]
 
 [output]
-quantiles = [0.1, 0.9]
 "#;
 
 const MASS: &str = "%%MatrixMarket matrix coordinate real symmetric\n2 2 2\n1 1 1.0\n2 2 1.5\n";

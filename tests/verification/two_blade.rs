@@ -6,8 +6,16 @@
 )]
 
 use faer::Mat;
+use microslip::aft::{AftSettings, Laps};
+use microslip::contact::{ContactParameters, FrictionLaw, Recontact};
+use microslip::harmonics::HarmonicSet;
+use microslip::hb::peak::PeakSettings;
+use microslip::hb::resonance::Band;
+use microslip::hb::track::track_peaks;
+use microslip::hb::{HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Status};
 use microslip::linalg::symmetric_generalized_eigen;
 use microslip::model::two_blade::{Phase, TwoBladeModel, TwoBladeSettings, build};
+use microslip::units::{hz_to_rad_s, rad_s_to_hz};
 use std::sync::LazyLock;
 
 /// Nominal normal and tangential stiffness of one interface (N/m).
@@ -72,6 +80,90 @@ fn relative_platform_motion_reproduces_the_published_ratios() {
     assert!((ratio(first) / 0.003 - 1.0).abs() < 0.2, "{first:?}");
     assert!((ratio(second) / 0.13 - 1.0).abs() < 0.1, "{second:?}");
     assert!(second[0] < 1e-9, "in phase, the platforms move alike in x");
+}
+
+/// Peak over the free neck bending (Hz) and amplitude per unit force (um/N) at the ascending `levels` (N), at nominal
+/// stiffness with 3 harmonics; each solve must converge.
+fn peaks(mu: f64, levels: &[f64]) -> Vec<[f64; 2]> {
+    let model = LinearModel::new(&RIG.reduced).expect("definite");
+    let n = RIG.reduced.n_contacts();
+    let pair = ContactParameters {
+        k_n: 2.0 * K_N / n as f64,
+        k_t: [2.0 * K_T / n as f64; 2],
+        mu,
+        n_0: 0.0,
+        anchor: [0.0; 2],
+    };
+    let problem =
+        Problem::new(&model, vec![pair; n], 1.0, SliderAnchor::Unloaded).expect("well posed");
+    let settings = HbSettings {
+        harmonics: HarmonicSet::up_to(3),
+        aft: AftSettings {
+            n_time: 128,
+            law: FrictionLaw::Box,
+            recontact: Recontact::Interpolated,
+            laps: Laps::Periodic,
+        },
+        anchor: SliderAnchor::Unloaded,
+        newton: NewtonSettings::default(),
+        alert: None,
+    };
+    let free = RIG.free_neck_bending();
+    let peak = PeakSettings {
+        band: Band {
+            low: hz_to_rad_s(free - 8.0),
+            high: hz_to_rad_s(free + 22.0),
+        },
+        frequency_tolerance: 3e-7,
+    };
+    let found = track_peaks(&problem, &settings, peak, levels).expect("definite");
+    let reported = found.iter().map(|p| {
+        assert_eq!(p.status, Status::Converged, "{} N", p.level);
+        let solution = p.solution.as_ref().expect("converged");
+        let shift = rad_s_to_hz(solution.omega) - free;
+        let per_force = solution.amplitude(0) / p.level * 1e6;
+        println!("mu {mu}: {} N {shift:.3} Hz {per_force:.4} um/N", p.level);
+        [shift, per_force]
+    });
+    reported.collect()
+}
+
+/// Published: amplitude per force falls, then rises; the peak moves from the stuck frequency to the free one. Partial
+/// lift-off may lift the amplitude by a few percent before slip sets in.
+/// Seen to fail: with a friction coefficient of 0.001 (no fall).
+#[test]
+fn peaks_move_from_stuck_to_free_through_a_minimum_of_amplitude() {
+    let levels = [0.1, 1.0, 5.0, 10.0, 20.0, 50.0, 100.0, 300.0];
+    let found = peaks(0.6, &levels);
+    assert!(
+        (found[0][0] - shift(&RIG, 1.0)).abs() < 0.05,
+        "stuck at 0.1 N"
+    );
+    assert!(
+        found.windows(2).all(|w| w[1][0] < w[0][0] + 1e-3),
+        "frequency falls: {found:?}"
+    );
+    assert!(found[7][0].abs() < 0.2, "nearly free at 300 N");
+    let amplitude: Vec<f64> = found.iter().map(|f| f[1]).collect();
+    let fall = &amplitude[..5];
+    assert!(
+        fall.windows(2).all(|w| w[1] < 1.05 * w[0]) && fall[4] < 0.75 * fall[0],
+        "falls to 20 N: {amplitude:?}"
+    );
+    assert!(
+        amplitude[4..].windows(2).all(|w| w[1] > w[0]),
+        "rises from 20 N: {amplitude:?}"
+    );
+}
+
+/// Published: about 50 % between friction coefficients 0.1 and 0.6 at 20 N, read as the drop from the weaker friction.
+/// Seen to fail: at 50 N.
+#[test]
+fn friction_coefficient_halves_the_peak_at_twenty_newton() {
+    let [weak, strong] = [0.1, 0.6].map(|mu| peaks(mu, &[0.1, 20.0])[1][1]);
+    let drop = 1.0 - strong / weak;
+    println!("drop {:.1} %", 100.0 * drop);
+    assert!((0.33..=0.55).contains(&drop), "{drop}");
 }
 
 /// Forty modes per component instead of 20 and 12. Seen to fail: with 3 blade modes as default.
@@ -248,7 +340,7 @@ fn static_load_is_the_centrifugal_load_on_the_strip() {
     );
 }
 
-/// Free blades: C is diagonal in the modes, 2ζω. Strip: 2e-3 at 1 kHz. Seen to fail: with Φ in place of MΦ.
+/// Free blades: C is diagonal in the modes, 2ζω. Strip: 2e-2 at 1 kHz. Seen to fail: with Φ in place of MΦ.
 #[test]
 fn damping_is_diagonal_in_the_modes_of_the_components() {
     let rig = &RIG.reduced;
@@ -261,15 +353,15 @@ fn damping_is_diagonal_in_the_modes_of_the_components() {
     for i in 0..n {
         for j in 0..n {
             let exact = if i == j {
-                2.0 * 2e-4 * lambda[i].sqrt()
+                2.0 * 1.5e-4 * lambda[i].sqrt()
             } else {
                 0.0
             };
-            let scale = 2.0 * 2e-4 * (lambda[i] * lambda[j]).powf(0.25);
+            let scale = 2.0 * 1.5e-4 * (lambda[i] * lambda[j]).powf(0.25);
             assert!((modal[(i, j)] - exact).abs() < 1e-6 * scale, "({i}, {j})");
         }
     }
-    let (i, beta) = (2 * n, 2.0 * 2e-3 / (2.0 * std::f64::consts::PI * 1e3));
+    let (i, beta) = (2 * n, 2.0 * 2e-2 / (2.0 * std::f64::consts::PI * 1e3));
     let ratio = rig.damping[(i, i)] / rig.stiffness[(i, i)];
     assert!((ratio / beta - 1.0).abs() < 1e-12, "{ratio}");
 }

@@ -15,7 +15,8 @@ pub enum Phase {
 /// The rig: two mirror-image blades, each a clamped neck, a platform and an airfoil, and a strip under both platforms.
 ///
 /// The default geometry is ours (steel, 0.41 kg per blade); it is tuned to the published relations between free and
-/// stuck frequencies and between platform and airfoil motion, not to any published dimension.
+/// stuck frequencies and between platform and airfoil motion, not to any published dimension. Damping and the
+/// direction of the force (oblique, as on a staggered blade) set the force scale at which the strip slips.
 ///
 /// Axes: x from blade 1 to blade 2, y along the gap, z radially outwards. Blade 1 is the one at x < 0.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize, serde::Serialize)]
@@ -52,7 +53,8 @@ pub struct TwoBladeSettings {
     pub strip_modes: usize,
     /// Damping ratio of every blade mode.
     pub blade_damping_ratio: f64,
-    /// Damping ratio of the strip at 1 kHz; grows with frequency (stiffness-proportional).
+    /// Damping ratio of the strip at 1 kHz; grows with frequency (stiffness-proportional). The default is more than
+    /// steel has: it damps the strip's bending resonances that high harmonics meet.
     pub strip_damping_ratio: f64,
     /// Centrifugal load on the strip (N), towards +z.
     pub centrifugal_load_n: f64,
@@ -89,13 +91,13 @@ impl Default for TwoBladeSettings {
             strip_element_mm: 12.5,
             blade_modes: 20,
             strip_modes: 12,
-            blade_damping_ratio: 2e-4,
-            strip_damping_ratio: 2e-3,
+            blade_damping_ratio: 1.5e-4,
+            strip_damping_ratio: 2e-2,
             centrifugal_load_n: 180.0,
             pressure_weights: None,
             retention_n_per_m: 1e7,
             excitation_height: 0.0,
-            excitation_direction: [1.0, 0.0, 0.0],
+            excitation_direction: [0.8, -0.6, 0.0],
             excitation_phase: Phase::InPhase,
             response_height: 0.743,
         }
