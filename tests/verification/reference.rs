@@ -1,4 +1,8 @@
 //! Published-code solutions of the problems in `tests/reference`, which say where each value comes from.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot read its reference fails"
+)]
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -81,14 +85,14 @@ struct Fixed {
 fn meets_fixed_discretisation(name: &str) {
     let case = Case::read(name, "study.toml");
     for fixed in json::<Vec<Fixed>>(name, "fixed.json") {
-        assert_eq!(fixed.dof_names, case.names);
+        assert_eq!(fixed.dof_names, case.names, "responses of {name}");
         let mut settings = case.settings(fixed.highest_harmonic, fixed.time_points);
         settings.aft.law = fixed.law;
         settings.aft.laps = fixed.loops.map_or(Laps::Periodic, Laps::Fixed);
         let solutions = case.sweep(&settings, fixed.level, &fixed.frequency);
         for (solution, rows) in solutions.iter().zip(&fixed.harmonics) {
             let expected: Vec<f64> = rows.iter().flatten().copied().collect();
-            assert_eq!(solution.responses.len(), expected.len());
+            assert_eq!(solution.responses.len(), expected.len(), "harmonics");
             assert!(solution.status.has_solution(), "{:?}", solution.status);
             let scale = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
             for (found, expected) in solution.responses.iter().zip(&expected) {
