@@ -3,12 +3,14 @@
 use super::alert::{enlarged, pad, time_points, truncation_error};
 use super::balance::Balance;
 use super::continuation::{BranchPoint, StepSettings, walk};
-use super::newton::{Condition, Iterate, Point, WorkCount, solve};
+use super::ladder::Ladder;
+use super::newton::{Condition, Iterate, WorkCount, solve};
 use super::problem::Problem;
 use super::resonance::Band;
 use super::settings::{AlertSettings, HbSettings};
 use super::solution::Solution;
 use super::status::Status;
+use super::sweep::{Sweep, SweepDirection};
 use super::track::stuck_point;
 
 /// Largest step of a curve: 2 % of the amplitude, or 4 % of the band.
@@ -18,28 +20,36 @@ const MOST_STEPS: usize = 20_000;
 /// Part of the band's lower end down to which an overhanging branch is followed.
 const LOWEST: f64 = 0.5;
 
-/// Solutions at the frequencies `omega` (rad/s), in their order.
+/// Solutions at the ascending frequencies `omega` (rad/s), in that order.
 ///
-/// Each starts from the one before and, failing that, from the stuck structure; so an isolated frequency on an
-/// overhanging branch may need neighbours to be reached. With an error alert every solution
-/// gets more harmonics until the truncation error is below the threshold.
+/// Where several solutions exist, the one that a slow sweep in the given direction meets; see [`super::sweep`]. With
+/// an error alert every solution gets more harmonics until the truncation error is below the threshold.
 #[must_use]
 pub fn at_frequencies(
     problem: &Problem<'_>,
     settings: &HbSettings,
     level: f64,
     omega: &[f64],
+    direction: SweepDirection,
 ) -> Vec<Solution> {
-    let ladder = ladder(problem, settings);
-    let mut previous: Option<Point> = None;
-    let mut solutions = Vec::new();
-    for &omega in omega {
-        let near = previous.take().map(|point| Point { omega, ..point });
-        let (solution, point) = solve_at(&ladder, settings, near, omega, level);
-        solutions.push(solution);
-        previous = point;
+    let ladder = Ladder::new(problem, settings);
+    let alerts = alert_sets(problem, settings);
+    let mut sweep = Sweep::new(&ladder, settings.newton, level, direction);
+    let solution = |&omega: &f64| match sweep.next(omega) {
+        Ok((iterate, count)) => refined(&alerts, iterate, settings, count),
+        Err((status, count)) => {
+            let stuck = stuck_point(&alerts[0], omega, level);
+            Solution::new(&alerts[0], &Iterate::new(&alerts[0], stuck), status, count)
+        }
+    };
+    match direction {
+        SweepDirection::Upward => omega.iter().map(solution).collect(),
+        SweepDirection::Downward => {
+            let mut solutions: Vec<Solution> = omega.iter().rev().map(solution).collect();
+            solutions.reverse();
+            solutions
+        }
     }
-    solutions
 }
 
 /// Solutions along the branch from the lower to the upper end of `band`; overhanging parts are included, also where
@@ -58,8 +68,9 @@ pub fn over_band(
     let next = settings.alert.map(|_| larger(&balance, settings, None));
     let report =
         |iterate: &Iterate<'_>, count| finished(&balance, iterate, next.as_ref(), settings, count);
-    let start = stuck_point(&balance, band.low, level);
-    let (first, count) = match solve(&balance, start, Condition::FixedFrequency, settings.newton) {
+    let ladder = Ladder::new(problem, settings);
+    let mut sweep = Sweep::new(&ladder, settings.newton, level, SweepDirection::Upward);
+    let (first, count) = match sweep.next(band.low) {
         Ok(solved) => solved,
         Err((status, count)) => {
             let start = stuck_point(&balance, band.low, level);
@@ -90,7 +101,7 @@ pub fn over_band(
 }
 
 /// The problem on the first harmonics and, with an alert, on each larger set up to the highest harmonic.
-fn ladder<'p>(problem: &'p Problem<'p>, settings: &HbSettings) -> Vec<Balance<'p>> {
+fn alert_sets<'p>(problem: &'p Problem<'p>, settings: &HbSettings) -> Vec<Balance<'p>> {
     let mut rungs = vec![Balance::new(
         problem,
         settings.harmonics.clone(),
@@ -121,47 +132,16 @@ fn larger<'p>(balance: &Balance<'p>, settings: &HbSettings, cap: Option<usize>) 
     Balance::new(balance.problem, harmonics, aft)
 }
 
-/// One frequency: the solution, and its point on the first rung as the start of the next frequency.
-fn solve_at(
-    ladder: &[Balance<'_>],
-    settings: &HbSettings,
-    near: Option<Point>,
-    omega: f64,
-    level: f64,
-) -> (Solution, Option<Point>) {
-    let base = &ladder[0];
-    let mut count = WorkCount::default();
-    let mut status = Status::MaxIterations;
-    let cold = stuck_point(base, omega, level);
-    for start in near.into_iter().chain([cold.clone()]) {
-        match solve(base, start, Condition::FixedFrequency, settings.newton) {
-            Ok((iterate, work)) => {
-                count += work;
-                let point = iterate.point.clone();
-                return (climb(ladder, iterate, settings, count), Some(point));
-            }
-            Err((why, work)) => {
-                count += work;
-                status = why;
-            }
-        }
-    }
-    (
-        Solution::new(base, &Iterate::new(base, cold), status, count),
-        None,
-    )
-}
-
 /// Adds harmonics until the truncation error is below the threshold.
-fn climb<'p>(
-    ladder: &[Balance<'p>],
+fn refined<'p>(
+    sets: &[Balance<'p>],
     mut iterate: Iterate<'p>,
     settings: &HbSettings,
     mut count: WorkCount,
 ) -> Solution {
-    for (rung, next) in ladder.iter().zip(&ladder[1..]) {
+    for (rung, next) in sets.iter().zip(&sets[1..]) {
         let solution = finished(rung, &iterate, Some(next), settings, count);
-        let is_top = next.harmonics.highest() == ladder[ladder.len() - 1].harmonics.highest();
+        let is_top = next.harmonics.highest() == sets[sets.len() - 1].harmonics.highest();
         if solution.status == Status::Converged || is_top {
             return solution;
         }
@@ -175,7 +155,7 @@ fn climb<'p>(
             Err(_) => return solution,
         }
     }
-    finished(&ladder[0], &iterate, None, settings, count)
+    finished(&sets[0], &iterate, None, settings, count)
 }
 
 /// A solved iterate with its truncation error, estimated on `next`.

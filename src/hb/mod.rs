@@ -11,6 +11,7 @@ pub mod curve;
 pub mod error;
 pub mod forced_response;
 pub mod jacobian;
+pub mod ladder;
 pub mod linear;
 pub mod newton;
 pub mod peak;
@@ -19,6 +20,7 @@ pub mod resonance;
 pub mod settings;
 pub mod solution;
 pub mod status;
+pub mod sweep;
 pub mod track;
 
 pub use balance::Balance;

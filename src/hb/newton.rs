@@ -285,6 +285,38 @@ pub fn solve<'p>(
     }
 }
 
+/// Newton steps at the fixed frequency of a solved iterate for as long as each at least halves the residual: to
+/// round-off, whatever the tolerance of the solve was.
+#[must_use]
+pub fn polish<'p>(balance: &Balance<'p>, solved: Iterate<'p>) -> (Iterate<'p>, WorkCount) {
+    let mut iterate = solved;
+    let mut count = WorkCount::default();
+    loop {
+        let jacobian = iterate.jacobian(balance);
+        let step = newton_step(balance, &iterate, &jacobian, Condition::FixedFrequency);
+        count += WorkCount {
+            iterations: 1,
+            factorizations: jacobian.factorizations(),
+        };
+        let (r, moved) = (&iterate.point.r, &step.r);
+        let point = Point {
+            r: r.iter().zip(moved).map(|(r, d)| r + d).collect(),
+            ..iterate.point
+        };
+        let trial = Iterate::with_compliance(balance, point, Arc::clone(&iterate.compliance));
+        let (before, after) = (
+            iterate.relative_residual(balance),
+            trial.relative_residual(balance),
+        );
+        // A residual of exactly 0 ends it too.
+        if after.is_nan() || after >= 0.5 * before {
+            return (iterate, count);
+        }
+        drop(jacobian);
+        iterate = trial;
+    }
+}
+
 /// The full Newton step of the (bordered) system at a fixed level.
 #[must_use]
 pub fn newton_step(

@@ -9,6 +9,7 @@
 use super::alert::{enlarged, pad, time_points, truncation_error};
 use super::balance::Balance;
 use super::continuation::{BranchPoint, StepSettings, walk};
+use super::ladder::Ladder;
 use super::newton::{Condition, Iterate, Point, WorkCount, solve};
 use super::peak::{PeakSettings, find_peak};
 use super::problem::Problem;
@@ -16,7 +17,6 @@ use super::resonance::{LinearResonance, linear_resonance};
 use super::settings::{HbSettings, NewtonSettings};
 use super::solution::Solution;
 use super::status::Status;
-use crate::harmonics::HarmonicSet;
 use crate::linalg::LinalgError;
 use faer::prelude::c64;
 
@@ -47,8 +47,6 @@ const LONGEST_SECANT: f64 = 0.7;
 const MOST_SECANTS: usize = 12;
 /// Newton iterations of one step of the track; more mean that the step was too long.
 const TRACK_ITERATIONS: usize = 30;
-/// Highest harmonics of the sets on the way from the track to the study's set.
-const RUNGS: [usize; 3] = [1, 2, 3];
 /// Steps of the sweep that replaces a failed track.
 const SWEEP_STEPS: usize = 200;
 
@@ -80,14 +78,9 @@ pub fn track_peaks(
         let nothing = |&level| LevelPeak::failed(level, Status::NoPeakInBand, WorkCount::default());
         return Ok(levels.iter().map(nothing).collect());
     };
-    let ladder: Vec<Balance<'_>> = (RUNGS.iter())
-        .filter(|&&rung| rung < settings.harmonics.highest())
-        .map(|&rung| HarmonicSet::up_to(rung))
-        .chain([settings.harmonics.clone()])
-        .map(|harmonics| Balance::new(problem, harmonics, settings.aft))
-        .collect();
+    let ladder = Ladder::new(problem, settings);
     let mut track = Track {
-        ladder: &ladder,
+        ladder: ladder.rungs(),
         settings,
         peak,
         phasor: resonance.response / resonance.response.norm(),

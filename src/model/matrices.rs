@@ -76,8 +76,8 @@ pub struct MatricesSettings {
     /// Contact pairs.
     #[serde(default)]
     pub contact: Vec<ContactTable>,
-    /// Response coordinates; resonance is the maximum of the first one's amplitude.
-    pub responses: Vec<ResponseTable>,
+    /// Response coordinates, all degrees of freedom if absent; resonance is the maximum of the first one's amplitude.
+    pub responses: Option<Vec<ResponseTable>>,
 }
 
 /// Names in the study file, or a text file with one name per line.
@@ -170,8 +170,9 @@ impl MatricesSettings {
         BadSetting::unless(!neither, "damping", "(absent)", rule)?;
         non_negative("modal_damping_ratio", ratio)?;
         BadSetting::unless(ratio < 1.0, "modal_damping_ratio", ratio, "must be below 1")?;
-        let n = self.responses.len();
-        BadSetting::unless(n > 0, "responses", "[]", "must have at least one response")?;
+        let named = self.responses.as_ref().is_none_or(|r| !r.is_empty());
+        let rule = "must have at least one response";
+        BadSetting::unless(named, "responses", "[]", rule)?;
         let n = self.contact.len();
         BadSetting::unless(n > 0, "contact", "[]", "must have at least one pair")?;
         for (i, contact) in self.contact.iter().enumerate() {
@@ -221,7 +222,7 @@ impl MatricesSettings {
         let model = ReducedModel {
             name: name.to_owned(),
             static_force: vector("static_force", &self.static_force)?,
-            responses: self.response_rows(&index)?,
+            responses: self.response_rows(&dof_names, &index)?,
             dof_names,
             mass,
             damping,
@@ -299,9 +300,21 @@ impl MatricesSettings {
         Ok(names)
     }
 
-    fn response_rows(&self, index: &DofIndex) -> Result<Vec<Response>, BadSetting> {
+    fn response_rows(
+        &self,
+        dof_names: &[String],
+        index: &DofIndex,
+    ) -> Result<Vec<Response>, BadSetting> {
+        let Some(tables) = &self.responses else {
+            let named = dof_names.iter().cloned().enumerate();
+            let response = |(i, name)| Response {
+                name,
+                row: vec![(i, 1.0)],
+            };
+            return Ok(named.map(response).collect());
+        };
         let mut responses = Vec::new();
-        for (i, table) in self.responses.iter().enumerate() {
+        for (i, table) in tables.iter().enumerate() {
             let key = format!("responses[{i}]");
             let (name, row) = match table {
                 ResponseTable::Dof(dof) => (dof, index.row(&key, &[(dof.clone(), 1.0)].into())?),

@@ -1,5 +1,6 @@
 //! Frequencies of a study: the band of the resonance search, and where `solve` evaluates the response.
 
+use crate::hb::sweep::SweepDirection;
 use crate::setting::{BadSetting, positive};
 use crate::units::{hz_to_rad_s, rad_s_to_hz};
 
@@ -57,8 +58,13 @@ impl FrequencyUnit {
 pub enum Points {
     /// A continuous curve over the band.
     Continuation,
-    /// At these angular frequencies (rad/s), ascending.
-    Prescribed(Vec<f64>),
+    /// At prescribed frequencies.
+    Prescribed {
+        /// Angular frequencies (rad/s), ascending.
+        omega: Vec<f64>,
+        /// Which way they are swept.
+        sweep: SweepDirection,
+    },
 }
 
 /// Frequencies of a study.
@@ -81,6 +87,7 @@ pub struct FrequencyTable {
     values_hz: Option<Vec<f64>>,
     values_rad_s: Option<Vec<f64>>,
     points: Option<usize>,
+    sweep: Option<SweepDirection>,
 }
 
 /// Most points that `points` may ask for.
@@ -108,21 +115,16 @@ impl FrequencyTable {
     }
 
     fn band(&self) -> Result<(FrequencyUnit, [f64; 2]), BadSetting> {
-        let refused = |key: &str, value: &str, rule: &str| BadSetting {
-            key: key.to_owned(),
-            value: value.to_owned(),
-            rule: rule.to_owned(),
-        };
         match (self.band_hz, self.band_rad_s) {
             (Some(band), None) => Ok((FrequencyUnit::Hertz, band)),
             (None, Some(band)) => Ok((FrequencyUnit::RadiansPerSecond, band)),
             (None, None) => {
                 let rule = "must be given, or band_rad_s for a non-dimensional model";
-                Err(refused("band_hz", "(absent)", rule))
+                Err(refused("band_hz", &"(absent)", rule))
             }
             (Some(_), Some(_)) => {
                 let rule = "must be absent if band_hz is given";
-                Err(refused("band_rad_s", "[...]", rule))
+                Err(refused("band_rad_s", &"[...]", rule))
             }
         }
     }
@@ -138,25 +140,42 @@ impl FrequencyTable {
         let count = points.unwrap_or(2);
         let rule = format!("must be from 2 to {MOST_POINTS}");
         BadSetting::unless((2..=MOST_POINTS).contains(&count), "points", count, &rule)?;
-        match (values, points) {
+        let values = match (values, points) {
             (Some(_), Some(_)) => {
-                let rule = "must be absent if values are given";
-                BadSetting::unless(false, "points", count, rule)?;
-                Ok(Points::Continuation)
+                return Err(refused(
+                    "points",
+                    &count,
+                    "must be absent if values are given",
+                ));
             }
-            (None, None) => Ok(Points::Continuation),
+            (None, None) => {
+                let rule = "must be absent for a continuous curve, which has all solutions";
+                return match self.sweep {
+                    Some(sweep) => Err(refused("sweep", &sweep.name(), rule)),
+                    None => Ok(Points::Continuation),
+                };
+            }
             (None, Some(n)) => {
                 let step = (band[1] - band[0]) / (n - 1) as f64;
-                let values = (0..n).map(|i| unit.to_rad_s(band[0] + step * i as f64));
-                Ok(Points::Prescribed(values.collect()))
+                (0..n).map(|i| band[0] + step * i as f64).collect()
             }
             (Some(values), None) => {
-                let key = format!("values_{}", unit.suffix());
-                ascending_positive(&key, values)?;
-                let values = values.iter().map(|f| unit.to_rad_s(*f));
-                Ok(Points::Prescribed(values.collect()))
+                ascending_positive(&format!("values_{}", unit.suffix()), values)?;
+                values.clone()
             }
-        }
+        };
+        Ok(Points::Prescribed {
+            omega: values.iter().map(|f| unit.to_rad_s(*f)).collect(),
+            sweep: self.sweep.unwrap_or_default(),
+        })
+    }
+}
+
+fn refused(key: &str, value: &dyn std::fmt::Display, rule: &str) -> BadSetting {
+    BadSetting {
+        key: key.to_owned(),
+        value: value.to_string(),
+        rule: rule.to_owned(),
     }
 }
 

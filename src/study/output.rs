@@ -1,10 +1,10 @@
 //! What a study leaves behind, and how files are written so that a failure spoils none.
 
-use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use crate::Error;
+use crate::ensemble::store::replace_file;
 use crate::setting::BadSetting;
 
 /// `[output]` of a study file.
@@ -57,8 +57,6 @@ impl OutputFolder {
 
     /// Writes a file whole or not at all: an older file of that name stays until the new one is on the disk.
     ///
-    /// Until then the content stands in `.<name>.partial`, which a failure removes.
-    ///
     /// # Errors
     /// [`Error::File`] if the content cannot be produced or written (no space left, …).
     pub fn write(
@@ -67,36 +65,23 @@ impl OutputFolder {
         content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> Result<PathBuf, Error> {
         let path = self.0.join(name);
-        let partial = self.0.join(format!(".{name}.partial"));
-        let written =
-            write_through(&partial, content).and_then(|()| std::fs::rename(&partial, &path));
+        let written = replace_file(&path, |file| {
+            let mut buffer = BufWriter::new(file);
+            content(&mut buffer)?;
+            buffer.flush()
+        });
         match written {
             Ok(()) => Ok(path),
-            Err(source) => {
-                // The first failure is what the user needs to know; a partial file left behind harms nothing.
-                let _ = std::fs::remove_file(&partial);
-                Err(Error::file(&path, source))
-            }
+            Err(source) => Err(Error::file(&path, source)),
         }
     }
-}
-
-/// Writes `content` and waits until it is on the disk.
-fn write_through(
-    path: &Path,
-    content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
-) -> std::io::Result<()> {
-    let mut buffer = BufWriter::new(File::create(path)?);
-    content(&mut buffer)?;
-    buffer.flush()?;
-    buffer.get_ref().sync_all()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Seen to fail with `partial` equal to `path`.
+    /// Seen to fail with the content written straight to the file.
     #[test]
     fn a_failed_write_leaves_the_old_file_and_nothing_else() {
         let folder = tempfile::tempdir().unwrap();

@@ -48,7 +48,9 @@ pub fn solve(
     for (&level, done) in study.levels.iter().zip(1..) {
         let solutions = match &study.frequency.points {
             Points::Continuation => over_band(&problem, &study.solver, level, Band { low, high }),
-            Points::Prescribed(omega) => at_frequencies(&problem, &study.solver, level, omega),
+            Points::Prescribed { omega, sweep } => {
+                at_frequencies(&problem, &study.solver, level, omega, *sweep)
+            }
         };
         curves.push(LevelCurve { level, solutions });
         progress(Progress { done, total });
@@ -68,14 +70,8 @@ pub struct LevelCurve {
 
 /// Writes `curve.csv` and `solution.json`.
 ///
-/// `curve.csv`: level; frequency_hz (or _rad_s); status; per response |q̂₁| in m (amplitude_NAME_m; without unit for
-/// non-dimensional models), empty without a solution; shares of (pair, time) in each contact state; truncation_error;
-/// residual; newton_iterations; factorizations.
-///
-/// `solution.json`: `study`, `frequency_unit`, `coefficient_order`, `levels[]` of `level` and `points[]`: frequency,
-/// `status`, `harmonics`, `responses` (name → coefficients 0, c1, s1, … in m), `contact_fractions`, `work_j`,
-/// `truncation_error`, `residual`, `newton_iterations`, `factorizations`. Without a solution `responses`,
-/// `contact_fractions` and `work_j` are null.
+/// The README says field by field what they hold. Without a solution amplitudes and shares stay empty in `curve.csv`;
+/// `responses`, `contact_fractions` and `work_j` are null in `solution.json`.
 ///
 /// # Errors
 /// [`Error::File`] if a file cannot be written; older files then stay as they were.

@@ -18,9 +18,7 @@ fn solve_reproduces_the_reference_solutions_of_three_problems() {
             std::fs::copy(source.join(matrix), folder.path().join(matrix)).unwrap();
         }
         for solution in serde_json::from_str::<Vec<Fixed>>(&fixed).unwrap() {
-            // The circle law run to its periodic cycle stops at a tolerance of its own.
-            let Some(laps) = solution.loops else { continue };
-            let text = solution.study(&study, laps);
+            let text = solution.study(&study);
             std::fs::write(folder.path().join("study.toml"), text).unwrap();
             let output = microslip(
                 folder.path(),
@@ -54,7 +52,10 @@ struct Fixed {
 
 impl Fixed {
     /// The case's study with this entry's settings.
-    fn study(&self, text: &str, laps: usize) -> String {
+    fn study(&self, text: &str) -> String {
+        let laps = self
+            .loops
+            .map_or("\"periodic\"".to_owned(), |n| n.to_string());
         let unit = if self.unit == "Hz" { "hz" } else { "rad_s" };
         let lines = text.lines().map(|line| match line.split(" = ").next() {
             Some("levels") => format!("levels = [{}]", self.level),
@@ -90,5 +91,29 @@ impl Fixed {
                 }
             }
         }
+    }
+}
+
+/// Without `responses` every degree of freedom is one, and a downward sweep keeps the order of the frequencies.
+///
+/// Seen to fail with the solutions of a downward sweep left in the order of solving.
+#[test]
+fn every_degree_of_freedom_is_a_response_by_default() {
+    let folder = crate::folder("study.toml", "responses = [\"x1\"]\n", "");
+    let study = folder.path().join("study.toml");
+    let text = std::fs::read_to_string(&study).unwrap();
+    let values = "values_hz = [110, 150]\nsweep = \"downward\"";
+    let band = "band_hz = [100, 200]";
+    std::fs::write(&study, text.replace(band, &format!("{band}\n{values}"))).unwrap();
+    let output = microslip(folder.path(), &["solve", "study.toml", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let file = folder.path().join("results/solution.json");
+    let json: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+    let points = json["levels"][0]["points"].as_array().unwrap();
+    for (point, frequency) in points.iter().zip([110.0, 150.0]) {
+        assert!((point["frequency_hz"].as_f64().unwrap() - frequency).abs() < 1e-9);
+        let names: Vec<_> = point["responses"].as_object().unwrap().keys().collect();
+        assert_eq!(names, ["x1", "x2"]);
     }
 }

@@ -6,6 +6,7 @@ Writes next to itself; python3, standard library only. Numbers keep all digits o
 """
 
 import json
+import math
 import pathlib
 import re
 import sys
@@ -26,7 +27,8 @@ CONVENTIONS = """
 - `fixed.json`: solutions at a fixed discretisation: harmonics H, Nt points, `loops` passes over the period (null: until
   the slider is periodic), `harmonics[frequency][coefficient][dof]` of the named degrees of freedom. To be met to 1e-9
   of the largest coefficient: the codes agree with them to 1e-12.
-- `peaks.json`: per level the resonance peak, the amplitude at that frequency against (H, Nt), and time marching.
+- `peaks.json`: per level the resonance peak, the amplitude at that frequency against (H, Nt), time marching, and
+  `curve`: first-harmonic amplitudes `[frequency][dof]` of the responses of `study.toml` at H and Nt.
 """
 
 CASES = {
@@ -86,7 +88,8 @@ def study(case, problem, responses, harmonics, time_points):
     return "\n".join(lines) + "\n"
 
 
-def peaks(reference):
+def peaks(reference, responses):
+    at = [reference["dof_names"].index(name) for name in responses]
     levels = []
     for level in reference["levels"]:
         peak, keep = level["peak"], {"level": level["level"]}
@@ -97,7 +100,8 @@ def peaks(reference):
         if marching:
             keep["time_marching"] = {key: marching[key] for key in ("scheme", "steps_per_period", "A1") if key in marching}
             keep["time_marching"]["extrapolated"] = marching.get("A1_richardson", marching.get("A1_extrapolated"))
-        amplitude = level.get("A1_tip_m") or next(v for k, v in level.items() if k.startswith("A1_") and isinstance(v, list))
+        # First harmonic of every named degree of freedom; nine digits are more than the comparison needs.
+        amplitude = [[float(f"{math.hypot(h[1][i], h[2][i]):.9g}") for i in at] for h in level["harmonics"]]
         keep["curve"] = {"frequency": level.get("frequency", level.get("frequency_hz")), "amplitude": amplitude}
         levels.append(keep)
     head = {key: reference[key] for key in ("law", "H", "Nt", "slider_init")}
@@ -121,7 +125,7 @@ def convert(source, case):
     (folder / "study.toml").write_text(study(case, problem, responses, harmonics, time_points))
     keys = ("law", "loops", "H", "Nt", "level", "unit", "frequency", "dof_names", "harmonics", "verified")
     (folder / "fixed.json").write_text(compact([{k: c[k] for k in keys} for c in fixed]))
-    (folder / "peaks.json").write_text(compact(peaks(reference)))
+    (folder / "peaks.json").write_text(compact(peaks(reference, responses)))
     readme = f"# {case}\n\n{problem['description']}\n\nUnits: {problem['units']}.\n\n{SOURCES}\n{CONVENTIONS}"
     (folder / "README.md").write_text(readme)
 

@@ -1,1 +1,376 @@
-//! Verification of `reference`.
+//! Published-code solutions of the problems in `tests/reference`, which say where each value comes from.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot read its reference fails"
+)]
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use microslip::aft::Laps;
+use microslip::contact::FrictionLaw;
+use microslip::harmonics::HarmonicSet;
+use microslip::hb::forced_response::at_frequencies;
+use microslip::hb::peak::PeakSettings;
+use microslip::hb::resonance::Band;
+use microslip::hb::sweep::SweepDirection;
+use microslip::hb::track::track_peaks;
+use microslip::hb::{HbSettings, LinearModel, Problem, Solution};
+use microslip::study::{FrequencyUnit, Study};
+
+/// A reference problem as its study file states it, and the names of its responses.
+struct Case {
+    study: Study,
+    linear: LinearModel,
+    names: Vec<String>,
+}
+
+impl Case {
+    fn read(name: &str, file: &str) -> Self {
+        let study = Study::read(&folder(name).join(file)).unwrap();
+        let (model, _) = study.build_model().unwrap();
+        Self {
+            linear: LinearModel::new(&model).unwrap(),
+            names: model.responses.into_iter().map(|r| r.name).collect(),
+            study,
+        }
+    }
+
+    fn problem(&self) -> Problem<'_> {
+        let (_, parameters) = self.study.build_model().unwrap();
+        Problem::new(&self.linear, parameters, 1.0, self.study.solver.anchor).unwrap()
+    }
+
+    fn settings(&self, highest: usize, n_time: usize) -> HbSettings {
+        let mut settings = self.study.solver.clone();
+        settings.harmonics = HarmonicSet::up_to(highest);
+        settings.aft.n_time = n_time;
+        settings
+    }
+
+    /// Solutions of an upward sweep at frequencies in the unit of the study.
+    fn sweep(&self, settings: &HbSettings, level: f64, frequency: &[f64]) -> Vec<Solution> {
+        let unit = self.study.frequency.unit;
+        let omega: Vec<f64> = frequency.iter().map(|f| unit.to_rad_s(*f)).collect();
+        let problem = self.problem();
+        at_frequencies(&problem, settings, level, &omega, SweepDirection::Upward)
+    }
+}
+
+fn folder(case: &str) -> std::path::PathBuf {
+    Path::new("tests/reference").join(case)
+}
+
+fn json<T: serde::de::DeserializeOwned>(case: &str, file: &str) -> T {
+    let text = std::fs::read_to_string(folder(case).join(file)).unwrap();
+    serde_json::from_str(&text).unwrap()
+}
+
+/// An entry of `fixed.json`.
+#[derive(serde::Deserialize)]
+struct Fixed {
+    law: FrictionLaw,
+    loops: Option<usize>,
+    #[serde(rename = "H")]
+    highest_harmonic: usize,
+    #[serde(rename = "Nt")]
+    time_points: usize,
+    level: f64,
+    frequency: Vec<f64>,
+    dof_names: Vec<String>,
+    harmonics: Vec<Vec<Vec<f64>>>,
+}
+
+/// Every coefficient to 1e-11 of the largest at every frequency of every entry of `fixed.json`.
+fn meets_fixed_discretisation(name: &str) {
+    let case = Case::read(name, "study.toml");
+    for fixed in json::<Vec<Fixed>>(name, "fixed.json") {
+        assert_eq!(fixed.dof_names, case.names, "responses of {name}");
+        let mut settings = case.settings(fixed.highest_harmonic, fixed.time_points);
+        settings.aft.law = fixed.law;
+        settings.aft.laps = fixed.loops.map_or(Laps::Periodic, Laps::Fixed);
+        let solutions = case.sweep(&settings, fixed.level, &fixed.frequency);
+        for (solution, rows) in solutions.iter().zip(&fixed.harmonics) {
+            let expected: Vec<f64> = rows.iter().flatten().copied().collect();
+            assert_eq!(solution.responses.len(), expected.len(), "harmonics");
+            assert!(solution.status.has_solution(), "{:?}", solution.status);
+            let scale = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            for (found, expected) in solution.responses.iter().zip(&expected) {
+                let error = (found - expected).abs() / scale;
+                assert!(
+                    error < 1e-11,
+                    "level {}, omega {}: {error:e}",
+                    fixed.level,
+                    solution.omega
+                );
+            }
+        }
+    }
+}
+
+/// Seen to fail with the slider's two laps replaced by one.
+#[test]
+fn jenkins_meets_the_fixed_discretisation() {
+    meets_fixed_discretisation("jenkins-1dof");
+}
+
+/// Seen to fail with the slider's two laps replaced by one.
+#[test]
+fn varying_normal_load_meets_the_fixed_discretisation() {
+    meets_fixed_discretisation("varying-normal-3dof");
+}
+
+/// Seen to fail without the final Newton steps to round-off, at the circle law run to its periodic cycle.
+#[test]
+fn blades_and_strip_meet_the_fixed_discretisation() {
+    meets_fixed_discretisation("blades-strip-oop");
+}
+
+/// `peaks.json`.
+#[derive(serde::Deserialize)]
+struct Peaks {
+    #[serde(rename = "H")]
+    highest_harmonic: usize,
+    #[serde(rename = "Nt")]
+    time_points: usize,
+    levels: Vec<LevelPeak>,
+}
+
+/// One level: its peak, the curve, and the amplitude at the peak frequency against (H, Nt).
+#[derive(serde::Deserialize)]
+struct LevelPeak {
+    level: f64,
+    frequency: f64,
+    amplitude: f64,
+    convergence: Vec<Refined>,
+    curve: Curve,
+}
+
+#[derive(serde::Deserialize)]
+struct Refined {
+    #[serde(rename = "H")]
+    highest_harmonic: usize,
+    #[serde(rename = "Nt")]
+    time_points: usize,
+    #[serde(rename = "A1")]
+    amplitude: f64,
+}
+
+#[derive(serde::Deserialize)]
+struct Curve {
+    frequency: Vec<f64>,
+    /// First harmonic of every response. Shape: `[frequency][response]`.
+    amplitude: Vec<Vec<f64>>,
+}
+
+/// First-harmonic amplitudes of all responses along the curve of every level, to the digits stored.
+///
+/// Of many frequencies only every `stride`-th, which saves time and asks more of the sweep.
+fn meets_curves(name: &str, stride: usize) {
+    let case = Case::read(name, "study.toml");
+    let peaks: Peaks = json(name, "peaks.json");
+    let settings = case.settings(peaks.highest_harmonic, peaks.time_points);
+    for level in &peaks.levels {
+        let curve = &level.curve;
+        let frequency: Vec<f64> = curve.frequency.iter().copied().step_by(stride).collect();
+        let solutions = case.sweep(&settings, level.level, &frequency);
+        for (solution, expected) in solutions.iter().zip(curve.amplitude.iter().step_by(stride)) {
+            assert!(solution.status.has_solution(), "{:?}", solution.status);
+            for (i, expected) in expected.iter().enumerate() {
+                let error = (solution.amplitude(i) / expected - 1.0).abs();
+                assert!(
+                    error < 1e-8,
+                    "level {}, omega {}, {}: {error:e}",
+                    level.level,
+                    solution.omega,
+                    case.names[i]
+                );
+            }
+        }
+    }
+}
+
+/// Seen to fail with 29 harmonics instead of 31.
+#[test]
+fn jenkins_curves_agree() {
+    meets_curves("jenkins-1dof", 1);
+}
+
+/// Seen to fail with 29 harmonics instead of 31.
+#[test]
+fn varying_normal_load_curves_agree() {
+    meets_curves("varying-normal-3dof", 1);
+}
+
+/// Seen to fail with 14 harmonics instead of 15.
+#[test]
+fn blades_and_strip_curves_agree() {
+    meets_curves("blades-strip-oop", 4);
+}
+
+/// The amplitude at the peak frequency for the finest (H, Nt), each alone, without neighbours to start from.
+///
+/// Seen to fail with 31 harmonics instead of 41.
+#[test]
+fn blades_and_strip_agree_at_the_peak_with_41_harmonics() {
+    let case = Case::read("blades-strip-oop", "study.toml");
+    for level in json::<Peaks>("blades-strip-oop", "peaks.json").levels {
+        let finest = level.convergence.last().unwrap();
+        assert_eq!(finest.highest_harmonic, 41);
+        assert_eq!(finest.amplitude, level.amplitude);
+        let settings = case.settings(finest.highest_harmonic, finest.time_points);
+        let solutions = case.sweep(&settings, level.level, &[level.frequency]);
+        let error = (solutions[0].amplitude(0) / level.amplitude - 1.0).abs();
+        assert!(error < 1e-9, "level {}: {error:e}", level.level);
+    }
+}
+
+/// The maximum of the curve, located without the curve.
+///
+/// Seen to fail with the phase resonance reported instead of the maximum next to it.
+#[test]
+fn blades_and_strip_peaks_are_the_maxima_of_the_curves() {
+    let case = Case::read("blades-strip-oop", "study.toml");
+    let peaks: Peaks = json("blades-strip-oop", "peaks.json");
+    let settings = case.settings(peaks.highest_harmonic, peaks.time_points);
+    let problem = case.problem();
+    let [low, high] = case.study.frequency.band;
+    let search = PeakSettings {
+        band: Band { low, high },
+        frequency_tolerance: 1e-8,
+    };
+    let levels: Vec<f64> = peaks.levels.iter().map(|l| l.level).collect();
+    let found = track_peaks(&problem, &settings, search, &levels).unwrap();
+    for (found, expected) in found.iter().zip(&peaks.levels) {
+        let solution = found.solution.as_ref().unwrap();
+        let omega = FrequencyUnit::Hertz.to_rad_s(expected.frequency);
+        let same = |r: &&Refined| {
+            (r.highest_harmonic, r.time_points) == (peaks.highest_harmonic, peaks.time_points)
+        };
+        let amplitude = expected.convergence.iter().find(same).unwrap().amplitude;
+        let errors = [
+            (solution.omega / omega - 1.0).abs(),
+            (solution.amplitude(0) / amplitude - 1.0).abs(),
+        ];
+        assert!(errors[0] < 1e-6 && errors[1] < 1e-8, "{errors:?}");
+    }
+}
+
+/// A row of lb2's `values.csv`.
+#[derive(serde::Deserialize)]
+struct OperatingPoint {
+    phase: String,
+    level_n: f64,
+    frequency_hz: f64,
+    x1_cos_m: f64,
+    x1_sin_m: f64,
+    y_mean_m: f64,
+    n1_mean_n: f64,
+    n2_mean_n: f64,
+    n4_mean_n: f64,
+    t1_amplitude_n: f64,
+    stick: f64,
+    slip: f64,
+    separated: f64,
+    work_input_j: f64,
+    work_viscous_j: f64,
+    work_friction_j: f64,
+}
+
+/// Every operating point of lb2 alone, with all that is known of it.
+///
+/// In phase at 1 N two solutions exist at 341 Hz: with the strip stuck (met from below) and lifting off (met from
+/// above); the reference is the latter. The other points have one solution whichever way they are reached.
+/// Seen to fail with every point swept upward.
+#[test]
+fn two_lumped_blades_agree_at_every_operating_point() {
+    let text = std::fs::read_to_string(folder("lb2").join("values.csv")).unwrap();
+    let rows = csv_rows(&text);
+    assert_eq!(rows.len(), 8);
+    for row in rows {
+        let file = match row.phase.as_str() {
+            "in-phase" => "in-phase.toml",
+            _ => "study.toml",
+        };
+        let case = Case::read("lb2", file);
+        let problem = case.problem();
+        let omega = [TAU * row.frequency_hz];
+        let found = [SweepDirection::Upward, SweepDirection::Downward]
+            .map(|sweep| at_frequencies(&problem, &case.study.solver, row.level_n, &omega, sweep));
+        row.check(&found[1][0]);
+        let bistable = row.phase == "in-phase" && row.level_n == 1.0;
+        if !bistable {
+            row.check(&found[0][0]);
+        } else {
+            assert_eq!(found[0][0].contact.stick, 1.0);
+        }
+    }
+}
+
+fn csv_rows(text: &str) -> Vec<OperatingPoint> {
+    let mut lines = text.lines().map(|line| line.split(','));
+    let names: Vec<&str> = lines.next().unwrap().collect();
+    let row = |values: std::str::Split<'_, char>| {
+        let value = |text: &str| match text.parse::<f64>() {
+            Ok(number) => serde_json::Value::from(number),
+            Err(_) => serde_json::Value::from(text),
+        };
+        let object = names.iter().map(|n| (*n).to_owned()).zip(values.map(value));
+        serde_json::from_value(serde_json::Value::Object(object.collect())).unwrap()
+    };
+    lines.map(row).collect()
+}
+
+impl OperatingPoint {
+    fn check(&self, solution: &Solution) {
+        let place = format!("{} {} N {} Hz", self.phase, self.level_n, self.frequency_hz);
+        assert!(solution.status.has_solution(), "{place}");
+        // Responses x1, x2, X, Y, theta; forces t1, t2, n of four nodes.
+        let (y, force) = (&solution.responses, &solution.force);
+        let amplitude = self.x1_cos_m.hypot(self.x1_sin_m);
+        let (work, shares) = (solution.work, solution.contact);
+        let checks = [
+            ("x1 cos", y[5], self.x1_cos_m, 5e-6 * amplitude),
+            ("x1 sin", y[10], self.x1_sin_m, 5e-6 * amplitude),
+            ("Y0", y[3], self.y_mean_m, 5e-6 * self.y_mean_m.abs()),
+            ("N1", force[8], self.n1_mean_n, 5e-6 * self.n1_mean_n),
+            ("N2", force[9], self.n2_mean_n, 5e-6 * self.n2_mean_n),
+            ("N4", force[11], self.n4_mean_n, 5e-6 * self.n4_mean_n),
+            (
+                "T1",
+                force[12].hypot(force[24]),
+                self.t1_amplitude_n,
+                // six decimals are given
+                5e-6 * self.t1_amplitude_n + 5e-7,
+            ),
+            ("stick", shares.stick, self.stick, 5.1e-4),
+            ("slip", shares.slip, self.slip, 5.1e-4),
+            ("separated", shares.separated, self.separated, 5.1e-4),
+            (
+                "input",
+                work.input,
+                self.work_input_j,
+                5e-6 * self.work_input_j,
+            ),
+            (
+                "viscous",
+                work.viscous,
+                self.work_viscous_j,
+                5e-6 * self.work_input_j,
+            ),
+            (
+                "friction",
+                work.friction,
+                self.work_friction_j,
+                5e-6 * self.work_input_j,
+            ),
+        ];
+        for (what, found, expected, tolerance) in checks {
+            let error = (found - expected).abs();
+            assert!(
+                error <= tolerance,
+                "{place}, {what}: {found} instead of {expected}"
+            );
+        }
+    }
+}

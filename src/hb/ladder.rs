@@ -1,0 +1,79 @@
+//! One problem on harmonic sets that grow: hard starts are found with few harmonics, the others are added rung by rung.
+
+use super::alert::pad;
+use super::balance::Balance;
+use super::newton::{Condition, Iterate, Point, WorkCount, solve};
+use super::problem::Problem;
+use super::settings::{HbSettings, NewtonSettings};
+use super::status::Status;
+use crate::harmonics::HarmonicSet;
+
+/// Numbers of harmonics (0 included) on the way from the first rung to the full set.
+const RUNGS: [usize; 6] = [2, 3, 4, 8, 16, 32];
+
+/// The problem on the first harmonics of the study's set, more on each rung, all on the last.
+#[derive(Debug)]
+pub struct Ladder<'p> {
+    rungs: Vec<Balance<'p>>,
+}
+
+impl<'p> Ladder<'p> {
+    /// The rungs of `problem` up to the harmonics of `settings`.
+    #[must_use]
+    pub fn new(problem: &'p Problem<'p>, settings: &HbSettings) -> Self {
+        let orders = settings.harmonics.orders();
+        let rungs = (RUNGS.iter())
+            .filter(|&&n| n < orders.len())
+            .filter_map(|&n| HarmonicSet::new(orders[..n].to_vec()).ok())
+            .chain([settings.harmonics.clone()])
+            .map(|harmonics| Balance::new(problem, harmonics, settings.aft))
+            .collect();
+        Self { rungs }
+    }
+
+    /// The problem on every rung, fewest harmonics first.
+    #[must_use]
+    pub fn rungs(&self) -> &[Balance<'p>] {
+        &self.rungs
+    }
+
+    /// The problem on the fewest harmonics.
+    #[must_use]
+    pub fn first(&self) -> &Balance<'p> {
+        &self.rungs[0]
+    }
+
+    /// The problem on the harmonics of the study.
+    #[must_use]
+    pub fn full(&self) -> &Balance<'p> {
+        &self.rungs[self.rungs.len() - 1]
+    }
+
+    /// Takes a solution on the first rung to the full set, solving under `condition` on each rung.
+    ///
+    /// # Errors
+    /// The status of the rung that failed, and the work of all.
+    pub fn climb(
+        &self,
+        start: Point,
+        condition: Condition<'_>,
+        newton: NewtonSettings,
+    ) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
+        let mut count = WorkCount::default();
+        let mut iterate = Iterate::new(self.first(), start);
+        for pair in self.rungs.windows(2) {
+            let padded = pad(&pair[0], &iterate.point, &pair[1]);
+            match solve(&pair[1], padded, condition, newton) {
+                Ok((solved, work)) => {
+                    count += work;
+                    iterate = solved;
+                }
+                Err((status, work)) => {
+                    count += work;
+                    return Err((status, count));
+                }
+            }
+        }
+        Ok((iterate, count))
+    }
+}
