@@ -5,9 +5,7 @@
 
 use super::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
 use crate::contact::ContactParameters;
-use crate::hb::alert::time_points;
 use crate::hb::curve::response_curve;
-use crate::hb::newton::Point;
 use crate::hb::peak::PeakSettings;
 use crate::hb::track::{LevelPeak, track_peaks};
 use crate::hb::{Balance, HbSettings, LinearModel, Problem, ProblemError, Solution, Status};
@@ -88,19 +86,18 @@ impl Ensemble<'_> {
     /// Record of one level, with the forced response through its peak.
     fn level(&self, problem: &Problem<'_>, peak: LevelPeak) -> LevelOutcome {
         let mut count = peak.count;
-        let curve = peak.solution.as_ref().map_or_else(Vec::new, |solution| {
-            let aft = time_points(self.settings.aft, &solution.harmonics);
-            let balance = Balance::new(problem, solution.harmonics.clone(), aft);
-            let at = Point {
-                r: solution.relative.clone(),
-                omega: solution.omega,
-                level: solution.level,
-            };
-            let newton = self.settings.newton;
-            let (curve, work) = response_curve(&balance, &at, self.peak.band, newton);
-            count += work;
-            curve
-        });
+        // the picture needs the study's own harmonics only; the peak may have more
+        let curve = peak
+            .on_first_harmonics
+            .as_ref()
+            .map_or_else(Vec::new, |start| {
+                let harmonics = self.settings.harmonics.clone();
+                let balance = Balance::new(problem, harmonics, self.settings.aft);
+                let (curve, work) =
+                    response_curve(&balance, start, self.peak.band, self.settings.newton);
+                count += work;
+                curve
+            });
         LevelOutcome {
             level: peak.level,
             status: peak.status,

@@ -16,7 +16,7 @@ use super::status::Status;
 pub struct PeakSettings {
     /// Where the peak must lie.
     pub band: Band,
-    /// Relative change of frequency between the last two points.
+    /// Relative distance in frequency from the maximum, by the secant of the growth, at which the search ends.
     pub frequency_tolerance: f64,
 }
 
@@ -69,18 +69,20 @@ pub fn find_peak<'p>(
             Some(&from.point.tangent),
         );
         count += work;
-        let (omega, previous) = (point.iterate.point.omega, from.point.iterate.point.omega);
+        let omega = point.iterate.point.omega;
         if !settings.band.contains(omega) {
             return Err((Status::NoPeakInBand, count));
         }
         let s = from.s + length;
-        let moved = (omega - previous).abs() / omega;
         search.add(Station { s, point });
+        step = search.next();
+        let nearest = search.nearest(step);
+        let tangent = nearest.point.tangent.omega;
+        let to_go = ((step - nearest.s) * tangent).abs() / omega;
         let tolerance = settings.frequency_tolerance;
-        if search.is_maximum() && (moved <= tolerance || search.bracket_width() <= tolerance) {
+        if search.is_maximum() && (to_go <= tolerance || search.bracket_width() <= tolerance) {
             return Ok((search.into_best(), count));
         }
-        step = search.next();
     }
     if search.is_maximum() && search.bracket_width() <= 10.0 * settings.frequency_tolerance {
         return Ok((search.into_best(), count));

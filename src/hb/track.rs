@@ -29,6 +29,8 @@ pub struct LevelPeak {
     pub status: Status,
     /// The solution at the peak, if any.
     pub solution: Option<Solution>,
+    /// The same peak on the study's own harmonics, before any were added: start of the forced response curve.
+    pub on_first_harmonics: Option<Point>,
     /// Work spent on this level.
     pub count: WorkCount,
 }
@@ -98,6 +100,7 @@ impl LevelPeak {
             level,
             status,
             solution: None,
+            on_first_harmonics: None,
             count,
         }
     }
@@ -131,7 +134,14 @@ impl<'a, 'p> Track<'a, 'p> {
                 self.tally(found)
             });
         match located.or_else(|_| self.sweep(level)) {
-            Ok(point) => self.refined(point.iterate),
+            Ok(point) => {
+                let start = point.iterate.point.clone();
+                let refined = self.refined(point.iterate);
+                LevelPeak {
+                    on_first_harmonics: Some(start),
+                    ..refined
+                }
+            }
             Err(status) => LevelPeak::failed(level, status, self.count),
         }
     }
@@ -350,6 +360,7 @@ impl<'a, 'p> Track<'a, 'p> {
             level: iterate.point.level,
             status: solution.status,
             solution: Some(solution),
+            on_first_harmonics: None,
             count: self.count,
         }
     }
