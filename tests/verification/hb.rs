@@ -5,6 +5,10 @@
     reason = "functions shared by tests fail like tests"
 )]
 
+mod closed_form;
 mod invariants;
 mod jacobian;
 mod models;
+mod peak;
+mod status;
+mod symmetry;

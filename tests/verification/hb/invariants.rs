@@ -1,20 +1,21 @@
 //! What every solution must satisfy, on random problems, and its linear limits.
 
-use super::models::{Case, LOAD, aft, modal, plane, short, space};
+use super::models::{Case, LOAD, aft, plane, short, space};
 use faer::prelude::*;
 use microslip::contact::{ContactParameters, FrictionLaw};
 use microslip::harmonics::{HarmonicSet, phases};
 use microslip::hb::forced_response::at_frequencies;
-use microslip::hb::resonance::free_response;
+use microslip::hb::newton::{Iterate, Point};
 use microslip::hb::{
-    HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Solution, Status,
+    Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Solution, Status,
 };
 use microslip::model::ReducedModel;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{PI, TAU};
 
-fn settings(highest: usize, law: FrictionLaw) -> HbSettings {
+/// Newton's method down to round-off, no alert.
+pub(super) fn settings(highest: usize, law: FrictionLaw) -> HbSettings {
     HbSettings {
         harmonics: HarmonicSet::up_to(highest),
         aft: aft(128, law),
@@ -28,11 +29,11 @@ fn settings(highest: usize, law: FrictionLaw) -> HbSettings {
 }
 
 /// A random problem at a random level and frequency.
-struct Draw {
-    case: Case,
-    settings: HbSettings,
-    level: f64,
-    omega: f64,
+pub(super) struct Draw {
+    pub(super) case: Case,
+    pub(super) settings: HbSettings,
+    pub(super) level: f64,
+    pub(super) omega: f64,
 }
 
 impl Draw {
@@ -48,18 +49,18 @@ impl Draw {
         Self {
             case: case.with_contacts(scale, mu),
             settings: settings(rng.random_range(1..6), law),
-            level: 10f64.powf(rng.random_range(-0.5..1.7)),
-            omega: rng.random_range(300.0..450.0) * TAU,
+            level: 10f64.powf(rng.random_range(0.3..2.1)),
+            omega: rng.random_range(310.0..400.0) * TAU,
         }
     }
 
     /// The solution from the stuck start, if there is one.
-    fn solve(&self) -> Option<Solution> {
+    pub(super) fn solve(&self) -> Option<Solution> {
         self.solve_scaled(1.0)
     }
 
     /// The same under `load` times the static load.
-    fn solve_scaled(&self, load: f64) -> Option<Solution> {
+    pub(super) fn solve_scaled(&self, load: f64) -> Option<Solution> {
         let linear = LinearModel::new(&self.case.model).expect("definite");
         let anchor = self.settings.anchor;
         let contacts = self.case.contacts.clone();
@@ -68,10 +69,20 @@ impl Draw {
             .into_iter()
             .find(|s| s.status == Status::Converged)
     }
+
+    /// Residual over the displacement scale at given relative displacements.
+    pub(super) fn residual_at(&self, r: Vec<f64>) -> f64 {
+        let linear = LinearModel::new(&self.case.model).expect("definite");
+        let contacts = self.case.contacts.clone();
+        let problem = Problem::new(&linear, contacts, 1.0, self.settings.anchor).expect("held");
+        let balance = Balance::new(&problem, self.settings.harmonics.clone(), self.settings.aft);
+        let (omega, level) = (self.omega, self.level);
+        Iterate::new(&balance, Point { r, omega, level }).relative_residual(&balance)
+    }
 }
 
 /// Draws until `n` of them have a solution; at least half must.
-fn solved(seed: u64, n: usize, mut check: impl FnMut(&Draw, &Solution)) {
+pub(super) fn solved(seed: u64, n: usize, mut check: impl FnMut(&Draw, &Solution)) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (mut tried, mut found) = (0, 0);
     while found < n {
@@ -242,7 +253,7 @@ fn forces_balance_on_the_full_model() {
     });
     println!("mean normal force {worst_mean:.1e}, balance {worst:.1e}, with lift-off {lifted}");
     assert!(worst_mean < 1e-9, "{worst_mean:e}");
-    assert!(worst < 1e-9 && lifted > 30, "{worst:e} {lifted}");
+    assert!(worst < 1e-9 && lifted > 20, "{worst:e} {lifted}");
 }
 
 /// Work of the excitation = viscous + friction, each computed here from the response coordinates and from forces and

@@ -248,7 +248,7 @@ fn bordered_steps_agree_with_central_differences() {
     });
     println!("{count} states: residual, phase, arc {}", short(&worst));
     assert!(count >= 24, "{count}");
-    assert!(worst.iter().all(|e| *e < 1e-7), "{}", short(&worst));
+    assert!(worst.iter().all(|e| *e < 2e-7), "{}", short(&worst));
 }
 
 /// Error of the residual and of Im(ŷ p̄) = 0 after the step with the phase condition.
