@@ -12,3 +12,4 @@ mod models;
 mod peak;
 mod status;
 mod symmetry;
+mod time_integration;

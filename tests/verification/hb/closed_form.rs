@@ -48,11 +48,13 @@ fn at<'p>(balance: &Balance<'p>, omega: f64, level: f64) -> Iterate<'p> {
     solved.expect("a solution").0
 }
 
-/// Frequency and amplitude of the peak next to the phase resonance near `omega`.
-fn peak(balance: &Balance<'_>, omega: f64, level: f64) -> (f64, f64) {
-    let first = at(balance, omega, level);
+/// Frequency and amplitude of the peak next to the phase resonance near `omega` and `amplitude`.
+fn peak(balance: &Balance<'_>, [omega, amplitude]: [f64; 2], level: f64) -> (f64, f64) {
+    let mut r = vec![0.0; balance.layout.n_unknowns()];
+    r[2 * balance.layout.n_relative()] = amplitude;
+    let start = Point { r, omega, level };
     let quarter = Condition::PhaseLocked(c64::new(0.0, -1.0));
-    let (locked, _) = solve(balance, first.point, quarter, NEWTON).expect("phase resonance");
+    let (locked, _) = solve(balance, start, quarter, NEWTON).expect("phase resonance");
     let settings = PeakSettings {
         band: Band {
             low: 0.5,
@@ -86,7 +88,7 @@ fn undamped_peak_matches_the_describing_function() {
         };
         let turn = (1.0 - 2.0 * a / k_t / exact).acos();
         let stiffness = 1.0 + k_t / PI * (turn - 0.5 * (2.0 * turn).sin());
-        let start = 1.001 * stiffness.sqrt();
+        let start = [1.002 * stiffness.sqrt(), 1.02 * exact];
         let (omega, x) = oscillator.with(|balance| peak(balance, start, force));
         println!(
             "{ratio}: X {x:.9} error {:.1e} omega {omega:.9}",
@@ -174,7 +176,7 @@ fn harmonics_converge_as_in_an_independent_program() {
             highest,
             n_time: 4096,
         };
-        let (omega, x) = oscillator.with(|balance| peak(balance, 1.1, 0.8));
+        let (omega, x) = oscillator.with(|balance| peak(balance, [1.1, 5.0], 0.8));
         println!("peak H {highest}: {x:.6} at {omega:.5}");
         assert!(
             (x - exact).abs() < 2e-4 && (omega - 1.093).abs() < 1e-3,

