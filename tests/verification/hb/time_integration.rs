@@ -2,7 +2,7 @@
 //!
 //! Independent of the solver: central differences of uncoupled modal oscillators (Newmark's family with β = 0,
 //! γ = 1/2), the contact forces taken at the known displacement, plain Coulomb sliders. The retention of the mean
-//! in-plane position, which exists in harmonic 0 only, enters by its constant reaction.
+//! in-plane position, which exists in harmonic 0 only, acts on the mean of the period before.
 
 use super::invariants::settings;
 use super::models::{modal, plane};
@@ -27,7 +27,7 @@ struct March<'a> {
     columns: Vec<Vec<f64>>,
     lambda: &'a [f64],
     damping: &'a [f64],
-    /// Static load and the constant reaction of the retention.
+    /// Static load and the reaction of the retention, constant over a period.
     constant: Vec<f64>,
     level: f64,
     step: f64,
@@ -51,8 +51,6 @@ impl<'a> March<'a> {
         };
         let omega = iterate.point.omega;
         let step = TAU / omega / n_steps as f64;
-        let rest = Col::from_fn(lambda.len(), |i| iterate.motion.rest[i]);
-        let held = model.retention.as_ref().map(|k| k * &rest);
         let at = |i: f64| motion(iterate, i * step * omega);
         let n_pairs = model.n_contacts;
         let mut march = Self {
@@ -62,9 +60,7 @@ impl<'a> March<'a> {
                 .collect(),
             lambda,
             damping,
-            constant: (0..lambda.len())
-                .map(|i| model.static_force[i] - held.as_ref().map_or(0.0, |h| h[i]))
-                .collect(),
+            constant: Vec::new(),
             level: iterate.point.level,
             step,
             n_steps,
@@ -76,6 +72,7 @@ impl<'a> March<'a> {
             f: vec![0.0; 3 * n_pairs],
             states: [0; 3],
         };
+        march.hold(&iterate.motion.rest);
         for i in 0..2 * n_steps {
             march.relative_at(&at((i % n_steps) as f64));
             march.contact_forces();
@@ -88,7 +85,20 @@ impl<'a> March<'a> {
         self.now.clone_from(&self.problem.stuck_static.eta);
         self.before.clone_from(&self.now);
         self.sliders = self.problem.contacts.iter().map(|c| c.anchor).collect();
+        self.hold(&self.problem.stuck_static.eta);
         self
+    }
+
+    /// Sets the static load and the reaction of the retention to the mean position `mean`.
+    fn hold(&mut self, mean: &[f64]) {
+        let model = self.problem.model;
+        self.constant.clone_from(&model.static_force);
+        if let Some(k) = &model.retention {
+            let held = k * Col::from_fn(mean.len(), |i| mean[i]);
+            for (f, h) in self.constant.iter_mut().zip(held.iter()) {
+                *f -= h;
+            }
+        }
     }
 
     fn relative_at(&mut self, eta: &[f64]) {
@@ -132,6 +142,7 @@ impl<'a> March<'a> {
     fn cycle(&mut self) -> c64 {
         let model = self.problem.model;
         let mut y = c64::new(0.0, 0.0);
+        let mut mean = vec![0.0; self.now.len()];
         self.states = [0; 3];
         for i in 0..self.n_steps {
             let (sin, cos) = (self.omega * self.step * i as f64).sin_cos();
@@ -143,6 +154,7 @@ impl<'a> March<'a> {
                 .sum();
             y += c64::new(cos, -sin) * (response * 2.0 / self.n_steps as f64);
             for j in 0..now.len() {
+                mean[j] += now[j] / self.n_steps as f64;
                 let push: f64 = self.columns[j]
                     .iter()
                     .zip(&self.f)
@@ -156,6 +168,7 @@ impl<'a> March<'a> {
             }
             self.now = std::mem::replace(&mut self.before, now);
         }
+        self.hold(&mean);
         y
     }
 }
@@ -177,23 +190,46 @@ fn motion(iterate: &Iterate<'_>, theta: f64) -> Vec<f64> {
     eta
 }
 
-/// Runs the cycles; prints some; returns the last amplitude and its change over the last tenth.
-fn run(mut march: March<'_>, cycles: usize) -> (f64, f64, [usize; 3]) {
+/// Where a march has arrived.
+struct End {
+    amplitude: f64,
+    /// Relative change over the last tenth of the cycles.
+    drift: f64,
+    states: [usize; 3],
+}
+
+fn run(mut march: March<'_>, cycles: usize) -> End {
     let amplitudes: Vec<f64> = (0..cycles).map(|_| march.cycle().norm()).collect();
     let shown: Vec<String> = (0..8)
         .map(|i| format!("{:.4e}", amplitudes[(cycles - 1) * i / 7]))
         .collect();
-    println!("  cycles {}", shown.join(" "));
-    let last = amplitudes[cycles - 1];
-    (
-        last,
-        last / amplitudes[cycles - cycles / 10] - 1.0,
-        march.states,
-    )
+    println!("cycle by cycle {}", shown.join(" "));
+    let amplitude = amplitudes[cycles - 1];
+    End {
+        amplitude,
+        drift: amplitude / amplitudes[cycles - cycles / 10] - 1.0,
+        states: march.states,
+    }
+}
+
+/// Amplitudes within 1 %, with slip in the last cycle.
+fn compare(name: &str, balance: &Balance<'_>, end: End, iterate: &Iterate<'_>) {
+    let exact = iterate.response(balance).norm();
+    let error = end.amplitude / exact - 1.0;
+    println!(
+        "{name} {} N: harmonic balance {exact:.5e}, time {:.5e} ({error:.1e}), drift {:.1e}, {:?}",
+        iterate.point.level, end.amplitude, end.drift, end.states
+    );
+    assert!(
+        error.abs() < 0.01 && end.drift.abs() < 3e-3,
+        "{error:e} {:e}",
+        end.drift
+    );
+    assert!(end.states[1] > 0, "slips: {:?}", end.states);
 }
 
 /// Two blades in the plane, slip (10 N) and slip with partial lift-off (40 N), from the periodic solution and from
-/// rest. Seen to fail with: (to be filled)
+/// rest. The strip is damped: without, it bounces for ever at 40 N. Seen to fail with: (to be filled)
 #[test]
 fn time_integration_of_the_lumped_blades_agrees() {
     let mut case = plane(-1.0);
@@ -224,26 +260,16 @@ fn time_integration_of_the_lumped_blades_agrees() {
             omega: near.omega,
             level,
         };
-        let balance = Balance::new(&problem, HarmonicSet::up_to(9), settings.aft);
+        let balance = Balance::new(&problem, HarmonicSet::up_to(15), settings.aft);
         let padded = pad(&first, &start, &balance);
         let (iterate, _) = solve(&balance, padded, fixed, settings.newton).expect("a solution");
-        let exact = iterate.response(&balance).norm();
         for rest in [false, true] {
-            let march = March::new(&problem, &iterate, 2000);
+            let march = March::new(&problem, &iterate, 8000);
             let march = if rest { march.at_rest() } else { march };
-            let (amplitude, drift, states) = run(march, 400);
-            println!(
-                "{level} N {hertz} Hz from rest {rest}: HB {exact:.5e}, {amplitude:.5e} ({:.1e}), drift {drift:.1e}, {states:?}",
-                amplitude / exact - 1.0
-            );
-            assert!(
-                (amplitude / exact - 1.0).abs() < 0.01 && drift.abs() < 1e-3,
-                "{amplitude} {exact}"
-            );
-            assert!(
-                states[1] > 0 && (level < 20.0 || states[2] > 0),
-                "{states:?}"
-            );
+            let end = run(march, 400);
+            assert!(level < 20.0 || end.states[2] > 0, "separates at 40 N");
+            assert!(end.drift.abs() < 1e-6, "steady: {:e}", end.drift);
+            compare("plane", &balance, end, &iterate);
         }
     }
 }
@@ -273,31 +299,14 @@ fn truncated(hertz: f64) -> LinearModel {
     }
 }
 
-/// The two-blade rig without modes above 60 kHz, near its peak at 50 N, where contacts slip and separate.
+/// The two-blade rig without modes above 60 kHz, at its peak at 50 N, where contacts slip and a few separate.
+///
+/// The march leaves the periodic solution slowly for one with other mean tractions of the pairs that stick: these are
+/// not unique.
 /// Seen to fail with: (to be filled)
 #[test]
 fn time_integration_of_the_rig_agrees() {
-    for cut in [60e3, 100e3, 200e3, 400e3, 1e6, 1e9] {
-        let linear = truncated(cut);
-        let n = linear.n_contacts;
-        let k = [K_T / 15.0, K_T / 15.0, K_N / 15.0]
-            .iter()
-            .flat_map(|k| vec![*k; n])
-            .collect::<Vec<_>>();
-        let z = linear.stiffness_with_springs(&k);
-        let modes = z.self_adjoint_eigen(faer::Side::Lower).expect("x");
-        let f: Vec<f64> = (0..linear.n_coordinates())
-            .map(|i| modes.S()[i].max(0.0).sqrt() / TAU)
-            .filter(|f| (2900.0..3300.0).contains(f))
-            .collect();
-        println!(
-            "{cut}: {} modes {f:?} top {:.0}",
-            linear.n_coordinates(),
-            modes.S()[linear.n_coordinates() - 1].sqrt() / TAU
-        );
-    }
     let linear = truncated(60e3);
-    println!("{} modes", linear.n_coordinates());
     let n = linear.n_contacts;
     let each = 0.5 * n as f64;
     let contact = ContactParameters {
@@ -319,51 +328,22 @@ fn time_integration_of_the_rig_agrees() {
         },
         frequency_tolerance: 1e-6,
     };
-    let clock = std::time::Instant::now();
     let found = track_peaks(&problem, &settings, peak, &[20.0, 50.0]).expect("modes");
-    for f in &found {
-        println!("{:?} {:?}", f.status, f.count);
-    }
     let solution = found[1].solution.as_ref().expect("a peak");
-    println!(
-        "peak {:.3} Hz {:.4e} m {:?} in {:?}",
-        solution.omega / TAU,
-        solution.amplitude(0),
-        solution.contact,
-        clock.elapsed()
-    );
-    let mut balance = Balance::new(&problem, solution.harmonics.clone(), settings.aft);
-    let point = Point {
+    let first = Balance::new(&problem, solution.harmonics.clone(), settings.aft);
+    let start = Point {
         r: solution.relative.clone(),
         omega: solution.omega,
-        level: 50.0,
+        level: solution.level,
     };
-    let mut iterate = Iterate::new(&balance, point);
-    for highest in [5, 8, 12] {
-        let larger = Balance::new(&problem, HarmonicSet::up_to(highest), settings.aft);
-        let padded = pad(&balance, &iterate.point, &larger);
-        match solve(&larger, padded, Condition::FixedFrequency, settings.newton) {
-            Ok((better, work)) => {
-                println!(
-                    "H {highest}: {:.5e} {work:?} in {:?}",
-                    better.response(&larger).norm(),
-                    clock.elapsed()
-                );
-                iterate = better;
-                balance = larger;
-            }
-            Err(e) => println!("H {highest}: {e:?}"),
-        }
-    }
-    let exact = iterate.response(&balance).norm();
-    let (amplitude, drift, states) = run(March::new(&problem, &iterate, 2000), 400);
-    println!(
-        "HB {exact:.5e}, {amplitude:.5e} ({:.1e}), drift {drift:.1e}, {states:?} in {:?}",
-        amplitude / exact - 1.0,
-        clock.elapsed()
-    );
-    assert!(
-        (amplitude / exact - 1.0).abs() < 0.01,
-        "{amplitude} {exact}"
+    let balance = Balance::new(&problem, HarmonicSet::up_to(12), settings.aft);
+    let padded = pad(&first, &start, &balance);
+    let fixed = Condition::FixedFrequency;
+    let (iterate, _) = solve(&balance, padded, fixed, settings.newton).expect("a solution");
+    compare(
+        "rig",
+        &balance,
+        run(March::new(&problem, &iterate, 2000), 700),
+        &iterate,
     );
 }
