@@ -147,7 +147,7 @@ fn slopes(balance: &Balance<'_>, iterate: &Iterate<'_>, rng: &mut ChaCha8Rng) ->
 
 /// Shaken states that stick, slip, separate and mix.
 ///
-/// Seen to fail with: (to be filled)
+/// Seen to fail with: k in place of k² in the inertia term of the impedance slope; 1 % of K_c left in the tangent.
 #[test]
 fn slopes_agree_with_central_differences() {
     let mut worst = [0.0f64; 6];
@@ -181,7 +181,7 @@ fn slopes_agree_with_central_differences() {
     assert!(worst.iter().all(|e| *e < 1e-7), "{}", short(&worst));
 }
 
-/// Dense and Krylov solves: J J⁻¹ b = b. Seen to fail with: (to be filled)
+/// Dense and Krylov solves: J J⁻¹ b = b. Seen to fail with: the sign of Im G in one block of the dense factor, and in the Krylov product.
 #[test]
 fn the_solve_inverts_the_jacobian() {
     let mut worst = [0.0f64; 2];
@@ -208,7 +208,7 @@ fn the_solve_inverts_the_jacobian() {
 }
 
 /// The bordered step d solves R + dR·d = 0 and c + dc·d = 0, both derivatives by central differences along d.
-/// Scale: the largest of the terms that cancel. Seen to fail with: (to be filled)
+/// Scale: the largest of the terms that cancel. Seen to fail with: the condition's rate along the Newton step left out.
 #[test]
 fn bordered_steps_agree_with_central_differences() {
     let mut worst = [0.0f64; 3];

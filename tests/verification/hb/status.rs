@@ -36,7 +36,7 @@ fn with_problem(visit: impl FnOnce(&Problem<'_>, HbSettings)) {
 }
 
 /// One iteration is not enough where contacts slip, and enough where they stick.
-/// Seen to fail with: (to be filled)
+/// Seen to fail with: 40 times the iterations allowed.
 #[test]
 fn too_few_iterations_are_a_status() {
     with_problem(|problem, mut settings| {
@@ -65,7 +65,8 @@ fn too_few_iterations_are_a_status() {
     });
 }
 
-/// In frequency, level or start. Seen to hang without the check of the levels in `track`.
+/// In frequency, level or start. Seen to hang without the check of the levels in `track`, and to
+/// fail without the check of the residual in `newton`.
 #[test]
 fn numbers_that_are_none_are_a_status() {
     with_problem(|problem, settings| {
@@ -127,7 +128,7 @@ fn contacts_that_are_no_numbers_are_refused() {
 }
 
 /// No natural frequency of the stuck structure in the band, and a peak that leaves the band.
-/// Seen to fail with: (to be filled)
+/// Seen to fail with: the band not checked in the search.
 #[test]
 fn bands_without_peak_are_a_status() {
     with_problem(|problem, settings| {

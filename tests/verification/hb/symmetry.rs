@@ -40,7 +40,7 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
 /// A force turned by 37 of 128 samples turns harmonic k of the solution by k times as much.
 ///
 /// The circle law only where the state is unique: after a transient slip the place of its slider depends on the
-/// instant at which the period starts. Seen to fail with: (to be filled)
+/// instant at which the period starts. Seen to fail with: the sign of Im G in `add_real`.
 #[test]
 fn a_shift_of_the_force_shifts_the_solution() {
     let turn = TAU * 37.0 / 128.0;
@@ -100,7 +100,7 @@ fn forgets_the_start(draw: &Draw, solution: &Solution) -> bool {
 }
 
 /// Static load and excitation times three: everything times three, as the law knows no length.
-/// Seen to fail with: (to be filled)
+/// Seen to fail with: the root of the factor on the static load.
 #[test]
 fn solutions_scale_with_the_loads() {
     let mut worst = 0.0f64;
@@ -116,7 +116,7 @@ fn solutions_scale_with_the_loads() {
 }
 
 /// In-phase excitation of the rig: interface 2 is the mirror image of interface 1 half a period later,
-/// F₂ₖ = (−1)ᵏ diag(−1, 1, 1) F₁ₖ. Seen to fail with: (to be filled)
+/// F₂ₖ = (−1)ᵏ diag(−1, 1, 1) F₁ₖ. Seen to fail with: a lower limit of −0.9 mu N.
 #[test]
 fn interfaces_of_the_rig_answer_as_mirror_images() {
     let linear = LinearModel::new(&RIG.reduced).expect("definite");
@@ -210,7 +210,7 @@ fn solve(case: &Case, level: f64, hertz: &[f64]) -> Vec<Solution> {
 }
 
 /// Without friction, with boundless friction and without stiffness the solution is that of a linear structure, as long
-/// as no pair separates. Seen to fail with: (to be filled)
+/// as no pair separates. Seen to fail with: the sign of Im G in `add_real`.
 #[test]
 fn limits_are_linear() {
     let limits = [
