@@ -169,8 +169,8 @@ impl<'p> Balance<'p> {
         let g = self.deviation(r, force);
         let mut out = r.to_vec();
         let rest = &self.problem.stuck_static;
-        for i in 0..n {
-            out[i] -= rest.relative[i];
+        for (r, stuck) in out.iter_mut().zip(&rest.relative) {
+            *r -= stuck;
         }
         for (j, g) in g[..n].iter().enumerate() {
             (out.iter_mut().zip(rest.compliance.col(j).iter())).for_each(|(r, c)| *r += c * g);

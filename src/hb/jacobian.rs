@@ -85,7 +85,7 @@ impl<'a> Jacobian<'a> {
             )
             .collect();
         let mut jacobian = Self {
-            layout: layout.clone(),
+            layout: *layout,
             compliance,
             static_compliance,
             active,

@@ -122,12 +122,12 @@ impl<'a> March<'a> {
         {
             let normal = (c.n_0 + c.k_n * self.r[2 * n + i]).max(0.0);
             let mut slips = false;
-            for d in 0..2 {
+            for (d, w) in w.iter_mut().enumerate() {
                 let u = self.r[d * n + i];
-                let trial = c.k_t[d] * (u - w[d]);
+                let trial = c.k_t[d] * (u - *w);
                 let t = trial.clamp(-c.mu * normal, c.mu * normal);
                 if t != trial {
-                    w[d] = u - t / c.k_t[d];
+                    *w = u - t / c.k_t[d];
                     slips = true;
                 }
                 self.f[d * n + i] = t;
@@ -212,16 +212,16 @@ fn run(mut march: March<'_>, cycles: usize) -> End {
     }
 }
 
-/// Amplitudes within 1 %, with slip in the last cycle.
-fn compare(name: &str, balance: &Balance<'_>, end: End, iterate: &Iterate<'_>) {
+/// Amplitudes within the relative difference `allowed`, with slip in the last cycle.
+fn compare(allowed: f64, balance: &Balance<'_>, end: &End, iterate: &Iterate<'_>) {
     let exact = iterate.response(balance).norm();
     let error = end.amplitude / exact - 1.0;
     println!(
-        "{name} {} N: harmonic balance {exact:.5e}, time {:.5e} ({error:.1e}), drift {:.1e}, {:?}",
+        "{} N: harmonic balance {exact:.5e}, time {:.5e} ({error:.1e}), drift {:.1e}, {:?}",
         iterate.point.level, end.amplitude, end.drift, end.states
     );
     assert!(
-        error.abs() < 0.01 && end.drift.abs() < 3e-3,
+        error.abs() < allowed && end.drift.abs() < 3e-3,
         "{error:e} {:e}",
         end.drift
     );
@@ -229,7 +229,8 @@ fn compare(name: &str, balance: &Balance<'_>, end: End, iterate: &Iterate<'_>) {
 }
 
 /// Two blades in the plane, slip (10 N) and slip with partial lift-off (40 N), from the periodic solution and from
-/// rest. The strip is damped: without, it bounces for ever at 40 N. Seen to fail with: a lower limit of −0.9 mu N in the solver.
+/// rest. The strip is damped: without, it bounces for ever at 40 N. It resonates on its contacts near harmonic 33, so
+/// 40 N need as many (15 are off by 0.4 %). Seen to fail with: a lower limit of −0.9 mu N in the solver.
 #[test]
 fn time_integration_of_the_lumped_blades_agrees() {
     let mut case = plane(-1.0);
@@ -241,7 +242,7 @@ fn time_integration_of_the_lumped_blades_agrees() {
     let problem = Problem::new(&linear, case.contacts, 1.0, anchor).expect("held");
     for (level, hertz) in [(10.0, 417.0), (40.0, 380.0)] {
         let mut settings = settings(3, FrictionLaw::Box);
-        settings.aft.n_time = 512;
+        settings.aft.n_time = 1024;
         settings.newton.tolerance = 1e-9;
         // Along the branch, as a cold start at this frequency may fail.
         let band = Band {
@@ -253,23 +254,27 @@ fn time_integration_of_the_lumped_blades_agrees() {
             .iter()
             .rfind(|s| s.omega < hertz * TAU)
             .expect("on the curve");
-        let first = Balance::new(&problem, settings.harmonics.clone(), settings.aft);
         let fixed = Condition::FixedFrequency;
         let start = Point {
             r: near.relative.clone(),
             omega: near.omega,
             level,
         };
-        let balance = Balance::new(&problem, HarmonicSet::up_to(15), settings.aft);
-        let padded = pad(&first, &start, &balance);
-        let (iterate, _) = solve(&balance, padded, fixed, settings.newton).expect("a solution");
+        let mut balance = Balance::new(&problem, settings.harmonics.clone(), settings.aft);
+        let (mut iterate, _) = solve(&balance, start, fixed, settings.newton).expect("a solution");
+        for highest in [9, 15, 24, 36, 48] {
+            let larger = Balance::new(&problem, HarmonicSet::up_to(highest), settings.aft);
+            let padded = pad(&balance, &iterate.point, &larger);
+            (iterate, _) = solve(&larger, padded, fixed, settings.newton).expect("a solution");
+            balance = larger;
+        }
         for rest in [false, true] {
             let march = March::new(&problem, &iterate, 8000);
             let march = if rest { march.at_rest() } else { march };
             let end = run(march, 400);
             assert!(level < 20.0 || end.states[2] > 0, "separates at 40 N");
             assert!(end.drift.abs() < 1e-6, "steady: {:e}", end.drift);
-            compare("plane", &balance, end, &iterate);
+            compare(1e-4, &balance, &end, &iterate);
         }
     }
 }
@@ -340,10 +345,6 @@ fn time_integration_of_the_rig_agrees() {
     let padded = pad(&first, &start, &balance);
     let fixed = Condition::FixedFrequency;
     let (iterate, _) = solve(&balance, padded, fixed, settings.newton).expect("a solution");
-    compare(
-        "rig",
-        &balance,
-        run(March::new(&problem, &iterate, 2000), 700),
-        &iterate,
-    );
+    let end = run(March::new(&problem, &iterate, 2000), 700);
+    compare(0.01, &balance, &end, &iterate);
 }
