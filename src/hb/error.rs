@@ -12,6 +12,12 @@ pub enum ProblemError {
         "the structure with all contacts stuck can move as a rigid body: add contact stiffness, supports or retention"
     )]
     NotHeld,
+    /// A contact parameter is infinite or not a number; the law would take such a friction coefficient for stick.
+    #[error("contact pair {pair}: every parameter must be a finite number")]
+    NotFinite {
+        /// Index of the pair.
+        pair: usize,
+    },
     /// The harmonic force moves no contact.
     #[error("the harmonic force does not move any contact pair: check the excitation")]
     NoLoad,

@@ -41,6 +41,7 @@ impl<'m> Problem<'m> {
     /// Sets the sample up; the anchors of `contacts` are set here by the policy.
     ///
     /// # Errors
+    /// [`ProblemError::NotFinite`] if a contact parameter is no finite number;
     /// [`ProblemError::NotHeld`] if the stuck structure has a rigid-body motion left in the 0th harmonic;
     /// [`ProblemError::NoLoad`] if neither static nor harmonic force moves a contact or the structure.
     pub fn new(
@@ -54,6 +55,14 @@ impl<'m> Problem<'m> {
             model.n_contacts,
             "one parameter set per contact pair"
         );
+        let finite = |c: &ContactParameters<f64>| {
+            [c.k_n, c.k_t[0], c.k_t[1], c.mu, c.n_0]
+                .iter()
+                .all(|x| x.is_finite())
+        };
+        if let Some(pair) = contacts.iter().position(|c| !finite(c)) {
+            return Err(ProblemError::NotFinite { pair });
+        }
         let anchors = match anchor {
             SliderAnchor::Unloaded => vec![[0.0; 2]; contacts.len()],
             SliderAnchor::StaticEquilibrium => {

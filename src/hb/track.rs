@@ -65,7 +65,8 @@ struct Track<'a, 'p> {
     count: WorkCount,
 }
 
-/// Peaks of `problem` at the ascending `levels`.
+/// Peaks of `problem` at the ascending, positive `levels`; a level that is not a positive number gives
+/// [`Status::NonFinite`].
 ///
 /// # Errors
 /// [`LinalgError`] if the modes of the stuck structure cannot be found. Solves that fail are statuses.
@@ -126,6 +127,10 @@ impl<'a, 'p> Track<'a, 'p> {
     /// Follows the phase resonance to `level` and returns the peak there.
     fn level(&mut self, level: f64) -> LevelPeak {
         self.count = WorkCount::default();
+        // Ratios of such levels are no numbers, and the track would never give up on them.
+        if !(level.is_finite() && level > 0.0) {
+            return LevelPeak::failed(level, Status::NonFinite, self.count);
+        }
         let reached = self.follow(level);
         let located = reached
             .and_then(|start| self.climb(start))

@@ -1,1 +1,15 @@
 //! Verification of `hb`.
+
+#![expect(
+    clippy::expect_used,
+    reason = "functions shared by tests fail like tests"
+)]
+
+mod closed_form;
+mod invariants;
+mod jacobian;
+mod models;
+mod peak;
+mod status;
+mod symmetry;
+mod time_integration;

@@ -19,10 +19,10 @@ use microslip::units::{hz_to_rad_s, rad_s_to_hz};
 use std::sync::LazyLock;
 
 /// Nominal normal and tangential stiffness of one interface (N/m).
-const K_N: f64 = 1e9;
-const K_T: f64 = 0.233e9;
+pub(crate) const K_N: f64 = 1e9;
+pub(crate) const K_T: f64 = 0.233e9;
 
-static RIG: LazyLock<TwoBladeModel> =
+pub(crate) static RIG: LazyLock<TwoBladeModel> =
     LazyLock::new(|| build(&TwoBladeSettings::default()).expect("the default rig builds"));
 
 /// Stuck minus free frequency of in-phase neck bending at `scale` times the nominal stiffness, equal shares (Hz).

@@ -1,0 +1,148 @@
+//! Solves that cannot succeed end with a status.
+
+use super::invariants::settings;
+use super::models::plane;
+use microslip::contact::FrictionLaw;
+use microslip::hb::forced_response::{at_frequencies, over_band};
+use microslip::hb::newton::{Condition, solve};
+use microslip::hb::peak::{PeakSettings, find_peak};
+use microslip::hb::resonance::Band;
+use microslip::hb::track::{stuck_point, track_peaks};
+use microslip::hb::{
+    Balance, HbSettings, LinearModel, Problem, ProblemError, SliderAnchor, Status,
+};
+use std::f64::consts::TAU;
+
+fn band(low: f64, high: f64) -> Band {
+    Band {
+        low: low * TAU,
+        high: high * TAU,
+    }
+}
+
+fn peak(band: Band) -> PeakSettings {
+    PeakSettings {
+        band,
+        frequency_tolerance: 1e-7,
+    }
+}
+
+fn with_problem(visit: impl FnOnce(&Problem<'_>, HbSettings)) {
+    let case = plane(-1.0);
+    let linear = LinearModel::new(&case.model).expect("definite");
+    let anchor = SliderAnchor::Unloaded;
+    let problem = Problem::new(&linear, case.contacts, 1.0, anchor).expect("held");
+    visit(&problem, settings(3, FrictionLaw::Box));
+}
+
+/// One iteration is not enough where contacts slip, and enough where they stick.
+/// Seen to fail with: 40 times the iterations allowed.
+#[test]
+fn too_few_iterations_are_a_status() {
+    with_problem(|problem, mut settings| {
+        settings.newton.max_iterations = 1;
+        let omega = [400.0 * TAU];
+        let slipping = &at_frequencies(problem, &settings, 20.0, &omega)[0];
+        assert_eq!(slipping.status, Status::MaxIterations);
+        assert!(
+            slipping.work_count.iterations >= 1 && !slipping.status.has_solution(),
+            "{slipping:?}"
+        );
+        let stuck = &at_frequencies(problem, &settings, 0.1, &omega)[0];
+        assert_eq!(stuck.status, Status::Converged);
+        let peaks = track_peaks(problem, &settings, peak(band(300.0, 450.0)), &[20.0, 40.0]);
+        for found in peaks.expect("modes") {
+            println!("{:?}", found.status);
+            assert!(
+                found.solution.is_none() && !found.status.has_solution(),
+                "{found:?}"
+            );
+        }
+        let curve = over_band(problem, &settings, 40.0, band(330.0, 430.0));
+        let last = curve.last().expect("points");
+        println!("{} points, {:?}", curve.len(), last.status);
+        assert!(!last.status.has_solution(), "{:?}", last.status);
+    });
+}
+
+/// In frequency, level or start. Seen to hang without the check of the levels in `track`, and to
+/// fail without the check of the residual in `newton`.
+#[test]
+fn numbers_that_are_none_are_a_status() {
+    with_problem(|problem, settings| {
+        let nan = f64::NAN;
+        for (level, omega) in [
+            (nan, 400.0 * TAU),
+            (20.0, nan),
+            (f64::INFINITY, 400.0 * TAU),
+        ] {
+            let found = &at_frequencies(problem, &settings, level, &[omega])[0];
+            assert_eq!(found.status, Status::NonFinite, "{level} {omega}");
+        }
+        let balance = Balance::new(problem, settings.harmonics.clone(), settings.aft);
+        let start = stuck_point(&balance, 400.0 * TAU, 20.0);
+        for i in [0, balance.layout.n_relative(), start.r.len() - 1] {
+            let mut spoiled = start.clone();
+            spoiled.r[i] = nan;
+            let end = solve(
+                &balance,
+                spoiled,
+                Condition::FixedFrequency,
+                settings.newton,
+            );
+            assert_eq!(
+                end.expect_err("no number").0,
+                Status::NonFinite,
+                "entry {i}"
+            );
+        }
+        let levels = [nan, -1.0, 0.0, f64::INFINITY, 10.0];
+        let peaks = track_peaks(problem, &settings, peak(band(300.0, 450.0)), &levels);
+        let statuses: Vec<Status> = peaks.expect("modes").iter().map(|p| p.status).collect();
+        assert_eq!(statuses[..4], [Status::NonFinite; 4]);
+        assert_eq!(
+            statuses[4],
+            Status::Converged,
+            "the bad levels spoil nothing"
+        );
+    });
+}
+
+/// Not a number and infinity in every parameter of one pair. Seen to fail without the check: a friction coefficient
+/// that is not a number sticks.
+#[test]
+fn contacts_that_are_no_numbers_are_refused() {
+    let case = plane(-1.0);
+    let linear = LinearModel::new(&case.model).expect("definite");
+    for bad in [f64::NAN, f64::INFINITY] {
+        for parameter in 0..5 {
+            let mut contacts = case.contacts.clone();
+            let c = &mut contacts[1];
+            let [a, b] = &mut c.k_t;
+            *[&mut c.k_n, a, b, &mut c.mu, &mut c.n_0][parameter] = bad;
+            let refused = Problem::new(&linear, contacts, 1.0, SliderAnchor::Unloaded);
+            let expected = ProblemError::NotFinite { pair: 1 };
+            assert_eq!(refused.err(), Some(expected), "{parameter} {bad}");
+        }
+    }
+}
+
+/// No natural frequency of the stuck structure in the band, and a peak that leaves the band.
+/// Seen to fail with: the band not checked in the search.
+#[test]
+fn bands_without_peak_are_a_status() {
+    with_problem(|problem, settings| {
+        let empty = peak(band(500.0, 600.0));
+        for found in track_peaks(problem, &settings, empty, &[1.0, 20.0]).expect("modes") {
+            assert_eq!(found.status, Status::NoPeakInBand);
+            assert!(found.solution.is_none(), "no solution");
+        }
+        let balance = Balance::new(problem, settings.harmonics.clone(), settings.aft);
+        let start = stuck_point(&balance, 390.0 * TAU, 1.0);
+        let fixed = Condition::FixedFrequency;
+        let (iterate, _) = solve(&balance, start, fixed, settings.newton).expect("stuck");
+        let narrow = peak(band(385.0, 395.0));
+        let end = find_peak(&balance, iterate, narrow, settings.newton);
+        assert_eq!(end.err().map(|e| e.0), Some(Status::NoPeakInBand));
+    });
+}
