@@ -26,8 +26,9 @@ const STEPS: [f64; 2] = [0.4, 0.8];
 const MOST_STEPS: usize = 60;
 /// Points per step.
 const POINTS_PER_STEP: usize = 6;
-/// The picture needs no more; the peak itself is solved to the study's tolerance.
-const TOLERANCE: f64 = 1e-6;
+/// Residual over the largest dynamic displacement at the peak. The picture needs no more; the peak itself is solved to
+/// the study's tolerance.
+const TOLERANCE: f64 = 1e-5;
 
 /// The forced response through `peak` inside `band`, ascending in frequency. Where the walk fails the curve ends.
 #[must_use]
@@ -38,7 +39,7 @@ pub fn response_curve(
     newton: NewtonSettings,
 ) -> (Vec<CurvePoint>, WorkCount) {
     let newton = NewtonSettings {
-        tolerance: newton.tolerance.max(TOLERANCE),
+        tolerance: newton.tolerance.max(tolerance(balance, peak)),
         ..newton
     };
     let steps = StepSettings {
@@ -77,6 +78,13 @@ pub fn response_curve(
     curve.pop();
     curve.extend(side(true));
     (curve, count)
+}
+
+/// [`TOLERANCE`] in terms of the displacement scale, which a small excitation leaves far above the dynamic motion.
+fn tolerance(balance: &Balance<'_>, peak: &Point) -> f64 {
+    let dynamic = &peak.r[balance.layout.n_relative()..];
+    let largest = dynamic.iter().map(|r| r.abs()).fold(0.0, f64::max);
+    (TOLERANCE * largest / balance.problem.displacement_scale(peak.level)).min(TOLERANCE)
 }
 
 /// Hermite points in (0, 1] between two solutions `length` apart.

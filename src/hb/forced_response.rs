@@ -170,7 +170,8 @@ fn finished(
     if let (Some(alert), Some(next)) = (settings.alert, next) {
         let error = truncation_error(balance, iterate, next, Condition::FixedFrequency);
         solution.truncation_error = Some(error);
-        if error.is_nan() || error > alert.threshold {
+        let alarming = error.is_nan() || error > alert.threshold;
+        if alarming && solution.status == Status::Converged {
             solution.status = Status::TruncationAboveThreshold;
         }
     }

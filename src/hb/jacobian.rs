@@ -11,9 +11,16 @@ use super::problem::Problem;
 use crate::linalg::gmres::{GmresSettings, gmres};
 use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
+use std::cell::OnceCell;
 
-/// Up to so many active unknowns the dense factor is faster than GMRES (measured, `benches/`).
-const DENSE_LIMIT: usize = 1100;
+/// Up to so many active unknowns a dense factor is cheaper than any Krylov solve.
+const DENSE_LIMIT: usize = 350;
+
+/// Up to so many it is cheaper than a Krylov solve that does not converge quickly.
+const DENSE_FALLBACK_LIMIT: usize = 1400;
+
+/// Krylov vectors tried before such a dense factor; soft contacts need 20 to 30, stiff ones a hundred.
+const QUICK_ITERATIONS: usize = 45;
 
 /// Krylov solves are exact enough to cost Newton's method no iteration and tangents no digit that is used.
 const GMRES: GmresSettings = GmresSettings {
@@ -53,8 +60,11 @@ enum Solver {
     Identity,
     /// Dense LU of the active unknowns.
     Dense(PartialPivLu<f64>),
-    /// LU of the diagonal blocks as preconditioner.
-    Krylov(Vec<PartialPivLu<f64>>),
+    /// LU of the diagonal blocks as preconditioner; the dense LU once a solve was too slow.
+    Krylov {
+        blocks: Vec<PartialPivLu<f64>>,
+        dense: OnceCell<PartialPivLu<f64>>,
+    },
 }
 
 impl<'a> Jacobian<'a> {
@@ -95,7 +105,11 @@ impl<'a> Jacobian<'a> {
         };
         let n = jacobian.n_active();
         if n > DENSE_LIMIT {
-            jacobian.solver = Solver::Krylov(jacobian.diagonal_factors());
+            let blocks = jacobian.diagonal_factors();
+            jacobian.solver = Solver::Krylov {
+                blocks,
+                dense: OnceCell::new(),
+            };
         } else if n > 0 {
             jacobian.solver = Solver::Dense(jacobian.dense_factor());
         }
@@ -119,7 +133,7 @@ impl<'a> Jacobian<'a> {
         let active_x = match &self.solver {
             Solver::Identity => return b.to_vec(),
             Solver::Dense(lu) => solve_dense(lu, &active_b),
-            Solver::Krylov(blocks) => self.solve_krylov(blocks, &active_b),
+            Solver::Krylov { blocks, dense } => self.solve_krylov(blocks, dense, &active_b),
         };
         let mut x = vec![0.0; b.len()];
         self.prolong(&active_x, &mut x);
@@ -154,7 +168,15 @@ impl<'a> Jacobian<'a> {
         }
     }
 
-    fn solve_krylov(&self, blocks: &[PartialPivLu<f64>], b: &[f64]) -> Vec<f64> {
+    fn solve_krylov(
+        &self,
+        blocks: &[PartialPivLu<f64>],
+        dense: &OnceCell<PartialPivLu<f64>>,
+        b: &[f64],
+    ) -> Vec<f64> {
+        if let Some(lu) = dense.get() {
+            return solve_dense(lu, b);
+        }
         let precondition = |v: &[f64]| -> Vec<f64> {
             let mut rest = v;
             let mut out = Vec::with_capacity(v.len());
@@ -165,11 +187,26 @@ impl<'a> Jacobian<'a> {
             }
             out
         };
-        let result = gmres(|v| self.apply_active(v), precondition, b, GMRES);
-        if result.relative_residual <= GMRES_ACCEPTED {
+        let small = b.len() <= DENSE_FALLBACK_LIMIT;
+        let max_iterations = if small {
+            QUICK_ITERATIONS
+        } else {
+            GMRES.max_iterations
+        };
+        let accepted = if small {
+            GMRES.tolerance
+        } else {
+            GMRES_ACCEPTED
+        };
+        let settings = GmresSettings {
+            max_iterations,
+            ..GMRES
+        };
+        let result = gmres(|v| self.apply_active(v), precondition, b, settings);
+        if result.relative_residual <= accepted {
             result.solution
         } else {
-            solve_dense(&self.dense_factor(), b)
+            solve_dense(dense.get_or_init(|| self.dense_factor()), b)
         }
     }
 

@@ -272,7 +272,7 @@ pub fn solve<'p>(
         if size <= wanted && !open {
             return Ok((iterate, count));
         }
-        if count.iterations == settings.max_iterations || progress.stalls(size) {
+        if count.iterations == settings.max_iterations || (size > wanted && progress.stalls(size)) {
             return Err((Status::MaxIterations, count));
         }
         let jacobian = iterate.jacobian(balance);

@@ -85,7 +85,7 @@ impl Solution {
             responses.extend(y.iter().map(|y| y.re));
             responses.extend(y.iter().map(|y| -y.im));
         }
-        Self {
+        let mut solution = Self {
             status,
             omega: iterate.point.omega,
             level: iterate.point.level,
@@ -99,7 +99,11 @@ impl Solution {
             work: CycleWork::new(balance, iterate),
             truncation_error: None,
             work_count,
+        };
+        if status.has_solution() && solution.bounces() {
+            solution.status = Status::BouncingContact;
         }
+        solution
     }
 
     /// Whether the contacts bounce so much that a response with the period of the excitation is not to be trusted: the

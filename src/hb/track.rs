@@ -49,6 +49,8 @@ const LONGEST_SECANT: f64 = 0.7;
 const MOST_SECANTS: usize = 12;
 /// Newton iterations of one step of the track; more mean that the step was too long.
 const TRACK_ITERATIONS: usize = 30;
+/// Residual accepted on the way to a peak; the search of the maximum goes down to the study's tolerance.
+const TRACK_TOLERANCE: f64 = 1e-5;
 /// Steps of the sweep that replaces a failed track.
 const SWEEP_STEPS: usize = 200;
 
@@ -156,10 +158,19 @@ impl<'a, 'p> Track<'a, 'p> {
         &self.ladder[self.ladder.len() - 1]
     }
 
+    /// Newton's method for solutions that only lead to others.
+    fn on_the_way(&self) -> NewtonSettings {
+        let newton = self.settings.newton;
+        NewtonSettings {
+            tolerance: newton.tolerance.max(TRACK_TOLERANCE),
+            ..newton
+        }
+    }
+
     /// Adds harmonics to a phase-resonant solution, rung by rung at its amplitude, then returns to its level.
     fn climb(&mut self, start: Iterate<'p>) -> Result<Iterate<'p>, Status> {
         let level = start.point.level;
-        let newton = self.settings.newton;
+        let newton = self.on_the_way();
         let mut iterate = start;
         for rung in 1..self.ladder.len() {
             let (from, to) = (&self.ladder[rung - 1], &self.ladder[rung]);
@@ -177,7 +188,7 @@ impl<'a, 'p> Track<'a, 'p> {
     fn follow(&mut self, level: f64) -> Result<Iterate<'p>, Status> {
         let newton = NewtonSettings {
             max_iterations: TRACK_ITERATIONS,
-            ..self.settings.newton
+            ..self.on_the_way()
         };
         loop {
             let at = self.at.as_ref().ok_or(Status::StepTooSmall)?;
@@ -235,7 +246,7 @@ impl<'a, 'p> Track<'a, 'p> {
         level: f64,
     ) -> Result<Iterate<'p>, Status> {
         let balance = &self.ladder[rung];
-        let newton = self.settings.newton;
+        let newton = self.on_the_way();
         let mut at = start;
         let (mut slope, mut longest) = (1.0, LONGEST_SECANT);
         for _ in 0..MOST_SECANTS {
@@ -357,9 +368,6 @@ impl<'a, 'p> Track<'a, 'p> {
         truncation_error: Option<f64>,
     ) -> LevelPeak {
         let mut solution = Solution::new(balance, iterate, status, self.count);
-        if solution.bounces() {
-            solution.status = Status::BouncingContact;
-        }
         solution.truncation_error = truncation_error;
         LevelPeak {
             level: iterate.point.level,

@@ -5,6 +5,7 @@
 )]
 
 mod bad_input;
+mod run;
 mod solve;
 
 use std::path::Path;

@@ -118,7 +118,13 @@ fn peaks(mu: f64, levels: &[f64]) -> Vec<[f64; 2]> {
     };
     let found = track_peaks(&problem, &settings, peak, levels).expect("definite");
     let reported = found.iter().map(|p| {
-        assert_eq!(p.status, Status::Converged, "{} N", p.level);
+        // at 300 N the strip bounces, and the status says so
+        let expected = if p.level < 200.0 {
+            Status::Converged
+        } else {
+            Status::BouncingContact
+        };
+        assert_eq!(p.status, expected, "{} N", p.level);
         let solution = p.solution.as_ref().expect("converged");
         let shift = rad_s_to_hz(solution.omega) - free;
         let per_force = solution.amplitude(0) / p.level * 1e6;
