@@ -24,7 +24,7 @@ const QUICK_ITERATIONS: usize = 45;
 
 /// Krylov solves are exact enough to cost Newton's method no iteration and tangents no digit that is used.
 const GMRES: GmresSettings = GmresSettings {
-    tolerance: 1e-6,
+    tolerance: 1e-7,
     max_iterations: 250,
 };
 

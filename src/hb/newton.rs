@@ -5,6 +5,7 @@
 use super::balance::{Balance, ContactResponse, LoadRate, Motion};
 use super::compliance::Compliance;
 use super::jacobian::Jacobian;
+use super::linear::Structure;
 use super::settings::NewtonSettings;
 use super::status::Status;
 use crate::aft::Want;
@@ -107,7 +108,7 @@ const PHASE_TOLERANCE: f64 = 1e-6;
 const MAX_FREQUENCY_STEP: f64 = 0.02;
 
 /// Residual over the largest displacement that cancellation in the compliance of modal models leaves (measured).
-const ROUND_OFF: f64 = 5e-11;
+const MODAL_ROUND_OFF: f64 = 5e-11;
 
 /// Bound on what round-off may excuse.
 const COARSEST_TOLERANCE: f64 = 1e-7;
@@ -169,7 +170,11 @@ impl<'p> Iterate<'p> {
     fn attainable(&self, balance: &Balance<'_>) -> f64 {
         let scale = balance.problem.displacement_scale(self.point.level);
         let largest = self.point.r.iter().map(|r| r.abs()).fold(0.0, f64::max);
-        (ROUND_OFF * largest / scale).min(COARSEST_TOLERANCE)
+        let round_off = match balance.problem.model.structure {
+            Structure::Modal { .. } => MODAL_ROUND_OFF,
+            Structure::Physical { .. } => 0.0,
+        };
+        (round_off * largest / scale).min(COARSEST_TOLERANCE)
     }
 
     /// The Jacobian here.
@@ -271,6 +276,10 @@ pub fn solve<'p>(
         let wanted = settings.tolerance.max(iterate.attainable(balance));
         if size <= wanted && !open {
             return Ok((iterate, count));
+        }
+        if iterate.point.omega <= 0.0 {
+            // a step of a walk that was too long
+            return Err((Status::StepTooSmall, count));
         }
         if count.iterations == settings.max_iterations || (size > wanted && progress.stalls(size)) {
             return Err((Status::MaxIterations, count));

@@ -16,7 +16,7 @@ use super::status::Status;
 pub struct PeakSettings {
     /// Where the peak must lie.
     pub band: Band,
-    /// Relative distance in frequency from the maximum, by the secant of the growth, at which the search ends.
+    /// Relative change of frequency between the last two points at which the search ends.
     pub frequency_tolerance: f64,
 }
 
@@ -24,6 +24,10 @@ pub struct PeakSettings {
 const SHORTEST_STEP: f64 = 1e-3;
 /// Longer steps would leave the neighbourhood in which the curvature estimate holds.
 const LONGEST_STEP: f64 = 0.3;
+/// Residual over the dynamic displacement, per relative frequency tolerance.
+const GROWTH_SHARE: f64 = 1e-2;
+/// Residuals below this are round-off.
+const SHARPEST: f64 = 1e-13;
 /// Points visited before giving up.
 const MAX_POINTS: usize = 40;
 /// Halvings of one step before giving up.
@@ -45,6 +49,12 @@ pub fn find_peak<'p>(
     settings: PeakSettings,
     newton: NewtonSettings,
 ) -> Result<(BranchPoint<'p>, WorkCount), (Status, WorkCount)> {
+    let newton = NewtonSettings {
+        tolerance: newton
+            .tolerance
+            .min(sharp_enough(balance, &start, settings)),
+        ..newton
+    };
     let omega_scale = 2.0 * settings.band.width();
     let (first, mut count) = BranchPoint::new(balance, start, omega_scale, None, None);
     let metric = first.metric;
@@ -74,20 +84,28 @@ pub fn find_peak<'p>(
             return Err((Status::NoPeakInBand, count));
         }
         let s = from.s + length;
+        let moved = (omega - from.point.iterate.point.omega).abs() / omega;
         search.add(Station { s, point });
-        step = search.next();
-        let nearest = search.nearest(step);
-        let tangent = nearest.point.tangent.omega;
-        let to_go = ((step - nearest.s) * tangent).abs() / omega;
+        // the last point must have been solved where the secant wanted it: a kink makes a liar of a prediction
         let tolerance = settings.frequency_tolerance;
-        if search.is_maximum() && (to_go <= tolerance || search.bracket_width() <= tolerance) {
+        if search.is_maximum() && (moved <= tolerance || search.bracket_width() <= tolerance) {
             return Ok((search.into_best(), count));
         }
+        step = search.next();
     }
     if search.is_maximum() && search.bracket_width() <= 10.0 * settings.frequency_tolerance {
         return Ok((search.into_best(), count));
     }
     Err((Status::MaxIterations, count))
+}
+
+/// Residual that leaves the growth of the amplitude exact enough for the frequency asked for: a flat top moves far for
+/// little, and a small excitation moves the contacts little compared with the scale of the residual.
+fn sharp_enough(balance: &Balance<'_>, start: &Iterate<'_>, settings: PeakSettings) -> f64 {
+    let dynamic = &start.point.r[balance.layout.n_relative()..];
+    let largest = dynamic.iter().map(|r| r.abs()).fold(0.0, f64::max);
+    let scale = balance.problem.displacement_scale(start.point.level);
+    (GROWTH_SHARE * settings.frequency_tolerance * largest / scale).max(SHARPEST)
 }
 
 /// One step, halved while the solve fails.

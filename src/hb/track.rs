@@ -49,7 +49,8 @@ const LONGEST_SECANT: f64 = 0.7;
 const MOST_SECANTS: usize = 12;
 /// Newton iterations of one step of the track; more mean that the step was too long.
 const TRACK_ITERATIONS: usize = 30;
-/// Residual accepted on the way to a peak; the search of the maximum goes down to the study's tolerance.
+/// Residual accepted on the way to a level; the solution there, from which the maximum is searched, is solved to the
+/// study's tolerance.
 const TRACK_TOLERANCE: f64 = 1e-5;
 /// Steps of the sweep that replaces a failed track.
 const SWEEP_STEPS: usize = 200;
@@ -187,7 +188,7 @@ impl<'a, 'p> Track<'a, 'p> {
     /// Moves the track up to `level` by steps whose ratio adapts; gives a copy of the solution there.
     fn follow(&mut self, level: f64) -> Result<Iterate<'p>, Status> {
         let newton = NewtonSettings {
-            max_iterations: TRACK_ITERATIONS,
+            max_iterations: TRACK_ITERATIONS.min(self.settings.newton.max_iterations),
             ..self.on_the_way()
         };
         loop {
@@ -266,7 +267,12 @@ impl<'a, 'p> Track<'a, 'p> {
             }
         }
         let point = Point { level, ..at.point };
-        let solved = solve(balance, point, Condition::PhaseLocked(self.phasor), newton);
+        let solved = solve(
+            balance,
+            point,
+            Condition::PhaseLocked(self.phasor),
+            self.settings.newton,
+        );
         self.tally(solved)
     }
 

@@ -6,6 +6,7 @@ use microslip::contact::{ContactParameters, FrictionLaw};
 use microslip::harmonics::{HarmonicSet, phases};
 use microslip::hb::forced_response::at_frequencies;
 use microslip::hb::newton::{Iterate, Point};
+use microslip::hb::sweep::SweepDirection;
 use microslip::hb::{
     Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Solution, Status,
 };
@@ -65,9 +66,15 @@ impl Draw {
         let anchor = self.settings.anchor;
         let contacts = self.case.contacts.clone();
         let problem = Problem::new(&linear, contacts, load, anchor).expect("held");
-        at_frequencies(&problem, &self.settings, load * self.level, &[self.omega])
-            .into_iter()
-            .find(|s| s.status == Status::Converged)
+        at_frequencies(
+            &problem,
+            &self.settings,
+            load * self.level,
+            &[self.omega],
+            SweepDirection::Upward,
+        )
+        .into_iter()
+        .find(|s| s.status == Status::Converged)
     }
 
     /// Residual over the displacement scale at given relative displacements.

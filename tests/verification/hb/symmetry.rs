@@ -10,6 +10,7 @@ use microslip::harmonics::HarmonicSet;
 use microslip::hb::forced_response::at_frequencies;
 use microslip::hb::peak::PeakSettings;
 use microslip::hb::resonance::Band;
+use microslip::hb::sweep::SweepDirection;
 use microslip::hb::track::track_peaks;
 use microslip::hb::{LinearModel, Problem, SliderAnchor, Solution, Status};
 use std::f64::consts::TAU;
@@ -206,7 +207,13 @@ fn solve(case: &Case, level: f64, hertz: &[f64]) -> Vec<Solution> {
     let anchor = SliderAnchor::Unloaded;
     let problem = Problem::new(&linear, case.contacts.clone(), 1.0, anchor).expect("held");
     let omega: Vec<f64> = hertz.iter().map(|f| f * TAU).collect();
-    at_frequencies(&problem, &settings(3, FrictionLaw::Circle), level, &omega)
+    at_frequencies(
+        &problem,
+        &settings(3, FrictionLaw::Circle),
+        level,
+        &omega,
+        SweepDirection::Upward,
+    )
 }
 
 /// Without friction, with boundless friction and without stiffness the solution is that of a linear structure, as long
