@@ -33,15 +33,6 @@ fn page(input: &ReportInput) -> String {
     page
 }
 
-/// Writes the report of a synthetic study into the folder named by `MICROSLIP_REPORT`, to be looked at.
-#[test]
-#[ignore = "writes a report to look at"]
-fn write_a_report_to_look_at() {
-    let folder = std::env::var("MICROSLIP_REPORT").unwrap();
-    let study = SyntheticStudy::new(400);
-    report::write(folder.as_ref(), &study.input()).unwrap();
-}
-
 /// Counts and the rate with its interval must be in the page.
 /// Seen to fail when the notices skipped statuses without a solution.
 #[test]
