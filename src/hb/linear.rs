@@ -33,6 +33,8 @@ pub struct LinearModel {
     pub force: Vec<c64>,
     /// Number of contact pairs.
     pub n_contacts: usize,
+    /// Whether a part of the free structure has a rigid-body motion, such as a strip held by its contacts alone.
+    pub floats: bool,
 }
 
 /// Matrices of the free structure.
@@ -65,8 +67,10 @@ impl LinearModel {
         let (lambda, modes) =
             symmetric_generalized_eigen(model.stiffness.as_ref(), model.mass.as_ref())?;
         let damping = modes.transpose() * &model.damping * &modes;
+        let round_off = 10.0 * f64::EPSILON * lambda.len() as f64;
+        let floats = lambda.first() <= lambda.last().map(|l| round_off * l).as_ref();
         let modal = diagonal(&damping).filter(|c| c.len() >= MODAL_FROM);
-        Ok(match modal {
+        let linear = match modal {
             Some(damping) => {
                 Self::in_coordinates(model, Structure::Modal { lambda, damping }, &modes)
             }
@@ -78,7 +82,8 @@ impl LinearModel {
                 };
                 Self::in_coordinates(model, structure, &Mat::identity(lambda.len(), lambda.len()))
             }
-        })
+        };
+        Ok(Self { floats, ..linear })
     }
 
     fn in_coordinates(model: &ReducedModel, structure: Structure, phi: &Mat<f64>) -> Self {
@@ -105,6 +110,7 @@ impl LinearModel {
                 .map(|(&c, &s)| c64::new(c, -s))
                 .collect(),
             n_contacts: pairs.len(),
+            floats: false,
         }
     }
 

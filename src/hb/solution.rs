@@ -100,13 +100,13 @@ impl Solution {
             truncation_error: None,
             work_count,
         };
-        if status.has_solution() && solution.bounces() {
+        if status.has_solution() && model.floats && solution.bounces() {
             solution.status = Status::BouncingContact;
         }
         solution
     }
 
-    /// Whether the contacts bounce so much that a response with the period of the excitation is not to be trusted: the
+    /// Whether the contacts of a part that only they hold bounce so much that a response with the period of the excitation is not to be trusted: the
     /// strip flies, or the pairs are open for most of the time. Time integration of the rig settles to one period up to
     /// shares of about one half (100 N) and does not any more at 300 N, where it is two thirds and more.
     #[must_use]

@@ -233,6 +233,7 @@ pub(super) fn modal(model: &ReducedModel) -> LinearModel {
             .map(|j| phi.col(j).iter().zip(&own.force).map(|(p, f)| f * *p).sum())
             .collect(),
         n_contacts: own.n_contacts,
+        floats: own.floats,
     }
 }
 

@@ -301,6 +301,7 @@ fn truncated(hertz: f64) -> LinearModel {
         static_force: full.static_force[..n].to_vec(),
         force: full.force[..n].to_vec(),
         n_contacts: full.n_contacts,
+        floats: full.floats,
     }
 }
 
