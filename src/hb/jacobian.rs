@@ -22,9 +22,9 @@ const DENSE_FALLBACK_LIMIT: usize = 1400;
 /// Krylov vectors tried before such a dense factor; soft contacts need 20 to 30, stiff ones a hundred.
 const QUICK_ITERATIONS: usize = 45;
 
-/// Krylov solves are exact enough to cost Newton's method no iteration and tangents no digit that is used.
+/// Krylov solves are this exact for the tangents: at 1e-7 the top of a blade's curve was found 2.8e-5 off in frequency.
 const GMRES: GmresSettings = GmresSettings {
-    tolerance: 1e-7,
+    tolerance: 1e-8,
     max_iterations: 250,
 };
 

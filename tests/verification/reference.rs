@@ -227,10 +227,8 @@ fn blades_and_strip_agree_at_the_peak_with_41_harmonics() {
 
 /// The maximum of the curve, located without the curve.
 ///
-/// Decided at the samples, contact events make the curve ragged: it has several tops within 1e-4 in frequency whose
-/// heights differ by less than 1e-6. Which one is found depends on the start (measured: 2.8e-5 and 3.1e-7 away).
-///
-/// Seen to fail with the phase resonance reported instead of the maximum next to it.
+/// Seen to fail with the phase resonance reported instead of the maximum next to it, and with Krylov solves to 1e-7:
+/// inexact tangents shift the zero of the growth (2.8e-5 in frequency).
 #[test]
 fn blades_and_strip_peaks_are_the_maxima_of_the_curves() {
     let case = Case::read("blades-strip-oop", "study.toml");
@@ -255,7 +253,7 @@ fn blades_and_strip_peaks_are_the_maxima_of_the_curves() {
             (solution.omega / omega - 1.0).abs(),
             (solution.amplitude(0) / amplitude - 1.0).abs(),
         ];
-        assert!(errors[0] < 1e-4 && errors[1] < 1e-6, "{errors:?}");
+        assert!(errors[0] < 1e-6 && errors[1] < 1e-8, "{errors:?}");
     }
 }
 
