@@ -43,6 +43,8 @@ pub struct Provenance {
     pub harmonics: Vec<usize>,
     /// Time points per period of the contact evaluation.
     pub time_points: usize,
+    /// Whether the contacts of one side of a mirror-symmetric model stood for both.
+    pub folded: bool,
     /// Truncation error above which harmonics are added; absent if not estimated.
     pub truncation_threshold: Option<f64>,
     /// Harmonics are raised up to this order; absent if they are fixed.

@@ -209,13 +209,8 @@ impl<'p> Balance<'p> {
     pub fn frequency_slope(&self, at: &Compliance<'_>, motion: &Motion) -> Vec<f64> {
         let mut out = vec![0.0; self.layout.n_unknowns()];
         for (i, (h, eta)) in at.harmonics.iter().zip(&motion.dynamic).enumerate() {
-            let load = self.problem.model.impedance_slope(h.order, at.omega, eta);
-            self.store(
-                i,
-                &self.problem.model.relative(&h.solve(&load)),
-                1.0,
-                &mut out,
-            );
+            let load = h.part.impedance_slope(h.order, at.omega, eta);
+            self.store(i, &h.part.relative(&h.solve(&load)), 1.0, &mut out);
         }
         out
     }
@@ -223,17 +218,16 @@ impl<'p> Balance<'p> {
     /// Motion of the structure under the excitation and the contact forces.
     #[must_use]
     pub fn motion(&self, at: &Compliance<'_>, level: f64, r: &[f64], force: &[f64]) -> Motion {
-        let model = self.problem.model;
         let n = self.layout.n_relative();
         let rest = &self.problem.stuck_static;
         let g = self.deviation(r, force);
         let pushed = &rest.eta_per_force * Col::from_fn(n, |i| g[i]);
         let dynamic = (at.harmonics.iter().enumerate())
             .map(|(i, h)| {
-                let mut load = model.contact_load(&self.complex(i, &g));
+                let mut load = h.part.contact_load(&self.complex(i, &g));
                 load.iter_mut().for_each(|f| *f = -*f);
                 if h.order == 1 {
-                    (load.iter_mut().zip(&model.force)).for_each(|(l, f)| *l += f * level);
+                    (load.iter_mut().zip(&h.part.force)).for_each(|(l, f)| *l += f * level);
                 }
                 h.solve(&load)
             })
@@ -252,21 +246,20 @@ impl<'p> Balance<'p> {
     /// Rate of the first harmonic of response 0 that goes with the rates of force deviation, frequency and level.
     #[must_use]
     pub fn response_rate(&self, at: &Compliance<'_>, motion: &Motion, rate: &LoadRate<'_>) -> c64 {
-        let model = self.problem.model;
         let (first, eta) = (&at.harmonics[0], &motion.dynamic[0]);
-        let mut load = model.contact_load(&self.complex(0, rate.deviation));
-        let inertia = model.impedance_slope(first.order, at.omega, eta);
-        for ((load, inertia), force) in load.iter_mut().zip(&inertia).zip(&model.force) {
+        let part = first.part;
+        let mut load = part.contact_load(&self.complex(0, rate.deviation));
+        let inertia = part.impedance_slope(first.order, at.omega, eta);
+        for ((load, inertia), force) in load.iter_mut().zip(&inertia).zip(&part.force) {
             *load = force * rate.level - *load - inertia * rate.omega;
         }
-        model.responses(&first.solve(&load))[0]
+        part.responses(&first.solve(&load))[0]
     }
 
     /// r̂₁ of the stuck structure.
     fn stuck_relative(&self, first: &HarmonicCompliance<'_>, level: f64) -> Vec<c64> {
-        let model = self.problem.model;
-        let load: Vec<c64> = model.force.iter().map(|f| f * level).collect();
-        model.relative(&first.solve(&load))
+        let load: Vec<c64> = first.part.force.iter().map(|f| f * level).collect();
+        first.part.relative(&first.solve(&load))
     }
 
     /// Complex amplitudes of the i-th dynamic harmonic of a coefficient-major vector.

@@ -5,7 +5,7 @@
 //! G stays finite where the free strip floats, and g vanishes where a contact sticks: only slipping and
 //! separating pairs enter the nonlinear system.
 
-use super::linear::{LinearModel, Structure};
+use super::linear::{LinearModel, Part, Structure};
 use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
 
@@ -27,7 +27,8 @@ pub struct HarmonicCompliance<'p> {
     pub real: Mat<f64>,
     /// Im Gₖ (m/N). Shape: 3·n_contacts square.
     pub imaginary: Mat<f64>,
-    model: &'p LinearModel,
+    /// The structure that harmonic k sees.
+    pub part: &'p Part,
     stuck_stiffness: &'p [f64],
     impedance: Impedance,
 }
@@ -46,38 +47,38 @@ impl<'p> Compliance<'p> {
     #[must_use]
     pub fn new(model: &'p LinearModel, k_c: &'p [f64], orders: &[usize], omega: f64) -> Self {
         let harmonics = (orders.iter().filter(|&&k| k > 0))
-            .map(|&order| HarmonicCompliance::new(model, k_c, order, omega))
+            .map(|&order| HarmonicCompliance::new(model.part(order), k_c, order, omega))
             .collect();
         Self { omega, harmonics }
     }
 }
 
 impl<'p> HarmonicCompliance<'p> {
-    fn new(model: &'p LinearModel, k_c: &'p [f64], order: usize, omega: f64) -> Self {
+    fn new(part: &'p Part, k_c: &'p [f64], order: usize, omega: f64) -> Self {
         let frequency = order as f64 * omega;
-        let (impedance, real, imaginary) = match &model.structure {
+        let (impedance, real, imaginary) = match &part.structure {
             Structure::Modal { lambda, damping } => {
                 let inverse: Vec<c64> = (lambda.iter().zip(damping))
                     .map(|(&l, &c)| c64::new(l - frequency * frequency, frequency * c).inv())
                     .collect();
-                let (real, imaginary) = compliance_of_free(&model.contact, &inverse, k_c);
+                let (real, imaginary) = compliance_of_free(part, &inverse, k_c);
                 (Impedance::Free(inverse), real, imaginary)
             }
             Structure::Physical { mass, damping, .. } => {
-                let stiffness = model.stiffness_with_springs(k_c);
+                let stiffness = part.stiffness_with_springs(k_c);
                 let z = Mat::from_fn(mass.nrows(), mass.ncols(), |i, j| {
                     let inertia = frequency * frequency * mass[(i, j)];
                     c64::new(stiffness[(i, j)] - inertia, frequency * damping[(i, j)])
                 });
                 let lu = z.partial_piv_lu();
-                let b = &model.contact;
+                let b = &part.contact;
                 let columns = lu.solve(Mat::from_fn(b.ncols(), b.nrows(), |i, j| {
-                    c64::new(b[(j, i)], 0.0)
+                    c64::new(part.images * b[(j, i)], 0.0)
                 }));
-                let part = |f: fn(&c64) -> f64| {
+                let times_b = |f: fn(&c64) -> f64| {
                     b * Mat::from_fn(b.ncols(), b.nrows(), |i, j| f(&columns[(i, j)]))
                 };
-                let (real, imaginary) = (part(|z| z.re), part(|z| z.im));
+                let (real, imaginary) = (times_b(|z| z.re), times_b(|z| z.im));
                 (Impedance::Stuck(lu), real, imaginary)
             }
         };
@@ -85,7 +86,7 @@ impl<'p> HarmonicCompliance<'p> {
             order,
             real,
             imaginary,
-            model,
+            part,
             stuck_stiffness: k_c,
             impedance,
         }
@@ -110,13 +111,13 @@ impl<'p> HarmonicCompliance<'p> {
                         .collect()
                 };
                 let free = times_inverse(load);
-                let r = self.model.relative(&free);
+                let r = self.part.relative(&free);
                 let held: Vec<c64> = r
                     .iter()
                     .zip(self.apply(&spring(&r)))
                     .map(|(r, y)| r - y)
                     .collect();
-                let hold = times_inverse(&self.model.contact_load(&spring(&held)));
+                let hold = times_inverse(&self.part.contact_load(&spring(&held)));
                 free.iter().zip(&hold).map(|(a, b)| a - b).collect()
             }
         }
@@ -153,10 +154,12 @@ impl<'p> HarmonicCompliance<'p> {
 }
 
 /// G = (I + H K_c)⁻¹ H with H = L D Lᵀ, the receptance of the free structure.
-fn compliance_of_free(l: &Mat<f64>, inverse: &[c64], k_c: &[f64]) -> (Mat<f64>, Mat<f64>) {
+fn compliance_of_free(part: &Part, inverse: &[c64], k_c: &[f64]) -> (Mat<f64>, Mat<f64>) {
+    let l = &part.contact;
     let (m, n) = (l.nrows(), l.ncols());
-    let receptance =
-        |f: fn(&c64) -> f64| Mat::from_fn(m, n, |i, j| l[(i, j)] * f(&inverse[j])) * l.transpose();
+    let receptance = |f: fn(&c64) -> f64| {
+        Mat::from_fn(m, n, |i, j| part.images * l[(i, j)] * f(&inverse[j])) * l.transpose()
+    };
     let (h_real, h_imaginary) = (receptance(|z| z.re), receptance(|z| z.im));
     let h = Mat::from_fn(m, m, |i, j| c64::new(h_real[(i, j)], h_imaginary[(i, j)]));
     let held = Mat::from_fn(m, m, |i, j| {

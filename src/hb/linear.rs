@@ -11,30 +11,40 @@ use faer::prelude::*;
 
 /// Smaller models are solved in their own coordinates whatever their damping: factors are cheap there, and exact where
 /// the modal receptance cancels, close to a resonance of the free structure.
-const MODAL_FROM: usize = 120;
+const MODAL_FROM: f64 = 120.0;
 
 /// Off-diagonal damping below this share of its diagonal neighbours is round-off.
 const DIAGONAL_TOLERANCE: f64 = 1e-8;
 
-/// A [`ReducedModel`] in coordinates η, with its contact, load and response vectors.
+/// A [`ReducedModel`] as harmonic balance sees it: one [`Part`] per class of harmonics.
 #[derive(Debug, Clone)]
 pub struct LinearModel {
+    /// Harmonic k sees part k mod length: one part, or two where a mirror parts even from odd harmonics
+    /// (see [`super::fold`]).
+    pub parts: Vec<Part>,
+    /// Contact pairs of the [`ReducedModel`] that are unknowns; the mirror images of the others follow.
+    pub pairs: Vec<usize>,
+    /// Whether a part of the free structure has a rigid-body motion, such as a strip held by its contacts alone.
+    pub floats: bool,
+}
+
+/// The linear structure in coordinates η, with its contact, load and response vectors.
+#[derive(Debug, Clone)]
+pub struct Part {
     /// Mass, damping and stiffness of the free structure.
     pub structure: Structure,
     /// Φᵀ K₀ Φ, stiffness of the 0th harmonic only.
     pub retention: Option<Mat<f64>>,
     /// B Φ: η → relative contact displacements. Shape: 3·n_contacts × n, rows ordered t1 of every pair, t2, n.
     pub contact: Mat<f64>,
+    /// Number of contacts that each pair stands for: 2 where its mirror image acts along, else 1.
+    pub images: f64,
     /// η → response coordinates. Shape: n_responses × n.
     pub response: Mat<f64>,
     /// Φᵀ f₀. Shape: `[n]`.
     pub static_force: Vec<f64>,
     /// Φᵀ (f_c − i f_s) per unit level. Shape: `[n]`.
     pub force: Vec<c64>,
-    /// Number of contact pairs.
-    pub n_contacts: usize,
-    /// Whether a part of the free structure has a rigid-body motion, such as a strip held by its contacts alone.
-    pub floats: bool,
 }
 
 /// Matrices of the free structure.
@@ -59,20 +69,59 @@ pub enum Structure {
 }
 
 impl LinearModel {
-    /// Chooses the coordinates and transforms everything.
+    /// All pairs as unknowns.
     ///
     /// # Errors
     /// [`ProblemError::Linalg`] if M is not positive definite or the eigensolver fails.
     pub fn new(model: &ReducedModel) -> Result<Self, ProblemError> {
+        let (part, floats) = Part::new(model, 1.0)?;
+        Ok(Self {
+            parts: vec![part],
+            pairs: (0..model.n_contacts()).collect(),
+            floats,
+        })
+    }
+
+    /// What harmonic k sees.
+    #[must_use]
+    pub fn part(&self, k: usize) -> &Part {
+        &self.parts[k % self.parts.len()]
+    }
+
+    /// Whether the other half of the contacts follows half a period later, instead of at once or not at all.
+    #[must_use]
+    pub fn alternates(&self) -> bool {
+        self.parts.len() > 1
+    }
+
+    /// Number of contact pairs that are unknowns.
+    #[must_use]
+    pub fn n_contacts(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Number of relative displacements, 3 per contact pair.
+    #[must_use]
+    pub fn n_relative(&self) -> usize {
+        3 * self.n_contacts()
+    }
+}
+
+impl Part {
+    /// Chooses the coordinates and transforms everything; also says whether the free structure floats.
+    ///
+    /// # Errors
+    /// [`ProblemError::Linalg`] if M is not positive definite or the eigensolver fails.
+    pub(super) fn new(model: &ReducedModel, images: f64) -> Result<(Self, bool), ProblemError> {
         let (lambda, modes) =
             symmetric_generalized_eigen(model.stiffness.as_ref(), model.mass.as_ref())?;
         let damping = modes.transpose() * &model.damping * &modes;
         let round_off = 10.0 * f64::EPSILON * lambda.len() as f64;
         let floats = lambda.first() <= lambda.last().map(|l| round_off * l).as_ref();
-        let modal = diagonal(&damping).filter(|c| c.len() >= MODAL_FROM);
-        let linear = match modal {
+        let modal = diagonal(&damping).filter(|c| c.len() as f64 * images >= MODAL_FROM);
+        let part = match modal {
             Some(damping) => {
-                Self::in_coordinates(model, Structure::Modal { lambda, damping }, &modes)
+                Self::in_coordinates(model, Structure::Modal { lambda, damping }, &modes, images)
             }
             None => {
                 let structure = Structure::Physical {
@@ -80,13 +129,19 @@ impl LinearModel {
                     damping: model.damping.clone(),
                     stiffness: model.stiffness.clone(),
                 };
-                Self::in_coordinates(model, structure, &Mat::identity(lambda.len(), lambda.len()))
+                let own = Mat::identity(lambda.len(), lambda.len());
+                Self::in_coordinates(model, structure, &own, images)
             }
         };
-        Ok(Self { floats, ..linear })
+        Ok((part, floats))
     }
 
-    fn in_coordinates(model: &ReducedModel, structure: Structure, phi: &Mat<f64>) -> Self {
+    fn in_coordinates(
+        model: &ReducedModel,
+        structure: Structure,
+        phi: &Mat<f64>,
+        images: f64,
+    ) -> Self {
         let pairs = &model.contacts;
         let rows: Vec<&SparseRow> = (pairs.iter().map(|p| &p.t1))
             .chain(pairs.iter().map(|p| &p.t2))
@@ -102,6 +157,7 @@ impl LinearModel {
             structure,
             retention: model.retention.as_ref().map(|k| phi.transpose() * k * phi),
             contact: rows_times(&rows, phi),
+            images,
             response: rows_times(&responses, phi),
             static_force: project(&model.static_force),
             force: cosine
@@ -109,8 +165,6 @@ impl LinearModel {
                 .zip(&sine)
                 .map(|(&c, &s)| c64::new(c, -s))
                 .collect(),
-            n_contacts: pairs.len(),
-            floats: false,
         }
     }
 
@@ -136,15 +190,9 @@ impl LinearModel {
     #[must_use]
     pub fn stiffness_with_springs(&self, k: &[f64]) -> Mat<f64> {
         let springs = Mat::from_fn(k.len(), self.n_coordinates(), |i, j| {
-            k[i] * self.contact[(i, j)]
+            self.images * k[i] * self.contact[(i, j)]
         });
         self.stiffness() + self.contact.transpose() * springs
-    }
-
-    /// Number of relative displacements, 3 per contact pair.
-    #[must_use]
-    pub fn n_relative(&self) -> usize {
-        3 * self.n_contacts
     }
 
     /// (dZ/dω) η for harmonic k at ω: (−2k²ω M + ik C) η.
@@ -187,14 +235,13 @@ impl LinearModel {
         times(&self.response, eta)
     }
 
-    /// Φᵀ Bᵀ f. Shape: `[3·n_contacts]` → `[n]`.
+    /// Φᵀ Bᵀ f, the load of the contacts and their images. Shape: `[3·n_contacts]` → `[n]`.
     #[must_use]
     pub fn contact_load(&self, force: &[c64]) -> Vec<c64> {
         (0..self.n_coordinates())
             .map(|j| {
-                (self.contact.col(j).iter().zip(force))
-                    .map(|(b, f)| f * *b)
-                    .sum()
+                let products = self.contact.col(j).iter().zip(force);
+                products.map(|(b, f)| f * *b).sum::<c64>() * self.images
             })
             .collect()
     }

@@ -9,6 +9,7 @@ pub mod compliance;
 pub mod continuation;
 pub mod curve;
 pub mod error;
+pub mod fold;
 pub mod forced_response;
 pub mod jacobian;
 pub mod ladder;

@@ -170,7 +170,7 @@ impl<'p> Iterate<'p> {
     fn attainable(&self, balance: &Balance<'_>) -> f64 {
         let scale = balance.problem.displacement_scale(self.point.level);
         let largest = self.point.r.iter().map(|r| r.abs()).fold(0.0, f64::max);
-        let round_off = match balance.problem.model.structure {
+        let round_off = match balance.problem.model.part(1).structure {
             Structure::Modal { .. } => MODAL_ROUND_OFF,
             Structure::Physical { .. } => 0.0,
         };
@@ -191,7 +191,11 @@ impl<'p> Iterate<'p> {
     /// First harmonic of response 0.
     #[must_use]
     pub fn response(&self, balance: &Balance<'_>) -> c64 {
-        balance.problem.model.responses(&self.motion.dynamic[0])[0]
+        balance
+            .problem
+            .model
+            .part(1)
+            .responses(&self.motion.dynamic[0])[0]
     }
 
     /// dr/dω along the solution branch: −J⁻¹ R_ω.

@@ -1,7 +1,7 @@
 //! The nonlinear problem of one sample: a linear model, contact parameters and the static load.
 
 use super::ProblemError;
-use super::linear::LinearModel;
+use super::linear::{LinearModel, Part};
 use super::settings::SliderAnchor;
 use crate::contact::ContactParameters;
 use faer::linalg::solvers::Llt;
@@ -52,7 +52,7 @@ impl<'m> Problem<'m> {
     ) -> Result<Self, ProblemError> {
         assert_eq!(
             contacts.len(),
-            model.n_contacts,
+            model.n_contacts(),
             "one parameter set per contact pair"
         );
         let finite = |c: &ContactParameters<f64>| {
@@ -101,36 +101,26 @@ impl<'m> Problem<'m> {
 
 impl StuckStatic {
     fn new(model: &LinearModel, k_c: &[f64], load_scale: f64) -> Result<Self, ProblemError> {
-        let factor = static_factor(model, k_c)?;
-        let solve = |f: &[f64]| -> Vec<f64> {
-            factor
-                .solve(Col::from_fn(f.len(), |i| f[i]))
-                .iter()
-                .copied()
-                .collect()
-        };
-        let relative = |eta: &[f64]| -> Vec<f64> {
-            (&model.contact * Col::from_fn(eta.len(), |i| eta[i]))
-                .iter()
-                .copied()
-                .collect()
-        };
-        let eta: Vec<f64> = solve(&model.static_force)
+        let part = model.part(0);
+        let factor = static_factor(part, k_c)?;
+        let eta: Vec<f64> = solve(&factor, &part.static_force)
             .iter()
             .map(|x| x * load_scale)
             .collect();
-        let eta_per_force = factor.solve(model.contact.transpose());
-        let part = |f: fn(&c64) -> f64| model.force.iter().map(f).collect::<Vec<f64>>();
-        let excitation_scale = [part(|f| f.re), part(|f| f.im)]
+        let eta_per_force = factor.solve(part.contact.transpose() * Scale(part.images));
+        let excited = model.part(1);
+        let factor = static_factor(excited, k_c)?;
+        let force = |f: fn(&c64) -> f64| excited.force.iter().map(f).collect::<Vec<f64>>();
+        let excitation_scale = [force(|f| f.re), force(|f| f.im)]
             .iter()
-            .flat_map(|f| relative(&solve(f)))
+            .flat_map(|f| relative(excited, &solve(&factor, f)))
             .fold(0.0, |m: f64, r| m.max(r.abs()));
-        if excitation_scale == 0.0 && model.n_contacts > 0 {
+        if excitation_scale == 0.0 && model.n_contacts() > 0 {
             return Err(ProblemError::NoLoad);
         }
         Ok(Self {
-            relative: relative(&eta),
-            compliance: &model.contact * &eta_per_force,
+            relative: relative(part, &eta),
+            compliance: &part.contact * &eta_per_force,
             eta,
             eta_per_force,
             excitation_scale,
@@ -138,11 +128,21 @@ impl StuckStatic {
     }
 }
 
+fn solve(factor: &Llt<f64>, f: &[f64]) -> Vec<f64> {
+    let eta = factor.solve(Col::from_fn(f.len(), |i| f[i]));
+    eta.iter().copied().collect()
+}
+
+fn relative(part: &Part, eta: &[f64]) -> Vec<f64> {
+    let r = &part.contact * Col::from_fn(eta.len(), |i| eta[i]);
+    r.iter().copied().collect()
+}
+
 /// Cholesky factor of Λ + retention + (BΦ)ᵀ diag(k) BΦ.
-fn static_factor(model: &LinearModel, k: &[f64]) -> Result<Llt<f64>, ProblemError> {
-    let mut stiffness = model.stiffness_with_springs(k);
+fn static_factor(part: &Part, k: &[f64]) -> Result<Llt<f64>, ProblemError> {
+    let mut stiffness = part.stiffness_with_springs(k);
     let n = stiffness.nrows();
-    if let Some(retention) = &model.retention {
+    if let Some(retention) = &part.retention {
         stiffness += retention;
     }
     let largest = (0..n).map(|i| stiffness[(i, i)]).fold(0.0, f64::max);
@@ -164,6 +164,7 @@ fn frictionless_equilibrium(
     contacts: &[ContactParameters<f64>],
     load_scale: f64,
 ) -> Result<Vec<[f64; 2]>, ProblemError> {
+    let part = model.part(0);
     let n_c = contacts.len();
     let mut closed = vec![true; n_c];
     let limit = 2 * n_c + 10;
@@ -174,12 +175,10 @@ fn frictionless_equilibrium(
             k[2 * n_c + i] = c.k_n;
             preload[2 * n_c + i] = c.n_0;
         }
-        let factor = static_factor(model, &k)?;
-        let load = Col::from_fn(model.n_coordinates(), |j| {
-            load_scale * model.static_force[j]
-        });
-        let eta = factor.solve(load - model.contact.transpose() * preload);
-        let r = &model.contact * eta;
+        let factor = static_factor(part, &k)?;
+        let load = Col::from_fn(part.n_coordinates(), |j| load_scale * part.static_force[j]);
+        let eta = factor.solve(load - part.contact.transpose() * preload * Scale(part.images));
+        let r = &part.contact * eta;
         let now: Vec<bool> = (contacts.iter().enumerate())
             .map(|(i, c)| c.n_0 + c.k_n * r[2 * n_c + i] > 0.0)
             .collect();

@@ -2,7 +2,7 @@
 //! limit at large excitation.
 
 use super::compliance::Compliance;
-use super::linear::{LinearModel, Structure};
+use super::linear::{LinearModel, Part, Structure};
 use crate::linalg::{LinalgError, symmetric_generalized_eigen};
 use faer::prelude::*;
 
@@ -53,8 +53,9 @@ pub fn linear_resonance(
     k: &[f64],
     band: Band,
 ) -> Result<Option<LinearResonance>, LinalgError> {
-    let stiffness = model.stiffness_with_springs(k);
-    let mass = match &model.structure {
+    let part = model.part(1);
+    let stiffness = part.stiffness_with_springs(k);
+    let mass = match &part.structure {
         Structure::Modal { .. } => Mat::identity(stiffness.nrows(), stiffness.ncols()),
         Structure::Physical { mass, .. } => mass.clone(),
     };
@@ -64,9 +65,9 @@ pub fn linear_resonance(
         .filter(|&j| band.contains(omega[j]))
         .map(|j| {
             let mode: Vec<c64> = modes.col(j).iter().map(|x| c64::new(*x, 0.0)).collect();
-            let force: c64 = mode.iter().zip(&model.force).map(|(x, f)| x.re * f).sum();
-            let half_bandwidth = 0.5 * damping_of(model, &mode);
-            let residue = (force * model.responses(&mode)[0]).norm();
+            let force: c64 = mode.iter().zip(&part.force).map(|(x, f)| x.re * f).sum();
+            let half_bandwidth = 0.5 * damping_of(part, &mode);
+            let residue = (force * part.responses(&mode)[0]).norm();
             let amplitude = residue / (2.0 * omega[j] * half_bandwidth.max(UNDAMPED * omega[j]));
             (j, half_bandwidth, amplitude)
         })
@@ -82,11 +83,12 @@ pub fn linear_resonance(
 #[must_use]
 pub fn linear_response(model: &LinearModel, k: &[f64], omega: f64) -> c64 {
     let at = Compliance::new(model, k, &[0, 1], omega);
-    model.responses(&at.harmonics[0].solve(&model.force))[0]
+    let first = &at.harmonics[0];
+    first.part.responses(&first.solve(&first.part.force))[0]
 }
 
-fn damping_of(model: &LinearModel, mode: &[c64]) -> f64 {
-    (model.damp(mode).iter().zip(mode))
+fn damping_of(part: &Part, mode: &[c64]) -> f64 {
+    (part.damp(mode).iter().zip(mode))
         .map(|(c, x)| (c * x.conj()).re)
         .sum()
 }

@@ -79,9 +79,16 @@ impl Solution {
             .iter()
             .map(|x| c64::new(*x, 0.0))
             .collect();
-        let mut responses: Vec<f64> = model.responses(&rest).iter().map(|y| y.re).collect();
-        for eta in &iterate.motion.dynamic {
-            let y = model.responses(eta);
+        let mut responses: Vec<f64> = (model.part(0).responses(&rest).iter())
+            .map(|y| y.re)
+            .collect();
+        for (h, eta) in iterate
+            .compliance
+            .harmonics
+            .iter()
+            .zip(&iterate.motion.dynamic)
+        {
+            let y = h.part.responses(eta);
             responses.extend(y.iter().map(|y| y.re));
             responses.extend(y.iter().map(|y| -y.im));
         }
@@ -135,11 +142,12 @@ impl ContactFractions {
     }
 }
 
-/// Share of the phases at which every pair is open.
+/// Share of the phases at which every pair is open, and every image of one.
 fn flight_fraction(balance: &Balance<'_>, r: &[f64]) -> f64 {
     let contacts = &balance.problem.contacts;
     let normal = 2 * contacts.len();
-    let open = |basis: &[f64]| {
+    let open = |theta: f64| {
+        let basis = balance.harmonics.basis(theta);
         contacts.iter().enumerate().all(|(pair, c)| {
             let coefficients = r.chunks_exact(balance.layout.n_relative());
             let approach: f64 = (basis.iter().zip(coefficients))
@@ -149,9 +157,10 @@ fn flight_fraction(balance: &Balance<'_>, r: &[f64]) -> f64 {
         })
     };
     let phases = phases(balance.n_time());
+    let alternates = balance.problem.model.alternates();
     let n_open = phases
         .iter()
-        .filter(|theta| open(&balance.harmonics.basis(**theta)))
+        .filter(|theta| open(**theta) && (!alternates || open(**theta + PI)))
         .count();
     n_open as f64 / phases.len() as f64
 }
@@ -160,7 +169,6 @@ impl CycleWork {
     /// ∮ f·q̇ dt of the excitation, ∮ q̇ᵀCq̇ dt, and ∮ F·ṙ dt of the contacts.
     #[must_use]
     pub fn new(balance: &Balance<'_>, iterate: &Iterate<'_>) -> Self {
-        let model = balance.problem.model;
         let level = iterate.point.level;
         let mut work = Self::default();
         for (i, (h, eta)) in iterate
@@ -172,15 +180,15 @@ impl CycleWork {
         {
             let k = h.order as f64;
             if h.order == 1 {
-                work.input = PI * level * power(&model.force, eta);
+                work.input = PI * level * power(&h.part.force, eta);
             }
-            let damping: f64 = (model.damp(eta).iter().zip(eta))
+            let damping: f64 = (h.part.damp(eta).iter().zip(eta))
                 .map(|(c_eta, eta)| (eta.conj() * c_eta).re)
                 .sum();
             work.viscous += PI * k * k * iterate.point.omega * damping;
             let force = balance.complex(i, &iterate.contact.force);
             let relative = balance.complex(i, &iterate.point.r);
-            work.friction += PI * k * power(&force, &relative);
+            work.friction += PI * k * h.part.images * power(&force, &relative);
         }
         work
     }

@@ -231,6 +231,7 @@ impl MatricesSettings {
             contacts,
             cosine_force,
             sine_force,
+            mirror: None,
         };
         Ok((model, parameters))
     }

@@ -6,12 +6,14 @@ pub mod matrices;
 mod matrix_checks;
 pub mod matrix_contacts;
 mod matrix_market;
+pub mod mirror;
 pub mod modes;
 
 mod craig_bampton;
 pub mod two_blade;
 
 pub use craig_bampton::CraigBampton;
+pub use mirror::Mirror;
 
 use crate::fe::FeError;
 use crate::linalg::LinalgError;
@@ -76,6 +78,8 @@ pub struct ReducedModel {
     pub sine_force: Vec<f64>,
     /// Response coordinates; the amplitude of the first one defines resonance.
     pub responses: Vec<Response>,
+    /// A mirror symmetry that the model is built with, if any.
+    pub mirror: Option<Mirror>,
 }
 
 /// Kinematics of one node pair. Sign: relative displacement strip minus blade; n > 0 is compression.

@@ -343,6 +343,15 @@ fn provenance(summary: &Summary) -> Vec<(String, String)> {
         pair("Harmonics", list(&p.harmonics)),
         pair("Time points per period", p.time_points.to_string()),
         pair(
+            "Contacts solved",
+            if p.folded {
+                "half, the mirror gives the other"
+            } else {
+                "all"
+            }
+            .to_owned(),
+        ),
+        pair(
             "Truncation threshold",
             p.truncation_threshold.map_or_else(absent, percent),
         ),

@@ -66,6 +66,8 @@ pub struct Study {
     pub design: Design,
     /// Solver.
     pub solver: HbSettings,
+    /// Whether samples of a mirror-symmetric model are solved on one half of its contacts.
+    pub mirror: bool,
     /// Frequencies.
     pub frequency: FrequencySettings,
     /// Results.
@@ -111,6 +113,7 @@ impl Study {
             model,
             design,
             solver: solver.settings(&contact).map_err(at)?,
+            mirror: solver.mirror(),
             frequency: frequency
                 .settings()
                 .map_err(|bad| at(bad.under("frequency")))?,

@@ -45,7 +45,15 @@ pub fn run(
 ) -> Result<RunResult, Error> {
     let clock = Instant::now();
     let (model, contacts) = study.build_model()?;
-    let linear = LinearModel::new(&model)?;
+    let folded = match study.mirror {
+        true => LinearModel::folded(&model, &contacts)?,
+        false => None,
+    };
+    let linear = match folded {
+        Some(half) => half,
+        None => LinearModel::new(&model)?,
+    };
+    let contacts: Vec<_> = linear.pairs.iter().map(|&pair| contacts[pair]).collect();
     let [low, high] = study.frequency.band;
     let band = Band { low, high };
     let nominal = Problem::new(&linear, contacts.clone(), 1.0, study.solver.anchor)?;
@@ -75,7 +83,7 @@ pub fn run(
         .iter()
         .map(|(input, _)| input.name().to_owned())
         .collect();
-    let provenance = provenance(study);
+    let provenance = provenance(study, linear.n_contacts() < model.n_contacts());
     let samples_path = folder.path().join("samples.parquet");
     write_samples(&samples_path, &provenance, &input_names, &outcomes)?;
     write_curves(
@@ -144,7 +152,7 @@ fn level_unit(study: &Study) -> &'static str {
     }
 }
 
-fn provenance(study: &Study) -> Provenance {
+fn provenance(study: &Study, folded: bool) -> Provenance {
     let solver = &study.solver;
     Provenance {
         study: study.name.clone(),
@@ -160,6 +168,7 @@ fn provenance(study: &Study) -> Provenance {
         anchor: solver.anchor,
         harmonics: solver.harmonics.orders().to_vec(),
         time_points: solver.aft.n_time,
+        folded,
         truncation_threshold: solver.alert.map(|alert| alert.threshold),
         highest_harmonic: solver.alert.map(|alert| alert.highest_harmonic),
     }

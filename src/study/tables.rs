@@ -84,6 +84,7 @@ pub struct SolverSection {
     tolerance: Option<f64>,
     max_iterations: Option<usize>,
     alert: Option<Alert>,
+    mirror: Option<bool>,
 }
 
 /// Harmonics of the first solution.
@@ -164,6 +165,12 @@ impl SolverSection {
             bad.under("solver")
         })?;
         Ok(settings)
+    }
+
+    /// Whether a mirror-symmetric model is solved on one half of its contacts.
+    #[must_use]
+    pub fn mirror(&self) -> bool {
+        self.mirror.unwrap_or(true)
     }
 
     fn harmonics(&self) -> Result<HarmonicSet, BadSetting> {

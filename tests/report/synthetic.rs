@@ -80,6 +80,7 @@ pub(crate) fn provenance() -> Provenance {
         anchor: SliderAnchor::StaticEquilibrium,
         harmonics: vec![0, 1, 2, 3],
         time_points: 256,
+        folded: true,
         truncation_threshold: Some(0.01),
         highest_harmonic: Some(9),
     }

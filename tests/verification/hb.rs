@@ -6,6 +6,7 @@
 )]
 
 mod closed_form;
+mod fold;
 mod invariants;
 mod jacobian;
 mod models;

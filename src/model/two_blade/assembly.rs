@@ -1,7 +1,7 @@
 //! The components put together: matrices, contact pairs, loads, responses.
 
 use super::{Component, Phase, TwoBladeSettings, components::ContactNode};
-use crate::model::{ContactPair, ReducedModel, Response, SparseRow};
+use crate::model::{ContactPair, Mirror, ReducedModel, Response, SparseRow};
 use crate::units::hz_to_rad_s;
 use faer::{Mat, Scale};
 
@@ -47,6 +47,7 @@ pub(super) fn reduced_model(
         cosine_force: system.excitation(),
         sine_force: vec![0.0; system.n_dofs()],
         responses: system.responses(),
+        mirror: Some(system.mirror()),
     }
 }
 
@@ -191,6 +192,41 @@ impl System<'_> {
                 row: vec![(self.blade_node(blade, self.contact.len() + 1), 1.0)],
             })
             .collect()
+    }
+
+    /// x → −x: exchanges the blades and the halves of the strip.
+    fn mirror(&self) -> Mirror {
+        let nb = self.n_blade();
+        let blades = (0..2 * nb).map(|q| ((q + nb) % (2 * nb), self.mirror[q % nb]));
+        let strip = self.strip_mirror().into_iter();
+        Mirror {
+            image: blades
+                .chain(strip.map(|(q, sign)| (2 * nb + q, sign)))
+                .collect(),
+        }
+    }
+
+    /// The same within the strip. A fixed-interface mode has the parity of the inertia forces that it puts on the masters.
+    fn strip_mirror(&self) -> Vec<(usize, f64)> {
+        let strip = &self.strip.reduced;
+        let n = self.contact.len();
+        let mut image: Vec<(usize, f64)> = (0..strip.n_dofs()).map(|q| (q, 1.0)).collect();
+        for node in 0..2 * n {
+            let (from, to) = (
+                self.strip.nodes[node],
+                self.strip.nodes[(node + n) % (2 * n)],
+            );
+            for (axis, sign) in [-1.0, 1.0, 1.0].into_iter().enumerate() {
+                image[from + axis] = (to + axis, sign);
+            }
+        }
+        for mode in strip.n_masters..strip.n_dofs() {
+            let correlation: f64 = (image[..strip.n_masters].iter().enumerate())
+                .map(|(q, &(j, sign))| strip.mass[(q, mode)] * sign * strip.mass[(j, mode)])
+                .sum();
+            image[mode].1 = correlation.signum();
+        }
+        image
     }
 
     /// k Σ w wᵀ with w the mean displacement of the strip's contact nodes in x and y, and their mean rotation about z

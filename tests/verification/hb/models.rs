@@ -3,7 +3,7 @@
 use faer::Mat;
 use microslip::aft::{AftSettings, Laps};
 use microslip::contact::{ContactParameters, FrictionLaw, Recontact};
-use microslip::hb::linear::{LinearModel, Structure};
+use microslip::hb::linear::{LinearModel, Part, Structure};
 use microslip::linalg::symmetric_generalized_eigen;
 use microslip::model::{ContactPair, ReducedModel, Response, SparseRow};
 
@@ -68,6 +68,7 @@ fn assembled(
                 row: vec![(i, 1.0)],
             })
             .collect(),
+        mirror: None,
     }
 }
 
@@ -211,29 +212,39 @@ pub(super) fn space() -> Case {
 /// The same linear model in modal coordinates, whatever its size; the damping must be diagonal in the modes.
 pub(super) fn modal(model: &ReducedModel) -> LinearModel {
     let own = LinearModel::new(model).expect("definite");
-    if matches!(own.structure, Structure::Modal { .. }) {
+    if matches!(own.part(0).structure, Structure::Modal { .. }) {
         return own;
     }
     let (lambda, phi) =
         symmetric_generalized_eigen(model.stiffness.as_ref(), model.mass.as_ref()).expect("modes");
     let damping = phi.transpose() * &model.damping * &phi;
     let n = lambda.len();
-    LinearModel {
+    let part = own.part(0);
+    let modal = Part {
         structure: Structure::Modal {
             damping: (0..n).map(|i| damping[(i, i)]).collect(),
             lambda,
         },
-        retention: own.retention.map(|k| phi.transpose() * k * &phi),
-        contact: own.contact * &phi,
-        response: own.response * &phi,
+        retention: (part.retention.as_ref()).map(|k| phi.transpose() * k * &phi),
+        contact: &part.contact * &phi,
+        images: part.images,
+        response: &part.response * &phi,
         static_force: (0..n)
-            .map(|j| dot(phi.col(j).iter(), &own.static_force))
+            .map(|j| dot(phi.col(j).iter(), &part.static_force))
             .collect(),
         force: (0..n)
-            .map(|j| phi.col(j).iter().zip(&own.force).map(|(p, f)| f * *p).sum())
+            .map(|j| {
+                phi.col(j)
+                    .iter()
+                    .zip(&part.force)
+                    .map(|(p, f)| f * *p)
+                    .sum()
+            })
             .collect(),
-        n_contacts: own.n_contacts,
-        floats: own.floats,
+    };
+    LinearModel {
+        parts: vec![modal],
+        ..own
     }
 }
 

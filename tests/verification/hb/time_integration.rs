@@ -12,7 +12,7 @@ use microslip::contact::{ContactParameters, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::alert::pad;
 use microslip::hb::forced_response::over_band;
-use microslip::hb::linear::Structure;
+use microslip::hb::linear::{Part, Structure};
 use microslip::hb::newton::{Condition, Iterate, Point, solve};
 use microslip::hb::peak::PeakSettings;
 use microslip::hb::resonance::Band;
@@ -46,17 +46,18 @@ impl<'a> March<'a> {
     /// Starts at the periodic solution, with the sliders that it has after two periods.
     fn new(problem: &'a Problem<'a>, iterate: &Iterate<'_>, n_steps: usize) -> Self {
         let model = problem.model;
-        let Structure::Modal { lambda, damping } = &model.structure else {
+        let part = model.part(0);
+        let Structure::Modal { lambda, damping } = &part.structure else {
             unreachable!("modal coordinates")
         };
         let omega = iterate.point.omega;
         let step = TAU / omega / n_steps as f64;
         let at = |i: f64| motion(iterate, i * step * omega);
-        let n_pairs = model.n_contacts;
+        let n_pairs = model.n_contacts();
         let mut march = Self {
             problem,
             columns: (0..lambda.len())
-                .map(|j| model.contact.col_as_slice(j).to_vec())
+                .map(|j| part.contact.col_as_slice(j).to_vec())
                 .collect(),
             lambda,
             damping,
@@ -91,7 +92,7 @@ impl<'a> March<'a> {
 
     /// Sets the static load and the reaction of the retention to the mean position `mean`.
     fn hold(&mut self, mean: &[f64]) {
-        let model = self.problem.model;
+        let model = self.problem.model.part(0);
         self.constant.clone_from(&model.static_force);
         if let Some(k) = &model.retention {
             let held = k * Col::from_fn(mean.len(), |i| mean[i]);
@@ -140,7 +141,7 @@ impl<'a> March<'a> {
 
     /// One period; first harmonic of response 0.
     fn cycle(&mut self) -> c64 {
-        let model = self.problem.model;
+        let model = self.problem.model.part(0);
         let mut y = c64::new(0.0, 0.0);
         let mut mean = vec![0.0; self.now.len()];
         self.states = [0; 3];
@@ -282,7 +283,8 @@ fn time_integration_of_the_lumped_blades_agrees() {
 /// The rig without its modes above `hertz`.
 fn truncated(hertz: f64) -> LinearModel {
     let full = modal(&RIG.reduced);
-    let Structure::Modal { lambda, damping } = &full.structure else {
+    let part = full.part(0);
+    let Structure::Modal { lambda, damping } = &part.structure else {
         unreachable!("modal coordinates")
     };
     let n = lambda
@@ -290,18 +292,21 @@ fn truncated(hertz: f64) -> LinearModel {
         .filter(|l| **l < (TAU * hertz).powi(2))
         .count();
     let columns = |a: &Mat<f64>| a.submatrix(0, 0, a.nrows(), n).to_owned();
-    LinearModel {
+    let truncated = Part {
         structure: Structure::Modal {
             lambda: lambda[..n].to_vec(),
             damping: damping[..n].to_vec(),
         },
-        retention: (full.retention.as_ref()).map(|k| k.submatrix(0, 0, n, n).to_owned()),
-        contact: columns(&full.contact),
-        response: columns(&full.response),
-        static_force: full.static_force[..n].to_vec(),
-        force: full.force[..n].to_vec(),
-        n_contacts: full.n_contacts,
-        floats: full.floats,
+        retention: (part.retention.as_ref()).map(|k| k.submatrix(0, 0, n, n).to_owned()),
+        contact: columns(&part.contact),
+        images: part.images,
+        response: columns(&part.response),
+        static_force: part.static_force[..n].to_vec(),
+        force: part.force[..n].to_vec(),
+    };
+    LinearModel {
+        parts: vec![truncated],
+        ..full
     }
 }
 
@@ -313,7 +318,7 @@ fn truncated(hertz: f64) -> LinearModel {
 #[test]
 fn time_integration_of_the_rig_agrees() {
     let linear = truncated(60e3);
-    let n = linear.n_contacts;
+    let n = linear.n_contacts();
     let each = 0.5 * n as f64;
     let contact = ContactParameters {
         k_n: K_N / each,

@@ -1,0 +1,125 @@
+//! The rig folded along its mirror gives what the whole rig gives.
+
+use super::invariants::settings;
+use crate::two_blade::{K_N, K_T, RIG};
+use microslip::contact::{ContactParameters, FrictionLaw};
+use microslip::hb::peak::PeakSettings;
+use microslip::hb::resonance::Band;
+use microslip::hb::track::{LevelPeak, track_peaks};
+use microslip::hb::{LinearModel, Problem, SliderAnchor, Solution};
+use microslip::model::ReducedModel;
+use std::f64::consts::TAU;
+
+const LEVELS: [f64; 4] = [0.1, 5.0, 20.0, 100.0];
+
+fn contacts(model: &ReducedModel, scale: f64, mu: f64) -> Vec<ContactParameters<f64>> {
+    let each = 0.5 * model.n_contacts() as f64 / scale;
+    let contact = ContactParameters {
+        k_n: K_N / each,
+        k_t: [K_T / each; 2],
+        mu,
+        n_0: 0.0,
+        anchor: [0.0; 2],
+    };
+    vec![contact; model.n_contacts()]
+}
+
+fn peaks(linear: &LinearModel, contacts: &[ContactParameters<f64>]) -> Vec<LevelPeak> {
+    let contacts = linear.pairs.iter().map(|&i| contacts[i]).collect();
+    let anchor = SliderAnchor::StaticEquilibrium;
+    let problem = Problem::new(linear, contacts, 1.0, anchor).expect("held");
+    let peak = PeakSettings {
+        band: Band {
+            low: 2605.0 * TAU,
+            high: 2635.0 * TAU,
+        },
+        frequency_tolerance: 1e-9,
+    };
+    let mut settings = settings(3, FrictionLaw::Box);
+    settings.newton.tolerance = 1e-11;
+    track_peaks(&problem, &settings, peak, &LEVELS).expect("modes")
+}
+
+fn relative(a: f64, b: f64) -> f64 {
+    (a - b).abs() / b.abs()
+}
+
+/// Frequency, amplitudes of both blades, energies and contact shares. Seen to fail with `images` = 1 in `contact_load`,
+/// with the parts of even and odd harmonics exchanged, and with the friction work of one side only.
+#[test]
+fn half_of_the_rig_answers_like_the_whole() {
+    let model = &RIG.reduced;
+    for (scale, mu) in [(1.0, 0.6), (0.3, 0.2)] {
+        let contacts = contacts(model, scale, mu);
+        let whole = LinearModel::new(model).expect("definite");
+        let half = LinearModel::folded(model, &contacts)
+            .expect("definite")
+            .expect("a mirror");
+        assert_eq!(2 * half.n_contacts(), whole.n_contacts());
+        let (expected, found) = (peaks(&whole, &contacts), peaks(&half, &contacts));
+        let mut slipping = 0;
+        for (expected, found) in expected.iter().zip(&found) {
+            let of = |p: &LevelPeak| -> Solution { p.solution.clone().expect("a peak") };
+            let (a, b) = (of(found), of(expected));
+            // a sample that touches a limit to rounding may count on either side of it
+            let shares = [
+                a.contact.slip - b.contact.slip,
+                a.contact.separated - b.contact.separated,
+            ];
+            assert!(shares.iter().all(|d| d.abs() < 2e-3), "{shares:?}");
+            let errors = [
+                relative(a.omega, b.omega),
+                relative(a.amplitude(0), b.amplitude(0)),
+                relative(a.amplitude(1), b.amplitude(1)),
+                relative(a.work.input, b.work.input),
+                relative(a.work.viscous, b.work.viscous),
+                (a.work.friction - b.work.friction).abs() / b.work.input,
+            ];
+            slipping += usize::from(b.contact.slip > 0.05);
+            println!("{} N {errors:?}", found.level);
+            assert!(errors[0] < 1e-8, "{} N {errors:?}", found.level);
+            assert!(
+                errors[1..].iter().all(|e| *e < 1e-6),
+                "{} N {errors:?}",
+                found.level
+            );
+            assert_eq!(a.status, b.status);
+        }
+        assert!(slipping >= 2, "{slipping}");
+    }
+}
+
+/// A model is folded only along a mirror that everything shares. Seen to fail without each of the checks.
+#[test]
+fn what_breaks_the_mirror_is_not_folded() {
+    let whole = &RIG.reduced;
+    let even = contacts(whole, 1.0, 0.6);
+    let folds = |model: &ReducedModel, contacts: &[ContactParameters<f64>]| {
+        let folded = LinearModel::folded(model, contacts).expect("definite");
+        folded.map(|linear| linear.alternates())
+    };
+    assert_eq!(folds(whole, &even), Some(true));
+    let mut other = even.clone();
+    other[0].mu = 0.5;
+    assert_eq!(folds(whole, &other), None, "one pair has another mu");
+    let change = |edit: fn(&mut ReducedModel)| {
+        let mut model = whole.clone();
+        edit(&mut model);
+        folds(&model, &even)
+    };
+    assert_eq!(change(|m| m.mirror = None), None);
+    assert_eq!(change(|m| m.stiffness[(0, 0)] *= 1.001), None);
+    assert_eq!(change(|m| m.static_force[0] += 1.0), None);
+    assert_eq!(change(|m| m.cosine_force[0] += 1.0), None);
+    assert_eq!(change(|m| m.contacts[0].n[0].1 *= 1.5), None);
+    let out_of_phase = change(|m| {
+        let n = (m.n_dofs()
+            - m.dof_names
+                .iter()
+                .filter(|d| d.starts_with("strip"))
+                .count())
+            / 2;
+        m.cosine_force[n..2 * n].iter_mut().for_each(|f| *f = -*f);
+    });
+    assert_eq!(out_of_phase, Some(false), "both sides move at once");
+}
