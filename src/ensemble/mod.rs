@@ -1,5 +1,6 @@
 //! Many samples: from inputs to outcomes to files.
 
+pub mod atlas;
 pub mod outcome;
 pub mod runner;
 pub mod store;

@@ -79,6 +79,18 @@ pub struct WorkCount {
     pub factorizations: usize,
 }
 
+impl WorkCount {
+    /// Adds the work of a solve, whether it succeeded or not.
+    pub fn tally<T, E>(&mut self, result: Result<(T, WorkCount), (E, WorkCount)>) -> Result<T, E> {
+        let (value, work) = match result {
+            Ok((value, work)) => (Ok(value), work),
+            Err((error, work)) => (Err(error), work),
+        };
+        *self += work;
+        value
+    }
+}
+
 impl std::ops::AddAssign for WorkCount {
     fn add_assign(&mut self, other: Self) {
         self.iterations += other.iterations;
@@ -167,7 +179,7 @@ impl<'p> Iterate<'p> {
 
     /// Relative residual below which only round-off is left: stiff contacts have small penetrations, the scale of the
     /// residual, but large motions to cancel in it. Never so large that a flying strip would pass for converged.
-    fn attainable(&self, balance: &Balance<'_>) -> f64 {
+    pub(super) fn attainable(&self, balance: &Balance<'_>) -> f64 {
         let scale = balance.problem.displacement_scale(self.point.level);
         let largest = self.point.r.iter().map(|r| r.abs()).fold(0.0, f64::max);
         let round_off = match balance.problem.model.part(1).structure {

@@ -101,7 +101,11 @@ pub fn find_peak<'p>(
 
 /// Residual that leaves the growth of the amplitude exact enough for the frequency asked for: a flat top moves far for
 /// little, and a small excitation moves the contacts little compared with the scale of the residual.
-fn sharp_enough(balance: &Balance<'_>, start: &Iterate<'_>, settings: PeakSettings) -> f64 {
+pub(super) fn sharp_enough(
+    balance: &Balance<'_>,
+    start: &Iterate<'_>,
+    settings: PeakSettings,
+) -> f64 {
     let dynamic = &start.point.r[balance.layout.n_relative()..];
     let largest = dynamic.iter().map(|r| r.abs()).fold(0.0, f64::max);
     let scale = balance.problem.displacement_scale(start.point.level);

@@ -121,11 +121,17 @@ impl Solution {
         self.flight_fraction > 0.0 || self.contact.separated > MOST_SEPARATED
     }
 
+    /// First harmonic q̂₁ of response `i` (m); q = Re q̂₁ exp(iωt).
+    #[must_use]
+    pub fn first_harmonic(&self, i: usize) -> c64 {
+        let n = self.responses.len() / self.harmonics.n_coefficients();
+        c64::new(self.responses[n + i], -self.responses[2 * n + i])
+    }
+
     /// Amplitude |q̂₁| of the first harmonic of response `i` (m).
     #[must_use]
     pub fn amplitude(&self, i: usize) -> f64 {
-        let n = self.responses.len() / self.harmonics.n_coefficients();
-        self.responses[n + i].hypot(self.responses[2 * n + i])
+        self.first_harmonic(i).norm()
     }
 }
 

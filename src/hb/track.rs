@@ -6,13 +6,15 @@
 //! the phase resonance is located, and more harmonics follow until the error alert is silent. Where that fails the
 //! whole band is swept by continuation.
 
-use super::alert::{enlarged, pad, time_points, truncation_error};
+use super::alert::pad;
 use super::balance::Balance;
 use super::continuation::{BranchPoint, StepSettings, walk};
 use super::ladder::Ladder;
 use super::newton::{Condition, Iterate, Point, WorkCount, solve};
 use super::peak::{PeakSettings, find_peak};
+use super::predicted::{PeakPrediction, correct};
 use super::problem::Problem;
+use super::refine::refined;
 use super::resonance::{LinearResonance, linear_resonance};
 use super::settings::{HbSettings, NewtonSettings};
 use super::solution::Solution;
@@ -29,8 +31,6 @@ pub struct LevelPeak {
     pub status: Status,
     /// The solution at the peak, if any.
     pub solution: Option<Solution>,
-    /// The same peak on the study's own harmonics, before any were added: start of the forced response curve.
-    pub on_first_harmonics: Option<Point>,
     /// Work spent on this level.
     pub count: WorkCount,
 }
@@ -99,12 +99,22 @@ pub fn track_peaks(
 }
 
 impl LevelPeak {
+    /// A located peak.
+    #[must_use]
+    pub fn found(solution: Solution) -> Self {
+        Self {
+            level: solution.level,
+            status: solution.status,
+            count: solution.work_count,
+            solution: Some(solution),
+        }
+    }
+
     fn failed(level: f64, status: Status, count: WorkCount) -> Self {
         Self {
             level,
             status,
             solution: None,
-            on_first_harmonics: None,
             count,
         }
     }
@@ -119,10 +129,10 @@ impl<'a, 'p> Track<'a, 'p> {
         let level = first_level.min(START_BELOW_ONSET * onset);
         let newton = self.settings.newton;
         let held = solve(balance, stuck(level), Condition::FixedFrequency, newton);
-        let locked = self.tally(held).and_then(|iterate| {
+        let locked = self.count.tally(held).and_then(|iterate| {
             let phase = Condition::PhaseLocked(self.phasor);
             let locked = solve(balance, iterate.point, phase, newton);
-            self.tally(locked)
+            self.count.tally(locked)
         });
         self.at = locked.ok();
     }
@@ -137,21 +147,33 @@ impl<'a, 'p> Track<'a, 'p> {
         let reached = self.follow(level);
         let located = reached
             .and_then(|start| self.climb(start))
-            .and_then(|start| {
-                let found = find_peak(self.full(), start, self.peak, self.settings.newton);
-                self.tally(found)
-            });
+            .and_then(|start| self.maximum(start));
         match located.or_else(|_| self.sweep(level)) {
-            Ok(point) => {
-                let start = point.iterate.point.clone();
-                let refined = self.refined(point.iterate);
-                LevelPeak {
-                    on_first_harmonics: Some(start),
-                    ..refined
-                }
+            Ok(found) => {
+                let solution = refined(self.full(), found, self.settings, self.peak, self.count);
+                LevelPeak::found(solution)
             }
             Err(status) => LevelPeak::failed(level, status, self.count),
         }
+    }
+
+    /// The maximum next to the phase resonance `start`: directly, else by a search along the branch.
+    fn maximum(&mut self, start: Iterate<'p>) -> Result<Iterate<'p>, Status> {
+        let (full, newton) = (self.full(), self.settings.newton);
+        let prediction = PeakPrediction {
+            point: start.point.clone(),
+            phasor: self.phasor,
+        };
+        if let Ok(found) = self
+            .count
+            .tally(correct(full, prediction, self.peak, newton))
+        {
+            return Ok(found);
+        }
+        let found = self
+            .count
+            .tally(find_peak(full, start, self.peak, newton))?;
+        Ok(found.iterate)
     }
 
     /// The problem on the harmonic set of the study.
@@ -180,7 +202,9 @@ impl<'a, 'p> Track<'a, 'p> {
                 phasor: self.phasor,
                 amplitude,
             };
-            iterate = self.tally(solve(to, pad(from, &iterate.point, to), condition, newton))?;
+            iterate =
+                self.count
+                    .tally(solve(to, pad(from, &iterate.point, to), condition, newton))?;
         }
         self.bring_to_level(self.ladder.len() - 1, iterate, level)
     }
@@ -236,7 +260,7 @@ impl<'a, 'p> Track<'a, 'p> {
             phasor: self.phasor,
             amplitude: ratio * amplitude,
         };
-        self.tally(solve(balance, start, condition, newton))
+        self.count.tally(solve(balance, start, condition, newton))
     }
 
     /// Corrects a phase resonance to exactly `level`: by secants in the amplitude until near, then at the fixed level.
@@ -273,69 +297,18 @@ impl<'a, 'p> Track<'a, 'p> {
             Condition::PhaseLocked(self.phasor),
             self.settings.newton,
         );
-        self.tally(solved)
-    }
-
-    /// Raises the harmonics from a converged peak until the alert is silent, and reports the peak.
-    ///
-    /// On the way the solution keeps the phase of the last peak; the maximum is searched once, on the final set.
-    fn refined(&mut self, iterate: Iterate<'p>) -> LevelPeak {
-        let Some(alert) = self.settings.alert else {
-            return self.report(self.full(), &iterate, Status::Converged, None);
-        };
-        let y = iterate.response(self.full());
-        let phase = Condition::PhaseLocked(y / y.norm());
-        let mut raised: Option<Balance<'p>> = None;
-        let mut iterate = iterate;
-        let (status, error) = loop {
-            let balance = raised.as_ref().unwrap_or(self.full());
-            let below_cap = balance.harmonics.highest() < alert.highest_harmonic;
-            let larger = self.enlarged(balance, below_cap.then_some(alert.highest_harmonic));
-            let error = truncation_error(balance, &iterate, &larger, phase);
-            self.count += WorkCount {
-                iterations: 1,
-                factorizations: 1,
-            };
-            if error <= alert.threshold {
-                break (Status::Converged, error);
-            }
-            if !below_cap {
-                break (Status::TruncationAboveThreshold, error);
-            }
-            let padded = pad(balance, &iterate.point, &larger);
-            match self.tally(solve(&larger, padded, phase, self.settings.newton)) {
-                Ok(solved) => iterate = solved,
-                Err(_) => break (Status::TruncationAboveThreshold, error),
-            }
-            raised = Some(larger);
-        };
-        let Some(balance) = raised else {
-            return self.report(self.full(), &iterate, status, Some(error));
-        };
-        let start = iterate.point.clone();
-        let found = find_peak(&balance, iterate, self.peak, self.settings.newton);
-        let peak = match self.tally(found) {
-            Ok(point) => point.iterate,
-            // the phase resonance stands for the maximum that could not be located
-            Err(_) => Iterate::new(&balance, start),
-        };
-        self.report(&balance, &peak, status, Some(error))
-    }
-
-    /// The same problem on the next larger set, up to `cap`.
-    fn enlarged(&self, balance: &Balance<'p>, cap: Option<usize>) -> Balance<'p> {
-        let harmonics = enlarged(&balance.harmonics, cap);
-        let aft = time_points(self.settings.aft, &harmonics);
-        Balance::new(balance.problem, harmonics, aft)
+        self.count.tally(solved)
     }
 
     /// Walks through the whole band at `level` and refines the highest point met.
-    fn sweep(&mut self, level: f64) -> Result<BranchPoint<'p>, Status> {
+    fn sweep(&mut self, level: f64) -> Result<Iterate<'p>, Status> {
         let band = self.peak.band;
         let newton = self.settings.newton;
         let balance = self.full();
         let start = stuck_point(balance, band.low, level);
-        let start = self.tally(solve(balance, start, Condition::FixedFrequency, newton))?;
+        let start = self
+            .count
+            .tally(solve(balance, start, Condition::FixedFrequency, newton))?;
         let steps = StepSettings {
             max_steps: SWEEP_STEPS,
             ..StepSettings::for_band(band.width())
@@ -363,41 +336,10 @@ impl<'a, 'p> Track<'a, 'p> {
             (status, _) => return Err(status),
         };
         let start = Iterate::new(balance, point);
-        self.tally(find_peak(balance, start, self.peak, newton))
-    }
-
-    fn report(
-        &self,
-        balance: &Balance<'_>,
-        iterate: &Iterate<'_>,
-        status: Status,
-        truncation_error: Option<f64>,
-    ) -> LevelPeak {
-        let mut solution = Solution::new(balance, iterate, status, self.count);
-        solution.truncation_error = truncation_error;
-        LevelPeak {
-            level: iterate.point.level,
-            status: solution.status,
-            solution: Some(solution),
-            on_first_harmonics: None,
-            count: self.count,
-        }
-    }
-
-    fn tally<T>(
-        &mut self,
-        result: Result<(T, WorkCount), (Status, WorkCount)>,
-    ) -> Result<T, Status> {
-        match result {
-            Ok((value, work)) => {
-                self.count += work;
-                Ok(value)
-            }
-            Err((status, work)) => {
-                self.count += work;
-                Err(status)
-            }
-        }
+        let found = self
+            .count
+            .tally(find_peak(balance, start, self.peak, newton))?;
+        Ok(found.iterate)
     }
 }
 

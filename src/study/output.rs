@@ -13,12 +13,15 @@ use crate::setting::BadSetting;
 pub struct OutputSettings {
     /// Folder of the results, relative to the study file.
     pub folder: PathBuf,
+    /// Samples whose forced response is computed for the bands of the report: the first so many.
+    pub curve_samples: u64,
 }
 
 impl Default for OutputSettings {
     fn default() -> Self {
         Self {
             folder: PathBuf::from("results"),
+            curve_samples: 200,
         }
     }
 }

@@ -69,6 +69,7 @@ pub fn run(
             band,
             frequency_tolerance: FREQUENCY_TOLERANCE,
         },
+        curve_samples: study.output.curve_samples,
     };
     let (total, done) = (study.samples, AtomicU64::new(0));
     progress(Progress { done: 0, total });
