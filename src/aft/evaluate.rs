@@ -3,11 +3,13 @@
 use super::batch::{AftBatch, AftForces, Block, Periodicity, StateSummary, Tangent, Want};
 use super::circle::{self, Cycle};
 use super::circle_tangent::{CircleScratch, circle_tangent};
+use super::located::{Located, Place};
 use super::march::{LANES, Workspace};
 use super::plan::AftPlan;
 use super::settings::Laps;
 use super::tangent::{Event, SegmentScratch, View, box_tangent};
-use crate::contact::{FrictionLaw, Real};
+use crate::contact::{FrictionLaw, Real, Recontact};
+use pulp::{Simd, WithSimd};
 
 /// Buffers of an evaluation.
 #[derive(Debug, Clone, Default)]
@@ -15,6 +17,7 @@ pub(super) struct Scratch<T> {
     work: Workspace<T>,
     segments: SegmentScratch<T>,
     circle: CircleScratch<T>,
+    located: Located<T>,
 }
 
 /// Last events of both directions before the last lap, per lane.
@@ -30,29 +33,86 @@ pub fn evaluate<T: Real>(
     out: &mut AftForces<T>,
 ) {
     out.reset(plan, batch);
-    let mut scratch = std::mem::take(&mut out.scratch);
-    for first in (0..batch.n_states).step_by(LANES) {
-        scratch.work.load(plan, batch, first);
-        let (cycle, events) = match plan.settings().law {
-            FrictionLaw::Box => march_box(plan, &mut scratch.work, want),
-            FrictionLaw::Circle => {
-                let cycle = circle::march(plan, &mut scratch.work);
-                (cycle, Events::default())
+    let evaluation = Evaluation {
+        plan,
+        batch,
+        want,
+        out,
+    };
+    plan.arch.dispatch(evaluation);
+}
+
+/// The arguments of [`evaluate`], for the instruction set that is found at run time.
+struct Evaluation<'a, T> {
+    plan: &'a AftPlan<T>,
+    batch: &'a AftBatch<T>,
+    want: Want,
+    out: &'a mut AftForces<T>,
+}
+
+impl<T: Real> WithSimd for Evaluation<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self {
+            plan,
+            batch,
+            want,
+            out,
+        } = self;
+        let mut scratch = std::mem::take(&mut out.scratch);
+        for first in (0..batch.n_states).step_by(LANES) {
+            scratch.work.load(simd, plan, batch, first);
+            if plan.settings().recontact == Recontact::Located {
+                locate(simd, plan, batch, first, &mut scratch, (want, out));
+                continue;
             }
-        };
-        store_forces(plan, &mut scratch.work, first, out);
-        for (lane, &events) in events.iter().enumerate().take(batch.n_states - first) {
-            out.summaries
-                .push(summary(plan, &scratch.work, &cycle, lane));
-            if want == Want::ForcesAndTangents {
-                store_tangent(plan, &mut scratch, (&cycle, events), lane, out);
+            let (cycle, events) = match plan.settings().law {
+                FrictionLaw::Box => march_box(plan, &mut scratch.work, want),
+                FrictionLaw::Circle => {
+                    let cycle = circle::march(plan, &mut scratch.work);
+                    (cycle, Events::default())
+                }
+            };
+            store_forces(simd, plan, &mut scratch.work, first, out);
+            for (lane, &events) in events.iter().enumerate().take(batch.n_states - first) {
+                out.summaries
+                    .push(summary(plan, &scratch.work, &cycle, lane));
+                if want == Want::ForcesAndTangents {
+                    store_tangent(plan, &mut scratch, (&cycle, events), lane, out);
+                }
             }
         }
+        out.scratch = scratch;
     }
-    out.scratch = scratch;
+}
+
+/// The states of a group from `first` on with located events.
+#[inline(always)]
+fn locate<S: Simd, T: Real>(
+    simd: S,
+    plan: &AftPlan<T>,
+    batch: &AftBatch<T>,
+    first: usize,
+    scratch: &mut Scratch<T>,
+    (want, out): (Want, &mut AftForces<T>),
+) {
+    scratch.located.mark(simd, plan, &mut scratch.work);
+    for lane in 0..LANES.min(batch.n_states - first) {
+        let place = Place {
+            plan,
+            batch,
+            work: &scratch.work,
+            lane,
+            state: first + lane,
+        };
+        scratch.located.evaluate(place, want, out);
+    }
 }
 
 /// Box law: the period map is a projection, so the second lap is periodic.
+#[inline(always)]
 fn march_box<T: Real>(
     plan: &AftPlan<T>,
     work: &mut Workspace<T>,
@@ -102,6 +162,7 @@ fn march_box<T: Real>(
 }
 
 /// A periodic direction forgets its start if it separates or slips both ways.
+#[inline(always)]
 fn box_periodicity<T: Real>(work: &Workspace<T>, cycle: &Cycle<T>, l: usize) -> Periodicity {
     let forgets = |d: usize| {
         work.parameters.k_t[d][l] == T::ZERO
@@ -115,6 +176,7 @@ fn box_periodicity<T: Real>(work: &Workspace<T>, cycle: &Cycle<T>, l: usize) -> 
 }
 
 /// Notes the last events of the lap just marched, before the next lap overwrites it.
+#[inline(always)]
 fn update_events<T: Real>(
     plan: &AftPlan<T>,
     work: &Workspace<T>,
@@ -129,7 +191,9 @@ fn update_events<T: Real>(
     }
 }
 
-fn store_forces<T: Real>(
+#[inline(always)]
+fn store_forces<S: Simd, T: Real>(
+    simd: S,
     plan: &AftPlan<T>,
     work: &mut Workspace<T>,
     first: usize,
@@ -137,14 +201,12 @@ fn store_forces<T: Real>(
 ) {
     let (n, m) = (out.n_states, out.n_coefficients);
     let lanes = LANES.min(n - first);
-    for c in 0..3 {
-        let forces = &mut out.forces[c * m * n..][..m * n];
-        work.analyse(plan, c, |j, values| {
-            forces[j * n + first..][..lanes].copy_from_slice(&values[..lanes]);
-        });
-    }
+    work.analyse(simd, plan, |c, j, values| {
+        out.forces[(c * m + j) * n + first..][..lanes].copy_from_slice(&values[..lanes]);
+    });
 }
 
+#[inline(always)]
 fn summary<T: Real>(
     plan: &AftPlan<T>,
     work: &Workspace<T>,
@@ -168,6 +230,7 @@ fn summary<T: Real>(
     }
 }
 
+#[inline(always)]
 fn store_tangent<T: Real>(
     plan: &AftPlan<T>,
     scratch: &mut Scratch<T>,
