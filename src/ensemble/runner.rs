@@ -173,7 +173,7 @@ impl Ensemble<'_> {
                 let surprise = (solution.amplitude(0) / amplitude - 1.0).abs();
                 (surprise < SURPRISE).then(|| LevelPeak::found(solution))
             }
-            Err((_, work)) => {
+            Err((e, work)) => {
                 *spent = work;
                 None
             }

@@ -25,30 +25,17 @@ pub struct PeakPrediction {
 const SETTLED: f64 = 1e-2;
 /// Longest step of the phase (rad) in one iteration.
 const LONGEST_STEP: f64 = 0.5;
-/// Step of the phase (rad) that measures the curvature where the iterations were too close together.
-const CURVATURE_STEP: f64 = 0.05;
+/// Phases (rad) further apart than this measure the curvature.
+const CURVATURE_RESOLUTION: f64 = 1e-3;
+/// Step of the phase (rad) that measures it where all iterations were closer together.
+const CURVATURE_STEP: f64 = 0.03;
+/// Curvatures, as multiples of one oscillator's, that a secant may use.
+const USABLE: std::ops::Range<f64> = 0.1..10.0;
 /// Iterations before giving up.
 const MAX_ITERATIONS: usize = 14;
 /// Iterations in a row that may fail to halve the residual, on the way, or the frequency step, at the end: samples that
 /// change their contact state make the growth jump, which no secant gets over.
 const PATIENCE: usize = 3;
-
-/// d ln ŷ/dω at a frequency, after correction of the displacements.
-#[derive(Clone, Copy)]
-struct Slope {
-    omega: f64,
-    growth: f64,
-    phase_rate: f64,
-}
-
-impl Slope {
-    /// Slope of the growth between two frequencies that are far enough apart.
-    fn curvature(self, other: Self) -> Option<f64> {
-        let apart = (self.omega - other.omega) * self.phase_rate;
-        (apart.abs() > 0.02 * CURVATURE_STEP)
-            .then(|| (self.growth - other.growth) / (self.omega - other.omega))
-    }
-}
 
 /// The maximum of |ŷ| next to `prediction`.
 ///
@@ -67,84 +54,165 @@ pub fn correct<'p>(
     let tolerance = newton
         .tolerance
         .min(sharp_enough(balance, &iterate, settings));
-    let mut slopes: Vec<Slope> = Vec::new();
-    let mut curvature = None;
-    let mut smallest = [f64::INFINITY; 2];
-    let mut worse = 0;
+    let mut search = Search::default();
     for _ in 0..MAX_ITERATIONS {
         let size = iterate.relative_residual(balance);
         if !size.is_finite() {
             return Err((Status::NonFinite, count));
         }
+        let solved = size <= tolerance.max(iterate.attainable(balance));
+        let located = search.last_step <= settings.frequency_tolerance * iterate.point.omega;
+        if solved && located {
+            if search.curvature.is_none() {
+                search.look_aside(balance, &iterate, &mut count);
+            }
+            return match search.curvature {
+                Some(c) if c < 0.0 => Ok((iterate, count)),
+                _ => Err((Status::MaxIterations, count)),
+            };
+        }
+        let local = Local::new(balance, &iterate, &mut count);
+        let omega_step = match size > SETTLED {
+            true => -(local.response / phasor).arg() / local.rate.im,
+            false => search.growth_step(local.slope()),
+        };
+        if search.stalls(size, omega_step) {
+            break;
+        }
+        let longest = LONGEST_STEP / local.rate.im.abs();
+        let point = local.step(&iterate.point, omega_step.clamp(-longest, longest));
+        if !settings.band.contains(point.omega) {
+            return Err((Status::NoPeakInBand, count));
+        }
+        iterate = Iterate::new(balance, point);
+    }
+    Err((Status::MaxIterations, count))
+}
+
+/// Newton step and tangent at one iterate.
+struct Local {
+    omega: f64,
+    correction: Direction,
+    tangent: Direction,
+    /// ŷ after the correction.
+    response: c64,
+    /// d ln ŷ/dω there.
+    rate: c64,
+}
+
+impl Local {
+    fn new(balance: &Balance<'_>, iterate: &Iterate<'_>, count: &mut WorkCount) -> Self {
         let jacobian = iterate.jacobian(balance);
-        count += WorkCount {
+        *count += WorkCount {
             iterations: 1,
             factorizations: jacobian.factorizations(),
         };
-        let step = newton_step(balance, &iterate, &jacobian, Condition::FixedFrequency);
+        let correction = newton_step(balance, iterate, &jacobian, Condition::FixedFrequency);
         let tangent = Direction {
             r: iterate.frequency_rate(balance, &jacobian),
             omega: 1.0,
         };
-        let response =
-            iterate.response(balance) + iterate.response_rate(balance, &jacobian, &step, 0.0);
-        let rate = iterate.response_rate(balance, &jacobian, &tangent, 0.0) / response;
-        drop(jacobian);
-        let omega = iterate.point.omega;
-        let slope = Slope {
-            omega,
-            growth: rate.re,
-            phase_rate: rate.im,
-        };
-        let longest = LONGEST_STEP / rate.im.abs();
-        let mut omega_step = if size > SETTLED {
-            -(response / phasor).arg() / rate.im
-        } else {
-            if let Some(measured) = slopes.last().and_then(|last| slope.curvature(*last)) {
-                curvature = Some(measured);
-            }
-            slopes.push(slope);
-            let oscillator = -rate.im * rate.im;
-            let usable = curvature.filter(|c| (0.1..10.0).contains(&(c / oscillator)));
-            -rate.re / usable.unwrap_or(oscillator)
-        };
-        let there = size <= tolerance.max(iterate.attainable(balance))
-            && omega_step.abs() <= settings.frequency_tolerance * omega;
-        if there {
-            match curvature {
-                Some(c) if c < 0.0 => return Ok((iterate, count)),
-                Some(_) => break,
-                // not seen from two sides yet: look from a little further away
-                None => omega_step = CURVATURE_STEP / rate.im,
+        let rate = |d: &Direction| iterate.response_rate(balance, &jacobian, d, 0.0);
+        let response = iterate.response(balance) + rate(&correction);
+        Self {
+            omega: iterate.point.omega,
+            rate: rate(&tangent) / response,
+            response,
+            correction,
+            tangent,
+        }
+    }
+
+    fn slope(&self) -> Slope {
+        Slope {
+            omega: self.omega,
+            growth: self.rate.re,
+            phase_rate: self.rate.im,
+        }
+    }
+
+    /// The corrected point, moved along the tangent.
+    fn step(&self, from: &Point, omega_step: f64) -> Point {
+        let r = (from.r.iter()).zip(&self.correction.r).zip(&self.tangent.r);
+        Point {
+            r: r.map(|((r, d), t)| r + d + omega_step * t).collect(),
+            omega: from.omega + omega_step,
+            level: from.level,
+        }
+    }
+}
+
+/// d ln ŷ/dω at a frequency.
+#[derive(Clone, Copy)]
+struct Slope {
+    omega: f64,
+    growth: f64,
+    phase_rate: f64,
+}
+
+/// What the iterations have seen of the growth.
+struct Search {
+    last: Option<Slope>,
+    /// dg/dω where it could be measured.
+    curvature: Option<f64>,
+    /// Last frequency step that made the growth vanish (rad/s).
+    last_step: f64,
+    /// Smallest residual and smallest such step, and iterations since one of them was halved.
+    smallest: [f64; 2],
+    worse: usize,
+}
+
+impl Default for Search {
+    fn default() -> Self {
+        Self {
+            last: None,
+            curvature: None,
+            last_step: f64::INFINITY,
+            smallest: [f64::INFINITY; 2],
+            worse: 0,
+        }
+    }
+}
+
+impl Search {
+    /// Frequency step to where the growth vanishes.
+    fn growth_step(&mut self, slope: Slope) -> f64 {
+        if let Some(last) = self.last.replace(slope) {
+            let apart = slope.omega - last.omega;
+            if (apart * slope.phase_rate).abs() > CURVATURE_RESOLUTION {
+                self.curvature = Some((slope.growth - last.growth) / apart);
             }
         }
+        let oscillator = -slope.phase_rate * slope.phase_rate;
+        let measured = self
+            .curvature
+            .filter(|c| USABLE.contains(&(c / oscillator)));
+        let step = -slope.growth / measured.unwrap_or(oscillator);
+        self.last_step = step.abs();
+        step
+    }
+
+    /// Measures the curvature at a solution by the growth a little further on.
+    fn look_aside(&mut self, balance: &Balance<'_>, at: &Iterate<'_>, count: &mut WorkCount) {
+        let here = Local::new(balance, at, count);
+        let step = CURVATURE_STEP / here.rate.im.abs();
+        let aside = Iterate::new(balance, here.step(&at.point, step));
+        let there = Local::new(balance, &aside, count);
+        self.curvature = Some((there.rate.re - here.rate.re) / step);
+    }
+
+    fn stalls(&mut self, size: f64, omega_step: f64) -> bool {
         let (kind, now) = match size > SETTLED {
             true => (0, size),
             false => (1, omega_step.abs()),
         };
-        worse = if now <= 0.5 * smallest[kind] {
-            0
-        } else {
-            worse + 1
+        self.worse = match now <= 0.5 * self.smallest[kind] {
+            true => 0,
+            false => self.worse + 1,
         };
-        smallest[kind] = smallest[kind].min(now);
-        if worse >= PATIENCE {
-            break;
-        }
-        let omega_step = omega_step.clamp(-longest, longest);
-        let omega = omega + omega_step;
-        if !settings.band.contains(omega) {
-            return Err((Status::NoPeakInBand, count));
-        }
-        let r = iterate.point.r.iter().zip(&step.r).zip(&tangent.r);
-        let point = Point {
-            r: r.map(|((r, d), t)| r + d + omega_step * t).collect(),
-            omega,
-            level: iterate.point.level,
-        };
-        iterate = Iterate::new(balance, point);
+        self.smallest[kind] = self.smallest[kind].min(now);
+        self.worse >= PATIENCE
     }
-    Err((Status::MaxIterations, count))
 }
 
 /// The maximum next to a prediction: directly, else by a search along the branch from the solution with the predicted
