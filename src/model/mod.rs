@@ -11,7 +11,7 @@ pub mod modes;
 mod craig_bampton;
 pub mod two_blade;
 
-pub use craig_bampton::CraigBampton;
+pub use craig_bampton::{CraigBampton, ReductionError};
 
 use crate::fe::FeError;
 use crate::linalg::LinalgError;

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::output::OutputFolder;
-use super::read::{ModelSettings, Study};
+use super::read::{ModelSettings, Study, StudyModel};
 use super::solve::Progress;
 use crate::Error;
 use crate::ensemble::Ensemble;
@@ -44,8 +44,10 @@ pub fn run(
     progress: impl Fn(Progress) + Sync,
 ) -> Result<RunResult, Error> {
     let clock = Instant::now();
-    let (model, contacts) = study.build_model()?;
-    let linear = LinearModel::new(&model)?;
+    let StudyModel {
+        reduced, contacts, ..
+    } = study.build_model()?;
+    let linear = LinearModel::new(&reduced)?;
     let [low, high] = study.frequency.band;
     let band = Band { low, high };
     let nominal = Problem::new(&linear, contacts.clone(), 1.0, study.solver.anchor)?;
