@@ -249,6 +249,18 @@ fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
         list(&facts.contact_names)
     )?;
     writeln!(out, "responses           {}", list(&facts.response_names))?;
+    for (name, component) in &facts.components {
+        let next = match component.first_left_out {
+            f if f.is_finite() => format!("the first one left out is at {f:.1} Hz"),
+            _ => "none is left out".to_owned(),
+        };
+        let (modes, cut_off) = (component.n_modes, component.cut_off);
+        writeln!(
+            out,
+            "{:20}{modes} below {cut_off} Hz; {next}",
+            format!("{name} fixed modes"),
+        )?;
+    }
     let unit = facts.unit.name();
     writeln!(
         out,

@@ -7,7 +7,7 @@ pub mod gmres;
 mod sparse_eigen;
 
 pub use dense_eigen::{symmetric_eigen, symmetric_generalized_eigen};
-pub use sparse_eigen::{LowestModes, lowest_modes};
+pub use sparse_eigen::{LowestModes, lowest_modes, modes_up_to};
 
 /// Why a factorisation or an eigenvalue problem has no answer.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -3,6 +3,7 @@
 use super::{LinalgError, symmetric_eigen, symmetric_generalized_eigen};
 use faer::linalg::solvers::Solve;
 use faer::sparse::SparseColMat;
+use faer::sparse::linalg::solvers::Llt;
 use faer::{Mat, Scale, Side};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -24,6 +25,8 @@ const MAX_COLUMNS: usize = 2000;
 const TOLERANCE: f64 = 1e-8;
 /// A new direction whose norm falls below this share in orthogonalisation is already in the space.
 const DEFLATION: f64 = 1e-12;
+/// Modes that are asked for first where their number is not known; doubled until they suffice.
+const FIRST_COUNT: usize = 8;
 /// Up to this size the dense routine is used.
 const DENSE_SIZE: usize = 64;
 
@@ -43,41 +46,114 @@ pub fn lowest_modes(
     count: usize,
     shift: f64,
 ) -> Result<LowestModes, LinalgError> {
-    let n = stiffness.nrows();
-    let count = count.min(n);
-    if n <= DENSE_SIZE {
-        let (lambda, shapes) =
-            symmetric_generalized_eigen(stiffness.to_dense().as_ref(), mass.to_dense().as_ref())?;
-        return Ok(LowestModes {
-            lambda: lambda[..count].to_vec(),
-            shapes: shapes.subcols(0, count).to_owned(),
-        });
+    if stiffness.nrows() <= DENSE_SIZE {
+        return Ok(dense_modes(stiffness, mass)?.truncated(count));
     }
-    let shifted = stiffness + Scale(shift) * mass;
-    let factor =
-        shifted
-            .sp_cholesky(Side::Lower)
-            .map_err(|_| LinalgError::NotPositiveDefinite {
-                matrix: "stiffness + shift mass",
-            })?;
-    let mut space = KrylovSpace::new(mass, random_block(n));
-    let mut enough = count + BLOCK;
-    loop {
-        let mut image = space.last_block_momentum();
-        factor.solve_in_place(&mut image);
-        let grown = space.extend(mass, image);
-        if space.images.ncols() < enough && grown {
-            continue;
+    Lanczos::new(stiffness, mass, shift)?.modes(count)
+}
+
+/// The lowest eigenpairs of K φ = λ M φ up to and with the first one with λ ≥ `limit`, as [`lowest_modes`] finds them.
+///
+/// Fewer if the pencil has no such pair, and at most `most`.
+///
+/// # Errors
+/// [`LinalgError`] if K + σM is not definite or the iteration does not converge.
+pub fn modes_up_to(
+    stiffness: &SparseColMat<usize, f64>,
+    mass: &SparseColMat<usize, f64>,
+    limit: f64,
+    most: usize,
+    shift: f64,
+) -> Result<LowestModes, LinalgError> {
+    let n = stiffness.nrows();
+    let most = most.min(n);
+    let modes = if n <= DENSE_SIZE {
+        dense_modes(stiffness, mass)?
+    } else {
+        let mut lanczos = Lanczos::new(stiffness, mass, shift)?;
+        let mut count = FIRST_COUNT.min(most);
+        loop {
+            let modes = lanczos.modes(count)?;
+            if count == most || modes.lambda.last().is_some_and(|last| *last >= limit) {
+                break modes;
+            }
+            count = (2 * count).min(most);
         }
-        let (modes, residual) = space.ritz(mass, count, shift)?;
-        if residual < TOLERANCE {
-            return Ok(modes);
+    };
+    let below = modes.lambda.partition_point(|lambda| *lambda < limit);
+    Ok(modes.truncated((below + 1).min(most)))
+}
+
+impl LowestModes {
+    /// The first `count` modes, or all.
+    fn truncated(mut self, count: usize) -> Self {
+        self.lambda.truncate(count);
+        let shapes = self.shapes.subcols(0, self.lambda.len()).to_owned();
+        Self { shapes, ..self }
+    }
+}
+
+fn dense_modes(
+    stiffness: &SparseColMat<usize, f64>,
+    mass: &SparseColMat<usize, f64>,
+) -> Result<LowestModes, LinalgError> {
+    let (lambda, shapes) =
+        symmetric_generalized_eigen(stiffness.to_dense().as_ref(), mass.to_dense().as_ref())?;
+    Ok(LowestModes { lambda, shapes })
+}
+
+/// A Krylov space that can be asked for more and more modes.
+struct Lanczos<'a> {
+    mass: &'a SparseColMat<usize, f64>,
+    shift: f64,
+    factor: Llt<usize, f64>,
+    space: KrylovSpace,
+    /// Whether the last block brought new directions.
+    grown: bool,
+}
+
+impl<'a> Lanczos<'a> {
+    fn new(
+        stiffness: &SparseColMat<usize, f64>,
+        mass: &'a SparseColMat<usize, f64>,
+        shift: f64,
+    ) -> Result<Self, LinalgError> {
+        let shifted = stiffness + Scale(shift) * mass;
+        let factor =
+            shifted
+                .sp_cholesky(Side::Lower)
+                .map_err(|_| LinalgError::NotPositiveDefinite {
+                    matrix: "stiffness + shift mass",
+                })?;
+        Ok(Self {
+            mass,
+            shift,
+            factor,
+            space: KrylovSpace::new(mass, random_block(stiffness.nrows())),
+            grown: true,
+        })
+    }
+
+    /// The `count` lowest modes (all if there are fewer), converged.
+    fn modes(&mut self, count: usize) -> Result<LowestModes, LinalgError> {
+        let count = count.min(self.mass.nrows());
+        let mut enough = count + BLOCK;
+        loop {
+            while self.grown && self.space.images.ncols() < enough {
+                let mut image = self.space.last_block_momentum();
+                self.factor.solve_in_place(&mut image);
+                self.grown = self.space.extend(self.mass, image);
+            }
+            let (modes, residual) = self.space.ritz(self.mass, count, self.shift)?;
+            if residual < TOLERANCE {
+                return Ok(modes);
+            }
+            if !self.grown || enough >= MAX_COLUMNS {
+                return Err(LinalgError::EigenNotConverged { residual });
+            }
+            // Each test costs the cube of the columns: test in geometric steps.
+            enough += enough / 4;
         }
-        if !grown || enough >= MAX_COLUMNS {
-            return Err(LinalgError::EigenNotConverged { residual });
-        }
-        // Each test costs the cube of the columns: test in geometric steps.
-        enough += enough / 4;
     }
 }
 

@@ -4,11 +4,30 @@
 //! Source: Craig & Bampton 1968, AIAA J. 6, 1313.
 
 use crate::fe::FeModel;
-use crate::linalg::{LinalgError, lowest_modes, symmetric_generalized_eigen};
-use crate::units::rad_s_to_hz;
+use crate::linalg::{LinalgError, modes_up_to, symmetric_generalized_eigen};
+use crate::units::{hz_to_rad_s, rad_s_to_hz};
 use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
+
+/// Most fixed-interface modes that a component may keep.
+const MOST_MODES: usize = 200;
+
+/// Why a component cannot be reduced.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ReductionError {
+    /// Fixing the masters leaves rigid-body motion, or the modes do not converge.
+    #[error(transparent)]
+    Linalg(#[from] LinalgError),
+    /// The cut-off is too high.
+    #[error(
+        "must leave at most {MOST_MODES} fixed-interface modes below it, but one more is at {frequency:.1} Hz"
+    )]
+    TooManyModes {
+        /// Frequency of the first mode too many (Hz).
+        frequency: f64,
+    },
+}
 
 /// A component reduced to its master degrees of freedom and fixed-interface modes.
 #[derive(Debug, Clone)]
@@ -22,20 +41,27 @@ pub struct CraigBampton {
     /// ΨᵀMΨ.
     pub mass: Mat<f64>,
     /// Frequency of the first fixed-interface mode that was left out (Hz); infinite if none was.
-    pub cut_off: f64,
+    pub first_left_out: f64,
 }
 
 impl CraigBampton {
-    /// Keeps `masters` (distinct degrees of freedom of `fe`) and the `n_modes` lowest modes with masters fixed.
+    /// Keeps `masters` (distinct degrees of freedom of `fe`) and every mode with masters fixed whose frequency lies
+    /// below `cut_off` (Hz).
     ///
     /// # Errors
-    /// [`LinalgError`] if fixing the masters leaves rigid-body motion, or the modes do not converge.
-    pub fn new(fe: &FeModel, masters: &[usize], n_modes: usize) -> Result<Self, LinalgError> {
+    /// [`ReductionError`] if the modes cannot be computed, or are too many.
+    pub fn new(fe: &FeModel, masters: &[usize], cut_off: f64) -> Result<Self, ReductionError> {
         let parts = Partition::new(fe.n_dofs(), masters);
         let k_ii = parts.inner_block(&fe.stiffness);
         let m_ii = parts.inner_block(&fe.mass);
-        let modes = lowest_modes(&k_ii, &m_ii, n_modes + 1, 0.0)?;
-        let n_modes = n_modes.min(parts.inner.len());
+        let limit = hz_to_rad_s(cut_off).powi(2);
+        let modes = modes_up_to(&k_ii, &m_ii, limit, MOST_MODES + 1, 0.0)?;
+        let n_modes = modes.lambda.partition_point(|lambda| *lambda < limit);
+        let frequency = |i: usize| modes.lambda.get(i).map(|l| rad_s_to_hz(l.sqrt()));
+        if n_modes > MOST_MODES {
+            let frequency = frequency(MOST_MODES).unwrap_or(f64::INFINITY);
+            return Err(ReductionError::TooManyModes { frequency });
+        }
         let factor =
             k_ii.sp_cholesky(Side::Lower)
                 .map_err(|_| LinalgError::NotPositiveDefinite {
@@ -68,10 +94,7 @@ impl CraigBampton {
             mass: symmetric(&(basis.transpose() * (&fe.mass * &basis))),
             stiffness: symmetric(&stiffness),
             basis,
-            cut_off: modes
-                .lambda
-                .get(n_modes)
-                .map_or(f64::INFINITY, |l| rad_s_to_hz(l.sqrt())),
+            first_left_out: frequency(n_modes).unwrap_or(f64::INFINITY),
         })
     }
 

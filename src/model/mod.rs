@@ -12,7 +12,7 @@ pub mod modes;
 mod craig_bampton;
 pub mod two_blade;
 
-pub use craig_bampton::CraigBampton;
+pub use craig_bampton::{CraigBampton, ReductionError};
 pub use mirror::Mirror;
 
 use crate::fe::FeError;

@@ -1,8 +1,9 @@
 //! What a study is about to compute: sizes, linear frequencies, memory and time.
 
 use super::frequency::FrequencyUnit;
-use super::read::Study;
+use super::read::{Study, StudyModel};
 use crate::Error;
+use crate::model::two_blade::ComponentSummary;
 use crate::sampling::Input;
 
 /// Number of frequencies that are shown.
@@ -25,6 +26,8 @@ pub struct Inspection {
     pub contact_names: Vec<String>,
     /// Names of the responses.
     pub response_names: Vec<String>,
+    /// Components that were reduced, by name.
+    pub components: Vec<(&'static str, ComponentSummary)>,
     /// Number of rigid-body modes without contact.
     pub n_rigid: usize,
     /// First flexible natural frequencies without contact.
@@ -52,7 +55,11 @@ pub struct Inspection {
 /// # Errors
 /// Whatever building the model refuses; [`Error::Command`] if its eigenvalue problem fails.
 pub fn inspect(study: &Study) -> Result<Inspection, Error> {
-    let (model, parameters) = study.build_model()?;
+    let StudyModel {
+        reduced: model,
+        contacts: parameters,
+        components,
+    } = study.build_model()?;
     let no_modes = |error| Error::Command {
         path: study.path.clone(),
         message: format!("linear modes of the model: {error}"),
@@ -71,6 +78,7 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         contact_names: model.contacts.iter().map(|c| c.name.clone()).collect(),
         response_names: names(&model.responses),
         warnings: warnings(study, free.get(n_rigid).copied()),
+        components,
         n_rigid,
         free: free.into_iter().skip(n_rigid).take(SHOWN).collect(),
         stuck: stuck.into_iter().take(SHOWN).collect(),

@@ -15,6 +15,6 @@ pub mod tables;
 pub use frequency::{FrequencySettings, FrequencyUnit, Points};
 pub use inspect::{Inspection, inspect};
 pub use output::{OutputFolder, OutputSettings};
-pub use read::{ModelSettings, Study};
+pub use read::{ModelSettings, Study, StudyModel};
 pub use run::{RunResult, run};
 pub use solve::{LevelCurve, Progress, solve, write_curves};

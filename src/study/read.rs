@@ -12,7 +12,7 @@ use crate::contact::ContactParameters;
 use crate::hb::HbSettings;
 use crate::model::interface::InterfaceSettings;
 use crate::model::matrices::{MatricesError, MatricesSettings};
-use crate::model::two_blade::{self, TwoBladeSettings};
+use crate::model::two_blade::{self, ComponentSummary, TwoBladeSettings};
 use crate::model::{ModelError, ReducedModel};
 use crate::sampling::{Design, DistributionTable, Input};
 use crate::setting::BadSetting;
@@ -74,6 +74,17 @@ pub struct Study {
     pub output: OutputSettings,
 }
 
+/// The nominal model of a study.
+#[derive(Debug, Clone)]
+pub struct StudyModel {
+    /// The structure.
+    pub reduced: ReducedModel,
+    /// Constants of its contact pairs. Shape: `[n_contacts]`.
+    pub contacts: Vec<ContactParameters<f64>>,
+    /// The components that it was reduced from, by name; none for the user's own matrices.
+    pub components: Vec<(&'static str, ComponentSummary)>,
+}
+
 impl Study {
     /// Reads and checks a study file.
     ///
@@ -131,26 +142,34 @@ impl Study {
     ///
     /// # Errors
     /// [`Error::Study`] or [`Error::Matrices`] on the first rule that the model's tables or files break.
-    pub fn build_model(&self) -> Result<(ReducedModel, Vec<ContactParameters<f64>>), Error> {
+    pub fn build_model(&self) -> Result<StudyModel, Error> {
         match &self.model {
             ModelSettings::TwoBladeStrip { blades, interface } => {
-                let mut model = two_blade::build(blades)
-                    .map_err(|error| match error {
-                        ModelError::Setting(bad) => self.bad_setting(&bad.under("model")),
-                        error => Error::Model(error),
-                    })?
-                    .reduced;
-                model.name.clone_from(&self.name);
-                let parameters = interface.parameters(&model.contacts);
-                Ok((model, parameters))
+                let rig = two_blade::build(blades).map_err(|error| match error {
+                    ModelError::Setting(bad) => self.bad_setting(&bad.under("model")),
+                    error => Error::Model(error),
+                })?;
+                let mut reduced = rig.reduced;
+                reduced.name.clone_from(&self.name);
+                Ok(StudyModel {
+                    contacts: interface.parameters(&reduced.contacts),
+                    reduced,
+                    components: vec![("blade", rig.blade), ("strip", rig.strip)],
+                })
             }
             ModelSettings::Matrices(settings) => {
-                settings
-                    .build(&self.name, self.folder())
-                    .map_err(|error| match error {
-                        MatricesError::Setting(bad) => self.bad_setting(&bad.under("model")),
-                        error => Error::Matrices(error),
-                    })
+                let (reduced, contacts) =
+                    settings
+                        .build(&self.name, self.folder())
+                        .map_err(|error| match error {
+                            MatricesError::Setting(bad) => self.bad_setting(&bad.under("model")),
+                            error => Error::Matrices(error),
+                        })?;
+                Ok(StudyModel {
+                    reduced,
+                    contacts,
+                    components: Vec::new(),
+                })
             }
         }
     }

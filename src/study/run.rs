@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::output::OutputFolder;
-use super::read::{ModelSettings, Study};
+use super::read::{ModelSettings, Study, StudyModel};
 use super::solve::Progress;
 use crate::Error;
 use crate::ensemble::Ensemble;
@@ -44,14 +44,16 @@ pub fn run(
     progress: impl Fn(Progress) + Sync,
 ) -> Result<RunResult, Error> {
     let clock = Instant::now();
-    let (model, contacts) = study.build_model()?;
+    let StudyModel {
+        reduced, contacts, ..
+    } = study.build_model()?;
     let folded = match study.mirror {
-        true => LinearModel::folded(&model, &contacts)?,
+        true => LinearModel::folded(&reduced, &contacts)?,
         false => None,
     };
     let linear = match folded {
         Some(half) => half,
-        None => LinearModel::new(&model)?,
+        None => LinearModel::new(&reduced)?,
     };
     let contacts: Vec<_> = linear.pairs.iter().map(|&pair| contacts[pair]).collect();
     let [low, high] = study.frequency.band;
@@ -84,7 +86,7 @@ pub fn run(
         .iter()
         .map(|(input, _)| input.name().to_owned())
         .collect();
-    let provenance = provenance(study, linear.n_contacts() < model.n_contacts());
+    let provenance = provenance(study, linear.n_contacts() < reduced.n_contacts());
     let samples_path = folder.path().join("samples.parquet");
     write_samples(&samples_path, &provenance, &input_names, &outcomes)?;
     write_curves(

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::frequency::{FrequencyUnit, Points};
 use super::output::OutputFolder;
-use super::read::Study;
+use super::read::{Study, StudyModel};
 use crate::Error;
 use crate::hb::forced_response::{at_frequencies, over_band};
 use crate::hb::resonance::Band;
@@ -38,9 +38,13 @@ pub fn solve(
     folder: &OutputFolder,
     progress: impl Fn(Progress),
 ) -> Result<Vec<LevelCurve>, Error> {
-    let (model, parameters) = study.build_model()?;
+    let StudyModel {
+        reduced: model,
+        contacts,
+        ..
+    } = study.build_model()?;
     let linear = LinearModel::new(&model)?;
-    let problem = Problem::new(&linear, parameters, 1.0, study.solver.anchor)?;
+    let problem = Problem::new(&linear, contacts, 1.0, study.solver.anchor)?;
     let [low, high] = study.frequency.band;
     let total = study.levels.len() as u64;
     let mut curves = Vec::new();

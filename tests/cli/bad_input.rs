@@ -327,6 +327,55 @@ fn tables_that_do_not_fit_the_model_name_their_line() {
     );
 }
 
+/// Seen to fail with the number of modes not limited, and with the key of the other component.
+#[test]
+fn cut_offs_name_their_line_and_keep_the_modes_below() {
+    let study = "name = \"rig\"\nlevels = [1.0]\n\n[model]\nkind = \"two-blade-strip\"\nblade_cut_off_hz = 2e4\n\n\
+                 [frequency]\nband_hz = [2605, 2635]\n";
+    let inspect = |line: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let text = study.replace("blade_cut_off_hz = 2e4", line);
+        std::fs::write(folder.path().join("study.toml"), text).unwrap();
+        microslip(folder.path(), &["inspect", "study.toml"])
+    };
+    let refused: [(&str, &[&str]); 5] = [
+        (
+            "blade_cut_off_hz = 1e9\nblade_element_mm = [15, 25, 25]",
+            &[
+                ":6: model.blade_cut_off_hz = 1000000000: must leave at most 200",
+                "one more is at",
+            ],
+        ),
+        (
+            "strip_cut_off_hz = 1e9\nstrip_element_mm = 4",
+            &[":6: model.strip_cut_off_hz = 1000000000: must leave at most 200"],
+        ),
+        (
+            "blade_cut_off_hz = 0",
+            &[":6: model.blade_cut_off_hz = 0: must be a finite number > 0"],
+        ),
+        (
+            "strip_cut_off_hz = nan",
+            &[":6: model.strip_cut_off_hz = NaN: must be a finite number > 0"],
+        ),
+        ("blade_modes = 20", &[":6: ", "unknown field `blade_modes`"]),
+    ];
+    for (line, fragments) in refused {
+        assert_refused(line, &inspect(line), fragments);
+    }
+    let output = inspect("blade_cut_off_hz = 2e4\nstrip_cut_off_hz = 1e9");
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        text.contains("blade fixed modes   12 below 20000 Hz; the first one left out is at 21717."),
+        "{text}"
+    );
+    assert!(
+        text.contains("strip fixed modes   90 below 1000000000 Hz; none is left out"),
+        "{text}"
+    );
+}
+
 /// Seen to fail with the definiteness checks taken out of `checked`.
 #[test]
 fn bad_matrices_name_file_and_rule() {

@@ -1,10 +1,15 @@
 //! Verification of `fe`, and of the reduction of finite element models.
 
+#![expect(
+    clippy::expect_used,
+    reason = "functions shared by tests fail like tests"
+)]
+
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use microslip::fe::{Cuboid, FeModel, HexMesh, Material, grid_lines, tensor_mesh};
-use microslip::linalg::lowest_modes;
-use microslip::model::CraigBampton;
+use microslip::linalg::{lowest_modes, symmetric_generalized_eigen};
+use microslip::model::{CraigBampton, ReductionError};
 use microslip::units::rad_s_to_hz;
 use std::f64::consts::{PI, TAU};
 
@@ -268,36 +273,101 @@ fn densely_packed_modes_of_a_plate_converge() {
     );
 }
 
-/// Reduced against full: frequencies from above, falling error with more modes, exact statics at the masters.
+/// Beam clamped at one end, the degrees of freedom of a node at its tip, and its frequencies with that node fixed (Hz),
+/// by the dense solver.
+fn beam_with_fixed_tip() -> (FeModel, [usize; 3], Vec<f64>) {
+    let mesh = block([0.1, 0.02, 0.01], [10, 2, 1]);
+    let model = FeModel::new(mesh, &STEEL, clamped_at_origin).expect("valid");
+    let tip = model.dofs_at([0.1, 0.0, 0.0]).expect("node");
+    let inner: Vec<usize> = (0..model.n_dofs()).filter(|i| !tip.contains(i)).collect();
+    let [k, m] = [&model.stiffness, &model.mass].map(|full| {
+        let full = full.to_dense();
+        Mat::from_fn(inner.len(), inner.len(), |i, j| full[(inner[i], inner[j])])
+    });
+    let (lambda, _) = symmetric_generalized_eigen(k.as_ref(), m.as_ref()).expect("definite");
+    let fixed = lambda.iter().map(|l| rad_s_to_hz(l.sqrt())).collect();
+    (model, tip, fixed)
+}
+
+/// Every fixed-interface mode below the cut-off is kept and none above, from no mode to all of them.
+/// Seen to fail: with a cut-off in rad/s; with the first mode above the cut-off kept.
+#[test]
+fn craig_bampton_keeps_the_modes_below_the_cut_off() {
+    let (model, tip, fixed) = beam_with_fixed_tip();
+    for n in [0, 1, 7, 8, 9, 20, 33, 100, fixed.len()] {
+        let last = if n == 0 { 0.0 } else { fixed[n - 1] };
+        let next = fixed.get(n).copied().unwrap_or(f64::INFINITY);
+        for cut_off in [last * (1.0 + 1e-6), 0.5 * (last + next.min(1e9))] {
+            let reduced = CraigBampton::new(&model, &tip, cut_off).expect("clamped");
+            let kept: Vec<f64> = (reduced.n_masters..reduced.n_dofs())
+                .map(|i| rad_s_to_hz(reduced.stiffness[(i, i)].sqrt()))
+                .collect();
+            assert_eq!(kept.len(), n, "below {cut_off} Hz");
+            assert!(
+                kept.iter().all(|f| *f < cut_off),
+                "{kept:?} above {cut_off}"
+            );
+            assert!(
+                reduced.first_left_out >= cut_off,
+                "{} left out",
+                reduced.first_left_out
+            );
+            let found = kept.iter().chain([&reduced.first_left_out]);
+            for (found, exact) in found.zip(fixed[..n].iter().chain([&next])) {
+                assert!(
+                    found == exact || (found / exact - 1.0).abs() < 1e-9,
+                    "{found} {exact}"
+                );
+            }
+        }
+    }
+}
+
+/// Seen to fail: with the number of modes not limited.
+#[test]
+fn craig_bampton_refuses_too_many_modes() {
+    let mesh = block([0.1, 0.02, 0.01], [12, 3, 2]);
+    let model = FeModel::new(mesh, &STEEL, clamped_at_origin).expect("valid");
+    let tip = model.dofs_at([0.1, 0.0, 0.0]).expect("node");
+    let refused = CraigBampton::new(&model, &tip, 1e9).expect_err("429 modes");
+    assert!(
+        matches!(refused, ReductionError::TooManyModes { .. }),
+        "{refused}"
+    );
+}
+
+/// Reduced against full: frequencies from above, falling error with a rising cut-off, exact statics at the masters.
 /// Seen to fail: with the constraint modes' sign reversed.
 #[test]
-fn craig_bampton_component_matches_the_full_model() {
-    let model = FeModel::new(
-        block([0.1, 0.02, 0.01], [10, 2, 1]),
-        &STEEL,
-        clamped_at_origin,
-    )
-    .expect("valid");
-    let tip = model.dofs_at([0.1, 0.0, 0.0]).expect("node");
+fn craig_bampton_component_converges_to_the_full_model() {
+    let (model, tip, fixed) = beam_with_fixed_tip();
     let full = lowest_modes(&model.stiffness, &model.mass, 6, 0.0).expect("converges");
     let worst = |n_modes: usize| {
-        let reduced = CraigBampton::new(&model, &tip, n_modes).expect("clamped");
+        let cut_off = 0.5 * (fixed[n_modes - 1] + fixed[n_modes]);
+        let reduced = CraigBampton::new(&model, &tip, cut_off).expect("clamped");
         let (lambda, _) = reduced.modes().expect("definite");
         let errors = full.lambda.iter().zip(&lambda).map(|(f, r)| r / f - 1.0);
         assert!(
             errors.clone().all(|e| e > -1e-9),
             "reduction can only stiffen"
         );
+        println!(
+            "below {cut_off:.0} Hz {n_modes} modes, errors {:.1e}",
+            errors.clone().fold(0.0, f64::max)
+        );
         errors.fold(0.0, f64::max)
     };
-    let errors = [6, 12, 24].map(worst);
-    println!("errors {errors:?}");
+    let errors = [6, 12, 24, 48, 96, 176].map(worst);
     assert!(
         errors[1] < 0.2 * errors[0] && errors[2] < 0.2 * errors[1],
         "{errors:?}"
     );
+    assert!(
+        errors[5] < 1e-8 && errors.windows(2).all(|w| w[1] <= w[0] + 1e-9),
+        "{errors:?}"
+    );
 
-    let reduced = CraigBampton::new(&model, &tip, 0).expect("clamped");
+    let reduced = CraigBampton::new(&model, &tip, 0.0).expect("clamped");
     let mut u = Mat::zeros(model.n_dofs(), 3);
     tip.iter()
         .enumerate()

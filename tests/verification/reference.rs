@@ -28,7 +28,7 @@ struct Case {
 impl Case {
     fn read(name: &str, file: &str) -> Self {
         let study = Study::read(&folder(name).join(file)).unwrap();
-        let (model, _) = study.build_model().unwrap();
+        let model = study.build_model().unwrap().reduced;
         Self {
             linear: LinearModel::new(&model).unwrap(),
             names: model.responses.into_iter().map(|r| r.name).collect(),
@@ -37,8 +37,8 @@ impl Case {
     }
 
     fn problem(&self) -> Problem<'_> {
-        let (_, parameters) = self.study.build_model().unwrap();
-        Problem::new(&self.linear, parameters, 1.0, self.study.solver.anchor).unwrap()
+        let contacts = self.study.build_model().unwrap().contacts;
+        Problem::new(&self.linear, contacts, 1.0, self.study.solver.anchor).unwrap()
     }
 
     fn settings(&self, highest: usize, n_time: usize) -> HbSettings {

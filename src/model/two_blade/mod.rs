@@ -13,9 +13,10 @@ mod settings;
 pub use linear::{LinearModes, TrackedMode};
 pub use settings::{Phase, TwoBladeSettings};
 
-use super::{CraigBampton, ModelError, ReducedModel};
+use super::{CraigBampton, ModelError, ReducedModel, ReductionError};
 use crate::fe::FeModel;
 use crate::linalg::lowest_modes;
+use crate::setting::BadSetting;
 use crate::units::rad_s_to_hz;
 use components::Layout;
 use faer::Mat;
@@ -46,10 +47,12 @@ pub struct ComponentSummary {
     pub n_fe_dofs: usize,
     /// Master degrees of freedom.
     pub n_masters: usize,
-    /// Fixed-interface modes kept.
+    /// Fixed-interface modes kept: those below the cut-off.
     pub n_modes: usize,
-    /// First fixed-interface mode left out (Hz).
+    /// Cut-off of the settings (Hz).
     pub cut_off: f64,
+    /// First fixed-interface mode left out (Hz); infinite if none was.
+    pub first_left_out: f64,
     /// Lowest natural frequencies of the finite element model (Hz).
     pub full_frequencies: Vec<f64>,
     /// The same of the reduced component (Hz).
@@ -98,13 +101,10 @@ pub fn build(settings: &TwoBladeSettings) -> Result<TwoBladeModel, ModelError> {
         .chain(contact.iter().map(|c| [-c.x, c.y, z]))
         .collect();
     let blade_fe = layout.blade(&heights)?;
-    let blade = Component::new(&blade_fe, &blade_nodes, settings.blade_modes, 0.0)?;
-    let strip = Component::new(
-        &layout.strip()?,
-        &strip_nodes,
-        settings.strip_modes,
-        STRIP_SHIFT,
-    )?;
+    let blade_cut_off = ("blade_cut_off_hz", settings.blade_cut_off_hz);
+    let blade = Component::new(&blade_fe, &blade_nodes, blade_cut_off, 0.0)?;
+    let strip_cut_off = ("strip_cut_off_hz", settings.strip_cut_off_hz);
+    let strip = Component::new(&layout.strip()?, &strip_nodes, strip_cut_off, STRIP_SHIFT)?;
     let mirror = (0..blade.reduced.n_dofs())
         .map(|q| {
             if q < blade.reduced.n_masters && q % 3 == 0 {
@@ -133,7 +133,7 @@ impl Component {
     fn new(
         fe: &FeModel,
         master_nodes: &[[f64; 3]],
-        n_modes: usize,
+        (key, cut_off): (&str, f64),
         shift: f64,
     ) -> Result<Self, ModelError> {
         let mut masters: Vec<usize> = Vec::new();
@@ -149,7 +149,14 @@ impl Component {
                 masters.extend(dofs);
             }
         }
-        let reduced = CraigBampton::new(fe, &masters, n_modes)?;
+        let reduced = CraigBampton::new(fe, &masters, cut_off).map_err(|error| match error {
+            ReductionError::Linalg(error) => ModelError::from(error),
+            ReductionError::TooManyModes { .. } => ModelError::from(BadSetting {
+                key: key.to_owned(),
+                value: cut_off.to_string(),
+                rule: error.to_string(),
+            }),
+        })?;
         let (lambda, shapes) = reduced.modes()?;
         let full = lowest_modes(&fe.stiffness, &fe.mass, COMPARED_MODES, shift)?;
         let along_z = Mat::from_fn(fe.n_dofs(), 1, |i, _| if i % 3 == 2 { 1.0 } else { 0.0 });
@@ -157,7 +164,8 @@ impl Component {
             n_fe_dofs: fe.n_dofs(),
             n_masters: masters.len(),
             n_modes: reduced.n_dofs() - masters.len(),
-            cut_off: reduced.cut_off,
+            cut_off,
+            first_left_out: reduced.first_left_out,
             reduced_frequencies: frequencies(&lambda[..full.lambda.len().min(lambda.len())]),
             full_frequencies: frequencies(&full.lambda),
             mass: (along_z.transpose() * (&fe.mass * &along_z))[(0, 0)],

@@ -47,10 +47,11 @@ pub struct TwoBladeSettings {
     /// Longest element edge in the strip (mm); one layer through its thickness. The default leaves the contact grid
     /// as mesh: a nodal force then spreads over one contact cell, while on a finer mesh it would punch through.
     pub strip_element_mm: f64,
-    /// Fixed-interface modes kept per blade.
-    pub blade_modes: usize,
-    /// Fixed-interface modes kept of the strip.
-    pub strip_modes: usize,
+    /// Fixed-interface modes of a blade are kept below this frequency (Hz).
+    pub blade_cut_off_hz: f64,
+    /// Fixed-interface modes of the strip are kept below this frequency (Hz). They are high: the contact nodes, which
+    /// the modes leave at rest, are as dense as the default mesh.
+    pub strip_cut_off_hz: f64,
     /// Damping ratio of every blade mode.
     pub blade_damping_ratio: f64,
     /// Damping ratio of the strip at 1 kHz; grows with frequency (stiffness-proportional). The default is more than
@@ -89,8 +90,8 @@ impl Default for TwoBladeSettings {
             contact_nodes: [3, 5],
             blade_element_mm: [5.0, 12.5, 5.0],
             strip_element_mm: 12.5,
-            blade_modes: 20,
-            strip_modes: 12,
+            blade_cut_off_hz: 35e3,
+            strip_cut_off_hz: 1.75e6,
             blade_damping_ratio: 1.5e-4,
             strip_damping_ratio: 2e-2,
             centrifugal_load_n: 180.0,
@@ -174,6 +175,8 @@ impl TwoBladeSettings {
             positive("blade_element_mm", edge)?;
         }
         positive("strip_element_mm", self.strip_element_mm)?;
+        positive("blade_cut_off_hz", self.blade_cut_off_hz)?;
+        positive("strip_cut_off_hz", self.strip_cut_off_hz)?;
         BadSetting::unless(
             self.contact_nodes.iter().all(|&n| n >= 2),
             "contact_nodes",

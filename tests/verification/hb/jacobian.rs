@@ -1,4 +1,4 @@
-//! Derivatives of the balance equations against central differences.
+//! Derivatives of the balance equations against differences of fourth order.
 
 use super::models::{aft, modal, short, space};
 use faer::prelude::c64;
@@ -14,9 +14,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
 
-/// Steps of the central differences relative to the direction; the best counts, since a sample may change its state
-/// within the larger ones and the smaller ones lose digits.
-const STEPS: [f64; 6] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
+/// Steps of the differences relative to the direction; the best counts, since a sample may change its state within
+/// the larger ones and the smaller ones lose digits: with modal compliances round-off is 1e-11 of the displacements.
+const STEPS: [f64; 9] = [1e-1, 2e-2, 5e-3, 2e-3, 1e-3, 5e-4, 1e-4, 1e-5, 1e-6];
 
 /// Levels and frequencies (Hz) of the shaken states.
 const STATES: [(f64, f64); 5] = [
@@ -27,8 +27,54 @@ const STATES: [(f64, f64); 5] = [
     (150.0, 345.0),
 ];
 
+/// Levels and frequencies (Hz) of the states close to a solution.
+const NEAR_SOLUTIONS: [(f64, f64); 8] = [
+    (0.5, 345.0),
+    (3.0, 350.0),
+    (10.0, 350.0),
+    (20.0, 400.0),
+    (40.0, 345.0),
+    (60.0, 410.0),
+    (100.0, 280.0),
+    (200.0, 440.0),
+];
+
+/// Part of a step within which there must be no kink.
+const SMOOTH: f64 = 1e-3;
+
+/// Draws of a state near a solution until one is away from kinks.
+const DRAWS: usize = 10;
+
+/// Bound on every relative error of a derivative.
+const AGREEMENT: f64 = 1e-7;
+
+/// How many states of either law stick, slip without separating, separate, and have a pair that does all three.
+#[derive(Debug, Default)]
+struct Kinds([[usize; 4]; 2]);
+
+impl Kinds {
+    fn count(&mut self, law: FrictionLaw, iterate: &Iterate<'_>) {
+        let states = &iterate.contact.samples;
+        let has = |state: usize| states.iter().any(|s| s[state] > 0);
+        let kinds = [
+            !has(1) && !has(2),
+            has(1) && !has(2),
+            has(2),
+            states.iter().any(|s| s.iter().all(|n| *n > 0)),
+        ];
+        let counts = &mut self.0[usize::from(law == FrictionLaw::Circle)];
+        for (count, kind) in counts.iter_mut().zip(kinds) {
+            *count += usize::from(kind);
+        }
+    }
+
+    fn assert_each(&self, at_least: usize) {
+        assert!(self.0.iter().flatten().all(|n| *n >= at_least), "{self:?}");
+    }
+}
+
 /// Problems in both laws, both kinds of coordinates, with few and many harmonics.
-fn for_every_discretisation(mut check: impl FnMut(&Balance<'_>, &mut ChaCha8Rng)) {
+fn for_every_discretisation(mut check: impl FnMut(FrictionLaw, &Balance<'_>, &mut ChaCha8Rng)) {
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     let case = space().with_contacts(1.0, 0.3);
     let physical = LinearModel::new(&case.model).expect("definite");
@@ -38,7 +84,8 @@ fn for_every_discretisation(mut check: impl FnMut(&Balance<'_>, &mut ChaCha8Rng)
         for law in [FrictionLaw::Box, FrictionLaw::Circle] {
             for highest in [3, 9] {
                 let harmonics = HarmonicSet::up_to(highest);
-                check(&Balance::new(&problem, harmonics, aft(128, law)), &mut rng);
+                let balance = Balance::new(&problem, harmonics, aft(128, law));
+                check(law, &balance, &mut rng);
             }
         }
     }
@@ -79,8 +126,11 @@ fn moved(point: &Point, along: &Direction, level: f64, step: f64) -> Point {
     }
 }
 
-/// Smallest error over the steps of the central difference of residual and response along a direction, each over
-/// its scale.
+/// Weights of f(h) − f(−h) and f(2h) − f(−2h) in h f'(0), of fourth order: Richardson's extrapolation of the central
+/// difference allows steps so large that round-off does not count.
+const WEIGHTS: [f64; 2] = [2.0 / 3.0, -1.0 / 12.0];
+
+/// Smallest error over the steps of the difference of residual and response along a direction, each over its scale.
 fn difference_error(
     balance: &Balance<'_>,
     point: &Point,
@@ -90,14 +140,18 @@ fn difference_error(
 ) -> [f64; 2] {
     let mut best = [f64::INFINITY; 2];
     for h in STEPS {
-        let [up, down] = [h, -h].map(|h| Iterate::new(balance, moved(point, along, level, h)));
-        let change: Vec<f64> = (up.residual.iter().zip(&down.residual))
-            .zip(residual.0)
-            .map(|((u, d), exact)| (u - d) / (2.0 * h) - exact)
-            .collect();
-        let slope = (up.response(balance) - down.response(balance)) / (2.0 * h);
+        let mut change: Vec<f64> = residual.0.iter().map(|exact| -exact).collect();
+        let mut slope = -response.0;
+        for (distance, weight) in [h, 2.0 * h].into_iter().zip(WEIGHTS) {
+            let [up, down] = [distance, -distance]
+                .map(|step| Iterate::new(balance, moved(point, along, level, step)));
+            for ((c, u), d) in change.iter_mut().zip(&up.residual).zip(&down.residual) {
+                *c += weight / h * (u - d);
+            }
+            slope += weight / h * (up.response(balance) - down.response(balance));
+        }
         best[0] = best[0].min(largest(&change) / residual.1);
-        best[1] = best[1].min((slope - response.0).norm() / response.1);
+        best[1] = best[1].min(slope.norm() / response.1);
     }
     best
 }
@@ -149,19 +203,14 @@ fn slopes(balance: &Balance<'_>, iterate: &Iterate<'_>, rng: &mut ChaCha8Rng) ->
 ///
 /// Seen to fail with: k in place of k² in the inertia term of the impedance slope; 1 % of K_c left in the tangent.
 #[test]
-fn slopes_agree_with_central_differences() {
+fn slopes_agree_with_differences() {
     let mut worst = [0.0f64; 6];
-    let mut kinds = [0; 4];
-    for_every_discretisation(|balance, rng| {
+    let mut kinds = Kinds::default();
+    for_every_discretisation(|law, balance, rng| {
         for (level, hertz) in STATES {
             let point = shaken(balance, hertz * TAU, level, rng);
             let iterate = Iterate::new(balance, point);
-            let states = &iterate.contact.samples;
-            let has = |state: usize| states.iter().any(|s| s[state] > 0);
-            kinds[0] += usize::from(!has(1) && !has(2));
-            kinds[1] += usize::from(has(1) && !has(2));
-            kinds[2] += usize::from(has(2));
-            kinds[3] += usize::from(states.iter().any(|s| s.iter().all(|n| *n > 0)));
+            kinds.count(law, &iterate);
             let errors = slopes(balance, &iterate, rng);
             println!(
                 "{level} {:?} {}",
@@ -173,12 +222,9 @@ fn slopes_agree_with_central_differences() {
             }
         }
     });
-    println!(
-        "stuck, slipping, separating, mixed {kinds:?}; errors {}",
-        short(&worst)
-    );
-    assert!(kinds.iter().all(|n| *n >= 4), "{kinds:?}");
-    assert!(worst.iter().all(|e| *e < 1e-7), "{}", short(&worst));
+    println!("{kinds:?}; errors {}", short(&worst));
+    kinds.assert_each(4);
+    assert!(worst.iter().all(|e| *e < AGREEMENT), "{}", short(&worst));
 }
 
 /// Dense and Krylov solves: J J⁻¹ b = b. Seen to fail with: the sign of Im G in one block of the dense factor, and in the Krylov product.
@@ -186,7 +232,7 @@ fn slopes_agree_with_central_differences() {
 fn the_solve_inverts_the_jacobian() {
     let mut worst = [0.0f64; 2];
     let mut counts = [0; 2];
-    for_every_discretisation(|balance, rng| {
+    for_every_discretisation(|_, balance, rng| {
         for (level, hertz) in STATES {
             let iterate = Iterate::new(balance, shaken(balance, hertz * TAU, level, rng));
             let b = random_direction(balance, 1.0, rng);
@@ -207,36 +253,49 @@ fn the_solve_inverts_the_jacobian() {
     assert!(worst[0] < 1e-9 && worst[1] < 1e-6, "{}", short(&worst));
 }
 
-/// The bordered step d solves R + dR·d = 0 and c + dc·d = 0, both derivatives by central differences along d.
-/// Scale: the largest of the terms that cancel. Seen to fail with: the condition's rate along the Newton step left out.
+/// The bordered step d solves R + dR·d = 0 and c + dc·d = 0, both derivatives by differences along d, near solutions
+/// that stick, slip, separate and mix, for both laws. Scale: the largest of the terms that cancel.
+///
+/// Seen to fail with: the condition's rate along the Newton step left out; the slope by frequency 4e-7 too large; the
+/// slope of the tractions by the normal approach 1e-5 too large.
 #[test]
-fn bordered_steps_agree_with_central_differences() {
+fn bordered_steps_agree_with_differences() {
     let mut worst = [0.0f64; 3];
     let mut count = 0;
-    for_every_discretisation(|balance, rng| {
-        for (level, hertz) in [(0.5, 345.0), (3.0, 350.0), (10.0, 350.0), (20.0, 400.0)] {
+    let mut kinds = Kinds::default();
+    for_every_discretisation(|law, balance, rng| {
+        for (level, hertz) in NEAR_SOLUTIONS {
             let start = stuck_point(balance, hertz * TAU, level);
             let newton = NewtonSettings::default();
             let Ok((solved, _)) = solve(balance, start, Condition::FixedFrequency, newton) else {
                 continue;
             };
-            count += 1;
             let base = solved.point.clone();
             let y = solved.response(balance);
             let phasor = y / y.norm() * c64::new(1e-3f64.cos(), 1e-3f64.sin());
             let (branch, _) = BranchPoint::new(balance, solved, 300.0 * TAU, None, None);
-            let noise = random_direction(balance, 1e-3 * largest(&base.r), rng);
-            let along = Direction {
-                r: noise,
-                omega: 1e-4 * base.omega,
-            };
-            let iterate = Iterate::new(balance, moved(&base, &along, 0.0, 1.0));
             let arc = Condition::ArcLength {
                 base: &base,
                 tangent: &branch.tangent,
                 step: 0.02,
                 metric: branch.metric,
             };
+            let phase = Condition::PhaseLocked(phasor);
+            let mut draws = (0..DRAWS).map(|_| {
+                let along = Direction {
+                    r: random_direction(balance, 1e-3 * largest(&base.r), rng),
+                    omega: 1e-4 * base.omega,
+                };
+                Iterate::new(balance, moved(&base, &along, 0.0, 1.0))
+            });
+            let Some(iterate) = draws.find(|iterate| {
+                let smooth = |condition| is_smooth(balance, iterate, condition);
+                smooth(phase) && smooth(arc)
+            }) else {
+                continue;
+            };
+            count += 1;
+            kinds.count(law, &iterate);
             let errors = [
                 phase_step_error(balance, &iterate, phasor),
                 arc_step_error(balance, &iterate, arc),
@@ -246,9 +305,13 @@ fn bordered_steps_agree_with_central_differences() {
             worst[2] = worst[2].max(errors[1][1]);
         }
     });
-    println!("{count} states: residual, phase, arc {}", short(&worst));
-    assert!(count >= 24, "{count}");
-    assert!(worst.iter().all(|e| *e < 2e-7), "{}", short(&worst));
+    println!(
+        "{count} states, {kinds:?}: residual, phase, arc {}",
+        short(&worst)
+    );
+    assert!(count >= 40, "{count}");
+    kinds.assert_each(2);
+    assert!(worst.iter().all(|e| *e < AGREEMENT), "{}", short(&worst));
 }
 
 /// Error of the residual and of Im(ŷ p̄) = 0 after the step with the phase condition.
@@ -307,6 +370,18 @@ fn weighted(
     metric.displacement * r + metric.frequency * (to.omega - from.omega) * tangent.omega
 }
 
+/// Whether the step solves the equations (its change of the frequency is not cut) and the residual has no kink near by,
+/// where a sample starts or ends to slip or to touch: there one-sided differences do not approach each other.
+fn is_smooth(balance: &Balance<'_>, iterate: &Iterate<'_>, condition: Condition<'_>) -> bool {
+    let (step, _, scale) = bordered(balance, iterate, condition);
+    let [up, down] = [SMOOTH, -SMOOTH]
+        .map(|part| Iterate::new(balance, moved(&iterate.point, &step, 0.0, part)).residual);
+    let bend: Vec<f64> = (up.iter().zip(&down).zip(&iterate.residual))
+        .map(|((u, d), here)| u - 2.0 * here + d)
+        .collect();
+    step.omega.abs() < 0.019 * iterate.point.omega && largest(&bend) < SMOOTH * SMOOTH * scale
+}
+
 /// The step, the slope −R that the residual must have along it, and the size of the terms.
 fn bordered(
     balance: &Balance<'_>,
@@ -314,10 +389,7 @@ fn bordered(
     condition: Condition<'_>,
 ) -> (Direction, Vec<f64>, f64) {
     let step = newton_step(balance, iterate, &iterate.jacobian(balance), condition);
-    assert!(
-        step.omega != 0.0 && step.omega.abs() < 0.019 * iterate.point.omega,
-        "the step is not limited"
-    );
+    assert!(step.omega != 0.0, "the frequency is free");
     let slope: Vec<f64> = iterate.residual.iter().map(|r| -r).collect();
     let by_omega = balance.frequency_slope(&iterate.compliance, &iterate.motion);
     let scale = largest(&slope).max(largest(&by_omega) * step.omega.abs());

@@ -53,10 +53,28 @@ fn too_few_iterations_are_a_status() {
             (Status::MaxIterations, 1)
         );
         assert!(one(0.1).is_ok(), "nothing slips");
+    });
+}
+
+/// One iteration per step: a curve gives up early, and a sweep finds a solution or gives up. Seen to fail without the pace of a walk: 8623 points
+/// on the curve.
+#[test]
+fn hopeless_walks_end_early() {
+    with_problem(|problem, mut settings| {
+        settings.newton.max_iterations = 1;
         let curve = over_band(problem, &settings, 40.0, band(330.0, 430.0));
         let last = curve.last().expect("points");
-        println!("{} points, {:?}", curve.len(), last.status);
-        assert!(!last.status.has_solution(), "{:?}", last.status);
+        let most = curve.iter().map(|s| s.work_count.iterations).max();
+        println!("{} points, {:?}, {most:?}", curve.len(), last.status);
+        assert_eq!(last.status, Status::StepTooSmall);
+        assert!(curve.len() <= 200, "{} points", curve.len());
+        assert!(most <= Some(1000), "{most:?} iterations");
+        let omega = [335.0 * TAU, 400.0 * TAU];
+        for found in at_frequencies(problem, &settings, 40.0, &omega, SweepDirection::Upward) {
+            let iterations = found.work_count.iterations;
+            println!("{:?}, {iterations} iterations", found.status);
+            assert!(iterations <= 2000, "{iterations} iterations");
+        }
     });
 }
 
