@@ -64,6 +64,55 @@ impl AnchorPeak {
             response: solution.first_harmonic(0),
         }
     }
+
+    /// This peak as a start for one close by.
+    #[must_use]
+    pub fn as_prediction(&self) -> AtlasPrediction {
+        AtlasPrediction {
+            harmonics: self.harmonics.clone(),
+            peak: PeakPrediction {
+                point: self.point.clone(),
+                phasor: self.response / self.response.norm(),
+            },
+            amplitude: self.response.norm(),
+        }
+    }
+
+    /// The peak at parameter `t` on the straight line through those at two other parameters.
+    #[must_use]
+    pub fn extrapolated(before: &(f64, Self), at: &(f64, Self), t: f64) -> AtlasPrediction {
+        let weight = (t - at.0) / (at.0 - before.0);
+        combined(&[(1.0 + weight, &at.1), (-weight, &before.1)])
+    }
+}
+
+/// Σ weight · peak, on the harmonics of the first.
+fn combined(parts: &[(f64, &AnchorPeak)]) -> AtlasPrediction {
+    let (_, first) = parts[0];
+    let harmonics = first.harmonics.clone();
+    let n_relative = first.point.r.len() / harmonics.n_coefficients();
+    let mut r = vec![0.0; first.point.r.len()];
+    let (mut omega, mut response) = (0.0, c64::new(0.0, 0.0));
+    for (weight, peak) in parts {
+        let theirs = (peak.harmonics).convert(&peak.point.r, n_relative, &harmonics);
+        r.iter_mut()
+            .zip(&theirs)
+            .for_each(|(r, x)| *r += weight * x);
+        omega += weight * peak.point.omega;
+        response += peak.response * *weight;
+    }
+    AtlasPrediction {
+        harmonics,
+        peak: PeakPrediction {
+            point: Point {
+                r,
+                omega,
+                level: first.point.level,
+            },
+            phasor: response / response.norm(),
+        },
+        amplitude: response.norm(),
+    }
 }
 
 impl Atlas {
@@ -75,7 +124,25 @@ impl Atlas {
     /// The peak at level number `level` expected at `place`; `None` without any anchor there.
     #[must_use]
     pub fn predict(&self, place: &[f64], level: usize) -> Option<AtlasPrediction> {
-        let mut near: Vec<(f64, &[f64], &AnchorPeak)> = (self.anchors.iter())
+        let mut near = self.by_distance(place, level);
+        near.truncate(ANCHORS_PER_UNKNOWN * (place.len() + 1));
+        let places: Vec<&[f64]> = near.iter().map(|(_, place, _)| *place).collect();
+        let weights = regression_weights(place, &places);
+        let peaks = near.iter().map(|(.., peak)| *peak);
+        let parts: Vec<(f64, &AnchorPeak)> = weights.into_iter().zip(peaks).collect();
+        (!parts.is_empty()).then(|| combined(&parts))
+    }
+
+    /// The nearest anchor with a peak at level number `level`, with its place.
+    #[must_use]
+    pub fn nearest(&self, place: &[f64], level: usize) -> Option<(&[f64], &AnchorPeak)> {
+        let (_, place, peak) = *self.by_distance(place, level).first()?;
+        Some((place, peak))
+    }
+
+    /// Anchors with a peak at level number `level`: distance, place, peak.
+    fn by_distance(&self, place: &[f64], level: usize) -> Vec<(f64, &[f64], &AnchorPeak)> {
+        let mut near: Vec<_> = (self.anchors.iter())
             .filter_map(|anchor| {
                 let peak = anchor.peaks[level].as_ref()?;
                 Some((
@@ -86,36 +153,7 @@ impl Atlas {
             })
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
-        near.truncate(ANCHORS_PER_UNKNOWN * (place.len() + 1));
-        let (_, _, nearest) = near.first()?;
-        let places: Vec<&[f64]> = near.iter().map(|(_, place, _)| *place).collect();
-        let weights = regression_weights(place, &places);
-        let harmonics = nearest.harmonics.clone();
-        let n_relative = nearest.point.r.len() / harmonics.n_coefficients();
-        let mut r = vec![0.0; nearest.point.r.len()];
-        let (mut omega, mut response) = (0.0, c64::new(0.0, 0.0));
-        for (weight, (_, _, peak)) in weights.iter().zip(&near) {
-            let theirs = peak
-                .harmonics
-                .convert(&peak.point.r, n_relative, &harmonics);
-            r.iter_mut()
-                .zip(&theirs)
-                .for_each(|(r, x)| *r += weight * x);
-            omega += weight * peak.point.omega;
-            response += peak.response * *weight;
-        }
-        Some(AtlasPrediction {
-            harmonics,
-            peak: PeakPrediction {
-                point: Point {
-                    r,
-                    omega,
-                    level: nearest.point.level,
-                },
-                phasor: response / response.norm(),
-            },
-            amplitude: response.norm(),
-        })
+        near
     }
 }
 
@@ -130,6 +168,9 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 /// Weights w with Σ w_i v_i = value at `place` of the weighted linear regression of v over `places` (nearest first).
 fn regression_weights(place: &[f64], places: &[&[f64]]) -> Vec<f64> {
     let n = places.len();
+    if n == 0 {
+        return Vec::new();
+    }
     let distances: Vec<f64> = places.iter().map(|p| distance(place, p)).collect();
     let reach = 1.5 * distances[n - 1];
     // a place that has been solved already predicts itself

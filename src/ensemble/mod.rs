@@ -3,6 +3,7 @@
 pub mod atlas;
 pub mod outcome;
 pub mod runner;
+mod sample;
 pub mod store;
 
 pub use runner::Ensemble;

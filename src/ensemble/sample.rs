@@ -1,0 +1,309 @@
+//! One sample: from its inputs to its peaks, curves and record.
+//!
+//! A peak is predicted from the atlas and corrected. Where that fails it is followed from the nearest anchor along the
+//! straight line between the inputs, and where that fails too the sample's own track from the stuck state decides.
+
+use super::Ensemble;
+use super::atlas::{Anchor, AnchorPeak, Atlas, AtlasPrediction};
+use super::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
+use crate::contact::ContactParameters;
+use crate::hb::curve::response_curve;
+use crate::hb::newton::{Point, WorkCount};
+use crate::hb::predicted::{PeakPrediction, correct, maximum_near};
+use crate::hb::refine::{on, refined_near};
+use crate::hb::track::{LevelPeak, track_peaks};
+use crate::hb::{Balance, Problem, ProblemError, Solution, Status};
+use crate::sampling::Input;
+use crate::units::rad_s_to_hz;
+
+/// Relative distance between the predicted and the found amplitude from which the prediction is not trusted to have
+/// led to the same branch.
+const SURPRISE: f64 = 0.2;
+/// First and smallest share of the way from an anchor to a sample in one step.
+const STEPS: [f64; 2] = [0.5, 1.0 / 64.0];
+
+impl Ensemble<'_> {
+    /// Outcome of sample `index` and what it is to others, started from `atlas`.
+    #[must_use]
+    pub fn sample(&self, index: u64, atlas: &Atlas) -> (SampleOutcome, Anchor) {
+        let inputs = self.design.sample(index);
+        let place = (self.design.inputs().iter().zip(&inputs))
+            .map(|((_, distribution), value)| distribution.cdf(*value))
+            .collect();
+        self.outcome(index, inputs, place, atlas)
+    }
+
+    /// Outcome at the nominal constants of the study. Inputs are NaN-free but meaningless: none was sampled.
+    #[must_use]
+    pub fn nominal(&self) -> SampleOutcome {
+        let alone = Atlas::default();
+        self.outcome(0, Vec::new(), Vec::new(), &alone).0
+    }
+
+    /// Outcome at the given inputs, in the order of the design; nominal where `inputs` is empty.
+    fn outcome(
+        &self,
+        index: u64,
+        inputs: Vec<f64>,
+        place: Vec<f64>,
+        atlas: &Atlas,
+    ) -> (SampleOutcome, Anchor) {
+        let curve = index < self.curve_samples;
+        let solved = self.problem(&inputs).and_then(|problem| {
+            let peaks = self.peaks(&problem, &place, atlas)?;
+            let anchor = |peak: &LevelPeak| Some(AnchorPeak::new(peak.solution.as_ref()?));
+            let anchors = peaks.iter().map(anchor).collect();
+            let level = |peak| self.level(&problem, peak, curve);
+            Ok((peaks.into_iter().map(level).collect(), anchors))
+        });
+        let (levels, anchors) = solved.unwrap_or_else(|error| {
+            let none = vec![None; self.levels.len()];
+            (self.without_problem(&error), none)
+        });
+        let outcome = SampleOutcome {
+            index,
+            inputs,
+            levels,
+        };
+        let anchor = Anchor {
+            place,
+            peaks: anchors,
+        };
+        (outcome, anchor)
+    }
+
+    /// The harmonic balance problem at the given inputs; nominal where there are none.
+    fn problem(&self, inputs: &[f64]) -> Result<Problem<'_>, ProblemError> {
+        let named = self.design.inputs().iter().map(|(input, _)| *input);
+        let values = named.zip(inputs.iter().copied());
+        let (contacts, load_scale) = apply_inputs(self.contacts, values);
+        Problem::new(self.linear, contacts, load_scale, self.settings.anchor)
+    }
+
+    /// Peaks at all levels: from the atlas where that leads to what it promised, the others by the sample's own track.
+    fn peaks(
+        &self,
+        problem: &Problem<'_>,
+        place: &[f64],
+        atlas: &Atlas,
+    ) -> Result<Vec<LevelPeak>, ProblemError> {
+        let mut spent = vec![WorkCount::default(); self.levels.len()];
+        let mut peaks: Vec<Option<LevelPeak>> = (spent.iter_mut().enumerate())
+            .map(|(level, spent)| {
+                let predicted = self.predicted(problem, atlas.predict(place, level)?, spent);
+                predicted
+                    .or_else(|| self.followed(problem, place, atlas.nearest(place, level)?, spent))
+            })
+            .collect();
+        let missing: Vec<usize> = (0..peaks.len()).filter(|&i| peaks[i].is_none()).collect();
+        if !missing.is_empty() {
+            let levels: Vec<f64> = missing.iter().map(|&i| self.levels[i]).collect();
+            let tracked = track_peaks(problem, self.settings, self.peak, &levels)?;
+            missing
+                .into_iter()
+                .zip(tracked)
+                .for_each(|(i, peak)| peaks[i] = Some(peak));
+        }
+        (peaks.iter_mut().flatten().zip(spent)).for_each(|(peak, spent)| peak.count += spent);
+        Ok(peaks.into_iter().flatten().collect())
+    }
+
+    /// The peak that a prediction leads to, unless that is not what it promised; `spent` counts what a failure costs.
+    fn predicted(
+        &self,
+        problem: &Problem<'_>,
+        prediction: AtlasPrediction,
+        spent: &mut WorkCount,
+    ) -> Option<LevelPeak> {
+        let AtlasPrediction {
+            harmonics,
+            peak,
+            amplitude,
+        } = prediction;
+        match refined_near(problem, &harmonics, peak, self.settings, self.peak) {
+            Ok(solution) if !surprising(solution.amplitude(0), amplitude) => {
+                Some(LevelPeak::found(solution))
+            }
+            Ok(solution) => {
+                *spent += solution.work_count;
+                None
+            }
+            Err((_, work)) => {
+                *spent += work;
+                None
+            }
+        }
+    }
+
+    /// The peak at `place`, reached from the anchor by steps along the straight line between their places.
+    fn followed(
+        &self,
+        problem: &Problem<'_>,
+        place: &[f64],
+        (start, anchor): (&[f64], &AnchorPeak),
+        spent: &mut WorkCount,
+    ) -> Option<LevelPeak> {
+        let (mut before, mut at) = (None, (0.0, anchor.clone()));
+        let mut step = STEPS[0];
+        loop {
+            let share = 1.0f64.min(at.0 + step);
+            let prediction = match &before {
+                Some(before) => AnchorPeak::extrapolated(before, &at, share),
+                None => at.1.as_prediction(),
+            };
+            if share == 1.0 {
+                if let Some(peak) = self.predicted(problem, prediction, spent) {
+                    return Some(peak);
+                }
+            } else if let Some(next) = self.waypoint(start, place, share, prediction, spent) {
+                before = Some(std::mem::replace(&mut at, (share, next)));
+                step *= 2.0;
+                continue;
+            }
+            step *= 0.5;
+            if step < STEPS[1] {
+                return None;
+            }
+        }
+    }
+
+    /// The peak on the way from `start` to `end`, on the harmonics of the prediction.
+    fn waypoint(
+        &self,
+        start: &[f64],
+        end: &[f64],
+        share: f64,
+        prediction: AtlasPrediction,
+        spent: &mut WorkCount,
+    ) -> Option<AnchorPeak> {
+        let inputs: Vec<f64> = (self.design.inputs().iter().zip(start.iter().zip(end)))
+            .map(|((_, distribution), (a, b))| distribution.quantile(a + share * (b - a)))
+            .collect();
+        let problem = self.problem(&inputs).ok()?;
+        let balance = on(&problem, prediction.harmonics, self.settings);
+        let amplitude = prediction.amplitude;
+        let corrected = correct(&balance, prediction.peak, self.peak, self.settings.newton);
+        let iterate = spent.tally(corrected).ok()?;
+        let found = Solution::new(&balance, &iterate, Status::Converged, WorkCount::default());
+        (!surprising(found.amplitude(0), amplitude)).then(|| AnchorPeak::new(&found))
+    }
+
+    /// Record of one level, with the forced response through its peak if wanted.
+    fn level(&self, problem: &Problem<'_>, peak: LevelPeak, with_curve: bool) -> LevelOutcome {
+        let mut count = peak.count;
+        let curve = (peak.solution.as_ref().filter(|_| with_curve))
+            .map_or_else(Vec::new, |solution| {
+                self.curve(problem, solution, &mut count)
+            });
+        LevelOutcome {
+            level: peak.level,
+            status: peak.status,
+            peak: peak.solution.as_ref().map(record),
+            curve,
+            newton_iterations: count.iterations,
+            factorizations: count.factorizations,
+        }
+    }
+
+    /// The forced response through a peak, on the study's own harmonics: the picture needs no more, the peak may have.
+    fn curve(
+        &self,
+        problem: &Problem<'_>,
+        solution: &Solution,
+        count: &mut WorkCount,
+    ) -> Vec<CurvePoint> {
+        let newton = self.settings.newton;
+        let harmonics = &self.settings.harmonics;
+        let balance = Balance::new(problem, harmonics.clone(), self.settings.aft);
+        let n_relative = balance.layout.n_relative();
+        let r = solution
+            .harmonics
+            .convert(&solution.relative, n_relative, harmonics);
+        let response = solution.first_harmonic(0);
+        let prediction = PeakPrediction {
+            point: Point {
+                r,
+                omega: solution.omega,
+                level: solution.level,
+            },
+            phasor: response / response.norm(),
+        };
+        let Ok(peak) = maximum_near(&balance, prediction, self.peak, newton, count) else {
+            return Vec::new();
+        };
+        let (curve, work) = response_curve(&balance, &peak.point, self.peak.band, newton);
+        *count += work;
+        (curve.iter())
+            .map(|point| CurvePoint {
+                frequency_hz: rad_s_to_hz(point.omega),
+                amplitude_m: point.amplitude,
+            })
+            .collect()
+    }
+
+    /// A sample whose constants make no harmonic balance problem fails at every level.
+    fn without_problem(&self, error: &ProblemError) -> Vec<LevelOutcome> {
+        let status = match error {
+            ProblemError::Linalg(_) => Status::NonFinite,
+            _ => Status::NotHeld,
+        };
+        (self.levels.iter())
+            .map(|&level| LevelOutcome {
+                level,
+                status,
+                peak: None,
+                curve: Vec::new(),
+                newton_iterations: 0,
+                factorizations: 0,
+            })
+            .collect()
+    }
+}
+
+/// Whether an amplitude is too far from the predicted one to lie on the same branch.
+fn surprising(found: f64, predicted: f64) -> bool {
+    (found / predicted - 1.0).abs() >= SURPRISE
+}
+
+/// Contact constants and factor on the static load at the given input values.
+fn apply_inputs(
+    nominal: &[ContactParameters<f64>],
+    values: impl Iterator<Item = (Input, f64)>,
+) -> (Vec<ContactParameters<f64>>, f64) {
+    let mut contacts = nominal.to_vec();
+    let mut load_scale = 1.0;
+    for (input, value) in values {
+        for contact in &mut contacts {
+            match input {
+                Input::StiffnessScale => {
+                    contact.k_n *= value;
+                    contact.k_t = contact.k_t.map(|k| k * value);
+                }
+                Input::NormalStiffnessScale => contact.k_n *= value,
+                Input::TangentialStiffnessScale => contact.k_t = contact.k_t.map(|k| k * value),
+                Input::FrictionCoefficient => contact.mu = value,
+                Input::StaticLoadScale => {}
+            }
+        }
+        if input == Input::StaticLoadScale {
+            load_scale = value;
+        }
+    }
+    (contacts, load_scale)
+}
+
+fn record(solution: &Solution) -> PeakRecord {
+    PeakRecord {
+        frequency_hz: rad_s_to_hz(solution.omega),
+        amplitude_m: solution.amplitude(0),
+        truncation_error: solution.truncation_error,
+        highest_harmonic: solution.harmonics.highest(),
+        stick_fraction: solution.contact.stick,
+        slip_fraction: solution.contact.slip,
+        separated_fraction: solution.contact.separated,
+        work_input_j: solution.work.input,
+        work_viscous_j: solution.work.viscous,
+        work_friction_j: solution.work.friction,
+        residual: solution.residual,
+    }
+}
