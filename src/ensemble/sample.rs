@@ -160,7 +160,7 @@ impl Ensemble<'_> {
                 step *= 2.0;
                 continue;
             }
-            step *= 0.5;
+            step = 0.5 * (share - at.0);
             if step < STEPS[1] {
                 return None;
             }

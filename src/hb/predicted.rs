@@ -28,7 +28,9 @@ const LONGEST_STEP: f64 = 0.5;
 /// Phases (rad) further apart than this measure the curvature.
 const CURVATURE_RESOLUTION: f64 = 1e-3;
 /// Step of the phase (rad) that measures it where all iterations were closer together.
-const CURVATURE_STEP: f64 = 0.03;
+const CURVATURE_STEP: f64 = 0.1;
+/// Newton steps spent on that.
+const CORRECTIONS: usize = 3;
 /// Curvatures, as multiples of one oscillator's, that a secant may use.
 const USABLE: std::ops::Range<f64> = 0.1..10.0;
 /// Iterations before giving up.
@@ -61,26 +63,27 @@ pub fn correct<'p>(
             return Err((Status::NonFinite, count));
         }
         let solved = size <= tolerance.max(iterate.attainable(balance));
-        let located = search.last_step <= settings.frequency_tolerance * iterate.point.omega;
-        if solved && located {
-            if search.curvature.is_none() {
-                search.look_aside(balance, &iterate, &mut count);
-            }
-            return match search.curvature {
-                Some(c) if c < 0.0 => Ok((iterate, count)),
-                _ => Err((Status::MaxIterations, count)),
+        if solved && search.located {
+            return match search.is_maximum(balance, &iterate, &mut count) {
+                true => Ok((iterate, count)),
+                false => Err((Status::MaxIterations, count)),
             };
         }
         let local = Local::new(balance, &iterate, &mut count);
-        let omega_step = match size > SETTLED {
-            true => -(local.response / phasor).arg() / local.rate.im,
-            false => search.growth_step(local.slope()),
+        let omega_step = if search.located {
+            0.0
+        } else if size > SETTLED {
+            -(local.response / phasor).arg() / local.rate.im
+        } else {
+            search.growth_step(local.slope(), settings.frequency_tolerance)
         };
         if search.stalls(size, omega_step) {
             break;
         }
         let longest = LONGEST_STEP / local.rate.im.abs();
-        let point = local.step(&iterate.point, omega_step.clamp(-longest, longest));
+        let omega_step = omega_step.clamp(-longest, longest);
+        let point = local.along(&local.corrected(&iterate.point), omega_step);
+        search.local = Some(local);
         if !settings.band.contains(point.omega) {
             return Err((Status::NoPeakInBand, count));
         }
@@ -131,14 +134,24 @@ impl Local {
         }
     }
 
-    /// The corrected point, moved along the tangent.
-    fn step(&self, from: &Point, omega_step: f64) -> Point {
-        let r = (from.r.iter()).zip(&self.correction.r).zip(&self.tangent.r);
-        Point {
-            r: r.map(|((r, d), t)| r + d + omega_step * t).collect(),
-            omega: from.omega + omega_step,
-            level: from.level,
-        }
+    /// The point after the Newton step.
+    fn corrected(&self, from: &Point) -> Point {
+        moved(from, &self.correction, 1.0)
+    }
+
+    /// The point moved along the tangent.
+    fn along(&self, from: &Point, omega_step: f64) -> Point {
+        moved(from, &self.tangent, omega_step)
+    }
+}
+
+fn moved(from: &Point, direction: &Direction, length: f64) -> Point {
+    Point {
+        r: (from.r.iter().zip(&direction.r))
+            .map(|(r, d)| r + length * d)
+            .collect(),
+        omega: from.omega + length * direction.omega,
+        level: from.level,
     }
 }
 
@@ -151,32 +164,23 @@ struct Slope {
 }
 
 /// What the iterations have seen of the growth.
+#[derive(Default)]
 struct Search {
+    /// Step and tangent of the last iteration.
+    local: Option<Local>,
     last: Option<Slope>,
     /// dg/dω where it could be measured.
     curvature: Option<f64>,
-    /// Last frequency step that made the growth vanish (rad/s).
-    last_step: f64,
+    /// Whether a frequency step was within the tolerance: the rest is up to the displacements.
+    located: bool,
     /// Smallest residual and smallest such step, and iterations since one of them was halved.
-    smallest: [f64; 2],
+    smallest: [Option<f64>; 2],
     worse: usize,
-}
-
-impl Default for Search {
-    fn default() -> Self {
-        Self {
-            last: None,
-            curvature: None,
-            last_step: f64::INFINITY,
-            smallest: [f64::INFINITY; 2],
-            worse: 0,
-        }
-    }
 }
 
 impl Search {
     /// Frequency step to where the growth vanishes.
-    fn growth_step(&mut self, slope: Slope) -> f64 {
+    fn growth_step(&mut self, slope: Slope, tolerance: f64) -> f64 {
         if let Some(last) = self.last.replace(slope) {
             let apart = slope.omega - last.omega;
             if (apart * slope.phase_rate).abs() > CURVATURE_RESOLUTION {
@@ -188,29 +192,47 @@ impl Search {
             .curvature
             .filter(|c| USABLE.contains(&(c / oscillator)));
         let step = -slope.growth / measured.unwrap_or(oscillator);
-        self.last_step = step.abs();
+        self.located = step.abs() <= tolerance * slope.omega;
         step
     }
 
-    /// Measures the curvature at a solution by the growth a little further on.
-    fn look_aside(&mut self, balance: &Balance<'_>, at: &Iterate<'_>, count: &mut WorkCount) {
-        let here = Local::new(balance, at, count);
-        let step = CURVATURE_STEP / here.rate.im.abs();
-        let aside = Iterate::new(balance, here.step(&at.point, step));
-        let there = Local::new(balance, &aside, count);
-        self.curvature = Some((there.rate.re - here.rate.re) / step);
+    /// Whether the peak `at` is a maximum: by the growth seen on the way, else by the growth a little further on.
+    fn is_maximum(&self, balance: &Balance<'_>, at: &Iterate<'_>, count: &mut WorkCount) -> bool {
+        let (Some(local), Some(here)) = (&self.local, &self.last) else {
+            return false;
+        };
+        let oscillator = -here.phase_rate * here.phase_rate;
+        if self
+            .curvature
+            .is_some_and(|c| USABLE.contains(&(c / oscillator)))
+        {
+            return true;
+        }
+        let step = CURVATURE_STEP / here.phase_rate.abs();
+        let mut point = local.along(&at.point, step);
+        for _ in 0..CORRECTIONS {
+            let aside = Iterate::new(balance, point);
+            let there = Local::new(balance, &aside, count);
+            let curvature = (there.rate.re - here.growth) / step;
+            if USABLE.contains(&(curvature / oscillator)) {
+                return true;
+            }
+            point = there.corrected(&aside.point);
+        }
+        false
     }
 
     fn stalls(&mut self, size: f64, omega_step: f64) -> bool {
-        let (kind, now) = match size > SETTLED {
+        let (kind, now) = match size > SETTLED || self.located {
             true => (0, size),
             false => (1, omega_step.abs()),
         };
-        self.worse = match now <= 0.5 * self.smallest[kind] {
+        let smallest = self.smallest[kind].unwrap_or(f64::INFINITY);
+        self.worse = match now <= 0.5 * smallest {
             true => 0,
             false => self.worse + 1,
         };
-        self.smallest[kind] = self.smallest[kind].min(now);
+        self.smallest[kind] = Some(smallest.min(now));
         self.worse >= PATIENCE
     }
 }
