@@ -53,7 +53,8 @@ fn too_few_iterations_are_a_status() {
             (Status::MaxIterations, 1)
         );
         assert!(one(0.1).is_ok(), "nothing slips");
-        let curve = over_band(problem, &settings, 40.0, band(330.0, 430.0));
+        // at 40 and 50 N short steps get through with one iteration each, or not, by round-off
+        let curve = over_band(problem, &settings, 20.0, band(330.0, 430.0));
         let last = curve.last().expect("points");
         println!("{} points, {:?}", curve.len(), last.status);
         assert!(!last.status.has_solution(), "{:?}", last.status);
