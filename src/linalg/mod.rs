@@ -1,10 +1,11 @@
-//! Linear algebra on top of faer: generalised eigenvalue problems, dense and sparse, and GMRES.
+//! Linear algebra on top of faer: generalised eigenvalue problems, dense and sparse, conjugate residuals, vector loops.
 //!
 //! Knows nothing of structures; the names stiffness and mass are used because they are the pencil's usual names.
 
 mod dense_eigen;
-pub mod gmres;
+pub mod gcr;
 mod sparse_eigen;
+pub mod vector;
 
 pub use dense_eigen::{symmetric_eigen, symmetric_generalized_eigen};
 pub use sparse_eigen::{LowestModes, lowest_modes, modes_up_to};

@@ -227,7 +227,8 @@ fn slopes_agree_with_differences() {
     assert!(worst.iter().all(|e| *e < AGREEMENT), "{}", short(&worst));
 }
 
-/// Dense and Krylov solves: J J⁻¹ b = b. Seen to fail with: the sign of Im G in one block of the dense factor, and in the Krylov product.
+/// Dense and Krylov solves: J J⁻¹ b = b. Seen to fail with: the sign of Im G in one entry of the factors (dense; only
+/// a worse preconditioner for Krylov), and in the Gauss–Seidel sweep.
 #[test]
 fn the_solve_inverts_the_jacobian() {
     let mut worst = [0.0f64; 2];
@@ -240,7 +241,7 @@ fn the_solve_inverts_the_jacobian() {
             let back = times(&iterate, balance, &x);
             let error: Vec<f64> = back.iter().zip(&b).map(|(y, b)| y - b).collect();
             let unknowns = 3 * iterate.contact.active.len() * balance.layout.n_coefficients;
-            let krylov = usize::from(unknowns > 350);
+            let krylov = usize::from(unknowns > 150);
             counts[krylov] += 1;
             worst[krylov] = worst[krylov].max(largest(&error) / largest(&b));
         }
@@ -250,7 +251,7 @@ fn the_solve_inverts_the_jacobian() {
         counts[0], worst[0], counts[1], worst[1]
     );
     assert!(counts.iter().all(|n| *n >= 8), "{counts:?}");
-    assert!(worst[0] < 1e-9 && worst[1] < 1e-6, "{}", short(&worst));
+    assert!(worst[0] < 1e-9 && worst[1] < 1e-8, "{}", short(&worst));
 }
 
 /// The bordered step d solves R + dR·d = 0 and c + dc·d = 0, both derivatives by differences along d, near solutions
