@@ -37,6 +37,7 @@ pub(super) struct Cycle<T> {
 }
 
 /// 2 × 2 identity for every lane.
+#[inline(always)]
 pub(super) fn identity<T: Real>() -> [Lane<T>; 4] {
     [
         [T::ONE; LANES],
@@ -47,6 +48,7 @@ pub(super) fn identity<T: Real>() -> [Lane<T>; 4] {
 }
 
 /// Marches the lanes of `work`; their tractions are then those of the last lap.
+#[inline(always)]
 pub(super) fn march<T: Real>(plan: &AftPlan<T>, work: &mut Workspace<T>) -> Cycle<T> {
     let mut w = work.parameters.anchor;
     let mut monodromy = identity();
@@ -71,6 +73,7 @@ pub(super) fn march<T: Real>(plan: &AftPlan<T>, work: &mut Workspace<T>) -> Cycl
 
 impl<T: Real> Cycle<T> {
     /// The laps after the first one, which ended at `w`.
+    #[inline(always)]
     fn fixed(
         &mut self,
         work: &mut Workspace<T>,
@@ -95,6 +98,7 @@ impl<T: Real> Cycle<T> {
     }
 
     /// Steady cycle of every lane, from the sliders at the end of the first lap.
+    #[inline(always)]
     fn steady(&mut self, work: &mut Workspace<T>, w: [Lane<T>; 2]) {
         work.samples[0].closing = work.closing_over_end;
         self.start = w;
@@ -168,6 +172,7 @@ struct Search<T> {
 impl<T: Real> Search<T> {
     /// Whether the distance to the steady slider, as Newton's method sees it, is within rounding; if I − M is nearly
     /// singular it stays larger, and the search ends when the change over a lap no longer falls.
+    #[inline(always)]
     fn settled(&self, change: [T; 2], m: [T; 4], tolerance: T) -> bool {
         let distance = if is_singular(m) {
             change
@@ -178,12 +183,14 @@ impl<T: Real> Search<T> {
     }
 
     /// Whether the last Newton step failed to halve the change over a lap.
+    #[inline(always)]
     fn failed(&self, change: [T; 2]) -> bool {
         let now = size(change);
         self.last.is_some_and(|last| now + now > last)
     }
 
     /// Change of k_t w for the next lap: a Newton step if it can be made and the last one did not fail.
+    #[inline(always)]
     fn step(&mut self, change: [T; 2], m: [T; 4], lap: u32) -> [T; 2] {
         let now = size(change);
         if self.failed(change) || lap > NEWTON_LAPS || is_singular(m) {
@@ -196,6 +203,7 @@ impl<T: Real> Search<T> {
 }
 
 /// x of (I − M) x = b.
+#[inline(always)]
 pub(super) fn solve_identity_minus<T: Real>(m: [T; 4], b: [T; 2]) -> [T; 2] {
     let determinant = determinant_of_identity_minus(m);
     let (a, d) = (T::ONE - m[0], T::ONE - m[3]);
@@ -205,14 +213,17 @@ pub(super) fn solve_identity_minus<T: Real>(m: [T; 4], b: [T; 2]) -> [T; 2] {
     ]
 }
 
+#[inline(always)]
 fn determinant_of_identity_minus<T: Real>(m: [T; 4]) -> T {
     (T::ONE - m[0]) * (T::ONE - m[3]) - m[1] * m[2]
 }
 
+#[inline(always)]
 fn is_singular<T: Real>(m: [T; 4]) -> bool {
     determinant_of_identity_minus(m) <= T::EPSILON.sqrt()
 }
 
+#[inline(always)]
 fn classify<T: Real>(periodic: bool, monodromy: &[Lane<T>; 4], l: usize) -> Periodicity {
     match (periodic, is_singular(lane4(monodromy, l))) {
         (false, _) => Periodicity::NotPeriodic,
@@ -222,11 +233,13 @@ fn classify<T: Real>(periodic: bool, monodromy: &[Lane<T>; 4], l: usize) -> Peri
 }
 
 /// Largest change of a traction over a lap that counts as rounding (N).
+#[inline(always)]
 pub(super) fn tolerance<T: Real>(work: &Workspace<T>, l: usize) -> T {
     T::from_f64(TOLERANCE) * T::EPSILON * work.scale[l]
 }
 
 /// Change of k_t w over a lap (N).
+#[inline(always)]
 pub(super) fn change_over_lap<T: Real>(
     work: &Workspace<T>,
     l: usize,
@@ -237,14 +250,17 @@ pub(super) fn change_over_lap<T: Real>(
     [k_t[0] * (end[0] - start[0]), k_t[1] * (end[1] - start[1])]
 }
 
+#[inline(always)]
 pub(super) fn size<T: Real>(x: [T; 2]) -> T {
     (x[0] * x[0] + x[1] * x[1]).sqrt()
 }
 
+#[inline(always)]
 pub(super) fn lane2<T: Copy>(x: &[Lane<T>; 2], l: usize) -> [T; 2] {
     [x[0][l], x[1][l]]
 }
 
+#[inline(always)]
 fn lane4<T: Copy>(x: &[Lane<T>; 4], l: usize) -> [T; 4] {
     [x[0][l], x[1][l], x[2][l], x[3][l]]
 }
@@ -264,7 +280,7 @@ fn lap_of_lane<T: Real>(work: &mut Workspace<T>, l: usize, w: &mut [T; 2], first
             anchored_at_closing(w[0], u[0], closing),
             anchored_at_closing(w[1], u[1], closing),
         ];
-        let limit = p.mu[l] * s.normal[l];
+        let limit = p.mu[l] * s.normal(l);
         let step = circle_step(lane2(&p.k_t, l), lane2(&p.flexibility, l), limit, u, start);
         *w = step.slider;
         [s.traction[0][l], s.traction[1][l]] = step.traction;

@@ -39,6 +39,7 @@ struct Target<'a, T> {
 /// Derivative blocks of the circle law for the lane in `view`, marched as `cycle` says.
 ///
 /// Shape: `out` `[block][m][m]`, zero on entry.
+#[inline(always)]
 pub(super) fn circle_tangent<T: Real>(
     view: View<T>,
     cycle: &Cycle<T>,
@@ -49,26 +50,32 @@ pub(super) fn circle_tangent<T: Real>(
     let size = view.plan.m * view.plan.m;
     let p = view.parameters();
     scratch.clear(view);
-    if cycle.from_anchor[view.lane] {
+    let from_anchor = cycle.from_anchor[view.lane];
+    let laps = if from_anchor {
         scratch.slider = p.anchor;
-        for lap in 1..cycle.laps[view.lane] {
-            scratch.lap(view, lap == 1, None);
-        }
+        cycle.laps[view.lane]
     } else {
         scratch.slider = lane2(&cycle.start, view.lane);
-        scratch.lap(view, false, None);
-        scratch.close_cycle();
-        scratch.slider = lane2(&cycle.start, view.lane);
+        2
+    };
+    for lap in 1..=laps {
+        if lap == 2 && !from_anchor {
+            scratch.close_cycle();
+            scratch.slider = lane2(&cycle.start, view.lane);
+        }
+        let target = (lap == laps).then_some(Target {
+            segments: &mut *segments,
+            out: &mut *out,
+        });
+        scratch.lap(view, from_anchor && lap == 1, target);
     }
-    let first = cycle.from_anchor[view.lane] && cycle.laps[view.lane] == 1;
-    let target = Target { segments, out };
-    scratch.lap(view, first, Some(target));
     segments.contact_spectrum(view);
     let nn = &mut out[Block::NN as usize * size..][..size];
     segments.add_contact(view.plan, p.k_n, nn);
 }
 
 impl<T: Real> CircleScratch<T> {
+    #[inline(always)]
     fn clear(&mut self, view: View<T>) {
         let m = view.plan.m;
         for rows in self.by.iter_mut().chain(&mut self.slip) {
@@ -82,6 +89,7 @@ impl<T: Real> CircleScratch<T> {
     }
 
     /// Start derivative of the periodic slider from the end derivative of a lap with a fixed start: (I − M)⁻¹ B.
+    #[inline(always)]
     fn close_cycle(&mut self) {
         let [first, second] = &mut self.by;
         for (a, b) in first.iter_mut().zip(second) {
@@ -90,6 +98,7 @@ impl<T: Real> CircleScratch<T> {
     }
 
     /// One lap of slider and derivative; with a target, the traction derivatives are analysed into its blocks.
+    #[inline(always)]
     fn lap(&mut self, view: View<T>, first: bool, mut target: Option<Target<T>>) {
         let p = view.parameters();
         let flexibility = lane2(&view.work.parameters.flexibility, view.lane);
@@ -99,7 +108,7 @@ impl<T: Real> CircleScratch<T> {
             if !(first && i == 0) {
                 self.close_gap(view, i, s.closing[view.lane], u);
             }
-            let limit = p.mu * s.normal[view.lane];
+            let limit = p.mu * s.normal(view.lane);
             let step = circle_step(p.k_t, flexibility, limit, u, self.slider);
             let contact = s.gap[view.lane] > T::ZERO;
             if contact && !step.touches {
@@ -128,6 +137,7 @@ impl<T: Real> CircleScratch<T> {
     }
 
     /// Slider anchored at the instant of closing before sample i.
+    #[inline(always)]
     fn close_gap(&mut self, view: View<T>, i: usize, instant: T, u: [T; 2]) {
         if instant == T::ZERO {
             return;
@@ -148,6 +158,7 @@ impl<T: Real> CircleScratch<T> {
     }
 
     /// Separated: the slider is where the surface is.
+    #[inline(always)]
     fn follow(&mut self, view: View<T>, i: usize) {
         let (m, p) = (view.plan.m, view.parameters());
         for d in 0..2 {
@@ -159,6 +170,7 @@ impl<T: Real> CircleScratch<T> {
     }
 
     /// Traction derivative of a slip sample into `slip`, and the slider derivative after it.
+    #[inline(always)]
     fn slip(&mut self, view: View<T>, i: usize, step: &CircleStep<T>) {
         let (m, p, row) = (view.plan.m, view.parameters(), view.plan.row(i));
         let length = super::circle::size(step.trial);
@@ -190,6 +202,7 @@ impl<T: Real> CircleScratch<T> {
     }
 
     /// Analysis of the stick segment `start..end`: k_t b_i − B.
+    #[inline(always)]
     fn stick_segment(&mut self, view: View<T>, start: usize, end: usize, target: &mut Target<T>) {
         let (plan, k_t) = (view.plan, view.parameters().k_t);
         let (m, size) = (plan.m, plan.m * plan.m);
@@ -210,6 +223,7 @@ impl<T: Real> CircleScratch<T> {
         self.advance(m, target.out);
     }
 
+    #[inline(always)]
     fn queue_slip(&mut self, view: View<T>, i: usize, out: &mut [T]) {
         let (m, at) = (view.plan.m, self.waiting);
         let weights = self.weights[at * m..][..m].iter_mut();
@@ -222,6 +236,7 @@ impl<T: Real> CircleScratch<T> {
         self.advance(m, out);
     }
 
+    #[inline(always)]
     fn advance(&mut self, m: usize, out: &mut [T]) {
         self.waiting += 1;
         if self.waiting == RANK {
@@ -230,6 +245,7 @@ impl<T: Real> CircleScratch<T> {
     }
 
     /// Adds the waiting products to the blocks.
+    #[inline(always)]
     fn flush(&mut self, m: usize, out: &mut [T]) {
         self.weights[self.waiting * m..].fill(T::ZERO);
         for block in &Block::ALL[..Block::NN as usize] {

@@ -8,6 +8,7 @@ use super::plan::AftPlan;
 use super::settings::Laps;
 use super::tangent::{Event, SegmentScratch, View, box_tangent};
 use crate::contact::{FrictionLaw, Real};
+use pulp::{Simd, WithSimd};
 
 /// Buffers of an evaluation.
 #[derive(Debug, Clone, Default)]
@@ -30,29 +31,59 @@ pub fn evaluate<T: Real>(
     out: &mut AftForces<T>,
 ) {
     out.reset(plan, batch);
-    let mut scratch = std::mem::take(&mut out.scratch);
-    for first in (0..batch.n_states).step_by(LANES) {
-        scratch.work.load(plan, batch, first);
-        let (cycle, events) = match plan.settings().law {
-            FrictionLaw::Box => march_box(plan, &mut scratch.work, want),
-            FrictionLaw::Circle => {
-                let cycle = circle::march(plan, &mut scratch.work);
-                (cycle, Events::default())
-            }
-        };
-        store_forces(plan, &mut scratch.work, first, out);
-        for (lane, &events) in events.iter().enumerate().take(batch.n_states - first) {
-            out.summaries
-                .push(summary(plan, &scratch.work, &cycle, lane));
-            if want == Want::ForcesAndTangents {
-                store_tangent(plan, &mut scratch, (&cycle, events), lane, out);
+    let evaluation = Evaluation {
+        plan,
+        batch,
+        want,
+        out,
+    };
+    plan.arch.dispatch(evaluation);
+}
+
+/// The arguments of [`evaluate`], for the instruction set that is found at run time.
+struct Evaluation<'a, T> {
+    plan: &'a AftPlan<T>,
+    batch: &'a AftBatch<T>,
+    want: Want,
+    out: &'a mut AftForces<T>,
+}
+
+impl<T: Real> WithSimd for Evaluation<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self {
+            plan,
+            batch,
+            want,
+            out,
+        } = self;
+        let mut scratch = std::mem::take(&mut out.scratch);
+        for first in (0..batch.n_states).step_by(LANES) {
+            scratch.work.load(simd, plan, batch, first);
+            let (cycle, events) = match plan.settings().law {
+                FrictionLaw::Box => march_box(plan, &mut scratch.work, want),
+                FrictionLaw::Circle => {
+                    let cycle = circle::march(plan, &mut scratch.work);
+                    (cycle, Events::default())
+                }
+            };
+            store_forces(simd, plan, &mut scratch.work, first, out);
+            for (lane, &events) in events.iter().enumerate().take(batch.n_states - first) {
+                out.summaries
+                    .push(summary(plan, &scratch.work, &cycle, lane));
+                if want == Want::ForcesAndTangents {
+                    store_tangent(plan, &mut scratch, (&cycle, events), lane, out);
+                }
             }
         }
+        out.scratch = scratch;
     }
-    out.scratch = scratch;
 }
 
 /// Box law: the period map is a projection, so the second lap is periodic.
+#[inline(always)]
 fn march_box<T: Real>(
     plan: &AftPlan<T>,
     work: &mut Workspace<T>,
@@ -102,6 +133,7 @@ fn march_box<T: Real>(
 }
 
 /// A periodic direction forgets its start if it separates or slips both ways.
+#[inline(always)]
 fn box_periodicity<T: Real>(work: &Workspace<T>, cycle: &Cycle<T>, l: usize) -> Periodicity {
     let forgets = |d: usize| {
         work.parameters.k_t[d][l] == T::ZERO
@@ -115,6 +147,7 @@ fn box_periodicity<T: Real>(work: &Workspace<T>, cycle: &Cycle<T>, l: usize) -> 
 }
 
 /// Notes the last events of the lap just marched, before the next lap overwrites it.
+#[inline(always)]
 fn update_events<T: Real>(
     plan: &AftPlan<T>,
     work: &Workspace<T>,
@@ -129,7 +162,9 @@ fn update_events<T: Real>(
     }
 }
 
-fn store_forces<T: Real>(
+#[inline(always)]
+fn store_forces<S: Simd, T: Real>(
+    simd: S,
     plan: &AftPlan<T>,
     work: &mut Workspace<T>,
     first: usize,
@@ -137,14 +172,12 @@ fn store_forces<T: Real>(
 ) {
     let (n, m) = (out.n_states, out.n_coefficients);
     let lanes = LANES.min(n - first);
-    for c in 0..3 {
-        let forces = &mut out.forces[c * m * n..][..m * n];
-        work.analyse(plan, c, |j, values| {
-            forces[j * n + first..][..lanes].copy_from_slice(&values[..lanes]);
-        });
-    }
+    work.analyse(simd, plan, |c, j, values| {
+        out.forces[(c * m + j) * n + first..][..lanes].copy_from_slice(&values[..lanes]);
+    });
 }
 
+#[inline(always)]
 fn summary<T: Real>(
     plan: &AftPlan<T>,
     work: &Workspace<T>,
@@ -168,6 +201,7 @@ fn summary<T: Real>(
     }
 }
 
+#[inline(always)]
 fn store_tangent<T: Real>(
     plan: &AftPlan<T>,
     scratch: &mut Scratch<T>,

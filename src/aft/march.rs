@@ -6,12 +6,16 @@ use crate::contact::law::{
     anchored_at_closing, box_step, circle_step, closing_instant, normal_force,
 };
 use crate::contact::{ContactParameters, Real, Recontact};
+use pulp::Simd;
 
 /// States marched together.
 pub(super) const LANES: usize = 8;
 
 /// One number per state.
 pub(super) type Lane<T> = [T; LANES];
+
+/// One number per component and state, component by component.
+type Components<T> = [T; 3 * LANES];
 
 /// Everything known of one time point.
 #[derive(Debug, Clone, Copy, Default)]
@@ -20,12 +24,40 @@ pub(super) struct Sample<T> {
     pub u: [Lane<T>; 2],
     /// Gap function n_0 + k_n v (N).
     pub gap: Lane<T>,
-    /// Normal force (N).
-    pub normal: Lane<T>,
     /// Instant of closing since the point before (0 at other points, and for anchors at samples).
     pub closing: Lane<T>,
     /// Tractions (N).
     pub traction: [Lane<T>; 2],
+}
+
+impl<T: Real> Sample<T> {
+    /// Normal force of one lane (N).
+    #[inline(always)]
+    pub(super) fn normal(&self, lane: usize) -> T {
+        normal_force(self.gap[lane])
+    }
+
+    /// Displacements; the approach goes into `gap`.
+    #[inline(always)]
+    fn set_signals(&mut self, signal: impl Fn(usize) -> T) {
+        for l in 0..LANES {
+            self.u[0][l] = signal(l);
+            self.u[1][l] = signal(LANES + l);
+            self.gap[l] = signal(2 * LANES + l);
+        }
+    }
+
+    /// Tractions and normal force.
+    #[inline(always)]
+    fn forces(&self) -> Components<T> {
+        let mut forces = [T::ZERO; 3 * LANES];
+        for l in 0..LANES {
+            forces[l] = self.traction[0][l];
+            forces[LANES + l] = self.traction[1][l];
+            forces[2 * LANES + l] = self.normal(l);
+        }
+        forces
+    }
 }
 
 /// Contact parameters of the lanes.
@@ -42,6 +74,7 @@ pub(super) struct LaneParameters<T> {
 
 impl<T: Real> LaneParameters<T> {
     /// Parameters of one lane.
+    #[inline(always)]
     pub(super) fn of(&self, lane: usize) -> ContactParameters<T> {
         ContactParameters {
             k_n: self.k_n[lane],
@@ -52,6 +85,7 @@ impl<T: Real> LaneParameters<T> {
         }
     }
 
+    #[inline(always)]
     fn set(&mut self, lane: usize, p: &ContactParameters<T>) {
         self.k_n[lane] = p.k_n;
         self.n_0[lane] = p.n_0;
@@ -73,7 +107,7 @@ impl<T: Real> LaneParameters<T> {
 pub(super) struct LapCount<T> {
     /// Samples that slip in at least one direction.
     pub slip: Lane<T>,
-    /// Samples at the upper and at the lower limit of each direction (box law only).
+    /// 1 if a sample is at the upper or at the lower limit of a direction, else 0 (box law only).
     pub upper: [Lane<T>; 2],
     /// See `upper`.
     pub lower: [Lane<T>; 2],
@@ -84,8 +118,12 @@ pub(super) struct LapCount<T> {
 /// Buffers of one group of lanes.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Workspace<T> {
-    /// Displacement coefficients. Shape: `[3][coefficient]`.
-    coefficients: Vec<Lane<T>>,
+    /// Cosine coefficients (mean included) and sine coefficients. Shape: `[cosine]`, `[sine]`.
+    cosines: Vec<Components<T>>,
+    sines: Vec<Components<T>>,
+    /// Even and odd part of the signals over the first half period. Shape: `[Nt/2 + 1]`.
+    even: Vec<Components<T>>,
+    odd: Vec<Components<T>>,
     /// Shape: `[time]`.
     pub samples: Vec<Sample<T>>,
     pub parameters: LaneParameters<T>,
@@ -95,73 +133,84 @@ pub(super) struct Workspace<T> {
     pub separated: Lane<T>,
     /// Largest |k_t u| + mu N of the period: scale of rounding errors of the tractions (N).
     pub scale: Lane<T>,
-    /// Sums and differences of a signal at ±θ. Shape: `[2][Nt/2 + 1]`.
-    folded: Vec<Lane<T>>,
 }
 
 impl<T: Real> Workspace<T> {
     /// Reads the states from `first` on; lanes past the end repeat the last state.
-    pub(super) fn load(&mut self, plan: &AftPlan<T>, batch: &AftBatch<T>, first: usize) {
-        let n = batch.n_states;
-        self.coefficients.clear();
-        for row in batch.displacement.chunks_exact(n) {
-            let lane = std::array::from_fn(|l| row[(first + l).min(n - 1)]);
-            self.coefficients.push(lane);
+    #[inline(always)]
+    pub(super) fn load<S: Simd>(
+        &mut self,
+        simd: S,
+        plan: &AftPlan<T>,
+        batch: &AftBatch<T>,
+        first: usize,
+    ) {
+        let (n, m) = (batch.n_states, plan.m);
+        self.cosines.resize(m / 2 + 1, [T::ZERO; 3 * LANES]);
+        self.sines.resize(m / 2, [T::ZERO; 3 * LANES]);
+        for (row, values) in batch.displacement.chunks_exact(n).enumerate() {
+            let (c, j) = (row / m, row % m);
+            let target = if j % 2 == 1 || j == 0 {
+                &mut self.cosines[j.div_ceil(2)]
+            } else {
+                &mut self.sines[j / 2 - 1]
+            };
+            for (l, target) in target[c * LANES..][..LANES].iter_mut().enumerate() {
+                *target = values[(first + l).min(n - 1)];
+            }
         }
         for l in 0..LANES {
             let state = (first + l).min(n - 1);
             self.parameters.set(l, &batch.parameters[state]);
         }
         self.samples.resize(plan.n_time(), Sample::default());
-        self.synthesize(plan);
+        self.synthesize(simd, plan);
         self.close_gaps(plan.settings.recontact);
     }
 
     /// Displacements at all time points; the approach goes into `gap`. Points ±θ share cosine and sine sums.
-    fn synthesize(&mut self, plan: &AftPlan<T>) {
-        let (n, m) = (plan.n_time(), plan.m);
-        for i in 0..=n / 2 {
-            let row = plan.row(i);
-            let mirror = (n - i) % n;
-            for (c, q) in self.coefficients.chunks_exact(m).enumerate() {
-                let (even, odd) = cosine_and_sine_sums(row, q);
-                let (plus, minus) = (
-                    std::array::from_fn(|l| even[l] + odd[l]),
-                    std::array::from_fn(|l| even[l] - odd[l]),
-                );
-                *component(&mut self.samples[mirror], c) = minus;
-                *component(&mut self.samples[i], c) = plus;
-            }
+    #[inline(always)]
+    fn synthesize<S: Simd>(&mut self, simd: S, plan: &AftPlan<T>) {
+        let n = plan.n_time();
+        self.even.resize(n / 2 + 1, [T::ZERO; 3 * LANES]);
+        self.odd.resize(n / 2 + 1, [T::ZERO; 3 * LANES]);
+        T::table_product(simd, &plan.cosines, &self.cosines, &mut self.even);
+        T::table_product(simd, &plan.sines, &self.sines, &mut self.odd);
+        for (i, (even, odd)) in self.even.iter().zip(&self.odd).enumerate() {
+            self.samples[(n - i) % n].set_signals(|j| even[j] - odd[j]);
+            self.samples[i].set_signals(|j| even[j] + odd[j]);
         }
     }
 
-    /// Gap functions, normal forces and instants of closing.
+    /// Gap functions and instants of closing.
+    #[inline(always)]
     fn close_gaps(&mut self, recontact: Recontact) {
-        let p = self.parameters;
-        let gap = |v: &Lane<T>| std::array::from_fn(|l| p.n_0[l] + p.k_n[l] * v[l]);
-        let mut before = [T::ONE; LANES];
-        self.separated = [T::ZERO; LANES];
-        self.scale = [T::ZERO; LANES];
+        let p = &self.parameters;
+        let (mut first, mut second, mut normal) =
+            ([T::ZERO; LANES], [T::ZERO; LANES], [T::ZERO; LANES]);
+        let mut separated = [T::ZERO; LANES];
         for s in &mut self.samples {
-            s.gap = gap(&s.gap);
             for l in 0..LANES {
-                s.normal[l] = normal_force(s.gap[l]);
-                s.closing[l] = T::ZERO;
-                self.separated[l] += flag(s.gap[l] <= T::ZERO);
-                let size = (p.k_t[0][l] * s.u[0][l]).abs()
-                    + (p.k_t[1][l] * s.u[1][l]).abs()
-                    + p.mu[l] * s.normal[l];
-                self.scale[l] = self.scale[l].or_larger(size);
+                let gap = p.n_0[l] + p.k_n[l] * s.gap[l];
+                s.gap[l] = gap;
+                separated[l] += flag(gap <= T::ZERO);
+                first[l] = first[l].or_larger(s.u[0][l].abs());
+                second[l] = second[l].or_larger(s.u[1][l].abs());
+                normal[l] = normal[l].or_larger(gap);
             }
         }
-        self.closing_over_end = [T::ZERO; LANES];
-        if recontact == Recontact::Interpolated {
-            for s in &mut self.samples {
-                s.closing = instants(&before, &s.gap);
-                before = s.gap;
-            }
-            self.closing_over_end = instants(&before, &self.samples[0].gap);
+        self.separated = separated;
+        for l in 0..LANES {
+            let tangential = p.k_t[0][l] * first[l] + p.k_t[1][l] * second[l];
+            self.scale[l] = tangential + p.mu[l] * normal[l];
         }
+        let last = self.samples.len() - 1;
+        let mut before = [T::ONE; LANES];
+        for s in &mut self.samples {
+            s.closing = instants(recontact, &before, &s.gap);
+            before = s.gap;
+        }
+        self.closing_over_end = instants(recontact, &self.samples[last].gap, &self.samples[0].gap);
     }
 
     /// One lap of the box law from the sliders `w`, which end where the lap ends.
@@ -169,23 +218,29 @@ impl<T: Real> Workspace<T> {
         clippy::needless_range_loop,
         reason = "a plain loop over lanes becomes vector code"
     )]
+    #[inline(always)]
     pub(super) fn box_lap(&mut self, w: &mut [Lane<T>; 2]) -> LapCount<T> {
         let p = &self.parameters;
         let mut count = LapCount::<T>::default();
         for s in &mut self.samples {
+            let closes = some_close(&s.closing);
             for l in 0..LANES {
-                let limit = p.mu[l] * s.normal[l];
+                let limit = p.mu[l] * s.normal(l);
                 let mut at_limit = [(false, false); 2];
                 for d in 0..2 {
                     let u = s.u[d][l];
-                    let start = anchored_at_closing(w[d][l], u, s.closing[l]);
+                    let start = if closes {
+                        anchored_at_closing(w[d][l], u, s.closing[l])
+                    } else {
+                        w[d][l]
+                    };
                     let (traction, slider) =
                         box_step(p.k_t[d][l], p.flexibility[d][l], limit, u, start);
                     s.traction[d][l] = traction;
                     w[d][l] = slider;
                     at_limit[d] = (traction >= limit, traction <= -limit);
-                    count.upper[d][l] += flag(at_limit[d].0);
-                    count.lower[d][l] += flag(at_limit[d].1);
+                    count.upper[d][l] = count.upper[d][l].or_larger(flag(at_limit[d].0));
+                    count.lower[d][l] = count.lower[d][l].or_larger(flag(at_limit[d].1));
                 }
                 let slips = at_limit[0].0 | at_limit[0].1 | at_limit[1].0 | at_limit[1].1;
                 count.slip[l] += flag(slips & (s.gap[l] > T::ZERO));
@@ -196,6 +251,7 @@ impl<T: Real> Workspace<T> {
 
     /// One lap of the circle law from the sliders `w`, which end where the lap ends. If wanted, `monodromy`
     /// (2 × 2, row-major) is multiplied by the derivative of the end traction by the start traction.
+    #[inline(always)]
     pub(super) fn circle_lap<const MONODROMY: bool>(
         &mut self,
         w: &mut [Lane<T>; 2],
@@ -204,15 +260,20 @@ impl<T: Real> Workspace<T> {
         let p = &self.parameters;
         let mut count = LapCount::<T>::default();
         for s in &mut self.samples {
+            let closes = some_close(&s.closing);
             for l in 0..LANES {
                 let u = [s.u[0][l], s.u[1][l]];
-                let start = [
-                    anchored_at_closing(w[0][l], u[0], s.closing[l]),
-                    anchored_at_closing(w[1][l], u[1], s.closing[l]),
-                ];
+                let start = if closes {
+                    [
+                        anchored_at_closing(w[0][l], u[0], s.closing[l]),
+                        anchored_at_closing(w[1][l], u[1], s.closing[l]),
+                    ]
+                } else {
+                    [w[0][l], w[1][l]]
+                };
                 let k_t = [p.k_t[0][l], p.k_t[1][l]];
                 let flexibility = [p.flexibility[0][l], p.flexibility[1][l]];
-                let limit = p.mu[l] * s.normal[l];
+                let limit = p.mu[l] * s.normal(l);
                 let step = circle_step(k_t, flexibility, limit, u, start);
                 [s.traction[0][l], s.traction[1][l]] = step.traction;
                 [w[0][l], w[1][l]] = step.slider;
@@ -238,39 +299,35 @@ impl<T: Real> Workspace<T> {
         count
     }
 
-    /// Force coefficients of component `c` (0, 1 = tractions, 2 = normal force), handed on as (coefficient, lanes).
-    pub(super) fn analyse(
+    /// Force coefficients, handed on as (component, coefficient, lanes); they replace those of the displacement.
+    #[inline(always)]
+    pub(super) fn analyse<S: Simd>(
         &mut self,
+        simd: S,
         plan: &AftPlan<T>,
-        c: usize,
-        mut emit: impl FnMut(usize, Lane<T>),
+        mut emit: impl FnMut(usize, usize, &[T]),
     ) {
         let n = plan.n_time();
-        let half = n / 2 + 1;
-        self.folded.resize(2 * half, [T::ZERO; LANES]);
-        let (sums, differences) = self.folded.split_at_mut(half);
-        for (i, (sum, difference)) in sums.iter_mut().zip(differences.iter_mut()).enumerate() {
-            let (a, b) = (
-                force(&self.samples[i], c),
-                force(&self.samples[(n - i) % n], c),
-            );
-            let alone = i == 0 || 2 * i == n;
-            *sum = std::array::from_fn(|l| if alone { a[l] } else { a[l] + b[l] });
-            *difference = std::array::from_fn(|l| if alone { T::ZERO } else { a[l] - b[l] });
-        }
-        for (j, weights) in plan.analysis.chunks_exact(half).enumerate() {
-            let signal = if j % 2 == 1 || j == 0 {
-                &*sums
+        for (i, (even, odd)) in self.even.iter_mut().zip(&mut self.odd).enumerate() {
+            let (a, b) = (self.samples[i].forces(), self.samples[(n - i) % n].forces());
+            if i == 0 || 2 * i == n {
+                (*even, *odd) = (a, [T::ZERO; 3 * LANES]);
             } else {
-                &*differences
-            };
-            let mut total = [T::ZERO; LANES];
-            for (&weight, value) in weights.iter().zip(signal) {
-                for l in 0..LANES {
-                    total[l] += weight * value[l];
+                for j in 0..3 * LANES {
+                    even[j] = a[j] + b[j];
+                    odd[j] = a[j] - b[j];
                 }
             }
-            emit(j, total);
+        }
+        T::table_product(simd, &plan.cosine_weights, &self.even, &mut self.cosines);
+        T::table_product(simd, &plan.sine_weights, &self.odd, &mut self.sines);
+        for c in 0..3 {
+            for (k, values) in self.cosines.iter().enumerate() {
+                emit(c, (2 * k).saturating_sub(1), &values[c * LANES..][..LANES]);
+            }
+            for (k, values) in self.sines.iter().enumerate() {
+                emit(c, 2 * k + 2, &values[c * LANES..][..LANES]);
+            }
         }
     }
 }
@@ -298,34 +355,19 @@ pub(super) fn slip_monodromy<T: Real>(trial: [T; 2], ratio: T, factor: [T; 4]) -
     ]
 }
 
-fn instants<T: Real>(before: &Lane<T>, gap: &Lane<T>) -> Lane<T> {
-    std::array::from_fn(|l| closing_instant(before[l], gap[l]))
-}
-
-fn component<T>(sample: &mut Sample<T>, c: usize) -> &mut Lane<T> {
-    match c {
-        0 | 1 => &mut sample.u[c],
-        _ => &mut sample.gap,
-    }
-}
-
-fn force<T>(sample: &Sample<T>, c: usize) -> &Lane<T> {
-    match c {
-        0 | 1 => &sample.traction[c],
-        _ => &sample.normal,
-    }
-}
-
-/// Σ over the mean and the cosines, and Σ over the sines, of basis value times coefficient.
 #[inline(always)]
-fn cosine_and_sine_sums<T: Real>(row: &[T], q: &[Lane<T>]) -> (Lane<T>, Lane<T>) {
-    let mut even = q[0];
-    let mut odd = [T::ZERO; LANES];
-    for (b, q) in row[1..].chunks_exact(2).zip(q[1..].chunks_exact(2)) {
-        for l in 0..LANES {
-            even[l] += b[0] * q[0][l];
-            odd[l] += b[1] * q[1][l];
-        }
+fn instants<T: Real>(recontact: Recontact, before: &Lane<T>, gap: &Lane<T>) -> Lane<T> {
+    let closes = |l: usize| before[l] <= T::ZERO && gap[l] > T::ZERO;
+    // Few samples close a contact; the others are spared the division.
+    if recontact == Recontact::Interpolated && (0..LANES).any(closes) {
+        std::array::from_fn(|l| closing_instant(before[l], gap[l]))
+    } else {
+        [T::ZERO; LANES]
     }
-    (even, odd)
+}
+
+/// Whether a contact of the lanes closes just before the sample.
+#[inline(always)]
+fn some_close<T: Real>(closing: &Lane<T>) -> bool {
+    (0..LANES).any(|l| closing[l] != T::ZERO)
 }

@@ -8,6 +8,8 @@ use crate::harmonics::HarmonicSet;
 #[derive(Debug, Clone)]
 pub struct AftPlan<T> {
     pub(super) settings: AftSettings,
+    /// Instruction set of the processor.
+    pub(super) arch: pulp::Arch,
     /// Number m of coefficients of one displacement.
     pub(super) m: usize,
     /// Harmonic orders, ascending from 0.
@@ -16,8 +18,13 @@ pub struct AftPlan<T> {
     pub(super) basis: Vec<T>,
     /// Weight w of each coefficient in the analysis: 1/Nt for the mean, 2/Nt else. Shape: `[coefficient]`.
     pub(super) weight: Vec<T>,
-    /// w b over the first half period (points 0 to Nt/2), for folded signals. Shape: `[coefficient][half]`.
-    pub(super) analysis: Vec<T>,
+    /// Cosines (mean included) and sines over the first half period (points 0 to Nt/2).
+    /// Shape: `[half][cosine]`, `[half][sine]`.
+    pub(super) cosines: Vec<T>,
+    pub(super) sines: Vec<T>,
+    /// The same times w, for the analysis of folded signals. Shape: `[cosine][half]`, `[sine][half]`.
+    pub(super) cosine_weights: Vec<T>,
+    pub(super) sine_weights: Vec<T>,
     /// Sums over the points before i of cos kθ and sin kθ for k = 0..=2H. Shape: `[Nt + 1][2][2H + 1]`.
     pub(super) prefix: Vec<T>,
 }
@@ -50,14 +57,28 @@ impl<T: Real> AftPlan<T> {
         };
         let convert = |x: f64| T::from_f64(x);
         let basis = (0..n_time).flat_map(|i| (0..m).map(move |j| (j, i)));
-        let analysis = (0..m).flat_map(|j| (0..=n_time / 2).map(move |i| (j, i)));
+        let cosine_rows = || std::iter::once(0).chain((1..m).step_by(2));
+        let sine_rows = || (2..m).step_by(2);
+        let half = 0..=n_time / 2;
+        let mut cosines = Vec::new();
+        let mut sines = Vec::new();
+        for i in half.clone() {
+            cosines.extend(cosine_rows().map(|j| convert(value(j, i))));
+            sines.extend(sine_rows().map(|j| convert(value(j, i))));
+        }
+        let weighted = |j: usize| {
+            let weight = weight[j];
+            half.clone().map(move |i| convert(weight * value(j, i)))
+        };
         Self {
             settings,
+            arch: pulp::Arch::new(),
             m,
             basis: basis.map(|(j, i)| convert(value(j, i))).collect(),
-            analysis: analysis
-                .map(|(j, i)| convert(weight[j] * value(j, i)))
-                .collect(),
+            cosine_weights: cosine_rows().flat_map(weighted).collect(),
+            sine_weights: sine_rows().flat_map(weighted).collect(),
+            cosines,
+            sines,
             prefix: prefix_sums(&cos, &sin, 2 * harmonics.highest() + 1),
             weight: weight.into_iter().map(convert).collect(),
             orders,

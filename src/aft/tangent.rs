@@ -54,13 +54,15 @@ pub(super) struct View<'a, T> {
 }
 
 impl<T: Real> View<'_, T> {
+    #[inline(always)]
     pub(super) fn parameters(&self) -> ContactParameters<T> {
         self.work.parameters.of(self.lane)
     }
 
+    #[inline(always)]
     fn motion(&self, d: usize, i: usize) -> Motion {
         let s = &self.work.samples[i];
-        let limit = self.work.parameters.mu[self.lane] * s.normal[self.lane];
+        let limit = self.work.parameters.mu[self.lane] * s.normal(self.lane);
         let traction = s.traction[d][self.lane];
         if s.gap[self.lane] <= T::ZERO {
             Motion::Separated
@@ -74,6 +76,7 @@ impl<T: Real> View<'_, T> {
     }
 
     /// Last event of direction `d` in the lap that was marched last.
+    #[inline(always)]
     pub(super) fn last_event(&self, d: usize) -> Option<Event> {
         let n = self.plan.n_time();
         (0..n).rev().find_map(|sample| {
@@ -84,6 +87,7 @@ impl<T: Real> View<'_, T> {
 
     /// Derivative of the instant of closing at `sample` by the coefficients of n: factors of b at the sample before
     /// and at the sample.
+    #[inline(always)]
     pub(super) fn closing_derivative(&self, sample: usize) -> (usize, [T; 2]) {
         let n = self.plan.n_time();
         let before = (sample + n - 1) % n;
@@ -99,6 +103,7 @@ impl<T: Real> View<'_, T> {
 /// Derivative blocks of the box law from the last lap in `view`; `before` are the last events of earlier laps.
 ///
 /// Shape: `out` `[block][m][m]`, zero on entry.
+#[inline(always)]
 pub(super) fn box_tangent<T: Real>(
     view: View<T>,
     before: [Option<Event>; 2],
@@ -120,6 +125,7 @@ pub(super) fn box_tangent<T: Real>(
 
 impl<T: Real> SegmentScratch<T> {
     /// Blocks dT_d/du_d and dT_d/dn of one direction.
+    #[inline(always)]
     fn direction(
         &mut self,
         view: View<T>,
@@ -163,6 +169,7 @@ impl<T: Real> SegmentScratch<T> {
     }
 
     /// Constant row of the stick segment whose spectrum is in `run`, after the event `last`.
+    #[inline(always)]
     fn segment(
         &mut self,
         view: View<T>,
@@ -193,6 +200,7 @@ impl<T: Real> SegmentScratch<T> {
     }
 
     /// Slider set between the separated sample `before` and the next one: w = (1 − θ) u₋ + θ u.
+    #[inline(always)]
     fn closing(&mut self, view: View<T>, d: usize, before: usize) {
         let n = view.plan.n_time();
         let sample = (before + 1) % n;
@@ -216,6 +224,7 @@ impl<T: Real> SegmentScratch<T> {
     }
 
     /// Spectrum of the samples in contact, into `contact`.
+    #[inline(always)]
     pub(super) fn contact_spectrum(&mut self, view: View<T>) {
         let samples = &view.work.samples;
         let touches = |i: usize| samples[i].gap[view.lane] > T::ZERO;
@@ -235,23 +244,27 @@ impl<T: Real> SegmentScratch<T> {
     }
 
     /// Adds dN/dn, after `contact_spectrum`.
+    #[inline(always)]
     pub(super) fn add_contact(&self, plan: &AftPlan<T>, k_n: T, nn: &mut [T]) {
         add_masked_gram(plan, &self.contact, k_n, nn);
     }
 
     /// Spectrum of the samples `start..end`.
+    #[inline(always)]
     pub(super) fn run(&mut self, plan: &AftPlan<T>, start: usize, end: usize) -> &[T] {
         self.spectrum_of_run(plan, start, end);
         &self.run
     }
 
     /// Σ w_i b_i over the run whose spectrum was asked for last. Shape: `[m]`.
+    #[inline(always)]
     pub(super) fn sums_of_run(&mut self, plan: &AftPlan<T>) -> &[T] {
         sums_of_run(plan, &self.run, &mut self.sums);
         &self.sums
     }
 
     /// Spectrum of the samples `start..end`, into `run`.
+    #[inline(always)]
     fn spectrum_of_run(&mut self, plan: &AftPlan<T>, start: usize, end: usize) {
         let (a, b) = (plan.prefix_row(start), plan.prefix_row(end));
         self.run.clear();
@@ -260,6 +273,7 @@ impl<T: Real> SegmentScratch<T> {
 }
 
 /// Σ w_i b_i over a run with the given spectrum.
+#[inline(always)]
 fn sums_of_run<T: Real>(plan: &AftPlan<T>, run: &[T], sums: &mut Vec<T>) {
     let (cos, sin) = run.split_at(plan.n_mask_orders());
     sums.clear();
@@ -271,6 +285,7 @@ fn sums_of_run<T: Real>(plan: &AftPlan<T>, run: &[T], sums: &mut Vec<T>) {
 }
 
 /// Adds `factor` Σ_i mask_i w_a,i b_b,i to the m × m block, from the spectrum of the mask.
+#[inline(always)]
 pub(super) fn add_masked_gram<T: Real>(
     plan: &AftPlan<T>,
     spectrum: &[T],
@@ -308,6 +323,7 @@ pub(super) fn add_masked_gram<T: Real>(
 }
 
 /// `block` −= `column` `row`ᵀ.
+#[inline(always)]
 fn subtract_product<T: Real>(block: &mut [T], column: &[T], row: &[T]) {
     for (target, &w) in block.chunks_exact_mut(row.len()).zip(column) {
         add_scaled(target, -w, row);
@@ -315,17 +331,20 @@ fn subtract_product<T: Real>(block: &mut [T], column: &[T], row: &[T]) {
 }
 
 /// `y` += a `x`.
+#[inline(always)]
 pub(super) fn add_scaled<T: Real>(y: &mut [T], a: T, x: &[T]) {
     for (y, &x) in y.iter_mut().zip(x) {
         *y += a * x;
     }
 }
 
+#[inline(always)]
 fn set<T: Real>(y: &mut Vec<T>, a: T, x: &[T]) {
     y.clear();
     y.extend(x.iter().map(|&x| a * x));
 }
 
+#[inline(always)]
 fn clear<T: Real>(y: &mut Vec<T>, n: usize) {
     y.clear();
     y.resize(n, T::ZERO);
