@@ -3,11 +3,12 @@
 use super::batch::{AftBatch, AftForces, Block, Periodicity, StateSummary, Tangent, Want};
 use super::circle::{self, Cycle};
 use super::circle_tangent::{CircleScratch, circle_tangent};
+use super::located::{Located, Place};
 use super::march::{LANES, Workspace};
 use super::plan::AftPlan;
 use super::settings::Laps;
 use super::tangent::{Event, SegmentScratch, View, box_tangent};
-use crate::contact::{FrictionLaw, Real};
+use crate::contact::{FrictionLaw, Real, Recontact};
 use pulp::{Simd, WithSimd};
 
 /// Buffers of an evaluation.
@@ -16,6 +17,7 @@ pub(super) struct Scratch<T> {
     work: Workspace<T>,
     segments: SegmentScratch<T>,
     circle: CircleScratch<T>,
+    located: Located<T>,
 }
 
 /// Last events of both directions before the last lap, per lane.
@@ -62,6 +64,10 @@ impl<T: Real> WithSimd for Evaluation<'_, T> {
         let mut scratch = std::mem::take(&mut out.scratch);
         for first in (0..batch.n_states).step_by(LANES) {
             scratch.work.load(simd, plan, batch, first);
+            if plan.settings().recontact == Recontact::Located {
+                locate(simd, plan, batch, first, &mut scratch, (want, out));
+                continue;
+            }
             let (cycle, events) = match plan.settings().law {
                 FrictionLaw::Box => march_box(plan, &mut scratch.work, want),
                 FrictionLaw::Circle => {
@@ -79,6 +85,29 @@ impl<T: Real> WithSimd for Evaluation<'_, T> {
             }
         }
         out.scratch = scratch;
+    }
+}
+
+/// The states of a group from `first` on with located events.
+#[inline(always)]
+fn locate<S: Simd, T: Real>(
+    simd: S,
+    plan: &AftPlan<T>,
+    batch: &AftBatch<T>,
+    first: usize,
+    scratch: &mut Scratch<T>,
+    (want, out): (Want, &mut AftForces<T>),
+) {
+    scratch.located.mark(simd, plan, &mut scratch.work);
+    for lane in 0..LANES.min(batch.n_states - first) {
+        let place = Place {
+            plan,
+            batch,
+            work: &scratch.work,
+            lane,
+            state: first + lane,
+        };
+        scratch.located.evaluate(place, want, out);
     }
 }
 

@@ -15,7 +15,7 @@ pub(super) const LANES: usize = 8;
 pub(super) type Lane<T> = [T; LANES];
 
 /// One number per component and state, component by component.
-type Components<T> = [T; 3 * LANES];
+pub(super) type Components<T> = [T; 3 * LANES];
 
 /// Everything known of one time point.
 #[derive(Debug, Clone, Copy, Default)]
@@ -168,18 +168,55 @@ impl<T: Real> Workspace<T> {
         self.close_gaps(plan.settings.recontact);
     }
 
-    /// Displacements at all time points; the approach goes into `gap`. Points ±θ share cosine and sine sums.
+    /// Displacements at all time points; the approach goes into `gap`.
     #[inline(always)]
     fn synthesize<S: Simd>(&mut self, simd: S, plan: &AftPlan<T>) {
         let n = plan.n_time();
-        self.even.resize(n / 2 + 1, [T::ZERO; 3 * LANES]);
-        self.odd.resize(n / 2 + 1, [T::ZERO; 3 * LANES]);
-        T::table_product(simd, &plan.cosines, &self.cosines, &mut self.even);
-        T::table_product(simd, &plan.sines, &self.sines, &mut self.odd);
+        self.even_and_odd(simd, plan);
         for (i, (even, odd)) in self.even.iter().zip(&self.odd).enumerate() {
             self.samples[(n - i) % n].set_signals(|j| even[j] - odd[j]);
             self.samples[i].set_signals(|j| even[j] + odd[j]);
         }
+    }
+
+    /// Derivatives of the displacements by the phase at all time points, handed on as (point, values). The
+    /// coefficients of the displacements are replaced.
+    #[inline(always)]
+    pub(super) fn synthesize_rates<S: Simd>(
+        &mut self,
+        simd: S,
+        plan: &AftPlan<T>,
+        mut emit: impl FnMut(usize, Components<T>),
+    ) {
+        let n = plan.n_time();
+        self.cosines[0] = [T::ZERO; 3 * LANES];
+        let pairs = self.cosines[1..].iter_mut().zip(&mut self.sines);
+        for (&k, (cosine, sine)) in plan.orders[1..].iter().zip(pairs) {
+            let k = T::from_f64(k as f64);
+            for j in 0..3 * LANES {
+                (cosine[j], sine[j]) = (k * sine[j], -(k * cosine[j]));
+            }
+        }
+        self.even_and_odd(simd, plan);
+        for (i, (even, odd)) in self.even.iter().zip(&self.odd).enumerate() {
+            let (mut before, mut after) = (*even, *even);
+            for j in 0..3 * LANES {
+                before[j] -= odd[j];
+                after[j] += odd[j];
+            }
+            emit((n - i) % n, before);
+            emit(i, after);
+        }
+    }
+
+    /// Cosine and sine sums over the first half period; the points ±θ share them.
+    #[inline(always)]
+    fn even_and_odd<S: Simd>(&mut self, simd: S, plan: &AftPlan<T>) {
+        let half = plan.n_time() / 2 + 1;
+        self.even.resize(half, [T::ZERO; 3 * LANES]);
+        self.odd.resize(half, [T::ZERO; 3 * LANES]);
+        T::table_product(simd, &plan.cosines, &self.cosines, &mut self.even);
+        T::table_product(simd, &plan.sines, &self.sines, &mut self.odd);
     }
 
     /// Gap functions and instants of closing.

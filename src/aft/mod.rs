@@ -1,9 +1,11 @@
 //! Alternating frequency–time evaluation of contact forces on a batch of harmonic states.
 
 mod batch;
+mod breakpoints;
 mod circle;
 mod circle_tangent;
 mod evaluate;
+mod located;
 mod march;
 mod plan;
 pub mod settings;

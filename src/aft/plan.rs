@@ -3,6 +3,7 @@
 use super::settings::AftSettings;
 use crate::contact::Real;
 use crate::harmonics::HarmonicSet;
+use std::f64::consts::TAU;
 
 /// Everything of a contact evaluation that does not depend on the state.
 #[derive(Debug, Clone)]
@@ -25,6 +26,8 @@ pub struct AftPlan<T> {
     /// The same times w, for the analysis of folded signals. Shape: `[cosine][half]`, `[sine][half]`.
     pub(super) cosine_weights: Vec<T>,
     pub(super) sine_weights: Vec<T>,
+    /// Samples per radian over k, for k = 0..=2H (over 1 for k = 0): integrals in samples. Shape: `[2H + 1]`.
+    pub(super) per_order: Vec<T>,
     /// Sums over the points before i of cos kθ and sin kθ for k = 0..=2H. Shape: `[Nt + 1][2][2H + 1]`.
     pub(super) prefix: Vec<T>,
 }
@@ -79,6 +82,9 @@ impl<T: Real> AftPlan<T> {
             sine_weights: sine_rows().flat_map(weighted).collect(),
             cosines,
             sines,
+            per_order: (0..=2 * harmonics.highest())
+                .map(|k| convert(n_time as f64 / (TAU * k.max(1) as f64)))
+                .collect(),
             prefix: prefix_sums(&cos, &sin, 2 * harmonics.highest() + 1),
             weight: weight.into_iter().map(convert).collect(),
             orders,

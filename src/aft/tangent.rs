@@ -193,7 +193,7 @@ impl<T: Real> SegmentScratch<T> {
             }
         }
         sums_of_run(plan, &self.run, &mut self.sums);
-        subtract_product(tt, &self.sums, &self.slider);
+        subtract_product(tt, T::ONE, &self.sums, &self.slider);
         for (row, &w) in tn.chunks_exact_mut(plan.m).zip(&self.sums) {
             add_scaled(row, w, &self.traction);
         }
@@ -274,7 +274,7 @@ impl<T: Real> SegmentScratch<T> {
 
 /// Σ w_i b_i over a run with the given spectrum.
 #[inline(always)]
-fn sums_of_run<T: Real>(plan: &AftPlan<T>, run: &[T], sums: &mut Vec<T>) {
+pub(super) fn sums_of_run<T: Real>(plan: &AftPlan<T>, run: &[T], sums: &mut Vec<T>) {
     let (cos, sin) = run.split_at(plan.n_mask_orders());
     sums.clear();
     sums.push(plan.weight[0] * cos[0]);
@@ -322,11 +322,46 @@ pub(super) fn add_masked_gram<T: Real>(
     }
 }
 
-/// `block` −= `column` `row`ᵀ.
+/// `out` += `factor` Σ_i mask_i w_i b_i (b_i · q), from the spectrum of the mask. Shape: `q`, `out` `[m]`.
 #[inline(always)]
-fn subtract_product<T: Real>(block: &mut [T], column: &[T], row: &[T]) {
+pub(super) fn add_masked_product<T: Real>(
+    plan: &AftPlan<T>,
+    spectrum: &[T],
+    factor: T,
+    q: &[T],
+    out: &mut [T],
+) {
+    let orders = &plan.orders;
+    let (cos, sin) = spectrum.split_at(plan.n_mask_orders());
+    let (mean, double) = (factor * plan.weight[0], factor * plan.weight[1]);
+    let half = T::from_f64(0.5) * double;
+    let pairs = || orders[1..].iter().zip(q[1..].chunks_exact(2));
+    let mut sum = cos[0] * q[0];
+    for (&k, q) in pairs() {
+        sum += cos[k] * q[0] + sin[k] * q[1];
+    }
+    out[0] += mean * sum;
+    for (&p, out) in orders[1..].iter().zip(out[1..].chunks_exact_mut(2)) {
+        out[0] += double * (cos[p] * q[0]);
+        out[1] += double * (sin[p] * q[0]);
+        let (mut c, mut s) = (T::ZERO, T::ZERO);
+        for (&k, q) in pairs() {
+            let (c_minus, c_plus) = (cos[p.abs_diff(k)], cos[p + k]);
+            let (s_plus, s_minus) = (sin[p + k], sin[p.abs_diff(k)]);
+            let s_minus = if p < k { -s_minus } else { s_minus };
+            c += (c_minus + c_plus) * q[0] + (s_plus - s_minus) * q[1];
+            s += (s_plus + s_minus) * q[0] + (c_minus - c_plus) * q[1];
+        }
+        out[0] += half * c;
+        out[1] += half * s;
+    }
+}
+
+/// `block` −= `factor` `column` `row`ᵀ.
+#[inline(always)]
+pub(super) fn subtract_product<T: Real>(block: &mut [T], factor: T, column: &[T], row: &[T]) {
     for (target, &w) in block.chunks_exact_mut(row.len()).zip(column) {
-        add_scaled(target, -w, row);
+        add_scaled(target, -(factor * w), row);
     }
 }
 
@@ -345,7 +380,7 @@ fn set<T: Real>(y: &mut Vec<T>, a: T, x: &[T]) {
 }
 
 #[inline(always)]
-fn clear<T: Real>(y: &mut Vec<T>, n: usize) {
+pub(super) fn clear<T: Real>(y: &mut Vec<T>, n: usize) {
     y.clear();
     y.resize(n, T::ZERO);
 }

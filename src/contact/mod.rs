@@ -34,12 +34,15 @@ pub enum FrictionLaw {
     Circle,
 }
 
-/// Where the slider is anchored when a separated contact closes between two samples.
+/// How the changes between stick, slip and separation that fall between two samples are resolved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Recontact {
-    /// At the last separated sample.
+    /// Every change is decided at the samples; a slider that closes is anchored at the last separated sample.
     AtSample,
-    /// At the instant of closing, by linear interpolation of the approach.
+    /// As `AtSample`, but a slider that closes is anchored at the instant of closing, by linear interpolation.
     Interpolated,
+    /// Every change is located to rounding between the samples, and the force between the changes is integrated in
+    /// closed form (box law only).
+    Located,
 }

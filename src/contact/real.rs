@@ -43,6 +43,10 @@ pub trait Real:
     #[must_use]
     fn sqrt(self) -> Self;
 
+    /// Sine and cosine.
+    #[must_use]
+    fn sin_cos(self) -> (Self, Self);
+
     /// Σ_k table[r][k] x[k] into `out[r]`, in the order of k, with the vector instructions `simd`.
     ///
     /// Multiplication and addition round one by one, so that every instruction set gives the same bits.
@@ -95,6 +99,11 @@ macro_rules! real {
             #[inline(always)]
             fn sqrt(self) -> Self {
                 $type::sqrt(self)
+            }
+
+            #[inline(always)]
+            fn sin_cos(self) -> (Self, Self) {
+                $type::sin_cos(self)
             }
 
             #[inline(always)]

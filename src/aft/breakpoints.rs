@@ -1,0 +1,497 @@
+//! Instants between the samples at which the motion of a contact may change.
+//!
+//! The slider of the box law is a play: z = k_t w stays where it is unless one of its bounds k_t u ∓ mu N pushes it.
+//! Between neighbouring breakpoints (the roots of the gap function and the turning points of the bounds) the gap keeps
+//! its sign and the bounds are monotone, so that the clip of the law at the breakpoints alone gives the exact slider.
+//! The signals are trigonometric polynomials: samples of them and of their rates bracket the breakpoints, Newton's
+//! method locates them to rounding.
+
+use super::march::{Components, LANES, Lane, Workspace, flag};
+use super::plan::AftPlan;
+use crate::contact::{ContactParameters, Real};
+use pulp::Simd;
+use std::f64::consts::TAU;
+
+/// Most steps of a root search; bisection alone needs 52.
+const MAX_STEPS: usize = 60;
+
+/// Marks of an interval between two samples: the gap function changes sign, or dips towards zero and back.
+const CROSSING: u32 = 1;
+const DIP: u32 = 2;
+/// The rate of a bound changes sign, or may do so twice. Shifted by 2 × direction + side.
+const TURN: u32 = 4;
+const TURN_PAIR: u32 = 64;
+
+/// An instant and the signals there.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Breakpoint<T> {
+    /// Phase in [0, 2π].
+    pub theta: T,
+    /// Tangential displacements (m).
+    pub u: [T; 2],
+    /// Gap function (N); exactly 0 at its roots.
+    pub gap: T,
+    /// Whether the contact is open from here to the next breakpoint.
+    pub open: bool,
+}
+
+/// Signals of one state as trigonometric polynomials. Shape of each: `[m]`.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Signals<T> {
+    /// Tangential displacements (m).
+    pub u: [Vec<T>; 2],
+    /// Gap function n_0 + k_n v (N).
+    pub gap: Vec<T>,
+    /// Lower and upper bound k_t u ∓ mu g of k_t w, per direction (N).
+    pub bounds: [[Vec<T>; 2]; 2],
+    /// Basis row at the present trial of a root search.
+    row: Vec<T>,
+}
+
+/// Rates of the signals at the samples, and what the samples tell of the intervals after them.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Intervals<T> {
+    /// Derivatives of u₁, u₂ and v by the phase. Shape: `[time]`.
+    rates: Vec<Components<T>>,
+    /// Sum of marks. Shape: `[time]`.
+    marks: Vec<Lane<T>>,
+}
+
+impl<T: Real> Signals<T> {
+    /// The signals of one lane of `work`.
+    #[inline(always)]
+    pub(super) fn set(
+        &mut self,
+        plan: &AftPlan<T>,
+        q: impl Fn(usize, usize) -> T,
+        p: &ContactParameters<T>,
+    ) {
+        for (c, target) in self.u.iter_mut().enumerate() {
+            target.clear();
+            target.extend((0..plan.m).map(|j| q(c, j)));
+        }
+        self.gap.clear();
+        self.gap.extend((0..plan.m).map(|j| p.k_n * q(2, j)));
+        self.gap[0] += p.n_0;
+        for d in 0..2 {
+            for (side, factor) in [-p.mu, p.mu].into_iter().enumerate() {
+                let bound = &mut self.bounds[d][side];
+                bound.clear();
+                let pairs = self.u[d].iter().zip(&self.gap);
+                bound.extend(pairs.map(|(&u, &g)| p.k_t[d] * u + factor * g));
+            }
+        }
+        self.row.resize(plan.m, T::ONE);
+    }
+
+    /// The signals at a phase.
+    #[inline(always)]
+    fn at(&mut self, plan: &AftPlan<T>, theta: T) -> Breakpoint<T> {
+        basis_row(plan, theta, &mut self.row);
+        let value = |q: &[T]| derivative::<0, T>(plan, &self.row, q);
+        Breakpoint {
+            theta,
+            u: [value(&self.u[0]), value(&self.u[1])],
+            gap: value(&self.gap),
+            open: false,
+        }
+    }
+}
+
+/// Basis row b(θ). Shape: `[m]`.
+#[inline(always)]
+pub(super) fn basis_row<T: Real>(plan: &AftPlan<T>, theta: T, row: &mut [T]) {
+    let (sin, cos) = theta.sin_cos();
+    let (mut c, mut s) = (T::ONE, T::ZERO);
+    let mut order = 0;
+    row[0] = T::ONE;
+    for (&k, pair) in plan.orders[1..].iter().zip(row[1..].chunks_exact_mut(2)) {
+        while order < k {
+            (c, s) = (c * cos - s * sin, s * cos + c * sin);
+            order += 1;
+        }
+        (pair[0], pair[1]) = (c, s);
+    }
+}
+
+/// N-th derivative (0 to 3) of the polynomial with coefficients `q` where the basis row is `row`.
+#[inline(always)]
+pub(super) fn derivative<const N: usize, T: Real>(plan: &AftPlan<T>, row: &[T], q: &[T]) -> T {
+    let mut sum = if N == 0 { q[0] } else { T::ZERO };
+    let terms = row[1..].chunks_exact(2).zip(q[1..].chunks_exact(2));
+    for (&k, (b, q)) in plan.orders[1..].iter().zip(terms) {
+        let k = T::from_f64(k as f64);
+        let (even, odd) = (q[0] * b[0] + q[1] * b[1], q[1] * b[0] - q[0] * b[1]);
+        sum += match N {
+            0 => even,
+            1 => k * odd,
+            2 => -(k * k * even),
+            _ => -(k * k * k * odd),
+        };
+    }
+    sum
+}
+
+/// Phase between `low` and `high` where the N-th derivative of `q` is `level`; it is above at `high` if `rising`, else
+/// at `low`. M = N + 1. Newton's method from `guess`, with bisection where it would leave the bracket.
+#[inline(always)]
+fn root<const N: usize, const M: usize, T: Real>(
+    (plan, row): (&AftPlan<T>, &mut [T]),
+    (q, level): (&[T], T),
+    [mut low, mut high]: [T; 2],
+    rising: bool,
+    guess: T,
+) -> T {
+    let middle = |low: T, high: T| T::from_f64(0.5) * (low + high);
+    let mut theta = if guess > low && guess < high {
+        guess
+    } else {
+        middle(low, high)
+    };
+    // A Newton step shorter than this leaves an error of about its square.
+    let short = T::EPSILON.sqrt() * (high - low);
+    for _ in 0..MAX_STEPS {
+        basis_row(plan, theta, row);
+        let value = derivative::<N, T>(plan, row, q) - level;
+        if value == T::ZERO {
+            break;
+        }
+        if (value > T::ZERO) == rising {
+            high = theta;
+        } else {
+            low = theta;
+        }
+        let newton = theta - value / derivative::<M, T>(plan, row, q);
+        let inside = newton > low && newton < high;
+        let next = if inside { newton } else { middle(low, high) };
+        let step = (next - theta).abs();
+        theta = next;
+        if (inside && step <= short) || step <= T::EPSILON * high {
+            break;
+        }
+    }
+    theta
+}
+
+/// Where a straight line between two values of different sign passes zero, as a share of the interval.
+#[inline(always)]
+fn linear_share<T: Real>(before: T, after: T) -> T {
+    before / (before - after)
+}
+
+impl<T: Real> Intervals<T> {
+    /// Looks at all intervals between the samples of `work`, whose rates are computed here.
+    #[inline(always)]
+    pub(super) fn mark<S: Simd>(&mut self, simd: S, plan: &AftPlan<T>, work: &mut Workspace<T>) {
+        let n = plan.n_time();
+        self.rates.resize(n, [T::ZERO; 3 * LANES]);
+        self.marks.resize(n, [T::ZERO; LANES]);
+        let rates = &mut self.rates;
+        work.synthesize_rates(simd, plan, |i, rate| rates[i] = rate);
+        let step = T::from_f64(TAU / n as f64);
+        let p = &work.parameters;
+        for i in 0..n {
+            let next = if i + 1 == n { 0 } else { i + 1 };
+            let (a, b) = (&work.samples[i], &work.samples[next]);
+            let (ra, rb) = (&self.rates[i], &self.rates[next]);
+            let marks = &mut self.marks[i];
+            for l in 0..LANES {
+                let gap = [a.gap[l], b.gap[l]];
+                let v = 2 * LANES + l;
+                let gap_rate = [ra[v], rb[v]].map(|r| step * p.k_n[l] * r);
+                let mut mark: T = number(CROSSING, (gap[0] > T::ZERO) != (gap[1] > T::ZERO));
+                mark += number(DIP, dips(gap, gap_rate));
+                let friction = [gap[0], gap[1], gap_rate[0], gap_rate[1]].map(|x| p.mu[l] * x);
+                let first = [a.u[0][l], b.u[0][l], step * ra[l], step * rb[l]];
+                let second = [
+                    a.u[1][l],
+                    b.u[1][l],
+                    step * ra[LANES + l],
+                    step * rb[LANES + l],
+                ];
+                mark += bound_marks(0, p.k_t[0][l], first, friction);
+                mark += bound_marks(2, p.k_t[1][l], second, friction);
+                marks[l] = mark;
+            }
+        }
+    }
+
+    /// Breakpoints of one lane, ascending from phase 0, which is always one.
+    #[inline(always)]
+    pub(super) fn breakpoints(
+        &self,
+        plan: &AftPlan<T>,
+        work: &Workspace<T>,
+        lane: usize,
+        signals: &mut Signals<T>,
+        points: &mut Vec<Breakpoint<T>>,
+    ) {
+        let first = &work.samples[0];
+        points.clear();
+        let mut open = first.gap[lane] <= T::ZERO;
+        points.push(Breakpoint {
+            theta: T::ZERO,
+            u: [first.u[0][lane], first.u[1][lane]],
+            gap: first.gap[lane],
+            open,
+        });
+        for (i, marks) in self.marks.iter().enumerate() {
+            if marks[lane] != T::ZERO {
+                let from = points.len();
+                self.interval(plan, work, (i, lane), signals, points);
+                points[from..].sort_by(|a, b| a.theta.to_f64().total_cmp(&b.theta.to_f64()));
+            }
+        }
+        for point in &mut points[1..] {
+            open ^= point.open;
+            point.open = open;
+        }
+    }
+
+    /// Breakpoints between sample i and the next one; `open` says whether the contact opens or closes there.
+    #[inline(always)]
+    fn interval(
+        &self,
+        plan: &AftPlan<T>,
+        work: &Workspace<T>,
+        (i, lane): (usize, usize),
+        signals: &mut Signals<T>,
+        points: &mut Vec<Breakpoint<T>>,
+    ) {
+        let next = if i + 1 == plan.n_time() { 0 } else { i + 1 };
+        let step = T::from_f64(TAU / plan.n_time() as f64);
+        let ends = [i, i + 1].map(|i| T::from_f64(i as f64 * TAU / plan.n_time() as f64));
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a whole number below 1024"
+        )]
+        let marks = self.marks[i][lane].to_f64() as u32;
+        let mut add = |signals: &mut Signals<T>, theta: T, is_root: bool| {
+            let mut point = signals.at(plan, theta);
+            if is_root {
+                (point.gap, point.open) = (T::ZERO, true);
+            }
+            points.push(point);
+        };
+        let gaps = [i, next].map(|i| work.samples[i].gap[lane]);
+        if marks & CROSSING != 0 {
+            let theta = signals.gap_root(plan, ends, gaps);
+            add(signals, theta, true);
+        } else if marks & DIP != 0 {
+            let rising = gaps[0] < T::ZERO;
+            let guess = T::from_f64(0.5) * (ends[0] + ends[1]);
+            let turn = root::<1, 2, T>(
+                (plan, &mut signals.row),
+                (&signals.gap, T::ZERO),
+                ends,
+                !rising,
+                guess,
+            );
+            let extreme = signals.at(plan, turn).gap;
+            if (extreme > T::ZERO) != (gaps[0] > T::ZERO) {
+                let first = signals.gap_root(plan, [ends[0], turn], [gaps[0], extreme]);
+                let second = signals.gap_root(plan, [turn, ends[1]], [extreme, gaps[1]]);
+                add(signals, first, true);
+                add(signals, second, true);
+            }
+        }
+        for bound in 0..4 {
+            let (d, side) = (bound / 2, bound % 2);
+            if marks & (TURN << bound) != 0 {
+                let rate = |i: usize| {
+                    let rates = &self.rates[i];
+                    let p = &work.parameters;
+                    let friction = p.mu[lane] * (p.k_n[lane] * rates[2 * LANES + lane]);
+                    let stick = p.k_t[d][lane] * rates[d * LANES + lane];
+                    if side == 0 {
+                        stick - friction
+                    } else {
+                        stick + friction
+                    }
+                };
+                let (before, after) = (rate(i), rate(next));
+                let guess = ends[0] + step * linear_share(before, after);
+                let theta = signals.turn(plan, (d, side), ends, after > T::ZERO, guess);
+                add(signals, theta, false);
+            } else if marks & (TURN_PAIR << bound) != 0
+                && let Some(turns) = signals.turn_pair(plan, (d, side), ends)
+            {
+                add(signals, turns[0], false);
+                add(signals, turns[1], false);
+            }
+        }
+    }
+}
+
+impl<T: Real> Signals<T> {
+    /// Root of the gap function between two phases where it has the values `gaps`.
+    #[inline(always)]
+    fn gap_root(&mut self, plan: &AftPlan<T>, ends: [T; 2], gaps: [T; 2]) -> T {
+        let guess = ends[0] + (ends[1] - ends[0]) * linear_share(gaps[0], gaps[1]);
+        let rising = gaps[1] > T::ZERO;
+        root::<0, 1, T>(
+            (plan, &mut self.row),
+            (&self.gap, T::ZERO),
+            ends,
+            rising,
+            guess,
+        )
+    }
+
+    /// Turning point of a bound between two phases.
+    #[inline(always)]
+    fn turn(
+        &mut self,
+        plan: &AftPlan<T>,
+        (d, side): (usize, usize),
+        ends: [T; 2],
+        rising: bool,
+        guess: T,
+    ) -> T {
+        let bound = &self.bounds[d][side];
+        root::<1, 2, T>((plan, &mut self.row), (bound, T::ZERO), ends, rising, guess)
+    }
+
+    /// Two turning points of a bound whose rate has the same sign at both phases, if it has another one between them.
+    fn turn_pair(
+        &mut self,
+        plan: &AftPlan<T>,
+        (d, side): (usize, usize),
+        ends: [T; 2],
+    ) -> Option<[T; 2]> {
+        let middle = |a: T, b: T| T::from_f64(0.5) * (a + b);
+        let bound = &self.bounds[d][side];
+        let slopes = ends.map(|theta| {
+            basis_row(plan, theta, &mut self.row);
+            derivative::<2, T>(plan, &self.row, bound) > T::ZERO
+        });
+        if slopes[0] == slopes[1] {
+            return None;
+        }
+        let guess = middle(ends[0], ends[1]);
+        let top = root::<2, 3, T>(
+            (plan, &mut self.row),
+            (bound, T::ZERO),
+            ends,
+            slopes[1],
+            guess,
+        );
+        let sign = |theta: T, row: &mut [T]| {
+            basis_row(plan, theta, row);
+            derivative::<1, T>(plan, row, bound) > T::ZERO
+        };
+        let (outside, inside) = (sign(ends[0], &mut self.row), sign(top, &mut self.row));
+        if outside == inside {
+            return None;
+        }
+        let first = self.turn(
+            plan,
+            (d, side),
+            [ends[0], top],
+            inside,
+            middle(ends[0], top),
+        );
+        let second = self.turn(
+            plan,
+            (d, side),
+            [top, ends[1]],
+            outside,
+            middle(top, ends[1]),
+        );
+        Some([first, second])
+    }
+
+    /// Phase at which a bound that is monotone from breakpoint `a` to `b` reaches `level`. The samples between them
+    /// narrow the bracket.
+    #[inline(always)]
+    pub(super) fn reaches(
+        &mut self,
+        plan: &AftPlan<T>,
+        (d, side): (usize, usize),
+        level: T,
+        [mut a, mut b]: [(T, T); 2],
+        sampled: impl Fn(usize) -> T,
+    ) -> T {
+        let n = plan.n_time() as f64;
+        let rising = b.1 > a.1;
+        let (mut low, mut high) = (
+            first_sample_from(a.0.to_f64(), n),
+            first_sample_from(b.0.to_f64(), n),
+        );
+        while low < high {
+            let middle = usize::midpoint(low, high);
+            let value = sampled(middle);
+            let point = (T::from_f64(middle as f64 * TAU / n), value);
+            if (value > level) == rising {
+                (high, b) = (middle, point);
+            } else {
+                (low, a) = (middle + 1, point);
+            }
+        }
+        let share = linear_share(a.1 - level, b.1 - level);
+        let guess = a.0 + (b.0 - a.0) * share;
+        let bound = &self.bounds[d][side];
+        root::<0, 1, T>(
+            (plan, &mut self.row),
+            (bound, level),
+            [a.0, b.0],
+            rising,
+            guess,
+        )
+    }
+}
+
+/// Index of the first of `n` samples at or after the phase.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a phase in one period"
+)]
+#[inline(always)]
+pub(super) fn first_sample_from(theta: f64, n: f64) -> usize {
+    (theta * (n / TAU)).ceil().clamp(0.0, n) as usize
+}
+
+/// The mark as a number if `holds`, else 0.
+#[inline(always)]
+fn number<T: Real>(mark: u32, holds: bool) -> T {
+    T::from_f64(f64::from(mark)) * flag(holds)
+}
+
+/// Whether a function of this value and rate (times the step) at both ends dips towards zero and comes back.
+#[inline(always)]
+fn dips<T: Real>(value: [T; 2], rate: [T; 2]) -> bool {
+    (value[0] * value[1] > T::ZERO)
+        & (value[0] * rate[0] < T::ZERO)
+        & (value[1] * rate[1] > T::ZERO)
+}
+
+/// Whether the cubic of these values and rates (times the step) at both ends turns twice between them. Its rate is
+/// r₀ (1 − s) + r₁ s − c s (1 − s) with c = 3 (r₀ + r₁) − 6 Δ, which has roots if c exceeds (√r₀ + √r₁)².
+#[inline(always)]
+fn turns_twice<T: Real>(rise: T, rate: [T; 2]) -> bool {
+    let sum = rate[0] + rate[1];
+    let excess = sum + sum - T::from_f64(6.0) * rise;
+    let product = rate[0] * rate[1];
+    (product > T::ZERO)
+        & (excess * rate[0] > T::ZERO)
+        & (excess * excess > T::from_f64(4.0) * product)
+}
+
+/// Marks of both bounds of one direction from displacement and friction limit: values, then rates, at both ends.
+#[inline(always)]
+fn bound_marks<T: Real>(shift: u32, k_t: T, u: [T; 4], friction: [T; 4]) -> T {
+    let mut mark = T::ZERO;
+    for (side, sign) in [-T::ONE, T::ONE].into_iter().enumerate() {
+        let shift = shift + side as u32;
+        let rise = k_t * (u[1] - u[0]) + sign * (friction[1] - friction[0]);
+        let rate = [
+            k_t * u[2] + sign * friction[2],
+            k_t * u[3] + sign * friction[3],
+        ];
+        mark += number(TURN << shift, (rate[0] > T::ZERO) != (rate[1] > T::ZERO));
+        mark += number(TURN_PAIR << shift, turns_twice(rise, rate));
+    }
+    mark
+}
