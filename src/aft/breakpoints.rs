@@ -311,17 +311,20 @@ impl<T: Real> Intervals<T> {
         if gaps[0] <= T::ZERO && gaps[1] <= T::ZERO && points.len() == before {
             return;
         }
+        // A slider that the bound may touch without a push: closing just now, or at the start.
+        let touches = points.len() > before || i == 0;
         for bound in 0..4 {
             let (d, side) = (bound / 2, bound % 2);
             if marks & (TURN << bound) != 0 {
                 let ([low, high], rates) = self.bound_at_ends(work, (i, next, lane), (d, side));
-                if (rates[1] > T::ZERO) == (side == 1) {
+                let turns_away = (rates[1] > T::ZERO) == (side == 1);
+                if turns_away || touches {
                     let guess = ends[0] + step * turn_share(high - low, rates.map(|r| step * r));
                     let rising = rates[1] > T::ZERO;
                     let theta = signals.turn(plan, (d, side), ends, rising, guess);
                     points.push(signals.at(plan, theta));
                 } else {
-                    // The bound turns towards the slider: it cannot push before, so that the sample will do.
+                    // The bound turns towards the slider and is not at it: the sample before will do.
                     points.push(sampled(work, i, lane, ends[0]));
                 }
             } else if marks & (TURN_PAIR << bound) != 0

@@ -25,7 +25,9 @@ type Events = [[Option<Event>; 2]; LANES];
 
 /// Contact forces, and tangents if wanted, of every state of the batch.
 ///
-/// The result of a state does not depend on the others, bit for bit. Buffers of `out` are reused.
+/// The result of a state does not depend on the others, bit for bit. Neither does it depend on the processor's
+/// instruction set, which is found at run time: products are rounded before they are summed (no fused multiply-add).
+/// Only sines and cosines come from the platform's library. Buffers of `out` are reused.
 pub fn evaluate<T: Real>(
     plan: &AftPlan<T>,
     batch: &AftBatch<T>,
@@ -289,7 +291,7 @@ mod tests {
     }
 
     /// Plain products and sums alone, so that no instruction set rounds them otherwise.
-    /// Seen to fail with: a fused multiply-add in `table_product`.
+    /// Seen to fail with: vector sums of `table_product` rounded otherwise.
     #[test]
     fn every_instruction_set_gives_the_same_bits() {
         let set = HarmonicSet::up_to(5);
