@@ -1,35 +1,131 @@
-//! Node-states per second of the contact evaluation, with and without tangents.
+//! Node-states per second and core of the contact evaluation, and the share of the processor's measured peak.
 //!
 //! States: random harmonics that decay with the order; half of the samples slip, 3 % are separated, an eighth of the
 //! states are stuck, and the circle law takes 3 laps on average.
+//!
+//! Peak: fused multiply-adds on registers alone, two operations each, with the best instruction set that is found at
+//! run time. Operations of the evaluation: the same batch is evaluated once with a number that counts its additions,
+//! subtractions, multiplications, divisions and roots (comparisons and sines are not counted). The evaluation rounds
+//! products before sums, so that a processor without separate adders can reach half of that peak at most. Every time is
+//! the best of several runs; on a shared machine compare ratios within one run only.
 
-use divan::counter::ItemsCount;
-use divan::{Bencher, black_box};
 use microslip::aft::{AftBatch, AftForces, AftPlan, AftSettings, Laps, Want, evaluate};
 use microslip::contact::{ContactParameters, FrictionLaw, Real, Recontact};
 use microslip::harmonics::HarmonicSet;
+use pulp::{Arch, Simd, WithSimd};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::cell::Cell;
+use std::hint::black_box;
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use std::time::Instant;
 
 const N_STATES: usize = 512;
-/// (highest harmonic, points per period)
-const SIZES: [(usize, usize); 2] = [(5, 128), (21, 512)];
+const HARMONICS: [usize; 5] = [1, 3, 5, 7, 21];
+const POINTS: [usize; 4] = [64, 128, 256, 512];
+/// Runs of which the fastest counts.
+const RUNS: usize = 15;
 
 fn main() {
-    divan::main();
+    let peak = fused_multiply_add_peak();
+    println!(
+        "peak: {:.1} Gflop/s per core, {:?}",
+        peak / 1e9,
+        Arch::new()
+    );
+    println!(
+        "{:>3} {:>4} {:<8} {:<13} {:>9} {:>9} {:>7} {:>6}",
+        "H", "Nt", "law", "events", "forces/s", "tangent/s", "flop", "peak"
+    );
+    for h in HARMONICS {
+        for n_time in POINTS.into_iter().filter(|n| *n > 4 * h) {
+            for (law, recontact) in [
+                (FrictionLaw::Box, Recontact::Interpolated),
+                (FrictionLaw::Box, Recontact::Located),
+                (FrictionLaw::Circle, Recontact::Interpolated),
+            ] {
+                let settings = AftSettings {
+                    n_time,
+                    law,
+                    recontact,
+                    laps: Laps::Periodic,
+                };
+                report(h, settings, peak);
+            }
+        }
+    }
+    single_precision();
 }
 
-fn batch<T: Real>(set: &HarmonicSet) -> AftBatch<T> {
+/// One line: node-states per second without and with tangents; for the latter operations and share of the peak.
+fn report(h: usize, settings: AftSettings, peak: f64) {
+    let set = HarmonicSet::up_to(h);
+    let forces = rate::<f64>(&set, settings, Want::Forces);
+    let tangents = rate::<f64>(&set, settings, Want::ForcesAndTangents);
+    let share = |want, rate: f64| {
+        let operations = operations(&set, settings, want);
+        (operations, 100.0 * operations * rate / peak)
+    };
+    let (_, forces_share) = share(Want::Forces, forces);
+    let (operations, tangents_share) = share(Want::ForcesAndTangents, tangents);
+    println!(
+        "{h:>3} {:>4} {:<8} {:<13} {:>7.0} k {:>7.0} k {:>5.1} k {forces_share:>4.1} % {tangents_share:>4.1} %",
+        settings.n_time,
+        format!("{:?}", settings.law),
+        format!("{:?}", settings.recontact),
+        forces / 1e3,
+        tangents / 1e3,
+        operations / 1e3,
+    );
+}
+
+fn single_precision() {
+    let set = HarmonicSet::up_to(5);
+    let settings = AftSettings {
+        n_time: 128,
+        law: FrictionLaw::Box,
+        recontact: Recontact::Interpolated,
+        laps: Laps::Periodic,
+    };
+    let rate = rate::<f32>(&set, settings, Want::Forces);
+    println!(
+        "single precision, H = 5, Nt = 128, box: {:.0} k forces/s",
+        rate / 1e3
+    );
+}
+
+/// Node-states per second.
+fn rate<T: Real>(set: &HarmonicSet, settings: AftSettings, want: Want) -> f64 {
+    let plan = AftPlan::<T>::new(set, settings);
+    let batch = batch::<T>(set, N_STATES);
+    let mut out = AftForces::default();
+    let fastest = fastest(|| evaluate(black_box(&plan), black_box(&batch), want, &mut out));
+    N_STATES as f64 / fastest
+}
+
+/// Shortest time of several runs (s).
+fn fastest(mut run: impl FnMut()) -> f64 {
+    let time = |run: &mut dyn FnMut()| {
+        let start = Instant::now();
+        run();
+        start.elapsed().as_secs_f64()
+    };
+    (0..RUNS)
+        .map(|_| time(&mut run))
+        .fold(f64::INFINITY, f64::min)
+}
+
+fn batch<T: Real>(set: &HarmonicSet, n: usize) -> AftBatch<T> {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let m = set.n_coefficients();
-    let mut displacement = vec![T::ZERO; 3 * m * N_STATES];
+    let mut displacement = vec![T::ZERO; 3 * m * n];
     let mut parameters = Vec::new();
-    for s in 0..N_STATES {
+    for s in 0..n {
         let sizes = [
             10f64.powf(rng.random_range(-0.8..1.2)),
             rng.random_range(0.0..1.3),
         ];
-        for (row, values) in displacement.chunks_exact_mut(N_STATES).enumerate() {
+        for (row, values) in displacement.chunks_exact_mut(n).enumerate() {
             let order = (row % m).div_ceil(2) as f64;
             let size = sizes[row / (2 * m)] / (1.0 + order * order);
             values[s] = T::from_f64(size * rng.random_range(-1.0..1.0));
@@ -43,49 +139,145 @@ fn batch<T: Real>(set: &HarmonicSet) -> AftBatch<T> {
         });
     }
     AftBatch {
-        n_states: N_STATES,
+        n_states: n,
         displacement,
         parameters,
     }
 }
 
-fn measure<T: Real>(bencher: Bencher, (h, n_time): (usize, usize), law: FrictionLaw, want: Want) {
-    let set = HarmonicSet::up_to(h);
-    let settings = AftSettings {
-        n_time,
-        law,
-        recontact: Recontact::Interpolated,
-        laps: Laps::Periodic,
-    };
-    let plan = AftPlan::<T>::new(&set, settings);
-    let batch = batch(&set);
+/// Independent sums that hide the time of one fused multiply-add.
+const SUMS: usize = 12;
+const STEPS: usize = 200_000;
+
+struct MultiplyAdds;
+
+impl WithSimd for MultiplyAdds {
+    /// Operations.
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let factor = simd.splat_f64s(black_box(0.999_999));
+        let term = simd.splat_f64s(black_box(1e-6));
+        let mut sums = [simd.splat_f64s(black_box(1.0)); SUMS];
+        for _ in 0..STEPS {
+            for sum in &mut sums {
+                *sum = simd.mul_add_f64s(*sum, factor, term);
+            }
+        }
+        for sum in sums {
+            black_box(simd.reduce_sum_f64s(sum));
+        }
+        (2 * SUMS * STEPS * S::F64_LANES) as f64
+    }
+}
+
+/// Operations per second of one core.
+fn fused_multiply_add_peak() -> f64 {
+    let mut operations = 0.0;
+    let fastest = fastest(|| operations = Arch::new().dispatch(MultiplyAdds));
+    operations / fastest
+}
+
+thread_local! {
+    static OPERATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+/// A double-precision number that counts operations.
+#[derive(Debug, Clone, Copy, Default, PartialEq, PartialOrd)]
+struct Counted(f64);
+
+/// Counts one operation.
+fn counted(x: f64) -> Counted {
+    OPERATIONS.set(OPERATIONS.get() + 1);
+    Counted(x)
+}
+
+/// Operations per state of an evaluation; sizes that the lanes divide, so that none is done twice.
+fn operations(set: &HarmonicSet, settings: AftSettings, want: Want) -> f64 {
+    const N: usize = 64;
+    let plan = AftPlan::<Counted>::new(set, settings);
+    let batch = batch::<Counted>(set, N);
     let mut out = AftForces::default();
-    bencher
-        .counter(ItemsCount::new(N_STATES))
-        .bench_local(|| evaluate(black_box(&plan), black_box(&batch), want, &mut out));
+    OPERATIONS.set(0);
+    evaluate(&plan, &batch, want, &mut out);
+    OPERATIONS.get() as f64 / N as f64
 }
 
-#[divan::bench(args = SIZES)]
-fn box_forces(bencher: Bencher, size: (usize, usize)) {
-    measure::<f64>(bencher, size, FrictionLaw::Box, Want::Forces);
+macro_rules! counted_operator {
+    ($trait:ident, $method:ident, $operator:tt) => {
+        impl $trait for Counted {
+            type Output = Self;
+            fn $method(self, other: Self) -> Self {
+                counted(self.0 $operator other.0)
+            }
+        }
+    };
 }
 
-#[divan::bench(args = SIZES)]
-fn box_tangents(bencher: Bencher, size: (usize, usize)) {
-    measure::<f64>(bencher, size, FrictionLaw::Box, Want::ForcesAndTangents);
+counted_operator!(Add, add, +);
+counted_operator!(Sub, sub, -);
+counted_operator!(Mul, mul, *);
+counted_operator!(Div, div, /);
+
+impl AddAssign for Counted {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
 }
 
-#[divan::bench(args = SIZES)]
-fn circle_forces(bencher: Bencher, size: (usize, usize)) {
-    measure::<f64>(bencher, size, FrictionLaw::Circle, Want::Forces);
+impl SubAssign for Counted {
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
 }
 
-#[divan::bench(args = SIZES)]
-fn circle_tangents(bencher: Bencher, size: (usize, usize)) {
-    measure::<f64>(bencher, size, FrictionLaw::Circle, Want::ForcesAndTangents);
+impl Neg for Counted {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
 }
 
-#[divan::bench(args = SIZES)]
-fn box_forces_f32(bencher: Bencher, size: (usize, usize)) {
-    measure::<f32>(bencher, size, FrictionLaw::Box, Want::Forces);
+impl Real for Counted {
+    const ZERO: Self = Self(0.0);
+    const ONE: Self = Self(1.0);
+    const EPSILON: Self = Self(f64::EPSILON);
+
+    fn from_f64(x: f64) -> Self {
+        Self(x)
+    }
+
+    fn to_f64(self) -> f64 {
+        self.0
+    }
+
+    fn abs(self) -> Self {
+        Self(self.0.abs())
+    }
+
+    fn sqrt(self) -> Self {
+        counted(self.0.sqrt())
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        let (sin, cos) = self.0.sin_cos();
+        (Self(sin), Self(cos))
+    }
+
+    fn table_product<S: Simd, const W: usize>(
+        _: S,
+        table: &[Self],
+        x: &[[Self; W]],
+        out: &mut [[Self; W]],
+    ) {
+        for (row, out) in table.chunks_exact(x.len()).zip(out) {
+            *out = [Self::ZERO; W];
+            for (&factor, x) in row.iter().zip(x) {
+                for (out, &x) in out.iter_mut().zip(x) {
+                    *out += factor * x;
+                }
+            }
+        }
+    }
 }

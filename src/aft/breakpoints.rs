@@ -1,8 +1,9 @@
 //! Instants between the samples at which the motion of a contact may change.
 //!
 //! The slider of the box law is a play: z = k_t w stays where it is unless one of its bounds k_t u ∓ mu N pushes it.
-//! Between neighbouring breakpoints (the roots of the gap function and the turning points of the bounds) the gap keeps
-//! its sign and the bounds are monotone, so that the clip of the law at the breakpoints alone gives the exact slider.
+//! Breakpoints are the roots of the gap function and the points where a bound turns away from the slider. Between two of
+//! them the gap keeps its sign and a bound can push at their end only, so that the clip of the law at the breakpoints
+//! alone gives the exact slider.
 //! The signals are trigonometric polynomials: samples of them and of their rates bracket the breakpoints, Newton's
 //! method locates them to rounding.
 
@@ -179,6 +180,18 @@ fn linear_share<T: Real>(before: T, after: T) -> T {
     before / (before - after)
 }
 
+/// Where the rate of a cubic with these rates (times the step) at both ends passes zero between them, as a share of the
+/// interval; see [`turns_twice`].
+#[inline(always)]
+fn turn_share<T: Real>(rise: T, rate: [T; 2]) -> T {
+    let two = T::ONE + T::ONE;
+    let sign = if rate[0] > T::ZERO { T::ONE } else { -T::ONE };
+    let curvature = T::from_f64(3.0) * (rate[0] + rate[1]) - T::from_f64(6.0) * rise;
+    let slope = sign * (rate[0] + curvature - rate[1]);
+    let root = (slope * slope - two * two * curvature * rate[0]).sqrt();
+    two * sign * rate[0] / (slope + root)
+}
+
 impl<T: Real> Intervals<T> {
     /// Looks at all intervals between the samples of `work`, whose rates are computed here.
     #[inline(always)]
@@ -267,17 +280,16 @@ impl<T: Real> Intervals<T> {
             reason = "a whole number below 1024"
         )]
         let marks = self.marks[i][lane].to_f64() as u32;
-        let mut add = |signals: &mut Signals<T>, theta: T, is_root: bool| {
-            let mut point = signals.at(plan, theta);
-            if is_root {
-                (point.gap, point.open) = (T::ZERO, true);
-            }
-            points.push(point);
+        let before = points.len();
+        let crossing = |signals: &mut Signals<T>, theta: T| Breakpoint {
+            gap: T::ZERO,
+            open: true,
+            ..signals.at(plan, theta)
         };
         let gaps = [i, next].map(|i| work.samples[i].gap[lane]);
         if marks & CROSSING != 0 {
             let theta = signals.gap_root(plan, ends, gaps);
-            add(signals, theta, true);
+            points.push(crossing(signals, theta));
         } else if marks & DIP != 0 {
             let rising = gaps[0] < T::ZERO;
             let guess = T::from_f64(0.5) * (ends[0] + ends[1]);
@@ -292,35 +304,69 @@ impl<T: Real> Intervals<T> {
             if (extreme > T::ZERO) != (gaps[0] > T::ZERO) {
                 let first = signals.gap_root(plan, [ends[0], turn], [gaps[0], extreme]);
                 let second = signals.gap_root(plan, [turn, ends[1]], [extreme, gaps[1]]);
-                add(signals, first, true);
-                add(signals, second, true);
+                points.push(crossing(signals, first));
+                points.push(crossing(signals, second));
             }
         }
+        if gaps[0] <= T::ZERO && gaps[1] <= T::ZERO && points.len() == before {
+            return;
+        }
+        // A slider that the bound may touch without a push: closing just now, or at the start.
+        let touches = points.len() > before || i == 0;
         for bound in 0..4 {
             let (d, side) = (bound / 2, bound % 2);
             if marks & (TURN << bound) != 0 {
-                let rate = |i: usize| {
-                    let rates = &self.rates[i];
-                    let p = &work.parameters;
-                    let friction = p.mu[lane] * (p.k_n[lane] * rates[2 * LANES + lane]);
-                    let stick = p.k_t[d][lane] * rates[d * LANES + lane];
-                    if side == 0 {
-                        stick - friction
-                    } else {
-                        stick + friction
-                    }
-                };
-                let (before, after) = (rate(i), rate(next));
-                let guess = ends[0] + step * linear_share(before, after);
-                let theta = signals.turn(plan, (d, side), ends, after > T::ZERO, guess);
-                add(signals, theta, false);
+                let ([low, high], rates) = self.bound_at_ends(work, (i, next, lane), (d, side));
+                let turns_away = (rates[1] > T::ZERO) == (side == 1);
+                if turns_away || touches {
+                    let guess = ends[0] + step * turn_share(high - low, rates.map(|r| step * r));
+                    let rising = rates[1] > T::ZERO;
+                    let theta = signals.turn(plan, (d, side), ends, rising, guess);
+                    points.push(signals.at(plan, theta));
+                } else {
+                    // The bound turns towards the slider and is not at it: the sample before will do.
+                    points.push(sampled(work, i, lane, ends[0]));
+                }
             } else if marks & (TURN_PAIR << bound) != 0
                 && let Some(turns) = signals.turn_pair(plan, (d, side), ends)
             {
-                add(signals, turns[0], false);
-                add(signals, turns[1], false);
+                points.extend(turns.map(|theta| signals.at(plan, theta)));
             }
         }
+    }
+
+    /// Values and rates of a bound at two samples.
+    #[inline(always)]
+    fn bound_at_ends(
+        &self,
+        work: &Workspace<T>,
+        (i, next, lane): (usize, usize, usize),
+        (d, side): (usize, usize),
+    ) -> ([T; 2], [T; 2]) {
+        let p = work.parameters.of(lane);
+        let factor = if side == 0 { -p.mu } else { p.mu };
+        let value = |i: usize| {
+            let s = &work.samples[i];
+            p.k_t[d] * s.u[d][lane] + factor * s.gap[lane]
+        };
+        let rate = |i: usize| {
+            let rates = &self.rates[i];
+            let friction = factor * (p.k_n * rates[2 * LANES + lane]);
+            p.k_t[d] * rates[d * LANES + lane] + friction
+        };
+        ([value(i), value(next)], [rate(i), rate(next)])
+    }
+}
+
+/// The signals at a sample, as a breakpoint where the contact neither opens nor closes.
+#[inline(always)]
+fn sampled<T: Real>(work: &Workspace<T>, i: usize, lane: usize, theta: T) -> Breakpoint<T> {
+    let s = &work.samples[i];
+    Breakpoint {
+        theta,
+        u: [s.u[0][lane], s.u[1][lane]],
+        gap: s.gap[lane],
+        open: false,
     }
 }
 

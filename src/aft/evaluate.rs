@@ -25,7 +25,9 @@ type Events = [[Option<Event>; 2]; LANES];
 
 /// Contact forces, and tangents if wanted, of every state of the batch.
 ///
-/// The result of a state does not depend on the others, bit for bit. Buffers of `out` are reused.
+/// The result of a state does not depend on the others, bit for bit. Neither does it depend on the processor's
+/// instruction set, which is found at run time: products are rounded before they are summed (no fused multiply-add).
+/// Only sines and cosines come from the platform's library. Buffers of `out` are reused.
 pub fn evaluate<T: Real>(
     plan: &AftPlan<T>,
     batch: &AftBatch<T>,
@@ -261,5 +263,61 @@ fn store_tangent<T: Real>(
             &mut scratch.segments,
             blocks,
         ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aft::AftSettings;
+    use crate::contact::ContactParameters;
+    use crate::harmonics::HarmonicSet;
+
+    fn states(n: usize, m: usize) -> AftBatch<f64> {
+        let wave = |i: usize| (1.7 * i as f64 + 0.3).sin();
+        AftBatch {
+            n_states: n,
+            displacement: (0..3 * m * n).map(|i| 3.0 * wave(i)).collect(),
+            parameters: (0..n)
+                .map(|i| ContactParameters {
+                    k_n: 1.1,
+                    k_t: [0.9, 1.3],
+                    mu: 0.3 + 0.1 * wave(i),
+                    n_0: 2.0,
+                    anchor: [0.1, -0.2],
+                })
+                .collect(),
+        }
+    }
+
+    /// Plain products and sums alone, so that no instruction set rounds them otherwise.
+    /// Seen to fail with: vector sums of `table_product` rounded otherwise.
+    #[test]
+    fn every_instruction_set_gives_the_same_bits() {
+        let set = HarmonicSet::up_to(5);
+        let batch = states(21, set.n_coefficients());
+        for (law, recontact) in [
+            (FrictionLaw::Box, Recontact::Interpolated),
+            (FrictionLaw::Box, Recontact::Located),
+            (FrictionLaw::Circle, Recontact::Interpolated),
+        ] {
+            let settings = AftSettings {
+                n_time: 64,
+                law,
+                recontact,
+                laps: Laps::Periodic,
+            };
+            let best = AftPlan::new(&set, settings);
+            let mut plain = best.clone();
+            plain.arch = pulp::Arch::Scalar;
+            let [best, plain] = [best, plain].map(|plan| {
+                let mut out = AftForces::default();
+                evaluate(&plan, &batch, Want::ForcesAndTangents, &mut out);
+                out
+            });
+            assert_eq!(best.forces, plain.forces, "forces, {settings:?}");
+            assert_eq!(best.blocks, plain.blocks, "tangents, {settings:?}");
+            assert_eq!(best.summaries, plain.summaries, "{settings:?}");
+        }
     }
 }

@@ -120,10 +120,10 @@ impl<T: Real> Located<T> {
             change: T::ZERO,
             forgets: true,
         }; 2];
-        for d in 0..2 {
+        for (d, play) in plays.iter_mut().enumerate() {
             clear(&mut scratch.force, m);
             if p.k_t[d] > T::ZERO {
-                plays[d] = scratch.play(at, &p, d);
+                *play = scratch.play(at, &p, d);
                 let blocks = tangents.then(|| &mut out.blocks[offset..]);
                 scratch.traction(plan, &p, d, blocks);
             }

@@ -19,7 +19,7 @@ pub struct AftSettings {
     pub n_time: usize,
     /// Friction law.
     pub law: FrictionLaw,
-    /// Slider anchor at re-contact.
+    /// How changes between the samples are resolved.
     pub recontact: Recontact,
     /// Passes over the period.
     pub laps: Laps,

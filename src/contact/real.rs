@@ -47,7 +47,7 @@ pub trait Real:
     #[must_use]
     fn sin_cos(self) -> (Self, Self);
 
-    /// Σ_k table[r][k] x[k] into `out[r]`, in the order of k, with the vector instructions `simd`.
+    /// `out[r]` = Σ `table[r][k]` `x[k]`, in the order of k, with the vector instructions `simd`.
     ///
     /// Multiplication and addition round one by one, so that every instruction set gives the same bits.
     ///

@@ -162,7 +162,11 @@ impl SolverSection {
         settings.validate().map_err(|mut bad| {
             // The file has one flat table where the settings have one struct for Newton's method.
             bad.key = bad.key.replace("newton.", "");
-            bad.under("solver")
+            let section = match bad.key.as_str() {
+                "recontact" => "contact",
+                _ => "solver",
+            };
+            bad.under(section)
         })?;
         Ok(settings)
     }

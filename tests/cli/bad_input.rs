@@ -189,6 +189,11 @@ fn bad_values_name_line_key_and_rule() {
                 &[":33: solver.laps = 0: must be at least 1"],
             ),
             (
+                "law = \"box\"",
+                "law = \"circle\"\nrecontact = \"located\"",
+                &[":26: contact.recontact = located: needs law"],
+            ),
+            (
                 "time_points = 128",
                 "time_points = 20",
                 &[":34: solver.time_points = 20: must be more"],
