@@ -30,6 +30,8 @@ const GROWTH_SHARE: f64 = 1e-2;
 const SHARPEST: f64 = 1e-13;
 /// Points visited before giving up.
 const MAX_POINTS: usize = 40;
+/// Where [`highest_nearby`] starts its searches (relative change of the displacements).
+const LOOKS: [f64; 4] = [-3e-3, -1.5e-3, 1.5e-3, 3e-3];
 /// Halvings of one step before giving up.
 const MAX_HALVINGS: usize = 8;
 
@@ -97,6 +99,40 @@ pub fn find_peak<'p>(
         return Ok((search.into_best(), count));
     }
     Err((Status::MaxIterations, count))
+}
+
+/// The highest maximum in the neighbourhood of the maximum `found`.
+///
+/// Where the changes of the contact states are decided at time points the amplitude is ragged: maxima stand side by
+/// side, each an exact one of the discretised equations. Searches from both sides look for a higher one.
+pub fn highest_nearby<'p>(
+    balance: &Balance<'p>,
+    found: Iterate<'p>,
+    settings: PeakSettings,
+    newton: NewtonSettings,
+    count: &mut WorkCount,
+) -> Iterate<'p> {
+    let omega_scale = 2.0 * settings.band.width();
+    let (first, work) = BranchPoint::new(balance, found, omega_scale, None, None);
+    *count += work;
+    let others: Vec<BranchPoint<'p>> = LOOKS
+        .iter()
+        .filter_map(|&step| {
+            let aside = count.tally(first.step(balance, step, newton)).ok()?;
+            count
+                .tally(find_peak(balance, aside, settings, newton))
+                .ok()
+        })
+        .collect();
+    let height = |point: &BranchPoint<'_>| point.response.norm();
+    let highest =
+        others
+            .into_iter()
+            .fold(first, |best, other| match height(&other) > height(&best) {
+                true => other,
+                false => best,
+            });
+    highest.iterate
 }
 
 /// Residual that leaves the growth of the amplitude exact enough for the frequency asked for: a flat top moves far for

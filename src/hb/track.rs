@@ -11,7 +11,7 @@ use super::balance::Balance;
 use super::continuation::{BranchPoint, StepSettings, walk};
 use super::ladder::Ladder;
 use super::newton::{Condition, Iterate, Point, WorkCount, solve};
-use super::peak::{PeakSettings, find_peak};
+use super::peak::{PeakSettings, find_peak, highest_nearby};
 use super::predicted::{PeakPrediction, correct};
 use super::problem::Problem;
 use super::refine::refined;
@@ -19,6 +19,7 @@ use super::resonance::{LinearResonance, linear_resonance};
 use super::settings::{HbSettings, NewtonSettings};
 use super::solution::Solution;
 use super::status::Status;
+use crate::contact::Recontact;
 use crate::linalg::LinalgError;
 use faer::prelude::c64;
 
@@ -164,16 +165,20 @@ impl<'a, 'p> Track<'a, 'p> {
             point: start.point.clone(),
             phasor: self.phasor,
         };
-        if let Ok(found) = self
+        let direct = self
             .count
-            .tally(correct(full, prediction, self.peak, newton))
-        {
-            return Ok(found);
-        }
-        let found = self
-            .count
-            .tally(find_peak(full, start, self.peak, newton))?;
-        Ok(found.iterate)
+            .tally(correct(full, prediction, self.peak, newton));
+        let found = match direct {
+            Ok(found) => found,
+            Err(_) => {
+                let searched = find_peak(full, start, self.peak, newton);
+                self.count.tally(searched)?.iterate
+            }
+        };
+        Ok(match self.settings.aft.recontact {
+            Recontact::Located => found,
+            _ => highest_nearby(full, found, self.peak, newton, &mut self.count),
+        })
     }
 
     /// The problem on the harmonic set of the study.

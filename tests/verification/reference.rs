@@ -227,8 +227,9 @@ fn blades_and_strip_agree_at_the_peak_with_41_harmonics() {
 
 /// The maximum of the curve, located without the curve.
 ///
-/// Seen to fail with the phase resonance reported instead of the maximum next to it, and with Krylov solves to 1e-7:
-/// inexact tangents shift the zero of the growth (2.8e-5 in frequency).
+/// With events decided at the samples the top is ragged: maxima a few 1e-6 apart differ by 1e-9. At 0.5 N the search
+/// finds a higher one than the reference (by 7.8e-10, 1.6e-6 away in frequency). Seen to fail with the phase resonance
+/// reported instead of the maximum next to it, and without `highest_nearby` (2.8e-5 away, 3.1e-7 lower).
 #[test]
 fn blades_and_strip_peaks_are_the_maxima_of_the_curves() {
     let case = Case::read("blades-strip-oop", "study.toml");
@@ -253,7 +254,9 @@ fn blades_and_strip_peaks_are_the_maxima_of_the_curves() {
             (solution.omega / omega - 1.0).abs(),
             (solution.amplitude(0) / amplitude - 1.0).abs(),
         ];
-        assert!(errors[0] < 1e-6 && errors[1] < 1e-8, "{errors:?}");
+        let higher = solution.amplitude(0) > amplitude;
+        let near = if higher { 3e-6 } else { 1e-6 };
+        assert!(errors[0] < near && errors[1] < 1e-8, "{errors:?}");
     }
 }
 
