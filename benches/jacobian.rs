@@ -79,7 +79,12 @@ impl State {
             frequency_tolerance: 3e-7,
         };
         let found = track_peaks(&problem, &settings, peak, &[level]).expect("definite");
-        let point = found[0].on_first_harmonics.clone().expect("peak found");
+        let solution = found[0].solution.as_ref().expect("peak found");
+        let point = Point {
+            r: solution.relative.clone(),
+            omega: solution.omega,
+            level: solution.level,
+        };
         Self { problem, point }
     }
 
