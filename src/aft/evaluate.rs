@@ -156,7 +156,7 @@ fn march_box<T: Real>(
     for l in 0..LANES {
         let (start, end) = (circle::lane2(&start, l), circle::lane2(&w, l));
         let change = circle::size(circle::change_over_lap(work, l, start, end));
-        if change <= circle::tolerance(work, l) {
+        if change <= work.tolerance[l] {
             cycle.periodicity[l] = box_periodicity(work, &cycle, l);
         }
     }

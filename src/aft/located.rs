@@ -407,7 +407,7 @@ impl<T: Real> LaneScratch<T> {
             Laps::Periodic => 2,
         };
         let change = circle::size(plays.map(|play| play.change));
-        let periodicity = if change > circle::tolerance(at.work, at.lane) {
+        let periodicity = if change > at.work.tolerance[at.lane] {
             Periodicity::NotPeriodic
         } else if plays.iter().all(|play| play.forgets) {
             Periodicity::Unique

@@ -8,6 +8,9 @@ use crate::contact::law::{
 use crate::contact::{ContactParameters, Real, Recontact};
 use pulp::Simd;
 
+/// Traction that counts as rounding, in rounding errors of the largest |k_t u| + mu N of the period.
+const TOLERANCE: f64 = 256.0;
+
 /// States marched together.
 pub(super) const LANES: usize = 8;
 
@@ -131,8 +134,8 @@ pub(super) struct Workspace<T> {
     pub closing_over_end: Lane<T>,
     /// Samples out of contact.
     pub separated: Lane<T>,
-    /// Largest |k_t u| + mu N of the period: scale of rounding errors of the tractions (N).
-    pub scale: Lane<T>,
+    /// Largest traction that counts as rounding (N).
+    pub tolerance: Lane<T>,
 }
 
 impl<T: Real> Workspace<T> {
@@ -239,7 +242,8 @@ impl<T: Real> Workspace<T> {
         self.separated = separated;
         for l in 0..LANES {
             let tangential = p.k_t[0][l] * first[l] + p.k_t[1][l] * second[l];
-            self.scale[l] = tangential + p.mu[l] * normal[l];
+            let scale = tangential + p.mu[l] * normal[l];
+            self.tolerance[l] = T::from_f64(TOLERANCE) * T::EPSILON * scale;
         }
         let last = self.samples.len() - 1;
         let mut before = [T::ONE; LANES];
@@ -286,6 +290,13 @@ impl<T: Real> Workspace<T> {
         count
     }
 
+    /// Distance from the limit (N) within which a slider of the circle law touches it: a steady cycle is found to
+    /// within the tolerance, so that its slider may stand off a limit that holds it by that much.
+    #[inline(always)]
+    pub(super) fn touch_margin(&self, lane: usize) -> T {
+        self.tolerance[lane] + self.tolerance[lane]
+    }
+
     /// One lap of the circle law from the sliders `w`, which end where the lap ends. If wanted, `monodromy`
     /// (2 × 2, row-major) is multiplied by the derivative of the end traction by the start traction.
     #[inline(always)]
@@ -294,6 +305,7 @@ impl<T: Real> Workspace<T> {
         w: &mut [Lane<T>; 2],
         monodromy: &mut [Lane<T>; 4],
     ) -> LapCount<T> {
+        let margin: Lane<T> = std::array::from_fn(|l| self.touch_margin(l));
         let p = &self.parameters;
         let mut count = LapCount::<T>::default();
         for s in &mut self.samples {
@@ -311,7 +323,7 @@ impl<T: Real> Workspace<T> {
                 let k_t = [p.k_t[0][l], p.k_t[1][l]];
                 let flexibility = [p.flexibility[0][l], p.flexibility[1][l]];
                 let limit = p.mu[l] * s.normal(l);
-                let step = circle_step(k_t, flexibility, limit, u, start);
+                let step = circle_step(k_t, flexibility, (limit, margin[l]), u, start);
                 [s.traction[0][l], s.traction[1][l]] = step.traction;
                 [w[0][l], w[1][l]] = step.slider;
                 let contact = s.gap[l] > T::ZERO;

@@ -360,6 +360,44 @@ fn forces_agree_with_a_plain_march() {
     }
 }
 
+/// A straight path whose two ends hold the slider a little off it: lap by lap the slider creeps towards the point where
+/// both do, and rests there. The mean displacement is large, so that k_t (u − w) cancels.
+/// Seen to fail with: Newton's method from the first lap alone; a margin of touching that does not grow with k_t u.
+#[test]
+fn a_slider_that_creeps_ends_where_two_samples_hold_it() {
+    let set = HarmonicSet::up_to(2);
+    let m = set.n_coefficients();
+    let s = settings(
+        48,
+        FrictionLaw::Circle,
+        Recontact::Interpolated,
+        Laps::Periodic,
+    );
+    let plan = AftPlan::<f64>::new(&set, s);
+    for (mean, stiffness) in [(0.0, 1.0), (10.0, 1.0), (400.0, 1.0), (400.0, 0.9)] {
+        let mut q = vec![0.0; 3 * m];
+        (q[0], q[m]) = (mean, -0.7 * mean);
+        (q[1], q[m + 1]) = (0.8, 0.6);
+        (q[3], q[2 * m + 3]) = (0.02, 0.003);
+        let p = ContactParameters {
+            k_n: 1.0,
+            k_t: [1.0, stiffness],
+            mu: 0.5,
+            n_0: 2.02,
+            anchor: [0.0; 2],
+        };
+        let state = State { q, p };
+        let out = run(&plan, std::slice::from_ref(&state), Want::Forces);
+        let periodicity = out.summaries[0].periodicity;
+        assert_eq!(periodicity, Periodicity::DependsOnAnchor, "mean {mean}");
+        let plain = plain_forces(&set, &state, s, 20_000);
+        let error = relative_difference(&forces(&out, 0), &plain);
+        assert!(error < 1e-9, "mean {mean}: force {error:e}");
+        let error = difference_error(&plan, &state);
+        assert!(error < 1e-6, "mean {mean}: tangent {error:e}");
+    }
+}
+
 /// Homogeneity of degree 1 without preload and anchor: J U = F (Euler). Seen to fail with: one normal block dropped.
 #[test]
 fn without_preload_the_tangent_reproduces_the_force() {
