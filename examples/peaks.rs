@@ -36,7 +36,7 @@ fn main() {
         aft: AftSettings {
             n_time: nt,
             law: FrictionLaw::Box,
-            recontact: Recontact::Located,
+            events: Events::Located,
             laps: Laps::Periodic,
         },
         anchor: SliderAnchor::Unloaded,

@@ -5,7 +5,7 @@ use super::plan::AftPlan;
 use crate::contact::law::{
     anchored_at_closing, box_step, circle_step, closing_instant, normal_force,
 };
-use crate::contact::{ContactParameters, Real, Recontact};
+use crate::contact::{ContactParameters, Events, Real};
 use pulp::Simd;
 
 /// Traction that counts as rounding, in rounding errors of the largest |k_t u| + mu N of the period.
@@ -27,7 +27,7 @@ pub(super) struct Sample<T> {
     pub u: [Lane<T>; 2],
     /// Gap function n_0 + k_n v (N).
     pub gap: Lane<T>,
-    /// Instant of closing since the point before (0 at other points, and for anchors at samples).
+    /// Instant of closing since the point before (0 at other points, and for events at samples).
     pub closing: Lane<T>,
     /// Tractions (N).
     pub traction: [Lane<T>; 2],
@@ -168,7 +168,7 @@ impl<T: Real> Workspace<T> {
         }
         self.samples.resize(plan.n_time(), Sample::default());
         self.synthesize(simd, plan);
-        self.close_gaps(plan.settings.recontact);
+        self.close_gaps(plan.settings.events);
     }
 
     /// Displacements at all time points; the approach goes into `gap`.
@@ -224,7 +224,7 @@ impl<T: Real> Workspace<T> {
 
     /// Gap functions and instants of closing.
     #[inline(always)]
-    fn close_gaps(&mut self, recontact: Recontact) {
+    fn close_gaps(&mut self, events: Events) {
         let p = &self.parameters;
         let (mut first, mut second, mut normal) =
             ([T::ZERO; LANES], [T::ZERO; LANES], [T::ZERO; LANES]);
@@ -248,10 +248,10 @@ impl<T: Real> Workspace<T> {
         let last = self.samples.len() - 1;
         let mut before = [T::ONE; LANES];
         for s in &mut self.samples {
-            s.closing = instants(recontact, &before, &s.gap);
+            s.closing = instants(events, &before, &s.gap);
             before = s.gap;
         }
-        self.closing_over_end = instants(recontact, &self.samples[last].gap, &self.samples[0].gap);
+        self.closing_over_end = instants(events, &self.samples[last].gap, &self.samples[0].gap);
     }
 
     /// One lap of the box law from the sliders `w`, which end where the lap ends.
@@ -405,10 +405,10 @@ pub(super) fn slip_monodromy<T: Real>(trial: [T; 2], ratio: T, factor: [T; 4]) -
 }
 
 #[inline(always)]
-fn instants<T: Real>(recontact: Recontact, before: &Lane<T>, gap: &Lane<T>) -> Lane<T> {
+fn instants<T: Real>(events: Events, before: &Lane<T>, gap: &Lane<T>) -> Lane<T> {
     let closes = |l: usize| before[l] <= T::ZERO && gap[l] > T::ZERO;
     // Few samples close a contact; the others are spared the division.
-    if recontact == Recontact::Interpolated && (0..LANES).any(closes) {
+    if events == Events::Interpolated && (0..LANES).any(closes) {
         std::array::from_fn(|l| closing_instant(before[l], gap[l]))
     } else {
         [T::ZERO; LANES]
