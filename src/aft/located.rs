@@ -8,9 +8,7 @@
 //! 2003).
 
 use super::batch::{AftBatch, AftForces, Block, Periodicity, StateSummary, Tangent, Want};
-use super::breakpoints::{
-    Breakpoint, Intervals, Signals, basis_row, derivative, first_sample_from,
-};
+use super::breakpoints::{Breakpoint, Intervals, Signals, basis_row, first_sample_from, rate};
 use super::circle;
 use super::march::Workspace;
 use super::plan::AftPlan;
@@ -123,7 +121,7 @@ impl<T: Real> Located<T> {
         for (d, play) in plays.iter_mut().enumerate() {
             clear(&mut scratch.force, m);
             if p.k_t[d] > T::ZERO {
-                *play = scratch.play(at, &p, d);
+                *play = scratch.play(at, &self.intervals, &p, d);
                 let blocks = tangents.then(|| &mut out.blocks[offset..]);
                 scratch.traction(plan, &p, d, blocks);
             }
@@ -150,7 +148,13 @@ impl<T: Real> Located<T> {
 
 impl<T: Real> LaneScratch<T> {
     /// Plays the slider of direction `d` from its anchor; `runs` are then the stretches of the last lap.
-    fn play(&mut self, at: Place<T>, p: &ContactParameters<T>, d: usize) -> Play<T> {
+    fn play(
+        &mut self,
+        at: Place<T>,
+        intervals: &Intervals<T>,
+        p: &ContactParameters<T>,
+        d: usize,
+    ) -> Play<T> {
         let laps = match at.plan.settings.laps {
             Laps::Fixed(n) => n,
             Laps::Periodic => 2,
@@ -205,7 +209,11 @@ impl<T: Real> LaneScratch<T> {
                     let mut from = ends[0];
                     if levels[0][side] != before {
                         let bracket = [(ends[0], levels[0][side]), (ends[1], levels[1][side])];
-                        from = self.slip_start(at, p, (d, side), before, bracket);
+                        from = self
+                            .signals
+                            .reaches(at.plan, (d, side), before, bracket, |i| {
+                                intervals.bound_at(at.work, (i, at.lane), (d, side))
+                            });
                         self.append(Run { end: from, ..stick });
                     }
                     if from < self.slip_from[k] {
@@ -237,29 +245,6 @@ impl<T: Real> LaneScratch<T> {
             Some(last) if last.motion == run.motion => last.end = run.end,
             _ => self.runs.push(run),
         }
-    }
-
-    /// Phase at which a bound reaches the slider.
-    fn slip_start(
-        &mut self,
-        at: Place<T>,
-        p: &ContactParameters<T>,
-        (d, side): (usize, usize),
-        slider: T,
-        bracket: [(T, T); 2],
-    ) -> T {
-        let sampled = |i: usize| {
-            let s = &at.work.samples[i];
-            let friction = p.mu * s.gap[at.lane];
-            let stick = p.k_t[d] * s.u[d][at.lane];
-            if side == 0 {
-                stick - friction
-            } else {
-                stick + friction
-            }
-        };
-        self.signals
-            .reaches(at.plan, (d, side), slider, bracket, sampled)
     }
 
     /// Traction coefficients of direction `d` from its runs into `force`, and its blocks if wanted.
@@ -334,7 +319,7 @@ impl<T: Real> LaneScratch<T> {
     ) -> [T; 2] {
         self.row.resize(plan.m, T::ONE);
         basis_row(plan, self.points[source.point].theta, &mut self.row);
-        let rate = |q: &[T]| derivative::<1, T>(plan, &self.row, q);
+        let rate = |q: &[T]| rate(plan, &self.row, q);
         let friction = match source.motion {
             Motion::SlipUp => -(p.mu * p.k_n),
             Motion::SlipDown => p.mu * p.k_n,
