@@ -95,6 +95,7 @@ impl<T: Real> Located<T> {
     }
 
     /// Forces, summary, and tangent if wanted, of one state after `mark`.
+    #[inline(always)]
     pub(super) fn evaluate(&mut self, at: Place<T>, want: Want, out: &mut AftForces<T>) {
         let (plan, m) = (at.plan, at.plan.m);
         let p = at.batch.parameters[at.state];
@@ -148,6 +149,7 @@ impl<T: Real> Located<T> {
 
 impl<T: Real> LaneScratch<T> {
     /// Plays the slider of direction `d` from its anchor; `runs` are then the stretches of the last lap.
+    #[inline(always)]
     fn play(
         &mut self,
         at: Place<T>,
@@ -234,12 +236,14 @@ impl<T: Real> LaneScratch<T> {
     }
 
     /// Phases at the ends of the interval after breakpoint k.
+    #[inline(always)]
     fn ends(&self, k: usize) -> [T; 2] {
         let end = self.points.get(k + 1).map_or(phase(TAU), |b| b.theta);
         [self.points[k].theta, end]
     }
 
     /// Lengthens the last run, or adds a new one.
+    #[inline(always)]
     fn append(&mut self, run: Run<T>) {
         match self.runs.last_mut() {
             Some(last) if last.motion == run.motion => last.end = run.end,
@@ -248,6 +252,7 @@ impl<T: Real> LaneScratch<T> {
     }
 
     /// Traction coefficients of direction `d` from its runs into `force`, and its blocks if wanted.
+    #[inline(always)]
     fn traction(
         &mut self,
         plan: &AftPlan<T>,
@@ -310,6 +315,7 @@ impl<T: Real> LaneScratch<T> {
     }
 
     /// Derivative of k_t w by u and by v: factors of the basis row of the event, which is left in `row`.
+    #[inline(always)]
     fn source_factors(
         &mut self,
         plan: &AftPlan<T>,
@@ -337,6 +343,7 @@ impl<T: Real> LaneScratch<T> {
     }
 
     /// Normal force coefficients into `force`, and their block if wanted.
+    #[inline(always)]
     fn normal(&mut self, plan: &AftPlan<T>, p: &ContactParameters<T>, nn: Option<&mut [T]>) {
         clear(&mut self.force, plan.m);
         clear(&mut self.stick, 2 * plan.n_mask_orders());
@@ -364,6 +371,7 @@ impl<T: Real> LaneScratch<T> {
         }
     }
 
+    #[inline(always)]
     fn store(&self, at: Place<T>, c: usize, forces: &mut [T]) {
         let column = forces[at.state..].iter_mut().step_by(at.batch.n_states);
         let column = column.skip(c * at.plan.m);
@@ -373,6 +381,7 @@ impl<T: Real> LaneScratch<T> {
     }
 
     /// Counts the samples in each motion.
+    #[inline(always)]
     fn summary(&self, at: Place<T>, plays: [Play<T>; 2]) -> StateSummary {
         let n = at.plan.n_time();
         let before = |theta: T| first_sample_from(theta.to_f64(), n as f64);
@@ -411,6 +420,7 @@ impl<T: Real> LaneScratch<T> {
 }
 
 /// The slider after a monotone stretch that ends with these bounds, and what it did there.
+#[inline(always)]
 fn pushed<T: Real>(slider: T, [lower, upper]: [T; 2], open: bool) -> (T, Motion) {
     if open {
         (T::from_f64(0.5) * (lower + upper), Motion::Separated)
@@ -428,6 +438,7 @@ fn phase<T: Real>(theta: f64) -> T {
 }
 
 /// ∫₀^θ cos kt dt and sin kt dt (but for a constant) for k = 0..=2H, in samples. Shape: `[2][2H + 1]`.
+#[inline(always)]
 fn antiderivative<T: Real>(plan: &AftPlan<T>, theta: T, out: &mut Vec<T>) {
     let n = plan.n_mask_orders();
     clear(out, 2 * n);
