@@ -10,7 +10,7 @@
 //! the best of several runs; on a shared machine compare ratios within one run only.
 
 use microslip::aft::{AftBatch, AftForces, AftPlan, AftSettings, Laps, Want, evaluate};
-use microslip::contact::{ContactParameters, FrictionLaw, Real, Recontact};
+use microslip::contact::{ContactParameters, Events, FrictionLaw, Real};
 use microslip::harmonics::HarmonicSet;
 use pulp::{Arch, Simd, WithSimd};
 use rand::{RngExt, SeedableRng};
@@ -39,15 +39,15 @@ fn main() {
     );
     for h in HARMONICS {
         for n_time in POINTS.into_iter().filter(|n| *n > 4 * h) {
-            for (law, recontact) in [
-                (FrictionLaw::Box, Recontact::Interpolated),
-                (FrictionLaw::Box, Recontact::Located),
-                (FrictionLaw::Circle, Recontact::Interpolated),
+            for (law, events) in [
+                (FrictionLaw::Box, Events::Interpolated),
+                (FrictionLaw::Box, Events::Located),
+                (FrictionLaw::Circle, Events::Interpolated),
             ] {
                 let settings = AftSettings {
                     n_time,
                     law,
-                    recontact,
+                    events,
                     laps: Laps::Periodic,
                 };
                 report(h, settings, peak);
@@ -72,7 +72,7 @@ fn report(h: usize, settings: AftSettings, peak: f64) {
         "{h:>3} {:>4} {:<8} {:<13} {:>7.0} k {:>7.0} k {:>5.1} k {forces_share:>4.1} % {tangents_share:>4.1} %",
         settings.n_time,
         format!("{:?}", settings.law),
-        format!("{:?}", settings.recontact),
+        format!("{:?}", settings.events),
         forces / 1e3,
         tangents / 1e3,
         operations / 1e3,
@@ -84,7 +84,7 @@ fn single_precision() {
     let settings = AftSettings {
         n_time: 128,
         law: FrictionLaw::Box,
-        recontact: Recontact::Interpolated,
+        events: Events::Interpolated,
         laps: Laps::Periodic,
     };
     let rate = rate::<f32>(&set, settings, Want::Forces);

@@ -10,7 +10,7 @@ use divan::{Bencher, black_box};
 use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
 use microslip::aft::{AftSettings, Laps};
-use microslip::contact::{ContactParameters, FrictionLaw, Recontact};
+use microslip::contact::{ContactParameters, Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::alert::{pad, time_points};
 use microslip::hb::jacobian::Jacobian;
@@ -28,7 +28,7 @@ use std::sync::LazyLock;
 const AFT: AftSettings = AftSettings {
     n_time: 128,
     law: FrictionLaw::Box,
-    recontact: Recontact::Interpolated,
+    events: Events::Interpolated,
     laps: Laps::Periodic,
 };
 const HIGHEST: [usize; 4] = [5, 8, 13, 21];

@@ -8,7 +8,7 @@
 #![expect(clippy::expect_used, reason = "a benchmark without its state fails")]
 
 use microslip::aft::{AftSettings, Laps, Want};
-use microslip::contact::{ContactParameters, FrictionLaw, Recontact};
+use microslip::contact::{ContactParameters, Events, FrictionLaw};
 use microslip::ensemble::Ensemble;
 use microslip::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use microslip::harmonics::HarmonicSet;
@@ -153,7 +153,7 @@ fn settings(highest: usize, alert: Option<AlertSettings>) -> HbSettings {
         aft: AftSettings {
             n_time: (12 * highest).next_power_of_two().max(128),
             law: FrictionLaw::Box,
-            recontact: Recontact::Located,
+            events: Events::Located,
             laps: Laps::Periodic,
         },
         anchor: SliderAnchor::Unloaded,
@@ -378,7 +378,7 @@ fn peers() {
         aft: AftSettings {
             n_time: 256,
             law: FrictionLaw::Circle,
-            recontact: Recontact::Interpolated,
+            events: Events::Interpolated,
             laps: Laps::Periodic,
         },
         alert: None,

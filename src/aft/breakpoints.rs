@@ -4,7 +4,7 @@
 //! Breakpoints are the roots of the gap function and the points where a bound turns away from the slider. Between two of
 //! them the gap keeps its sign and a bound can push at their end only, so that the clip of the law at the breakpoints
 //! alone gives the exact slider.
-//! The signals are trigonometric polynomials: samples of them and of their rates bracket the breakpoints, Newton's
+//! The signals are trigonometric polynomials: samples of them and of their rates bracket the breakpoints, Halley's
 //! method locates them to rounding.
 
 use super::march::{Components, LANES, Lane, Workspace, flag};
@@ -89,7 +89,7 @@ impl<T: Real> Signals<T> {
     #[inline(always)]
     fn at(&mut self, plan: &AftPlan<T>, theta: T) -> Breakpoint<T> {
         basis_row(plan, theta, &mut self.row);
-        let value = |q: &[T]| derivative::<0, T>(plan, &self.row, q);
+        let value = |q: &[T]| value(&self.row, q);
         Breakpoint {
             theta,
             u: [value(&self.u[0]), value(&self.u[1])],
@@ -115,45 +115,68 @@ pub(super) fn basis_row<T: Real>(plan: &AftPlan<T>, theta: T, row: &mut [T]) {
     }
 }
 
-/// N-th derivative (0 to 3) of the polynomial with coefficients `q` where the basis row is `row`.
+/// N-th derivative (0 to 2) of the polynomial with coefficients `q` where the basis row is `row`, and the next two.
 #[inline(always)]
-pub(super) fn derivative<const N: usize, T: Real>(plan: &AftPlan<T>, row: &[T], q: &[T]) -> T {
-    let mut sum = if N == 0 { q[0] } else { T::ZERO };
+fn derivatives<const N: usize, T: Real>(plan: &AftPlan<T>, row: &[T], q: &[T]) -> [T; 3] {
+    let mut sums = [if N == 0 { q[0] } else { T::ZERO }, T::ZERO, T::ZERO];
     let terms = row[1..].chunks_exact(2).zip(q[1..].chunks_exact(2));
     for (&k, (b, q)) in plan.orders[1..].iter().zip(terms) {
         let k = T::from_f64(k as f64);
         let (even, odd) = (q[0] * b[0] + q[1] * b[1], q[1] * b[0] - q[0] * b[1]);
-        sum += match N {
-            0 => even,
-            1 => k * odd,
-            2 => -(k * k * even),
-            _ => -(k * k * k * odd),
+        let terms = match N {
+            0 => [even, k * odd, -(k * k * even)],
+            1 => [k * odd, -(k * k * even), -(k * k * k * odd)],
+            _ => [-(k * k * even), -(k * k * k * odd), k * k * k * k * even],
         };
+        for (sum, term) in sums.iter_mut().zip(terms) {
+            *sum += term;
+        }
     }
-    sum
+    sums
+}
+
+/// The value of the polynomial with coefficients `q` where the basis row is `row`.
+#[inline(always)]
+fn value<T: Real>(row: &[T], q: &[T]) -> T {
+    let terms = row[1..].iter().zip(&q[1..]);
+    terms.fold(q[0], |sum, (&b, &q)| sum + b * q)
+}
+
+/// Its derivative by the phase.
+#[inline(always)]
+pub(super) fn rate<T: Real>(plan: &AftPlan<T>, row: &[T], q: &[T]) -> T {
+    derivatives::<0, T>(plan, row, q)[1]
 }
 
 /// Phase between `low` and `high` where the N-th derivative of `q` is `level`; it is above at `high` if `rising`, else
-/// at `low`. M = N + 1. Newton's method from `guess`, with bisection where it would leave the bracket.
+/// at `low`. Halley's method from `guess`, with bisection where it would leave the bracket. Ends where the error after
+/// the step, a multiple of its cube, is within rounding; for a turning point within the root of it, since the value
+/// there depends on the square of the error.
 #[inline(always)]
-fn root<const N: usize, const M: usize, T: Real>(
+fn root<const N: usize, T: Real>(
     (plan, row): (&AftPlan<T>, &mut [T]),
     (q, level): (&[T], T),
     [mut low, mut high]: [T; 2],
     rising: bool,
     guess: T,
 ) -> T {
-    let middle = |low: T, high: T| T::from_f64(0.5) * (low + high);
+    let half = T::from_f64(0.5);
+    let middle = |low: T, high: T| half * (low + high);
     let mut theta = if guess > low && guess < high {
         guess
     } else {
         middle(low, high)
     };
-    // A Newton step shorter than this leaves an error of about its square.
-    let short = T::EPSILON.sqrt() * (high - low);
+    let tolerance = if N == 0 {
+        T::EPSILON
+    } else {
+        T::EPSILON.sqrt()
+    };
+    let width = high - low;
     for _ in 0..MAX_STEPS {
         basis_row(plan, theta, row);
-        let value = derivative::<N, T>(plan, row, q) - level;
+        let [value, slope, curvature] = derivatives::<N, T>(plan, row, q);
+        let value = value - level;
         if value == T::ZERO {
             break;
         }
@@ -162,16 +185,35 @@ fn root<const N: usize, const M: usize, T: Real>(
         } else {
             low = theta;
         }
-        let newton = theta - value / derivative::<M, T>(plan, row, q);
-        let inside = newton > low && newton < high;
-        let next = if inside { newton } else { middle(low, high) };
+        let newton = value / slope;
+        let bend = newton * curvature / slope;
+        let halley = theta - newton / (T::ONE - half * bend);
+        let inside = halley > low && halley < high;
+        let next = if inside { halley } else { middle(low, high) };
         let step = (next - theta).abs();
+        let share = step / width;
         theta = next;
-        if (inside && step <= short) || step <= T::EPSILON * high {
+        let error = step * (bend * bend + share * share);
+        if (inside && error <= tolerance) || step <= T::EPSILON * high {
             break;
         }
     }
     theta
+}
+
+/// Where a monotone function with these values and rates (times the step) at both ends passes zero, as a share of the
+/// interval: by the cubic of the phase over the value, or by the straight line where that leaves the interval.
+#[inline(always)]
+fn crossing_share<T: Real>(value: [T; 2], rate: [T; 2]) -> T {
+    let line = linear_share(value[0], value[1]);
+    let (rest, rise) = (T::ONE - line, value[1] - value[0]);
+    let share = line * line * (T::ONE + rest + rest)
+        + rise * line * rest * (rest / rate[0] - line / rate[1]);
+    if share > T::ZERO && share < T::ONE {
+        share
+    } else {
+        line
+    }
 }
 
 /// Where a straight line between two values of different sign passes zero, as a share of the interval.
@@ -288,12 +330,15 @@ impl<T: Real> Intervals<T> {
         };
         let gaps = [i, next].map(|i| work.samples[i].gap[lane]);
         if marks & CROSSING != 0 {
-            let theta = signals.gap_root(plan, ends, gaps);
+            let rate =
+                |i: usize| step * work.parameters.k_n[lane] * self.rates[i][2 * LANES + lane];
+            let guess = ends[0] + step * crossing_share(gaps, [i, next].map(rate));
+            let theta = signals.gap_root(plan, ends, gaps[1] > T::ZERO, guess);
             points.push(crossing(signals, theta));
         } else if marks & DIP != 0 {
             let rising = gaps[0] < T::ZERO;
             let guess = T::from_f64(0.5) * (ends[0] + ends[1]);
-            let turn = root::<1, 2, T>(
+            let turn = root::<1, T>(
                 (plan, &mut signals.row),
                 (&signals.gap, T::ZERO),
                 ends,
@@ -302,8 +347,10 @@ impl<T: Real> Intervals<T> {
             );
             let extreme = signals.at(plan, turn).gap;
             if (extreme > T::ZERO) != (gaps[0] > T::ZERO) {
-                let first = signals.gap_root(plan, [ends[0], turn], [gaps[0], extreme]);
-                let second = signals.gap_root(plan, [turn, ends[1]], [extreme, gaps[1]]);
+                let before = ends[0] + (turn - ends[0]) * linear_share(gaps[0], extreme);
+                let after = turn + (ends[1] - turn) * linear_share(extreme, gaps[1]);
+                let first = signals.gap_root(plan, [ends[0], turn], rising, before);
+                let second = signals.gap_root(plan, [turn, ends[1]], !rising, after);
                 points.push(crossing(signals, first));
                 points.push(crossing(signals, second));
             }
@@ -316,7 +363,9 @@ impl<T: Real> Intervals<T> {
         for bound in 0..4 {
             let (d, side) = (bound / 2, bound % 2);
             if marks & (TURN << bound) != 0 {
-                let ([low, high], rates) = self.bound_at_ends(work, (i, next, lane), (d, side));
+                let (low, first) = self.bound_at(work, (i, lane), (d, side));
+                let (high, second) = self.bound_at(work, (next, lane), (d, side));
+                let rates = [first, second];
                 let turns_away = (rates[1] > T::ZERO) == (side == 1);
                 if turns_away || touches {
                     let guess = ends[0] + step * turn_share(high - low, rates.map(|r| step * r));
@@ -335,26 +384,22 @@ impl<T: Real> Intervals<T> {
         }
     }
 
-    /// Values and rates of a bound at two samples.
+    /// Value and rate of a bound at a sample.
     #[inline(always)]
-    fn bound_at_ends(
+    pub(super) fn bound_at(
         &self,
         work: &Workspace<T>,
-        (i, next, lane): (usize, usize, usize),
+        (i, lane): (usize, usize),
         (d, side): (usize, usize),
-    ) -> ([T; 2], [T; 2]) {
+    ) -> (T, T) {
         let p = work.parameters.of(lane);
         let factor = if side == 0 { -p.mu } else { p.mu };
-        let value = |i: usize| {
-            let s = &work.samples[i];
-            p.k_t[d] * s.u[d][lane] + factor * s.gap[lane]
-        };
-        let rate = |i: usize| {
-            let rates = &self.rates[i];
-            let friction = factor * (p.k_n * rates[2 * LANES + lane]);
-            p.k_t[d] * rates[d * LANES + lane] + friction
-        };
-        ([value(i), value(next)], [rate(i), rate(next)])
+        let (s, rates) = (&work.samples[i], &self.rates[i]);
+        let friction = factor * (p.k_n * rates[2 * LANES + lane]);
+        (
+            p.k_t[d] * s.u[d][lane] + factor * s.gap[lane],
+            p.k_t[d] * rates[d * LANES + lane] + friction,
+        )
     }
 }
 
@@ -371,18 +416,11 @@ fn sampled<T: Real>(work: &Workspace<T>, i: usize, lane: usize, theta: T) -> Bre
 }
 
 impl<T: Real> Signals<T> {
-    /// Root of the gap function between two phases where it has the values `gaps`.
+    /// Root of the gap function between two phases.
     #[inline(always)]
-    fn gap_root(&mut self, plan: &AftPlan<T>, ends: [T; 2], gaps: [T; 2]) -> T {
-        let guess = ends[0] + (ends[1] - ends[0]) * linear_share(gaps[0], gaps[1]);
-        let rising = gaps[1] > T::ZERO;
-        root::<0, 1, T>(
-            (plan, &mut self.row),
-            (&self.gap, T::ZERO),
-            ends,
-            rising,
-            guess,
-        )
+    fn gap_root(&mut self, plan: &AftPlan<T>, ends: [T; 2], rising: bool, guess: T) -> T {
+        let signal = (self.gap.as_slice(), T::ZERO);
+        root::<0, T>((plan, &mut self.row), signal, ends, rising, guess)
     }
 
     /// Turning point of a bound between two phases.
@@ -396,7 +434,7 @@ impl<T: Real> Signals<T> {
         guess: T,
     ) -> T {
         let bound = &self.bounds[d][side];
-        root::<1, 2, T>((plan, &mut self.row), (bound, T::ZERO), ends, rising, guess)
+        root::<1, T>((plan, &mut self.row), (bound, T::ZERO), ends, rising, guess)
     }
 
     /// Two turning points of a bound whose rate has the same sign at both phases, if it has another one between them.
@@ -410,13 +448,13 @@ impl<T: Real> Signals<T> {
         let bound = &self.bounds[d][side];
         let slopes = ends.map(|theta| {
             basis_row(plan, theta, &mut self.row);
-            derivative::<2, T>(plan, &self.row, bound) > T::ZERO
+            derivatives::<2, T>(plan, &self.row, bound)[0] > T::ZERO
         });
         if slopes[0] == slopes[1] {
             return None;
         }
         let guess = middle(ends[0], ends[1]);
-        let top = root::<2, 3, T>(
+        let top = root::<2, T>(
             (plan, &mut self.row),
             (bound, T::ZERO),
             ends,
@@ -425,7 +463,7 @@ impl<T: Real> Signals<T> {
         );
         let sign = |theta: T, row: &mut [T]| {
             basis_row(plan, theta, row);
-            derivative::<1, T>(plan, row, bound) > T::ZERO
+            rate(plan, row, bound) > T::ZERO
         };
         let (outside, inside) = (sign(ends[0], &mut self.row), sign(top, &mut self.row));
         if outside == inside {
@@ -448,8 +486,8 @@ impl<T: Real> Signals<T> {
         Some([first, second])
     }
 
-    /// Phase at which a bound that is monotone from breakpoint `a` to `b` reaches `level`. The samples between them
-    /// narrow the bracket.
+    /// Phase at which a bound that is monotone from breakpoint `a` to `b` reaches `level`. The samples between them,
+    /// value and rate, narrow the bracket.
     #[inline(always)]
     pub(super) fn reaches(
         &mut self,
@@ -457,28 +495,33 @@ impl<T: Real> Signals<T> {
         (d, side): (usize, usize),
         level: T,
         [mut a, mut b]: [(T, T); 2],
-        sampled: impl Fn(usize) -> T,
+        sampled: impl Fn(usize) -> (T, T),
     ) -> T {
         let n = plan.n_time() as f64;
         let rising = b.1 > a.1;
+        let mut rates = [None; 2];
         let (mut low, mut high) = (
             first_sample_from(a.0.to_f64(), n),
             first_sample_from(b.0.to_f64(), n),
         );
         while low < high {
             let middle = usize::midpoint(low, high);
-            let value = sampled(middle);
+            let (value, rate) = sampled(middle);
             let point = (T::from_f64(middle as f64 * TAU / n), value);
             if (value > level) == rising {
-                (high, b) = (middle, point);
+                (high, b, rates[1]) = (middle, point, Some(rate));
             } else {
-                (low, a) = (middle + 1, point);
+                (low, a, rates[0]) = (middle + 1, point, Some(rate));
             }
         }
-        let share = linear_share(a.1 - level, b.1 - level);
-        let guess = a.0 + (b.0 - a.0) * share;
+        let (values, width) = ([a.1 - level, b.1 - level], b.0 - a.0);
+        let share = match rates {
+            [Some(first), Some(second)] => crossing_share(values, [width * first, width * second]),
+            _ => linear_share(values[0], values[1]),
+        };
+        let guess = a.0 + width * share;
         let bound = &self.bounds[d][side];
-        root::<0, 1, T>(
+        root::<0, T>(
             (plan, &mut self.row),
             (bound, level),
             [a.0, b.0],

@@ -6,7 +6,7 @@
 //! from the anchor counts.
 
 use super::batch::Periodicity;
-use super::march::{LANES, Lane, LapCount, Workspace};
+use super::march::{LANES, Lane, LapCount, Workspace, slip_monodromy};
 use super::plan::AftPlan;
 use super::settings::Laps;
 use crate::contact::Real;
@@ -16,8 +16,6 @@ use crate::contact::law::{anchored_at_closing, circle_step};
 const NEWTON_LAPS: u32 = 30;
 /// Laps after which a cycle counts as not periodic.
 const MAX_LAPS: u32 = 200;
-/// Traction change over a lap, in rounding errors of the largest traction, below which the lap is periodic.
-const TOLERANCE: f64 = 256.0;
 
 /// How the lanes were marched.
 #[derive(Debug, Clone, Copy)]
@@ -92,7 +90,7 @@ impl<T: Real> Cycle<T> {
                 self.laps[l] = u32::try_from(laps).unwrap_or(u32::MAX);
             }
             let change = change_over_lap(work, l, lane2(&self.start, l), lane2(&w, l));
-            let periodic = size(change) <= tolerance(work, l);
+            let periodic = size(change) <= work.tolerance[l];
             self.periodicity[l] = classify(periodic, &monodromy, l);
         }
     }
@@ -112,7 +110,7 @@ impl<T: Real> Cycle<T> {
             for (l, search) in search.iter_mut().enumerate().filter(|(_, s)| !s.done) {
                 self.laps[l] = lap;
                 let change = change_over_lap(work, l, lane2(&self.start, l), lane2(&end, l));
-                let tolerance = tolerance(work, l);
+                let tolerance = work.tolerance[l];
                 let m = lane4(&monodromy, l);
                 if search.settled(change, m, tolerance) || lap == MAX_LAPS {
                     search.done = true;
@@ -138,15 +136,16 @@ impl<T: Real> Cycle<T> {
     }
 
     /// Plain laps of one lane from the anchor, where Newton's method ended in a cycle without slip, which is not
-    /// unique. If they creep towards their limit, the cycle that Newton's method found stays.
+    /// unique. Where they creep, their limit is where several samples hold the slider, which Newton's method finds
+    /// from their end; if it does not, the cycle that it found before stays.
     fn plain_laps(&mut self, work: &mut Workspace<T>, l: usize) {
         let found = lane2(&self.start, l);
         let mut w = lane2(&work.parameters.anchor, l);
         for lap in 1..=MAX_LAPS {
             let start = w;
-            let slip = lap_of_lane(work, l, &mut w, lap == 1);
+            let (slip, _) = lap_of_lane(work, l, &mut w, lap == 1);
             let change = change_over_lap(work, l, start, w);
-            if lap > 1 && size(change) <= tolerance(work, l) {
+            if lap > 1 && size(change) <= work.tolerance[l] {
                 (self.start[0][l], self.start[1][l]) = (start[0], start[1]);
                 (self.laps[l], self.count.slip[l]) = (lap, slip);
                 self.periodicity[l] = Periodicity::DependsOnAnchor;
@@ -154,8 +153,14 @@ impl<T: Real> Cycle<T> {
                 return;
             }
         }
-        w = found;
-        self.count.slip[l] = lap_of_lane(work, l, &mut w, false);
+        let held = held_slider(work, l, w);
+        if held.is_some() {
+            self.periodicity[l] = Periodicity::DependsOnAnchor;
+            self.from_anchor[l] = false;
+        }
+        w = held.unwrap_or(found);
+        (self.start[0][l], self.start[1][l]) = (w[0], w[1]);
+        (self.count.slip[l], _) = lap_of_lane(work, l, &mut w, false);
     }
 }
 
@@ -232,12 +237,6 @@ fn classify<T: Real>(periodic: bool, monodromy: &[Lane<T>; 4], l: usize) -> Peri
     }
 }
 
-/// Largest change of a traction over a lap that counts as rounding (N).
-#[inline(always)]
-pub(super) fn tolerance<T: Real>(work: &Workspace<T>, l: usize) -> T {
-    T::from_f64(TOLERANCE) * T::EPSILON * work.scale[l]
-}
-
 /// Change of k_t w over a lap (N).
 #[inline(always)]
 pub(super) fn change_over_lap<T: Real>(
@@ -265,8 +264,33 @@ fn lane4<T: Copy>(x: &[Lane<T>; 4], l: usize) -> [T; 4] {
     [x[0][l], x[1][l], x[2][l], x[3][l]]
 }
 
-/// One lap of one lane; returns the number of samples that slip.
-fn lap_of_lane<T: Real>(work: &mut Workspace<T>, l: usize, w: &mut [T; 2], first: bool) -> T {
+/// Slider at the start of a lap on which several samples hold it, by Newton's method from `w`.
+fn held_slider<T: Real>(work: &mut Workspace<T>, l: usize, mut w: [T; 2]) -> Option<[T; 2]> {
+    for _ in 0..NEWTON_LAPS {
+        let start = w;
+        let (_, m) = lap_of_lane(work, l, &mut w, false);
+        if is_singular(m) {
+            return None;
+        }
+        let step = solve_identity_minus(m, change_over_lap(work, l, start, w));
+        if size(step) <= work.tolerance[l] {
+            return Some(start);
+        }
+        w = std::array::from_fn(|d| start[d] + step[d] * work.parameters.flexibility[d][l]);
+    }
+    None
+}
+
+/// One lap of one lane; returns the number of samples that slip and the derivative of the end traction by the start
+/// traction.
+fn lap_of_lane<T: Real>(
+    work: &mut Workspace<T>,
+    l: usize,
+    w: &mut [T; 2],
+    first: bool,
+) -> (T, [T; 4]) {
+    let mut monodromy = lane4(&identity(), l);
+    let margin = work.touch_margin(l);
     let p = work.parameters;
     let mut slip = T::ZERO;
     for (i, s) in work.samples.iter_mut().enumerate() {
@@ -281,12 +305,18 @@ fn lap_of_lane<T: Real>(work: &mut Workspace<T>, l: usize, w: &mut [T; 2], first
             anchored_at_closing(w[1], u[1], closing),
         ];
         let limit = p.mu[l] * s.normal(l);
-        let step = circle_step(lane2(&p.k_t, l), lane2(&p.flexibility, l), limit, u, start);
+        let (k_t, flexibility) = (lane2(&p.k_t, l), lane2(&p.flexibility, l));
+        let step = circle_step(k_t, flexibility, (limit, margin), u, start);
         *w = step.slider;
         [s.traction[0][l], s.traction[1][l]] = step.traction;
+        if s.gap[l] <= T::ZERO {
+            monodromy = [T::ZERO; 4];
+        } else if step.touches {
+            monodromy = slip_monodromy(step.trial, step.ratio, monodromy);
+        }
         if step.slips && s.gap[l] > T::ZERO {
             slip += T::ONE;
         }
     }
-    slip
+    (slip, monodromy)
 }

@@ -102,6 +102,7 @@ impl<T: Real> CircleScratch<T> {
     fn lap(&mut self, view: View<T>, first: bool, mut target: Option<Target<T>>) {
         let p = view.parameters();
         let flexibility = lane2(&view.work.parameters.flexibility, view.lane);
+        let margin = view.work.touch_margin(view.lane);
         let mut stick_start = None;
         for (i, s) in view.work.samples.iter().enumerate() {
             let u = [s.u[0][view.lane], s.u[1][view.lane]];
@@ -109,7 +110,7 @@ impl<T: Real> CircleScratch<T> {
                 self.close_gap(view, i, s.closing[view.lane], u);
             }
             let limit = p.mu * s.normal(view.lane);
-            let step = circle_step(p.k_t, flexibility, limit, u, self.slider);
+            let step = circle_step(p.k_t, flexibility, (limit, margin), u, self.slider);
             let contact = s.gap[view.lane] > T::ZERO;
             if contact && !step.touches {
                 stick_start = stick_start.or(Some(i));

@@ -8,7 +8,7 @@ use super::march::{LANES, Workspace};
 use super::plan::AftPlan;
 use super::settings::Laps;
 use super::tangent::{Event, SegmentScratch, View, box_tangent};
-use crate::contact::{FrictionLaw, Real, Recontact};
+use crate::contact::{Events, FrictionLaw, Real};
 use pulp::{Simd, WithSimd};
 
 /// Buffers of an evaluation.
@@ -21,7 +21,7 @@ pub(super) struct Scratch<T> {
 }
 
 /// Last events of both directions before the last lap, per lane.
-type Events = [[Option<Event>; 2]; LANES];
+type LastEvents = [[Option<Event>; 2]; LANES];
 
 /// Contact forces, and tangents if wanted, of every state of the batch.
 ///
@@ -66,7 +66,7 @@ impl<T: Real> WithSimd for Evaluation<'_, T> {
         let mut scratch = std::mem::take(&mut out.scratch);
         for first in (0..batch.n_states).step_by(LANES) {
             scratch.work.load(simd, plan, batch, first);
-            if plan.settings().recontact == Recontact::Located {
+            if plan.settings().events == Events::Located {
                 locate(simd, plan, batch, first, &mut scratch, (want, out));
                 continue;
             }
@@ -74,7 +74,7 @@ impl<T: Real> WithSimd for Evaluation<'_, T> {
                 FrictionLaw::Box => march_box(plan, &mut scratch.work, want),
                 FrictionLaw::Circle => {
                     let cycle = circle::march(plan, &mut scratch.work);
-                    (cycle, Events::default())
+                    (cycle, LastEvents::default())
                 }
             };
             store_forces(simd, plan, &mut scratch.work, first, out);
@@ -119,12 +119,12 @@ fn march_box<T: Real>(
     plan: &AftPlan<T>,
     work: &mut Workspace<T>,
     want: Want,
-) -> (Cycle<T>, Events) {
+) -> (Cycle<T>, LastEvents) {
     let laps = match plan.settings().laps {
         Laps::Fixed(n) => n,
         Laps::Periodic => 2,
     };
-    let mut events = Events::default();
+    let mut events = LastEvents::default();
     let mut w = work.parameters.anchor;
     let mut start = w;
     let mut count = work.box_lap(&mut w);
@@ -156,7 +156,7 @@ fn march_box<T: Real>(
     for l in 0..LANES {
         let (start, end) = (circle::lane2(&start, l), circle::lane2(&w, l));
         let change = circle::size(circle::change_over_lap(work, l, start, end));
-        if change <= circle::tolerance(work, l) {
+        if change <= work.tolerance[l] {
             cycle.periodicity[l] = box_periodicity(work, &cycle, l);
         }
     }
@@ -183,7 +183,7 @@ fn update_events<T: Real>(
     plan: &AftPlan<T>,
     work: &Workspace<T>,
     stuck: &[bool; LANES],
-    events: &mut Events,
+    events: &mut LastEvents,
 ) {
     for lane in (0..LANES).filter(|&l| !stuck[l]) {
         let view = View { plan, work, lane };
@@ -296,15 +296,15 @@ mod tests {
     fn every_instruction_set_gives_the_same_bits() {
         let set = HarmonicSet::up_to(5);
         let batch = states(21, set.n_coefficients());
-        for (law, recontact) in [
-            (FrictionLaw::Box, Recontact::Interpolated),
-            (FrictionLaw::Box, Recontact::Located),
-            (FrictionLaw::Circle, Recontact::Interpolated),
+        for (law, events) in [
+            (FrictionLaw::Box, Events::Interpolated),
+            (FrictionLaw::Box, Events::Located),
+            (FrictionLaw::Circle, Events::Interpolated),
         ] {
             let settings = AftSettings {
                 n_time: 64,
                 law,
-                recontact,
+                events,
                 laps: Laps::Periodic,
             };
             let best = AftPlan::new(&set, settings);

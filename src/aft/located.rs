@@ -8,9 +8,7 @@
 //! 2003).
 
 use super::batch::{AftBatch, AftForces, Block, Periodicity, StateSummary, Tangent, Want};
-use super::breakpoints::{
-    Breakpoint, Intervals, Signals, basis_row, derivative, first_sample_from,
-};
+use super::breakpoints::{Breakpoint, Intervals, Signals, basis_row, first_sample_from, rate};
 use super::circle;
 use super::march::Workspace;
 use super::plan::AftPlan;
@@ -97,6 +95,7 @@ impl<T: Real> Located<T> {
     }
 
     /// Forces, summary, and tangent if wanted, of one state after `mark`.
+    #[inline(always)]
     pub(super) fn evaluate(&mut self, at: Place<T>, want: Want, out: &mut AftForces<T>) {
         let (plan, m) = (at.plan, at.plan.m);
         let p = at.batch.parameters[at.state];
@@ -123,7 +122,7 @@ impl<T: Real> Located<T> {
         for (d, play) in plays.iter_mut().enumerate() {
             clear(&mut scratch.force, m);
             if p.k_t[d] > T::ZERO {
-                *play = scratch.play(at, &p, d);
+                *play = scratch.play(at, &self.intervals, &p, d);
                 let blocks = tangents.then(|| &mut out.blocks[offset..]);
                 scratch.traction(plan, &p, d, blocks);
             }
@@ -150,7 +149,14 @@ impl<T: Real> Located<T> {
 
 impl<T: Real> LaneScratch<T> {
     /// Plays the slider of direction `d` from its anchor; `runs` are then the stretches of the last lap.
-    fn play(&mut self, at: Place<T>, p: &ContactParameters<T>, d: usize) -> Play<T> {
+    #[inline(always)]
+    fn play(
+        &mut self,
+        at: Place<T>,
+        intervals: &Intervals<T>,
+        p: &ContactParameters<T>,
+        d: usize,
+    ) -> Play<T> {
         let laps = match at.plan.settings.laps {
             Laps::Fixed(n) => n,
             Laps::Periodic => 2,
@@ -205,7 +211,11 @@ impl<T: Real> LaneScratch<T> {
                     let mut from = ends[0];
                     if levels[0][side] != before {
                         let bracket = [(ends[0], levels[0][side]), (ends[1], levels[1][side])];
-                        from = self.slip_start(at, p, (d, side), before, bracket);
+                        from = self
+                            .signals
+                            .reaches(at.plan, (d, side), before, bracket, |i| {
+                                intervals.bound_at(at.work, (i, at.lane), (d, side))
+                            });
                         self.append(Run { end: from, ..stick });
                     }
                     if from < self.slip_from[k] {
@@ -226,12 +236,14 @@ impl<T: Real> LaneScratch<T> {
     }
 
     /// Phases at the ends of the interval after breakpoint k.
+    #[inline(always)]
     fn ends(&self, k: usize) -> [T; 2] {
         let end = self.points.get(k + 1).map_or(phase(TAU), |b| b.theta);
         [self.points[k].theta, end]
     }
 
     /// Lengthens the last run, or adds a new one.
+    #[inline(always)]
     fn append(&mut self, run: Run<T>) {
         match self.runs.last_mut() {
             Some(last) if last.motion == run.motion => last.end = run.end,
@@ -239,30 +251,8 @@ impl<T: Real> LaneScratch<T> {
         }
     }
 
-    /// Phase at which a bound reaches the slider.
-    fn slip_start(
-        &mut self,
-        at: Place<T>,
-        p: &ContactParameters<T>,
-        (d, side): (usize, usize),
-        slider: T,
-        bracket: [(T, T); 2],
-    ) -> T {
-        let sampled = |i: usize| {
-            let s = &at.work.samples[i];
-            let friction = p.mu * s.gap[at.lane];
-            let stick = p.k_t[d] * s.u[d][at.lane];
-            if side == 0 {
-                stick - friction
-            } else {
-                stick + friction
-            }
-        };
-        self.signals
-            .reaches(at.plan, (d, side), slider, bracket, sampled)
-    }
-
     /// Traction coefficients of direction `d` from its runs into `force`, and its blocks if wanted.
+    #[inline(always)]
     fn traction(
         &mut self,
         plan: &AftPlan<T>,
@@ -325,6 +315,7 @@ impl<T: Real> LaneScratch<T> {
     }
 
     /// Derivative of k_t w by u and by v: factors of the basis row of the event, which is left in `row`.
+    #[inline(always)]
     fn source_factors(
         &mut self,
         plan: &AftPlan<T>,
@@ -334,7 +325,7 @@ impl<T: Real> LaneScratch<T> {
     ) -> [T; 2] {
         self.row.resize(plan.m, T::ONE);
         basis_row(plan, self.points[source.point].theta, &mut self.row);
-        let rate = |q: &[T]| derivative::<1, T>(plan, &self.row, q);
+        let rate = |q: &[T]| rate(plan, &self.row, q);
         let friction = match source.motion {
             Motion::SlipUp => -(p.mu * p.k_n),
             Motion::SlipDown => p.mu * p.k_n,
@@ -352,6 +343,7 @@ impl<T: Real> LaneScratch<T> {
     }
 
     /// Normal force coefficients into `force`, and their block if wanted.
+    #[inline(always)]
     fn normal(&mut self, plan: &AftPlan<T>, p: &ContactParameters<T>, nn: Option<&mut [T]>) {
         clear(&mut self.force, plan.m);
         clear(&mut self.stick, 2 * plan.n_mask_orders());
@@ -379,6 +371,7 @@ impl<T: Real> LaneScratch<T> {
         }
     }
 
+    #[inline(always)]
     fn store(&self, at: Place<T>, c: usize, forces: &mut [T]) {
         let column = forces[at.state..].iter_mut().step_by(at.batch.n_states);
         let column = column.skip(c * at.plan.m);
@@ -388,6 +381,7 @@ impl<T: Real> LaneScratch<T> {
     }
 
     /// Counts the samples in each motion.
+    #[inline(always)]
     fn summary(&self, at: Place<T>, plays: [Play<T>; 2]) -> StateSummary {
         let n = at.plan.n_time();
         let before = |theta: T| first_sample_from(theta.to_f64(), n as f64);
@@ -407,7 +401,7 @@ impl<T: Real> LaneScratch<T> {
             Laps::Periodic => 2,
         };
         let change = circle::size(plays.map(|play| play.change));
-        let periodicity = if change > circle::tolerance(at.work, at.lane) {
+        let periodicity = if change > at.work.tolerance[at.lane] {
             Periodicity::NotPeriodic
         } else if plays.iter().all(|play| play.forgets) {
             Periodicity::Unique
@@ -426,6 +420,7 @@ impl<T: Real> LaneScratch<T> {
 }
 
 /// The slider after a monotone stretch that ends with these bounds, and what it did there.
+#[inline(always)]
 fn pushed<T: Real>(slider: T, [lower, upper]: [T; 2], open: bool) -> (T, Motion) {
     if open {
         (T::from_f64(0.5) * (lower + upper), Motion::Separated)
@@ -443,6 +438,7 @@ fn phase<T: Real>(theta: f64) -> T {
 }
 
 /// ∫₀^θ cos kt dt and sin kt dt (but for a constant) for k = 0..=2H, in samples. Shape: `[2][2H + 1]`.
+#[inline(always)]
 fn antiderivative<T: Real>(plan: &AftPlan<T>, theta: T, out: &mut Vec<T>) {
     let n = plan.n_mask_orders();
     clear(out, 2 * n);

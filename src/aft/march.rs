@@ -5,8 +5,11 @@ use super::plan::AftPlan;
 use crate::contact::law::{
     anchored_at_closing, box_step, circle_step, closing_instant, normal_force,
 };
-use crate::contact::{ContactParameters, Real, Recontact};
+use crate::contact::{ContactParameters, Events, Real};
 use pulp::Simd;
+
+/// Traction that counts as rounding, in rounding errors of the largest |k_t u| + mu N of the period.
+const TOLERANCE: f64 = 256.0;
 
 /// States marched together.
 pub(super) const LANES: usize = 8;
@@ -24,7 +27,7 @@ pub(super) struct Sample<T> {
     pub u: [Lane<T>; 2],
     /// Gap function n_0 + k_n v (N).
     pub gap: Lane<T>,
-    /// Instant of closing since the point before (0 at other points, and for anchors at samples).
+    /// Instant of closing since the point before (0 at other points, and for events at samples).
     pub closing: Lane<T>,
     /// Tractions (N).
     pub traction: [Lane<T>; 2],
@@ -131,8 +134,8 @@ pub(super) struct Workspace<T> {
     pub closing_over_end: Lane<T>,
     /// Samples out of contact.
     pub separated: Lane<T>,
-    /// Largest |k_t u| + mu N of the period: scale of rounding errors of the tractions (N).
-    pub scale: Lane<T>,
+    /// Largest traction that counts as rounding (N).
+    pub tolerance: Lane<T>,
 }
 
 impl<T: Real> Workspace<T> {
@@ -165,7 +168,7 @@ impl<T: Real> Workspace<T> {
         }
         self.samples.resize(plan.n_time(), Sample::default());
         self.synthesize(simd, plan);
-        self.close_gaps(plan.settings.recontact);
+        self.close_gaps(plan.settings.events);
     }
 
     /// Displacements at all time points; the approach goes into `gap`.
@@ -221,7 +224,7 @@ impl<T: Real> Workspace<T> {
 
     /// Gap functions and instants of closing.
     #[inline(always)]
-    fn close_gaps(&mut self, recontact: Recontact) {
+    fn close_gaps(&mut self, events: Events) {
         let p = &self.parameters;
         let (mut first, mut second, mut normal) =
             ([T::ZERO; LANES], [T::ZERO; LANES], [T::ZERO; LANES]);
@@ -239,15 +242,16 @@ impl<T: Real> Workspace<T> {
         self.separated = separated;
         for l in 0..LANES {
             let tangential = p.k_t[0][l] * first[l] + p.k_t[1][l] * second[l];
-            self.scale[l] = tangential + p.mu[l] * normal[l];
+            let scale = tangential + p.mu[l] * normal[l];
+            self.tolerance[l] = T::from_f64(TOLERANCE) * T::EPSILON * scale;
         }
         let last = self.samples.len() - 1;
         let mut before = [T::ONE; LANES];
         for s in &mut self.samples {
-            s.closing = instants(recontact, &before, &s.gap);
+            s.closing = instants(events, &before, &s.gap);
             before = s.gap;
         }
-        self.closing_over_end = instants(recontact, &self.samples[last].gap, &self.samples[0].gap);
+        self.closing_over_end = instants(events, &self.samples[last].gap, &self.samples[0].gap);
     }
 
     /// One lap of the box law from the sliders `w`, which end where the lap ends.
@@ -286,6 +290,13 @@ impl<T: Real> Workspace<T> {
         count
     }
 
+    /// Distance from the limit (N) within which a slider of the circle law touches it: a steady cycle is found to
+    /// within the tolerance, so that its slider may stand off a limit that holds it by that much.
+    #[inline(always)]
+    pub(super) fn touch_margin(&self, lane: usize) -> T {
+        self.tolerance[lane] + self.tolerance[lane]
+    }
+
     /// One lap of the circle law from the sliders `w`, which end where the lap ends. If wanted, `monodromy`
     /// (2 × 2, row-major) is multiplied by the derivative of the end traction by the start traction.
     #[inline(always)]
@@ -294,6 +305,7 @@ impl<T: Real> Workspace<T> {
         w: &mut [Lane<T>; 2],
         monodromy: &mut [Lane<T>; 4],
     ) -> LapCount<T> {
+        let margin: Lane<T> = std::array::from_fn(|l| self.touch_margin(l));
         let p = &self.parameters;
         let mut count = LapCount::<T>::default();
         for s in &mut self.samples {
@@ -311,7 +323,7 @@ impl<T: Real> Workspace<T> {
                 let k_t = [p.k_t[0][l], p.k_t[1][l]];
                 let flexibility = [p.flexibility[0][l], p.flexibility[1][l]];
                 let limit = p.mu[l] * s.normal(l);
-                let step = circle_step(k_t, flexibility, limit, u, start);
+                let step = circle_step(k_t, flexibility, (limit, margin[l]), u, start);
                 [s.traction[0][l], s.traction[1][l]] = step.traction;
                 [w[0][l], w[1][l]] = step.slider;
                 let contact = s.gap[l] > T::ZERO;
@@ -393,10 +405,10 @@ pub(super) fn slip_monodromy<T: Real>(trial: [T; 2], ratio: T, factor: [T; 4]) -
 }
 
 #[inline(always)]
-fn instants<T: Real>(recontact: Recontact, before: &Lane<T>, gap: &Lane<T>) -> Lane<T> {
+fn instants<T: Real>(events: Events, before: &Lane<T>, gap: &Lane<T>) -> Lane<T> {
     let closes = |l: usize| before[l] <= T::ZERO && gap[l] > T::ZERO;
     // Few samples close a contact; the others are spared the division.
-    if recontact == Recontact::Interpolated && (0..LANES).any(closes) {
+    if events == Events::Interpolated && (0..LANES).any(closes) {
         std::array::from_fn(|l| closing_instant(before[l], gap[l]))
     } else {
         [T::ZERO; LANES]

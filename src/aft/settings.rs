@@ -1,6 +1,6 @@
 //! How one contact evaluation is done.
 
-use crate::contact::{FrictionLaw, Recontact};
+use crate::contact::{Events, FrictionLaw};
 use crate::setting::BadSetting;
 
 /// Passes over the period from the anchored slider to the steady cycle.
@@ -19,8 +19,8 @@ pub struct AftSettings {
     pub n_time: usize,
     /// Friction law.
     pub law: FrictionLaw,
-    /// How changes between the samples are resolved.
-    pub recontact: Recontact,
+    /// How events between the samples are resolved.
+    pub events: Events,
     /// Passes over the period.
     pub laps: Laps,
 }
@@ -38,8 +38,8 @@ impl AftSettings {
             "must be more than 4 times the highest harmonic and at most 65536",
         )?;
         BadSetting::unless(
-            self.recontact != Recontact::Located || self.law == FrictionLaw::Box,
-            "recontact",
+            self.events != Events::Located || self.law == FrictionLaw::Box,
+            "events",
             "located",
             "needs law = \"box\": slip of the circle law has no closed form",
         )?;

@@ -60,25 +60,28 @@ pub struct CircleStep<T> {
     pub ratio: T,
     /// Whether it slips: |T*| > L.
     pub slips: bool,
-    /// Whether it slips or touches the limit to rounding: the slider is then tied to this instant, and derivatives
-    /// take it as slipping, whichever way a rounding error falls.
+    /// Whether it slips or touches the limit to within `margin`: the slider is then tied to this instant, and
+    /// derivatives take it as slipping, whichever way a rounding error falls.
     pub touches: bool,
 }
 
 /// Radial return of both directions to the disc of radius L = mu N; the sliders follow as w = u − T/k_t.
+///
+/// `margin` (N) covers the rounding errors of T*; they grow with k_t u, not with L, since u − w cancels.
 #[inline(always)]
 #[must_use]
 pub fn circle_step<T: Real>(
     k_t: [T; 2],
     flexibility: [T; 2],
-    limit: T,
+    (limit, margin): (T, T),
     u: [T; 2],
     slider: [T; 2],
 ) -> CircleStep<T> {
     let trial = [k_t[0] * (u[0] - slider[0]), k_t[1] * (u[1] - slider[1])];
     let square = trial[0] * trial[0] + trial[1] * trial[1];
     let slips = square > limit * limit;
-    let touches = square > limit * limit * (T::ONE - T::from_f64(64.0) * T::EPSILON);
+    let inside = T::ZERO.or_larger(limit - margin);
+    let touches = square > inside * inside;
     let returned = limit / square.sqrt();
     let ratio = if slips { returned } else { T::ONE };
     let traction = [ratio * trial[0], ratio * trial[1]];

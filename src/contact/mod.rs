@@ -34,15 +34,26 @@ pub enum FrictionLaw {
     Circle,
 }
 
-/// How the changes between stick, slip and separation that fall between two samples are resolved.
+/// How events between two samples are resolved: the starts and ends of slip and separation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Recontact {
-    /// Every change is decided at the samples; a slider that closes is anchored at the last separated sample.
-    AtSample,
-    /// As `AtSample`, but a slider that closes is anchored at the instant of closing, by linear interpolation.
+pub enum Events {
+    /// Every event is decided at the samples; a slider that closes is anchored at the last separated sample.
+    Sampled,
+    /// As `Sampled`, but a slider that closes is anchored at the instant of closing, by linear interpolation.
     Interpolated,
-    /// Every change is located to rounding between the samples, and the force between the changes is integrated in
+    /// Every event is located to rounding between the samples, and the force between the events is integrated in
     /// closed form (box law only).
     Located,
+}
+
+impl Events {
+    /// What a study gets that does not say: the most accurate that the law has.
+    #[must_use]
+    pub fn of_law(law: FrictionLaw) -> Self {
+        match law {
+            FrictionLaw::Box => Self::Located,
+            FrictionLaw::Circle => Self::Interpolated,
+        }
+    }
 }

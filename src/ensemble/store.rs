@@ -4,7 +4,7 @@
 //! No column ever holds NaN. Files appear whole or not at all.
 
 use super::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
-use crate::contact::{FrictionLaw, Recontact};
+use crate::contact::{Events, FrictionLaw};
 use crate::hb::{SliderAnchor, Status};
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use parquet::column::writer::ColumnWriter;
@@ -35,8 +35,8 @@ pub struct Provenance {
     pub model: String,
     /// Friction law.
     pub law: FrictionLaw,
-    /// Slider anchor at the end of a separation.
-    pub recontact: Recontact,
+    /// How events between the samples were resolved.
+    pub events: Events,
     /// Slider anchor at the start.
     pub anchor: SliderAnchor,
     /// Harmonics of the first solution.

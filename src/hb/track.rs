@@ -19,7 +19,7 @@ use super::resonance::{LinearResonance, linear_resonance};
 use super::settings::{HbSettings, NewtonSettings};
 use super::solution::Solution;
 use super::status::Status;
-use crate::contact::Recontact;
+use crate::contact::Events;
 use crate::linalg::LinalgError;
 use faer::prelude::c64;
 
@@ -175,8 +175,8 @@ impl<'a, 'p> Track<'a, 'p> {
                 self.count.tally(searched)?.iterate
             }
         };
-        Ok(match self.settings.aft.recontact {
-            Recontact::Located => found,
+        Ok(match self.settings.aft.events {
+            Events::Located => found,
             _ => highest_nearby(full, found, self.peak, newton, &mut self.count),
         })
     }

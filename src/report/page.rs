@@ -339,7 +339,7 @@ fn provenance(summary: &Summary) -> Vec<(String, String)> {
         pair("Inputs", summary.inputs.join(", ")),
         pair("Friction law", word(p.law)),
         pair("Slider anchor", word(p.anchor)),
-        pair("Anchor at recontact", word(p.recontact)),
+        pair("Events between samples", word(p.events)),
         pair("Harmonics", list(&p.harmonics)),
         pair("Time points per period", p.time_points.to_string()),
         pair(

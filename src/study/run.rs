@@ -167,7 +167,7 @@ fn provenance(study: &Study, folded: bool) -> Provenance {
         }
         .to_owned(),
         law: solver.aft.law,
-        recontact: solver.aft.recontact,
+        events: solver.aft.events,
         anchor: solver.anchor,
         harmonics: solver.harmonics.orders().to_vec(),
         time_points: solver.aft.n_time,

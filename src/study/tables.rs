@@ -1,7 +1,7 @@
 //! Sections `[contact]` and `[solver]` of a study file and the settings that they state.
 
 use crate::aft::{AftSettings, Laps};
-use crate::contact::{FrictionLaw, Recontact};
+use crate::contact::{Events, FrictionLaw};
 use crate::harmonics::HarmonicSet;
 use crate::hb::{AlertSettings, HbSettings, NewtonSettings, SliderAnchor};
 use crate::model::interface::{InterfaceSettings, Share};
@@ -17,7 +17,7 @@ pub struct ContactSection {
     friction_coefficient: Option<f64>,
     share: Option<Share>,
     law: Option<FrictionLaw>,
-    recontact: Option<Recontact>,
+    events: Option<Events>,
     anchor: Option<SliderAnchor>,
 }
 
@@ -144,11 +144,12 @@ impl SolverSection {
     /// [`BadSetting`] with a key relative to the file: `solver.…` or `contact.…`.
     pub fn settings(&self, contact: &ContactSection) -> Result<HbSettings, BadSetting> {
         let harmonics = self.harmonics()?;
+        let law = contact.law.unwrap_or(FrictionLaw::Box);
         let settings = HbSettings {
             aft: AftSettings {
                 n_time: self.time_points.unwrap_or(DEFAULT_TIME_POINTS),
-                law: contact.law.unwrap_or(FrictionLaw::Box),
-                recontact: contact.recontact.unwrap_or(Recontact::Interpolated),
+                law,
+                events: contact.events.unwrap_or(Events::of_law(law)),
                 laps: match self.laps {
                     Some(LapsTable::Fixed(n)) => Laps::Fixed(n),
                     Some(LapsTable::Named(NamedLaps::Periodic)) | None => Laps::Periodic,
@@ -163,7 +164,7 @@ impl SolverSection {
             // The file has one flat table where the settings have one struct for Newton's method.
             bad.key = bad.key.replace("newton.", "");
             let section = match bad.key.as_str() {
-                "recontact" => "contact",
+                "events" => "contact",
                 _ => "solver",
             };
             bad.under(section)
@@ -223,6 +224,26 @@ impl SolverSection {
                 threshold: table.threshold.unwrap_or(default.threshold),
                 highest_harmonic: table.highest_harmonic.unwrap_or(highest),
             }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Seen to fail with: one default for both laws.
+    #[test]
+    fn each_law_resolves_events_as_well_as_it_can() {
+        for (text, expected) in [
+            ("", Events::Located),
+            ("law = \"box\"", Events::Located),
+            ("law = \"circle\"", Events::Interpolated),
+            ("events = \"sampled\"", Events::Sampled),
+        ] {
+            let contact: ContactSection = toml::from_str(text).unwrap();
+            let settings = SolverSection::default().settings(&contact).unwrap();
+            assert_eq!(settings.aft.events, expected, "{text}");
         }
     }
 }

@@ -190,8 +190,8 @@ fn bad_values_name_line_key_and_rule() {
             ),
             (
                 "law = \"box\"",
-                "law = \"circle\"\nrecontact = \"located\"",
-                &[":26: contact.recontact = located: needs law"],
+                "law = \"circle\"\nevents = \"located\"",
+                &[":26: contact.events = located: needs law"],
             ),
             (
                 "time_points = 128",

@@ -23,7 +23,7 @@ CONVENTIONS = """
 - f(t) = static_force + level * (cosine_force cos(w t) + sine_force sin(w t))
 - relative displacements t1, t2, n are the tables of the contact; n > 0 is compression; N = max(0, n_0 + k_n n)
 - slider at zero displacement with zero traction just before the sample w t = 0; contact states are decided at the
-  samples (`recontact = "at-sample"`)
+  samples (`events = "sampled"`)
 - `fixed.json`: solutions at a fixed discretisation: harmonics H, Nt points, `loops` passes over the period (null: until
   the slider is periodic), `harmonics[frequency][coefficient][dof]` of the named degrees of freedom. To be met to 1e-9
   of the largest coefficient: the codes agree with them to 1e-12.
@@ -81,7 +81,7 @@ def study(case, problem, responses, harmonics, time_points):
              "[model]", 'kind = "matrices"', 'mass = "mass.mtx"', 'stiffness = "stiffness.mtx"',
              'damping = "damping.mtx"', f"dof_names = {json.dumps(names)}"]
     lines += forces(names, problem) + [f"responses = {json.dumps(responses)}"] + contacts(names, problem)
-    lines += ["", "[contact]", f'law = "{problem["law"]}"', 'recontact = "at-sample"', 'anchor = "unloaded"', "",
+    lines += ["", "[contact]", f'law = "{problem["law"]}"', 'events = "sampled"', 'anchor = "unloaded"', "",
               "[solver]", f"harmonics = {harmonics}", f"time_points = {time_points}", "alert = false", "",
               "[frequency]", f"band_{suffix} = [{frequency['start']!r}, {frequency['end']!r}]",
               f"points = {frequency['n']}"]
@@ -147,7 +147,7 @@ responses = ["x1", "x2", "X", "Y", "theta"]
 {contacts}
 [contact]
 law = "box"
-recontact = "interpolated"
+events = "interpolated"
 anchor = "unloaded"
 
 [solver]

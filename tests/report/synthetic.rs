@@ -1,6 +1,6 @@
 //! Outcomes with plausible numbers and no physics behind them, to look at reports.
 
-use microslip::contact::{FrictionLaw, Recontact};
+use microslip::contact::{Events, FrictionLaw};
 use microslip::ensemble::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
 use microslip::ensemble::store::Provenance;
 use microslip::hb::{SliderAnchor, Status};
@@ -76,7 +76,7 @@ pub(crate) fn provenance() -> Provenance {
         version: "0.1.0".to_owned(),
         model: "two-blade rig, 4 x 7 pairs per interface".to_owned(),
         law: FrictionLaw::Box,
-        recontact: Recontact::Interpolated,
+        events: Events::Interpolated,
         anchor: SliderAnchor::StaticEquilibrium,
         harmonics: vec![0, 1, 2, 3],
         time_points: 256,

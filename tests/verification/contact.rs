@@ -5,7 +5,7 @@ use microslip::aft::Laps;
 use microslip::contact::law::{
     anchored_at_closing, box_step, circle_step, closing_instant, normal_force,
 };
-use microslip::contact::{ContactParameters, FrictionLaw, Recontact};
+use microslip::contact::{ContactParameters, Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -22,10 +22,10 @@ fn one_direction(set: &HarmonicSet, cosine: f64, v: [f64; 2], p: ContactParamete
 /// Points per period that suffice for located events.
 const FEW: usize = 24;
 
-const LAWS_AND_EVENTS: [(FrictionLaw, Recontact); 3] = [
-    (FrictionLaw::Box, Recontact::AtSample),
-    (FrictionLaw::Circle, Recontact::AtSample),
-    (FrictionLaw::Box, Recontact::Located),
+const LAWS_AND_EVENTS: [(FrictionLaw, Events); 3] = [
+    (FrictionLaw::Box, Events::Sampled),
+    (FrictionLaw::Circle, Events::Sampled),
+    (FrictionLaw::Box, Events::Located),
 ];
 
 const NO_STIFFNESS: ContactParameters<f64> = ContactParameters {
@@ -100,9 +100,9 @@ fn jenkins_element_matches_its_fourier_series() {
         "b1 {}",
         exact[0][1]
     );
-    for (law, recontact) in LAWS_AND_EVENTS {
+    for (law, events) in LAWS_AND_EVENTS {
         let error = |n: usize| {
-            let s = settings(n, law, recontact, Laps::Periodic);
+            let s = settings(n, law, events, Laps::Periodic);
             let f = forces_of(&set, s, &state);
             let work = -std::f64::consts::PI * f[2] * x;
             let expected_work = 4.0 * limit * (x - limit / k_t);
@@ -117,7 +117,7 @@ fn jenkins_element_matches_its_fourier_series() {
             }
             worst
         };
-        if recontact == Recontact::Located {
+        if events == Events::Located {
             assert!(error(FEW) < 1e-10, "located {:e}", error(FEW));
             continue;
         }
@@ -158,17 +158,17 @@ fn unilateral_spring_matches_its_fourier_series() {
             ..NO_STIFFNESS
         };
         let state = one_direction(&set, 0.0, [mean, v], p);
-        let error_of = |n: usize, recontact| {
-            let s = settings(n, FrictionLaw::Box, recontact, Laps::Periodic);
+        let error_of = |n: usize, events| {
+            let s = settings(n, FrictionLaw::Box, events, Laps::Periodic);
             let f = forces_of(&set, s, &state);
             let found: Vec<f64> = (0..5)
                 .map(|h| f[18 + (2 * h as usize).saturating_sub(1)])
                 .collect();
             relative_difference(&found, &exact)
         };
-        let located = error_of(FEW, Recontact::Located);
+        let located = error_of(FEW, Events::Located);
         assert!(located < 1e-10, "located {located:e}");
-        let error = |n| error_of(n, Recontact::AtSample);
+        let error = |n| error_of(n, Events::Sampled);
         assert!(error(16_384) < 1e-7, "{:e}", error(16_384));
         let order = order_of_convergence(&[128, 256, 512, 1024, 2048, 4096, 8192], error);
         assert!((1.7..2.3).contains(&order), "order {order}");
@@ -205,13 +205,13 @@ fn variable_normal_load_dissipates_the_area_of_the_polygon() {
         anchor: [0.0; 2],
     };
     let state = one_direction(&set, u, [0.0, 1.0], p);
-    for (law, recontact) in LAWS_AND_EVENTS {
+    for (law, events) in LAWS_AND_EVENTS {
         let error = |n: usize| {
-            let s = settings(n, law, recontact, Laps::Periodic);
+            let s = settings(n, law, events, Laps::Periodic);
             let f = forces_of(&set, s, &state);
             (-std::f64::consts::PI * f[2] * u - area).abs()
         };
-        if recontact == Recontact::Located {
+        if events == Events::Located {
             assert!(error(FEW) < 1e-10, "located {:e}", error(FEW));
             continue;
         }
@@ -237,7 +237,7 @@ fn circular_path_dissipates_the_closed_form() {
     let mut state = one_direction(&set, radius, [0.0; 2], p);
     state.q[5] = radius;
     let work = |n: usize, law| {
-        let s = settings(n, law, Recontact::Interpolated, Laps::Periodic);
+        let s = settings(n, law, Events::Interpolated, Laps::Periodic);
         let f = forces_of(&set, s, &state);
         std::f64::consts::PI * radius * (f[4] - f[2])
     };
@@ -283,7 +283,7 @@ fn single_steps_respect_the_limits() {
             );
             boxed[d] = w;
         }
-        let step = circle_step(k_t, flexibility, limit, u, circle);
+        let step = circle_step(k_t, flexibility, (limit, 0.0), u, circle);
         let size = step.traction[0].hypot(step.traction[1]);
         assert!(size <= limit + round, "circle {size} {limit}");
         for d in 0..2 {

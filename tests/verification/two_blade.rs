@@ -7,7 +7,7 @@
 
 use faer::Mat;
 use microslip::aft::{AftSettings, Laps};
-use microslip::contact::{ContactParameters, FrictionLaw, Recontact};
+use microslip::contact::{ContactParameters, Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::peak::PeakSettings;
 use microslip::hb::resonance::Band;
@@ -101,7 +101,7 @@ fn peaks(mu: f64, levels: &[f64]) -> Vec<[f64; 2]> {
         aft: AftSettings {
             n_time: 128,
             law: FrictionLaw::Box,
-            recontact: Recontact::Interpolated,
+            events: Events::Interpolated,
             laps: Laps::Periodic,
         },
         anchor: SliderAnchor::Unloaded,

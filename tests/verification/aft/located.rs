@@ -2,7 +2,7 @@
 
 use super::*;
 
-const LOCATED: Recontact = Recontact::Located;
+const LOCATED: Events = Events::Located;
 
 fn located(n_time: usize, laps: Laps) -> AftSettings {
     settings(n_time, FrictionLaw::Box, LOCATED, laps)
@@ -46,7 +46,7 @@ fn located_forces_have_no_time_discretisation_error() {
         assert!(few[200] < 1e-14, "H = {h}: median {:e}", few[200]);
         assert!(few[399] < 1e-10, "H = {h}: largest {:e}", few[399]);
         let clipped = |n| {
-            let s = settings(n, FrictionLaw::Box, Recontact::Interpolated, Laps::Periodic);
+            let s = settings(n, FrictionLaw::Box, Events::Interpolated, Laps::Periodic);
             errors(&set, &states, s, &exact)[200]
         };
         let [coarse, fine] = [512, 4096].map(clipped);
@@ -172,12 +172,7 @@ fn located_forces_respect_the_limits() {
     let m = set.n_coefficients();
     let states = random_states(&mut ChaCha8Rng::seed_from_u64(13), &set, 500);
     let out = run(&plan(&set, 128, Laps::Periodic), &states, Want::Forces);
-    let s = settings(
-        128,
-        FrictionLaw::Box,
-        Recontact::Interpolated,
-        Laps::Periodic,
-    );
+    let s = settings(128, FrictionLaw::Box, Events::Interpolated, Laps::Periodic);
     let sampled = run(&AftPlan::<f64>::new(&set, s), &states, Want::Forces);
     for (i, state) in states.iter().enumerate() {
         let f = forces(&out, i);
@@ -249,6 +244,6 @@ fn located_events_of_the_circle_law_are_refused() {
     let bad = s.validate(5).expect_err("no closed form");
     assert_eq!(
         (bad.key.as_str(), bad.value.as_str()),
-        ("recontact", "located")
+        ("events", "located")
     );
 }

@@ -2,7 +2,7 @@
 
 use faer::Mat;
 use microslip::aft::{AftSettings, Laps};
-use microslip::contact::{ContactParameters, FrictionLaw, Recontact};
+use microslip::contact::{ContactParameters, Events, FrictionLaw};
 use microslip::hb::linear::{LinearModel, Part, Structure};
 use microslip::linalg::symmetric_generalized_eigen;
 use microslip::model::{ContactPair, ReducedModel, Response, SparseRow};
@@ -34,7 +34,7 @@ pub(super) fn aft(n_time: usize, law: FrictionLaw) -> AftSettings {
     AftSettings {
         n_time,
         law,
-        recontact: Recontact::Interpolated,
+        events: Events::Interpolated,
         laps: Laps::Periodic,
     }
 }
