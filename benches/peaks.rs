@@ -308,10 +308,8 @@ fn slow_path() {
     let (design, settings) = (design(7), settings(5, None));
     let samples = 48;
     let (fast_seconds, fast) = processor_time(|| {
-        let all = rig
-            .ensemble(&design, &LEVELS, &settings)
-            .run(samples, || {});
-        all
+        rig.ensemble(&design, &LEVELS, &settings)
+            .run(samples, || {})
     });
     let alone = |outcome: &SampleOutcome| {
         let problem = rig.problem(outcome.inputs[0], outcome.inputs[1]);

@@ -221,7 +221,7 @@ mod tests {
         atlas
     }
 
-    /// Seen to fail with the constant basis alone (0.02 off) and with the ridge on the constant too.
+    /// Seen to fail with a ridge of 1e-3.
     #[test]
     fn linear_peaks_are_predicted() {
         let peak = |x: f64, y: f64| [1.0 + x - 2.0 * y, 100.0 + 3.0 * x, 5.0 + y];
@@ -240,7 +240,6 @@ mod tests {
     }
 
     /// A place that has been solved predicts itself, a level without solutions nothing.
-    /// Seen to fail without the early return of `regression_weights`.
     #[test]
     fn solved_places_predict_themselves() {
         let peak = |x: f64, y: f64| [x * y, 100.0 + x * x, 1.0];

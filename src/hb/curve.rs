@@ -39,7 +39,9 @@ pub fn response_curve(
     newton: NewtonSettings,
 ) -> (Vec<CurvePoint>, WorkCount) {
     let newton = NewtonSettings {
-        tolerance: newton.tolerance.max(tolerance(balance, peak)),
+        tolerance: newton
+            .tolerance
+            .max(TOLERANCE * peak.dynamic_share(balance).min(1.0)),
         ..newton
     };
     let steps = StepSettings {
@@ -78,13 +80,6 @@ pub fn response_curve(
     curve.pop();
     curve.extend(side(true));
     (curve, count)
-}
-
-/// [`TOLERANCE`] in terms of the displacement scale, which a small excitation leaves far above the dynamic motion.
-fn tolerance(balance: &Balance<'_>, peak: &Point) -> f64 {
-    let dynamic = &peak.r[balance.layout.n_relative()..];
-    let largest = dynamic.iter().map(|r| r.abs()).fold(0.0, f64::max);
-    (TOLERANCE * largest / balance.problem.displacement_scale(peak.level)).min(TOLERANCE)
 }
 
 /// Hermite points in (0, 1] between two solutions `length` apart.

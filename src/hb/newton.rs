@@ -23,6 +23,17 @@ pub struct Point {
     pub level: f64,
 }
 
+impl Point {
+    /// Largest dynamic displacement over the scale of the residual: a small excitation moves the contacts little
+    /// compared with what the static load does.
+    #[must_use]
+    pub fn dynamic_share(&self, balance: &Balance<'_>) -> f64 {
+        let dynamic = &self.r[balance.layout.n_relative()..];
+        let largest = dynamic.iter().map(|r| r.abs()).fold(0.0, f64::max);
+        largest / balance.problem.displacement_scale(self.level)
+    }
+}
+
 /// Rate of change of a point along a path.
 #[derive(Debug, Clone)]
 pub struct Direction {

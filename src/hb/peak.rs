@@ -6,7 +6,7 @@
 
 use super::balance::Balance;
 use super::continuation::BranchPoint;
-use super::newton::{Iterate, WorkCount};
+use super::newton::{Iterate, Point, WorkCount};
 use super::resonance::Band;
 use super::settings::NewtonSettings;
 use super::status::Status;
@@ -54,7 +54,7 @@ pub fn find_peak<'p>(
     let newton = NewtonSettings {
         tolerance: newton
             .tolerance
-            .min(sharp_enough(balance, &start, settings)),
+            .min(sharp_enough(balance, &start.point, settings)),
         ..newton
     };
     let omega_scale = 2.0 * settings.band.width();
@@ -137,15 +137,9 @@ pub fn highest_nearby<'p>(
 
 /// Residual that leaves the growth of the amplitude exact enough for the frequency asked for: a flat top moves far for
 /// little, and a small excitation moves the contacts little compared with the scale of the residual.
-pub(super) fn sharp_enough(
-    balance: &Balance<'_>,
-    start: &Iterate<'_>,
-    settings: PeakSettings,
-) -> f64 {
-    let dynamic = &start.point.r[balance.layout.n_relative()..];
-    let largest = dynamic.iter().map(|r| r.abs()).fold(0.0, f64::max);
-    let scale = balance.problem.displacement_scale(start.point.level);
-    (GROWTH_SHARE * settings.frequency_tolerance * largest / scale).max(SHARPEST)
+pub(super) fn sharp_enough(balance: &Balance<'_>, start: &Point, settings: PeakSettings) -> f64 {
+    let share = GROWTH_SHARE * settings.frequency_tolerance * start.dynamic_share(balance);
+    share.max(SHARPEST)
 }
 
 /// One step, halved while the solve fails.

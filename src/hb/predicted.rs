@@ -21,7 +21,7 @@ pub struct PeakPrediction {
     pub phasor: c64,
 }
 
-/// Relative residual below which the amplitude's growth is more reliable than the predicted phase.
+/// Residual over the dynamic displacement below which the amplitude's growth is more reliable than the predicted phase.
 const SETTLED: f64 = 1e-2;
 /// Longest step of the phase (rad) in one iteration.
 const LONGEST_STEP: f64 = 0.5;
@@ -31,8 +31,8 @@ const CURVATURE_RESOLUTION: f64 = 1e-3;
 const CURVATURE_STEP: f64 = 0.1;
 /// Newton steps spent on that.
 const CORRECTIONS: usize = 3;
-/// Curvatures, as multiples of one oscillator's, that a secant may use.
-const USABLE: std::ops::Range<f64> = 0.1..10.0;
+/// Curvatures, as multiples of one oscillator's, that a secant may use; friction makes flat tops (0.03 has been seen).
+const USABLE: std::ops::Range<f64> = 0.003..10.0;
 /// Iterations before giving up.
 const MAX_ITERATIONS: usize = 14;
 /// Iterations in a row that may fail to halve the residual, on the way, or the frequency step, at the end: samples that
@@ -55,7 +55,8 @@ pub fn correct<'p>(
     let mut iterate = Iterate::new(balance, prediction.point);
     let tolerance = newton
         .tolerance
-        .min(sharp_enough(balance, &iterate, settings));
+        .min(sharp_enough(balance, &iterate.point, settings));
+    let settled = SETTLED * iterate.point.dynamic_share(balance).min(1.0);
     let mut search = Search::default();
     for _ in 0..MAX_ITERATIONS {
         let size = iterate.relative_residual(balance);
@@ -72,12 +73,12 @@ pub fn correct<'p>(
         let local = Local::new(balance, &iterate, &mut count);
         let omega_step = if search.located {
             0.0
-        } else if size > SETTLED {
+        } else if size > settled {
             -(local.response / phasor).arg() / local.rate.im
         } else {
             search.growth_step(local.slope(), settings.frequency_tolerance)
         };
-        if search.stalls(size, omega_step) {
+        if search.stalls((size, size > settled), omega_step) {
             break;
         }
         let longest = LONGEST_STEP / local.rate.im.abs();
@@ -222,8 +223,9 @@ impl Search {
         false
     }
 
-    fn stalls(&mut self, size: f64, omega_step: f64) -> bool {
-        let (kind, now) = match size > SETTLED || self.located {
+    /// Whether neither the residual, on the way, nor the frequency step has been halved for long.
+    fn stalls(&mut self, (size, on_the_way): (f64, bool), omega_step: f64) -> bool {
+        let (kind, now) = match on_the_way || self.located {
             true => (0, size),
             false => (1, omega_step.abs()),
         };

@@ -32,7 +32,7 @@ fn samples(study: &Path, output: &str, threads: &str) -> Vec<u8> {
 /// Seen to fail with the outcomes collected in the order in which the threads end.
 #[test]
 fn the_number_of_threads_changes_no_bit() {
-    let study = folder("study.toml", "samples = 10", "samples = 12");
+    let study = folder("study.toml", "samples = 10", "samples = 40");
     let one = samples(study.path(), "one", "1");
     let two = samples(study.path(), "two", "2");
     assert!(one == two, "1 and 2 threads differ");
@@ -51,8 +51,8 @@ fn another_seed_gives_other_samples() {
 /// More samples leave the first ones as they are: sample i depends on the seed and i alone.
 #[test]
 fn a_sample_does_not_depend_on_the_others() {
-    let few = folder("study.toml", "samples = 10", "samples = 3");
-    let many = folder("study.toml", "samples = 10", "samples = 6");
+    let few = folder("study.toml", "samples = 10", "samples = 21");
+    let many = folder("study.toml", "samples = 10", "samples = 37");
     let read = |study: &Path| {
         samples(study, "out", "2");
         microslip::ensemble::store::read_samples(&study.join("out/samples.parquet")).unwrap()
@@ -61,5 +61,5 @@ fn a_sample_does_not_depend_on_the_others() {
     for (a, b) in few.outcomes.iter().zip(&many.outcomes) {
         assert_eq!(format!("{a:?}"), format!("{b:?}"));
     }
-    assert_eq!((few.outcomes.len(), many.outcomes.len()), (3, 6));
+    assert_eq!((few.outcomes.len(), many.outcomes.len()), (21, 37));
 }

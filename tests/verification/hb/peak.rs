@@ -2,12 +2,13 @@
 
 use super::invariants::{Draw, settings, solved};
 use super::models::{Case, plane, short};
-use microslip::contact::FrictionLaw;
+use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::alert::{pad, truncation_error};
 use microslip::hb::forced_response::{at_frequencies, over_band};
-use microslip::hb::newton::{Condition, solve};
+use microslip::hb::newton::{Condition, Point, solve};
 use microslip::hb::peak::PeakSettings;
+use microslip::hb::predicted::{PeakPrediction, correct};
 use microslip::hb::resonance::Band;
 use microslip::hb::sweep::SweepDirection;
 use microslip::hb::track::{stuck_point, track_peaks};
@@ -199,4 +200,48 @@ fn the_alert_is_not_silent() {
         worst < 3.0 && count > 10 && alarms > 5,
         "{worst} {count} {alarms}"
     );
+}
+
+/// Solutions on the flanks are no peaks: from there the maximum is found, or nothing. Seen to fail with the first
+/// solution near the predicted phase accepted.
+#[test]
+fn flanks_are_not_taken_for_peaks() {
+    let case = plane(-1.0);
+    with_problem(&case, |problem| {
+        let mut settings = settings(3, FrictionLaw::Box);
+        settings.aft.events = Events::Located;
+        let peak = PeakSettings {
+            band: Band {
+                low: 300.0 * TAU,
+                high: 450.0 * TAU,
+            },
+            frequency_tolerance: 1e-7,
+        };
+        let level = 10.0;
+        let top = track_peaks(problem, &settings, peak, &[level]).expect("modes");
+        let top = top[0].solution.as_ref().expect("a peak").amplitude(0);
+        let balance = Balance::new(problem, settings.harmonics.clone(), settings.aft);
+        let omega: Vec<f64> = (0..12)
+            .map(|i| (310.0 + 11.0 * f64::from(i)) * TAU)
+            .collect();
+        let mut lower = 0;
+        for solution in at_frequencies(problem, &settings, level, &omega, SweepDirection::Upward) {
+            let response = solution.first_harmonic(0);
+            lower += usize::from(response.norm() < 0.9 * top);
+            let prediction = PeakPrediction {
+                point: Point {
+                    r: solution.relative.clone(),
+                    omega: solution.omega,
+                    level,
+                },
+                phasor: response / response.norm(),
+            };
+            if let Ok((found, _)) = correct(&balance, prediction, peak, settings.newton) {
+                let height = found.response(&balance).norm() / top;
+                println!("from {} Hz: {height}", solution.omega / TAU);
+                assert!((height - 1.0).abs() < 1e-6, "{height}");
+            }
+        }
+        assert!(lower > 8, "{lower} of 12 on the flanks");
+    });
 }
