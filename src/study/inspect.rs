@@ -3,6 +3,7 @@
 use super::frequency::FrequencyUnit;
 use super::read::{Study, StudyModel};
 use crate::Error;
+use crate::hb::LinearModel;
 use crate::model::two_blade::ComponentSummary;
 use crate::sampling::Input;
 
@@ -71,7 +72,12 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
     let rigid_below = RIGID * free.last().copied().unwrap_or(0.0);
     let n_rigid = free.iter().take_while(|f| **f <= rigid_below).count();
     let names = |rows: &[crate::model::Response]| rows.iter().map(|r| r.name.clone()).collect();
-    let unknowns = unknowns(study, model.n_contacts());
+    let folded = match study.mirror {
+        true => LinearModel::folded(&model, &parameters)?,
+        false => None,
+    };
+    let n_contacts = folded.map_or(model.n_contacts(), |half| half.n_contacts());
+    let unknowns = unknowns(study, n_contacts);
     Ok(Inspection {
         name: study.name.clone(),
         unit,
