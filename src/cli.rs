@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use microslip::Error;
-use microslip::report::Summary;
+use microslip::report::{Summary, render};
 use microslip::study::{
     Inspection, LevelCurve, OutputFolder, Progress, Study, inspect, run, solve,
 };
@@ -20,6 +20,7 @@ Examples:
   microslip solve study.toml                nominal forced response at every level
   microslip run study.toml --threads 8      all samples, statistics and report
   microslip run study.toml --output other/  the same into another folder
+  microslip report results                  the report again, from the stored samples
 
 Exit codes: 0 done, 2 bad input or a file that cannot be read or written.";
 
@@ -36,6 +37,8 @@ enum Command {
     Run(StudyArguments),
     /// Compute the nominal forced response at every level: curve.csv and solution.json.
     Solve(StudyArguments),
+    /// Render the report of a run again from its stored samples, without solving.
+    Report(ReportArguments),
     /// Show what a study would compute: degrees of freedom, frequencies, contact pairs, memory and time.
     Inspect(StudyArguments),
 }
@@ -51,6 +54,15 @@ struct StudyArguments {
     #[arg(long)]
     output: Option<PathBuf>,
     /// No progress and no summary.
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Args)]
+struct ReportArguments {
+    /// Folder of the results of a run.
+    folder: PathBuf,
+    /// No summary.
     #[arg(long)]
     quiet: bool,
 }
@@ -73,15 +85,35 @@ pub(crate) fn main() -> ExitCode {
     }
 }
 
-fn execute(command: &Command) -> Result<(), Error> {
-    let (Command::Run(common) | Command::Solve(common) | Command::Inspect(common)) = command;
-    if let Some(threads) = common.threads {
-        rayon::ThreadPoolBuilder::new()
+fn start_threads(threads: Option<std::num::NonZeroUsize>) -> Result<(), Error> {
+    match threads {
+        None => Ok(()),
+        Some(threads) => rayon::ThreadPoolBuilder::new()
             .num_threads(threads.get())
             .build_global()
-            .map_err(|error| Error::Threads(error.to_string()))?;
+            .map_err(|error| Error::Threads(error.to_string())),
+    }
+}
+
+fn execute(command: &Command) -> Result<(), Error> {
+    match command {
+        Command::Run(common) | Command::Solve(common) | Command::Inspect(common) => {
+            start_threads(common.threads)?;
+        }
+        Command::Report(_) => {}
     }
     match command {
+        Command::Report(arguments) => {
+            let (summary, _) = render(&arguments.folder)?;
+            if arguments.quiet {
+                return Ok(());
+            }
+            print(|out| {
+                show_levels(out, &summary)?;
+                let path = arguments.folder.display();
+                writeln!(out, "summary.json and report.html are in {path}")
+            })
+        }
         Command::Inspect(arguments) => {
             let study = Study::read(&arguments.study)?;
             let inspection = inspect(&study)?;

@@ -8,6 +8,7 @@ pub mod frequency;
 pub mod inspect;
 pub mod output;
 pub mod read;
+mod requirements;
 pub mod run;
 pub mod solve;
 pub mod tables;

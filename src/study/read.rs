@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::document::Document;
 use super::frequency::{FrequencySettings, FrequencyTable, ascending_positive};
 use super::output::OutputSettings;
+use super::requirements::{check_requirements, requirements};
 use super::tables::{ContactSection, SolverSection};
 use crate::Error;
 use crate::contact::ContactParameters;
@@ -14,11 +15,12 @@ use crate::model::interface::InterfaceSettings;
 use crate::model::matrices::{MatricesError, MatricesSettings};
 use crate::model::two_blade::{self, ComponentSummary, TwoBladeSettings};
 use crate::model::{ModelError, ReducedModel};
+use crate::report::requirement::Requirements;
 use crate::sampling::{Design, DistributionTable, Input};
 use crate::setting::BadSetting;
 
 /// Top-level keys of a study file.
-const KEYS: [&str; 10] = [
+const KEYS: [&str; 13] = [
     "name",
     "seed",
     "samples",
@@ -29,6 +31,9 @@ const KEYS: [&str; 10] = [
     "solver",
     "frequency",
     "output",
+    "operation",
+    "stress",
+    "criteria",
 ];
 /// Most samples of a study: beyond it the tables of the report do not fit into memory.
 const MOST_SAMPLES: u64 = 100_000_000;
@@ -72,6 +77,8 @@ pub struct Study {
     pub frequency: FrequencySettings,
     /// Results.
     pub output: OutputSettings,
+    /// What the designer asks for.
+    pub requirements: Requirements,
 }
 
 /// The nominal model of a study.
@@ -111,10 +118,14 @@ impl Study {
         let solver: SolverSection = document.take("solver")?.unwrap_or_default();
         let frequency: FrequencyTable = required(&mut document, "frequency")?;
         let output: OutputSettings = document.take("output")?.unwrap_or_default();
+        let requirements = requirements(&mut document)?;
         document.finish(&KEYS)?;
         let at = |bad: BadSetting| document.bad_setting(&bad);
         validate_head(&name, samples, &levels).map_err(at)?;
         output.validate().map_err(|bad| at(bad.under("output")))?;
+        let frequency = frequency.settings();
+        let frequency = frequency.map_err(|bad| at(bad.under("frequency")))?;
+        check_requirements(&requirements, frequency.unit, &levels).map_err(at)?;
         Ok(Self {
             path: path.to_owned(),
             text: text.to_owned(),
@@ -125,10 +136,9 @@ impl Study {
             design,
             solver: solver.settings(&contact).map_err(at)?,
             mirror: solver.mirror(),
-            frequency: frequency
-                .settings()
-                .map_err(|bad| at(bad.under("frequency")))?,
+            frequency,
             output,
+            requirements,
         })
     }
 
@@ -136,6 +146,13 @@ impl Study {
     #[must_use]
     pub fn folder(&self) -> &Path {
         self.path.parent().unwrap_or_else(|| Path::new(""))
+    }
+
+    /// Name of the study file, without its folder.
+    #[must_use]
+    pub fn file_name(&self) -> String {
+        let name = self.path.file_name().unwrap_or_default();
+        name.to_string_lossy().into_owned()
     }
 
     /// Builds the nominal model and the nominal constants of its contact pairs.
