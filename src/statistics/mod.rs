@@ -7,20 +7,28 @@
 
 pub mod band;
 pub mod bin;
+pub mod bootstrap;
+pub mod chaos;
+pub mod comparison;
 pub mod convergence;
 pub mod curve;
 pub mod depth;
 pub mod distribution;
 pub mod exceedance;
 pub mod failure;
+pub mod given_data;
 pub mod joint;
 pub mod limit;
+pub mod margin;
 pub mod moment;
 pub mod observed;
 pub mod order_statistic;
 pub mod proportion;
+pub mod sensitivity;
 pub mod sketch;
+pub mod sobol_index;
 pub mod tolerance;
+pub mod tornado;
 pub mod weighted;
 
 pub use band::{
@@ -28,25 +36,36 @@ pub use band::{
     simultaneous_band,
 };
 pub use bin::{Group, equal_count};
+pub use bootstrap::Bootstrap;
+pub use chaos::{Chaos, ChaosIndex, ChaosRefusal, ChaosSettings, SurrogateExceedance, fit_chaos};
+pub use comparison::{Better, Comparison, Ranking, compare, rank_designs};
 pub use convergence::{Prefix, convergence, nested_prefixes};
 pub use curve::{Curve, CurveSet};
 pub use depth::{depth_band, modified_band_depth};
 pub use distribution::{Bin, empirical_cdf, histogram, rank_correlation};
 pub use exceedance::{Exceedance, exceedance};
 pub use failure::{FailureBin, FailurePattern, failure_pattern};
+pub use given_data::{ConditionalMean, GivenDataIndex, conditional_means, first_order_index};
 pub use joint::{JointRegion, joint_region};
 pub use limit::{Interval, Limit};
+pub use margin::{
+    Criterion, Denominator, FrequencyMargin, Judgement, frequency_margin, goodman_allowable, judge,
+    reserve_factor,
+};
 pub use moment::{MomentEstimate, Moments, moment_estimate, moments};
 pub use observed::{Observed, Sorted};
 pub use order_statistic::{
     QuantileEstimate, order_statistic_interval, quantile, quantile_estimate, quantile_rank,
 };
 pub use proportion::{Proportion, Share, proportion, share};
+pub use sensitivity::{Index, Influence, SensitivityRefusal};
 pub use sketch::{Sketch, SketchMismatch};
+pub use sobol_index::{SobolIndex, independent, pick_freeze_points, sobol_indices};
 pub use tolerance::{
     Basis, Side, ToleranceBound, basis_bound, tolerance_bound, tolerance_confidence,
     tolerance_order, wilks_sample_size,
 };
+pub use tornado::{OneAtATime, TornadoBar, tornado};
 pub use weighted::{
     WeightedExceedance, WeightedQuantile, effective_sample_size, weighted_exceedance,
     weighted_quantile,
