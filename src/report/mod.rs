@@ -1,13 +1,17 @@
-//! What the designer reads: `summary.json` for programs and `report.html` for people.
+//! What the designer reads: `summary.json` and `report.json` for programs, `report.html` for people.
 //!
-//! Both are made from the same [`Summary`]; the page adds figures. A sample without a solution is counted, shown
+//! The page shows the numbers of [`Summary`] and [`Assessment`] and adds figures. A sample without a solution is counted, shown
 //! and bounded, never dropped in silence. The page is one file: no network, no script.
 //! Knows how results look, not how they were computed. Start reading in [`mod@summary`].
 
+pub mod assessment;
 mod axis;
 mod block;
 mod display;
+pub mod error_budget;
 mod figure;
+pub mod judgement;
+pub mod margins;
 mod page;
 pub mod record;
 pub mod requirement;
@@ -15,6 +19,7 @@ mod section;
 pub mod summary;
 mod view;
 
+pub use assessment::Assessment;
 pub use record::{RunRecord, StoredRun};
 pub use summary::Summary;
 
@@ -65,7 +70,7 @@ pub fn render(folder: &Path) -> Result<(Summary, StoredRun), ReportError> {
     Ok((summary, run))
 }
 
-/// Writes `summary.json` and `report.html` into `folder`, each whole or not at all, and returns the summary.
+/// Writes `summary.json`, `report.json` and `report.html` into `folder`, each whole or not at all, and returns the summary.
 ///
 /// Shape: every outcome, and the nominal one, has one record per level of the record.
 ///
@@ -74,8 +79,15 @@ pub fn render(folder: &Path) -> Result<(Summary, StoredRun), ReportError> {
 pub fn write(folder: &Path, input: &ReportInput) -> Result<Summary, ReportError> {
     let summary = Summary::of(input);
     let json = serde_json::to_string_pretty(&summary).map_err(std::io::Error::from)?;
-    let page = page::render(input, &summary)?;
-    for (name, text) in [("summary.json", json), ("report.html", page)] {
+    let assessment = Assessment::of(input, &summary);
+    let report = serde_json::to_string_pretty(&assessment).map_err(std::io::Error::from)?;
+    let page = page::render(input, &summary, &assessment)?;
+    let files = [
+        ("summary.json", json),
+        ("report.json", report),
+        ("report.html", page),
+    ];
+    for (name, text) in files {
         replace_file(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
     }
     Ok(summary)

@@ -1,5 +1,6 @@
 //! The page: one file, no network, no script.
 
+use super::assessment::Assessment;
 use super::section::sections;
 use super::summary::Summary;
 use super::view::View;
@@ -8,8 +9,12 @@ use minijinja::value::Serde;
 use minijinja::{Environment, context};
 
 /// Renders the page.
-pub(super) fn render(input: &ReportInput, summary: &Summary) -> Result<String, ReportError> {
-    let view = View::new(input, summary);
+pub(super) fn render(
+    input: &ReportInput,
+    summary: &Summary,
+    assessment: &Assessment,
+) -> Result<String, ReportError> {
+    let view = View::new(input, summary, assessment);
     let mut environment = Environment::new();
     // The names end in .html, which switches escaping on.
     environment.add_template("report.html", include_str!("look/report.html.j2"))?;

@@ -29,6 +29,8 @@ pub struct RunRecord {
     pub frequency_tolerance: f64,
     /// Excitation levels, in the order of [`SampleOutcome::levels`].
     pub levels: Vec<f64>,
+    /// Samples with a forced response curve: the first so many.
+    pub curve_samples: u64,
     /// Unit of the excitation levels, such as `N`.
     pub level_unit: String,
     /// Structure without contact forces.

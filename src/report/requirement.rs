@@ -119,11 +119,13 @@ impl Criterion {
         let named = !self.name.trim().is_empty();
         BadSetting::unless(named, "name", "\"\"", "must not be empty")?;
         positive("limit", self.limit)?;
-        for (key, value) in [("share", self.share), ("confidence", self.confidence)] {
-            let value = value.unwrap_or(0.5);
-            let rule = "must lie between 0 and 1";
-            BadSetting::unless(value > 0.0 && value < 1.0, key, value, rule)?;
-        }
+        let share = self.share();
+        let holds = share > 0.0 && share < 1.0;
+        BadSetting::unless(holds, "share", share, "must lie between 0 and 1")?;
+        let confidence = self.confidence();
+        let holds = confidence > 0.5 && confidence < 1.0;
+        let rule = "must lie between 0.5 and 1";
+        BadSetting::unless(holds, "confidence", confidence, rule)?;
         if self.quantity == Quantity::ProbabilityOfExceedance {
             let rule = "must be below 1: it is a probability";
             BadSetting::unless(self.limit < 1.0, "limit", self.limit, rule)?;

@@ -1,5 +1,6 @@
 //! What every section of the page needs: the samples, their statistics, and the units in which they are shown.
 
+use super::assessment::Assessment;
 use super::axis::Axis;
 use super::block::{Block, Cell, Figure, Key, Mark};
 use super::display::{LengthUnit, short};
@@ -18,6 +19,8 @@ pub(super) struct View<'a> {
     pub(super) input: &'a ReportInput<'a>,
     /// Their statistics.
     pub(super) summary: &'a Summary,
+    /// What they say about the requirements.
+    pub(super) assessment: &'a Assessment,
     /// Unit of all displacements.
     pub(super) unit: LengthUnit,
     /// Style sheet of the figures, with the colours of the levels.
@@ -48,7 +51,11 @@ impl Shown {
 
 impl<'a> View<'a> {
     /// A view in the unit that suits the largest amplitude per unit level.
-    pub(super) fn new(input: &'a ReportInput<'a>, summary: &'a Summary) -> Self {
+    pub(super) fn new(
+        input: &'a ReportInput<'a>,
+        summary: &'a Summary,
+        assessment: &'a Assessment,
+    ) -> Self {
         let sampled = summary.levels.iter().filter_map(|level| {
             let moments = level.amplitude_per_unit_level_m.moments?;
             Some(moments.maximum)
@@ -63,6 +70,7 @@ impl<'a> View<'a> {
         Self {
             input,
             summary,
+            assessment,
             unit: LengthUnit::for_largest(largest),
             style,
         }

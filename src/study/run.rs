@@ -104,6 +104,7 @@ pub fn run(
         inputs,
         frequency_tolerance: FREQUENCY_TOLERANCE,
         levels: study.levels.clone(),
+        curve_samples: study.output.curve_samples,
         level_unit: level_unit(study).to_owned(),
         free,
         stuck,

@@ -86,6 +86,7 @@ fn record() -> RunRecord {
         ],
         frequency_tolerance: 3e-7,
         levels: LEVELS.to_vec(),
+        curve_samples: 200,
         level_unit: "N".to_owned(),
         free: LinearRecord {
             frequency_hz: FREE,

@@ -3,9 +3,12 @@
 use super::super::axis::Axis;
 use super::super::block::{Block, Columns, Figure, Key, Mark, Row, Section};
 use super::super::figure::{Panel, Size};
-use super::super::summary::PROBABILITIES;
+use super::super::summary::{CONFIDENCE, PROBABILITIES};
 use super::super::view::{Shown, View, thinned};
-use crate::statistics::{Sorted, empirical_cdf, histogram, quantile};
+use crate::statistics::{Sorted, empirical_cdf, histogram, quantile, share};
+
+/// Values at which the confidence interval of a distribution function is drawn.
+const INTERVALS: usize = 100;
 
 pub(super) fn section(view: &View) -> Section {
     let nominal = view.input.record.nominal.is_some();
@@ -78,12 +81,30 @@ fn cdf(view: &View, shown: Shown) -> Figure {
     };
     let mut panel = Panel::new(Size::Large, title, x, y);
     for i in 0..view.n_levels() {
-        let corners = empirical_cdf(&Sorted::finite(view.values(shown, i)));
+        let sorted = Sorted::finite(view.values(shown, i));
+        panel.band(&format!("outer l{i}"), &confidence_band(view, &sorted));
+        let corners = empirical_cdf(&sorted);
         // From the last corner back, so that thinned steps still end at 1.
         let kept = corners.into_iter().rev().collect();
         let corners: Vec<_> = thinned(kept).into_iter().rev().collect();
         panel.steps(&format!("level l{i}"), &corners, 0.0);
     }
     view.note_if_empty(&mut panel);
-    view.figure(&panel, format!("distribution-{}", shown.word()), "")
+    let caption = "Filled: 95 % confidence interval at each value (Clopper and Pearson), failed samples on either side.";
+    view.figure(&panel, format!("distribution-{}", shown.word()), caption)
+}
+
+/// Interval of the distribution function at some of the values.
+fn confidence_band(view: &View, sorted: &Sorted) -> Vec<(f64, f64, f64)> {
+    let n = sorted.values().len();
+    let failed = view.input.outcomes.len() - n;
+    let stride = n.div_ceil(INTERVALS).max(1);
+    let ranks = (0..n).step_by(stride).chain(n.checked_sub(1));
+    let at = |i: usize| {
+        let value = *sorted.values().get(i)?;
+        let below = sorted.values().partition_point(|v| *v <= value);
+        let share = share(below, n - below, failed, CONFIDENCE)?;
+        Some((value, share.lower, share.upper))
+    };
+    ranks.filter_map(at).collect()
 }

@@ -2,9 +2,9 @@
 
 use super::super::block::{Block, Cell, Section, Table};
 use super::super::display::{DASH, hertz, significant, with_digits};
-use super::super::summary::{Distribution, LevelSummary, PROBABILITIES, Quantile};
+use super::super::summary::{Distribution, LevelSummary, PROBABILITIES};
 use super::super::view::View;
-use crate::statistics::Interval;
+use crate::statistics::{Interval, Limit, QuantileEstimate};
 
 /// A quantity of the tables and how it is shown.
 struct Quantity<'a> {
@@ -86,7 +86,7 @@ fn table(view: &View, quantity: &Quantity) -> Block {
 
 /// `a … b`, where a side may be open.
 pub(super) fn limits(interval: Interval, show: &dyn Fn(f64) -> String) -> String {
-    let side = |limit: Option<f64>| limit.map_or_else(|| "open".to_owned(), show);
+    let side = |limit: Limit| limit.value().map_or_else(|| "open".to_owned(), show);
     format!("{} … {}", side(interval.lower), side(interval.upper))
 }
 
@@ -95,10 +95,10 @@ fn quantile_cells(
     failed: usize,
     show: &dyn Fn(f64) -> String,
 ) -> Vec<Cell> {
-    let cell = |q: &Quantile| {
-        let interval = q.valid_only.interval;
-        Cell::number(show(q.valid_only.estimate), Some(q.valid_only.estimate))
-            .with_raw([interval.lower, interval.upper])
+    let cell = |q: &QuantileEstimate| {
+        let interval = q.interval;
+        Cell::number(show(q.estimate), Some(q.estimate))
+            .with_raw([interval.lower.value(), interval.upper.value()])
             .with_small(limits(interval, show))
             .with_warning((failed > 0).then(|| limits(q.failure_bounds, show)))
     };

@@ -166,7 +166,7 @@ fn truncation_table(view: &View) -> Block {
     let mut table = Table::new("Truncation error and harmonics", "truncation", columns);
     for (i, level) in view.summary.levels.iter().enumerate() {
         let quantiles = &level.truncation_error.quantiles;
-        let error = |k: usize| share(quantiles.get(k).map(|q| q.valid_only.estimate));
+        let error = |k: usize| share(quantiles.get(k).map(|q| q.estimate));
         let harmonics = level.highest_harmonics.iter();
         let used: Vec<String> = harmonics.map(|(h, n)| format!("{h} ({n})")).collect();
         let used = match used.is_empty() {

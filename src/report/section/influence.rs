@@ -1,11 +1,13 @@
 //! Which input moves what.
 
+use super::super::assessment::{IndexResult, InputInfluence};
 use super::super::axis::Axis;
 use super::super::block::{Block, Cell, Figure, Section, Table};
 use super::super::display::{DASH, minus_sign};
 use super::super::figure::{Panel, Size};
 use super::super::summary::{InputCorrelation, LevelSummary};
 use super::super::view::{Shown, View, thinned};
+use crate::statistics::{ConditionalMean, Influence};
 
 /// Inputs that get a scatter panel, those with the strongest rank correlations.
 const MAX_INPUTS: usize = 6;
@@ -25,12 +27,156 @@ pub(super) fn section(view: &View) -> Option<Section> {
         title: "Influence of the inputs".to_owned(),
         blocks: vec![
             view.level_legend([]),
+            Block::pairs(Shown::ALL.map(|shown| bars(view, shown)).to_vec()),
+            indices(view),
+            Block::Hint(
+                "First-order index: share of the variance that the input explains alone, estimated by ranks from the \
+                 samples at hand, with a 95 % interval from halves of the samples. “Not distinguishable from 0”: \
+                 these samples show no influence. It presumes independent inputs and describes the samples with a \
+                 solution."
+                    .to_owned(),
+            ),
+            Block::Heading("Mean of the result along each input".to_owned()),
+            Block::pairs(Shown::ALL.map(|shown| tornado(view, shown)).to_vec()),
+            Block::Heading("Samples over each input".to_owned()),
             Block::pairs(scatter.collect()),
             correlations(view, Shown::Frequency, |c| c.frequency),
             correlations(view, Shown::AmplitudePerLevel, |c| c.amplitude),
             Block::Hint(hint.to_owned()),
         ],
     })
+}
+
+/// Index of the result that a panel shows.
+fn index(influence: &InputInfluence, shown: Shown) -> &IndexResult {
+    match shown {
+        Shown::Frequency => &influence.frequency,
+        Shown::AmplitudePerLevel => &influence.amplitude,
+    }
+}
+
+/// Line of level `i` of `n` beside input `j`: input names stand at −j.
+fn line(j: usize, i: usize, n: usize) -> f64 {
+    let spread = 0.7 * (i as f64 + 0.5) / n as f64 - 0.35;
+    -(j as f64) - spread
+}
+
+fn input_names(view: &View) -> Vec<String> {
+    let inputs = view.input.record.inputs.iter();
+    inputs.map(|input| input.name.clone()).collect()
+}
+
+/// First-order indices, one bar per input and level.
+fn bars(view: &View, shown: Shown) -> Figure {
+    let n = view.n_levels();
+    let x = Axis::linear("Share of the variance", -0.1, 1.1);
+    let names = input_names(view);
+    let size = Size::Rows(names.len() * n.div_ceil(2).max(1));
+    let title = format!("First-order index, {}", shown.word());
+    let mut panel = Panel::new(size, title, x, Axis::of_names(names));
+    panel.rule("zero", 0.0);
+    for (i, level) in view.assessment.levels.iter().enumerate() {
+        for (j, influence) in level.influences.iter().enumerate() {
+            if let IndexResult::Index(found) = index(influence, shown) {
+                let (y, index) = (line(j, i, n), found.index);
+                let ends = [index.estimate.min(0.0), index.estimate.max(0.0)];
+                panel.level_bar(&format!("l{i}"), y, ends, 0.6 / n as f64);
+                panel.level_whisker("plain", y, [index.lower, index.upper]);
+            }
+        }
+    }
+    view.figure(&panel, format!("index-{}", shown.word()), "")
+}
+
+/// First-order indices with their intervals, or the reason why there is none.
+fn indices(view: &View) -> Block {
+    let columns: [(&str, &'static [&'static str]); 4] = [
+        ("Level", &["level"]),
+        ("Input", &["input"]),
+        (
+            "Frequency",
+            &[
+                "frequency_index",
+                "frequency_index_lower",
+                "frequency_index_upper",
+            ],
+        ),
+        (
+            "Amplitude",
+            &[
+                "amplitude_index",
+                "amplitude_index_lower",
+                "amplitude_index_upper",
+            ],
+        ),
+    ];
+    let columns = columns.map(|(head, fields)| (head.to_owned(), fields));
+    let mut table = Table::new("First-order indices", "indices", columns);
+    for (i, level) in view.assessment.levels.iter().enumerate() {
+        for influence in &level.influences {
+            table.row(vec![
+                view.level_cell(i),
+                Cell::text(&influence.input),
+                index_cell(&influence.frequency),
+                index_cell(&influence.amplitude),
+            ]);
+        }
+    }
+    table.block()
+}
+
+fn index_cell(result: &IndexResult) -> Cell {
+    match result {
+        IndexResult::Refused(reason) => Cell::number(DASH, None)
+            .with_raw([None, None])
+            .with_small(reason),
+        IndexResult::Index(found) => {
+            let index = found.index;
+            let number = |v: f64| minus_sign(&format!("{v:.2}"));
+            let cell = Cell::number(number(index.estimate), Some(index.estimate))
+                .with_raw([Some(index.lower), Some(index.upper)])
+                .with_small(format!("{} … {}", number(index.lower), number(index.upper)));
+            match index.influence {
+                Influence::Distinct => cell,
+                Influence::NotDistinguishable => cell.with_small(index.influence.to_string()),
+            }
+        }
+    }
+}
+
+/// Means of the samples with the lowest and the highest values of each input, about the mean of all.
+fn tornado(view: &View, shown: Shown) -> Figure {
+    let n = view.n_levels();
+    let mut rows = Vec::new();
+    for (i, level) in view.assessment.levels.iter().enumerate() {
+        let scale = view.unit.per_metre / level.level;
+        for (j, influence) in level.influences.iter().enumerate() {
+            let (means, scale) = match shown {
+                Shown::Frequency => (&influence.frequency_means_hz, 1.0),
+                Shown::AmplitudePerLevel => (&influence.amplitude_means_m, scale),
+            };
+            let mean = |k: &ConditionalMean| Some(k.moments?.valid_only.mean * scale);
+            let ends = [means.first(), means.last()].map(|k| k.and_then(mean));
+            if let [Some(low), Some(high)] = ends {
+                rows.push((i, line(j, i, n), low, high));
+            }
+        }
+    }
+    let ends = rows.iter().flat_map(|(_, _, low, high)| [*low, *high]);
+    let x = Axis::around(view.label(shown), ends);
+    let names = input_names(view);
+    let size = Size::Rows(names.len() * n.div_ceil(2).max(1));
+    let title = format!("Mean {}, low to high input", shown.word());
+    let mut panel = Panel::new(size, title, x, Axis::of_names(names));
+    for (i, y, low, high) in rows {
+        let (left, right) = (low.min(high), low.max(high));
+        panel.level_bar(&format!("total l{i}"), y, [left, right], 0.5 / n as f64);
+        panel.dots(&format!("l{i}"), [(high, y)].into_iter());
+    }
+    view.note_if_empty(&mut panel);
+    let caption = "From the fifth of the samples with the lowest values of the input to the fifth with the highest (dot), \
+                   each the mean over all other inputs.";
+    view.figure(&panel, format!("tornado-{}", shown.word()), caption)
 }
 
 /// The inputs in their order, or those with the strongest rank correlations where they are many.

@@ -1,25 +1,165 @@
 //! The first section: what must be known before any number is used, and the numbers that matter most.
 
-use super::super::block::{Block, Section};
-use super::super::display::{duration, hertz, percent};
+use super::super::block::{Block, Cell, Section, Table};
+use super::super::display::{DASH, duration, hertz, percent, significant, with_digits};
+use super::super::judgement::{CriterionResult, LevelResult};
+use super::super::requirement::{Criterion, Quantity};
 use super::super::summary::Summary;
 use super::super::view::View;
+use super::envelope::limits;
 use crate::hb::Status;
+use crate::statistics::{Judgement, ToleranceBound};
 
 pub(super) fn section(view: &View) -> Section {
     let notices = notices(view);
     let calm = "Every sample has a solution at every level, and no error alert was raised.";
+    let mut blocks = vec![
+        Block::Facts(facts(view.summary)),
+        match notices.is_empty() {
+            true => Block::Fine(calm.to_owned()),
+            false => Block::Notices(notices),
+        },
+    ];
+    if !view.assessment.criteria.is_empty() {
+        blocks.push(criteria(view));
+        blocks.push(Block::Hint(
+            "PASS or FAIL: the whole confidence interval lies on that side of the limit, each side with the stated \
+             confidence and whatever the failed samples would have given. UNDECIDED: the limit lies inside, or too \
+             few samples bound the side. Limits, standards and clauses are the user’s."
+                .to_owned(),
+        ));
+    }
+    blocks.push(bounds(view));
+    blocks.push(Block::Hint(view.assessment.condition.clone()));
     Section {
         id: "verdict",
         title: "Verdict".to_owned(),
-        blocks: vec![
-            Block::Facts(facts(view.summary)),
-            match notices.is_empty() {
-                true => Block::Fine(calm.to_owned()),
-                false => Block::Notices(notices),
-            },
-        ],
+        blocks,
     }
+}
+
+fn criteria(view: &View) -> Block {
+    let columns: [(&str, &'static [&'static str]); 6] = [
+        ("Verdict", &["verdict"]),
+        ("Criterion", &["criterion"]),
+        ("Level", &["level"]),
+        ("Required", &["required"]),
+        ("Found", &["found", "lower", "upper"]),
+        ("Confidence", &["confidence"]),
+    ];
+    let columns = columns.map(|(head, fields)| (head.to_owned(), fields));
+    let mut table = Table::new("Criteria", "criteria", columns);
+    for result in &view.assessment.criteria {
+        for level in &result.levels {
+            table.row(criterion_row(view, result, level));
+        }
+    }
+    table.block()
+}
+
+fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> Vec<Cell> {
+    let criterion = &result.criterion;
+    let (word, class) = match level.judgement {
+        Judgement::Pass => ("PASS", "pass"),
+        Judgement::Fail => ("FAIL", "fail"),
+        Judgement::Undecided => ("UNDECIDED", "undecided"),
+    };
+    let source = [&criterion.standard, &criterion.clause].map(|s| s.as_deref());
+    let source: Vec<&str> = source.into_iter().flatten().collect();
+    let (required, show) = requirement(criterion);
+    let found = level.estimate.map_or_else(|| DASH.to_owned(), show);
+    let levels = view.input.record.levels.iter();
+    let place = levels.clone().position(|l| *l == level.level);
+    let sides = [level.interval.lower.value(), level.interval.upper.value()];
+    let share = match criterion.quantity {
+        Quantity::ProbabilityOfExceedance => "of the probability".to_owned(),
+        _ => format!("for {} of the blades", percent(criterion.share())),
+    };
+    vec![
+        Cell::text(word).with_badge(class),
+        Cell::text(&criterion.name)
+            .with_small(source.join(", "))
+            .with_class("text strong"),
+        place.map_or_else(|| Cell::text(DASH), |i| view.level_cell(i)),
+        Cell::text(required),
+        Cell::number(found, level.estimate)
+            .with_raw(sides)
+            .with_small(limits(level.interval, &show)),
+        Cell::number(
+            percent(criterion.confidence()),
+            Some(criterion.confidence()),
+        )
+        .with_small(share),
+    ]
+}
+
+/// What is required in words, and how its numbers are shown.
+fn requirement(criterion: &Criterion) -> (String, fn(f64) -> String) {
+    let show: fn(f64) -> String = match criterion.quantity {
+        Quantity::FrequencyMarginPercent => |v| format!("{} %", with_digits(v, 3)),
+        Quantity::AmplitudeUm => |v| format!("{} µm", significant(v)),
+        Quantity::ReserveFactor => |v| with_digits(v, 3),
+        Quantity::ProbabilityOfExceedance => percent,
+    };
+    let limit = show(criterion.limit);
+    let words = match criterion.quantity {
+        Quantity::FrequencyMarginPercent => format!("frequency margin ≥ {limit}"),
+        Quantity::AmplitudeUm => format!("amplitude ≤ {limit}"),
+        Quantity::ReserveFactor => format!("reserve factor ≥ {limit}"),
+        Quantity::ProbabilityOfExceedance => format!("P(reserve factor < 1) ≤ {limit}"),
+    };
+    (words, show)
+}
+
+/// Bounds that hold for 95 % of the blades with 95 % confidence.
+fn bounds(view: &View) -> Block {
+    let columns: [(&str, &'static [&'static str]); 4] = [
+        ("Level", &["level"]),
+        (
+            "Frequency above",
+            &["frequency_lower_hz", "order", "confidence"],
+        ),
+        (
+            "Frequency below",
+            &["frequency_upper_hz", "order", "confidence"],
+        ),
+        (
+            "Amplitude below",
+            &["amplitude_upper_m", "order", "confidence"],
+        ),
+    ];
+    let columns = columns.map(|(head, fields)| (head.to_owned(), fields));
+    let title = "Bounds: each holds for 95 % of the blades with 95 % confidence";
+    let mut table = Table::new(title, "bounds", columns);
+    let frequency = |v: f64| format!("{} Hz", hertz(v));
+    let amplitude = |v: f64| {
+        let shown = significant(v * view.unit.per_metre);
+        format!("{shown} {}", view.unit.symbol)
+    };
+    for (i, level) in view.assessment.levels.iter().enumerate() {
+        let [lower, upper] = &level.frequency_bounds_hz;
+        table.row(vec![
+            view.level_cell(i),
+            bound(lower, &frequency),
+            bound(upper, &frequency),
+            bound(&level.amplitude_bound_m, &amplitude),
+        ]);
+    }
+    table.block()
+}
+
+fn bound(bound: &ToleranceBound, show: &dyn Fn(f64) -> String) -> Cell {
+    let value = bound.limit.value();
+    let basis = match bound.order {
+        0 => "too few samples".to_owned(),
+        order => format!(
+            "value {order} from the end, {}",
+            percent(bound.achieved_confidence)
+        ),
+    };
+    Cell::number(value.map_or_else(|| "open".to_owned(), show), value)
+        .with_raw([Some(bound.order as f64), Some(bound.achieved_confidence)])
+        .with_small(basis)
 }
 
 fn facts(summary: &Summary) -> Vec<(String, String)> {
