@@ -147,11 +147,19 @@ impl Block {
 pub(super) struct Table {
     title: String,
     file: String,
-    heads: Vec<String>,
+    heads: Vec<Head>,
     #[serde(skip)]
     fields: Vec<&'static str>,
     rows: Vec<TableRow>,
     link: String,
+}
+
+/// Head of a column.
+#[derive(Debug, Clone, Serialize)]
+struct Head {
+    text: String,
+    /// Class of the first cell below it.
+    class: String,
 }
 
 /// One row of a table.
@@ -186,15 +194,29 @@ impl Table {
         file: &str,
         columns: impl IntoIterator<Item = (String, &'static [&'static str])>,
     ) -> Self {
-        let (heads, fields): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
+        let (heads, fields): (Vec<String>, Vec<_>) = columns.into_iter().unzip();
+        let head = |text: String| Head {
+            text,
+            class: String::new(),
+        };
         Self {
             title: title.into(),
             file: format!("{file}.csv"),
-            heads,
+            heads: heads.into_iter().map(head).collect(),
             fields: fields.concat(),
             rows: Vec::new(),
             link: String::new(),
         }
+    }
+
+    /// As [`Table::new`], with columns that are known beforehand.
+    pub(super) fn of(
+        title: impl Into<String>,
+        file: &str,
+        columns: &[(&str, &'static [&'static str])],
+    ) -> Self {
+        let owned = |(head, fields): &(&str, &'static [&'static str])| (head.to_string(), *fields);
+        Self::new(title, file, columns.iter().map(owned))
     }
 
     /// Adds a row.
@@ -212,6 +234,10 @@ impl Table {
 
     /// The table with its download, as a part of a section.
     pub(super) fn block(mut self) -> Block {
+        let first = self.rows.first().map_or(&[][..], |row| &row.cells);
+        for (head, cell) in self.heads.iter_mut().zip(first) {
+            head.class.clone_from(&cell.class);
+        }
         self.link = data_link("text/csv;charset=utf-8", &self.csv());
         Block::Table(self)
     }
@@ -255,9 +281,12 @@ impl Cell {
         self
     }
 
-    /// With a line in small print below.
+    /// With a line in small print below, if there is one.
     pub(super) fn with_small(mut self, text: impl Into<String>) -> Self {
-        self.small.push(text.into());
+        let text = text.into();
+        if !text.is_empty() {
+            self.small.push(text);
+        }
         self
     }
 

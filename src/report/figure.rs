@@ -17,7 +17,8 @@ pub(super) enum Size {
 
 /// Room for the ticks of the vertical axis at least, and beside the widest of them.
 const LEFT: [f64; 2] = [54.0, 26.0];
-const RIGHT: f64 = 12.0;
+/// Room for half a tick label at the end of the axis.
+const RIGHT: f64 = 24.0;
 const TOP: f64 = 24.0;
 const BOTTOM: f64 = 42.0;
 /// Widest character of a tick label in panel units.

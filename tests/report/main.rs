@@ -5,6 +5,7 @@
 )]
 
 mod page;
+mod record;
 mod store;
 mod summary;
 mod synthetic;

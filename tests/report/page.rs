@@ -13,7 +13,7 @@ fn page(input: &ReportInput) -> String {
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
-    assert_eq!(names.len(), 2, "temporary files left behind: {names:?}");
+    assert_eq!(names.len(), 3, "temporary files left behind: {names:?}");
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     for forbidden in [
         "NaN",

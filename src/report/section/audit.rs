@@ -21,10 +21,7 @@ pub(super) fn section(view: &View) -> Section {
 }
 
 fn sheet(title: &str, file: &str, rows: impl IntoIterator<Item = (String, String)>) -> Block {
-    let columns: [(&str, &'static [&'static str]); 2] =
-        [("Name", &["name"]), ("Value", &["value"])];
-    let columns = columns.map(|(head, fields)| (head.to_owned(), fields));
-    let mut table = Table::new(title, file, columns);
+    let mut table = Table::of(title, file, &[("Name", &["name"]), ("Value", &["value"])]);
     for (name, value) in rows {
         table.row(vec![
             Cell::text(name),
@@ -53,7 +50,7 @@ fn provenance(view: &View) -> Block {
     let stated = fields.map(|(key, value)| (words(key), shown(value)));
     let failed: usize = view.summary.levels.iter().map(|l| l.failed).sum();
     let solves = view.summary.samples * view.summary.levels.len();
-    let absent = || "none".to_owned();
+    let absent = || "not used".to_owned();
     let more = [
         ("Backend", record.backend.clone()),
         ("Adapter", record.adapter.clone().unwrap_or_else(absent)),
@@ -95,13 +92,15 @@ fn shown(value: &serde_json::Value) -> String {
 
 fn files(view: &View) -> Block {
     let record = view.input.record;
-    let columns: [(&str, &'static [&'static str]); 3] = [
-        ("File", &["file"]),
-        ("BLAKE3 of its content", &["blake3"]),
-        ("Now", &["state"]),
-    ];
-    let columns = columns.map(|(head, fields)| (head.to_owned(), fields));
-    let mut table = Table::new("Files", "files", columns);
+    let mut table = Table::of(
+        "Files",
+        "files",
+        &[
+            ("File", &["file"]),
+            ("BLAKE3 of its content", &["blake3"]),
+            ("Now", &["state"]),
+        ],
+    );
     let state = |file: &FileRecord| match view.input.changed.contains(&file.name) {
         true => "changed",
         false => "as written",

@@ -48,11 +48,10 @@ pub(super) fn section(view: &View) -> Option<Section> {
             view.level_legend(keys),
             Block::pairs(figures),
             margins(view),
-            dwell(view, operation),
-            Block::Hint(hint),
         ]
         .into_iter()
-        .filter(|block| !matches!(block, Block::Hint(text) if text.is_empty()))
+        .chain(dwell(view, operation))
+        .chain([Block::Hint(hint)])
         .collect(),
     })
 }
@@ -110,23 +109,26 @@ fn diagram(
     for &order in &operation.engine_orders {
         draw_order(&mut panel, order, speeds, [low, high]);
     }
-    draw_bars(view, &mut panel, operation, speeds);
+    if window.is_some() {
+        draw_bars(view, &mut panel, operation, speeds);
+    }
     view.note_if_empty(&mut panel);
-    let caption = "Bands and bars: 1 % to 99 % of the samples, by level; bars stand where an engine order crosses.";
+    let caption = "Bands and bars: 1 % to 99 % of the samples, by level; bars stand where an engine order crosses the median.";
     view.figure(&panel, file, caption)
 }
 
 /// The line of an order with its name where it leaves the picture.
-fn draw_order(panel: &mut Panel, order: u32, [_, fast]: [f64; 2], [low, high]: [f64; 2]) {
+fn draw_order(panel: &mut Panel, order: u32, [slow, fast]: [f64; 2], [low, high]: [f64; 2]) {
     let slope = f64::from(order) / 60.0;
-    panel.line("order", [(0.0, 0.0), (fast, slope * fast)].into_iter());
-    // The name stands a little inside the edge that the line leaves by.
-    let inside = low + 0.93 * (high - low);
-    let speed = (inside / slope).min(0.995 * fast);
-    if slope * speed > low {
-        let name = format!("EO {order}");
-        panel.words("end", (speed, slope * speed), &name);
+    let [enters, leaves] = [slow.max(low / slope), fast.min(high / slope)];
+    if enters >= leaves {
+        return;
     }
+    let ends = [enters, leaves].map(|speed| (speed, slope * speed));
+    panel.line("order", ends.into_iter());
+    // The name stands a little inside the edge that the line leaves by.
+    let speed = enters + 0.93 * (leaves - enters);
+    panel.words("end", (speed, slope * speed), &format!("EO {order}"));
 }
 
 /// A bar of each level at the speed where an order crosses its median.
@@ -159,30 +161,32 @@ fn cell(quantiles: &[QuantileEstimate], k: usize, show: &dyn Fn(f64) -> String) 
 }
 
 fn margins(view: &View) -> Block {
-    let columns: [(&str, &'static [&'static str]); 7] = [
-        ("Level", &["level"]),
-        ("Order", &["engine_order"]),
-        (
-            "Crossing, 5 %",
-            &["crossing_q05_rpm", "lower_rpm", "upper_rpm"],
-        ),
-        (
-            "Crossing, 95 %",
-            &["crossing_q95_rpm", "lower_rpm", "upper_rpm"],
-        ),
-        (
-            "Margin, 5 %",
-            &["margin_q05", "margin_q05_lower", "margin_q05_upper"],
-        ),
-        (
-            "Margin, 50 %",
-            &["margin_q50", "margin_q50_lower", "margin_q50_upper"],
-        ),
-        ("Lower bound", &["margin_bound"]),
-    ];
-    let columns = columns.map(|(head, fields)| (head.to_owned(), fields));
     let title = "Crossing speeds (1/min) and margin over the range of speeds";
-    let mut table = Table::new(title, "margins", columns);
+    let mut table = Table::of(
+        title,
+        "margins",
+        &[
+            ("Level", &["level"]),
+            ("Order", &["engine_order"]),
+            (
+                "Crossing, 5 %",
+                &["crossing_q05_rpm", "lower_rpm", "upper_rpm"],
+            ),
+            (
+                "Crossing, 95 %",
+                &["crossing_q95_rpm", "lower_rpm", "upper_rpm"],
+            ),
+            (
+                "Margin, 5 %",
+                &["margin_q05", "margin_q05_lower", "margin_q05_upper"],
+            ),
+            (
+                "Margin, 50 %",
+                &["margin_q50", "margin_q50_lower", "margin_q50_upper"],
+            ),
+            ("Lower bound", &["margin_bound"]),
+        ],
+    );
     let speed = |v: f64| format!("{v:.0}");
     for (i, level) in view.assessment.levels.iter().enumerate() {
         for margin in &level.margins {
@@ -208,10 +212,10 @@ fn margins(view: &View) -> Block {
     table.block()
 }
 
-/// Margins at the speeds that are held; an empty hint without any.
-fn dwell(view: &View, operation: &Operation) -> Block {
+/// Margins at the speeds that are held; absent without any.
+fn dwell(view: &View, operation: &Operation) -> Option<Block> {
     if operation.dwell_rpm.is_empty() {
-        return Block::Hint(String::new());
+        return None;
     }
     let columns: [(&str, &'static [&'static str]); 5] = [
         ("Level", &["level"]),
@@ -246,5 +250,5 @@ fn dwell(view: &View, operation: &Operation) -> Block {
             }
         }
     }
-    table.block()
+    Some(table.block())
 }

@@ -62,16 +62,18 @@ pub(super) fn section(view: &View) -> Section {
 }
 
 fn table(view: &View, quantity: &Quantity) -> Block {
-    let columns: [(&str, &'static [&'static str]); 6] = [
-        ("Level", &["level"]),
-        ("Nominal", &["nominal"]),
-        ("5 %", &["q05", "q05_lower", "q05_upper"]),
-        ("50 %", &["q50", "q50_lower", "q50_upper"]),
-        ("95 %", &["q95", "q95_lower", "q95_upper"]),
-        ("Mean ± s.d.", &["mean", "standard_deviation"]),
-    ];
-    let columns = columns.map(|(head, fields)| (head.to_owned(), fields));
-    let mut table = Table::new(&quantity.title, quantity.file, columns);
+    let mut table = Table::of(
+        &quantity.title,
+        quantity.file,
+        &[
+            ("Level", &["level"]),
+            ("Nominal", &["nominal"]),
+            ("5 %", &["q05", "q05_lower", "q05_upper"]),
+            ("50 %", &["q50", "q50_lower", "q50_upper"]),
+            ("95 %", &["q95", "q95_lower", "q95_upper"]),
+            ("Mean ± s.d.", &["mean", "standard_deviation"]),
+        ],
+    );
     for (i, level) in view.summary.levels.iter().enumerate() {
         let nominal = (quantity.nominal)(level);
         let text = nominal.map_or_else(|| DASH.to_owned(), quantity.show);

@@ -5,14 +5,16 @@ use super::super::display::{percent, significant};
 use super::super::view::View;
 
 pub(super) fn section(view: &View) -> Section {
-    let columns: [(&str, &'static [&'static str]); 4] = [
-        ("Source of error", &["source"]),
-        ("Frequency (Hz)", &["frequency_hz"]),
-        ("Amplitude", &["amplitude_relative"]),
-        ("How it is known", &["basis"]),
-    ];
-    let columns = columns.map(|(head, fields)| (head.to_owned(), fields));
-    let mut table = Table::new("Largest error of any level", "error-budget", columns);
+    let mut table = Table::of(
+        "Largest error of any level",
+        "error-budget",
+        &[
+            ("Source of error", &["source"]),
+            ("Frequency (Hz)", &["frequency_hz"]),
+            ("Amplitude", &["amplitude_relative"]),
+            ("How it is known", &["basis"]),
+        ],
+    );
     for line in &view.assessment.error_budget {
         let unknown = || "not estimated".to_owned();
         let frequency = line.frequency_hz.map_or_else(unknown, significant);

@@ -155,15 +155,17 @@ fn share(value: Option<f64>) -> Cell {
 }
 
 fn truncation_table(view: &View) -> Block {
-    let columns: [(&str, &'static [&'static str]); 5] = [
-        ("Level", &["level"]),
-        ("Median", &["median"]),
-        ("95 %", &["q95"]),
-        ("Largest", &["largest"]),
-        ("Highest harmonic (solutions)", &["highest_harmonics"]),
-    ];
-    let columns = columns.map(|(head, fields)| (head.to_owned(), fields));
-    let mut table = Table::new("Truncation error and harmonics", "truncation", columns);
+    let mut table = Table::of(
+        "Truncation error and harmonics",
+        "truncation",
+        &[
+            ("Level", &["level"]),
+            ("Median", &["median"]),
+            ("95 %", &["q95"]),
+            ("Largest", &["largest"]),
+            ("Highest harmonic (solutions)", &["highest_harmonics"]),
+        ],
+    );
     for (i, level) in view.summary.levels.iter().enumerate() {
         let quantiles = &level.truncation_error.quantiles;
         let error = |k: usize| share(quantiles.get(k).map(|q| q.estimate));
@@ -186,15 +188,17 @@ fn truncation_table(view: &View) -> Block {
 }
 
 fn contact_table(view: &View) -> Block {
-    let columns: [(&str, &'static [&'static str]); 4] = [
-        ("Level", &["level"]),
-        ("Stick", &["stick"]),
-        ("Slip", &["slip"]),
-        ("Separated", &["separated"]),
-    ];
-    let columns = columns.map(|(head, fields)| (head.to_owned(), fields));
     let title = "Contact states at the peak, mean share of pairs and time";
-    let mut table = Table::new(title, "contact", columns);
+    let mut table = Table::of(
+        title,
+        "contact",
+        &[
+            ("Level", &["level"]),
+            ("Stick", &["stick"]),
+            ("Slip", &["slip"]),
+            ("Separated", &["separated"]),
+        ],
+    );
     for (i, level) in view.summary.levels.iter().enumerate() {
         let fractions = level.mean_contact_fractions;
         table.row(vec![
@@ -208,16 +212,18 @@ fn contact_table(view: &View) -> Block {
 }
 
 fn work_table(view: &View) -> Block {
-    let columns: [(&str, &'static [&'static str]); 6] = [
-        ("Level", &["level"]),
-        ("Newton steps, median", &["newton_median"]),
-        ("95 %", &["newton_q95"]),
-        ("Factorisations, median", &["factorizations_median"]),
-        ("95 %", &["factorizations_q95"]),
-        ("Worst work balance", &["work_balance"]),
-    ];
-    let columns = columns.map(|(head, fields)| (head.to_owned(), fields));
-    let mut table = Table::new("Work per sample", "work", columns);
+    let mut table = Table::of(
+        "Work per sample",
+        "work",
+        &[
+            ("Level", &["level"]),
+            ("Newton steps, median", &["newton_median"]),
+            ("95 %", &["newton_q95"]),
+            ("Factorisations, median", &["factorizations_median"]),
+            ("95 %", &["factorizations_q95"]),
+            ("Worst work balance", &["work_balance"]),
+        ],
+    );
     for (i, level) in view.summary.levels.iter().enumerate() {
         let count = |v: Option<f64>| Cell::number(v.map_or_else(|| DASH.to_owned(), short), v);
         let balance = level.worst_work_balance;

@@ -79,7 +79,7 @@ fn bars(view: &View, shown: Shown) -> Figure {
         for (j, influence) in level.influences.iter().enumerate() {
             if let IndexResult::Index(found) = index(influence, shown) {
                 let (y, index) = (line(j, i, n), found.index);
-                let ends = [index.estimate.min(0.0), index.estimate.max(0.0)];
+                let ends = [0.0, index.estimate.max(0.0)];
                 panel.level_bar(&format!("l{i}"), y, ends, 0.6 / n as f64);
                 panel.level_whisker("plain", y, [index.lower, index.upper]);
             }
@@ -90,33 +90,35 @@ fn bars(view: &View, shown: Shown) -> Figure {
 
 /// First-order indices with their intervals, or the reason why there is none.
 fn indices(view: &View) -> Block {
-    let columns: [(&str, &'static [&'static str]); 4] = [
-        ("Level", &["level"]),
-        ("Input", &["input"]),
-        (
-            "Frequency",
-            &[
-                "frequency_index",
-                "frequency_index_lower",
-                "frequency_index_upper",
-            ],
-        ),
-        (
-            "Amplitude",
-            &[
-                "amplitude_index",
-                "amplitude_index_lower",
-                "amplitude_index_upper",
-            ],
-        ),
-    ];
-    let columns = columns.map(|(head, fields)| (head.to_owned(), fields));
-    let mut table = Table::new("First-order indices", "indices", columns);
+    let mut table = Table::of(
+        "First-order indices",
+        "indices",
+        &[
+            ("Level", &["level"]),
+            ("Input", &["input"]),
+            (
+                "Frequency",
+                &[
+                    "frequency_index",
+                    "frequency_index_lower",
+                    "frequency_index_upper",
+                ],
+            ),
+            (
+                "Amplitude",
+                &[
+                    "amplitude_index",
+                    "amplitude_index_lower",
+                    "amplitude_index_upper",
+                ],
+            ),
+        ],
+    );
     for (i, level) in view.assessment.levels.iter().enumerate() {
         for influence in &level.influences {
             table.row(vec![
                 view.level_cell(i),
-                Cell::text(&influence.input),
+                Cell::text(&influence.input).with_class("text"),
                 index_cell(&influence.frequency),
                 index_cell(&influence.amplitude),
             ]);

@@ -165,9 +165,10 @@ fn row(view: &View, i: usize, reserve: &Reserve) -> Vec<Cell> {
     };
     let bound = reserve.factor_bound;
     let value = bound.limit.value();
-    let order = match bound.order {
-        0 => "too few samples".to_owned(),
-        order => format!("rank {order}, {}", percent(bound.achieved_confidence)),
+    let order = match (bound.order, value) {
+        (0, _) => "too few samples".to_owned(),
+        (_, None) => "failed samples may lie beyond".to_owned(),
+        (order, _) => format!("rank {order}, {}", percent(bound.achieved_confidence)),
     };
     let probability = reserve.exceedance.map(|e| e.probability);
     let known = probability.and_then(|p| p.known).map(|k| k.estimate);

@@ -39,22 +39,37 @@ pub(super) fn section(view: &View) -> Section {
 }
 
 fn criteria(view: &View) -> Block {
-    let columns: [(&str, &'static [&'static str]); 6] = [
-        ("Verdict", &["verdict"]),
-        ("Criterion", &["criterion"]),
-        ("Level", &["level"]),
-        ("Required", &["required"]),
-        ("Found", &["found", "lower", "upper"]),
-        ("Confidence", &["confidence"]),
-    ];
-    let columns = columns.map(|(head, fields)| (head.to_owned(), fields));
-    let mut table = Table::new("Criteria", "criteria", columns);
+    let mut table = Table::of(
+        "Criteria",
+        "criteria",
+        &[
+            ("Verdict", &["verdict"]),
+            ("Criterion", &["criterion"]),
+            ("Level", &["level"]),
+            ("Required", &["required"]),
+            ("Found", &["found", "lower", "upper"]),
+            ("Confidence", &["confidence"]),
+        ],
+    );
     for result in &view.assessment.criteria {
-        for level in &result.levels {
-            table.row(criterion_row(view, result, level));
+        if let Some(worst) = worst(result) {
+            table.row(criterion_row(view, result, worst));
         }
     }
     table.block()
+}
+
+/// The level that decides: of those with the judgement of all, the one with the worst estimate.
+fn worst(result: &CriterionResult) -> Option<&LevelResult> {
+    let deciding = |l: &&LevelResult| l.judgement == result.judgement;
+    // Without an estimate nothing is known: that is the worst.
+    let cost = |l: &LevelResult| match l.estimate {
+        None => f64::INFINITY,
+        Some(v) if result.criterion.quantity.at_least() => -v,
+        Some(v) => v,
+    };
+    let levels = result.levels.iter().filter(deciding);
+    levels.max_by(|a, b| cost(a).total_cmp(&cost(b)))
 }
 
 fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> Vec<Cell> {
@@ -71,17 +86,24 @@ fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> 
     let levels = view.input.record.levels.iter();
     let place = levels.clone().position(|l| *l == level.level);
     let sides = [level.interval.lower.value(), level.interval.upper.value()];
+    let extent = match result.levels.len() {
+        1 => String::new(),
+        n => format!("decides among {n} levels"),
+    };
     let share = match criterion.quantity {
         Quantity::ProbabilityOfExceedance => "of the probability".to_owned(),
         _ => format!("for {} of the blades", percent(criterion.share())),
     };
     vec![
-        Cell::text(word).with_badge(class),
+        Cell::text(word).with_badge(class).with_class("text"),
         Cell::text(&criterion.name)
             .with_small(source.join(", "))
             .with_class("text strong"),
-        place.map_or_else(|| Cell::text(DASH), |i| view.level_cell(i)),
-        Cell::text(required),
+        place
+            .map_or_else(|| Cell::text(DASH), |i| view.level_cell(i))
+            .with_small(extent)
+            .with_class("text"),
+        Cell::text(required).with_class("text"),
         Cell::number(found, level.estimate)
             .with_raw(sides)
             .with_small(limits(level.interval, &show)),
@@ -113,24 +135,26 @@ fn requirement(criterion: &Criterion) -> (String, fn(f64) -> String) {
 
 /// Bounds that hold for 95 % of the blades with 95 % confidence.
 fn bounds(view: &View) -> Block {
-    let columns: [(&str, &'static [&'static str]); 4] = [
-        ("Level", &["level"]),
-        (
-            "Frequency above",
-            &["frequency_lower_hz", "order", "confidence"],
-        ),
-        (
-            "Frequency below",
-            &["frequency_upper_hz", "order", "confidence"],
-        ),
-        (
-            "Amplitude below",
-            &["amplitude_upper_m", "order", "confidence"],
-        ),
-    ];
-    let columns = columns.map(|(head, fields)| (head.to_owned(), fields));
     let title = "Bounds: each holds for 95 % of the blades with 95 % confidence";
-    let mut table = Table::new(title, "bounds", columns);
+    let mut table = Table::of(
+        title,
+        "bounds",
+        &[
+            ("Level", &["level"]),
+            (
+                "Frequency above",
+                &["frequency_lower_hz", "order", "confidence"],
+            ),
+            (
+                "Frequency below",
+                &["frequency_upper_hz", "order", "confidence"],
+            ),
+            (
+                "Amplitude below",
+                &["amplitude_upper_m", "order", "confidence"],
+            ),
+        ],
+    );
     let frequency = |v: f64| format!("{} Hz", hertz(v));
     let amplitude = |v: f64| {
         let shown = significant(v * view.unit.per_metre);
@@ -150,9 +174,10 @@ fn bounds(view: &View) -> Block {
 
 fn bound(bound: &ToleranceBound, show: &dyn Fn(f64) -> String) -> Cell {
     let value = bound.limit.value();
-    let basis = match bound.order {
-        0 => "too few samples".to_owned(),
-        order => format!(
+    let basis = match (bound.order, value) {
+        (0, _) => "too few samples".to_owned(),
+        (_, None) => "failed samples may lie beyond".to_owned(),
+        (order, _) => format!(
             "value {order} from the end, {}",
             percent(bound.achieved_confidence)
         ),
