@@ -285,7 +285,7 @@ impl Panel {
     fn write_axes(&self, svg: &mut String) {
         let (width, height) = self.inner();
         let left = self.left;
-        write_text(svg, "title", (left, 15.0), &self.title);
+        write_text(svg, "title", (left.min(LEFT[0]), 15.0), &self.title);
         for (value, label) in self.x.ticks(|c| (c as f64 * CHARACTER + 14.0) / width) {
             if let Some(position) = self.x.position(value) {
                 let x = left + position * width;

@@ -81,10 +81,18 @@ impl<'a> View<'a> {
         self.input.record.levels.len()
     }
 
-    /// `10 N`.
+    /// `10 N`; `level 10` where the unit is a sentence.
     pub(super) fn level_name(&self, i: usize) -> String {
         let record = self.input.record;
-        format!("{} {}", short(record.levels[i]), record.level_unit)
+        let level = short(record.levels[i]);
+        match self.unit_is_symbol() {
+            true => format!("{level} {}", record.level_unit),
+            false => format!("level {level}"),
+        }
+    }
+
+    fn unit_is_symbol(&self) -> bool {
+        !self.input.record.level_unit.contains(' ')
     }
 
     /// First cell of a row of level `i`.
@@ -104,9 +112,12 @@ impl<'a> View<'a> {
         Block::Legend(self.level_keys().into_iter().chain(others).collect())
     }
 
-    /// `µm/N`.
+    /// `µm/N`; `µm per level` where the unit is a sentence.
     pub(super) fn amplitude_unit(&self) -> String {
-        format!("{}/{}", self.unit.symbol, self.input.record.level_unit)
+        match self.unit_is_symbol() {
+            true => format!("{}/{}", self.unit.symbol, self.input.record.level_unit),
+            false => format!("{} per level", self.unit.symbol),
+        }
     }
 
     /// Axis label.

@@ -217,24 +217,22 @@ fn dwell(view: &View, operation: &Operation) -> Option<Block> {
     if operation.dwell_rpm.is_empty() {
         return None;
     }
-    let columns: [(&str, &'static [&'static str]); 5] = [
-        ("Level", &["level"]),
-        ("Order", &["engine_order"]),
-        ("Speed (1/min)", &["speed_rpm"]),
-        (
-            "Margin, 5 %",
-            &["margin_q05", "margin_q05_lower", "margin_q05_upper"],
-        ),
-        (
-            "Margin, 50 %",
-            &["margin_q50", "margin_q50_lower", "margin_q50_upper"],
-        ),
-    ];
-    let columns = columns.map(|(head, fields)| (head.to_owned(), fields));
-    let mut table = Table::new(
+    let mut table = Table::of(
         "Margin at the speeds that are held",
         "dwell-margins",
-        columns,
+        &[
+            ("Level", &["level"]),
+            ("Order", &["engine_order"]),
+            ("Speed (1/min)", &["speed_rpm"]),
+            (
+                "Margin, 5 %",
+                &["margin_q05", "margin_q05_lower", "margin_q05_upper"],
+            ),
+            (
+                "Margin, 50 %",
+                &["margin_q50", "margin_q50_lower", "margin_q50_upper"],
+            ),
+        ],
     );
     for (i, level) in view.assessment.levels.iter().enumerate() {
         for margin in &level.margins {

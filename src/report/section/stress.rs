@@ -130,23 +130,21 @@ fn reserves(view: &View, stress: &Stress) -> Figure {
 }
 
 fn table(view: &View) -> Block {
-    let columns: [(&str, &'static [&'static str]); 7] = [
-        ("Level", &["level"]),
-        ("Allowable amplitude", &["allowable_amplitude_m"]),
-        ("Reserve, 5 %", &["q05", "q05_lower", "q05_upper"]),
-        ("Reserve, 50 %", &["q50", "q50_lower", "q50_upper"]),
-        ("Reserve, 95 %", &["q95", "q95_lower", "q95_upper"]),
-        ("Lower bound", &["bound", "order", "achieved_confidence"]),
-        (
-            "Probability below 1",
-            &["probability", "probability_lower", "probability_upper"],
-        ),
-    ];
-    let columns = columns.map(|(head, fields)| (head.to_owned(), fields));
-    let mut table = Table::new(
+    let mut table = Table::of(
         "Reserve factor, allowable over actual stress",
         "reserve",
-        columns,
+        &[
+            ("Level", &["level"]),
+            ("Allowable amplitude", &["allowable_amplitude_m"]),
+            ("Reserve, 5 %", &["q05", "q05_lower", "q05_upper"]),
+            ("Reserve, 50 %", &["q50", "q50_lower", "q50_upper"]),
+            ("Reserve, 95 %", &["q95", "q95_lower", "q95_upper"]),
+            ("Lower bound", &["bound", "order", "achieved_confidence"]),
+            (
+                "Probability below 1",
+                &["probability", "probability_lower", "probability_upper"],
+            ),
+        ],
     );
     for (i, level) in view.assessment.levels.iter().enumerate() {
         if let Some(reserve) = &level.reserve {
