@@ -27,10 +27,8 @@ fn waves(seed: u64, n: usize) -> Vec<Option<Vec<f64>>> {
 /// Share of whole curves inside.
 fn inside(band: &Envelope, rows: &[Option<Vec<f64>>]) -> f64 {
     let holds = |row: &&Vec<f64>| {
-        band.points.iter().zip(*row).all(|(point, y)| {
-            let point = point.unwrap();
-            point.lower <= *y && *y <= point.upper
-        })
+        let mut pairs = band.points.iter().zip(*row);
+        pairs.all(|(point, y)| point.is_some_and(|p| p.lower <= *y && *y <= p.upper))
     };
     rows.iter().flatten().filter(holds).count() as f64 / rows.len() as f64
 }

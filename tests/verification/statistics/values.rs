@@ -84,13 +84,15 @@ fn a_linear_limit_state() {
     );
 }
 
+/// Function, number of inputs, mean, variance, and quantiles (p, value).
+type TestFunction<'a> = (fn(&[f64]) -> f64, usize, f64, f64, &'a [(f64, f64)]);
+
 /// Mean, variance and quantiles of Ishigami, G-function and borehole, 14 statements, lie in their 99.9 % intervals.
 /// References: closed forms; borehole and the quantiles from 8 · 2²⁰ scrambled Sobol' points.
 /// Seen to fail with s/n for s/√n.
 #[test]
 fn moments_and_quantiles_of_test_functions() {
-    type Function = fn(&[f64]) -> f64;
-    let cases: [(Function, usize, f64, f64, &[(f64, f64)]); 3] = [
+    let cases: [TestFunction; 3] = [
         (
             ishigami,
             3,
