@@ -32,19 +32,16 @@ impl Bootstrap {
         (0..n).map(|_| below(&mut generator, n)).collect()
     }
 
-    /// ⌊n/2⌋ distinct indices below n, ascending.
-    ///
-    /// A statistic of half the samples, drawn without replacement, deviates from that of all samples as that of all
-    /// deviates from the truth (var = σ²(2/n − 1/n)), and no sample occurs twice: ties spoil statistics of ranks.
+    /// m distinct indices below n, ascending.
     #[must_use]
-    pub fn half_sample(&self, replicate: u32, n: usize) -> Vec<usize> {
+    pub fn subsample(&self, replicate: u32, n: usize, m: usize) -> Vec<usize> {
         let mut generator = self.generator(replicate);
         let mut indices: Vec<usize> = (0..n).collect();
-        for i in 0..n / 2 {
+        for i in 0..m.min(n) {
             let j = i + below(&mut generator, n - i);
             indices.swap(i, j);
         }
-        indices.truncate(n / 2);
+        indices.truncate(m);
         indices.sort_unstable();
         indices
     }

@@ -61,7 +61,7 @@ impl Polynomials {
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct ChaosSettings {
     /// Polynomials, the same for every input.
-    pub basis: Polynomials,
+    pub polynomials: Polynomials,
     /// Highest degree tried.
     pub max_degree: usize,
     /// Most inputs in one term.
@@ -75,7 +75,7 @@ pub struct ChaosSettings {
 impl Default for ChaosSettings {
     fn default() -> Self {
         Self {
-            basis: Polynomials::Legendre,
+            polynomials: Polynomials::Legendre,
             max_degree: 10,
             max_interaction: 3,
             hyperbolic: 0.75,
@@ -97,7 +97,7 @@ pub struct Term {
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Chaos {
     /// Polynomials.
-    pub basis: Polynomials,
+    pub polynomials: Polynomials,
     /// Terms, the constant one first.
     pub terms: Vec<Term>,
     /// Degree chosen.
@@ -188,7 +188,7 @@ pub fn fit_chaos(
         });
     }
     for &sample in &solved {
-        let outside = |&x: &f64| !settings.basis.holds(x);
+        let outside = |&x: &f64| !settings.polynomials.holds(x);
         if let Some(input) = inputs[sample].iter().position(outside) {
             return Err(ChaosRefusal::Domain { sample, input });
         }
@@ -204,12 +204,12 @@ pub fn fit_chaos(
     let columns: Vec<Vec<f64>> = picked
         .terms
         .iter()
-        .map(|term| column(&rows, term, settings.basis))
+        .map(|term| column(&rows, term, settings.polynomials))
         .collect();
     let coefficients = least_squares(&columns, &values);
     let terms = picked.terms.into_iter().zip(coefficients);
     Ok(Chaos {
-        basis: settings.basis,
+        polynomials: settings.polynomials,
         terms: terms
             .map(|(degrees, coefficient)| Term {
                 degrees,
@@ -242,7 +242,7 @@ fn best_degree(
         if candidates.len() > settings.max_candidates {
             break;
         }
-        let picked = pick_terms(rows, values, candidates, settings.basis);
+        let picked = pick_terms(rows, values, candidates, settings.polynomials);
         match &best {
             Some((_, least)) if picked.error >= least.error => {}
             _ => best = Some((degree, picked)),
@@ -385,7 +385,7 @@ impl Chaos {
         let highest = |j: usize| self.terms.iter().map(|t| t.degrees[j]).max().unwrap_or(0);
         let values = inputs.iter().enumerate();
         let values: Vec<Vec<f64>> = values
-            .map(|(j, &x)| self.basis.values(x, highest(j)))
+            .map(|(j, &x)| self.polynomials.values(x, highest(j)))
             .collect();
         let term = |term: &Term| {
             let factors = term.degrees.iter().zip(&values).map(|(&k, v)| v[k]);

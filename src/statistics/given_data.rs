@@ -6,6 +6,7 @@ use super::limit::Interval;
 use super::moment::{MomentEstimate, moment_estimate};
 use super::observed::Observed;
 use super::sensitivity::{Index, SensitivityRefusal, all_solved, mean_and_variance, usable};
+use statrs::distribution::{ContinuousCDF, Normal};
 
 /// First-order index of one input from given samples.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -18,23 +19,25 @@ pub struct GivenDataIndex {
     pub failed: usize,
 }
 
-/// Fewest samples of an index from given samples.
-const FEWEST: usize = 32;
+/// A subsample holds one in this many samples.
+const SHARE: usize = 10;
+/// Fewest samples of an index from given samples, so that a subsample holds 16.
+const FEWEST: usize = 16 * SHARE;
 
-/// First-order index Var(E[result | input]) / Var(result) by ranks, with a half-sampling interval.
+/// First-order index Var(E[result | input]) / Var(result) by ranks, with a subsampling interval.
 ///
 /// Samples in ascending order of the input: the product of neighbouring results estimates E[E[result | input]²]. Bias and
-/// noise both fall with n, without any bin width. The interval is the estimate ∓ the quantiles of the deviation of random
-/// halves of the samples (delete-half jackknife), since bootstrap ties would fake dependence.
+/// noise both fall with n, without any bin width. Neither the bootstrap nor the jackknife is consistent for products of
+/// neighbours; the spread s of random tenths of the samples is: with m of n samples, estimate ∓ z s √(m/(n − m)).
 ///
 /// Shape: one input and one result per sample; a result that is not finite is a failed sample. Inputs must be finite and
 /// independent of each other. With the indicator of failure as result: which input the failures depend on.
-/// Sources: Gamboa, Gremaud, Klein & Lagnoux, Bernoulli 28 (2022) 2345–2374; Shao & Wu, Ann. Statist. 17 (1989)
-/// 1176–1197 (delete-d jackknife); Lin & Han, Biometrika 111 (2024) 1063–1070 (failure of the bootstrap).
+/// Sources: Gamboa, Gremaud, Klein & Lagnoux, Bernoulli 28 (2022) 2345–2374; Politis & Romano, Ann. Statist. 22 (1994)
+/// 2031–2050 (subsampling); Lin & Han, Biometrika 111 (2024) 1063–1070 (failure of the bootstrap).
 ///
 /// # Errors
 ///
-/// Fewer than 32 solved samples, a result that does not vary, settings that give no interval.
+/// Fewer than 160 solved samples, a result that does not vary, settings that give no interval.
 pub fn first_order_index(
     inputs: &[f64],
     results: &[f64],
@@ -53,16 +56,20 @@ pub fn first_order_index(
         return Err(SensitivityRefusal::Constant);
     }
     let estimate = neighbour_index(&ordered);
-    let deviation = |replicate: u32| {
-        let half = bootstrap.half_sample(replicate, ordered.len());
-        let half: Vec<f64> = half.into_iter().map(|i| ordered[i]).collect();
-        estimate - neighbour_index(&half)
+    let (n, m) = (ordered.len(), ordered.len() / SHARE);
+    let replicate = |r: u32| {
+        let part = bootstrap.subsample(r, n, m);
+        let part: Vec<f64> = part.into_iter().map(|i| ordered[i]).collect();
+        neighbour_index(&part)
     };
-    let (low, high) = bootstrap
-        .percentiles(deviation)
-        .ok_or(SensitivityRefusal::Constant)?;
+    let replicates: Vec<f64> = (0..bootstrap.replicates).map(replicate).collect();
+    // A subsample without variation has no index: the result is constant but for few samples.
+    all_solved(&replicates, 0).map_err(|_| SensitivityRefusal::Constant)?;
+    let (_, spread) = mean_and_variance(replicates.iter().copied());
+    let z = Normal::standard().inverse_cdf((1.0 + bootstrap.confidence) / 2.0);
+    let half = z * (spread * m as f64 / (n - m) as f64).sqrt();
     Ok(GivenDataIndex {
-        index: Index::new(estimate, (estimate + low, estimate + high)),
+        index: Index::new(estimate, (estimate - half, estimate + half)),
         valid: ordered.len(),
         failed: results.len() - ordered.len(),
     })

@@ -80,9 +80,13 @@ fn outwards(side: usize, (x, y): (f64, f64)) -> f64 {
     }
 }
 
-/// Limit of a side from its outward coordinate.
+/// Limit of a side from how far out it lies, the inverse of [`outwards`].
 fn limit(side: usize, outward: Option<f64>) -> Limit {
-    outward.map(|v| if side % 2 == 0 { v } else { -v }).into()
+    let value = |v: f64| match side {
+        0 | 2 => v,
+        _ => -v,
+    };
+    outward.map(value).into()
 }
 
 /// Limits after the sides took turns in cutting off the outermost pair left.

@@ -36,7 +36,8 @@ pub fn frequency_margin(
     denominator: Denominator,
 ) -> Option<FrequencyMargin> {
     let sound = frequency_hz > 0.0 && frequency_hz.is_finite() && highest_rpm.is_finite();
-    if !sound || engine_order == 0 || lowest_rpm <= 0.0 || !(lowest_rpm <= highest_rpm) {
+    let range = lowest_rpm > 0.0 && lowest_rpm <= highest_rpm;
+    if !sound || !range || engine_order == 0 {
         return None;
     }
     // |margin| grows away from the crossing, so the nearest speed of the range has the smallest.

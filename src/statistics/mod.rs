@@ -37,7 +37,9 @@ pub use band::{
 };
 pub use bin::{Group, equal_count};
 pub use bootstrap::Bootstrap;
-pub use chaos::{Chaos, ChaosIndex, ChaosRefusal, ChaosSettings, SurrogateExceedance, fit_chaos};
+pub use chaos::{
+    Chaos, ChaosIndex, ChaosRefusal, ChaosSettings, Polynomials, SurrogateExceedance, fit_chaos,
+};
 pub use comparison::{Better, Comparison, Ranking, compare, rank_designs};
 pub use convergence::{Prefix, convergence, nested_prefixes};
 pub use curve::{Curve, CurveSet};

@@ -93,7 +93,8 @@ fn correlation(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
 /// First and total indices, one per input, with bootstrap intervals over the rows of the design.
 ///
 /// Shape: `results` of [`pick_freeze_points`], in that order, for d = `inputs`. With points of a low-discrepancy sequence
-/// the interval is wider than the true error.
+/// the interval is wider than the true error; [`super::moment_estimate`] of the estimates of several independently
+/// scrambled sequences gives one that is not.
 ///
 /// # Errors
 ///
