@@ -274,6 +274,7 @@ fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
         names => names.join(", "),
     };
     writeln!(out, "random inputs       {inputs}")?;
+    writeln!(out, "design              {}", facts.design)?;
     let levels: Vec<_> = facts.levels.iter().map(f64::to_string).collect();
     writeln!(
         out,

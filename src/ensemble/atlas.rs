@@ -29,9 +29,9 @@ pub struct Anchor {
 /// A peak as a start for others.
 #[derive(Debug, Clone)]
 pub struct AnchorPeak {
-    harmonics: HarmonicSet,
-    point: Point,
-    response: c64,
+    pub(super) harmonics: HarmonicSet,
+    pub(super) point: Point,
+    pub(super) response: c64,
 }
 
 /// A predicted peak and the harmonics that it is given on.

@@ -1,9 +1,10 @@
 //! Many samples: from inputs to outcomes to files.
 
 pub mod atlas;
+pub mod kept;
 pub mod outcome;
 pub mod runner;
 mod sample;
 pub mod store;
 
-pub use runner::Ensemble;
+pub use runner::{Ensemble, Solved};

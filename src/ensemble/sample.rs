@@ -27,9 +27,7 @@ impl Ensemble<'_> {
     #[must_use]
     pub fn sample(&self, index: u64, atlas: &Atlas) -> (SampleOutcome, Anchor) {
         let inputs = self.design.sample(index);
-        let place = (self.design.inputs().iter().zip(&inputs))
-            .map(|((_, distribution), value)| distribution.cdf(*value))
-            .collect();
+        let place = self.design.place(&inputs);
         self.outcome(index, inputs, place, atlas)
     }
 
@@ -62,6 +60,7 @@ impl Ensemble<'_> {
         });
         let outcome = SampleOutcome {
             index,
+            group: self.design.group(index),
             inputs,
             levels,
         };

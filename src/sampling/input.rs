@@ -28,6 +28,20 @@ impl Input {
         Self::StaticLoadScale,
     ];
 
+    /// Refuses a value without physical meaning (negative or not finite; a factor of 0).
+    ///
+    /// # Errors
+    /// [`BadSetting`] on `key`.
+    pub fn accepts_value(self, key: &str, value: f64) -> Result<(), BadSetting> {
+        let zero_allowed = matches!(self, Self::FrictionCoefficient | Self::StaticLoadScale);
+        let holds = value.is_finite() && (value > 0.0 || (zero_allowed && value == 0.0));
+        let rule = match zero_allowed {
+            true => "must be >= 0",
+            false => "must be > 0",
+        };
+        BadSetting::unless(holds, key, value, rule)
+    }
+
     /// Name in study files, tables and reports.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -65,14 +79,7 @@ impl Input {
     pub fn accepts(self, distribution: &Distribution) -> Result<(), BadSetting> {
         let low = distribution.support()[0];
         if let Some(value) = distribution.fixed_value() {
-            let zero_allowed = matches!(self, Self::FrictionCoefficient | Self::StaticLoadScale);
-            let holds = value > 0.0 || (zero_allowed && value == 0.0);
-            let rule = if zero_allowed {
-                "must be >= 0"
-            } else {
-                "must be > 0"
-            };
-            return BadSetting::unless(holds, "value", value, rule);
+            return self.accepts_value("value", value);
         }
         BadSetting::unless(
             low >= 0.0,

@@ -37,6 +37,8 @@ pub struct Inspection {
     pub stuck: Vec<f64>,
     /// Names of the random inputs.
     pub inputs: Vec<&'static str>,
+    /// The design of the samples, in words.
+    pub design: String,
     /// Number of samples.
     pub samples: u64,
     /// Excitation levels.
@@ -94,6 +96,7 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
             .iter()
             .map(|(i, _)| Input::name(*i))
             .collect(),
+        design: study.design.description(),
         samples: study.samples,
         levels: study.levels.clone(),
         unknowns,

@@ -14,11 +14,14 @@ use crate::model::interface::InterfaceSettings;
 use crate::model::matrices::{MatricesError, MatricesSettings};
 use crate::model::two_blade::{self, ComponentSummary, TwoBladeSettings};
 use crate::model::{ModelError, ReducedModel};
-use crate::sampling::{Design, DistributionTable, Input};
+use crate::sampling::{
+    CorrelationTable, Design, DesignSettings, DesignTable, DistributionTable, EpistemicTable,
+    Input, SampleTable,
+};
 use crate::setting::BadSetting;
 
 /// Top-level keys of a study file.
-const KEYS: [&str; 10] = [
+const KEYS: [&str; 13] = [
     "name",
     "seed",
     "samples",
@@ -26,12 +29,13 @@ const KEYS: [&str; 10] = [
     "model",
     "contact",
     "inputs",
+    "design",
+    "correlation",
+    "epistemic",
     "solver",
     "frequency",
     "output",
 ];
-/// Most samples of a study: beyond it the tables of the report do not fit into memory.
-const MOST_SAMPLES: u64 = 100_000_000;
 
 /// Which structure is computed.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,23 +107,23 @@ impl Study {
         let mut document = Document::parse(path, text)?;
         let name: String = required(&mut document, "name")?;
         let seed: u64 = document.take("seed")?.unwrap_or(0);
-        let samples: u64 = document.take("samples")?.unwrap_or(1);
+        let samples: Option<u64> = document.take("samples")?;
         let levels: Vec<f64> = required(&mut document, "levels")?;
         let contact: ContactSection = document.take("contact")?.unwrap_or_default();
         let model = model(&mut document, &contact)?;
-        let design = design(&mut document, seed)?;
+        let design = design(&mut document, folder_of(path), seed, samples)?;
         let solver: SolverSection = document.take("solver")?.unwrap_or_default();
         let frequency: FrequencyTable = required(&mut document, "frequency")?;
         let output: OutputSettings = document.take("output")?.unwrap_or_default();
         document.finish(&KEYS)?;
         let at = |bad: BadSetting| document.bad_setting(&bad);
-        validate_head(&name, samples, &levels).map_err(at)?;
+        validate_head(&name, &levels).map_err(at)?;
         output.validate().map_err(|bad| at(bad.under("output")))?;
         Ok(Self {
             path: path.to_owned(),
             text: text.to_owned(),
             name,
-            samples,
+            samples: design.samples(),
             levels,
             model,
             design,
@@ -135,7 +139,7 @@ impl Study {
     /// Folder of the study file: what its file names are relative to.
     #[must_use]
     pub fn folder(&self) -> &Path {
-        self.path.parent().unwrap_or_else(|| Path::new(""))
+        folder_of(&self.path)
     }
 
     /// Builds the nominal model and the nominal constants of its contact pairs.
@@ -184,6 +188,11 @@ impl Study {
     }
 }
 
+/// Folder of a file.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or_else(|| Path::new(""))
+}
+
 fn required<T: serde::de::DeserializeOwned>(
     document: &mut Document<'_>,
     key: &str,
@@ -194,12 +203,9 @@ fn required<T: serde::de::DeserializeOwned>(
     }
 }
 
-fn validate_head(name: &str, samples: u64, levels: &[f64]) -> Result<(), BadSetting> {
+fn validate_head(name: &str, levels: &[f64]) -> Result<(), BadSetting> {
     let rule = "must not be empty";
     BadSetting::unless(!name.trim().is_empty(), "name", "\"\"", rule)?;
-    let rule = format!("must be from 1 to {MOST_SAMPLES}");
-    let holds = (1..=MOST_SAMPLES).contains(&samples);
-    BadSetting::unless(holds, "samples", samples, &rule)?;
     ascending_positive("levels", levels)
 }
 
@@ -228,8 +234,13 @@ fn model(document: &mut Document<'_>, contact: &ContactSection) -> Result<ModelS
     }
 }
 
-/// Reads `[inputs.*]`.
-fn design(document: &mut Document<'_>, seed: u64) -> Result<Design, Error> {
+/// Reads `[inputs.*]`, `[design]`, `[correlation]` and `[epistemic]`, and the file that `[design]` names.
+fn design(
+    document: &mut Document<'_>,
+    folder: &Path,
+    seed: u64,
+    samples: Option<u64>,
+) -> Result<Design, Error> {
     let tables: BTreeMap<String, DistributionTable> = document.take("inputs")?.unwrap_or_default();
     let mut inputs = Vec::new();
     for (name, table) in &tables {
@@ -238,9 +249,23 @@ fn design(document: &mut Document<'_>, seed: u64) -> Result<Design, Error> {
             let known = Input::ALL.map(Input::name).join(", ");
             return Err(document.at_key(&key, format!("unknown input; known are {known}")));
         };
-        let distribution = table.distribution().map_err(|bad| bad.under(&key));
-        inputs.push((input, document.checked(distribution)?));
+        let uncertainty = table.uncertainty().map_err(|bad| bad.under(&key));
+        inputs.push((input, document.checked(uncertainty)?));
     }
-    let design = Design::new(seed, inputs).map_err(|bad| bad.under("inputs"));
-    document.checked(design)
+    let table: DesignTable = document.take("design")?.unwrap_or_default();
+    document.checked(table.validate().map_err(|bad| bad.under("design")))?;
+    let file = match table.path() {
+        Some(path) => Some(SampleTable::read(&folder.join(path))?),
+        None => None,
+    };
+    let settings = DesignSettings {
+        seed,
+        samples,
+        design: table,
+        inputs,
+        correlation: document.take::<CorrelationTable>("correlation")?,
+        epistemic: document.take::<EpistemicTable>("epistemic")?,
+        file,
+    };
+    document.checked(settings.build())
 }
