@@ -128,6 +128,7 @@ impl Rig {
         Ensemble {
             linear: &self.linear,
             contacts: &self.contacts,
+            interfaces: &[],
             design,
             levels,
             settings,
@@ -401,6 +402,7 @@ fn peers() {
     let ensemble = Ensemble {
         linear: &linear,
         contacts: &model.contacts,
+        interfaces: &[],
         design: &design,
         levels: &[0.5],
         settings: &settings,

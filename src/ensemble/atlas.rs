@@ -86,6 +86,15 @@ impl AnchorPeak {
     }
 }
 
+impl AtlasPrediction {
+    /// The same as a start at another excitation level: the level of a sample may be an input.
+    #[must_use]
+    pub fn at_level(mut self, level: f64) -> Self {
+        self.peak.point.level = level;
+        self
+    }
+}
+
 /// Σ weight · peak, on the harmonics of the first.
 fn combined(parts: &[(f64, &AnchorPeak)]) -> AtlasPrediction {
     let (_, first) = parts[0];

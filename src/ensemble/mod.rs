@@ -1,5 +1,6 @@
 //! Many samples: from inputs to outcomes to files.
 
+mod applied;
 pub mod atlas;
 pub mod kept;
 pub mod outcome;

@@ -18,6 +18,8 @@ pub struct Ensemble<'a> {
     pub linear: &'a LinearModel,
     /// Nominal constants of the contact pairs.
     pub contacts: &'a [ContactParameters<f64>],
+    /// Interface of each contact pair: 0 = left, 1 = right. Shape as `contacts`; read for inputs of one side only.
+    pub interfaces: &'a [usize],
     /// Random inputs.
     pub design: &'a Design,
     /// Excitation levels, ascending.

@@ -16,16 +16,34 @@ pub enum Input {
     FrictionCoefficient,
     /// Factor on the static load (the centrifugal force on the strip).
     StaticLoadScale,
+    /// Factor on both stiffnesses of interface 0, the left one, on top of the others.
+    LeftStiffnessScale,
+    /// The same of interface 1, the right one.
+    RightStiffnessScale,
+    /// Friction coefficient of interface 0, in place of the common one.
+    LeftFrictionCoefficient,
+    /// The same of interface 1.
+    RightFrictionCoefficient,
+    /// Factor on the damping matrix: on the damping ratio of every mode.
+    DampingScale,
+    /// Factor on every excitation level.
+    ExcitationScale,
 }
 
 impl Input {
     /// Every input, in order.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 11] = [
         Self::StiffnessScale,
         Self::NormalStiffnessScale,
         Self::TangentialStiffnessScale,
         Self::FrictionCoefficient,
         Self::StaticLoadScale,
+        Self::LeftStiffnessScale,
+        Self::RightStiffnessScale,
+        Self::LeftFrictionCoefficient,
+        Self::RightFrictionCoefficient,
+        Self::DampingScale,
+        Self::ExcitationScale,
     ];
 
     /// Refuses a value without physical meaning (negative or not finite; a factor of 0).
@@ -33,7 +51,13 @@ impl Input {
     /// # Errors
     /// [`BadSetting`] on `key`.
     pub fn accepts_value(self, key: &str, value: f64) -> Result<(), BadSetting> {
-        let zero_allowed = matches!(self, Self::FrictionCoefficient | Self::StaticLoadScale);
+        let zero_allowed = matches!(
+            self,
+            Self::FrictionCoefficient
+                | Self::LeftFrictionCoefficient
+                | Self::RightFrictionCoefficient
+                | Self::StaticLoadScale
+        );
         let holds = value.is_finite() && (value > 0.0 || (zero_allowed && value == 0.0));
         let rule = match zero_allowed {
             true => "must be >= 0",
@@ -51,6 +75,12 @@ impl Input {
             Self::TangentialStiffnessScale => "tangential_stiffness_scale",
             Self::FrictionCoefficient => "friction_coefficient",
             Self::StaticLoadScale => "static_load_scale",
+            Self::LeftStiffnessScale => "left_stiffness_scale",
+            Self::RightStiffnessScale => "right_stiffness_scale",
+            Self::LeftFrictionCoefficient => "left_friction_coefficient",
+            Self::RightFrictionCoefficient => "right_friction_coefficient",
+            Self::DampingScale => "damping_scale",
+            Self::ExcitationScale => "excitation_scale",
         }
     }
 
@@ -69,6 +99,22 @@ impl Input {
             Self::TangentialStiffnessScale => 2,
             Self::FrictionCoefficient => 3,
             Self::StaticLoadScale => 4,
+            Self::LeftStiffnessScale => 5,
+            Self::RightStiffnessScale => 6,
+            Self::LeftFrictionCoefficient => 7,
+            Self::RightFrictionCoefficient => 8,
+            Self::DampingScale => 9,
+            Self::ExcitationScale => 10,
+        }
+    }
+
+    /// Interface that the input acts on alone: 0 = left, 1 = right; `None` for an input of the whole model.
+    #[must_use]
+    pub fn interface(self) -> Option<usize> {
+        match self {
+            Self::LeftStiffnessScale | Self::LeftFrictionCoefficient => Some(0),
+            Self::RightStiffnessScale | Self::RightFrictionCoefficient => Some(1),
+            _ => None,
         }
     }
 

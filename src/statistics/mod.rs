@@ -8,6 +8,8 @@ pub mod band;
 pub mod distribution;
 pub mod failure;
 pub mod quantile;
+pub mod replicates;
+pub mod reweight;
 
 pub use band::{Band, BandPoint, Curve, pointwise_band};
 pub use distribution::{Bin, Moments, empirical_cdf, histogram, moments, rank_correlation};
@@ -15,3 +17,5 @@ pub use failure::{FailureRate, failure_rate, quantile_bounds};
 pub use quantile::{
     Interval, QuantileEstimate, Sorted, order_statistic_interval, quantile, quantile_estimate,
 };
+pub use replicates::{ReplicateMean, replicate_mean};
+pub use reweight::Weights;

@@ -74,7 +74,8 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
     let rigid_below = RIGID * free.last().copied().unwrap_or(0.0);
     let n_rigid = free.iter().take_while(|f| **f <= rigid_below).count();
     let names = |rows: &[crate::model::Response]| rows.iter().map(|r| r.name.clone()).collect();
-    let folded = match study.mirror {
+    study.check_sides(&model)?;
+    let folded = match study.folds() {
         true => LinearModel::folded(&model, &parameters)?,
         false => None,
     };
@@ -142,6 +143,7 @@ fn warnings(study: &Study, flexible: Option<f64>) -> Vec<String> {
         Some(_) => {}
         None => warnings.push("the structure has no flexible mode".to_owned()),
     }
+    warnings.extend(study.unfolded());
     if study.samples > 1 && study.design.inputs().is_empty() {
         warnings.push("no [inputs]: every sample will be the same".to_owned());
     }

@@ -178,6 +178,55 @@ impl Study {
         }
     }
 
+    /// Names of the inputs that act on one side of the contacts alone.
+    fn one_sided(&self) -> Vec<&'static str> {
+        let inputs = self.design.inputs().iter().map(|(input, _)| *input);
+        let sided = inputs.filter(|input| input.interface().is_some());
+        sided.map(Input::name).collect()
+    }
+
+    /// Whether samples may be solved on half of a mirror-symmetric model.
+    #[must_use]
+    pub fn folds(&self) -> bool {
+        self.mirror && self.one_sided().is_empty()
+    }
+
+    /// Why samples are not solved on half of a mirror-symmetric model although `mirror` allows it.
+    #[must_use]
+    pub fn unfolded(&self) -> Option<String> {
+        let names = self.one_sided();
+        (self.mirror && !names.is_empty()).then(|| {
+            format!(
+                "solved on all contacts, not on one half of them: the sides differ by {}",
+                names.join(", ")
+            )
+        })
+    }
+
+    /// Refuses an input of a side that the model does not have.
+    ///
+    /// # Errors
+    /// [`Error::Study`] on `inputs.<name>`.
+    pub fn check_sides(&self, model: &ReducedModel) -> Result<(), Error> {
+        for (input, _) in self.design.inputs() {
+            let Some(interface) = input.interface() else {
+                continue;
+            };
+            if !model
+                .contacts
+                .iter()
+                .any(|pair| pair.interface == interface)
+            {
+                return Err(self.bad_setting(&BadSetting {
+                    key: format!("inputs.{}", input.name()),
+                    value: "(given)".to_owned(),
+                    rule: format!("must be absent: no contact pair has interface = {interface}"),
+                }));
+            }
+        }
+        Ok(())
+    }
+
     /// The error of a setting that only a command can find, at its line.
     #[must_use]
     pub fn bad_setting(&self, bad: &BadSetting) -> Error {
