@@ -330,6 +330,9 @@ fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
     };
     writeln!(out, "random inputs       {inputs}")?;
     writeln!(out, "design              {}", facts.design)?;
+    if let Some(field) = &facts.pressure_field {
+        writeln!(out, "pressure field      {field}")?;
+    }
     let levels: Vec<_> = facts.levels.iter().map(f64::to_string).collect();
     writeln!(
         out,

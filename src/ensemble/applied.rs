@@ -26,7 +26,7 @@ impl Ensemble<'_> {
             excitation_scale: 1.0,
         };
         for ((input, _), value) in self.design.inputs().iter().zip(inputs) {
-            applied.put(*input, *value, self.interfaces);
+            applied.put(*input, *value, self);
         }
         applied
     }
@@ -38,11 +38,19 @@ impl Applied<'_> {
         Problem::new(&self.linear, self.contacts.clone(), self.load_scale, anchor)
     }
 
-    fn put(&mut self, input: Input, value: f64, interfaces: &[usize]) {
+    fn put(&mut self, input: Input, value: f64, ensemble: &Ensemble) {
+        let interfaces = ensemble.interfaces;
         match input {
             Input::StaticLoadScale => self.load_scale = value,
             Input::ExcitationScale => self.excitation_scale = value,
             Input::DampingScale => self.linear.to_mut().scale_damping(value),
+            Input::PressureMode(k) => {
+                let mode = &ensemble.load_modes[usize::from(k)];
+                for (part, load) in self.linear.to_mut().parts.iter_mut().zip(mode) {
+                    let entries = part.static_force.iter_mut().zip(load);
+                    entries.for_each(|(force, f)| *force += value * f);
+                }
+            }
             _ => {
                 let of_side = |pair: usize| input.interface().is_none_or(|i| interfaces[pair] == i);
                 for (pair, contact) in self.contacts.iter_mut().enumerate() {
@@ -67,6 +75,9 @@ fn put_contact(contact: &mut ContactParameters<f64>, input: Input, value: f64) {
         Input::FrictionCoefficient
         | Input::LeftFrictionCoefficient
         | Input::RightFrictionCoefficient => contact.mu = value,
-        Input::StaticLoadScale | Input::DampingScale | Input::ExcitationScale => {}
+        Input::StaticLoadScale
+        | Input::DampingScale
+        | Input::ExcitationScale
+        | Input::PressureMode(_) => {}
     }
 }

@@ -20,6 +20,8 @@ pub struct Ensemble<'a> {
     pub contacts: &'a [ContactParameters<f64>],
     /// Interface of each contact pair: 0 = left, 1 = right. Shape as `contacts`; read for inputs of one side only.
     pub interfaces: &'a [usize],
+    /// Static force (as [`crate::hb::linear::Part::static_force`]) of each mode of the pressure field. Shape: modes × parts.
+    pub load_modes: &'a [Vec<Vec<f64>>],
     /// Random inputs.
     pub design: &'a Design,
     /// Excitation levels, ascending.

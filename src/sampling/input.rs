@@ -28,10 +28,33 @@ pub enum Input {
     DampingScale,
     /// Factor on every excitation level.
     ExcitationScale,
+    /// Standard normal coefficient of a mode of the contact pressure's random field, below [`PRESSURE_MODES`].
+    PressureMode(u8),
 }
 
+/// Coefficients of the pressure field at most.
+pub const PRESSURE_MODES: usize = PRESSURE_NAMES.len();
+const PRESSURE_NAMES: [&str; 16] = [
+    "pressure_mode_1",
+    "pressure_mode_2",
+    "pressure_mode_3",
+    "pressure_mode_4",
+    "pressure_mode_5",
+    "pressure_mode_6",
+    "pressure_mode_7",
+    "pressure_mode_8",
+    "pressure_mode_9",
+    "pressure_mode_10",
+    "pressure_mode_11",
+    "pressure_mode_12",
+    "pressure_mode_13",
+    "pressure_mode_14",
+    "pressure_mode_15",
+    "pressure_mode_16",
+];
+
 impl Input {
-    /// Every input, in order.
+    /// Every input that `[inputs]` can name, in order; the modes of the pressure field come after them.
     pub const ALL: [Self; 11] = [
         Self::StiffnessScale,
         Self::NormalStiffnessScale,
@@ -81,6 +104,7 @@ impl Input {
             Self::RightFrictionCoefficient => "right_friction_coefficient",
             Self::DampingScale => "damping_scale",
             Self::ExcitationScale => "excitation_scale",
+            Self::PressureMode(k) => PRESSURE_NAMES[usize::from(k)],
         }
     }
 
@@ -105,6 +129,7 @@ impl Input {
             Self::RightFrictionCoefficient => 8,
             Self::DampingScale => 9,
             Self::ExcitationScale => 10,
+            Self::PressureMode(k) => 64 + u32::from(k),
         }
     }
 
@@ -118,11 +143,20 @@ impl Input {
         }
     }
 
+    /// Whether the input makes the two sides of a mirror-symmetric model differ.
+    #[must_use]
+    pub fn one_sided(self) -> bool {
+        self.interface().is_some() || matches!(self, Self::PressureMode(_))
+    }
+
     /// Refuses a distribution that can give this input a value without physical meaning (negative; a factor of 0).
     ///
     /// # Errors
     /// [`BadSetting`] on `truncation` or `value`, relative to the input.
     pub fn accepts(self, distribution: &Distribution) -> Result<(), BadSetting> {
+        if matches!(self, Self::PressureMode(_)) {
+            return Ok(());
+        }
         let low = distribution.support()[0];
         if let Some(value) = distribution.fixed_value() {
             return self.accepts_value("value", value);

@@ -4,7 +4,8 @@ use super::frequency::FrequencyUnit;
 use super::read::{Study, StudyModel};
 use crate::Error;
 use crate::hb::LinearModel;
-use crate::model::two_blade::ComponentSummary;
+use crate::model::ReducedModel;
+use crate::model::two_blade::{ComponentSummary, PressureModes};
 use crate::sampling::Input;
 
 /// Number of frequencies that are shown.
@@ -39,6 +40,8 @@ pub struct Inspection {
     pub inputs: Vec<&'static str>,
     /// The design of the samples, in words.
     pub design: String,
+    /// The random field of the contact pressure in words, if there is one.
+    pub pressure_field: Option<String>,
     /// Number of samples.
     pub samples: u64,
     /// Excitation levels.
@@ -98,6 +101,7 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
             .map(|(i, _)| Input::name(*i))
             .collect(),
         design: study.design.description(),
+        pressure_field: pressure_field(study, &model)?,
         samples: study.samples,
         levels: study.levels.clone(),
         unknowns,
@@ -105,6 +109,17 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         time_s: time(study, unknowns[0]),
         dof_names: model.dof_names,
     })
+}
+
+fn pressure_field(study: &Study, model: &ReducedModel) -> Result<Option<String>, Error> {
+    let text = |modes: PressureModes| {
+        format!(
+            "{} modes per interface hold {:.0} % of the variance",
+            modes.loads.len() / 2,
+            100.0 * modes.variance_share
+        )
+    };
+    Ok(study.pressure_modes(model)?.map(text))
 }
 
 /// Three relative displacements per pair and coefficient.

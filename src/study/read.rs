@@ -12,16 +12,19 @@ use crate::contact::ContactParameters;
 use crate::hb::HbSettings;
 use crate::model::interface::InterfaceSettings;
 use crate::model::matrices::{MatricesError, MatricesSettings};
-use crate::model::two_blade::{self, ComponentSummary, TwoBladeSettings};
+use crate::model::two_blade::{
+    self, ComponentSummary, PressureField, PressureModes, TwoBladeSettings,
+};
 use crate::model::{ModelError, ReducedModel};
+use crate::sampling::input::PRESSURE_MODES;
 use crate::sampling::{
-    CorrelationTable, Design, DesignSettings, DesignTable, DistributionTable, EpistemicTable,
-    Input, SampleTable,
+    CorrelationTable, Design, DesignSettings, DesignTable, Distribution, DistributionTable,
+    EpistemicTable, Input, SampleTable, Shape, Uncertainty,
 };
 use crate::setting::BadSetting;
 
 /// Top-level keys of a study file.
-const KEYS: [&str; 13] = [
+const KEYS: [&str; 14] = [
     "name",
     "seed",
     "samples",
@@ -32,6 +35,7 @@ const KEYS: [&str; 13] = [
     "design",
     "correlation",
     "epistemic",
+    "pressure_field",
     "solver",
     "frequency",
     "output",
@@ -46,6 +50,8 @@ pub enum ModelSettings {
         blades: TwoBladeSettings,
         /// Constants of both interfaces.
         interface: InterfaceSettings,
+        /// Random field of the contact pressure.
+        pressure: Option<PressureField>,
     },
     /// The user's own matrices.
     Matrices(MatricesSettings),
@@ -111,7 +117,11 @@ impl Study {
         let levels: Vec<f64> = required(&mut document, "levels")?;
         let contact: ContactSection = document.take("contact")?.unwrap_or_default();
         let model = model(&mut document, &contact)?;
-        let design = design(&mut document, folder_of(path), seed, samples)?;
+        let pressure = match &model {
+            ModelSettings::TwoBladeStrip { pressure, .. } => *pressure,
+            ModelSettings::Matrices(_) => None,
+        };
+        let design = design(&mut document, pressure, folder_of(path), seed, samples)?;
         let solver: SolverSection = document.take("solver")?.unwrap_or_default();
         let frequency: FrequencyTable = required(&mut document, "frequency")?;
         let output: OutputSettings = document.take("output")?.unwrap_or_default();
@@ -148,7 +158,9 @@ impl Study {
     /// [`Error::Study`] or [`Error::Matrices`] on the first rule that the model's tables or files break.
     pub fn build_model(&self) -> Result<StudyModel, Error> {
         match &self.model {
-            ModelSettings::TwoBladeStrip { blades, interface } => {
+            ModelSettings::TwoBladeStrip {
+                blades, interface, ..
+            } => {
                 let rig = two_blade::build(blades).map_err(|error| match error {
                     ModelError::Setting(bad) => self.bad_setting(&bad.under("model")),
                     error => Error::Model(error),
@@ -181,8 +193,26 @@ impl Study {
     /// Names of the inputs that act on one side of the contacts alone.
     fn one_sided(&self) -> Vec<&'static str> {
         let inputs = self.design.inputs().iter().map(|(input, _)| *input);
-        let sided = inputs.filter(|input| input.interface().is_some());
+        let sided = inputs.filter(|input| input.one_sided());
         sided.map(Input::name).collect()
+    }
+
+    /// The random field of the contact pressure on `model`, if there is one.
+    ///
+    /// # Errors
+    /// [`Error::Model`] if its modes cannot be computed.
+    pub fn pressure_modes(&self, model: &ReducedModel) -> Result<Option<PressureModes>, Error> {
+        match &self.model {
+            ModelSettings::TwoBladeStrip {
+                blades,
+                pressure: Some(field),
+                ..
+            } => {
+                let modes = field.modes(blades, &model.contacts, model.n_dofs());
+                Ok(Some(modes.map_err(ModelError::from)?))
+            }
+            _ => Ok(None),
+        }
     }
 
     /// Whether samples may be solved on half of a mirror-symmetric model.
@@ -267,9 +297,23 @@ fn model(document: &mut Document<'_>, contact: &ContactSection) -> Result<ModelS
             let blades: TwoBladeSettings = required(document, "model")?;
             document.checked(blades.validate().map_err(|b| b.under("model")))?;
             let interface = document.checked(contact.interface().map_err(of_contact))?;
-            Ok(ModelSettings::TwoBladeStrip { blades, interface })
+            let pressure: Option<PressureField> = document.take("pressure_field")?;
+            if let Some(field) = &pressure {
+                let valid = field.validate().map_err(|b| b.under("pressure_field"));
+                document.checked(valid)?;
+            }
+            Ok(ModelSettings::TwoBladeStrip {
+                blades,
+                interface,
+                pressure,
+            })
         }
         "matrices" => {
+            if document.take::<PressureField>("pressure_field")?.is_some() {
+                let rule =
+                    "must be absent: a model of kind \"matrices\" has no positions of its contacts";
+                return Err(document.at_key("pressure_field", rule.to_owned()));
+            }
             let settings: MatricesSettings = required(document, "model")?;
             document.checked(settings.validate().map_err(|b| b.under("model")))?;
             document.checked(contact.refuse_interface().map_err(of_contact))?;
@@ -286,6 +330,7 @@ fn model(document: &mut Document<'_>, contact: &ContactSection) -> Result<ModelS
 /// Reads `[inputs.*]`, `[design]`, `[correlation]` and `[epistemic]`, and the file that `[design]` names.
 fn design(
     document: &mut Document<'_>,
+    pressure: Option<PressureField>,
     folder: &Path,
     seed: u64,
     samples: Option<u64>,
@@ -300,6 +345,16 @@ fn design(
         };
         let uncertainty = table.uncertainty().map_err(|bad| bad.under(&key));
         inputs.push((input, document.checked(uncertainty)?));
+    }
+    let coefficients = 2 * pressure.map_or(0, |field| field.modes);
+    for k in (0..PRESSURE_MODES as u8).take(coefficients) {
+        let (mean, standard_deviation) = (0.0, 1.0);
+        let shape = Shape::Normal {
+            mean,
+            standard_deviation,
+        };
+        let normal = document.checked(Distribution::new(shape, None))?;
+        inputs.push((Input::PressureMode(k), Uncertainty::Aleatory(normal)));
     }
     let table: DesignTable = document.take("design")?.unwrap_or_default();
     document.checked(table.validate().map_err(|bad| bad.under("design")))?;

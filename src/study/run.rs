@@ -14,7 +14,8 @@ use crate::ensemble::store::{Provenance, write_curves, write_samples};
 use crate::ensemble::{Ensemble, Solved};
 use crate::hb::peak::PeakSettings;
 use crate::hb::resonance::{Band, linear_resonance, linear_response};
-use crate::hb::{LinearModel, Problem};
+use crate::hb::{LinearModel, Problem, ProblemError};
+use crate::model::ReducedModel;
 use crate::report::{self, ReportInput, Summary};
 use crate::statistics::{ReplicateMean, replicate_mean};
 use crate::units::rad_s_to_hz;
@@ -114,6 +115,10 @@ pub(super) fn run_after(
         Some(half) => half,
         None => LinearModel::new(&reduced)?,
     };
+    let load_modes = match study.pressure_modes(&reduced)? {
+        Some(modes) => static_forces(&reduced, &modes.loads)?,
+        None => Vec::new(),
+    };
     let interfaces: Vec<usize> = (linear.pairs.iter())
         .map(|&pair| reduced.contacts[pair].interface)
         .collect();
@@ -127,6 +132,7 @@ pub(super) fn run_after(
         linear: &linear,
         contacts: &contacts,
         interfaces: &interfaces,
+        load_modes: &load_modes,
         design: &study.design,
         levels: &study.levels,
         settings: &study.solver,
@@ -184,6 +190,22 @@ pub(super) fn run_after(
         summary,
         unfolded: study.unfolded(),
     })
+}
+
+/// Other static loads in the coordinates of the whole model. Shape: `loads` × dofs → loads × parts × coordinates.
+fn static_forces(
+    model: &ReducedModel,
+    loads: &[Vec<f64>],
+) -> Result<Vec<Vec<Vec<f64>>>, ProblemError> {
+    let of_load = |load: &Vec<f64>| {
+        let loaded = ReducedModel {
+            static_force: load.clone(),
+            ..model.clone()
+        };
+        let parts = LinearModel::new(&loaded)?.parts;
+        Ok(parts.into_iter().map(|part| part.static_force).collect())
+    };
+    loads.iter().map(of_load).collect()
 }
 
 /// Refuses kept samples that this program and this model would not give again: the first one is solved anew.

@@ -124,7 +124,7 @@ fn correlations_of_a_latin_hypercube_are_controlled() {
 /// Monte Carlo and Sobol' points with a copula: Spearman's correlation as asked for (closed form between it and that of
 /// the scores), the third input untouched to the bit, and each input's own distribution kept.
 ///
-/// Seen to fail with the value of `spearman` used for the scores.
+/// Seen to fail with scores correlated 10 % less.
 #[test]
 fn the_copula_has_the_correlation_asked_for() {
     let n = 1 << 13;

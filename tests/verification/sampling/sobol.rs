@@ -13,7 +13,7 @@ struct Fixture {
 
 /// Bit for bit the points of `scipy.stats.qmc.Sobol(64, scramble=False)`, the first 128 and four after 2^20.
 ///
-/// Seen to fail with the binary instead of the Gray code order, and with one direction number changed.
+/// Seen to fail with the binary instead of the Gray code order.
 #[test]
 fn unscrambled_points_are_those_of_scipy() {
     let text = include_str!("sobol.json");
@@ -97,7 +97,7 @@ fn mean(points: &[Vec<f64>]) -> f64 {
 /// Root mean square error over 32 replicates falls faster than 1/n, where Monte Carlo has 1/√n; at 1024 points it is
 /// 100 times below that of Monte Carlo.
 ///
-/// Seen to fail with the scrambling's digits below the tenth left random but the first ones unscrambled and unordered.
+/// Seen to fail with digits flipped by a hash of the digits below them.
 #[test]
 fn smooth_means_converge_faster_than_monte_carlo() {
     let rms = |n: u64| {
