@@ -1,14 +1,14 @@
 //! Arguments, messages and exit codes: 0 = done, 2 = bad input or a file that cannot be read or written.
 
 use std::io::{ErrorKind, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use microslip::Error;
 use microslip::report::{Summary, render};
 use microslip::study::{
-    Inspection, LevelCurve, OutputFolder, Progress, Study, inspect, run, solve,
+    Inspection, LevelCurve, OutputFolder, Progress, RunResult, Study, extend, inspect, run, solve,
 };
 
 /// Exit code of every failure.
@@ -21,6 +21,7 @@ Examples:
   microslip run study.toml --threads 8      all samples, statistics and report
   microslip run study.toml --output other/  the same into another folder
   microslip report results                  the report again, from the stored samples
+  microslip extend results --samples 800    more samples for these results; the old ones are kept
 
 Exit codes: 0 done, 2 bad input or a file that cannot be read or written.";
 
@@ -35,6 +36,8 @@ struct Arguments {
 enum Command {
     /// Compute every sample of a study and write tables and report.
     Run(StudyArguments),
+    /// Solve more samples for the results of a run; the files are then those of a run with so many.
+    Extend(ExtendArguments),
     /// Compute the nominal forced response at every level: curve.csv and solution.json.
     Solve(StudyArguments),
     /// Render the report of a run again from its stored samples, without solving.
@@ -63,6 +66,21 @@ struct ReportArguments {
     /// Folder of the results of a run.
     folder: PathBuf,
     /// No summary.
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Args)]
+struct ExtendArguments {
+    /// Folder with the results of `run`.
+    folder: PathBuf,
+    /// Number of samples in all.
+    #[arg(long)]
+    samples: u64,
+    /// Threads; all cores if absent. The results do not depend on it.
+    #[arg(long)]
+    threads: Option<std::num::NonZeroUsize>,
+    /// No progress and no summary.
     #[arg(long)]
     quiet: bool,
 }
@@ -100,6 +118,7 @@ fn execute(command: &Command) -> Result<(), Error> {
         Command::Run(common) | Command::Solve(common) | Command::Inspect(common) => {
             start_threads(common.threads)?;
         }
+        Command::Extend(arguments) => start_threads(arguments.threads)?,
         Command::Report(_) => {}
     }
     match command {
@@ -111,7 +130,10 @@ fn execute(command: &Command) -> Result<(), Error> {
             print(|out| {
                 show_levels(out, &summary)?;
                 let path = arguments.folder.display();
-                writeln!(out, "summary.json and report.html are in {path}")
+                writeln!(
+                    out,
+                    "summary.json, report.json and report.html are in {path}"
+                )
             })
         }
         Command::Inspect(arguments) => {
@@ -145,19 +167,53 @@ fn execute(command: &Command) -> Result<(), Error> {
             let bar = Bar::new(arguments.quiet);
             let result = run(&study, &folder, |progress| bar.show(progress))?;
             bar.clear();
-            if arguments.quiet {
-                return Ok(());
-            }
-            print(|out| {
-                show_levels(out, &result.summary)?;
-                let path = folder.path().display();
-                writeln!(
-                    out,
-                    "samples.parquet, curves.parquet, summary.json and report.html are in {path}"
-                )
-            })
+            show_result(&result, folder.path(), arguments.quiet)
+        }
+        Command::Extend(arguments) => {
+            let bar = Bar::new(arguments.quiet);
+            let result = extend(&arguments.folder, arguments.samples, |progress| {
+                bar.show(progress);
+            })?;
+            bar.clear();
+            show_result(&result, &arguments.folder, arguments.quiet)
         }
     }
+}
+
+/// What the samples say, and where the files are.
+fn show_result(result: &RunResult, folder: &Path, quiet: bool) -> Result<(), Error> {
+    if quiet {
+        return Ok(());
+    }
+    print(|out| {
+        show_levels(out, &result.summary)?;
+        show_replicates(out, result)?;
+        if let Some(reason) = &result.unfolded {
+            writeln!(out, "{reason}")?;
+        }
+        writeln!(
+            out,
+            "samples.parquet, curves.parquet, run.json, summary.json, report.json and report.html are in {}",
+            folder.display()
+        )
+    })
+}
+
+/// Means with their standard errors, where there are replicates.
+fn show_replicates(out: &mut dyn Write, result: &RunResult) -> std::io::Result<()> {
+    for level in result.replicate_means() {
+        writeln!(
+            out,
+            "level {}, mean of {} replicates and its standard error: {:.4} +- {:.1e} Hz, {:.4e} +- {:.1e} m",
+            level.level,
+            level.frequency_hz.replicates,
+            level.frequency_hz.mean,
+            level.frequency_hz.standard_error,
+            level.amplitude_m.mean,
+            level.amplitude_m.standard_error
+        )?;
+    }
+    Ok(())
 }
 
 /// One line per level: samples solved, and the 5, 50 and 95 % quantiles of frequency and amplitude.
@@ -306,6 +362,10 @@ fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
         names => names.join(", "),
     };
     writeln!(out, "random inputs       {inputs}")?;
+    writeln!(out, "design              {}", facts.design)?;
+    if let Some(field) = &facts.pressure_field {
+        writeln!(out, "pressure field      {field}")?;
+    }
     let levels: Vec<_> = facts.levels.iter().map(f64::to_string).collect();
     writeln!(
         out,

@@ -5,6 +5,8 @@
 )]
 
 mod bad_input;
+mod designs;
+mod extend;
 mod run;
 mod solve;
 

@@ -1,5 +1,9 @@
 //! Verification of `sampling`: inverse against distribution function, moments against closed forms, repeatability.
 
+mod designs;
+mod file;
+mod sobol;
+
 use microslip::sampling::{Design, Distribution, Input, Shape};
 
 const SAMPLES: u64 = 20_000;
