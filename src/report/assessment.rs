@@ -143,8 +143,9 @@ fn condition(record: &RunRecord) -> String {
     match priors.is_empty() {
         true => "No input is random: the samples do not scatter.".to_owned(),
         false => format!(
-            "Conditional on the assumed distributions of {}.",
-            priors.join("; ")
+            "Conditional on the assumed distributions of {}. Design of the samples: {}.",
+            priors.join("; "),
+            record.design.description
         ),
     }
 }

@@ -25,6 +25,8 @@ pub struct RunRecord {
     pub adapter: Option<String>,
     /// Sampled inputs, in the order of [`SampleOutcome::inputs`].
     pub inputs: Vec<InputRecord>,
+    /// How the samples were chosen.
+    pub design: DesignRecord,
     /// Relative change of frequency at which a peak counts as located.
     pub frequency_tolerance: f64,
     /// Excitation levels, in the order of [`SampleOutcome::levels`].
@@ -58,6 +60,17 @@ pub struct InputRecord {
     pub name: String,
     /// Its distribution in words: what every probability of the report depends on.
     pub prior: String,
+}
+
+/// How the samples were chosen.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DesignRecord {
+    /// In words.
+    pub description: String,
+    /// Whether the samples are independent draws of one population, as confidence intervals presume.
+    pub independent: bool,
+    /// Outer points of a nested design, 1 of any other.
+    pub outer_points: u64,
 }
 
 /// A linear limit of the structure.

@@ -18,9 +18,10 @@ use crate::hb::{LinearModel, Problem, ProblemError};
 use crate::model::ReducedModel;
 use crate::model::two_blade::ComponentSummary;
 use crate::report::record::{
-    ComponentRecord, FileRecord, InputRecord, LinearRecord, RECORD, TABLES,
+    ComponentRecord, DesignRecord, FileRecord, InputRecord, LinearRecord, RECORD, TABLES,
 };
 use crate::report::{self, RunRecord, Summary};
+use crate::sampling::DesignKind;
 use crate::statistics::{ReplicateMean, replicate_mean};
 use crate::units::rad_s_to_hz;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -179,6 +180,11 @@ pub(super) fn run_after(
         backend: "CPU, double precision".to_owned(),
         adapter: None,
         inputs,
+        design: DesignRecord {
+            description: study.design.description(),
+            independent: study.design.kind() == DesignKind::MonteCarlo,
+            outer_points: study.design.outer_points(),
+        },
         frequency_tolerance: FREQUENCY_TOLERANCE,
         levels: study.levels.clone(),
         curve_samples: study.output.curve_samples,

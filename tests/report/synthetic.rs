@@ -4,7 +4,7 @@ use microslip::contact::{Events, FrictionLaw};
 use microslip::ensemble::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
 use microslip::ensemble::store::{Provenance, write_curves, write_samples};
 use microslip::hb::{SliderAnchor, Status};
-use microslip::report::record::{FileRecord, InputRecord, LinearRecord, TABLES};
+use microslip::report::record::{DesignRecord, FileRecord, InputRecord, LinearRecord, TABLES};
 use microslip::report::requirement::{
     Criterion, MarginBase, Operation, Quantity, Requirements, Stress,
 };
@@ -85,6 +85,11 @@ fn record() -> RunRecord {
             input("contact stiffness scale", "log-uniform: low 0.1, high 10.0"),
             input("mu", "uniform: low 0.1, high 0.8"),
         ],
+        design: DesignRecord {
+            description: "monte-carlo".to_owned(),
+            independent: true,
+            outer_points: 1,
+        },
         frequency_tolerance: 3e-7,
         levels: LEVELS.to_vec(),
         curve_samples: 200,

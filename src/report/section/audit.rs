@@ -52,6 +52,7 @@ fn provenance(view: &View) -> Block {
     let solves = view.summary.samples * view.summary.levels.len();
     let absent = || "not used".to_owned();
     let more = [
+        ("Design", record.design.description.clone()),
         ("Backend", record.backend.clone()),
         ("Adapter", record.adapter.clone().unwrap_or_else(absent)),
         (

@@ -216,6 +216,20 @@ fn notices(view: &View) -> Vec<String> {
         .iter()
         .map(|name| format!("{name} is not the file that the run wrote: its content has changed."))
         .collect();
+    let design = &view.input.record.design;
+    if !design.independent {
+        notices.push(format!(
+            "The samples are no independent draws ({}): confidence intervals, bounds and verdicts presume such draws and \
+             are indications here.",
+            design.description
+        ));
+    }
+    if design.outer_points > 1 {
+        notices.push(format!(
+            "{} points of the epistemic inputs are pooled on this page: its probabilities are no bounds over them.",
+            design.outer_points
+        ));
+    }
     for status in Status::ALL.into_iter().filter(|&s| s != Status::Converged) {
         notices.extend(status_notice(view, status));
     }
