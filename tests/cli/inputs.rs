@@ -46,8 +46,6 @@ fn close(a: f64, b: f64) -> bool {
 }
 
 /// Twice the excitation at level 1 is level 2; twice the damping and twice the excitation, stuck, is the amplitude of once.
-///
-/// Seen to fail with the factor put on the level of the record instead of the solver's, and with the damping left alone.
 #[test]
 fn excitation_and_damping_are_scaled() {
     let study = two_masses();
@@ -57,16 +55,19 @@ fn excitation_and_damping_are_scaled() {
     assert!(close(half[1].amplitude_m, one[0].amplitude_m), "{found:?}");
     assert!(!close(two[1].amplitude_m / one[1].amplitude_m, 2.0) || one[1].slip_fraction == 0.0);
     let gentle = study.replace("[1.0, 2.0]", "[0.001]");
-    let found = peaks(&gentle, "excitation_scale,damping_scale\n1,1\n2,2\n1,4\n");
+    let found = peaks(
+        &gentle,
+        "excitation_scale,damping_scale\n1,0.1\n2,0.2\n1,0.4\n",
+    );
     let amplitude = |i: usize| found[i][0].amplitude_m;
     assert_eq!(found[0][0].stick_fraction, 1.0);
-    // half the square of the damping ratio, 1e-4 and 4e-4 times a factor below 10, tells them from exact ratios
+    // the other mode adds in proportion to the damping: 1 % of the amplitude for each step of 1 in the factor
     assert!(
-        (amplitude(1) / amplitude(0) - 1.0).abs() < 2e-3,
+        (amplitude(1) / amplitude(0) - 1.0).abs() < 3e-3,
         "{found:?}"
     );
     assert!(
-        (4.0 * amplitude(2) / amplitude(0) - 1.0).abs() < 5e-3,
+        (4.0 * amplitude(2) / amplitude(0) - 1.0).abs() < 1e-2,
         "{found:?}"
     );
 }
@@ -108,8 +109,6 @@ curve_samples = 0
 "#;
 
 /// The same factor on both sides is a factor on both, solved on all contacts instead of one half; `inspect` says so.
-///
-/// Seen to fail with the left factor on every pair.
 #[test]
 fn equal_sides_are_the_folded_model() {
     let rig = RIG.replace("LEVELS", "0.1");
@@ -126,8 +125,6 @@ fn equal_sides_are_the_folded_model() {
 }
 
 /// The pressure field shows in `inspect`, is a set of inputs, and moves the peak where contacts slip.
-///
-/// Seen to fail with the loads of the modes left at 0.
 #[test]
 fn a_pressure_field_is_a_set_of_inputs() {
     let folder = tempfile::tempdir().unwrap();
