@@ -21,7 +21,7 @@ fn inspect(head: &str, tail: &str) -> Result<String, String> {
             .unwrap();
         Ok(line["design".len()..].trim().to_owned())
     } else {
-        assert_eq!(output.status.code(), Some(2));
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
         Err(String::from_utf8_lossy(&output.stderr).into_owned())
     }
 }

@@ -1,4 +1,8 @@
 //! Latin hypercube, correlated inputs, grids and nested designs.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot set up its design fails"
+)]
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
