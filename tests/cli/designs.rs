@@ -21,7 +21,7 @@ fn inspect(head: &str, tail: &str) -> Result<String, String> {
             .unwrap();
         Ok(line["design".len()..].trim().to_owned())
     } else {
-        assert_eq!(output.status.code(), Some(2));
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
         Err(String::from_utf8_lossy(&output.stderr).into_owned())
     }
 }
@@ -220,8 +220,6 @@ fn bad_designs_name_line_key_and_rule() {
 }
 
 /// Every sample knows its outer point or its replicate, and the values of one outer point are the same throughout.
-///
-/// Seen to fail with the columns written from the first sample alone.
 #[test]
 fn samples_know_their_outer_point_and_replicate() {
     let tail = "[inputs.stiffness_scale]\nkind = \"epistemic\"\nlower = 0.5\nupper = 2\n\

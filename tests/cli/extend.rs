@@ -32,8 +32,6 @@ fn assert_same_files(folder: &Path, what: &str) {
 }
 
 /// In two steps, across generations of the atlas and in the middle of one, with curves in both parts.
-///
-/// Seen to fail with the anchors of the whole generation in the atlas, and with the curves of kept samples left out.
 #[test]
 fn an_extended_run_is_the_whole_run() {
     let study_folder = folder("study.toml", "samples = 10", "samples = 10");
@@ -76,7 +74,6 @@ fn refused(output: &Output, fragment: &str) {
     );
 }
 
-/// Seen to fail with the comparison of sample 0 left out.
 #[test]
 fn what_cannot_be_extended_is_refused() {
     let study_folder = folder("study.toml", "samples = 10", "samples = 10");

@@ -7,6 +7,7 @@
 mod bad_input;
 mod designs;
 mod extend;
+mod inputs;
 mod report;
 mod run;
 mod solve;

@@ -1,4 +1,8 @@
 //! Samples from CSV and Parquet files.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot set up its design fails"
+)]
 
 use microslip::sampling::{DesignSettings, DesignTable, Input, SampleTable};
 use parquet::data_type::DoubleType;

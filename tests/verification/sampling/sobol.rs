@@ -1,4 +1,8 @@
 //! Sobol' points against `SciPy`'s and against what scrambling promises.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot set up its design fails"
+)]
 
 use microslip::sampling::sobol::{MOST_DIMENSIONS, Sobol};
 
