@@ -229,7 +229,6 @@ fn parallel_coverage(covers: impl Fn(&mut Numbers, u64) -> bool + Sync) -> f64 {
 }
 
 /// y = x₁ + x₂/2 + x₁x₂ of centred uniform inputs: variances 1/12, 1/48 and 1/144.
-/// Seen to fail with the same resample for all replicates.
 #[test]
 #[cfg_attr(
     debug_assertions,
@@ -268,7 +267,7 @@ fn sobol_intervals_cover() {
     }
 }
 
-/// Index 1/5 of x₂ in y = x₁ + x₂/2, and 0 of an input that does not enter. Seen to fail with halves in place of tenths.
+/// Index 1/5 of x₂ in y = x₁ + x₂/2, and 0 of an input that does not enter.
 #[test]
 #[cfg_attr(
     debug_assertions,
