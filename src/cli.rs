@@ -8,7 +8,8 @@ use clap::{Args, Parser, Subcommand};
 use microslip::Error;
 use microslip::report::{Summary, render};
 use microslip::study::{
-    Inspection, LevelCurve, OutputFolder, Progress, RunResult, Study, extend, inspect, run, solve,
+    Inspection, LevelCurve, OutputFolder, Progress, RunResult, Study, extend, inspect, run, schema,
+    solve,
 };
 
 /// Exit code of every failure.
@@ -21,6 +22,7 @@ Examples:
   microslip run study.toml --threads 8      all samples, statistics and report
   microslip run study.toml --output other/  the same into another folder
   microslip report results                  the report again, from the stored samples
+  microslip schema > study.schema.json      what editors need to check a study file
   microslip extend results --samples 800    more samples for these results; the old ones are kept
 
 Exit codes: 0 done, 2 bad input or a file that cannot be read or written.";
@@ -42,6 +44,8 @@ enum Command {
     Solve(StudyArguments),
     /// Render the report of a run again from its stored samples, without solving.
     Report(ReportArguments),
+    /// Print the JSON Schema of the study file, for editors and programs.
+    Schema,
     /// Show what a study would compute: degrees of freedom, frequencies, contact pairs, memory and time.
     Inspect(StudyArguments),
 }
@@ -119,9 +123,13 @@ fn execute(command: &Command) -> Result<(), Error> {
             start_threads(common.threads)?;
         }
         Command::Extend(arguments) => start_threads(arguments.threads)?,
-        Command::Report(_) => {}
+        Command::Report(_) | Command::Schema => {}
     }
     match command {
+        Command::Schema => print(|out| {
+            serde_json::to_writer_pretty(&mut *out, &schema())?;
+            writeln!(out)
+        }),
         Command::Report(arguments) => {
             let (summary, _) = render(&arguments.folder)?;
             if arguments.quiet {

@@ -11,6 +11,7 @@ pub mod output;
 pub mod read;
 mod requirements;
 pub mod run;
+pub mod schema;
 pub mod solve;
 pub mod tables;
 
@@ -20,4 +21,5 @@ pub use inspect::{Inspection, inspect};
 pub use output::{OutputFolder, OutputSettings};
 pub use read::{ModelSettings, Study, StudyModel};
 pub use run::{RunResult, run};
+pub use schema::schema;
 pub use solve::{LevelCurve, Progress, solve, write_curves};

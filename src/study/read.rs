@@ -26,7 +26,7 @@ use crate::sampling::{
 use crate::setting::BadSetting;
 
 /// Top-level keys of a study file.
-const KEYS: [&str; 17] = [
+pub(super) const KEYS: [&str; 17] = [
     "name",
     "seed",
     "samples",

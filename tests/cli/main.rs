@@ -10,6 +10,7 @@ mod extend;
 mod inputs;
 mod report;
 mod run;
+mod schema;
 mod solve;
 
 use std::path::Path;

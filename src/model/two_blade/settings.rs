@@ -3,7 +3,9 @@
 use crate::setting::{BadSetting, non_negative, positive};
 
 /// Relative sign of the two excitation forces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize, schemars::JsonSchema)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Phase {
     /// Equal forces in x: both blades move the same way, the platforms' edges shear and lift against each other.
