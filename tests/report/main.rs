@@ -4,6 +4,7 @@
     reason = "a helper of tests may panic like a test"
 )]
 
+mod assessment;
 mod page;
 mod record;
 mod store;
