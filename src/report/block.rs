@@ -246,7 +246,12 @@ impl Table {
     fn csv(&self) -> String {
         let mut text = self.fields.join(",");
         for row in &self.rows {
-            let fields: Vec<String> = row.cells.iter().flat_map(|c| &c.raw).map(quoted).collect();
+            let fields: Vec<String> = row
+                .cells
+                .iter()
+                .flat_map(|c| &c.raw)
+                .map(|f| quoted(f))
+                .collect();
             text.push_str("\r\n");
             text.push_str(&fields.join(","));
         }
@@ -327,11 +332,11 @@ fn full(value: Option<f64>) -> String {
         .map_or_else(String::new, |v| v.to_string())
 }
 
-fn quoted(field: &String) -> String {
+fn quoted(field: &str) -> String {
     if field.contains(['"', ',', '\n', '\r']) {
         format!("\"{}\"", field.replace('"', "\"\""))
     } else {
-        field.clone()
+        field.to_owned()
     }
 }
 

@@ -13,13 +13,7 @@ use crate::statistics::{Judgement, ToleranceBound};
 pub(super) fn section(view: &View) -> Section {
     let notices = notices(view);
     let calm = "Every sample has a solution at every level, and no error alert was raised.";
-    let mut blocks = vec![
-        Block::Facts(facts(view.summary)),
-        match notices.is_empty() {
-            true => Block::Fine(calm.to_owned()),
-            false => Block::Notices(notices),
-        },
-    ];
+    let mut blocks = Vec::new();
     if !view.assessment.criteria.is_empty() {
         blocks.push(criteria(view));
         blocks.push(Block::Hint(
@@ -29,6 +23,11 @@ pub(super) fn section(view: &View) -> Section {
                 .to_owned(),
         ));
     }
+    blocks.push(Block::Facts(facts(view.summary)));
+    blocks.push(match notices.is_empty() {
+        true => Block::Fine(calm.to_owned()),
+        false => Block::Notices(notices),
+    });
     blocks.push(bounds(view));
     blocks.push(Block::Hint(view.assessment.condition.clone()));
     Section {
