@@ -53,12 +53,18 @@ fn sampling(summary: &Summary) -> ErrorLine {
         let estimate = l.amplitude_m.quantiles.last()?.estimate;
         Some(half_width(&l.amplitude_m)? / estimate)
     };
+    let frequency_hz = largest(summary, |l| half_width(&l.frequency_hz));
+    let amplitude_relative = largest(summary, relative);
+    let half = "half the 95 % confidence interval of the 95 % quantile; shrinks with the root of the number of samples";
     ErrorLine {
         source: "Number of samples",
-        frequency_hz: largest(summary, |l| half_width(&l.frequency_hz)),
-        amplitude_relative: largest(summary, relative),
-        basis: "half the 95 % confidence interval of the 95 % quantile; shrinks with the root of the number of samples"
-            .to_owned(),
+        frequency_hz,
+        amplitude_relative,
+        basis: match frequency_hz.is_some() && amplitude_relative.is_some() {
+            true => half,
+            false => "too few samples bound the 95 % quantile on both sides",
+        }
+        .to_owned(),
     }
 }
 

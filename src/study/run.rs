@@ -287,17 +287,35 @@ fn component_records(components: &[(&'static str, ComponentSummary)]) -> Vec<Com
     components.iter().map(record).collect()
 }
 
+/// Parameters of a distribution in the order in which they are read.
+const PARAMETERS: [&str; 11] = [
+    "value",
+    "lower",
+    "upper",
+    "alpha",
+    "beta",
+    "low",
+    "mean",
+    "median",
+    "mode",
+    "standard_deviation",
+    "high",
+];
+
 /// Names and distributions of the inputs, the latter as the study file states them.
 fn input_records(study: &Study) -> Vec<InputRecord> {
     let tables: Option<serde_json::Value> = toml::from_str(&study.text).ok();
     let stated = |name: &str| {
         let table = tables.as_ref()?.get("inputs")?.get(name)?.as_object()?;
         let parameter = |(key, value): (&String, &serde_json::Value)| match key.as_str() {
-            "distribution" => None,
+            "distribution" | "kind" => None,
             _ => Some(format!("{} {value}", key.replace('_', " "))),
         };
-        let parameters: Vec<String> = table.iter().filter_map(parameter).collect();
-        let family = table.get("distribution")?.as_str()?;
+        let place = |key: &str| PARAMETERS.iter().position(|p| *p == key);
+        let mut stated: Vec<_> = table.iter().collect();
+        stated.sort_by_key(|(key, _)| place(key).unwrap_or(PARAMETERS.len()));
+        let parameters: Vec<String> = stated.into_iter().filter_map(parameter).collect();
+        let family = table.get("distribution").or(table.get("kind"))?.as_str()?;
         Some(format!("{family}: {}", parameters.join(", ")))
     };
     let inputs = study.design.inputs().iter().map(|(input, _)| input.name());

@@ -57,7 +57,7 @@ fn a_report_can_be_rendered_again() {
         "house rule",
         "life",
         "Reserve factor",
-        "uniform: high 0.8, low 0.1",
+        "uniform: low 0.1, high 0.8",
     ] {
         assert!(page.contains(words), "{words} is not in the page");
     }

@@ -71,6 +71,18 @@ fn close_up(view: &View) -> Option<[f64; 2]> {
     Some([low - room, high + room])
 }
 
+/// Speeds of the close-up: the range of speeds and the crossings of the window (Hz) close to it.
+fn speeds_in_sight(operation: &Operation, [low, high]: [f64; 2]) -> [f64; 2] {
+    let [slow, fast] = operation.speed_rpm;
+    let middle = 0.5 * (low + high);
+    let orders = operation.engine_orders.iter();
+    let crossings = orders.map(|k| 60.0 * middle / f64::from(*k));
+    let close = crossings.filter(|c| (0.85 * slow..=1.15 * fast).contains(c));
+    let [slow, fast] = close.fold([slow, fast], |[a, b], c| [a.min(c), b.max(c)]);
+    let room = (0.1 * (fast - slow)).max(0.01 * fast);
+    [(slow - room).max(0.0), fast + room]
+}
+
 /// Engine orders and scatter bars; over all frequencies from 0, or over `window` (Hz).
 fn diagram(
     view: &View,
@@ -85,11 +97,7 @@ fn diagram(
         [0.0, 1.2 * top.max(1e-6)]
     });
     let speeds = match window {
-        // Just the speeds at which an order or the range is in sight.
-        Some(_) => {
-            let room = (0.15 * (fast - slow)).max(0.01 * fast);
-            [(slow - room).max(0.0), fast + room]
-        }
+        Some(window) => speeds_in_sight(operation, window),
         None => [0.0, 1.15 * fast],
     };
     let x = Axis::linear("Speed (1/min)", speeds[0], speeds[1]);

@@ -85,6 +85,13 @@ fn bars(view: &View, shown: Shown) -> Figure {
             }
         }
     }
+    let levels = view.assessment.levels.iter().flat_map(|l| &l.influences);
+    if !levels
+        .map(|influence| index(influence, shown))
+        .any(|found| matches!(found, IndexResult::Index(_)))
+    {
+        panel.note("no index: the table says why");
+    }
     view.figure(&panel, format!("index-{}", shown.word()), "")
 }
 
