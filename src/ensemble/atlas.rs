@@ -56,11 +56,7 @@ impl AnchorPeak {
     pub fn new(solution: &Solution) -> Self {
         Self {
             harmonics: solution.harmonics.clone(),
-            point: Point {
-                r: solution.relative.clone(),
-                omega: solution.omega,
-                level: solution.level,
-            },
+            point: solution.point(),
             response: solution.first_harmonic(0),
         }
     }

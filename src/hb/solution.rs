@@ -1,7 +1,7 @@
 //! What one nonlinear solve returns.
 
 use super::balance::Balance;
-use super::newton::{Iterate, WorkCount};
+use super::newton::{Iterate, Point, WorkCount};
 use super::status::Status;
 use crate::harmonics::{HarmonicSet, phases};
 use faer::prelude::c64;
@@ -119,6 +119,16 @@ impl Solution {
     #[must_use]
     pub fn bounces(&self) -> bool {
         self.flight_fraction > 0.0 || self.contact.separated > MOST_SEPARATED
+    }
+
+    /// Unknowns, frequency and level: a start for others.
+    #[must_use]
+    pub fn point(&self) -> Point {
+        Point {
+            r: self.relative.clone(),
+            omega: self.omega,
+            level: self.level,
+        }
     }
 
     /// First harmonic q̂₁ of response `i` (m); q = Re q̂₁ exp(iωt).

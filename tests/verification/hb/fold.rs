@@ -3,7 +3,6 @@
 use super::invariants::settings;
 use crate::two_blade::{RIG, contacts};
 use microslip::contact::{ContactParameters, Events, FrictionLaw};
-use microslip::hb::newton::Point;
 use microslip::hb::peak::PeakSettings;
 use microslip::hb::predicted::{PeakPrediction, correct};
 use microslip::hb::resonance::Band;
@@ -147,15 +146,7 @@ fn peaks_of_neighbours_are_corrected_to_the_maximum() {
     for (neighbour, expected) in track(&near).iter().zip(&track(&own)) {
         let solution = neighbour.solution.as_ref().expect("a peak");
         let expected = expected.solution.as_ref().expect("a peak");
-        let response = solution.first_harmonic(0);
-        let prediction = PeakPrediction {
-            point: Point {
-                r: solution.relative.clone(),
-                omega: solution.omega,
-                level: solution.level,
-            },
-            phasor: response / response.norm(),
-        };
+        let prediction = PeakPrediction::of(solution);
         let Ok((top, count)) = correct(&balance, prediction, search, settings.newton) else {
             println!("{} N: not from here", solution.level);
             continue;
