@@ -147,9 +147,9 @@ fn show_levels(out: &mut dyn Write, summary: &Summary) -> std::io::Result<()> {
             write!(
                 out,
                 "; {:.0} %: {:.3} Hz, {:.4e} m",
-                100.0 * frequency.valid_only.probability,
-                frequency.valid_only.estimate,
-                amplitude.valid_only.estimate
+                100.0 * frequency.probability,
+                frequency.estimate,
+                amplitude.estimate
             )?;
         }
         writeln!(out)?;
