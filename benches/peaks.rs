@@ -128,6 +128,8 @@ impl Rig {
         Ensemble {
             linear: &self.linear,
             contacts: &self.contacts,
+            interfaces: &[],
+            load_modes: &[],
             design,
             levels,
             settings,
@@ -396,6 +398,8 @@ fn peers() {
     let ensemble = Ensemble {
         linear: &linear,
         contacts: &model.contacts,
+        interfaces: &[],
+        load_modes: &[],
         design: &design,
         levels: &[0.5],
         settings: &settings,

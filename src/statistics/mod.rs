@@ -24,6 +24,8 @@ pub mod moment;
 pub mod observed;
 pub mod order_statistic;
 pub mod proportion;
+pub mod replicates;
+pub mod reweight;
 pub mod sensitivity;
 pub mod sketch;
 pub mod sobol_index;
@@ -60,6 +62,8 @@ pub use order_statistic::{
     QuantileEstimate, order_statistic_interval, quantile, quantile_estimate, quantile_rank,
 };
 pub use proportion::{Proportion, Share, proportion, share};
+pub use replicates::{ReplicateMean, replicate_mean};
+pub use reweight::Weights;
 pub use sensitivity::{Index, Influence, SensitivityRefusal};
 pub use sketch::{Sketch, SketchMismatch};
 pub use sobol_index::{SobolIndex, independent, pick_freeze_points, sobol_indices};
