@@ -36,6 +36,8 @@ impl PeakPrediction {
 
 /// Residual over the dynamic displacement below which the amplitude's growth is more reliable than the predicted phase.
 const SETTLED: f64 = 1e-2;
+/// Error of the growth over the phase rate, per residual over the dynamic displacement.
+const GROWTH_ERROR: f64 = 10.0;
 /// Longest step of the phase (rad) in one iteration.
 const LONGEST_STEP: f64 = 0.5;
 /// Phases (rad) further apart than this measure the curvature.
@@ -69,7 +71,8 @@ pub fn correct<'p>(
     let tolerance = newton
         .tolerance
         .min(sharp_enough(balance, &iterate.point, settings));
-    let settled = SETTLED * iterate.point.dynamic_share(balance).min(1.0);
+    let share = iterate.point.dynamic_share(balance).min(1.0);
+    let settled = SETTLED * share;
     let mut search = Search::default();
     for _ in 0..MAX_ITERATIONS {
         let size = iterate.relative_residual(balance);
@@ -86,7 +89,9 @@ pub fn correct<'p>(
         let local = Local::new(balance, &iterate, &mut count);
         let by_growth = size <= settled && !search.located;
         let omega_step = if by_growth {
-            search.growth_step(&local, settings.frequency_tolerance)
+            // the growth is as exact as the displacements that it was taken at
+            let error = GROWTH_ERROR * (size / share) * local.rate.im.abs();
+            search.growth_step(&local, error, settings.frequency_tolerance)
         } else if search.located {
             0.0
         } else {
@@ -190,7 +195,7 @@ struct Search {
 
 impl Search {
     /// Frequency step to where the growth vanishes.
-    fn growth_step(&mut self, here: &Local, tolerance: f64) -> f64 {
+    fn growth_step(&mut self, here: &Local, error: f64, tolerance: f64) -> f64 {
         if let Some(last) = &self.last {
             let apart = here.omega - last.omega;
             if (apart * here.rate.im).abs() > CURVATURE_RESOLUTION {
@@ -198,9 +203,11 @@ impl Search {
             }
         }
         let measured = self.curvature.filter(|c| here.usable(*c));
-        let step = -here.rate.re / measured.unwrap_or(here.oscillator());
-        self.located = step.abs() <= tolerance * here.omega;
-        step
+        let curvature = measured.unwrap_or(here.oscillator());
+        let flattest = curvature.abs().min(here.oscillator().abs());
+        let farthest = here.rate.re.abs().max(error) / flattest;
+        self.located = farthest <= tolerance * here.omega;
+        -here.rate.re / curvature
     }
 
     /// Whether the peak `at` is a maximum: by the growth seen on the way, else by the growth a little further on.
