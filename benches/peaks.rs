@@ -25,6 +25,7 @@ use microslip::model::two_blade::{TwoBladeSettings, build};
 use microslip::sampling::{Design, Distribution, Input, Shape};
 use microslip::study::Study;
 use microslip::units::{hz_to_rad_s, rad_s_to_hz};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
@@ -35,12 +36,13 @@ fn main() {
         .skip(1)
         .filter(|a| !a.starts_with('-'))
         .collect();
-    let sections: [(&str, fn()); 6] = [
+    let sections: [(&str, fn()); 7] = [
         ("parts", parts),
         ("study", study),
         ("sweep", sweep),
         ("slow-path", slow_path),
         ("harmonics", harmonics),
+        ("certified", certified),
         ("peers", peers),
     ];
     for (name, section) in sections {
@@ -198,6 +200,19 @@ fn report(name: &str, peaks: &[&LevelOutcome]) {
     );
 }
 
+/// Runs the first samples and prints their rate, work and fate.
+fn measured(name: &str, ensemble: &Ensemble<'_>, samples: u64) -> Vec<SampleOutcome> {
+    let (seconds, outcomes) = processor_time(|| ensemble.run(samples, || {}));
+    let peaks: Vec<&LevelOutcome> = outcomes.iter().flat_map(|o| &o.levels).collect();
+    println!(
+        "{name}, {samples} samples x {} levels: {:.2} peaks per processor second",
+        ensemble.levels.len(),
+        peaks.len() as f64 / seconds
+    );
+    report("all", &peaks);
+    outcomes
+}
+
 fn parts() {
     println!("pairs  H    compliance  contact  motion  Jacobian and two solves (ms, fastest of 5)");
     for (grid, highest) in [
@@ -242,14 +257,7 @@ fn study() {
     let (design, settings) = (design(2026), settings(5, None));
     let ensemble = rig.ensemble(&design, &LEVELS, &settings);
     for samples in [64, 256, 1024] {
-        let (seconds, outcomes) = processor_time(|| ensemble.run(samples, || {}));
-        let peaks: Vec<&LevelOutcome> = outcomes.iter().flat_map(|o| &o.levels).collect();
-        println!(
-            "{samples} samples x {} levels: {:.1} peaks per processor second",
-            LEVELS.len(),
-            peaks.len() as f64 / seconds
-        );
-        report("all", &peaks);
+        let outcomes = measured("H = 5", &ensemble, samples);
         if samples == 1024 {
             for (i, level) in LEVELS.iter().enumerate() {
                 let peaks: Vec<_> = outcomes.iter().map(|o| &o.levels[i]).collect();
@@ -351,13 +359,31 @@ fn harmonics() {
     for highest in [5, 9, 13, 21] {
         let settings = settings(highest, None);
         let ensemble = rig.ensemble(&design, &levels, &settings);
-        let (seconds, outcomes) = processor_time(|| ensemble.run(32, || {}));
-        let peaks: Vec<&LevelOutcome> = outcomes.iter().flat_map(|o| &o.levels).collect();
-        println!(
-            "H = {highest}: {:.2} peaks per processor second",
-            peaks.len() as f64 / seconds
-        );
-        report("all", &peaks);
+        measured(&format!("H = {highest}"), &ensemble, 32);
+    }
+}
+
+/// Peaks whose truncation error is below 1e-3 by the alert, against the same peaks on 31 harmonics.
+fn certified() {
+    let rig = Rig::new([3, 5]);
+    let design = design(17);
+    let levels = [1.0, 5.0, 20.0, 100.0];
+    let alert = AlertSettings {
+        threshold: 1e-3,
+        highest_harmonic: 21,
+    };
+    let settings = settings(5, Some(alert));
+    let ensemble = rig.ensemble(&design, &levels, &settings);
+    let outcomes = measured("first 5", &ensemble, 50);
+    for (i, level) in levels.iter().enumerate() {
+        let peaks: Vec<&LevelOutcome> = outcomes.iter().map(|o| &o.levels[i]).collect();
+        report(&format!("{level} N"), &peaks);
+        let mut fates: BTreeMap<(&str, usize), usize> = BTreeMap::new();
+        for peak in &peaks {
+            let highest = peak.peak.map_or(0, |p| p.highest_harmonic);
+            *fates.entry((peak.status.name(), highest)).or_default() += 1;
+        }
+        println!("  {fates:?}");
     }
 }
 
@@ -405,12 +431,5 @@ fn peers() {
         },
         curve_samples: 0,
     };
-    let samples = 256;
-    let (seconds, outcomes) = processor_time(|| ensemble.run(samples, || {}));
-    let peaks: Vec<&LevelOutcome> = outcomes.iter().flat_map(|o| &o.levels).collect();
-    println!(
-        "{:.4} processor seconds per peak",
-        seconds / peaks.len() as f64
-    );
-    report("all", &peaks);
+    measured("blades-strip-oop", &ensemble, 256);
 }

@@ -5,6 +5,7 @@
 //! peak, δω = −δφ/p; close to it the growth g must vanish, δω = −g/g′, with g′ by secants, at first −p² as for one
 //! oscillator.
 
+use super::alert::pad;
 use super::balance::Balance;
 use super::newton::{Condition, Direction, Iterate, Point, WorkCount, newton_step, solve};
 use super::peak::{PeakSettings, find_peak, sharp_enough};
@@ -32,12 +33,22 @@ impl PeakPrediction {
             phasor: response / response.norm(),
         }
     }
+
+    /// The peak on the harmonics of `to` where those of `from` have theirs at `peak`.
+    #[must_use]
+    pub fn on_other_harmonics(from: &Balance<'_>, peak: &Iterate<'_>, to: &Balance<'_>) -> Self {
+        let response = peak.response(from);
+        Self {
+            point: pad(from, &peak.point, to),
+            phasor: response / response.norm(),
+        }
+    }
 }
 
 /// Residual over the dynamic displacement below which the amplitude's growth is more reliable than the predicted phase.
 const SETTLED: f64 = 1e-2;
 /// Error of the growth over the phase rate, per residual over the dynamic displacement.
-const GROWTH_ERROR: f64 = 10.0;
+const GROWTH_ERROR: f64 = 30.0;
 /// Longest step of the phase (rad) in one iteration.
 const LONGEST_STEP: f64 = 0.5;
 /// Phases (rad) further apart than this measure the curvature.
@@ -49,7 +60,7 @@ const CORRECTIONS: usize = 3;
 /// Curvatures, as multiples of one oscillator's, that a secant may use; friction makes flat tops (0.03 has been seen).
 const USABLE: std::ops::Range<f64> = 0.003..10.0;
 /// Iterations before giving up.
-const MAX_ITERATIONS: usize = 14;
+const MAX_ITERATIONS: usize = 20;
 /// Iterations in a row that may fail to halve the residual, on the way, or the frequency step, at the end: samples that
 /// change their contact state make the growth jump, which no secant gets over.
 const PATIENCE: usize = 3;
@@ -73,6 +84,7 @@ pub fn correct<'p>(
         .min(sharp_enough(balance, &iterate.point, settings));
     let share = iterate.point.dynamic_share(balance).min(1.0);
     let settled = SETTLED * share;
+    let enough = |at: &Local| settings.frequency_tolerance * at.omega * at.oscillator().abs();
     let mut search = Search::default();
     for _ in 0..MAX_ITERATIONS {
         let size = iterate.relative_residual(balance);
@@ -87,17 +99,17 @@ pub fn correct<'p>(
             };
         }
         let local = Local::new(balance, &iterate, &mut count);
-        let by_growth = size <= settled && !search.located;
+        // the growth is as exact as the displacements that it was taken at
+        let error = GROWTH_ERROR * (size / share) * local.rate.im.abs();
+        let by_growth = !search.located && error <= 0.5 * local.rate.re.abs().max(enough(&local));
         let omega_step = if by_growth {
-            // the growth is as exact as the displacements that it was taken at
-            let error = GROWTH_ERROR * (size / share) * local.rate.im.abs();
             search.growth_step(&local, error, settings.frequency_tolerance)
-        } else if search.located {
-            0.0
-        } else {
+        } else if search.last.is_none() && size > settled {
             -(local.response / phasor).arg() / local.rate.im
+        } else {
+            0.0
         };
-        if search.stalls((size, size > settled), omega_step) {
+        if search.stalls(size, by_growth.then_some(omega_step)) {
             break;
         }
         let longest = LONGEST_STEP / local.rate.im.abs();
@@ -188,8 +200,9 @@ struct Search {
     curvature: Option<f64>,
     /// Whether a frequency step was within the tolerance: the rest is up to the displacements.
     located: bool,
-    /// Smallest residual and smallest such step, and iterations since one of them was halved.
-    smallest: [Option<f64>; 2],
+    /// Smallest residual since the last such step, smallest such step, and iterations since one of them was halved.
+    smallest_residual: Option<f64>,
+    smallest_step: Option<f64>,
     worse: usize,
 }
 
@@ -231,27 +244,31 @@ impl Search {
         false
     }
 
-    /// Whether neither the residual, on the way, nor the frequency step has been halved for long.
-    fn stalls(&mut self, (size, on_the_way): (f64, bool), omega_step: f64) -> bool {
-        let (kind, now) = match on_the_way || self.located {
-            true => (0, size),
-            false => (1, omega_step.abs()),
+    /// Whether neither the residual nor the steps by the growth have been halved for long; each such step may raise the
+    /// residual.
+    fn stalls(&mut self, size: f64, growth_step: Option<f64>) -> bool {
+        let (smallest, now) = match growth_step {
+            Some(step) => {
+                self.smallest_residual = None;
+                (&mut self.smallest_step, step.abs())
+            }
+            None => (&mut self.smallest_residual, size),
         };
-        let smallest = self.smallest[kind].unwrap_or(f64::INFINITY);
-        self.worse = match now <= 0.5 * smallest {
+        let before = smallest.unwrap_or(f64::INFINITY);
+        *smallest = Some(before.min(now));
+        self.worse = match now <= 0.5 * before {
             true => 0,
             false => self.worse + 1,
         };
-        self.smallest[kind] = Some(smallest.min(now));
         self.worse >= PATIENCE
     }
 }
 
-/// The maximum next to a prediction: directly, else by a search along the branch from the solution with the predicted
-/// phase. Where that fails too the solution with the predicted phase stands for the maximum.
+/// The maximum next to a prediction that may be far: from the solution with the predicted phase, which damped steps
+/// reach, directly or else by a search along the branch.
 ///
 /// # Errors
-/// The status of the solve at the predicted phase.
+/// The status of the solve at the predicted phase, or of the search.
 pub fn maximum_near<'p>(
     balance: &Balance<'p>,
     prediction: PeakPrediction,
@@ -259,15 +276,27 @@ pub fn maximum_near<'p>(
     newton: NewtonSettings,
     count: &mut WorkCount,
 ) -> Result<Iterate<'p>, Status> {
-    let PeakPrediction { point, phasor } = prediction.clone();
-    if let Ok(found) = count.tally(correct(balance, prediction, settings, newton)) {
+    let phasor = prediction.phasor;
+    let locked = phase_locked(balance, prediction, newton, count)?;
+    let point = locked.point.clone();
+    let direct = correct(balance, PeakPrediction { point, phasor }, settings, newton);
+    if let Ok(found) = count.tally(direct) {
         return Ok(found);
     }
-    let phase = Condition::PhaseLocked(phasor);
-    let locked = count.tally(solve(balance, point, phase, newton))?;
-    let point = locked.point.clone();
-    match count.tally(find_peak(balance, locked, settings, newton)) {
-        Ok(found) => Ok(found.iterate),
-        Err(_) => Ok(Iterate::new(balance, point)),
-    }
+    let searched = find_peak(balance, locked, settings, newton);
+    Ok(count.tally(searched)?.iterate)
+}
+
+/// The solution with the predicted phase.
+///
+/// # Errors
+/// The status of the solve.
+pub fn phase_locked<'p>(
+    balance: &Balance<'p>,
+    prediction: PeakPrediction,
+    newton: NewtonSettings,
+    count: &mut WorkCount,
+) -> Result<Iterate<'p>, Status> {
+    let phase = Condition::PhaseLocked(prediction.phasor);
+    count.tally(solve(balance, prediction.point, phase, newton))
 }
