@@ -51,8 +51,12 @@ const SETTLED: f64 = 1e-2;
 const GROWTH_ERROR: f64 = 30.0;
 /// Longest step of the phase (rad) in one iteration.
 const LONGEST_STEP: f64 = 0.5;
-/// Phases (rad) further apart than this measure the curvature.
-const CURVATURE_RESOLUTION: f64 = 1e-3;
+/// Changes of the growth over the sum of their errors from which they measure the curvature.
+const CURVATURE_RESOLUTION: f64 = 10.0;
+/// Phases (rad) closer than this do not measure it: round-off.
+const SHORTEST_SECANT: f64 = 1e-6;
+/// Curvature, as a multiple of one oscillator's, that a top may have where it could not be measured.
+const UNMEASURED: f64 = 0.1;
 /// Step of the phase (rad) that measures it where all iterations were closer together.
 const CURVATURE_STEP: f64 = 0.1;
 /// Newton steps spent on that.
@@ -98,12 +102,13 @@ pub fn correct<'p>(
                 false => Err((Status::MaxIterations, count)),
             };
         }
-        let local = Local::new(balance, &iterate, &mut count);
+        let mut local = Local::new(balance, &iterate, &mut count);
         // the growth is as exact as the displacements that it was taken at
-        let error = GROWTH_ERROR * (size / share) * local.rate.im.abs();
-        let by_growth = !search.located && error <= 0.5 * local.rate.re.abs().max(enough(&local));
+        local.growth_error = GROWTH_ERROR * (size / share) * local.rate.im.abs();
+        let trusted = 0.5 * local.rate.re.abs().max(enough(&local));
+        let by_growth = !search.located && local.growth_error <= trusted;
         let omega_step = if by_growth {
-            search.growth_step(&local, error, settings.frequency_tolerance)
+            search.growth_step(&local, settings.frequency_tolerance)
         } else if search.last.is_none() && size > settled {
             -(local.response / phasor).arg() / local.rate.im
         } else {
@@ -135,6 +140,8 @@ struct Local {
     response: c64,
     /// d ln ŷ/dω there.
     rate: c64,
+    /// Error of its real part, the growth (s).
+    growth_error: f64,
 }
 
 impl Local {
@@ -157,6 +164,7 @@ impl Local {
             response,
             correction,
             tangent,
+            growth_error: 0.0,
         }
     }
 
@@ -208,17 +216,22 @@ struct Search {
 
 impl Search {
     /// Frequency step to where the growth vanishes.
-    fn growth_step(&mut self, here: &Local, error: f64, tolerance: f64) -> f64 {
+    fn growth_step(&mut self, here: &Local, tolerance: f64) -> f64 {
         if let Some(last) = &self.last {
             let apart = here.omega - last.omega;
-            if (apart * here.rate.im).abs() > CURVATURE_RESOLUTION {
+            let errors = here.growth_error + last.growth_error;
+            let told_apart = (apart * here.oscillator()).abs() > CURVATURE_RESOLUTION * errors;
+            if told_apart && (apart * here.rate.im).abs() > SHORTEST_SECANT {
                 self.curvature = Some((here.rate.re - last.rate.re) / apart);
             }
         }
         let measured = self.curvature.filter(|c| here.usable(*c));
         let curvature = measured.unwrap_or(here.oscillator());
-        let flattest = curvature.abs().min(here.oscillator().abs());
-        let farthest = here.rate.re.abs().max(error) / flattest;
+        let flattest = match measured {
+            Some(measured) => measured.abs().min(here.oscillator().abs()),
+            None => UNMEASURED * here.oscillator().abs(),
+        };
+        let farthest = here.rate.re.abs().max(here.growth_error) / flattest;
         self.located = farthest <= tolerance * here.omega;
         -here.rate.re / curvature
     }
