@@ -3,7 +3,7 @@
 //! Per iteration one factor J gives the correction of r at a fixed frequency, the tangent dr/dω and from both
 //! d ln ŷ/dω = g + i p at the corrected point. Far from the branch the frequency follows the predicted phase of the
 //! peak, δω = −δφ/p; close to it the growth g must vanish, δω = −g/g′, with g′ by secants, at first −p² as for one
-//! oscillator.
+//! oscillator. The growth is wrong by as much as the displacements: while that is more than it tells, the frequency rests.
 
 use super::alert::pad;
 use super::balance::Balance;

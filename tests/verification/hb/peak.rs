@@ -256,8 +256,8 @@ fn located(highest: usize) -> HbSettings {
     settings
 }
 
-/// Starts around a peak lead to the same frequency, or nowhere: the growth of the amplitude counts only where the
-/// displacements are exact enough. Seen to fail with `GROWTH_ERROR` 0.
+/// Starts around a peak lead to the same frequency, or nowhere. Seen to fail with curvatures from long secants only: a
+/// flat top then passes for located where it is not.
 #[test]
 fn poor_starts_lead_to_the_same_top() {
     let case = plane(-1.0);
@@ -285,8 +285,7 @@ fn poor_starts_lead_to_the_same_top() {
     });
 }
 
-/// Peaks on more harmonics than the search uses are tops of their own curve. Seen to fail with the frequency kept that
-/// the peak has on few harmonics.
+/// Peaks on more harmonics than the search uses are tops of their own curve.
 #[test]
 fn raised_peaks_are_tops() {
     let case = plane(-1.0);
@@ -311,7 +310,6 @@ fn raised_peaks_are_tops() {
 }
 
 /// Where the peak leaves the band with the harmonics that the alert asks for, the one on fewer is kept and says so.
-/// Seen to fail with the solution at the predicted phase taken for a peak.
 #[test]
 fn peaks_not_located_on_more_harmonics_stay_on_fewer() {
     let case = plane(-1.0);
