@@ -9,7 +9,7 @@ use super::atlas::{Anchor, AnchorPeak, Atlas, AtlasPrediction};
 use super::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
 use crate::hb::curve::response_curve;
 use crate::hb::newton::WorkCount;
-use crate::hb::predicted::{PeakPrediction, correct, maximum_near};
+use crate::hb::predicted::{PeakPrediction, correct, maximum_near, phase_locked};
 use crate::hb::refine::{on, refined_near};
 use crate::hb::track::{LevelPeak, track_peaks};
 use crate::hb::{Balance, Problem, ProblemError, Solution, Status};
@@ -239,7 +239,10 @@ impl Ensemble<'_> {
         let mut prediction = PeakPrediction::of(solution);
         prediction.point.r =
             (solution.harmonics).convert(&prediction.point.r, n_relative, harmonics);
-        let Ok(peak) = maximum_near(&balance, prediction, self.peak, newton, count) else {
+        // a picture may start beside the maximum
+        let maximum = maximum_near(&balance, prediction.clone(), self.peak, newton, count);
+        let start = maximum.or_else(|_| phase_locked(&balance, prediction, newton, count));
+        let Ok(peak) = start else {
             return Vec::new();
         };
         let (curve, work) = response_curve(&balance, &peak.point, self.peak.band, newton);
