@@ -1,6 +1,7 @@
 //! Verification of `aft`: the batch evaluation and its exact derivative.
 
 mod located;
+mod located_circle;
 
 use microslip::aft::{
     AftBatch, AftForces, AftPlan, AftSettings, Block, Laps, Periodicity, StateSummary, Tangent,
