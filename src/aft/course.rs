@@ -159,17 +159,22 @@ impl<T: Real> Course<'_, T> {
         least: T,
         row: &mut Vec<T>,
     ) -> Option<Node<T>> {
+        let margin = self.work.tolerance[self.lane];
         let [end, end_rate, _] = next.excess(slider);
         let [start, start_rate, start_bend] = here.excess(slider);
         let width = next.theta - here.theta;
         let rates = [width * start_rate, width * end_rate];
         let mut high = next.theta;
         let guess = if end > least {
-            let fresh = here.sample.is_none() && start_bend < T::ZERO;
-            if fresh {
+            let half = T::from_f64(0.5);
+            let held = margin * (here.limit + here.limit + margin);
+            if here.sample.is_none() && start_bend < T::ZERO {
                 // Slip ended at `here`, or the contact closed: a double zero, and a cubic beyond it.
-                let fall = -(T::from_f64(0.5) * start_bend) * width * width;
+                let fall = -(half * start_bend) * width * width;
                 fall / (end + fall)
+            } else if start >= -held && start_rate < T::ZERO {
+                // At the limit at the start of the lap: a zero, and a parabola beyond it.
+                rates[0] / (rates[0] - end)
             } else {
                 crossing_share([start, end], rates)
             }

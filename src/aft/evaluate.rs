@@ -317,6 +317,7 @@ mod tests {
             (FrictionLaw::Box, Events::Interpolated),
             (FrictionLaw::Box, Events::Located),
             (FrictionLaw::Circle, Events::Interpolated),
+            (FrictionLaw::Circle, Events::Located),
         ] {
             let settings = AftSettings {
                 n_time: 64,
