@@ -85,10 +85,7 @@ impl<T: Real> Course<'_, T> {
             sample: Some(i),
             theta: self.phase(i),
             path: [p.k_t[0] * s.u[0][l], p.k_t[1] * s.u[1][l]],
-            rate: [
-                p.k_t[0] * rate[l],
-                p.k_t[1] * rate[super::march::LANES + l],
-            ],
+            rate: [p.k_t[0] * rate[l], p.k_t[1] * rate[super::march::LANES + l]],
             bend: [T::ZERO; 2],
             limit: p.mu * s.normal(l),
             limit_rate: p.mu * (p.k_n * rate[2 * super::march::LANES + l]),
@@ -144,7 +141,7 @@ impl<T: Real> Course<'_, T> {
         let [end, end_rate, _] = next.excess(slider);
         let margin = self.work.tolerance[self.lane];
         let least = margin * (next.limit + next.limit + margin);
-        if end <= least && !(end_rate < T::ZERO) {
+        if end <= least && end_rate >= T::ZERO {
             return None;
         }
         self.crossing([here, next], slider, least, row)
@@ -180,7 +177,7 @@ impl<T: Real> Course<'_, T> {
             }
         } else {
             // Inside at both ends, and perhaps not between them.
-            if !(rates[0] > T::ZERO) {
+            if rates[0] <= T::ZERO {
                 return None;
             }
             let share = turn_share(end - start, rates);
@@ -189,7 +186,7 @@ impl<T: Real> Course<'_, T> {
             let top = start_part * (T::ONE + share + share) * start
                 + end_part * (T::ONE + rest + rest) * end
                 + share * rest * (rest * rates[0] - share * rates[1]);
-            if !(top > T::ZERO) {
+            if top <= T::ZERO {
                 return None;
             }
             let ends = [here.theta, next.theta];
@@ -199,7 +196,7 @@ impl<T: Real> Course<'_, T> {
                 [rate, bend, T::ZERO]
             });
             let top = self.instant(high, row).excess(slider)[0];
-            if !(top > least) {
+            if top <= least {
                 return None;
             }
             share * linear_share(start, top)
@@ -250,10 +247,7 @@ impl<T: Real> Course<'_, T> {
 /// The step between two nodes; its derivatives are by s₁, s₂ (change over the step), s₁', s₂' (at the end), the mean L
 /// and the length, as far as N goes.
 #[inline(always)]
-pub(super) fn slip_step<T: Real, const N: usize>(
-    here: &Node<T>,
-    next: &Node<T>,
-) -> SlipStep<T, N> {
+pub(super) fn slip_step<T: Real, const N: usize>(here: &Node<T>, next: &Node<T>) -> SlipStep<T, N> {
     let input = |i: usize, value: T| Dual {
         value,
         slope: std::array::from_fn(|j| if i == j { T::ONE } else { T::ZERO }),
@@ -277,10 +271,7 @@ fn ending_step<T: Real>(here: &Node<T>, next: &Node<T>) -> SlipStep<T, 1> {
     SlipStep {
         path: [0, 1].map(|d| moving(next.path[d] - here.path[d], next.rate[d])),
         rate: [0, 1].map(|d| moving(next.rate[d], next.bend[d])),
-        limit: moving(
-            half * (here.limit + next.limit),
-            half * next.limit_rate,
-        ),
+        limit: moving(half * (here.limit + next.limit), half * next.limit_rate),
         length: moving(next.theta - here.theta, T::ONE),
     }
 }

@@ -220,7 +220,7 @@ impl<'a, T: Real> Walk<'a, T> {
                 }
                 Motion::Slip(half) => {
                     let after = half.after(course.map(&here, &next));
-                    if inside && !(next.sliding(after.direction()) > T::ZERO) {
+                    if inside && next.sliding(after.direction()) <= T::ZERO {
                         let row = &mut self.lap.next_row;
                         let event = course.slip_end([&here, &next], half, after, row);
                         motion = self.end_slip([&here, &event], half);
@@ -379,12 +379,7 @@ impl<'a, T: Real> Walk<'a, T> {
     /// Row of the angle after a step of slip; returns the derivative of the angle by the phase of the end. An event at
     /// the start moves, one at the end (basis row in `next_row`, then in `row`) does not.
     #[inline(always)]
-    fn slide(
-        &mut self,
-        [here, next]: [&Node<T>; 2],
-        half: HalfAngle<T>,
-        after: HalfAngle<T>,
-    ) -> T {
+    fn slide(&mut self, [here, next]: [&Node<T>; 2], half: HalfAngle<T>, after: HalfAngle<T>) -> T {
         let base = self.base();
         let lap = &mut *self.lap;
         let between_samples = here.sample.is_some() && next.sample.is_some();
@@ -426,7 +421,7 @@ impl<'a, T: Real> Walk<'a, T> {
         let node = self.course.gap_root(theta, &mut lap.row);
         lap.instant_of_gap_root(base, &node);
         let speed = dot(node.rate, node.rate).sqrt();
-        if !(speed > node.limit_rate) {
+        if speed <= node.limit_rate {
             for (d, slider) in lap.rows.slider.iter_mut().enumerate() {
                 slider.fill(T::ZERO);
                 add_scaled(slider, node.rate[d], &lap.rows.instant);
@@ -477,10 +472,8 @@ impl<'a, T: Real> Walk<'a, T> {
         let jump = e.map(|e| sign * node.limit_rate * e);
         self.kink(node, jump, |lap, out| {
             for (d, row) in out.iter_mut().enumerate() {
-                let (moved, turned) = (
-                    sign * e[d] * node.limit_bend,
-                    sign * node.limit_rate * p[d],
-                );
+                let (moved, turned) =
+                    (sign * e[d] * node.limit_bend, sign * node.limit_rate * p[d]);
                 let pairs = lap.rows.instant.iter().zip(&lap.rows.angle);
                 for (row, (&instant, &angle)) in row.iter_mut().zip(pairs) {
                     *row = moved * instant + turned * angle;

@@ -362,7 +362,12 @@ impl<T: Real> LaneScratch<T> {
 
     /// Normal force coefficients into `force`, and their block if wanted.
     #[inline(always)]
-    pub(super) fn normal(&mut self, plan: &AftPlan<T>, p: &ContactParameters<T>, nn: Option<&mut [T]>) {
+    pub(super) fn normal(
+        &mut self,
+        plan: &AftPlan<T>,
+        p: &ContactParameters<T>,
+        nn: Option<&mut [T]>,
+    ) {
         clear(&mut self.force, plan.m);
         clear(&mut self.stick, 2 * plan.n_mask_orders());
         for k in 0..self.points.len() {

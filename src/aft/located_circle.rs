@@ -299,7 +299,11 @@ impl<T: Real> Cycle<T> {
 
     /// The stage after the cycle was found.
     fn finish(&mut self, p: &ContactParameters<T>, tangents: bool) -> Stage<T> {
-        self.next = if self.from_anchor { anchor(p) } else { self.start };
+        self.next = if self.from_anchor {
+            anchor(p)
+        } else {
+            self.start
+        };
         if tangents {
             Stage::Tangent(1)
         } else {

@@ -102,4 +102,3 @@ pub(super) fn turns_twice<T: Real>(rise: T, rate: [T; 2]) -> bool {
         & (excess * rate[0] > T::ZERO)
         & (excess * excess > T::from_f64(4.0) * product)
 }
-

@@ -164,10 +164,7 @@ impl<T: Real> Blocks<T> {
     ) {
         let (plan, size) = (base.plan, base.plan.m * base.plan.m);
         let run = self.segments.run(plan, range.start, range.end);
-        for (block, k) in [
-            (Block::T1T1, base.p.k_t[0]),
-            (Block::T2T2, base.p.k_t[1]),
-        ] {
+        for (block, k) in [(Block::T1T1, base.p.k_t[0]), (Block::T2T2, base.p.k_t[1])] {
             add_masked_gram(plan, run, k, &mut out[block as usize * size..][..size]);
         }
         for (row, z) in self.traction.iter_mut().zip(slider) {

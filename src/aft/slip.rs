@@ -91,6 +91,7 @@ impl<T: Real, const N: usize> Sub for Dual<T, N> {
 
 impl<T: Real, const N: usize> Mul for Dual<T, N> {
     type Output = Self;
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "the product rule")]
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         Self {
@@ -229,7 +230,13 @@ mod tests {
     use super::*;
 
     /// One step of s from `start` at the velocity `rate` and with the curvature `bend`, from the direction `angle`.
-    fn angle_after(angle: f64, rate: [f64; 2], bend: [f64; 2], limit: [f64; 2], length: f64) -> f64 {
+    fn angle_after(
+        angle: f64,
+        rate: [f64; 2],
+        bend: [f64; 2],
+        limit: [f64; 2],
+        length: f64,
+    ) -> f64 {
         let dual = Dual::<f64, 0>::constant;
         let step = SlipStep {
             path: [0, 1].map(|d| dual(length * (rate[d] + 0.5 * length * bend[d]))),
@@ -243,7 +250,13 @@ mod tests {
     }
 
     /// The same by many steps of the explicit midpoint rule for φ' = (s₂' cos φ − s₁' sin φ)/L.
-    fn angle_marched(angle: f64, rate: [f64; 2], bend: [f64; 2], limit: [f64; 2], length: f64) -> f64 {
+    fn angle_marched(
+        angle: f64,
+        rate: [f64; 2],
+        bend: [f64; 2],
+        limit: [f64; 2],
+        length: f64,
+    ) -> f64 {
         const STEPS: usize = 20_000;
         let h = length / STEPS as f64;
         let slope = |phi: f64, t: f64| {

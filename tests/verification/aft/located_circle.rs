@@ -24,7 +24,12 @@ fn forces_converge_with_second_order() {
             let order = (coarse[rank] / fine[rank]).ln() / 8f64.ln();
             assert!(order > 1.9, "H = {h}: order {order} at rank {rank}");
         }
-        let s = settings(8192, FrictionLaw::Circle, Events::Interpolated, Laps::Periodic);
+        let s = settings(
+            8192,
+            FrictionLaw::Circle,
+            Events::Interpolated,
+            Laps::Periodic,
+        );
         let plain = errors(&set, &states, s, &exact);
         assert!(plain[199] < 1e-3, "H = {h}: plain {:e}", plain[199]);
     }
@@ -53,8 +58,16 @@ fn in_one_direction_the_laws_agree() {
 fn single_precision_follows_double_precision_on_the_circle() {
     let set = HarmonicSet::up_to(5);
     let states = random_states(&mut ChaCha8Rng::seed_from_u64(10), &set, 400);
-    let double = run(&AftPlan::<f64>::new(&set, located(64)), &states, Want::Forces);
-    let single = run(&AftPlan::<f32>::new(&set, located(64)), &states, Want::Forces);
+    let double = run(
+        &AftPlan::<f64>::new(&set, located(64)),
+        &states,
+        Want::Forces,
+    );
+    let single = run(
+        &AftPlan::<f32>::new(&set, located(64)),
+        &states,
+        Want::Forces,
+    );
     let mut errors: Vec<f64> = (0..states.len())
         .map(|i| relative_difference(&forces(&single, i), &forces(&double, i)))
         .collect();
