@@ -1,14 +1,14 @@
 //! Arguments, messages and exit codes: 0 = done, 2 = bad input or a file that cannot be read or written.
 
 use std::io::{ErrorKind, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use microslip::Error;
 use microslip::report::Summary;
 use microslip::study::{
-    Inspection, LevelCurve, OutputFolder, Progress, Study, inspect, run, solve,
+    Inspection, LevelCurve, OutputFolder, Progress, RunResult, Study, extend, inspect, run, solve,
 };
 
 /// Exit code of every failure.
@@ -20,6 +20,7 @@ Examples:
   microslip solve study.toml                nominal forced response at every level
   microslip run study.toml --threads 8      all samples, statistics and report
   microslip run study.toml --output other/  the same into another folder
+  microslip extend results --samples 800    more samples for these results; the old ones are kept
 
 Exit codes: 0 done, 2 bad input or a file that cannot be read or written.";
 
@@ -34,6 +35,8 @@ struct Arguments {
 enum Command {
     /// Compute every sample of a study and write tables and report.
     Run(StudyArguments),
+    /// Solve more samples for the results of a run; the files are then those of a run with so many.
+    Extend(ExtendArguments),
     /// Compute the nominal forced response at every level: curve.csv and solution.json.
     Solve(StudyArguments),
     /// Show what a study would compute: degrees of freedom, frequencies, contact pairs, memory and time.
@@ -50,6 +53,21 @@ struct StudyArguments {
     /// Folder of the results, instead of the study's own.
     #[arg(long)]
     output: Option<PathBuf>,
+    /// No progress and no summary.
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Args)]
+struct ExtendArguments {
+    /// Folder with the results of `run`.
+    folder: PathBuf,
+    /// Number of samples in all.
+    #[arg(long)]
+    samples: u64,
+    /// Threads; all cores if absent. The results do not depend on it.
+    #[arg(long)]
+    threads: Option<std::num::NonZeroUsize>,
     /// No progress and no summary.
     #[arg(long)]
     quiet: bool,
@@ -74,8 +92,11 @@ pub(crate) fn main() -> ExitCode {
 }
 
 fn execute(command: &Command) -> Result<(), Error> {
-    let (Command::Run(common) | Command::Solve(common) | Command::Inspect(common)) = command;
-    if let Some(threads) = common.threads {
+    let threads = match command {
+        Command::Run(common) | Command::Solve(common) | Command::Inspect(common) => common.threads,
+        Command::Extend(arguments) => arguments.threads,
+    };
+    if let Some(threads) = threads {
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads.get())
             .build_global()
@@ -113,19 +134,53 @@ fn execute(command: &Command) -> Result<(), Error> {
             let bar = Bar::new(arguments.quiet);
             let result = run(&study, &folder, |progress| bar.show(progress))?;
             bar.clear();
-            if arguments.quiet {
-                return Ok(());
-            }
-            print(|out| {
-                show_levels(out, &result.summary)?;
-                let path = folder.path().display();
-                writeln!(
-                    out,
-                    "samples.parquet, curves.parquet, summary.json and report.html are in {path}"
-                )
-            })
+            show_result(&result, folder.path(), arguments.quiet)
+        }
+        Command::Extend(arguments) => {
+            let bar = Bar::new(arguments.quiet);
+            let result = extend(&arguments.folder, arguments.samples, |progress| {
+                bar.show(progress);
+            })?;
+            bar.clear();
+            show_result(&result, &arguments.folder, arguments.quiet)
         }
     }
+}
+
+/// What the samples say, and where the files are.
+fn show_result(result: &RunResult, folder: &Path, quiet: bool) -> Result<(), Error> {
+    if quiet {
+        return Ok(());
+    }
+    print(|out| {
+        show_levels(out, &result.summary)?;
+        show_replicates(out, result)?;
+        if let Some(reason) = &result.unfolded {
+            writeln!(out, "{reason}")?;
+        }
+        writeln!(
+            out,
+            "samples.parquet, curves.parquet, summary.json and report.html are in {}",
+            folder.display()
+        )
+    })
+}
+
+/// Means with their standard errors, where there are replicates.
+fn show_replicates(out: &mut dyn Write, result: &RunResult) -> std::io::Result<()> {
+    for level in result.replicate_means() {
+        writeln!(
+            out,
+            "level {}, mean of {} replicates and its standard error: {:.4} +- {:.1e} Hz, {:.4e} +- {:.1e} m",
+            level.level,
+            level.frequency_hz.replicates,
+            level.frequency_hz.mean,
+            level.frequency_hz.standard_error,
+            level.amplitude_m.mean,
+            level.amplitude_m.standard_error
+        )?;
+    }
+    Ok(())
 }
 
 /// One line per level: samples solved, and the 5, 50 and 95 % quantiles of frequency and amplitude.
@@ -147,9 +202,9 @@ fn show_levels(out: &mut dyn Write, summary: &Summary) -> std::io::Result<()> {
             write!(
                 out,
                 "; {:.0} %: {:.3} Hz, {:.4e} m",
-                100.0 * frequency.valid_only.probability,
-                frequency.valid_only.estimate,
-                amplitude.valid_only.estimate
+                100.0 * frequency.probability,
+                frequency.estimate,
+                amplitude.estimate
             )?;
         }
         writeln!(out)?;
@@ -274,6 +329,10 @@ fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
         names => names.join(", "),
     };
     writeln!(out, "random inputs       {inputs}")?;
+    writeln!(out, "design              {}", facts.design)?;
+    if let Some(field) = &facts.pressure_field {
+        writeln!(out, "pressure field      {field}")?;
+    }
     let levels: Vec<_> = facts.levels.iter().map(f64::to_string).collect();
     writeln!(
         out,

@@ -29,9 +29,9 @@ pub struct Anchor {
 /// A peak as a start for others.
 #[derive(Debug, Clone)]
 pub struct AnchorPeak {
-    harmonics: HarmonicSet,
-    point: Point,
-    response: c64,
+    pub(super) harmonics: HarmonicSet,
+    pub(super) point: Point,
+    pub(super) response: c64,
 }
 
 /// A predicted peak and the harmonics that it is given on.
@@ -56,11 +56,7 @@ impl AnchorPeak {
     pub fn new(solution: &Solution) -> Self {
         Self {
             harmonics: solution.harmonics.clone(),
-            point: Point {
-                r: solution.relative.clone(),
-                omega: solution.omega,
-                level: solution.level,
-            },
+            point: solution.point(),
             response: solution.first_harmonic(0),
         }
     }
@@ -83,6 +79,15 @@ impl AnchorPeak {
     pub fn extrapolated(before: &(f64, Self), at: &(f64, Self), t: f64) -> AtlasPrediction {
         let weight = (t - at.0) / (at.0 - before.0);
         combined(&[(1.0 + weight, &at.1), (-weight, &before.1)])
+    }
+}
+
+impl AtlasPrediction {
+    /// The same as a start at another excitation level: the level of a sample may be an input.
+    #[must_use]
+    pub fn at_level(mut self, level: f64) -> Self {
+        self.peak.point.level = level;
+        self
     }
 }
 
@@ -239,7 +244,8 @@ mod tests {
         }
     }
 
-    /// A place that has been solved predicts itself, a level without solutions nothing.
+    /// A place that has been solved predicts itself, a level without solutions nothing. Seen to fail without the look
+    /// at the distance.
     #[test]
     fn solved_places_predict_themselves() {
         let peak = |x: f64, y: f64| [x * y, 100.0 + x * x, 1.0];
@@ -250,7 +256,8 @@ mod tests {
         assert!(atlas.predict(&[0.5, 0.5], 0).is_none());
     }
 
-    /// Inputs that do not vary, or anchors on a line, leave the regression defined.
+    /// Inputs that do not vary, or anchors on a line, leave the regression defined. Seen to fail without ridge and
+    /// weights by distance.
     #[test]
     fn degenerate_places_give_finite_weights() {
         let on_a_line: Vec<Vec<f64>> = (1..8).map(|i| vec![0.1 * f64::from(i), 0.5]).collect();

@@ -8,7 +8,7 @@
 
 use super::alert::pad;
 use super::balance::Balance;
-use super::continuation::{BranchPoint, StepSettings, walk};
+use super::continuation::{BranchPoint, StepSettings, on_if, walk};
 use super::ladder::Ladder;
 use super::newton::{Condition, Iterate, Point, WorkCount, solve};
 use super::peak::{PeakSettings, find_peak, highest_nearby};
@@ -331,7 +331,7 @@ impl<'a, 'p> Track<'a, 'p> {
             {
                 best = Some((amplitude, point.iterate.point.clone()));
             }
-            omega < band.high && omega > 0.5 * band.low
+            on_if(omega < band.high && omega > 0.5 * band.low)
         });
         self.count += end.count;
         let point = match (end.status, best) {
