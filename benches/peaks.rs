@@ -520,7 +520,7 @@ fn peers() {
         aft: AftSettings {
             n_time: 256,
             law: FrictionLaw::Circle,
-            events: Events::Interpolated,
+            events: Events::Located,
             laps: Laps::Periodic,
         },
         alert: None,
