@@ -3,8 +3,9 @@
 //! Below slip onset the stuck structure is linear, so the track starts there and follows the phase resonance with one
 //! harmonic, which is cheap and smooth, by steps of its amplitude: the level that an amplitude needs is unique where the
 //! amplitude that a level gives is not. At each level asked for, a few harmonics are added step by step and the maximum
-//! next to the phase resonance is located; where that fails the whole band is swept by continuation. More harmonics are
-//! added to the located maximum, first those of the study, then until the error alert is silent.
+//! next to the phase resonance is located. More harmonics are added to the located maximum, first those of the study, then
+//! until the error alert is silent. Where that fails the phase resonance is taken to the harmonics of the study before
+//! the maximum is located, and where that fails too the whole band is swept by continuation.
 
 use super::alert::pad;
 use super::balance::Balance;
@@ -151,14 +152,28 @@ impl<'a, 'p> Track<'a, 'p> {
         if !(level.is_finite() && level > 0.0) {
             return LevelPeak::failed(level, Status::NonFinite, self.count);
         }
-        let reached = self.follow(level);
-        let located = reached
-            .and_then(|start| self.climb(start))
-            .and_then(|start| self.maximum(start))
-            .or_else(|_| self.sweep(level));
-        match located.and_then(|found| self.raised(found)) {
+        let last = self.ladder.len() - 1;
+        let found = self
+            .located(level, self.few)
+            .and_then(|found| self.raised(found))
+            .or_else(|status| match self.few < last {
+                true => self.located(level, last),
+                false => Err(status),
+            })
+            .or_else(|_| {
+                let found = self.sweep(level)?;
+                self.raised(found)
+            });
+        match found {
             Ok(found) => {
-                let full = &self.ladder[self.ladder.len() - 1];
+                let full = &self.ladder[last];
+                let found = match self.settings.aft.events {
+                    Events::Located => found,
+                    _ => {
+                        let newton = self.settings.newton;
+                        highest_nearby(full, found, self.peak, newton, &mut self.count)
+                    }
+                };
                 let solution = refined(full, found, self.settings, self.peak, self.count);
                 LevelPeak::found(solution)
             }
@@ -166,20 +181,27 @@ impl<'a, 'p> Track<'a, 'p> {
         }
     }
 
-    /// The maximum on few harmonics next to the phase resonance `start`: directly, else by a search along the branch.
-    fn maximum(&mut self, start: Iterate<'p>) -> Result<Iterate<'p>, Status> {
-        let (few, newton) = (&self.ladder[self.few], self.settings.newton);
+    /// The maximum on the harmonics of `rung` next to the phase resonance at `level`.
+    fn located(&mut self, level: f64, rung: usize) -> Result<Iterate<'p>, Status> {
+        let start = self.follow(level)?;
+        let start = self.climb(start, rung)?;
+        self.maximum(start, rung)
+    }
+
+    /// The maximum next to the phase resonance `start`: directly, else by a search along the branch.
+    fn maximum(&mut self, start: Iterate<'p>, rung: usize) -> Result<Iterate<'p>, Status> {
+        let (balance, newton) = (&self.ladder[rung], self.settings.newton);
         let prediction = PeakPrediction {
             point: start.point.clone(),
             phasor: self.phasor,
         };
         let direct = self
             .count
-            .tally(correct(few, prediction, self.peak, newton));
+            .tally(correct(balance, prediction, self.peak, newton));
         match direct {
             Ok(found) => Ok(found),
             Err(_) => {
-                let searched = find_peak(few, start, self.peak, newton);
+                let searched = find_peak(balance, start, self.peak, newton);
                 Ok(self.count.tally(searched)?.iterate)
             }
         }
@@ -193,11 +215,7 @@ impl<'a, 'p> Track<'a, 'p> {
             let prediction = PeakPrediction::on_other_harmonics(&pair[0], &found, &pair[1]);
             found = maximum_near(&pair[1], prediction, self.peak, newton, &mut self.count)?;
         }
-        let full = &self.ladder[self.ladder.len() - 1];
-        Ok(match self.settings.aft.events {
-            Events::Located => found,
-            _ => highest_nearby(full, found, self.peak, newton, &mut self.count),
-        })
+        Ok(found)
     }
 
     /// Newton's method for solutions that only lead to others.
@@ -209,12 +227,13 @@ impl<'a, 'p> Track<'a, 'p> {
         }
     }
 
-    /// Adds a few harmonics to a phase-resonant solution, rung by rung at its amplitude, then returns to its level.
-    fn climb(&mut self, start: Iterate<'p>) -> Result<Iterate<'p>, Status> {
+    /// Adds the harmonics up to those of `last` to a phase-resonant solution, rung by rung at its amplitude, then
+    /// returns to its level.
+    fn climb(&mut self, start: Iterate<'p>, last: usize) -> Result<Iterate<'p>, Status> {
         let level = start.point.level;
         let newton = self.on_the_way();
         let mut iterate = start;
-        for rung in 1..=self.few {
+        for rung in 1..=last {
             let (from, to) = (&self.ladder[rung - 1], &self.ladder[rung]);
             let amplitude = iterate.response(from).norm();
             let condition = Condition::Amplitude {
@@ -225,7 +244,7 @@ impl<'a, 'p> Track<'a, 'p> {
                 self.count
                     .tally(solve(to, pad(from, &iterate.point, to), condition, newton))?;
         }
-        self.bring_to_level(self.few, iterate, level)
+        self.bring_to_level(last, iterate, level)
     }
 
     /// Moves the track up to `level` by steps whose ratio adapts; gives a copy of the solution there.
