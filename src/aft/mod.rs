@@ -4,11 +4,17 @@ mod batch;
 mod breakpoints;
 mod circle;
 mod circle_tangent;
+mod course;
 mod evaluate;
+mod lap;
 mod located;
+mod located_circle;
 mod march;
 mod plan;
+mod roots;
+mod sensitivity;
 pub mod settings;
+mod slip;
 mod tangent;
 
 pub use batch::{AftBatch, AftForces, Block, Periodicity, StateSummary, Tangent, Want};

@@ -8,8 +8,8 @@ use super::applied::Applied;
 use super::atlas::{Anchor, AnchorPeak, Atlas, AtlasPrediction};
 use super::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
 use crate::hb::curve::response_curve;
-use crate::hb::newton::{Point, WorkCount};
-use crate::hb::predicted::{PeakPrediction, correct, maximum_near};
+use crate::hb::newton::WorkCount;
+use crate::hb::predicted::{PeakPrediction, correct, maximum_near, phase_locked};
 use crate::hb::refine::{on, refined_near};
 use crate::hb::track::{LevelPeak, track_peaks};
 use crate::hb::{Balance, Problem, ProblemError, Solution, Status};
@@ -236,19 +236,13 @@ impl Ensemble<'_> {
         let harmonics = &self.settings.harmonics;
         let balance = Balance::new(problem, harmonics.clone(), self.settings.aft);
         let n_relative = balance.layout.n_relative();
-        let r = solution
-            .harmonics
-            .convert(&solution.relative, n_relative, harmonics);
-        let response = solution.first_harmonic(0);
-        let prediction = PeakPrediction {
-            point: Point {
-                r,
-                omega: solution.omega,
-                level: solution.level,
-            },
-            phasor: response / response.norm(),
-        };
-        let Ok(peak) = maximum_near(&balance, prediction, self.peak, newton, count) else {
+        let mut prediction = PeakPrediction::of(solution);
+        prediction.point.r =
+            (solution.harmonics).convert(&prediction.point.r, n_relative, harmonics);
+        // a picture may start beside the maximum
+        let maximum = maximum_near(&balance, prediction.clone(), self.peak, newton, count);
+        let start = maximum.or_else(|_| phase_locked(&balance, prediction, newton, count));
+        let Ok(peak) = start else {
             return Vec::new();
         };
         let (curve, work) = response_curve(&balance, &peak.point, self.peak.band, newton);

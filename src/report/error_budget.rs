@@ -2,7 +2,7 @@
 
 use super::record::RunRecord;
 use super::summary::{Distribution, LevelSummary, Summary};
-use crate::contact::Events;
+use crate::contact::{Events, FrictionLaw};
 use serde::Serialize;
 
 /// One source of error, at its worst over the levels; a number that nobody estimated is absent, never 0.
@@ -83,15 +83,16 @@ fn harmonics(record: &RunRecord, summary: &Summary) -> ErrorLine {
 }
 
 fn time_points(record: &RunRecord) -> ErrorLine {
-    let located = record.provenance.events == Events::Located;
-    let zero = located.then_some(0.0);
+    let provenance = &record.provenance;
+    let exact = provenance.events == Events::Located && provenance.law == FrictionLaw::Box;
+    let zero = exact.then_some(0.0);
     ErrorLine {
         source: "Time points per period",
         frequency_hz: zero,
         amplitude_relative: zero,
-        basis: match located {
+        basis: match exact {
             true => "events are located to rounding and the forces between them integrated in closed form",
-            false => "events are resolved between samples; compare a run with more time_points",
+            false => "not located to rounding or not integrated in closed form; compare a run with more time_points",
         }
         .to_owned(),
     }

@@ -26,8 +26,8 @@ use crate::statistics::{ReplicateMean, replicate_mean};
 use crate::units::rad_s_to_hz;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Relative change of frequency at which a peak counts as located; three times finer than the 1e-6 promised.
-const FREQUENCY_TOLERANCE: f64 = 3e-7;
+/// Relative change of frequency at which a peak counts as located: a peak reached on two ways differs by at most 1e-7.
+const FREQUENCY_TOLERANCE: f64 = 5e-8;
 /// Points of the linear curves in the report.
 const LINEAR_POINTS: usize = 600;
 
