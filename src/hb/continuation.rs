@@ -257,7 +257,6 @@ pub fn walk<'p>(
 }
 
 /// On with steps of any length, or the end of the walk.
-#[must_use]
 pub fn on_if(go_on: bool) -> ControlFlow<(), f64> {
     match go_on {
         true => ControlFlow::Continue(f64::INFINITY),
