@@ -7,7 +7,7 @@
 
 #![expect(clippy::expect_used, reason = "a benchmark without its state fails")]
 
-use microslip::aft::{AftSettings, Laps, Want};
+use microslip::aft::{Accuracy, AftSettings, Backend, Laps, Want};
 use microslip::contact::{ContactParameters, Events, FrictionLaw};
 use microslip::ensemble::Ensemble;
 use microslip::ensemble::outcome::{LevelOutcome, SampleOutcome};
@@ -133,6 +133,7 @@ impl Rig {
             settings,
             peak: search(),
             curve_samples: 0,
+            backend: Backend::Cpu,
         }
     }
 }
@@ -226,7 +227,9 @@ fn parts() {
         let (r, omega, force) = (&at.point.r, at.point.omega, &at.contact.force);
         let times = [
             milliseconds(5, || drop(balance.compliance(omega))),
-            milliseconds(5, || drop(balance.contact(r, Want::ForcesAndTangents))),
+            milliseconds(5, || {
+                drop(balance.contact(r, Want::ForcesAndTangents, Accuracy::Full))
+            }),
             milliseconds(5, || drop(balance.motion(&at.compliance, 20.0, r, force))),
             milliseconds(2, || {
                 let jacobian = at.jacobian(&balance);
@@ -409,6 +412,7 @@ fn peers() {
             frequency_tolerance: 1e-6,
         },
         curve_samples: 0,
+        backend: Backend::Cpu,
     };
     let samples = 256;
     let (seconds, outcomes) = processor_time(|| ensemble.run(samples, || {}));

@@ -48,6 +48,7 @@ impl Ensemble<'_> {
         place: Vec<f64>,
         atlas: &Atlas,
     ) -> (SampleOutcome, Anchor) {
+        let _turn = self.backend.turn();
         let curve = index < self.curve_samples;
         let solved = self.problem(&inputs).and_then(|problem| {
             let peaks = self.peaks(&problem, &place, atlas)?;
@@ -77,7 +78,9 @@ impl Ensemble<'_> {
         let named = self.design.inputs().iter().map(|(input, _)| *input);
         let values = named.zip(inputs.iter().copied());
         let (contacts, load_scale) = apply_inputs(self.contacts, values);
-        Problem::new(self.linear, contacts, load_scale, self.settings.anchor)
+        let mut problem = Problem::new(self.linear, contacts, load_scale, self.settings.anchor)?;
+        problem.backend = self.backend;
+        Ok(problem)
     }
 
     /// Peaks at all levels: from the atlas where that leads to what it promised, the others by the sample's own track.

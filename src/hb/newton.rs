@@ -8,7 +8,7 @@ use super::jacobian::Jacobian;
 use super::linear::Structure;
 use super::settings::NewtonSettings;
 use super::status::Status;
-use crate::aft::Want;
+use crate::aft::{Accuracy, Want};
 use faer::prelude::c64;
 use std::sync::Arc;
 
@@ -151,20 +151,63 @@ const MIN_DAMPING_MOVING: f64 = 1.0 / 16.0;
 /// Residuals below this need no damping: the condition alone may still be open.
 const NEAR: f64 = 1e-2;
 
+/// Residual over the motion below which contact forces decide a result: a draft in single precision leaves a few 1e-6
+/// there, so that no draft is ever taken for a solution by a tolerance that is finer.
+pub const DRAFT_RESIDUAL: f64 = 1e-4;
+
 impl<'p> Iterate<'p> {
-    /// Evaluates everything at `point`.
+    /// Evaluates everything at `point`; the contact forces are a draft only where the residual is large.
     #[must_use]
     pub fn new(balance: &Balance<'p>, point: Point) -> Self {
         let compliance = Arc::new(balance.compliance(point.omega));
-        Self::with_compliance(balance, point, compliance)
+        Self::with_compliance(balance, point, compliance, Accuracy::Draft)
+    }
+
+    /// Evaluates everything at `point`, whatever the residual, to decide something.
+    #[must_use]
+    pub fn in_full(balance: &Balance<'p>, point: Point) -> Self {
+        let compliance = Arc::new(balance.compliance(point.omega));
+        Self::with_compliance(balance, point, compliance, Accuracy::Full)
+    }
+
+    /// Evaluates everything at `point`, the next one after `from`: close to a solution in full at once.
+    #[must_use]
+    pub fn next(balance: &Balance<'p>, point: Point, from: &Self) -> Self {
+        let compliance = Arc::new(balance.compliance(point.omega));
+        Self::with_compliance(balance, point, compliance, from.contact.accuracy)
     }
 
     fn with_compliance(
         balance: &Balance<'p>,
         point: Point,
         compliance: Arc<Compliance<'p>>,
+        accuracy: Accuracy,
     ) -> Self {
-        let contact = balance.contact(&point.r, Want::ForcesAndTangents);
+        let iterate = Self::evaluated(balance, point, compliance, accuracy);
+        if iterate.contact.accuracy == Accuracy::Full || iterate.is_far(balance) {
+            return iterate;
+        }
+        Self::evaluated(balance, iterate.point, iterate.compliance, Accuracy::Full)
+    }
+
+    /// Whether the residual is large against the motion, of which the forces of the stuck structure may cancel much.
+    fn is_far(&self, balance: &Balance<'_>) -> bool {
+        let stuck = balance.stuck_size(&self.compliance, self.point.level);
+        let floor = stuck.max(balance.problem.displacement_scale(self.point.level));
+        let motion = self.point.r.iter().fold(floor, |m, r| m.max(r.abs()));
+        self.residual
+            .iter()
+            .any(|r| r.abs() > DRAFT_RESIDUAL * motion)
+            && self.residual.iter().all(|r| r.is_finite())
+    }
+
+    fn evaluated(
+        balance: &Balance<'p>,
+        point: Point,
+        compliance: Arc<Compliance<'p>>,
+        accuracy: Accuracy,
+    ) -> Self {
+        let contact = balance.contact(&point.r, Want::ForcesAndTangents, accuracy);
         let residual = balance.residual(&compliance, point.level, &point.r, &contact.force);
         let motion = balance.motion(&compliance, point.level, &point.r, &contact.force);
         Self {
@@ -339,7 +382,8 @@ pub fn polish<'p>(balance: &Balance<'p>, solved: Iterate<'p>) -> (Iterate<'p>, W
             r: r.iter().zip(moved).map(|(r, d)| r + d).collect(),
             ..iterate.point
         };
-        let trial = Iterate::with_compliance(balance, point, Arc::clone(&iterate.compliance));
+        let compliance = Arc::clone(&iterate.compliance);
+        let trial = Iterate::with_compliance(balance, point, compliance, Accuracy::Full);
         let (before, after) = (
             iterate.relative_residual(balance),
             trial.relative_residual(balance),
@@ -480,9 +524,10 @@ fn advance<'p>(balance: &Balance<'p>, from: &Iterate<'p>, step: &Step, size: f64
             level: from.point.level + damping * step.level,
         };
         let trial = if direction.omega == 0.0 {
-            Iterate::with_compliance(balance, point, Arc::clone(&from.compliance))
+            let compliance = Arc::clone(&from.compliance);
+            Iterate::with_compliance(balance, point, compliance, from.contact.accuracy)
         } else {
-            Iterate::new(balance, point)
+            Iterate::next(balance, point, from)
         };
         let (allowed, smallest) = if direction.omega == 0.0 {
             ((1.0 - 0.1 * damping) * size, MIN_DAMPING)

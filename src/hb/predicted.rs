@@ -88,7 +88,7 @@ pub fn correct<'p>(
         if !settings.band.contains(point.omega) {
             return Err((Status::NoPeakInBand, count));
         }
-        iterate = Iterate::new(balance, point);
+        iterate = Iterate::next(balance, point, &iterate);
     }
     Err((Status::MaxIterations, count))
 }

@@ -13,6 +13,7 @@ pub mod summary;
 
 pub use summary::Summary;
 
+use crate::ensemble::backend::BackendReport;
 use crate::ensemble::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
 use crate::ensemble::store::{Provenance, replace_file};
 use crate::hb::Status;
@@ -44,6 +45,8 @@ pub struct ReportInput<'a> {
     pub outcomes: &'a [SampleOutcome],
     /// Wall time of the study (s).
     pub wall_time_s: f64,
+    /// Who evaluated the contacts.
+    pub backend: &'a BackendReport,
 }
 
 /// Why a report could not be written.

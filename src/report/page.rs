@@ -90,6 +90,29 @@ fn pair(name: &str, value: String) -> (String, String) {
     (name.to_owned(), value)
 }
 
+/// The GPU's part, and what its audit found.
+fn device(summary: &Summary) -> Vec<(String, String)> {
+    let Some(gpu) = &summary.backend.gpu else {
+        return Vec::new();
+    };
+    let audit = format!(
+        "{} of {} evaluations repeated in double precision; largest difference {:.1e} of a force, {:.1e} of a derivative",
+        gpu.audited,
+        gpu.evaluations,
+        gpu.largest_force_difference,
+        gpu.largest_derivative_difference
+    );
+    let taken_over = gpu.fallbacks + gpu.overflows + gpu.beyond_limit;
+    let mut rows = vec![
+        pair("contacts drafted by", gpu.adapter.name.clone()),
+        pair("audit", audit),
+    ];
+    if taken_over > 0 {
+        rows.push(pair("taken over by the processor", taken_over.to_string()));
+    }
+    rows
+}
+
 fn facts(summary: &Summary) -> Vec<(String, String)> {
     let solves = summary.samples * summary.levels.len();
     let failed: usize = summary.levels.iter().map(|l| l.failed).sum();
@@ -106,6 +129,9 @@ fn facts(summary: &Summary) -> Vec<(String, String)> {
         ),
         pair("wall time", duration(summary.wall_time_s)),
     ]
+    .into_iter()
+    .chain(device(summary))
+    .collect()
 }
 
 /// What must be known before any number of the report is used.

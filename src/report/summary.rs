@@ -1,6 +1,7 @@
 //! The numbers of a study: `summary.json`.
 
 use super::{ReportInput, counted_status, usable_peak};
+use crate::ensemble::backend::BackendReport;
 use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
 use crate::ensemble::store::Provenance;
 use crate::hb::{ContactFractions, Status};
@@ -34,6 +35,8 @@ pub struct Summary {
     pub confidence: f64,
     /// Wall time of the study.
     pub wall_time_s: f64,
+    /// Who evaluated the contacts, with the audit of a GPU.
+    pub backend: BackendReport,
     /// One entry per excitation level.
     pub levels: Vec<LevelSummary>,
 }
@@ -138,6 +141,7 @@ impl Summary {
             stuck_frequency_hz: input.stuck_frequency_hz,
             confidence: CONFIDENCE,
             wall_time_s: input.wall_time_s,
+            backend: input.backend.clone(),
             levels: (0..input.levels.len())
                 .map(|i| LevelSummary::of(input, i))
                 .collect(),

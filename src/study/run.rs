@@ -7,6 +7,7 @@ use super::read::{ModelSettings, Study, StudyModel};
 use super::solve::Progress;
 use crate::Error;
 use crate::ensemble::Ensemble;
+use crate::ensemble::backend::{BackendSettings, OpenBackend};
 use crate::ensemble::outcome::{CurvePoint, SampleOutcome};
 use crate::ensemble::store::{Provenance, write_curves, write_samples};
 use crate::hb::peak::PeakSettings;
@@ -32,18 +33,21 @@ pub struct RunResult {
 
 /// Computes every sample and writes `samples.parquet`, `curves.parquet`, `summary.json` and `report.html`.
 ///
+/// `backend` evaluates the contacts; what it fails to do the processor does.
 /// Runs on the current rayon thread pool; `progress` is called before the first sample and after each.
 ///
 /// # Errors
 /// Whatever building the model refuses; [`Error::Problem`] if the nominal model is no harmonic balance problem;
-/// [`Error::Command`] if it has no resonance in the band; [`Error::Store`] or [`Error::Report`] if a result cannot be
+/// [`Error::Command`] if it has no resonance in the band; [`Error::Threads`] if the system gives no more threads; [`Error::Store`] or [`Error::Report`] if a result cannot be
 /// written.
 pub fn run(
     study: &Study,
     folder: &OutputFolder,
+    backend: &BackendSettings,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<RunResult, Error> {
     let clock = Instant::now();
+    let backend = OpenBackend::open(backend, study.solver.newton.tolerance);
     let StudyModel {
         reduced, contacts, ..
     } = study.build_model()?;
@@ -72,13 +76,16 @@ pub fn run(
             frequency_tolerance: FREQUENCY_TOLERANCE,
         },
         curve_samples: study.output.curve_samples,
+        backend: backend.backend(),
     };
     let (total, done) = (study.samples, AtomicU64::new(0));
     progress(Progress { done: 0, total });
-    let outcomes = ensemble.run(total, || {
+    let one_more = || {
         let done = 1 + done.fetch_add(1, Ordering::Relaxed);
         progress(Progress { done, total });
-    });
+    };
+    let outcomes = (backend.run(&ensemble, total, one_more))
+        .map_err(|error| Error::Threads(error.to_string()))?;
     let nominal = ensemble.nominal();
     let input_names: Vec<String> = study
         .design
@@ -106,6 +113,7 @@ pub fn run(
         nominal: Some(&nominal),
         outcomes: &outcomes,
         wall_time_s: clock.elapsed().as_secs_f64(),
+        backend: &backend.report(),
     };
     let summary = report::write(folder.path(), &input)?;
     Ok(RunResult { outcomes, summary })

@@ -1,6 +1,7 @@
 //! Outcomes with plausible numbers and no physics behind them, to look at reports.
 
 use microslip::contact::{Events, FrictionLaw};
+use microslip::ensemble::backend::BackendReport;
 use microslip::ensemble::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
 use microslip::ensemble::store::Provenance;
 use microslip::hb::{SliderAnchor, Status};
@@ -20,6 +21,7 @@ pub(crate) struct SyntheticStudy {
     pub(crate) stuck_curve: Vec<CurvePoint>,
     pub(crate) nominal: SampleOutcome,
     pub(crate) outcomes: Vec<SampleOutcome>,
+    pub(crate) backend: BackendReport,
 }
 
 impl SyntheticStudy {
@@ -40,6 +42,7 @@ impl SyntheticStudy {
             stuck_curve: lorentz(STUCK, 3.30e-6, 0.68, 30.0),
             nominal,
             outcomes: (0..n_samples).map(corner).collect(),
+            backend: BackendReport::default(),
         }
     }
 
@@ -56,6 +59,7 @@ impl SyntheticStudy {
             nominal: Some(&self.nominal),
             outcomes: &self.outcomes,
             wall_time_s: 143.2,
+            backend: &self.backend,
         }
     }
 

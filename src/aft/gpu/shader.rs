@@ -1,0 +1,275 @@
+//! Shader texts for one harmonic set and time grid, and what naga reads in them.
+//!
+//! The texts are the files of `shaders/` behind a few generated constants. Binding numbers, sizes of elements, numbers of
+//! elements per state and workgroup sizes are read from the parsed text: nothing of it is written a second time here.
+
+use super::GpuError;
+use crate::aft::plan::AftPlan;
+use crate::aft::settings::Laps;
+use crate::contact::{Events, FrictionLaw, Real};
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::fmt::Write;
+use wgpu::naga;
+
+/// Floating-point numbers of the shaders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Precision {
+    /// Single, on every adapter.
+    #[default]
+    F32,
+    /// Double, where the adapter has `SHADER_F64`.
+    F64,
+}
+
+impl Precision {
+    /// Name in WGSL and on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        }
+    }
+
+    /// Rounding error of 1.
+    fn epsilon(self) -> f64 {
+        match self {
+            Self::F32 => f64::from(f32::EPSILON),
+            Self::F64 => f64::EPSILON,
+        }
+    }
+}
+
+/// What decides a shader text.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Shape {
+    /// Harmonic orders above 0.
+    pub(super) orders: Vec<u32>,
+    /// Samples per period.
+    pub(super) n_time: u32,
+    /// Passes over the period.
+    pub(super) laps: u32,
+    /// Numbers.
+    pub(super) precision: Precision,
+}
+
+/// Loop iterations that one invocation may need at most: a widespread software adapter ends loops silently after 65 535
+/// in all.
+const MOST_ITERATIONS: usize = 60_000;
+
+impl Shape {
+    /// The shape that evaluates `plan`; `None` where there is no shader for it.
+    #[must_use]
+    pub fn of<T: Real>(plan: &AftPlan<T>, precision: Precision) -> Option<Self> {
+        let settings = plan.settings();
+        if settings.law != FrictionLaw::Box || settings.events != Events::Located {
+            return None;
+        }
+        let whole = |x: usize| u32::try_from(x).ok();
+        let shape = Self {
+            orders: (plan.orders[1..].iter().map(|&k| whole(k))).collect::<Option<_>>()?,
+            n_time: whole(settings.n_time)?,
+            laps: match settings.laps {
+                Laps::Fixed(n) => whole(n)?,
+                Laps::Periodic => 2,
+            },
+            precision,
+        };
+        (shape.iterations() <= MOST_ITERATIONS).then_some(shape)
+    }
+
+    /// Highest order.
+    fn highest(&self) -> u32 {
+        self.orders.last().copied().unwrap_or(1)
+    }
+
+    /// Coefficients per displacement, m.
+    pub(super) fn n_coefficients(&self) -> usize {
+        2 * self.orders.len() + 1
+    }
+
+    /// Terms of a Taylor series over one interval that reach rounding for the highest order.
+    fn terms(&self) -> usize {
+        let reach = f64::from(self.highest()) * TAU / f64::from(self.n_time);
+        let (mut term, mut n) = (1.0, 1);
+        while term > 0.1 * self.precision.epsilon() {
+            term *= reach / n as f64;
+            n += 1;
+        }
+        n.max(4)
+    }
+
+    /// Room per direction for breakpoints, runs and sticks.
+    fn rooms(&self) -> [usize; 3] {
+        let highest = self.highest() as usize;
+        [24 + 4 * highest, 24 + 2 * highest, 8 + highest / 2]
+    }
+
+    /// Loop iterations of the march, the longest invocation: signals at the marked intervals by their series (most of
+    /// them in the last lap, where slip starts), and root searches on these.
+    fn iterations(&self) -> usize {
+        let [points, runs, _] = self.rooms();
+        let (terms, laps) = (self.terms(), self.laps as usize);
+        let series = 2 * self.orders.len() * terms;
+        // an event in three intervals out of four of the room, each with a few Newton steps
+        let event = series + 8 * 3 * terms;
+        self.n_time as usize * 3 + (3 * points / 4 + runs / 2) * event + laps * points
+    }
+
+    /// The whole shader text.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let [points, runs, sticks] = self.rooms();
+        let mut text = format!("alias real = {};\n", self.precision.name());
+        let whole = [
+            ("HARMONICS", self.orders.len()),
+            ("HIGHEST", self.highest() as usize),
+            ("N_TIME", self.n_time as usize),
+            ("TERMS", self.terms()),
+            ("LAPS", self.laps as usize),
+            ("MAX_POINTS", points),
+            ("MAX_RUNS", runs),
+            ("MAX_STICKS", sticks),
+        ];
+        for (name, value) in whole {
+            // writing to a string cannot fail
+            let _ = writeln!(text, "const {name}: u32 = {value}u;");
+        }
+        for (name, value) in [
+            ("STEP", TAU / f64::from(self.n_time)),
+            ("RESOLUTION", 2.0 * self.precision.epsilon()),
+        ] {
+            let _ = writeln!(text, "const {name}: real = {value:e};");
+        }
+        for part in [
+            include_str!("../../../shaders/shared.wgsl"),
+            include_str!("../../../shaders/transform.wgsl"),
+            include_str!("../../../shaders/box_march.wgsl"),
+            include_str!("../../../shaders/spectra.wgsl"),
+            include_str!("../../../shaders/forces.wgsl"),
+            include_str!("../../../shaders/tangents.wgsl"),
+        ] {
+            text.push_str(part);
+        }
+        text
+    }
+
+    /// cos and sin of the n-th parts of a turn. Shape: `[2][n_time]`.
+    pub(super) fn circle(&self) -> Vec<f64> {
+        let phases = crate::harmonics::phases(self.n_time as usize);
+        let cosines = phases.iter().map(|phase| phase.cos());
+        cosines
+            .chain(phases.iter().map(|phase| phase.sin()))
+            .collect()
+    }
+}
+
+/// How a shader reaches a buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Access {
+    /// Uniform.
+    Uniform,
+    /// Storage, read only.
+    Read,
+    /// Storage.
+    ReadWrite,
+}
+
+/// A buffer as the shader declares it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Binding {
+    /// Binding number.
+    pub number: u32,
+    /// Access.
+    pub access: Access,
+    /// Bytes of an array's element, or of the whole where it is no array.
+    pub element_bytes: u64,
+    /// Elements per state of an array that the text gives them for.
+    pub per_state: Option<u64>,
+}
+
+/// What a shader text declares.
+#[derive(Debug, Clone)]
+pub struct Reflection {
+    /// Buffers by name.
+    pub bindings: BTreeMap<String, Binding>,
+    /// Threads per workgroup, the same for every entry point.
+    pub group: u32,
+    /// Entry points.
+    pub entry_points: Vec<String>,
+}
+
+impl Reflection {
+    /// Parses and validates a shader text.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`] with what naga says.
+    pub fn of(text: &str) -> Result<Self, GpuError> {
+        let refused = |message: String| GpuError::Shader { message };
+        let module = naga::front::wgsl::parse_str(text)
+            .map_err(|error| refused(error.emit_to_string(text)))?;
+        let capabilities = naga::valid::Capabilities::FLOAT64;
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities)
+            .validate(&module)
+            .map_err(|error| refused(error.emit_to_string(text)))?;
+        let mut layouter = naga::proc::Layouter::default();
+        layouter
+            .update(module.to_ctx())
+            .map_err(|error| refused(error.to_string()))?;
+        let mut bindings = BTreeMap::new();
+        for (_, variable) in module.global_variables.iter() {
+            let (Some(name), Some(binding)) = (&variable.name, &variable.binding) else {
+                continue;
+            };
+            let access = match variable.space {
+                naga::AddressSpace::Uniform => Access::Uniform,
+                naga::AddressSpace::Storage { access } => {
+                    match access.contains(naga::StorageAccess::STORE) {
+                        true => Access::ReadWrite,
+                        false => Access::Read,
+                    }
+                }
+                _ => continue,
+            };
+            let element_bytes = match module.types[variable.ty].inner {
+                naga::TypeInner::Array { stride, .. } => stride,
+                _ => layouter[variable.ty].size,
+            };
+            let per_state = constant(&module, &format!("{}_PER_STATE", name.to_uppercase()));
+            bindings.insert(
+                name.clone(),
+                Binding {
+                    number: binding.binding,
+                    access,
+                    element_bytes: u64::from(element_bytes),
+                    per_state: per_state.map(u64::from),
+                },
+            );
+        }
+        let groups = module.entry_points.iter().map(|entry| entry.workgroup_size);
+        let group = match groups.clone().next() {
+            Some([group, 1, 1]) if groups.clone().all(|other| other == [group, 1, 1]) => group,
+            _ => {
+                return Err(refused(
+                    "entry points must share one workgroup size".to_owned(),
+                ));
+            }
+        };
+        Ok(Self {
+            bindings,
+            group,
+            entry_points: (module.entry_points.iter().map(|entry| entry.name.clone())).collect(),
+        })
+    }
+}
+
+/// Value of a whole constant of the module.
+fn constant(module: &naga::Module, name: &str) -> Option<u32> {
+    let (_, constant) = (module.constants.iter()).find(|(_, c)| c.name.as_deref() == Some(name))?;
+    match module.global_expressions[constant.init] {
+        naga::Expression::Literal(naga::Literal::U32(value)) => Some(value),
+        _ => None,
+    }
+}

@@ -1,0 +1,125 @@
+//! What the device did during a run: counts, audit, fallbacks.
+
+use super::GpuError;
+use super::adapter::AdapterFacts;
+use super::kernels::PASSES;
+use super::queue::lock;
+use super::shader::Precision;
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+
+/// Notes that are kept; a device that fails more often than that has said enough.
+const MOST_NOTES: usize = 20;
+
+/// The device's part in a run, for summary and report.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct GpuReport {
+    /// The adapter.
+    pub adapter: AdapterFacts,
+    /// Numbers of the shaders.
+    pub precision: Precision,
+    /// Evaluations (all pairs of one sample at one iterate) that it was asked for.
+    pub evaluations: u64,
+    /// Contact states in them.
+    pub states: u64,
+    /// Batches that they went down in.
+    pub batches: u64,
+    /// Evaluations that were repeated by the processor in double precision.
+    pub audited: u64,
+    /// Largest difference of a force in them, over the state's largest force.
+    pub largest_force_difference: f64,
+    /// Largest difference of a derivative in them, over the state's largest derivative.
+    pub largest_derivative_difference: f64,
+    /// Audited evaluations beyond the limit on forces; the processor's result took their place.
+    pub beyond_limit: u64,
+    /// Evaluations that the processor took over: a state had more events than there is room for, or a number was not
+    /// finite.
+    pub overflows: u64,
+    /// Evaluations that the processor took over because the device failed.
+    pub fallbacks: u64,
+    /// Batches that were halved.
+    pub halved: u64,
+    /// Time (s) per pass on the device, where it can tell.
+    pub pass_seconds: BTreeMap<&'static str, f64>,
+    /// What failed.
+    pub notes: Vec<String>,
+}
+
+/// Counts while a run goes on.
+#[derive(Debug)]
+pub(super) struct Tally(Mutex<GpuReport>);
+
+impl Tally {
+    pub(super) fn new(adapter: &AdapterFacts, precision: Precision) -> Self {
+        Self(Mutex::new(GpuReport {
+            adapter: adapter.clone(),
+            precision,
+            evaluations: 0,
+            states: 0,
+            batches: 0,
+            audited: 0,
+            largest_force_difference: 0.0,
+            largest_derivative_difference: 0.0,
+            beyond_limit: 0,
+            overflows: 0,
+            fallbacks: 0,
+            halved: 0,
+            pass_seconds: BTreeMap::new(),
+            notes: Vec::new(),
+        }))
+    }
+
+    pub(super) fn report(&self) -> GpuReport {
+        lock(&self.0).clone()
+    }
+
+    pub(super) fn batches(&self) -> u64 {
+        lock(&self.0).batches
+    }
+
+    pub(super) fn batch(
+        &self,
+        evaluations: usize,
+        states: usize,
+        seconds: Option<[f64; PASSES.len()]>,
+    ) {
+        let mut report = lock(&self.0);
+        report.batches += 1;
+        report.evaluations += evaluations as u64;
+        report.states += states as u64;
+        for (pass, seconds) in PASSES.into_iter().zip(seconds.into_iter().flatten()) {
+            *report.pass_seconds.entry(pass).or_default() += seconds;
+        }
+    }
+
+    pub(super) fn overflow(&self, evaluations: usize) {
+        lock(&self.0).overflows += evaluations as u64;
+    }
+
+    pub(super) fn halved(&self, error: &GpuError) {
+        lock(&self.0).halved += 1;
+        self.note(format!("{error}; halved"));
+    }
+
+    pub(super) fn fall_back(&self, error: &GpuError, evaluations: usize) {
+        lock(&self.0).fallbacks += evaluations as u64;
+        self.note(format!("{error}; the processor evaluates"));
+    }
+
+    /// Adds the differences of an audited evaluation.
+    pub(super) fn audit(&self, [force, derivative]: [f64; 2], beyond: bool) {
+        let mut report = lock(&self.0);
+        report.audited += 1;
+        report.largest_force_difference = report.largest_force_difference.max(force);
+        report.largest_derivative_difference = report.largest_derivative_difference.max(derivative);
+        report.beyond_limit += u64::from(beyond);
+    }
+
+    /// Keeps what failed, each failure once.
+    pub(super) fn note(&self, note: String) {
+        let mut report = lock(&self.0);
+        if report.notes.len() < MOST_NOTES && !report.notes.contains(&note) {
+            report.notes.push(note);
+        }
+    }
+}
