@@ -10,7 +10,7 @@ use divan::{Bencher, black_box};
 use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
 use microslip::aft::{AftSettings, Laps};
-use microslip::contact::{ContactParameters, Events, FrictionLaw};
+use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::alert::{pad, time_points};
 use microslip::hb::jacobian::Jacobian;
@@ -20,6 +20,7 @@ use microslip::hb::resonance::Band;
 use microslip::hb::track::track_peaks;
 use microslip::hb::{Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor};
 use microslip::linalg::gcr::{GcrSettings, SearchSpace};
+use microslip::model::interface::{InterfaceSettings, Share};
 use microslip::model::two_blade::{TwoBladeSettings, build};
 use microslip::units::hz_to_rad_s;
 use std::ops::Range;
@@ -53,16 +54,15 @@ impl State {
     fn new(scale: f64, mu: f64, level: f64) -> Self {
         let rig = build(&TwoBladeSettings::default()).expect("the default rig builds");
         let model = Box::leak(Box::new(LinearModel::new(&rig.reduced).expect("definite")));
-        let n = rig.reduced.n_contacts();
-        let pair = ContactParameters {
-            k_n: scale * 2e9 / n as f64,
-            k_t: [scale * 0.466e9 / n as f64; 2],
-            mu,
-            n_0: 0.0,
-            anchor: [0.0; 2],
+        let interface = InterfaceSettings {
+            normal_stiffness: scale * 1e9,
+            tangential_stiffness: scale * 0.233e9,
+            friction_coefficient: mu,
+            share: Share::Equal,
         };
+        let contacts = interface.parameters(&rig.reduced.contacts);
         let problem =
-            Problem::new(model, vec![pair; n], 1.0, SliderAnchor::Unloaded).expect("well posed");
+            Problem::new(model, contacts, 1.0, SliderAnchor::Unloaded).expect("well posed");
         let settings = HbSettings {
             harmonics: HarmonicSet::up_to(3),
             aft: AFT,

@@ -13,7 +13,7 @@ use microslip::ensemble::Ensemble;
 use microslip::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::forced_response::at_frequencies;
-use microslip::hb::newton::{Iterate, Point};
+use microslip::hb::newton::Iterate;
 use microslip::hb::peak::PeakSettings;
 use microslip::hb::resonance::{Band, linear_resonance};
 use microslip::hb::sweep::SweepDirection;
@@ -218,12 +218,7 @@ fn parts() {
             continue;
         };
         let balance = Balance::new(&problem, settings.harmonics.clone(), settings.aft);
-        let point = Point {
-            r: solution.relative.clone(),
-            omega: solution.omega,
-            level: solution.level,
-        };
-        let at = Iterate::new(&balance, point);
+        let at = Iterate::new(&balance, solution.point());
         let (r, omega, force) = (&at.point.r, at.point.omega, &at.contact.force);
         let times = [
             milliseconds(5, || drop(balance.compliance(omega))),

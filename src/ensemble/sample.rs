@@ -8,7 +8,7 @@ use super::atlas::{Anchor, AnchorPeak, Atlas, AtlasPrediction};
 use super::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
 use crate::contact::ContactParameters;
 use crate::hb::curve::response_curve;
-use crate::hb::newton::{Point, WorkCount};
+use crate::hb::newton::WorkCount;
 use crate::hb::predicted::{PeakPrediction, correct, maximum_near};
 use crate::hb::refine::{on, refined_near};
 use crate::hb::track::{LevelPeak, track_peaks};
@@ -219,18 +219,9 @@ impl Ensemble<'_> {
         let harmonics = &self.settings.harmonics;
         let balance = Balance::new(problem, harmonics.clone(), self.settings.aft);
         let n_relative = balance.layout.n_relative();
-        let r = solution
-            .harmonics
-            .convert(&solution.relative, n_relative, harmonics);
-        let response = solution.first_harmonic(0);
-        let prediction = PeakPrediction {
-            point: Point {
-                r,
-                omega: solution.omega,
-                level: solution.level,
-            },
-            phasor: response / response.norm(),
-        };
+        let mut prediction = PeakPrediction::of(solution);
+        prediction.point.r =
+            (solution.harmonics).convert(&prediction.point.r, n_relative, harmonics);
         let Ok(peak) = maximum_near(&balance, prediction, self.peak, newton, count) else {
             return Vec::new();
         };

@@ -9,6 +9,7 @@ use super::balance::Balance;
 use super::newton::{Condition, Direction, Iterate, Point, WorkCount, newton_step, solve};
 use super::peak::{PeakSettings, find_peak, sharp_enough};
 use super::settings::NewtonSettings;
+use super::solution::Solution;
 use super::status::Status;
 use faer::prelude::c64;
 
@@ -19,6 +20,18 @@ pub struct PeakPrediction {
     pub point: Point,
     /// Unit phasor of response 0.
     pub phasor: c64,
+}
+
+impl PeakPrediction {
+    /// The peak of a problem close to one whose peak is `solution`, on the same harmonics.
+    #[must_use]
+    pub fn of(solution: &Solution) -> Self {
+        let response = solution.first_harmonic(0);
+        Self {
+            point: solution.point(),
+            phasor: response / response.norm(),
+        }
+    }
 }
 
 /// Residual over the dynamic displacement below which the amplitude's growth is more reliable than the predicted phase.
@@ -71,12 +84,13 @@ pub fn correct<'p>(
             };
         }
         let local = Local::new(balance, &iterate, &mut count);
-        let omega_step = if search.located {
+        let by_growth = size <= settled && !search.located;
+        let omega_step = if by_growth {
+            search.growth_step(&local, settings.frequency_tolerance)
+        } else if search.located {
             0.0
-        } else if size > settled {
-            -(local.response / phasor).arg() / local.rate.im
         } else {
-            search.growth_step(local.slope(), settings.frequency_tolerance)
+            -(local.response / phasor).arg() / local.rate.im
         };
         if search.stalls((size, size > settled), omega_step) {
             break;
@@ -84,7 +98,9 @@ pub fn correct<'p>(
         let longest = LONGEST_STEP / local.rate.im.abs();
         let omega_step = omega_step.clamp(-longest, longest);
         let point = local.along(&local.corrected(&iterate.point), omega_step);
-        search.local = Some(local);
+        if by_growth {
+            search.last = Some(local);
+        }
         if !settings.band.contains(point.omega) {
             return Err((Status::NoPeakInBand, count));
         }
@@ -127,12 +143,14 @@ impl Local {
         }
     }
 
-    fn slope(&self) -> Slope {
-        Slope {
-            omega: self.omega,
-            growth: self.rate.re,
-            phase_rate: self.rate.im,
-        }
+    /// dg/dω of one oscillator with this phase rate.
+    fn oscillator(&self) -> f64 {
+        -self.rate.im * self.rate.im
+    }
+
+    /// Whether a secant may use this dg/dω: it belongs to a maximum, and not to a kink.
+    fn usable(&self, curvature: f64) -> bool {
+        USABLE.contains(&(curvature / self.oscillator()))
     }
 
     /// The point after the Newton step.
@@ -156,20 +174,11 @@ fn moved(from: &Point, direction: &Direction, length: f64) -> Point {
     }
 }
 
-/// d ln ŷ/dω at a frequency.
-#[derive(Clone, Copy)]
-struct Slope {
-    omega: f64,
-    growth: f64,
-    phase_rate: f64,
-}
-
 /// What the iterations have seen of the growth.
 #[derive(Default)]
 struct Search {
-    /// Step and tangent of the last iteration.
-    local: Option<Local>,
-    last: Option<Slope>,
+    /// The last iteration that stepped to where the growth vanishes.
+    last: Option<Local>,
     /// dg/dω where it could be measured.
     curvature: Option<f64>,
     /// Whether a frequency step was within the tolerance: the rest is up to the displacements.
@@ -181,41 +190,33 @@ struct Search {
 
 impl Search {
     /// Frequency step to where the growth vanishes.
-    fn growth_step(&mut self, slope: Slope, tolerance: f64) -> f64 {
-        if let Some(last) = self.last.replace(slope) {
-            let apart = slope.omega - last.omega;
-            if (apart * slope.phase_rate).abs() > CURVATURE_RESOLUTION {
-                self.curvature = Some((slope.growth - last.growth) / apart);
+    fn growth_step(&mut self, here: &Local, tolerance: f64) -> f64 {
+        if let Some(last) = &self.last {
+            let apart = here.omega - last.omega;
+            if (apart * here.rate.im).abs() > CURVATURE_RESOLUTION {
+                self.curvature = Some((here.rate.re - last.rate.re) / apart);
             }
         }
-        let oscillator = -slope.phase_rate * slope.phase_rate;
-        let measured = self
-            .curvature
-            .filter(|c| USABLE.contains(&(c / oscillator)));
-        let step = -slope.growth / measured.unwrap_or(oscillator);
-        self.located = step.abs() <= tolerance * slope.omega;
+        let measured = self.curvature.filter(|c| here.usable(*c));
+        let step = -here.rate.re / measured.unwrap_or(here.oscillator());
+        self.located = step.abs() <= tolerance * here.omega;
         step
     }
 
     /// Whether the peak `at` is a maximum: by the growth seen on the way, else by the growth a little further on.
     fn is_maximum(&self, balance: &Balance<'_>, at: &Iterate<'_>, count: &mut WorkCount) -> bool {
-        let (Some(local), Some(here)) = (&self.local, &self.last) else {
+        let Some(here) = &self.last else {
             return false;
         };
-        let oscillator = -here.phase_rate * here.phase_rate;
-        if self
-            .curvature
-            .is_some_and(|c| USABLE.contains(&(c / oscillator)))
-        {
+        if self.curvature.is_some_and(|c| here.usable(c)) {
             return true;
         }
-        let step = CURVATURE_STEP / here.phase_rate.abs();
-        let mut point = local.along(&at.point, step);
+        let step = CURVATURE_STEP / here.rate.im.abs();
+        let mut point = here.along(&at.point, step);
         for _ in 0..CORRECTIONS {
             let aside = Iterate::new(balance, point);
             let there = Local::new(balance, &aside, count);
-            let curvature = (there.rate.re - here.growth) / step;
-            if USABLE.contains(&(curvature / oscillator)) {
+            if here.usable((there.rate.re - here.rate.re) / step) {
                 return true;
             }
             point = there.corrected(&aside.point);

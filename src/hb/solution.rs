@@ -1,7 +1,7 @@
 //! What one nonlinear solve returns.
 
 use super::balance::Balance;
-use super::newton::{Iterate, WorkCount};
+use super::newton::{Iterate, Point, WorkCount};
 use super::status::Status;
 use crate::harmonics::{HarmonicSet, phases};
 use faer::prelude::c64;
@@ -113,12 +113,22 @@ impl Solution {
         solution
     }
 
-    /// Whether the contacts of a part that only they hold bounce so much that a response with the period of the excitation is not to be trusted: the
-    /// strip flies, or the pairs are open for most of the time. Time integration of the rig settles to one period up to
+    /// Whether the contacts of a part that only they hold bounce so much that a response with the period of the
+    /// excitation is not to be trusted: the strip flies, or the pairs are open for most of the time. Time integration of the rig settles to one period up to
     /// shares of about one half (100 N) and does not any more at 300 N, where it is two thirds and more.
     #[must_use]
     pub fn bounces(&self) -> bool {
         self.flight_fraction > 0.0 || self.contact.separated > MOST_SEPARATED
+    }
+
+    /// Unknowns, frequency and level: a start for others.
+    #[must_use]
+    pub fn point(&self) -> Point {
+        Point {
+            r: self.relative.clone(),
+            omega: self.omega,
+            level: self.level,
+        }
     }
 
     /// First harmonic q̂₁ of response `i` (m); q = Re q̂₁ exp(iωt).

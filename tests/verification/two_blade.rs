@@ -14,6 +14,8 @@ use microslip::hb::resonance::Band;
 use microslip::hb::track::track_peaks;
 use microslip::hb::{HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Status};
 use microslip::linalg::symmetric_generalized_eigen;
+use microslip::model::ReducedModel;
+use microslip::model::interface::{InterfaceSettings, Share};
 use microslip::model::two_blade::{Phase, TwoBladeModel, TwoBladeSettings, build};
 use microslip::units::{hz_to_rad_s, rad_s_to_hz};
 use std::sync::LazyLock;
@@ -24,6 +26,17 @@ pub(crate) const K_T: f64 = 0.233e9;
 
 pub(crate) static RIG: LazyLock<TwoBladeModel> =
     LazyLock::new(|| build(&TwoBladeSettings::default()).expect("the default rig builds"));
+
+/// Pairs of the rig: `scale` times the nominal stiffness, equal shares, friction coefficient `mu`.
+pub(crate) fn contacts(model: &ReducedModel, scale: f64, mu: f64) -> Vec<ContactParameters<f64>> {
+    let interface = InterfaceSettings {
+        normal_stiffness: scale * K_N,
+        tangential_stiffness: scale * K_T,
+        friction_coefficient: mu,
+        share: Share::Equal,
+    };
+    interface.parameters(&model.contacts)
+}
 
 /// Stuck minus free frequency of in-phase neck bending at `scale` times the nominal stiffness, equal shares (Hz).
 fn shift(rig: &TwoBladeModel, scale: f64) -> f64 {
@@ -86,16 +99,8 @@ fn relative_platform_motion_reproduces_the_published_ratios() {
 /// stiffness with 3 harmonics; each solve must converge.
 fn peaks(mu: f64, levels: &[f64]) -> Vec<[f64; 2]> {
     let model = LinearModel::new(&RIG.reduced).expect("definite");
-    let n = RIG.reduced.n_contacts();
-    let pair = ContactParameters {
-        k_n: 2.0 * K_N / n as f64,
-        k_t: [2.0 * K_T / n as f64; 2],
-        mu,
-        n_0: 0.0,
-        anchor: [0.0; 2],
-    };
-    let problem =
-        Problem::new(&model, vec![pair; n], 1.0, SliderAnchor::Unloaded).expect("well posed");
+    let contacts = contacts(&RIG.reduced, 1.0, mu);
+    let problem = Problem::new(&model, contacts, 1.0, SliderAnchor::Unloaded).expect("well posed");
     let settings = HbSettings {
         harmonics: HarmonicSet::up_to(3),
         aft: AftSettings {

@@ -6,7 +6,7 @@ use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::alert::{pad, truncation_error};
 use microslip::hb::forced_response::{at_frequencies, over_band};
-use microslip::hb::newton::{Condition, Point, solve};
+use microslip::hb::newton::{Condition, solve};
 use microslip::hb::peak::PeakSettings;
 use microslip::hb::predicted::{PeakPrediction, correct};
 use microslip::hb::resonance::Band;
@@ -226,16 +226,8 @@ fn flanks_are_not_taken_for_peaks() {
             .collect();
         let mut lower = 0;
         for solution in at_frequencies(problem, &settings, level, &omega, SweepDirection::Upward) {
-            let response = solution.first_harmonic(0);
-            lower += usize::from(response.norm() < 0.9 * top);
-            let prediction = PeakPrediction {
-                point: Point {
-                    r: solution.relative.clone(),
-                    omega: solution.omega,
-                    level,
-                },
-                phasor: response / response.norm(),
-            };
+            lower += usize::from(solution.amplitude(0) < 0.9 * top);
+            let prediction = PeakPrediction::of(&solution);
             if let Ok((found, _)) = correct(&balance, prediction, peak, settings.newton) {
                 let height = found.response(&balance).norm() / top;
                 println!("from {} Hz: {height}", solution.omega / TAU);

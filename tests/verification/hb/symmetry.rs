@@ -2,10 +2,10 @@
 
 use super::invariants::{Draw, settings, solved};
 use super::models::{Case, plane, space};
-use crate::two_blade::{K_N, K_T, RIG};
+use crate::two_blade::{RIG, contacts};
 use faer::prelude::*;
 use microslip::aft::{AftBatch, AftForces, AftPlan, Periodicity, Want, evaluate};
-use microslip::contact::{ContactParameters, FrictionLaw};
+use microslip::contact::FrictionLaw;
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::forced_response::at_frequencies;
 use microslip::hb::peak::PeakSettings;
@@ -121,17 +121,10 @@ fn solutions_scale_with_the_loads() {
 #[test]
 fn interfaces_of_the_rig_answer_as_mirror_images() {
     let linear = LinearModel::new(&RIG.reduced).expect("definite");
-    let n = RIG.reduced.n_contacts();
-    let each = 0.5 * n as f64;
-    let contact = ContactParameters {
-        k_n: K_N / each,
-        k_t: [K_T / each; 2],
-        mu: 0.6,
-        n_0: 0.0,
-        anchor: [0.0; 2],
-    };
+    let contacts = contacts(&RIG.reduced, 1.0, 0.6);
+    let n = contacts.len();
     let anchor = SliderAnchor::Unloaded;
-    let problem = Problem::new(&linear, vec![contact; n], 1.0, anchor).expect("held");
+    let problem = Problem::new(&linear, contacts, 1.0, anchor).expect("held");
     let peak = PeakSettings {
         band: Band {
             low: 2920.0 * TAU,

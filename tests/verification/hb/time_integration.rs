@@ -6,9 +6,9 @@
 
 use super::invariants::settings;
 use super::models::{modal, plane};
-use crate::two_blade::{K_N, K_T, RIG};
+use crate::two_blade::{RIG, contacts};
 use faer::prelude::*;
-use microslip::contact::{ContactParameters, FrictionLaw};
+use microslip::contact::FrictionLaw;
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::alert::pad;
 use microslip::hb::forced_response::over_band;
@@ -318,17 +318,9 @@ fn truncated(hertz: f64) -> LinearModel {
 #[test]
 fn time_integration_of_the_rig_agrees() {
     let linear = truncated(60e3);
-    let n = linear.n_contacts();
-    let each = 0.5 * n as f64;
-    let contact = ContactParameters {
-        k_n: K_N / each,
-        k_t: [K_T / each; 2],
-        mu: 0.6,
-        n_0: 0.0,
-        anchor: [0.0; 2],
-    };
+    let contacts = contacts(&RIG.reduced, 1.0, 0.6);
     let anchor = SliderAnchor::Unloaded;
-    let problem = Problem::new(&linear, vec![contact; n], 1.0, anchor).expect("held");
+    let problem = Problem::new(&linear, contacts, 1.0, anchor).expect("held");
     let mut settings = settings(3, FrictionLaw::Box);
     settings.aft.n_time = 256;
     settings.newton = NewtonSettings::default();
