@@ -3,9 +3,12 @@
 use crate::device;
 use crate::states::{located, random};
 use microslip::aft::gpu::{Device, Kernels, Precision, ScaledForces, ScaledStates, Shape};
-use microslip::aft::{AftBatch, AftForces, Block, Tangent, Want, evaluate};
+use microslip::aft::{AftBatch, AftForces, AftPlan, Block, Tangent, Want, evaluate};
 use microslip::contact::{ContactParameters, Real};
 use microslip::harmonics::HarmonicSet;
+
+/// States of a comparison.
+const STATES: usize = 512;
 
 /// Forces and tangents of one state, the former over the largest force of the state, the latter over the stiffness.
 struct Answer {
@@ -141,80 +144,148 @@ fn differences(found: &[Answer], expected: &[Answer]) -> [Vec<f64>; 2] {
     ]
 }
 
-fn report(name: &str, h: usize, [forces, tangents]: &[Vec<f64>; 2]) {
-    let n = forces.len();
-    let at = |x: &[f64]| {
-        format!(
-            "median {:.1e} p99 {:.1e} max {:.1e}",
-            x[n / 2],
-            x[n * 99 / 100],
-            x[n - 1]
-        )
+fn quantiles(of: &[f64]) -> String {
+    let n = of.len();
+    format!(
+        "median {:.1e}, 99 % {:.1e}, largest {:.1e}",
+        of[n / 2],
+        of[n * 99 / 100],
+        of[n - 1]
+    )
+}
+
+/// One set of states on the device, by the same law in single precision and by it in double precision.
+struct Comparison {
+    /// Device against the law in single precision: forces, derivatives.
+    same_precision: [Vec<f64>; 2],
+    /// Device against the law in double precision.
+    exact: [Vec<f64>; 2],
+    /// Share of states that the device takes for stuck.
+    stuck: f64,
+}
+
+fn compare(device: &Device, h: usize, n_time: usize, precision: Precision) -> Comparison {
+    let set = HarmonicSet::up_to(h);
+    let batch = random(&set, STATES, 7);
+    let scaled = ScaledStates::new(&batch).unwrap();
+    let raw = on_device(device, &set, n_time, precision, &scaled);
+    let law = |plan: &AftPlan<f64>, batch: &AftBatch<f64>| {
+        let mut out = AftForces::default();
+        evaluate(plan, batch, Want::ForcesAndTangents, &mut out);
+        out
     };
-    eprintln!(
-        "{name}, H = {h}: forces {}; tangents {}",
-        at(forces),
-        at(tangents)
+    let plan = located::<f64>(&set, n_time);
+    let mut found = AftForces::default();
+    scaled.unscale(&plan, &batch, &raw, &mut found);
+    let found = answers(&found, &batch);
+    let exact = differences(&found, &answers(&law(&plan, &batch), &batch));
+    // the same numbers, rounded once, for both sides
+    let unit = unit_states::<f32>(&scaled);
+    let mut single = AftForces::default();
+    evaluate(
+        &located::<f32>(&set, n_time),
+        &unit,
+        Want::ForcesAndTangents,
+        &mut single,
     );
-}
-
-#[test]
-fn shader_f32() {
-    shader_against_the_same_law(Precision::F32);
-}
-#[test]
-fn shader_f64() {
-    shader_against_the_same_law(Precision::F64);
-}
-
-fn shader_against_the_same_law(precision: Precision) {
-    {
-        let Some(device) = device("shader_against_the_same_law", precision) else {
-            return;
-        };
-        for (h, n_time) in [(1, 64), (3, 128), (5, 128), (7, 128)] {
-            let set = HarmonicSet::up_to(h);
-            let batch = random(&set, 512, 7);
-            let scaled = ScaledStates::new(&batch).unwrap();
-            let raw = on_device(&device, &set, n_time, precision, &scaled);
-            let plan = located::<f64>(&set, n_time);
-            let mut out = AftForces::default();
-            scaled.unscale(&plan, &batch, &raw, &mut out);
-            let found = answers(&out, &batch);
-            let mut exact = AftForces::default();
-            evaluate(&plan, &batch, Want::ForcesAndTangents, &mut exact);
-            let expected = answers(&exact, &batch);
-            report(precision.name(), h, &differences(&found, &expected));
-            eprintln!(
-                "stuck {} {}",
-                found.iter().filter(|a| a.stuck).count(),
-                expected.iter().filter(|a| a.stuck).count()
-            );
-            let unit = unit_states::<f32>(&scaled);
-            let plan32 = located::<f32>(&set, n_time);
-            let mut out32 = AftForces::default();
-            evaluate(&plan32, &unit, Want::ForcesAndTangents, &mut out32);
-            let unit64 = unit_states::<f64>(&scaled);
-            let mut out64 = AftForces::default();
-            scaled_total(&scaled, &raw, &unit64, &mut out64, &plan);
-            report(
-                "same law f32",
-                h,
-                &differences(&answers(&out64, &unit64), &answers(&out32, &unit)),
-            );
-        }
+    let unit_exact = unit_states::<f64>(&scaled);
+    // their scale is 1: the largest force of a scaled state is between 1/2 and 1
+    let again = ScaledStates::new(&unit_exact).unwrap();
+    let mut totals = AftForces::default();
+    again.unscale(&plan, &unit_exact, &raw, &mut totals);
+    let same_precision = differences(&answers(&totals, &unit_exact), &answers(&single, &unit));
+    let stuck = found.iter().filter(|a| a.stuck).count() as f64 / STATES as f64;
+    for (name, [forces, derivatives]) in [("same precision", &same_precision), ("exact", &exact)] {
+        let (forces, derivatives) = (quantiles(forces), quantiles(derivatives));
+        eprintln!(
+            "{} H = {h}, {name}: forces {forces}; derivatives {derivatives}",
+            precision.name()
+        );
+    }
+    Comparison {
+        same_precision,
+        exact,
+        stuck,
     }
 }
 
-/// Forces and tangents of the scaled states as unit states.
-fn scaled_total(
-    _scaled: &ScaledStates,
-    raw: &ScaledForces,
-    unit: &AftBatch<f64>,
-    out: &mut AftForces<f64>,
-    plan: &microslip::aft::AftPlan<f64>,
-) {
-    let mut again = ScaledStates::new(unit).unwrap();
-    again.set_unit_scale();
-    again.unscale(plan, unit, raw, out);
+/// Every value is below the bound of its quantile: median, 99 %, largest.
+fn assert_below(values: &[f64], bounds: [f64; 3], what: &str) {
+    let n = values.len();
+    for (i, bound) in [n / 2, n * 99 / 100, n - 1].into_iter().zip(bounds) {
+        assert!(
+            values[i] <= bound,
+            "{what}: {:e} above {bound:e}",
+            values[i]
+        );
+    }
+}
+
+/// Same algorithm: rounding alone is between the shader and the Rust law in the same precision. Derivatives jump where an
+/// event comes or goes, so that their largest difference says little.
+/// Seen to fail with: `SLIP_DOWN` pushed to the upper bound; friction left out of the rate of a bound; the slider's rate by
+/// the gap function left out.
+#[test]
+fn shader_and_law_agree_in_single_precision() {
+    let Some(device) = device("shader_and_law_agree_in_single_precision", Precision::F32) else {
+        return;
+    };
+    for (h, n_time) in [(1, 64), (3, 64), (5, 128)] {
+        let found = compare(&device, h, n_time, Precision::F32);
+        let [forces, derivatives] = &found.same_precision;
+        assert_below(forces, [3e-7, 1e-6, 3e-6], "forces");
+        assert_below(derivatives, [1e-6, 1e-5, 5e-3], "derivatives");
+        let [forces, derivatives] = &found.exact;
+        assert_below(forces, [3e-7, 1e-6, 3e-6], "forces in single precision");
+        assert_below(
+            derivatives,
+            [5e-7, 5e-6, 5e-3],
+            "derivatives in single precision",
+        );
+        assert!((0.05..0.5).contains(&found.stuck), "{} stick", found.stuck);
+    }
+}
+
+/// In double precision nothing is left between shader and law but the tolerance of root searches.
+/// Seen to fail with: Taylor series cut for single precision.
+#[test]
+fn shader_and_law_agree_in_double_precision() {
+    let Some(device) = device("shader_and_law_agree_in_double_precision", Precision::F64) else {
+        return;
+    };
+    let found = compare(&device, 3, 64, Precision::F64);
+    let [forces, derivatives] = &found.exact;
+    assert_below(forces, [1e-15, 1e-12, 1e-10], "forces");
+    assert_below(derivatives, [1e-11, 1e-8, 1e-5], "derivatives");
+}
+
+/// A state's answer does not depend on the rest of its batch, bit for bit.
+/// Seen to fail with: the slot of a state in place of the state in `tangents_of_moving`.
+#[test]
+fn answers_do_not_depend_on_the_batch() {
+    let Some(device) = device("answers_do_not_depend_on_the_batch", Precision::F32) else {
+        return;
+    };
+    let set = HarmonicSet::up_to(3);
+    let shape = Shape::of(&located::<f64>(&set, 64), Precision::F32).unwrap();
+    let kernels = Kernels::new(&device, shape).unwrap();
+    let buffers = kernels.buffers(&device, 400).unwrap();
+    let parts: Vec<ScaledStates> = [(3, 70), (4, 33), (5, 129), (6, 1)]
+        .map(|(seed, n)| ScaledStates::new(&random(&set, n, seed)).unwrap())
+        .into();
+    let run = |parts: &[&ScaledStates]| {
+        let result = kernels.evaluate(&device, &buffers, parts, Want::ForcesAndTangents);
+        let parts = result.expect("it runs").parts;
+        parts
+            .into_iter()
+            .map(|part| part.expect("it fits"))
+            .collect::<Vec<_>>()
+    };
+    let together = run(&parts.iter().collect::<Vec<_>>());
+    for (part, together) in parts.iter().zip(&together) {
+        let alone = run(&[part]).remove(0);
+        assert_eq!(alone.deviations, together.deviations);
+        assert_eq!(alone.slots, together.slots);
+        assert_eq!(alone.tangents, together.tangents);
+    }
 }

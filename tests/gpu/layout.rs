@@ -1,24 +1,107 @@
 //! Do host and shaders agree on the layout, and is every text valid? Needs no adapter.
 
 use crate::states::located;
-use microslip::aft::gpu::{Precision, Reflection, Shape};
+use microslip::aft::gpu::{Access, Precision, Reflection, Shape};
+use microslip::aft::{AftPlan, AftSettings, Laps};
+use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
 
-#[test]
-fn texts_are_valid() {
-    for precision in [Precision::F32, Precision::F64] {
-        for h in [1, 3, 5, 7, 9, 13, 21] {
-            for n_time in [64, 128, 256] {
-                let set = HarmonicSet::up_to(h);
-                if n_time <= 4 * h {
-                    continue;
-                }
-                let Some(shape) = Shape::of(&located::<f64>(&set, n_time), precision) else {
-                    eprintln!("none {h} {n_time}");
-                    continue;
-                };
-                Reflection::of(&shape.text()).unwrap_or_else(|e| panic!("H = {h}: {e}"));
+const PRECISIONS: [(Precision, u64); 2] = [(Precision::F32, 4), (Precision::F64, 8)];
+
+/// Sets that ladder, default study and alert use, with the time points that come with them.
+fn shapes(precision: Precision) -> Vec<Shape> {
+    let mut shapes = Vec::new();
+    for h in [1, 2, 3, 5, 7, 8, 9, 13, 21] {
+        for n_time in [64, 128, 256] {
+            let set = HarmonicSet::up_to(h);
+            if n_time > 4 * h {
+                let shape = Shape::of(&located::<f64>(&set, n_time), precision);
+                shapes
+                    .push(shape.unwrap_or_else(|| panic!("H = {h}, Nt = {n_time} has no shader")));
             }
         }
     }
+    let odd = HarmonicSet::new(vec![0, 1, 3, 5]).unwrap();
+    shapes.extend(Shape::of(&located::<f64>(&odd, 64), precision));
+    shapes
+}
+
+/// Seen to fail with: a semicolon left out of `forces.wgsl`.
+#[test]
+fn every_text_is_valid() {
+    for (precision, _) in PRECISIONS {
+        for shape in shapes(precision) {
+            if let Err(error) = Reflection::of(&shape.text()) {
+                panic!("{shape:?}: {error}");
+            }
+        }
+    }
+}
+
+/// What the host writes and reads are plain arrays of the numbers that it converts to, with as many per state as its own
+/// rows have.
+/// Seen to fail with: `states` declared as `array<vec2<real>>`; `DEVIATIONS_PER_STATE` of M.
+#[test]
+fn the_hosts_arrays_are_what_the_shaders_declare() {
+    for (precision, size) in PRECISIONS {
+        for shape in shapes(precision) {
+            let read = Reflection::of(&shape.text()).unwrap();
+            let binding = |name: &str| read.bindings[name];
+            let set_size = binding("deviations").per_state.unwrap() / 3;
+            let expected = [
+                ("coefficients", size, Some(3 * (set_size - 1)), Access::Read),
+                ("states", size, Some(4), Access::Read),
+                ("deviations", size, Some(3 * set_size), Access::ReadWrite),
+                (
+                    "tangents",
+                    size,
+                    Some(5 * set_size * set_size),
+                    Access::ReadWrite,
+                ),
+                ("flags", 4, Some(1), Access::ReadWrite),
+                ("slots", 4, Some(1), Access::ReadWrite),
+                ("n_moving", 4, None, Access::ReadWrite),
+                ("orders", 4, None, Access::Read),
+                ("circle", size, None, Access::Read),
+                ("batch", 4, None, Access::Uniform),
+            ];
+            for (name, element_bytes, per_state, access) in expected {
+                let found = binding(name);
+                assert_eq!(
+                    (found.element_bytes, found.per_state, found.access),
+                    (element_bytes, per_state, access),
+                    "{name} in {shape:?}"
+                );
+            }
+            let numbers: std::collections::BTreeSet<u32> =
+                read.bindings.values().map(|b| b.number).collect();
+            assert_eq!(
+                numbers.len(),
+                read.bindings.len(),
+                "every buffer has its own number"
+            );
+            assert_eq!(read.entry_points.len(), 5, "{:?}", read.entry_points);
+        }
+    }
+}
+
+/// Laws and events without a shader stay with the processor, and so does a shape whose loops a software adapter would cut.
+/// Seen to fail with: no bound on the iterations.
+#[test]
+fn other_laws_have_no_shader() {
+    let settings = AftSettings {
+        n_time: 128,
+        law: FrictionLaw::Circle,
+        events: Events::Interpolated,
+        laps: Laps::Periodic,
+    };
+    let set = HarmonicSet::up_to(5);
+    assert!(Shape::of(&AftPlan::<f64>::new(&set, settings), Precision::F32).is_none());
+    let sampled = AftSettings {
+        law: FrictionLaw::Box,
+        ..settings
+    };
+    assert!(Shape::of(&AftPlan::<f64>::new(&set, sampled), Precision::F32).is_none());
+    let large = located::<f64>(&set, 32_768);
+    assert!(Shape::of(&large, Precision::F32).is_none());
 }

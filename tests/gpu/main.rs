@@ -4,6 +4,8 @@
 //! are skipped; with `MICROSLIP_REQUIRE_GPU=1` they fail instead.
 
 mod accuracy;
+mod answer;
+mod failure;
 mod layout;
 mod states;
 

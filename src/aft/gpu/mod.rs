@@ -81,7 +81,7 @@ pub enum GpuError {
 /// A failure on purpose, for tests of what follows from it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
-    /// The device is lost before batch number `.0`.
+    /// The device is lost once, before batch number `.0`.
     LoseDeviceAfter(u64),
     /// Batches of more states are refused.
     RefuseAbove(usize),

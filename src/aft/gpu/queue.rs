@@ -14,6 +14,7 @@ use super::tally::Tally;
 use super::{Fault, GpuError, GpuSettings};
 use crate::aft::batch::Want;
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -41,6 +42,8 @@ pub(super) struct Queue {
     freed: Condvar,
     holder: Mutex<Holder>,
     pub(super) tally: Tally,
+    /// Batches that were tried.
+    attempts: AtomicU64,
     settings: GpuSettings,
 }
 
@@ -85,6 +88,7 @@ impl Queue {
             asked: Condvar::new(),
             freed: Condvar::new(),
             tally: Tally::new(&device.adapter, settings.precision),
+            attempts: AtomicU64::new(0),
             holder: Mutex::new(Holder {
                 device: Ok(Arc::new(device)),
                 kernels: HashMap::new(),
@@ -334,10 +338,9 @@ impl Lane {
     ) -> Result<BatchResult, GpuError> {
         let shape = kernels.shape();
         let n: usize = batch.iter().map(|part| part.n_states).sum();
+        let attempt = queue.attempts.fetch_add(1, Ordering::Relaxed);
         match queue.settings.fault {
-            Some(Fault::LoseDeviceAfter(batches)) if queue.tally.batches() == batches => {
-                device.destroy()
-            }
+            Some(Fault::LoseDeviceAfter(batches)) if attempt == batches => device.destroy(),
             Some(Fault::RefuseAbove(states)) if n > states => {
                 let message = "injected".to_owned();
                 return Err(GpuError::Refused { states: n, message });

@@ -86,11 +86,6 @@ impl ScaledStates {
         Some(scaled)
     }
 
-    /// Counts the forces (N) as they are.
-    pub fn set_unit_scale(&mut self) {
-        self.scale.fill(1.0);
-    }
-
     /// Total forces and tangents of `batch`, which these states were made from.
     ///
     /// The summaries are coarse: a state that moves counts as slipping all the time.

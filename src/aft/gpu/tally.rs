@@ -73,10 +73,6 @@ impl Tally {
         lock(&self.0).clone()
     }
 
-    pub(super) fn batches(&self) -> u64 {
-        lock(&self.0).batches
-    }
-
     pub(super) fn batch(
         &self,
         evaluations: usize,
