@@ -102,6 +102,6 @@ fn other_laws_have_no_shader() {
         ..settings
     };
     assert!(Shape::of(&AftPlan::<f64>::new(&set, sampled), Precision::F32).is_none());
-    let large = located::<f64>(&set, 32_768);
+    let large = located::<f64>(&set, 65_536);
     assert!(Shape::of(&large, Precision::F32).is_none());
 }

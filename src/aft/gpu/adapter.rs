@@ -102,8 +102,10 @@ fn enumerate() -> (wgpu::Instance, Vec<wgpu::Adapter>) {
 pub struct Device {
     /// The adapter it is on.
     pub adapter: AdapterFacts,
-    pub(super) device: wgpu::Device,
-    pub(super) queue: wgpu::Queue,
+    /// The device itself.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
     lost: Arc<AtomicBool>,
 }
 

@@ -56,6 +56,8 @@ struct State {
     in_flight: usize,
     free_turns: usize,
     closed: bool,
+    /// No device is left to serve anybody.
+    given_up: bool,
 }
 
 /// The device, or why there is none any more.
@@ -108,7 +110,8 @@ impl Queue {
         let (sender, receiver) = sync_channel(1);
         {
             let mut state = lock(&self.state);
-            if state.closed {
+            if state.closed || state.given_up {
+                self.tally.not_asked();
                 return None;
             }
             state.free_turns += usize::from(has_turn);
@@ -192,6 +195,14 @@ impl Queue {
         }
     }
 
+    /// Sends everybody who waits to the processor, now and from now on.
+    fn give_up(&self) {
+        let mut state = lock(&self.state);
+        state.given_up = true;
+        // their receivers see that no answer will come
+        state.pending.clear();
+    }
+
     fn answered(&self, n: usize) {
         lock(&self.state).unanswered -= n;
         self.asked.notify_all();
@@ -227,6 +238,9 @@ impl Queue {
             false => Err(why.clone()),
         };
         holder.reopened += 1;
+        if holder.device.is_err() {
+            self.give_up();
+        }
         self.tally.note(match &holder.device {
             Ok(_) => format!("{why}; it was opened again"),
             Err(error) => format!("{why}; the processor does the rest ({error})"),
@@ -241,6 +255,20 @@ pub(super) fn open(settings: &GpuSettings) -> Result<Device, GpuError> {
     Ok(device)
 }
 
+/// Lets nobody wait for a lane that panicked.
+struct Watch<'a>(&'a Queue);
+
+impl Drop for Watch<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0
+                .tally
+                .note("a thread of the device failed; the processor does the rest".to_owned());
+            self.0.give_up();
+        }
+    }
+}
+
 /// One thread with its own buffers; two of them keep the device busy.
 #[derive(Default)]
 pub(super) struct Lane {
@@ -253,6 +281,7 @@ pub(super) struct Lane {
 impl Lane {
     /// Serves the queue until it is closed.
     pub(super) fn serve(&mut self, queue: &Queue) {
+        let _watch = Watch(queue);
         while let Some(requests) = queue.next_batch() {
             let states: Vec<&ScaledStates> =
                 requests.iter().map(|request| &request.states).collect();
@@ -359,7 +388,12 @@ impl Lane {
         }
         let clock = Instant::now();
         let (_, buffers) = &self.buffers[shape];
-        let result = kernels.evaluate(device, buffers, batch, Want::ForcesAndTangents)?;
+        let result = kernels.evaluate(device, buffers, batch, Want::ForcesAndTangents);
+        if result.is_err() {
+            // they may be half used
+            self.buffers.remove(shape);
+        }
+        let result = result?;
         let on_device = (result.pass_seconds).map(|passes| passes.iter().sum::<f64>());
         let seconds = on_device.unwrap_or_else(|| clock.elapsed().as_secs_f64());
         self.seconds_per_state

@@ -59,6 +59,9 @@ pub struct Shape {
 /// in all.
 const MOST_ITERATIONS: usize = 60_000;
 
+/// Steps of a root search at most, and what its bracket takes.
+const ROOT_STEPS: usize = 50;
+
 impl Shape {
     /// The shape that evaluates `plan`; `None` where there is no shader for it.
     #[must_use]
@@ -107,15 +110,13 @@ impl Shape {
         [24 + 4 * highest, 24 + 2 * highest, 8 + highest / 2]
     }
 
-    /// Loop iterations of the march, the longest invocation: signals at the marked intervals by their series (most of
-    /// them in the last lap, where slip starts), and root searches on these.
+    /// Loop iterations of the march, the longest invocation, if three quarters of its room for events are used and half of
+    /// its root searches take all their steps. Loops over the terms of a series and other short constant ones are unrolled.
     fn iterations(&self) -> usize {
         let [points, runs, _] = self.rooms();
-        let (terms, laps) = (self.terms(), self.laps as usize);
-        let series = 2 * self.orders.len() * terms;
-        // an event in three intervals out of four of the room, each with a few Newton steps
-        let event = series + 8 * 3 * terms;
-        self.n_time as usize * 3 + (3 * points / 4 + runs / 2) * event + laps * points
+        let event = 2 * self.orders.len() + ROOT_STEPS;
+        let laps = self.laps as usize * points;
+        self.n_time as usize + (3 * points / 4 + runs / 2) * event + laps
     }
 
     /// The whole shader text.

@@ -102,6 +102,11 @@ impl Tally {
         self.note(format!("{error}; the processor evaluates"));
     }
 
+    /// The device is gone, and an evaluation did not go down.
+    pub(super) fn not_asked(&self) {
+        lock(&self.0).fallbacks += 1;
+    }
+
     /// Adds the differences of an audited evaluation.
     pub(super) fn audit(&self, [force, derivative]: [f64; 2], beyond: bool) {
         let mut report = lock(&self.0);
