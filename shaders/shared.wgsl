@@ -4,6 +4,7 @@
 //   TERMS       terms of Taylor series    STEP      2 pi / N_TIME         LAPS    passes over the period
 //   MAX_POINTS, MAX_RUNS, MAX_STICKS      room per direction of a state
 //   RESOLUTION  rounding of a share of an interval
+//   BLOCKS      blocks of a derivative    INTERPOLATED  whether closing is located by linear interpolation
 // All quantities are forces over the scale of their state: the stick signals k_t u of both directions without their
 // means, and the gap function n_0 + k_n v with its mean. Arrays run over states fastest.
 
@@ -80,8 +81,9 @@ struct Run {
 // States that move, and their number.
 @group(0) @binding(14) var<storage, read_write> moving: array<u32>;
 @group(0) @binding(15) var<storage, read_write> n_moving: atomic<u32>;
-// Derivatives by the signals less those of the stuck contact: T1 by s1, T2 by s2, T1 by g, T2 by g, N by g, of the states
-// that move. Shape: [slot / GROUP][5][M][M][slot % GROUP]
+// Derivatives by the signals less those of the stuck contact, of the states that move; box law: T1 by s1, T2 by s2, T1 by
+// g, T2 by g, N by g; circle law: T1 by s1, T1 by s2, T2 by s1, T2 by s2, T1 by g, T2 by g, N by g.
+// Shape: [slot / GROUP][BLOCKS][M][M][slot % GROUP]
 @group(0) @binding(16) var<storage, read_write> tangents: array<real>;
 
 // Elements per state of the arrays; the host reads them here.
@@ -97,7 +99,7 @@ const DEVIATIONS_PER_STATE: u32 = 3u * M;
 const FLAGS_PER_STATE: u32 = 1u;
 const SLOTS_PER_STATE: u32 = 1u;
 const MOVING_PER_STATE: u32 = 1u;
-const TANGENTS_PER_STATE: u32 = 5u * M * M;
+const TANGENTS_PER_STATE: u32 = BLOCKS * M * M;
 
 // Masks of `spectra`, the first three per direction.
 const MASK_MOVED: u32 = 0u;

@@ -2,7 +2,7 @@
 // the basis where its slider was set; masks add Gram matrices.
 
 fn entry(slot: u32, block: u32, a: u32, b: u32) -> u32 {
-    return ((((slot / GROUP) * 5u + block) * M + a) * M + b) * GROUP + slot % GROUP;
+    return ((((slot / GROUP) * BLOCKS + block) * M + a) * M + b) * GROUP + slot % GROUP;
 }
 
 @compute @workgroup_size(GROUP)

@@ -102,7 +102,7 @@ fn device(summary: &Summary) -> Vec<(String, String)> {
         gpu.largest_force_difference,
         gpu.largest_derivative_difference
     );
-    let taken_over = gpu.fallbacks + gpu.overflows + gpu.beyond_limit;
+    let taken_over = gpu.fallbacks + gpu.beyond_limit;
     let mut rows = vec![
         pair("contacts drafted by", gpu.adapter.name.clone()),
         pair("audit", audit),

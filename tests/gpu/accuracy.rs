@@ -1,10 +1,10 @@
 //! Is it the same algorithm, and is it precise enough?
 
 use crate::device;
-use crate::states::{located, random};
+use crate::states::{located, plan, random};
 use microslip::aft::gpu::{Device, Kernels, Precision, ScaledForces, ScaledStates, Shape};
 use microslip::aft::{AftBatch, AftForces, AftPlan, Block, Tangent, Want, evaluate};
-use microslip::contact::{ContactParameters, Real};
+use microslip::contact::{ContactParameters, Events, FrictionLaw, Real};
 use microslip::harmonics::HarmonicSet;
 
 /// States of a comparison.
@@ -24,13 +24,11 @@ struct Answer {
 
 fn on_device(
     device: &Device,
-    set: &HarmonicSet,
-    n_time: usize,
+    plan: &AftPlan<f64>,
     precision: Precision,
     scaled: &ScaledStates,
 ) -> ScaledForces {
-    let shape =
-        Shape::of(&located::<f64>(set, n_time), precision).expect("the box law has a shader");
+    let shape = Shape::of(plan, precision).expect("there is a shader");
     let kernels = Kernels::new(device, shape).expect("the shader compiles");
     let buffers = kernels
         .buffers(device, scaled.n_states)
@@ -38,12 +36,7 @@ fn on_device(
     let result = kernels
         .evaluate(device, &buffers, &[scaled], Want::ForcesAndTangents)
         .expect("it runs");
-    result
-        .parts
-        .into_iter()
-        .next()
-        .flatten()
-        .expect("no state overflows")
+    result.parts.into_iter().next().expect("one part")
 }
 
 /// The scaled states as states of unit stiffness, for the law in any precision.
@@ -128,13 +121,15 @@ fn largest(x: &[f64]) -> f64 {
 }
 
 /// Largest differences of forces and tangents, each over the largest entry, per state, ascending.
-fn differences(found: &[Answer], expected: &[Answer]) -> [Vec<f64>; 2] {
+fn differences(found: &[Answer], expected: &[Answer], undecided: &[usize]) -> [Vec<f64>; 2] {
     let relative = |a: &[f64], b: &[f64], scale: f64| {
         let difference: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
         largest(&difference) / scale
     };
     let sorted = |f: &dyn Fn(&Answer, &Answer) -> f64| {
-        let mut all: Vec<f64> = found.iter().zip(expected).map(|(a, b)| f(a, b)).collect();
+        let decided =
+            (found.iter().zip(expected).enumerate()).filter(|(i, _)| !undecided.contains(i));
+        let mut all: Vec<f64> = decided.map(|(_, (a, b))| f(a, b)).collect();
         all.sort_by(f64::total_cmp);
         all
     };
@@ -162,39 +157,44 @@ struct Comparison {
     exact: [Vec<f64>; 2],
     /// Share of states that the device takes for stuck.
     stuck: f64,
+    /// States that the device leaves to the processor.
+    undecided: usize,
 }
 
-fn compare(device: &Device, h: usize, n_time: usize, precision: Precision) -> Comparison {
+fn compare(
+    device: &Device,
+    (law, events): (FrictionLaw, Events),
+    (h, n_time): (usize, usize),
+    precision: Precision,
+) -> Comparison {
     let set = HarmonicSet::up_to(h);
     let batch = random(&set, STATES, 7);
     let scaled = ScaledStates::new(&batch).unwrap();
-    let raw = on_device(device, &set, n_time, precision, &scaled);
-    let law = |plan: &AftPlan<f64>, batch: &AftBatch<f64>| {
-        let mut out = AftForces::default();
-        evaluate(plan, batch, Want::ForcesAndTangents, &mut out);
-        out
-    };
-    let plan = located::<f64>(&set, n_time);
-    let mut found = AftForces::default();
-    scaled.unscale(&plan, &batch, &raw, &mut found);
+    let double = plan::<f64>(&set, n_time, law, events);
+    let raw = on_device(device, &double, precision, &scaled);
+    let (mut found, mut expected) = (AftForces::default(), AftForces::default());
+    scaled.unscale(&double, &batch, &raw, &mut found);
+    evaluate(&double, &batch, Want::ForcesAndTangents, &mut expected);
     let found = answers(&found, &batch);
-    let exact = differences(&found, &answers(&law(&plan, &batch), &batch));
+    let exact = differences(&found, &answers(&expected, &batch), &raw.undecided);
     // the same numbers, rounded once, for both sides
     let unit = unit_states::<f32>(&scaled);
-    let mut single = AftForces::default();
-    evaluate(
-        &located::<f32>(&set, n_time),
-        &unit,
-        Want::ForcesAndTangents,
-        &mut single,
-    );
-    let unit_exact = unit_states::<f64>(&scaled);
+    let single = plan::<f32>(&set, n_time, law, events);
+    let mut expected = AftForces::default();
+    evaluate(&single, &unit, Want::ForcesAndTangents, &mut expected);
+    let expected = answers(&expected, &unit);
     // their scale is 1: the largest force of a scaled state is between 1/2 and 1
-    let again = ScaledStates::new(&unit_exact).unwrap();
+    let unit = unit_states::<f64>(&scaled);
+    let again = ScaledStates::new(&unit).unwrap();
     let mut totals = AftForces::default();
-    again.unscale(&plan, &unit_exact, &raw, &mut totals);
-    let same_precision = differences(&answers(&totals, &unit_exact), &answers(&single, &unit));
+    again.unscale(&double, &unit, &raw, &mut totals);
+    let same_precision = differences(&answers(&totals, &unit), &expected, &raw.undecided);
     let stuck = found.iter().filter(|a| a.stuck).count() as f64 / STATES as f64;
+    eprintln!(
+        "{law:?}: {} undecided, {:.0} % stuck",
+        raw.undecided.len(),
+        100.0 * stuck
+    );
     for (name, [forces, derivatives]) in [("same precision", &same_precision), ("exact", &exact)] {
         let (forces, derivatives) = (quantiles(forces), quantiles(derivatives));
         eprintln!(
@@ -206,8 +206,11 @@ fn compare(device: &Device, h: usize, n_time: usize, precision: Precision) -> Co
         same_precision,
         exact,
         stuck,
+        undecided: raw.undecided.len(),
     }
 }
+
+const BOX: (FrictionLaw, Events) = (FrictionLaw::Box, Events::Located);
 
 /// Every value is below the bound of its quantile: median, 99 %, largest.
 fn assert_below(values: &[f64], bounds: [f64; 3], what: &str) {
@@ -231,7 +234,7 @@ fn shader_and_law_agree_in_single_precision() {
         return;
     };
     for (h, n_time) in [(1, 64), (3, 64), (5, 128)] {
-        let found = compare(&device, h, n_time, Precision::F32);
+        let found = compare(&device, BOX, (h, n_time), Precision::F32);
         let [forces, derivatives] = &found.same_precision;
         assert_below(forces, [3e-7, 1e-6, 3e-6], "forces");
         assert_below(derivatives, [1e-6, 1e-5, 5e-3], "derivatives");
@@ -246,6 +249,27 @@ fn shader_and_law_agree_in_single_precision() {
     }
 }
 
+/// The same for the circle law decided at the samples, whose steady cycle is iterated to rounding.
+/// Seen to fail with: the closing instant left out of the derivative; `slid` without its ratio.
+#[test]
+fn circle_law_agrees_in_single_precision() {
+    let Some(device) = device("circle_law_agrees_in_single_precision", Precision::F32) else {
+        return;
+    };
+    for events in [Events::Sampled, Events::Interpolated] {
+        let law = (FrictionLaw::Circle, events);
+        let found = compare(&device, law, (3, 64), Precision::F32);
+        let [forces, derivatives] = &found.exact;
+        assert_below(forces, [1e-6, 1e-3, 1e-1], "forces");
+        assert_below(derivatives, [1e-5, 1e-1, 1.0], "derivatives");
+        assert!(
+            found.undecided < STATES / 10,
+            "{} undecided",
+            found.undecided
+        );
+    }
+}
+
 /// In double precision nothing is left between shader and law but the tolerance of root searches.
 /// Seen to fail with: Taylor series cut for single precision.
 #[test]
@@ -253,7 +277,7 @@ fn shader_and_law_agree_in_double_precision() {
     let Some(device) = device("shader_and_law_agree_in_double_precision", Precision::F64) else {
         return;
     };
-    let found = compare(&device, 3, 64, Precision::F64);
+    let found = compare(&device, BOX, (3, 64), Precision::F64);
     let [forces, derivatives] = &found.exact;
     assert_below(forces, [1e-15, 1e-12, 1e-10], "forces");
     assert_below(derivatives, [1e-11, 1e-8, 1e-5], "derivatives");
@@ -275,11 +299,7 @@ fn answers_do_not_depend_on_the_batch() {
         .into();
     let run = |parts: &[&ScaledStates]| {
         let result = kernels.evaluate(&device, &buffers, parts, Want::ForcesAndTangents);
-        let parts = result.expect("it runs").parts;
-        parts
-            .into_iter()
-            .map(|part| part.expect("it fits"))
-            .collect::<Vec<_>>()
+        result.expect("it runs").parts
     };
     let together = run(&parts.iter().collect::<Vec<_>>());
     for (part, together) in parts.iter().zip(&together) {

@@ -9,10 +9,20 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// The box law with located events.
 pub(crate) fn located<T: Real>(set: &HarmonicSet, n_time: usize) -> AftPlan<T> {
+    plan(set, n_time, FrictionLaw::Box, Events::Located)
+}
+
+/// Either law, until the slider is periodic.
+pub(crate) fn plan<T: Real>(
+    set: &HarmonicSet,
+    n_time: usize,
+    law: FrictionLaw,
+    events: Events,
+) -> AftPlan<T> {
     let settings = AftSettings {
         n_time,
-        law: FrictionLaw::Box,
-        events: Events::Located,
+        law,
+        events,
         laps: Laps::Periodic,
     };
     AftPlan::new(set, settings)

@@ -2,30 +2,17 @@
 
 use super::GpuError;
 use super::adapter::Device;
+use super::readback::{Moving, RETURNED, read, seconds, u32s};
 use super::scaled::{ScaledForces, ScaledStates};
-use super::shader::{Access, Precision, Reflection, Shape};
+use super::shader::{Access, Pass, Precision, Reflection, Shape};
 use crate::aft::batch::Want;
 use std::collections::BTreeMap;
-use std::time::Duration;
 use wgpu::BufferUsages as Usage;
 
-/// Passes in their order.
-pub(super) const PASSES: [&str; 5] = [
-    "transform",
-    "box_march",
-    "spectra_of_runs",
-    "forces",
-    "tangents_of_moving",
-];
-/// Flags of a state, as the shaders set them.
-const MOVED: u32 = 1;
-/// A device that takes longer than this for one batch hangs; the first one waits for the driver's compiler.
-const PATIENCE: Duration = Duration::from_secs(120);
+/// Passes of a shape at most.
+const MOST_PASSES: usize = 5;
 /// Bytes of the timestamps at both ends of every pass.
-const TIMER_BYTES: u64 = 16 * PASSES.len() as u64;
-/// Blocks of a tangent that the shaders return.
-const BLOCKS: usize = 5;
-
+const TIMER_BYTES: u64 = 16 * MOST_PASSES as u64;
 /// Compiled passes for one shape.
 #[derive(Debug)]
 pub struct Kernels {
@@ -53,14 +40,16 @@ struct Timer {
     resolved: wgpu::Buffer,
 }
 
+/// Time (s) on the device by pass.
+pub type PassSeconds = Vec<(&'static str, f64)>;
+
 /// What one batch gave.
 #[derive(Debug)]
 pub struct BatchResult {
-    /// One entry per part of the batch; `None` where a state had more events than there is room for, or a number is not
-    /// finite.
-    pub parts: Vec<Option<ScaledForces>>,
+    /// One entry per part of the batch.
+    pub parts: Vec<ScaledForces>,
     /// Time (s) of every pass on the device, where it can tell.
-    pub pass_seconds: Option<[f64; PASSES.len()]>,
+    pub pass_seconds: Option<PassSeconds>,
 }
 
 impl Buffers {
@@ -109,14 +98,13 @@ impl Kernels {
             label: None,
             source: wgpu::ShaderSource::Wgsl(text.into()),
         });
-        let pipelines = PASSES
-            .iter()
+        let pipelines = (shape.passes().iter())
             .map(|pass| {
                 (device.device).create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                    label: Some(pass),
+                    label: Some(pass.name),
                     layout: Some(&all),
                     module: &module,
-                    entry_point: Some(pass),
+                    entry_point: Some(pass.name),
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
                     cache: None,
                 })
@@ -159,6 +147,13 @@ impl Kernels {
         let by_threads = group * u64::from(limits.max_compute_workgroups_per_dimension);
         let states = (largest / widest.max(1)).min(by_threads);
         usize::try_from(states / group * group).unwrap_or(usize::MAX)
+    }
+
+    /// Passes that `want` takes.
+    fn passes(&self, want: Want) -> Vec<Pass> {
+        let all = self.shape.passes().iter().copied();
+        all.filter(|pass| !pass.tangents || want == Want::ForcesAndTangents)
+            .collect()
     }
 
     /// Bytes of a buffer for `states` states.
@@ -217,7 +212,7 @@ impl Kernels {
             queries: (device.device).create_query_set(&wgpu::QuerySetDescriptor {
                 label: None,
                 ty: wgpu::QueryType::Timestamp,
-                count: 2 * PASSES.len() as u32,
+                count: 2 * MOST_PASSES as u32,
             }),
             resolved: create(TIMER_BYTES, Usage::QUERY_RESOLVE | Usage::COPY_SRC),
         });
@@ -301,16 +296,12 @@ impl Kernels {
         n: usize,
         want: Want,
     ) -> wgpu::CommandBuffer {
-        let m = self.shape.n_coefficients() as u32;
-        let rows = [self.shape.n_time, 2, 2, 3 * m, m];
+        let passes = self.passes(want);
         let groups = u32::try_from(n.div_ceil(self.reflection.group as usize)).unwrap_or(u32::MAX);
         let mut encoder = device.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&buffers.named["flags"], 0, None);
         encoder.clear_buffer(&buffers.named["n_moving"], 0, None);
-        for (i, pipeline) in self.pipelines.iter().enumerate() {
-            if i == PASSES.len() - 1 && want == Want::Forces {
-                continue;
-            }
+        for (i, (pass, pipeline)) in passes.iter().zip(&self.pipelines).enumerate() {
             let writes = buffers
                 .timer
                 .as_ref()
@@ -319,13 +310,13 @@ impl Kernels {
                     beginning_of_pass_write_index: Some(2 * i as u32),
                     end_of_pass_write_index: Some(2 * i as u32 + 1),
                 });
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some(PASSES[i]),
+            let mut commands = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some(pass.name),
                 timestamp_writes: writes,
             });
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, &buffers.bind_group, &[]);
-            pass.dispatch_workgroups(groups, rows[i], 1);
+            commands.set_pipeline(pipeline);
+            commands.set_bind_group(0, &buffers.bind_group, &[]);
+            commands.dispatch_workgroups(groups, (pass.rows)(&self.shape), 1);
         }
         let mut offset = TIMER_BYTES;
         for name in RETURNED {
@@ -334,12 +325,9 @@ impl Kernels {
             offset += size;
         }
         if let Some(timer) = &buffers.timer {
-            let passes = match want {
-                Want::Forces => PASSES.len() - 1,
-                Want::ForcesAndTangents => PASSES.len(),
-            };
-            encoder.resolve_query_set(&timer.queries, 0..2 * passes as u32, &timer.resolved, 0);
-            let bytes = 16 * passes as u64;
+            let queries = 0..2 * passes.len() as u32;
+            encoder.resolve_query_set(&timer.queries, queries, &timer.resolved, 0);
+            let bytes = 16 * passes.len() as u64;
             encoder.copy_buffer_to_buffer(&timer.resolved, 0, &buffers.staging, 0, bytes);
         }
         encoder.finish()
@@ -368,7 +356,7 @@ impl Kernels {
         let deviations = self.numbers(take("deviations"));
         let pass_seconds = (buffers.timer.as_ref()).map(|_| {
             let period = f64::from(device.queue.get_timestamp_period()) * 1e-9;
-            seconds(ticks, period, want)
+            seconds(&self.passes(want), ticks, period)
         });
         let tangents = match (want, n_moving) {
             (Want::Forces, _) | (_, 0) => Vec::new(),
@@ -381,6 +369,7 @@ impl Kernels {
             tangents,
             group: self.reflection.group as usize,
             m: self.shape.n_coefficients(),
+            blocks: self.shape.blocks(),
             with_tangents: want == Want::ForcesAndTangents,
         };
         let mut first = 0;
@@ -435,110 +424,6 @@ impl Kernels {
                 .collect(),
         }
     }
-}
-
-/// Buffers that come back whole, in the order of the staging buffer.
-const RETURNED: [&str; 4] = ["n_moving", "flags", "slots", "deviations"];
-
-/// A whole batch, read back.
-struct Moving {
-    flags: Vec<u32>,
-    slots: Vec<u32>,
-    /// Shape: `[3][m][state]`.
-    deviations: Vec<f64>,
-    /// Shape: `[slot / group][5][m][m][slot % group]`.
-    tangents: Vec<f64>,
-    group: usize,
-    m: usize,
-    with_tangents: bool,
-}
-
-impl Moving {
-    /// The states of one part, `None` if they are not all good.
-    fn part(&self, range: std::ops::Range<usize>) -> Option<ScaledForces> {
-        let n = self.flags.len();
-        let mut out = ScaledForces::default();
-        for row in self.deviations.chunks_exact(n) {
-            out.deviations.extend_from_slice(&row[range.clone()]);
-        }
-        let size = BLOCKS * self.m * self.m;
-        let mut n_moving = 0;
-        for state in range {
-            match self.flags[state] {
-                0 => out.slots.push(None),
-                MOVED => {
-                    out.slots.push(Some(n_moving));
-                    n_moving += 1;
-                    let slot = self.slots[state] as usize;
-                    if self.with_tangents {
-                        let first = slot / self.group * size * self.group + slot % self.group;
-                        let values = self.tangents[first..].iter().step_by(self.group);
-                        out.tangents.extend(values.take(size));
-                    }
-                }
-                _ => return None,
-            }
-        }
-        let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
-        (finite(&out.deviations) && finite(&out.tangents)).then_some(out)
-    }
-}
-
-fn u32s(bytes: &[u8]) -> Vec<u32> {
-    bytes
-        .as_chunks()
-        .0
-        .iter()
-        .map(|b| u32::from_le_bytes(*b))
-        .collect()
-}
-
-/// Seconds between the two timestamps of every pass.
-fn seconds(bytes: &[u8], period: f64, want: Want) -> [f64; PASSES.len()] {
-    let (ticks, _) = bytes.as_chunks::<8>();
-    let mut out = [0.0; PASSES.len()];
-    let n = out.len() - usize::from(want == Want::Forces);
-    for (out, ends) in out.iter_mut().take(n).zip(ticks.chunks_exact(2)) {
-        let [start, end] = [ends[0], ends[1]].map(u64::from_le_bytes);
-        *out = end.saturating_sub(start) as f64 * period;
-    }
-    out
-}
-
-/// Waits for a submission and copies the first `size` bytes of a staging buffer.
-fn read(
-    device: &Device,
-    staging: &wgpu::Buffer,
-    size: u64,
-    submission: wgpu::SubmissionIndex,
-) -> Result<Vec<u8>, GpuError> {
-    let lost = |message: String| GpuError::Lost { message };
-    let slice = staging.slice(..size);
-    let (sender, receiver) = std::sync::mpsc::channel();
-    slice.map_async(wgpu::MapMode::Read, move |result| {
-        // the receiver is gone only if this function has given up
-        let _ = sender.send(result);
-    });
-    let wait = wgpu::PollType::Wait {
-        submission_index: Some(submission),
-        timeout: Some(PATIENCE),
-    };
-    device
-        .device
-        .poll(wait)
-        .map_err(|error| lost(error.to_string()))?;
-    match receiver.recv_timeout(PATIENCE) {
-        Ok(Ok(())) => {}
-        Ok(Err(error)) => return Err(lost(error.to_string())),
-        Err(error) => return Err(lost(error.to_string())),
-    }
-    let view = slice
-        .get_mapped_range()
-        .map_err(|error| lost(error.to_string()))?;
-    let bytes = view.to_vec();
-    drop(view);
-    staging.unmap();
-    Ok(bytes)
 }
 
 /// Catches what the device says of the calls of this thread.

@@ -7,13 +7,14 @@
 mod adapter;
 mod kernels;
 mod queue;
+mod readback;
 mod scaled;
 mod self_test;
 mod shader;
 mod tally;
 
 pub use adapter::{AdapterFacts, Device, adapters};
-pub use kernels::{BatchResult, Buffers, Kernels};
+pub use kernels::{BatchResult, Buffers, Kernels, PassSeconds};
 pub use scaled::{ScaledForces, ScaledStates};
 pub use self_test::{examined, self_test};
 pub use shader::{Access, Binding, Precision, Reflection, Shape};
@@ -174,6 +175,7 @@ impl Gpu {
             return false;
         };
         states.unscale(plan, batch, &forces, out);
+        decide(plan, batch, &forces.undecided, out);
         if self.settings.fault == Some(Fault::WrongDrafts) {
             out.forces.iter_mut().for_each(|force| *force *= 1.01);
         }
@@ -248,6 +250,41 @@ impl Drop for Turn<'_> {
     fn drop(&mut self) {
         HAS_TURN.set(false);
         self.queue.end();
+    }
+}
+
+/// Forces and tangents of the states that the device did not decide.
+fn decide(plan: &AftPlan<f64>, batch: &AftBatch<f64>, states: &[usize], out: &mut AftForces<f64>) {
+    if states.is_empty() {
+        return;
+    }
+    let n = batch.n_states;
+    let rows = batch.displacement.chunks_exact(n);
+    let few = AftBatch {
+        n_states: states.len(),
+        displacement: rows
+            .flat_map(|row| states.iter().map(|&i| row[i]))
+            .collect(),
+        parameters: states.iter().map(|&i| batch.parameters[i]).collect(),
+    };
+    let mut decided = AftForces::default();
+    evaluate(plan, &few, Want::ForcesAndTangents, &mut decided);
+    let rows = decided.forces.chunks_exact(states.len());
+    for (row, values) in out.forces.chunks_exact_mut(n).zip(rows) {
+        states.iter().zip(values).for_each(|(&i, &f)| row[i] = f);
+    }
+    let size = super::Block::COUNT * plan.n_coefficients() * plan.n_coefficients();
+    for (k, &i) in states.iter().enumerate() {
+        out.summaries[i] = decided.summaries[k];
+        out.tangents[i] = match decided.tangents[k] {
+            Tangent::Stuck => Tangent::Stuck,
+            Tangent::Blocks(from) => {
+                let offset = out.blocks.len();
+                out.blocks
+                    .extend_from_slice(&decided.blocks[from..][..size]);
+                Tangent::Blocks(offset)
+            }
+        };
     }
 }
 

@@ -318,9 +318,9 @@ impl Lane {
             let batch = &rest[..fitting(rest, most_states)];
             match self.evaluate(queue, (&device, &kernels), batch) {
                 Ok(result) => {
-                    let overflows = result.parts.iter().filter(|part| part.is_none()).count();
-                    queue.tally.overflow(overflows);
-                    answers.extend(result.parts);
+                    let undecided = result.parts.iter().map(|part| part.undecided.len()).sum();
+                    queue.tally.undecided(undecided);
+                    answers.extend(result.parts.into_iter().map(Some));
                     rest = &rest[batch.len()..];
                 }
                 Err(error @ GpuError::Lost { .. }) if !reopened => {
@@ -394,11 +394,14 @@ impl Lane {
             self.buffers.remove(shape);
         }
         let result = result?;
-        let on_device = (result.pass_seconds).map(|passes| passes.iter().sum::<f64>());
+        let on_device =
+            (result.pass_seconds.as_ref()).map(|passes| passes.iter().map(|(_, s)| s).sum::<f64>());
         let seconds = on_device.unwrap_or_else(|| clock.elapsed().as_secs_f64());
         self.seconds_per_state
             .insert(shape.clone(), seconds / n as f64);
-        queue.tally.batch(batch.len(), n, result.pass_seconds);
+        queue
+            .tally
+            .batch(batch.len(), n, result.pass_seconds.as_deref());
         Ok(result)
     }
 }

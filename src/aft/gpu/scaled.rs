@@ -28,19 +28,16 @@ pub struct ScaledForces {
     pub deviations: Vec<f64>,
     /// Place among the states that move; `None` = stuck. Shape: `[state]`.
     pub slots: Vec<Option<usize>>,
-    /// dT₁/ds₁, dT₂/ds₂, dT₁/dg, dT₂/dg, dN/dg less those of the stuck contact; empty if not asked for.
-    /// Shape: `[slot][5][m][m]`.
+    /// Derivatives by the signals less those of the stuck contact; empty if not asked for.
+    /// Shape: `[slot][block of blocks][m][m]`.
     pub tangents: Vec<f64>,
+    /// States that the device did not decide, ascending; their numbers mean nothing.
+    pub undecided: Vec<usize>,
+    /// Number of states with a place.
+    pub n_moving: usize,
+    /// Which blocks the tangents have; the others are zero.
+    pub blocks: &'static [Block],
 }
-
-/// Blocks of the shaders in their order: where they go, and the component of displacement whose stiffness scales them.
-const BLOCKS: [(Block, usize); 5] = [
-    (Block::T1T1, 0),
-    (Block::T2T2, 1),
-    (Block::T1N, 2),
-    (Block::T2N, 2),
-    (Block::NN, 2),
-];
 
 impl ScaledStates {
     /// `None` if a number is not finite.
@@ -145,9 +142,9 @@ impl ScaledStates {
             out.tangents.push(Tangent::Blocks(offset));
             out.blocks.resize(offset + Block::COUNT * size, 0.0);
             let blocks = &mut out.blocks[offset..];
-            let values = scaled.tangents[slot * BLOCKS.len() * size..].chunks_exact(size);
-            for ((block, component), values) in BLOCKS.into_iter().zip(values) {
-                let k = [p.k_t[0], p.k_t[1], p.k_n][component];
+            let values = scaled.tangents[slot * scaled.blocks.len() * size..].chunks_exact(size);
+            for (&block, values) in scaled.blocks.iter().zip(values) {
+                let k = [p.k_t[0], p.k_t[1], p.k_n][block.column_component()];
                 let target = &mut blocks[block as usize * size..][..size];
                 (target.iter_mut().zip(values)).for_each(|(t, v)| *t = k * v);
                 if block.row_component() == block.column_component() {

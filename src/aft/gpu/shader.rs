@@ -4,6 +4,7 @@
 //! elements per state and workgroup sizes are read from the parsed text: nothing of it is written a second time here.
 
 use super::GpuError;
+use crate::aft::batch::Block;
 use crate::aft::plan::AftPlan;
 use crate::aft::settings::Laps;
 use crate::contact::{Events, FrictionLaw, Real};
@@ -42,6 +43,29 @@ impl Precision {
     }
 }
 
+/// Which march a shader does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum March {
+    /// Box law with located events.
+    Box,
+    /// Circle law decided at the samples; whether the instant of closing is interpolated.
+    Circle {
+        /// See above.
+        interpolated: bool,
+    },
+}
+
+/// A pass over a batch.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pass {
+    /// Entry point.
+    pub name: &'static str,
+    /// Threads per state, of a shape.
+    pub rows: fn(&Shape) -> u32,
+    /// Whether it is for derivatives alone.
+    pub tangents: bool,
+}
+
 /// What decides a shader text.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Shape {
@@ -49,8 +73,10 @@ pub struct Shape {
     pub(super) orders: Vec<u32>,
     /// Samples per period.
     pub(super) n_time: u32,
-    /// Passes over the period.
+    /// Passes over the period; 0 = until the slider is periodic.
     pub(super) laps: u32,
+    /// Law, and how it is decided.
+    pub(super) march: March,
     /// Numbers.
     pub(super) precision: Precision,
 }
@@ -58,6 +84,31 @@ pub struct Shape {
 /// Loop iterations that one invocation may need at most: a widespread software adapter ends loops silently after 65 535
 /// in all.
 const MOST_ITERATIONS: usize = 60_000;
+
+/// Laps after which the shader of the circle law gives up.
+const MOST_CIRCLE_LAPS: usize = 40;
+
+const fn pass(name: &'static str, rows: fn(&Shape) -> u32, tangents: bool) -> Pass {
+    Pass {
+        name,
+        rows,
+        tangents,
+    }
+}
+
+const BOX_PASSES: [Pass; 5] = [
+    pass("transform", |shape| shape.n_time, false),
+    pass("box_march", |_| 2, false),
+    pass("spectra_of_runs", |_| 2, false),
+    pass("forces", |shape| 3 * shape.rows(), false),
+    pass("tangents_of_moving", Shape::rows, true),
+];
+const CIRCLE_PASSES: [Pass; 4] = [
+    pass("transform", |shape| shape.n_time, false),
+    pass("circle_march", |_| 1, false),
+    pass("circle_forces", |shape| 3 * shape.rows(), false),
+    pass("circle_tangents", |shape| 3 * shape.rows(), true),
+];
 
 /// Steps of a root search at most, and what its bracket takes.
 const ROOT_STEPS: usize = 50;
@@ -67,17 +118,24 @@ impl Shape {
     #[must_use]
     pub fn of<T: Real>(plan: &AftPlan<T>, precision: Precision) -> Option<Self> {
         let settings = plan.settings();
-        if settings.law != FrictionLaw::Box || settings.events != Events::Located {
-            return None;
-        }
+        let march = match (settings.law, settings.events) {
+            (FrictionLaw::Box, Events::Located) => March::Box,
+            (FrictionLaw::Circle, Events::Interpolated) => March::Circle { interpolated: true },
+            (FrictionLaw::Circle, Events::Sampled) => March::Circle {
+                interpolated: false,
+            },
+            _ => return None,
+        };
         let whole = |x: usize| u32::try_from(x).ok();
         let shape = Self {
             orders: (plan.orders[1..].iter().map(|&k| whole(k))).collect::<Option<_>>()?,
             n_time: whole(settings.n_time)?,
-            laps: match settings.laps {
-                Laps::Fixed(n) => whole(n)?,
-                Laps::Periodic => 2,
+            laps: match (settings.laps, march) {
+                (Laps::Fixed(n), _) => whole(n)?,
+                (Laps::Periodic, March::Box) => 2,
+                (Laps::Periodic, March::Circle { .. }) => 0,
             },
+            march,
             precision,
         };
         (shape.iterations() <= MOST_ITERATIONS).then_some(shape)
@@ -93,6 +151,11 @@ impl Shape {
         2 * self.orders.len() + 1
     }
 
+    /// Rows of a block.
+    fn rows(&self) -> u32 {
+        2 * self.orders.len() as u32 + 1
+    }
+
     /// Terms of a Taylor series over one interval that reach rounding for the highest order.
     fn terms(&self) -> usize {
         let reach = f64::from(self.highest()) * TAU / f64::from(self.n_time);
@@ -104,19 +167,45 @@ impl Shape {
         n.max(4)
     }
 
-    /// Room per direction for breakpoints, runs and sticks.
+    /// Room per direction for breakpoints, runs and sticks; the circle law has none.
     fn rooms(&self) -> [usize; 3] {
         let highest = self.highest() as usize;
-        [24 + 4 * highest, 24 + 2 * highest, 8 + highest / 2]
+        match self.march {
+            March::Box => [24 + 4 * highest, 24 + 2 * highest, 8 + highest / 2],
+            March::Circle { .. } => [1; 3],
+        }
     }
 
-    /// Loop iterations of the march, the longest invocation, if three quarters of its room for events are used and half of
-    /// its root searches take all their steps. Loops over the terms of a series and other short constant ones are unrolled.
+    /// Loop iterations of the longest invocation. Box law: the march, if three quarters of its room for events are used and
+    /// half of its root searches take all their steps; loops over the terms of a series and other short constant ones are
+    /// unrolled. Circle law: all laps, and the sums of the last one.
     fn iterations(&self) -> usize {
         let [points, runs, _] = self.rooms();
-        let event = 2 * self.orders.len() + ROOT_STEPS;
-        let laps = self.laps as usize * points;
-        self.n_time as usize + (3 * points / 4 + runs / 2) * event + laps
+        let (n_time, m) = (self.n_time as usize, self.n_coefficients());
+        match self.march {
+            March::Box => {
+                let event = 2 * self.orders.len() + ROOT_STEPS;
+                let laps = self.laps as usize * points;
+                n_time + (3 * points / 4 + runs / 2) * event + laps
+            }
+            March::Circle { .. } => n_time * (MOST_CIRCLE_LAPS.max(self.laps as usize) + m + 2),
+        }
+    }
+
+    /// Blocks of a derivative in the order of the shaders.
+    pub(super) fn blocks(&self) -> &'static [Block] {
+        match self.march {
+            March::Box => &[Block::T1T1, Block::T2T2, Block::T1N, Block::T2N, Block::NN],
+            March::Circle { .. } => &Block::ALL,
+        }
+    }
+
+    /// Passes in their order.
+    pub(super) fn passes(&self) -> &'static [Pass] {
+        match self.march {
+            March::Box => &BOX_PASSES,
+            March::Circle { .. } => &CIRCLE_PASSES,
+        }
     }
 
     /// The whole shader text.
@@ -130,6 +219,7 @@ impl Shape {
             ("N_TIME", self.n_time as usize),
             ("TERMS", self.terms()),
             ("LAPS", self.laps as usize),
+            ("BLOCKS", self.blocks().len()),
             ("MAX_POINTS", points),
             ("MAX_RUNS", runs),
             ("MAX_STICKS", sticks),
@@ -144,16 +234,24 @@ impl Shape {
         ] {
             let _ = writeln!(text, "const {name}: real = {value:e};");
         }
-        for part in [
-            include_str!("../../../shaders/shared.wgsl"),
-            include_str!("../../../shaders/transform.wgsl"),
-            include_str!("../../../shaders/box_march.wgsl"),
-            include_str!("../../../shaders/spectra.wgsl"),
-            include_str!("../../../shaders/forces.wgsl"),
-            include_str!("../../../shaders/tangents.wgsl"),
-        ] {
-            text.push_str(part);
-        }
+        let interpolated = self.march == March::Circle { interpolated: true };
+        let _ = writeln!(text, "const INTERPOLATED: bool = {interpolated};");
+        text.push_str(include_str!("../../../shaders/shared.wgsl"));
+        text.push_str(include_str!("../../../shaders/transform.wgsl"));
+        let parts: &[&str] = match self.march {
+            March::Box => &[
+                include_str!("../../../shaders/box_march.wgsl"),
+                include_str!("../../../shaders/spectra.wgsl"),
+                include_str!("../../../shaders/forces.wgsl"),
+                include_str!("../../../shaders/tangents.wgsl"),
+            ],
+            March::Circle { .. } => &[
+                include_str!("../../../shaders/circle_march.wgsl"),
+                include_str!("../../../shaders/circle_forces.wgsl"),
+                include_str!("../../../shaders/circle_tangents.wgsl"),
+            ],
+        };
+        parts.iter().for_each(|part| text.push_str(part));
         text
     }
 

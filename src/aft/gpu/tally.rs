@@ -2,7 +2,6 @@
 
 use super::GpuError;
 use super::adapter::AdapterFacts;
-use super::kernels::PASSES;
 use super::queue::lock;
 use super::shader::Precision;
 use std::collections::BTreeMap;
@@ -32,9 +31,9 @@ pub struct GpuReport {
     pub largest_derivative_difference: f64,
     /// Audited evaluations beyond the limit on forces; the processor's result took their place.
     pub beyond_limit: u64,
-    /// Evaluations that the processor took over: a state had more events than there is room for, or a number was not
-    /// finite.
-    pub overflows: u64,
+    /// States that the processor took over: they had more events than there is room for, a cycle that is hard to find, or a
+    /// number that is not finite.
+    pub undecided: u64,
     /// Evaluations that the processor took over because the device failed.
     pub fallbacks: u64,
     /// Batches that were halved.
@@ -61,7 +60,7 @@ impl Tally {
             largest_force_difference: 0.0,
             largest_derivative_difference: 0.0,
             beyond_limit: 0,
-            overflows: 0,
+            undecided: 0,
             fallbacks: 0,
             halved: 0,
             pass_seconds: BTreeMap::new(),
@@ -77,19 +76,19 @@ impl Tally {
         &self,
         evaluations: usize,
         states: usize,
-        seconds: Option<[f64; PASSES.len()]>,
+        seconds: Option<&[(&'static str, f64)]>,
     ) {
         let mut report = lock(&self.0);
         report.batches += 1;
         report.evaluations += evaluations as u64;
         report.states += states as u64;
-        for (pass, seconds) in PASSES.into_iter().zip(seconds.into_iter().flatten()) {
+        for (pass, seconds) in seconds.into_iter().flatten() {
             *report.pass_seconds.entry(pass).or_default() += seconds;
         }
     }
 
-    pub(super) fn overflow(&self, evaluations: usize) {
-        lock(&self.0).overflows += evaluations as u64;
+    pub(super) fn undecided(&self, states: usize) {
+        lock(&self.0).undecided += states as u64;
     }
 
     pub(super) fn halved(&self, error: &GpuError) {
