@@ -187,7 +187,8 @@ fn note_roots(p: Polynomial, pair: bool, crossing: bool) {
         let first = value(p, ends[k]);
         let last = value(p, ends[k + 1u]);
         let guess = ends[k] + (ends[k + 1u] - ends[k]) * linear_share(first, last);
-        note(root(p, zero, ends[k], ends[k + 1u], last > zero, guess), crossing);
+        // not by the sign of `last`: at a sample that is zero to rounding it may differ from that of the mark
+        note(root(p, zero, ends[k], ends[k + 1u], last > first, guess), crossing);
     }
 }
 

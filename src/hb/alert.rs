@@ -37,7 +37,7 @@ pub fn truncation_error(
 ) -> f64 {
     let amplitude = solution.response(balance).norm();
     let padded = pad(balance, &solution.point, larger);
-    let iterate = Iterate::in_full(larger, padded);
+    let iterate = Iterate::new(larger, padded);
     let jacobian = iterate.jacobian(larger);
     let step = newton_step(larger, &iterate, &jacobian, condition);
     let rate = iterate.response_rate(larger, &jacobian, &step, 0.0);

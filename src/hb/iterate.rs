@@ -57,34 +57,27 @@ const COARSEST_TOLERANCE: f64 = 1e-7;
 pub const DRAFT_RESIDUAL: f64 = 1e-4;
 
 impl<'p> Iterate<'p> {
-    /// Evaluates everything at `point`; the contact forces are a draft only where the residual is large.
+    /// Evaluates everything at `point`.
     #[must_use]
     pub fn new(balance: &Balance<'p>, point: Point) -> Self {
         let compliance = Arc::new(balance.compliance(point.omega));
-        Self::with_compliance(balance, point, compliance, Accuracy::Draft)
-    }
-
-    /// Evaluates everything at `point`, whatever the residual, to decide something.
-    #[must_use]
-    pub fn in_full(balance: &Balance<'p>, point: Point) -> Self {
-        let compliance = Arc::new(balance.compliance(point.omega));
-        Self::with_compliance(balance, point, compliance, Accuracy::Full)
-    }
-
-    /// Evaluates everything at `point`, the next one after `from`: close to a solution in full at once.
-    #[must_use]
-    pub fn next(balance: &Balance<'p>, point: Point, from: &Self) -> Self {
-        let compliance = Arc::new(balance.compliance(point.omega));
-        Self::with_compliance(balance, point, compliance, from.contact.accuracy)
+        Self::with_compliance(balance, point, compliance)
     }
 
     pub(super) fn with_compliance(
         balance: &Balance<'p>,
         point: Point,
         compliance: Arc<Compliance<'p>>,
-        accuracy: Accuracy,
     ) -> Self {
-        let iterate = Self::evaluated(balance, point, compliance, accuracy);
+        Self::evaluated(balance, point, compliance, Accuracy::Full)
+    }
+
+    /// Evaluates everything at `point`, to steer an iteration: where the residual is large the contact forces are a draft,
+    /// if the balance's backend gives one.
+    #[must_use]
+    pub fn draft(balance: &Balance<'p>, point: Point) -> Self {
+        let compliance = Arc::new(balance.compliance(point.omega));
+        let iterate = Self::evaluated(balance, point, compliance, Accuracy::Draft);
         if iterate.contact.accuracy == Accuracy::Full || iterate.is_far(balance) {
             return iterate;
         }

@@ -8,7 +8,6 @@ pub use super::iterate::{DRAFT_RESIDUAL, Iterate, Point};
 use super::jacobian::Jacobian;
 use super::settings::NewtonSettings;
 use super::status::Status;
-use crate::aft::Accuracy;
 use faer::prelude::c64;
 use std::sync::Arc;
 
@@ -195,7 +194,7 @@ pub fn polish<'p>(balance: &Balance<'p>, solved: Iterate<'p>) -> (Iterate<'p>, W
             ..iterate.point
         };
         let compliance = Arc::clone(&iterate.compliance);
-        let trial = Iterate::with_compliance(balance, point, compliance, Accuracy::Full);
+        let trial = Iterate::with_compliance(balance, point, compliance);
         let (before, after) = (
             iterate.relative_residual(balance),
             trial.relative_residual(balance),
@@ -337,9 +336,9 @@ fn advance<'p>(balance: &Balance<'p>, from: &Iterate<'p>, step: &Step, size: f64
         };
         let trial = if direction.omega == 0.0 {
             let compliance = Arc::clone(&from.compliance);
-            Iterate::with_compliance(balance, point, compliance, from.contact.accuracy)
+            Iterate::with_compliance(balance, point, compliance)
         } else {
-            Iterate::next(balance, point, from)
+            Iterate::new(balance, point)
         };
         let (allowed, smallest) = if direction.omega == 0.0 {
             ((1.0 - 0.1 * damping) * size, MIN_DAMPING)

@@ -11,6 +11,7 @@ use super::peak::{PeakSettings, find_peak, sharp_enough};
 use super::settings::NewtonSettings;
 use super::solution::Solution;
 use super::status::Status;
+use crate::aft::{Accuracy, Backend};
 use faer::prelude::c64;
 
 /// Where a peak is expected.
@@ -52,7 +53,14 @@ const MAX_ITERATIONS: usize = 14;
 /// change their contact state make the growth jump, which no secant gets over.
 const PATIENCE: usize = 3;
 
+/// Relative step of the frequency above which a located peak takes one more: the distance left is then a few hundredths
+/// of this, far below what was asked for, and the way on which the peak was found cannot be told from it.
+const LAST_STEP: f64 = 1e-8;
+
 /// The maximum of |ŷ| next to `prediction`.
+///
+/// A GPU may draft the contact forces on the way. What was found is decided in full; where nothing was found the way is
+/// gone again in full, so that no failure is one of the drafts.
 ///
 /// # Errors
 /// [`Status::NoPeakInBand`] if the frequency leaves the band, [`Status::MaxIterations`] if the prediction was too far
@@ -63,9 +71,39 @@ pub fn correct<'p>(
     settings: PeakSettings,
     newton: NewtonSettings,
 ) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
+    if matches!(balance.problem.backend, Backend::Cpu) {
+        return searched(balance, prediction, (settings, newton), Iterate::new);
+    }
+    match searched(
+        balance,
+        prediction.clone(),
+        (settings, newton),
+        Iterate::draft,
+    ) {
+        Ok(found) => Ok(found),
+        Err((_, spent)) => {
+            let again = searched(balance, prediction, (settings, newton), Iterate::new);
+            let add = |mut count: WorkCount| {
+                count += spent;
+                count
+            };
+            again
+                .map(|(found, count)| (found, add(count)))
+                .map_err(|(status, count)| (status, add(count)))
+        }
+    }
+}
+
+/// The search behind [`correct`]; `evaluate` makes the iterates until one was evaluated in full.
+fn searched<'p>(
+    balance: &Balance<'p>,
+    prediction: PeakPrediction,
+    (settings, newton): (PeakSettings, NewtonSettings),
+    evaluate: fn(&Balance<'p>, Point) -> Iterate<'p>,
+) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
     let mut count = WorkCount::default();
     let phasor = prediction.phasor;
-    let mut iterate = Iterate::new(balance, prediction.point);
+    let mut iterate = evaluate(balance, prediction.point);
     let tolerance = newton
         .tolerance
         .min(sharp_enough(balance, &iterate.point, settings));
@@ -77,14 +115,16 @@ pub fn correct<'p>(
             return Err((Status::NonFinite, count));
         }
         let solved = size <= tolerance.max(iterate.attainable(balance));
-        if solved && search.located {
+        let closing = solved && search.located;
+        if closing && (search.closed || search.step <= LAST_STEP) {
             return match search.is_maximum(balance, &iterate, &mut count) {
                 true => Ok((iterate, count)),
                 false => Err((Status::MaxIterations, count)),
             };
         }
         let local = Local::new(balance, &iterate, &mut count);
-        let by_growth = size <= settled && !search.located;
+        search.closed |= closing;
+        let by_growth = size <= settled && (closing || !search.located);
         let omega_step = if by_growth {
             search.growth_step(&local, settings.frequency_tolerance)
         } else if search.located {
@@ -104,7 +144,10 @@ pub fn correct<'p>(
         if !settings.band.contains(point.omega) {
             return Err((Status::NoPeakInBand, count));
         }
-        iterate = Iterate::next(balance, point, &iterate);
+        iterate = match iterate.contact.accuracy {
+            Accuracy::Draft => evaluate(balance, point),
+            Accuracy::Full => Iterate::new(balance, point),
+        };
     }
     Err((Status::MaxIterations, count))
 }
@@ -183,6 +226,9 @@ struct Search {
     curvature: Option<f64>,
     /// Whether a frequency step was within the tolerance: the rest is up to the displacements.
     located: bool,
+    /// The last such step, over the frequency; whether it was made from a solved iterate within the tolerance.
+    step: f64,
+    closed: bool,
     /// Smallest residual and smallest such step, and iterations since one of them was halved.
     smallest: [Option<f64>; 2],
     worse: usize,
@@ -199,7 +245,8 @@ impl Search {
         }
         let measured = self.curvature.filter(|c| here.usable(*c));
         let step = -here.rate.re / measured.unwrap_or(here.oscillator());
-        self.located = step.abs() <= tolerance * here.omega;
+        self.step = step.abs() / here.omega;
+        self.located = self.step <= tolerance;
         step
     }
 
