@@ -152,7 +152,7 @@ fn circle_march(@builtin(global_invocation_id) id: vec3<u32>) {
         overshoot = lap.overshoot;
         let change = lap.end - start;
         let now = norm(change);
-        let singular = identity_minus_determinant(lap.monodromy) <= sqrt(RESOLUTION);
+        let singular = identity_minus_determinant(lap.monodromy) <= ROOT_OF_RESOLUTION;
         from_anchor = singular;
         if LAPS > 0u {
             start = select(lap.end, start, laps == most);
@@ -176,7 +176,7 @@ fn circle_march(@builtin(global_invocation_id) id: vec3<u32>) {
             start += distance;
         }
     }
-    let rests = newton && overshoot <= sqrt(RESOLUTION);
+    let rests = newton && overshoot <= ROOT_OF_RESOLUTION;
     let decided = LAPS > 0u || (settled && !rests);
     atomicStore(&flags[state], select(MOVED | OVERFLOW, MOVED, decided));
     let slot = atomicAdd(&n_moving, 1u);

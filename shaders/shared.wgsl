@@ -3,7 +3,7 @@
 //   HARMONICS   orders above 0            HIGHEST   highest order         N_TIME  samples per period
 //   TERMS       terms of Taylor series    STEP      2 pi / N_TIME         LAPS    passes over the period
 //   MAX_POINTS, MAX_RUNS, MAX_STICKS      room per direction of a state
-//   RESOLUTION  rounding of a share of an interval
+//   RESOLUTION  rounding of a share of an interval, and its root
 //   BLOCKS      blocks of a derivative    INTERPOLATED  whether closing is located by linear interpolation
 // All quantities are forces over the scale of their state: the stick signals k_t u of both directions without their
 // means, and the gap function n_0 + k_n v with its mean. Arrays run over states fastest.

@@ -249,6 +249,33 @@ fn shader_and_law_agree_in_single_precision() {
     }
 }
 
+/// A gap that closes at a sample to rounding has one sign there as a sample and the other as a polynomial.
+/// Seen to fail with: the direction of a crossing taken from the sign at the end of its interval.
+#[test]
+fn crossings_at_samples_stay_there() {
+    let Some(device) = device("crossings_at_samples_stay_there", Precision::F32) else {
+        return;
+    };
+    let set = HarmonicSet::up_to(2);
+    let n = 2048;
+    let mut batch = random(&set, n, 5);
+    for (i, p) in batch.parameters.iter_mut().enumerate() {
+        // n_0 so that the gap vanishes at sample i of 64
+        let basis = set.basis(std::f64::consts::TAU * i as f64 / 64.0);
+        let q = |j: usize| batch.displacement[(2 * basis.len() + j) * n + i];
+        p.n_0 = -p.k_n * basis.iter().enumerate().map(|(j, b)| b * q(j)).sum::<f64>();
+    }
+    let plan = located::<f64>(&set, 64);
+    let scaled = ScaledStates::new(&batch).unwrap();
+    let raw = on_device(&device, &plan, Precision::F32, &scaled);
+    let (mut found, mut expected) = (AftForces::default(), AftForces::default());
+    scaled.unscale(&plan, &batch, &raw, &mut found);
+    evaluate(&plan, &batch, Want::ForcesAndTangents, &mut expected);
+    let (found, expected) = (answers(&found, &batch), answers(&expected, &batch));
+    let [forces, _] = differences(&found, &expected, &raw.undecided);
+    assert_below(&forces, [3e-7, 1e-5, 1e-3], "forces");
+}
+
 /// The same for the circle law decided at the samples, whose steady cycle is iterated to rounding.
 /// Seen to fail with: the closing instant left out of the derivative; `slid` without its ratio.
 #[test]
@@ -259,9 +286,16 @@ fn circle_law_agrees_in_single_precision() {
     for events in [Events::Sampled, Events::Interpolated] {
         let law = (FrictionLaw::Circle, events);
         let found = compare(&device, law, (3, 64), Precision::F32);
+        let [forces, derivatives] = &found.same_precision;
+        assert_below(forces, [3e-7, 1e-6, 5e-6], "forces");
+        assert_below(derivatives, [1e-6, 1e-5, 5e-3], "derivatives");
         let [forces, derivatives] = &found.exact;
-        assert_below(forces, [1e-6, 1e-3, 1e-1], "forces");
-        assert_below(derivatives, [1e-5, 1e-1, 1.0], "derivatives");
+        assert_below(forces, [3e-7, 5e-5, 5e-4], "forces in single precision");
+        assert_below(
+            derivatives,
+            [1e-6, 1e-1, 1.0],
+            "derivatives in single precision",
+        );
         assert!(
             found.undecided < STATES / 10,
             "{} undecided",

@@ -82,7 +82,7 @@ fn settings(adapter: &str, fault: Option<Fault>) -> GpuSettings {
     }
 }
 
-/// Seen to fail with: drafts accepted as solutions (`in_full` and the second evaluation left out).
+/// Seen to fail with: drafts accepted as solutions (the second evaluation in `Iterate::draft` left out).
 #[test]
 fn both_backends_give_the_same_answer() {
     let Some(device) = device("both_backends_give_the_same_answer", Precision::F32) else {
@@ -90,12 +90,12 @@ fn both_backends_give_the_same_answer() {
     };
     let index = device.adapter.index.to_string();
     drop(device);
-    let (expected, _) = outcomes(12, None);
-    let (found, report) = outcomes(12, Some(settings(&index, None)));
+    let (expected, _) = outcomes(16, None);
+    let (found, report) = outcomes(16, Some(settings(&index, None)));
     assert_agreement(&found, &expected);
     let report = report.expect("the device was used");
     assert!(
-        report.evaluations > 100 && report.batches < report.evaluations,
+        report.evaluations > 10 && report.batches < report.evaluations,
         "{report:?}"
     );
     assert!(report.audited > 0 && report.beyond_limit == 0, "{report:?}");
@@ -105,13 +105,13 @@ fn both_backends_give_the_same_answer() {
         "{report:?}"
     );
     // a device that is lost, drafts that are wrong: the same answer
-    for fault in [Fault::LoseDeviceAfter(5), Fault::WrongDrafts] {
+    for fault in [Fault::LoseDeviceAfter(3), Fault::WrongDrafts] {
         let all_audited = GpuSettings {
             audit: 1.0,
             ..settings(&index, Some(fault))
         };
-        let (found, report) = outcomes(4, Some(all_audited));
-        assert_agreement(&found, &expected[..4]);
+        let (found, report) = outcomes(12, Some(all_audited));
+        assert_agreement(&found, &expected[..12]);
         let report = report.expect("the device was used");
         assert_eq!(report.notes.len(), 1, "{report:?}");
         assert_eq!(

@@ -1,28 +1,33 @@
 //! Do host and shaders agree on the layout, and is every text valid? Needs no adapter.
 
-use crate::states::located;
+use crate::states::{located, plan};
 use microslip::aft::gpu::{Access, Precision, Reflection, Shape};
-use microslip::aft::{AftPlan, AftSettings, Laps};
 use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
 
 const PRECISIONS: [(Precision, u64); 2] = [(Precision::F32, 4), (Precision::F64, 8)];
 
+/// Blocks of a derivative and passes per law.
+const LAWS: [(FrictionLaw, Events, u64, usize); 3] = [
+    (FrictionLaw::Box, Events::Located, 5, 5),
+    (FrictionLaw::Circle, Events::Interpolated, 7, 4),
+    (FrictionLaw::Circle, Events::Sampled, 7, 4),
+];
+
 /// Sets that ladder, default study and alert use, with the time points that come with them.
-fn shapes(precision: Precision) -> Vec<Shape> {
+fn shapes(precision: Precision, (law, events): (FrictionLaw, Events)) -> Vec<Shape> {
     let mut shapes = Vec::new();
     for h in [1, 2, 3, 5, 7, 8, 9, 13, 21] {
         for n_time in [64, 128, 256] {
             let set = HarmonicSet::up_to(h);
             if n_time > 4 * h {
-                let shape = Shape::of(&located::<f64>(&set, n_time), precision);
-                shapes
-                    .push(shape.unwrap_or_else(|| panic!("H = {h}, Nt = {n_time} has no shader")));
+                let shape = Shape::of(&plan::<f64>(&set, n_time, law, events), precision);
+                shapes.push(shape.unwrap_or_else(|| panic!("H = {h}, Nt = {n_time}: no shader")));
             }
         }
     }
     let odd = HarmonicSet::new(vec![0, 1, 3, 5]).unwrap();
-    shapes.extend(Shape::of(&located::<f64>(&odd, 64), precision));
+    shapes.extend(Shape::of(&plan::<f64>(&odd, 64, law, events), precision));
     shapes
 }
 
@@ -30,9 +35,11 @@ fn shapes(precision: Precision) -> Vec<Shape> {
 #[test]
 fn every_text_is_valid() {
     for (precision, _) in PRECISIONS {
-        for shape in shapes(precision) {
-            if let Err(error) = Reflection::of(&shape.text()) {
-                panic!("{shape:?}: {error}");
+        for (law, events, ..) in LAWS {
+            for shape in shapes(precision, (law, events)) {
+                if let Err(error) = Reflection::of(&shape.text()) {
+                    panic!("{shape:?}: {error}");
+                }
             }
         }
     }
@@ -43,8 +50,11 @@ fn every_text_is_valid() {
 /// Seen to fail with: `states` declared as `array<vec2<real>>`; `DEVIATIONS_PER_STATE` of M.
 #[test]
 fn the_hosts_arrays_are_what_the_shaders_declare() {
-    for (precision, size) in PRECISIONS {
-        for shape in shapes(precision) {
+    for ((precision, size), (law, events, blocks, passes)) in PRECISIONS
+        .into_iter()
+        .flat_map(|p| LAWS.map(|law| (p, law)))
+    {
+        for shape in shapes(precision, (law, events)) {
             let read = Reflection::of(&shape.text()).unwrap();
             let binding = |name: &str| read.bindings[name];
             let set_size = binding("deviations").per_state.unwrap() / 3;
@@ -55,7 +65,7 @@ fn the_hosts_arrays_are_what_the_shaders_declare() {
                 (
                     "tangents",
                     size,
-                    Some(5 * set_size * set_size),
+                    Some(blocks * set_size * set_size),
                     Access::ReadWrite,
                 ),
                 ("flags", 4, Some(1), Access::ReadWrite),
@@ -80,28 +90,20 @@ fn the_hosts_arrays_are_what_the_shaders_declare() {
                 read.bindings.len(),
                 "every buffer has its own number"
             );
-            assert_eq!(read.entry_points.len(), 5, "{:?}", read.entry_points);
+            assert_eq!(read.entry_points.len(), passes, "{:?}", read.entry_points);
         }
     }
 }
 
-/// Laws and events without a shader stay with the processor, and so does a shape whose loops a software adapter would cut.
+/// Events without a shader stay with the processor, and so does a shape whose loops a software adapter would cut.
 /// Seen to fail with: no bound on the iterations.
 #[test]
-fn other_laws_have_no_shader() {
-    let settings = AftSettings {
-        n_time: 128,
-        law: FrictionLaw::Circle,
-        events: Events::Interpolated,
-        laps: Laps::Periodic,
-    };
+fn other_events_have_no_shader() {
     let set = HarmonicSet::up_to(5);
-    assert!(Shape::of(&AftPlan::<f64>::new(&set, settings), Precision::F32).is_none());
-    let sampled = AftSettings {
-        law: FrictionLaw::Box,
-        ..settings
-    };
-    assert!(Shape::of(&AftPlan::<f64>::new(&set, sampled), Precision::F32).is_none());
+    for events in [Events::Sampled, Events::Interpolated] {
+        let plan = plan::<f64>(&set, 128, FrictionLaw::Box, events);
+        assert!(Shape::of(&plan, Precision::F32).is_none());
+    }
     let large = located::<f64>(&set, 65_536);
     assert!(Shape::of(&large, Precision::F32).is_none());
 }

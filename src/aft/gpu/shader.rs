@@ -231,6 +231,11 @@ impl Shape {
         for (name, value) in [
             ("STEP", TAU / f64::from(self.n_time)),
             ("RESOLUTION", 2.0 * self.precision.epsilon()),
+            // the front end takes no roots of constants in double precision
+            (
+                "ROOT_OF_RESOLUTION",
+                (2.0 * self.precision.epsilon()).sqrt(),
+            ),
         ] {
             let _ = writeln!(text, "const {name}: real = {value:e};");
         }
