@@ -226,8 +226,8 @@ fn assert_below(values: &[f64], bounds: [f64; 3], what: &str) {
 
 /// Same algorithm: rounding alone is between the shader and the Rust law in the same precision. Derivatives jump where an
 /// event comes or goes, so that their largest difference says little.
-/// Seen to fail with: `SLIP_DOWN` pushed to the upper bound; friction left out of the rate of a bound; the slider's rate by
-/// the gap function left out.
+/// Seen to fail with: a slider that slips down set to the lower bound; the rate of a closing slider by the gap function
+/// left out.
 #[test]
 fn shader_and_law_agree_in_single_precision() {
     let Some(device) = device("shader_and_law_agree_in_single_precision", Precision::F32) else {
@@ -277,7 +277,7 @@ fn crossings_at_samples_stay_there() {
 }
 
 /// The same for the circle law decided at the samples, whose steady cycle is iterated to rounding.
-/// Seen to fail with: the closing instant left out of the derivative; `slid` without its ratio.
+/// Seen to fail with: the instant of closing left out of the derivative.
 #[test]
 fn circle_law_agrees_in_single_precision() {
     let Some(device) = device("circle_law_agrees_in_single_precision", Precision::F32) else {

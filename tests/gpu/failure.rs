@@ -67,7 +67,7 @@ fn a_lost_device_is_opened_again_once() {
 }
 
 /// Batches that the device refuses are halved; one that cannot be halved goes to the processor.
-/// Seen to fail with: `most` not lowered (no end).
+/// Seen to fail with: a limit that is not lowered (it does not end).
 #[test]
 fn refused_batches_are_halved() {
     let Some(index) = adapter("refused_batches_are_halved") else {

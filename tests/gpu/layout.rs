@@ -31,7 +31,7 @@ fn shapes(precision: Precision, (law, events): (FrictionLaw, Events)) -> Vec<Sha
     shapes
 }
 
-/// Seen to fail with: a semicolon left out of `forces.wgsl`.
+/// Seen to fail with: the root of a constant in double precision, which naga refuses.
 #[test]
 fn every_text_is_valid() {
     for (precision, _) in PRECISIONS {
@@ -47,7 +47,7 @@ fn every_text_is_valid() {
 
 /// What the host writes and reads are plain arrays of the numbers that it converts to, with as many per state as its own
 /// rows have.
-/// Seen to fail with: `states` declared as `array<vec2<real>>`; `DEVIATIONS_PER_STATE` of M.
+/// Seen to fail with: `states` declared as `array<vec2<real>>`.
 #[test]
 fn the_hosts_arrays_are_what_the_shaders_declare() {
     for ((precision, size), (law, events, blocks, passes)) in PRECISIONS
