@@ -43,6 +43,7 @@ fn main() {
                 (FrictionLaw::Box, Events::Interpolated),
                 (FrictionLaw::Box, Events::Located),
                 (FrictionLaw::Circle, Events::Interpolated),
+                (FrictionLaw::Circle, Events::Located),
             ] {
                 let settings = AftSettings {
                     n_time,

@@ -149,6 +149,8 @@ fn study(backend: BackendSettings, samples: u64) -> f64 {
     let ensemble = Ensemble {
         linear: &linear,
         contacts: &contacts,
+        interfaces: &[],
+        load_modes: &[],
         design: &study.design,
         levels: &study.levels,
         settings: &study.solver,

@@ -1,7 +1,7 @@
 //! Arguments, messages and exit codes: 0 = done, 2 = bad input or a file that cannot be read or written.
 
 use std::io::{ErrorKind, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
@@ -10,7 +10,7 @@ use microslip::aft::gpu::{GpuSettings, Precision, adapters, examined};
 use microslip::ensemble::backend::{BackendChoice, BackendSettings};
 use microslip::report::Summary;
 use microslip::study::{
-    Inspection, LevelCurve, OutputFolder, Progress, Study, inspect, run, solve,
+    Inspection, LevelCurve, OutputFolder, Progress, RunResult, Study, extend, inspect, run, solve,
 };
 
 /// Exit code of every failure.
@@ -22,6 +22,7 @@ Examples:
   microslip solve study.toml                nominal forced response at every level
   microslip run study.toml --threads 8      all samples, statistics and report
   microslip run study.toml --output other/  the same into another folder
+  microslip extend results --samples 800    more samples for these results; the old ones are kept
 
 Exit codes: 0 done, 2 bad input or a file that cannot be read or written.";
 
@@ -36,6 +37,8 @@ struct Arguments {
 enum Command {
     /// Compute every sample of a study and write tables and report.
     Run(RunArguments),
+    /// Solve more samples for the results of a run; the files are then those of a run with so many.
+    Extend(ExtendArguments),
     /// Compute the nominal forced response at every level: curve.csv and solution.json.
     Solve(StudyArguments),
     /// Show what a study would compute: degrees of freedom, frequencies, contact pairs, memory and time.
@@ -123,6 +126,21 @@ struct StudyArguments {
     quiet: bool,
 }
 
+#[derive(Args)]
+struct ExtendArguments {
+    /// Folder with the results of `run`.
+    folder: PathBuf,
+    /// Number of samples in all.
+    #[arg(long)]
+    samples: u64,
+    /// Threads; all cores if absent. The results do not depend on it.
+    #[arg(long)]
+    threads: Option<std::num::NonZeroUsize>,
+    /// No progress and no summary.
+    #[arg(long)]
+    quiet: bool,
+}
+
 /// Runs the command of the process's arguments.
 pub(crate) fn main() -> ExitCode {
     // Help and version end here with 0; wrong arguments with clap's own message and 2.
@@ -142,12 +160,13 @@ pub(crate) fn main() -> ExitCode {
 }
 
 fn execute(command: &Command) -> Result<(), Error> {
-    let common = match command {
-        Command::Run(arguments) => Some(&arguments.study),
-        Command::Solve(common) | Command::Inspect(common) => Some(common),
+    let threads = match command {
+        Command::Run(arguments) => arguments.study.threads,
+        Command::Solve(common) | Command::Inspect(common) => common.threads,
+        Command::Extend(arguments) => arguments.threads,
         Command::Devices => None,
     };
-    if let Some(threads) = common.and_then(|common| common.threads) {
+    if let Some(threads) = threads {
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads.get())
             .build_global()
@@ -193,20 +212,57 @@ fn execute(command: &Command) -> Result<(), Error> {
                 // a message that cannot be shown stands in the summary
                 let _ = writeln!(std::io::stderr(), "warning: {message}");
             }
+            show_result(&result, folder.path(), arguments.quiet)?;
             if arguments.quiet {
                 return Ok(());
             }
-            print(|out| {
-                show_levels(out, &result.summary)?;
-                show_gpu(out, &result.summary, profile)?;
-                let path = folder.path().display();
-                writeln!(
-                    out,
-                    "samples.parquet, curves.parquet, summary.json and report.html are in {path}"
-                )
-            })
+            print(|out| show_gpu(out, &result.summary, profile))
+        }
+        Command::Extend(arguments) => {
+            let bar = Bar::new(arguments.quiet);
+            let result = extend(&arguments.folder, arguments.samples, |progress| {
+                bar.show(progress);
+            })?;
+            bar.clear();
+            show_result(&result, &arguments.folder, arguments.quiet)
         }
     }
+}
+
+/// What the samples say, and where the files are.
+fn show_result(result: &RunResult, folder: &Path, quiet: bool) -> Result<(), Error> {
+    if quiet {
+        return Ok(());
+    }
+    print(|out| {
+        show_levels(out, &result.summary)?;
+        show_replicates(out, result)?;
+        if let Some(reason) = &result.unfolded {
+            writeln!(out, "{reason}")?;
+        }
+        writeln!(
+            out,
+            "samples.parquet, curves.parquet, summary.json and report.html are in {}",
+            folder.display()
+        )
+    })
+}
+
+/// Means with their standard errors, where there are replicates.
+fn show_replicates(out: &mut dyn Write, result: &RunResult) -> std::io::Result<()> {
+    for level in result.replicate_means() {
+        writeln!(
+            out,
+            "level {}, mean of {} replicates and its standard error: {:.4} +- {:.1e} Hz, {:.4e} +- {:.1e} m",
+            level.level,
+            level.frequency_hz.replicates,
+            level.frequency_hz.mean,
+            level.frequency_hz.standard_error,
+            level.amplitude_m.mean,
+            level.amplitude_m.standard_error
+        )?;
+    }
+    Ok(())
 }
 
 /// One line per level: samples solved, and the 5, 50 and 95 % quantiles of frequency and amplitude.
@@ -228,9 +284,9 @@ fn show_levels(out: &mut dyn Write, summary: &Summary) -> std::io::Result<()> {
             write!(
                 out,
                 "; {:.0} %: {:.3} Hz, {:.4e} m",
-                100.0 * frequency.valid_only.probability,
-                frequency.valid_only.estimate,
-                amplitude.valid_only.estimate
+                100.0 * frequency.probability,
+                frequency.estimate,
+                amplitude.estimate
             )?;
         }
         writeln!(out)?;
@@ -404,6 +460,10 @@ fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
         names => names.join(", "),
     };
     writeln!(out, "random inputs       {inputs}")?;
+    writeln!(out, "design              {}", facts.design)?;
+    if let Some(field) = &facts.pressure_field {
+        writeln!(out, "pressure field      {field}")?;
+    }
     let levels: Vec<_> = facts.levels.iter().map(f64::to_string).collect();
     writeln!(
         out,

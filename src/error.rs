@@ -7,6 +7,7 @@ use crate::hb::ProblemError;
 use crate::model::ModelError;
 use crate::model::matrices::MatricesError;
 use crate::report::ReportError;
+use crate::sampling::SampleFileError;
 
 /// Everything that ends a command with exit code 2.
 #[derive(Debug, thiserror::Error)]
@@ -33,6 +34,9 @@ pub enum Error {
     /// A file of the user's model breaks a rule.
     #[error(transparent)]
     Matrices(#[from] MatricesError),
+    /// The file with the samples breaks a rule.
+    #[error(transparent)]
+    SampleFile(#[from] SampleFileError),
     /// The built-in model cannot be built from its settings.
     #[error("model: {0}")]
     Model(#[from] ModelError),

@@ -9,12 +9,10 @@
 
 use super::march::{Components, LANES, Lane, Workspace, flag};
 use super::plan::AftPlan;
-use crate::contact::{ContactParameters, Real};
+use super::roots::{crossing_share, dips, linear_share, turn_share, turns_twice, zero};
+use crate::contact::{ContactParameters, FrictionLaw, Real};
 use pulp::Simd;
 use std::f64::consts::TAU;
-
-/// Most steps of a root search; bisection alone needs 52.
-const MAX_STEPS: usize = 60;
 
 /// Marks of an interval between two samples: the gap function changes sign, or dips towards zero and back.
 const CROSSING: u32 = 1;
@@ -53,7 +51,7 @@ pub(super) struct Signals<T> {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Intervals<T> {
     /// Derivatives of u₁, u₂ and v by the phase. Shape: `[time]`.
-    rates: Vec<Components<T>>,
+    pub rates: Vec<Components<T>>,
     /// Sum of marks. Shape: `[time]`.
     marks: Vec<Lane<T>>,
 }
@@ -142,102 +140,46 @@ fn value<T: Real>(row: &[T], q: &[T]) -> T {
     terms.fold(q[0], |sum, (&b, &q)| sum + b * q)
 }
 
+/// The polynomial with coefficients `q` where the basis row is `row`, and its first two derivatives by the phase.
+#[inline(always)]
+pub(super) fn signal_rates<T: Real>(plan: &AftPlan<T>, row: &[T], q: &[T]) -> [T; 3] {
+    derivatives::<0, T>(plan, row, q)
+}
+
 /// Its derivative by the phase.
 #[inline(always)]
 pub(super) fn rate<T: Real>(plan: &AftPlan<T>, row: &[T], q: &[T]) -> T {
     derivatives::<0, T>(plan, row, q)[1]
 }
 
-/// Phase between `low` and `high` where the N-th derivative of `q` is `level`; it is above at `high` if `rising`, else
-/// at `low`. Halley's method from `guess`, with bisection where it would leave the bracket. Ends where the error after
-/// the step, a multiple of its cube, is within rounding; for a turning point within the root of it, since the value
-/// there depends on the square of the error.
+/// Phase between two ends where the N-th derivative of `q` is `level`; it is above at the second end if `rising`, else at
+/// the first. A turning point needs half the digits, since the value there depends on the square of the error.
 #[inline(always)]
 fn root<const N: usize, T: Real>(
     (plan, row): (&AftPlan<T>, &mut [T]),
     (q, level): (&[T], T),
-    [mut low, mut high]: [T; 2],
+    ends: [T; 2],
     rising: bool,
     guess: T,
 ) -> T {
-    let half = T::from_f64(0.5);
-    let middle = |low: T, high: T| half * (low + high);
-    let mut theta = if guess > low && guess < high {
-        guess
-    } else {
-        middle(low, high)
-    };
     let tolerance = if N == 0 {
         T::EPSILON
     } else {
         T::EPSILON.sqrt()
     };
-    let width = high - low;
-    for _ in 0..MAX_STEPS {
+    zero(ends, rising, guess, tolerance, |theta| {
         basis_row(plan, theta, row);
         let [value, slope, curvature] = derivatives::<N, T>(plan, row, q);
-        let value = value - level;
-        if value == T::ZERO {
-            break;
-        }
-        if (value > T::ZERO) == rising {
-            high = theta;
-        } else {
-            low = theta;
-        }
-        let newton = value / slope;
-        let bend = newton * curvature / slope;
-        let halley = theta - newton / (T::ONE - half * bend);
-        let inside = halley > low && halley < high;
-        let next = if inside { halley } else { middle(low, high) };
-        let step = (next - theta).abs();
-        let share = step / width;
-        theta = next;
-        let error = step * (bend * bend + share * share);
-        if (inside && error <= tolerance) || step <= T::EPSILON * high {
-            break;
-        }
-    }
-    theta
-}
-
-/// Where a monotone function with these values and rates (times the step) at both ends passes zero, as a share of the
-/// interval: by the cubic of the phase over the value, or by the straight line where that leaves the interval.
-#[inline(always)]
-fn crossing_share<T: Real>(value: [T; 2], rate: [T; 2]) -> T {
-    let line = linear_share(value[0], value[1]);
-    let (rest, rise) = (T::ONE - line, value[1] - value[0]);
-    let share = line * line * (T::ONE + rest + rest)
-        + rise * line * rest * (rest / rate[0] - line / rate[1]);
-    if share > T::ZERO && share < T::ONE {
-        share
-    } else {
-        line
-    }
-}
-
-/// Where a straight line between two values of different sign passes zero, as a share of the interval.
-#[inline(always)]
-fn linear_share<T: Real>(before: T, after: T) -> T {
-    before / (before - after)
-}
-
-/// Where the rate of a cubic with these rates (times the step) at both ends passes zero between them, as a share of the
-/// interval; see [`turns_twice`].
-#[inline(always)]
-fn turn_share<T: Real>(rise: T, rate: [T; 2]) -> T {
-    let two = T::ONE + T::ONE;
-    let sign = if rate[0] > T::ZERO { T::ONE } else { -T::ONE };
-    let curvature = T::from_f64(3.0) * (rate[0] + rate[1]) - T::from_f64(6.0) * rise;
-    let slope = sign * (rate[0] + curvature - rate[1]);
-    let root = (slope * slope - two * two * curvature * rate[0]).sqrt();
-    two * sign * rate[0] / (slope + root)
+        [value - level, slope, curvature]
+    })
 }
 
 impl<T: Real> Intervals<T> {
-    /// Looks at all intervals between the samples of `work`, whose rates are computed here.
+    /// Looks at all intervals between the samples of `work`, whose rates are computed here; at the bounds of the box
+    /// law only.
     #[inline(always)]
     pub(super) fn mark<S: Simd>(&mut self, simd: S, plan: &AftPlan<T>, work: &mut Workspace<T>) {
+        let bounds = plan.settings().law == FrictionLaw::Box;
         let n = plan.n_time();
         self.rates.resize(n, [T::ZERO; 3 * LANES]);
         self.marks.resize(n, [T::ZERO; LANES]);
@@ -256,6 +198,10 @@ impl<T: Real> Intervals<T> {
                 let gap_rate = [ra[v], rb[v]].map(|r| step * p.k_n[l] * r);
                 let mut mark: T = number(CROSSING, (gap[0] > T::ZERO) != (gap[1] > T::ZERO));
                 mark += number(DIP, dips(gap, gap_rate));
+                if !bounds {
+                    marks[l] = mark;
+                    continue;
+                }
                 let friction = [gap[0], gap[1], gap_rate[0], gap_rate[1]].map(|x| p.mu[l] * x);
                 let first = [a.u[0][l], b.u[0][l], step * ra[l], step * rb[l]];
                 let second = [
@@ -546,26 +492,6 @@ pub(super) fn first_sample_from(theta: f64, n: f64) -> usize {
 #[inline(always)]
 fn number<T: Real>(mark: u32, holds: bool) -> T {
     T::from_f64(f64::from(mark)) * flag(holds)
-}
-
-/// Whether a function of this value and rate (times the step) at both ends dips towards zero and comes back.
-#[inline(always)]
-fn dips<T: Real>(value: [T; 2], rate: [T; 2]) -> bool {
-    (value[0] * value[1] > T::ZERO)
-        & (value[0] * rate[0] < T::ZERO)
-        & (value[1] * rate[1] > T::ZERO)
-}
-
-/// Whether the cubic of these values and rates (times the step) at both ends turns twice between them. Its rate is
-/// r₀ (1 − s) + r₁ s − c s (1 − s) with c = 3 (r₀ + r₁) − 6 Δ, which has roots if c exceeds (√r₀ + √r₁)².
-#[inline(always)]
-fn turns_twice<T: Real>(rise: T, rate: [T; 2]) -> bool {
-    let sum = rate[0] + rate[1];
-    let excess = sum + sum - T::from_f64(6.0) * rise;
-    let product = rate[0] * rate[1];
-    (product > T::ZERO)
-        & (excess * rate[0] > T::ZERO)
-        & (excess * excess > T::from_f64(4.0) * product)
 }
 
 /// Marks of both bounds of one direction from displacement and friction limit: values, then rates, at both ends.

@@ -13,9 +13,9 @@ use crate::contact::Real;
 use crate::contact::law::{anchored_at_closing, circle_step};
 
 /// Laps with Newton steps before the march goes on with plain laps.
-const NEWTON_LAPS: u32 = 30;
+pub(super) const NEWTON_LAPS: u32 = 30;
 /// Laps after which a cycle counts as not periodic.
-const MAX_LAPS: u32 = 200;
+pub(super) const MAX_LAPS: u32 = 200;
 
 /// How the lanes were marched.
 #[derive(Debug, Clone, Copy)]
@@ -91,7 +91,7 @@ impl<T: Real> Cycle<T> {
             }
             let change = change_over_lap(work, l, lane2(&self.start, l), lane2(&w, l));
             let periodic = size(change) <= work.tolerance[l];
-            self.periodicity[l] = classify(periodic, &monodromy, l);
+            self.periodicity[l] = classify(periodic, lane4(&monodromy, l));
         }
     }
 
@@ -114,7 +114,7 @@ impl<T: Real> Cycle<T> {
                 let m = lane4(&monodromy, l);
                 if search.settled(change, m, tolerance) || lap == MAX_LAPS {
                     search.done = true;
-                    self.periodicity[l] = classify(size(change) <= tolerance, &monodromy, l);
+                    self.periodicity[l] = classify(size(change) <= tolerance, m);
                     self.from_anchor[l] = is_singular(m);
                 } else {
                     let step = search.step(change, m, lap);
@@ -166,10 +166,10 @@ impl<T: Real> Cycle<T> {
 
 /// Search for the steady slider of one lane.
 #[derive(Debug, Clone, Copy, Default)]
-struct Search<T> {
+pub(super) struct Search<T> {
     done: bool,
     /// Whether a Newton step was made.
-    newton: bool,
+    pub newton: bool,
     /// Change over the lap before, while Newton steps are tried.
     last: Option<T>,
 }
@@ -178,7 +178,7 @@ impl<T: Real> Search<T> {
     /// Whether the distance to the steady slider, as Newton's method sees it, is within rounding; if I − M is nearly
     /// singular it stays larger, and the search ends when the change over a lap no longer falls.
     #[inline(always)]
-    fn settled(&self, change: [T; 2], m: [T; 4], tolerance: T) -> bool {
+    pub(super) fn settled(&self, change: [T; 2], m: [T; 4], tolerance: T) -> bool {
         let distance = if is_singular(m) {
             change
         } else {
@@ -196,7 +196,7 @@ impl<T: Real> Search<T> {
 
     /// Change of k_t w for the next lap: a Newton step if it can be made and the last one did not fail.
     #[inline(always)]
-    fn step(&mut self, change: [T; 2], m: [T; 4], lap: u32) -> [T; 2] {
+    pub(super) fn step(&mut self, change: [T; 2], m: [T; 4], lap: u32) -> [T; 2] {
         let now = size(change);
         if self.failed(change) || lap > NEWTON_LAPS || is_singular(m) {
             self.last = None;
@@ -224,13 +224,13 @@ fn determinant_of_identity_minus<T: Real>(m: [T; 4]) -> T {
 }
 
 #[inline(always)]
-fn is_singular<T: Real>(m: [T; 4]) -> bool {
+pub(super) fn is_singular<T: Real>(m: [T; 4]) -> bool {
     determinant_of_identity_minus(m) <= T::EPSILON.sqrt()
 }
 
 #[inline(always)]
-fn classify<T: Real>(periodic: bool, monodromy: &[Lane<T>; 4], l: usize) -> Periodicity {
-    match (periodic, is_singular(lane4(monodromy, l))) {
+pub(super) fn classify<T: Real>(periodic: bool, monodromy: [T; 4]) -> Periodicity {
+    match (periodic, is_singular(monodromy)) {
         (false, _) => Periodicity::NotPeriodic,
         (true, true) => Periodicity::DependsOnAnchor,
         (true, false) => Periodicity::Unique,

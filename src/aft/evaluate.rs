@@ -4,6 +4,7 @@ use super::batch::{AftBatch, AftForces, Block, Periodicity, StateSummary, Tangen
 use super::circle::{self, Cycle};
 use super::circle_tangent::{CircleScratch, circle_tangent};
 use super::located::{Located, Place};
+use super::located_circle::LocatedCircle;
 use super::march::{LANES, Workspace};
 use super::plan::AftPlan;
 use super::settings::Laps;
@@ -18,6 +19,7 @@ pub(super) struct Scratch<T> {
     segments: SegmentScratch<T>,
     circle: CircleScratch<T>,
     located: Located<T>,
+    located_circle: LocatedCircle<T>,
 }
 
 /// Last events of both directions before the last lap, per lane.
@@ -100,16 +102,31 @@ fn locate<S: Simd, T: Real>(
     scratch: &mut Scratch<T>,
     (want, out): (Want, &mut AftForces<T>),
 ) {
-    scratch.located.mark(simd, plan, &mut scratch.work);
-    for lane in 0..LANES.min(batch.n_states - first) {
-        let place = Place {
-            plan,
-            batch,
-            work: &scratch.work,
-            lane,
-            state: first + lane,
-        };
-        scratch.located.evaluate(place, want, out);
+    let Scratch {
+        work,
+        located,
+        located_circle,
+        ..
+    } = scratch;
+    let lanes = 0..LANES.min(batch.n_states - first);
+    match plan.settings().law {
+        FrictionLaw::Box => {
+            located.mark(simd, plan, work);
+            for lane in lanes {
+                located.evaluate(Place::new(plan, batch, work, (first, lane)), want, out);
+            }
+        }
+        FrictionLaw::Circle => {
+            located_circle.mark(simd, plan, work);
+            for lane in lanes.clone() {
+                located_circle.evaluate(Place::new(plan, batch, work, (first, lane)), want, out);
+                located_circle.put_tractions(work, lane);
+            }
+            store_forces(simd, plan, work, first, out);
+            for lane in lanes {
+                located_circle.complete(lane, first + lane, out);
+            }
+        }
     }
 }
 
@@ -300,6 +317,7 @@ mod tests {
             (FrictionLaw::Box, Events::Interpolated),
             (FrictionLaw::Box, Events::Located),
             (FrictionLaw::Circle, Events::Interpolated),
+            (FrictionLaw::Circle, Events::Located),
         ] {
             let settings = AftSettings {
                 n_time: 64,

@@ -30,9 +30,9 @@ pub(super) struct Located<T> {
 
 /// Scratch of one state.
 #[derive(Debug, Clone, Default)]
-struct LaneScratch<T> {
-    signals: Signals<T>,
-    points: Vec<Breakpoint<T>>,
+pub(super) struct LaneScratch<T> {
+    pub signals: Signals<T>,
+    pub points: Vec<Breakpoint<T>>,
     /// Stretches of one direction in the last lap.
     runs: Vec<Run<T>>,
     /// Phase from which a direction slips, per interval between breakpoints.
@@ -46,7 +46,7 @@ struct LaneScratch<T> {
     /// Fourier integrals of a stretch, basis row of an event, force coefficients. Shape: `[m]`.
     sums: Vec<T>,
     row: Vec<T>,
-    force: Vec<T>,
+    pub force: Vec<T>,
 }
 
 /// Where and how the slider was set last.
@@ -85,6 +85,24 @@ pub(super) struct Place<'a, T> {
     pub work: &'a Workspace<T>,
     pub lane: usize,
     pub state: usize,
+}
+
+impl<'a, T> Place<'a, T> {
+    /// The state of a lane of the group that starts at `first`.
+    pub(super) fn new(
+        plan: &'a AftPlan<T>,
+        batch: &'a AftBatch<T>,
+        work: &'a Workspace<T>,
+        (first, lane): (usize, usize),
+    ) -> Self {
+        Self {
+            plan,
+            batch,
+            work,
+            lane,
+            state: first + lane,
+        }
+    }
 }
 
 impl<T: Real> Located<T> {
@@ -344,7 +362,12 @@ impl<T: Real> LaneScratch<T> {
 
     /// Normal force coefficients into `force`, and their block if wanted.
     #[inline(always)]
-    fn normal(&mut self, plan: &AftPlan<T>, p: &ContactParameters<T>, nn: Option<&mut [T]>) {
+    pub(super) fn normal(
+        &mut self,
+        plan: &AftPlan<T>,
+        p: &ContactParameters<T>,
+        nn: Option<&mut [T]>,
+    ) {
         clear(&mut self.force, plan.m);
         clear(&mut self.stick, 2 * plan.n_mask_orders());
         for k in 0..self.points.len() {

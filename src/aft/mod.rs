@@ -5,12 +5,18 @@ mod batch;
 mod breakpoints;
 mod circle;
 mod circle_tangent;
+mod course;
 mod evaluate;
 pub mod gpu;
+mod lap;
 mod located;
+mod located_circle;
 mod march;
 mod plan;
+mod roots;
+mod sensitivity;
 pub mod settings;
+mod slip;
 mod tangent;
 
 pub use backend::{Accuracy, Backend};

@@ -15,6 +15,8 @@ pub struct AftPlan<T> {
     pub(super) m: usize,
     /// Harmonic orders, ascending from 0.
     pub(super) orders: Vec<usize>,
+    /// The same as numbers, without 0.
+    pub(super) order_numbers: Vec<T>,
     /// b: values of the basis functions. Shape: `[time][coefficient]`.
     pub(super) basis: Vec<T>,
     /// Weight w of each coefficient in the analysis: 1/Nt for the mean, 2/Nt else. Shape: `[coefficient]`.
@@ -87,6 +89,7 @@ impl<T: Real> AftPlan<T> {
                 .collect(),
             prefix: prefix_sums(&cos, &sin, 2 * harmonics.highest() + 1),
             weight: weight.into_iter().map(convert).collect(),
+            order_numbers: orders[1..].iter().map(|&k| convert(k as f64)).collect(),
             orders,
         }
     }

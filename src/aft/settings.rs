@@ -37,12 +37,6 @@ impl AftSettings {
             self.n_time,
             "must be more than 4 times the highest harmonic and at most 65536",
         )?;
-        BadSetting::unless(
-            self.events != Events::Located || self.law == FrictionLaw::Box,
-            "events",
-            "located",
-            "needs law = \"box\": slip of the circle law has no closed form",
-        )?;
         BadSetting::unless(self.laps != Laps::Fixed(0), "laps", 0, "must be at least 1")
     }
 }

@@ -35,25 +35,15 @@ pub enum FrictionLaw {
 }
 
 /// How events between two samples are resolved: the starts and ends of slip and separation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Events {
     /// Every event is decided at the samples; a slider that closes is anchored at the last separated sample.
     Sampled,
     /// As `Sampled`, but a slider that closes is anchored at the instant of closing, by linear interpolation.
     Interpolated,
-    /// Every event is located to rounding between the samples, and the force between the events is integrated in
-    /// closed form (box law only).
+    /// Every event is located to rounding between the samples. Between the events the forces of the box law and normal
+    /// forces are integrated in closed form; slip of the circle law is integrated to second order in the sampling step.
+    #[default]
     Located,
-}
-
-impl Events {
-    /// What a study gets that does not say: the most accurate that the law has.
-    #[must_use]
-    pub fn of_law(law: FrictionLaw) -> Self {
-        match law {
-            FrictionLaw::Box => Self::Located,
-            FrictionLaw::Circle => Self::Interpolated,
-        }
-    }
 }

@@ -29,9 +29,9 @@ pub struct Anchor {
 /// A peak as a start for others.
 #[derive(Debug, Clone)]
 pub struct AnchorPeak {
-    harmonics: HarmonicSet,
-    point: Point,
-    response: c64,
+    pub(super) harmonics: HarmonicSet,
+    pub(super) point: Point,
+    pub(super) response: c64,
 }
 
 /// A predicted peak and the harmonics that it is given on.
@@ -79,6 +79,15 @@ impl AnchorPeak {
     pub fn extrapolated(before: &(f64, Self), at: &(f64, Self), t: f64) -> AtlasPrediction {
         let weight = (t - at.0) / (at.0 - before.0);
         combined(&[(1.0 + weight, &at.1), (-weight, &before.1)])
+    }
+}
+
+impl AtlasPrediction {
+    /// The same as a start at another excitation level: the level of a sample may be an input.
+    #[must_use]
+    pub fn at_level(mut self, level: f64) -> Self {
+        self.peak.point.level = level;
+        self
     }
 }
 

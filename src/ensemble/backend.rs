@@ -1,7 +1,7 @@
 //! Who evaluates the contacts of a run: the choice, and what came of it.
 
-use super::Ensemble;
 use super::outcome::SampleOutcome;
+use super::{Ensemble, Solved};
 use crate::aft::Backend;
 use crate::aft::gpu::{Gpu, GpuReport, GpuSettings};
 use crate::hb::newton::DRAFT_RESIDUAL;
@@ -115,8 +115,23 @@ impl OpenBackend {
         samples: u64,
         done: impl Fn() + Sync,
     ) -> Result<Vec<SampleOutcome>, rayon::ThreadPoolBuildError> {
+        let solved = self.extend(ensemble, Solved::default(), samples, done)?;
+        Ok(solved.outcomes)
+    }
+
+    /// The same where the samples of `kept` are solved already.
+    ///
+    /// # Errors
+    /// Those of [`OpenBackend::run`].
+    pub fn extend(
+        &self,
+        ensemble: &Ensemble<'_>,
+        kept: Solved,
+        samples: u64,
+        done: impl Fn() + Sync,
+    ) -> Result<Solved, rayon::ThreadPoolBuildError> {
         if self.gpu.is_none() {
-            return Ok(ensemble.run(samples, done));
+            return Ok(ensemble.extend(kept, samples, done));
         }
         let most = usize::try_from(samples).unwrap_or(MOST_IN_FLIGHT).max(1);
         let in_flight = (SAMPLES_PER_TURN * self.turns)
@@ -125,7 +140,7 @@ impl OpenBackend {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(in_flight)
             .build()?;
-        Ok(pool.install(|| ensemble.run(samples, &done)))
+        Ok(pool.install(|| ensemble.extend(kept, samples, &done)))
     }
 
     /// What became of it.

@@ -1,12 +1,15 @@
 //! What one sample gives: inputs, and one record per excitation level.
 
 use crate::hb::Status;
+use crate::sampling::SampleGroup;
 
 /// All that is kept of one sample.
 #[derive(Debug, Clone)]
 pub struct SampleOutcome {
     /// Index of the sample in the study, 0-based.
     pub index: u64,
+    /// Outer point and replicate, where the design has such.
+    pub group: SampleGroup,
     /// Sampled inputs, in the order of the study's input names.
     pub inputs: Vec<f64>,
     /// One record per excitation level, in the order of the study's levels.

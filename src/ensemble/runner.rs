@@ -19,6 +19,10 @@ pub struct Ensemble<'a> {
     pub linear: &'a LinearModel,
     /// Nominal constants of the contact pairs.
     pub contacts: &'a [ContactParameters<f64>],
+    /// Interface of each contact pair: 0 = left, 1 = right. Shape as `contacts`; read for inputs of one side only.
+    pub interfaces: &'a [usize],
+    /// Static force (as [`crate::hb::linear::Part::static_force`]) of each mode of the pressure field. Shape: modes × parts.
+    pub load_modes: &'a [Vec<Vec<f64>>],
     /// Random inputs.
     pub design: &'a Design,
     /// Excitation levels, ascending.
@@ -36,17 +40,32 @@ pub struct Ensemble<'a> {
 /// Samples solved without help: the first part of the atlas.
 const FIRST_ANCHORS: u64 = 8;
 /// Samples in the atlas at most.
-const MOST_ANCHORS: u64 = 1024;
+pub const MOST_ANCHORS: u64 = 1024;
+
+/// Samples that are solved and what is needed to solve more.
+#[derive(Debug, Clone, Default)]
+pub struct Solved {
+    /// Outcomes of the samples 0, 1, …
+    pub outcomes: Vec<SampleOutcome>,
+    /// The first [`MOST_ANCHORS`] of them as starts for others, in the same order.
+    pub anchors: Vec<Anchor>,
+}
 
 impl Ensemble<'_> {
     /// Outcomes of the samples 0 … `samples` − 1, in that order; `done` is called after each, from any thread.
-    ///
-    /// The first samples are solved on their own, each later one starts from samples before the last power of two: what
-    /// sample i starts from depends on i, not on the order of solving or the number of samples.
     #[must_use]
     pub fn run(&self, samples: u64, done: impl Fn() + Sync) -> Vec<SampleOutcome> {
+        self.extend(Solved::default(), samples, done).outcomes
+    }
+
+    /// The samples 0 … `samples` − 1, of which `kept` has the first ones; `done` is called after each of the others.
+    ///
+    /// The first samples are solved on their own, each later one starts from samples before the last power of two: what
+    /// sample i starts from depends on i, not on the order of solving, the number of samples, or what was kept.
+    #[must_use]
+    pub fn extend(&self, kept: Solved, samples: u64, done: impl Fn() + Sync) -> Solved {
+        let mut solved = kept;
         let mut atlas = Atlas::default();
-        let mut outcomes = Vec::new();
         let mut first = 0;
         while first < samples {
             let end = match first {
@@ -54,7 +73,8 @@ impl Ensemble<'_> {
                 _ if first < MOST_ANCHORS => 2 * first,
                 _ => samples,
             };
-            let solved: Vec<(SampleOutcome, Option<Anchor>)> = (first..end.min(samples))
+            let end = end.min(samples);
+            let new: Vec<(SampleOutcome, Option<Anchor>)> = (solved.outcomes.len() as u64..end)
                 .into_par_iter()
                 .map(|index| {
                     let (outcome, anchor) = self.sample(index, &atlas);
@@ -62,11 +82,13 @@ impl Ensemble<'_> {
                     (outcome, (index < MOST_ANCHORS).then_some(anchor))
                 })
                 .collect();
-            let (solved, anchors): (Vec<_>, Vec<_>) = solved.into_iter().unzip();
-            outcomes.extend(solved);
-            atlas.extend(anchors.into_iter().flatten());
+            let (outcomes, anchors): (Vec<_>, Vec<_>) = new.into_iter().unzip();
+            solved.outcomes.extend(outcomes);
+            solved.anchors.extend(anchors.into_iter().flatten());
+            let generation = solved.anchors.iter().take(end as usize);
+            atlas.extend(generation.skip(first as usize).cloned());
             first = end;
         }
-        outcomes
+        solved
     }
 }

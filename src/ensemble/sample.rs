@@ -4,16 +4,15 @@
 //! straight line between the inputs, and where that fails too the sample's own track from the stuck state decides.
 
 use super::Ensemble;
+use super::applied::Applied;
 use super::atlas::{Anchor, AnchorPeak, Atlas, AtlasPrediction};
 use super::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
-use crate::contact::ContactParameters;
 use crate::hb::curve::response_curve;
 use crate::hb::newton::WorkCount;
-use crate::hb::predicted::{PeakPrediction, correct, maximum_near};
+use crate::hb::predicted::{PeakPrediction, correct, maximum_near, phase_locked};
 use crate::hb::refine::{on, refined_near};
 use crate::hb::track::{LevelPeak, track_peaks};
 use crate::hb::{Balance, Problem, ProblemError, Solution, Status};
-use crate::sampling::Input;
 use crate::units::rad_s_to_hz;
 
 /// Relative distance between the predicted and the found amplitude from which the prediction is not trusted to have
@@ -27,9 +26,7 @@ impl Ensemble<'_> {
     #[must_use]
     pub fn sample(&self, index: u64, atlas: &Atlas) -> (SampleOutcome, Anchor) {
         let inputs = self.design.sample(index);
-        let place = (self.design.inputs().iter().zip(&inputs))
-            .map(|((_, distribution), value)| distribution.cdf(*value))
-            .collect();
+        let place = self.design.place(&inputs);
         self.outcome(index, inputs, place, atlas)
     }
 
@@ -50,12 +47,15 @@ impl Ensemble<'_> {
     ) -> (SampleOutcome, Anchor) {
         let _turn = self.backend.turn();
         let curve = index < self.curve_samples;
-        let solved = self.problem(&inputs).and_then(|problem| {
-            let peaks = self.peaks(&problem, &place, atlas)?;
+        let applied = self.applied(&inputs);
+        let levels = self.applied_levels(&applied);
+        let solved = (applied.problem(self.settings.anchor)).and_then(|problem| {
+            let peaks = self.peaks(&problem, &levels, &place, atlas)?;
             let anchor = |peak: &LevelPeak| Some(AnchorPeak::new(peak.solution.as_ref()?));
             let anchors = peaks.iter().map(anchor).collect();
-            let level = |peak| self.level(&problem, peak, curve);
-            Ok((peaks.into_iter().map(level).collect(), anchors))
+            let level = |(peak, nominal)| self.level(&problem, peak, nominal, curve);
+            let of_levels = peaks.into_iter().zip(self.levels.iter().copied());
+            Ok((of_levels.map(level).collect(), anchors))
         });
         let (levels, anchors) = solved.unwrap_or_else(|error| {
             let none = vec![None; self.levels.len()];
@@ -63,6 +63,7 @@ impl Ensemble<'_> {
         });
         let outcome = SampleOutcome {
             index,
+            group: self.design.group(index),
             inputs,
             levels,
         };
@@ -73,34 +74,40 @@ impl Ensemble<'_> {
         (outcome, anchor)
     }
 
-    /// The harmonic balance problem at the given inputs; nominal where there are none.
-    fn problem(&self, inputs: &[f64]) -> Result<Problem<'_>, ProblemError> {
-        let named = self.design.inputs().iter().map(|(input, _)| *input);
-        let values = named.zip(inputs.iter().copied());
-        let (contacts, load_scale) = apply_inputs(self.contacts, values);
-        let mut problem = Problem::new(self.linear, contacts, load_scale, self.settings.anchor)?;
-        problem.backend = self.backend;
-        Ok(problem)
+    /// Excitation levels of a sample. Shape: `[levels]`.
+    fn applied_levels(&self, applied: &Applied) -> Vec<f64> {
+        (self.levels.iter())
+            .map(|level| level * applied.excitation_scale)
+            .collect()
     }
 
-    /// Peaks at all levels: from the atlas where that leads to what it promised, the others by the sample's own track.
+    /// Peaks at the sample's own `levels`: from the atlas where that leads to what it promised, the others by its track.
     fn peaks(
         &self,
         problem: &Problem<'_>,
+        levels: &[f64],
         place: &[f64],
         atlas: &Atlas,
     ) -> Result<Vec<LevelPeak>, ProblemError> {
         let mut spent = vec![WorkCount::default(); self.levels.len()];
         let mut peaks: Vec<Option<LevelPeak>> = (spent.iter_mut().enumerate())
             .map(|(level, spent)| {
-                let predicted = self.predicted(problem, atlas.predict(place, level)?, spent);
-                predicted
-                    .or_else(|| self.followed(problem, place, atlas.nearest(place, level)?, spent))
+                let prediction = atlas.predict(place, level)?.at_level(levels[level]);
+                let predicted = self.predicted(problem, prediction, spent);
+                predicted.or_else(|| {
+                    self.followed(
+                        problem,
+                        (level, levels[level]),
+                        place,
+                        atlas.nearest(place, level)?,
+                        spent,
+                    )
+                })
             })
             .collect();
         let missing: Vec<usize> = (0..peaks.len()).filter(|&i| peaks[i].is_none()).collect();
         if !missing.is_empty() {
-            let levels: Vec<f64> = missing.iter().map(|&i| self.levels[i]).collect();
+            let levels: Vec<f64> = missing.iter().map(|&i| levels[i]).collect();
             let tracked = track_peaks(problem, self.settings, self.peak, &levels)?;
             missing
                 .into_iter()
@@ -138,10 +145,11 @@ impl Ensemble<'_> {
         }
     }
 
-    /// The peak at `place`, reached from the anchor by steps along the straight line between their places.
+    /// The peak at `place` and at a level (its number and value there), reached from the anchor by steps along the straight line between their places.
     fn followed(
         &self,
         problem: &Problem<'_>,
+        (level, target): (usize, f64),
         place: &[f64],
         (start, anchor): (&[f64], &AnchorPeak),
         spent: &mut WorkCount,
@@ -155,10 +163,13 @@ impl Ensemble<'_> {
                 None => at.1.as_prediction(),
             };
             if share == 1.0 {
+                let prediction = prediction.at_level(target);
                 if let Some(peak) = self.predicted(problem, prediction, spent) {
                     return Some(peak);
                 }
-            } else if let Some(next) = self.waypoint(start, place, share, prediction, spent) {
+            } else if let Some(next) =
+                self.waypoint(level, (start, place, share), prediction, spent)
+            {
                 before = Some(std::mem::replace(&mut at, (share, next)));
                 step *= 2.0;
                 continue;
@@ -170,19 +181,20 @@ impl Ensemble<'_> {
         }
     }
 
-    /// The peak on the way from `start` to `end`, on the harmonics of the prediction.
+    /// The peak at level number `level` at a share of the way between two places, on the harmonics of the prediction.
     fn waypoint(
         &self,
-        start: &[f64],
-        end: &[f64],
-        share: f64,
+        level: usize,
+        (start, end, share): (&[f64], &[f64], f64),
         prediction: AtlasPrediction,
         spent: &mut WorkCount,
     ) -> Option<AnchorPeak> {
         let inputs: Vec<f64> = (self.design.inputs().iter().zip(start.iter().zip(end)))
             .map(|((_, distribution), (a, b))| distribution.quantile(a + share * (b - a)))
             .collect();
-        let problem = self.problem(&inputs).ok()?;
+        let applied = self.applied(&inputs);
+        let prediction = prediction.at_level(self.applied_levels(&applied)[level]);
+        let problem = applied.problem(self.settings.anchor).ok()?;
         let balance = on(&problem, prediction.harmonics, self.settings);
         let amplitude = prediction.amplitude;
         let corrected = correct(&balance, prediction.peak, self.peak, self.settings.newton);
@@ -191,15 +203,21 @@ impl Ensemble<'_> {
         (!surprising(found.amplitude(0), amplitude)).then(|| AnchorPeak::new(&found))
     }
 
-    /// Record of one level, with the forced response through its peak if wanted.
-    fn level(&self, problem: &Problem<'_>, peak: LevelPeak, with_curve: bool) -> LevelOutcome {
+    /// Record of the nominal level `level`, with the forced response through its peak if wanted.
+    fn level(
+        &self,
+        problem: &Problem<'_>,
+        peak: LevelPeak,
+        level: f64,
+        with_curve: bool,
+    ) -> LevelOutcome {
         let mut count = peak.count;
         let curve = (peak.solution.as_ref().filter(|_| with_curve))
             .map_or_else(Vec::new, |solution| {
                 self.curve(problem, solution, &mut count)
             });
         LevelOutcome {
-            level: peak.level,
+            level,
             status: peak.status,
             peak: peak.solution.as_ref().map(record),
             curve,
@@ -222,7 +240,10 @@ impl Ensemble<'_> {
         let mut prediction = PeakPrediction::of(solution);
         prediction.point.r =
             (solution.harmonics).convert(&prediction.point.r, n_relative, harmonics);
-        let Ok(peak) = maximum_near(&balance, prediction, self.peak, newton, count) else {
+        // a picture may start beside the maximum
+        let maximum = maximum_near(&balance, prediction.clone(), self.peak, newton, count);
+        let start = maximum.or_else(|_| phase_locked(&balance, prediction, newton, count));
+        let Ok(peak) = start else {
             return Vec::new();
         };
         let (curve, work) = response_curve(&balance, &peak.point, self.peak.band, newton);
@@ -257,33 +278,6 @@ impl Ensemble<'_> {
 /// Whether an amplitude is too far from the predicted one to lie on the same branch.
 fn surprising(found: f64, predicted: f64) -> bool {
     (found / predicted - 1.0).abs() >= SURPRISE
-}
-
-/// Contact constants and factor on the static load at the given input values.
-fn apply_inputs(
-    nominal: &[ContactParameters<f64>],
-    values: impl Iterator<Item = (Input, f64)>,
-) -> (Vec<ContactParameters<f64>>, f64) {
-    let mut contacts = nominal.to_vec();
-    let mut load_scale = 1.0;
-    for (input, value) in values {
-        for contact in &mut contacts {
-            match input {
-                Input::StiffnessScale => {
-                    contact.k_n *= value;
-                    contact.k_t = contact.k_t.map(|k| k * value);
-                }
-                Input::NormalStiffnessScale => contact.k_n *= value,
-                Input::TangentialStiffnessScale => contact.k_t = contact.k_t.map(|k| k * value),
-                Input::FrictionCoefficient => contact.mu = value,
-                Input::StaticLoadScale => {}
-            }
-        }
-        if input == Input::StaticLoadScale {
-            load_scale = value;
-        }
-    }
-    (contacts, load_scale)
 }
 
 fn record(solution: &Solution) -> PeakRecord {

@@ -6,6 +6,7 @@
 use super::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
 use crate::contact::{Events, FrictionLaw};
 use crate::hb::{SliderAnchor, Status};
+use crate::sampling::SampleGroup;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use parquet::column::writer::ColumnWriter;
 use parquet::data_type::ByteArray;
@@ -83,6 +84,12 @@ pub struct StoredSamples {
 /// Samples per row group: bounds the memory of a write to a few megabytes.
 const ROW_GROUP: usize = 4096;
 const INPUTS_KEY: &str = "inputs";
+/// Columns of what a sample belongs to.
+type GroupColumn = (&'static str, fn(&SampleGroup) -> Option<u64>);
+const GROUP_COLUMNS: [GroupColumn; 2] = [
+    ("outer", |group| group.outer),
+    ("replicate", |group| group.replicate),
+];
 
 /// Writes `path` as a whole: to a temporary file beside it first, which then takes its name.
 ///
@@ -113,7 +120,7 @@ pub fn replace_file<E: From<std::io::Error>>(
 
 /// Writes one row per sample and level.
 ///
-/// Columns: `sample`, the inputs by name, `level`, `status`, then the fields of [`PeakRecord`] (null without a
+/// Columns: `sample`, `outer` and `replicate` where the design has such, the inputs by name, `level`, `status`, then the fields of [`PeakRecord`] (null without a
 /// solution), `newton_iterations`, `factorizations`. Units are those of [`PeakRecord`].
 ///
 /// # Errors
@@ -127,7 +134,10 @@ pub fn write_samples(
     let mut metadata = key_values(provenance)?;
     let names = serde_json::to_string(input_names).map_err(std::io::Error::from)?;
     metadata.push(KeyValue::new(INPUTS_KEY.to_owned(), names));
-    let table = |part: &[SampleOutcome]| sample_columns(input_names, part);
+    let group = outcomes
+        .first()
+        .map_or_else(SampleGroup::default, |o| o.group);
+    let table = |part: &[SampleOutcome]| sample_columns(input_names, group, part);
     write_table(path, metadata, outcomes, table)
 }
 
@@ -149,12 +159,7 @@ pub fn write_curves(
 /// [`StoreError`] if the file cannot be read or lacks a column.
 pub fn read_samples(path: &Path) -> Result<StoredSamples, StoreError> {
     let reader = SerializedFileReader::new(File::open(path)?)?;
-    let stored = reader.metadata().file_metadata().key_value_metadata();
-    let metadata: BTreeMap<String, String> = stored
-        .into_iter()
-        .flatten()
-        .filter_map(|pair| Some((pair.key.clone(), pair.value.clone()?)))
-        .collect();
+    let metadata = metadata(&reader);
     let input_names: Vec<String> = metadata
         .get(INPUTS_KEY)
         .and_then(|names| serde_json::from_str(names).ok())
@@ -167,6 +172,7 @@ pub fn read_samples(path: &Path) -> Result<StoredSamples, StoreError> {
             let inputs: Result<_, _> = input_names.iter().map(|name| row.real(name)).collect();
             outcomes.push(SampleOutcome {
                 index,
+                group: row.group(),
                 inputs: inputs?,
                 levels: Vec::new(),
             });
@@ -182,11 +188,22 @@ pub fn read_samples(path: &Path) -> Result<StoredSamples, StoreError> {
     })
 }
 
+/// Key-value metadata of a file.
+pub(super) fn metadata(reader: &SerializedFileReader<File>) -> BTreeMap<String, String> {
+    let stored = reader.metadata().file_metadata().key_value_metadata();
+    stored
+        .into_iter()
+        .flatten()
+        .filter_map(|pair| Some((pair.key.clone(), pair.value.clone()?)))
+        .collect()
+}
+
 /// One column of a table, nullable where its kind says so.
-enum Column {
+pub(super) enum Column {
     Count(Vec<Option<i64>>),
     Real(Vec<Option<f64>>),
     Text(Vec<&'static str>),
+    Bytes(Vec<Vec<u8>>),
 }
 
 impl Column {
@@ -199,6 +216,7 @@ impl Column {
                 Some(LogicalType::String),
                 Repetition::REQUIRED,
             ),
+            Self::Bytes(_) => (Physical::BYTE_ARRAY, None, Repetition::REQUIRED),
         };
         let field = Type::primitive_type_builder(name, physical)
             .with_logical_type(logical)
@@ -221,6 +239,10 @@ impl Column {
                 let bytes: Vec<ByteArray> = values.iter().map(|&text| text.into()).collect();
                 w.write_batch(&bytes, None, None)?;
             }
+            (Self::Bytes(values), ColumnWriter::ByteArrayColumnWriter(w)) => {
+                let bytes: Vec<ByteArray> = values.iter().map(|v| v.clone().into()).collect();
+                w.write_batch(&bytes, None, None)?;
+            }
             _ => return Err(ParquetError::General("column of another type".to_owned())),
         }
         Ok(())
@@ -234,13 +256,14 @@ fn split<T: Copy>(values: &[Option<T>]) -> (Vec<T>, Vec<i16>) {
     (present, levels)
 }
 
-type Table = Vec<(String, Column)>;
+pub(super) type Table = Vec<(String, Column)>;
 
 fn count(value: usize) -> Option<i64> {
     i64::try_from(value).ok()
 }
 
-fn sample_columns(input_names: &[String], outcomes: &[SampleOutcome]) -> Table {
+/// `group` tells which of its columns there are.
+fn sample_columns(input_names: &[String], group: SampleGroup, outcomes: &[SampleOutcome]) -> Table {
     let rows: Vec<(&SampleOutcome, &LevelOutcome)> = outcomes
         .iter()
         .flat_map(|outcome| outcome.levels.iter().map(move |level| (outcome, level)))
@@ -258,6 +281,15 @@ fn sample_columns(input_names: &[String], outcomes: &[SampleOutcome]) -> Table {
         "sample",
         Column::Count(rows.iter().map(|(o, _)| index(o)).collect()),
     );
+    for (name, of) in GROUP_COLUMNS {
+        if of(&group).is_some() {
+            let number = |o: &SampleOutcome| of(&o.group).and_then(|n| i64::try_from(n).ok());
+            add(
+                name,
+                Column::Count(rows.iter().map(|(o, _)| number(o)).collect()),
+            );
+        }
+    }
     for (i, name) in input_names.iter().enumerate() {
         let input = |o: &SampleOutcome| o.inputs.get(i).copied().and_then(finite);
         add(
@@ -330,11 +362,12 @@ fn key_values(provenance: &Provenance) -> Result<Vec<KeyValue>, StoreError> {
         .collect())
 }
 
-fn write_table(
+/// Writes `rows`, as the columns that `table` makes of a part of them.
+pub(super) fn write_table<T>(
     path: &Path,
     metadata: Vec<KeyValue>,
-    outcomes: &[SampleOutcome],
-    table: impl Fn(&[SampleOutcome]) -> Table,
+    rows: &[T],
+    table: impl Fn(&[T]) -> Table,
 ) -> Result<(), StoreError> {
     let columns = table(&[]);
     let mut names = BTreeSet::new();
@@ -351,7 +384,7 @@ fn write_table(
         .build();
     replace_file(path, |file| {
         let mut writer = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))?;
-        for part in outcomes.chunks(ROW_GROUP) {
+        for part in rows.chunks(ROW_GROUP) {
             let mut group = writer.next_row_group()?;
             for (_, column) in table(part) {
                 if let Some(mut target) = group.next_column()? {
@@ -367,14 +400,14 @@ fn write_table(
 }
 
 /// A row by column name.
-struct Record(BTreeMap<String, Field>);
+pub(super) struct Record(BTreeMap<String, Field>);
 
 impl Record {
-    fn of(row: Row) -> Self {
+    pub(super) fn of(row: Row) -> Self {
         Self(row.into_columns().into_iter().collect())
     }
 
-    fn missing(name: &str) -> StoreError {
+    pub(super) fn missing(name: &str) -> StoreError {
         StoreError::Missing(name.to_owned())
     }
 
@@ -386,15 +419,28 @@ impl Record {
         }
     }
 
-    fn real(&self, name: &str) -> Result<f64, StoreError> {
+    pub(super) fn real(&self, name: &str) -> Result<f64, StoreError> {
         self.optional(name)?.ok_or_else(|| Self::missing(name))
     }
 
-    fn count(&self, name: &str) -> Result<usize, StoreError> {
+    pub(super) fn count(&self, name: &str) -> Result<usize, StoreError> {
         match self.0.get(name) {
             Some(Field::Long(value)) => usize::try_from(*value).map_err(|_| Self::missing(name)),
             _ => Err(Self::missing(name)),
         }
+    }
+
+    pub(super) fn bytes(&self, name: &str) -> Result<&[u8], StoreError> {
+        match self.0.get(name) {
+            Some(Field::Bytes(value)) => Ok(value.data()),
+            _ => Err(Self::missing(name)),
+        }
+    }
+
+    fn group(&self) -> SampleGroup {
+        let number = |name: &str| Some(self.count(name).ok()? as u64);
+        let [outer, replicate] = GROUP_COLUMNS.map(|(name, _)| number(name));
+        SampleGroup { outer, replicate }
     }
 
     fn status(&self) -> Result<Status, StoreError> {

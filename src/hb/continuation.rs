@@ -7,6 +7,7 @@ use super::newton::{Condition, Direction, Iterate, Metric, Point, WorkCount, sol
 use super::settings::NewtonSettings;
 use super::status::Status;
 use faer::prelude::c64;
+use std::ops::ControlFlow;
 
 /// A solution with the tangent of its branch.
 #[derive(Debug)]
@@ -55,6 +56,8 @@ impl StepSettings {
 /// Newton iterations per step that the step control aims at.
 const WANTED_ITERATIONS: f64 = 4.0;
 
+/// Longest step over a fold of the frequency: a longer one may have jumped across the resonance instead.
+const FOLD_STEP: f64 = 0.1;
 /// Steps after which the pace of a walk is judged.
 const PACE_STEPS: usize = 200;
 /// Share of failed steps, and mean step over the largest one, of a walk on the spot: both must be met. A walk without
@@ -168,6 +171,14 @@ impl<'p> BranchPoint<'p> {
         solve(balance, predicted, condition, newton)
     }
 
+    /// Length that the unit tangent of `other` has in the metric of this point.
+    #[must_use]
+    pub fn scale_of(&self, balance: &Balance<'_>, other: &Self) -> f64 {
+        let n = balance.layout.n_relative();
+        let square = self.metric.dot(n, &other.tangent, &other.tangent);
+        square.sqrt()
+    }
+
     /// The same point, walked in the opposite direction.
     #[must_use]
     pub fn reversed(mut self) -> Self {
@@ -179,23 +190,26 @@ impl<'p> BranchPoint<'p> {
 }
 
 /// Why a walk along a branch ended, with the work done.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct WalkEnd {
+#[derive(Debug)]
+pub struct WalkEnd<'p> {
     /// `Converged` if the visitor ended it.
     pub status: Status,
+    /// Where it ended.
+    pub last: BranchPoint<'p>,
     /// Work of all steps.
     pub count: WorkCount,
 }
 
-/// Walks along the branch from `start`; `visit` sees every new point with the one before it and the length of the
-/// step between them, and says whether to go on. A walk on the spot ends as one whose steps become too small.
+/// Walks along the branch from `start`; `visit` is given every point left behind, the new one and the length of the
+/// step between them, and says whether to go on and how long the next step may be. A walk on the spot ends as one whose
+/// steps become too small.
 pub fn walk<'p>(
     balance: &Balance<'p>,
     start: BranchPoint<'p>,
     newton: NewtonSettings,
     steps: StepSettings,
-    mut visit: impl FnMut(&BranchPoint<'p>, &BranchPoint<'p>, f64) -> bool,
-) -> WalkEnd {
+    mut visit: impl FnMut(BranchPoint<'p>, &BranchPoint<'p>, f64) -> ControlFlow<(), f64>,
+) -> WalkEnd<'p> {
     let mut count = WorkCount::default();
     let mut point = start;
     let mut length = steps.first;
@@ -204,47 +218,57 @@ pub fn walk<'p>(
         match point.step(balance, length, newton) {
             Ok((iterate, work)) => {
                 count += work;
-                let (next, work_tangent) = BranchPoint::new(
-                    balance,
-                    iterate,
-                    steps.omega_scale,
-                    None,
-                    Some(&point.tangent),
-                );
+                let tangent = Some(&point.tangent);
+                let (next, work_tangent) =
+                    BranchPoint::new(balance, iterate, steps.omega_scale, None, tangent);
                 count += work_tangent;
-                let go_on = visit(&point, &next, length);
-                point = next;
-                if !go_on {
-                    return WalkEnd {
-                        status: Status::Converged,
-                        count,
-                    };
+                let folds = next.tangent.omega * point.tangent.omega < 0.0;
+                if folds && length > FOLD_STEP {
+                    length *= 0.5;
+                    continue;
                 }
+                let before = std::mem::replace(&mut point, next);
+                let longest = match visit(before, &point, length) {
+                    ControlFlow::Continue(longest) => longest,
+                    ControlFlow::Break(()) => return end(Status::Converged, point, count),
+                };
                 if pace.is_hopeless(Some(length), steps.largest) {
-                    return WalkEnd {
-                        status: Status::StepTooSmall,
-                        count,
-                    };
+                    return end(Status::StepTooSmall, point, count);
                 }
                 let ease = WANTED_ITERATIONS / work.iterations.max(1) as f64;
-                length = (length * ease.clamp(0.5, 2.0)).min(steps.largest);
+                length = (length * ease.clamp(0.5, 2.0))
+                    .min(steps.largest)
+                    .min(longest.max(steps.smallest));
             }
             Err((status, work)) => {
                 count += work;
                 length *= 0.5;
                 if length < steps.smallest || pace.is_hopeless(None, steps.largest) {
-                    let status = if status == Status::NonFinite {
-                        status
-                    } else {
-                        Status::StepTooSmall
+                    let status = match status {
+                        Status::NonFinite => status,
+                        _ => Status::StepTooSmall,
                     };
-                    return WalkEnd { status, count };
+                    return end(status, point, count);
                 }
             }
         }
     }
+    end(Status::MaxIterations, point, count)
+}
+
+/// On with steps of any length, or the end of the walk.
+#[must_use]
+pub fn on_if(go_on: bool) -> ControlFlow<(), f64> {
+    match go_on {
+        true => ControlFlow::Continue(f64::INFINITY),
+        false => ControlFlow::Break(()),
+    }
+}
+
+fn end(status: Status, last: BranchPoint<'_>, count: WorkCount) -> WalkEnd<'_> {
     WalkEnd {
-        status: Status::MaxIterations,
+        status,
+        last,
         count,
     }
 }

@@ -2,7 +2,7 @@
 
 use super::alert::{enlarged, pad, time_points, truncation_error};
 use super::balance::Balance;
-use super::continuation::{BranchPoint, StepSettings, walk};
+use super::continuation::{BranchPoint, StepSettings, on_if, walk};
 use super::ladder::Ladder;
 use super::newton::{Condition, Iterate, WorkCount, solve};
 use super::problem::Problem;
@@ -86,16 +86,15 @@ pub fn over_band(
         ..StepSettings::for_band(band.width())
     };
     let (branch, _) = BranchPoint::new(&balance, first, steps.omega_scale, None, None);
-    let mut last = branch.iterate.point.clone();
     let end = walk(&balance, branch, settings.newton, steps, |_, point, _| {
-        last = point.iterate.point.clone();
         solutions.push(report(&point.iterate, WorkCount::default()));
         // An overhanging branch may leave the band at its lower end and come back.
-        LOWEST * band.low < last.omega && last.omega < band.high
+        let omega = point.iterate.point.omega;
+        on_if(LOWEST * band.low < omega && omega < band.high)
     });
     if end.status != Status::Converged {
-        let iterate = Iterate::new(&balance, last);
-        solutions.push(Solution::new(&balance, &iterate, end.status, end.count));
+        let last = &end.last.iterate;
+        solutions.push(Solution::new(&balance, last, end.status, end.count));
     }
     solutions
 }

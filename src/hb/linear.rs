@@ -82,6 +82,16 @@ impl LinearModel {
         })
     }
 
+    /// Multiplies the damping matrix by `factor`.
+    pub fn scale_damping(&mut self, factor: f64) {
+        for part in &mut self.parts {
+            match &mut part.structure {
+                Structure::Modal { damping, .. } => damping.iter_mut().for_each(|c| *c *= factor),
+                Structure::Physical { damping, .. } => *damping *= Scale(factor),
+            }
+        }
+    }
+
     /// What harmonic k sees.
     #[must_use]
     pub fn part(&self, k: usize) -> &Part {

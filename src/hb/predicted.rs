@@ -3,8 +3,9 @@
 //! Per iteration one factor J gives the correction of r at a fixed frequency, the tangent dr/dω and from both
 //! d ln ŷ/dω = g + i p at the corrected point. Far from the branch the frequency follows the predicted phase of the
 //! peak, δω = −δφ/p; close to it the growth g must vanish, δω = −g/g′, with g′ by secants, at first −p² as for one
-//! oscillator.
+//! oscillator. The growth is wrong by as much as the displacements: while that is more than it tells, the frequency rests.
 
+use super::alert::pad;
 use super::balance::Balance;
 use super::newton::{Condition, Direction, Iterate, Point, WorkCount, newton_step, solve};
 use super::peak::{PeakSettings, find_peak, sharp_enough};
@@ -33,14 +34,30 @@ impl PeakPrediction {
             phasor: response / response.norm(),
         }
     }
+
+    /// The peak on the harmonics of `to` where those of `from` have theirs at `peak`.
+    #[must_use]
+    pub fn on_other_harmonics(from: &Balance<'_>, peak: &Iterate<'_>, to: &Balance<'_>) -> Self {
+        let response = peak.response(from);
+        Self {
+            point: pad(from, &peak.point, to),
+            phasor: response / response.norm(),
+        }
+    }
 }
 
 /// Residual over the dynamic displacement below which the amplitude's growth is more reliable than the predicted phase.
 const SETTLED: f64 = 1e-2;
+/// Error of the growth over the phase rate, per residual over the dynamic displacement.
+const GROWTH_ERROR: f64 = 30.0;
 /// Longest step of the phase (rad) in one iteration.
 const LONGEST_STEP: f64 = 0.5;
-/// Phases (rad) further apart than this measure the curvature.
-const CURVATURE_RESOLUTION: f64 = 1e-3;
+/// Changes of the growth over the sum of their errors from which they measure the curvature.
+const CURVATURE_RESOLUTION: f64 = 10.0;
+/// Phases (rad) closer than this do not measure it: round-off.
+const SHORTEST_SECANT: f64 = 1e-6;
+/// Curvature, as a multiple of one oscillator's, that a top may have where it could not be measured.
+const UNMEASURED: f64 = 0.1;
 /// Step of the phase (rad) that measures it where all iterations were closer together.
 const CURVATURE_STEP: f64 = 0.1;
 /// Newton steps spent on that.
@@ -48,7 +65,7 @@ const CORRECTIONS: usize = 3;
 /// Curvatures, as multiples of one oscillator's, that a secant may use; friction makes flat tops (0.03 has been seen).
 const USABLE: std::ops::Range<f64> = 0.003..10.0;
 /// Iterations before giving up.
-const MAX_ITERATIONS: usize = 14;
+const MAX_ITERATIONS: usize = 20;
 /// Iterations in a row that may fail to halve the residual, on the way, or the frequency step, at the end: samples that
 /// change their contact state make the growth jump, which no secant gets over.
 const PATIENCE: usize = 3;
@@ -107,7 +124,9 @@ fn searched<'p>(
     let tolerance = newton
         .tolerance
         .min(sharp_enough(balance, &iterate.point, settings));
-    let settled = SETTLED * iterate.point.dynamic_share(balance).min(1.0);
+    let share = iterate.point.dynamic_share(balance).min(1.0);
+    let settled = SETTLED * share;
+    let enough = |at: &Local| settings.frequency_tolerance * at.omega * at.oscillator().abs();
     let mut search = Search::default();
     for _ in 0..MAX_ITERATIONS {
         let size = iterate.relative_residual(balance);
@@ -122,17 +141,20 @@ fn searched<'p>(
                 false => Err((Status::MaxIterations, count)),
             };
         }
-        let local = Local::new(balance, &iterate, &mut count);
+        let mut local = Local::new(balance, &iterate, &mut count);
+        // the growth is as exact as the displacements that it was taken at
+        local.growth_error = GROWTH_ERROR * (size / share) * local.rate.im.abs();
+        let trusted = 0.5 * local.rate.re.abs().max(enough(&local));
         search.closed |= closing;
-        let by_growth = size <= settled && (closing || !search.located);
+        let by_growth = closing || (!search.located && local.growth_error <= trusted);
         let omega_step = if by_growth {
             search.growth_step(&local, settings.frequency_tolerance)
-        } else if search.located {
-            0.0
-        } else {
+        } else if search.last.is_none() && size > settled {
             -(local.response / phasor).arg() / local.rate.im
+        } else {
+            0.0
         };
-        if search.stalls((size, size > settled), omega_step) {
+        if search.stalls(size, by_growth.then_some(omega_step)) {
             break;
         }
         let longest = LONGEST_STEP / local.rate.im.abs();
@@ -161,6 +183,8 @@ struct Local {
     response: c64,
     /// d ln ŷ/dω there.
     rate: c64,
+    /// Error of its real part, the growth (s).
+    growth_error: f64,
 }
 
 impl Local {
@@ -183,6 +207,7 @@ impl Local {
             response,
             correction,
             tangent,
+            growth_error: 0.0,
         }
     }
 
@@ -229,8 +254,9 @@ struct Search {
     /// The last such step, over the frequency; whether it was made from a solved iterate within the tolerance.
     step: f64,
     closed: bool,
-    /// Smallest residual and smallest such step, and iterations since one of them was halved.
-    smallest: [Option<f64>; 2],
+    /// Smallest residual since the last such step, smallest such step, and iterations since one of them was halved.
+    smallest_residual: Option<f64>,
+    smallest_step: Option<f64>,
     worse: usize,
 }
 
@@ -239,14 +265,22 @@ impl Search {
     fn growth_step(&mut self, here: &Local, tolerance: f64) -> f64 {
         if let Some(last) = &self.last {
             let apart = here.omega - last.omega;
-            if (apart * here.rate.im).abs() > CURVATURE_RESOLUTION {
+            let errors = here.growth_error + last.growth_error;
+            let told_apart = (apart * here.oscillator()).abs() > CURVATURE_RESOLUTION * errors;
+            if told_apart && (apart * here.rate.im).abs() > SHORTEST_SECANT {
                 self.curvature = Some((here.rate.re - last.rate.re) / apart);
             }
         }
         let measured = self.curvature.filter(|c| here.usable(*c));
-        let step = -here.rate.re / measured.unwrap_or(here.oscillator());
+        let curvature = measured.unwrap_or(here.oscillator());
+        let flattest = match measured {
+            Some(measured) => measured.abs().min(here.oscillator().abs()),
+            None => UNMEASURED * here.oscillator().abs(),
+        };
+        let farthest = here.rate.re.abs().max(here.growth_error) / flattest;
+        self.located = farthest <= tolerance * here.omega;
+        let step = -here.rate.re / curvature;
         self.step = step.abs() / here.omega;
-        self.located = self.step <= tolerance;
         step
     }
 
@@ -271,27 +305,31 @@ impl Search {
         false
     }
 
-    /// Whether neither the residual, on the way, nor the frequency step has been halved for long.
-    fn stalls(&mut self, (size, on_the_way): (f64, bool), omega_step: f64) -> bool {
-        let (kind, now) = match on_the_way || self.located {
-            true => (0, size),
-            false => (1, omega_step.abs()),
+    /// Whether neither the residual nor the steps by the growth have been halved for long; each such step may raise the
+    /// residual.
+    fn stalls(&mut self, size: f64, growth_step: Option<f64>) -> bool {
+        let (smallest, now) = match growth_step {
+            Some(step) => {
+                self.smallest_residual = None;
+                (&mut self.smallest_step, step.abs())
+            }
+            None => (&mut self.smallest_residual, size),
         };
-        let smallest = self.smallest[kind].unwrap_or(f64::INFINITY);
-        self.worse = match now <= 0.5 * smallest {
+        let before = smallest.unwrap_or(f64::INFINITY);
+        *smallest = Some(before.min(now));
+        self.worse = match now <= 0.5 * before {
             true => 0,
             false => self.worse + 1,
         };
-        self.smallest[kind] = Some(smallest.min(now));
         self.worse >= PATIENCE
     }
 }
 
-/// The maximum next to a prediction: directly, else by a search along the branch from the solution with the predicted
-/// phase. Where that fails too the solution with the predicted phase stands for the maximum.
+/// The maximum next to a prediction that may be far: from the solution with the predicted phase, which damped steps
+/// reach, directly or else by a search along the branch.
 ///
 /// # Errors
-/// The status of the solve at the predicted phase.
+/// The status of the solve at the predicted phase, or of the search.
 pub fn maximum_near<'p>(
     balance: &Balance<'p>,
     prediction: PeakPrediction,
@@ -299,15 +337,27 @@ pub fn maximum_near<'p>(
     newton: NewtonSettings,
     count: &mut WorkCount,
 ) -> Result<Iterate<'p>, Status> {
-    let PeakPrediction { point, phasor } = prediction.clone();
-    if let Ok(found) = count.tally(correct(balance, prediction, settings, newton)) {
+    let phasor = prediction.phasor;
+    let locked = phase_locked(balance, prediction, newton, count)?;
+    let point = locked.point.clone();
+    let direct = correct(balance, PeakPrediction { point, phasor }, settings, newton);
+    if let Ok(found) = count.tally(direct) {
         return Ok(found);
     }
-    let phase = Condition::PhaseLocked(phasor);
-    let locked = count.tally(solve(balance, point, phase, newton))?;
-    let point = locked.point.clone();
-    match count.tally(find_peak(balance, locked, settings, newton)) {
-        Ok(found) => Ok(found.iterate),
-        Err(_) => Ok(Iterate::new(balance, point)),
-    }
+    let searched = find_peak(balance, locked, settings, newton);
+    Ok(count.tally(searched)?.iterate)
+}
+
+/// The solution with the predicted phase.
+///
+/// # Errors
+/// The status of the solve.
+pub fn phase_locked<'p>(
+    balance: &Balance<'p>,
+    prediction: PeakPrediction,
+    newton: NewtonSettings,
+    count: &mut WorkCount,
+) -> Result<Iterate<'p>, Status> {
+    let phase = Condition::PhaseLocked(prediction.phasor);
+    count.tally(solve(balance, prediction.point, phase, newton))
 }

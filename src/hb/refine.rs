@@ -1,6 +1,6 @@
 //! More harmonics for a located peak until the error alert is silent.
 
-use super::alert::{enlarged, pad, time_points, truncation_error};
+use super::alert::{enlarged, time_points, truncation_error};
 use super::balance::Balance;
 use super::newton::{Condition, Iterate, WorkCount};
 use super::peak::PeakSettings;
@@ -13,7 +13,8 @@ use crate::harmonics::HarmonicSet;
 
 /// Raises the harmonics of the peak `iterate` of `balance` as far as `settings.alert` asks; `count` is the work before.
 ///
-/// Each larger set starts from the peak on the smaller one.
+/// Each larger set starts from the peak on the smaller one. A peak that cannot be located on the larger set stays on the
+/// smaller one, with [`Status::TruncationAboveThreshold`].
 #[must_use]
 pub fn refined<'p>(
     balance: &Balance<'p>,
@@ -29,23 +30,19 @@ pub fn refined<'p>(
     let mut iterate = iterate;
     loop {
         let balance = raised.as_ref().unwrap_or(balance);
-        let y = iterate.response(balance);
-        let phasor = y / y.norm();
         let below_cap = balance.harmonics.highest() < alert.highest_harmonic;
         let cap = below_cap.then_some(alert.highest_harmonic);
         let larger = on(balance.problem, enlarged(&balance.harmonics, cap), settings);
-        let error = truncation_error(balance, &iterate, &larger, Condition::PhaseLocked(phasor));
+        let prediction = PeakPrediction::on_other_harmonics(balance, &iterate, &larger);
+        let locked = Condition::PhaseLocked(prediction.phasor);
+        let error = truncation_error(balance, &iterate, &larger, locked);
         count += WorkCount {
             iterations: 1,
             factorizations: 1,
         };
         let silent = error <= alert.threshold;
         let next = (!silent && below_cap)
-            .then(|| {
-                let point = pad(balance, &iterate.point, &larger);
-                let prediction = PeakPrediction { point, phasor };
-                maximum_near(&larger, prediction, peak, settings.newton, &mut count).ok()
-            })
+            .then(|| maximum_near(&larger, prediction, peak, settings.newton, &mut count).ok())
             .flatten();
         let Some(next) = next else {
             let status = match silent {

@@ -6,7 +6,8 @@
 pub enum Status {
     /// Converged, truncation error below the threshold (or not asked for).
     Converged,
-    /// Converged, but the truncation error is above the threshold at the highest harmonic allowed.
+    /// Converged, but the truncation error is above the threshold at the highest harmonic allowed, or on which the peak
+    /// could be located.
     TruncationAboveThreshold,
     /// Converged, but the contacts bounce: a period-1 response is not to be trusted.
     BouncingContact,
@@ -67,7 +68,7 @@ impl Status {
                 "the balance equations hold and the truncation error is below the threshold"
             }
             Self::TruncationAboveThreshold => {
-                "the balance equations hold, but more harmonics than allowed are needed for the threshold"
+                "the balance equations hold, but the threshold needs more harmonics than allowed or than the peak could be located on"
             }
             Self::BouncingContact => {
                 "the balance equations hold, but the strip bounces and a response with the period of the excitation is not to be trusted"

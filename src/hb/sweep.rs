@@ -7,7 +7,7 @@
 
 use super::alert::pad;
 use super::balance::Balance;
-use super::continuation::{BranchPoint, StepSettings, walk};
+use super::continuation::{BranchPoint, StepSettings, on_if, walk};
 use super::ladder::Ladder;
 use super::newton::{Condition, Direction, Iterate, Metric, Point, WorkCount, polish, solve};
 use super::settings::NewtonSettings;
@@ -253,7 +253,7 @@ impl<'a, 'p> Sweep<'a, 'p> {
                     crossing = Some(between(&before.iterate.point, &after.iterate.point, omega));
                 }
                 let reach = 2.0 * (omega - from.omega).abs();
-                crossing.is_none() && (b - from.omega).abs() < reach
+                on_if(crossing.is_none() && (b - from.omega).abs() < reach)
             });
             self.count += end.count;
             failure = match (end.status, crossing) {

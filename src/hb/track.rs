@@ -2,17 +2,18 @@
 //!
 //! Below slip onset the stuck structure is linear, so the track starts there and follows the phase resonance with one
 //! harmonic, which is cheap and smooth, by steps of its amplitude: the level that an amplitude needs is unique where the
-//! amplitude that a level gives is not. At each level asked for, harmonics are added step by step, the maximum next to
-//! the phase resonance is located, and more harmonics follow until the error alert is silent. Where that fails the
-//! whole band is swept by continuation.
+//! amplitude that a level gives is not. At each level asked for, a few harmonics are added step by step and the maximum
+//! next to the phase resonance is located. More harmonics are added to the located maximum, first those of the study, then
+//! until the error alert is silent. Where that fails the phase resonance is taken to the harmonics of the study before
+//! the maximum is located, and where that fails too the whole band is swept by continuation.
 
 use super::alert::pad;
 use super::balance::Balance;
-use super::continuation::{BranchPoint, StepSettings, walk};
+use super::continuation::{BranchPoint, StepSettings, on_if, walk};
 use super::ladder::Ladder;
 use super::newton::{Condition, Iterate, Point, WorkCount, solve};
 use super::peak::{PeakSettings, find_peak, highest_nearby};
-use super::predicted::{PeakPrediction, correct};
+use super::predicted::{PeakPrediction, correct, maximum_near};
 use super::problem::Problem;
 use super::refine::refined;
 use super::resonance::{LinearResonance, linear_resonance};
@@ -55,11 +56,15 @@ const TRACK_ITERATIONS: usize = 30;
 const TRACK_TOLERANCE: f64 = 1e-5;
 /// Steps of the sweep that replaces a failed track.
 const SWEEP_STEPS: usize = 200;
+/// Most harmonics (0 included) on which the maximum is searched.
+const FEW_HARMONICS: usize = 8;
 
 /// The phase-resonant solution the track has reached.
 struct Track<'a, 'p> {
     /// The problem on sets with more and more harmonics: the track runs on the first, the study wants the last.
     ladder: &'a [Balance<'p>],
+    /// Number of the set on which the maximum is searched.
+    few: usize,
     settings: &'a HbSettings,
     peak: PeakSettings,
     /// Direction of the first harmonic of response 0 at resonance.
@@ -86,8 +91,10 @@ pub fn track_peaks(
         return Ok(levels.iter().map(nothing).collect());
     };
     let ladder = Ladder::new(problem, settings);
+    let are_few = |rung: &Balance<'_>| rung.harmonics.orders().len() <= FEW_HARMONICS;
     let mut track = Track {
         ladder: ladder.rungs(),
+        few: ladder.rungs().iter().rposition(are_few).unwrap_or(0),
         settings,
         peak,
         phasor: resonance.response / resonance.response.norm(),
@@ -145,45 +152,70 @@ impl<'a, 'p> Track<'a, 'p> {
         if !(level.is_finite() && level > 0.0) {
             return LevelPeak::failed(level, Status::NonFinite, self.count);
         }
-        let reached = self.follow(level);
-        let located = reached
-            .and_then(|start| self.climb(start))
-            .and_then(|start| self.maximum(start));
-        match located.or_else(|_| self.sweep(level)) {
+        let last = self.ladder.len() - 1;
+        let found = self
+            .located(level, self.few)
+            .and_then(|found| self.raised(found))
+            .or_else(|status| match self.few < last {
+                true => self.located(level, last),
+                false => Err(status),
+            })
+            .or_else(|_| {
+                let found = self.sweep(level)?;
+                self.raised(found)
+            });
+        match found {
             Ok(found) => {
-                let solution = refined(self.full(), found, self.settings, self.peak, self.count);
+                let full = &self.ladder[last];
+                let found = match self.settings.aft.events {
+                    Events::Located => found,
+                    _ => {
+                        let newton = self.settings.newton;
+                        highest_nearby(full, found, self.peak, newton, &mut self.count)
+                    }
+                };
+                let solution = refined(full, found, self.settings, self.peak, self.count);
                 LevelPeak::found(solution)
             }
             Err(status) => LevelPeak::failed(level, status, self.count),
         }
     }
 
+    /// The maximum on the harmonics of `rung` next to the phase resonance at `level`.
+    fn located(&mut self, level: f64, rung: usize) -> Result<Iterate<'p>, Status> {
+        let start = self.follow(level)?;
+        let start = self.climb(start, rung)?;
+        self.maximum(start, rung)
+    }
+
     /// The maximum next to the phase resonance `start`: directly, else by a search along the branch.
-    fn maximum(&mut self, start: Iterate<'p>) -> Result<Iterate<'p>, Status> {
-        let (full, newton) = (self.full(), self.settings.newton);
+    fn maximum(&mut self, start: Iterate<'p>, rung: usize) -> Result<Iterate<'p>, Status> {
+        let (balance, newton) = (&self.ladder[rung], self.settings.newton);
         let prediction = PeakPrediction {
             point: start.point.clone(),
             phasor: self.phasor,
         };
         let direct = self
             .count
-            .tally(correct(full, prediction, self.peak, newton));
-        let found = match direct {
-            Ok(found) => found,
+            .tally(correct(balance, prediction, self.peak, newton));
+        match direct {
+            Ok(found) => Ok(found),
             Err(_) => {
-                let searched = find_peak(full, start, self.peak, newton);
-                self.count.tally(searched)?.iterate
+                let searched = find_peak(balance, start, self.peak, newton);
+                Ok(self.count.tally(searched)?.iterate)
             }
-        };
-        Ok(match self.settings.aft.events {
-            Events::Located => found,
-            _ => highest_nearby(full, found, self.peak, newton, &mut self.count),
-        })
+        }
     }
 
-    /// The problem on the harmonic set of the study.
-    fn full(&self) -> &'a Balance<'p> {
-        &self.ladder[self.ladder.len() - 1]
+    /// The maximum on the harmonics of the study that belongs to the maximum `found` on few.
+    fn raised(&mut self, found: Iterate<'p>) -> Result<Iterate<'p>, Status> {
+        let newton = self.settings.newton;
+        let mut found = found;
+        for pair in self.ladder[self.few..].windows(2) {
+            let prediction = PeakPrediction::on_other_harmonics(&pair[0], &found, &pair[1]);
+            found = maximum_near(&pair[1], prediction, self.peak, newton, &mut self.count)?;
+        }
+        Ok(found)
     }
 
     /// Newton's method for solutions that only lead to others.
@@ -195,12 +227,13 @@ impl<'a, 'p> Track<'a, 'p> {
         }
     }
 
-    /// Adds harmonics to a phase-resonant solution, rung by rung at its amplitude, then returns to its level.
-    fn climb(&mut self, start: Iterate<'p>) -> Result<Iterate<'p>, Status> {
+    /// Adds the harmonics up to those of `last` to a phase-resonant solution, rung by rung at its amplitude, then
+    /// returns to its level.
+    fn climb(&mut self, start: Iterate<'p>, last: usize) -> Result<Iterate<'p>, Status> {
         let level = start.point.level;
         let newton = self.on_the_way();
         let mut iterate = start;
-        for rung in 1..self.ladder.len() {
+        for rung in 1..=last {
             let (from, to) = (&self.ladder[rung - 1], &self.ladder[rung]);
             let amplitude = iterate.response(from).norm();
             let condition = Condition::Amplitude {
@@ -211,7 +244,7 @@ impl<'a, 'p> Track<'a, 'p> {
                 self.count
                     .tally(solve(to, pad(from, &iterate.point, to), condition, newton))?;
         }
-        self.bring_to_level(self.ladder.len() - 1, iterate, level)
+        self.bring_to_level(last, iterate, level)
     }
 
     /// Moves the track up to `level` by steps whose ratio adapts; gives a copy of the solution there.
@@ -305,11 +338,11 @@ impl<'a, 'p> Track<'a, 'p> {
         self.count.tally(solved)
     }
 
-    /// Walks through the whole band at `level` and refines the highest point met.
+    /// Walks through the whole band at `level` on few harmonics and locates the maximum next to the highest point met.
     fn sweep(&mut self, level: f64) -> Result<Iterate<'p>, Status> {
         let band = self.peak.band;
         let newton = self.settings.newton;
-        let balance = self.full();
+        let balance = &self.ladder[self.few];
         let start = stuck_point(balance, band.low, level);
         let start = self
             .count
@@ -331,7 +364,7 @@ impl<'a, 'p> Track<'a, 'p> {
             {
                 best = Some((amplitude, point.iterate.point.clone()));
             }
-            omega < band.high && omega > 0.5 * band.low
+            on_if(omega < band.high && omega > 0.5 * band.low)
         });
         self.count += end.count;
         let point = match (end.status, best) {

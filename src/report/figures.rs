@@ -3,11 +3,12 @@
 use super::axis::Axis;
 use super::display::{LengthUnit, percent, short};
 use super::figure::{Panel, Size};
-use super::summary::{PROBABILITIES, Summary};
+use super::summary::{CONFIDENCE, PROBABILITIES, Summary};
 use super::{ReportInput, usable_peak};
 use crate::ensemble::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
 use crate::statistics::{
-    Band, Curve, Sorted, empirical_cdf, histogram, pointwise_band, quantile, rank_correlation,
+    Band, Curve, CurveSet, Sorted, empirical_cdf, histogram, pointwise_band, quantile,
+    rank_correlation,
 };
 
 /// Grid points of a band.
@@ -174,8 +175,10 @@ impl<'a> Figures<'a> {
         let levels = 0..self.input.levels.len();
         let bands: Vec<(Band, usize)> = levels
             .map(|i| {
-                let curves = self.solved_curves(i);
-                (pointwise_band(&curves, &grid, &PROBABILITIES), curves.len())
+                let curves = self.curves(i);
+                let set = CurveSet::of(&curves, &grid);
+                let drawn = set.total() - set.failed();
+                (pointwise_band(&set, &PROBABILITIES, CONFIDENCE), drawn)
             })
             .collect();
         let quantiles = bands.iter().flat_map(|(band, _)| &band.points);
@@ -187,13 +190,14 @@ impl<'a> Figures<'a> {
             .collect()
     }
 
-    fn solved_curves(&self, i: usize) -> Vec<Curve> {
+    /// Curve of each sample; absent without a solution.
+    fn curves(&self, i: usize) -> Vec<Option<Curve>> {
         let solved = |o: &'a SampleOutcome| {
             let record: &LevelOutcome = &o.levels[i];
             usable_peak(record)?;
             Curve::through(self.curve(&record.curve, record.level))
         };
-        self.input.outcomes.iter().filter_map(solved).collect()
+        self.input.outcomes.iter().map(solved).collect()
     }
 
     fn band_panel(&self, i: usize, band: &Band, n_curves: usize, top: f64) -> Captioned {
@@ -225,12 +229,13 @@ impl<'a> Figures<'a> {
                 self.curve(&record.curve, record.level).into_iter(),
             );
         }
-        let caption = match band.whole_curves_inside {
+        let inside = band.whole_curves_inside.and_then(|share| share.known);
+        let caption = match inside {
             None => "No sample has a response curve.".to_owned(),
             Some(_) if drawn == 0 => "No frequency is reached by half of the curves.".to_owned(),
             Some(inside) => format!(
                 "{n_curves} curves, {} of them wholly inside.",
-                percent(inside)
+                percent(inside.estimate)
             ),
         };
         Captioned {

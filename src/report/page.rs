@@ -3,10 +3,10 @@
 use super::display::{DASH, duration, hertz, percent, short, significant, with_digits};
 use super::figure::level_colour;
 use super::figures::{Captioned, Figures};
-use super::summary::{Distribution, LevelSummary, Quantile, Summary};
+use super::summary::{Distribution, LevelSummary, Summary};
 use super::{ReportError, ReportInput};
 use crate::hb::Status;
-use crate::statistics::Interval;
+use crate::statistics::{Interval, Limit, QuantileEstimate};
 use minijinja::value::Serde;
 use minijinja::{Environment, Value, context};
 
@@ -217,12 +217,12 @@ fn envelopes(figures: &Figures, summary: &Summary, names: &[String]) -> Vec<Enve
 
 fn cells(distribution: &Distribution, failed: usize, show: &dyn Fn(f64) -> String) -> Vec<Cell> {
     let limits = |interval: Interval| {
-        let side = |limit: Option<f64>| limit.map_or_else(|| "open".to_owned(), show);
+        let side = |limit: Limit| limit.value().map_or_else(|| "open".to_owned(), show);
         format!("{} … {}", side(interval.lower), side(interval.upper))
     };
-    let cell = |q: &Quantile| Cell {
-        value: show(q.valid_only.estimate),
-        interval: limits(q.valid_only.interval),
+    let cell = |q: &QuantileEstimate| Cell {
+        value: show(q.estimate),
+        interval: limits(q.interval),
         bounds: (failed > 0).then(|| limits(q.failure_bounds)),
     };
     let mut cells: Vec<Cell> = distribution.quantiles.iter().map(cell).collect();
@@ -303,7 +303,7 @@ fn truncation_rows(summary: &Summary, names: &[String]) -> Vec<Vec<String>> {
         let error = |i: usize| {
             quantiles
                 .get(i)
-                .map_or_else(|| DASH.to_owned(), |q| percent(q.valid_only.estimate))
+                .map_or_else(|| DASH.to_owned(), |q| percent(q.estimate))
         };
         let largest = level.truncation_error.moments;
         let harmonics = level.highest_harmonics.iter();

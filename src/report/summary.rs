@@ -6,8 +6,8 @@ use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
 use crate::ensemble::store::Provenance;
 use crate::hb::{ContactFractions, Status};
 use crate::statistics::{
-    FailureRate, Interval, Moments, QuantileEstimate, Sorted, failure_rate, moments, quantile,
-    quantile_bounds, quantile_estimate, rank_correlation,
+    Moments, Observed, Proportion, QuantileEstimate, Sorted, moments, proportion, quantile,
+    quantile_estimate, rank_correlation,
 };
 use std::collections::BTreeMap;
 
@@ -51,7 +51,7 @@ pub struct LevelSummary {
     /// Samples without a solution.
     pub failed: usize,
     /// Share of samples without a solution, with confidence limits; absent without samples.
-    pub failure_rate: Option<FailureRate>,
+    pub failure_rate: Option<Proportion>,
     /// Peak at the nominal inputs.
     pub nominal: Option<PeakRecord>,
     /// Resonance frequency (Hz).
@@ -84,17 +84,7 @@ pub struct Distribution {
     /// Mean, standard deviation and range; absent without samples.
     pub moments: Option<Moments>,
     /// One entry per probability; empty without samples.
-    pub quantiles: Vec<Quantile>,
-}
-
-/// A quantile, its confidence interval and its range over all values that failed samples could have had.
-#[derive(Debug, Clone, Copy, serde::Serialize)]
-pub struct Quantile {
-    /// Estimate from the samples with a solution.
-    #[serde(flatten)]
-    pub valid_only: QuantileEstimate,
-    /// Failed samples at −∞ (lower) and +∞ (upper); absent = not bounded.
-    pub failure_bounds: Interval,
+    pub quantiles: Vec<QuantileEstimate>,
 }
 
 /// Work of the solver per sample.
@@ -166,7 +156,7 @@ impl LevelSummary {
             level,
             statuses: count_statuses(&records),
             failed,
-            failure_rate: failure_rate(failed, records.len(), CONFIDENCE),
+            failure_rate: proportion(failed, records.len(), CONFIDENCE),
             nominal: input.nominal.and_then(|o| usable_peak(&o.levels[i])),
             frequency_hz: distribution(&|p| Some(p.frequency_hz)),
             amplitude_m: distribution(&|p| Some(p.amplitude_m)),
@@ -185,12 +175,8 @@ impl LevelSummary {
 impl Distribution {
     fn of(values: impl Iterator<Item = f64>, failed: usize) -> Self {
         let sorted = Sorted::finite(values);
-        let estimate = |&p: &f64| {
-            Some(Quantile {
-                valid_only: quantile_estimate(&sorted, p, CONFIDENCE)?,
-                failure_bounds: quantile_bounds(&sorted, failed, p),
-            })
-        };
+        let all = Observed::with_failed(sorted.clone(), failed);
+        let estimate = |&p: &f64| quantile_estimate(&all, p, CONFIDENCE);
         Self {
             valid: sorted.values().len(),
             moments: moments(&sorted),

@@ -1,6 +1,8 @@
 //! Distributions of one input, sampled by the inverse of the distribution function.
 
-use statrs::distribution::{Beta, ContinuousCDF, LogNormal, Normal, Triangular, Uniform};
+use statrs::distribution::{
+    Beta, Continuous, ContinuousCDF, LogNormal, Normal, Triangular, Uniform,
+};
 
 use crate::setting::{BadSetting, positive};
 
@@ -223,6 +225,19 @@ impl Law {
         }
     }
 
+    /// dF/dx inside the support; 0 for a single value, which has none.
+    fn density(&self, x: f64) -> f64 {
+        match self {
+            Self::Point(_) => 0.0,
+            Self::Uniform(law) => law.pdf(x),
+            Self::LogUniform(law) => law.pdf(x.ln()) / x,
+            Self::Normal(law) => law.pdf(x),
+            Self::Lognormal(law) => law.pdf(x),
+            Self::Triangular(law) => law.pdf(x),
+            Self::Beta(law, low, width) => law.pdf((x - low) / width) / width,
+        }
+    }
+
     /// F⁻¹(p), 0 < p < 1.
     fn quantile(&self, p: f64) -> f64 {
         match self {
@@ -309,6 +324,17 @@ impl Distribution {
     pub fn quantile(&self, u: f64) -> f64 {
         let p = self.kept[0] + u * (self.kept[1] - self.kept[0]);
         self.law.quantile(p).clamp(self.support[0], self.support[1])
+    }
+
+    /// dF/dx: density at x, 0 outside of the support; for the weights of samples under another distribution. A fixed value has none.
+    #[must_use]
+    pub fn density(&self, x: f64) -> Option<f64> {
+        let [low, high] = self.support;
+        match self.law {
+            Law::Point(_) => None,
+            _ if x < low || x > high => Some(0.0),
+            _ => Some(self.law.density(x) / (self.kept[1] - self.kept[0])),
+        }
     }
 
     /// F(x): the probability of a value ≤ x.

@@ -16,17 +16,78 @@ pub enum Input {
     FrictionCoefficient,
     /// Factor on the static load (the centrifugal force on the strip).
     StaticLoadScale,
+    /// Factor on both stiffnesses of interface 0, the left one, on top of the others.
+    LeftStiffnessScale,
+    /// The same of interface 1, the right one.
+    RightStiffnessScale,
+    /// Friction coefficient of interface 0, in place of the common one.
+    LeftFrictionCoefficient,
+    /// The same of interface 1.
+    RightFrictionCoefficient,
+    /// Factor on the damping matrix: on the damping ratio of every mode.
+    DampingScale,
+    /// Factor on every excitation level.
+    ExcitationScale,
+    /// Standard normal coefficient of a mode of the contact pressure's random field, below [`PRESSURE_MODES`].
+    PressureMode(u8),
 }
 
+/// Coefficients of the pressure field at most.
+pub const PRESSURE_MODES: usize = PRESSURE_NAMES.len();
+const PRESSURE_NAMES: [&str; 16] = [
+    "pressure_mode_1",
+    "pressure_mode_2",
+    "pressure_mode_3",
+    "pressure_mode_4",
+    "pressure_mode_5",
+    "pressure_mode_6",
+    "pressure_mode_7",
+    "pressure_mode_8",
+    "pressure_mode_9",
+    "pressure_mode_10",
+    "pressure_mode_11",
+    "pressure_mode_12",
+    "pressure_mode_13",
+    "pressure_mode_14",
+    "pressure_mode_15",
+    "pressure_mode_16",
+];
+
 impl Input {
-    /// Every input, in order.
-    pub const ALL: [Self; 5] = [
+    /// Every input that `[inputs]` can name, in order; the modes of the pressure field come after them.
+    pub const ALL: [Self; 11] = [
         Self::StiffnessScale,
         Self::NormalStiffnessScale,
         Self::TangentialStiffnessScale,
         Self::FrictionCoefficient,
         Self::StaticLoadScale,
+        Self::LeftStiffnessScale,
+        Self::RightStiffnessScale,
+        Self::LeftFrictionCoefficient,
+        Self::RightFrictionCoefficient,
+        Self::DampingScale,
+        Self::ExcitationScale,
     ];
+
+    /// Refuses a value without physical meaning (negative or not finite; a factor of 0).
+    ///
+    /// # Errors
+    /// [`BadSetting`] on `key`.
+    pub fn accepts_value(self, key: &str, value: f64) -> Result<(), BadSetting> {
+        let zero_allowed = matches!(
+            self,
+            Self::FrictionCoefficient
+                | Self::LeftFrictionCoefficient
+                | Self::RightFrictionCoefficient
+                | Self::StaticLoadScale
+        );
+        let holds = value.is_finite() && (value > 0.0 || (zero_allowed && value == 0.0));
+        let rule = match zero_allowed {
+            true => "must be >= 0",
+            false => "must be > 0",
+        };
+        BadSetting::unless(holds, key, value, rule)
+    }
 
     /// Name in study files, tables and reports.
     #[must_use]
@@ -37,6 +98,13 @@ impl Input {
             Self::TangentialStiffnessScale => "tangential_stiffness_scale",
             Self::FrictionCoefficient => "friction_coefficient",
             Self::StaticLoadScale => "static_load_scale",
+            Self::LeftStiffnessScale => "left_stiffness_scale",
+            Self::RightStiffnessScale => "right_stiffness_scale",
+            Self::LeftFrictionCoefficient => "left_friction_coefficient",
+            Self::RightFrictionCoefficient => "right_friction_coefficient",
+            Self::DampingScale => "damping_scale",
+            Self::ExcitationScale => "excitation_scale",
+            Self::PressureMode(k) => PRESSURE_NAMES[usize::from(k)],
         }
     }
 
@@ -55,7 +123,30 @@ impl Input {
             Self::TangentialStiffnessScale => 2,
             Self::FrictionCoefficient => 3,
             Self::StaticLoadScale => 4,
+            Self::LeftStiffnessScale => 5,
+            Self::RightStiffnessScale => 6,
+            Self::LeftFrictionCoefficient => 7,
+            Self::RightFrictionCoefficient => 8,
+            Self::DampingScale => 9,
+            Self::ExcitationScale => 10,
+            Self::PressureMode(k) => 64 + u32::from(k),
         }
+    }
+
+    /// Interface that the input acts on alone: 0 = left, 1 = right; `None` for an input of the whole model.
+    #[must_use]
+    pub fn interface(self) -> Option<usize> {
+        match self {
+            Self::LeftStiffnessScale | Self::LeftFrictionCoefficient => Some(0),
+            Self::RightStiffnessScale | Self::RightFrictionCoefficient => Some(1),
+            _ => None,
+        }
+    }
+
+    /// Whether the input makes the two sides of a mirror-symmetric model differ.
+    #[must_use]
+    pub fn one_sided(self) -> bool {
+        self.interface().is_some() || matches!(self, Self::PressureMode(_))
     }
 
     /// Refuses a distribution that can give this input a value without physical meaning (negative; a factor of 0).
@@ -63,16 +154,12 @@ impl Input {
     /// # Errors
     /// [`BadSetting`] on `truncation` or `value`, relative to the input.
     pub fn accepts(self, distribution: &Distribution) -> Result<(), BadSetting> {
+        if matches!(self, Self::PressureMode(_)) {
+            return Ok(());
+        }
         let low = distribution.support()[0];
         if let Some(value) = distribution.fixed_value() {
-            let zero_allowed = matches!(self, Self::FrictionCoefficient | Self::StaticLoadScale);
-            let holds = value > 0.0 || (zero_allowed && value == 0.0);
-            let rule = if zero_allowed {
-                "must be >= 0"
-            } else {
-                "must be > 0"
-            };
-            return BadSetting::unless(holds, "value", value, rule);
+            return self.accepts_value("value", value);
         }
         BadSetting::unless(
             low >= 0.0,

@@ -1,15 +1,28 @@
-//! Random inputs: which ones there are, how each is distributed, and sample i of a Monte Carlo design.
+//! Random inputs: which ones there are, how each is distributed, and sample i of a design.
 //!
-//! x(i, j) = F_j⁻¹(u(i, j)), where u is a function of (seed, sample i, input j) alone: sample i is the same
-//! whatever else runs, in whatever order. Knows no blade and no contact. Start reading at [`design`].
+//! x(i, j) = F_j⁻¹(u(i, j)), where u is a function of the seed, the design, sample i and input j alone: sample i is the
+//! same whatever else runs, in whatever order. In a Monte Carlo design it is also the same whatever other inputs and how
+//! many samples there are; Sobol' points depend on the list of inputs (the first dimensions are the most even), a Latin
+//! hypercube and a grid on the number of samples too. Knows no blade and no contact. Start reading at [`design`].
 
+pub mod correlation;
 pub mod design;
 pub mod distribution;
+pub mod file;
 pub mod input;
+mod joe_kuo;
+pub mod latin;
+pub mod outer;
+pub mod plan;
+pub mod sobol;
 pub mod stream;
 pub mod table;
 
-pub use design::Design;
+pub use correlation::CorrelationTable;
+pub use design::{Design, DesignSettings, SampleGroup};
 pub use distribution::{Distribution, Shape};
+pub use file::{SampleFileError, SampleTable};
 pub use input::Input;
-pub use table::DistributionTable;
+pub use outer::EpistemicTable;
+pub use plan::{DesignKind, DesignTable};
+pub use table::{DistributionTable, Uncertainty};

@@ -3,21 +3,43 @@
 //! Contract (a change of it changes every study): the `ChaCha20` block function with a 64-bit nonce [Bernstein
 //! 2008]; key = the seed as 8 little-endian bytes followed by 24 zero bytes; nonce = the sample's index; the
 //! number x of dimension j is the little-endian 64-bit word j of the key stream; u = (⌊x / 2¹²⌋ + ½) / 2⁵².
+//!
+//! Dimensions below 2¹⁶ are those of the inputs in a Monte Carlo design; the ones above are taken in blocks of 2¹⁶ by
+//! what other designs need: the place within a stratum of a Latin hypercube, the keys that scramble Sobol' points, and
+//! those of the outer points of a nested design.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha20Rng;
 
 /// Uniform number of one sample and dimension, in the open interval (0, 1), with 52 random bits.
-///
-/// 52 and not 53 bits, because (2⁵³ − ½) / 2⁵³ rounds to 1.
 #[must_use]
 pub fn uniform(seed: u64, sample: u64, dimension: u32) -> f64 {
+    unit(word(seed, sample, dimension) >> (64 - BITS))
+}
+
+/// Bits of a uniform number. 52 and not 53, because (2⁵³ − ½) / 2⁵³ rounds to 1.
+pub(super) const BITS: u32 = 52;
+
+/// First dimension of the numbers that place a sample of a Latin hypercube within its stratum.
+pub(super) const JITTER: u32 = 1 << 16;
+/// First dimension of the keys that scramble a sequence of points; the sample is the replicate.
+pub(super) const SCRAMBLE: u32 = 2 << 16;
+/// The same for the outer points of a nested design.
+pub(super) const OUTER: u32 = 3 << 16;
+
+/// Middle of cell `x` of the 2⁵² cells of (0, 1).
+pub(super) fn unit(x: u64) -> f64 {
+    (x as f64 + 0.5) / (1_u64 << BITS) as f64
+}
+
+/// 64 random bits of one sample and dimension.
+pub(super) fn word(seed: u64, sample: u64, dimension: u32) -> u64 {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());
     let mut generator = ChaCha20Rng::from_seed(key);
     generator.set_stream(sample);
     generator.set_word_pos(2 * u128::from(dimension));
-    ((generator.next_u64() >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
+    generator.next_u64()
 }
 
 #[cfg(test)]

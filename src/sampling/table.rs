@@ -1,4 +1,4 @@
-//! The table that states a distribution in a study file.
+//! The table that states what is known of an input in a study file.
 
 use super::distribution::{Distribution, Shape};
 use crate::setting::BadSetting;
@@ -23,13 +23,42 @@ pub enum Family {
     Beta,
 }
 
+/// What is known of an input.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Uncertainty {
+    /// It varies, with a distribution.
+    Aleatory(Distribution),
+    /// It has one value within an interval, nothing says where.
+    Epistemic {
+        /// Lower end.
+        lower: f64,
+        /// Upper end.
+        upper: f64,
+    },
+}
+
+/// Kind of ignorance, as written in a study file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum UncertaintyKind {
+    /// `distribution` and its parameters.
+    #[default]
+    Aleatory,
+    /// `lower`, `upper`.
+    Epistemic,
+}
+
 /// All parameters that any family has; each family takes its own and refuses the others.
 ///
 /// One flat table and not one variant per family: so a reader of the file can name the line of every mistake.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DistributionTable {
-    distribution: Family,
+    #[serde(default)]
+    kind: UncertaintyKind,
+    lower: Option<f64>,
+    upper: Option<f64>,
+    distribution: Option<Family>,
     value: Option<f64>,
     low: Option<f64>,
     high: Option<f64>,
@@ -44,18 +73,65 @@ pub struct DistributionTable {
 }
 
 impl DistributionTable {
+    /// The distribution or the interval that the table states.
+    ///
+    /// # Errors
+    /// [`BadSetting`] on a missing, superfluous or inadmissible parameter; keys relative to the table.
+    pub fn uncertainty(&self) -> Result<Uncertainty, BadSetting> {
+        match self.kind {
+            UncertaintyKind::Aleatory => {
+                for (key, value) in [("lower", self.lower), ("upper", self.upper)] {
+                    let rule = "must be absent: only an input of kind \"epistemic\" takes it";
+                    BadSetting::unless(value.is_none(), key, value.unwrap_or_default(), rule)?;
+                }
+                self.distribution().map(Uncertainty::Aleatory)
+            }
+            UncertaintyKind::Epistemic => self.interval(),
+        }
+    }
+
     /// The distribution that the table states.
     ///
     /// # Errors
     /// [`BadSetting`] on a missing, superfluous or inadmissible parameter; keys relative to the table.
     pub fn distribution(&self) -> Result<Distribution, BadSetting> {
         let shape = self.shape()?;
-        self.refuse_superfluous(&shape)?;
+        self.refuse_superfluous(|key| shape.parameters().contains(&key), shape.name())?;
         Distribution::new(shape, self.truncation)
     }
 
+    fn interval(&self) -> Result<Uncertainty, BadSetting> {
+        let name = "an input of kind \"epistemic\"";
+        let rule = format!("must be absent: {name} has no density, only lower and upper");
+        let given = self.distribution.is_some();
+        BadSetting::unless(!given, "distribution", "(given)", &rule)?;
+        let cut = self.truncation.is_some();
+        BadSetting::unless(!cut, "truncation", "(given)", &rule)?;
+        self.refuse_superfluous(|_| false, name)?;
+        let end = |key: &str, value: Option<f64>| {
+            let missing = BadSetting {
+                key: key.to_owned(),
+                value: "(absent)".to_owned(),
+                rule: format!("must be given for {name}"),
+            };
+            let value = value.ok_or(missing)?;
+            let finite = value.is_finite();
+            BadSetting::unless(finite, key, value, "must be a finite number")?;
+            Ok::<f64, BadSetting>(value)
+        };
+        let (lower, upper) = (end("lower", self.lower)?, end("upper", self.upper)?);
+        let rule = "must be greater than lower";
+        BadSetting::unless(lower < upper, "upper", upper, rule)?;
+        Ok(Uncertainty::Epistemic { lower, upper })
+    }
+
     fn shape(&self) -> Result<Shape, BadSetting> {
-        Ok(match self.distribution {
+        let family = self.distribution.ok_or_else(|| BadSetting {
+            key: "distribution".to_owned(),
+            value: "(absent)".to_owned(),
+            rule: "must be given, or kind = \"epistemic\" with lower and upper".to_owned(),
+        })?;
+        Ok(match family {
             Family::Fixed => Shape::Fixed {
                 value: required("value", self.value)?,
             },
@@ -92,7 +168,11 @@ impl DistributionTable {
         })
     }
 
-    fn refuse_superfluous(&self, shape: &Shape) -> Result<(), BadSetting> {
+    fn refuse_superfluous(
+        &self,
+        takes: impl Fn(&str) -> bool,
+        name: &str,
+    ) -> Result<(), BadSetting> {
         let given = [
             ("value", self.value),
             ("low", self.low),
@@ -107,9 +187,8 @@ impl DistributionTable {
         ];
         for (key, value) in given {
             if let Some(value) = value {
-                let taken = shape.parameters().contains(&key);
-                let rule = format!("must be absent: {} does not take it", shape.name());
-                BadSetting::unless(taken, key, value, &rule)?;
+                let rule = format!("must be absent: {name} does not take it");
+                BadSetting::unless(takes(key), key, value, &rule)?;
             }
         }
         Ok(())

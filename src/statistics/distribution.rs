@@ -1,35 +1,7 @@
-//! Moments, empirical distribution function, histogram and rank correlation.
+//! Empirical distribution function, histogram and rank correlation.
 
-use super::quantile::{Sorted, quantile};
-
-/// Mean, standard deviation and range.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Moments {
-    /// Arithmetic mean.
-    pub mean: f64,
-    /// Standard deviation with n − 1; absent for a single value.
-    pub standard_deviation: Option<f64>,
-    /// Smallest value.
-    pub minimum: f64,
-    /// Largest value.
-    pub maximum: f64,
-}
-
-/// Moments of the values, summed in ascending order about the mean; `None` without values.
-#[must_use]
-pub fn moments(sorted: &Sorted) -> Option<Moments> {
-    let values = sorted.values();
-    let (first, last) = (*values.first()?, *values.last()?);
-    let n = values.len() as f64;
-    let mean = (first + values.iter().map(|v| v - first).sum::<f64>() / n).clamp(first, last);
-    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    Some(Moments {
-        mean,
-        standard_deviation: (values.len() > 1).then(|| (squares / (n - 1.0)).sqrt()),
-        minimum: first,
-        maximum: last,
-    })
-}
+use super::observed::Sorted;
+use super::order_statistic::quantile;
 
 /// Corners (x, F(x)) of the empirical distribution function: one per distinct value, F just after the step.
 #[must_use]
@@ -128,27 +100,6 @@ fn centred_ranks(values: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Closed form: 1..n has mean (n + 1)/2 and variance n(n + 1)/12. Seen to fail with n in place of n − 1.
-    #[test]
-    fn moments_of_the_first_integers() {
-        let m = moments(&Sorted::finite((1..=100).map(f64::from))).unwrap();
-        assert_eq!((m.mean, m.minimum, m.maximum), (50.5, 1.0, 100.0));
-        let sd = m.standard_deviation.unwrap();
-        assert!((sd - (100.0_f64 * 101.0 / 12.0).sqrt()).abs() < 1e-12);
-        assert_eq!(
-            moments(&Sorted::finite([7.0])).unwrap().standard_deviation,
-            None
-        );
-        assert!(moments(&Sorted::default()).is_none());
-    }
-
-    /// A large offset must not swamp the spread. Seen to fail with Σx² − n·mean².
-    #[test]
-    fn deviation_survives_a_large_offset() {
-        let m = moments(&Sorted::finite([1e9 + 1.0, 1e9 + 2.0, 1e9 + 3.0])).unwrap();
-        assert!((m.standard_deviation.unwrap() - 1.0).abs() < 1e-9);
-    }
 
     /// Seen to fail when ties made two corners.
     #[test]

@@ -1,124 +1,138 @@
-//! What failed samples leave open: failure rate with confidence, and quantiles with failures at ±∞.
+//! Where in the input space samples fail.
 
-use super::quantile::{Interval, Sorted, quantile_rank};
-use statrs::distribution::{Beta, ContinuousCDF};
+use super::bin::equal_count;
+use super::proportion::{Proportion, proportion};
+use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Share of failed samples with its Clopper–Pearson confidence interval.
+/// Failure rate of the samples between two values of an input.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct FailureRate {
-    /// failed / n.
-    pub estimate: f64,
-    /// Lower limit.
+pub struct FailureBin {
+    /// Smallest value of the input.
     pub lower: f64,
-    /// Upper limit.
+    /// Largest value of the input.
     pub upper: f64,
+    /// Samples in the bin.
+    pub samples: usize,
+    /// Failed samples among them.
+    pub failed: usize,
+    /// Failure rate with its Clopper–Pearson interval.
+    pub rate: Proportion,
 }
 
-/// Failure rate of `failed` out of `n` samples; `None` unless n > 0, failed ≤ n and confidence in (0, 1).
+/// How one input differs between failed and solved samples.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct FailurePattern {
+    /// P(input of a failed sample > input of a solved one), ties half: ½ = no shift, 1 = all failures at large values.
+    pub superiority: f64,
+    /// Two-sided p-value of the shift (Mann–Whitney, normal approximation with ties).
+    pub shift_p_value: f64,
+    /// Largest distance between the two distribution functions; sees failures at both ends too.
+    pub distance: f64,
+    /// p-value of the distance (Kolmogorov–Smirnov, asymptotic).
+    pub distance_p_value: f64,
+    /// Failure rate over bins of equal count, ascending.
+    pub bins: Vec<FailureBin>,
+}
+
+/// Failures over one input; `None` unless some samples failed and some did not, and confidence lies in (0, 1).
 ///
-/// Limits are beta quantiles, so the coverage is at least `confidence` for every true rate.
-/// Source: Clopper & Pearson, Biometrika 26 (1934) 404–413.
+/// Shape: `inputs` and `failed` have one entry per sample. With many inputs one p-value in twenty is below 0.05 by chance.
+/// Sources: Mann & Whitney, Ann. Math. Statist. 18 (1947) 50–60; Stephens, J. R. Statist. Soc. B 32 (1970) 115–122.
 #[must_use]
-pub fn failure_rate(failed: usize, n: usize, confidence: f64) -> Option<FailureRate> {
-    if n == 0 || failed > n || confidence <= 0.0 || confidence >= 1.0 {
+pub fn failure_pattern(
+    inputs: &[f64],
+    failed: &[bool],
+    bins: usize,
+    confidence: f64,
+) -> Option<FailurePattern> {
+    assert_eq!(inputs.len(), failed.len(), "one flag per sample");
+    let n_failed = failed.iter().filter(|&&f| f).count();
+    if n_failed == 0 || n_failed == failed.len() {
         return None;
     }
-    let tail = (1.0 - confidence) / 2.0;
-    let (f, valid) = (failed as f64, (n - failed) as f64);
-    let lower = match failed {
-        0 => 0.0,
-        _ => Beta::new(f, valid + 1.0).ok()?.inverse_cdf(tail),
-    };
-    let upper = match n - failed {
-        0 => 1.0,
-        _ => Beta::new(f + 1.0, valid).ok()?.inverse_cdf(1.0 - tail),
-    };
-    Some(FailureRate {
-        estimate: f / n as f64,
-        lower,
-        upper,
+    let bins = equal_count(inputs, bins).into_iter().map(|group| {
+        let count = group.members.iter().filter(|&&i| failed[i]).count();
+        Some(FailureBin {
+            lower: group.lower,
+            upper: group.upper,
+            samples: group.members.len(),
+            failed: count,
+            rate: proportion(count, group.members.len(), confidence)?,
+        })
+    });
+    let ranks = two_samples(inputs, failed);
+    Some(FailurePattern {
+        superiority: ranks.superiority,
+        shift_p_value: ranks.shift_p_value,
+        distance: ranks.distance,
+        distance_p_value: kolmogorov_p_value(ranks.distance, n_failed, failed.len() - n_failed),
+        bins: bins.collect::<Option<_>>()?,
     })
 }
 
-/// Range of the p-quantile over all values that the `failed` samples could have had.
-///
-/// With n samples in all, failures at −∞ give x₍⌈np⌉₋failed₎ of the valid ones, failures at +∞ give x₍⌈np⌉₎;
-/// a rank without a valid sample leaves that side open. Without failures both limits are the quantile itself.
-#[must_use]
-pub fn quantile_bounds(valid: &Sorted, failed: usize, probability: f64) -> Interval {
-    let rank = quantile_rank(valid.values().len() + failed, probability);
-    Interval {
-        lower: valid.order_statistic(rank.saturating_sub(failed)),
-        upper: valid.order_statistic(rank),
+struct TwoSamples {
+    superiority: f64,
+    shift_p_value: f64,
+    distance: f64,
+}
+
+/// Rank statistics of the flagged samples against the others; both exist.
+fn two_samples(inputs: &[f64], flagged: &[bool]) -> TwoSamples {
+    let n = inputs.len() as f64;
+    let m = flagged.iter().filter(|&&f| f).count() as f64;
+    let rest = n - m;
+    // Equal values form one step: pairs within it count half, and it reduces the variance of the rank sum.
+    let steps = tied_steps(inputs, flagged);
+    let (mut wins, mut ties, mut distance) = (0.0, 0.0, 0.0_f64);
+    let (mut seen, mut seen_rest) = (0.0, 0.0);
+    for (in_step, rest_in_step) in steps {
+        wins += in_step * (seen_rest + rest_in_step / 2.0);
+        let size = in_step + rest_in_step;
+        ties += size * (size * size - 1.0);
+        seen += in_step;
+        seen_rest += rest_in_step;
+        distance = distance.max((seen / m - seen_rest / rest).abs());
+    }
+    let variance = m * rest / 12.0 * (n + 1.0 - ties / (n * (n - 1.0)));
+    let z = if variance > 0.0 {
+        (wins - m * rest / 2.0) / variance.sqrt()
+    } else {
+        0.0
+    };
+    TwoSamples {
+        superiority: wins / (m * rest),
+        shift_p_value: 2.0 * Normal::standard().cdf(-z.abs()),
+        distance,
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::super::quantile::quantile;
-    use super::*;
-    use statrs::distribution::{Binomial, DiscreteCDF};
+/// Number of flagged and of other samples at each distinct value, ascending.
+fn tied_steps(inputs: &[f64], flagged: &[bool]) -> Vec<(f64, f64)> {
+    let mut order: Vec<usize> = (0..inputs.len()).collect();
+    order.sort_by(|&i, &j| inputs[i].total_cmp(&inputs[j]));
+    let count = |step: &[usize]| {
+        let inside = step.iter().filter(|&&i| flagged[i]).count();
+        (inside as f64, (step.len() - inside) as f64)
+    };
+    order
+        .chunk_by(|&i, &j| inputs[i] == inputs[j])
+        .map(count)
+        .collect()
+}
 
-    /// Closed form: no failure in n gives the upper limit 1 − (α/2)^(1/n). Seen to fail with α in place of α/2.
-    #[test]
-    fn no_failure_has_the_closed_form_limit() {
-        for n in [1, 10, 1000, 100_000] {
-            let rate = failure_rate(0, n, 0.95).unwrap();
-            let exact = -((0.025_f64).ln() / n as f64).exp_m1();
-            assert_eq!((rate.estimate, rate.lower), (0.0, 0.0));
-            assert!(
-                (rate.upper / exact - 1.0).abs() < 1e-8,
-                "n = {n}: {}",
-                rate.upper
-            );
-            let all = failure_rate(n, n, 0.95).unwrap();
-            assert!((all.lower - (1.0 - exact)).abs() < 1e-8 * all.lower.max(1e-3));
-            assert_eq!(all.upper, 1.0);
-        }
+/// 2 Σ (−1)^(k−1) exp(−2 k² λ²) with Stephens' λ for finite samples.
+fn kolmogorov_p_value(distance: f64, m: usize, n: usize) -> f64 {
+    let size = ((m * n) as f64 / (m + n) as f64).sqrt();
+    let lambda = (size + 0.12 + 0.11 / size) * distance;
+    if lambda < 0.2 {
+        return 1.0; // the series converges slowly there, to 1 within 1e-12
     }
-
-    /// Defining property: at the limits the binomial tails are α/2 each. Seen to fail with Beta(f + 1, n − f + 1).
-    #[test]
-    fn limits_cut_the_binomial_tails() {
-        for (failed, n) in [(1, 10), (30, 1000), (1, 100_000), (999, 1000)] {
-            let rate = failure_rate(failed, n, 0.95).unwrap();
-            let below = Binomial::new(rate.upper, n as u64)
-                .unwrap()
-                .cdf(failed as u64);
-            let above = Binomial::new(rate.lower, n as u64)
-                .unwrap()
-                .sf(failed as u64 - 1);
-            assert!((below - 0.025).abs() < 1e-6, "{failed}/{n}: {below}");
-            assert!((above - 0.025).abs() < 1e-6, "{failed}/{n}: {above}");
-        }
-    }
-
-    /// Bounds must equal the quantiles of the samples with failures replaced by ±1e300.
-    /// Seen to fail with the rank ⌈n p⌉ of the valid samples alone.
-    #[test]
-    fn bounds_are_the_quantiles_of_imputed_samples() {
-        let valid: Vec<f64> = (0..70).map(|i| f64::from((i * 37) % 70)).collect();
-        for failed in [0, 1, 3, 20] {
-            let imputed = |at: f64| {
-                Sorted::finite(valid.iter().copied().chain(std::iter::repeat_n(at, failed)))
-            };
-            for p in [0.05, 0.5, 0.95] {
-                let bounds = quantile_bounds(&Sorted::finite(valid.clone()), failed, p);
-                let known = |v: Option<f64>| v.filter(|v| v.abs() < 1e299);
-                assert_eq!(bounds.lower, known(quantile(&imputed(-1e300), p)));
-                assert_eq!(bounds.upper, known(quantile(&imputed(1e300), p)));
-            }
-        }
-        let none = quantile_bounds(&Sorted::default(), 5, 0.5);
-        assert_eq!((none.lower, none.upper), (None, None));
-    }
-
-    /// n = 1000, p = 0.95, 30 failures: levels 920/970 to 950/970 of the valid samples.
-    #[test]
-    fn thirty_failures_blur_the_upper_quantile() {
-        let valid = Sorted::finite((1..=970).map(f64::from));
-        let bounds = quantile_bounds(&valid, 30, 0.95);
-        assert_eq!((bounds.lower, bounds.upper), (Some(920.0), Some(950.0)));
-        assert_eq!(quantile(&valid, 0.95), Some(922.0));
-    }
+    let term = |k: f64| (-2.0 * (k * lambda).powi(2)).exp();
+    let series: f64 = (1..=100)
+        .map(|k| match k % 2 {
+            1 => term(f64::from(k)),
+            _ => -term(f64::from(k)),
+        })
+        .sum();
+    (2.0 * series).clamp(0.0, 1.0)
 }

@@ -1,17 +1,78 @@
-//! What a set of numbers says: quantiles with confidence, moments, histograms, failure bounds and curve bands.
+//! What a set of numbers says, and what failed samples leave open.
 //!
-//! Pure functions on slices. Everything starts from [`Sorted`], so results depend neither on the order of the
-//! samples nor on the number of threads, and no statistic is ever NaN: an absent answer is `None`.
-//! Knows no blade, no contact and no file. Start reading in [`mod@quantile`].
+//! Pure functions on slices. A sample that failed is never dropped and never a number: it is counted, widens every
+//! interval ([`Observed`]), or the answer is refused with a reason. No statistic is ever NaN; a side that the samples do
+//! not bound is [`Limit::Unbounded`]. Results depend neither on the order of threads nor on the number of shards.
+//! Knows no blade, no contact and no file. Start reading in [`mod@observed`].
 
 pub mod band;
+pub mod bin;
+pub mod bootstrap;
+pub mod chaos;
+pub mod comparison;
+pub mod convergence;
+pub mod curve;
+pub mod depth;
 pub mod distribution;
+pub mod exceedance;
 pub mod failure;
-pub mod quantile;
+pub mod given_data;
+pub mod joint;
+pub mod limit;
+pub mod margin;
+pub mod moment;
+pub mod observed;
+pub mod order_statistic;
+pub mod proportion;
+pub mod replicates;
+pub mod reweight;
+pub mod sensitivity;
+pub mod sketch;
+pub mod sobol_index;
+pub mod tolerance;
+pub mod tornado;
+pub mod weighted;
 
-pub use band::{Band, BandPoint, Curve, pointwise_band};
-pub use distribution::{Bin, Moments, empirical_cdf, histogram, moments, rank_correlation};
-pub use failure::{FailureRate, failure_rate, quantile_bounds};
-pub use quantile::{
-    Interval, QuantileEstimate, Sorted, order_statistic_interval, quantile, quantile_estimate,
+pub use band::{
+    Band, BandPoint, Envelope, EnvelopePoint, EnvelopeRefusal, MissingPoints, pointwise_band,
+    simultaneous_band,
+};
+pub use bin::{Group, equal_count};
+pub use bootstrap::Bootstrap;
+pub use chaos::{
+    Chaos, ChaosIndex, ChaosRefusal, ChaosSettings, Polynomials, SurrogateExceedance, fit_chaos,
+};
+pub use comparison::{Better, Comparison, Ranking, compare, rank_designs};
+pub use convergence::{Prefix, convergence, nested_prefixes};
+pub use curve::{Curve, CurveSet};
+pub use depth::{depth_band, modified_band_depth};
+pub use distribution::{Bin, empirical_cdf, histogram, rank_correlation};
+pub use exceedance::{Exceedance, exceedance};
+pub use failure::{FailureBin, FailurePattern, failure_pattern};
+pub use given_data::{ConditionalMean, GivenDataIndex, conditional_means, first_order_index};
+pub use joint::{JointRegion, joint_region};
+pub use limit::{Interval, Limit};
+pub use margin::{
+    Criterion, Denominator, FrequencyMargin, Judgement, frequency_margin, goodman_allowable, judge,
+    reserve_factor,
+};
+pub use moment::{MomentEstimate, Moments, moment_estimate, moments};
+pub use observed::{Observed, Sorted};
+pub use order_statistic::{
+    QuantileEstimate, order_statistic_interval, quantile, quantile_estimate, quantile_rank,
+};
+pub use proportion::{Proportion, Share, proportion, share};
+pub use replicates::{ReplicateMean, replicate_mean};
+pub use reweight::Weights;
+pub use sensitivity::{Index, Influence, SensitivityRefusal};
+pub use sketch::{Sketch, SketchMismatch};
+pub use sobol_index::{SobolIndex, independent, pick_freeze_points, sobol_indices};
+pub use tolerance::{
+    Basis, Side, ToleranceBound, basis_bound, tolerance_bound, tolerance_confidence,
+    tolerance_order, wilks_sample_size,
+};
+pub use tornado::{OneAtATime, TornadoBar, tornado};
+pub use weighted::{
+    WeightedExceedance, WeightedQuantile, effective_sample_size, weighted_exceedance,
+    weighted_quantile,
 };

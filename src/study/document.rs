@@ -78,6 +78,18 @@ impl<'t> Document<'t> {
         }
     }
 
+    /// The text with the top-level number `key` set to `value`; in a line of its own where the key is absent.
+    #[must_use]
+    pub fn with_number(&self, key: &str, value: u64) -> String {
+        match self.places.iter().find(|place| place.key == key) {
+            None => format!("{key} = {value}\n{}", self.text),
+            Some(place) => {
+                let Range { start, end } = place.value;
+                format!("{}{value}{}", &self.text[..start], &self.text[end..])
+            }
+        }
+    }
+
     /// Refuses whatever was not taken.
     ///
     /// # Errors

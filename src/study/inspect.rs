@@ -4,7 +4,8 @@ use super::frequency::FrequencyUnit;
 use super::read::{Study, StudyModel};
 use crate::Error;
 use crate::hb::LinearModel;
-use crate::model::two_blade::ComponentSummary;
+use crate::model::ReducedModel;
+use crate::model::two_blade::{ComponentSummary, PressureModes};
 use crate::sampling::Input;
 
 /// Number of frequencies that are shown.
@@ -37,6 +38,10 @@ pub struct Inspection {
     pub stuck: Vec<f64>,
     /// Names of the random inputs.
     pub inputs: Vec<&'static str>,
+    /// The design of the samples, in words.
+    pub design: String,
+    /// The random field of the contact pressure in words, if there is one.
+    pub pressure_field: Option<String>,
     /// Number of samples.
     pub samples: u64,
     /// Excitation levels.
@@ -72,7 +77,8 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
     let rigid_below = RIGID * free.last().copied().unwrap_or(0.0);
     let n_rigid = free.iter().take_while(|f| **f <= rigid_below).count();
     let names = |rows: &[crate::model::Response]| rows.iter().map(|r| r.name.clone()).collect();
-    let folded = match study.mirror {
+    study.check_sides(&model)?;
+    let folded = match study.folds() {
         true => LinearModel::folded(&model, &parameters)?,
         false => None,
     };
@@ -94,6 +100,8 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
             .iter()
             .map(|(i, _)| Input::name(*i))
             .collect(),
+        design: study.design.description(),
+        pressure_field: pressure_field(study, &model)?,
         samples: study.samples,
         levels: study.levels.clone(),
         unknowns,
@@ -101,6 +109,17 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         time_s: time(study, unknowns[0]),
         dof_names: model.dof_names,
     })
+}
+
+fn pressure_field(study: &Study, model: &ReducedModel) -> Result<Option<String>, Error> {
+    let text = |modes: PressureModes| {
+        format!(
+            "{} modes per interface hold {:.0} % of the variance",
+            modes.loads.len() / 2,
+            100.0 * modes.variance_share
+        )
+    };
+    Ok(study.pressure_modes(model)?.map(text))
 }
 
 /// Three relative displacements per pair and coefficient.
@@ -139,6 +158,7 @@ fn warnings(study: &Study, flexible: Option<f64>) -> Vec<String> {
         Some(_) => {}
         None => warnings.push("the structure has no flexible mode".to_owned()),
     }
+    warnings.extend(study.unfolded());
     if study.samples > 1 && study.design.inputs().is_empty() {
         warnings.push("no [inputs]: every sample will be the same".to_owned());
     }

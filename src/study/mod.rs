@@ -1,9 +1,10 @@
 //! The study file and the commands on it.
 //!
 //! Reads `study.toml` into the rooms' own settings ([`Study`]) and orchestrates them; holds no numerics.
-//! Start reading at [`Study::read`]; the commands are [`inspect()`], [`solve()`] and [`run()`].
+//! Start reading at [`Study::read`]; the commands are [`inspect()`], [`solve()`], [`run()`] and [`extend()`].
 
 pub mod document;
+pub mod extend;
 pub mod frequency;
 pub mod inspect;
 pub mod output;
@@ -12,6 +13,7 @@ pub mod run;
 pub mod solve;
 pub mod tables;
 
+pub use extend::extend;
 pub use frequency::{FrequencySettings, FrequencyUnit, Points};
 pub use inspect::{Inspection, inspect};
 pub use output::{OutputFolder, OutputSettings};

@@ -12,13 +12,19 @@ use crate::contact::ContactParameters;
 use crate::hb::HbSettings;
 use crate::model::interface::InterfaceSettings;
 use crate::model::matrices::{MatricesError, MatricesSettings};
-use crate::model::two_blade::{self, ComponentSummary, TwoBladeSettings};
+use crate::model::two_blade::{
+    self, ComponentSummary, PressureField, PressureModes, TwoBladeSettings,
+};
 use crate::model::{ModelError, ReducedModel};
-use crate::sampling::{Design, DistributionTable, Input};
+use crate::sampling::input::PRESSURE_MODES;
+use crate::sampling::{
+    CorrelationTable, Design, DesignSettings, DesignTable, Distribution, DistributionTable,
+    EpistemicTable, Input, SampleTable, Shape, Uncertainty,
+};
 use crate::setting::BadSetting;
 
 /// Top-level keys of a study file.
-const KEYS: [&str; 10] = [
+const KEYS: [&str; 14] = [
     "name",
     "seed",
     "samples",
@@ -26,12 +32,14 @@ const KEYS: [&str; 10] = [
     "model",
     "contact",
     "inputs",
+    "design",
+    "correlation",
+    "epistemic",
+    "pressure_field",
     "solver",
     "frequency",
     "output",
 ];
-/// Most samples of a study: beyond it the tables of the report do not fit into memory.
-const MOST_SAMPLES: u64 = 100_000_000;
 
 /// Which structure is computed.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +50,8 @@ pub enum ModelSettings {
         blades: TwoBladeSettings,
         /// Constants of both interfaces.
         interface: InterfaceSettings,
+        /// Random field of the contact pressure.
+        pressure: Option<PressureField>,
     },
     /// The user's own matrices.
     Matrices(MatricesSettings),
@@ -103,23 +113,27 @@ impl Study {
         let mut document = Document::parse(path, text)?;
         let name: String = required(&mut document, "name")?;
         let seed: u64 = document.take("seed")?.unwrap_or(0);
-        let samples: u64 = document.take("samples")?.unwrap_or(1);
+        let samples: Option<u64> = document.take("samples")?;
         let levels: Vec<f64> = required(&mut document, "levels")?;
         let contact: ContactSection = document.take("contact")?.unwrap_or_default();
         let model = model(&mut document, &contact)?;
-        let design = design(&mut document, seed)?;
+        let pressure = match &model {
+            ModelSettings::TwoBladeStrip { pressure, .. } => *pressure,
+            ModelSettings::Matrices(_) => None,
+        };
+        let design = design(&mut document, pressure, folder_of(path), seed, samples)?;
         let solver: SolverSection = document.take("solver")?.unwrap_or_default();
         let frequency: FrequencyTable = required(&mut document, "frequency")?;
         let output: OutputSettings = document.take("output")?.unwrap_or_default();
         document.finish(&KEYS)?;
         let at = |bad: BadSetting| document.bad_setting(&bad);
-        validate_head(&name, samples, &levels).map_err(at)?;
+        validate_head(&name, &levels).map_err(at)?;
         output.validate().map_err(|bad| at(bad.under("output")))?;
         Ok(Self {
             path: path.to_owned(),
             text: text.to_owned(),
             name,
-            samples,
+            samples: design.samples(),
             levels,
             model,
             design,
@@ -135,7 +149,7 @@ impl Study {
     /// Folder of the study file: what its file names are relative to.
     #[must_use]
     pub fn folder(&self) -> &Path {
-        self.path.parent().unwrap_or_else(|| Path::new(""))
+        folder_of(&self.path)
     }
 
     /// Builds the nominal model and the nominal constants of its contact pairs.
@@ -144,7 +158,9 @@ impl Study {
     /// [`Error::Study`] or [`Error::Matrices`] on the first rule that the model's tables or files break.
     pub fn build_model(&self) -> Result<StudyModel, Error> {
         match &self.model {
-            ModelSettings::TwoBladeStrip { blades, interface } => {
+            ModelSettings::TwoBladeStrip {
+                blades, interface, ..
+            } => {
                 let rig = two_blade::build(blades).map_err(|error| match error {
                     ModelError::Setting(bad) => self.bad_setting(&bad.under("model")),
                     error => Error::Model(error),
@@ -174,6 +190,73 @@ impl Study {
         }
     }
 
+    /// Names of the inputs that act on one side of the contacts alone.
+    fn one_sided(&self) -> Vec<&'static str> {
+        let inputs = self.design.inputs().iter().map(|(input, _)| *input);
+        let sided = inputs.filter(|input| input.one_sided());
+        sided.map(Input::name).collect()
+    }
+
+    /// The random field of the contact pressure on `model`, if there is one.
+    ///
+    /// # Errors
+    /// [`Error::Model`] if its modes cannot be computed.
+    pub fn pressure_modes(&self, model: &ReducedModel) -> Result<Option<PressureModes>, Error> {
+        match &self.model {
+            ModelSettings::TwoBladeStrip {
+                blades,
+                pressure: Some(field),
+                ..
+            } => {
+                let modes = field.modes(blades, &model.contacts, model.n_dofs());
+                Ok(Some(modes.map_err(ModelError::from)?))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// Whether samples may be solved on half of a mirror-symmetric model.
+    #[must_use]
+    pub fn folds(&self) -> bool {
+        self.mirror && self.one_sided().is_empty()
+    }
+
+    /// Why samples are not solved on half of a mirror-symmetric model although `mirror` allows it.
+    #[must_use]
+    pub fn unfolded(&self) -> Option<String> {
+        let names = self.one_sided();
+        (self.mirror && !names.is_empty()).then(|| {
+            format!(
+                "solved on all contacts, not on one half of them: the sides differ by {}",
+                names.join(", ")
+            )
+        })
+    }
+
+    /// Refuses an input of a side that the model does not have.
+    ///
+    /// # Errors
+    /// [`Error::Study`] on `inputs.<name>`.
+    pub fn check_sides(&self, model: &ReducedModel) -> Result<(), Error> {
+        for (input, _) in self.design.inputs() {
+            let Some(interface) = input.interface() else {
+                continue;
+            };
+            if !model
+                .contacts
+                .iter()
+                .any(|pair| pair.interface == interface)
+            {
+                return Err(self.bad_setting(&BadSetting {
+                    key: format!("inputs.{}", input.name()),
+                    value: "(given)".to_owned(),
+                    rule: format!("must be absent: no contact pair has interface = {interface}"),
+                }));
+            }
+        }
+        Ok(())
+    }
+
     /// The error of a setting that only a command can find, at its line.
     #[must_use]
     pub fn bad_setting(&self, bad: &BadSetting) -> Error {
@@ -182,6 +265,11 @@ impl Study {
             Err(error) => error,
         }
     }
+}
+
+/// Folder of a file.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or_else(|| Path::new(""))
 }
 
 fn required<T: serde::de::DeserializeOwned>(
@@ -194,12 +282,9 @@ fn required<T: serde::de::DeserializeOwned>(
     }
 }
 
-fn validate_head(name: &str, samples: u64, levels: &[f64]) -> Result<(), BadSetting> {
+fn validate_head(name: &str, levels: &[f64]) -> Result<(), BadSetting> {
     let rule = "must not be empty";
     BadSetting::unless(!name.trim().is_empty(), "name", "\"\"", rule)?;
-    let rule = format!("must be from 1 to {MOST_SAMPLES}");
-    let holds = (1..=MOST_SAMPLES).contains(&samples);
-    BadSetting::unless(holds, "samples", samples, &rule)?;
     ascending_positive("levels", levels)
 }
 
@@ -212,9 +297,23 @@ fn model(document: &mut Document<'_>, contact: &ContactSection) -> Result<ModelS
             let blades: TwoBladeSettings = required(document, "model")?;
             document.checked(blades.validate().map_err(|b| b.under("model")))?;
             let interface = document.checked(contact.interface().map_err(of_contact))?;
-            Ok(ModelSettings::TwoBladeStrip { blades, interface })
+            let pressure: Option<PressureField> = document.take("pressure_field")?;
+            if let Some(field) = &pressure {
+                let valid = field.validate().map_err(|b| b.under("pressure_field"));
+                document.checked(valid)?;
+            }
+            Ok(ModelSettings::TwoBladeStrip {
+                blades,
+                interface,
+                pressure,
+            })
         }
         "matrices" => {
+            if document.take::<PressureField>("pressure_field")?.is_some() {
+                let rule =
+                    "must be absent: a model of kind \"matrices\" has no positions of its contacts";
+                return Err(document.at_key("pressure_field", rule.to_owned()));
+            }
             let settings: MatricesSettings = required(document, "model")?;
             document.checked(settings.validate().map_err(|b| b.under("model")))?;
             document.checked(contact.refuse_interface().map_err(of_contact))?;
@@ -228,8 +327,14 @@ fn model(document: &mut Document<'_>, contact: &ContactSection) -> Result<ModelS
     }
 }
 
-/// Reads `[inputs.*]`.
-fn design(document: &mut Document<'_>, seed: u64) -> Result<Design, Error> {
+/// Reads `[inputs.*]`, `[design]`, `[correlation]` and `[epistemic]`, and the file that `[design]` names.
+fn design(
+    document: &mut Document<'_>,
+    pressure: Option<PressureField>,
+    folder: &Path,
+    seed: u64,
+    samples: Option<u64>,
+) -> Result<Design, Error> {
     let tables: BTreeMap<String, DistributionTable> = document.take("inputs")?.unwrap_or_default();
     let mut inputs = Vec::new();
     for (name, table) in &tables {
@@ -238,9 +343,33 @@ fn design(document: &mut Document<'_>, seed: u64) -> Result<Design, Error> {
             let known = Input::ALL.map(Input::name).join(", ");
             return Err(document.at_key(&key, format!("unknown input; known are {known}")));
         };
-        let distribution = table.distribution().map_err(|bad| bad.under(&key));
-        inputs.push((input, document.checked(distribution)?));
+        let uncertainty = table.uncertainty().map_err(|bad| bad.under(&key));
+        inputs.push((input, document.checked(uncertainty)?));
     }
-    let design = Design::new(seed, inputs).map_err(|bad| bad.under("inputs"));
-    document.checked(design)
+    let coefficients = 2 * pressure.map_or(0, |field| field.modes);
+    for k in (0..PRESSURE_MODES as u8).take(coefficients) {
+        let (mean, standard_deviation) = (0.0, 1.0);
+        let shape = Shape::Normal {
+            mean,
+            standard_deviation,
+        };
+        let normal = document.checked(Distribution::new(shape, None))?;
+        inputs.push((Input::PressureMode(k), Uncertainty::Aleatory(normal)));
+    }
+    let table: DesignTable = document.take("design")?.unwrap_or_default();
+    document.checked(table.validate().map_err(|bad| bad.under("design")))?;
+    let file = match table.path() {
+        Some(path) => Some(SampleTable::read(&folder.join(path))?),
+        None => None,
+    };
+    let settings = DesignSettings {
+        seed,
+        samples,
+        design: table,
+        inputs,
+        correlation: document.take::<CorrelationTable>("correlation")?,
+        epistemic: document.take::<EpistemicTable>("epistemic")?,
+        file,
+    };
+    document.checked(settings.build())
 }

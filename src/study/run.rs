@@ -1,24 +1,29 @@
 //! All samples of a study: what `run` computes and writes.
 
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::output::OutputFolder;
 use super::read::{ModelSettings, Study, StudyModel};
 use super::solve::Progress;
 use crate::Error;
-use crate::ensemble::Ensemble;
+use crate::ensemble::atlas::Atlas;
 use crate::ensemble::backend::{BackendSettings, OpenBackend};
-use crate::ensemble::outcome::{CurvePoint, SampleOutcome};
+use crate::ensemble::kept::{ATLAS_FILE, KeptStudy, write_anchors};
+use crate::ensemble::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
 use crate::ensemble::store::{Provenance, write_curves, write_samples};
+use crate::ensemble::{Ensemble, Solved};
 use crate::hb::peak::PeakSettings;
 use crate::hb::resonance::{Band, linear_resonance, linear_response};
-use crate::hb::{LinearModel, Problem};
+use crate::hb::{LinearModel, Problem, ProblemError};
+use crate::model::ReducedModel;
 use crate::report::{self, ReportInput, Summary};
+use crate::statistics::{ReplicateMean, replicate_mean};
 use crate::units::rad_s_to_hz;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Relative change of frequency at which a peak counts as located; three times finer than the 1e-6 promised.
-const FREQUENCY_TOLERANCE: f64 = 3e-7;
+/// Relative change of frequency at which a peak counts as located: a peak reached on two ways differs by at most 1e-7.
+const FREQUENCY_TOLERANCE: f64 = 5e-8;
 /// Points of the linear curves in the report.
 const LINEAR_POINTS: usize = 600;
 
@@ -29,9 +34,50 @@ pub struct RunResult {
     pub outcomes: Vec<SampleOutcome>,
     /// Statistics as in `summary.json`.
     pub summary: Summary,
+    /// Why the model was not folded although `mirror` allows it.
+    pub unfolded: Option<String>,
 }
 
-/// Computes every sample and writes `samples.parquet`, `curves.parquet`, `summary.json` and `report.html`.
+/// Means of one level over the replicates of a quasi-random design.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LevelReplicates {
+    /// Excitation level.
+    pub level: f64,
+    /// Resonance frequency (Hz).
+    pub frequency_hz: ReplicateMean,
+    /// Amplitude (m).
+    pub amplitude_m: ReplicateMean,
+}
+
+impl RunResult {
+    /// Means and standard errors per level, over samples with a solution; empty without replicates.
+    #[must_use]
+    pub fn replicate_means(&self) -> Vec<LevelReplicates> {
+        let level = |(i, summary): (usize, &crate::report::summary::LevelSummary)| {
+            let mean = |of: fn(&PeakRecord) -> f64| {
+                replicate_mean(self.outcomes.iter().filter_map(|outcome| {
+                    let record = &outcome.levels[i];
+                    let peak = record.peak.filter(|_| record.status.has_solution());
+                    Some((outcome.group.replicate?, of(&peak?)))
+                }))
+            };
+            Some(LevelReplicates {
+                level: summary.level,
+                frequency_hz: mean(|peak| peak.frequency_hz)?,
+                amplitude_m: mean(|peak| peak.amplitude_m)?,
+            })
+        };
+        self.summary
+            .levels
+            .iter()
+            .enumerate()
+            .filter_map(level)
+            .collect()
+    }
+}
+
+/// Computes every sample and writes `samples.parquet`, `curves.parquet`, `atlas.parquet` (for an extension),
+/// `summary.json` and `report.html`.
 ///
 /// `backend` evaluates the contacts; what it fails to do the processor does.
 /// Runs on the current rayon thread pool; `progress` is called before the first sample and after each.
@@ -46,12 +92,27 @@ pub fn run(
     backend: &BackendSettings,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<RunResult, Error> {
+    run_after(study, folder, Solved::default(), backend, progress)
+}
+
+/// The same where the samples of `kept` are solved already.
+///
+/// # Errors
+/// Those of [`run`], and [`Error::Command`] if sample 0 is not what it was.
+pub(super) fn run_after(
+    study: &Study,
+    folder: &OutputFolder,
+    kept: Solved,
+    backend: &BackendSettings,
+    progress: impl Fn(Progress) + Sync,
+) -> Result<RunResult, Error> {
     let clock = Instant::now();
     let backend = OpenBackend::open(backend, study.solver.newton.tolerance);
     let StudyModel {
         reduced, contacts, ..
     } = study.build_model()?;
-    let folded = match study.mirror {
+    study.check_sides(&reduced)?;
+    let folded = match study.folds() {
         true => LinearModel::folded(&reduced, &contacts)?,
         false => None,
     };
@@ -59,6 +120,13 @@ pub fn run(
         Some(half) => half,
         None => LinearModel::new(&reduced)?,
     };
+    let load_modes = match study.pressure_modes(&reduced)? {
+        Some(modes) => static_forces(&reduced, &modes.loads)?,
+        None => Vec::new(),
+    };
+    let interfaces: Vec<usize> = (linear.pairs.iter())
+        .map(|&pair| reduced.contacts[pair].interface)
+        .collect();
     let contacts: Vec<_> = linear.pairs.iter().map(|&pair| contacts[pair]).collect();
     let [low, high] = study.frequency.band;
     let band = Band { low, high };
@@ -68,6 +136,8 @@ pub fn run(
     let ensemble = Ensemble {
         linear: &linear,
         contacts: &contacts,
+        interfaces: &interfaces,
+        load_modes: &load_modes,
         design: &study.design,
         levels: &study.levels,
         settings: &study.solver,
@@ -78,13 +148,19 @@ pub fn run(
         curve_samples: study.output.curve_samples,
         backend: backend.backend(),
     };
-    let (total, done) = (study.samples, AtomicU64::new(0));
-    progress(Progress { done: 0, total });
+    refuse_other_results(study, &ensemble, &kept)?;
+    let (total, n_kept) = (study.samples, kept.outcomes.len() as u64);
+    let done = AtomicU64::new(n_kept);
+    let start = Progress {
+        done: n_kept,
+        total,
+    };
+    progress(start);
     let one_more = || {
         let done = 1 + done.fetch_add(1, Ordering::Relaxed);
         progress(Progress { done, total });
     };
-    let outcomes = (backend.run(&ensemble, total, one_more))
+    let Solved { outcomes, anchors } = (backend.extend(&ensemble, kept, total, one_more))
         .map_err(|error| Error::Threads(error.to_string()))?;
     let nominal = ensemble.nominal();
     let input_names: Vec<String> = study
@@ -101,6 +177,8 @@ pub fn run(
         &provenance,
         &outcomes,
     )?;
+    let atlas_path = folder.path().join(ATLAS_FILE);
+    write_anchors(&atlas_path, &kept_study(study, folder)?, &anchors)?;
     let input = ReportInput {
         provenance: &provenance,
         input_names: &input_names,
@@ -116,7 +194,72 @@ pub fn run(
         backend: &backend.report(),
     };
     let summary = report::write(folder.path(), &input)?;
-    Ok(RunResult { outcomes, summary })
+    Ok(RunResult {
+        outcomes,
+        summary,
+        unfolded: study.unfolded(),
+    })
+}
+
+/// Other static loads in the coordinates of the whole model. Shape: `loads` × dofs → loads × parts × coordinates.
+fn static_forces(
+    model: &ReducedModel,
+    loads: &[Vec<f64>],
+) -> Result<Vec<Vec<Vec<f64>>>, ProblemError> {
+    let of_load = |load: &Vec<f64>| {
+        let loaded = ReducedModel {
+            static_force: load.clone(),
+            ..model.clone()
+        };
+        let parts = LinearModel::new(&loaded)?.parts;
+        Ok(parts.into_iter().map(|part| part.static_force).collect())
+    };
+    loads.iter().map(of_load).collect()
+}
+
+/// Refuses kept samples that this program and this model would not give again: the first one is solved anew.
+fn refuse_other_results(study: &Study, ensemble: &Ensemble, kept: &Solved) -> Result<(), Error> {
+    let Some(first) = kept.outcomes.first() else {
+        return Ok(());
+    };
+    let (again, _) = ensemble.sample(0, &Atlas::default());
+    let numbers = |outcome: &SampleOutcome| -> Vec<_> {
+        let peak = |level: &LevelOutcome| level.peak.filter(|_| level.status.has_solution());
+        let of = |level: &LevelOutcome| (level.status, peak(level), level.newton_iterations);
+        outcome.levels.iter().map(of).collect()
+    };
+    if numbers(first) == numbers(&again) {
+        return Ok(());
+    }
+    Err(Error::Command {
+        path: study.path.clone(),
+        message: "sample 0 solved again is not that of the results: the model's files, the program or the processor's \
+                  instruction set has changed; `run` anew"
+            .to_owned(),
+    })
+}
+
+/// The study as an extension will need it. Its path is relative where the results lie below it, so that both can move.
+fn kept_study(study: &Study, folder: &OutputFolder) -> Result<KeptStudy, Error> {
+    let whole = |path: &Path| {
+        let path = if path == Path::new("") {
+            Path::new(".")
+        } else {
+            path
+        };
+        path.canonicalize()
+            .map_err(|source| Error::file(path, source))
+    };
+    let (of_study, of_results) = (whole(study.folder())?, whole(folder.path())?);
+    let from = match of_results.strip_prefix(&of_study) {
+        Ok(below) => below.iter().map(|_| "..").collect::<PathBuf>(),
+        Err(_) => of_study,
+    };
+    let path = from.join(study.path.file_name().unwrap_or_default());
+    Ok(KeptStudy {
+        text: study.text.clone(),
+        path: path.to_string_lossy().into_owned(),
+    })
 }
 
 /// Linear response per unit level over the band, and its resonance.

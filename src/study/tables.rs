@@ -149,7 +149,7 @@ impl SolverSection {
             aft: AftSettings {
                 n_time: self.time_points.unwrap_or(DEFAULT_TIME_POINTS),
                 law,
-                events: contact.events.unwrap_or(Events::of_law(law)),
+                events: contact.events.unwrap_or_default(),
                 laps: match self.laps {
                     Some(LapsTable::Fixed(n)) => Laps::Fixed(n),
                     Some(LapsTable::Named(NamedLaps::Periodic)) | None => Laps::Periodic,
@@ -232,13 +232,13 @@ impl SolverSection {
 mod tests {
     use super::*;
 
-    /// Seen to fail with: one default for both laws.
+    /// Seen to fail with: interpolated events as the default.
     #[test]
-    fn each_law_resolves_events_as_well_as_it_can() {
+    fn events_are_located_unless_the_study_says_otherwise() {
         for (text, expected) in [
             ("", Events::Located),
             ("law = \"box\"", Events::Located),
-            ("law = \"circle\"", Events::Interpolated),
+            ("law = \"circle\"", Events::Located),
             ("events = \"sampled\"", Events::Sampled),
         ] {
             let contact: ContactSection = toml::from_str(text).unwrap();

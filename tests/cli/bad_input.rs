@@ -189,11 +189,6 @@ fn bad_values_name_line_key_and_rule() {
                 &[":33: solver.laps = 0: must be at least 1"],
             ),
             (
-                "law = \"box\"",
-                "law = \"circle\"\nevents = \"located\"",
-                &[":26: contact.events = located: needs law"],
-            ),
-            (
                 "time_points = 128",
                 "time_points = 20",
                 &[":34: solver.time_points = 20: must be more"],

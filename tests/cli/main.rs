@@ -5,6 +5,9 @@
 )]
 
 mod bad_input;
+mod designs;
+mod extend;
+mod inputs;
 mod run;
 mod solve;
 

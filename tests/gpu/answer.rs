@@ -37,6 +37,8 @@ fn outcomes(
     let ensemble = Ensemble {
         linear: &linear,
         contacts: &contacts,
+        interfaces: &[],
+        load_modes: &[],
         design: &study.design,
         levels: &study.levels,
         settings: &study.solver,

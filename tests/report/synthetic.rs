@@ -6,6 +6,7 @@ use microslip::ensemble::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleO
 use microslip::ensemble::store::Provenance;
 use microslip::hb::{SliderAnchor, Status};
 use microslip::report::ReportInput;
+use microslip::sampling::SampleGroup;
 
 pub(crate) const LEVELS: [f64; 8] = [0.1, 1.0, 5.0, 10.0, 20.0, 50.0, 100.0, 300.0];
 const FREE: f64 = 2967.03;
@@ -98,6 +99,7 @@ fn fraction(i: u64, step: f64) -> f64 {
 fn sample(index: u64, inputs: [f64; 2]) -> SampleOutcome {
     SampleOutcome {
         index,
+        group: SampleGroup::default(),
         inputs: inputs.to_vec(),
         levels: (0..LEVELS.len()).map(|i| level(index, inputs, i)).collect(),
     }

@@ -1,6 +1,7 @@
 //! Verification of `aft`: the batch evaluation and its exact derivative.
 
 mod located;
+mod located_circle;
 
 use microslip::aft::{
     AftBatch, AftForces, AftPlan, AftSettings, Block, Laps, Periodicity, StateSummary, Tangent,
@@ -124,6 +125,26 @@ fn random_states(rng: &mut ChaCha8Rng, set: &HarmonicSet, n: usize) -> Vec<State
         .collect()
 }
 
+/// States of [`random_states`] that slip or lift off under the law and events of `s`.
+fn moving_states(set: &HarmonicSet, s: AftSettings, seed: u64, n: usize) -> Vec<State> {
+    let mut states = random_states(&mut ChaCha8Rng::seed_from_u64(seed), set, 3 * n);
+    let out = run(&AftPlan::<f64>::new(set, s), &states, Want::Forces);
+    let mut moving = out.summaries.iter().map(|s| s.slip + s.separated > 0);
+    states.retain(|_| moving.next() == Some(true));
+    states.truncate(n);
+    assert_eq!(states.len(), n, "enough states move");
+    states
+}
+
+/// Sorted relative errors of the forces under `s` against `exact`.
+fn errors(set: &HarmonicSet, states: &[State], s: AftSettings, exact: &AftForces<f64>) -> Vec<f64> {
+    let out = run(&AftPlan::<f64>::new(set, s), states, Want::Forces);
+    let error = |i| relative_difference(&forces(&out, i), &forces(exact, i));
+    let mut errors: Vec<f64> = (0..states.len()).map(error).collect();
+    errors.sort_by(f64::total_cmp);
+    errors
+}
+
 /// Dense tangent `[3m][3m]` of one state.
 fn tangent(out: &AftForces<f64>, state: usize, p: &ContactParameters<f64>) -> Vec<f64> {
     let width = 3 * out.n_coefficients;
@@ -140,14 +161,14 @@ fn tangent(out: &AftForces<f64>, state: usize, p: &ContactParameters<f64>) -> Ve
     dense
 }
 
-/// Largest error of the tangent over the block norms against central differences of fourth order of four steps; the
+/// Largest error of the tangent over the block norms against central differences of fourth order of three steps; the
 /// best step counts, since an event may lie within the larger ones.
 fn difference_error(plan: &AftPlan<f64>, state: &State) -> f64 {
     let base = run(plan, std::slice::from_ref(state), Want::ForcesAndTangents);
     let exact = tangent(&base, 0, &state.p);
     let size = state.q.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
     let mut best = f64::INFINITY;
-    for h in [3e-5, 3e-4, 3e-6, 3e-7] {
+    for h in [3e-5, 3e-6, 3e-7] {
         best = step_error(plan, state, &exact, h * size).min(best);
         if best < 1e-8 {
             break;
@@ -169,8 +190,12 @@ fn step_error(plan: &AftPlan<f64>, state: &State, exact: &[f64], h: f64) -> f64 
         })
         .collect();
     let stepped = run(plan, &stepped, Want::Forces);
-    let largest = exact.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
-    let mut norms = [1e-2 * largest.max(1e-3); 9];
+    let mut largest = exact.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+    if largest == 0.0 {
+        // Never in contact: the differences must vanish against the springs.
+        largest = state.p.k_n.max(state.p.k_t[0]).max(state.p.k_t[1]);
+    }
+    let mut norms = [1e-2 * largest; 9];
     let mut errors = [0.0f64; 9];
     for j in 0..width {
         let f: [Vec<f64>; 4] = std::array::from_fn(|k| forces(&stepped, 4 * j + k));
@@ -195,16 +220,20 @@ fn sets() -> [HarmonicSet; 3] {
     ]
 }
 
-/// The plans of every law, rule of events and lap rule.
+/// The plans of every law, rule of events and lap rule; located events of the box law have their own tests.
 fn plans(set: &HarmonicSet, laps: &[Laps]) -> Vec<AftPlan<f64>> {
-    let mut plans = Vec::new();
-    for law in LAWS {
-        for events in EVENTS {
-            for &laps in laps {
-                plans.push(AftPlan::new(set, settings(48, law, events, laps)));
-            }
-        }
-    }
+    let rules = LAWS.into_iter().flat_map(|law| EVENTS.map(|e| (law, e)));
+    let rules = rules.chain([(FrictionLaw::Circle, Events::Located)]);
+    rules
+        .flat_map(|(law, events)| laps.iter().map(move |&laps| (law, events, laps)))
+        .map(|(law, events, laps)| AftPlan::new(set, settings(48, law, events, laps)))
+        .collect()
+}
+
+/// The plans whose events are decided at the samples.
+fn sampled_plans(set: &HarmonicSet, laps: &[Laps]) -> Vec<AftPlan<f64>> {
+    let mut plans = plans(set, laps);
+    plans.retain(|plan| plan.settings().events != Events::Located);
     plans
 }
 
@@ -339,7 +368,7 @@ fn plain_traction(
 fn forces_agree_with_a_plain_march() {
     for set in sets() {
         let states = random_states(&mut ChaCha8Rng::seed_from_u64(4), &set, 240);
-        for plan in plans(&set, &[Laps::Periodic, Laps::Fixed(1), Laps::Fixed(3)]) {
+        for plan in sampled_plans(&set, &[Laps::Periodic, Laps::Fixed(1), Laps::Fixed(3)]) {
             let out = run(&plan, &states, Want::Forces);
             let laps = match (plan.settings().laps, plan.settings().law) {
                 (Laps::Fixed(n), _) => n,
@@ -476,6 +505,14 @@ fn shifted(q: &[f64], set: &HarmonicSet, turn: f64) -> Vec<f64> {
     out
 }
 
+fn shifted_states(states: &[State], set: &HarmonicSet, turn: f64) -> Vec<State> {
+    let shift = |s: &State| State {
+        q: shifted(&s.q, set, turn),
+        p: s.p,
+    };
+    states.iter().map(shift).collect()
+}
+
 /// Seen to fail with: closing over the end of the period left out.
 #[test]
 fn a_shift_in_time_shifts_the_unique_steady_force() {
@@ -483,13 +520,7 @@ fn a_shift_in_time_shifts_the_unique_steady_force() {
         let states = random_states(&mut ChaCha8Rng::seed_from_u64(8), &set, 200);
         for plan in plans(&set, &[Laps::Periodic]) {
             let turn = std::f64::consts::TAU * 11.0 / 48.0;
-            let moved: Vec<State> = states
-                .iter()
-                .map(|s| State {
-                    q: shifted(&s.q, &set, turn),
-                    p: s.p,
-                })
-                .collect();
+            let moved = shifted_states(&states, &set, turn);
             let (one, other) = (
                 run(&plan, &states, Want::Forces),
                 run(&plan, &moved, Want::Forces),

@@ -6,6 +6,7 @@
 )]
 
 mod closed_form;
+mod curve;
 mod fold;
 mod invariants;
 mod jacobian;

@@ -6,4 +6,5 @@ mod fe;
 mod hb;
 mod reference;
 mod sampling;
+mod statistics;
 mod two_blade;

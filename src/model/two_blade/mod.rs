@@ -8,9 +8,11 @@
 mod assembly;
 mod components;
 mod linear;
+mod pressure;
 mod settings;
 
 pub use linear::{LinearModes, TrackedMode};
+pub use pressure::{PressureField, PressureModes};
 pub use settings::{Phase, TwoBladeSettings};
 
 use super::{CraigBampton, ModelError, ReducedModel, ReductionError};

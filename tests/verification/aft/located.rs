@@ -12,26 +12,6 @@ fn plan(set: &HarmonicSet, n_time: usize, laps: Laps) -> AftPlan<f64> {
     AftPlan::new(set, located(n_time, laps))
 }
 
-/// States of [`random_states`] that slip or lift off.
-fn moving_states(set: &HarmonicSet, seed: u64, n: usize) -> Vec<State> {
-    let mut states = random_states(&mut ChaCha8Rng::seed_from_u64(seed), set, 3 * n);
-    let out = run(&plan(set, 128, Laps::Periodic), &states, Want::Forces);
-    let mut moving = out.summaries.iter().map(|s| s.slip + s.separated > 0);
-    states.retain(|_| moving.next() == Some(true));
-    states.truncate(n);
-    assert_eq!(states.len(), n, "enough states move");
-    states
-}
-
-/// Sorted relative errors of the forces at `n_time` points against `exact`.
-fn errors(set: &HarmonicSet, states: &[State], s: AftSettings, exact: &AftForces<f64>) -> Vec<f64> {
-    let out = run(&AftPlan::<f64>::new(set, s), states, Want::Forces);
-    let error = |i| relative_difference(&forces(&out, i), &forces(exact, i));
-    let mut errors: Vec<f64> = (0..states.len()).map(error).collect();
-    errors.sort_by(f64::total_cmp);
-    errors
-}
-
 /// Against 8192 points; and plain clipping converges to the same force with its own second order, so that the truth
 /// does not rest on located events alone.
 /// Seen to fail with: turning points of the bounds left out; slip from the start of its interval on; a bound that turns
@@ -40,7 +20,7 @@ fn errors(set: &HarmonicSet, states: &[State], s: AftSettings, exact: &AftForces
 fn located_forces_have_no_time_discretisation_error() {
     for h in [1, 3, 5, 7] {
         let set = HarmonicSet::up_to(h);
-        let states = moving_states(&set, 11, 400);
+        let states = moving_states(&set, located(128, Laps::Periodic), 11, 400);
         let exact = run(&plan(&set, 8192, Laps::Periodic), &states, Want::Forces);
         let few = errors(&set, &states, located(128, Laps::Periodic), &exact);
         assert!(few[200] < 1e-14, "H = {h}: median {:e}", few[200]);
@@ -61,7 +41,7 @@ fn located_forces_have_no_time_discretisation_error() {
 fn few_samples_bracket_the_events() {
     for (h, n) in [(1, 8), (3, 16), (5, 24), (7, 32)] {
         let set = HarmonicSet::up_to(h);
-        let states = moving_states(&set, 12, 1000);
+        let states = moving_states(&set, located(128, Laps::Periodic), 12, 1000);
         let exact = run(&plan(&set, 4096, Laps::Periodic), &states, Want::Forces);
         let errors = errors(&set, &states, located(n, Laps::Periodic), &exact);
         assert!(errors[980] < 1e-12, "H = {h}: 98 % {:e}", errors[980]);
@@ -138,13 +118,7 @@ fn located_forces_do_not_see_where_the_period_starts() {
     let set = HarmonicSet::up_to(4);
     let states = random_states(&mut ChaCha8Rng::seed_from_u64(8), &set, 300);
     let turn = 1.2345;
-    let moved: Vec<State> = states
-        .iter()
-        .map(|s| State {
-            q: shifted(&s.q, &set, turn),
-            p: s.p,
-        })
-        .collect();
+    let moved = shifted_states(&states, &set, turn);
     let plan_of = |laps| plan(&set, 64, laps);
     let one = run(&plan_of(Laps::Periodic), &states, Want::Forces);
     let other = run(&plan_of(Laps::Periodic), &moved, Want::Forces);
@@ -235,15 +209,4 @@ fn located_single_precision_follows_double_precision() {
     assert!(errors[200] < 1e-6, "median {:e}", errors[200]);
     assert!(errors[390] < 1e-5, "97.5 % {:e}", errors[390]);
     assert!(errors[399] < 1e-3, "largest {:e}", errors[399]);
-}
-
-/// Seen to fail with: the rule left out of `validate`.
-#[test]
-fn located_events_of_the_circle_law_are_refused() {
-    let s = settings(64, FrictionLaw::Circle, LOCATED, Laps::Periodic);
-    let bad = s.validate(5).expect_err("no closed form");
-    assert_eq!(
-        (bad.key.as_str(), bad.value.as_str()),
-        ("events", "located")
-    );
 }

@@ -6,13 +6,16 @@ use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::alert::{pad, truncation_error};
 use microslip::hb::forced_response::{at_frequencies, over_band};
-use microslip::hb::newton::{Condition, solve};
+use microslip::hb::newton::{Condition, Iterate, WorkCount, solve};
 use microslip::hb::peak::PeakSettings;
 use microslip::hb::predicted::{PeakPrediction, correct};
+use microslip::hb::refine::refined;
 use microslip::hb::resonance::Band;
 use microslip::hb::sweep::SweepDirection;
 use microslip::hb::track::{stuck_point, track_peaks};
-use microslip::hb::{Balance, LinearModel, Problem, SliderAnchor, Status};
+use microslip::hb::{
+    AlertSettings, Balance, HbSettings, LinearModel, Problem, SliderAnchor, Status,
+};
 use std::f64::consts::TAU;
 
 fn with_problem<T>(case: &Case, visit: impl FnOnce(&Problem<'_>) -> T) -> T {
@@ -235,5 +238,111 @@ fn flanks_are_not_taken_for_peaks() {
             }
         }
         assert!(lower > 8, "{lower} of 12 on the flanks");
+    });
+}
+
+/// Band and exactness of the peaks of the plane blades.
+const SEARCH: PeakSettings = PeakSettings {
+    band: Band {
+        low: 300.0 * TAU,
+        high: 450.0 * TAU,
+    },
+    frequency_tolerance: 1e-7,
+};
+
+fn located(highest: usize) -> HbSettings {
+    let mut settings = settings(highest, FrictionLaw::Box);
+    settings.aft.events = Events::Located;
+    settings
+}
+
+/// Starts around a peak lead to the same frequency, or nowhere. Seen to fail with curvatures from long secants only: a
+/// flat top then passes for located where it is not.
+#[test]
+fn poor_starts_lead_to_the_same_top() {
+    let case = plane(-1.0);
+    with_problem(&case, |problem| {
+        let settings = located(3);
+        let tracked = track_peaks(problem, &settings, SEARCH, &[10.0]).expect("modes");
+        let top = tracked[0].solution.as_ref().expect("a peak");
+        let balance = Balance::new(problem, settings.harmonics.clone(), settings.aft);
+        let mut found = 0;
+        for i in 0..200 {
+            let (along, across) = (f64::from(i % 20) - 9.5, f64::from(i / 20) - 4.5);
+            let mut prediction = PeakPrediction::of(top);
+            prediction.point.omega *= 1.0 + 2e-4 * along;
+            for (k, r) in prediction.point.r.iter_mut().enumerate() {
+                *r *= 1.0 + 0.01 * across * (k as f64).cos();
+            }
+            if let Ok((iterate, _)) = correct(&balance, prediction, SEARCH, settings.newton) {
+                let error = iterate.point.omega / top.omega - 1.0;
+                assert!(error.abs() < 2e-7, "start {i}: {error:e}");
+                found += 1;
+            }
+        }
+        println!("{found} of 200 starts");
+        assert!(found > 150, "{found}");
+    });
+}
+
+/// Peaks on more harmonics than the search uses are tops of their own curve.
+#[test]
+fn raised_peaks_are_tops() {
+    let case = plane(-1.0);
+    with_problem(&case, |problem| {
+        let settings = located(11);
+        for found in track_peaks(problem, &settings, SEARCH, &[10.0, 20.0]).expect("modes") {
+            let solution = found.solution.expect("a peak");
+            assert_eq!(solution.harmonics.highest(), 11);
+            for step in [-1e-5, -1e-6, 1e-6, 1e-5] {
+                let omega = [solution.omega, solution.omega * (1.0 + step)];
+                let upward = SweepDirection::Upward;
+                let near = at_frequencies(problem, &settings, found.level, &omega, upward);
+                let change = near[1].amplitude(0) / solution.amplitude(0) - 1.0;
+                println!("{} N {step:e}: {change:.1e}", found.level);
+                assert!(
+                    near[1].status == Status::Converged && change < 0.0,
+                    "{change:e}"
+                );
+            }
+        }
+    });
+}
+
+/// Where the peak leaves the band with the harmonics that the alert asks for, the one on fewer is kept and says so.
+#[test]
+fn peaks_not_located_on_more_harmonics_stay_on_fewer() {
+    let case = plane(-1.0);
+    with_problem(&case, |problem| {
+        let mut settings = located(1);
+        settings.alert = Some(AlertSettings {
+            threshold: 1e-9,
+            highest_harmonic: 9,
+        });
+        let on_few = HbSettings {
+            alert: None,
+            ..settings.clone()
+        };
+        let tracked = track_peaks(problem, &on_few, SEARCH, &[10.0]).expect("modes");
+        let few = tracked[0].solution.as_ref().expect("a peak");
+        let balance = Balance::new(problem, settings.harmonics.clone(), settings.aft);
+        let refine = |band: Band| {
+            let search = PeakSettings { band, ..SEARCH };
+            let iterate = Iterate::new(&balance, few.point());
+            refined(&balance, iterate, &settings, search, WorkCount::default())
+        };
+        let narrow = refine(Band {
+            low: few.omega * (1.0 - 1e-7),
+            high: few.omega * (1.0 + 1e-7),
+        });
+        assert_eq!(narrow.status, Status::TruncationAboveThreshold);
+        assert_eq!(narrow.harmonics.highest(), 1);
+        let wide = refine(SEARCH.band);
+        println!(
+            "{} harmonics, {:e}",
+            wide.harmonics.highest(),
+            wide.omega / few.omega - 1.0
+        );
+        assert_eq!(wide.harmonics.highest(), 9);
     });
 }

@@ -4,53 +4,22 @@
 //! Hyndman & Fan, "Sample quantiles in statistical packages", The American Statistician 50 (1996) 361–365).
 //! It is always a value that was observed, and its confidence interval and failure bounds are ranks too.
 
+use super::limit::Interval;
+use super::observed::{Observed, Sorted};
 use statrs::distribution::{Binomial, DiscreteCDF};
 
-/// Finite values in ascending order.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Sorted(Vec<f64>);
-
-impl Sorted {
-    /// Sorts the finite ones of `values`; the caller counts the others as failed.
-    #[must_use]
-    pub fn finite(values: impl IntoIterator<Item = f64>) -> Self {
-        let mut kept: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).collect();
-        kept.sort_by(f64::total_cmp);
-        Self(kept)
-    }
-
-    /// The values, ascending.
-    #[must_use]
-    pub fn values(&self) -> &[f64] {
-        &self.0
-    }
-
-    /// The order statistic x₍ᵣₐₙₖ₎, 1-based; `None` outside 1..=n.
-    #[must_use]
-    pub fn order_statistic(&self, rank: usize) -> Option<f64> {
-        self.0.get(rank.checked_sub(1)?).copied()
-    }
-}
-
-/// A range with an open end where a limit is absent.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Interval {
-    /// Lower limit; absent = not bounded by the samples.
-    pub lower: Option<f64>,
-    /// Upper limit; absent = not bounded by the samples.
-    pub upper: Option<f64>,
-}
-
-/// A quantile with its confidence interval.
+/// A quantile with its confidence interval and with what failed samples leave open.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct QuantileEstimate {
     /// Probability p of the quantile.
     pub probability: f64,
-    /// x₍⌈np⌉₎.
+    /// x₍⌈np⌉₎ of the samples that did not fail.
     pub estimate: f64,
-    /// Confidence interval; a limit is absent where n is too small for it.
+    /// Range of the estimate over all values that the failed samples could have had: the estimate itself without any.
+    pub failure_bounds: Interval,
+    /// Confidence interval, failed samples at −∞ for the lower and at +∞ for the upper limit.
     pub interval: Interval,
-    /// 1-based ranks of the limits; 0 and n + 1 stand for absent limits.
+    /// 1-based ranks of the limits among all n samples; 0 and n + 1 stand for limits for which n is too small.
     pub ranks: (usize, usize),
     /// Probability with which the interval covers the quantile, not less than what was asked for.
     pub coverage: f64,
@@ -65,7 +34,7 @@ pub fn quantile_rank(n: usize, probability: f64) -> usize {
 /// The p-quantile x₍⌈np⌉₎; `None` without values.
 #[must_use]
 pub fn quantile(sorted: &Sorted, probability: f64) -> Option<f64> {
-    sorted.order_statistic(quantile_rank(sorted.0.len(), probability))
+    sorted.order_statistic(quantile_rank(sorted.values().len(), probability))
 }
 
 /// Ranks (l, u) and coverage of the distribution-free confidence interval [x₍ₗ₎, x₍ᵤ₎] of the p-quantile.
@@ -97,21 +66,27 @@ pub fn order_statistic_interval(
     Some(((lower as usize, upper as usize), coverage))
 }
 
-/// The p-quantile with its confidence interval; `None` without values.
+/// The p-quantile with its confidence interval; `None` unless a sample is valid and both probabilities lie in (0, 1).
+///
+/// With n samples of which f failed, the limit of rank l is x₍ₗ₋f₎ and that of rank u is x₍ᵤ₎ of the valid ones.
 #[must_use]
 pub fn quantile_estimate(
-    sorted: &Sorted,
+    observed: &Observed,
     probability: f64,
     confidence: f64,
 ) -> Option<QuantileEstimate> {
-    let (ranks, coverage) = order_statistic_interval(sorted.0.len(), probability, confidence)?;
+    let n = observed.total();
+    let (ranks, coverage) = order_statistic_interval(n, probability, confidence)?;
+    let rank = quantile_rank(n, probability);
+    let range = |(lower, upper)| Interval {
+        lower: observed.lowest(lower),
+        upper: observed.highest(upper),
+    };
     Some(QuantileEstimate {
         probability,
-        estimate: quantile(sorted, probability)?,
-        interval: Interval {
-            lower: sorted.order_statistic(ranks.0),
-            upper: sorted.order_statistic(ranks.1),
-        },
+        estimate: quantile(observed.valid(), probability)?,
+        failure_bounds: range((rank, rank)),
+        interval: range(ranks),
         ranks,
         coverage,
     })
@@ -119,6 +94,7 @@ pub fn quantile_estimate(
 
 #[cfg(test)]
 mod tests {
+    use super::super::limit::Limit;
     use super::*;
 
     /// Reference: exact binomial probabilities. Seen to fail with u = inverse_cdf(1 − α/2) without the + 1.
@@ -136,9 +112,9 @@ mod tests {
     /// Seen to fail with l − 1 in place of l.
     #[test]
     fn limits_are_absent_where_the_sample_is_too_small() {
-        let few = Sorted::finite([3.0, 1.0, 2.0, 5.0, 4.0]);
+        let few = Observed::of([3.0, 1.0, 2.0, 5.0, 4.0]);
         let q = quantile_estimate(&few, 0.5, 0.95).unwrap();
-        assert_eq!((q.interval.lower, q.interval.upper), (None, None));
+        assert_eq!(q.interval, Interval::UNBOUNDED);
         assert_eq!((q.estimate, q.ranks), (3.0, (0, 6)));
         assert!((q.coverage - 1.0).abs() < 1e-12);
         for (n, first_rank) in [(58, 0), (59, 1)] {
@@ -181,5 +157,37 @@ mod tests {
         let sorted = Sorted::finite([f64::NAN, 2.0, f64::INFINITY, 1.0, -f64::NAN]);
         assert_eq!(sorted.values(), [1.0, 2.0]);
         assert_eq!(quantile(&sorted, 0.95), Some(2.0));
+    }
+
+    /// Bounds must equal the quantiles of the samples with failures replaced by ±1e300.
+    /// Seen to fail with the rank ⌈n p⌉ of the valid samples alone.
+    #[test]
+    fn bounds_are_the_quantiles_of_imputed_samples() {
+        let valid: Vec<f64> = (0..70).map(|i| f64::from((i * 37) % 70)).collect();
+        for failed in [0, 1, 3, 20] {
+            let imputed = |at: f64| {
+                Sorted::finite(valid.iter().copied().chain(std::iter::repeat_n(at, failed)))
+            };
+            let observed = Observed::with_failed(Sorted::finite(valid.clone()), failed);
+            for p in [0.05, 0.5, 0.95] {
+                let bounds = quantile_estimate(&observed, p, 0.95)
+                    .unwrap()
+                    .failure_bounds;
+                let known = |v: Option<f64>| Limit::from(v.filter(|v| v.abs() < 1e299));
+                assert_eq!(bounds.lower, known(quantile(&imputed(-1e300), p)));
+                assert_eq!(bounds.upper, known(quantile(&imputed(1e300), p)));
+            }
+        }
+        let none = Observed::with_failed(Sorted::default(), 5);
+        assert_eq!(quantile_estimate(&none, 0.5, 0.95), None);
+    }
+
+    /// n = 1000, p = 0.95, 30 failures: levels 920/970 to 950/970 of the valid samples.
+    #[test]
+    fn thirty_failures_blur_the_upper_quantile() {
+        let valid = Sorted::finite((1..=970).map(f64::from));
+        let q = quantile_estimate(&Observed::with_failed(valid, 30), 0.95, 0.95).unwrap();
+        assert_eq!(q.failure_bounds, Interval::between(920.0, 950.0));
+        assert_eq!(q.estimate, 922.0);
     }
 }

@@ -1,0 +1,277 @@
+//! Signals of one state of the circle law, and the events of its slider between two of their instants.
+//!
+//! In stick the slider z = k_t w rests until |s − z| reaches L, with s = k_t u and L = mu N; in slip the traction turns
+//! as [`super::slip`] says until its slider would move backwards: λ = e·s' − L' falls to 0.
+
+use super::breakpoints::{Breakpoint, Signals, basis_row, signal_rates};
+use super::march::{Components, Lane, Workspace};
+use super::plan::AftPlan;
+use super::roots::{crossing_share, linear_share, turn_share, zero};
+use super::slip::{Dual, HalfAngle, SlipStep};
+use crate::contact::ContactParameters;
+use crate::contact::Real;
+use std::f64::consts::TAU;
+
+/// The signals at one phase.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Node<T> {
+    /// The sample that this is; none for an event.
+    pub sample: Option<usize>,
+    pub theta: T,
+    /// s (N), s' and s''; the last for events only.
+    pub path: [T; 2],
+    pub rate: [T; 2],
+    pub bend: [T; 2],
+    /// L (N), L' and L''; the last for events only.
+    pub limit: T,
+    pub limit_rate: T,
+    pub limit_bend: T,
+}
+
+impl<T: Real> Node<T> {
+    /// Rate at which the slider moves along `e`.
+    #[inline(always)]
+    pub(super) fn sliding(&self, e: [T; 2]) -> T {
+        dot(e, self.rate) - self.limit_rate
+    }
+
+    /// Square of the traction over its limit (N²), with its rate and curvature.
+    #[inline(always)]
+    fn excess(&self, slider: [T; 2]) -> [T; 3] {
+        let t = [self.path[0] - slider[0], self.path[1] - slider[1]];
+        let two = T::ONE + T::ONE;
+        [
+            dot(t, t) - self.limit * self.limit,
+            two * (dot(t, self.rate) - self.limit * self.limit_rate),
+            two * (dot(self.rate, self.rate) + dot(t, self.bend)
+                - self.limit_rate * self.limit_rate
+                - self.limit * self.limit_bend),
+        ]
+    }
+}
+
+#[inline(always)]
+pub(super) fn dot<T: Real>(a: [T; 2], b: [T; 2]) -> T {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// The unit vector a quarter turn ahead of `e`.
+#[inline(always)]
+pub(super) fn normal<T: Real>(e: [T; 2]) -> [T; 2] {
+    [-e[1], e[0]]
+}
+
+/// One state of a group.
+#[derive(Clone, Copy)]
+pub(super) struct Course<'a, T> {
+    pub plan: &'a AftPlan<T>,
+    pub work: &'a Workspace<T>,
+    pub rates: &'a [Components<T>],
+    /// Slip from each sample to the next one.
+    pub maps: &'a [[Lane<T>; 4]],
+    pub lane: usize,
+    pub p: &'a ContactParameters<T>,
+    pub signals: &'a Signals<T>,
+    pub points: &'a [Breakpoint<T>],
+}
+
+impl<T: Real> Course<'_, T> {
+    /// The sample i; i = Nt is sample 0 a period later.
+    #[inline(always)]
+    pub(super) fn sample(&self, i: usize) -> Node<T> {
+        let at = if i == self.plan.n_time() { 0 } else { i };
+        let (s, rate, l, p) = (&self.work.samples[at], &self.rates[at], self.lane, self.p);
+        Node {
+            sample: Some(i),
+            theta: self.phase(i),
+            path: [p.k_t[0] * s.u[0][l], p.k_t[1] * s.u[1][l]],
+            rate: [p.k_t[0] * rate[l], p.k_t[1] * rate[super::march::LANES + l]],
+            bend: [T::ZERO; 2],
+            limit: p.mu * s.normal(l),
+            limit_rate: p.mu * (p.k_n * rate[2 * super::march::LANES + l]),
+            limit_bend: T::ZERO,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn phase(&self, i: usize) -> T {
+        T::from_f64(i as f64 * TAU / self.plan.n_time() as f64)
+    }
+
+    /// The signals at a phase, and the basis row there.
+    #[inline(never)]
+    pub(super) fn instant(&self, theta: T, row: &mut Vec<T>) -> Node<T> {
+        let (plan, p) = (self.plan, self.p);
+        row.resize(plan.m, T::ONE);
+        basis_row(plan, theta, row);
+        let [first, second] = [0, 1].map(|d| {
+            let k = p.k_t[d];
+            signal_rates(plan, row, &self.signals.u[d]).map(|x| k * x)
+        });
+        let limit = signal_rates(plan, row, &self.signals.gap).map(|x| p.mu * x);
+        Node {
+            sample: None,
+            theta,
+            path: [first[0], second[0]],
+            rate: [first[1], second[1]],
+            bend: [first[2], second[2]],
+            limit: limit[0],
+            limit_rate: limit[1],
+            limit_bend: limit[2],
+        }
+    }
+
+    /// A root of the gap function.
+    #[inline(always)]
+    pub(super) fn gap_root(&self, theta: T, row: &mut Vec<T>) -> Node<T> {
+        Node {
+            limit: T::ZERO,
+            ..self.instant(theta, row)
+        }
+    }
+
+    /// Where a slider that rests from `here` on begins to slip before `next`.
+    #[inline(always)]
+    pub(super) fn slip_start(
+        &self,
+        [here, next]: [&Node<T>; 2],
+        slider: [T; 2],
+        row: &mut Vec<T>,
+    ) -> Option<Node<T>> {
+        let [end, end_rate, _] = next.excess(slider);
+        let margin = self.work.tolerance[self.lane];
+        let least = margin * (next.limit + next.limit + margin);
+        if end <= least && end_rate >= T::ZERO {
+            return None;
+        }
+        self.crossing([here, next], slider, least, row)
+    }
+
+    /// The same after the first look: the slider slips at `next`, or it may do so before.
+    #[inline(never)]
+    fn crossing(
+        &self,
+        [here, next]: [&Node<T>; 2],
+        slider: [T; 2],
+        least: T,
+        row: &mut Vec<T>,
+    ) -> Option<Node<T>> {
+        let margin = self.work.tolerance[self.lane];
+        let [end, end_rate, _] = next.excess(slider);
+        let [start, start_rate, start_bend] = here.excess(slider);
+        let width = next.theta - here.theta;
+        let rates = [width * start_rate, width * end_rate];
+        let mut high = next.theta;
+        let guess = if end > least {
+            let half = T::from_f64(0.5);
+            let held = margin * (here.limit + here.limit + margin);
+            if here.sample.is_none() && start_bend < T::ZERO {
+                // Slip ended at `here`, or the contact closed: a double zero, and a cubic beyond it.
+                let fall = -(half * start_bend) * width * width;
+                fall / (end + fall)
+            } else if start >= -held && start_rate < T::ZERO {
+                // At the limit at the start of the lap: a zero, and a parabola beyond it.
+                rates[0] / (rates[0] - end)
+            } else {
+                crossing_share([start, end], rates)
+            }
+        } else {
+            // Inside at both ends, and perhaps not between them.
+            if rates[0] <= T::ZERO {
+                return None;
+            }
+            let share = turn_share(end - start, rates);
+            let rest = T::ONE - share;
+            let [start_part, end_part] = [rest * rest, share * share];
+            let top = start_part * (T::ONE + share + share) * start
+                + end_part * (T::ONE + rest + rest) * end
+                + share * rest * (rest * rates[0] - share * rates[1]);
+            if top <= T::ZERO {
+                return None;
+            }
+            let ends = [here.theta, next.theta];
+            let guess = here.theta + width * share;
+            high = zero(ends, false, guess, T::EPSILON.sqrt(), |theta| {
+                let [_, rate, bend] = self.instant(theta, row).excess(slider);
+                [rate, bend, T::ZERO]
+            });
+            let top = self.instant(high, row).excess(slider)[0];
+            if top <= least {
+                return None;
+            }
+            share * linear_share(start, top)
+        };
+        let ends = [here.theta, high];
+        let guess = here.theta + width * guess;
+        let theta = zero(ends, true, guess, T::EPSILON, |theta| {
+            self.instant(theta, row).excess(slider)
+        });
+        Some(self.instant(theta, row))
+    }
+
+    /// Where slip from `here` in the direction `half` ends before `next`, where it would be negative.
+    pub(super) fn slip_end(
+        &self,
+        [here, next]: [&Node<T>; 2],
+        half: HalfAngle<T>,
+        after: HalfAngle<T>,
+        row: &mut Vec<T>,
+    ) -> Node<T> {
+        let before = here.sliding(half.direction());
+        let share = linear_share(before, next.sliding(after.direction()));
+        let guess = here.theta + share * (next.theta - here.theta);
+        let ends = [here.theta, next.theta];
+        let theta = zero(ends, false, guess, T::EPSILON, |theta| {
+            let node = self.instant(theta, row);
+            let map = ending_step(here, &node).map();
+            let after = half.after(map.map(|m| m.value));
+            let e = after.direction();
+            let (_, turned) = half.angle_rates(map.map(|m| m.value), after);
+            let turning = turned(map.map(|m| m.slope[0]));
+            let rate = dot(normal(e), node.rate) * turning + dot(e, node.bend) - node.limit_bend;
+            [node.sliding(e), rate, T::ZERO]
+        });
+        self.instant(theta, row)
+    }
+
+    /// Matrix of the slip from `here` to `next`.
+    #[inline(always)]
+    pub(super) fn map(&self, here: &Node<T>, next: &Node<T>) -> [T; 4] {
+        match (here.sample, next.sample) {
+            (Some(i), Some(_)) => std::array::from_fn(|k| self.maps[i][k][self.lane]),
+            _ => slip_step::<T, 0>(here, next).map().map(|m| m.value),
+        }
+    }
+}
+
+/// The step between two nodes; its derivatives are by s₁, s₂ (change over the step), s₁', s₂' (at the end), the mean L
+/// and the length, as far as N goes.
+#[inline(always)]
+pub(super) fn slip_step<T: Real, const N: usize>(here: &Node<T>, next: &Node<T>) -> SlipStep<T, N> {
+    let input = |i: usize, value: T| Dual {
+        value,
+        slope: std::array::from_fn(|j| if i == j { T::ONE } else { T::ZERO }),
+    };
+    SlipStep {
+        path: [0, 1].map(|d| input(d, next.path[d] - here.path[d])),
+        rate: [0, 1].map(|d| input(2 + d, next.rate[d])),
+        limit: input(4, T::from_f64(0.5) * (here.limit + next.limit)),
+        length: input(5, next.theta - here.theta),
+    }
+}
+
+/// The step with its derivative by the phase at its end.
+#[inline(always)]
+fn ending_step<T: Real>(here: &Node<T>, next: &Node<T>) -> SlipStep<T, 1> {
+    let half = T::from_f64(0.5);
+    let moving = |value: T, slope: T| Dual {
+        value,
+        slope: [slope],
+    };
+    SlipStep {
+        path: [0, 1].map(|d| moving(next.path[d] - here.path[d], next.rate[d])),
+        rate: [0, 1].map(|d| moving(next.rate[d], next.bend[d])),
+        limit: moving(half * (here.limit + next.limit), half * next.limit_rate),
+        length: moving(next.theta - here.theta, T::ONE),
+    }
+}

@@ -1,0 +1,578 @@
+//! A lap of the slider of the circle law with located events, and its derivative.
+//!
+//! The tractions at the samples make up the forces, with one term per event: a sum over samples misses of a kink of the
+//! integrand, by J in its slope at the share x of a step h, −½ h² B₂(x) J (Euler and Maclaurin; B₂ = x² − x + 1/6).
+
+use super::breakpoints::{basis_row, first_sample_from};
+use super::course::{Course, Node, dot, normal, slip_step};
+use super::plan::AftPlan;
+use super::sensitivity::{Base, Blocks, Mix, Rows, add_mix, scale};
+use super::slip::HalfAngle;
+use super::tangent::add_scaled;
+use crate::contact::Real;
+use std::f64::consts::TAU;
+
+/// What a closed contact does.
+#[derive(Debug, Clone, Copy)]
+enum Motion<T> {
+    /// The slider (N) rests.
+    Stick([T; 2]),
+    Slip(HalfAngle<T>),
+}
+
+/// A jump of the slope of the tractions.
+#[derive(Debug, Clone, Copy)]
+struct Kink<T> {
+    theta: T,
+    jump: [T; 2],
+}
+
+/// What a lap leaves behind.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Lap<T> {
+    /// Tractions at the samples (N). Shape: `[time]`.
+    pub tractions: Vec<[T; 2]>,
+    kinks: Vec<Kink<T>>,
+    /// Samples that slip.
+    pub slip: u32,
+    /// Whether anything moved the slider.
+    pub moved: bool,
+    /// Longest way of the slider in one slip (N).
+    pub way: T,
+    pub rows: Rows<T>,
+    /// Basis rows at the last event and at the one that is looked for.
+    row: Vec<T>,
+    next_row: Vec<T>,
+    /// Row under construction.
+    sliding: Vec<T>,
+    /// Where the present slip began.
+    slider: [T; 2],
+    /// First sample of the present stick.
+    stick_from: Option<usize>,
+}
+
+/// A lap in progress; `target` takes the derivatives.
+pub(super) struct Walk<'a, T> {
+    pub course: Course<'a, T>,
+    pub lap: &'a mut Lap<T>,
+    pub target: Option<(&'a mut Blocks<T>, &'a mut [T])>,
+}
+
+impl<T: Real> Lap<T> {
+    /// Adds what the kinks contribute to the traction coefficients. Shape: `force` `[2][m]`.
+    pub(super) fn add_kinks(&mut self, plan: &AftPlan<T>, force: &mut [T]) {
+        for kink in &self.kinks {
+            let weight = kink_weights(plan, kink.theta)[0];
+            self.row.resize(plan.m, T::ONE);
+            basis_row(plan, kink.theta, &mut self.row);
+            for (force, jump) in force.chunks_exact_mut(plan.m).zip(kink.jump) {
+                for ((force, &b), &w) in force.iter_mut().zip(&self.row).zip(&plan.weight) {
+                    *force += w * (weight * jump * b);
+                }
+            }
+        }
+    }
+}
+
+/// ½ h B₂(x) and its derivative by the phase.
+#[inline(always)]
+fn kink_weights<T: Real>(plan: &AftPlan<T>, theta: T) -> [T; 2] {
+    let n = plan.n_time() as f64;
+    let x = (theta.to_f64() * (n / TAU)).fract();
+    [
+        T::from_f64(0.5 * TAU / n * (x * x - x + 1.0 / 6.0)),
+        T::from_f64(x - 0.5),
+    ]
+}
+
+/// The basis row at a node: that of its sample, or `row` of an event.
+#[inline(always)]
+fn row_at<'a, T: Real>(plan: &'a AftPlan<T>, node: &Node<T>, row: &'a [T]) -> &'a [T] {
+    match node.sample {
+        Some(i) if i == plan.n_time() => plan.row(0),
+        Some(i) => plan.row(i),
+        None => row,
+    }
+}
+
+impl<'a, T: Real> Walk<'a, T> {
+    /// The lap from the slider k_t w (N); returns where it ends.
+    #[inline(always)]
+    pub(super) fn go(mut self, slider: [T; 2]) -> [T; 2] {
+        let n = self.course.plan.n_time();
+        let lap = &mut *self.lap;
+        lap.tractions.clear();
+        lap.tractions.resize(n, [T::ZERO; 2]);
+        lap.kinks.clear();
+        (lap.slip, lap.moved, lap.way, lap.stick_from) = (0, false, T::ZERO, None);
+        let points = self.course.points;
+        // Without friction the slider always is where the surface is.
+        let smooth = self.course.p.mu == T::ZERO;
+        if smooth {
+            let contact = n - self.course.work.separated[self.course.lane].to_f64() as usize;
+            (self.lap.moved, self.lap.slip) = (true, contact as u32);
+            return self.rest(Motion::Stick(slider), true);
+        }
+        let mut here = self.course.sample(0);
+        let mut motion = Motion::Stick(slider);
+        for (k, point) in points.iter().enumerate() {
+            let end = points.get(k + 1).map(|p| p.theta);
+            if point.open {
+                self.lap.moved = true;
+                if let Some(theta) = end {
+                    (here, motion) = self.close(theta);
+                }
+                continue;
+            }
+            if k == 0 {
+                motion = self.resume(&here, slider);
+            }
+            (here, motion) = self.contact(here, motion, end);
+        }
+        let open = points.last().is_some_and(|last| last.open);
+        let slider = self.rest(motion, open);
+        if let Some((blocks, out)) = self.target {
+            blocks.flush(self.course.plan, out);
+        }
+        slider
+    }
+
+    /// Motion of a contact that is closed at the start of the lap.
+    fn resume(&mut self, node: &Node<T>, slider: [T; 2]) -> Motion<T> {
+        let t = [node.path[0] - slider[0], node.path[1] - slider[1]];
+        let size = dot(t, t).sqrt();
+        let margin = self.course.work.touch_margin(self.course.lane);
+        let e = t.map(|t| t / size);
+        let slides = node.sliding(e) > T::ZERO && size > node.limit - margin && size > T::ZERO;
+        let beyond = size > node.limit + margin;
+        let mut motion = Motion::Stick(slider);
+        if slides || beyond {
+            self.lap.moved = true;
+            self.turn_towards(node, e, size);
+            let half = HalfAngle::of(e);
+            let slider = self.stop(node, half);
+            self.lap.slider = slider;
+            motion = if slides {
+                Motion::Slip(half)
+            } else {
+                Motion::Stick(slider)
+            };
+        }
+        self.keep(0, node, motion);
+        motion
+    }
+
+    /// Angle and its row of a slider that rested at a fixed phase, for the traction direction `e` and size.
+    fn turn_towards(&mut self, node: &Node<T>, e: [T; 2], size: T) {
+        let base = self.base();
+        let (p, lap) = (normal(e), &mut *self.lap);
+        let row = row_at(base.plan, node, &lap.row);
+        let [first, second] = &lap.rows.slider;
+        let factors = p.map(|p| p / size);
+        for ((angle, &a), &b) in lap.rows.angle.iter_mut().zip(first).zip(second) {
+            *angle = -(factors[0] * a + factors[1] * b);
+        }
+        let mix = Mix {
+            path: factors,
+            ..Mix::NONE
+        };
+        add_mix(base, &mut lap.rows.angle, row, mix);
+        lap.rows.instant.fill(T::ZERO);
+    }
+
+    #[inline(always)]
+    fn base(&self) -> Base<'a, T> {
+        Base {
+            plan: self.course.plan,
+            p: self.course.p,
+        }
+    }
+
+    /// A contact closed from `here` to the phase `end`, where it opens, or to the end of the lap.
+    #[inline(always)]
+    fn contact(
+        &mut self,
+        mut here: Node<T>,
+        mut motion: Motion<T>,
+        end: Option<T>,
+    ) -> (Node<T>, Motion<T>) {
+        let course = self.course;
+        let n = course.plan.n_time();
+        let mut i = here.sample.map_or_else(
+            || first_sample_from(here.theta.to_f64(), n as f64),
+            |sample| sample + 1,
+        );
+        loop {
+            let inside = end.is_none_or(|end| i < n && course.phase(i) < end);
+            let next = match end {
+                Some(end) if !inside => course.gap_root(end, &mut self.lap.next_row),
+                _ => course.sample(i),
+            };
+            match motion {
+                Motion::Stick(slider) => {
+                    let nodes = [&here, &next];
+                    let row = &mut self.lap.next_row;
+                    if let Some(event) = course.slip_start(nodes, slider, row) {
+                        self.end_stick(i);
+                        (here, motion) = (event, self.start_slip(&event, slider));
+                        continue;
+                    }
+                }
+                Motion::Slip(half) => {
+                    let after = half.after(course.map(&here, &next));
+                    if inside && next.sliding(after.direction()) <= T::ZERO {
+                        let row = &mut self.lap.next_row;
+                        let event = course.slip_end([&here, &next], half, after, row);
+                        motion = self.end_slip([&here, &event], half);
+                        here = event;
+                        continue;
+                    }
+                    let turning = self.slide([&here, &next], half, after);
+                    if !inside {
+                        self.open(&next, after, turning);
+                    }
+                    motion = Motion::Slip(after);
+                }
+            }
+            here = next;
+            if !inside || i == n {
+                self.end_stick(i);
+                return (here, motion);
+            }
+            self.keep(i, &here, motion);
+            i += 1;
+        }
+    }
+
+    /// Traction of a sample in contact.
+    #[inline(always)]
+    fn keep(&mut self, i: usize, node: &Node<T>, motion: Motion<T>) {
+        match motion {
+            Motion::Stick(slider) => {
+                let t = [node.path[0] - slider[0], node.path[1] - slider[1]];
+                self.lap.tractions[i] = t;
+                self.lap.stick_from = self.lap.stick_from.or(Some(i));
+            }
+            Motion::Slip(half) => {
+                let e = half.direction();
+                self.lap.tractions[i] = e.map(|e| node.limit * e);
+                self.lap.slip += 1;
+                let base = self.base();
+                if let Some((blocks, out)) = &mut self.target {
+                    let b = base.plan.row(i);
+                    let p = normal(e);
+                    for (d, row) in blocks.traction.iter_mut().enumerate() {
+                        let factor = node.limit * p[d];
+                        for (row, &angle) in row.iter_mut().zip(&self.lap.rows.angle) {
+                            *row = factor * angle;
+                        }
+                        let mix = Mix {
+                            limit: e[d],
+                            ..Mix::NONE
+                        };
+                        add_mix(base, row, b, mix);
+                    }
+                    blocks.weigh(base.plan, b, [T::ONE, T::ZERO], out);
+                }
+            }
+        }
+    }
+
+    /// The samples before i that stick.
+    fn end_stick(&mut self, i: usize) {
+        let base = self.base();
+        if let Some(from) = self.lap.stick_from.take()
+            && let Some((blocks, out)) = &mut self.target
+        {
+            blocks.stick(base, from..i, &self.lap.rows.slider, out);
+        }
+    }
+
+    /// Slip from `node` on, whose basis row is in `next_row`, of a slider that rested until then.
+    fn start_slip(&mut self, node: &Node<T>, slider: [T; 2]) -> Motion<T> {
+        let base = self.base();
+        let t = [node.path[0] - slider[0], node.path[1] - slider[1]];
+        let size = dot(t, t).sqrt();
+        let e = t.map(|t| t / size);
+        let p = normal(e);
+        let sliding = node.sliding(e);
+        let inverse = if sliding > T::ZERO {
+            T::ONE / sliding
+        } else {
+            T::ZERO
+        };
+        (self.lap.moved, self.lap.slider) = (true, slider);
+        std::mem::swap(&mut self.lap.row, &mut self.lap.next_row);
+        self.turn_towards(node, e, size);
+        let lap = &mut *self.lap;
+        // e·(ds + s' dθ − dz) = dL + L' dθ.
+        let [first, second] = &lap.rows.slider;
+        for ((instant, &a), &b) in lap.rows.instant.iter_mut().zip(first).zip(second) {
+            *instant = inverse * (e[0] * a + e[1] * b);
+        }
+        let mix = Mix {
+            path: e.map(|e| -(inverse * e)),
+            limit: inverse,
+            ..Mix::NONE
+        };
+        add_mix(base, &mut lap.rows.instant, &lap.row, mix);
+        let turning = dot(p, node.rate) / size;
+        add_scaled(&mut lap.rows.angle, turning, &lap.rows.instant);
+        let jump = e.map(|e| -(sliding * e));
+        self.kink(node, jump, |lap, out| {
+            lap.sliding_row(base, node, e);
+            let moved = dot(e, node.bend) - node.limit_bend;
+            add_scaled(&mut lap.sliding, moved, &lap.rows.instant);
+            for (d, row) in out.iter_mut().enumerate() {
+                let pairs = lap.sliding.iter().zip(&lap.rows.angle);
+                for (row, (&dl, &angle)) in row.iter_mut().zip(pairs) {
+                    *row = -(e[d] * dl + sliding * p[d] * angle);
+                }
+            }
+        });
+        Motion::Slip(HalfAngle::of(e))
+    }
+
+    /// Slip from `here` in the direction `half` to the end of slip at `node`, whose basis row is in `next_row`.
+    fn end_slip(&mut self, [here, node]: [&Node<T>; 2], half: HalfAngle<T>) -> Motion<T> {
+        let base = self.base();
+        let after = half.after(self.course.map(here, node));
+        let turning = self.slide([here, node], half, after);
+        let e = after.direction();
+        let lap = &mut *self.lap;
+        lap.sliding_row(base, node, e);
+        let fall = dot(normal(e), node.rate) * turning + dot(e, node.bend) - node.limit_bend;
+        let factor = if fall < T::ZERO {
+            -(T::ONE / fall)
+        } else {
+            T::ZERO
+        };
+        lap.rows.instant.copy_from_slice(&lap.sliding);
+        scale(&mut lap.rows.instant, factor);
+        add_scaled(&mut lap.rows.angle, turning, &lap.rows.instant);
+        let slider = self.stop(node, after);
+        let lap = &mut *self.lap;
+        lap.note_way(slider);
+        Motion::Stick(slider)
+    }
+
+    /// The slider at `node`, and its rows, where slip in the direction `half` ends.
+    fn stop(&mut self, node: &Node<T>, half: HalfAngle<T>) -> [T; 2] {
+        let base = self.base();
+        let e = half.direction();
+        let p = normal(e);
+        let lap = &mut *self.lap;
+        let row = row_at(base.plan, node, &lap.row);
+        for (d, slider) in lap.rows.slider.iter_mut().enumerate() {
+            let (turned, moved) = (node.limit * p[d], node.rate[d] - e[d] * node.limit_rate);
+            let pairs = lap.rows.angle.iter().zip(&lap.rows.instant);
+            for (slider, (&angle, &instant)) in slider.iter_mut().zip(pairs) {
+                *slider = moved * instant - turned * angle;
+            }
+            let mut mix = Mix::NONE;
+            (mix.path[d], mix.limit) = (T::ONE, -e[d]);
+            add_mix(base, slider, row, mix);
+        }
+        [0, 1].map(|d| node.path[d] - node.limit * e[d])
+    }
+
+    /// Row of the angle after a step of slip; returns the derivative of the angle by the phase of the end. An event at
+    /// the start moves, one at the end (basis row in `next_row`, then in `row`) does not.
+    #[inline(always)]
+    fn slide(&mut self, [here, next]: [&Node<T>; 2], half: HalfAngle<T>, after: HalfAngle<T>) -> T {
+        let base = self.base();
+        let lap = &mut *self.lap;
+        let between_samples = here.sample.is_some() && next.sample.is_some();
+        if between_samples && !lap.rows.full {
+            let (factor, _) = half.angle_rates(self.course.map(here, next), after);
+            scale(&mut lap.rows.angle, factor);
+            return T::ZERO;
+        }
+        let map = slip_step::<T, 6>(here, next).map();
+        let (factor, turned) = half.angle_rates(map.map(|m| m.value), after);
+        let slopes: [T; 6] = std::array::from_fn(|i| turned(map.map(|m| m.slope[i])));
+        let (path, rate, length) = ([slopes[0], slopes[1]], [slopes[2], slopes[3]], slopes[5]);
+        let limit = T::from_f64(0.5) * slopes[4];
+        scale(&mut lap.rows.angle, factor);
+        let mut mix = Mix {
+            path: path.map(|x| -x),
+            limit,
+            ..Mix::NONE
+        };
+        let row = row_at(base.plan, here, &lap.row);
+        add_mix(base, &mut lap.rows.angle, row, mix);
+        if here.sample.is_none() {
+            let moved = limit * here.limit_rate - dot(path, here.rate) - length;
+            add_scaled(&mut lap.rows.angle, moved, &lap.rows.instant);
+        }
+        (mix.path, mix.rate) = (path, rate);
+        let row = row_at(base.plan, next, &lap.next_row);
+        add_mix(base, &mut lap.rows.angle, row, mix);
+        if next.sample.is_none() {
+            std::mem::swap(&mut lap.row, &mut lap.next_row);
+        }
+        dot(path, next.rate) + dot(rate, next.bend) + limit * next.limit_rate + length
+    }
+
+    /// The contact closes: the slider stood where the surface is, at rest or already sliding.
+    fn close(&mut self, theta: T) -> (Node<T>, Motion<T>) {
+        let base = self.base();
+        let lap = &mut *self.lap;
+        let node = self.course.gap_root(theta, &mut lap.row);
+        lap.instant_of_gap_root(base, &node);
+        let speed = dot(node.rate, node.rate).sqrt();
+        if speed <= node.limit_rate {
+            for (d, slider) in lap.rows.slider.iter_mut().enumerate() {
+                slider.fill(T::ZERO);
+                add_scaled(slider, node.rate[d], &lap.rows.instant);
+                let mut mix = Mix::NONE;
+                mix.path[d] = T::ONE;
+                add_mix(base, slider, &lap.row, mix);
+            }
+            self.kink(&node, node.rate, |lap, out| {
+                for (d, row) in out.iter_mut().enumerate() {
+                    row.fill(T::ZERO);
+                    add_scaled(row, node.bend[d], &lap.rows.instant);
+                    let mut mix = Mix::NONE;
+                    mix.rate[d] = T::ONE;
+                    add_mix(base, row, &lap.row, mix);
+                }
+            });
+            return (node, Motion::Stick(node.path));
+        }
+        let e = node.rate.map(|v| v / speed);
+        let p = normal(e);
+        lap.rows.angle.fill(T::ZERO);
+        let turning = dot(p, node.bend) / speed;
+        add_scaled(&mut lap.rows.angle, turning, &lap.rows.instant);
+        let mix = Mix {
+            rate: p.map(|p| p / speed),
+            ..Mix::NONE
+        };
+        add_mix(base, &mut lap.rows.angle, &lap.row, mix);
+        lap.slider = node.path;
+        self.limit_kink(&node, e, T::ONE);
+        (node, Motion::Slip(HalfAngle::of(e)))
+    }
+
+    /// The contact, which slips in the direction `half`, opens; `turning` is the rate of its angle.
+    fn open(&mut self, node: &Node<T>, half: HalfAngle<T>, turning: T) {
+        let base = self.base();
+        let lap = &mut *self.lap;
+        lap.note_way(node.path);
+        lap.instant_of_gap_root(base, node);
+        add_scaled(&mut lap.rows.angle, turning, &lap.rows.instant);
+        self.limit_kink(node, half.direction(), -T::ONE);
+    }
+
+    /// Kink at a root of the gap function in slip: ± L' e.
+    fn limit_kink(&mut self, node: &Node<T>, e: [T; 2], sign: T) {
+        let base = self.base();
+        let p = normal(e);
+        let jump = e.map(|e| sign * node.limit_rate * e);
+        self.kink(node, jump, |lap, out| {
+            for (d, row) in out.iter_mut().enumerate() {
+                let (moved, turned) =
+                    (sign * e[d] * node.limit_bend, sign * node.limit_rate * p[d]);
+                let pairs = lap.rows.instant.iter().zip(&lap.rows.angle);
+                for (row, (&instant, &angle)) in row.iter_mut().zip(pairs) {
+                    *row = moved * instant + turned * angle;
+                }
+                let mix = Mix {
+                    limit_rate: sign * e[d],
+                    ..Mix::NONE
+                };
+                add_mix(base, row, &lap.row, mix);
+            }
+        });
+    }
+
+    /// Jump of the slope of the tractions at an event, whose basis row is in `row` and whose phase moves as `instant`;
+    /// `jump_rows` writes the derivatives of the jump.
+    fn kink(
+        &mut self,
+        node: &Node<T>,
+        jump: [T; 2],
+        jump_rows: impl FnOnce(&mut Lap<T>, &mut [Vec<T>; 2]),
+    ) {
+        let plan = self.course.plan;
+        let theta = node.theta;
+        self.lap.kinks.push(Kink { theta, jump });
+        let Some((blocks, out)) = &mut self.target else {
+            return;
+        };
+        let [weight, slope] = kink_weights(plan, theta);
+        jump_rows(self.lap, &mut blocks.traction);
+        for (row, &jump) in blocks.traction.iter_mut().zip(&jump) {
+            for (row, &instant) in row.iter_mut().zip(&self.lap.rows.instant) {
+                *row = weight * *row + slope * jump * instant;
+            }
+        }
+        blocks.weigh(plan, &self.lap.row, [T::ONE, T::ZERO], out);
+        for (row, &jump) in blocks.traction.iter_mut().zip(&jump) {
+            for (row, &instant) in row.iter_mut().zip(&self.lap.rows.instant) {
+                *row = weight * jump * instant;
+            }
+        }
+        blocks.weigh(plan, &self.lap.row, [T::ZERO, T::ONE], out);
+    }
+
+    /// The slider at the end of the lap, and its rows.
+    fn rest(&mut self, motion: Motion<T>, open: bool) -> [T; 2] {
+        let base = self.base();
+        let node = self.course.sample(base.plan.n_time());
+        if open {
+            for (d, slider) in self.lap.rows.slider.iter_mut().enumerate() {
+                slider.fill(T::ZERO);
+                let mut mix = Mix::NONE;
+                mix.path[d] = T::ONE;
+                add_mix(base, slider, base.plan.row(0), mix);
+            }
+            return node.path;
+        }
+        match motion {
+            Motion::Stick(slider) => slider,
+            Motion::Slip(half) => {
+                self.lap.rows.instant.fill(T::ZERO);
+                let slider = self.stop(&node, half);
+                self.lap.note_way(slider);
+                slider
+            }
+        }
+    }
+}
+
+impl<T: Real> Lap<T> {
+    /// The slider, which slipped, has come to `slider`.
+    fn note_way(&mut self, slider: [T; 2]) {
+        let way = [slider[0] - self.slider[0], slider[1] - self.slider[1]];
+        self.way = self.way.or_larger(dot(way, way).sqrt());
+    }
+
+    /// Row of the phase of a root of the gap function.
+    fn instant_of_gap_root(&mut self, base: Base<T>, node: &Node<T>) {
+        let instant = &mut self.rows.instant;
+        instant.fill(T::ZERO);
+        if node.limit_rate != T::ZERO {
+            let mix = Mix {
+                limit: -(T::ONE / node.limit_rate),
+                ..Mix::NONE
+            };
+            add_mix(base, instant, &self.row, mix);
+        }
+    }
+
+    /// Row of λ = e·s' − L' at a fixed phase, into `sliding`.
+    fn sliding_row(&mut self, base: Base<T>, node: &Node<T>, e: [T; 2]) {
+        let turned = dot(normal(e), node.rate);
+        self.sliding.clear();
+        self.sliding
+            .extend(self.rows.angle.iter().map(|&angle| turned * angle));
+        let mix = Mix {
+            rate: e,
+            limit_rate: -T::ONE,
+            ..Mix::NONE
+        };
+        add_mix(base, &mut self.sliding, &self.row, mix);
+    }
+}

@@ -1,0 +1,89 @@
+//! The nominal model with the inputs of one sample put in.
+
+use super::Ensemble;
+use crate::aft::Backend;
+use crate::contact::ContactParameters;
+use crate::hb::{LinearModel, Problem, ProblemError, SliderAnchor};
+use crate::sampling::Input;
+use std::borrow::Cow;
+
+/// What the inputs of a sample change.
+#[derive(Debug, Clone)]
+pub(super) struct Applied<'m> {
+    linear: Cow<'m, LinearModel>,
+    contacts: Vec<ContactParameters<f64>>,
+    load_scale: f64,
+    backend: Backend<'m>,
+    /// Factor on the excitation levels.
+    pub(super) excitation_scale: f64,
+}
+
+impl Ensemble<'_> {
+    /// The model at the given input values, in the order of the design; nominal where there are none.
+    pub(super) fn applied(&self, inputs: &[f64]) -> Applied<'_> {
+        let mut applied = Applied {
+            linear: Cow::Borrowed(self.linear),
+            contacts: self.contacts.to_vec(),
+            load_scale: 1.0,
+            backend: self.backend,
+            excitation_scale: 1.0,
+        };
+        for ((input, _), value) in self.design.inputs().iter().zip(inputs) {
+            applied.put(*input, *value, self);
+        }
+        applied
+    }
+}
+
+impl Applied<'_> {
+    /// The harmonic balance problem.
+    pub(super) fn problem(&self, anchor: SliderAnchor) -> Result<Problem<'_>, ProblemError> {
+        let mut problem =
+            Problem::new(&self.linear, self.contacts.clone(), self.load_scale, anchor)?;
+        problem.backend = self.backend;
+        Ok(problem)
+    }
+
+    fn put(&mut self, input: Input, value: f64, ensemble: &Ensemble) {
+        let interfaces = ensemble.interfaces;
+        match input {
+            Input::StaticLoadScale => self.load_scale = value,
+            Input::ExcitationScale => self.excitation_scale = value,
+            Input::DampingScale => self.linear.to_mut().scale_damping(value),
+            Input::PressureMode(k) => {
+                let mode = &ensemble.load_modes[usize::from(k)];
+                for (part, load) in self.linear.to_mut().parts.iter_mut().zip(mode) {
+                    let entries = part.static_force.iter_mut().zip(load);
+                    entries.for_each(|(force, f)| *force += value * f);
+                }
+            }
+            _ => {
+                let of_side = |pair: usize| input.interface().is_none_or(|i| interfaces[pair] == i);
+                for (pair, contact) in self.contacts.iter_mut().enumerate() {
+                    if of_side(pair) {
+                        put_contact(contact, input, value);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Puts an input of the contacts into one pair.
+fn put_contact(contact: &mut ContactParameters<f64>, input: Input, value: f64) {
+    match input {
+        Input::StiffnessScale | Input::LeftStiffnessScale | Input::RightStiffnessScale => {
+            contact.k_n *= value;
+            contact.k_t = contact.k_t.map(|k| k * value);
+        }
+        Input::NormalStiffnessScale => contact.k_n *= value,
+        Input::TangentialStiffnessScale => contact.k_t = contact.k_t.map(|k| k * value),
+        Input::FrictionCoefficient
+        | Input::LeftFrictionCoefficient
+        | Input::RightFrictionCoefficient => contact.mu = value,
+        Input::StaticLoadScale
+        | Input::DampingScale
+        | Input::ExcitationScale
+        | Input::PressureMode(_) => {}
+    }
+}

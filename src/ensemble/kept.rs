@@ -1,0 +1,169 @@
+//! What a run leaves behind for its extension, and how that is read back.
+//!
+//! `atlas.parquet` holds the peaks of the first samples with all their coefficients, to the bit: later samples start from
+//! them. With `samples.parquet` and `curves.parquet` it restores everything that a longer run would have in memory.
+
+use super::atlas::{Anchor, AnchorPeak};
+use super::outcome::{CurvePoint, SampleOutcome};
+use super::runner::Solved;
+use super::store::{Column, Record, StoreError, Table, metadata, read_samples, write_table};
+use crate::harmonics::HarmonicSet;
+use crate::hb::newton::Point;
+use crate::sampling::Design;
+use faer::prelude::c64;
+use parquet::file::metadata::KeyValue;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use std::fs::File;
+use std::path::Path;
+
+/// The file of the anchors in a result folder.
+pub const ATLAS_FILE: &str = "atlas.parquet";
+const STUDY_TEXT: &str = "study_text";
+const STUDY_PATH: &str = "study_path";
+
+/// The study that a result folder belongs to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct KeptStudy {
+    /// Text of the study file.
+    pub text: String,
+    /// Where it was: absolute, or relative to the result folder.
+    pub path: String,
+}
+
+/// Writes the anchors: one row per sample and level with a solution.
+///
+/// Columns: `sample`, `level_index`, `harmonics` (orders, u32), `angular_frequency`, `level`, `response_real`,
+/// `response_imaginary`, `displacements` (f64); the numbers of a list are bytes, little-endian.
+///
+/// # Errors
+/// [`StoreError`]; then `path` is as it was.
+pub fn write_anchors(path: &Path, study: &KeptStudy, anchors: &[Anchor]) -> Result<(), StoreError> {
+    let pairs = [(STUDY_TEXT, &study.text), (STUDY_PATH, &study.path)];
+    let metadata = pairs.map(|(key, value)| KeyValue::new(key.to_owned(), value.clone()));
+    let rows: Vec<Row> = (anchors.iter().enumerate())
+        .flat_map(|(sample, anchor)| {
+            let levels = anchor.peaks.iter().enumerate();
+            levels.filter_map(move |(level, peak)| Some((sample, level, peak.as_ref()?)))
+        })
+        .collect();
+    write_table(path, metadata.to_vec(), &rows, columns)
+}
+
+/// Sample, number of its level, peak.
+type Row<'a> = (usize, usize, &'a AnchorPeak);
+
+fn columns(rows: &[Row]) -> Table {
+    let count = |of: fn(&Row) -> usize| {
+        Column::Count(rows.iter().map(|row| i64::try_from(of(row)).ok()).collect())
+    };
+    let real = |of: fn(&AnchorPeak) -> f64| {
+        Column::Real(rows.iter().map(|(_, _, peak)| Some(of(peak))).collect())
+    };
+    let orders = |peak: &AnchorPeak| -> Vec<u8> {
+        let orders = peak.harmonics.orders().iter();
+        orders.flat_map(|k| (*k as u32).to_le_bytes()).collect()
+    };
+    let displacements = |peak: &AnchorPeak| -> Vec<u8> {
+        peak.point.r.iter().flat_map(|r| r.to_le_bytes()).collect()
+    };
+    let bytes = |of: &dyn Fn(&AnchorPeak) -> Vec<u8>| {
+        Column::Bytes(rows.iter().map(|(_, _, peak)| of(peak)).collect())
+    };
+    let columns = [
+        ("sample", count(|row| row.0)),
+        ("level_index", count(|row| row.1)),
+        ("harmonics", bytes(&orders)),
+        ("angular_frequency", real(|peak| peak.point.omega)),
+        ("level", real(|peak| peak.point.level)),
+        ("response_real", real(|peak| peak.response.re)),
+        ("response_imaginary", real(|peak| peak.response.im)),
+        ("displacements", bytes(&displacements)),
+    ];
+    columns
+        .map(|(name, column)| (name.to_owned(), column))
+        .into()
+}
+
+/// The study of the result folder `folder`.
+///
+/// # Errors
+/// [`StoreError`] if the file of anchors cannot be read or names no study.
+pub fn read_study(folder: &Path) -> Result<KeptStudy, StoreError> {
+    let reader = SerializedFileReader::new(File::open(folder.join(ATLAS_FILE))?)?;
+    let mut stored = metadata(&reader);
+    let mut take = |key: &str| stored.remove(key).ok_or_else(|| Record::missing(key));
+    Ok(KeptStudy {
+        text: take(STUDY_TEXT)?,
+        path: take(STUDY_PATH)?,
+    })
+}
+
+/// The samples of the result folder `folder`, with their curves, and the anchors among them.
+///
+/// # Errors
+/// [`StoreError`] if a file cannot be read or lacks something.
+pub fn read_solved(folder: &Path, design: &Design) -> Result<Solved, StoreError> {
+    let mut outcomes = read_samples(&folder.join("samples.parquet"))?.outcomes;
+    let n_levels = outcomes.first().map_or(0, |outcome| outcome.levels.len());
+    read_curves(&folder.join("curves.parquet"), &mut outcomes)?;
+    let mut anchors: Vec<Anchor> = (outcomes.iter())
+        .take(super::runner::MOST_ANCHORS as usize)
+        .map(|outcome| Anchor {
+            place: design.place(&outcome.inputs),
+            peaks: vec![None; n_levels],
+        })
+        .collect();
+    let reader = SerializedFileReader::new(File::open(folder.join(ATLAS_FILE))?)?;
+    for row in reader.get_row_iter(None)? {
+        let row = Record::of(row?);
+        let (sample, level) = (row.count("sample")?, row.count("level_index")?);
+        let peak = anchors
+            .get_mut(sample)
+            .and_then(|anchor| anchor.peaks.get_mut(level));
+        *peak.ok_or_else(|| Record::missing("sample"))? = Some(anchor_peak(&row)?);
+    }
+    Ok(Solved { outcomes, anchors })
+}
+
+fn anchor_peak(row: &Record) -> Result<AnchorPeak, StoreError> {
+    let (orders, rest) = row.bytes("harmonics")?.as_chunks::<4>();
+    let harmonics = HarmonicSet::new(
+        orders
+            .iter()
+            .map(|k| u32::from_le_bytes(*k) as usize)
+            .collect(),
+    );
+    let harmonics = harmonics.ok().filter(|_| rest.is_empty());
+    let (displacements, rest) = row.bytes("displacements")?.as_chunks::<8>();
+    let whole = rest.is_empty().then_some(displacements);
+    let displacements = whole.ok_or_else(|| Record::missing("displacements"))?;
+    Ok(AnchorPeak {
+        harmonics: harmonics.ok_or_else(|| Record::missing("harmonics"))?,
+        point: Point {
+            r: displacements
+                .iter()
+                .map(|r| f64::from_le_bytes(*r))
+                .collect(),
+            omega: row.real("angular_frequency")?,
+            level: row.real("level")?,
+        },
+        response: c64::new(row.real("response_real")?, row.real("response_imaginary")?),
+    })
+}
+
+/// Gives the outcomes the curves of `path`.
+fn read_curves(path: &Path, outcomes: &mut [SampleOutcome]) -> Result<(), StoreError> {
+    let reader = SerializedFileReader::new(File::open(path)?)?;
+    for row in reader.get_row_iter(None)? {
+        let row = Record::of(row?);
+        let (sample, level) = (row.count("sample")?, row.real("level")?);
+        let outcome = outcomes.get_mut(sample);
+        let record = outcome.and_then(|o| o.levels.iter_mut().find(|record| record.level == level));
+        let record = record.ok_or_else(|| Record::missing("level"))?;
+        record.curve.push(CurvePoint {
+            frequency_hz: row.real("frequency_hz")?,
+            amplitude_m: row.real("amplitude_m")?,
+        });
+    }
+    Ok(())
+}

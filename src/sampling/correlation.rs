@@ -1,0 +1,156 @@
+//! Correlated inputs: a Gaussian copula between the uniform numbers and the inputs' own distributions.
+//!
+//! z = Φ⁻¹(u) of independent u, z' = L z with L Lᵀ the correlation of the normal scores, u' = Φ(z'). Every input keeps
+//! its distribution (Li & Hammond 1975, "normal to anything").
+
+use super::Input;
+use crate::setting::BadSetting;
+use statrs::distribution::{ContinuousCDF, Normal};
+
+/// What the numbers of a [`CorrelationTable`] are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CorrelationKind {
+    /// Pearson's correlation of the normal scores Φ⁻¹(F(x)).
+    #[default]
+    NormalScores,
+    /// Spearman's rank correlation ρ of the inputs: that of the scores is 2 sin(π ρ / 6).
+    Spearman,
+}
+
+/// `[correlation]` of a study file.
+#[derive(Debug, Clone, Default, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CorrelationTable {
+    #[serde(default)]
+    kind: CorrelationKind,
+    pairs: Vec<CorrelatedPair>,
+}
+
+/// Two inputs and their correlation.
+#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CorrelatedPair {
+    inputs: [String; 2],
+    value: f64,
+}
+
+/// Least pivot of a correlation matrix: below it an input follows from others up to rounding.
+const LEAST_PIVOT: f64 = 1e-9;
+
+impl CorrelationTable {
+    /// Correlation matrix of the normal scores of `inputs`. Shape: square, in their order.
+    ///
+    /// # Errors
+    /// [`BadSetting`] with a key relative to `[correlation]`: an input that is not among `inputs`, a pair twice, a value
+    /// outside of −1 … 1, or values that contradict each other.
+    pub fn matrix(&self, inputs: &[Input]) -> Result<Vec<Vec<f64>>, BadSetting> {
+        let n = inputs.len();
+        let mut matrix = identity(n);
+        BadSetting::unless(!self.pairs.is_empty(), "pairs", "[]", "must not be empty")?;
+        for (k, pair) in self.pairs.iter().enumerate() {
+            let [i, j] = pair
+                .places(inputs)
+                .map_err(|bad| bad.under(&format!("pairs[{k}]")))?;
+            let key = format!("pairs[{k}]");
+            let written = format!("{:?}", pair.inputs);
+            let once = i != j && matrix[i][j] == 0.0;
+            let rule = "must be two different inputs, and no other pair the same two";
+            BadSetting::unless(once, &format!("{key}.inputs"), written, rule)?;
+            let inside = pair.value.abs() < 1.0 && pair.value != 0.0;
+            let rule = "must be between -1 and 1, and not 0";
+            BadSetting::unless(inside, &format!("{key}.value"), pair.value, rule)?;
+            let score = match self.kind {
+                CorrelationKind::NormalScores => pair.value,
+                CorrelationKind::Spearman => 2.0 * (std::f64::consts::PI * pair.value / 6.0).sin(),
+            };
+            (matrix[i][j], matrix[j][i]) = (score, score);
+        }
+        match cholesky(&matrix) {
+            Ok(_) => Ok(matrix),
+            Err(i) => Err(BadSetting {
+                key: "pairs".to_owned(),
+                value: format!("[..., {}, ...]", inputs[i].name()),
+                rule: format!(
+                    "must make a positive definite matrix: the correlations of {} contradict those of the inputs before it",
+                    inputs[i].name()
+                ),
+            }),
+        }
+    }
+}
+
+impl CorrelatedPair {
+    fn places(&self, inputs: &[Input]) -> Result<[usize; 2], BadSetting> {
+        let place = |name: &String| {
+            let at = inputs.iter().position(|input| input.name() == name);
+            let known: Vec<_> = inputs.iter().map(|input| input.name()).collect();
+            at.ok_or_else(|| BadSetting {
+                key: "inputs".to_owned(),
+                value: format!("{name:?}"),
+                rule: format!("must be inputs with a distribution: {}", known.join(", ")),
+            })
+        };
+        Ok([place(&self.inputs[0])?, place(&self.inputs[1])?])
+    }
+}
+
+/// L of the normal scores of correlated inputs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Copula {
+    factor: Vec<Vec<f64>>,
+    normal: Normal,
+}
+
+impl Copula {
+    /// The copula of a positive definite correlation matrix of the normal scores; `None` if it is none.
+    #[must_use]
+    pub fn new(correlation: &[Vec<f64>]) -> Option<Self> {
+        Some(Self {
+            factor: cholesky(correlation).ok()?,
+            normal: Normal::standard(),
+        })
+    }
+
+    /// Correlates independent uniform numbers. Numbers of uncorrelated inputs keep every bit; none is ever 0 or 1.
+    ///
+    /// Shape: `u` `[inputs]`, in the order of the matrix.
+    pub fn correlate(&self, u: &mut [f64]) {
+        let z: Vec<f64> = u.iter().map(|u| self.normal.inverse_cdf(*u)).collect();
+        for (i, (u, row)) in u.iter_mut().zip(&self.factor).enumerate() {
+            if row[..i].iter().any(|l| *l != 0.0) {
+                let score: f64 = row.iter().zip(&z).map(|(l, z)| l * z).sum();
+                let end = 0.5 * f64::EPSILON;
+                *u = self.normal.cdf(score).clamp(end, 1.0 - end);
+            }
+        }
+    }
+}
+
+/// Unit matrix.
+pub(super) fn identity(n: usize) -> Vec<Vec<f64>> {
+    (0..n)
+        .map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect())
+        .collect()
+}
+
+/// Lower factor L of L Lᵀ = `a` with a unit diagonal, or the first row that depends on those above it.
+pub(super) fn cholesky(a: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, usize> {
+    let n = a.len();
+    let mut l = vec![vec![0.0; n]; n];
+    for i in 0..n {
+        for j in 0..=i {
+            let known: f64 = (0..j).map(|k| l[i][k] * l[j][k]).sum();
+            let rest = a[i][j] - known;
+            if i == j {
+                if rest.is_nan() || rest < LEAST_PIVOT {
+                    return Err(i);
+                }
+                l[i][i] = rest.sqrt();
+            } else {
+                l[i][j] = rest / l[j][j];
+            }
+        }
+    }
+    Ok(l)
+}

@@ -1,0 +1,309 @@
+//! How the unit cube of the random inputs is filled.
+
+use super::Input;
+use super::correlation::identity;
+use super::latin::LatinHypercube;
+use super::sobol::{MOST_DIMENSIONS, Sobol};
+use super::stream::{SCRAMBLE, uniform};
+use crate::setting::BadSetting;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Kind of a design, as written in a study file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DesignKind {
+    /// Independent samples.
+    #[default]
+    MonteCarlo,
+    /// One sample in each stratum of each input.
+    LatinHypercube,
+    /// Scrambled Sobol' points in independent replicates.
+    Sobol,
+    /// Full grid in the probabilities of the inputs.
+    Grid,
+    /// Rows of a file.
+    File,
+}
+
+impl DesignKind {
+    /// Name in study files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MonteCarlo => "monte-carlo",
+            Self::LatinHypercube => "latin-hypercube",
+            Self::Sobol => "sobol",
+            Self::Grid => "grid",
+            Self::File => "file",
+        }
+    }
+}
+
+/// `[design]` of a study file; each kind takes its own keys and refuses the others.
+#[derive(Debug, Clone, Default, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DesignTable {
+    /// Kind of the design.
+    pub kind: DesignKind,
+    replicates: Option<u64>,
+    points: Option<Points>,
+    path: Option<PathBuf>,
+}
+
+/// Points of a grid.
+#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected a number of points, or a table of input = points"
+)]
+enum Points {
+    Each(u64),
+    PerInput(BTreeMap<String, u64>),
+}
+
+/// Replicates at most.
+const MOST_REPLICATES: u64 = 1000;
+/// Samples of a Latin hypercube at most: it is held in memory.
+const MOST_STRATA: u64 = 10_000_000;
+
+/// A design of the unit cube, ready to give its points.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Plan {
+    /// Independent numbers.
+    MonteCarlo,
+    /// Strata in a fixed order.
+    LatinHypercube(LatinHypercube),
+    /// Sample i is point ⌊i / replicates⌋ of replicate i mod replicates.
+    Sobol {
+        /// The points.
+        sequence: Sobol,
+        /// Number of independent scramblings.
+        replicates: u64,
+    },
+    /// Points per input; the first input changes fastest. Values are the middles of cells of equal probability.
+    Grid(Vec<u64>),
+}
+
+impl DesignTable {
+    /// Checks that the keys are those of the kind.
+    ///
+    /// # Errors
+    /// [`BadSetting`] with a key relative to `[design]`.
+    pub fn validate(&self) -> Result<(), BadSetting> {
+        let given = [
+            ("replicates", self.replicates.is_some(), DesignKind::Sobol),
+            ("points", self.points.is_some(), DesignKind::Grid),
+            ("path", self.path.is_some(), DesignKind::File),
+        ];
+        for (key, given, kind) in given {
+            let name = self.kind.name();
+            let rule = format!("must be absent: a design of kind \"{name}\" does not take it");
+            BadSetting::unless(!given || self.kind == kind, key, "(given)", &rule)?;
+            let rule = format!("must be given for a design of kind \"{name}\"");
+            let optional = kind == DesignKind::Sobol;
+            let holds = given || optional || self.kind != kind;
+            BadSetting::unless(holds, key, "(absent)", &rule)?;
+        }
+        let replicates = self.replicates();
+        let rule = format!("must be from 1 to {MOST_REPLICATES}");
+        let holds = (1..=MOST_REPLICATES).contains(&replicates);
+        BadSetting::unless(holds, "replicates", replicates, &rule)
+    }
+
+    /// The file of a design of rows.
+    #[must_use]
+    pub fn path(&self) -> Option<&Path> {
+        self.path.as_deref()
+    }
+
+    fn replicates(&self) -> u64 {
+        self.replicates.unwrap_or(1)
+    }
+
+    /// Points per input of a grid, in the order of `inputs`.
+    fn grid(&self, inputs: &[Input]) -> Result<Vec<u64>, BadSetting> {
+        let bad = |key: String, value: String, rule: &str| BadSetting {
+            key,
+            value,
+            rule: rule.to_owned(),
+        };
+        let points: Vec<u64> = match &self.points {
+            None => Vec::new(),
+            Some(Points::Each(n)) => vec![*n; inputs.len()],
+            Some(Points::PerInput(table)) => {
+                let named = |input: &Input| input.name();
+                if let Some(name) = table
+                    .keys()
+                    .find(|k| !inputs.iter().any(|i| named(i) == **k))
+                {
+                    let rule = "must name an input with a distribution";
+                    return Err(bad(
+                        format!("design.points.{name}"),
+                        "(given)".to_owned(),
+                        rule,
+                    ));
+                }
+                let of = |input: &Input| {
+                    let rule = format!("must hold {} too", input.name());
+                    let points = table.get(input.name()).copied();
+                    points.ok_or_else(|| bad("design.points".to_owned(), "{...}".to_owned(), &rule))
+                };
+                inputs.iter().map(of).collect::<Result<_, _>>()?
+            }
+        };
+        match points.iter().find(|n| **n < 1) {
+            Some(n) => Err(bad(
+                "design.points".to_owned(),
+                n.to_string(),
+                "must be at least 1",
+            )),
+            None => Ok(points),
+        }
+    }
+
+    /// The plan for the given inputs, and the number of its samples where the design decides that.
+    ///
+    /// `samples` is the number asked for (per outer point), `correlation` that of the normal scores; shape: inputs square.
+    ///
+    /// # Errors
+    /// [`BadSetting`] with a key relative to the file: `samples`, `design.…`.
+    pub fn plan(
+        &self,
+        seed: u64,
+        samples: Option<u64>,
+        inputs: &[Input],
+        correlation: Option<&[Vec<f64>]>,
+    ) -> Result<(Plan, Option<u64>), BadSetting> {
+        self.validate().map_err(|bad| bad.under("design"))?;
+        match self.kind {
+            DesignKind::MonteCarlo | DesignKind::File => Ok((Plan::MonteCarlo, None)),
+            DesignKind::LatinHypercube => {
+                let hypercube = latin_hypercube(seed, samples, inputs, correlation)?;
+                Ok((Plan::LatinHypercube(hypercube), None))
+            }
+            DesignKind::Sobol => Ok((self.sobol(samples, inputs)?, None)),
+            DesignKind::Grid => {
+                let points = self.grid(inputs)?;
+                let rule = "must be absent: correlated inputs have no grid";
+                let free = correlation.is_none();
+                BadSetting::unless(free, "correlation", "(given)", rule)?;
+                let count = points.iter().try_fold(1_u64, |all, n| all.checked_mul(*n));
+                let rule = format!(
+                    "must be the number of grid points, {}, or absent",
+                    count.unwrap_or(u64::MAX)
+                );
+                let holds = samples.is_none() || samples == count;
+                BadSetting::unless(holds, "samples", samples.unwrap_or(0), &rule)?;
+                Ok((Plan::Grid(points), Some(count.unwrap_or(u64::MAX))))
+            }
+        }
+    }
+
+    fn sobol(&self, samples: Option<u64>, inputs: &[Input]) -> Result<Plan, BadSetting> {
+        let samples = given(samples)?;
+        let replicates = self.replicates();
+        let points = samples / replicates;
+        let whole = points * replicates == samples && points.is_power_of_two();
+        let lower = match points {
+            0 => 1,
+            n => 1 << n.ilog2(),
+        };
+        let rule = format!(
+            "must be a power of two{}: {} or {}",
+            match replicates {
+                1 => String::new(),
+                n => format!(" times {n} replicates"),
+            },
+            lower * replicates,
+            2 * lower * replicates
+        );
+        BadSetting::unless(whole, "samples", samples, &rule)?;
+        let rule =
+            format!("must be of another kind: Sobol' points have at most {MOST_DIMENSIONS} inputs");
+        let few = inputs.len() <= MOST_DIMENSIONS;
+        BadSetting::unless(few, "design.kind", "\"sobol\"", &rule)?;
+        Ok(Plan::Sobol {
+            sequence: Sobol::new(inputs.len()),
+            replicates,
+        })
+    }
+}
+
+fn given(samples: Option<u64>) -> Result<u64, BadSetting> {
+    samples.ok_or_else(|| BadSetting {
+        key: "samples".to_owned(),
+        value: "(absent)".to_owned(),
+        rule: "must be given for this kind of design".to_owned(),
+    })
+}
+
+fn latin_hypercube(
+    seed: u64,
+    samples: Option<u64>,
+    inputs: &[Input],
+    correlation: Option<&[Vec<f64>]>,
+) -> Result<LatinHypercube, BadSetting> {
+    let samples = given(samples)?;
+    let bad = |rule: String| BadSetting {
+        key: "samples".to_owned(),
+        value: samples.to_string(),
+        rule,
+    };
+    let count = u32::try_from(samples)
+        .ok()
+        .filter(|_| samples <= MOST_STRATA);
+    let rule = format!("must be at most {MOST_STRATA} in a Latin hypercube");
+    let count = count.ok_or_else(|| bad(rule))?;
+    let dimensions: Vec<u32> = inputs.iter().map(|input| input.dimension()).collect();
+    let none = identity(inputs.len());
+    let wanted = correlation.unwrap_or(&none);
+    LatinHypercube::new(seed, count, &dimensions, wanted).ok_or_else(|| {
+        bad(format!(
+            "must be more than a Latin hypercube of {} inputs has here: its correlations cannot be controlled",
+            inputs.len()
+        ))
+    })
+}
+
+impl Plan {
+    /// Uniform numbers of sample `i` for the given inputs, the same as in [`DesignTable::plan`]. Shape: `[inputs]`.
+    #[must_use]
+    pub fn point(&self, seed: u64, i: u64, inputs: &[Input]) -> Vec<f64> {
+        match self {
+            Self::MonteCarlo => (inputs.iter())
+                .map(|input| uniform(seed, i, input.dimension()))
+                .collect(),
+            Self::LatinHypercube(hypercube) => hypercube.point(seed, i),
+            Self::Sobol {
+                sequence,
+                replicates,
+            } => sequence.scrambled(seed, i % replicates, SCRAMBLE, i / replicates),
+            Self::Grid(points) => {
+                let mut rest = i;
+                (points.iter())
+                    .map(|n| {
+                        let cell = rest % n;
+                        rest /= n;
+                        (cell as f64 + 0.5) / *n as f64
+                    })
+                    .collect()
+            }
+        }
+    }
+
+    /// Independent replicates, if there are several.
+    #[must_use]
+    pub fn replicates(&self) -> Option<u64> {
+        match self {
+            Self::Sobol { replicates, .. } if *replicates > 1 => Some(*replicates),
+            _ => None,
+        }
+    }
+
+    /// Whether the first samples of a larger design of this kind are those of a smaller one.
+    #[must_use]
+    pub fn grows(&self) -> bool {
+        matches!(self, Self::MonteCarlo | Self::Sobol { .. })
+    }
+}

@@ -1,0 +1,66 @@
+//! Limits that may be open: what a sample cannot bound is said to be unbounded, never NaN.
+
+/// One limit of an interval.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Limit {
+    /// The samples do not bound this side.
+    Unbounded,
+    /// A finite limit.
+    #[serde(untagged)]
+    Value(f64),
+}
+
+impl Limit {
+    /// The finite limit; `None` = unbounded.
+    #[must_use]
+    pub fn value(self) -> Option<f64> {
+        match self {
+            Self::Value(value) => Some(value),
+            Self::Unbounded => None,
+        }
+    }
+}
+
+impl From<Option<f64>> for Limit {
+    /// Absent or not finite = unbounded.
+    fn from(value: Option<f64>) -> Self {
+        match value.filter(|v| v.is_finite()) {
+            Some(value) => Self::Value(value),
+            None => Self::Unbounded,
+        }
+    }
+}
+
+/// A range whose sides may be open.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Interval {
+    /// Lower limit.
+    pub lower: Limit,
+    /// Upper limit.
+    pub upper: Limit,
+}
+
+impl Interval {
+    /// Open on both sides.
+    pub const UNBOUNDED: Self = Self {
+        lower: Limit::Unbounded,
+        upper: Limit::Unbounded,
+    };
+
+    /// Closed range between two limits; one that is not finite is an open side.
+    #[must_use]
+    pub fn between(lower: f64, upper: f64) -> Self {
+        Self {
+            lower: Some(lower).into(),
+            upper: Some(upper).into(),
+        }
+    }
+
+    /// Whether `value` lies between the limits, limits included.
+    #[must_use]
+    pub fn contains(&self, value: f64) -> bool {
+        self.lower.value().is_none_or(|lower| lower <= value)
+            && self.upper.value().is_none_or(|upper| value <= upper)
+    }
+}

@@ -1,0 +1,127 @@
+//! Shares of samples with Clopper–Pearson limits, also where some samples leave the answer open.
+
+use statrs::distribution::{Beta, ContinuousCDF};
+
+/// A share of samples with its Clopper–Pearson confidence interval.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Proportion {
+    /// count / n.
+    pub estimate: f64,
+    /// Lower limit.
+    pub lower: f64,
+    /// Upper limit.
+    pub upper: f64,
+}
+
+/// Share of `count` in `n` samples; `None` unless n > 0, count ≤ n and confidence in (0, 1).
+///
+/// Limits are beta quantiles, so the coverage is at least `confidence` for every true share.
+/// Source: Clopper & Pearson, Biometrika 26 (1934) 404–413.
+#[must_use]
+pub fn proportion(count: usize, n: usize, confidence: f64) -> Option<Proportion> {
+    if n == 0 || count > n || confidence <= 0.0 || confidence >= 1.0 {
+        return None;
+    }
+    let (lower, upper) = share_limits(count as f64, (n - count) as f64, confidence)?;
+    Some(Proportion {
+        estimate: count as f64 / n as f64,
+        lower,
+        upper,
+    })
+}
+
+/// Clopper–Pearson limits for `yes` against `no`, which need not be whole numbers (effective sample sizes).
+pub(super) fn share_limits(yes: f64, no: f64, confidence: f64) -> Option<(f64, f64)> {
+    let tail = (1.0 - confidence) / 2.0;
+    let lower = match yes <= 0.0 {
+        true => 0.0,
+        false => Beta::new(yes, no + 1.0).ok()?.inverse_cdf(tail),
+    };
+    let upper = match no <= 0.0 {
+        true => 1.0,
+        false => Beta::new(yes + 1.0, no).ok()?.inverse_cdf(1.0 - tail),
+    };
+    Some((lower, upper))
+}
+
+/// A share of samples of which some do not tell, because they failed.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Share {
+    /// Samples that are known to count.
+    pub yes: usize,
+    /// Samples that are known not to count.
+    pub no: usize,
+    /// Samples that may count or not.
+    pub unknown: usize,
+    /// Share among the samples that tell; absent if none does.
+    pub known: Option<Proportion>,
+    /// Lower limit, unknown samples not counted.
+    pub lower: f64,
+    /// Upper limit, unknown samples counted.
+    pub upper: f64,
+}
+
+impl Share {
+    /// Number of samples.
+    #[must_use]
+    pub fn total(&self) -> usize {
+        self.yes + self.no + self.unknown
+    }
+}
+
+/// Share of `yes` among yes + no + unknown samples; `None` without samples or with confidence outside (0, 1).
+///
+/// The lower limit is that of `yes` in n, the upper one that of `yes + unknown` in n, so the interval covers the true
+/// share with at least `confidence` whatever the unknown samples would have told.
+#[must_use]
+pub fn share(yes: usize, no: usize, unknown: usize, confidence: f64) -> Option<Share> {
+    let n = yes + no + unknown;
+    Some(Share {
+        yes,
+        no,
+        unknown,
+        known: proportion(yes, yes + no, confidence),
+        lower: proportion(yes, n, confidence)?.lower,
+        upper: proportion(yes + unknown, n, confidence)?.upper,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use statrs::distribution::{Binomial, DiscreteCDF};
+
+    /// Closed form: none in n gives the upper limit 1 − (α/2)^(1/n). Seen to fail with α in place of α/2.
+    #[test]
+    fn no_failure_has_the_closed_form_limit() {
+        for n in [1, 10, 1000, 100_000] {
+            let rate = proportion(0, n, 0.95).unwrap();
+            let exact = -((0.025_f64).ln() / n as f64).exp_m1();
+            assert_eq!((rate.estimate, rate.lower), (0.0, 0.0));
+            assert!(
+                (rate.upper / exact - 1.0).abs() < 1e-8,
+                "n = {n}: {}",
+                rate.upper
+            );
+            let all = proportion(n, n, 0.95).unwrap();
+            assert!((all.lower - (1.0 - exact)).abs() < 1e-8 * all.lower.max(1e-3));
+            assert_eq!(all.upper, 1.0);
+        }
+    }
+
+    /// Defining property: at the limits the binomial tails are α/2 each. Seen to fail with Beta(f + 1, n − f + 1).
+    #[test]
+    fn limits_cut_the_binomial_tails() {
+        for (count, n) in [(1, 10), (30, 1000), (1, 100_000), (999, 1000)] {
+            let rate = proportion(count, n, 0.95).unwrap();
+            let below = Binomial::new(rate.upper, n as u64)
+                .unwrap()
+                .cdf(count as u64);
+            let above = Binomial::new(rate.lower, n as u64)
+                .unwrap()
+                .sf(count as u64 - 1);
+            assert!((below - 0.025).abs() < 1e-6, "{count}/{n}: {below}");
+            assert!((above - 0.025).abs() < 1e-6, "{count}/{n}: {above}");
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! What the estimators of sensitivity share: an index with its interval, the verdict on it, and why there is none.
+
+use std::fmt;
+
+/// Whether an index differs from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Influence {
+    /// The interval lies above 0.
+    Distinct,
+    /// The interval holds 0: these samples do not show an influence.
+    NotDistinguishable,
+}
+
+impl fmt::Display for Influence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Distinct => "distinct from 0",
+            Self::NotDistinguishable => "not distinguishable from 0",
+        })
+    }
+}
+
+/// A sensitivity index: share of the variance of a result.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Index {
+    /// Estimate; may lie slightly below 0.
+    pub estimate: f64,
+    /// Lower confidence limit.
+    pub lower: f64,
+    /// Upper confidence limit.
+    pub upper: f64,
+    /// Verdict from the interval.
+    pub influence: Influence,
+}
+
+impl Index {
+    pub(super) fn new(estimate: f64, (lower, upper): (f64, f64)) -> Self {
+        let influence = match lower > 0.0 {
+            true => Influence::Distinct,
+            false => Influence::NotDistinguishable,
+        };
+        Self {
+            estimate,
+            lower,
+            upper,
+            influence,
+        }
+    }
+}
+
+/// Why there is no sensitivity index. None is better than a wrong 0.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum SensitivityRefusal {
+    /// Failed evaluations; leaving their rows out would change the inputs' law.
+    #[error(
+        "{failed} of {total} evaluations failed; leaving them out would bias the indices: solve them again, or use an \
+         estimate from the given samples"
+    )]
+    Failed {
+        /// Evaluations that failed.
+        failed: usize,
+        /// Evaluations in all.
+        total: usize,
+    },
+    /// The result does not vary.
+    #[error("the result does not vary")]
+    Constant,
+    /// Too few samples.
+    #[error("{found} samples are too few, {needed} are needed")]
+    TooFew {
+        /// Samples there are.
+        found: usize,
+        /// Samples needed.
+        needed: usize,
+    },
+    /// Numbers of columns, rows or results that do not fit together.
+    #[error("the table has {found} entries where a multiple of {multiple} is needed")]
+    Shape {
+        /// Entries found.
+        found: usize,
+        /// Number whose multiple is needed.
+        multiple: usize,
+    },
+    /// The two halves of a design depend on each other, as blocks of one low-discrepancy sequence do.
+    #[error(
+        "column {first} of the first half and column {second} of the second are correlated ({correlation:.3}): take \
+         both halves from the columns of one sequence, not from its rows"
+    )]
+    Dependent {
+        /// Column of the first half, from 0.
+        first: usize,
+        /// Column of the second half, from 0.
+        second: usize,
+        /// Their correlation.
+        correlation: f64,
+    },
+    /// A resampling interval needs replicates and a confidence in (0, 1).
+    #[error("a resampling interval needs 20 replicates and a confidence between 0 and 1")]
+    Bootstrap,
+}
+
+/// Refuses results that hold a failed one, or fewer than `needed`.
+pub(super) fn all_solved(results: &[f64], needed: usize) -> Result<(), SensitivityRefusal> {
+    let failed = results.iter().filter(|v| !v.is_finite()).count();
+    if failed > 0 {
+        let total = results.len();
+        return Err(SensitivityRefusal::Failed { failed, total });
+    }
+    if results.len() < needed {
+        let found = results.len();
+        return Err(SensitivityRefusal::TooFew { found, needed });
+    }
+    Ok(())
+}
+
+/// Refuses settings that give no interval.
+pub(super) fn usable(bootstrap: &super::Bootstrap) -> Result<(), SensitivityRefusal> {
+    let inside = bootstrap.confidence > 0.0 && bootstrap.confidence < 1.0;
+    match inside && bootstrap.replicates >= 20 {
+        true => Ok(()),
+        false => Err(SensitivityRefusal::Bootstrap),
+    }
+}
+
+/// Mean and variance (about it, with n) of finite values.
+pub(super) fn mean_and_variance(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let n = values.clone().count() as f64;
+    let mean = values.clone().sum::<f64>() / n;
+    let variance = values.map(|v| (v - mean).powi(2)).sum::<f64>() / n;
+    (mean, variance)
+}

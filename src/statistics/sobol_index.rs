@@ -1,0 +1,167 @@
+//! Sobol' indices by pick-freeze: evaluations in which all inputs but one are drawn anew, or only one.
+//!
+//! Row i of a design takes d + 2 evaluations: at A_i, at B_i, and for each input j at A_i with column j of B_i. A and B
+//! must be the left and right half of ONE sequence of 2d columns; two blocks of rows of one d-dimensional
+//! low-discrepancy sequence depend on each other and give indices that are plainly wrong.
+
+use super::bootstrap::Bootstrap;
+use super::sensitivity::{Index, SensitivityRefusal, all_solved, mean_and_variance, usable};
+
+/// First and total index of one input.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct SobolIndex {
+    /// Share of the variance by the input alone (Janon et al., ESAIM: Probab. Stat. 18 (2014) 342–364).
+    pub first: Index,
+    /// Share by the input and all its interactions (Jansen, Comput. Phys. Commun. 117 (1999) 35–43).
+    pub total: Index,
+}
+
+/// A correlation of halves beyond this multiple of 1/√n is no accident: 1e-6 per pair of columns.
+const DEPENDENT: f64 = 5.0;
+
+/// Points of a pick-freeze design, d + 2 per row of `table`: A, B, then A with one column of B at a time.
+///
+/// Shape: `table` has rows of 2d numbers, A in the first d columns. Any one-to-one map of the columns, such as the
+/// inputs' inverse distribution functions, may be applied to the points after.
+///
+/// # Errors
+///
+/// An odd number of columns, fewer than 16 rows, or halves that depend on each other.
+pub fn pick_freeze_points(table: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, SensitivityRefusal> {
+    let columns = table.first().map_or(0, Vec::len);
+    if let Some(row) = table
+        .iter()
+        .find(|row| row.len() != columns || row.len() % 2 != 0)
+    {
+        let found = row.len();
+        return Err(SensitivityRefusal::Shape { found, multiple: 2 });
+    }
+    let halves: Vec<(&[f64], &[f64])> = table.iter().map(|row| row.split_at(columns / 2)).collect();
+    independent(&halves)?;
+    let mut points = Vec::with_capacity(table.len() * (columns / 2 + 2));
+    for (a, b) in halves {
+        points.push(a.to_vec());
+        points.push(b.to_vec());
+        for j in 0..a.len() {
+            let mut mixed = a.to_vec();
+            mixed[j] = b[j];
+            points.push(mixed);
+        }
+    }
+    Ok(points)
+}
+
+/// Refuses halves of a design of which a column of one is correlated with a column of the other.
+///
+/// Blocks of rows of a base-2 sequence differ by fixed binary digits, which shows as a correlation of at least 1/2.
+///
+/// # Errors
+///
+/// Such a pair, or fewer than 16 rows, with which none would show.
+pub fn independent(halves: &[(&[f64], &[f64])]) -> Result<(), SensitivityRefusal> {
+    let n = halves.len();
+    if n < 16 {
+        return Err(SensitivityRefusal::TooFew {
+            found: n,
+            needed: 16,
+        });
+    }
+    let inputs = halves[0].0.len();
+    for first in 0..inputs {
+        for second in 0..inputs {
+            let pairs = halves.iter().map(|(a, b)| (a[first], b[second]));
+            let correlation = correlation(pairs);
+            if correlation.abs() > (DEPENDENT / (n as f64).sqrt()).min(0.49) {
+                return Err(SensitivityRefusal::Dependent {
+                    first,
+                    second,
+                    correlation,
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn correlation(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
+    let (mean_a, variance_a) = mean_and_variance(pairs.clone().map(|p| p.0));
+    let (mean_b, variance_b) = mean_and_variance(pairs.clone().map(|p| p.1));
+    let (product, _) = mean_and_variance(pairs.map(|(a, b)| (a - mean_a) * (b - mean_b)));
+    product / (variance_a * variance_b).sqrt()
+}
+
+/// First and total indices, one per input, with bootstrap intervals over the rows of the design.
+///
+/// Shape: `results` of [`pick_freeze_points`], in that order, for d = `inputs`. With points of a low-discrepancy sequence
+/// the interval is wider than the true error; [`super::moment_estimate`] of the estimates of several independently
+/// scrambled sequences gives one that is not.
+///
+/// # Errors
+///
+/// A single failed evaluation (not finite) refuses all indices; so do results that do not vary, fewer than 16 rows, and
+/// settings that give no interval.
+pub fn sobol_indices(
+    results: &[f64],
+    inputs: usize,
+    bootstrap: &Bootstrap,
+) -> Result<Vec<SobolIndex>, SensitivityRefusal> {
+    let (found, multiple) = (results.len(), inputs + 2);
+    if inputs == 0 || found % multiple != 0 {
+        return Err(SensitivityRefusal::Shape { found, multiple });
+    }
+    usable(bootstrap)?;
+    all_solved(results, 16 * multiple)?;
+    // About the mean, products of results keep their digits.
+    let (mean, variance) = mean_and_variance(results.iter().copied());
+    if variance <= (1e-14 * mean).powi(2) {
+        return Err(SensitivityRefusal::Constant);
+    }
+    let centred: Vec<f64> = results.iter().map(|y| y - mean).collect();
+    let rows: Vec<&[f64]> = centred.chunks_exact(multiple).collect();
+    let whole: Vec<usize> = (0..rows.len()).collect();
+    let resamples: Vec<Vec<usize>> = (0..bootstrap.replicates)
+        .map(|r| bootstrap.resample(r, rows.len()))
+        .collect();
+    let index = |estimator: fn(&[&[f64]], &[usize], usize) -> f64, j: usize| {
+        let replicate = |r: u32| estimator(&rows, &resamples[r as usize], j);
+        let interval = bootstrap.percentiles(replicate);
+        let interval = interval.ok_or(SensitivityRefusal::Constant)?;
+        Ok(Index::new(estimator(&rows, &whole, j), interval))
+    };
+    (0..inputs)
+        .map(|j| {
+            Ok(SobolIndex {
+                first: index(janon, j)?,
+                total: index(jansen, j)?,
+            })
+        })
+        .collect()
+}
+
+/// Covariance over variance of the results at B and at A with column j of B, both estimated from both.
+fn janon(rows: &[&[f64]], chosen: &[usize], j: usize) -> f64 {
+    let n = chosen.len() as f64;
+    let (mut product, mut sum, mut squares) = (0.0, 0.0, 0.0);
+    for &i in chosen {
+        let (b, mixed) = (rows[i][1], rows[i][2 + j]);
+        product += b * mixed;
+        sum += (b + mixed) / 2.0;
+        squares += (b * b + mixed * mixed) / 2.0;
+    }
+    let mean = sum / n;
+    (product / n - mean * mean) / (squares / n - mean * mean)
+}
+
+/// Half the mean square of what column j changes at A, over the variance at A and B.
+fn jansen(rows: &[&[f64]], chosen: &[usize], j: usize) -> f64 {
+    let n = chosen.len() as f64;
+    let (mut change, mut sum, mut squares) = (0.0, 0.0, 0.0);
+    for &i in chosen {
+        let (a, b, mixed) = (rows[i][0], rows[i][1], rows[i][2 + j]);
+        change += (a - mixed).powi(2) / 2.0;
+        sum += (a + b) / 2.0;
+        squares += (a * a + b * b) / 2.0;
+    }
+    let mean = sum / n;
+    change / n / (squares / n - mean * mean)
+}

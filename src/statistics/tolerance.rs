@@ -1,0 +1,136 @@
+//! One-sided tolerance bounds: an order statistic that leaves a stated share of the population on its safe side.
+//!
+//! With n samples the k-th value from the end bounds the share `content` with the confidence P(B ≥ k), B binomial(n,
+//! 1 − content). Sources: Wilks, Ann. Math. Statist. 12 (1941) 91–96; A- and B-basis: CMH-17, vol. 1, chapter 8.
+
+use super::limit::Limit;
+use super::observed::Observed;
+use statrs::distribution::{Binomial, DiscreteCDF};
+
+/// Side of a bound.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    /// The population lies above the bound, as for a strength.
+    Lower,
+    /// The population lies below the bound, as for an amplitude.
+    Upper,
+}
+
+/// Lower bounds of material strengths by their common names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub enum Basis {
+    /// 99 % of the population with 95 % confidence.
+    A,
+    /// 90 % of the population with 95 % confidence.
+    B,
+}
+
+impl Basis {
+    /// Share of the population and confidence.
+    #[must_use]
+    pub fn content_and_confidence(self) -> (f64, f64) {
+        match self {
+            Self::A => (0.99, 0.95),
+            Self::B => (0.90, 0.95),
+        }
+    }
+}
+
+/// A one-sided tolerance bound.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct ToleranceBound {
+    /// Side of the bound.
+    pub side: Side,
+    /// Share of the population on the safe side.
+    pub content: f64,
+    /// Confidence asked for.
+    pub confidence: f64,
+    /// The bound; unbounded where n is too small, or where failed samples may lie beyond every valid one.
+    pub limit: Limit,
+    /// The bound is the `order`-th value from the end, of all n samples; 0 = n is too small for any.
+    pub order: usize,
+    /// Confidence of the bound, not less than what was asked for; 1 for order 0.
+    pub achieved_confidence: f64,
+}
+
+/// Confidence with which the `order`-th value from the end of n samples bounds the share `content`: P(B ≥ order).
+///
+/// 1 for order 0 (no bound); 0 where the order exceeds n or content lies outside [0, 1].
+#[must_use]
+pub fn tolerance_confidence(n: usize, content: f64, order: usize) -> f64 {
+    if order == 0 {
+        return 1.0;
+    }
+    Binomial::new(1.0 - content, n as u64).map_or(0.0, |beyond| beyond.sf(order as u64 - 1))
+}
+
+/// Largest order whose confidence reaches `confidence`; 0 where n is too small.
+#[must_use]
+pub fn tolerance_order(n: usize, content: f64, confidence: f64) -> usize {
+    let (mut reached, mut missed) = (0, n + 1);
+    while missed - reached > 1 {
+        let middle = usize::midpoint(reached, missed);
+        match tolerance_confidence(n, content, middle) >= confidence {
+            true => reached = middle,
+            false => missed = middle,
+        }
+    }
+    reached
+}
+
+/// Smallest n for which the `order`-th value from the end is a bound (Wilks); `None` unless order > 0 and both
+/// probabilities lie in (0, 1).
+#[must_use]
+pub fn wilks_sample_size(content: f64, confidence: f64, order: usize) -> Option<usize> {
+    let inside = |p: f64| p > 0.0 && p < 1.0;
+    if order == 0 || !inside(content) || !inside(confidence) {
+        return None;
+    }
+    let enough = |n: usize| tolerance_confidence(n, content, order) >= confidence;
+    let mut high = order;
+    while !enough(high) {
+        high = high.checked_mul(2)?;
+    }
+    let mut low = high / 2;
+    while high - low > 1 {
+        let middle = usize::midpoint(low, high);
+        match enough(middle) {
+            true => high = middle,
+            false => low = middle,
+        }
+    }
+    Some(high)
+}
+
+/// Bound for the share `content` of the population, failed samples on its unsafe side.
+#[must_use]
+pub fn tolerance_bound(
+    observed: &Observed,
+    side: Side,
+    content: f64,
+    confidence: f64,
+) -> ToleranceBound {
+    let n = observed.total();
+    let order = tolerance_order(n, content, confidence);
+    let limit = match (order, side) {
+        (0, _) => Limit::Unbounded,
+        (_, Side::Lower) => observed.lowest(order),
+        (_, Side::Upper) => observed.highest(n + 1 - order),
+    };
+    ToleranceBound {
+        side,
+        content,
+        confidence,
+        limit,
+        order,
+        achieved_confidence: tolerance_confidence(n, content, order),
+    }
+}
+
+/// A- or B-basis: the lower tolerance bound of that name.
+#[must_use]
+pub fn basis_bound(observed: &Observed, basis: Basis) -> ToleranceBound {
+    let (content, confidence) = basis.content_and_confidence();
+    tolerance_bound(observed, Side::Lower, content, confidence)
+}

@@ -1,0 +1,243 @@
+//! `[design]`, `[correlation]` and `[epistemic]` from study file to result files.
+
+use super::{STUDY, folder, microslip};
+
+const SECOND: &str =
+    "[inputs.stiffness_scale]\ndistribution = \"log-uniform\"\nlow = 0.5\nhigh = 2\n";
+
+/// What `inspect` says about a design, or its message; `head` replaces the line of samples, `tail` comes last.
+fn inspect(head: &str, tail: &str) -> Result<String, String> {
+    let folder = folder("study.toml", "samples = 10", "samples = 10");
+    let text = STUDY.replace("samples = 10\n", head);
+    std::fs::write(folder.path().join("study.toml"), format!("{text}\n{tail}")).unwrap();
+    std::fs::write(folder.path().join("good.csv"), "stiffness_scale\n1\n2\n3\n").unwrap();
+    std::fs::write(folder.path().join("bad.csv"), "stiffness_scale\n1\nx\n").unwrap();
+    let output = microslip(folder.path(), &["inspect", "study.toml"]);
+    if output.status.success() {
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        let line = text
+            .lines()
+            .find(|line| line.starts_with("design  "))
+            .unwrap();
+        Ok(line["design".len()..].trim().to_owned())
+    } else {
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        Err(String::from_utf8_lossy(&output.stderr).into_owned())
+    }
+}
+
+#[test]
+fn inspect_shows_the_design() {
+    let epistemic = "[inputs.stiffness_scale]\nkind = \"epistemic\"\nlower = 0.1\nupper = 10\n";
+    let pair = "[correlation]\npairs = [{ inputs = [\"stiffness_scale\", \"friction_coefficient\"], value = 0.5 }]\n";
+    let cases = [
+        ("samples = 10\n", String::new(), "monte-carlo, 10 samples"),
+        (
+            "samples = 20\n",
+            "[design]\nkind = \"latin-hypercube\"".to_owned(),
+            "latin-hypercube, 20 samples",
+        ),
+        (
+            "samples = 64\n",
+            format!("[design]\nkind = \"sobol\"\nreplicates = 4\n{SECOND}{pair}"),
+            "sobol, 4 replicates of 16 points, correlated",
+        ),
+        (
+            "",
+            format!("[design]\nkind = \"grid\"\npoints = 5\n{SECOND}"),
+            "grid of 5 x 5 points",
+        ),
+        (
+            "",
+            "[design]\nkind = \"file\"\npath = \"good.csv\"".to_owned(),
+            "file, 3 samples",
+        ),
+        (
+            "samples = 60\n",
+            format!("{epistemic}[epistemic]\npoints = 3"),
+            "monte-carlo, 10 samples at each of 6 outer points",
+        ),
+    ];
+    for (head, tail, expected) in cases {
+        assert_eq!(inspect(head, &tail).unwrap(), expected);
+    }
+}
+
+/// Seen to fail with the keys of other kinds ignored.
+#[test]
+fn bad_designs_name_line_key_and_rule() {
+    let pairs = |list: &str| format!("{SECOND}[correlation]\npairs = [{list}]\n");
+    let pair = |a: &str, b: &str, value: f64| {
+        format!("{{ inputs = [\"{a}\", \"{b}\"], value = {value} }}")
+    };
+    let (k, mu) = ("stiffness_scale", "friction_coefficient");
+    let epistemic = |lower: f64, more: &str| {
+        format!(
+            "[inputs.stiffness_scale]\nkind = \"epistemic\"\nlower = {lower}\nupper = 3\n{more}"
+        )
+    };
+    let ten = "samples = 10\n";
+    let cases = [
+        (
+            ten,
+            "[design]\nkind = \"halton\"".to_owned(),
+            ":42: design.kind: ",
+        ),
+        (
+            ten,
+            "[design]\nkind = \"sobol\"".to_owned(),
+            ":3: samples = 10: must be a power of two: 8 or 16",
+        ),
+        (
+            ten,
+            "[design]\nkind = \"sobol\"\nreplicates = 3".to_owned(),
+            "a power of two times 3 replicates: 6 or 12",
+        ),
+        (
+            ten,
+            "[design]\nkind = \"sobol\"\nreplicates = 0".to_owned(),
+            ":43: design.replicates = 0: must be from 1",
+        ),
+        (
+            ten,
+            "[design]\nkind = \"sobol\"\npoints = 3".to_owned(),
+            ":43: design.points = (given): must be absent",
+        ),
+        (
+            ten,
+            "[design]\nkind = \"grid\"".to_owned(),
+            ":41: design.points = (absent): must be given",
+        ),
+        (
+            ten,
+            "[design]\nkind = \"grid\"\npoints = 3".to_owned(),
+            ":3: samples = 10: must be the number of grid points, 3",
+        ),
+        (
+            "",
+            "[design]\nkind = \"grid\"\npoints = 0".to_owned(),
+            "design.points = 0: must be at least 1",
+        ),
+        (
+            "",
+            "[design]\nkind = \"grid\"\npoints = { mu = 3 }".to_owned(),
+            "design.points.mu = (given): must name an input",
+        ),
+        (
+            "",
+            "[design]\nkind = \"latin-hypercube\"".to_owned(),
+            "samples = (absent): must be given",
+        ),
+        (
+            "samples = 1\n",
+            format!("[design]\nkind = \"latin-hypercube\"\n{SECOND}"),
+            ":3: samples = 1: must be more",
+        ),
+        (
+            ten,
+            "[design]\nkind = \"file\"".to_owned(),
+            "design.path = (absent): must be given",
+        ),
+        (
+            ten,
+            "[design]\nkind = \"file\"\npath = \"none.csv\"".to_owned(),
+            "none.csv: No such file",
+        ),
+        (
+            ten,
+            "[design]\nkind = \"file\"\npath = \"bad.csv\"".to_owned(),
+            "bad.csv:3: stiffness_scale = \"x\": must be a number",
+        ),
+        (
+            ten,
+            "[design]\nkind = \"file\"\npath = \"good.csv\"".to_owned(),
+            ":3: samples = 10: must be at most 3: the file has 3 rows",
+        ),
+        (
+            "",
+            format!("[design]\nkind = \"file\"\npath = \"good.csv\"\n{SECOND}"),
+            "inputs.stiffness_scale = (given): must be absent: it is a column",
+        ),
+        (
+            ten,
+            pairs(""),
+            ":46: correlation.pairs = []: must not be empty",
+        ),
+        (
+            ten,
+            pairs(&pair(k, mu, 1.5)),
+            ":46: correlation.pairs[0].value = 1.5: must be between",
+        ),
+        (
+            ten,
+            pairs(&pair(k, k, 0.5)),
+            ":46: correlation.pairs[0].inputs = ",
+        ),
+        (
+            ten,
+            pairs(&pair(k, "mu", 0.5)),
+            ":46: correlation.pairs[0].inputs = \"mu\": must be inputs with a distribution",
+        ),
+        (
+            ten,
+            epistemic(-1.0, ""),
+            ":43: inputs.stiffness_scale.lower = -1: must be > 0",
+        ),
+        (
+            ten,
+            epistemic(4.0, ""),
+            ":44: inputs.stiffness_scale.upper = 3: must be greater than lower",
+        ),
+        (
+            ten,
+            epistemic(1.0, "value = 3"),
+            ":45: inputs.stiffness_scale.value = 3: must be absent",
+        ),
+        (
+            ten,
+            epistemic(1.0, ""),
+            ":3: samples = 10: must be a multiple of the 11 outer points",
+        ),
+        (
+            ten,
+            epistemic(1.0, "[epistemic]\nkind = \"grid\"\npoints = 1"),
+            ":47: epistemic.points = 1: must be at least 2",
+        ),
+        (
+            ten,
+            "[epistemic]\npoints = 1".to_owned(),
+            ":41: epistemic = (given): must be absent: no input",
+        ),
+    ];
+    for (head, tail, expected) in cases {
+        let message = inspect(head, &tail).unwrap_err();
+        assert!(
+            message.contains(expected),
+            "{tail}: {expected:?} is not in: {message}"
+        );
+        assert_eq!(message.lines().count(), 1, "{message}");
+    }
+}
+
+/// Every sample knows its outer point or its replicate, and the values of one outer point are the same throughout.
+#[test]
+fn samples_know_their_outer_point_and_replicate() {
+    let tail = "[inputs.stiffness_scale]\nkind = \"epistemic\"\nlower = 0.5\nupper = 2\n\
+                [epistemic]\npoints = 0\n[design]\nkind = \"sobol\"\nreplicates = 2\n";
+    let folder = folder("study.toml", "samples = 10", "samples = 12");
+    let text = std::fs::read_to_string(folder.path().join("study.toml")).unwrap();
+    std::fs::write(folder.path().join("study.toml"), format!("{text}\n{tail}")).unwrap();
+    let output = microslip(folder.path(), &["run", "study.toml", "--quiet"]);
+    assert!(output.status.success(), "{output:?}");
+    let path = folder.path().join("results/samples.parquet");
+    let stored = microslip::ensemble::store::read_samples(&path).unwrap();
+    for outcome in &stored.outcomes {
+        let outer = outcome.group.outer.unwrap();
+        assert_eq!(outer, outcome.index % 3);
+        assert_eq!(outcome.group.replicate, Some(outcome.index / 3 % 2));
+        assert_eq!(outcome.inputs[0], [0.5, 2.0, 1.25][outer as usize]);
+    }
+    let friction = |i: usize| stored.outcomes[i].inputs[1];
+    assert_eq!([friction(0), friction(1)], [friction(1), friction(2)]);
+    assert_ne!(friction(0), friction(3));
+}

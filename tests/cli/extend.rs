@@ -1,0 +1,112 @@
+//! `extend`: more samples for the results of a run.
+
+use std::path::Path;
+use std::process::Output;
+
+use super::{folder, microslip};
+
+/// Writes the study with so many samples and other lines replaced.
+fn study(folder: &Path, samples: u64, more: &str) {
+    let text = super::STUDY.replace("samples = 10", &format!("samples = {samples}"));
+    std::fs::write(folder.join("study.toml"), format!("{text}\n{more}")).unwrap();
+}
+
+fn succeed(folder: &Path, arguments: &[&str]) -> String {
+    let output = microslip(folder, arguments);
+    assert!(output.status.success(), "{output:?}");
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn assert_same_files(folder: &Path, what: &str) {
+    for name in ["samples.parquet", "curves.parquet", "atlas.parquet"] {
+        let read = |of: &str| std::fs::read(folder.join(of).join(name)).unwrap();
+        assert!(read("extended") == read("whole"), "{what}: {name} differs");
+    }
+    let summary = |of: &str| {
+        let text = std::fs::read_to_string(folder.join(of).join("summary.json")).unwrap();
+        let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        json.as_object_mut().unwrap().remove("wall_time_s").unwrap();
+        json
+    };
+    assert_eq!(summary("extended"), summary("whole"), "{what}");
+}
+
+/// In two steps, across generations of the atlas and in the middle of one, with curves in both parts.
+#[test]
+fn an_extended_run_is_the_whole_run() {
+    let study_folder = folder("study.toml", "samples = 10", "samples = 10");
+    let path = study_folder.path();
+    let designs = [
+        ("monte-carlo", "", [11, 19, 38]),
+        (
+            "sobol",
+            "[design]\nkind = \"sobol\"\nreplicates = 3",
+            [6, 12, 48],
+        ),
+    ];
+    for (what, more, [few, some, many]) in designs {
+        study(path, few, more);
+        let run = ["run", "study.toml", "--quiet", "--output"];
+        succeed(path, &[&run[..], &["extended"]].concat());
+        for (n, threads) in [(some, "1"), (many, "2")] {
+            let n = n.to_string();
+            let arguments = ["extend", "extended", "--samples", &n, "--threads", threads];
+            let text = succeed(path, &arguments);
+            assert_eq!(
+                text.contains("mean of 3 replicates"),
+                what == "sobol",
+                "{text}"
+            );
+        }
+        study(path, many, more);
+        succeed(path, &[&run[..], &["whole"]].concat());
+        assert_same_files(path, what);
+    }
+}
+
+fn refused(output: &Output, fragment: &str) {
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert_eq!(message.lines().count(), 1, "{message}");
+    assert!(
+        message.contains(fragment),
+        "{fragment:?} is not in: {message}"
+    );
+}
+
+#[test]
+fn what_cannot_be_extended_is_refused() {
+    let study_folder = folder("study.toml", "samples = 10", "samples = 10");
+    let path = study_folder.path();
+    let extend = |n: &str| microslip(path, &["extend", "results", "--samples", n, "--quiet"]);
+    refused(&extend("20"), "results: holds no atlas.parquet");
+    let run = ["run", "study.toml", "--quiet"];
+    succeed(path, &run);
+    refused(&extend("10"), "--samples 10: must be more than the 10");
+    let stiffness = path.join("stiffness.mtx");
+    let text = std::fs::read_to_string(&stiffness).unwrap();
+    std::fs::write(&stiffness, text.replace("8e5", "8.1e5")).unwrap();
+    refused(
+        &extend("20"),
+        "sample 0 solved again is not that of the results",
+    );
+    std::fs::write(&stiffness, text).unwrap();
+    study(path, 8, "[design]\nkind = \"sobol\"");
+    succeed(path, &run);
+    refused(
+        &extend("12"),
+        ": samples = 12: must be a power of two: 8 or 16",
+    );
+    study(path, 8, "[design]\nkind = \"latin-hypercube\"");
+    succeed(path, &run);
+    refused(&extend("16"), "\"latin-hypercube\" cannot be extended");
+    study(path, 8, "[design]\nkind = \"file\"\npath = \"x.csv\"");
+    let values: String = (1..20)
+        .map(|i| format!("{}\n", 0.05 * f64::from(i)))
+        .collect();
+    let csv = format!("stiffness_scale\n{values}");
+    std::fs::write(path.join("x.csv"), &csv).unwrap();
+    succeed(path, &run);
+    std::fs::write(path.join("x.csv"), csv.replacen("0.1\n", "0.11\n", 1)).unwrap();
+    refused(&extend("12"), "sample 1 has other inputs now");
+}

@@ -1,0 +1,173 @@
+//! Inputs beyond stiffness and friction of all contacts, from study file to results.
+
+use microslip::ensemble::outcome::PeakRecord;
+use std::path::Path;
+
+use super::{STUDY, folder, microslip};
+
+/// Peaks of a run over the rows of `csv`: sample × level.
+fn peaks(study: &str, csv: &str) -> Vec<Vec<PeakRecord>> {
+    let folder = tempfile::tempdir().unwrap();
+    let matrices = super::folder("study.toml", "samples = 10", "samples = 10");
+    for name in ["mass.mtx", "stiffness.mtx"] {
+        std::fs::copy(matrices.path().join(name), folder.path().join(name)).unwrap();
+    }
+    let text = format!("{study}\n[design]\nkind = \"file\"\npath = \"rows.csv\"\n");
+    std::fs::write(folder.path().join("study.toml"), text).unwrap();
+    std::fs::write(folder.path().join("rows.csv"), csv).unwrap();
+    read_peaks(folder.path())
+}
+
+fn read_peaks(folder: &Path) -> Vec<Vec<PeakRecord>> {
+    let output = microslip(folder, &["run", "study.toml", "--quiet"]);
+    assert!(output.status.success(), "{output:?}");
+    let path = folder.join("results/samples.parquet");
+    let stored = microslip::ensemble::store::read_samples(&path).unwrap();
+    let levels = stored.outcomes.into_iter().map(|outcome| outcome.levels);
+    levels
+        .map(|levels| {
+            levels
+                .into_iter()
+                .map(|level| level.peak.unwrap())
+                .collect()
+        })
+        .collect()
+}
+
+/// The two masses without the sections of inputs and samples.
+fn two_masses() -> String {
+    let (head, tail) = STUDY.split_once("[inputs.friction_coefficient]").unwrap();
+    let (_, tail) = tail.split_once("[solver]").unwrap();
+    format!("{head}[solver]{tail}").replace("samples = 10\n", "")
+}
+
+fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-6 * b.abs()
+}
+
+/// Twice the excitation at level 1 is level 2; twice the damping and twice the excitation, stuck, is the amplitude of once.
+#[test]
+fn excitation_and_damping_are_scaled() {
+    let study = two_masses();
+    let found = peaks(&study, "excitation_scale\n1\n2\n0.5\n");
+    let (one, two, half) = (&found[0], &found[1], &found[2]);
+    assert!(close(two[0].amplitude_m, one[1].amplitude_m), "{found:?}");
+    assert!(close(half[1].amplitude_m, one[0].amplitude_m), "{found:?}");
+    assert!(!close(two[1].amplitude_m / one[1].amplitude_m, 2.0) || one[1].slip_fraction == 0.0);
+    let gentle = study.replace("[1.0, 2.0]", "[0.001]");
+    let found = peaks(
+        &gentle,
+        "excitation_scale,damping_scale\n1,0.1\n2,0.2\n1,0.4\n",
+    );
+    let amplitude = |i: usize| found[i][0].amplitude_m;
+    assert_eq!(found[0][0].stick_fraction, 1.0);
+    // the other mode adds in proportion to the damping: 1 % of the amplitude for each step of 1 in the factor
+    assert!(
+        (amplitude(1) / amplitude(0) - 1.0).abs() < 3e-3,
+        "{found:?}"
+    );
+    assert!(
+        (4.0 * amplitude(2) / amplitude(0) - 1.0).abs() < 1e-2,
+        "{found:?}"
+    );
+}
+
+/// The one contact of the two masses is on the left; a right one is refused.
+#[test]
+fn inputs_of_a_side_need_that_side() {
+    let study = two_masses();
+    let common = peaks(&study, "friction_coefficient,stiffness_scale\n0.2,1.5\n");
+    let left = peaks(
+        &study,
+        "left_friction_coefficient,left_stiffness_scale\n0.2,1.5\n",
+    );
+    assert_eq!(common, left);
+    let input = "[inputs.right_stiffness_scale]\ndistribution = \"fixed\"\nvalue = 2.0\n";
+    let folder = folder("study.toml", "[solver]", &format!("{input}[solver]"));
+    for command in ["inspect", "run"] {
+        let output = microslip(folder.path(), &[command, "study.toml"]);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        let expected = ":32: inputs.right_stiffness_scale = (given): must be absent: no contact pair has interface = 1";
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
+const RIG: &str = r#"name = "rig"
+levels = [LEVELS]
+[model]
+kind = "two-blade-strip"
+[contact]
+law = "box"
+[solver]
+harmonics = 1
+alert = false
+[frequency]
+band_hz = [2605, 2635]
+[output]
+curve_samples = 0
+"#;
+
+/// The same factor on both sides is a factor on both, solved on all contacts instead of one half; `inspect` says so.
+#[test]
+fn equal_sides_are_the_folded_model() {
+    let rig = RIG.replace("LEVELS", "0.1");
+    let folded = peaks(&rig, "stiffness_scale\n2\n");
+    let found = peaks(
+        &rig,
+        "left_stiffness_scale,right_stiffness_scale\n2,2\n2,0.5\n0.5,2\n",
+    );
+    assert!(close(found[0][0].frequency_hz, folded[0][0].frequency_hz));
+    assert!(close(found[0][0].amplitude_m, folded[0][0].amplitude_m));
+    // the first blade answers differently to the stiffer side, the frequency does not
+    assert!(close(found[1][0].frequency_hz, found[2][0].frequency_hz));
+    assert!(!close(found[1][0].frequency_hz, found[0][0].frequency_hz));
+}
+
+/// The pressure field shows in `inspect`, is a set of inputs, and moves the peak where contacts slip.
+#[test]
+fn a_pressure_field_is_a_set_of_inputs() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = RIG.replace("LEVELS", "20.0");
+    let field =
+        "[pressure_field]\nstandard_deviation = 0.1\ncorrelation_length_mm = 10\nmodes = 2\n";
+    let write = |text: String| std::fs::write(folder.path().join("study.toml"), text).unwrap();
+    write(format!("samples = 2\n{rig}{field}"));
+    let output = microslip(folder.path(), &["inspect", "study.toml"]);
+    let text = String::from_utf8_lossy(&output.stdout);
+    for line in [
+        "random inputs       pressure_mode_1, pressure_mode_2, pressure_mode_3, pressure_mode_4",
+        "pressure field      2 modes per interface hold ",
+        "warning: solved on all contacts, not on one half of them: the sides differ by pressure_mode_1",
+    ] {
+        assert!(text.contains(line), "{line:?} is not in: {text}");
+    }
+    let found = read_peaks(folder.path());
+    assert!(
+        !close(found[0][0].amplitude_m, found[1][0].amplitude_m),
+        "{found:?}"
+    );
+    for (old, new, expected) in [
+        (
+            "= 0.1",
+            "= 0.5",
+            ":16: pressure_field.standard_deviation = 0.5: must be at most 0.3",
+        ),
+        (
+            "modes = 2",
+            "modes = 9",
+            ":18: pressure_field.modes = 9: must be from 1 to 8",
+        ),
+        (
+            "mm = 10",
+            "mm = 0",
+            ":17: pressure_field.correlation_length_mm = 0: must be",
+        ),
+    ] {
+        write(format!("samples = 2\n{rig}{}", field.replace(old, new)));
+        let output = microslip(folder.path(), &["inspect", "study.toml"]);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains(expected), "{message}");
+    }
+}
