@@ -70,10 +70,6 @@ const MAX_ITERATIONS: usize = 20;
 /// change their contact state make the growth jump, which no secant gets over.
 const PATIENCE: usize = 3;
 
-/// Relative step of the frequency above which a located peak takes one more: the distance left is then a few hundredths
-/// of this, far below what was asked for, and the way on which the peak was found cannot be told from it.
-const LAST_STEP: f64 = 1e-8;
-
 /// The maximum of |ŷ| next to `prediction`.
 ///
 /// A GPU may draft the contact forces on the way. What was found is decided in full; where nothing was found the way is
@@ -135,7 +131,7 @@ fn searched<'p>(
         }
         let solved = size <= tolerance.max(iterate.attainable(balance));
         let closing = solved && search.located;
-        if closing && (search.closed || search.step <= LAST_STEP) {
+        if closing && search.closed {
             return match search.is_maximum(balance, &iterate, &mut count) {
                 true => Ok((iterate, count)),
                 false => Err((Status::MaxIterations, count)),
@@ -251,8 +247,7 @@ struct Search {
     curvature: Option<f64>,
     /// Whether a frequency step was within the tolerance: the rest is up to the displacements.
     located: bool,
-    /// The last such step, over the frequency; whether it was made from a solved iterate within the tolerance.
-    step: f64,
+    /// Whether a solved, located iterate has made one more step, which leaves nothing of the way on which it was found.
     closed: bool,
     /// Smallest residual since the last such step, smallest such step, and iterations since one of them was halved.
     smallest_residual: Option<f64>,
@@ -279,9 +274,7 @@ impl Search {
         };
         let farthest = here.rate.re.abs().max(here.growth_error) / flattest;
         self.located = farthest <= tolerance * here.omega;
-        let step = -here.rate.re / curvature;
-        self.step = step.abs() / here.omega;
-        step
+        -here.rate.re / curvature
     }
 
     /// Whether the peak `at` is a maximum: by the growth seen on the way, else by the growth a little further on.

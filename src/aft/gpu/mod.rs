@@ -168,6 +168,9 @@ impl Gpu {
         let Some(shape) = Shape::of(plan, self.settings.precision) else {
             return false;
         };
+        if !self.adapter.is_hardware() && !shape.suits_software() {
+            return false;
+        }
         let Some(states) = ScaledStates::new(batch) else {
             return false;
         };

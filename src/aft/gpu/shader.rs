@@ -81,8 +81,8 @@ pub struct Shape {
     pub(super) precision: Precision,
 }
 
-/// Loop iterations that one invocation may need at most: a widespread software adapter ends loops silently after 65 535
-/// in all.
+/// Loop iterations that one invocation may need at most on a software adapter: a widespread one ends loops silently after
+/// 65 535 in all.
 const MOST_ITERATIONS: usize = 60_000;
 
 /// Laps after which the shader of the circle law gives up.
@@ -110,8 +110,8 @@ const CIRCLE_PASSES: [Pass; 4] = [
     pass("circle_tangents", |shape| 3 * shape.rows(), true),
 ];
 
-/// Steps of a root search at most, and what its bracket takes.
-const ROOT_STEPS: usize = 50;
+/// Evaluations of polynomials in the root searches of one event.
+const ROOT_LOOPS: usize = 20;
 
 impl Shape {
     /// The shape that evaluates `plan`; `None` where there is no shader for it.
@@ -138,7 +138,7 @@ impl Shape {
             march,
             precision,
         };
-        (shape.iterations() <= MOST_ITERATIONS).then_some(shape)
+        Some(shape)
     }
 
     /// Highest order.
@@ -176,20 +176,21 @@ impl Shape {
         }
     }
 
-    /// Loop iterations of the longest invocation. Box law: the march, if three quarters of its room for events are used and
-    /// half of its root searches take all their steps; loops over the terms of a series and other short constant ones are
-    /// unrolled. Circle law: all laps, and the sums of the last one.
-    fn iterations(&self) -> usize {
+    /// Whether no invocation can need more loop iterations than a software adapter counts, silently. Box law: the march with
+    /// all its room for events used, series and root searches at every one of them. Circle law: all laps, and the sums of
+    /// the last one.
+    #[must_use]
+    pub fn suits_software(&self) -> bool {
         let [points, runs, _] = self.rooms();
         let (n_time, m) = (self.n_time as usize, self.n_coefficients());
-        match self.march {
+        let iterations = match self.march {
             March::Box => {
-                let event = 2 * self.orders.len() + ROOT_STEPS;
-                let laps = self.laps as usize * points;
-                n_time + (3 * points / 4 + runs / 2) * event + laps
+                let event = self.terms() * (2 * self.orders.len() + ROOT_LOOPS);
+                3 * n_time + (points + runs) * event + self.laps as usize * points
             }
             March::Circle { .. } => n_time * (MOST_CIRCLE_LAPS.max(self.laps as usize) + m + 2),
-        }
+        };
+        iterations <= MOST_ITERATIONS
     }
 
     /// Blocks of a derivative in the order of the shaders.
