@@ -110,8 +110,8 @@ const CIRCLE_PASSES: [Pass; 4] = [
     pass("circle_tangents", |shape| 3 * shape.rows(), true),
 ];
 
-/// Evaluations of polynomials in the root searches of one event.
-const ROOT_LOOPS: usize = 20;
+/// Evaluations of polynomials in the root searches of one event. Seen cut: 13 harmonics at 256 samples, all in motion.
+const ROOT_LOOPS: usize = 60;
 
 impl Shape {
     /// The shape that evaluates `plan`; `None` where there is no shader for it.
