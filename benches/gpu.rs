@@ -8,6 +8,7 @@
 //! Roofline: operations and bytes of the passes, counted from the shapes of the shaders (a lower bound: root searches and
 //! what the caches miss are left out), over the rates of two small kernels measured in the same run, fused
 //! multiply-adds on registers and a copy. Times on the device are its own timestamps where it has them.
+#![allow(clippy::expect_used, reason = "a benchmark that cannot be set up ends")]
 
 use microslip::aft::gpu::{Buffers, Device, GpuSettings, Kernels, Precision, ScaledStates, Shape};
 use microslip::aft::{AftBatch, AftForces, AftPlan, AftSettings, Laps, Want, evaluate};
@@ -164,7 +165,7 @@ fn study(backend: BackendSettings, samples: u64) -> f64 {
     let clock = Instant::now();
     let outcomes = backend.run(&ensemble, samples, || {}).expect("threads");
     let seconds = clock.elapsed().as_secs_f64();
-    assert_eq!(outcomes.len() as u64, samples);
+    assert_eq!(outcomes.len() as u64, samples, "no sample is lost");
     if let Some(gpu) = backend.report().gpu {
         println!(
             "{} evaluations in {} batches ({:.0} states each), on the device {:.2} s of {seconds:.2} s, audit {:.1e}",

@@ -2,6 +2,11 @@
 //!
 //! `MICROSLIP_ADAPTER` names the adapter, by default any, software too. Without one the tests that need it say that they
 //! are skipped; with `MICROSLIP_REQUIRE_GPU=1` they fail instead.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a test that cannot set up its device or study fails"
+)]
 
 mod accuracy;
 mod answer;
