@@ -55,12 +55,12 @@ fn outcomes(
 
 fn assert_agreement(found: &[SampleOutcome], expected: &[SampleOutcome]) {
     let mut largest = [0.0f64; 2];
-    assert_eq!(found.len(), expected.len());
+    assert_eq!(found.len(), expected.len(), "no sample is lost");
     for (a, b) in found.iter().zip(expected) {
         for (a, b) in a.levels.iter().zip(&b.levels) {
-            assert_eq!(a.status, b.status);
+            assert_eq!(a.status, b.status, "statuses");
             let (Some(a), Some(b)) = (&a.peak, &b.peak) else {
-                assert!(a.peak.is_none() && b.peak.is_none());
+                assert!(a.peak.is_none() && b.peak.is_none(), "both or none");
                 continue;
             };
             largest[0] = largest[0].max((a.frequency_hz / b.frequency_hz - 1.0).abs());
