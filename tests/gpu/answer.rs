@@ -84,7 +84,6 @@ fn settings(adapter: &str, fault: Option<Fault>) -> GpuSettings {
     }
 }
 
-/// Seen to fail with: drafts accepted as solutions (the second evaluation in `Iterate::draft` left out).
 #[test]
 fn both_backends_give_the_same_answer() {
     let Some(device) = device("both_backends_give_the_same_answer", Precision::F32) else {
