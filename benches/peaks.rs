@@ -7,10 +7,11 @@
 
 #![expect(clippy::expect_used, reason = "a benchmark without its state fails")]
 
-use microslip::aft::{AftSettings, Laps, Want};
+use microslip::aft::{Accuracy, AftSettings, Backend, Laps, Want};
 use microslip::contact::{ContactParameters, Events, FrictionLaw};
 use microslip::ensemble::Ensemble;
 use microslip::ensemble::atlas::{Anchor, Atlas, AtlasPrediction};
+use microslip::ensemble::backend::BackendReport;
 use microslip::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use microslip::ensemble::store::{Provenance, write_samples};
 use microslip::harmonics::HarmonicSet;
@@ -146,6 +147,7 @@ impl Rig {
             settings,
             peak: search(),
             curve_samples: 0,
+            backend: Backend::Cpu,
         }
     }
 }
@@ -247,7 +249,9 @@ fn parts() {
         let (r, omega, force) = (&at.point.r, at.point.omega, &at.contact.force);
         let times = [
             milliseconds(5, || drop(balance.compliance(omega))),
-            milliseconds(5, || drop(balance.contact(r, Want::ForcesAndTangents))),
+            milliseconds(5, || {
+                drop(balance.contact(r, Want::ForcesAndTangents, Accuracy::Full))
+            }),
             milliseconds(5, || drop(balance.motion(&at.compliance, 20.0, r, force))),
             milliseconds(2, || {
                 let jacobian = at.jacobian(&balance);
@@ -499,8 +503,7 @@ fn record(provenance: Provenance, names: &[String]) -> RunRecord {
     };
     RunRecord {
         provenance,
-        backend: String::new(),
-        adapter: None,
+        backend: BackendReport::default(),
         inputs: names.iter().map(input).collect(),
         design: DesignRecord {
             description: "monte-carlo".to_owned(),
@@ -585,6 +588,7 @@ fn peers() {
             frequency_tolerance: 1e-6,
         },
         curve_samples: 0,
+        backend: Backend::Cpu,
     };
     measured("blades-strip-oop", &ensemble, 256);
 }

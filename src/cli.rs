@@ -6,6 +6,8 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use microslip::Error;
+use microslip::aft::gpu::{GpuSettings, Precision, adapters, examined};
+use microslip::ensemble::backend::{BackendChoice, BackendSettings};
 use microslip::report::{Summary, render};
 use microslip::study::{
     Inspection, LevelCurve, OutputFolder, Progress, RunResult, Study, extend, inspect, run, schema,
@@ -37,7 +39,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     /// Compute every sample of a study and write tables and report.
-    Run(StudyArguments),
+    Run(RunArguments),
     /// Solve more samples for the results of a run; the files are then those of a run with so many.
     Extend(ExtendArguments),
     /// Compute the nominal forced response at every level: curve.csv and solution.json.
@@ -48,6 +50,72 @@ enum Command {
     Schema,
     /// Show what a study would compute: degrees of freedom, frequencies, contact pairs, memory and time.
     Inspect(StudyArguments),
+    /// List the adapters that `run --backend gpu` can use, with a self-test of each.
+    Devices,
+}
+
+#[derive(Args)]
+struct RunArguments {
+    #[command(flatten)]
+    study: StudyArguments,
+    /// Who drafts contact forces; the results do not depend on it. `auto` takes a GPU that is hardware, if there is one.
+    #[arg(long, value_enum, default_value = "cpu")]
+    backend: BackendName,
+    /// Adapter of the GPU: index, PCI address or part of its name, as `devices` lists them. One that is software must be
+    /// named.
+    #[arg(long)]
+    adapter: Option<String>,
+    /// Share of the GPU's evaluations that the processor repeats in double precision.
+    #[arg(long, default_value_t = 0.01, value_parser = share)]
+    audit: f64,
+    /// Numbers of the shaders; f64 where the adapter has it.
+    #[arg(long, value_enum, default_value = "f32")]
+    precision: PrecisionName,
+    /// Show the time of every pass on the GPU.
+    #[arg(long)]
+    profile: bool,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum BackendName {
+    Cpu,
+    Gpu,
+    Auto,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum PrecisionName {
+    F32,
+    F64,
+}
+
+impl RunArguments {
+    fn backend(&self) -> BackendSettings {
+        BackendSettings {
+            choice: match self.backend {
+                BackendName::Cpu => BackendChoice::Cpu,
+                BackendName::Gpu => BackendChoice::Gpu,
+                BackendName::Auto => BackendChoice::Auto,
+            },
+            gpu: GpuSettings {
+                adapter: self.adapter.clone(),
+                precision: match self.precision {
+                    PrecisionName::F32 => Precision::F32,
+                    PrecisionName::F64 => Precision::F64,
+                },
+                audit: self.audit,
+                ..GpuSettings::default()
+            },
+        }
+    }
+}
+
+/// A number from 0 to 1.
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(share) if (0.0..=1.0).contains(&share) => Ok(share),
+        _ => Err("must be from 0 to 1".to_owned()),
+    }
 }
 
 #[derive(Args)]
@@ -119,11 +187,10 @@ fn start_threads(threads: Option<std::num::NonZeroUsize>) -> Result<(), Error> {
 
 fn execute(command: &Command) -> Result<(), Error> {
     match command {
-        Command::Run(common) | Command::Solve(common) | Command::Inspect(common) => {
-            start_threads(common.threads)?;
-        }
+        Command::Run(arguments) => start_threads(arguments.study.threads)?,
+        Command::Solve(common) | Command::Inspect(common) => start_threads(common.threads)?,
         Command::Extend(arguments) => start_threads(arguments.threads)?,
-        Command::Report(_) | Command::Schema => {}
+        Command::Report(_) | Command::Schema | Command::Devices => {}
     }
     match command {
         Command::Schema => print(|out| {
@@ -169,13 +236,25 @@ fn execute(command: &Command) -> Result<(), Error> {
                 )
             })
         }
+        Command::Devices => print(show_devices),
         Command::Run(arguments) => {
+            let backend = arguments.backend();
+            let profile = arguments.profile;
+            let arguments = &arguments.study;
             let study = Study::read(&arguments.study)?;
             let folder = output_folder(&study, arguments)?;
             let bar = Bar::new(arguments.quiet);
-            let result = run(&study, &folder, |progress| bar.show(progress))?;
+            let result = run(&study, &folder, &backend, |progress| bar.show(progress))?;
             bar.clear();
-            show_result(&result, folder.path(), arguments.quiet)
+            for message in result.summary.backend.messages() {
+                // a message that cannot be shown stands in the summary
+                let _ = writeln!(std::io::stderr(), "warning: {message}");
+            }
+            show_result(&result, folder.path(), arguments.quiet)?;
+            if arguments.quiet {
+                return Ok(());
+            }
+            print(|out| show_gpu(out, &result.summary, profile))
         }
         Command::Extend(arguments) => {
             let bar = Bar::new(arguments.quiet);
@@ -249,6 +328,55 @@ fn show_levels(out: &mut dyn Write, summary: &Summary) -> std::io::Result<()> {
             )?;
         }
         writeln!(out)?;
+    }
+    Ok(())
+}
+
+/// What the GPU did, with the time of its passes if wanted.
+fn show_gpu(out: &mut dyn Write, summary: &Summary, profile: bool) -> std::io::Result<()> {
+    let Some(gpu) = &summary.backend.gpu else {
+        return Ok(());
+    };
+    writeln!(
+        out,
+        "{}: {} evaluations in {} batches, {} audited, largest difference {:.1e} of a force",
+        gpu.adapter.name, gpu.evaluations, gpu.batches, gpu.audited, gpu.largest_force_difference
+    )?;
+    if profile {
+        for (pass, seconds) in &gpu.pass_seconds {
+            writeln!(out, "{pass:20} {seconds:.3} s on the device")?;
+        }
+    }
+    Ok(())
+}
+
+/// One block per adapter.
+fn show_devices(out: &mut dyn Write) -> std::io::Result<()> {
+    let all = adapters();
+    if all.is_empty() {
+        writeln!(out, "no adapter: the processor evaluates the contacts")?;
+    }
+    for facts in all {
+        let yes = |has: bool| if has { "yes" } else { "no" };
+        writeln!(
+            out,
+            "{}: {} ({}, {})",
+            facts.index, facts.name, facts.kind, facts.interface
+        )?;
+        writeln!(out, "   driver           {}", facts.driver)?;
+        writeln!(out, "   pci address      {}", facts.pci)?;
+        writeln!(
+            out,
+            "   largest binding  {} MiB",
+            facts.largest_binding >> 20
+        )?;
+        writeln!(
+            out,
+            "   f64, timestamps  {}, {}",
+            yes(facts.f64),
+            yes(facts.timestamps)
+        )?;
+        writeln!(out, "   self-test        {}", examined(facts.index))?;
     }
     Ok(())
 }

@@ -44,7 +44,7 @@ pub enum Error {
     #[error("model: {0}")]
     Problem(#[from] ProblemError),
     /// The threads asked for could not be started.
-    #[error("--threads: {0}")]
+    #[error("threads: {0}")]
     Threads(String),
     /// Outcomes could not be stored.
     #[error(transparent)]

@@ -1,11 +1,13 @@
 //! Alternating frequency–time evaluation of contact forces on a batch of harmonic states.
 
+mod backend;
 mod batch;
 mod breakpoints;
 mod circle;
 mod circle_tangent;
 mod course;
 mod evaluate;
+pub mod gpu;
 mod lap;
 mod located;
 mod located_circle;
@@ -17,6 +19,7 @@ pub mod settings;
 mod slip;
 mod tangent;
 
+pub use backend::{Accuracy, Backend};
 pub use batch::{AftBatch, AftForces, Block, Periodicity, StateSummary, Tangent, Want};
 pub use evaluate::evaluate;
 pub use plan::AftPlan;

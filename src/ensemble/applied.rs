@@ -1,6 +1,7 @@
 //! The nominal model with the inputs of one sample put in.
 
 use super::Ensemble;
+use crate::aft::Backend;
 use crate::contact::ContactParameters;
 use crate::hb::{LinearModel, Problem, ProblemError, SliderAnchor};
 use crate::sampling::Input;
@@ -12,6 +13,7 @@ pub(super) struct Applied<'m> {
     linear: Cow<'m, LinearModel>,
     contacts: Vec<ContactParameters<f64>>,
     load_scale: f64,
+    backend: Backend<'m>,
     /// Factor on the excitation levels.
     pub(super) excitation_scale: f64,
 }
@@ -23,6 +25,7 @@ impl Ensemble<'_> {
             linear: Cow::Borrowed(self.linear),
             contacts: self.contacts.to_vec(),
             load_scale: 1.0,
+            backend: self.backend,
             excitation_scale: 1.0,
         };
         for ((input, _), value) in self.design.inputs().iter().zip(inputs) {
@@ -35,7 +38,10 @@ impl Ensemble<'_> {
 impl Applied<'_> {
     /// The harmonic balance problem.
     pub(super) fn problem(&self, anchor: SliderAnchor) -> Result<Problem<'_>, ProblemError> {
-        Problem::new(&self.linear, self.contacts.clone(), self.load_scale, anchor)
+        let mut problem =
+            Problem::new(&self.linear, self.contacts.clone(), self.load_scale, anchor)?;
+        problem.backend = self.backend;
+        Ok(problem)
     }
 
     fn put(&mut self, input: Input, value: f64, ensemble: &Ensemble) {

@@ -2,6 +2,7 @@
 
 mod applied;
 pub mod atlas;
+pub mod backend;
 pub mod kept;
 pub mod outcome;
 pub mod runner;

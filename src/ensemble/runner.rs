@@ -5,6 +5,7 @@
 
 use super::atlas::{Anchor, Atlas};
 use super::outcome::SampleOutcome;
+use crate::aft::Backend;
 use crate::contact::ContactParameters;
 use crate::hb::peak::PeakSettings;
 use crate::hb::{HbSettings, LinearModel};
@@ -32,6 +33,8 @@ pub struct Ensemble<'a> {
     pub peak: PeakSettings,
     /// Samples with a forced response curve: 0 … this − 1.
     pub curve_samples: u64,
+    /// Who evaluates the contacts.
+    pub backend: Backend<'a>,
 }
 
 /// Samples solved without help: the first part of the atlas.

@@ -45,6 +45,7 @@ impl Ensemble<'_> {
         place: Vec<f64>,
         atlas: &Atlas,
     ) -> (SampleOutcome, Anchor) {
+        let _turn = self.backend.turn();
         let curve = index < self.curve_samples;
         let applied = self.applied(&inputs);
         let levels = self.applied_levels(&applied);

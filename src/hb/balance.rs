@@ -6,7 +6,7 @@
 use super::compliance::{Compliance, HarmonicCompliance};
 use super::jacobian::PairTangent;
 use super::problem::Problem;
-use crate::aft::{AftBatch, AftForces, AftPlan, AftSettings, Block, Tangent, Want, evaluate};
+use crate::aft::{Accuracy, AftBatch, AftForces, AftPlan, AftSettings, Block, Tangent, Want};
 use crate::harmonics::HarmonicSet;
 use faer::prelude::*;
 
@@ -52,8 +52,10 @@ pub struct ContactResponse {
     pub force: Vec<f64>,
     /// dF − K_c of the pairs that do not stick all the time; empty unless asked for.
     pub active: Vec<PairTangent>,
-    /// Per pair: samples that stick, slip, are separated.
+    /// Per pair: samples that stick, slip, are separated; coarse in a draft.
     pub samples: Vec<[u32; 3]>,
+    /// Whether this may decide a result.
+    pub accuracy: Accuracy,
 }
 
 /// Motion of the whole structure in modal coordinates.
@@ -111,9 +113,9 @@ impl<'p> Balance<'p> {
         )
     }
 
-    /// Contact forces at `r`, with tangents if wanted.
+    /// Contact forces at `r`, with tangents if wanted, no less accurate than asked for.
     #[must_use]
-    pub fn contact(&self, r: &[f64], want: Want) -> ContactResponse {
+    pub fn contact(&self, r: &[f64], want: Want, accuracy: Accuracy) -> ContactResponse {
         let (n_c, m) = (self.layout.n_pairs, self.layout.n_coefficients);
         let batch = AftBatch {
             n_states: n_c,
@@ -121,7 +123,8 @@ impl<'p> Balance<'p> {
             parameters: self.problem.contacts.clone(),
         };
         let mut forces = AftForces::default();
-        evaluate(&self.plan, &batch, want, &mut forces);
+        let backend = self.problem.backend;
+        let accuracy = backend.evaluate(&self.plan, &batch, (want, accuracy), &mut forces);
         ContactResponse {
             force: transpose_blocks(&forces.forces, 3, m, n_c),
             active: self.active_pairs(&forces),
@@ -130,6 +133,7 @@ impl<'p> Balance<'p> {
                 .iter()
                 .map(|s| [s.stick, s.slip, s.separated])
                 .collect(),
+            accuracy,
         }
     }
 
@@ -254,6 +258,18 @@ impl<'p> Balance<'p> {
             *load = force * rate.level - *load - inertia * rate.omega;
         }
         part.responses(&first.solve(&load))[0]
+    }
+
+    /// Largest displacement (m) of the stuck structure, static or dynamic.
+    #[must_use]
+    pub fn stuck_size(&self, at: &Compliance<'_>, level: f64) -> f64 {
+        let rest = self.problem.stuck_static.relative.iter().map(|r| r.abs());
+        let moving = at
+            .harmonics
+            .first()
+            .map(|first| self.stuck_relative(first, level));
+        let moving = moving.iter().flatten().map(|z| z.norm());
+        rest.chain(moving).fold(0.0, f64::max)
     }
 
     /// r̂₁ of the stuck structure.

@@ -11,6 +11,7 @@ pub mod curve;
 pub mod error;
 pub mod fold;
 pub mod forced_response;
+mod iterate;
 pub mod jacobian;
 pub mod ladder;
 pub mod linear;

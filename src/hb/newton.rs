@@ -2,37 +2,14 @@
 //!
 //! The bordered system [J R_ω; c_r c_ω] is solved by block elimination with the two right-hand sides R and R_ω.
 
-use super::balance::{Balance, ContactResponse, LoadRate, Motion};
-use super::compliance::Compliance;
+use super::balance::Balance;
+use super::iterate::negated;
+pub use super::iterate::{DRAFT_RESIDUAL, Iterate, Point};
 use super::jacobian::Jacobian;
-use super::linear::Structure;
 use super::settings::NewtonSettings;
 use super::status::Status;
-use crate::aft::Want;
 use faer::prelude::c64;
 use std::sync::Arc;
-
-/// A point in the space of unknowns, frequency and level.
-#[derive(Debug, Clone)]
-pub struct Point {
-    /// Relative displacements (m), order of [`super::balance::Layout`].
-    pub r: Vec<f64>,
-    /// Excitation frequency (rad/s).
-    pub omega: f64,
-    /// Excitation level.
-    pub level: f64,
-}
-
-impl Point {
-    /// Largest dynamic displacement over the scale of the residual: a small excitation moves the contacts little
-    /// compared with what the static load does.
-    #[must_use]
-    pub fn dynamic_share(&self, balance: &Balance<'_>) -> f64 {
-        let dynamic = &self.r[balance.layout.n_relative()..];
-        let largest = dynamic.iter().map(|r| r.abs()).fold(0.0, f64::max);
-        largest / balance.problem.displacement_scale(self.level)
-    }
-}
 
 /// Rate of change of a point along a path.
 #[derive(Debug, Clone)]
@@ -109,32 +86,11 @@ impl std::ops::AddAssign for WorkCount {
     }
 }
 
-/// A point with everything evaluated there.
-#[derive(Debug)]
-pub struct Iterate<'p> {
-    /// The point.
-    pub point: Point,
-    /// Compliances at its frequency, shared by the iterates of one frequency.
-    pub compliance: Arc<Compliance<'p>>,
-    /// Contact forces and tangents.
-    pub contact: ContactResponse,
-    /// R.
-    pub residual: Vec<f64>,
-    /// Motion of the structure.
-    pub motion: Motion,
-}
-
 /// Phase error (rad) accepted at a phase resonance; it only starts the search of the maximum.
 const PHASE_TOLERANCE: f64 = 1e-6;
 
 /// Largest relative change of the frequency in one iteration.
 const MAX_FREQUENCY_STEP: f64 = 0.02;
-
-/// Residual over the largest displacement that cancellation in the compliance of modal models leaves (measured).
-const MODAL_ROUND_OFF: f64 = 5e-11;
-
-/// Bound on what round-off may excuse.
-const COARSEST_TOLERANCE: f64 = 1e-7;
 
 /// Largest relative change of the level in one iteration.
 const MAX_LEVEL_STEP: f64 = 0.5;
@@ -150,108 +106,6 @@ const MIN_DAMPING_MOVING: f64 = 1.0 / 16.0;
 
 /// Residuals below this need no damping: the condition alone may still be open.
 const NEAR: f64 = 1e-2;
-
-impl<'p> Iterate<'p> {
-    /// Evaluates everything at `point`.
-    #[must_use]
-    pub fn new(balance: &Balance<'p>, point: Point) -> Self {
-        let compliance = Arc::new(balance.compliance(point.omega));
-        Self::with_compliance(balance, point, compliance)
-    }
-
-    fn with_compliance(
-        balance: &Balance<'p>,
-        point: Point,
-        compliance: Arc<Compliance<'p>>,
-    ) -> Self {
-        let contact = balance.contact(&point.r, Want::ForcesAndTangents);
-        let residual = balance.residual(&compliance, point.level, &point.r, &contact.force);
-        let motion = balance.motion(&compliance, point.level, &point.r, &contact.force);
-        Self {
-            point,
-            compliance,
-            contact,
-            residual,
-            motion,
-        }
-    }
-
-    /// Largest residual component over the fixed displacement scale.
-    #[must_use]
-    pub fn relative_residual(&self, balance: &Balance<'_>) -> f64 {
-        let scale = balance.problem.displacement_scale(self.point.level);
-        let largest = self.residual.iter().map(|r| r.abs()).fold(0.0, f64::max);
-        if self.residual.iter().all(|r| r.is_finite()) {
-            largest / scale
-        } else {
-            f64::NAN
-        }
-    }
-
-    /// Relative residual below which only round-off is left: stiff contacts have small penetrations, the scale of the
-    /// residual, but large motions to cancel in it. Never so large that a flying strip would pass for converged.
-    pub(super) fn attainable(&self, balance: &Balance<'_>) -> f64 {
-        let scale = balance.problem.displacement_scale(self.point.level);
-        let largest = self.point.r.iter().map(|r| r.abs()).fold(0.0, f64::max);
-        let round_off = match balance.problem.model.part(1).structure {
-            Structure::Modal { .. } => MODAL_ROUND_OFF,
-            Structure::Physical { .. } => 0.0,
-        };
-        (round_off * largest / scale).min(COARSEST_TOLERANCE)
-    }
-
-    /// The Jacobian here.
-    #[must_use]
-    pub fn jacobian<'a>(&'a self, balance: &'a Balance<'p>) -> Jacobian<'a> {
-        Jacobian::new(
-            &balance.layout,
-            balance.problem,
-            &self.compliance,
-            &self.contact.active,
-        )
-    }
-
-    /// First harmonic of response 0.
-    #[must_use]
-    pub fn response(&self, balance: &Balance<'_>) -> c64 {
-        balance
-            .problem
-            .model
-            .part(1)
-            .responses(&self.motion.dynamic[0])[0]
-    }
-
-    /// dr/dω along the solution branch: −J⁻¹ R_ω.
-    #[must_use]
-    pub fn frequency_rate(&self, balance: &Balance<'_>, jacobian: &Jacobian<'_>) -> Vec<f64> {
-        let slope = balance.frequency_slope(&self.compliance, &self.motion);
-        negated(&jacobian.solve(&slope))
-    }
-
-    /// dr/dlevel at a fixed frequency: −J⁻¹ R_level.
-    #[must_use]
-    pub fn level_rate(&self, balance: &Balance<'_>, jacobian: &Jacobian<'_>) -> Vec<f64> {
-        negated(&jacobian.solve(&balance.level_slope(&self.compliance)))
-    }
-
-    /// Rate of response 0 when the point moves along `direction` (and the level along `level`).
-    #[must_use]
-    pub fn response_rate(
-        &self,
-        balance: &Balance<'_>,
-        jacobian: &Jacobian<'_>,
-        direction: &Direction,
-        level: f64,
-    ) -> c64 {
-        let deviation = jacobian.deviation(&direction.r);
-        let rate = LoadRate {
-            deviation: &deviation,
-            omega: direction.omega,
-            level,
-        };
-        balance.response_rate(&self.compliance, &self.motion, &rate)
-    }
-}
 
 impl Metric {
     /// Relative to the dynamic displacements at `point` and to `omega_scale` (rad/s).
@@ -339,7 +193,8 @@ pub fn polish<'p>(balance: &Balance<'p>, solved: Iterate<'p>) -> (Iterate<'p>, W
             r: r.iter().zip(moved).map(|(r, d)| r + d).collect(),
             ..iterate.point
         };
-        let trial = Iterate::with_compliance(balance, point, Arc::clone(&iterate.compliance));
+        let compliance = Arc::clone(&iterate.compliance);
+        let trial = Iterate::with_compliance(balance, point, compliance);
         let (before, after) = (
             iterate.relative_residual(balance),
             trial.relative_residual(balance),
@@ -480,7 +335,8 @@ fn advance<'p>(balance: &Balance<'p>, from: &Iterate<'p>, step: &Step, size: f64
             level: from.point.level + damping * step.level,
         };
         let trial = if direction.omega == 0.0 {
-            Iterate::with_compliance(balance, point, Arc::clone(&from.compliance))
+            let compliance = Arc::clone(&from.compliance);
+            Iterate::with_compliance(balance, point, compliance)
         } else {
             Iterate::new(balance, point)
         };
@@ -564,8 +420,4 @@ impl Condition<'_> {
             ],
         }
     }
-}
-
-fn negated(x: &[f64]) -> Vec<f64> {
-    x.iter().map(|x| -x).collect()
 }

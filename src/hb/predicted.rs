@@ -12,6 +12,7 @@ use super::peak::{PeakSettings, find_peak, sharp_enough};
 use super::settings::NewtonSettings;
 use super::solution::Solution;
 use super::status::Status;
+use crate::aft::{Accuracy, Backend};
 use faer::prelude::c64;
 
 /// Where a peak is expected.
@@ -71,6 +72,9 @@ const PATIENCE: usize = 3;
 
 /// The maximum of |ŷ| next to `prediction`.
 ///
+/// A GPU may draft the contact forces on the way. What was found is decided in full; where nothing was found the way is
+/// gone again in full, so that no failure is one of the drafts.
+///
 /// # Errors
 /// [`Status::NoPeakInBand`] if the frequency leaves the band, [`Status::MaxIterations`] if the prediction was too far
 /// away or no maximum is there, [`Status::NonFinite`].
@@ -80,9 +84,39 @@ pub fn correct<'p>(
     settings: PeakSettings,
     newton: NewtonSettings,
 ) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
+    if matches!(balance.problem.backend, Backend::Cpu) {
+        return searched(balance, prediction, (settings, newton), Iterate::new);
+    }
+    match searched(
+        balance,
+        prediction.clone(),
+        (settings, newton),
+        Iterate::draft,
+    ) {
+        Ok(found) => Ok(found),
+        Err((_, spent)) => {
+            let again = searched(balance, prediction, (settings, newton), Iterate::new);
+            let add = |mut count: WorkCount| {
+                count += spent;
+                count
+            };
+            again
+                .map(|(found, count)| (found, add(count)))
+                .map_err(|(status, count)| (status, add(count)))
+        }
+    }
+}
+
+/// The search behind [`correct`]; `evaluate` makes the iterates until one was evaluated in full.
+fn searched<'p>(
+    balance: &Balance<'p>,
+    prediction: PeakPrediction,
+    (settings, newton): (PeakSettings, NewtonSettings),
+    evaluate: fn(&Balance<'p>, Point) -> Iterate<'p>,
+) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
     let mut count = WorkCount::default();
     let phasor = prediction.phasor;
-    let mut iterate = Iterate::new(balance, prediction.point);
+    let mut iterate = evaluate(balance, prediction.point);
     let tolerance = newton
         .tolerance
         .min(sharp_enough(balance, &iterate.point, settings));
@@ -96,7 +130,8 @@ pub fn correct<'p>(
             return Err((Status::NonFinite, count));
         }
         let solved = size <= tolerance.max(iterate.attainable(balance));
-        if solved && search.located {
+        let closing = solved && search.located;
+        if closing && search.closed {
             return match search.is_maximum(balance, &iterate, &mut count) {
                 true => Ok((iterate, count)),
                 false => Err((Status::MaxIterations, count)),
@@ -106,7 +141,8 @@ pub fn correct<'p>(
         // the growth is as exact as the displacements that it was taken at
         local.growth_error = GROWTH_ERROR * (size / share) * local.rate.im.abs();
         let trusted = 0.5 * local.rate.re.abs().max(enough(&local));
-        let by_growth = !search.located && local.growth_error <= trusted;
+        search.closed |= closing;
+        let by_growth = closing || (!search.located && local.growth_error <= trusted);
         let omega_step = if by_growth {
             search.growth_step(&local, settings.frequency_tolerance)
         } else if search.last.is_none() && size > settled {
@@ -126,7 +162,10 @@ pub fn correct<'p>(
         if !settings.band.contains(point.omega) {
             return Err((Status::NoPeakInBand, count));
         }
-        iterate = Iterate::new(balance, point);
+        iterate = match iterate.contact.accuracy {
+            Accuracy::Draft => evaluate(balance, point),
+            Accuracy::Full => Iterate::new(balance, point),
+        };
     }
     Err((Status::MaxIterations, count))
 }
@@ -208,6 +247,8 @@ struct Search {
     curvature: Option<f64>,
     /// Whether a frequency step was within the tolerance: the rest is up to the displacements.
     located: bool,
+    /// Whether a solved, located iterate has made one more step, which leaves nothing of the way on which it was found.
+    closed: bool,
     /// Smallest residual since the last such step, smallest such step, and iterations since one of them was halved.
     smallest_residual: Option<f64>,
     smallest_step: Option<f64>,

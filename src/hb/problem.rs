@@ -3,6 +3,7 @@
 use super::ProblemError;
 use super::linear::{LinearModel, Part};
 use super::settings::SliderAnchor;
+use crate::aft::Backend;
 use crate::contact::ContactParameters;
 use faer::linalg::solvers::Llt;
 use faer::prelude::*;
@@ -20,6 +21,8 @@ pub struct Problem<'m> {
     pub stuck_static: StuckStatic,
     /// Factor on the static force f₀.
     pub static_load_scale: f64,
+    /// Who evaluates the contacts: the processor, unless it is set otherwise.
+    pub backend: Backend<'m>,
 }
 
 /// Stuck structure at rest: η₀ = `eta` − `eta_per_force` g₀, r₀ = `relative` − `compliance` g₀.
@@ -83,6 +86,7 @@ impl<'m> Problem<'m> {
             stuck_stiffness,
             stuck_static,
             static_load_scale,
+            backend: Backend::Cpu,
         })
     }
 

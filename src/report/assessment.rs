@@ -125,8 +125,8 @@ impl Assessment {
                 .map(|i| LevelAssessment::of(input, i))
                 .collect(),
             error_budget: error_budget(record, summary),
-            backend: record.backend.clone(),
-            adapter: record.adapter.clone(),
+            backend: record.backend.description(),
+            adapter: record.backend.adapter(),
             study_file: record.study_file.clone(),
             tables: record.tables.clone(),
             changed_tables: input.changed.to_vec(),

@@ -115,7 +115,7 @@ fn precision(record: &RunRecord, summary: &Summary) -> ErrorLine {
         amplitude_relative: largest(summary, |l| l.worst_work_balance),
         basis: format!(
             "{}; largest |input − viscous − frictional work| over the input work",
-            record.backend
+            record.backend.description()
         ),
     }
 }

@@ -2,6 +2,7 @@
 
 use super::requirement::Requirements;
 use super::{ReportError, ReportInput};
+use crate::ensemble::backend::BackendReport;
 use crate::ensemble::outcome::{CurvePoint, SampleOutcome, number};
 use crate::ensemble::store::{Provenance, StoreError, read_curves, read_samples, replace_file};
 use serde::{Deserialize, Serialize};
@@ -19,10 +20,8 @@ pub const TABLES: [&str; 2] = ["samples.parquet", "curves.parquet"];
 pub struct RunRecord {
     /// Study, seed, version, law and settings.
     pub provenance: Provenance,
-    /// What computed the samples, such as `CPU, double precision`.
-    pub backend: String,
-    /// Name of the accelerator; absent without one.
-    pub adapter: Option<String>,
+    /// What evaluated the contacts.
+    pub backend: BackendReport,
     /// Sampled inputs, in the order of [`SampleOutcome::inputs`].
     pub inputs: Vec<InputRecord>,
     /// How the samples were chosen.

@@ -1,6 +1,7 @@
 //! The numbers of a study: `summary.json`.
 
 use super::{ReportInput, counted_status, usable_peak};
+use crate::ensemble::backend::BackendReport;
 use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
 use crate::ensemble::store::Provenance;
 use crate::hb::{ContactFractions, Status};
@@ -34,6 +35,8 @@ pub struct Summary {
     pub confidence: f64,
     /// Wall time of the study.
     pub wall_time_s: f64,
+    /// Who evaluated the contacts, with the audit of a GPU.
+    pub backend: BackendReport,
     /// One entry per excitation level.
     pub levels: Vec<LevelSummary>,
 }
@@ -129,6 +132,7 @@ impl Summary {
             stuck_frequency_hz: record.stuck.frequency_hz,
             confidence: CONFIDENCE,
             wall_time_s: record.wall_time_s,
+            backend: record.backend.clone(),
             levels: (0..record.levels.len())
                 .map(|i| LevelSummary::of(input, i))
                 .collect(),

@@ -9,6 +9,7 @@ use super::run::{RunResult, run_after};
 use super::solve::Progress;
 use crate::Error;
 use crate::ensemble::Solved;
+use crate::ensemble::backend::BackendSettings;
 use crate::ensemble::kept::{ATLAS_FILE, read_solved, read_study};
 use crate::ensemble::store::StoreError;
 
@@ -55,7 +56,14 @@ pub fn extend(
     let study = Study::parse(&path, &text)?;
     let solved = read_solved(folder, &study.design).map_err(unreadable)?;
     refuse_other_samples(&study, &old, &solved).map_err(refused)?;
-    run_after(&study, &OutputFolder::open(folder)?, solved, progress)
+    let folder = OutputFolder::open(folder)?;
+    run_after(
+        &study,
+        &folder,
+        solved,
+        &BackendSettings::default(),
+        progress,
+    )
 }
 
 /// The samples must be those of the design: a file of samples may have changed since.

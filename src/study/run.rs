@@ -8,6 +8,7 @@ use super::read::{ModelSettings, Study, StudyModel};
 use super::solve::Progress;
 use crate::Error;
 use crate::ensemble::atlas::Atlas;
+use crate::ensemble::backend::{BackendSettings, OpenBackend};
 use crate::ensemble::kept::{ATLAS_FILE, KeptStudy, write_anchors};
 use crate::ensemble::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
 use crate::ensemble::store::{Provenance, write_curves, write_samples};
@@ -83,18 +84,20 @@ impl RunResult {
 /// Computes every sample and writes `samples.parquet`, `curves.parquet`, `atlas.parquet` (for an extension),
 /// `run.json`, and the report made from these.
 ///
+/// `backend` evaluates the contacts; what it fails to do the processor does.
 /// Runs on the current rayon thread pool; `progress` is called before the first sample and after each.
 ///
 /// # Errors
 /// Whatever building the model refuses; [`Error::Problem`] if the nominal model is no harmonic balance problem;
-/// [`Error::Command`] if it has no resonance in the band; [`Error::Store`] or [`Error::Report`] if a result cannot be
+/// [`Error::Command`] if it has no resonance in the band; [`Error::Threads`] if the system gives no more threads; [`Error::Store`] or [`Error::Report`] if a result cannot be
 /// written.
 pub fn run(
     study: &Study,
     folder: &OutputFolder,
+    backend: &BackendSettings,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<RunResult, Error> {
-    run_after(study, folder, Solved::default(), progress)
+    run_after(study, folder, Solved::default(), backend, progress)
 }
 
 /// The same where the samples of `kept` are solved already.
@@ -105,9 +108,11 @@ pub(super) fn run_after(
     study: &Study,
     folder: &OutputFolder,
     kept: Solved,
+    backend: &BackendSettings,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<RunResult, Error> {
     let clock = Instant::now();
+    let backend = OpenBackend::open(backend, study.solver.newton.tolerance);
     let StudyModel {
         reduced,
         contacts,
@@ -148,6 +153,7 @@ pub(super) fn run_after(
             frequency_tolerance: FREQUENCY_TOLERANCE,
         },
         curve_samples: study.output.curve_samples,
+        backend: backend.backend(),
     };
     refuse_other_results(study, &ensemble, &kept)?;
     let (total, n_kept) = (study.samples, kept.outcomes.len() as u64);
@@ -157,10 +163,12 @@ pub(super) fn run_after(
         total,
     };
     progress(start);
-    let Solved { outcomes, anchors } = ensemble.extend(kept, total, || {
+    let one_more = || {
         let done = 1 + done.fetch_add(1, Ordering::Relaxed);
         progress(Progress { done, total });
-    });
+    };
+    let Solved { outcomes, anchors } = (backend.extend(&ensemble, kept, total, one_more))
+        .map_err(|error| Error::Threads(error.to_string()))?;
     let nominal = ensemble.nominal();
     let provenance = provenance(study, linear.n_contacts() < reduced.n_contacts());
     let inputs = input_records(study);
@@ -177,8 +185,7 @@ pub(super) fn run_after(
     write_anchors(&atlas_path, &kept_study(study, folder)?, &anchors)?;
     let record = RunRecord {
         provenance,
-        backend: "CPU, double precision".to_owned(),
-        adapter: None,
+        backend: backend.report(),
         inputs,
         design: DesignRecord {
             description: study.design.description(),

@@ -99,3 +99,35 @@ fn the_mirror_can_be_switched_off() {
         assert!((a.amplitude_m / b.amplitude_m - 1.0).abs() < 1e-6);
     }
 }
+
+/// A GPU that is not there leaves the work to the processor: the same bits, with a warning and a note in the summary.
+#[test]
+fn an_absent_gpu_changes_no_bit() {
+    let study = folder("study.toml", "samples = 10", "samples = 9");
+    let expected = samples(study.path(), "cpu", "2");
+    let path = study.path().join("study.toml");
+    let out = study.path().join("gpu");
+    let (path, out) = (path.to_str().unwrap(), out.to_str().unwrap());
+    let arguments = ["run", path, "--output", out, "--quiet"];
+    let backend = ["--backend", "gpu", "--adapter", "no such adapter"];
+    let result = microslip(study.path(), &[&arguments[..], &backend].concat());
+    let message = String::from_utf8_lossy(&result.stderr);
+    assert!(result.status.success(), "{message}");
+    assert!(message.contains("no such adapter"), "{message}");
+    let summary = std::fs::read_to_string(Path::new(out).join("summary.json")).unwrap();
+    assert!(summary.contains("no such adapter"), "the summary says why");
+    let found = std::fs::read(Path::new(out).join("samples.parquet")).unwrap();
+    assert!(found == expected, "the same bits");
+}
+
+/// Every adapter, or none, is listed; whether there is one does not change the exit code.
+#[test]
+fn devices_are_listed() {
+    let result = microslip(Path::new("."), &["devices"]);
+    assert!(result.status.success());
+    let text = String::from_utf8_lossy(&result.stdout);
+    assert!(
+        text.contains("self-test") || text.contains("no adapter"),
+        "{text}"
+    );
+}

@@ -1,6 +1,7 @@
 //! Outcomes with plausible numbers and no physics behind them, to look at reports.
 
 use microslip::contact::{Events, FrictionLaw};
+use microslip::ensemble::backend::BackendReport;
 use microslip::ensemble::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
 use microslip::ensemble::store::{Provenance, write_curves, write_samples};
 use microslip::hb::{SliderAnchor, Status};
@@ -79,8 +80,7 @@ fn record() -> RunRecord {
     };
     RunRecord {
         provenance: provenance(),
-        backend: "CPU, double precision".to_owned(),
-        adapter: None,
+        backend: BackendReport::default(),
         inputs: vec![
             input("contact stiffness scale", "log-uniform: low 0.1, high 10.0"),
             input("mu", "uniform: low 0.1, high 0.8"),

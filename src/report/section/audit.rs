@@ -4,6 +4,7 @@ use super::super::block::{Block, Cell, Section, Table};
 use super::super::display::{percent, short};
 use super::super::record::FileRecord;
 use super::super::view::View;
+use crate::ensemble::backend::GpuReport;
 
 pub(super) fn section(view: &View) -> Section {
     let hint = "The same study file, seed, program and precision give the same samples, bit by bit, for any number of \
@@ -53,8 +54,12 @@ fn provenance(view: &View) -> Block {
     let absent = || "not used".to_owned();
     let more = [
         ("Design", record.design.description.clone()),
-        ("Backend", record.backend.clone()),
-        ("Adapter", record.adapter.clone().unwrap_or_else(absent)),
+        ("Backend", record.backend.description()),
+        ("Adapter", record.backend.adapter().unwrap_or_else(absent)),
+        (
+            "Audit of the GPU",
+            (record.backend.gpu.as_ref()).map_or_else(absent, gpu_audit),
+        ),
         (
             "Without a solution",
             format!(
@@ -66,6 +71,17 @@ fn provenance(view: &View) -> Block {
     ];
     let more = more.map(|(name, value)| (name.to_owned(), value));
     sheet("Run", "run", stated.chain(more))
+}
+
+fn gpu_audit(gpu: &GpuReport) -> String {
+    format!(
+        "{} of {} evaluations repeated in double precision, largest difference {:.1e} of a force and {:.1e} of a derivative; {} taken over by the processor",
+        gpu.audited,
+        gpu.evaluations,
+        gpu.largest_force_difference,
+        gpu.largest_derivative_difference,
+        gpu.fallbacks + gpu.beyond_limit
+    )
 }
 
 /// `truncation_threshold` → `Truncation threshold`.

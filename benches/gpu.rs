@@ -1,0 +1,382 @@
+//! The GPU backend: node-states per second against the processor, share of the adapter's roofline, batch sizes, and the
+//! default study on both backends in one run.
+//!
+//!     cargo bench --bench gpu                          # the first GPU that is hardware
+//!     cargo bench --bench gpu -- --adapter llvmpipe    # another adapter, software too
+//!     cargo bench --bench gpu -- --samples 1000        # samples of the study (64)
+//!
+//! Roofline: operations and bytes of the passes, counted from the shapes of the shaders (a lower bound: root searches and
+//! what the caches miss are left out), over the rates of two small kernels measured in the same run, fused
+//! multiply-adds on registers and a copy. Times on the device are its own timestamps where it has them.
+#![allow(clippy::expect_used, reason = "a benchmark that cannot be set up ends")]
+
+use microslip::aft::gpu::{Buffers, Device, GpuSettings, Kernels, Precision, ScaledStates, Shape};
+use microslip::aft::{AftBatch, AftForces, AftPlan, AftSettings, Laps, Want, evaluate};
+use microslip::contact::{ContactParameters, Events, FrictionLaw};
+use microslip::ensemble::Ensemble;
+use microslip::ensemble::backend::{BackendChoice, BackendSettings, OpenBackend};
+use microslip::harmonics::HarmonicSet;
+use microslip::hb::LinearModel;
+use microslip::hb::peak::PeakSettings;
+use microslip::hb::resonance::Band;
+use microslip::study::Study;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::time::Instant;
+
+const HARMONICS: [usize; 4] = [1, 3, 5, 7];
+const POINTS: [usize; 3] = [64, 128, 256];
+/// Runs of which the fastest counts.
+const RUNS: usize = 5;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().collect();
+    let value = |name: &str| {
+        let at = arguments.iter().position(|a| a == name)?;
+        arguments.get(at + 1).cloned()
+    };
+    let adapter = value("--adapter");
+    let samples = value("--samples")
+        .and_then(|n| n.parse().ok())
+        .unwrap_or(64);
+    let device = match Device::open(adapter.as_deref(), Precision::F32) {
+        Ok(device) => device,
+        Err(error) => {
+            println!("nothing to measure: {error}");
+            return;
+        }
+    };
+    let facts = &device.adapter;
+    println!(
+        "{} ({}, {}, {})",
+        facts.name, facts.kind, facts.interface, facts.driver
+    );
+    let states = if facts.is_hardware() { 32_768 } else { 1024 };
+    let peak = Peak::of(&device);
+    println!(
+        "peak: {:.0} Gflop/s, copy {:.1} GB/s (read and written)",
+        peak.flops / 1e9,
+        peak.bytes / 1e9
+    );
+    rates(&device, states, &peak);
+    batch_sizes(&device, states);
+    drop(device);
+    studies(adapter, samples);
+}
+
+/// Node-states per second, without and with derivatives.
+fn rates(device: &Device, states: usize, peak: &Peak) {
+    println!("\nthousand node-states per second, {states} states, f32; processor: one core, f64");
+    println!(
+        "{:>2} {:>4} {:>10} {:>10} {:>10} {:>10} {:>9} {:>10}",
+        "H", "Nt", "forces", "tangents", "with copy", "roofline", "cpu F", "cpu F+J"
+    );
+    for h in HARMONICS {
+        for n_time in POINTS {
+            let set = HarmonicSet::up_to(h);
+            let case = Case::new(device, &set, n_time, states);
+            let (forces, _) = case.seconds(device, Want::Forces);
+            let (tangents, wall) = case.seconds(device, Want::ForcesAndTangents);
+            let least = case.least_seconds(peak);
+            let few = random(&set, 512);
+            let cpu = |want| 512.0 / processor_seconds(&set, n_time, &few, want) / 1e3;
+            let rate = |seconds: f64| states as f64 / seconds / 1e3;
+            println!(
+                "{h:>2} {n_time:>4} {:>10.0} {:>10.0} {:>10.0} {:>9.1}% {:>9.0} {:>10.0}",
+                rate(forces),
+                rate(tangents),
+                rate(wall),
+                100.0 * least / tangents,
+                cpu(Want::Forces),
+                cpu(Want::ForcesAndTangents),
+            );
+        }
+    }
+}
+
+/// Rate over the number of states in a batch.
+fn batch_sizes(device: &Device, most: usize) {
+    println!(
+        "\nH = 5, Nt = 128, forces and tangents: states in a batch, thousand per second on the device, with copies"
+    );
+    let set = HarmonicSet::up_to(5);
+    let mut states = 16;
+    while states <= most {
+        let case = Case::new(device, &set, 128, states);
+        let (on_device, wall) = case.seconds(device, Want::ForcesAndTangents);
+        let rate = |seconds: f64| states as f64 / seconds / 1e3;
+        println!("{states:>7} {:>9.1} {:>9.1}", rate(on_device), rate(wall));
+        states *= 4;
+    }
+}
+
+/// Samples per second of the default study on both backends.
+fn studies(adapter: Option<String>, samples: u64) {
+    println!("\ndefault study, {samples} samples: samples per second");
+    let processor = study(BackendSettings::default(), samples);
+    println!("processor {:.2}", samples as f64 / processor);
+    let gpu = GpuSettings {
+        adapter,
+        ..GpuSettings::default()
+    };
+    let seconds = study(
+        BackendSettings {
+            choice: BackendChoice::Gpu,
+            gpu,
+        },
+        samples,
+    );
+    println!(
+        "gpu       {:.2}, {:.2} times the processor's",
+        samples as f64 / seconds,
+        processor / seconds
+    );
+}
+
+fn study(backend: BackendSettings, samples: u64) -> f64 {
+    let study =
+        Study::read("studies/two-blade-strip/study.toml".as_ref()).expect("the default study");
+    let model = study.build_model().expect("the default model");
+    let linear = LinearModel::folded(&model.reduced, &model.contacts)
+        .expect("a model")
+        .expect("a mirror");
+    let contacts: Vec<_> = linear
+        .pairs
+        .iter()
+        .map(|&pair| model.contacts[pair])
+        .collect();
+    let [low, high] = study.frequency.band;
+    let backend = OpenBackend::open(&backend, study.solver.newton.tolerance);
+    let ensemble = Ensemble {
+        linear: &linear,
+        contacts: &contacts,
+        interfaces: &[],
+        load_modes: &[],
+        design: &study.design,
+        levels: &study.levels,
+        settings: &study.solver,
+        peak: PeakSettings {
+            band: Band { low, high },
+            frequency_tolerance: 3e-7,
+        },
+        curve_samples: 0,
+        backend: backend.backend(),
+    };
+    let clock = Instant::now();
+    let outcomes = backend.run(&ensemble, samples, || {}).expect("threads");
+    let seconds = clock.elapsed().as_secs_f64();
+    assert_eq!(outcomes.len() as u64, samples, "no sample is lost");
+    if let Some(gpu) = backend.report().gpu {
+        println!(
+            "{} evaluations in {} batches ({:.0} states each), on the device {:.2} s of {seconds:.2} s, audit {:.1e}",
+            gpu.evaluations,
+            gpu.batches,
+            gpu.states as f64 / gpu.batches.max(1) as f64,
+            gpu.pass_seconds.values().sum::<f64>(),
+            gpu.largest_force_difference,
+        );
+    }
+    seconds
+}
+
+/// One shape with its states on the device.
+struct Case {
+    states: ScaledStates,
+    kernels: Kernels,
+    buffers: Buffers,
+    h: usize,
+    n_time: usize,
+}
+
+impl Case {
+    fn new(device: &Device, set: &HarmonicSet, n_time: usize, n_states: usize) -> Self {
+        let plan = plan(set, n_time);
+        let shape = Shape::of(&plan, Precision::F32).expect("the box law has a shader");
+        let kernels = Kernels::new(device, shape).expect("it compiles");
+        let buffers = kernels.buffers(device, n_states).expect("memory");
+        let states = ScaledStates::new(&random(set, n_states)).expect("finite");
+        Self {
+            states,
+            kernels,
+            buffers,
+            h: set.highest(),
+            n_time,
+        }
+    }
+
+    /// Shortest time on the device, and with upload and read back.
+    fn seconds(&self, device: &Device, want: Want) -> (f64, f64) {
+        let mut best = (f64::INFINITY, f64::INFINITY);
+        for _ in 0..=RUNS {
+            let clock = Instant::now();
+            let result = self
+                .kernels
+                .evaluate(device, &self.buffers, &[&self.states], want);
+            let wall = clock.elapsed().as_secs_f64();
+            let passes = result.expect("it runs").pass_seconds;
+            let on_device = passes.map_or(wall, |passes| passes.iter().map(|(_, s)| s).sum());
+            best = (best.0.min(on_device), best.1.min(wall));
+        }
+        best
+    }
+
+    /// Time that operations or bytes take at the peak, whichever is longer.
+    fn least_seconds(&self, peak: &Peak) -> f64 {
+        let (h, n_time) = (self.h as f64, self.n_time as f64);
+        let m = 2.0 * h + 1.0;
+        // both signals and rates at the samples, the scan of the march, rows of forces and of derivatives
+        let transform = n_time * h * 3.0 * 10.0;
+        let march = n_time * 2.0 * 30.0;
+        let rows = 5.0 * m * m * 8.0 + 2.0 * m * m * 8.0;
+        // signals written once and read by both directions, tangents written
+        let bytes = 4.0 * (6.0 * n_time + 2.0 * 4.0 * n_time + 5.0 * m * m + 12.0 * m);
+        let n = self.states.n_states as f64;
+        let flops = n * (transform + march + rows);
+        (flops / peak.flops).max(n * bytes / peak.bytes)
+    }
+}
+
+fn plan(set: &HarmonicSet, n_time: usize) -> AftPlan<f64> {
+    let settings = AftSettings {
+        n_time,
+        law: FrictionLaw::Box,
+        events: Events::Located,
+        laps: Laps::Periodic,
+    };
+    AftPlan::new(set, settings)
+}
+
+/// One core.
+fn processor_seconds(set: &HarmonicSet, n_time: usize, batch: &AftBatch<f64>, want: Want) -> f64 {
+    let plan = plan(set, n_time);
+    let mut out = AftForces::default();
+    let mut best = f64::INFINITY;
+    for _ in 0..RUNS {
+        let clock = Instant::now();
+        evaluate(&plan, batch, want, &mut out);
+        best = best.min(clock.elapsed().as_secs_f64());
+    }
+    best
+}
+
+/// The states of the benchmark `contact`: about half of the time slips, an eighth of the states is stuck.
+fn random(set: &HarmonicSet, n: usize) -> AftBatch<f64> {
+    let m = set.n_coefficients();
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let mut displacement = vec![0.0; 3 * m * n];
+    let mut parameters = Vec::new();
+    for s in 0..n {
+        let sizes = [
+            10f64.powf(rng.random_range(-0.8..1.2)),
+            rng.random_range(0.0..1.3),
+        ];
+        for (row, values) in displacement.chunks_exact_mut(n).enumerate() {
+            let order = (row % m).div_ceil(2) as f64;
+            let size = sizes[row / (2 * m)] / (1.0 + order * order);
+            values[s] = size * rng.random_range(-1.0..1.0);
+        }
+        parameters.push(ContactParameters {
+            k_n: 1.0,
+            k_t: [1.0, 0.8],
+            mu: 0.5,
+            n_0: 1.0,
+            anchor: [0.0; 2],
+        });
+    }
+    AftBatch {
+        n_states: n,
+        displacement,
+        parameters,
+    }
+}
+
+/// What the adapter does at best.
+struct Peak {
+    /// Operations per second, f32.
+    flops: f64,
+    /// Bytes per second, read and written.
+    bytes: f64,
+}
+
+/// Steps of the multiply-add kernel per thread; eight operands, two operations each.
+const STEPS: u32 = 4096;
+
+impl Peak {
+    fn of(device: &Device) -> Self {
+        let threads: u32 = if device.adapter.is_hardware() {
+            1 << 20
+        } else {
+            1 << 12
+        };
+        let words: u32 = if device.adapter.is_hardware() {
+            1 << 23
+        } else {
+            1 << 22
+        };
+        let adds = format!(
+            "@group(0) @binding(0) var<storage, read_write> x: array<vec4<f32>>;
+             @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {{
+               var a = x[id.x]; var b = a + vec4(1.0); let c = vec4(0.999);
+               for (var i = 0u; i < {STEPS}u; i++) {{ a = fma(a, c, b); b = fma(b, c, a); }}
+               x[id.x] = a + b; }}"
+        );
+        let copies = "@group(0) @binding(0) var<storage, read_write> x: array<vec4<f32>>;
+             @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+               x[id.x] = x[id.x] + vec4(1.0); }";
+        let seconds = best_seconds(device, &adds, threads, u64::from(threads) * 16);
+        let copied = best_seconds(device, copies, words / 4, u64::from(words) * 4);
+        Self {
+            flops: f64::from(threads) * f64::from(STEPS) * 16.0 / seconds,
+            bytes: f64::from(words) * 8.0 / copied,
+        }
+    }
+}
+
+/// Shortest time of a kernel over one buffer.
+fn best_seconds(device: &Device, text: &str, threads: u32, bytes: u64) -> f64 {
+    let gpu = &device.device;
+    let module = gpu.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: None,
+        source: wgpu::ShaderSource::Wgsl(text.into()),
+    });
+    let pipeline = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: None,
+        module: &module,
+        entry_point: None,
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    });
+    let buffer = gpu.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: bytes,
+        usage: wgpu::BufferUsages::STORAGE,
+        mapped_at_creation: false,
+    });
+    let group = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[wgpu::BindGroupEntry {
+            binding: 0,
+            resource: buffer.as_entire_binding(),
+        }],
+    });
+    let groups = threads / 64;
+    assert!(groups <= 65_535, "the groups that one dimension has");
+    let mut best = f64::INFINITY;
+    for _ in 0..=RUNS {
+        let mut encoder = gpu.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            pass.dispatch_workgroups(groups, 1, 1);
+        }
+        let clock = Instant::now();
+        device.queue.submit([encoder.finish()]);
+        gpu.poll(wgpu::PollType::wait_indefinitely())
+            .expect("the device answers");
+        best = best.min(clock.elapsed().as_secs_f64());
+    }
+    best
+}

@@ -1,0 +1,97 @@
+// Derivatives of the circle law, the twin of aft/circle_tangent.rs: one thread per state that moves and column. The
+// slider carries its derivative by one coefficient of one signal around the laps.
+
+fn place(slot: u32, block: u32, a: u32, b: u32) -> u32 {
+    return ((((slot / GROUP) * BLOCKS + block) * M + a) * M + b) * GROUP + slot % GROUP;
+}
+
+// Direction of the rows and signal of the columns to the block: T1T1, T1T2, T2T1, T2T2, T1N, T2N.
+fn block_of(d: u32, c: u32) -> u32 {
+    return select(2u * d + c, 4u + d, c == GAP);
+}
+
+@compute @workgroup_size(GROUP)
+fn circle_tangents(@builtin(global_invocation_id) id: vec3<u32>) {
+    let n = batch.n_states;
+    let slot = id.x;
+    let c = id.y / M;
+    let b = id.y % M;
+    if slot >= atomicLoad(&n_moving) {
+        return;
+    }
+    let state = moving[slot];
+    if atomicLoad(&flags[state]) != MOVED {
+        return;
+    }
+    let zero = real(0.0);
+    let one = real(1.0);
+    let mu = states[state];
+    let margin = real(2.0) * rounding(mu, state);
+    let anchored = counts[state] > 0u;
+    let laps = select(2u, counts[state], anchored);
+    let start = vec2<real>(points[state].stick, points[state].gap);
+    let unit = select(vec2<real>(zero, zero), vec2<real>(one, zero), c == 0u) + select(vec2<real>(zero, zero), vec2<real>(zero, one), c == 1u);
+    var slider = select(start, vec2<real>(states[2u * n + state], states[3u * n + state]), anchored);
+    var by = vec2<real>(zero, zero);
+    var monodromy = vec4<real>(one, zero, zero, one);
+    var sums = array<vec2<real>, M>();
+    var normal_sums = array<real, M>();
+    for (var lap = 1u; lap <= laps; lap++) {
+        if lap == 2u && !anchored {
+            by = solve_identity_minus(monodromy, by);
+            slider = start;
+        }
+        for (var i = 0u; i < N_TIME; i++) {
+            let s = stick_signal(i, state);
+            let gap = sample_of(GAP, i, state);
+            let here = basis(b, i);
+            let instant = closing(i, anchored && lap == 1u, state);
+            if instant != zero {
+                let before = (i + N_TIME - 1u) % N_TIME;
+                let g0 = sample_of(GAP, before, state);
+                let factor = one / ((g0 - gap) * (g0 - gap));
+                by = (one - instant) * by + instant * here * unit;
+                if c == GAP {
+                    by += (factor * (g0 * here - gap * basis(b, before))) * (s - slider);
+                }
+                slider += instant * (s - slider);
+            }
+            let step = radial_return(mu * max(gap, zero), margin, s, slider);
+            var rate = vec2<real>(zero, zero);
+            if gap <= zero {
+                slider = s;
+                by = here * unit;
+                monodromy = vec4<real>(zero, zero, zero, zero);
+            } else if step.touches {
+                slider = step.slider;
+                let normal = vec2<real>(-step.direction.y, step.direction.x);
+                let trial = here * unit - by;
+                rate = (step.ratio * (normal.x * trial.x + normal.y * trial.y)) * normal;
+                if c == GAP {
+                    rate += (mu * here) * step.direction;
+                }
+                by = here * unit - rate;
+                monodromy = slid(step.direction, step.ratio, monodromy);
+            } else {
+                rate = here * unit - by;
+            }
+            if lap == laps {
+                rate -= here * unit;
+                let open = select(zero, -here, gap <= zero);
+                for (var a = 0u; a < M; a++) {
+                    let row = basis(a, i);
+                    sums[a] += row * rate;
+                    normal_sums[a] += row * open;
+                }
+            }
+        }
+    }
+    for (var a = 0u; a < M; a++) {
+        let w = weight(a);
+        tangents[place(slot, block_of(0u, c), a, b)] = w * sums[a].x;
+        tangents[place(slot, block_of(1u, c), a, b)] = w * sums[a].y;
+        if c == GAP {
+            tangents[place(slot, 6u, a, b)] = w * normal_sums[a];
+        }
+    }
+}

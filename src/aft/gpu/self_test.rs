@@ -1,0 +1,100 @@
+//! Does the device compute right? One known batch against the processor, before a run believes it.
+
+use super::adapter::Device;
+use super::kernels::Kernels;
+use super::scaled::ScaledStates;
+use super::shader::{Precision, Shape};
+use super::{Fault, GpuError, GpuSettings, differences};
+use crate::aft::batch::{AftBatch, AftForces, Want};
+use crate::aft::evaluate::evaluate;
+use crate::aft::plan::AftPlan;
+use crate::aft::settings::{AftSettings, Laps};
+use crate::contact::{ContactParameters, Events, FrictionLaw};
+use crate::harmonics::HarmonicSet;
+
+/// States of the test: more than one workgroup.
+const STATES: usize = 96;
+/// Largest differences of forces and derivatives that rounding explains.
+const LIMITS: [f64; 2] = [2e-5, 2e-3];
+
+/// Evaluates stuck, slipping and lifting states on the device and compares them with the processor's.
+///
+/// # Errors
+/// [`GpuError::SelfTest`] if they differ, and whatever the device says.
+pub fn self_test(device: &Device, settings: &GpuSettings) -> Result<[f64; 2], GpuError> {
+    let set = HarmonicSet::up_to(3);
+    let aft = AftSettings {
+        n_time: 64,
+        law: FrictionLaw::Box,
+        events: Events::Located,
+        laps: Laps::Periodic,
+    };
+    let plan = AftPlan::new(&set, aft);
+    let batch = known_states(&set);
+    let failed = |message: String| GpuError::SelfTest { message };
+    let shape =
+        Shape::of(&plan, settings.precision).ok_or_else(|| failed("no shader".to_owned()))?;
+    let states = ScaledStates::new(&batch).ok_or_else(|| failed("no states".to_owned()))?;
+    let kernels = Kernels::new(device, shape)?;
+    let buffers = kernels.buffers(device, STATES)?;
+    let result = kernels.evaluate(device, &buffers, &[&states], Want::ForcesAndTangents)?;
+    let scaled = match result.parts.first() {
+        Some(scaled) if scaled.undecided.is_empty() => scaled,
+        _ => return Err(failed("known states are undecided".to_owned())),
+    };
+    let (mut found, mut exact) = (AftForces::default(), AftForces::default());
+    states.unscale(&plan, &batch, scaled, &mut found);
+    if settings.fault == Some(Fault::WrongSelfTest) {
+        found.forces[STATES / 2] *= 1.01;
+    }
+    evaluate(&plan, &batch, Want::ForcesAndTangents, &mut exact);
+    let differences = differences(&batch, &found, &exact);
+    match differences.iter().zip(LIMITS).all(|(d, limit)| *d <= limit) {
+        true => Ok(differences),
+        false => Err(failed(format!(
+            "forces differ by {:.1e}, derivatives by {:.1e}",
+            differences[0], differences[1]
+        ))),
+    }
+}
+
+/// Stuck, slipping and lifting states, from a formula.
+fn known_states(set: &HarmonicSet) -> AftBatch<f64> {
+    let m = set.n_coefficients();
+    let wave = |i: usize| (1.7 * i as f64 + 0.3).sin();
+    let displacement = (0..3 * m * STATES).map(|i| {
+        let (row, state) = (i / STATES, i % STATES);
+        let order = set.orders()[(row % m).div_ceil(2)].max(1) as f64;
+        let size = 0.2 + 3.0 * state as f64 / STATES as f64;
+        1e-7 * size * wave(i) / (order * order)
+    });
+    let parameters = (0..STATES).map(|i| ContactParameters {
+        k_n: 2e7,
+        k_t: [1.1e7, 0.9e7],
+        mu: 0.4 + 0.2 * wave(i),
+        n_0: 2.0,
+        anchor: [2e-8, -1e-8],
+    });
+    AftBatch {
+        n_states: STATES,
+        displacement: displacement.collect(),
+        parameters: parameters.collect(),
+    }
+}
+
+/// What `devices` says of one adapter.
+#[must_use]
+pub fn examined(index: usize) -> String {
+    let settings = GpuSettings {
+        adapter: Some(index.to_string()),
+        ..GpuSettings::default()
+    };
+    let tested = Device::open(settings.adapter.as_deref(), Precision::F32)
+        .and_then(|device| self_test(&device, &settings));
+    match tested {
+        Ok([force, derivative]) => {
+            format!("passed (forces {force:.1e}, derivatives {derivative:.1e})")
+        }
+        Err(error) => format!("failed: {error}"),
+    }
+}

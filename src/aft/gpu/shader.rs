@@ -1,0 +1,382 @@
+//! Shader texts for one harmonic set and time grid, and what naga reads in them.
+//!
+//! The texts are the files of `shaders/` behind a few generated constants. Binding numbers, sizes of elements, numbers of
+//! elements per state and workgroup sizes are read from the parsed text: nothing of it is written a second time here.
+
+use super::GpuError;
+use crate::aft::batch::Block;
+use crate::aft::plan::AftPlan;
+use crate::aft::settings::Laps;
+use crate::contact::{Events, FrictionLaw, Real};
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+use std::fmt::Write;
+use wgpu::naga;
+
+/// Floating-point numbers of the shaders.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, Default, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "lowercase")]
+pub enum Precision {
+    /// Single, on every adapter.
+    #[default]
+    F32,
+    /// Double, where the adapter has `SHADER_F64`.
+    F64,
+}
+
+impl Precision {
+    /// Name in WGSL and on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        }
+    }
+
+    /// Rounding error of 1.
+    fn epsilon(self) -> f64 {
+        match self {
+            Self::F32 => f64::from(f32::EPSILON),
+            Self::F64 => f64::EPSILON,
+        }
+    }
+}
+
+/// Which march a shader does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum March {
+    /// Box law with located events.
+    Box,
+    /// Circle law decided at the samples; whether the instant of closing is interpolated.
+    Circle {
+        /// See above.
+        interpolated: bool,
+    },
+}
+
+/// A pass over a batch.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pass {
+    /// Entry point.
+    pub name: &'static str,
+    /// Threads per state, of a shape.
+    pub rows: fn(&Shape) -> u32,
+    /// Whether it is for derivatives alone.
+    pub tangents: bool,
+}
+
+/// What decides a shader text.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Shape {
+    /// Harmonic orders above 0.
+    pub(super) orders: Vec<u32>,
+    /// Samples per period.
+    pub(super) n_time: u32,
+    /// Passes over the period; 0 = until the slider is periodic.
+    pub(super) laps: u32,
+    /// Law, and how it is decided.
+    pub(super) march: March,
+    /// Numbers.
+    pub(super) precision: Precision,
+}
+
+/// Loop iterations that one invocation may need at most on a software adapter: a widespread one ends loops silently after
+/// 65 535 in all.
+const MOST_ITERATIONS: usize = 60_000;
+
+/// Laps after which the shader of the circle law gives up.
+const MOST_CIRCLE_LAPS: usize = 40;
+
+const fn pass(name: &'static str, rows: fn(&Shape) -> u32, tangents: bool) -> Pass {
+    Pass {
+        name,
+        rows,
+        tangents,
+    }
+}
+
+const BOX_PASSES: [Pass; 5] = [
+    pass("transform", |shape| shape.n_time, false),
+    pass("box_march", |_| 2, false),
+    pass("spectra_of_runs", |_| 2, false),
+    pass("forces", |shape| 3 * shape.rows(), false),
+    pass("tangents_of_moving", Shape::rows, true),
+];
+const CIRCLE_PASSES: [Pass; 4] = [
+    pass("transform", |shape| shape.n_time, false),
+    pass("circle_march", |_| 1, false),
+    pass("circle_forces", |shape| 3 * shape.rows(), false),
+    pass("circle_tangents", |shape| 3 * shape.rows(), true),
+];
+
+/// Evaluations of polynomials in the root searches of one event. Seen cut: 13 harmonics at 256 samples, all in motion.
+const ROOT_LOOPS: usize = 60;
+
+impl Shape {
+    /// The shape that evaluates `plan`; `None` where there is no shader for it.
+    #[must_use]
+    pub fn of<T: Real>(plan: &AftPlan<T>, precision: Precision) -> Option<Self> {
+        let settings = plan.settings();
+        let march = match (settings.law, settings.events) {
+            (FrictionLaw::Box, Events::Located) => March::Box,
+            (FrictionLaw::Circle, Events::Interpolated) => March::Circle { interpolated: true },
+            (FrictionLaw::Circle, Events::Sampled) => March::Circle {
+                interpolated: false,
+            },
+            _ => return None,
+        };
+        let whole = |x: usize| u32::try_from(x).ok();
+        let shape = Self {
+            orders: (plan.orders[1..].iter().map(|&k| whole(k))).collect::<Option<_>>()?,
+            n_time: whole(settings.n_time)?,
+            laps: match (settings.laps, march) {
+                (Laps::Fixed(n), _) => whole(n)?,
+                (Laps::Periodic, March::Box) => 2,
+                (Laps::Periodic, March::Circle { .. }) => 0,
+            },
+            march,
+            precision,
+        };
+        Some(shape)
+    }
+
+    /// Highest order.
+    fn highest(&self) -> u32 {
+        self.orders.last().copied().unwrap_or(1)
+    }
+
+    /// Coefficients per displacement, m.
+    pub(super) fn n_coefficients(&self) -> usize {
+        2 * self.orders.len() + 1
+    }
+
+    /// Rows of a block.
+    fn rows(&self) -> u32 {
+        2 * self.orders.len() as u32 + 1
+    }
+
+    /// Terms of a Taylor series over one interval that reach rounding for the highest order.
+    fn terms(&self) -> usize {
+        let reach = f64::from(self.highest()) * TAU / f64::from(self.n_time);
+        let (mut term, mut n) = (1.0, 1);
+        while term > 0.1 * self.precision.epsilon() {
+            term *= reach / n as f64;
+            n += 1;
+        }
+        n.max(4)
+    }
+
+    /// Room per direction for breakpoints, runs and sticks; the circle law has none.
+    fn rooms(&self) -> [usize; 3] {
+        let highest = self.highest() as usize;
+        match self.march {
+            March::Box => [24 + 4 * highest, 24 + 2 * highest, 8 + highest / 2],
+            March::Circle { .. } => [1; 3],
+        }
+    }
+
+    /// Whether no invocation can need more loop iterations than a software adapter counts, silently. Box law: the march with
+    /// all its room for events used, series and root searches at every one of them. Circle law: all laps, and the sums of
+    /// the last one.
+    #[must_use]
+    pub fn suits_software(&self) -> bool {
+        let [points, runs, _] = self.rooms();
+        let (n_time, m) = (self.n_time as usize, self.n_coefficients());
+        let iterations = match self.march {
+            March::Box => {
+                let event = self.terms() * (2 * self.orders.len() + ROOT_LOOPS);
+                3 * n_time + (points + runs) * event + self.laps as usize * points
+            }
+            March::Circle { .. } => n_time * (MOST_CIRCLE_LAPS.max(self.laps as usize) + m + 2),
+        };
+        iterations <= MOST_ITERATIONS
+    }
+
+    /// Blocks of a derivative in the order of the shaders.
+    pub(super) fn blocks(&self) -> &'static [Block] {
+        match self.march {
+            March::Box => &[Block::T1T1, Block::T2T2, Block::T1N, Block::T2N, Block::NN],
+            March::Circle { .. } => &Block::ALL,
+        }
+    }
+
+    /// Passes in their order.
+    pub(super) fn passes(&self) -> &'static [Pass] {
+        match self.march {
+            March::Box => &BOX_PASSES,
+            March::Circle { .. } => &CIRCLE_PASSES,
+        }
+    }
+
+    /// The whole shader text.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let [points, runs, sticks] = self.rooms();
+        let mut text = format!("alias real = {};\n", self.precision.name());
+        let whole = [
+            ("HARMONICS", self.orders.len()),
+            ("HIGHEST", self.highest() as usize),
+            ("N_TIME", self.n_time as usize),
+            ("TERMS", self.terms()),
+            ("LAPS", self.laps as usize),
+            ("BLOCKS", self.blocks().len()),
+            ("MAX_POINTS", points),
+            ("MAX_RUNS", runs),
+            ("MAX_STICKS", sticks),
+        ];
+        for (name, value) in whole {
+            // writing to a string cannot fail
+            let _ = writeln!(text, "const {name}: u32 = {value}u;");
+        }
+        for (name, value) in [
+            ("STEP", TAU / f64::from(self.n_time)),
+            ("RESOLUTION", 2.0 * self.precision.epsilon()),
+            // the front end takes no roots of constants in double precision
+            (
+                "ROOT_OF_RESOLUTION",
+                (2.0 * self.precision.epsilon()).sqrt(),
+            ),
+        ] {
+            let _ = writeln!(text, "const {name}: real = {value:e};");
+        }
+        let interpolated = self.march == March::Circle { interpolated: true };
+        let _ = writeln!(text, "const INTERPOLATED: bool = {interpolated};");
+        text.push_str(include_str!("../../../shaders/shared.wgsl"));
+        text.push_str(include_str!("../../../shaders/transform.wgsl"));
+        let parts: &[&str] = match self.march {
+            March::Box => &[
+                include_str!("../../../shaders/box_march.wgsl"),
+                include_str!("../../../shaders/spectra.wgsl"),
+                include_str!("../../../shaders/forces.wgsl"),
+                include_str!("../../../shaders/tangents.wgsl"),
+            ],
+            March::Circle { .. } => &[
+                include_str!("../../../shaders/circle_march.wgsl"),
+                include_str!("../../../shaders/circle_forces.wgsl"),
+                include_str!("../../../shaders/circle_tangents.wgsl"),
+            ],
+        };
+        parts.iter().for_each(|part| text.push_str(part));
+        text
+    }
+
+    /// cos and sin of the n-th parts of a turn. Shape: `[2][n_time]`.
+    pub(super) fn circle(&self) -> Vec<f64> {
+        let phases = crate::harmonics::phases(self.n_time as usize);
+        let cosines = phases.iter().map(|phase| phase.cos());
+        cosines
+            .chain(phases.iter().map(|phase| phase.sin()))
+            .collect()
+    }
+}
+
+/// How a shader reaches a buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Access {
+    /// Uniform.
+    Uniform,
+    /// Storage, read only.
+    Read,
+    /// Storage.
+    ReadWrite,
+}
+
+/// A buffer as the shader declares it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Binding {
+    /// Binding number.
+    pub number: u32,
+    /// Access.
+    pub access: Access,
+    /// Bytes of an array's element, or of the whole where it is no array.
+    pub element_bytes: u64,
+    /// Elements per state of an array that the text gives them for.
+    pub per_state: Option<u64>,
+}
+
+/// What a shader text declares.
+#[derive(Debug, Clone)]
+pub struct Reflection {
+    /// Buffers by name.
+    pub bindings: BTreeMap<String, Binding>,
+    /// Threads per workgroup, the same for every entry point.
+    pub group: u32,
+    /// Entry points.
+    pub entry_points: Vec<String>,
+}
+
+impl Reflection {
+    /// Parses and validates a shader text.
+    ///
+    /// # Errors
+    /// [`GpuError::Shader`] with what naga says.
+    pub fn of(text: &str) -> Result<Self, GpuError> {
+        let refused = |message: String| GpuError::Shader { message };
+        let module = naga::front::wgsl::parse_str(text)
+            .map_err(|error| refused(error.emit_to_string(text)))?;
+        let capabilities = naga::valid::Capabilities::FLOAT64;
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities)
+            .validate(&module)
+            .map_err(|error| refused(error.emit_to_string(text)))?;
+        let mut layouter = naga::proc::Layouter::default();
+        layouter
+            .update(module.to_ctx())
+            .map_err(|error| refused(error.to_string()))?;
+        let mut bindings = BTreeMap::new();
+        for (_, variable) in module.global_variables.iter() {
+            let (Some(name), Some(binding)) = (&variable.name, &variable.binding) else {
+                continue;
+            };
+            let access = match variable.space {
+                naga::AddressSpace::Uniform => Access::Uniform,
+                naga::AddressSpace::Storage { access } => {
+                    match access.contains(naga::StorageAccess::STORE) {
+                        true => Access::ReadWrite,
+                        false => Access::Read,
+                    }
+                }
+                _ => continue,
+            };
+            let element_bytes = match module.types[variable.ty].inner {
+                naga::TypeInner::Array { stride, .. } => stride,
+                _ => layouter[variable.ty].size,
+            };
+            let per_state = constant(&module, &format!("{}_PER_STATE", name.to_uppercase()));
+            bindings.insert(
+                name.clone(),
+                Binding {
+                    number: binding.binding,
+                    access,
+                    element_bytes: u64::from(element_bytes),
+                    per_state: per_state.map(u64::from),
+                },
+            );
+        }
+        let groups = module.entry_points.iter().map(|entry| entry.workgroup_size);
+        let group = match groups.clone().next() {
+            Some([group, 1, 1]) if groups.clone().all(|other| other == [group, 1, 1]) => group,
+            _ => {
+                return Err(refused(
+                    "entry points must share one workgroup size".to_owned(),
+                ));
+            }
+        };
+        Ok(Self {
+            bindings,
+            group,
+            entry_points: (module.entry_points.iter().map(|entry| entry.name.clone())).collect(),
+        })
+    }
+}
+
+/// Value of a whole constant of the module.
+fn constant(module: &naga::Module, name: &str) -> Option<u32> {
+    let (_, constant) = (module.constants.iter()).find(|(_, c)| c.name.as_deref() == Some(name))?;
+    match module.global_expressions[constant.init] {
+        naga::Expression::Literal(naga::Literal::U32(value)) => Some(value),
+        _ => None,
+    }
+}

@@ -1,0 +1,125 @@
+//! What the device did during a run: counts, audit, fallbacks.
+
+use super::GpuError;
+use super::adapter::AdapterFacts;
+use super::queue::lock;
+use super::shader::Precision;
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+
+/// Notes that are kept; a device that fails more often than that has said enough.
+const MOST_NOTES: usize = 20;
+
+/// The device's part in a run, for summary and report.
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
+pub struct GpuReport {
+    /// The adapter.
+    pub adapter: AdapterFacts,
+    /// Numbers of the shaders.
+    pub precision: Precision,
+    /// Evaluations (all pairs of one sample at one iterate) that it was asked for.
+    pub evaluations: u64,
+    /// Contact states in them.
+    pub states: u64,
+    /// Batches that they went down in.
+    pub batches: u64,
+    /// Evaluations that were repeated by the processor in double precision.
+    pub audited: u64,
+    /// Largest difference of a force in them, over the state's largest force.
+    pub largest_force_difference: f64,
+    /// Largest difference of a derivative in them, over the state's largest derivative.
+    pub largest_derivative_difference: f64,
+    /// Audited evaluations beyond the limit on forces; the processor's result took their place.
+    pub beyond_limit: u64,
+    /// States that the processor took over: they had more events than there is room for, a cycle that is hard to find, or a
+    /// number that is not finite.
+    pub undecided: u64,
+    /// Evaluations that the processor took over because the device failed.
+    pub fallbacks: u64,
+    /// Batches that were halved.
+    pub halved: u64,
+    /// Time (s) per pass on the device, where it can tell.
+    pub pass_seconds: BTreeMap<String, f64>,
+    /// What failed.
+    pub notes: Vec<String>,
+}
+
+/// Counts while a run goes on.
+#[derive(Debug)]
+pub(super) struct Tally(Mutex<GpuReport>);
+
+impl Tally {
+    pub(super) fn new(adapter: &AdapterFacts, precision: Precision) -> Self {
+        Self(Mutex::new(GpuReport {
+            adapter: adapter.clone(),
+            precision,
+            evaluations: 0,
+            states: 0,
+            batches: 0,
+            audited: 0,
+            largest_force_difference: 0.0,
+            largest_derivative_difference: 0.0,
+            beyond_limit: 0,
+            undecided: 0,
+            fallbacks: 0,
+            halved: 0,
+            pass_seconds: BTreeMap::new(),
+            notes: Vec::new(),
+        }))
+    }
+
+    pub(super) fn report(&self) -> GpuReport {
+        lock(&self.0).clone()
+    }
+
+    pub(super) fn batch(
+        &self,
+        evaluations: usize,
+        states: usize,
+        seconds: Option<&[(&'static str, f64)]>,
+    ) {
+        let mut report = lock(&self.0);
+        report.batches += 1;
+        report.evaluations += evaluations as u64;
+        report.states += states as u64;
+        for (pass, seconds) in seconds.into_iter().flatten() {
+            *report.pass_seconds.entry((*pass).to_owned()).or_default() += seconds;
+        }
+    }
+
+    pub(super) fn undecided(&self, states: usize) {
+        lock(&self.0).undecided += states as u64;
+    }
+
+    pub(super) fn halved(&self, error: &GpuError) {
+        lock(&self.0).halved += 1;
+        self.note(format!("{error}; halved"));
+    }
+
+    pub(super) fn fall_back(&self, error: &GpuError, evaluations: usize) {
+        lock(&self.0).fallbacks += evaluations as u64;
+        self.note(format!("{error}; the processor evaluates"));
+    }
+
+    /// The device is gone, and an evaluation did not go down.
+    pub(super) fn not_asked(&self) {
+        lock(&self.0).fallbacks += 1;
+    }
+
+    /// Adds the differences of an audited evaluation.
+    pub(super) fn audit(&self, [force, derivative]: [f64; 2], beyond: bool) {
+        let mut report = lock(&self.0);
+        report.audited += 1;
+        report.largest_force_difference = report.largest_force_difference.max(force);
+        report.largest_derivative_difference = report.largest_derivative_difference.max(derivative);
+        report.beyond_limit += u64::from(beyond);
+    }
+
+    /// Keeps what failed, each failure once.
+    pub(super) fn note(&self, note: String) {
+        let mut report = lock(&self.0);
+        if report.notes.len() < MOST_NOTES && !report.notes.contains(&note) {
+            report.notes.push(note);
+        }
+    }
+}

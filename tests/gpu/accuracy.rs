@@ -1,0 +1,345 @@
+//! Is it the same algorithm, and is it precise enough?
+
+use crate::device;
+use crate::states::{located, plan, random};
+use microslip::aft::gpu::{Device, Kernels, Precision, ScaledForces, ScaledStates, Shape};
+use microslip::aft::{AftBatch, AftForces, AftPlan, Block, Tangent, Want, evaluate};
+use microslip::contact::{ContactParameters, Events, FrictionLaw, Real};
+use microslip::harmonics::HarmonicSet;
+
+/// States of a comparison.
+const STATES: usize = 512;
+
+/// Forces and tangents of one state, the former over the largest force of the state, the latter over the stiffness.
+struct Answer {
+    forces: Vec<f64>,
+    /// Largest force that the motion could have caused.
+    scale: f64,
+    /// Seven blocks; those of the stuck contact where it sticks.
+    tangent: Vec<f64>,
+    /// Largest stiffness.
+    stiffness: f64,
+    stuck: bool,
+}
+
+fn on_device(
+    device: &Device,
+    plan: &AftPlan<f64>,
+    precision: Precision,
+    scaled: &ScaledStates,
+) -> ScaledForces {
+    let shape = Shape::of(plan, precision).expect("there is a shader");
+    let kernels = Kernels::new(device, shape).expect("the shader compiles");
+    let buffers = kernels
+        .buffers(device, scaled.n_states)
+        .expect("memory suffices");
+    let result = kernels
+        .evaluate(device, &buffers, &[scaled], Want::ForcesAndTangents)
+        .expect("it runs");
+    result.parts.into_iter().next().expect("one part")
+}
+
+/// The scaled states as states of unit stiffness, for the law in any precision.
+fn unit_states<T: Real>(scaled: &ScaledStates) -> AftBatch<T> {
+    let n = scaled.n_states;
+    let m = scaled.coefficients.len() / (3 * n) + 1;
+    let cast = T::from_f64;
+    let mut displacement = vec![T::ZERO; 3 * m * n];
+    for c in 0..3 {
+        let from = &scaled.coefficients[c * (m - 1) * n..][..(m - 1) * n];
+        let to = &mut displacement[(c * m + 1) * n..][..(m - 1) * n];
+        to.iter_mut().zip(from).for_each(|(t, f)| *t = cast(*f));
+    }
+    let parameters = (0..n)
+        .map(|i| {
+            let constant = |row: usize| cast(scaled.constants[row * n + i]);
+            ContactParameters {
+                k_n: T::ONE,
+                k_t: [T::ONE; 2],
+                mu: constant(0),
+                n_0: constant(1),
+                anchor: [constant(2), constant(3)],
+            }
+        })
+        .collect();
+    AftBatch {
+        n_states: n,
+        displacement,
+        parameters,
+    }
+}
+
+fn answers<T: Real>(out: &AftForces<T>, batch: &AftBatch<T>) -> Vec<Answer> {
+    let m = out.n_coefficients;
+    (0..out.n_states)
+        .map(|i| {
+            let forces: Vec<f64> = out.forces[i..]
+                .iter()
+                .step_by(out.n_states)
+                .map(|f| f.to_f64())
+                .collect();
+            let p = &batch.parameters[i];
+            let (stuck, tangent) = match out.tangents[i] {
+                Tangent::Stuck => {
+                    let mut blocks = vec![0.0; Block::COUNT * m * m];
+                    for (block, k) in [
+                        (Block::T1T1, p.k_t[0]),
+                        (Block::T2T2, p.k_t[1]),
+                        (Block::NN, p.k_n),
+                    ] {
+                        (0..m)
+                            .for_each(|a| blocks[block as usize * m * m + a * m + a] = k.to_f64());
+                    }
+                    (true, blocks)
+                }
+                Tangent::Blocks(offset) => {
+                    let blocks = &out.blocks[offset..][..Block::COUNT * m * m];
+                    (false, blocks.iter().map(|x| x.to_f64()).collect())
+                }
+            };
+            let k = [p.k_t[0].to_f64(), p.k_t[1].to_f64(), p.k_n.to_f64()];
+            let q = batch.displacement[i..]
+                .iter()
+                .step_by(batch.n_states)
+                .enumerate();
+            let scale = q
+                .map(|(j, q)| (k[j / m] * q.to_f64()).abs())
+                .fold(p.n_0.to_f64().abs(), f64::max);
+            Answer {
+                forces,
+                scale,
+                tangent,
+                stiffness: largest(&k),
+                stuck,
+            }
+        })
+        .collect()
+}
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |a, x| a.max(x.abs()))
+}
+
+/// Largest differences of forces and tangents, each over the largest entry, per state, ascending.
+fn differences(found: &[Answer], expected: &[Answer], undecided: &[usize]) -> [Vec<f64>; 2] {
+    let relative = |a: &[f64], b: &[f64], scale: f64| {
+        let difference: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+        largest(&difference) / scale
+    };
+    let sorted = |f: &dyn Fn(&Answer, &Answer) -> f64| {
+        let decided =
+            (found.iter().zip(expected).enumerate()).filter(|(i, _)| !undecided.contains(i));
+        let mut all: Vec<f64> = decided.map(|(_, (a, b))| f(a, b)).collect();
+        all.sort_by(f64::total_cmp);
+        all
+    };
+    [
+        sorted(&|a, b| relative(&a.forces, &b.forces, b.scale)),
+        sorted(&|a, b| relative(&a.tangent, &b.tangent, b.stiffness)),
+    ]
+}
+
+fn quantiles(of: &[f64]) -> String {
+    let n = of.len();
+    format!(
+        "median {:.1e}, 99 % {:.1e}, largest {:.1e}",
+        of[n / 2],
+        of[n * 99 / 100],
+        of[n - 1]
+    )
+}
+
+/// One set of states on the device, by the same law in single precision and by it in double precision.
+struct Comparison {
+    /// Device against the law in single precision: forces, derivatives.
+    same_precision: [Vec<f64>; 2],
+    /// Device against the law in double precision.
+    exact: [Vec<f64>; 2],
+    /// Share of states that the device takes for stuck.
+    stuck: f64,
+    /// States that the device leaves to the processor.
+    undecided: usize,
+}
+
+fn compare(
+    device: &Device,
+    (law, events): (FrictionLaw, Events),
+    (h, n_time): (usize, usize),
+    precision: Precision,
+) -> Comparison {
+    let set = HarmonicSet::up_to(h);
+    let batch = random(&set, STATES, 7);
+    let scaled = ScaledStates::new(&batch).unwrap();
+    let double = plan::<f64>(&set, n_time, law, events);
+    let raw = on_device(device, &double, precision, &scaled);
+    let (mut found, mut expected) = (AftForces::default(), AftForces::default());
+    scaled.unscale(&double, &batch, &raw, &mut found);
+    evaluate(&double, &batch, Want::ForcesAndTangents, &mut expected);
+    let found = answers(&found, &batch);
+    let exact = differences(&found, &answers(&expected, &batch), &raw.undecided);
+    // the same numbers, rounded once, for both sides
+    let unit = unit_states::<f32>(&scaled);
+    let single = plan::<f32>(&set, n_time, law, events);
+    let mut expected = AftForces::default();
+    evaluate(&single, &unit, Want::ForcesAndTangents, &mut expected);
+    let expected = answers(&expected, &unit);
+    // their scale is 1: the largest force of a scaled state is between 1/2 and 1
+    let unit = unit_states::<f64>(&scaled);
+    let again = ScaledStates::new(&unit).unwrap();
+    let mut totals = AftForces::default();
+    again.unscale(&double, &unit, &raw, &mut totals);
+    let same_precision = differences(&answers(&totals, &unit), &expected, &raw.undecided);
+    let stuck = found.iter().filter(|a| a.stuck).count() as f64 / STATES as f64;
+    eprintln!(
+        "{law:?}: {} undecided, {:.0} % stuck",
+        raw.undecided.len(),
+        100.0 * stuck
+    );
+    for (name, [forces, derivatives]) in [("same precision", &same_precision), ("exact", &exact)] {
+        let (forces, derivatives) = (quantiles(forces), quantiles(derivatives));
+        eprintln!(
+            "{} H = {h}, {name}: forces {forces}; derivatives {derivatives}",
+            precision.name()
+        );
+    }
+    Comparison {
+        same_precision,
+        exact,
+        stuck,
+        undecided: raw.undecided.len(),
+    }
+}
+
+const BOX: (FrictionLaw, Events) = (FrictionLaw::Box, Events::Located);
+
+/// Every value is below the bound of its quantile: median, 99 %, largest.
+fn assert_below(values: &[f64], bounds: [f64; 3], what: &str) {
+    let n = values.len();
+    for (i, bound) in [n / 2, n * 99 / 100, n - 1].into_iter().zip(bounds) {
+        assert!(
+            values[i] <= bound,
+            "{what}: {:e} above {bound:e}",
+            values[i]
+        );
+    }
+}
+
+/// Same algorithm: rounding alone is between the shader and the Rust law in the same precision. Derivatives jump where an
+/// event comes or goes, so that their largest difference says little.
+/// Seen to fail with: a slider that slips down set to the lower bound; the rate of a closing slider by the gap function
+/// left out.
+#[test]
+fn shader_and_law_agree_in_single_precision() {
+    let Some(device) = device("shader_and_law_agree_in_single_precision", Precision::F32) else {
+        return;
+    };
+    for (h, n_time) in [(1, 64), (3, 64), (5, 128)] {
+        let found = compare(&device, BOX, (h, n_time), Precision::F32);
+        let [forces, derivatives] = &found.same_precision;
+        assert_below(forces, [3e-7, 1e-6, 3e-6], "forces");
+        assert_below(derivatives, [1e-6, 1e-5, 5e-3], "derivatives");
+        let [forces, derivatives] = &found.exact;
+        assert_below(forces, [3e-7, 1e-6, 3e-6], "forces in single precision");
+        assert_below(
+            derivatives,
+            [5e-7, 5e-6, 5e-3],
+            "derivatives in single precision",
+        );
+        assert!((0.05..0.5).contains(&found.stuck), "{} stick", found.stuck);
+    }
+}
+
+/// A gap that closes at a sample to rounding has one sign there as a sample and the other as a polynomial.
+/// Seen to fail with: the direction of a crossing taken from the sign at the end of its interval.
+#[test]
+fn crossings_at_samples_stay_there() {
+    let Some(device) = device("crossings_at_samples_stay_there", Precision::F32) else {
+        return;
+    };
+    let set = HarmonicSet::up_to(2);
+    let n = 2048;
+    let mut batch = random(&set, n, 5);
+    for (i, p) in batch.parameters.iter_mut().enumerate() {
+        // n_0 so that the gap vanishes at sample i of 64
+        let basis = set.basis(std::f64::consts::TAU * i as f64 / 64.0);
+        let q = |j: usize| batch.displacement[(2 * basis.len() + j) * n + i];
+        p.n_0 = -p.k_n * basis.iter().enumerate().map(|(j, b)| b * q(j)).sum::<f64>();
+    }
+    let plan = located::<f64>(&set, 64);
+    let scaled = ScaledStates::new(&batch).unwrap();
+    let raw = on_device(&device, &plan, Precision::F32, &scaled);
+    let (mut found, mut expected) = (AftForces::default(), AftForces::default());
+    scaled.unscale(&plan, &batch, &raw, &mut found);
+    evaluate(&plan, &batch, Want::ForcesAndTangents, &mut expected);
+    let (found, expected) = (answers(&found, &batch), answers(&expected, &batch));
+    let [forces, _] = differences(&found, &expected, &raw.undecided);
+    assert_below(&forces, [3e-7, 1e-5, 1e-3], "forces");
+}
+
+/// The same for the circle law decided at the samples, whose steady cycle is iterated to rounding.
+/// Seen to fail with: the instant of closing left out of the derivative.
+#[test]
+fn circle_law_agrees_in_single_precision() {
+    let Some(device) = device("circle_law_agrees_in_single_precision", Precision::F32) else {
+        return;
+    };
+    for events in [Events::Sampled, Events::Interpolated] {
+        let law = (FrictionLaw::Circle, events);
+        let found = compare(&device, law, (3, 64), Precision::F32);
+        let [forces, derivatives] = &found.same_precision;
+        assert_below(forces, [3e-7, 1e-6, 5e-6], "forces");
+        assert_below(derivatives, [1e-6, 1e-5, 5e-3], "derivatives");
+        let [forces, derivatives] = &found.exact;
+        assert_below(forces, [3e-7, 5e-5, 5e-4], "forces in single precision");
+        assert_below(
+            derivatives,
+            [1e-6, 1e-1, 1.0],
+            "derivatives in single precision",
+        );
+        assert!(
+            found.undecided < STATES / 10,
+            "{} undecided",
+            found.undecided
+        );
+    }
+}
+
+/// In double precision nothing is left between shader and law but the tolerance of root searches.
+/// Seen to fail with: Taylor series cut for single precision.
+#[test]
+fn shader_and_law_agree_in_double_precision() {
+    let Some(device) = device("shader_and_law_agree_in_double_precision", Precision::F64) else {
+        return;
+    };
+    let found = compare(&device, BOX, (3, 64), Precision::F64);
+    let [forces, derivatives] = &found.exact;
+    assert_below(forces, [1e-15, 1e-12, 1e-10], "forces");
+    assert_below(derivatives, [1e-11, 1e-8, 1e-5], "derivatives");
+}
+
+/// A state's answer does not depend on the rest of its batch, bit for bit.
+/// Seen to fail with: the slot of a state in place of the state in `tangents_of_moving`.
+#[test]
+fn answers_do_not_depend_on_the_batch() {
+    let Some(device) = device("answers_do_not_depend_on_the_batch", Precision::F32) else {
+        return;
+    };
+    let set = HarmonicSet::up_to(3);
+    let shape = Shape::of(&located::<f64>(&set, 64), Precision::F32).unwrap();
+    let kernels = Kernels::new(&device, shape).unwrap();
+    let buffers = kernels.buffers(&device, 400).unwrap();
+    let parts: Vec<ScaledStates> = [(3, 70), (4, 33), (5, 129), (6, 1)]
+        .map(|(seed, n)| ScaledStates::new(&random(&set, n, seed)).unwrap())
+        .into();
+    let run = |parts: &[&ScaledStates]| {
+        let result = kernels.evaluate(&device, &buffers, parts, Want::ForcesAndTangents);
+        result.expect("it runs").parts
+    };
+    let together = run(&parts.iter().collect::<Vec<_>>());
+    for (part, together) in parts.iter().zip(&together) {
+        let alone = run(&[part]).remove(0);
+        assert_eq!(alone.deviations, together.deviations);
+        assert_eq!(alone.slots, together.slots);
+        assert_eq!(alone.tangents, together.tangents);
+    }
+}
