@@ -6,9 +6,10 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use microslip::Error;
-use microslip::report::Summary;
+use microslip::report::{Summary, render};
 use microslip::study::{
-    Inspection, LevelCurve, OutputFolder, Progress, RunResult, Study, extend, inspect, run, solve,
+    Inspection, LevelCurve, OutputFolder, Progress, RunResult, Study, extend, inspect, run, schema,
+    solve,
 };
 
 /// Exit code of every failure.
@@ -20,6 +21,8 @@ Examples:
   microslip solve study.toml                nominal forced response at every level
   microslip run study.toml --threads 8      all samples, statistics and report
   microslip run study.toml --output other/  the same into another folder
+  microslip report results                  the report again, from the stored samples
+  microslip schema > study.schema.json      what editors need to check a study file
   microslip extend results --samples 800    more samples for these results; the old ones are kept
 
 Exit codes: 0 done, 2 bad input or a file that cannot be read or written.";
@@ -39,6 +42,10 @@ enum Command {
     Extend(ExtendArguments),
     /// Compute the nominal forced response at every level: curve.csv and solution.json.
     Solve(StudyArguments),
+    /// Render the report of a run again from its stored samples, without solving.
+    Report(ReportArguments),
+    /// Print the JSON Schema of the study file, for editors and programs.
+    Schema,
     /// Show what a study would compute: degrees of freedom, frequencies, contact pairs, memory and time.
     Inspect(StudyArguments),
 }
@@ -54,6 +61,15 @@ struct StudyArguments {
     #[arg(long)]
     output: Option<PathBuf>,
     /// No progress and no summary.
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Args)]
+struct ReportArguments {
+    /// Folder of the results of a run.
+    folder: PathBuf,
+    /// No summary.
     #[arg(long)]
     quiet: bool,
 }
@@ -91,18 +107,43 @@ pub(crate) fn main() -> ExitCode {
     }
 }
 
-fn execute(command: &Command) -> Result<(), Error> {
-    let threads = match command {
-        Command::Run(common) | Command::Solve(common) | Command::Inspect(common) => common.threads,
-        Command::Extend(arguments) => arguments.threads,
-    };
-    if let Some(threads) = threads {
-        rayon::ThreadPoolBuilder::new()
+fn start_threads(threads: Option<std::num::NonZeroUsize>) -> Result<(), Error> {
+    match threads {
+        None => Ok(()),
+        Some(threads) => rayon::ThreadPoolBuilder::new()
             .num_threads(threads.get())
             .build_global()
-            .map_err(|error| Error::Threads(error.to_string()))?;
+            .map_err(|error| Error::Threads(error.to_string())),
+    }
+}
+
+fn execute(command: &Command) -> Result<(), Error> {
+    match command {
+        Command::Run(common) | Command::Solve(common) | Command::Inspect(common) => {
+            start_threads(common.threads)?;
+        }
+        Command::Extend(arguments) => start_threads(arguments.threads)?,
+        Command::Report(_) | Command::Schema => {}
     }
     match command {
+        Command::Schema => print(|out| {
+            serde_json::to_writer_pretty(&mut *out, &schema())?;
+            writeln!(out)
+        }),
+        Command::Report(arguments) => {
+            let (summary, _) = render(&arguments.folder)?;
+            if arguments.quiet {
+                return Ok(());
+            }
+            print(|out| {
+                show_levels(out, &summary)?;
+                let path = arguments.folder.display();
+                writeln!(
+                    out,
+                    "summary.json, report.json and report.html are in {path}"
+                )
+            })
+        }
         Command::Inspect(arguments) => {
             let study = Study::read(&arguments.study)?;
             let inspection = inspect(&study)?;
@@ -160,7 +201,7 @@ fn show_result(result: &RunResult, folder: &Path, quiet: bool) -> Result<(), Err
         }
         writeln!(
             out,
-            "samples.parquet, curves.parquet, summary.json and report.html are in {}",
+            "samples.parquet, curves.parquet, run.json, summary.json, report.json and report.html are in {}",
             folder.display()
         )
     })

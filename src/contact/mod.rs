@@ -25,7 +25,9 @@ pub struct ContactParameters<T> {
 }
 
 /// How the two tangential directions share the Coulomb limit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum FrictionLaw {
     /// Each direction has its own limit: |T₁| ≤ mu N and |T₂| ≤ mu N.
@@ -35,7 +37,9 @@ pub enum FrictionLaw {
 }
 
 /// How events between two samples are resolved: the starts and ends of slip and separation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Events {
     /// Every event is decided at the samples; a slider that closes is anchored at the last separated sample.

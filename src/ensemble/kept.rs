@@ -4,9 +4,10 @@
 //! them. With `samples.parquet` and `curves.parquet` it restores everything that a longer run would have in memory.
 
 use super::atlas::{Anchor, AnchorPeak};
-use super::outcome::{CurvePoint, SampleOutcome};
 use super::runner::Solved;
-use super::store::{Column, Record, StoreError, Table, metadata, read_samples, write_table};
+use super::store::{
+    Column, Record, StoreError, Table, metadata, read_curves, read_samples, write_table,
+};
 use crate::harmonics::HarmonicSet;
 use crate::hb::newton::Point;
 use crate::sampling::Design;
@@ -149,21 +150,4 @@ fn anchor_peak(row: &Record) -> Result<AnchorPeak, StoreError> {
         },
         response: c64::new(row.real("response_real")?, row.real("response_imaginary")?),
     })
-}
-
-/// Gives the outcomes the curves of `path`.
-fn read_curves(path: &Path, outcomes: &mut [SampleOutcome]) -> Result<(), StoreError> {
-    let reader = SerializedFileReader::new(File::open(path)?)?;
-    for row in reader.get_row_iter(None)? {
-        let row = Record::of(row?);
-        let (sample, level) = (row.count("sample")?, row.real("level")?);
-        let outcome = outcomes.get_mut(sample);
-        let record = outcome.and_then(|o| o.levels.iter_mut().find(|record| record.level == level));
-        let record = record.ok_or_else(|| Record::missing("level"))?;
-        record.curve.push(CurvePoint {
-            frequency_hz: row.real("frequency_hz")?,
-            amplitude_m: row.real("amplitude_m")?,
-        });
-    }
-    Ok(())
 }

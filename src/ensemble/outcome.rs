@@ -2,9 +2,10 @@
 
 use crate::hb::Status;
 use crate::sampling::SampleGroup;
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// All that is kept of one sample.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SampleOutcome {
     /// Index of the sample in the study, 0-based.
     pub index: u64,
@@ -17,7 +18,7 @@ pub struct SampleOutcome {
 }
 
 /// Resonance of one sample at one excitation level.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct LevelOutcome {
     /// Excitation level (N for the built-in model).
     pub level: f64,
@@ -34,37 +35,57 @@ pub struct LevelOutcome {
 }
 
 /// Numbers of one resonance peak.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PeakRecord {
     /// Resonance frequency (Hz).
+    #[serde(deserialize_with = "number")]
     pub frequency_hz: f64,
     /// Amplitude |q̂₁| of the first response coordinate (m).
+    #[serde(deserialize_with = "number")]
     pub amplitude_m: f64,
     /// Estimated relative change of the amplitude by the harmonics left out; absent if not asked for.
     pub truncation_error: Option<f64>,
     /// Highest harmonic of the solution.
     pub highest_harmonic: usize,
     /// Share of (pair, time) that sticks.
+    #[serde(deserialize_with = "number")]
     pub stick_fraction: f64,
     /// Share of (pair, time) that slips in at least one direction.
+    #[serde(deserialize_with = "number")]
     pub slip_fraction: f64,
     /// Share of (pair, time) that is separated.
+    #[serde(deserialize_with = "number")]
     pub separated_fraction: f64,
     /// Work of the excitation per cycle (J).
+    #[serde(deserialize_with = "number")]
     pub work_input_j: f64,
     /// Work dissipated by the damping matrix per cycle (J).
+    #[serde(deserialize_with = "number")]
     pub work_viscous_j: f64,
     /// Work dissipated by friction per cycle (J).
+    #[serde(deserialize_with = "number")]
     pub work_friction_j: f64,
     /// Largest component of the residual over the fixed displacement scale.
+    #[serde(deserialize_with = "number")]
     pub residual: f64,
 }
 
 /// One point of a forced response curve.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CurvePoint {
     /// Frequency (Hz).
+    #[serde(deserialize_with = "number")]
     pub frequency_hz: f64,
     /// Amplitude of the first response coordinate (m).
+    #[serde(deserialize_with = "number")]
     pub amplitude_m: f64,
+}
+
+/// Reads a number; JSON has no NaN, so `null` stands for it.
+///
+/// # Errors
+/// Those of the deserializer.
+pub fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    let number = Option::<f64>::deserialize(deserializer)?;
+    Ok(number.unwrap_or(f64::NAN))
 }

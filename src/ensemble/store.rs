@@ -3,7 +3,7 @@
 //! A sample without a solution keeps its row: status and work counts are there, the numbers of the peak are null.
 //! No column ever holds NaN. Files appear whole or not at all.
 
-use super::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
+use super::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
 use crate::contact::{Events, FrictionLaw};
 use crate::hb::{SliderAnchor, Status};
 use crate::sampling::SampleGroup;
@@ -24,7 +24,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// What a result must carry to be understood and repeated.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Provenance {
     /// Name of the study.
     pub study: String,
@@ -32,6 +32,8 @@ pub struct Provenance {
     pub seed: u64,
     /// Version of this program.
     pub version: String,
+    /// Commit that it was built from, as stated at its build; absent if nobody stated one.
+    pub commit: Option<String>,
     /// Name of the model.
     pub model: String,
     /// Friction law.
@@ -186,6 +188,27 @@ pub fn read_samples(path: &Path) -> Result<StoredSamples, StoreError> {
         input_names,
         outcomes,
     })
+}
+
+/// Reads what [`write_curves`] wrote into the outcomes of the same run; their curves are empty before.
+///
+/// # Errors
+/// [`StoreError`] if the file cannot be read, lacks a column or belongs to other samples.
+pub fn read_curves(path: &Path, outcomes: &mut [SampleOutcome]) -> Result<(), StoreError> {
+    let reader = SerializedFileReader::new(File::open(path)?)?;
+    let places: BTreeMap<u64, usize> = outcomes.iter().map(|o| o.index).zip(0..).collect();
+    for row in reader.get_row_iter(None)? {
+        let row = Record::of(row?);
+        let (sample, level) = (row.count("sample")? as u64, row.real("level")?);
+        let outcome = places.get(&sample).and_then(|&i| outcomes.get_mut(i));
+        let record = outcome.and_then(|o| o.levels.iter_mut().find(|l| l.level == level));
+        let record = record.ok_or_else(|| Record::missing("the sample of a curve"))?;
+        record.curve.push(CurvePoint {
+            frequency_hz: row.number("frequency_hz")?,
+            amplitude_m: row.number("amplitude_m")?,
+        });
+    }
+    Ok(())
 }
 
 /// Key-value metadata of a file.
@@ -423,6 +446,11 @@ impl Record {
         self.optional(name)?.ok_or_else(|| Self::missing(name))
     }
 
+    /// A number that was not finite when it was written is NaN again.
+    fn number(&self, name: &str) -> Result<f64, StoreError> {
+        Ok(self.optional(name)?.unwrap_or(f64::NAN))
+    }
+
     pub(super) fn count(&self, name: &str) -> Result<usize, StoreError> {
         match self.0.get(name) {
             Some(Field::Long(value)) => usize::try_from(*value).map_err(|_| Self::missing(name)),
@@ -463,21 +491,25 @@ impl Record {
     }
 
     fn peak(&self) -> Result<Option<PeakRecord>, StoreError> {
-        let Some(frequency_hz) = self.optional("frequency_hz")? else {
+        let place = (
+            self.optional("frequency_hz")?,
+            self.optional("amplitude_m")?,
+        );
+        let (Some(frequency_hz), Some(amplitude_m)) = place else {
             return Ok(None);
         };
         Ok(Some(PeakRecord {
             frequency_hz,
-            amplitude_m: self.real("amplitude_m")?,
+            amplitude_m,
             truncation_error: self.optional("truncation_error")?,
             highest_harmonic: self.count("highest_harmonic")?,
-            stick_fraction: self.real("stick_fraction")?,
-            slip_fraction: self.real("slip_fraction")?,
-            separated_fraction: self.real("separated_fraction")?,
-            work_input_j: self.real("work_input_j")?,
-            work_viscous_j: self.real("work_viscous_j")?,
-            work_friction_j: self.real("work_friction_j")?,
-            residual: self.real("residual")?,
+            stick_fraction: self.number("stick_fraction")?,
+            slip_fraction: self.number("slip_fraction")?,
+            separated_fraction: self.number("separated_fraction")?,
+            work_input_j: self.number("work_input_j")?,
+            work_viscous_j: self.number("work_viscous_j")?,
+            work_friction_j: self.number("work_friction_j")?,
+            residual: self.number("residual")?,
         }))
     }
 }

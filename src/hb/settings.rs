@@ -5,7 +5,9 @@ use crate::harmonics::HarmonicSet;
 use crate::setting::{BadSetting, positive};
 
 /// Where the sliders start: decides the mean tractions of contacts that never slip.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum SliderAnchor {
     /// Traction-free at zero relative displacement of the unloaded model.

@@ -1,7 +1,7 @@
 //! How a solve ended.
 
 /// Outcome of one nonlinear solve; data, never an error.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
     /// Converged, truncation error below the threshold (or not asked for).

@@ -33,7 +33,17 @@ const LEVEL_RATIO: f64 = 3.0;
 const SMALLEST_RATIO: f64 = 1.005;
 
 /// Which way the frequencies go, and so which solution is met where there are several.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, serde::Serialize)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Default,
+    serde::Deserialize,
+    serde::Serialize,
+    schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum SweepDirection {
     /// From low to high frequencies.

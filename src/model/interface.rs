@@ -5,7 +5,9 @@ use crate::contact::ContactParameters;
 use crate::setting::{BadSetting, non_negative, positive};
 
 /// How the pairs of an interface share its stiffness.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Share {
     /// Every pair has the same part.

@@ -52,7 +52,7 @@ impl MatricesError {
 }
 
 /// `[model]` with `kind = "matrices"`. Files are relative to the study file's folder.
-#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MatricesSettings {
     /// M: Matrix Market file.
@@ -81,7 +81,7 @@ pub struct MatricesSettings {
 }
 
 /// Names in the study file, or a text file with one name per line.
-#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(
     untagged,
     expecting = "expected a list of names or the name of a text file"
@@ -94,7 +94,7 @@ pub enum DofNames {
 }
 
 /// A vector on the degrees of freedom.
-#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(
     untagged,
     expecting = "expected a table of dof = number, or the name of a Matrix Market file"
@@ -107,7 +107,7 @@ pub enum Vector {
 }
 
 /// A response coordinate.
-#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(
     untagged,
     expecting = "expected the name of a dof, or { name = \"...\", row = { dof = weight } }"

@@ -8,7 +8,7 @@ use crate::contact::ContactParameters;
 use crate::setting::{BadSetting, non_negative};
 
 /// `[[model.contact]]`: one pair. A direction without a table is absent.
-#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactTable {
     /// Name, unique in the model.

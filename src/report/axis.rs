@@ -19,9 +19,38 @@ pub(super) struct Axis {
     scale: Scale,
     low: f64,
     high: f64,
+    /// Names at 0, −1, −2, …, from top to bottom; none on an axis of numbers.
+    names: Vec<String>,
 }
 
 impl Axis {
+    /// One line per name, the first on top: name i stands at −i.
+    pub(super) fn of_names(names: Vec<String>) -> Self {
+        Self {
+            label: String::new(),
+            scale: Scale::Linear,
+            low: 0.5 - names.len().max(1) as f64,
+            high: 0.5,
+            names,
+        }
+    }
+
+    /// Logarithmic from `low` to `high`, both positive.
+    pub(super) fn log(label: impl Into<String>, low: f64, high: f64) -> Self {
+        Self {
+            label: label.into(),
+            scale: Scale::Log,
+            low,
+            high,
+            names: Vec::new(),
+        }
+    }
+
+    /// Both ends.
+    pub(super) fn range(&self) -> [f64; 2] {
+        [self.low, self.high]
+    }
+
     /// Linear from `low` to `high`; widened where they coincide.
     pub(super) fn linear(label: impl Into<String>, low: f64, high: f64) -> Self {
         let least = 1e-9 * low.abs().max(high.abs()).max(1e-6);
@@ -35,6 +64,7 @@ impl Axis {
             scale: Scale::Linear,
             low: low - widen,
             high: high + widen,
+            names: Vec::new(),
         }
     }
 
@@ -51,12 +81,7 @@ impl Axis {
         }
         if low > 0.0 && high / low > 20.0 {
             let room = (high / low).powf(0.04);
-            return Self {
-                label: label.into(),
-                scale: Scale::Log,
-                low: low / room,
-                high: high * room,
-            };
+            return Self::log(label, low / room, high * room);
         }
         let room = 0.05 * (high - low);
         Self::linear(label, low - room, high + room)
@@ -82,6 +107,10 @@ impl Axis {
     /// Values and labels of the ticks; at most as many as fit when a label of c characters takes `room(c)` of
     /// the axis length.
     pub(super) fn ticks(&self, room: impl Fn(usize) -> f64) -> Vec<(f64, String)> {
+        if !self.names.is_empty() {
+            let name = |(i, name): (usize, &String)| (-(i as f64), name.clone());
+            return self.names.iter().enumerate().map(name).collect();
+        }
         let mut best = Vec::new();
         for wanted in 2..=7 {
             let ticks = match self.scale {

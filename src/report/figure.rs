@@ -11,20 +11,29 @@ pub(super) enum Size {
     Small,
     /// Two in a row.
     Large,
+    /// Two in a row, with a line for each of so many names.
+    Rows(usize),
 }
 
-const LEFT: f64 = 54.0;
-const RIGHT: f64 = 12.0;
+/// Room for the ticks of the vertical axis at least, and beside the widest of them.
+const LEFT: [f64; 2] = [54.0, 26.0];
+/// Room for half a tick label at the end of the axis.
+const RIGHT: f64 = 24.0;
 const TOP: f64 = 24.0;
 const BOTTOM: f64 = 42.0;
 /// Widest character of a tick label in panel units.
 const CHARACTER: f64 = 6.6;
+/// Usual character of a tick label.
+const TICK_WIDTH: f64 = 6.3;
+/// Height of a tick label with its surroundings.
+const TICK_HEIGHT: f64 = 26.0;
 
 /// A panel under construction: marks are drawn in the order of the calls.
 #[derive(Debug, Clone)]
 pub(super) struct Panel {
     width: f64,
     height: f64,
+    left: f64,
     title: String,
     x: Axis,
     y: Axis,
@@ -38,10 +47,14 @@ impl Panel {
         let (width, height) = match size {
             Size::Small => (310.0, 214.0),
             Size::Large => (430.0, 305.0),
+            Size::Rows(n) => (430.0, TOP + BOTTOM + 26.0 * n.max(2) as f64),
         };
+        let ticks = y.ticks(|_| TICK_HEIGHT / (height - TOP - BOTTOM));
+        let widest = ticks.iter().map(|t| t.1.chars().count()).max().unwrap_or(0);
         Self {
             width,
             height,
+            left: LEFT[0].max(LEFT[1] + TICK_WIDTH * widest as f64),
             title: title.into(),
             x,
             y,
@@ -51,7 +64,7 @@ impl Panel {
     }
 
     fn inner(&self) -> (f64, f64) {
-        (self.width - LEFT - RIGHT, self.height - TOP - BOTTOM)
+        (self.width - self.left - RIGHT, self.height - TOP - BOTTOM)
     }
 
     /// Position inside the plot area; `None` for what has no place on the axes.
@@ -161,38 +174,107 @@ impl Panel {
         }
     }
 
+    /// A level line over the whole width.
+    pub(super) fn level_rule(&mut self, class: &str, y: f64) {
+        let (width, height) = self.inner();
+        if let Some(y) = self.y.position(y) {
+            let data = format!("M0 {:.1}H{width:.1}", (1.0 - y.clamp(-9.0, 9.0)) * height);
+            self.path(&format!("rule {class}"), &data);
+        }
+    }
+
+    /// A vertical line from `low` to `high` at `x` with a bar at each end.
+    pub(super) fn whisker(&mut self, class: &str, x: f64, [low, high]: [f64; 2]) {
+        if let (Some((x, y0)), Some((_, y1))) = (self.place((x, low)), self.place((x, high))) {
+            let bar = |y: f64| format!("M{:.1} {y:.1}h8", x - 4.0);
+            let data = format!("M{x:.1} {y0:.1}V{y1:.1}{}{}", bar(y0), bar(y1));
+            self.path(&format!("whisker {class}"), &data);
+        }
+    }
+
+    /// A level line from `low` to `high` at `y` with a bar at each end.
+    pub(super) fn level_whisker(&mut self, class: &str, y: f64, [low, high]: [f64; 2]) {
+        if let (Some((x0, y)), Some((x1, _))) = (self.place((low, y)), self.place((high, y))) {
+            let bar = |x: f64| format!("M{x:.1} {:.1}v8", y - 4.0);
+            let data = format!("M{x0:.1} {y:.1}H{x1:.1}{}{}", bar(x0), bar(x1));
+            self.path(&format!("whisker {class}"), &data);
+        }
+    }
+
+    /// A bar from `low` to `high` around the line `y`, `thickness` of the distance between lines.
+    pub(super) fn level_bar(&mut self, class: &str, y: f64, [low, high]: [f64; 2], thickness: f64) {
+        let corners = (
+            self.place((low, y - 0.5 * thickness)),
+            self.place((high, y + 0.5 * thickness)),
+        );
+        if let (Some((x0, y0)), Some((x1, y1))) = corners {
+            let data = format!("M{x0:.1} {y0:.1}V{y1:.1}H{x1:.1}V{y0:.1}Z");
+            self.path(&format!("bar {class}"), &data);
+        }
+    }
+
+    /// Words inside the plot area, beginning at a point (`end`: ending there), a little above it.
+    pub(super) fn words(&mut self, class: &str, point: (f64, f64), text: &str) {
+        if let Some((x, y)) = self.place(point) {
+            write_text(
+                &mut self.marks,
+                &format!("words {class}"),
+                (x, y - 4.0),
+                text,
+            );
+        }
+    }
+
     /// A sentence in the middle of the panel, for when there is nothing to draw.
     pub(super) fn note(&mut self, text: &str) {
         self.note = Some(text.to_owned());
     }
 
-    /// The panel as SVG; title and axis labels are escaped here.
+    /// The panel as SVG inside a page.
     pub(super) fn svg(&self) -> String {
+        self.picture("", "")
+    }
+
+    /// The panel as a file of its own, in the given style sheet.
+    pub(super) fn standalone(&self, style: &str) -> String {
+        let attributes = format!(
+            " xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\"",
+            2.0 * self.width,
+            2.0 * self.height
+        );
+        let ground = "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>";
+        self.picture(&attributes, &format!("<style>{style}</style>{ground}"))
+    }
+
+    /// Title and axis labels are escaped here.
+    fn picture(&self, attributes: &str, start: &str) -> String {
         let (width, height) = self.inner();
+        let left = self.left;
         let mut svg = format!(
-            "<svg class=\"panel\" viewBox=\"0 0 {:.0} {:.0}\" role=\"img\" aria-label=\"{}: {} over {}\">",
+            "<svg{attributes} class=\"panel\" viewBox=\"0 0 {:.0} {:.0}\" role=\"img\" aria-label=\"{}: {} over {}\">",
             self.width,
             self.height,
             HtmlEscape(&self.title),
             HtmlEscape(&self.y.label),
             HtmlEscape(&self.x.label)
         );
+        svg.push_str(start);
         self.write_axes(&mut svg);
         // The inner picture cuts off what leaves the plot area.
         let _ = write!(
             svg,
-            "<svg x=\"{LEFT}\" y=\"{TOP}\" width=\"{width:.0}\" height=\"{height:.0}\">{}</svg>",
+            "<svg x=\"{left}\" y=\"{TOP}\" width=\"{width:.0}\" height=\"{height:.0}\">{}</svg>",
             self.marks
         );
         let _ = write!(
             svg,
-            "<path class=\"frame\" d=\"M{LEFT} {TOP}v{height:.1}h{width:.1}\"/>"
+            "<path class=\"frame\" d=\"M{left} {TOP}v{height:.1}h{width:.1}\"/>"
         );
         if let Some(note) = &self.note {
             write_text(
                 &mut svg,
                 "note",
-                (LEFT + width / 2.0, TOP + height / 2.0),
+                (left + width / 2.0, TOP + height / 2.0),
                 note,
             );
         }
@@ -202,10 +284,11 @@ impl Panel {
 
     fn write_axes(&self, svg: &mut String) {
         let (width, height) = self.inner();
-        write_text(svg, "title", (LEFT, 15.0), &self.title);
+        let left = self.left;
+        write_text(svg, "title", (left.min(LEFT[0]), 15.0), &self.title);
         for (value, label) in self.x.ticks(|c| (c as f64 * CHARACTER + 14.0) / width) {
             if let Some(position) = self.x.position(value) {
-                let x = LEFT + position * width;
+                let x = left + position * width;
                 let _ = write!(
                     svg,
                     "<path class=\"grid\" d=\"M{x:.1} {TOP}v{height:.1}\"/>"
@@ -213,17 +296,17 @@ impl Panel {
                 write_text(svg, "tick x", (x, TOP + height + 15.0), &label);
             }
         }
-        for (value, label) in self.y.ticks(|_| 26.0 / height) {
+        for (value, label) in self.y.ticks(|_| TICK_HEIGHT / height) {
             if let Some(position) = self.y.position(value) {
                 let y = TOP + (1.0 - position) * height;
                 let _ = write!(
                     svg,
-                    "<path class=\"grid\" d=\"M{LEFT} {y:.1}h{width:.1}\"/>"
+                    "<path class=\"grid\" d=\"M{left} {y:.1}h{width:.1}\"/>"
                 );
-                write_text(svg, "tick y", (LEFT - 6.0, y + 3.8), &label);
+                write_text(svg, "tick y", (left - 6.0, y + 3.8), &label);
             }
         }
-        let bottom = (LEFT + width / 2.0, self.height - 8.0);
+        let bottom = (left + width / 2.0, self.height - 8.0);
         write_text(svg, "label", bottom, &self.x.label);
         let middle = TOP + height / 2.0;
         let _ = write!(

@@ -1,49 +1,43 @@
-//! What the designer reads: `summary.json` for programs and `report.html` for people.
+//! What the designer reads: `summary.json` and `report.json` for programs, `report.html` for people.
 //!
-//! Both are made from the same [`Summary`]; the page adds figures. A sample without a solution is counted, shown
+//! The page shows the numbers of [`Summary`] and [`Assessment`] and adds figures. A sample without a solution is counted, shown
 //! and bounded, never dropped in silence. The page is one file: no network, no script.
 //! Knows how results look, not how they were computed. Start reading in [`mod@summary`].
 
+pub mod assessment;
 mod axis;
+mod block;
 mod display;
+pub mod error_budget;
 mod figure;
-mod figures;
+pub mod judgement;
+pub mod margins;
 mod page;
+pub mod record;
+pub mod requirement;
+mod section;
 pub mod summary;
+mod view;
 
+pub use assessment::Assessment;
+pub use record::{RunRecord, StoredRun};
 pub use summary::Summary;
 
-use crate::ensemble::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
-use crate::ensemble::store::{Provenance, replace_file};
+use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
+use crate::ensemble::store::{StoreError, replace_file};
 use crate::hb::Status;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Everything a report is made from.
 #[derive(Debug, Clone, Copy)]
 pub struct ReportInput<'a> {
-    /// Study, seed, version, law and settings.
-    pub provenance: &'a Provenance,
-    /// Names of the sampled inputs, in the order of [`SampleOutcome::inputs`].
-    pub input_names: &'a [String],
-    /// Excitation levels, in the order of [`SampleOutcome::levels`].
-    pub levels: &'a [f64],
-    /// Unit of the excitation levels, such as `N`.
-    pub level_unit: &'a str,
-    /// Resonance frequency without contact forces, nominal inputs (Hz).
-    pub free_frequency_hz: f64,
-    /// Resonance frequency with all contacts stuck, nominal inputs (Hz).
-    pub stuck_frequency_hz: f64,
-    /// Linear response without contact forces; amplitude per unit level. May be empty.
-    pub free_curve: &'a [CurvePoint],
-    /// Linear response with all contacts stuck, nominal inputs; amplitude per unit level. May be empty.
-    pub stuck_curve: &'a [CurvePoint],
-    /// Outcome at the nominal inputs, if computed.
-    pub nominal: Option<&'a SampleOutcome>,
+    /// All of the run beside its samples.
+    pub record: &'a RunRecord,
     /// The samples, failed ones included.
     pub outcomes: &'a [SampleOutcome],
-    /// Wall time of the study (s).
-    pub wall_time_s: f64,
+    /// Tables of the run whose content has changed since.
+    pub changed: &'a [String],
 }
 
 /// Why a report could not be written.
@@ -53,22 +47,47 @@ pub enum ReportError {
     /// The operating system refused.
     #[error("report: {0}")]
     File(#[from] std::io::Error),
+    /// A file of the run cannot be read back.
+    #[error("{}: {source}", path.display())]
+    Stored {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: StoreError,
+    },
     /// The page template is broken.
     #[error("report page: {0}")]
     Page(#[from] minijinja::Error),
 }
 
-/// Writes `summary.json` and `report.html` into `folder`, each whole or not at all, and returns the summary.
+/// Writes the report of the run in `folder` from its files alone, and returns the summary with the samples.
 ///
-/// Shape: every outcome, and the nominal one, has one record per entry of `input.levels`.
+/// # Errors
+/// [`ReportError`] if a file cannot be read or written.
+pub fn render(folder: &Path) -> Result<(Summary, StoredRun), ReportError> {
+    let run = StoredRun::read(folder)?;
+    let summary = write(folder, &run.input())?;
+    Ok((summary, run))
+}
+
+/// Writes `summary.json`, `report.json` and `report.html` into `folder`, each whole or not at all, and returns the summary.
+///
+/// Shape: every outcome, and the nominal one, has one record per level of the record.
 ///
 /// # Errors
 /// [`ReportError`] if a file cannot be written.
 pub fn write(folder: &Path, input: &ReportInput) -> Result<Summary, ReportError> {
     let summary = Summary::of(input);
     let json = serde_json::to_string_pretty(&summary).map_err(std::io::Error::from)?;
-    let page = page::render(input, &summary)?;
-    for (name, text) in [("summary.json", json), ("report.html", page)] {
+    let assessment = Assessment::of(input, &summary);
+    let report = serde_json::to_string_pretty(&assessment).map_err(std::io::Error::from)?;
+    let page = page::render(input, &summary, &assessment)?;
+    let files = [
+        ("summary.json", json),
+        ("report.json", report),
+        ("report.html", page),
+    ];
+    for (name, text) in files {
         replace_file(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
     }
     Ok(summary)

@@ -112,23 +112,24 @@ impl Summary {
     /// Shape: every outcome, and the nominal one, has one record per entry of `input.levels`.
     #[must_use]
     pub fn of(input: &ReportInput) -> Self {
-        for outcome in input.outcomes.iter().chain(input.nominal) {
+        let record = input.record;
+        for outcome in input.outcomes.iter().chain(&record.nominal) {
             assert_eq!(
                 outcome.levels.len(),
-                input.levels.len(),
+                record.levels.len(),
                 "one record per excitation level"
             );
         }
         Self {
-            provenance: input.provenance.clone(),
-            inputs: input.input_names.to_vec(),
+            provenance: record.provenance.clone(),
+            inputs: record.inputs.iter().map(|i| i.name.clone()).collect(),
             samples: input.outcomes.len(),
-            level_unit: input.level_unit.to_owned(),
-            free_frequency_hz: input.free_frequency_hz,
-            stuck_frequency_hz: input.stuck_frequency_hz,
+            level_unit: record.level_unit.clone(),
+            free_frequency_hz: record.free.frequency_hz,
+            stuck_frequency_hz: record.stuck.frequency_hz,
             confidence: CONFIDENCE,
-            wall_time_s: input.wall_time_s,
-            levels: (0..input.levels.len())
+            wall_time_s: record.wall_time_s,
+            levels: (0..record.levels.len())
                 .map(|i| LevelSummary::of(input, i))
                 .collect(),
         }
@@ -137,7 +138,7 @@ impl Summary {
 
 impl LevelSummary {
     fn of(input: &ReportInput, i: usize) -> Self {
-        let level = input.levels[i];
+        let level = input.record.levels[i];
         let records: Vec<&LevelOutcome> = input.outcomes.iter().map(|o| &o.levels[i]).collect();
         let peaks: Vec<PeakRecord> = records.iter().filter_map(|r| usable_peak(r)).collect();
         let failed = records.len() - peaks.len();
@@ -153,7 +154,11 @@ impl LevelSummary {
             statuses: count_statuses(&records),
             failed,
             failure_rate: proportion(failed, records.len(), CONFIDENCE),
-            nominal: input.nominal.and_then(|o| usable_peak(&o.levels[i])),
+            nominal: input
+                .record
+                .nominal
+                .as_ref()
+                .and_then(|o| usable_peak(&o.levels[i])),
             frequency_hz: distribution(&|p| Some(p.frequency_hz)),
             amplitude_m: distribution(&|p| Some(p.amplitude_m)),
             amplitude_per_unit_level_m: distribution(&|p| Some(p.amplitude_m / level)),
@@ -226,10 +231,10 @@ fn correlations(input: &ReportInput, i: usize) -> Vec<InputCorrelation> {
             |o: &SampleOutcome| Some((*o.inputs.get(j)?, value(&usable_peak(&o.levels[i])?)));
         rank_correlation(&input.outcomes.iter().filter_map(pair).collect::<Vec<_>>())
     };
-    let names = input.input_names.iter().enumerate();
+    let names = input.record.inputs.iter().enumerate();
     names
-        .map(|(j, name)| InputCorrelation {
-            input: name.clone(),
+        .map(|(j, input)| InputCorrelation {
+            input: input.name.clone(),
             frequency: with(j, |p| p.frequency_hz),
             amplitude: with(j, |p| p.amplitude_m),
         })

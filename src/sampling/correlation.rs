@@ -8,7 +8,7 @@ use crate::setting::BadSetting;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// What the numbers of a [`CorrelationTable`] are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum CorrelationKind {
     /// Pearson's correlation of the normal scores Φ⁻¹(F(x)).
@@ -19,7 +19,7 @@ pub enum CorrelationKind {
 }
 
 /// `[correlation]` of a study file.
-#[derive(Debug, Clone, Default, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CorrelationTable {
     #[serde(default)]
@@ -28,7 +28,7 @@ pub struct CorrelationTable {
 }
 
 /// Two inputs and their correlation.
-#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct CorrelatedPair {
     inputs: [String; 2],

@@ -48,7 +48,7 @@ pub struct Design {
 }
 
 /// What a sample belongs to, beside its design.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct SampleGroup {
     /// Outer point of a nested design.
     pub outer: Option<u64>,

@@ -6,7 +6,7 @@ use super::stream::OUTER;
 use crate::setting::BadSetting;
 
 /// How the box of the epistemic inputs is covered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum OuterKind {
     /// The corners, the centre and space-filling points.
@@ -17,7 +17,7 @@ pub enum OuterKind {
 }
 
 /// `[epistemic]` of a study file.
-#[derive(Debug, Clone, Default, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EpistemicTable {
     #[serde(default)]

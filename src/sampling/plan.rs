@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Kind of a design, as written in a study file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum DesignKind {
     /// Independent samples.
@@ -41,7 +41,7 @@ impl DesignKind {
 }
 
 /// `[design]` of a study file; each kind takes its own keys and refuses the others.
-#[derive(Debug, Clone, Default, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DesignTable {
     /// Kind of the design.
@@ -52,7 +52,7 @@ pub struct DesignTable {
 }
 
 /// Points of a grid.
-#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(
     untagged,
     expecting = "expected a number of points, or a table of input = points"

@@ -4,7 +4,7 @@ use super::distribution::{Distribution, Shape};
 use crate::setting::BadSetting;
 
 /// Family of a distribution, as written in a study file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Family {
     /// `value`.
@@ -38,7 +38,7 @@ pub enum Uncertainty {
 }
 
 /// Kind of ignorance, as written in a study file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum UncertaintyKind {
     /// `distribution` and its parameters.
@@ -51,7 +51,7 @@ pub enum UncertaintyKind {
 /// All parameters that any family has; each family takes its own and refuses the others.
 ///
 /// One flat table and not one variant per family: so a reader of the file can name the line of every mistake.
-#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DistributionTable {
     #[serde(default)]

@@ -79,7 +79,7 @@ pub struct FrequencySettings {
 }
 
 /// `[frequency]` of a study file.
-#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FrequencyTable {
     band_hz: Option<[f64; 2]>,

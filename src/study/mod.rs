@@ -9,7 +9,9 @@ pub mod frequency;
 pub mod inspect;
 pub mod output;
 pub mod read;
+mod requirements;
 pub mod run;
+pub mod schema;
 pub mod solve;
 pub mod tables;
 
@@ -19,4 +21,5 @@ pub use inspect::{Inspection, inspect};
 pub use output::{OutputFolder, OutputSettings};
 pub use read::{ModelSettings, Study, StudyModel};
 pub use run::{RunResult, run};
+pub use schema::schema;
 pub use solve::{LevelCurve, Progress, solve, write_curves};

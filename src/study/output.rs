@@ -8,7 +8,7 @@ use crate::ensemble::store::replace_file;
 use crate::setting::BadSetting;
 
 /// `[output]` of a study file.
-#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct OutputSettings {
     /// Folder of the results, relative to the study file.

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::document::Document;
 use super::frequency::{FrequencySettings, FrequencyTable, ascending_positive};
 use super::output::OutputSettings;
+use super::requirements::{check_requirements, requirements};
 use super::tables::{ContactSection, SolverSection};
 use crate::Error;
 use crate::contact::ContactParameters;
@@ -16,6 +17,7 @@ use crate::model::two_blade::{
     self, ComponentSummary, PressureField, PressureModes, TwoBladeSettings,
 };
 use crate::model::{ModelError, ReducedModel};
+use crate::report::requirement::Requirements;
 use crate::sampling::input::PRESSURE_MODES;
 use crate::sampling::{
     CorrelationTable, Design, DesignSettings, DesignTable, Distribution, DistributionTable,
@@ -24,7 +26,7 @@ use crate::sampling::{
 use crate::setting::BadSetting;
 
 /// Top-level keys of a study file.
-const KEYS: [&str; 14] = [
+pub(super) const KEYS: [&str; 17] = [
     "name",
     "seed",
     "samples",
@@ -39,6 +41,9 @@ const KEYS: [&str; 14] = [
     "solver",
     "frequency",
     "output",
+    "operation",
+    "stress",
+    "criteria",
 ];
 
 /// Which structure is computed.
@@ -82,6 +87,8 @@ pub struct Study {
     pub frequency: FrequencySettings,
     /// Results.
     pub output: OutputSettings,
+    /// What the designer asks for.
+    pub requirements: Requirements,
 }
 
 /// The nominal model of a study.
@@ -125,10 +132,14 @@ impl Study {
         let solver: SolverSection = document.take("solver")?.unwrap_or_default();
         let frequency: FrequencyTable = required(&mut document, "frequency")?;
         let output: OutputSettings = document.take("output")?.unwrap_or_default();
+        let requirements = requirements(&mut document)?;
         document.finish(&KEYS)?;
         let at = |bad: BadSetting| document.bad_setting(&bad);
         validate_head(&name, &levels).map_err(at)?;
         output.validate().map_err(|bad| at(bad.under("output")))?;
+        let frequency = frequency.settings();
+        let frequency = frequency.map_err(|bad| at(bad.under("frequency")))?;
+        check_requirements(&requirements, frequency.unit, &levels).map_err(at)?;
         Ok(Self {
             path: path.to_owned(),
             text: text.to_owned(),
@@ -139,10 +150,9 @@ impl Study {
             design,
             solver: solver.settings(&contact).map_err(at)?,
             mirror: solver.mirror(),
-            frequency: frequency
-                .settings()
-                .map_err(|bad| at(bad.under("frequency")))?,
+            frequency,
             output,
+            requirements,
         })
     }
 
@@ -150,6 +160,13 @@ impl Study {
     #[must_use]
     pub fn folder(&self) -> &Path {
         folder_of(&self.path)
+    }
+
+    /// Name of the study file, without its folder.
+    #[must_use]
+    pub fn file_name(&self) -> String {
+        let name = self.path.file_name().unwrap_or_default();
+        name.to_string_lossy().into_owned()
     }
 
     /// Builds the nominal model and the nominal constants of its contact pairs.

@@ -16,7 +16,12 @@ use crate::hb::peak::PeakSettings;
 use crate::hb::resonance::{Band, linear_resonance, linear_response};
 use crate::hb::{LinearModel, Problem, ProblemError};
 use crate::model::ReducedModel;
-use crate::report::{self, ReportInput, Summary};
+use crate::model::two_blade::ComponentSummary;
+use crate::report::record::{
+    ComponentRecord, DesignRecord, FileRecord, InputRecord, LinearRecord, RECORD, TABLES,
+};
+use crate::report::{self, RunRecord, Summary};
+use crate::sampling::DesignKind;
 use crate::statistics::{ReplicateMean, replicate_mean};
 use crate::units::rad_s_to_hz;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -76,7 +81,7 @@ impl RunResult {
 }
 
 /// Computes every sample and writes `samples.parquet`, `curves.parquet`, `atlas.parquet` (for an extension),
-/// `summary.json` and `report.html`.
+/// `run.json`, and the report made from these.
 ///
 /// Runs on the current rayon thread pool; `progress` is called before the first sample and after each.
 ///
@@ -104,7 +109,9 @@ pub(super) fn run_after(
 ) -> Result<RunResult, Error> {
     let clock = Instant::now();
     let StudyModel {
-        reduced, contacts, ..
+        reduced,
+        contacts,
+        components,
     } = study.build_model()?;
     study.check_sides(&reduced)?;
     let folded = match study.folds() {
@@ -126,8 +133,8 @@ pub(super) fn run_after(
     let [low, high] = study.frequency.band;
     let band = Band { low, high };
     let nominal = Problem::new(&linear, contacts.clone(), 1.0, study.solver.anchor)?;
-    let stuck = LinearCurve::new(study, &linear, &nominal.stuck_stiffness, band)?;
-    let free = LinearCurve::new(study, &linear, &vec![0.0; linear.n_relative()], band)?;
+    let stuck = linear_record(study, &linear, &nominal.stuck_stiffness, band)?;
+    let free = linear_record(study, &linear, &vec![0.0; linear.n_relative()], band)?;
     let ensemble = Ensemble {
         linear: &linear,
         contacts: &contacts,
@@ -155,36 +162,46 @@ pub(super) fn run_after(
         progress(Progress { done, total });
     });
     let nominal = ensemble.nominal();
-    let input_names: Vec<String> = study
-        .design
-        .inputs()
-        .iter()
-        .map(|(input, _)| input.name().to_owned())
-        .collect();
     let provenance = provenance(study, linear.n_contacts() < reduced.n_contacts());
-    let samples_path = folder.path().join("samples.parquet");
-    write_samples(&samples_path, &provenance, &input_names, &outcomes)?;
-    write_curves(
-        &folder.path().join("curves.parquet"),
+    let inputs = input_records(study);
+    let input_names: Vec<String> = inputs.iter().map(|input| input.name.clone()).collect();
+    let [samples_name, curves_name] = TABLES;
+    write_samples(
+        &folder.path().join(samples_name),
         &provenance,
+        &input_names,
         &outcomes,
     )?;
+    write_curves(&folder.path().join(curves_name), &provenance, &outcomes)?;
     let atlas_path = folder.path().join(ATLAS_FILE);
     write_anchors(&atlas_path, &kept_study(study, folder)?, &anchors)?;
-    let input = ReportInput {
-        provenance: &provenance,
-        input_names: &input_names,
-        levels: &study.levels,
-        level_unit: level_unit(study),
-        free_frequency_hz: free.frequency_hz,
-        stuck_frequency_hz: stuck.frequency_hz,
-        free_curve: &free.curve,
-        stuck_curve: &stuck.curve,
-        nominal: Some(&nominal),
-        outcomes: &outcomes,
+    let record = RunRecord {
+        provenance,
+        backend: "CPU, double precision".to_owned(),
+        adapter: None,
+        inputs,
+        design: DesignRecord {
+            description: study.design.description(),
+            independent: study.design.kind() == DesignKind::MonteCarlo,
+            outer_points: study.design.outer_points(),
+        },
+        frequency_tolerance: FREQUENCY_TOLERANCE,
+        levels: study.levels.clone(),
+        curve_samples: study.output.curve_samples,
+        level_unit: level_unit(study).to_owned(),
+        free,
+        stuck,
+        nominal: Some(nominal),
+        components: component_records(&components),
+        requirements: study.requirements.clone(),
+        study_file: FileRecord::of(&study.file_name(), study.text.as_bytes()),
+        tables: hashes(folder, &TABLES)?,
         wall_time_s: clock.elapsed().as_secs_f64(),
     };
-    let summary = report::write(folder.path(), &input)?;
+    let record_path = folder.path().join(RECORD);
+    (record.write(folder.path())).map_err(|source| Error::file(&record_path, source))?;
+    // From the files alone, so that `report` gives the same bytes.
+    let (summary, _) = report::render(folder.path())?;
     Ok(RunResult {
         outcomes,
         summary,
@@ -253,41 +270,78 @@ fn kept_study(study: &Study, folder: &OutputFolder) -> Result<KeptStudy, Error> 
     })
 }
 
-/// Linear response per unit level over the band, and its resonance.
-struct LinearCurve {
-    frequency_hz: f64,
-    curve: Vec<CurvePoint>,
+fn hashes(folder: &OutputFolder, names: &[&str]) -> Result<Vec<FileRecord>, Error> {
+    let hash = |name: &&str| {
+        FileRecord::in_folder(folder.path(), name)
+            .map_err(|source| Error::file(&folder.path().join(name), source))
+    };
+    names.iter().map(hash).collect()
 }
 
-impl LinearCurve {
-    fn new(study: &Study, model: &LinearModel, k: &[f64], band: Band) -> Result<Self, Error> {
-        let resonance = linear_resonance(model, k, band)
-            .map_err(|error| Error::Problem(error.into()))?
-            .ok_or_else(|| Error::Command {
-                path: study.path.clone(),
-                message: format!(
-                    "frequency: the band {} to {} holds no natural frequency of the structure with {} contacts; `inspect` lists them",
-                    study.frequency.unit.of_rad_s(band.low),
-                    study.frequency.unit.of_rad_s(band.high),
-                    if k.iter().all(|k| *k == 0.0) { "open" } else { "stuck" },
-                ),
-            })?;
-        let even = (0..LINEAR_POINTS)
-            .map(|i| band.low + band.width() * i as f64 / (LINEAR_POINTS - 1) as f64);
-        let mut omega: Vec<f64> = even.chain([resonance.omega]).collect();
-        omega.sort_by(f64::total_cmp);
-        let curve = omega
-            .into_iter()
-            .map(|omega| CurvePoint {
-                frequency_hz: rad_s_to_hz(omega),
-                amplitude_m: linear_response(model, k, omega).norm(),
-            })
-            .collect();
-        Ok(Self {
-            frequency_hz: rad_s_to_hz(resonance.omega),
-            curve,
+fn component_records(components: &[(&'static str, ComponentSummary)]) -> Vec<ComponentRecord> {
+    let record = |(name, component): &(&str, ComponentSummary)| ComponentRecord {
+        name: (*name).to_owned(),
+        modes: component.n_modes,
+        first_left_out_hz: Some(component.first_left_out).filter(|f| f.is_finite()),
+    };
+    components.iter().map(record).collect()
+}
+
+/// Names and distributions of the inputs, the latter as the study file states them.
+fn input_records(study: &Study) -> Vec<InputRecord> {
+    let tables: Option<serde_json::Value> = toml::from_str(&study.text).ok();
+    let stated = |name: &str| {
+        let table = tables.as_ref()?.get("inputs")?.get(name)?.as_object()?;
+        let parameter = |(key, value): (&String, &serde_json::Value)| match key.as_str() {
+            "distribution" => None,
+            _ => Some(format!("{} {value}", key.replace('_', " "))),
+        };
+        let parameters: Vec<String> = table.iter().filter_map(parameter).collect();
+        let family = table.get("distribution")?.as_str()?;
+        Some(format!("{family}: {}", parameters.join(", ")))
+    };
+    let inputs = study.design.inputs().iter().map(|(input, _)| input.name());
+    inputs
+        .map(|name| InputRecord {
+            name: name.to_owned(),
+            prior: stated(name).unwrap_or_default(),
         })
-    }
+        .collect()
+}
+
+/// Linear response per unit level over the band, and its resonance.
+fn linear_record(
+    study: &Study,
+    model: &LinearModel,
+    k: &[f64],
+    band: Band,
+) -> Result<LinearRecord, Error> {
+    let resonance = linear_resonance(model, k, band)
+        .map_err(|error| Error::Problem(error.into()))?
+        .ok_or_else(|| Error::Command {
+            path: study.path.clone(),
+            message: format!(
+                "frequency: the band {} to {} holds no natural frequency of the structure with {} contacts; `inspect` lists them",
+                study.frequency.unit.of_rad_s(band.low),
+                study.frequency.unit.of_rad_s(band.high),
+                if k.iter().all(|k| *k == 0.0) { "open" } else { "stuck" },
+            ),
+        })?;
+    let even =
+        (0..LINEAR_POINTS).map(|i| band.low + band.width() * i as f64 / (LINEAR_POINTS - 1) as f64);
+    let mut omega: Vec<f64> = even.chain([resonance.omega]).collect();
+    omega.sort_by(f64::total_cmp);
+    let curve = omega
+        .into_iter()
+        .map(|omega| CurvePoint {
+            frequency_hz: rad_s_to_hz(omega),
+            amplitude_m: linear_response(model, k, omega).norm(),
+        })
+        .collect();
+    Ok(LinearRecord {
+        frequency_hz: rad_s_to_hz(resonance.omega),
+        curve,
+    })
 }
 
 fn level_unit(study: &Study) -> &'static str {
@@ -303,6 +357,7 @@ fn provenance(study: &Study, folded: bool) -> Provenance {
         study: study.name.clone(),
         seed: study.design.seed(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
+        commit: option_env!("MICROSLIP_COMMIT").map(str::to_owned),
         model: match study.model {
             ModelSettings::TwoBladeStrip { .. } => "two blades with a strip damper (built in)",
             ModelSettings::Matrices(_) => "matrices of the user",

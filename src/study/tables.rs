@@ -9,7 +9,7 @@ use crate::setting::BadSetting;
 use crate::units::n_per_um_to_n_per_m;
 
 /// `[contact]`. Stiffness, friction and share belong to the built-in model; a user's own model has them per pair.
-#[derive(Debug, Clone, Default, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactSection {
     normal_stiffness_n_per_um: Option<f64>,
@@ -75,7 +75,7 @@ fn number(value: Option<f64>) -> Option<String> {
 }
 
 /// `[solver]`.
-#[derive(Debug, Clone, Default, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SolverSection {
     harmonics: Option<Harmonics>,
@@ -88,7 +88,7 @@ pub struct SolverSection {
 }
 
 /// Harmonics of the first solution.
-#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(
     untagged,
     expecting = "expected the highest harmonic (5) or a list of harmonics ([0, 1, 3, 5])"
@@ -99,21 +99,21 @@ enum Harmonics {
 }
 
 /// Passes over the period.
-#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(untagged, expecting = "expected \"periodic\" or a number of passes")]
 enum LapsTable {
     Fixed(usize),
     Named(NamedLaps),
 }
 
-#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 enum NamedLaps {
     Periodic,
 }
 
 /// Error alert.
-#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(
     untagged,
     expecting = "expected false, or a table with threshold and highest_harmonic (numbers)"
@@ -123,7 +123,7 @@ enum Alert {
     On(AlertTable),
 }
 
-#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct AlertTable {
     threshold: Option<f64>,

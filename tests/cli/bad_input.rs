@@ -6,7 +6,7 @@ use std::process::Output;
 use crate::{MASS, folder, microslip};
 
 /// Exit code 2, nothing on stdout, and one line `error: …` that holds every fragment.
-fn assert_refused(what: &str, output: &Output, fragments: &[&str]) {
+pub(super) fn assert_refused(what: &str, output: &Output, fragments: &[&str]) {
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{what}: {message}");
     assert_eq!(
@@ -25,7 +25,7 @@ fn assert_refused(what: &str, output: &Output, fragments: &[&str]) {
 }
 
 /// Cases of one file: what is replaced, by what, and what the message must name.
-fn refuse_all(file: &str, cases: &[(&str, &str, &[&str])]) {
+pub(super) fn refuse_all(file: &str, cases: &[(&str, &str, &[&str])]) {
     for (old, new, fragments) in cases {
         let folder = folder(file, old, new);
         let output = microslip(folder.path(), &["inspect", "study.toml"]);

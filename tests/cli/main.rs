@@ -8,7 +8,9 @@ mod bad_input;
 mod designs;
 mod extend;
 mod inputs;
+mod report;
 mod run;
+mod schema;
 mod solve;
 
 use std::path::Path;

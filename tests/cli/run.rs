@@ -24,7 +24,13 @@ fn samples(study: &Path, output: &str, threads: &str) -> Vec<u8> {
         "{}",
         String::from_utf8_lossy(&result.stderr)
     );
-    for name in ["curves.parquet", "summary.json", "report.html"] {
+    for name in [
+        "curves.parquet",
+        "run.json",
+        "summary.json",
+        "report.json",
+        "report.html",
+    ] {
         assert!(out.join(name).is_file(), "{name} is missing");
     }
     std::fs::read(out.join("samples.parquet")).unwrap()

@@ -4,7 +4,9 @@
     reason = "a helper of tests may panic like a test"
 )]
 
+mod assessment;
 mod page;
+mod record;
 mod store;
 mod summary;
 mod synthetic;

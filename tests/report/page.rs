@@ -2,6 +2,7 @@
 
 use crate::synthetic::{LEVELS, SyntheticStudy};
 use microslip::ensemble::outcome::CurvePoint;
+use microslip::report::record::InputRecord;
 use microslip::report::{self, ReportInput};
 
 /// The page of a study; every page must satisfy the rules checked here.
@@ -12,7 +13,7 @@ fn page(input: &ReportInput) -> String {
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
-    assert_eq!(names.len(), 2, "temporary files left behind: {names:?}");
+    assert_eq!(names.len(), 3, "temporary files left behind: {names:?}");
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     for forbidden in [
         "NaN",
@@ -59,19 +60,17 @@ fn failed_samples_are_counted_and_shown() {
 fn pages_without_results_render() {
     let mut lost = SyntheticStudy::new(20);
     (0..LEVELS.len()).for_each(|i| lost.fail_level(i));
-    lost.nominal = lost.outcomes[0].clone();
+    lost.record.nominal = Some(lost.outcomes[0].clone());
     assert!(page(&lost.input()).contains("No sample has a solution at 300 N."));
     for n in [0, 1, 2] {
         page(&SyntheticStudy::new(n).input());
     }
-    let study = SyntheticStudy::new(5);
-    page(&ReportInput {
-        nominal: None,
-        free_curve: &[],
-        stuck_curve: &[],
-        free_frequency_hz: f64::NAN,
-        ..study.input()
-    });
+    let mut study = SyntheticStudy::new(5);
+    study.record.nominal = None;
+    study.record.free.curve.clear();
+    study.record.stuck.curve.clear();
+    study.record.free.frequency_hz = f64::NAN;
+    page(&study.input());
 }
 
 /// Identical samples have no spread: axes and bins of width zero. Seen to fail without the widening in `Axis::linear`.
@@ -80,7 +79,7 @@ fn samples_without_spread_render() {
     let mut study = SyntheticStudy::new(10);
     let first = study.outcomes[0].clone();
     study.outcomes.iter_mut().for_each(|o| *o = first.clone());
-    study.nominal = first;
+    study.record.nominal = Some(first.clone());
     let identical = page(&study.input());
     let histograms = identical.matches("<path class=\"bar l").count();
     assert_eq!(
@@ -88,8 +87,11 @@ fn samples_without_spread_render() {
         2 * LEVELS.len(),
         "bins of width zero must be drawn"
     );
-    study.levels.truncate(1);
-    study.nominal.levels.truncate(1);
+    study.record.levels.truncate(1);
+    study.record.requirements.criteria.clear();
+    let mut nominal = first;
+    nominal.levels.truncate(1);
+    study.record.nominal = Some(nominal);
     study.outcomes.iter_mut().for_each(|o| o.levels.truncate(1));
     page(&study.input());
 }
@@ -120,8 +122,8 @@ fn non_finite_numbers_stay_out() {
 #[test]
 fn names_are_escaped() {
     let mut study = SyntheticStudy::new(10);
-    study.provenance.study = "<b>A & \"B\"</b><script>x</script>".to_owned();
-    study.input_names[1] = "<i>mu</i>".to_owned();
+    study.record.provenance.study = "<b>A & \"B\"</b><script>x</script>".to_owned();
+    study.record.inputs[1].name = "<i>mu</i>".to_owned();
     let page = page(&study.input());
     assert!(
         page.contains("&lt;b&gt;A &amp; &quot;B&quot;"),
@@ -142,7 +144,11 @@ fn names_are_escaped() {
 fn many_inputs_are_thinned() {
     let mut study = SyntheticStudy::new(50);
     for j in 0..10 {
-        study.input_names.insert(0, format!("idle {j}"));
+        let idle = InputRecord {
+            name: format!("idle {j}"),
+            prior: "fixed".to_owned(),
+        };
+        study.record.inputs.insert(0, idle);
         for outcome in &mut study.outcomes {
             outcome.inputs.insert(0, f64::from(j));
         }

@@ -19,13 +19,13 @@ fn samples_survive_the_round_trip() {
     let path = folder.path().join("samples.parquet");
     write_samples(
         &path,
-        &study.provenance,
-        &study.input_names,
+        &study.record.provenance,
+        &study.input_names(),
         &study.outcomes,
     )
     .unwrap();
     let stored = read_samples(&path).unwrap();
-    assert_eq!(stored.input_names, study.input_names);
+    assert_eq!(stored.input_names, study.input_names());
     assert_eq!(stored.metadata["study"], "Two blades with a strip");
     assert_eq!(stored.metadata["seed"], "20260731");
     assert_eq!(stored.metadata["anchor"], "static-equilibrium");
@@ -60,8 +60,8 @@ fn failed_and_non_finite_numbers_are_null() {
     let path = folder.path().join("samples.parquet");
     write_samples(
         &path,
-        &study.provenance,
-        &study.input_names,
+        &study.record.provenance,
+        &study.input_names(),
         &study.outcomes,
     )
     .unwrap();
@@ -79,7 +79,7 @@ fn curves_have_one_row_per_point() {
     let study = SyntheticStudy::new(3);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("curves.parquet");
-    write_curves(&path, &study.provenance, &study.outcomes).unwrap();
+    write_curves(&path, &study.record.provenance, &study.outcomes).unwrap();
     let reader = SerializedFileReader::new(std::fs::File::open(&path).unwrap()).unwrap();
     let levels = study.outcomes.iter().flat_map(|o| &o.levels);
     let n_points: usize = levels.map(|l| l.curve.len()).sum();

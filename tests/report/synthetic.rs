@@ -2,9 +2,13 @@
 
 use microslip::contact::{Events, FrictionLaw};
 use microslip::ensemble::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
-use microslip::ensemble::store::Provenance;
+use microslip::ensemble::store::{Provenance, write_curves, write_samples};
 use microslip::hb::{SliderAnchor, Status};
-use microslip::report::ReportInput;
+use microslip::report::record::{DesignRecord, FileRecord, InputRecord, LinearRecord, TABLES};
+use microslip::report::requirement::{
+    Criterion, MarginBase, Operation, Quantity, Requirements, Stress,
+};
+use microslip::report::{ReportInput, RunRecord};
 use microslip::sampling::SampleGroup;
 
 pub(crate) const LEVELS: [f64; 8] = [0.1, 1.0, 5.0, 10.0, 20.0, 50.0, 100.0, 300.0];
@@ -14,12 +18,7 @@ const FREE_AMPLITUDE: f64 = 3.80e-6;
 
 /// What a [`ReportInput`] borrows.
 pub(crate) struct SyntheticStudy {
-    pub(crate) provenance: Provenance,
-    pub(crate) input_names: Vec<String>,
-    pub(crate) levels: Vec<f64>,
-    pub(crate) free_curve: Vec<CurvePoint>,
-    pub(crate) stuck_curve: Vec<CurvePoint>,
-    pub(crate) nominal: SampleOutcome,
+    pub(crate) record: RunRecord,
     pub(crate) outcomes: Vec<SampleOutcome>,
 }
 
@@ -29,35 +28,34 @@ impl SyntheticStudy {
             let (u, v) = (fraction(i, 0.618_033_988_7), fraction(i, 0.414_213_562_4));
             sample(i, [10f64.powf(2.0 * u - 1.0), 0.1 + 0.7 * v])
         };
-        let mut nominal = sample(0, [1.0, 0.4]);
-        for level in &mut nominal.levels {
-            level.status = Status::Converged;
-        }
         Self {
-            provenance: provenance(),
-            input_names: vec!["contact stiffness scale".to_owned(), "mu".to_owned()],
-            levels: LEVELS.to_vec(),
-            free_curve: lorentz(FREE, FREE_AMPLITUDE, 0.6, 30.0),
-            stuck_curve: lorentz(STUCK, 3.30e-6, 0.68, 30.0),
-            nominal,
+            record: record(),
             outcomes: (0..n_samples).map(corner).collect(),
         }
     }
 
     pub(crate) fn input(&self) -> ReportInput<'_> {
         ReportInput {
-            provenance: &self.provenance,
-            input_names: &self.input_names,
-            levels: &self.levels,
-            level_unit: "N",
-            free_frequency_hz: FREE,
-            stuck_frequency_hz: STUCK,
-            free_curve: &self.free_curve,
-            stuck_curve: &self.stuck_curve,
-            nominal: Some(&self.nominal),
+            record: &self.record,
             outcomes: &self.outcomes,
-            wall_time_s: 143.2,
+            changed: &[],
         }
+    }
+
+    pub(crate) fn input_names(&self) -> Vec<String> {
+        self.record.inputs.iter().map(|i| i.name.clone()).collect()
+    }
+
+    /// Writes what a run writes before its report.
+    pub(crate) fn store(&mut self, folder: &std::path::Path) {
+        let (provenance, names) = (&self.record.provenance, self.input_names());
+        let [samples, curves] = TABLES;
+        write_samples(&folder.join(samples), provenance, &names, &self.outcomes).unwrap();
+        write_curves(&folder.join(curves), provenance, &self.outcomes).unwrap();
+        self.record.tables = TABLES
+            .map(|name| FileRecord::in_folder(folder, name).unwrap())
+            .to_vec();
+        self.record.write(folder).unwrap();
     }
 
     /// Takes the solution of every sample at level `i`.
@@ -70,11 +68,89 @@ impl SyntheticStudy {
     }
 }
 
+fn record() -> RunRecord {
+    let mut nominal = sample(0, [1.0, 0.4]);
+    for level in &mut nominal.levels {
+        level.status = Status::Converged;
+    }
+    let input = |name: &str, prior: &str| InputRecord {
+        name: name.to_owned(),
+        prior: prior.to_owned(),
+    };
+    RunRecord {
+        provenance: provenance(),
+        backend: "CPU, double precision".to_owned(),
+        adapter: None,
+        inputs: vec![
+            input("contact stiffness scale", "log-uniform: low 0.1, high 10.0"),
+            input("mu", "uniform: low 0.1, high 0.8"),
+        ],
+        design: DesignRecord {
+            description: "monte-carlo".to_owned(),
+            independent: true,
+            outer_points: 1,
+        },
+        frequency_tolerance: 3e-7,
+        levels: LEVELS.to_vec(),
+        curve_samples: 200,
+        level_unit: "N".to_owned(),
+        free: LinearRecord {
+            frequency_hz: FREE,
+            curve: lorentz(FREE, FREE_AMPLITUDE, 0.6, 30.0),
+        },
+        stuck: LinearRecord {
+            frequency_hz: STUCK,
+            curve: lorentz(STUCK, 3.30e-6, 0.68, 30.0),
+        },
+        nominal: Some(nominal),
+        components: Vec::new(),
+        requirements: requirements(),
+        study_file: FileRecord::of("study.toml", b"name = \"synthetic\""),
+        tables: Vec::new(),
+        wall_time_s: 143.2,
+    }
+}
+
+/// The range of speeds excites close to the resonance, the stress is close to the allowable one.
+fn requirements() -> Requirements {
+    let criterion = |name: &str, quantity, limit, level| Criterion {
+        name: name.to_owned(),
+        standard: Some("example".to_owned()),
+        clause: Some("1.2".to_owned()),
+        quantity,
+        limit,
+        level,
+        share: None,
+        confidence: None,
+    };
+    Requirements {
+        operation: Some(Operation {
+            speed_rpm: [2700.0, 3100.0],
+            engine_orders: vec![6, 54, 60],
+            dwell_rpm: vec![3000.0],
+            margin_relative_to: MarginBase::EngineOrder,
+        }),
+        stress: Some(Stress {
+            modal_stress_mpa_per_um: 1.5,
+            mean_stress_mpa: 180.0,
+            endurance_limit_mpa: 350.0,
+            ultimate_strength_mpa: 900.0,
+        }),
+        criteria: vec![
+            criterion("margin", Quantity::FrequencyMarginPercent, 5.0, None),
+            criterion("amplitude", Quantity::AmplitudeUm, 100.0, Some(20.0)),
+            criterion("reserve", Quantity::ReserveFactor, 1.2, Some(50.0)),
+            criterion("risk", Quantity::ProbabilityOfExceedance, 0.05, Some(50.0)),
+        ],
+    }
+}
+
 pub(crate) fn provenance() -> Provenance {
     Provenance {
         study: "Two blades with a strip".to_owned(),
         seed: 20_260_731,
         version: "0.1.0".to_owned(),
+        commit: None,
         model: "two-blade rig, 4 x 7 pairs per interface".to_owned(),
         law: FrictionLaw::Box,
         events: Events::Interpolated,

@@ -15,7 +15,7 @@ use crate::units::mm_to_m;
 use faer::Mat;
 
 /// `[pressure_field]` of a study file.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressureField {
     /// σ: standard deviation of the pressure over its mean.

@@ -3,7 +3,9 @@
 use crate::setting::{BadSetting, non_negative, positive};
 
 /// Relative sign of the two excitation forces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Phase {
     /// Equal forces in x: both blades move the same way, the platforms' edges shear and lift against each other.
@@ -19,7 +21,7 @@ pub enum Phase {
 /// direction of the force (oblique, as on a staggered blade) set the force scale at which the strip slips.
 ///
 /// Axes: x from blade 1 to blade 2, y along the gap, z radially outwards. Blade 1 is the one at x < 0.
-#[derive(Debug, Clone, PartialEq, serde::Deserialize, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, serde::Serialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TwoBladeSettings {
     /// Neck, x × y × z (mm); clamped at its foot.

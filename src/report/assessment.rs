@@ -1,0 +1,219 @@
+//! What the samples say about the designer's requirements: `report.json`.
+//!
+//! Statements of the kind "95 % of the blades with 95 % confidence" hold for the distributions of the inputs that the
+//! study assumes; [`Assessment::condition`] says so wherever they go.
+
+use super::error_budget::{ErrorLine, error_budget};
+use super::judgement::{CriterionResult, judge_all};
+use super::margins::{OrderMargin, Reserve, order_margins, reserve};
+use super::record::{FileRecord, InputRecord, RunRecord};
+use super::summary::{CONFIDENCE, Summary};
+use super::{ReportInput, usable_peak};
+use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
+use crate::ensemble::store::Provenance;
+use crate::statistics::{
+    Bootstrap, ConditionalMean, GivenDataIndex, Interval, JointRegion, Observed, Prefix,
+    QuantileEstimate, Side, ToleranceBound, conditional_means, convergence, first_order_index,
+    joint_region, quantile_estimate, tolerance_bound,
+};
+use serde::Serialize;
+
+/// Share of the population in every tolerance bound of a report.
+pub const CONTENT: f64 = 0.95;
+/// Replicates of a resampling interval.
+const REPLICATES: u32 = 200;
+/// First prefix of a convergence table.
+const FIRST_PREFIX: usize = 16;
+/// Groups of a conditional mean.
+const GROUPS: usize = 5;
+
+/// Everything that a designer's report says in numbers. Field names are stable and end in their unit.
+#[derive(Debug, Clone, Serialize)]
+pub struct Assessment {
+    /// Study, seed, version, commit, law and settings.
+    pub provenance: Provenance,
+    /// What every probability, quantile and bound depends on.
+    pub condition: String,
+    /// The distributions of the inputs, as assumed.
+    pub inputs: Vec<InputRecord>,
+    /// Number of samples, failed ones included.
+    pub samples: usize,
+    /// Share of the population in every tolerance bound.
+    pub content: f64,
+    /// Confidence of every interval and bound, but for criteria that state their own.
+    pub confidence: f64,
+    /// Judgements.
+    pub criteria: Vec<CriterionResult>,
+    /// One entry per excitation level.
+    pub levels: Vec<LevelAssessment>,
+    /// What each approximation can change.
+    pub error_budget: Vec<ErrorLine>,
+    /// What computed the samples.
+    pub backend: String,
+    /// Name of the accelerator.
+    pub adapter: Option<String>,
+    /// The study file.
+    pub study_file: FileRecord,
+    /// The tables of the run.
+    pub tables: Vec<FileRecord>,
+    /// Tables whose content is not that of the run.
+    pub changed_tables: Vec<String>,
+}
+
+/// Bounds, margins and sensitivities at one excitation level.
+#[derive(Debug, Clone, Serialize)]
+pub struct LevelAssessment {
+    /// Excitation level.
+    pub level: f64,
+    /// Lower and upper bound of the resonance frequency (Hz).
+    pub frequency_bounds_hz: [ToleranceBound; 2],
+    /// Upper bound of the amplitude (m).
+    pub amplitude_bound_m: ToleranceBound,
+    /// Region of frequency (x, Hz) and amplitude (y, m).
+    pub joint_region: JointRegion,
+    /// Margin to each engine order; empty without `[operation]`.
+    pub margins: Vec<OrderMargin>,
+    /// Reserve against the allowable stress; absent without `[stress]`.
+    pub reserve: Option<Reserve>,
+    /// How much each input moves the results.
+    pub influences: Vec<InputInfluence>,
+    /// 95 % quantile of the amplitude (m) over the first samples.
+    pub amplitude_q95_m: Vec<Prefix<Option<QuantileEstimate>>>,
+    /// Median of the resonance frequency (Hz) over the first samples.
+    pub frequency_q50_hz: Vec<Prefix<Option<QuantileEstimate>>>,
+}
+
+/// How much one input moves the results.
+#[derive(Debug, Clone, Serialize)]
+pub struct InputInfluence {
+    /// Name of the input.
+    pub input: String,
+    /// Share of the variance of the resonance frequency.
+    pub frequency: IndexResult,
+    /// Share of the variance of the amplitude.
+    pub amplitude: IndexResult,
+    /// Mean resonance frequency (Hz) over groups of samples along the input.
+    pub frequency_means_hz: Vec<ConditionalMean>,
+    /// Mean amplitude (m) over groups of samples along the input.
+    pub amplitude_means_m: Vec<ConditionalMean>,
+}
+
+/// An index, or why there is none.
+#[derive(Debug, Clone, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum IndexResult {
+    /// First-order index with its interval.
+    Index(GivenDataIndex),
+    /// Why there is no index.
+    Refused(String),
+}
+
+impl Assessment {
+    /// Assesses the samples of a study.
+    #[must_use]
+    pub fn of(input: &ReportInput, summary: &Summary) -> Self {
+        let record = input.record;
+        Self {
+            provenance: record.provenance.clone(),
+            condition: condition(record),
+            inputs: record.inputs.clone(),
+            samples: input.outcomes.len(),
+            content: CONTENT,
+            confidence: CONFIDENCE,
+            criteria: judge_all(input),
+            levels: (0..record.levels.len())
+                .map(|i| LevelAssessment::of(input, i))
+                .collect(),
+            error_budget: error_budget(record, summary),
+            backend: record.backend.clone(),
+            adapter: record.adapter.clone(),
+            study_file: record.study_file.clone(),
+            tables: record.tables.clone(),
+            changed_tables: input.changed.to_vec(),
+        }
+    }
+}
+
+/// The sentence that goes with every statement of probability.
+fn condition(record: &RunRecord) -> String {
+    let inputs = record.inputs.iter();
+    let priors: Vec<String> = inputs
+        .map(|i| format!("{} ({})", i.name, i.prior))
+        .collect();
+    match priors.is_empty() {
+        true => "No input is random: the samples do not scatter.".to_owned(),
+        false => format!(
+            "Conditional on the assumed distributions of {}. Design of the samples: {}.",
+            priors.join("; "),
+            record.design.description
+        ),
+    }
+}
+
+/// One value per sample at level `i`, NaN where it failed.
+pub(super) fn values(
+    input: &ReportInput,
+    i: usize,
+    value: impl Fn(&PeakRecord) -> f64,
+) -> Vec<f64> {
+    let of = |o: &SampleOutcome| usable_peak(&o.levels[i]).map_or(f64::NAN, |p| value(&p));
+    input.outcomes.iter().map(of).collect()
+}
+
+impl LevelAssessment {
+    fn of(input: &ReportInput, i: usize) -> Self {
+        let frequency = values(input, i, |p| p.frequency_hz);
+        let amplitude = values(input, i, |p| p.amplitude_m);
+        let bound = |values: &[f64], side: Side| {
+            let observed = Observed::of(values.iter().copied());
+            tolerance_bound(&observed, side, CONTENT, CONFIDENCE)
+        };
+        let pairs = frequency.iter().copied().zip(amplitude.iter().copied());
+        let pairs: Vec<(f64, f64)> = pairs.collect();
+        let prefixes = |values: &[f64], p: f64| {
+            convergence(values, FIRST_PREFIX, |o| {
+                quantile_estimate(o, p, CONFIDENCE)
+            })
+        };
+        let requirements = &input.record.requirements;
+        Self {
+            level: input.record.levels[i],
+            frequency_bounds_hz: [Side::Lower, Side::Upper].map(|side| bound(&frequency, side)),
+            amplitude_bound_m: bound(&amplitude, Side::Upper),
+            joint_region: joint_region(&pairs, CONTENT, CONFIDENCE),
+            margins: (requirements.operation.as_ref())
+                .map_or_else(Vec::new, |operation| order_margins(&frequency, operation)),
+            reserve: (requirements.stress.as_ref()).map(|stress| reserve(&amplitude, stress)),
+            influences: influences(input, &frequency, &amplitude),
+            amplitude_q95_m: prefixes(&amplitude, 0.95),
+            frequency_q50_hz: prefixes(&frequency, 0.5),
+        }
+    }
+}
+
+fn influences(input: &ReportInput, frequency: &[f64], amplitude: &[f64]) -> Vec<InputInfluence> {
+    let bootstrap = Bootstrap {
+        seed: input.record.provenance.seed,
+        replicates: REPLICATES,
+        confidence: CONFIDENCE,
+    };
+    let inputs = input.record.inputs.iter().enumerate();
+    inputs
+        .map(|(j, record)| {
+            let x: Vec<f64> = input.outcomes.iter().map(|o| o.inputs[j]).collect();
+            let index = |results: &[f64]| match first_order_index(&x, results, &bootstrap) {
+                Ok(index) => IndexResult::Index(index),
+                Err(refusal) => IndexResult::Refused(refusal.to_string()),
+            };
+            let open = Interval::UNBOUNDED;
+            let means = |results: &[f64]| conditional_means(&x, results, GROUPS, open, CONFIDENCE);
+            InputInfluence {
+                input: record.name.clone(),
+                frequency: index(frequency),
+                amplitude: index(amplitude),
+                frequency_means_hz: means(frequency),
+                amplitude_means_m: means(amplitude),
+            }
+        })
+        .collect()
+}

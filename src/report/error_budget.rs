@@ -1,0 +1,137 @@
+//! What each approximation can change; the ignorance of the inputs is not among them.
+
+use super::record::RunRecord;
+use super::summary::{Distribution, LevelSummary, Summary};
+use crate::contact::Events;
+use serde::Serialize;
+
+/// One source of error, at its worst over the levels; a number that nobody estimated is absent, never 0.
+#[derive(Debug, Clone, Serialize)]
+pub struct ErrorLine {
+    /// What is approximated.
+    pub source: &'static str,
+    /// Change of the resonance frequency (Hz); absent = not estimated.
+    pub frequency_hz: Option<f64>,
+    /// Change of the amplitude, relative; absent = not estimated.
+    pub amplitude_relative: Option<f64>,
+    /// How it is known.
+    pub basis: String,
+}
+
+/// The lines of the budget.
+pub(super) fn error_budget(record: &RunRecord, summary: &Summary) -> Vec<ErrorLine> {
+    vec![
+        sampling(summary),
+        harmonics(record, summary),
+        time_points(record),
+        place_of_peak(record, summary),
+        precision(record, summary),
+        reduction(record),
+        ErrorLine {
+            source: "Surrogate",
+            frequency_hz: Some(0.0),
+            amplitude_relative: Some(0.0),
+            basis: "none is used: the balance equations are solved for every sample".to_owned(),
+        },
+    ]
+}
+
+/// Largest value over the levels; absent if no level has one.
+fn largest(summary: &Summary, value: impl Fn(&LevelSummary) -> Option<f64>) -> Option<f64> {
+    let values = summary.levels.iter().filter_map(value);
+    values.filter(|v| v.is_finite()).reduce(f64::max)
+}
+
+/// Half the confidence interval of the 95 % quantile; absent where a side is open.
+fn half_width(distribution: &Distribution) -> Option<f64> {
+    let interval = distribution.quantiles.last()?.interval;
+    Some(0.5 * (interval.upper.value()? - interval.lower.value()?))
+}
+
+fn sampling(summary: &Summary) -> ErrorLine {
+    let relative = |l: &LevelSummary| {
+        let estimate = l.amplitude_m.quantiles.last()?.estimate;
+        Some(half_width(&l.amplitude_m)? / estimate)
+    };
+    ErrorLine {
+        source: "Number of samples",
+        frequency_hz: largest(summary, |l| half_width(&l.frequency_hz)),
+        amplitude_relative: largest(summary, relative),
+        basis: "half the 95 % confidence interval of the 95 % quantile; shrinks with the root of the number of samples"
+            .to_owned(),
+    }
+}
+
+fn harmonics(record: &RunRecord, summary: &Summary) -> ErrorLine {
+    let q95 = |l: &LevelSummary| Some(l.truncation_error.quantiles.last()?.estimate);
+    ErrorLine {
+        source: "Harmonics left out",
+        frequency_hz: None,
+        amplitude_relative: largest(summary, q95),
+        basis: match record.provenance.truncation_threshold {
+            Some(_) => "95 % quantile of the change by one Newton step on a larger harmonic set",
+            None => "the error alert is off",
+        }
+        .to_owned(),
+    }
+}
+
+fn time_points(record: &RunRecord) -> ErrorLine {
+    let located = record.provenance.events == Events::Located;
+    let zero = located.then_some(0.0);
+    ErrorLine {
+        source: "Time points per period",
+        frequency_hz: zero,
+        amplitude_relative: zero,
+        basis: match located {
+            true => "events are located to rounding and the forces between them integrated in closed form",
+            false => "events are resolved between samples; compare a run with more time_points",
+        }
+        .to_owned(),
+    }
+}
+
+fn place_of_peak(record: &RunRecord, summary: &Summary) -> ErrorLine {
+    let frequency = largest(summary, |l| Some(l.frequency_hz.moments?.maximum));
+    ErrorLine {
+        source: "Place of the peak",
+        frequency_hz: frequency.map(|f| f * record.frequency_tolerance),
+        amplitude_relative: Some(0.0),
+        basis: "relative change of the frequency at which the search stops; the amplitude is stationary there".to_owned(),
+    }
+}
+
+fn precision(record: &RunRecord, summary: &Summary) -> ErrorLine {
+    ErrorLine {
+        source: "Precision of the numbers",
+        frequency_hz: None,
+        amplitude_relative: largest(summary, |l| l.worst_work_balance),
+        basis: format!(
+            "{}; largest |input − viscous − frictional work| over the input work",
+            record.backend
+        ),
+    }
+}
+
+fn reduction(record: &RunRecord) -> ErrorLine {
+    let components = record.components.iter().map(|c| {
+        let next = match c.first_left_out_hz {
+            Some(f) => format!("the first one left out is at {f:.0} Hz"),
+            None => "none is left out".to_owned(),
+        };
+        format!("{}: {} modes, {next}", c.name, c.modes)
+    });
+    let components: Vec<String> = components.collect();
+    ErrorLine {
+        source: "Reduction of the model",
+        frequency_hz: None,
+        amplitude_relative: None,
+        basis: match components.is_empty() {
+            true => "the matrices are the user's".to_owned(),
+            false => format!(
+                "{}; compare a run with higher cut-offs",
+                components.join("; ")
+            ),
+        },
+    }
+}

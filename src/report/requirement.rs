@@ -1,0 +1,213 @@
+//! What the designer asks of the blade: `[operation]`, `[stress]` and `[[criteria]]` of a study file.
+//!
+//! No number here is a standard's: every limit is the user's, who names the document that it comes from.
+
+use crate::setting::{BadSetting, non_negative, positive};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Requirements of a study; all may be absent.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Requirements {
+    /// Where the blade runs.
+    pub operation: Option<Operation>,
+    /// What it bears.
+    pub stress: Option<Stress>,
+    /// What is judged.
+    pub criteria: Vec<Criterion>,
+}
+
+/// `[operation]`: speeds and orders of the excitation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Operation {
+    /// Lowest and highest speed of continuous operation (1/min).
+    pub speed_rpm: [f64; 2],
+    /// Orders of the excitation: multiples of the speed.
+    pub engine_orders: Vec<u32>,
+    /// Speeds that are held for long (1/min), inside the range.
+    #[serde(default)]
+    pub dwell_rpm: Vec<f64>,
+    /// What a margin is a share of.
+    #[serde(default)]
+    pub margin_relative_to: MarginBase,
+}
+
+/// Denominator of a frequency margin; both are in use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum MarginBase {
+    /// Frequency of the excitation.
+    #[default]
+    EngineOrder,
+    /// Resonance frequency.
+    Resonance,
+}
+
+/// `[stress]`: from the amplitude of the first response coordinate to the life of the material.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Stress {
+    /// Alternating stress at the critical place per amplitude of the first response coordinate (MPa/µm).
+    pub modal_stress_mpa_per_um: f64,
+    /// Mean stress there (MPa).
+    pub mean_stress_mpa: f64,
+    /// Alternating stress that the material bears for ever without mean stress (MPa).
+    pub endurance_limit_mpa: f64,
+    /// Ultimate strength (MPa).
+    pub ultimate_strength_mpa: f64,
+}
+
+/// What a criterion judges, with its unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quantity {
+    /// Distance of the resonance from the excitation at every engine order and speed, at least `limit` (%).
+    FrequencyMarginPercent,
+    /// Amplitude of the first response coordinate, at most `limit` (µm).
+    AmplitudeUm,
+    /// Allowable over actual alternating stress, at least `limit`.
+    ReserveFactor,
+    /// Probability that the reserve factor is below 1, at most `limit`.
+    ProbabilityOfExceedance,
+}
+
+/// `[[criteria]]`: one judgement, PASS, FAIL or UNDECIDED.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Criterion {
+    /// Name in the report.
+    pub name: String,
+    /// Document that the limit comes from.
+    pub standard: Option<String>,
+    /// Clause of that document.
+    pub clause: Option<String>,
+    /// What is judged, with its unit.
+    pub quantity: Quantity,
+    /// The limit.
+    pub limit: f64,
+    /// Excitation level; every level of the study must do if absent.
+    pub level: Option<f64>,
+    /// Share of the blades that must keep the limit; 0.95 if absent. A probability has none.
+    pub share: Option<f64>,
+    /// Confidence of the judgement in view of the number of samples; 0.95 if absent.
+    pub confidence: Option<f64>,
+}
+
+impl Quantity {
+    /// Whether more is better.
+    #[must_use]
+    pub fn at_least(self) -> bool {
+        matches!(self, Self::FrequencyMarginPercent | Self::ReserveFactor)
+    }
+}
+
+impl Criterion {
+    /// Share of the population that must keep the limit.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        self.share.unwrap_or(0.95)
+    }
+
+    /// Confidence of the judgement.
+    #[must_use]
+    pub fn confidence(&self) -> f64 {
+        self.confidence.unwrap_or(0.95)
+    }
+
+    fn validate(&self) -> Result<(), BadSetting> {
+        let named = !self.name.trim().is_empty();
+        BadSetting::unless(named, "name", "\"\"", "must not be empty")?;
+        positive("limit", self.limit)?;
+        let share = self.share();
+        let holds = share > 0.0 && share < 1.0;
+        BadSetting::unless(holds, "share", share, "must lie between 0 and 1")?;
+        let confidence = self.confidence();
+        let holds = confidence > 0.5 && confidence < 1.0;
+        let rule = "must lie between 0.5 and 1";
+        BadSetting::unless(holds, "confidence", confidence, rule)?;
+        if self.quantity == Quantity::ProbabilityOfExceedance {
+            let rule = "must be below 1: it is a probability";
+            BadSetting::unless(self.limit < 1.0, "limit", self.limit, rule)?;
+            let value = self.share.unwrap_or_default();
+            let rule = "must be absent: the limit is the share";
+            BadSetting::unless(self.share.is_none(), "share", value, rule)?;
+        }
+        Ok(())
+    }
+}
+
+impl Operation {
+    fn validate(&self) -> Result<(), BadSetting> {
+        let [low, high] = self.speed_rpm;
+        positive("speed_rpm[0]", low)?;
+        positive("speed_rpm[1]", high)?;
+        let rule = "must be [low, high] with low <= high";
+        BadSetting::unless(low <= high, "speed_rpm", format!("[{low}, {high}]"), rule)?;
+        let some = !self.engine_orders.is_empty();
+        BadSetting::unless(some, "engine_orders", "[]", "must not be empty")?;
+        for (i, order) in self.engine_orders.iter().enumerate() {
+            let key = format!("engine_orders[{i}]");
+            let new = *order > 0 && !self.engine_orders[..i].contains(order);
+            BadSetting::unless(new, &key, order, "must be a whole number >= 1, given once")?;
+        }
+        for (i, speed) in self.dwell_rpm.iter().enumerate() {
+            let key = format!("dwell_rpm[{i}]");
+            let rule = "must lie in the range speed_rpm";
+            BadSetting::unless((low..=high).contains(speed), &key, speed, rule)?;
+        }
+        Ok(())
+    }
+}
+
+impl Stress {
+    fn validate(&self) -> Result<(), BadSetting> {
+        positive("modal_stress_mpa_per_um", self.modal_stress_mpa_per_um)?;
+        positive("endurance_limit_mpa", self.endurance_limit_mpa)?;
+        positive("ultimate_strength_mpa", self.ultimate_strength_mpa)?;
+        non_negative("mean_stress_mpa", self.mean_stress_mpa)?;
+        BadSetting::unless(
+            self.mean_stress_mpa < self.ultimate_strength_mpa,
+            "mean_stress_mpa",
+            self.mean_stress_mpa,
+            "must be below ultimate_strength_mpa",
+        )
+    }
+}
+
+impl Requirements {
+    /// Checks every table on its own and against the others and the study's levels.
+    ///
+    /// # Errors
+    /// [`BadSetting`] with a key relative to the study file.
+    pub fn validate(&self, levels: &[f64]) -> Result<(), BadSetting> {
+        if let Some(operation) = &self.operation {
+            operation.validate().map_err(|b| b.under("operation"))?;
+        }
+        if let Some(stress) = &self.stress {
+            stress.validate().map_err(|b| b.under("stress"))?;
+        }
+        for (i, criterion) in self.criteria.iter().enumerate() {
+            let under = |bad: BadSetting| bad.under(&format!("criteria[{i}]"));
+            criterion.validate().map_err(under)?;
+            self.supports(criterion).map_err(under)?;
+            let known = criterion.level.is_none_or(|level| levels.contains(&level));
+            let value = criterion.level.unwrap_or_default();
+            BadSetting::unless(known, "level", value, "must be one of levels").map_err(under)?;
+        }
+        Ok(())
+    }
+
+    fn supports(&self, criterion: &Criterion) -> Result<(), BadSetting> {
+        let (given, table) = match criterion.quantity {
+            Quantity::FrequencyMarginPercent => (self.operation.is_some(), "[operation]"),
+            Quantity::ReserveFactor | Quantity::ProbabilityOfExceedance => {
+                (self.stress.is_some(), "[stress]")
+            }
+            Quantity::AmplitudeUm => (true, ""),
+        };
+        let value = serde_json::to_string(&criterion.quantity).unwrap_or_default();
+        let rule = format!("needs the table {table}");
+        BadSetting::unless(given, "quantity", value, &rule)
+    }
+}

@@ -1,0 +1,243 @@
+//! Failures and error alerts: how many, and where they lie.
+
+use super::super::axis::Axis;
+use super::super::block::{Block, Cell, Figure, Section, Table};
+use super::super::display::{DASH, percent, short, significant};
+use super::super::figure::{Panel, Size};
+use super::super::summary::LevelSummary;
+use super::super::usable_peak;
+use super::super::view::{View, thinned};
+use crate::ensemble::outcome::SampleOutcome;
+use crate::hb::Status;
+use crate::statistics::{Sorted, histogram, rank_correlation};
+
+pub(super) fn section(view: &View) -> Section {
+    let mut blocks = vec![statuses(view)];
+    let map = failure_map(view);
+    if map.is_some() {
+        blocks.push(view.level_legend([]));
+    }
+    let figures: Vec<Figure> = map.into_iter().chain(truncation(view)).collect();
+    if !figures.is_empty() {
+        blocks.push(Block::pairs(figures));
+    }
+    blocks.extend([
+        truncation_table(view),
+        contact_table(view),
+        work_table(view),
+    ]);
+    blocks.push(Block::Hint(
+        "Work balance: |input − viscous − frictional work| per cycle over the input work; it measures how well the \
+         equations are solved, not how many harmonics are needed."
+            .to_owned(),
+    ));
+    Section {
+        id: "failures",
+        title: "Failures, error alerts, solver".to_owned(),
+        blocks,
+    }
+}
+
+fn statuses(view: &View) -> Block {
+    let levels = (0..view.n_levels()).map(|i| {
+        let fields: &'static [&'static str] = &["samples"];
+        (view.level_name(i), fields)
+    });
+    let columns = [("Status".to_owned(), &["status"] as &'static [_])]
+        .into_iter()
+        .chain(levels)
+        .chain([("All".to_owned(), &["all"] as &'static [_])]);
+    let mut table = Table::new("Samples per status and level", "statuses", columns);
+    for status in Status::ALL {
+        let levels = view.summary.levels.iter();
+        let counts: Vec<usize> = levels.map(|l| l.statuses[status.name()]).collect();
+        let total: usize = counts.iter().sum();
+        let name = Cell::text(status.name())
+            .with_small(status.explanation())
+            .with_class("text strong");
+        let counts = counts.into_iter().chain([total]).map(count);
+        let cells = [name].into_iter().chain(counts).collect();
+        match total {
+            0 => table.quiet_row(cells),
+            _ => table.row(cells),
+        }
+    }
+    let name = Cell::text("without a solution")
+        .with_small(
+            "share of all samples, with its 95 % confidence interval after Clopper and Pearson",
+        )
+        .with_class("text strong");
+    let rates = view.summary.levels.iter().map(failure_rate);
+    let cells = [name].into_iter().chain(rates).chain([Cell::text("")]);
+    table.row(cells.collect());
+    table.block()
+}
+
+fn count(n: usize) -> Cell {
+    Cell::number(n.to_string(), Some(n as f64))
+}
+
+fn failure_rate(level: &LevelSummary) -> Cell {
+    match level.failure_rate {
+        None => Cell::number(DASH, None),
+        Some(rate) => Cell::number(percent(rate.estimate), Some(rate.estimate))
+            .with_small(format!("{} …", percent(rate.lower)))
+            .with_small(percent(rate.upper)),
+    }
+}
+
+/// Where failed samples lie, over the two inputs that separate them best; absent without failures or inputs.
+fn failure_map(view: &View) -> Option<Figure> {
+    let outcomes = view.input.outcomes;
+    let failed = |o: &SampleOutcome| o.levels.iter().any(|l| usable_peak(l).is_none());
+    if !outcomes.iter().any(failed) {
+        return None;
+    }
+    let separation = |j: usize| {
+        let indicator = |o: &SampleOutcome| (o.inputs[j], f64::from(u8::from(failed(o))));
+        let pairs: Vec<_> = outcomes.iter().map(indicator).collect();
+        rank_correlation(&pairs).map_or(0.0, f64::abs)
+    };
+    let mut order: Vec<usize> = (0..view.input.record.inputs.len()).collect();
+    order.sort_by(|&a, &b| separation(b).total_cmp(&separation(a)));
+    let j = *order.first()?;
+    let second = order.get(1).copied();
+    let y = match second {
+        Some(k) => view.input_axis(k),
+        None => Axis::around("Sample", outcomes.iter().map(|o| o.index as f64)),
+    };
+    let place = |o: &SampleOutcome| (o.inputs[j], second.map_or(o.index as f64, |k| o.inputs[k]));
+    let mut panel = Panel::new(Size::Large, "Where samples failed", view.input_axis(j), y);
+    let solved = outcomes.iter().filter(|o| !failed(o)).map(place);
+    panel.dots("solved", thinned(solved.collect()).into_iter());
+    for i in 0..view.n_levels() {
+        let lost = outcomes
+            .iter()
+            .filter(|o| usable_peak(&o.levels[i]).is_none());
+        panel.crosses(&format!("l{i}"), lost.map(place));
+    }
+    let caption = "Crosses: samples without a solution, coloured by level; grey: samples solved at every level. Over \
+                   the inputs that separate the two best.";
+    Some(view.figure(&panel, "failures", caption))
+}
+
+/// Histogram of the truncation errors of all solutions; absent where none was estimated.
+fn truncation(view: &View) -> Option<Figure> {
+    let levels = 0..view.n_levels();
+    let errors = levels
+        .flat_map(|i| view.peaks(i))
+        .filter_map(|(_, p)| p.truncation_error);
+    // Errors of 0 have no logarithm; they cannot be a cause for worry.
+    let sorted = Sorted::finite(errors.map(f64::log10));
+    let bins = histogram(&sorted, 40);
+    let highest = bins.iter().map(|b| b.count).max()?;
+    let threshold = view.input.record.provenance.truncation_threshold;
+    let edges = bins.iter().flat_map(|b| [b.lower, b.upper]);
+    let edges = edges.map(|e| 10f64.powf(e)).chain(threshold);
+    let x = Axis::around("Estimated relative truncation error", edges);
+    let y = Axis::linear("Solutions, all levels", 0.0, 1.08 * highest as f64);
+    let mut panel = Panel::new(Size::Large, "Harmonics left out", x, y);
+    let bar = |b: &crate::statistics::Bin| {
+        let [left, right] = [b.lower, b.upper].map(|e| 10f64.powf(e));
+        (left, right, b.count as f64)
+    };
+    panel.bars("neutral", bins.iter().map(bar));
+    if let Some(threshold) = threshold {
+        panel.rule("limit", threshold);
+    }
+    let caption = "Estimated relative change of the amplitude by the harmonics left out; red: threshold above which \
+                   harmonics are added.";
+    Some(view.figure(&panel, "truncation", caption))
+}
+
+fn share(value: Option<f64>) -> Cell {
+    Cell::number(value.map_or_else(|| DASH.to_owned(), percent), value)
+}
+
+fn truncation_table(view: &View) -> Block {
+    let mut table = Table::of(
+        "Truncation error and harmonics",
+        "truncation",
+        &[
+            ("Level", &["level"]),
+            ("Median", &["median"]),
+            ("95 %", &["q95"]),
+            ("Largest", &["largest"]),
+            ("Highest harmonic (solutions)", &["highest_harmonics"]),
+        ],
+    );
+    for (i, level) in view.summary.levels.iter().enumerate() {
+        let quantiles = &level.truncation_error.quantiles;
+        let error = |k: usize| share(quantiles.get(k).map(|q| q.estimate));
+        let harmonics = level.highest_harmonics.iter();
+        let used: Vec<String> = harmonics.map(|(h, n)| format!("{h} ({n})")).collect();
+        let used = match used.is_empty() {
+            true => DASH.to_owned(),
+            false => used.join(", "),
+        };
+        let largest = level.truncation_error.moments.map(|m| m.maximum);
+        table.row(vec![
+            view.level_cell(i),
+            error(1),
+            error(2),
+            share(largest),
+            Cell::text(used),
+        ]);
+    }
+    table.block()
+}
+
+fn contact_table(view: &View) -> Block {
+    let title = "Contact states at the peak, mean share of pairs and time";
+    let mut table = Table::of(
+        title,
+        "contact",
+        &[
+            ("Level", &["level"]),
+            ("Stick", &["stick"]),
+            ("Slip", &["slip"]),
+            ("Separated", &["separated"]),
+        ],
+    );
+    for (i, level) in view.summary.levels.iter().enumerate() {
+        let fractions = level.mean_contact_fractions;
+        table.row(vec![
+            view.level_cell(i),
+            share(fractions.map(|f| f.stick)),
+            share(fractions.map(|f| f.slip)),
+            share(fractions.map(|f| f.separated)),
+        ]);
+    }
+    table.block()
+}
+
+fn work_table(view: &View) -> Block {
+    let mut table = Table::of(
+        "Work per sample",
+        "work",
+        &[
+            ("Level", &["level"]),
+            ("Newton steps, median", &["newton_median"]),
+            ("95 %", &["newton_q95"]),
+            ("Factorisations, median", &["factorizations_median"]),
+            ("95 %", &["factorizations_q95"]),
+            ("Worst work balance", &["work_balance"]),
+        ],
+    );
+    for (i, level) in view.summary.levels.iter().enumerate() {
+        let count = |v: Option<f64>| Cell::number(v.map_or_else(|| DASH.to_owned(), short), v);
+        let balance = level.worst_work_balance;
+        table.row(vec![
+            view.level_cell(i),
+            count(level.newton_iterations.median),
+            count(level.newton_iterations.q95),
+            count(level.factorizations.median),
+            count(level.factorizations.q95),
+            Cell::number(
+                balance.map_or_else(|| DASH.to_owned(), significant),
+                balance,
+            ),
+        ]);
+    }
+    table.block()
+}

@@ -1,0 +1,242 @@
+//! Which input moves what.
+
+use super::super::assessment::{IndexResult, InputInfluence};
+use super::super::axis::Axis;
+use super::super::block::{Block, Cell, Figure, Section, Table};
+use super::super::display::{DASH, minus_sign};
+use super::super::figure::{Panel, Size};
+use super::super::summary::{InputCorrelation, LevelSummary};
+use super::super::view::{Shown, View, thinned};
+use crate::statistics::{ConditionalMean, Influence};
+
+/// Inputs that get a scatter panel, those with the strongest rank correlations.
+const MAX_INPUTS: usize = 6;
+
+/// Absent without inputs.
+pub(super) fn section(view: &View) -> Option<Section> {
+    if view.input.record.inputs.is_empty() {
+        return None;
+    }
+    let hint = "Spearman’s coefficient over the samples with a solution: ±1 where the input alone orders the results, \
+                0 where it does not. A relation that first falls and then rises can hide behind 0.";
+    let scatter = strongest(view)
+        .into_iter()
+        .flat_map(|j| Shown::ALL.map(|shown| scatter(view, j, shown)));
+    Some(Section {
+        id: "influence",
+        title: "Influence of the inputs".to_owned(),
+        blocks: vec![
+            view.level_legend([]),
+            Block::pairs(Shown::ALL.map(|shown| bars(view, shown)).to_vec()),
+            indices(view),
+            Block::Hint(
+                "First-order index: share of the variance that the input explains alone, estimated by ranks from the \
+                 samples at hand, with a 95 % interval from halves of the samples. “Not distinguishable from 0”: \
+                 these samples show no influence. It presumes independent inputs and describes the samples with a \
+                 solution."
+                    .to_owned(),
+            ),
+            Block::Heading("Mean of the result along each input".to_owned()),
+            Block::pairs(Shown::ALL.map(|shown| tornado(view, shown)).to_vec()),
+            Block::Heading("Samples over each input".to_owned()),
+            Block::pairs(scatter.collect()),
+            correlations(view, Shown::Frequency, |c| c.frequency),
+            correlations(view, Shown::AmplitudePerLevel, |c| c.amplitude),
+            Block::Hint(hint.to_owned()),
+        ],
+    })
+}
+
+/// Index of the result that a panel shows.
+fn index(influence: &InputInfluence, shown: Shown) -> &IndexResult {
+    match shown {
+        Shown::Frequency => &influence.frequency,
+        Shown::AmplitudePerLevel => &influence.amplitude,
+    }
+}
+
+/// Line of level `i` of `n` beside input `j`: input names stand at −j.
+fn line(j: usize, i: usize, n: usize) -> f64 {
+    let spread = 0.7 * (i as f64 + 0.5) / n as f64 - 0.35;
+    -(j as f64) - spread
+}
+
+fn input_names(view: &View) -> Vec<String> {
+    let inputs = view.input.record.inputs.iter();
+    inputs.map(|input| input.name.clone()).collect()
+}
+
+/// First-order indices, one bar per input and level.
+fn bars(view: &View, shown: Shown) -> Figure {
+    let n = view.n_levels();
+    let x = Axis::linear("Share of the variance", -0.1, 1.1);
+    let names = input_names(view);
+    let size = Size::Rows(names.len() * n.div_ceil(2).max(1));
+    let title = format!("First-order index, {}", shown.word());
+    let mut panel = Panel::new(size, title, x, Axis::of_names(names));
+    panel.rule("zero", 0.0);
+    for (i, level) in view.assessment.levels.iter().enumerate() {
+        for (j, influence) in level.influences.iter().enumerate() {
+            if let IndexResult::Index(found) = index(influence, shown) {
+                let (y, index) = (line(j, i, n), found.index);
+                let ends = [0.0, index.estimate.max(0.0)];
+                panel.level_bar(&format!("l{i}"), y, ends, 0.6 / n as f64);
+                panel.level_whisker("plain", y, [index.lower, index.upper]);
+            }
+        }
+    }
+    view.figure(&panel, format!("index-{}", shown.word()), "")
+}
+
+/// First-order indices with their intervals, or the reason why there is none.
+fn indices(view: &View) -> Block {
+    let mut table = Table::of(
+        "First-order indices",
+        "indices",
+        &[
+            ("Level", &["level"]),
+            ("Input", &["input"]),
+            (
+                "Frequency",
+                &[
+                    "frequency_index",
+                    "frequency_index_lower",
+                    "frequency_index_upper",
+                ],
+            ),
+            (
+                "Amplitude",
+                &[
+                    "amplitude_index",
+                    "amplitude_index_lower",
+                    "amplitude_index_upper",
+                ],
+            ),
+        ],
+    );
+    for (i, level) in view.assessment.levels.iter().enumerate() {
+        for influence in &level.influences {
+            table.row(vec![
+                view.level_cell(i),
+                Cell::text(&influence.input).with_class("text"),
+                index_cell(&influence.frequency),
+                index_cell(&influence.amplitude),
+            ]);
+        }
+    }
+    table.block()
+}
+
+fn index_cell(result: &IndexResult) -> Cell {
+    match result {
+        IndexResult::Refused(reason) => Cell::number(DASH, None)
+            .with_raw([None, None])
+            .with_small(reason),
+        IndexResult::Index(found) => {
+            let index = found.index;
+            let number = |v: f64| minus_sign(&format!("{v:.2}"));
+            let cell = Cell::number(number(index.estimate), Some(index.estimate))
+                .with_raw([Some(index.lower), Some(index.upper)])
+                .with_small(format!("{} … {}", number(index.lower), number(index.upper)));
+            match index.influence {
+                Influence::Distinct => cell,
+                Influence::NotDistinguishable => cell.with_small(index.influence.to_string()),
+            }
+        }
+    }
+}
+
+/// Means of the samples with the lowest and the highest values of each input, about the mean of all.
+fn tornado(view: &View, shown: Shown) -> Figure {
+    let n = view.n_levels();
+    let mut rows = Vec::new();
+    for (i, level) in view.assessment.levels.iter().enumerate() {
+        let scale = view.unit.per_metre / level.level;
+        for (j, influence) in level.influences.iter().enumerate() {
+            let (means, scale) = match shown {
+                Shown::Frequency => (&influence.frequency_means_hz, 1.0),
+                Shown::AmplitudePerLevel => (&influence.amplitude_means_m, scale),
+            };
+            let mean = |k: &ConditionalMean| Some(k.moments?.valid_only.mean * scale);
+            let ends = [means.first(), means.last()].map(|k| k.and_then(mean));
+            if let [Some(low), Some(high)] = ends {
+                rows.push((i, line(j, i, n), low, high));
+            }
+        }
+    }
+    let ends = rows.iter().flat_map(|(_, _, low, high)| [*low, *high]);
+    let x = Axis::around(view.label(shown), ends);
+    let names = input_names(view);
+    let size = Size::Rows(names.len() * n.div_ceil(2).max(1));
+    let title = format!("Mean {}, low to high input", shown.word());
+    let mut panel = Panel::new(size, title, x, Axis::of_names(names));
+    for (i, y, low, high) in rows {
+        let (left, right) = (low.min(high), low.max(high));
+        panel.level_bar(&format!("total l{i}"), y, [left, right], 0.5 / n as f64);
+        panel.dots(&format!("l{i}"), [(high, y)].into_iter());
+    }
+    view.note_if_empty(&mut panel);
+    let caption = "From the fifth of the samples with the lowest values of the input to the fifth with the highest (dot), \
+                   each the mean over all other inputs.";
+    view.figure(&panel, format!("tornado-{}", shown.word()), caption)
+}
+
+/// The inputs in their order, or those with the strongest rank correlations where they are many.
+fn strongest(view: &View) -> Vec<usize> {
+    let strength = |j: usize| {
+        let levels = view.summary.levels.iter();
+        let of_input = levels.filter_map(|l| l.rank_correlations.get(j));
+        of_input
+            .flat_map(|c| [c.frequency, c.amplitude])
+            .flatten()
+            .fold(0.0, |a: f64, b| a.max(b.abs()))
+    };
+    let mut order: Vec<usize> = (0..view.input.record.inputs.len()).collect();
+    if order.len() > MAX_INPUTS {
+        order.sort_by(|&a, &b| strength(b).total_cmp(&strength(a)));
+        order.truncate(MAX_INPUTS);
+    }
+    order
+}
+
+fn scatter(view: &View, j: usize, shown: Shown) -> Figure {
+    let name = &view.input.record.inputs[j].name;
+    let y = Axis::around(view.label(shown), view.all_values(shown));
+    let title = match shown {
+        Shown::Frequency => format!("Frequency over {name}"),
+        Shown::AmplitudePerLevel => format!("Amplitude over {name}"),
+    };
+    let mut panel = Panel::new(Size::Large, title, view.input_axis(j), y);
+    for i in 0..view.n_levels() {
+        let inputs = view.peaks(i).map(|(o, _)| o.inputs[j]);
+        let points = inputs.zip(view.values(shown, i)).collect();
+        panel.dots(&format!("l{i}"), thinned(points).into_iter());
+    }
+    view.note_if_empty(&mut panel);
+    view.figure(&panel, format!("{}-over-input-{j}", shown.word()), "")
+}
+
+/// Rows input, columns level; each cell with its strength for the shade behind it.
+fn correlations(view: &View, shown: Shown, value: fn(&InputCorrelation) -> Option<f64>) -> Block {
+    let fields: [&'static [&'static str]; 2] = [&["input"], &["rank_correlation"]];
+    let levels = (0..view.n_levels()).map(|i| (view.level_name(i), fields[1]));
+    let columns = [("Input".to_owned(), fields[0])].into_iter().chain(levels);
+    let title = format!("Rank correlation with the input: {}", shown.word());
+    let file = format!("rank-correlation-{}", shown.word());
+    let mut table = Table::new(title, &file, columns);
+    for (j, input) in view.input.record.inputs.iter().enumerate() {
+        let cell = |level: &LevelSummary| {
+            let rho = level.rank_correlations.get(j).and_then(value);
+            let text = rho.map_or_else(|| DASH.to_owned(), |r| minus_sign(&format!("{r:+.2}")));
+            let class = match rho < Some(0.0) {
+                true => "shade negative",
+                false => "shade positive",
+            };
+            Cell::number(text, rho).with_shade(class, rho.map_or(0.0, |r| r.abs() * 60.0))
+        };
+        let name = Cell::text(&input.name);
+        let cells = view.summary.levels.iter().map(cell);
+        table.row([name].into_iter().chain(cells).collect());
+    }
+    table.block()
+}

@@ -1,0 +1,36 @@
+//! The sections of the page, from what a designer signs to what an auditor asks.
+
+mod audit;
+mod campbell;
+mod convergence;
+mod distribution;
+mod envelope;
+mod error_budget;
+mod failure;
+mod influence;
+mod performance;
+mod response;
+mod stress;
+mod verdict;
+
+use super::block::Section;
+use super::view::View;
+
+/// All sections that the study has something for, in the order of the page.
+pub(super) fn sections(view: &View) -> Vec<Section> {
+    let all = [
+        Some(verdict::section(view)),
+        campbell::section(view),
+        stress::section(view),
+        Some(envelope::section(view)),
+        performance::section(view),
+        Some(response::section(view)),
+        Some(distribution::section(view)),
+        influence::section(view),
+        convergence::section(view),
+        Some(error_budget::section(view)),
+        Some(failure::section(view)),
+        Some(audit::section(view)),
+    ];
+    all.into_iter().flatten().collect()
+}

@@ -1,0 +1,191 @@
+//! Alternating stress against the allowable one: Haigh diagram and reserve factors.
+
+use super::super::axis::Axis;
+use super::super::block::{Block, Cell, Figure, Key, Mark, Section, Table};
+use super::super::display::{DASH, percent, significant, with_digits};
+use super::super::figure::{Panel, Size};
+use super::super::margins::{Reserve, factor};
+use super::super::requirement::Stress;
+use super::super::view::View;
+use super::envelope::limits;
+use crate::statistics::{Sorted, quantile};
+
+/// m → µm.
+const UM_PER_M: f64 = 1e6;
+
+/// Absent without `[stress]`.
+pub(super) fn section(view: &View) -> Option<Section> {
+    let stress = view.input.record.requirements.stress.as_ref()?;
+    let keys = [
+        Key::new(
+            Mark::Line,
+            "line allowable",
+            "Goodman’s allowable alternating stress",
+        ),
+        Key::new(
+            Mark::Cross,
+            "",
+            "bound for 95 % of the blades with 95 % confidence",
+        ),
+    ];
+    let hint = format!(
+        "Goodman: allowable = endurance limit × (1 − mean/ultimate) = {} × (1 − {}/{}) MPa. Stress = amplitude × {} \
+         MPa/µm at the mean stress of the study. The line’s limits of use are the user’s to know. {}",
+        with_digits(stress.endurance_limit_mpa, 4),
+        with_digits(stress.mean_stress_mpa, 4),
+        with_digits(stress.ultimate_strength_mpa, 4),
+        with_digits(stress.modal_stress_mpa_per_um, 4),
+        view.assessment.condition
+    );
+    Some(Section {
+        id: "stress",
+        title: "Stress and reserve factor".to_owned(),
+        blocks: vec![
+            view.level_legend(keys),
+            Block::pairs(vec![haigh(view, stress), reserves(view, stress)]),
+            table(view),
+            Block::Hint(hint),
+        ],
+    })
+}
+
+/// 5 %, 50 %, 95 % of a number of the amplitude (m) at level `i`.
+fn scatter(view: &View, i: usize, of: impl Fn(f64) -> f64) -> Option<[f64; 3]> {
+    let values = view.peaks(i).map(|(_, peak)| of(peak.amplitude_m));
+    let sorted = Sorted::finite(values);
+    let [low, middle, high] = [0.05, 0.5, 0.95].map(|p| quantile(&sorted, p));
+    Some([low?, middle?, high?])
+}
+
+/// Alternating over mean stress, with the scatter of each level beside the mean stress.
+fn haigh(view: &View, stress: &Stress) -> Figure {
+    let applied = |amplitude_m: f64| amplitude_m * UM_PER_M * stress.modal_stress_mpa_per_um;
+    let bound = |i: usize| view.assessment.levels[i].amplitude_bound_m.limit.value();
+    let levels = 0..view.n_levels();
+    let bounds = levels.clone().filter_map(bound).map(applied);
+    let tops = levels.filter_map(|i| Some(scatter(view, i, applied)?[2]));
+    let top = bounds
+        .chain(tops)
+        .fold(stress.endurance_limit_mpa, f64::max);
+    let ultimate = stress.ultimate_strength_mpa;
+    let x = Axis::linear("Mean stress (MPa)", 0.0, 1.04 * ultimate);
+    let y = Axis::linear("Alternating stress (MPa)", 0.0, 1.06 * top);
+    let mut panel = Panel::new(Size::Large, "Haigh diagram", x, y);
+    let line = [(0.0, stress.endurance_limit_mpa), (ultimate, 0.0)];
+    panel.line("allowable", line.into_iter());
+    let n = view.n_levels();
+    for i in 0..n {
+        let aside = (i as f64 - 0.5 * (n - 1) as f64) * 0.022 * ultimate;
+        let mean = (stress.mean_stress_mpa + aside).max(0.0);
+        if let Some([low, middle, high]) = scatter(view, i, applied) {
+            panel.whisker(&format!("l{i}"), mean, [low, high]);
+            panel.dots(&format!("l{i}"), [(mean, middle)].into_iter());
+        }
+        panel.crosses(
+            &format!("l{i}"),
+            bound(i).map(|b| (mean, applied(b))).into_iter(),
+        );
+    }
+    view.note_if_empty(&mut panel);
+    let caption = "Bars: 5 % to 95 % of the samples with their median, by level; all levels have the same mean stress \
+                   and are drawn side by side.";
+    view.figure(&panel, "haigh", caption)
+}
+
+/// Reserve factor of each level.
+fn reserves(view: &View, stress: &Stress) -> Figure {
+    let n = view.n_levels();
+    let scatters: Vec<Option<[f64; 3]>> = (0..n)
+        .map(|i| scatter(view, i, |a| factor(a, stress)))
+        .collect();
+    let bounds: Vec<Option<f64>> = view
+        .assessment
+        .levels
+        .iter()
+        .map(|l| l.reserve.as_ref()?.factor_bound.limit.value())
+        .collect();
+    let shown = scatters.iter().flatten().flatten();
+    let shown = shown.chain(bounds.iter().flatten()).copied().chain([1.0]);
+    let x = Axis::around("Reserve factor", shown);
+    let names = (0..n).map(|i| view.level_name(i)).collect();
+    let mut panel = Panel::new(
+        Size::Rows(n),
+        "Reserve factor by level",
+        x,
+        Axis::of_names(names),
+    );
+    panel.rule("limit", 1.0);
+    for (i, (scatter, bound)) in scatters.into_iter().zip(bounds).enumerate() {
+        let y = -(i as f64);
+        if let Some([low, middle, high]) = scatter {
+            panel.level_whisker(&format!("l{i}"), y, [low, high]);
+            panel.dots(&format!("l{i}"), [(middle, y)].into_iter());
+        }
+        panel.crosses(&format!("l{i}"), bound.map(|b| (b, y)).into_iter());
+    }
+    view.note_if_empty(&mut panel);
+    let caption =
+        "Bars: 5 % to 95 % of the samples with their median; red: allowable stress reached.";
+    view.figure(&panel, "reserve-factor", caption)
+}
+
+fn table(view: &View) -> Block {
+    let mut table = Table::of(
+        "Reserve factor, allowable over actual stress",
+        "reserve",
+        &[
+            ("Level", &["level"]),
+            ("Allowable amplitude", &["allowable_amplitude_m"]),
+            ("Reserve, 5 %", &["q05", "q05_lower", "q05_upper"]),
+            ("Reserve, 50 %", &["q50", "q50_lower", "q50_upper"]),
+            ("Reserve, 95 %", &["q95", "q95_lower", "q95_upper"]),
+            ("Lower bound", &["bound", "order", "achieved_confidence"]),
+            (
+                "Probability below 1",
+                &["probability", "probability_lower", "probability_upper"],
+            ),
+        ],
+    );
+    for (i, level) in view.assessment.levels.iter().enumerate() {
+        if let Some(reserve) = &level.reserve {
+            table.row(row(view, i, reserve));
+        }
+    }
+    table.block()
+}
+
+fn row(view: &View, i: usize, reserve: &Reserve) -> Vec<Cell> {
+    let quantile = |k: usize| match reserve.factor.get(k) {
+        None => Cell::number(DASH, None).with_raw([None, None]),
+        Some(q) => Cell::number(significant(q.estimate), Some(q.estimate))
+            .with_raw([q.interval.lower.value(), q.interval.upper.value()])
+            .with_small(limits(q.interval, &significant)),
+    };
+    let bound = reserve.factor_bound;
+    let value = bound.limit.value();
+    let order = match (bound.order, value) {
+        (0, _) => "too few samples".to_owned(),
+        (_, None) => "failed samples may lie beyond".to_owned(),
+        (order, _) => format!("rank {order}, {}", percent(bound.achieved_confidence)),
+    };
+    let probability = reserve.exceedance.map(|e| e.probability);
+    let known = probability.and_then(|p| p.known).map(|k| k.estimate);
+    let range = probability.map_or_else(String::new, |p| {
+        format!("{} … {}", percent(p.lower), percent(p.upper))
+    });
+    let amplitude = reserve.allowable_amplitude_m;
+    let shown = significant(amplitude * view.unit.per_metre);
+    vec![
+        view.level_cell(i),
+        Cell::number(format!("{shown} {}", view.unit.symbol), Some(amplitude)),
+        quantile(0),
+        quantile(1),
+        quantile(2),
+        Cell::number(value.map_or_else(|| "open".to_owned(), significant), value)
+            .with_raw([Some(bound.order as f64), Some(bound.achieved_confidence)])
+            .with_small(order),
+        Cell::number(known.map_or_else(|| DASH.to_owned(), percent), known)
+            .with_raw([probability.map(|p| p.lower), probability.map(|p| p.upper)])
+            .with_small(range),
+    ]
+}

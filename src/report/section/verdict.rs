@@ -1,0 +1,262 @@
+//! The first section: what must be known before any number is used, and the numbers that matter most.
+
+use super::super::block::{Block, Cell, Section, Table};
+use super::super::display::{DASH, duration, hertz, percent, significant, with_digits};
+use super::super::judgement::{CriterionResult, LevelResult};
+use super::super::requirement::{Criterion, Quantity};
+use super::super::summary::Summary;
+use super::super::view::View;
+use super::envelope::limits;
+use crate::hb::Status;
+use crate::statistics::{Judgement, ToleranceBound};
+
+pub(super) fn section(view: &View) -> Section {
+    let notices = notices(view);
+    let calm = "Every sample has a solution at every level, and no error alert was raised.";
+    let mut blocks = Vec::new();
+    if !view.assessment.criteria.is_empty() {
+        blocks.push(criteria(view));
+        blocks.push(Block::Hint(
+            "PASS or FAIL: the whole confidence interval lies on that side of the limit, each side with the stated \
+             confidence and whatever the failed samples would have given. UNDECIDED: the limit lies inside, or too \
+             few samples bound the side. Limits, standards and clauses are the user’s."
+                .to_owned(),
+        ));
+    }
+    blocks.push(Block::Facts(facts(view.summary)));
+    blocks.push(match notices.is_empty() {
+        true => Block::Fine(calm.to_owned()),
+        false => Block::Notices(notices),
+    });
+    blocks.push(bounds(view));
+    blocks.push(Block::Hint(view.assessment.condition.clone()));
+    Section {
+        id: "verdict",
+        title: "Verdict".to_owned(),
+        blocks,
+    }
+}
+
+fn criteria(view: &View) -> Block {
+    let mut table = Table::of(
+        "Criteria",
+        "criteria",
+        &[
+            ("Verdict", &["verdict"]),
+            ("Criterion", &["criterion"]),
+            ("Level", &["level"]),
+            ("Required", &["required"]),
+            ("Found", &["found", "lower", "upper"]),
+            ("Confidence", &["confidence"]),
+        ],
+    );
+    for result in &view.assessment.criteria {
+        if let Some(worst) = worst(result) {
+            table.row(criterion_row(view, result, worst));
+        }
+    }
+    table.block()
+}
+
+/// The level that decides: of those with the judgement of all, the one with the worst estimate.
+fn worst(result: &CriterionResult) -> Option<&LevelResult> {
+    let deciding = |l: &&LevelResult| l.judgement == result.judgement;
+    // Without an estimate nothing is known: that is the worst.
+    let cost = |l: &LevelResult| match l.estimate {
+        None => f64::INFINITY,
+        Some(v) if result.criterion.quantity.at_least() => -v,
+        Some(v) => v,
+    };
+    let levels = result.levels.iter().filter(deciding);
+    levels.max_by(|a, b| cost(a).total_cmp(&cost(b)))
+}
+
+fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> Vec<Cell> {
+    let criterion = &result.criterion;
+    let (word, class) = match level.judgement {
+        Judgement::Pass => ("PASS", "pass"),
+        Judgement::Fail => ("FAIL", "fail"),
+        Judgement::Undecided => ("UNDECIDED", "undecided"),
+    };
+    let source = [&criterion.standard, &criterion.clause].map(|s| s.as_deref());
+    let source: Vec<&str> = source.into_iter().flatten().collect();
+    let (required, show) = requirement(criterion);
+    let found = level.estimate.map_or_else(|| DASH.to_owned(), show);
+    let levels = view.input.record.levels.iter();
+    let place = levels.clone().position(|l| *l == level.level);
+    let sides = [level.interval.lower.value(), level.interval.upper.value()];
+    let extent = match result.levels.len() {
+        1 => String::new(),
+        n => format!("decides among {n} levels"),
+    };
+    let share = match criterion.quantity {
+        Quantity::ProbabilityOfExceedance => "of the probability".to_owned(),
+        _ => format!("for {} of the blades", percent(criterion.share())),
+    };
+    vec![
+        Cell::text(word).with_badge(class).with_class("text"),
+        Cell::text(&criterion.name)
+            .with_small(source.join(", "))
+            .with_class("text strong"),
+        place
+            .map_or_else(|| Cell::text(DASH), |i| view.level_cell(i))
+            .with_small(extent)
+            .with_class("text"),
+        Cell::text(required).with_class("text"),
+        Cell::number(found, level.estimate)
+            .with_raw(sides)
+            .with_small(limits(level.interval, &show)),
+        Cell::number(
+            percent(criterion.confidence()),
+            Some(criterion.confidence()),
+        )
+        .with_small(share),
+    ]
+}
+
+/// What is required in words, and how its numbers are shown.
+fn requirement(criterion: &Criterion) -> (String, fn(f64) -> String) {
+    let show: fn(f64) -> String = match criterion.quantity {
+        Quantity::FrequencyMarginPercent => |v| format!("{} %", with_digits(v, 3)),
+        Quantity::AmplitudeUm => |v| format!("{} µm", significant(v)),
+        Quantity::ReserveFactor => |v| with_digits(v, 3),
+        Quantity::ProbabilityOfExceedance => percent,
+    };
+    let limit = show(criterion.limit);
+    let words = match criterion.quantity {
+        Quantity::FrequencyMarginPercent => format!("frequency margin ≥ {limit}"),
+        Quantity::AmplitudeUm => format!("amplitude ≤ {limit}"),
+        Quantity::ReserveFactor => format!("reserve factor ≥ {limit}"),
+        Quantity::ProbabilityOfExceedance => format!("P(reserve factor < 1) ≤ {limit}"),
+    };
+    (words, show)
+}
+
+/// Bounds that hold for 95 % of the blades with 95 % confidence.
+fn bounds(view: &View) -> Block {
+    let title = "Bounds: each holds for 95 % of the blades with 95 % confidence";
+    let mut table = Table::of(
+        title,
+        "bounds",
+        &[
+            ("Level", &["level"]),
+            (
+                "Frequency above",
+                &["frequency_lower_hz", "order", "confidence"],
+            ),
+            (
+                "Frequency below",
+                &["frequency_upper_hz", "order", "confidence"],
+            ),
+            (
+                "Amplitude below",
+                &["amplitude_upper_m", "order", "confidence"],
+            ),
+        ],
+    );
+    let frequency = |v: f64| format!("{} Hz", hertz(v));
+    let amplitude = |v: f64| {
+        let shown = significant(v * view.unit.per_metre);
+        format!("{shown} {}", view.unit.symbol)
+    };
+    for (i, level) in view.assessment.levels.iter().enumerate() {
+        let [lower, upper] = &level.frequency_bounds_hz;
+        table.row(vec![
+            view.level_cell(i),
+            bound(lower, &frequency),
+            bound(upper, &frequency),
+            bound(&level.amplitude_bound_m, &amplitude),
+        ]);
+    }
+    table.block()
+}
+
+fn bound(bound: &ToleranceBound, show: &dyn Fn(f64) -> String) -> Cell {
+    let value = bound.limit.value();
+    let basis = match (bound.order, value) {
+        (0, _) => "too few samples".to_owned(),
+        (_, None) => "failed samples may lie beyond".to_owned(),
+        (order, _) => format!(
+            "value {order} from the end, {}",
+            percent(bound.achieved_confidence)
+        ),
+    };
+    Cell::number(value.map_or_else(|| "open".to_owned(), show), value)
+        .with_raw([Some(bound.order as f64), Some(bound.achieved_confidence)])
+        .with_small(basis)
+}
+
+fn facts(summary: &Summary) -> Vec<(String, String)> {
+    let solves = summary.samples * summary.levels.len();
+    let failed: usize = summary.levels.iter().map(|l| l.failed).sum();
+    [
+        ("samples", summary.samples.to_string()),
+        ("solutions", format!("{} of {solves}", solves - failed)),
+        (
+            "free resonance",
+            format!("{} Hz", hertz(summary.free_frequency_hz)),
+        ),
+        (
+            "fully stuck",
+            format!("{} Hz", hertz(summary.stuck_frequency_hz)),
+        ),
+        ("wall time", duration(summary.wall_time_s)),
+    ]
+    .map(|(name, value)| (name.to_owned(), value))
+    .to_vec()
+}
+
+/// What must be known before any number of the report is used.
+fn notices(view: &View) -> Vec<String> {
+    let summary = view.summary;
+    let mut notices: Vec<String> = view
+        .input
+        .changed
+        .iter()
+        .map(|name| format!("{name} is not the file that the run wrote: its content has changed."))
+        .collect();
+    let design = &view.input.record.design;
+    if !design.independent {
+        notices.push(format!(
+            "The samples are no independent draws ({}): confidence intervals, bounds and verdicts presume such draws and \
+             are indications here.",
+            design.description
+        ));
+    }
+    if design.outer_points > 1 {
+        notices.push(format!(
+            "{} points of the epistemic inputs are pooled on this page: its probabilities are no bounds over them.",
+            design.outer_points
+        ));
+    }
+    for status in Status::ALL.into_iter().filter(|&s| s != Status::Converged) {
+        notices.extend(status_notice(view, status));
+    }
+    for (i, level) in summary.levels.iter().enumerate() {
+        if level.frequency_hz.valid == 0 {
+            let name = view.level_name(i);
+            notices.push(format!("No sample has a solution at {name}."));
+        }
+    }
+    notices
+}
+
+/// How many solves ended so, and where most of them; absent if none did.
+fn status_notice(view: &View, status: Status) -> Option<String> {
+    let summary = view.summary;
+    let solves = summary.samples * summary.levels.len();
+    let levels = summary.levels.iter();
+    let counts: Vec<usize> = levels.map(|l| l.statuses[status.name()]).collect();
+    let total: usize = counts.iter().sum();
+    let numbered = counts.iter().enumerate();
+    let (worst, count) = numbered.max_by_key(|(i, count)| (**count, usize::MAX - i))?;
+    (total > 0).then(|| {
+        let share = percent(total as f64 / solves as f64);
+        format!(
+            "{total} of {solves} solves ({share}) ended as {}: {}; most at {} ({count}).",
+            status.name(),
+            status.explanation(),
+            view.level_name(worst),
+        )
+    })
+}

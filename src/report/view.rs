@@ -1,0 +1,206 @@
+//! What every section of the page needs: the samples, their statistics, and the units in which they are shown.
+
+use super::assessment::Assessment;
+use super::axis::Axis;
+use super::block::{Block, Cell, Figure, Key, Mark};
+use super::display::{LengthUnit, short};
+use super::figure::{Panel, level_colour};
+use super::summary::Summary;
+use super::{ReportInput, usable_peak};
+use crate::ensemble::outcome::{CurvePoint, PeakRecord, SampleOutcome};
+use std::fmt::Write;
+
+/// Dots per level and panel; more are thinned evenly.
+const MAX_DOTS: usize = 1500;
+
+/// The samples of a study as the page shows them.
+pub(super) struct View<'a> {
+    /// Samples and record.
+    pub(super) input: &'a ReportInput<'a>,
+    /// Their statistics.
+    pub(super) summary: &'a Summary,
+    /// What they say about the requirements.
+    pub(super) assessment: &'a Assessment,
+    /// Unit of all displacements.
+    pub(super) unit: LengthUnit,
+    /// Style sheet of the figures, with the colours of the levels.
+    pub(super) style: String,
+}
+
+/// What a panel shows of a peak.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Shown {
+    /// Resonance frequency (Hz).
+    Frequency,
+    /// Amplitude over excitation level, in the view's unit.
+    AmplitudePerLevel,
+}
+
+impl Shown {
+    /// Both.
+    pub(super) const ALL: [Self; 2] = [Self::Frequency, Self::AmplitudePerLevel];
+
+    /// In sentences and titles.
+    pub(super) fn word(self) -> &'static str {
+        match self {
+            Self::Frequency => "frequency",
+            Self::AmplitudePerLevel => "amplitude",
+        }
+    }
+}
+
+impl<'a> View<'a> {
+    /// A view in the unit that suits the largest amplitude per unit level.
+    pub(super) fn new(
+        input: &'a ReportInput<'a>,
+        summary: &'a Summary,
+        assessment: &'a Assessment,
+    ) -> Self {
+        let sampled = summary.levels.iter().filter_map(|level| {
+            let moments = level.amplitude_per_unit_level_m.moments?;
+            Some(moments.maximum)
+        });
+        let linear = input.record.free.curve.iter().map(|p| p.amplitude_m);
+        let largest = sampled.chain(linear).fold(0.0, f64::max);
+        let n_levels = summary.levels.len();
+        let mut style = include_str!("look/figure.css").to_owned();
+        for i in 0..n_levels {
+            let _ = writeln!(style, ".l{i} {{ --c: {}; }}", level_colour(i, n_levels));
+        }
+        Self {
+            input,
+            summary,
+            assessment,
+            unit: LengthUnit::for_largest(largest),
+            style,
+        }
+    }
+
+    /// Number of excitation levels.
+    pub(super) fn n_levels(&self) -> usize {
+        self.input.record.levels.len()
+    }
+
+    /// `10 N`; `level 10` where the unit is a sentence.
+    pub(super) fn level_name(&self, i: usize) -> String {
+        let record = self.input.record;
+        let level = short(record.levels[i]);
+        match self.unit_is_symbol() {
+            true => format!("{level} {}", record.level_unit),
+            false => format!("level {level}"),
+        }
+    }
+
+    fn unit_is_symbol(&self) -> bool {
+        !self.input.record.level_unit.contains(' ')
+    }
+
+    /// First cell of a row of level `i`.
+    pub(super) fn level_cell(&self, i: usize) -> Cell {
+        let level = self.input.record.levels[i];
+        Cell::number(self.level_name(i), Some(level)).with_chip(i)
+    }
+
+    /// One key per level.
+    pub(super) fn level_keys(&self) -> Vec<Key> {
+        let key = |i: usize| Key::new(Mark::Chip, &format!("l{i}"), self.level_name(i));
+        (0..self.n_levels()).map(key).collect()
+    }
+
+    /// The levels, then other marks.
+    pub(super) fn level_legend(&self, others: impl IntoIterator<Item = Key>) -> Block {
+        Block::Legend(self.level_keys().into_iter().chain(others).collect())
+    }
+
+    /// `µm/N`; `µm per level` where the unit is a sentence.
+    pub(super) fn amplitude_unit(&self) -> String {
+        match self.unit_is_symbol() {
+            true => format!("{}/{}", self.unit.symbol, self.input.record.level_unit),
+            false => format!("{} per level", self.unit.symbol),
+        }
+    }
+
+    /// Axis label.
+    pub(super) fn label(&self, shown: Shown) -> String {
+        match shown {
+            Shown::Frequency => "Resonance frequency (Hz)".to_owned(),
+            Shown::AmplitudePerLevel => format!("Amplitude ({})", self.amplitude_unit()),
+        }
+    }
+
+    /// A panel with its download.
+    pub(super) fn figure(
+        &self,
+        panel: &Panel,
+        file: impl Into<String>,
+        caption: impl Into<String>,
+    ) -> Figure {
+        Figure::new(panel, &self.style, file.into(), caption.into())
+    }
+
+    /// The number of a peak that a panel shows.
+    pub(super) fn value(&self, shown: Shown, level: f64, peak: &PeakRecord) -> f64 {
+        match shown {
+            Shown::Frequency => peak.frequency_hz,
+            Shown::AmplitudePerLevel => peak.amplitude_m / level * self.unit.per_metre,
+        }
+    }
+
+    /// Samples with a solution at level `i`.
+    pub(super) fn peaks(&self, i: usize) -> impl Iterator<Item = (&'a SampleOutcome, PeakRecord)> {
+        let outcomes = self.input.outcomes.iter();
+        outcomes.filter_map(move |o| Some((o, usable_peak(&o.levels[i])?)))
+    }
+
+    /// Values of the samples with a solution at level `i`.
+    pub(super) fn values(&self, shown: Shown, i: usize) -> impl Iterator<Item = f64> {
+        let level = self.input.record.levels[i];
+        self.peaks(i)
+            .map(move |(_, p)| self.value(shown, level, &p))
+    }
+
+    /// Values of all levels.
+    pub(super) fn all_values(&self, shown: Shown) -> impl Iterator<Item = f64> {
+        (0..self.n_levels()).flat_map(move |i| self.values(shown, i))
+    }
+
+    /// Value at the nominal inputs.
+    pub(super) fn nominal(&self, shown: Shown, i: usize) -> Option<f64> {
+        let peak = self.summary.levels[i].nominal?;
+        Some(self.value(shown, self.input.record.levels[i], &peak))
+    }
+
+    /// Points (Hz, amplitude per level in the view's unit).
+    pub(super) fn curve(&self, points: &[CurvePoint], level: f64) -> Vec<(f64, f64)> {
+        let scale = self.unit.per_metre / level;
+        let point = |p: &CurvePoint| (p.frequency_hz, p.amplitude_m * scale);
+        points.iter().map(point).collect()
+    }
+
+    /// Axis over the values of input `j`.
+    pub(super) fn input_axis(&self, j: usize) -> Axis {
+        let values = self.input.outcomes.iter().map(|o| o.inputs[j]);
+        Axis::around(self.input.record.inputs[j].name.clone(), values)
+    }
+
+    /// Whether no level has a solution.
+    pub(super) fn is_empty(&self) -> bool {
+        self.summary
+            .levels
+            .iter()
+            .all(|l| l.frequency_hz.valid == 0)
+    }
+
+    /// Says in the panel that there is nothing to draw, where that is so.
+    pub(super) fn note_if_empty(&self, panel: &mut Panel) {
+        if self.is_empty() {
+            panel.note("no sample has a solution");
+        }
+    }
+}
+
+/// At most so many points as a panel can show.
+pub(super) fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let stride = points.len().div_ceil(MAX_DOTS).max(1);
+    points.into_iter().step_by(stride).collect()
+}

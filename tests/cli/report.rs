@@ -1,0 +1,205 @@
+//! Requirements of a study, and the report of a run again from its files.
+
+use super::bad_input::{assert_refused, refuse_all};
+use super::{folder, microslip};
+
+const REQUIREMENTS: &str = r#"[operation]
+speed_rpm = [2000.0, 2200.0]
+engine_orders = [3, 4]
+dwell_rpm = [2100.0]
+
+[stress]
+modal_stress_mpa_per_um = 1.0
+mean_stress_mpa = 100.0
+endurance_limit_mpa = 300.0
+ultimate_strength_mpa = 900.0
+
+[[criteria]]
+name = "Campbell"
+standard = "house rule"
+quantity = "frequency-margin-percent"
+limit = 5.0
+
+[[criteria]]
+name = "life"
+quantity = "reserve-factor"
+limit = 1.5
+level = 2.0
+share = 0.8
+confidence = 0.8
+
+[output]
+"#;
+
+/// `run`, then `report` on a copy of its three stored files: the same bytes, without the model.
+///
+/// Seen to fail with the wall time of `report` in its summary.
+#[test]
+fn a_report_can_be_rendered_again() {
+    let study = folder("study.toml", "[output]\n", REQUIREMENTS);
+    let output = microslip(study.path(), &["run", "study.toml", "--quiet"]);
+    assert!(output.status.success(), "{output:?}");
+    let results = study.path().join("results");
+    let copy = tempfile::tempdir().unwrap();
+    for name in ["run.json", "samples.parquet", "curves.parquet"] {
+        std::fs::copy(results.join(name), copy.path().join(name)).unwrap();
+    }
+    let output = microslip(copy.path(), &["report", "."]);
+    assert!(output.status.success(), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stdout).contains("level 1 "));
+    for name in ["summary.json", "report.json", "report.html"] {
+        let read = |of: &std::path::Path| std::fs::read_to_string(of.join(name)).unwrap();
+        assert!(read(&results) == read(copy.path()), "{name} differs");
+    }
+    let page = std::fs::read_to_string(results.join("report.html")).unwrap();
+    for words in [
+        "Campbell",
+        "house rule",
+        "life",
+        "Reserve factor",
+        "uniform: high 0.8, low 0.1",
+    ] {
+        assert!(page.contains(words), "{words} is not in the page");
+    }
+}
+
+/// Seen to fail with the folder left out of the message.
+#[test]
+fn a_folder_without_results_is_refused() {
+    let empty = tempfile::tempdir().unwrap();
+    let output = microslip(empty.path(), &["report", "results"]);
+    assert_refused("report", &output, &["results/run.json", "No such file"]);
+}
+
+/// Requirements do not change a sample. Seen to fail with the number of criteria added to the seed.
+#[test]
+fn requirements_change_no_sample() {
+    let with = folder("study.toml", "[output]\n", REQUIREMENTS);
+    let without = folder("study.toml", "two masses", "two masses");
+    let samples = |study: &tempfile::TempDir| {
+        let output = microslip(study.path(), &["run", "study.toml", "--quiet"]);
+        assert!(output.status.success(), "{output:?}");
+        std::fs::read(study.path().join("results/samples.parquet")).unwrap()
+    };
+    assert!(samples(&with) == samples(&without));
+}
+
+/// One message with line, key and rule for every key. Seen to fail with the index of the criterion left out.
+#[test]
+fn bad_requirements_name_line_key_and_rule() {
+    let cases: [(&str, &str, &[&str]); 24] = [
+        (
+            "2000.0, 2200.0",
+            "2200.0, 2000.0",
+            &["operation.speed_rpm = [2200, 2000]", "low <= high"],
+        ),
+        (
+            "2000.0, 2200.0",
+            "0.0, 2200.0",
+            &["operation.speed_rpm[0] = 0", "> 0"],
+        ),
+        ("2000.0, 2200.0", "2000.0", &["operation.speed_rpm"]),
+        (
+            "[3, 4]",
+            "[]",
+            &["operation.engine_orders = []: must not be empty"],
+        ),
+        (
+            "[3, 4]",
+            "[3, 3]",
+            &["operation.engine_orders[1] = 3", "once"],
+        ),
+        ("[3, 4]", "[0]", &["operation.engine_orders[0] = 0", ">= 1"]),
+        ("[3, 4]", "[1.5]", &["operation.engine_orders"]),
+        (
+            "2100.0",
+            "2300.0",
+            &["operation.dwell_rpm[0] = 2300", "in the range"],
+        ),
+        (
+            "dwell_rpm",
+            "dwell",
+            &["operation", "unknown field", "dwell"],
+        ),
+        (
+            "engine_orders = [3, 4]",
+            "",
+            &["operation", "missing field", "engine_orders"],
+        ),
+        (
+            "dwell_rpm = [2100.0]",
+            "margin_relative_to = \"speed\"",
+            &["margin_relative_to"],
+        ),
+        (
+            "mpa_per_um = 1.0",
+            "mpa_per_um = 0.0",
+            &["stress.modal_stress_mpa_per_um = 0"],
+        ),
+        (
+            "mean_stress_mpa = 100.0",
+            "mean_stress_mpa = 900.0",
+            &["stress.mean_stress_mpa = 900", "below"],
+        ),
+        (
+            "endurance_limit_mpa = 300.0",
+            "endurance_limit_mpa = -1.0",
+            &["stress.endurance_limit_mpa = -1"],
+        ),
+        (
+            "name = \"Campbell\"",
+            "name = \"\"",
+            &["criteria[0].name = \"\""],
+        ),
+        ("limit = 5.0", "limit = 0.0", &["criteria[0].limit = 0"]),
+        (
+            "frequency-margin-percent",
+            "frequency",
+            &["criteria[0].quantity", "unknown variant"],
+        ),
+        (
+            "level = 2.0",
+            "level = 3.0",
+            &["criteria[1].level = 3: must be one of levels"],
+        ),
+        (
+            "share = 0.8",
+            "share = 1.0",
+            &["criteria[1].share = 1: must lie between 0 and 1"],
+        ),
+        (
+            "confidence = 0.8",
+            "confidence = 0.5",
+            &["criteria[1].confidence = 0.5", "0.5 and 1"],
+        ),
+        (
+            "reserve-factor",
+            "probability-of-exceedance",
+            &["criteria[1].limit = 1.5", "probability"],
+        ),
+        (
+            "[operation]\nspeed_rpm = [2000.0, 2200.0]\nengine_orders = [3, 4]\ndwell_rpm = [2100.0]",
+            "",
+            &["criteria[0].quantity", "needs the table [operation]"],
+        ),
+        (
+            "standard = ",
+            "norm = ",
+            &["criteria", "unknown field", "norm"],
+        ),
+        ("\"house rule\"", "7", &["criteria[0].standard"]),
+    ];
+    for (old, new, fragments) in cases {
+        assert!(REQUIREMENTS.contains(old), "{old}");
+        let text = REQUIREMENTS.replacen(old, new, 1);
+        refuse_all("study.toml", &[("[output]\n", &text, fragments)]);
+    }
+    let text = format!("{REQUIREMENTS}folder = \"x\"\n");
+    let cases: [(&str, &str, &[&str]); 1] = [(
+        "band_hz = [100, 200]\n\n[output]\n",
+        "band_rad_s = [600, 1300]\n\n",
+        &["operation = ", "band_hz"],
+    )];
+    let (old, new, fragments) = cases[0];
+    refuse_all("study.toml", &[(old, &format!("{new}{text}"), fragments)]);
+}

@@ -1,0 +1,64 @@
+//! `schema`: what the program accepts is valid, and what it refuses by name or shape is not.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::{STUDY, microslip};
+
+fn validator() -> jsonschema::Validator {
+    let output = microslip(Path::new("."), &["schema"]);
+    assert!(output.status.success(), "{output:?}");
+    let schema: Value = serde_json::from_slice(&output.stdout).unwrap();
+    jsonschema::validator_for(&schema).unwrap()
+}
+
+fn valid(validator: &jsonschema::Validator, study: &str) -> bool {
+    let json: Value = toml::from_str(study).unwrap();
+    validator.is_valid(&json)
+}
+
+/// Every study file of the repository and of these tests. Seen to fail with `kind` left out of `[model]`.
+#[test]
+fn every_study_is_valid() {
+    let validator = validator();
+    assert!(valid(&validator, STUDY), "the study of these tests");
+    let mut found = 0;
+    for root in ["studies", "tests/reference"] {
+        for entry in std::fs::read_dir(root).unwrap() {
+            let path = entry.unwrap().path().join("study.toml");
+            if let Ok(text) = std::fs::read_to_string(&path) {
+                assert!(valid(&validator, &text), "{}", path.display());
+                found += 1;
+            }
+        }
+    }
+    assert!(found > 0, "no study found");
+    let readme = std::fs::read_to_string("README.md").unwrap();
+    let example = readme.split("```toml\n").nth(1).unwrap();
+    let example = example.split("```").next().unwrap();
+    assert!(valid(&validator, example), "the example of the README");
+}
+
+/// Seen to fail with additional properties allowed at the top level.
+#[test]
+fn bad_keys_and_shapes_are_invalid() {
+    let validator = validator();
+    for (old, new) in [
+        ("seed = 7", "sead = 7"),
+        ("seed = 7", "seed = \"7\""),
+        ("levels = [1.0, 2.0]", "levels = []"),
+        ("mass = ", "mas = "),
+        ("kind = \"matrices\"", "kind = \"matrix\""),
+        ("law = \"box\"", "law = \"square\""),
+        ("harmonics = 5", "harmonics = \"5\""),
+        ("[inputs.friction_coefficient]", "[inputs.friction]"),
+        ("distribution = \"uniform\"", "distribution = \"even\""),
+        ("band_hz = [100, 200]", "band = [100, 200]"),
+        ("[output]", "[stress]\nlimit = 3.0\n[output]"),
+    ] {
+        assert!(STUDY.contains(old), "{old}");
+        let study = STUDY.replacen(old, new, 1);
+        assert!(!valid(&validator, &study), "{new} is valid");
+    }
+}
