@@ -8,6 +8,7 @@ pub mod assessment;
 mod axis;
 mod block;
 mod display;
+pub mod epistemic;
 pub mod error_budget;
 mod figure;
 pub mod judgement;

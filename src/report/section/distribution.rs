@@ -10,7 +10,11 @@ use crate::statistics::{Sorted, empirical_cdf, histogram, quantile, share};
 /// Values at which the confidence interval of a distribution function is drawn.
 const INTERVALS: usize = 100;
 
-pub(super) fn section(view: &View) -> Section {
+/// Absent with epistemic inputs: their section has the tables and figures by outer point.
+pub(super) fn section(view: &View) -> Option<Section> {
+    if view.summary.epistemic.is_some() {
+        return None;
+    }
     let nominal = view.input.record.nominal.is_some();
     let keys = [Key::new(Mark::Line, "rule quantile", "5 %, 50 %, 95 %")]
         .into_iter()
@@ -22,7 +26,7 @@ pub(super) fn section(view: &View) -> Section {
             figures: levels.map(|i| level_histogram(view, shown, i)).collect(),
         })
     });
-    Section {
+    Some(Section {
         id: "distributions",
         title: "Distributions".to_owned(),
         blocks: [
@@ -34,7 +38,7 @@ pub(super) fn section(view: &View) -> Section {
         .into_iter()
         .chain(histograms)
         .collect(),
-    }
+    })
 }
 
 fn level_histogram(view: &View, shown: Shown, i: usize) -> Figure {
