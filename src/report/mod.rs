@@ -7,6 +7,8 @@
 pub mod assessment;
 mod axis;
 mod block;
+pub mod comparison;
+mod comparison_page;
 mod display;
 pub mod epistemic;
 pub mod error_budget;
@@ -16,6 +18,7 @@ pub mod margins;
 mod page;
 pub mod record;
 pub mod requirement;
+pub mod reweighting;
 mod section;
 pub mod summary;
 mod view;

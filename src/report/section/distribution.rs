@@ -86,7 +86,10 @@ fn cdf(view: &View, shown: Shown) -> Figure {
     let mut panel = Panel::new(Size::Large, title, x, y);
     for i in 0..view.n_levels() {
         let sorted = Sorted::finite(view.values(shown, i));
-        panel.band(&format!("outer l{i}"), &confidence_band(view, &sorted));
+        panel.band(
+            &format!("outer l{i}"),
+            &confidence_band(&sorted, view.input.outcomes.len()),
+        );
         let corners = empirical_cdf(&sorted);
         // From the last corner back, so that thinned steps still end at 1.
         let kept = corners.into_iter().rev().collect();
@@ -98,10 +101,10 @@ fn cdf(view: &View, shown: Shown) -> Figure {
     view.figure(&panel, format!("distribution-{}", shown.word()), caption)
 }
 
-/// Interval of the distribution function at some of the values.
-fn confidence_band(view: &View, sorted: &Sorted) -> Vec<(f64, f64, f64)> {
+/// Interval of the distribution function at some of the known values of so many samples.
+pub(in crate::report) fn confidence_band(sorted: &Sorted, total: usize) -> Vec<(f64, f64, f64)> {
     let n = sorted.values().len();
-    let failed = view.input.outcomes.len() - n;
+    let failed = total - n;
     let stride = n.div_ceil(INTERVALS).max(1);
     let ranks = (0..n).step_by(stride).chain(n.checked_sub(1));
     let at = |i: usize| {

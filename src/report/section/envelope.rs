@@ -91,7 +91,7 @@ fn table(view: &View, quantity: &Quantity) -> Block {
 }
 
 /// `a … b`, where a side may be open.
-pub(super) fn limits(interval: Interval, show: &dyn Fn(f64) -> String) -> String {
+pub(in crate::report) fn limits(interval: Interval, show: &dyn Fn(f64) -> String) -> String {
     let side = |limit: Limit| limit.value().map_or_else(|| "open".to_owned(), show);
     format!("{} … {}", side(interval.lower), side(interval.upper))
 }

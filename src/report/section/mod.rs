@@ -14,6 +14,9 @@ mod response;
 mod stress;
 mod verdict;
 
+pub(super) use distribution::confidence_band;
+pub(super) use envelope::limits;
+
 use super::block::Section;
 use super::view::View;
 
