@@ -88,7 +88,10 @@ fn check_values(run: &StoredRun, first: &StoredRun) -> Result<(), String> {
         .collect();
     for (this, that) in run.outcomes.iter().zip(&first.outcomes) {
         if this.index != that.index || this.group != that.group {
-            return Err(format!("sample {} is none of its own", this.index));
+            return Err(format!(
+                "its sample {} stands where sample {} is there",
+                this.index, that.index
+            ));
         }
         if let Some(&j) = common.iter().find(|&&j| this.inputs[j] != that.inputs[j]) {
             let (name, index) = (&run.record.inputs[j].name, this.index);
