@@ -16,6 +16,8 @@ use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
 
+/// Relative resolution of a peak: what closer results differ by says nothing about the designs.
+const RESOLUTION: f64 = 1e-6;
 /// Resamples behind the probability of a ranking.
 const REPLICATES: u32 = 1000;
 
@@ -78,6 +80,15 @@ impl Compared {
         match self {
             Self::FrequencyHz => "higher",
             _ => "better",
+        }
+    }
+
+    /// Largest difference of two values that is no difference.
+    fn resolution(self, a: f64, b: f64) -> f64 {
+        match self {
+            // A share of the frequency already.
+            Self::FrequencyMargin => RESOLUTION,
+            _ => RESOLUTION * a.abs().max(b.abs()),
         }
     }
 
@@ -258,6 +269,7 @@ impl ComparedQuantity {
             confidence: CONFIDENCE,
         };
         let (mut pairs, mut rankings) = (Vec::new(), Vec::new());
+        let designs = with_ties(quantity, designs);
         for (outer, members) in outer_groups(&runs[0].outcomes) {
             let here: Vec<Vec<f64>> = designs.iter().map(|v| chosen(v, &members)).collect();
             for b in 1..here.len() {
@@ -287,4 +299,18 @@ impl ComparedQuantity {
             rankings,
         }
     }
+}
+
+/// The designs with values that the solver does not tell apart made equal, to that of the first such design: a sample that
+/// no design lets slip is a tie and not a win by rounding. Shape: designs × samples.
+fn with_ties(quantity: Compared, designs: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let same = |a: f64, b: f64| (a - b).abs() <= quantity.resolution(a, b);
+    let value = |k: usize, i: usize| {
+        let own = designs[k][i];
+        let earlier = designs[..k].iter().map(|design| design[i]);
+        earlier.into_iter().find(|&v| same(v, own)).unwrap_or(own)
+    };
+    (0..designs.len())
+        .map(|k| (0..designs[k].len()).map(|i| value(k, i)).collect())
+        .collect()
 }

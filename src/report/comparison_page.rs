@@ -253,7 +253,8 @@ fn ranking_row(view: &View, i: usize, quantity: Compared, found: &PointRanking) 
 
 fn pairs(view: &View) -> Section {
     let hint = "Median of the paired differences with its distribution-free 95 % confidence interval; shares of the samples \
-                in which one design is better with their Clopper and Pearson interval. Ties count for neither; a pair of \
+                in which one design is better with their Clopper and Pearson interval. Values within 1e-6 of each other are ties and \
+                count for neither; a pair of \
                 which one failed is unknown and widens every interval.";
     let tables = Compared::ALL
         .into_iter()

@@ -74,6 +74,20 @@ fn the_smaller_amplitude_is_better() {
     assert!(page.contains("Reserve factor") && page.contains("Frequency margin (%)"));
 }
 
+/// Results that the solver does not tell apart are ties. Seen to fail without the resolution.
+#[test]
+fn rounding_wins_for_neither() {
+    let runs = [design(60, 1.0), design(60, 1.0 + 1e-8)];
+    let level = &compared(&runs).levels[2];
+    for quantity in &level.quantities {
+        let pair = quantity.pairs[0].comparison;
+        assert_eq!((pair.a_better.yes, pair.b_better.yes), (0, 0));
+    }
+    let runs = [design(60, 1.0), design(60, 1.0 + 1e-4)];
+    let level = &compared(&runs).levels[2];
+    assert_eq!(level.quantities[1].pairs[0].comparison.a_better.yes, 60);
+}
+
 /// A pair of which one failed is unknown in every share. Seen to fail with failed pairs left out.
 #[test]
 fn failed_pairs_stay_unknown() {
