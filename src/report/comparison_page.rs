@@ -360,7 +360,7 @@ fn distributions(view: &View) -> Section {
         for b in 1..view.runs.len() {
             let levels = 0..view.comparison.levels.len();
             let figures = levels.map(|i| difference_figure(view, quantity, b, i));
-            blocks.push(Block::triples(figures.collect()));
+            blocks.push(Block::pairs(figures.collect()));
         }
     }
     Section {
@@ -388,7 +388,7 @@ fn difference_figure(view: &View, quantity: Compared, b: usize, i: usize) -> Fig
         "{pair} at {}",
         level_name(level, &view.comparison.level_unit)
     );
-    let mut panel = Panel::new(Size::Small, title, x, y);
+    let mut panel = Panel::new(Size::Large, title, x, y);
     panel.rule("zero", 0.0);
     for (_, members) in outer_groups(&view.runs[0].outcomes) {
         let here = Sorted::finite(chosen(&values, &members));

@@ -74,7 +74,7 @@ pub(super) fn section(view: &View) -> Option<Section> {
     blocks.push(Block::Legend(keys.into()));
     for shown in Shown::ALL {
         let figures = (0..view.n_levels()).map(|i| p_box(view, shown, i));
-        blocks.push(Block::triples(figures.collect()));
+        blocks.push(Block::pairs(figures.collect()));
     }
     Some(Section {
         id: "epistemic",
@@ -264,7 +264,7 @@ fn p_box(view: &View, shown: Shown, i: usize) -> Figure {
     let all = Sorted::finite(view.values(shown, i));
     let x = Axis::around(view.label(shown), all.values().iter().copied());
     let y = Axis::linear("Share of samples below", 0.0, 1.0);
-    let mut panel = Panel::new(Size::Small, view.level_name(i), x, y);
+    let mut panel = Panel::new(Size::Large, view.level_name(i), x, y);
     let below = |point: &Observed, x: f64, failed: usize| {
         let known = point.valid().values().partition_point(|v| *v <= x);
         (known + failed) as f64 / point.total().max(1) as f64
