@@ -1,18 +1,24 @@
 //! Arguments, messages and exit codes: 0 = done, 2 = bad input or a file that cannot be read or written.
 
+mod compare;
+mod reweight;
+
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
+use compare::CompareArguments;
 use microslip::Error;
 use microslip::aft::gpu::{GpuSettings, Precision, adapters, examined};
 use microslip::ensemble::backend::{BackendChoice, BackendSettings};
+use microslip::report::epistemic::EpistemicSummary;
 use microslip::report::{Summary, render};
 use microslip::study::{
     Inspection, LevelCurve, OutputFolder, Progress, RunResult, Study, extend, inspect, run, schema,
     solve,
 };
+use reweight::ReweightArguments;
 
 /// Exit code of every failure.
 const FAILURE: u8 = 2;
@@ -25,6 +31,8 @@ Examples:
   microslip run study.toml --output other/  the same into another folder
   microslip report results                  the report again, from the stored samples
   microslip schema > study.schema.json      what editors need to check a study file
+  microslip compare strip-a strip-b         designs on the same samples, from their results
+  microslip reweight results --prior p.toml the same samples under other distributions of the inputs
   microslip extend results --samples 800    more samples for these results; the old ones are kept
 
 Exit codes: 0 done, 2 bad input or a file that cannot be read or written.";
@@ -46,6 +54,10 @@ enum Command {
     Solve(StudyArguments),
     /// Render the report of a run again from its stored samples, without solving.
     Report(ReportArguments),
+    /// Compare designs sample by sample, from the results of their runs: comparison.json and comparison.html.
+    Compare(CompareArguments),
+    /// Quantiles of the same samples under other distributions of the inputs, without solving: reweighted.json.
+    Reweight(ReweightArguments),
     /// Print the JSON Schema of the study file, for editors and programs.
     Schema,
     /// Show what a study would compute: degrees of freedom, frequencies, contact pairs, memory and time.
@@ -190,7 +202,11 @@ fn execute(command: &Command) -> Result<(), Error> {
         Command::Run(arguments) => start_threads(arguments.study.threads)?,
         Command::Solve(common) | Command::Inspect(common) => start_threads(common.threads)?,
         Command::Extend(arguments) => start_threads(arguments.threads)?,
-        Command::Report(_) | Command::Schema | Command::Devices => {}
+        Command::Report(_)
+        | Command::Compare(_)
+        | Command::Reweight(_)
+        | Command::Schema
+        | Command::Devices => {}
     }
     match command {
         Command::Schema => print(|out| {
@@ -211,6 +227,8 @@ fn execute(command: &Command) -> Result<(), Error> {
                 )
             })
         }
+        Command::Compare(arguments) => compare::execute(arguments),
+        Command::Reweight(arguments) => reweight::execute(arguments),
         Command::Inspect(arguments) => {
             let study = Study::read(&arguments.study)?;
             let inspection = inspect(&study)?;
@@ -328,6 +346,53 @@ fn show_levels(out: &mut dyn Write, summary: &Summary) -> std::io::Result<()> {
             )?;
         }
         writeln!(out)?;
+    }
+    match &summary.epistemic {
+        Some(epistemic) => show_ranges(out, epistemic),
+        None => Ok(()),
+    }
+}
+
+/// Ranges of the quantiles over the outer points, with the point of each end.
+fn show_ranges(out: &mut dyn Write, epistemic: &EpistemicSummary) -> std::io::Result<()> {
+    let (inputs, n) = (epistemic.inputs.join(", "), epistemic.points.len());
+    writeln!(
+        out,
+        "lowest and highest over {n} outer points of {inputs} (these have no probability):"
+    )?;
+    for level in &epistemic.levels {
+        let quantities: [(_, _, &dyn Fn(f64) -> String); 2] = [
+            (&level.frequency_hz, "Hz", &|v| format!("{v:.3}")),
+            (&level.amplitude_m, "m", &|v| format!("{v:.4e}")),
+        ];
+        for (ranges, unit, show) in quantities {
+            for quantile in ranges {
+                let ends = [quantile.range.lowest, quantile.range.highest].map(|end| {
+                    let value = end.value.value().map_or_else(|| "open".to_owned(), show);
+                    format!("{value} (point {})", end.outer)
+                });
+                writeln!(
+                    out,
+                    "level {}, {:.0} %: {} .. {} {unit}",
+                    level.level,
+                    100.0 * quantile.probability,
+                    ends[0],
+                    ends[1]
+                )?;
+            }
+        }
+        for exceedance in &level.exceedances {
+            let limit = exceedance.threshold_m;
+            let ends = [exceedance.range.lowest, exceedance.range.highest].map(|end| {
+                let value = end.value.value().unwrap_or(f64::NAN);
+                format!("{value:.3} (point {})", end.outer)
+            });
+            writeln!(
+                out,
+                "level {}, P(amplitude > {limit:.4e} m): {} .. {}",
+                level.level, ends[0], ends[1]
+            )?;
+        }
     }
     Ok(())
 }

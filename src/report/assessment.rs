@@ -3,6 +3,7 @@
 //! Statements of the kind "95 % of the blades with 95 % confidence" hold for the distributions of the inputs that the
 //! study assumes; [`Assessment::condition`] says so wherever they go.
 
+use super::epistemic::EpistemicSummary;
 use super::error_budget::{ErrorLine, error_budget};
 use super::judgement::{CriterionResult, judge_all};
 use super::margins::{OrderMargin, Reserve, order_margins, reserve};
@@ -115,7 +116,7 @@ impl Assessment {
         let record = input.record;
         Self {
             provenance: record.provenance.clone(),
-            condition: condition(record),
+            condition: condition(record, summary.epistemic.as_ref()),
             inputs: record.inputs.clone(),
             samples: input.outcomes.len(),
             content: CONTENT,
@@ -135,7 +136,7 @@ impl Assessment {
 }
 
 /// The sentence that goes with every statement of probability.
-fn condition(record: &RunRecord) -> String {
+fn condition(record: &RunRecord, epistemic: Option<&EpistemicSummary>) -> String {
     let inputs = record.inputs.iter();
     let priors: Vec<String> = inputs
         .map(|i| format!("{} ({})", i.name, i.prior))
@@ -143,11 +144,25 @@ fn condition(record: &RunRecord) -> String {
     match priors.is_empty() {
         true => "No input is random: the samples do not scatter.".to_owned(),
         false => format!(
-            "Conditional on the assumed distributions of {}. Design of the samples: {}.",
+            "Conditional on the assumed distributions of {}. Design of the samples: {}.{}",
             priors.join("; "),
-            record.design.description
+            record.design.description,
+            epistemic.map_or_else(String::new, |e| format!(" {}", pooling(e)))
         ),
     }
+}
+
+/// What statistics over all samples are not, where some inputs are epistemic.
+pub(super) fn pooling(epistemic: &EpistemicSummary) -> String {
+    format!(
+        "{} only known to an interval: samples of all {} outer points together are no population, and their shares, \
+         quantiles and bands no probabilities. These are given by outer point, with their ranges.",
+        match epistemic.inputs.as_slice() {
+            [one] => format!("{one} is"),
+            several => format!("{} are", several.join(", ")),
+        },
+        epistemic.points.len(),
+    )
 }
 
 /// One value per sample at level `i`, NaN where it failed.

@@ -2,6 +2,7 @@
 
 use super::ReportInput;
 use super::assessment::values;
+use super::epistemic::{nested, outer_groups};
 use super::margins::{allowable_amplitude_m, factor, smallest_margin};
 use super::requirement::{Criterion, Quantity};
 use crate::statistics::{
@@ -35,6 +36,9 @@ pub struct LevelResult {
     pub interval: Interval,
     /// Judgement.
     pub judgement: Judgement,
+    /// The outer point of the epistemic inputs that decides: the criterion must hold at each. Absent without such inputs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outer: Option<u64>,
 }
 
 /// Judges every criterion of the study.
@@ -61,7 +65,53 @@ fn result(input: &ReportInput, criterion: &Criterion) -> CriterionResult {
     }
 }
 
+/// The worst over the outer points, where there are such: their samples are no population together.
 fn level_result(input: &ReportInput, criterion: &Criterion, i: usize, level: f64) -> LevelResult {
+    if !nested(input.outcomes) {
+        return population_result(input, criterion, i, level);
+    }
+    let of_point = |(outer, members): (Option<u64>, Vec<usize>)| {
+        let outcomes: Vec<_> = (members.iter())
+            .map(|&m| input.outcomes[m].clone())
+            .collect();
+        let point = ReportInput {
+            outcomes: &outcomes,
+            ..*input
+        };
+        LevelResult {
+            outer,
+            ..population_result(&point, criterion, i, level)
+        }
+    };
+    let points = outer_groups(input.outcomes).into_iter().map(of_point);
+    let severity = |result: &LevelResult| {
+        let word = match result.judgement {
+            Judgement::Pass => 0,
+            Judgement::Undecided => 1,
+            Judgement::Fail => 2,
+        };
+        let sign = if criterion.quantity.at_least() {
+            -1.0
+        } else {
+            1.0
+        };
+        (word, result.estimate.map_or(f64::INFINITY, |v| sign * v))
+    };
+    let worse = |a: LevelResult, b: LevelResult| match severity(&b) > severity(&a) {
+        true => b,
+        false => a,
+    };
+    let population = || population_result(input, criterion, i, level);
+    points.reduce(worse).unwrap_or_else(population)
+}
+
+/// Judges the samples of one population.
+fn population_result(
+    input: &ReportInput,
+    criterion: &Criterion,
+    i: usize,
+    level: f64,
+) -> LevelResult {
     let (estimate, interval) = match criterion.quantity {
         Quantity::ProbabilityOfExceedance => probability(input, criterion, i),
         _ => quantile(input, criterion, i),
@@ -75,6 +125,7 @@ fn level_result(input: &ReportInput, criterion: &Criterion, i: usize, level: f64
         estimate,
         interval,
         judgement: judge(interval, rule),
+        outer: None,
     }
 }
 

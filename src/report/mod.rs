@@ -7,7 +7,10 @@
 pub mod assessment;
 mod axis;
 mod block;
+pub mod comparison;
+mod comparison_page;
 mod display;
+pub mod epistemic;
 pub mod error_budget;
 mod figure;
 pub mod judgement;
@@ -15,6 +18,7 @@ pub mod margins;
 mod page;
 pub mod record;
 pub mod requirement;
+pub mod reweighting;
 mod section;
 pub mod summary;
 mod view;

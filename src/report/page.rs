@@ -1,6 +1,7 @@
 //! The page: one file, no network, no script.
 
 use super::assessment::Assessment;
+use super::block::Section;
 use super::section::sections;
 use super::summary::Summary;
 use super::view::View;
@@ -8,22 +9,27 @@ use super::{ReportError, ReportInput};
 use minijinja::value::Serde;
 use minijinja::{Environment, context};
 
-/// Renders the page.
+/// Renders the page of a study.
 pub(super) fn render(
     input: &ReportInput,
     summary: &Summary,
     assessment: &Assessment,
 ) -> Result<String, ReportError> {
     let view = View::new(input, summary, assessment);
+    page(&summary.provenance.study, &view.style, &sections(&view))
+}
+
+/// A page of the given title, style sheet of the figures, and sections.
+pub(super) fn page(title: &str, style: &str, sections: &[Section]) -> Result<String, ReportError> {
     let mut environment = Environment::new();
     // The names end in .html, which switches escaping on.
     environment.add_template("report.html", include_str!("look/report.html.j2"))?;
     environment.add_template("block.html", include_str!("look/block.html.j2"))?;
     let page = environment.get_template("report.html")?.render(context! {
         page_style => include_str!("look/page.css"),
-        figure_style => &view.style,
-        study => &summary.provenance.study,
-        sections => Serde(sections(&view)),
+        figure_style => style,
+        study => title,
+        sections => Serde(sections),
     })?;
     Ok(page)
 }

@@ -1,5 +1,6 @@
 //! The numbers of a study: `summary.json`.
 
+use super::epistemic::{EpistemicSummary, nested};
 use super::{ReportInput, counted_status, usable_peak};
 use crate::ensemble::backend::BackendReport;
 use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
@@ -39,6 +40,9 @@ pub struct Summary {
     pub backend: BackendReport,
     /// One entry per excitation level.
     pub levels: Vec<LevelSummary>,
+    /// Statistics by outer point and their ranges; absent without epistemic inputs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub epistemic: Option<EpistemicSummary>,
 }
 
 /// Statistics of all samples at one excitation level.
@@ -77,13 +81,14 @@ pub struct LevelSummary {
 }
 
 /// What is known of one result: from the samples with a solution, and what the others leave open.
-#[derive(Debug, Clone, Default, serde::Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
 pub struct Distribution {
     /// Number of samples that count.
     pub valid: usize,
     /// Mean, standard deviation and range; absent without samples.
     pub moments: Option<Moments>,
-    /// One entry per probability; empty without samples.
+    /// One entry per probability; empty without samples. Those of frequency and amplitude over all samples are empty too
+    /// where these belong to outer points: they are no population ([`EpistemicSummary`] has them by point).
     pub quantiles: Vec<QuantileEstimate>,
 }
 
@@ -136,6 +141,7 @@ impl Summary {
             levels: (0..record.levels.len())
                 .map(|i| LevelSummary::of(input, i))
                 .collect(),
+            epistemic: EpistemicSummary::of(input),
         }
     }
 }
@@ -148,6 +154,14 @@ impl LevelSummary {
         let failed = records.len() - peaks.len();
         let distribution = |value: &dyn Fn(&PeakRecord) -> Option<f64>| {
             Distribution::of(peaks.iter().filter_map(value), failed)
+        };
+        let pooled = nested(input.outcomes);
+        let of_blades = |value: &dyn Fn(&PeakRecord) -> Option<f64>| {
+            let mut all = distribution(value);
+            if pooled {
+                all.quantiles.clear();
+            }
+            all
         };
         let mut highest_harmonics = BTreeMap::new();
         for peak in &peaks {
@@ -163,9 +177,9 @@ impl LevelSummary {
                 .nominal
                 .as_ref()
                 .and_then(|o| usable_peak(&o.levels[i])),
-            frequency_hz: distribution(&|p| Some(p.frequency_hz)),
-            amplitude_m: distribution(&|p| Some(p.amplitude_m)),
-            amplitude_per_unit_level_m: distribution(&|p| Some(p.amplitude_m / level)),
+            frequency_hz: of_blades(&|p| Some(p.frequency_hz)),
+            amplitude_m: of_blades(&|p| Some(p.amplitude_m)),
+            amplitude_per_unit_level_m: of_blades(&|p| Some(p.amplitude_m / level)),
             truncation_error: distribution(&|p| p.truncation_error),
             highest_harmonics,
             mean_contact_fractions: mean_fractions(&peaks),
@@ -179,12 +193,15 @@ impl LevelSummary {
 
 impl Distribution {
     fn of(values: impl Iterator<Item = f64>, failed: usize) -> Self {
-        let sorted = Sorted::finite(values);
-        let all = Observed::with_failed(sorted.clone(), failed);
-        let estimate = |&p: &f64| quantile_estimate(&all, p, CONFIDENCE);
+        Self::of_observed(&Observed::with_failed(Sorted::finite(values), failed))
+    }
+
+    /// Statistics of the samples of one population.
+    pub(super) fn of_observed(all: &Observed) -> Self {
+        let estimate = |&p: &f64| quantile_estimate(all, p, CONFIDENCE);
         Self {
-            valid: sorted.values().len(),
-            moments: moments(&sorted),
+            valid: all.valid().values().len(),
+            moments: moments(all.valid()),
             quantiles: PROBABILITIES.iter().filter_map(estimate).collect(),
         }
     }

@@ -62,17 +62,12 @@ impl<'a> View<'a> {
         });
         let linear = input.record.free.curve.iter().map(|p| p.amplitude_m);
         let largest = sampled.chain(linear).fold(0.0, f64::max);
-        let n_levels = summary.levels.len();
-        let mut style = include_str!("look/figure.css").to_owned();
-        for i in 0..n_levels {
-            let _ = writeln!(style, ".l{i} {{ --c: {}; }}", level_colour(i, n_levels));
-        }
         Self {
             input,
             summary,
             assessment,
             unit: LengthUnit::for_largest(largest),
-            style,
+            style: figure_style(summary.levels.len()),
         }
     }
 
@@ -84,11 +79,7 @@ impl<'a> View<'a> {
     /// `10 N`; `level 10` where the unit is a sentence.
     pub(super) fn level_name(&self, i: usize) -> String {
         let record = self.input.record;
-        let level = short(record.levels[i]);
-        match self.unit_is_symbol() {
-            true => format!("{level} {}", record.level_unit),
-            false => format!("level {level}"),
-        }
+        level_name(record.levels[i], &record.level_unit)
     }
 
     fn unit_is_symbol(&self) -> bool {
@@ -197,6 +188,24 @@ impl<'a> View<'a> {
             panel.note("no sample has a solution");
         }
     }
+}
+
+/// `10 N`; `level 10` where the unit is a sentence.
+pub(super) fn level_name(level: f64, unit: &str) -> String {
+    let level = short(level);
+    match unit.contains(' ') {
+        true => format!("level {level}"),
+        false => format!("{level} {unit}"),
+    }
+}
+
+/// Style sheet of the figures, with a colour for each of so many levels.
+pub(super) fn figure_style(n_levels: usize) -> String {
+    let mut style = include_str!("look/figure.css").to_owned();
+    for i in 0..n_levels {
+        let _ = writeln!(style, ".l{i} {{ --c: {}; }}", level_colour(i, n_levels));
+    }
+    style
 }
 
 /// At most so many points as a panel can show.

@@ -1,8 +1,10 @@
 //! The study file and the commands on it.
 //!
 //! Reads `study.toml` into the rooms' own settings ([`Study`]) and orchestrates them; holds no numerics.
-//! Start reading at [`Study::read`]; the commands are [`inspect()`], [`solve()`], [`run()`] and [`extend()`].
+//! Start reading at [`Study::read`]; the commands are [`inspect()`], [`solve()`], [`run()`], [`extend()`],
+//! [`compare()`] and [`reweight()`].
 
+pub mod compare;
 pub mod document;
 pub mod extend;
 pub mod frequency;
@@ -10,16 +12,19 @@ pub mod inspect;
 pub mod output;
 pub mod read;
 mod requirements;
+pub mod reweight;
 pub mod run;
 pub mod schema;
 pub mod solve;
 pub mod tables;
 
+pub use compare::compare;
 pub use extend::extend;
 pub use frequency::{FrequencySettings, FrequencyUnit, Points};
 pub use inspect::{Inspection, inspect};
 pub use output::{OutputFolder, OutputSettings};
 pub use read::{ModelSettings, Study, StudyModel};
+pub use reweight::reweight;
 pub use run::{RunResult, run};
 pub use schema::schema;
 pub use solve::{LevelCurve, Progress, solve, write_curves};

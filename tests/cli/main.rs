@@ -5,10 +5,12 @@
 )]
 
 mod bad_input;
+mod compare;
 mod designs;
 mod extend;
 mod inputs;
 mod report;
+mod reweight;
 mod run;
 mod schema;
 mod solve;

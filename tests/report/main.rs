@@ -5,6 +5,8 @@
 )]
 
 mod assessment;
+mod comparison;
+mod epistemic;
 mod page;
 mod record;
 mod store;

@@ -10,7 +10,11 @@ use crate::statistics::{Sorted, empirical_cdf, histogram, quantile, share};
 /// Values at which the confidence interval of a distribution function is drawn.
 const INTERVALS: usize = 100;
 
-pub(super) fn section(view: &View) -> Section {
+/// Absent with epistemic inputs: their section has the tables and figures by outer point.
+pub(super) fn section(view: &View) -> Option<Section> {
+    if view.summary.epistemic.is_some() {
+        return None;
+    }
     let nominal = view.input.record.nominal.is_some();
     let keys = [Key::new(Mark::Line, "rule quantile", "5 %, 50 %, 95 %")]
         .into_iter()
@@ -22,7 +26,7 @@ pub(super) fn section(view: &View) -> Section {
             figures: levels.map(|i| level_histogram(view, shown, i)).collect(),
         })
     });
-    Section {
+    Some(Section {
         id: "distributions",
         title: "Distributions".to_owned(),
         blocks: [
@@ -34,7 +38,7 @@ pub(super) fn section(view: &View) -> Section {
         .into_iter()
         .chain(histograms)
         .collect(),
-    }
+    })
 }
 
 fn level_histogram(view: &View, shown: Shown, i: usize) -> Figure {
@@ -82,7 +86,10 @@ fn cdf(view: &View, shown: Shown) -> Figure {
     let mut panel = Panel::new(Size::Large, title, x, y);
     for i in 0..view.n_levels() {
         let sorted = Sorted::finite(view.values(shown, i));
-        panel.band(&format!("outer l{i}"), &confidence_band(view, &sorted));
+        panel.band(
+            &format!("outer l{i}"),
+            &confidence_band(&sorted, view.input.outcomes.len()),
+        );
         let corners = empirical_cdf(&sorted);
         // From the last corner back, so that thinned steps still end at 1.
         let kept = corners.into_iter().rev().collect();
@@ -94,10 +101,10 @@ fn cdf(view: &View, shown: Shown) -> Figure {
     view.figure(&panel, format!("distribution-{}", shown.word()), caption)
 }
 
-/// Interval of the distribution function at some of the values.
-fn confidence_band(view: &View, sorted: &Sorted) -> Vec<(f64, f64, f64)> {
+/// Interval of the distribution function at some of the known values of so many samples.
+pub(in crate::report) fn confidence_band(sorted: &Sorted, total: usize) -> Vec<(f64, f64, f64)> {
     let n = sorted.values().len();
-    let failed = view.input.outcomes.len() - n;
+    let failed = total - n;
     let stride = n.div_ceil(INTERVALS).max(1);
     let ranks = (0..n).step_by(stride).chain(n.checked_sub(1));
     let at = |i: usize| {

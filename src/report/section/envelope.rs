@@ -17,7 +17,11 @@ struct Quantity<'a> {
     show: &'a dyn Fn(f64) -> String,
 }
 
-pub(super) fn section(view: &View) -> Section {
+/// Absent with epistemic inputs: their section has the tables and figures by outer point.
+pub(super) fn section(view: &View) -> Option<Section> {
+    if view.summary.epistemic.is_some() {
+        return None;
+    }
     let scale = view.unit.per_metre;
     let length = |v: f64| significant(v * scale);
     let quantities = [
@@ -51,14 +55,14 @@ pub(super) fn section(view: &View) -> Section {
                 bound that side. Where samples failed, the second small line is the range of the quantile over all \
                 values they could have had. Downloads are in SI units.";
     let tables = quantities.iter().map(|q| table(view, q));
-    Section {
+    Some(Section {
         id: "envelopes",
         title: "Envelopes of the resonance".to_owned(),
         blocks: [Block::Hint(hint.to_owned())]
             .into_iter()
             .chain(tables)
             .collect(),
-    }
+    })
 }
 
 fn table(view: &View, quantity: &Quantity) -> Block {
@@ -87,7 +91,7 @@ fn table(view: &View, quantity: &Quantity) -> Block {
 }
 
 /// `a … b`, where a side may be open.
-pub(super) fn limits(interval: Interval, show: &dyn Fn(f64) -> String) -> String {
+pub(in crate::report) fn limits(interval: Interval, show: &dyn Fn(f64) -> String) -> String {
     let side = |limit: Limit| limit.value().map_or_else(|| "open".to_owned(), show);
     format!("{} … {}", side(interval.lower), side(interval.upper))
 }

@@ -5,6 +5,7 @@ mod campbell;
 mod convergence;
 mod distribution;
 mod envelope;
+mod epistemic;
 mod error_budget;
 mod failure;
 mod influence;
@@ -12,6 +13,9 @@ mod performance;
 mod response;
 mod stress;
 mod verdict;
+
+pub(super) use distribution::confidence_band;
+pub(super) use envelope::limits;
 
 use super::block::Section;
 use super::view::View;
@@ -22,15 +26,18 @@ pub(super) fn sections(view: &View) -> Vec<Section> {
         Some(verdict::section(view)),
         campbell::section(view),
         stress::section(view),
-        Some(envelope::section(view)),
+        epistemic::section(view),
+        envelope::section(view),
         performance::section(view),
         Some(response::section(view)),
-        Some(distribution::section(view)),
+        distribution::section(view),
         influence::section(view),
         convergence::section(view),
         Some(error_budget::section(view)),
         Some(failure::section(view)),
         Some(audit::section(view)),
     ];
-    all.into_iter().flatten().collect()
+    let mut sections: Vec<Section> = all.into_iter().flatten().collect();
+    epistemic::warn(view, &mut sections);
+    sections
 }

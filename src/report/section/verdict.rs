@@ -1,5 +1,6 @@
 //! The first section: what must be known before any number is used, and the numbers that matter most.
 
+use super::super::assessment::pooling;
 use super::super::block::{Block, Cell, Section, Table};
 use super::super::display::{DASH, duration, hertz, percent, significant, with_digits};
 use super::super::judgement::{CriterionResult, LevelResult};
@@ -28,7 +29,9 @@ pub(super) fn section(view: &View) -> Section {
         true => Block::Fine(calm.to_owned()),
         false => Block::Notices(notices),
     });
-    blocks.push(bounds(view));
+    if view.summary.epistemic.is_none() {
+        blocks.push(bounds(view));
+    }
     blocks.push(Block::Hint(view.assessment.condition.clone()));
     Section {
         id: "verdict",
@@ -89,6 +92,8 @@ fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> 
         1 => String::new(),
         n => format!("decides among {n} levels"),
     };
+    let outer =
+        (level.outer).map_or_else(String::new, |outer| format!("worst outer point: {outer}"));
     let share = match criterion.quantity {
         Quantity::ProbabilityOfExceedance => "of the probability".to_owned(),
         _ => format!("for {} of the blades", percent(criterion.share())),
@@ -101,6 +106,7 @@ fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> 
         place
             .map_or_else(|| Cell::text(DASH), |i| view.level_cell(i))
             .with_small(extent)
+            .with_small(outer)
             .with_class("text"),
         Cell::text(required).with_class("text"),
         Cell::number(found, level.estimate)
@@ -223,12 +229,7 @@ fn notices(view: &View) -> Vec<String> {
             design.description
         ));
     }
-    if design.outer_points > 1 {
-        notices.push(format!(
-            "{} points of the epistemic inputs are pooled on this page: its probabilities are no bounds over them.",
-            design.outer_points
-        ));
-    }
+    notices.extend(view.summary.epistemic.as_ref().map(pooling));
     for status in Status::ALL.into_iter().filter(|&s| s != Status::Converged) {
         notices.extend(status_notice(view, status));
     }

@@ -1,0 +1,147 @@
+//! `compare`: arguments and the table on the terminal.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use microslip::Error;
+use microslip::report::comparison::{Compared, DesignComparison, Pair, PointRanking};
+use microslip::study::{OutputFolder, compare};
+
+#[derive(Args)]
+pub(super) struct CompareArguments {
+    /// Folders with the results of `run`, one per design.
+    #[arg(num_args = 2.., required = true)]
+    folders: Vec<PathBuf>,
+    /// Folder of comparison.json and comparison.html.
+    #[arg(long, default_value = "comparison")]
+    output: PathBuf,
+    /// No table.
+    #[arg(long)]
+    quiet: bool,
+}
+
+pub(super) fn execute(arguments: &CompareArguments) -> Result<(), Error> {
+    let folders: Vec<&Path> = arguments.folders.iter().map(PathBuf::as_path).collect();
+    let output = OutputFolder::open(&arguments.output)?;
+    let comparison = compare(&folders, &output)?;
+    if arguments.quiet {
+        return Ok(());
+    }
+    super::print(|out| {
+        show(out, &comparison)?;
+        let path = output.path().display();
+        writeln!(out, "comparison.json and comparison.html are in {path}")
+    })
+}
+
+fn show(out: &mut dyn Write, comparison: &DesignComparison) -> std::io::Result<()> {
+    for design in &comparison.designs {
+        writeln!(
+            out,
+            "{}  {} ({})",
+            design.label, design.folder, design.study
+        )?;
+    }
+    let (seed, sampling) = (comparison.seed, &comparison.sampling);
+    writeln!(out, "common samples: {sampling}, seed {seed}")?;
+    if !comparison.design_inputs.is_empty() {
+        let names = comparison.design_inputs.join(", ");
+        writeln!(
+            out,
+            "paired at equal probability, as a part of the designs: {names}"
+        )?;
+    }
+    if !comparison.independent {
+        writeln!(out, "no independent samples: intervals are indications")?;
+    }
+    for level in &comparison.levels {
+        writeln!(out, "level {} {}", level.level, comparison.level_unit)?;
+        for quantity in &level.quantities {
+            for pair in &quantity.pairs {
+                show_pair(out, comparison, quantity.quantity, pair)?;
+            }
+            for ranking in &quantity.rankings {
+                show_ranking(out, comparison, ranking)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Factor and unit in which a difference is shown.
+fn shown(quantity: Compared) -> (f64, &'static str) {
+    match quantity {
+        Compared::FrequencyHz => (1.0, "Hz"),
+        Compared::AmplitudeM => (1e6, "um"),
+        Compared::FrequencyMargin => (100.0, "%"),
+        Compared::ReserveFactor => (1.0, ""),
+    }
+}
+
+fn at(outer: Option<u64>) -> String {
+    outer.map_or_else(String::new, |outer| format!(" at outer point {outer}"))
+}
+
+fn show_pair(
+    out: &mut dyn Write,
+    comparison: &DesignComparison,
+    quantity: Compared,
+    pair: &Pair,
+) -> std::io::Result<()> {
+    let (scale, unit) = shown(quantity);
+    let [a, b] = [pair.a, pair.b].map(|place| comparison.designs[place].label.as_str());
+    let show = |v: f64| format!("{:.4}", v * scale);
+    let side = |limit: Option<f64>| limit.map_or_else(|| "open".to_owned(), show);
+    let median = match &pair.comparison.median_difference {
+        None => "no pair is solved".to_owned(),
+        Some(median) => format!(
+            "median {} ({} .. {}) {unit}",
+            show(median.estimate),
+            side(median.interval.lower.value()),
+            side(median.interval.upper.value()),
+        ),
+    };
+    let (first, second) = (&pair.comparison.a_better, &pair.comparison.b_better);
+    let word = quantity.word();
+    let name = format!("{}{}", quantity.name(), at(pair.outer));
+    let shares = [(a, first), (b, second)].map(|(label, share)| {
+        let known = share
+            .known
+            .map_or_else(|| "-".to_owned(), |k| format!("{:.3}", k.estimate));
+        let (lower, upper) = (share.lower, share.upper);
+        format!("P({label} {word}) {known} ({lower:.3} .. {upper:.3})")
+    });
+    write!(
+        out,
+        "  {name:<20} {a} - {b}: {median}; {}",
+        shares.join("; ")
+    )?;
+    match first.unknown {
+        0 => writeln!(out),
+        unknown => writeln!(out, "; {unknown} pairs unknown"),
+    }
+}
+
+fn show_ranking(
+    out: &mut dyn Write,
+    comparison: &DesignComparison,
+    found: &PointRanking,
+) -> std::io::Result<()> {
+    let ranking = &found.ranking;
+    let labels = ranking
+        .order
+        .iter()
+        .map(|&k| comparison.designs[k].label.as_str());
+    let order: Vec<&str> = labels.collect();
+    writeln!(
+        out,
+        "  {:<20} {} by the {} % quantile{}: in {:.1} % of the resamples surely, in {:.1} % possibly",
+        "",
+        order.join(" before "),
+        100.0 * found.quantile,
+        at(found.outer),
+        100.0 * ranking.surely,
+        100.0 * ranking.possibly,
+    )
+}

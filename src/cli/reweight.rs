@@ -1,0 +1,110 @@
+//! `reweight`: arguments and the table on the terminal.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use microslip::Error;
+use microslip::report::reweighting::{ReweightedPoint, Reweighting};
+use microslip::study::{OutputFolder, reweight};
+
+#[derive(Args)]
+pub(super) struct ReweightArguments {
+    /// Folder with the results of `run`.
+    folder: PathBuf,
+    /// TOML file with the new distributions, as [inputs.NAME] of a study file.
+    #[arg(long)]
+    prior: PathBuf,
+    /// Folder of reweighted.json, instead of that of the results.
+    #[arg(long)]
+    output: Option<PathBuf>,
+    /// No table.
+    #[arg(long)]
+    quiet: bool,
+}
+
+pub(super) fn execute(arguments: &ReweightArguments) -> Result<(), Error> {
+    let output = OutputFolder::open(arguments.output.as_ref().unwrap_or(&arguments.folder))?;
+    let found = reweight(&arguments.folder, &arguments.prior, &output)?;
+    if arguments.quiet {
+        return Ok(());
+    }
+    super::print(|out| {
+        show(out, &found)?;
+        writeln!(out, "reweighted.json is in {}", output.path().display())
+    })
+}
+
+fn at(outer: Option<u64>) -> String {
+    outer.map_or_else(String::new, |outer| format!(" at outer point {outer}"))
+}
+
+fn show(out: &mut dyn Write, found: &Reweighting) -> std::io::Result<()> {
+    for input in &found.inputs {
+        writeln!(
+            out,
+            "{}: {} (sampled: {})",
+            input.name, input.reweighted, input.sampled
+        )?;
+    }
+    for point in &found.weights {
+        let (samples, effective) = (point.samples, point.effective_samples);
+        writeln!(
+            out,
+            "{samples} samples count for {effective:.1}{}",
+            at(point.outer)
+        )?;
+    }
+    if !found.independent {
+        writeln!(out, "no independent samples: intervals are indications")?;
+    }
+    for level in &found.levels {
+        for point in &level.points {
+            writeln!(out, "level {}{}", level.level, at(point.outer))?;
+            show_point(out, point)?;
+        }
+    }
+    Ok(())
+}
+
+/// Under the new distributions, then as sampled.
+fn show_point(out: &mut dyn Write, point: &ReweightedPoint) -> std::io::Result<()> {
+    let quantities: [(_, _, &dyn Fn(f64) -> String); 2] = [
+        (&point.frequency_hz, "Hz", &|v| format!("{v:.3}")),
+        (&point.amplitude_m, "m", &|v| format!("{v:.4e}")),
+    ];
+    for (quantiles, unit, show) in quantities {
+        let side = |limit: Option<f64>| limit.map_or_else(|| "open".to_owned(), show);
+        for quantile in quantiles {
+            let (new, old) = (quantile.reweighted, quantile.sampled);
+            writeln!(
+                out,
+                "  {:.0} %: {} ({} .. {}) {unit}; as sampled {} ({} .. {})",
+                100.0 * new.probability,
+                show(new.estimate),
+                side(new.interval.lower.value()),
+                side(new.interval.upper.value()),
+                show(old.estimate),
+                side(old.interval.lower.value()),
+                side(old.interval.upper.value()),
+            )?;
+        }
+    }
+    for exceedance in &point.exceedances {
+        let (new, old) = (exceedance.reweighted, exceedance.sampled.probability);
+        let known =
+            |estimate: Option<f64>| estimate.map_or_else(|| "-".to_owned(), |p| format!("{p:.3}"));
+        writeln!(
+            out,
+            "  P(amplitude > {:.4e} m): {} ({:.3} .. {:.3}); as sampled {} ({:.3} .. {:.3})",
+            new.threshold,
+            known(new.estimate),
+            new.lower,
+            new.upper,
+            known(old.known.map(|k| k.estimate)),
+            old.lower,
+            old.upper,
+        )?;
+    }
+    Ok(())
+}

@@ -1,0 +1,297 @@
+//! Ranges over the outer points of the epistemic inputs, as tables and as p-boxes.
+
+use super::super::assessment::pooling;
+use super::super::axis::Axis;
+use super::super::block::{Block, Cell, Figure, Key, Mark, Section, Table};
+use super::super::display::{hertz, percent, short, significant};
+use super::super::epistemic::{
+    BoxRange, EpistemicLevel, EpistemicSummary, Extreme, QuantileRange, outer_groups,
+};
+use super::super::figure::{Panel, Size};
+use super::super::view::{Shown, View};
+use super::envelope::limits;
+use crate::statistics::{Limit, Observed, Sorted};
+
+/// Sections that show shares, quantiles or bands of all samples.
+const POOLED: [&str; 6] = [
+    "campbell",
+    "stress",
+    "performance",
+    "response",
+    "influence",
+    "convergence",
+];
+/// Values at which a p-box is drawn.
+const PLACES: usize = 200;
+
+/// Says at the head of every section with statistics over all samples what they are not.
+pub(super) fn warn(view: &View, sections: &mut [Section]) {
+    let Some(epistemic) = &view.summary.epistemic else {
+        return;
+    };
+    for section in sections.iter_mut().filter(|s| POOLED.contains(&s.id)) {
+        section.blocks.insert(0, Block::Hint(pooling(epistemic)));
+    }
+}
+
+/// Absent without epistemic inputs.
+pub(super) fn section(view: &View) -> Option<Section> {
+    let epistemic = view.summary.epistemic.as_ref()?;
+    let scale = view.unit.per_metre;
+    let length = |v: f64| significant(v * scale);
+    let amplitude = format!("Amplitude ({})", view.unit.symbol);
+    let hint = "Each cell: lowest and highest value of the statistic over the outer points and where they are, failed \
+                samples at their worst; small figures: from the lowest lower to the highest upper 95 % confidence limit. \
+                Nothing is computed between the outer points. “Open” means that some outer point does not bound the side.";
+    let mut blocks = vec![
+        Block::Hint(hint.to_owned()),
+        points(epistemic),
+        quantiles(
+            view,
+            "Resonance frequency (Hz)",
+            "frequency-ranges",
+            |l| &l.frequency_hz,
+            &hertz,
+        ),
+        quantiles(
+            view,
+            &amplitude,
+            "amplitude-ranges",
+            |l| &l.amplitude_m,
+            &length,
+        ),
+        bounds(view, epistemic, &length),
+    ];
+    blocks.extend(exceedances(view, epistemic, &length));
+    let keys = [
+        Key::new(
+            Mark::Band,
+            "",
+            "between the distribution functions of the outer points",
+        ),
+        Key::new(Mark::Line, "line quartile", "each outer point"),
+    ];
+    blocks.push(Block::Legend(keys.into()));
+    for shown in Shown::ALL {
+        let figures = (0..view.n_levels()).map(|i| p_box(view, shown, i));
+        blocks.push(Block::pairs(figures.collect()));
+    }
+    Some(Section {
+        id: "epistemic",
+        title: "Ranges over the epistemic inputs".to_owned(),
+        blocks,
+    })
+}
+
+/// Values of the epistemic inputs at every outer point.
+fn points(epistemic: &EpistemicSummary) -> Block {
+    let point: (String, &'static [&'static str]) = ("Outer point".to_owned(), &["outer"]);
+    let value: &'static [&'static str] = &["value"];
+    let samples: (String, &'static [&'static str]) = ("Samples".to_owned(), &["samples"]);
+    let inputs = epistemic.inputs.iter().map(|name| (name.clone(), value));
+    let columns = [point].into_iter().chain(inputs).chain([samples]);
+    let mut table = Table::new("Outer points", "outer-points", columns);
+    for point in &epistemic.points {
+        let number = |n: f64| Cell::number(short(n), Some(n));
+        let values = point.values.iter().map(|v| number(*v));
+        let ends = [point.outer as f64, point.samples as f64].map(number);
+        let [first, last] = ends;
+        table.row([first].into_iter().chain(values).chain([last]).collect());
+    }
+    table.block()
+}
+
+/// `a … b`, where they are, and the hull of the confidence intervals.
+fn range_cell(range: &BoxRange, show: &dyn Fn(f64) -> String) -> Cell {
+    let side = |limit: Limit| limit.value().map_or_else(|| "open".to_owned(), show);
+    let (lowest, highest) = (range.lowest, range.highest);
+    let interval = [range.interval.lower, range.interval.upper].map(Limit::value);
+    Cell::number(
+        format!("{} … {}", side(lowest.value), side(highest.value)),
+        lowest.value.value(),
+    )
+    .with_raw([highest.value.value(), interval[0], interval[1]])
+    .with_raw([lowest.outer, highest.outer].map(|outer| Some(outer as f64)))
+    .with_small(format!("at points {} and {}", lowest.outer, highest.outer))
+    .with_small(limits(range.interval, show))
+}
+
+fn quantiles(
+    view: &View,
+    title: &str,
+    file: &str,
+    of: fn(&EpistemicLevel) -> &Vec<QuantileRange>,
+    show: &dyn Fn(f64) -> String,
+) -> Block {
+    let mut table = Table::of(
+        format!("{title}: ranges of the quantiles"),
+        file,
+        &[
+            ("Level", &["level"]),
+            (
+                "5 %",
+                &[
+                    "q05_lowest",
+                    "q05_highest",
+                    "q05_lower",
+                    "q05_upper",
+                    "q05_lowest_at",
+                    "q05_highest_at",
+                ],
+            ),
+            (
+                "50 %",
+                &[
+                    "q50_lowest",
+                    "q50_highest",
+                    "q50_lower",
+                    "q50_upper",
+                    "q50_lowest_at",
+                    "q50_highest_at",
+                ],
+            ),
+            (
+                "95 %",
+                &[
+                    "q95_lowest",
+                    "q95_highest",
+                    "q95_lower",
+                    "q95_upper",
+                    "q95_lowest_at",
+                    "q95_highest_at",
+                ],
+            ),
+        ],
+    );
+    let levels = view.summary.epistemic.iter().flat_map(|e| &e.levels);
+    for (i, level) in levels.enumerate() {
+        let cells = of(level).iter().map(|q| range_cell(&q.range, show));
+        table.row([view.level_cell(i)].into_iter().chain(cells).collect());
+    }
+    table.block()
+}
+
+fn bounds(view: &View, epistemic: &EpistemicSummary, length: &dyn Fn(f64) -> String) -> Block {
+    let title = "Bounds: each holds for 95 % of the blades with 95 % confidence, whichever outer point is true";
+    let mut table = Table::of(
+        title,
+        "bounds",
+        &[
+            ("Level", &["level"]),
+            ("Frequency above", &["frequency_lower_hz", "outer"]),
+            ("Frequency below", &["frequency_upper_hz", "outer"]),
+            ("Amplitude below", &["amplitude_upper_m", "outer"]),
+        ],
+    );
+    let cell = |extreme: &Extreme, show: &dyn Fn(f64) -> String| {
+        let value = extreme.value.value();
+        let basis = match value {
+            Some(_) => format!("at point {}", extreme.outer),
+            None => "too few samples, or too many failed".to_owned(),
+        };
+        Cell::number(value.map_or_else(|| "open".to_owned(), show), value)
+            .with_raw([Some(extreme.outer as f64)])
+            .with_small(basis)
+    };
+    let frequency = |v: f64| format!("{} Hz", hertz(v));
+    let amplitude = |v: f64| format!("{} {}", length(v), view.unit.symbol);
+    for (i, level) in epistemic.levels.iter().enumerate() {
+        let [lower, upper] = &level.frequency_bounds_hz;
+        table.row(vec![
+            view.level_cell(i),
+            cell(lower, &frequency),
+            cell(upper, &frequency),
+            cell(&level.amplitude_bound_m, &amplitude),
+        ]);
+    }
+    table.block()
+}
+
+/// Absent without limits of the amplitude.
+fn exceedances(
+    view: &View,
+    epistemic: &EpistemicSummary,
+    length: &dyn Fn(f64) -> String,
+) -> Option<Block> {
+    let mut table = Table::of(
+        "Probability that the amplitude exceeds a limit: range over the outer points",
+        "exceedance-ranges",
+        &[
+            ("Level", &["level"]),
+            ("Limit", &["limit_m"]),
+            (
+                "Probability",
+                &[
+                    "lowest",
+                    "highest",
+                    "lower",
+                    "upper",
+                    "lowest_at",
+                    "highest_at",
+                ],
+            ),
+        ],
+    );
+    let mut any = false;
+    for (i, level) in epistemic.levels.iter().enumerate() {
+        for exceedance in &level.exceedances {
+            any = true;
+            let limit = exceedance.threshold_m;
+            let text = format!("{} {}", length(limit), view.unit.symbol);
+            table.row(vec![
+                view.level_cell(i),
+                Cell::number(text, Some(limit)),
+                range_cell(&exceedance.range, &percent),
+            ]);
+        }
+    }
+    any.then(|| table.block())
+}
+
+/// Distribution functions of the outer points and the band that they leave, failed samples on either side.
+fn p_box(view: &View, shown: Shown, i: usize) -> Figure {
+    let level = view.input.record.levels[i];
+    let points: Vec<Observed> = outer_groups(view.input.outcomes)
+        .into_iter()
+        .map(|(_, members)| {
+            let value = |&m: &usize| {
+                let peak = super::super::usable_peak(&view.input.outcomes[m].levels[i]);
+                peak.map_or(f64::NAN, |p| view.value(shown, level, &p))
+            };
+            Observed::of(members.iter().map(value))
+        })
+        .collect();
+    let all = Sorted::finite(view.values(shown, i));
+    let x = Axis::around(view.label(shown), all.values().iter().copied());
+    let y = Axis::linear("Share of samples below", 0.0, 1.0);
+    let mut panel = Panel::new(Size::Large, view.level_name(i), x, y);
+    let below = |point: &Observed, x: f64, failed: usize| {
+        let known = point.valid().values().partition_point(|v| *v <= x);
+        (known + failed) as f64 / point.total().max(1) as f64
+    };
+    let stride = all.values().len().div_ceil(PLACES).max(1);
+    let places = all
+        .values()
+        .iter()
+        .step_by(stride)
+        .chain(all.values().last());
+    let band: Vec<(f64, f64, f64)> = places
+        .map(|&x| {
+            let least = points.iter().map(|p| below(p, x, 0)).fold(1.0, f64::min);
+            let most = points
+                .iter()
+                .map(|p| below(p, x, p.failed()))
+                .fold(0.0, f64::max);
+            (x, least, most)
+        })
+        .collect();
+    panel.band(&format!("l{i}"), &band);
+    for point in &points {
+        let corners = crate::statistics::empirical_cdf(point.valid());
+        panel.steps(&format!("quartile l{i}"), &corners, 0.0);
+    }
+    if all.values().is_empty() {
+        panel.note("no sample has a solution");
+    }
+    view.figure(&panel, format!("p-box-{}-{i}", shown.word()), "")
+}

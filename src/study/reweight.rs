@@ -1,0 +1,165 @@
+//! The samples of a run under other distributions of their inputs.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::document::Document;
+use super::output::OutputFolder;
+use super::run::stated_prior;
+use crate::Error;
+use crate::ensemble::kept::{KeptStudy, read_study};
+use crate::report::StoredRun;
+use crate::report::reweighting::{LEAST_EFFECTIVE_SAMPLES, ReweightedInput, Reweighting};
+use crate::sampling::{CorrelationTable, Distribution, DistributionTable, Input, Uncertainty};
+
+/// Name of the file that [`reweight`] writes.
+pub const REWEIGHTED: &str = "reweighted.json";
+/// Largest probability of a new distribution beyond the values of the samples: their ends leave 2/(n + 1) of their own
+/// distribution outside on average, which is this at n = 39.
+const MOST_BEYOND: f64 = 0.05;
+
+/// An input whose distribution changes.
+struct Change {
+    /// Its place among the values of a sample.
+    column: usize,
+    name: String,
+    new: Distribution,
+    old: Distribution,
+}
+
+/// Statistics of the samples in `folder` under the distributions `[inputs.*]` of the file `prior`, written to
+/// `reweighted.json` in `output`. Inputs that the file does not name keep theirs. Nothing is solved.
+///
+/// # Errors
+/// [`Error::Study`] with line, key and rule if the file breaks one: an input that the run did not draw, a distribution
+/// beyond the range that was sampled. [`Error::Command`] if the folder holds no results, its inputs are correlated, or the
+/// weights leave too few effective samples; [`Error::File`] or [`Error::Report`] on files.
+pub fn reweight(folder: &Path, prior: &Path, output: &OutputFolder) -> Result<Reweighting, Error> {
+    let refused = |message: String| Error::Command {
+        path: folder.to_owned(),
+        message,
+    };
+    let run = StoredRun::read(folder)?;
+    let kept = read_study(folder).map_err(|error| refused(error.to_string()))?;
+    let text = std::fs::read_to_string(prior).map_err(|source| Error::file(prior, source))?;
+    let changes = changes(&run, &kept, prior, &text)?;
+    let density = |of: fn(&Change) -> &Distribution| -> Vec<f64> {
+        let product = |inputs: &[f64]| -> f64 {
+            let factor = |c: &Change| of(c).density(inputs[c.column]).unwrap_or(0.0);
+            changes.iter().map(factor).product()
+        };
+        run.outcomes.iter().map(|o| product(&o.inputs)).collect()
+    };
+    let (new, old) = (density(|c| &c.new), density(|c| &c.old));
+    let inputs = (changes.iter())
+        .map(|change| ReweightedInput {
+            name: change.name.clone(),
+            sampled: stated_prior(&kept.text, &change.name).unwrap_or_default(),
+            reweighted: stated_prior(&text, &change.name).unwrap_or_default(),
+        })
+        .collect();
+    let found = Reweighting::of(&run, inputs, [&new, &old]).map_err(|left| {
+        let place = left.outer.map_or_else(String::new, |o| format!(" at outer point {o}"));
+        let (effective, samples) = (left.effective_samples, left.samples);
+        refused(format!(
+            "{samples} samples count for {effective:.1}{place} under the distributions of {}: must be at least \
+             {LEAST_EFFECTIVE_SAMPLES}; a distribution closer to the sampled one, or more samples (`extend`)",
+            prior.display()
+        ))
+    })?;
+    output.write(REWEIGHTED, |file| {
+        serde_json::to_writer_pretty(&mut *file, &found)?;
+        writeln!(file)
+    })?;
+    Ok(found)
+}
+
+/// Reads the new distributions and finds the old ones.
+fn changes(
+    run: &StoredRun,
+    kept: &KeptStudy,
+    path: &Path,
+    text: &str,
+) -> Result<Vec<Change>, Error> {
+    let mut study = Document::parse(Path::new(&kept.path), &kept.text)?;
+    let sampled: BTreeMap<String, DistributionTable> = study.take("inputs")?.unwrap_or_default();
+    let correlated = study.take::<CorrelationTable>("correlation")?.is_some();
+    let mut document = Document::parse(path, text)?;
+    let tables: BTreeMap<String, DistributionTable> = document.take("inputs")?.unwrap_or_default();
+    document.finish(&["inputs"])?;
+    if tables.is_empty() {
+        let rule = "must hold the new distribution of an input: [inputs.NAME]";
+        return Err(document.at_key("inputs", rule.to_owned()));
+    }
+    if correlated {
+        let rule = "must belong to a study without [correlation]: densities of correlated inputs are no product";
+        return Err(document.at_key("inputs", rule.to_owned()));
+    }
+    let mut changes = Vec::new();
+    for (name, table) in &tables {
+        let key = format!("inputs.{name}");
+        let column = run
+            .record
+            .inputs
+            .iter()
+            .position(|input| input.name == *name);
+        let old = sampled.get(name).and_then(drawn);
+        let (Some(column), Some(old), Some(input)) = (column, old, Input::from_name(name)) else {
+            let rule = "must be an input that the study draws from a distribution";
+            return Err(document.at_key(&key, rule.to_owned()));
+        };
+        let uncertainty = document.checked(table.uncertainty().map_err(|bad| bad.under(&key)))?;
+        let Uncertainty::Aleatory(new) = uncertainty else {
+            let rule = "must be a distribution: an interval gives no weights";
+            return Err(document.at_key(&key, rule.to_owned()));
+        };
+        document.checked(input.accepts(&new).map_err(|bad| bad.under(&key)))?;
+        let values = run.outcomes.iter().map(|outcome| outcome.inputs[column]);
+        check_range(&new, &old, values).map_err(|rule| document.at_key(&key, rule))?;
+        changes.push(Change {
+            column,
+            name: name.clone(),
+            new,
+            old,
+        });
+    }
+    Ok(changes)
+}
+
+/// The distribution that a table states, unless it gives one value alone.
+fn drawn(table: &DistributionTable) -> Option<Distribution> {
+    match table.uncertainty() {
+        Ok(Uncertainty::Aleatory(distribution)) if distribution.fixed_value().is_none() => {
+            Some(distribution)
+        }
+        _ => None,
+    }
+}
+
+/// A part of the new distribution that the samples do not reach stays unseen whatever the weights.
+fn check_range(
+    new: &Distribution,
+    old: &Distribution,
+    values: impl Iterator<Item = f64>,
+) -> Result<(), String> {
+    if new.fixed_value().is_some() {
+        return Err("must have a density: one value alone gives no weights".to_owned());
+    }
+    let ([low, high], [from, to]) = (new.support(), old.support());
+    if low < from || high > to {
+        return Err(format!(
+            "must lie in the sampled range {from} .. {to}, not {low} .. {high}; cut it with truncation = [low, high]"
+        ));
+    }
+    let (least, largest) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
+        (l.min(v), h.max(v))
+    });
+    let beyond = new.cdf(least) + 1.0 - new.cdf(largest);
+    if beyond > MOST_BEYOND {
+        return Err(format!(
+            "must lie where the samples are: {:.0} % of it are outside of their values {least:.4} .. {largest:.4}",
+            100.0 * beyond
+        ));
+    }
+    Ok(())
+}
