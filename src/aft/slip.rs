@@ -270,7 +270,6 @@ mod tests {
     }
 
     /// Short steps have an error of third order, long ones come to the slow lag behind the velocity.
-    /// Seen to fail with: no turn after the boost; the mean limit replaced by that at the start.
     #[test]
     fn a_step_follows_the_marched_direction() {
         let (rate, bend, limit) = ([1.0, 0.3], [-0.8, 1.1], [0.4, 0.5]);
@@ -290,7 +289,6 @@ mod tests {
         }
     }
 
-    /// Seen to fail with: the derivative of the turn left out.
     #[test]
     fn derivatives_of_a_step_agree_with_differences() {
         let inputs = [0.03, -0.02, 0.9, -0.3, 0.1, 0.05];

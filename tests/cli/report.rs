@@ -41,8 +41,6 @@ fn small_study(last: &str) -> tempfile::TempDir {
 }
 
 /// `run`, then `report` on a copy of its three stored files: the same bytes, without the model.
-///
-/// Seen to fail with the wall time of `report` in its summary.
 #[test]
 fn a_report_can_be_rendered_again() {
     let study = small_study(REQUIREMENTS);
@@ -72,7 +70,6 @@ fn a_report_can_be_rendered_again() {
     }
 }
 
-/// Seen to fail with the folder left out of the message.
 #[test]
 fn a_folder_without_results_is_refused() {
     let empty = tempfile::tempdir().unwrap();
@@ -80,7 +77,7 @@ fn a_folder_without_results_is_refused() {
     assert_refused("report", &output, &["results/run.json", "No such file"]);
 }
 
-/// Requirements do not change a sample. Seen to fail with the number of criteria added to the seed.
+/// Requirements do not change a sample.
 #[test]
 fn requirements_change_no_sample() {
     let with = small_study(REQUIREMENTS);
@@ -93,7 +90,7 @@ fn requirements_change_no_sample() {
     assert!(samples(&with) == samples(&without));
 }
 
-/// One message with line, key and rule for every key. Seen to fail with the index of the criterion left out.
+/// One message with line, key and rule for every key.
 #[test]
 fn bad_requirements_name_line_key_and_rule() {
     let cases: [(&str, &str, &[&str]); 24] = [

@@ -9,7 +9,6 @@ fn located(n_time: usize) -> AftSettings {
 
 /// Second order or better on random slipping and lifting states, with an error that plain events at samples have at
 /// fifty times as many points; these converge to the same force, so that the truth does not rest on located events alone.
-/// Seen to fail with: no kinks; no turn of the direction after the boost; slip from the start of its interval on.
 #[test]
 fn forces_converge_with_second_order() {
     for h in [1, 3, 5] {
@@ -36,7 +35,6 @@ fn forces_converge_with_second_order() {
 }
 
 /// With one tangential direction both laws are the same, and located events of the box law are exact.
-/// Seen to fail with: the kink where a contact opens left out.
 #[test]
 fn in_one_direction_the_laws_agree() {
     let set = HarmonicSet::up_to(3);
