@@ -1,6 +1,9 @@
 //! Arguments, messages and exit codes: 0 = done, 2 = bad input or a file that cannot be read or written.
 
 mod compare;
+mod devices;
+mod facts;
+
 mod reweight;
 
 use std::io::{ErrorKind, Write};
@@ -9,14 +12,14 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use compare::CompareArguments;
+use devices::{show_devices, show_gpu};
 use microslip::Error;
-use microslip::aft::gpu::{GpuSettings, Precision, adapters, examined};
+use microslip::aft::gpu::{GpuSettings, Precision};
 use microslip::ensemble::backend::{BackendChoice, BackendSettings};
 use microslip::report::epistemic::EpistemicSummary;
 use microslip::report::{Summary, render};
 use microslip::study::{
-    Inspection, LevelCurve, OutputFolder, Progress, RunResult, Study, extend, inspect, run, schema,
-    solve,
+    LevelCurve, OutputFolder, Progress, RunResult, Study, extend, inspect, run, schema, solve,
 };
 use reweight::ReweightArguments;
 
@@ -232,7 +235,7 @@ fn execute(command: &Command) -> Result<(), Error> {
         Command::Inspect(arguments) => {
             let study = Study::read(&arguments.study)?;
             let inspection = inspect(&study)?;
-            print(|out| show(out, &inspection))
+            print(|out| facts::show(out, &inspection))
         }
         Command::Solve(arguments) => {
             let study = Study::read(&arguments.study)?;
@@ -397,55 +400,6 @@ fn show_ranges(out: &mut dyn Write, epistemic: &EpistemicSummary) -> std::io::Re
     Ok(())
 }
 
-/// What the GPU did, with the time of its passes if wanted.
-fn show_gpu(out: &mut dyn Write, summary: &Summary, profile: bool) -> std::io::Result<()> {
-    let Some(gpu) = &summary.backend.gpu else {
-        return Ok(());
-    };
-    writeln!(
-        out,
-        "{}: {} evaluations in {} batches, {} audited, largest difference {:.1e} of a force",
-        gpu.adapter.name, gpu.evaluations, gpu.batches, gpu.audited, gpu.largest_force_difference
-    )?;
-    if profile {
-        for (pass, seconds) in &gpu.pass_seconds {
-            writeln!(out, "{pass:20} {seconds:.3} s on the device")?;
-        }
-    }
-    Ok(())
-}
-
-/// One block per adapter.
-fn show_devices(out: &mut dyn Write) -> std::io::Result<()> {
-    let all = adapters();
-    if all.is_empty() {
-        writeln!(out, "no adapter: the processor evaluates the contacts")?;
-    }
-    for facts in all {
-        let yes = |has: bool| if has { "yes" } else { "no" };
-        writeln!(
-            out,
-            "{}: {} ({}, {})",
-            facts.index, facts.name, facts.kind, facts.interface
-        )?;
-        writeln!(out, "   driver           {}", facts.driver)?;
-        writeln!(out, "   pci address      {}", facts.pci)?;
-        writeln!(
-            out,
-            "   largest binding  {} MiB",
-            facts.largest_binding >> 20
-        )?;
-        writeln!(
-            out,
-            "   f64, timestamps  {}, {}",
-            yes(facts.f64),
-            yes(facts.timestamps)
-        )?;
-        writeln!(out, "   self-test        {}", examined(facts.index))?;
-    }
-    Ok(())
-}
-
 /// Level, number of points and largest amplitude of the first response.
 fn show_curve(out: &mut dyn Write, study: &Study, curve: &LevelCurve) -> std::io::Result<()> {
     let solved = curve.solutions.iter().filter(|s| s.status.has_solution());
@@ -516,100 +470,6 @@ fn print(content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<
     content(&mut out)
         .and_then(|()| out.flush())
         .map_err(|source| Error::file("standard output".as_ref(), source))
-}
-
-fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
-    let list = |names: &[String]| abbreviated(names);
-    let numbers = |values: &[f64]| {
-        let words: Vec<_> = values.iter().map(|f| format!("{f:.6}")).collect();
-        words.join(" ")
-    };
-    writeln!(out, "study               {}", facts.name)?;
-    writeln!(
-        out,
-        "degrees of freedom  {}: {}",
-        facts.dof_names.len(),
-        list(&facts.dof_names)
-    )?;
-    writeln!(
-        out,
-        "contact pairs       {}: {}",
-        facts.contact_names.len(),
-        list(&facts.contact_names)
-    )?;
-    writeln!(out, "responses           {}", list(&facts.response_names))?;
-    for (name, component) in &facts.components {
-        let next = match component.first_left_out {
-            f if f.is_finite() => format!("the first one left out is at {f:.1} Hz"),
-            _ => "none is left out".to_owned(),
-        };
-        let (modes, cut_off) = (component.n_modes, component.cut_off);
-        writeln!(
-            out,
-            "{:20}{modes} below {cut_off} Hz; {next}",
-            format!("{name} fixed modes"),
-        )?;
-    }
-    let unit = facts.unit.name();
-    writeln!(
-        out,
-        "free frequencies    {} {unit} ({} rigid-body modes)",
-        numbers(&facts.free),
-        facts.n_rigid
-    )?;
-    writeln!(out, "stuck frequencies   {} {unit}", numbers(&facts.stuck))?;
-    let inputs = match facts.inputs.as_slice() {
-        [] => "none".to_owned(),
-        names => names.join(", "),
-    };
-    writeln!(out, "random inputs       {inputs}")?;
-    writeln!(out, "design              {}", facts.design)?;
-    if let Some(field) = &facts.pressure_field {
-        writeln!(out, "pressure field      {field}")?;
-    }
-    let levels: Vec<_> = facts.levels.iter().map(f64::to_string).collect();
-    writeln!(
-        out,
-        "samples x levels    {} x {} ({})",
-        facts.samples,
-        levels.len(),
-        levels.join(", ")
-    )?;
-    show_cost(out, facts)?;
-    for warning in &facts.warnings {
-        writeln!(out, "warning: {warning}")?;
-    }
-    Ok(())
-}
-
-/// Size of one solve, memory and time.
-fn show_cost(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
-    let [first, highest] = facts.unknowns;
-    writeln!(
-        out,
-        "unknowns per solve  {first}, up to {highest} with more harmonics"
-    )?;
-    writeln!(
-        out,
-        "memory per thread   {:.1} MB",
-        facts.memory_bytes / 1e6
-    )?;
-    writeln!(
-        out,
-        "time, one core      about {} (within a factor of five)",
-        duration(facts.time_s)
-    )?;
-    Ok(())
-}
-
-/// The first names and how many more there are.
-fn abbreviated(names: &[String]) -> String {
-    const SHOWN: usize = 12;
-    let mut text = names[..names.len().min(SHOWN)].join(", ");
-    if names.len() > SHOWN {
-        text.push_str(&format!(", and {} more", names.len() - SHOWN));
-    }
-    text
 }
 
 fn duration(seconds: f64) -> String {

@@ -1,0 +1,100 @@
+//! Facts about a study in words.
+
+use super::duration;
+use std::io::Write;
+
+use microslip::study::Inspection;
+
+pub(super) fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
+    let list = |names: &[String]| abbreviated(names);
+    let numbers = |values: &[f64]| {
+        let words: Vec<_> = values.iter().map(|f| format!("{f:.6}")).collect();
+        words.join(" ")
+    };
+    writeln!(out, "study               {}", facts.name)?;
+    writeln!(
+        out,
+        "degrees of freedom  {}: {}",
+        facts.dof_names.len(),
+        list(&facts.dof_names)
+    )?;
+    writeln!(
+        out,
+        "contact pairs       {}: {}",
+        facts.contact_names.len(),
+        list(&facts.contact_names)
+    )?;
+    writeln!(out, "responses           {}", list(&facts.response_names))?;
+    for (name, component) in &facts.components {
+        let next = match component.first_left_out {
+            f if f.is_finite() => format!("the first one left out is at {f:.1} Hz"),
+            _ => "none is left out".to_owned(),
+        };
+        let (modes, cut_off) = (component.n_modes, component.cut_off);
+        writeln!(
+            out,
+            "{:20}{modes} below {cut_off} Hz; {next}",
+            format!("{name} fixed modes"),
+        )?;
+    }
+    let unit = facts.unit.name();
+    writeln!(
+        out,
+        "free frequencies    {} {unit} ({} rigid-body modes)",
+        numbers(&facts.free),
+        facts.n_rigid
+    )?;
+    writeln!(out, "stuck frequencies   {} {unit}", numbers(&facts.stuck))?;
+    let inputs = match facts.inputs.as_slice() {
+        [] => "none".to_owned(),
+        names => names.join(", "),
+    };
+    writeln!(out, "random inputs       {inputs}")?;
+    writeln!(out, "design              {}", facts.design)?;
+    if let Some(field) = &facts.pressure_field {
+        writeln!(out, "pressure field      {field}")?;
+    }
+    let levels: Vec<_> = facts.levels.iter().map(f64::to_string).collect();
+    writeln!(
+        out,
+        "samples x levels    {} x {} ({})",
+        facts.samples,
+        levels.len(),
+        levels.join(", ")
+    )?;
+    show_cost(out, facts)?;
+    for warning in &facts.warnings {
+        writeln!(out, "warning: {warning}")?;
+    }
+    Ok(())
+}
+
+/// Size of one solve, memory and time.
+fn show_cost(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
+    let [first, highest] = facts.unknowns;
+    writeln!(
+        out,
+        "unknowns per solve  {first}, up to {highest} with more harmonics"
+    )?;
+    writeln!(
+        out,
+        "memory per thread   {:.1} MB",
+        facts.memory_bytes / 1e6
+    )?;
+    writeln!(
+        out,
+        "time, one core      about {} (within a factor of five)",
+        duration(facts.time_s)
+    )?;
+    Ok(())
+}
+
+/// The first names and how many more there are.
+fn abbreviated(names: &[String]) -> String {
+    const SHOWN: usize = 12;
+    let mut text = names[..names.len().min(SHOWN)].join(", ");
+    if names.len() > SHOWN {
+        text.push_str(&format!(", and {} more", names.len() - SHOWN));
+    }
+    text
+}
