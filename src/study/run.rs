@@ -305,6 +305,21 @@ fn input_records(study: &Study) -> Vec<InputRecord> {
         .collect()
 }
 
+/// Parameters of a distribution in the order in which they are read.
+const PARAMETERS: [&str; 11] = [
+    "value",
+    "lower",
+    "upper",
+    "alpha",
+    "beta",
+    "low",
+    "mean",
+    "median",
+    "mode",
+    "standard_deviation",
+    "high",
+];
+
 /// What the table `[inputs.<name>]` of a TOML text says, in words.
 pub(super) fn stated_prior(text: &str, name: &str) -> Option<String> {
     let tables: serde_json::Value = toml::from_str(text).ok()?;
@@ -313,7 +328,10 @@ pub(super) fn stated_prior(text: &str, name: &str) -> Option<String> {
         "distribution" | "kind" => None,
         _ => Some(format!("{} {value}", key.replace('_', " "))),
     };
-    let parameters: Vec<String> = table.iter().filter_map(parameter).collect();
+    let place = |key: &str| PARAMETERS.iter().position(|p| *p == key);
+    let mut stated: Vec<_> = table.iter().collect();
+    stated.sort_by_key(|(key, _)| place(key).unwrap_or(PARAMETERS.len()));
+    let parameters: Vec<String> = stated.into_iter().filter_map(parameter).collect();
     let family = table.get("distribution").and_then(|family| family.as_str());
     let family = family.unwrap_or("known to an interval only");
     Some(format!("{family}: {}", parameters.join(", ")))

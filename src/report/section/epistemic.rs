@@ -69,7 +69,7 @@ pub(super) fn section(view: &View) -> Option<Section> {
             "",
             "between the distribution functions of the outer points",
         ),
-        Key::new(Mark::Line, "line quartile", "each outer point"),
+        Key::new(Mark::Line, "line order", "each outer point"),
     ];
     blocks.push(Block::Legend(keys.into()));
     for shown in Shown::ALL {
