@@ -63,7 +63,7 @@ fn weights_are_those_of_the_densities() {
     assert_eq!(median, amplitudes[amplitudes.len().div_ceil(2) - 1]);
     assert_eq!(
         found["inputs"][0]["reweighted"],
-        "uniform: high 0.5, low 0.3"
+        "uniform: low 0.3, high 0.5"
     );
 }
 
