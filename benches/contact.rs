@@ -9,12 +9,13 @@
 //! products before sums, so that a processor without separate adders can reach half of that peak at most. Every time is
 //! the best of several runs; on a shared machine compare ratios within one run only.
 
-use microslip::aft::{AftBatch, AftForces, AftPlan, AftSettings, Laps, Want, evaluate};
-use microslip::contact::{ContactParameters, Events, FrictionLaw, Real};
+mod states;
+
+use microslip::aft::{AftForces, AftPlan, AftSettings, Laps, Want, evaluate};
+use microslip::contact::{Events, FrictionLaw, Real};
 use microslip::harmonics::HarmonicSet;
 use pulp::{Arch, Simd, WithSimd};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use states::batch;
 use std::cell::Cell;
 use std::hint::black_box;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
@@ -114,36 +115,6 @@ fn fastest(mut run: impl FnMut()) -> f64 {
     (0..RUNS)
         .map(|_| time(&mut run))
         .fold(f64::INFINITY, f64::min)
-}
-
-fn batch<T: Real>(set: &HarmonicSet, n: usize) -> AftBatch<T> {
-    let mut rng = ChaCha8Rng::seed_from_u64(7);
-    let m = set.n_coefficients();
-    let mut displacement = vec![T::ZERO; 3 * m * n];
-    let mut parameters = Vec::new();
-    for s in 0..n {
-        let sizes = [
-            10f64.powf(rng.random_range(-0.8..1.2)),
-            rng.random_range(0.0..1.3),
-        ];
-        for (row, values) in displacement.chunks_exact_mut(n).enumerate() {
-            let order = (row % m).div_ceil(2) as f64;
-            let size = sizes[row / (2 * m)] / (1.0 + order * order);
-            values[s] = T::from_f64(size * rng.random_range(-1.0..1.0));
-        }
-        parameters.push(ContactParameters {
-            k_n: T::ONE,
-            k_t: [T::ONE; 2],
-            mu: T::from_f64(rng.random_range(0.2..0.6)),
-            n_0: T::ONE,
-            anchor: [T::ZERO; 2],
-        });
-    }
-    AftBatch {
-        n_states: n,
-        displacement,
-        parameters,
-    }
 }
 
 /// Independent sums that hide the time of one fused multiply-add.

@@ -10,18 +10,16 @@
 //! multiply-adds on registers and a copy. Times on the device are its own timestamps where it has them.
 #![allow(clippy::expect_used, reason = "a benchmark that cannot be set up ends")]
 
+mod states;
+
 use microslip::aft::gpu::{Buffers, Device, GpuSettings, Kernels, Precision, ScaledStates, Shape};
 use microslip::aft::{AftBatch, AftForces, AftPlan, AftSettings, Laps, Want, evaluate};
-use microslip::contact::{ContactParameters, Events, FrictionLaw};
+use microslip::contact::{Events, FrictionLaw};
 use microslip::ensemble::Ensemble;
 use microslip::ensemble::backend::{BackendChoice, BackendSettings, OpenBackend};
 use microslip::harmonics::HarmonicSet;
-use microslip::hb::LinearModel;
-use microslip::hb::peak::PeakSettings;
-use microslip::hb::resonance::Band;
 use microslip::study::Study;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use states::batch;
 use std::time::Instant;
 
 const HARMONICS: [usize; 4] = [1, 3, 5, 7];
@@ -78,7 +76,7 @@ fn rates(device: &Device, states: usize, peak: &Peak) {
             let (forces, _) = case.seconds(device, Want::Forces);
             let (tangents, wall) = case.seconds(device, Want::ForcesAndTangents);
             let least = case.least_seconds(peak);
-            let few = random(&set, 512);
+            let few = batch(&set, 512);
             let cpu = |want| 512.0 / processor_seconds(&set, n_time, &few, want) / 1e3;
             let rate = |seconds: f64| states as f64 / seconds / 1e3;
             println!(
@@ -136,31 +134,11 @@ fn studies(adapter: Option<String>, samples: u64) {
 fn study(backend: BackendSettings, samples: u64) -> f64 {
     let study =
         Study::read("studies/two-blade-strip/study.toml".as_ref()).expect("the default study");
-    let model = study.build_model().expect("the default model");
-    let linear = LinearModel::folded(&model.reduced, &model.contacts)
-        .expect("a model")
-        .expect("a mirror");
-    let contacts: Vec<_> = linear
-        .pairs
-        .iter()
-        .map(|&pair| model.contacts[pair])
-        .collect();
-    let [low, high] = study.frequency.band;
+    let prepared = study.prepared().expect("the default model");
     let backend = OpenBackend::open(&backend, study.solver.newton.tolerance);
     let ensemble = Ensemble {
-        linear: &linear,
-        contacts: &contacts,
-        interfaces: &[],
-        load_modes: &[],
-        design: &study.design,
-        levels: &study.levels,
-        settings: &study.solver,
-        peak: PeakSettings {
-            band: Band { low, high },
-            frequency_tolerance: 3e-7,
-        },
         curve_samples: 0,
-        backend: backend.backend(),
+        ..prepared.ensemble(backend.backend())
     };
     let clock = Instant::now();
     let outcomes = backend.run(&ensemble, samples, || {}).expect("threads");
@@ -194,7 +172,7 @@ impl Case {
         let shape = Shape::of(&plan, Precision::F32).expect("the box law has a shader");
         let kernels = Kernels::new(device, shape).expect("it compiles");
         let buffers = kernels.buffers(device, n_states).expect("memory");
-        let states = ScaledStates::new(&random(set, n_states)).expect("finite");
+        let states = ScaledStates::new(&batch(set, n_states)).expect("finite");
         Self {
             states,
             kernels,
@@ -257,37 +235,6 @@ fn processor_seconds(set: &HarmonicSet, n_time: usize, batch: &AftBatch<f64>, wa
         best = best.min(clock.elapsed().as_secs_f64());
     }
     best
-}
-
-/// The states of the benchmark `contact`: about half of the time slips, an eighth of the states is stuck.
-fn random(set: &HarmonicSet, n: usize) -> AftBatch<f64> {
-    let m = set.n_coefficients();
-    let mut rng = ChaCha8Rng::seed_from_u64(7);
-    let mut displacement = vec![0.0; 3 * m * n];
-    let mut parameters = Vec::new();
-    for s in 0..n {
-        let sizes = [
-            10f64.powf(rng.random_range(-0.8..1.2)),
-            rng.random_range(0.0..1.3),
-        ];
-        for (row, values) in displacement.chunks_exact_mut(n).enumerate() {
-            let order = (row % m).div_ceil(2) as f64;
-            let size = sizes[row / (2 * m)] / (1.0 + order * order);
-            values[s] = size * rng.random_range(-1.0..1.0);
-        }
-        parameters.push(ContactParameters {
-            k_n: 1.0,
-            k_t: [1.0, 0.8],
-            mu: 0.5,
-            n_0: 1.0,
-            anchor: [0.0; 2],
-        });
-    }
-    AftBatch {
-        n_states: n,
-        displacement,
-        parameters,
-    }
 }
 
 /// What the adapter does at best.

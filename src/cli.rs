@@ -312,13 +312,14 @@ fn show_replicates(out: &mut dyn Write, result: &RunResult) -> std::io::Result<(
     for level in result.replicate_means() {
         writeln!(
             out,
-            "level {}, mean of {} replicates and its standard error: {:.4} +- {:.1e} Hz, {:.4e} +- {:.1e} m",
+            "level {}, mean of {} replicates and its standard error: {:.4} +- {:.1e} Hz, {:.4e} +- {:.1e} m ({} failed samples not in it)",
             level.level,
             level.frequency_hz.replicates,
             level.frequency_hz.mean,
             level.frequency_hz.standard_error,
             level.amplitude_m.mean,
-            level.amplitude_m.standard_error
+            level.amplitude_m.standard_error,
+            level.amplitude_m.failed
         )?;
     }
     Ok(())

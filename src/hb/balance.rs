@@ -1,7 +1,8 @@
 //! The balance equations of one problem on one harmonic set.
 //!
 //! Unknown: r, the relative displacements at the contacts, coefficient-major, `[n_coefficients][3·n_contacts]`.
-//! R₀ = r₀ − r₀^stuck + G₀ g₀ and R̂ₖ = r̂ₖ − r̂ₖ^stuck + Gₖ ĝₖ with g = F(r) − K_c r (see [`super::compliance`]).
+//! R₀ = r₀ − r₀^stuck + G₀ g₀ and R̂ₖ = r̂ₖ − BΦ η̂ₖ = r̂ₖ − r̂ₖ^stuck + Gₖ ĝₖ with g = F(r) − K_c r
+//! (see [`super::compliance`]).
 
 use super::compliance::{Compliance, HarmonicCompliance};
 use super::jacobian::PairTangent;
@@ -172,9 +173,9 @@ impl<'p> Balance<'p> {
             .collect()
     }
 
-    /// R(r) for the contact forces `force` = F(r). Units: m.
+    /// R(r) for the contact forces `force` = F(r) and the motion under them. Units: m.
     #[must_use]
-    pub fn residual(&self, at: &Compliance<'_>, level: f64, r: &[f64], force: &[f64]) -> Vec<f64> {
+    pub fn residual(&self, motion: &Motion, r: &[f64], force: &[f64]) -> Vec<f64> {
         let n = self.layout.n_relative();
         let g = self.deviation(r, force);
         let mut out = r.to_vec();
@@ -183,16 +184,13 @@ impl<'p> Balance<'p> {
         for (j, g) in g[..n].iter().enumerate() {
             (out.iter_mut().zip(rest.compliance.col(j).iter())).for_each(|(r, c)| *r += c * g);
         }
-        for (i, h) in at.harmonics.iter().enumerate() {
-            let range = (2 * i + 1) * n..(2 * i + 3) * n;
-            let (g_c, g_s) = g[range.clone()].split_at(n);
-            let (r_c, r_s) = out[range].split_at_mut(n);
-            h.add_real((g_c, g_s), (r_c, r_s));
-            if h.order == 1 {
-                for (j, z) in self.stuck_relative(h, level).iter().enumerate() {
-                    r_c[j] -= z.re;
-                    r_s[j] += z.im;
-                }
+        let orders = self.harmonics.orders().iter().filter(|&&k| k > 0);
+        for ((i, &k), eta) in orders.enumerate().zip(&motion.dynamic) {
+            let (r_c, r_s) = out[(2 * i + 1) * n..(2 * i + 3) * n].split_at_mut(n);
+            let moved = self.problem.model.part(k).relative(eta);
+            for ((c, s), z) in r_c.iter_mut().zip(r_s).zip(moved) {
+                *c -= z.re;
+                *s += z.im;
             }
         }
         out

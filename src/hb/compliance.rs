@@ -102,25 +102,36 @@ impl<'p> HarmonicCompliance<'p> {
                 .copied()
                 .collect(),
             Impedance::Free(inverse) => {
-                let times_inverse =
-                    |x: &[c64]| -> Vec<c64> { x.iter().zip(inverse).map(|(x, d)| x * d).collect() };
-                let spring = |r: &[c64]| -> Vec<c64> {
-                    r.iter()
-                        .zip(self.stuck_stiffness)
-                        .map(|(r, k)| r * *k)
-                        .collect()
-                };
-                let free = times_inverse(load);
-                let r = self.part.relative(&free);
-                let held: Vec<c64> = r
-                    .iter()
-                    .zip(self.apply(&spring(&r)))
-                    .map(|(r, y)| r - y)
-                    .collect();
-                let hold = times_inverse(&self.part.contact_load(&spring(&held)));
-                free.iter().zip(&hold).map(|(a, b)| a - b).collect()
+                // G cancels close to a resonance of the free structure; one step of refinement takes that away
+                let coarse = self.solve_by_compliance(inverse, load);
+                let missing = self.missing_load(inverse, load, &coarse);
+                let fine = self.solve_by_compliance(inverse, &missing);
+                coarse.iter().zip(&fine).map(|(a, b)| a + b).collect()
             }
         }
+    }
+
+    /// (D − D ΦᵀBᵀ (K_c − K_c G K_c) BΦ D) `load` with the modal receptance D = Z⁻¹.
+    fn solve_by_compliance(&self, receptance: &[c64], load: &[c64]) -> Vec<c64> {
+        let free = times(receptance, load);
+        let r = self.part.relative(&free);
+        let held = minus(&r, &self.apply(&self.spring(&r)));
+        let hold = times(receptance, &self.part.contact_load(&self.spring(&held)));
+        minus(&free, &hold)
+    }
+
+    /// `load` − Z_s η.
+    fn missing_load(&self, receptance: &[c64], load: &[c64], eta: &[c64]) -> Vec<c64> {
+        let held = (self.part).contact_load(&self.spring(&self.part.relative(eta)));
+        (load.iter().zip(eta).zip(receptance).zip(held))
+            .map(|(((f, x), d), s)| f - x / d - s)
+            .collect()
+    }
+
+    /// K_c r.
+    fn spring(&self, r: &[c64]) -> Vec<c64> {
+        let k = self.stuck_stiffness;
+        r.iter().zip(k).map(|(r, k)| r * *k).collect()
     }
 
     /// G x. Shape: `[3·n_contacts]`.
@@ -151,6 +162,14 @@ impl<'p> HarmonicCompliance<'p> {
             }
         }
     }
+}
+
+fn times(d: &[c64], x: &[c64]) -> Vec<c64> {
+    d.iter().zip(x).map(|(d, x)| d * x).collect()
+}
+
+fn minus(a: &[c64], b: &[c64]) -> Vec<c64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
 /// G = (I + H K_c)⁻¹ H with H = L D Lᵀ, the receptance of the free structure.

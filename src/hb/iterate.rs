@@ -3,7 +3,6 @@
 use super::balance::{Balance, ContactResponse, LoadRate, Motion};
 use super::compliance::Compliance;
 use super::jacobian::Jacobian;
-use super::linear::Structure;
 use super::newton::Direction;
 use crate::aft::{Accuracy, Want};
 use faer::prelude::c64;
@@ -45,12 +44,6 @@ pub struct Iterate<'p> {
     /// Motion of the structure.
     pub motion: Motion,
 }
-
-/// Residual over the largest displacement that cancellation in the compliance of modal models leaves (measured).
-const MODAL_ROUND_OFF: f64 = 5e-11;
-
-/// Bound on what round-off may excuse.
-const COARSEST_TOLERANCE: f64 = 1e-7;
 
 /// Residual over the motion below which contact forces decide a result: a draft in single precision leaves a few 1e-6
 /// there, so that no draft is ever taken for a solution by a tolerance that is finer.
@@ -102,8 +95,8 @@ impl<'p> Iterate<'p> {
         accuracy: Accuracy,
     ) -> Self {
         let contact = balance.contact(&point.r, Want::ForcesAndTangents, accuracy);
-        let residual = balance.residual(&compliance, point.level, &point.r, &contact.force);
         let motion = balance.motion(&compliance, point.level, &point.r, &contact.force);
+        let residual = balance.residual(&motion, &point.r, &contact.force);
         Self {
             point,
             compliance,
@@ -123,18 +116,6 @@ impl<'p> Iterate<'p> {
         } else {
             f64::NAN
         }
-    }
-
-    /// Relative residual below which only round-off is left: stiff contacts have small penetrations, the scale of the
-    /// residual, but large motions to cancel in it. Never so large that a flying strip would pass for converged.
-    pub(super) fn attainable(&self, balance: &Balance<'_>) -> f64 {
-        let scale = balance.problem.displacement_scale(self.point.level);
-        let largest = self.point.r.iter().map(|r| r.abs()).fold(0.0, f64::max);
-        let round_off = match balance.problem.model.part(1).structure {
-            Structure::Modal { .. } => MODAL_ROUND_OFF,
-            Structure::Physical { .. } => 0.0,
-        };
-        (round_off * largest / scale).min(COARSEST_TOLERANCE)
     }
 
     /// The Jacobian here.

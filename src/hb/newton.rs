@@ -154,15 +154,16 @@ pub fn solve<'p>(
             .values(balance, &iterate)
             .iter()
             .any(|c| c.abs() > condition.tolerance());
-        let wanted = settings.tolerance.max(iterate.attainable(balance));
-        if size <= wanted && !open {
+        if size <= settings.tolerance && !open {
             return Ok((iterate, count));
         }
         if iterate.point.omega <= 0.0 {
             // a step of a walk that was too long
             return Err((Status::StepTooSmall, count));
         }
-        if count.iterations == settings.max_iterations || (size > wanted && progress.stalls(size)) {
+        if count.iterations == settings.max_iterations
+            || (size > settings.tolerance && progress.stalls(size))
+        {
             return Err((Status::MaxIterations, count));
         }
         let jacobian = iterate.jacobian(balance);

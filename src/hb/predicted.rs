@@ -129,7 +129,7 @@ fn searched<'p>(
         if !size.is_finite() {
             return Err((Status::NonFinite, count));
         }
-        let solved = size <= tolerance.max(iterate.attainable(balance));
+        let solved = size <= tolerance;
         let closing = solved && search.located;
         if closing && search.closed {
             return match search.is_maximum(balance, &iterate, &mut count) {

@@ -387,7 +387,8 @@ pub fn stuck_point(balance: &Balance<'_>, omega: f64, level: f64) -> Point {
     let at = balance.compliance(omega);
     let zero = vec![0.0; balance.layout.n_unknowns()];
     let force = zero.clone();
-    let residual = balance.residual(&at, level, &zero, &force);
+    let motion = balance.motion(&at, level, &zero, &force);
+    let residual = balance.residual(&motion, &zero, &force);
     Point {
         r: residual.iter().map(|r| -r).collect(),
         omega,

@@ -14,15 +14,22 @@ pub struct ReplicateMean {
     pub standard_error: f64,
     /// Number of replicates.
     pub replicates: usize,
+    /// Failed samples, which neither number knows of.
+    pub failed: usize,
 }
 
 /// Mean and standard error of values with the number of their replicate; `None` with fewer than two replicates.
 ///
-/// A value that is not finite is left out; a replicate without any other has no mean and does not count.
+/// A value that is not finite is a failed sample: counted, and left out. A replicate without any other has no mean.
 #[must_use]
 pub fn replicate_mean(values: impl IntoIterator<Item = (u64, f64)>) -> Option<ReplicateMean> {
     let mut sums: BTreeMap<u64, (f64, f64)> = BTreeMap::new();
-    for (replicate, value) in values.into_iter().filter(|(_, value)| value.is_finite()) {
+    let mut failed = 0;
+    for (replicate, value) in values {
+        if !value.is_finite() {
+            failed += 1;
+            continue;
+        }
         let (sum, count) = sums.entry(replicate).or_default();
         *sum += value;
         *count += 1.0;
@@ -38,6 +45,7 @@ pub fn replicate_mean(values: impl IntoIterator<Item = (u64, f64)>) -> Option<Re
         mean,
         standard_error: (squares / (n - 1.0) / n).sqrt(),
         replicates: means.len(),
+        failed,
     })
 }
 
@@ -57,7 +65,7 @@ mod tests {
             (9, f64::NAN),
         ];
         let found = replicate_mean(values).unwrap();
-        assert_eq!((found.mean, found.replicates), (3.0, 3));
+        assert_eq!((found.mean, found.replicates, found.failed), (3.0, 3, 2));
         assert!((found.standard_error - (7.0_f64 / 3.0).sqrt()).abs() < 1e-15);
         assert_eq!(replicate_mean([(3, 1.0), (3, 2.0)]), None);
     }

@@ -3,7 +3,6 @@
 use super::frequency::FrequencyUnit;
 use super::read::{Study, StudyModel};
 use crate::Error;
-use crate::hb::LinearModel;
 use crate::model::ReducedModel;
 use crate::model::two_blade::{ComponentSummary, PressureModes};
 use crate::sampling::Input;
@@ -61,11 +60,13 @@ pub struct Inspection {
 /// # Errors
 /// Whatever building the model refuses; [`Error::Command`] if its eigenvalue problem fails.
 pub fn inspect(study: &Study) -> Result<Inspection, Error> {
+    let built = study.build_model()?;
+    let n_contacts = study.linear(&built)?.n_contacts();
     let StudyModel {
         reduced: model,
         contacts: parameters,
         components,
-    } = study.build_model()?;
+    } = built;
     let no_modes = |error| Error::Command {
         path: study.path.clone(),
         message: format!("linear modes of the model: {error}"),
@@ -77,12 +78,6 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
     let rigid_below = RIGID * free.last().copied().unwrap_or(0.0);
     let n_rigid = free.iter().take_while(|f| **f <= rigid_below).count();
     let names = |rows: &[crate::model::Response]| rows.iter().map(|r| r.name.clone()).collect();
-    study.check_sides(&model)?;
-    let folded = match study.folds() {
-        true => LinearModel::folded(&model, &parameters)?,
-        false => None,
-    };
-    let n_contacts = folded.map_or(model.n_contacts(), |half| half.n_contacts());
     let unknowns = unknowns(study, n_contacts);
     Ok(Inspection {
         name: study.name.clone(),

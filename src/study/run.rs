@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::output::OutputFolder;
-use super::read::{ModelSettings, Study, StudyModel};
+use super::prepared::FREQUENCY_TOLERANCE;
+use super::read::{ModelSettings, Study};
 use super::solve::Progress;
 use crate::Error;
 use crate::ensemble::atlas::Atlas;
@@ -13,10 +14,8 @@ use crate::ensemble::kept::{ATLAS_FILE, KeptStudy, write_anchors};
 use crate::ensemble::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
 use crate::ensemble::store::{Provenance, write_curves, write_samples};
 use crate::ensemble::{Ensemble, Solved};
-use crate::hb::peak::PeakSettings;
 use crate::hb::resonance::{Band, linear_resonance, linear_response};
-use crate::hb::{LinearModel, Problem, ProblemError};
-use crate::model::ReducedModel;
+use crate::hb::{LinearModel, Problem};
 use crate::model::two_blade::ComponentSummary;
 use crate::report::record::{
     ComponentRecord, DesignRecord, FileRecord, InputRecord, LinearRecord, RECORD, TABLES,
@@ -27,8 +26,6 @@ use crate::statistics::{ReplicateMean, replicate_mean};
 use crate::units::rad_s_to_hz;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Relative change of frequency at which a peak counts as located: a peak reached on two ways differs by at most 1e-7.
-const FREQUENCY_TOLERANCE: f64 = 5e-8;
 /// Points of the linear curves in the report.
 const LINEAR_POINTS: usize = 600;
 
@@ -55,7 +52,7 @@ pub struct LevelReplicates {
 }
 
 impl RunResult {
-    /// Means and standard errors per level, over samples with a solution; empty without replicates.
+    /// Means and standard errors per level, failed samples counted beside them; empty without replicates.
     #[must_use]
     pub fn replicate_means(&self) -> Vec<LevelReplicates> {
         let level = |(i, summary): (usize, &crate::report::summary::LevelSummary)| {
@@ -63,7 +60,7 @@ impl RunResult {
                 replicate_mean(self.outcomes.iter().filter_map(|outcome| {
                     let record = &outcome.levels[i];
                     let peak = record.peak.filter(|_| record.status.has_solution());
-                    Some((outcome.group.replicate?, of(&peak?)))
+                    Some((outcome.group.replicate?, peak.map_or(f64::NAN, |p| of(&p))))
                 }))
             };
             Some(LevelReplicates {
@@ -113,48 +110,12 @@ pub(super) fn run_after(
 ) -> Result<RunResult, Error> {
     let clock = Instant::now();
     let backend = OpenBackend::open(backend, study.solver.newton.tolerance);
-    let StudyModel {
-        reduced,
-        contacts,
-        components,
-    } = study.build_model()?;
-    study.check_sides(&reduced)?;
-    let folded = match study.folds() {
-        true => LinearModel::folded(&reduced, &contacts)?,
-        false => None,
-    };
-    let linear = match folded {
-        Some(half) => half,
-        None => LinearModel::new(&reduced)?,
-    };
-    let load_modes = match study.pressure_modes(&reduced)? {
-        Some(modes) => static_forces(&reduced, &modes.loads)?,
-        None => Vec::new(),
-    };
-    let interfaces: Vec<usize> = (linear.pairs.iter())
-        .map(|&pair| reduced.contacts[pair].interface)
-        .collect();
-    let contacts: Vec<_> = linear.pairs.iter().map(|&pair| contacts[pair]).collect();
-    let [low, high] = study.frequency.band;
-    let band = Band { low, high };
-    let nominal = Problem::new(&linear, contacts.clone(), 1.0, study.solver.anchor)?;
-    let stuck = linear_record(study, &linear, &nominal.stuck_stiffness, band)?;
-    let free = linear_record(study, &linear, &vec![0.0; linear.n_relative()], band)?;
-    let ensemble = Ensemble {
-        linear: &linear,
-        contacts: &contacts,
-        interfaces: &interfaces,
-        load_modes: &load_modes,
-        design: &study.design,
-        levels: &study.levels,
-        settings: &study.solver,
-        peak: PeakSettings {
-            band,
-            frequency_tolerance: FREQUENCY_TOLERANCE,
-        },
-        curve_samples: study.output.curve_samples,
-        backend: backend.backend(),
-    };
+    let prepared = study.prepared()?;
+    let (linear, band) = (&prepared.linear, prepared.band());
+    let nominal = Problem::new(linear, prepared.contacts.clone(), 1.0, study.solver.anchor)?;
+    let stuck = linear_record(study, linear, &nominal.stuck_stiffness, band)?;
+    let free = linear_record(study, linear, &vec![0.0; linear.n_relative()], band)?;
+    let ensemble = prepared.ensemble(backend.backend());
     refuse_other_results(study, &ensemble, &kept)?;
     let (total, n_kept) = (study.samples, kept.outcomes.len() as u64);
     let done = AtomicU64::new(n_kept);
@@ -170,7 +131,7 @@ pub(super) fn run_after(
     let Solved { outcomes, anchors } = (backend.extend(&ensemble, kept, total, one_more))
         .map_err(|error| Error::Threads(error.to_string()))?;
     let nominal = ensemble.nominal();
-    let provenance = provenance(study, linear.n_contacts() < reduced.n_contacts());
+    let provenance = provenance(study, prepared.folded());
     let inputs = input_records(study);
     let input_names: Vec<String> = inputs.iter().map(|input| input.name.clone()).collect();
     let [samples_name, curves_name] = TABLES;
@@ -199,7 +160,7 @@ pub(super) fn run_after(
         free,
         stuck,
         nominal: Some(nominal),
-        components: component_records(&components),
+        components: component_records(&prepared.components),
         requirements: study.requirements.clone(),
         study_file: FileRecord::of(&study.file_name(), study.text.as_bytes()),
         tables: hashes(folder, &TABLES)?,
@@ -214,22 +175,6 @@ pub(super) fn run_after(
         summary,
         unfolded: study.unfolded(),
     })
-}
-
-/// Other static loads in the coordinates of the whole model. Shape: `loads` × dofs → loads × parts × coordinates.
-fn static_forces(
-    model: &ReducedModel,
-    loads: &[Vec<f64>],
-) -> Result<Vec<Vec<Vec<f64>>>, ProblemError> {
-    let of_load = |load: &Vec<f64>| {
-        let loaded = ReducedModel {
-            static_force: load.clone(),
-            ..model.clone()
-        };
-        let parts = LinearModel::new(&loaded)?.parts;
-        Ok(parts.into_iter().map(|part| part.static_force).collect())
-    };
-    loads.iter().map(of_load).collect()
 }
 
 /// Refuses kept samples that this program and this model would not give again: the first one is solved anew.

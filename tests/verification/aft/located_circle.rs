@@ -55,21 +55,10 @@ fn in_one_direction_the_laws_agree() {
 fn single_precision_follows_double_precision_on_the_circle() {
     let set = HarmonicSet::up_to(5);
     let states = random_states(&mut ChaCha8Rng::seed_from_u64(10), &set, 400);
-    let double = run(
-        &AftPlan::<f64>::new(&set, located(64)),
-        &states,
-        Want::Forces,
-    );
-    let single = run(
-        &AftPlan::<f32>::new(&set, located(64)),
-        &states,
-        Want::Forces,
-    );
-    let mut errors: Vec<f64> = (0..states.len())
-        .map(|i| relative_difference(&forces(&single, i), &forces(&double, i)))
-        .collect();
-    errors.sort_by(f64::total_cmp);
+    let errors = single_precision_errors(&set, &states, located(64), Want::Forces);
     assert!(errors[200] < 1e-6, "median {:e}", errors[200]);
     assert!(errors[390] < 1e-5, "97.5 % {:e}", errors[390]);
-    assert!(errors[399] < 2e-2, "largest {:e}", errors[399]);
+    assert!(errors[398] < 1e-4, "largest but one {:e}", errors[398]);
+    // one state creeps: in double precision it comes to rest after 13 laps, in single precision not at all
+    assert!(errors[399] < 2e-2, "the creeping state {:e}", errors[399]);
 }

@@ -1,0 +1,124 @@
+//! A study with its model built: what all its samples share.
+
+use super::read::{Study, StudyModel};
+use crate::Error;
+use crate::aft::Backend;
+use crate::contact::ContactParameters;
+use crate::ensemble::Ensemble;
+use crate::hb::peak::PeakSettings;
+use crate::hb::resonance::Band;
+use crate::hb::{LinearModel, ProblemError};
+use crate::model::ReducedModel;
+use crate::model::two_blade::ComponentSummary;
+
+/// Relative change of frequency at which a peak counts as located: a peak reached on two ways differs by at most 1e-7.
+pub(super) const FREQUENCY_TOLERANCE: f64 = 5e-8;
+
+/// A study with its model built.
+#[derive(Debug)]
+pub struct PreparedStudy<'s> {
+    /// The study.
+    pub study: &'s Study,
+    /// The structure.
+    pub reduced: ReducedModel,
+    /// The components that it was reduced from, by name; none for the user's own matrices.
+    pub components: Vec<(&'static str, ComponentSummary)>,
+    /// What is solved: the structure, or one half of it where the mirror gives the other.
+    pub linear: LinearModel,
+    /// Constants of the contact pairs that are solved.
+    pub contacts: Vec<ContactParameters<f64>>,
+    /// Interface of each of them.
+    interfaces: Vec<usize>,
+    /// Static force of each mode of the pressure field. Shape: modes × parts × coordinates.
+    load_modes: Vec<Vec<Vec<f64>>>,
+}
+
+impl Study {
+    /// Builds the model and folds it where the study lets it.
+    ///
+    /// # Errors
+    /// Whatever building the model refuses; [`Error::Study`] on an input of a side that the model does not have.
+    pub fn prepared(&self) -> Result<PreparedStudy<'_>, Error> {
+        let model = self.build_model()?;
+        let linear = self.linear(&model)?;
+        let load_modes = match self.pressure_modes(&model.reduced)? {
+            Some(modes) => static_forces(&model.reduced, &modes.loads)?,
+            None => Vec::new(),
+        };
+        let interface = |&pair: &usize| model.reduced.contacts[pair].interface;
+        let contact = |&pair: &usize| model.contacts[pair];
+        Ok(PreparedStudy {
+            study: self,
+            contacts: linear.pairs.iter().map(contact).collect(),
+            interfaces: linear.pairs.iter().map(interface).collect(),
+            linear,
+            load_modes,
+            reduced: model.reduced,
+            components: model.components,
+        })
+    }
+
+    /// What is solved: `model`, or one half of it where the mirror gives the other.
+    pub(super) fn linear(&self, model: &StudyModel) -> Result<LinearModel, Error> {
+        self.check_sides(&model.reduced)?;
+        let folded = match self.folds() {
+            true => LinearModel::folded(&model.reduced, &model.contacts)?,
+            false => None,
+        };
+        match folded {
+            Some(half) => Ok(half),
+            None => Ok(LinearModel::new(&model.reduced)?),
+        }
+    }
+}
+
+impl PreparedStudy<'_> {
+    /// Whether the contacts of one side stand for both.
+    #[must_use]
+    pub fn folded(&self) -> bool {
+        self.linear.n_contacts() < self.reduced.n_contacts()
+    }
+
+    /// Where peaks are searched.
+    #[must_use]
+    pub fn band(&self) -> Band {
+        let [low, high] = self.study.frequency.band;
+        Band { low, high }
+    }
+
+    /// Its samples, the contacts evaluated by `backend`.
+    #[must_use]
+    pub fn ensemble<'a>(&'a self, backend: Backend<'a>) -> Ensemble<'a> {
+        Ensemble {
+            linear: &self.linear,
+            contacts: &self.contacts,
+            interfaces: &self.interfaces,
+            load_modes: &self.load_modes,
+            design: &self.study.design,
+            levels: &self.study.levels,
+            settings: &self.study.solver,
+            peak: PeakSettings {
+                band: self.band(),
+                frequency_tolerance: FREQUENCY_TOLERANCE,
+            },
+            curve_samples: self.study.output.curve_samples,
+            backend,
+        }
+    }
+}
+
+/// Other static loads in the coordinates of the whole model. Shape: `loads` × dofs → loads × parts × coordinates.
+fn static_forces(
+    model: &ReducedModel,
+    loads: &[Vec<f64>],
+) -> Result<Vec<Vec<Vec<f64>>>, ProblemError> {
+    let of_load = |load: &Vec<f64>| {
+        let loaded = ReducedModel {
+            static_force: load.clone(),
+            ..model.clone()
+        };
+        let parts = LinearModel::new(&loaded)?.parts;
+        Ok(parts.into_iter().map(|part| part.static_force).collect())
+    };
+    loads.iter().map(of_load).collect()
+}
