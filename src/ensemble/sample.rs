@@ -9,10 +9,11 @@ use super::atlas::{Anchor, AnchorPeak, Atlas, AtlasPrediction};
 use super::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
 use crate::hb::curve::response_curve;
 use crate::hb::newton::WorkCount;
+use crate::hb::peak::PeakSettings;
 use crate::hb::predicted::{PeakPrediction, correct, maximum_near, phase_locked};
 use crate::hb::refine::{on, refined_near};
 use crate::hb::track::{LevelPeak, track_peaks};
-use crate::hb::{Balance, Problem, ProblemError, Solution, Status};
+use crate::hb::{Balance, NewtonSettings, Problem, ProblemError, Solution, Status};
 use crate::units::rad_s_to_hz;
 
 /// Relative distance between the predicted and the found amplitude from which the prediction is not trusted to have
@@ -20,6 +21,8 @@ use crate::units::rad_s_to_hz;
 const SURPRISE: f64 = 0.2;
 /// First and smallest share of the way from an anchor to a sample in one step.
 const STEPS: [f64; 2] = [0.5, 1.0 / 64.0];
+/// Relative tolerance of frequency and residual at the peaks between an anchor and a sample: they only lead on.
+const WAYPOINT_TOLERANCE: f64 = 1e-5;
 
 impl Ensemble<'_> {
     /// Outcome of sample `index` and what it is to others, started from `atlas`.
@@ -197,7 +200,15 @@ impl Ensemble<'_> {
         let problem = applied.problem(self.settings.anchor).ok()?;
         let balance = on(&problem, prediction.harmonics, self.settings);
         let amplitude = prediction.amplitude;
-        let corrected = correct(&balance, prediction.peak, self.peak, self.settings.newton);
+        let peak = PeakSettings {
+            frequency_tolerance: self.peak.frequency_tolerance.max(WAYPOINT_TOLERANCE),
+            ..self.peak
+        };
+        let newton = NewtonSettings {
+            tolerance: self.settings.newton.tolerance.max(WAYPOINT_TOLERANCE),
+            ..self.settings.newton
+        };
+        let corrected = correct(&balance, prediction.peak, peak, newton);
         let iterate = spent.tally(corrected).ok()?;
         let found = Solution::new(&balance, &iterate, Status::Converged, WorkCount::default());
         (!surprising(found.amplitude(0), amplitude)).then(|| AnchorPeak::new(&found))

@@ -2,16 +2,12 @@
 //!
 //! With q = Φ η, Φᵀ M Φ = I and Φᵀ K Φ = Λ the free structure (contacts open) obeys
 //! η̈ + Ĉ η̇ + Λ η = Φᵀ f. Where Ĉ is diagonal, as for components with modal or proportional damping, Z = Λ − Ω² + iΩĈ
-//! costs nothing to invert and a large model uses these coordinates; no mode is left out. Else η = q.
+//! costs nothing to invert and the model uses these coordinates; no mode is left out. Else η = q.
 
 use super::ProblemError;
 use crate::linalg::symmetric_generalized_eigen;
 use crate::model::{ReducedModel, SparseRow};
 use faer::prelude::*;
-
-/// Smaller models are solved in their own coordinates whatever their damping: factors are cheap there, and exact where
-/// the modal receptance cancels, close to a resonance of the free structure.
-const MODAL_FROM: f64 = 120.0;
 
 /// Off-diagonal damping below this share of its diagonal neighbours is round-off.
 const DIAGONAL_TOLERANCE: f64 = 1e-8;
@@ -128,8 +124,7 @@ impl Part {
         let damping = modes.transpose() * &model.damping * &modes;
         let round_off = 10.0 * f64::EPSILON * lambda.len() as f64;
         let floats = lambda.first() <= lambda.last().map(|l| round_off * l).as_ref();
-        let modal = diagonal(&damping).filter(|c| c.len() as f64 * images >= MODAL_FROM);
-        let part = match modal {
+        let part = match diagonal(&damping) {
             Some(damping) => {
                 Self::in_coordinates(model, Structure::Modal { lambda, damping }, &modes, images)
             }

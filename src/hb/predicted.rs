@@ -49,11 +49,11 @@ impl PeakPrediction {
 /// Residual over the dynamic displacement below which the amplitude's growth is more reliable than the predicted phase.
 const SETTLED: f64 = 1e-2;
 /// Error of the growth over the phase rate, per residual over the dynamic displacement.
-const GROWTH_ERROR: f64 = 30.0;
+const GROWTH_ERROR: f64 = 5.0;
 /// Longest step of the phase (rad) in one iteration.
 const LONGEST_STEP: f64 = 0.5;
 /// Changes of the growth over the sum of their errors from which they measure the curvature.
-const CURVATURE_RESOLUTION: f64 = 10.0;
+const CURVATURE_RESOLUTION: f64 = 2.0;
 /// Phases (rad) closer than this do not measure it: round-off.
 const SHORTEST_SECANT: f64 = 1e-6;
 /// Curvature, as a multiple of one oscillator's, that a top may have where it could not be measured.

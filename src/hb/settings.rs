@@ -19,8 +19,7 @@ pub enum SliderAnchor {
 /// Stop rules of Newton's method.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NewtonSettings {
-    /// Largest residual component over the problem's fixed displacement scale. Round-off leaves a few 1e-9 in stiff
-    /// contacts near resonance; below that Newton would walk on the spot.
+    /// Largest residual component over the problem's fixed displacement scale.
     pub tolerance: f64,
     /// Iterations before giving up.
     pub max_iterations: usize,
