@@ -3,7 +3,7 @@
 //!
 //!     cargo bench --bench gpu                          # the first GPU that is hardware
 //!     cargo bench --bench gpu -- --adapter llvmpipe    # another adapter, software too
-//!     cargo bench --bench gpu -- --samples 1000        # samples of the study (64)
+//!     cargo bench --bench gpu -- study --samples 1000  # one section, kernels or study; samples of the study (64)
 //!
 //! Roofline: operations and bytes of the passes, counted from the shapes of the shaders (a lower bound: root searches and
 //! what the caches miss are left out), over the rates of two small kernels measured in the same run, fused
@@ -17,6 +17,7 @@ use microslip::aft::{AftBatch, AftForces, AftPlan, AftSettings, Laps, Want, eval
 use microslip::contact::{Events, FrictionLaw};
 use microslip::ensemble::Ensemble;
 use microslip::ensemble::backend::{BackendChoice, BackendSettings, OpenBackend};
+use microslip::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
 use microslip::harmonics::HarmonicSet;
 use microslip::study::Study;
 use states::batch;
@@ -49,17 +50,29 @@ fn main() {
         "{} ({}, {}, {})",
         facts.name, facts.kind, facts.interface, facts.driver
     );
+    let named = |section: &str| arguments.iter().any(|a| a == section);
+    let asked = |section: &str| named(section) || !["kernels", "study"].iter().any(|s| named(s));
+    if asked("kernels") {
+        kernels(&device);
+    }
+    drop(device);
+    if asked("study") {
+        studies(adapter, samples);
+    }
+}
+
+/// The passes alone.
+fn kernels(device: &Device) {
+    let facts = &device.adapter;
     let states = if facts.is_hardware() { 32_768 } else { 1024 };
-    let peak = Peak::of(&device);
+    let peak = Peak::of(device);
     println!(
         "peak: {:.0} Gflop/s, copy {:.1} GB/s (read and written)",
         peak.flops / 1e9,
         peak.bytes / 1e9
     );
-    rates(&device, states, &peak);
-    batch_sizes(&device, states);
-    drop(device);
-    studies(adapter, samples);
+    rates(device, states, &peak);
+    batch_sizes(device, states);
 }
 
 /// Node-states per second, without and with derivatives.
@@ -108,30 +121,49 @@ fn batch_sizes(device: &Device, most: usize) {
     }
 }
 
-/// Samples per second of the default study on both backends.
+/// Samples per second of the default study on both backends, and how far their answers are apart.
 fn studies(adapter: Option<String>, samples: u64) {
     println!("\ndefault study, {samples} samples: samples per second");
-    let processor = study(BackendSettings::default(), samples);
+    let (processor, expected) = study(BackendSettings::default(), samples);
     println!("processor {:.2}", samples as f64 / processor);
     let gpu = GpuSettings {
         adapter,
         ..GpuSettings::default()
     };
-    let seconds = study(
-        BackendSettings {
-            choice: BackendChoice::Gpu,
-            gpu,
-        },
-        samples,
-    );
+    let backend = BackendSettings {
+        choice: BackendChoice::Gpu,
+        gpu,
+    };
+    let (seconds, found) = study(backend, samples);
     println!(
         "gpu       {:.2}, {:.2} times the processor's",
         samples as f64 / seconds,
         processor / seconds
     );
+    compare(&found, &expected);
 }
 
-fn study(backend: BackendSettings, samples: u64) -> f64 {
+fn compare(found: &[SampleOutcome], expected: &[SampleOutcome]) {
+    let pairs = || {
+        let levels = found.iter().flat_map(|o| &o.levels);
+        levels.zip(expected.iter().flat_map(|o| &o.levels))
+    };
+    let unequal = pairs().filter(|(a, b)| a.status != b.status).count();
+    let largest = |of: fn(&PeakRecord) -> f64| {
+        let difference = |(a, b): (&LevelOutcome, &LevelOutcome)| {
+            Some((of(a.peak.as_ref()?) / of(b.peak.as_ref()?) - 1.0).abs())
+        };
+        pairs().filter_map(difference).fold(0.0, f64::max)
+    };
+    println!(
+        "{} peaks: {unequal} statuses differ, largest difference {:.1e} in frequency, {:.1e} in amplitude",
+        pairs().count(),
+        largest(|p| p.frequency_hz),
+        largest(|p| p.amplitude_m)
+    );
+}
+
+fn study(backend: BackendSettings, samples: u64) -> (f64, Vec<SampleOutcome>) {
     let study =
         Study::read("studies/two-blade-strip/study.toml".as_ref()).expect("the default study");
     let prepared = study.prepared().expect("the default model");
@@ -154,7 +186,7 @@ fn study(backend: BackendSettings, samples: u64) -> f64 {
             gpu.largest_force_difference,
         );
     }
-    seconds
+    (seconds, outcomes)
 }
 
 /// One shape with its states on the device.
