@@ -9,7 +9,7 @@ use super::assessment::{CONTENT, values};
 use super::margins::allowable_amplitude_m;
 use super::record::RunRecord;
 use super::requirement::Quantity;
-use super::summary::{CONFIDENCE, Distribution, PROBABILITIES};
+use super::summary::{CONFIDENCE, Distribution, PROBABILITIES, ReplicateMeans};
 use crate::ensemble::outcome::SampleOutcome;
 use crate::statistics::{
     Interval, Limit, Observed, Side, exceedance, quantile_estimate, tolerance_bound,
@@ -69,6 +69,9 @@ pub struct PointStatistics {
     pub frequency_hz: Distribution,
     /// Amplitude (m).
     pub amplitude_m: Distribution,
+    /// Means over the replicates of a quasi-random design; absent for any other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub replicate_means: Option<ReplicateMeans>,
 }
 
 /// An end of a range and the outer point that it comes from.
@@ -219,13 +222,19 @@ impl EpistemicLevel {
                 .into_iter()
                 .filter_map(|limit| exceedance_range(&amplitude, limit))
                 .collect(),
-            points: (frequency.iter().zip(&amplitude))
-                .map(|((outer, frequency), (_, amplitude))| PointStatistics {
-                    outer: *outer,
-                    failed: frequency.failed(),
-                    frequency_hz: Distribution::of_observed(frequency),
-                    amplitude_m: Distribution::of_observed(amplitude),
-                })
+            points: (groups.iter().zip(frequency.iter().zip(&amplitude)))
+                .map(
+                    |((outer, members), ((_, frequency), (_, amplitude)))| PointStatistics {
+                        outer: *outer,
+                        failed: frequency.failed(),
+                        frequency_hz: Distribution::of_observed(frequency),
+                        amplitude_m: Distribution::of_observed(amplitude),
+                        replicate_means: ReplicateMeans::of(
+                            members.iter().map(|&m| &input.outcomes[m]),
+                            i,
+                        ),
+                    },
+                )
                 .collect(),
         }
     }

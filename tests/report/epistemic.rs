@@ -94,6 +94,37 @@ fn pooled_statistics_are_no_probabilities() {
     assert!(!json.contains("epistemic"));
 }
 
+/// Replicates are those of a point: none over all samples. Seen to fail with the samples of all points at each.
+#[test]
+fn replicates_are_those_of_the_points() {
+    let mut study = nested(180);
+    for (i, outcome) in study.outcomes.iter_mut().enumerate() {
+        outcome.group.replicate = Some(i as u64 / 3 % 4);
+    }
+    let summary = Summary::of(&study.input());
+    assert!(summary.levels[0].replicate_means.is_none());
+    let points = &summary.epistemic.as_ref().unwrap().levels[2].points;
+    for (outer, point) in points.iter().enumerate() {
+        let mut sums = [0.0; 4];
+        for (i, outcome) in study
+            .outcomes
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| i % 3 == outer)
+        {
+            sums[i / 3 % 4] += outcome.levels[2].peak.unwrap().amplitude_m / 15.0;
+        }
+        let found = point.replicate_means.unwrap().amplitude_m;
+        let mean = sums.iter().sum::<f64>() / 4.0;
+        assert!((found.mean / mean - 1.0).abs() < 1e-12, "{found:?}");
+    }
+    assert_eq!(summary.replicate_means().len(), 3 * summary.levels.len());
+    let folder = tempfile::tempdir().unwrap();
+    report::write(folder.path(), &study.input()).unwrap();
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("Means over the replicates"));
+}
+
 /// A criterion that fails at one point alone fails, and names it. Seen to fail with all samples judged together.
 #[test]
 fn a_criterion_must_hold_at_every_point() {
