@@ -13,9 +13,9 @@ use super::{ReportInput, usable_peak};
 use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
 use crate::ensemble::store::Provenance;
 use crate::statistics::{
-    Bootstrap, ConditionalMean, GivenDataIndex, Interval, JointRegion, Observed, Prefix,
-    QuantileEstimate, Side, ToleranceBound, conditional_means, convergence, first_order_index,
-    joint_region, quantile_estimate, tolerance_bound,
+    Bootstrap, ConditionalMean, FailurePattern, GivenDataIndex, Interval, JointRegion, Observed,
+    Prefix, QuantileEstimate, Side, ToleranceBound, conditional_means, convergence,
+    failure_pattern, first_order_index, joint_region, quantile_estimate, tolerance_bound,
 };
 use serde::Serialize;
 
@@ -25,7 +25,7 @@ pub const CONTENT: f64 = 0.95;
 const REPLICATES: u32 = 200;
 /// First prefix of a convergence table.
 const FIRST_PREFIX: usize = 16;
-/// Groups of a conditional mean.
+/// Groups of a conditional mean and of a failure rate.
 const GROUPS: usize = 5;
 
 /// Everything that a designer's report says in numbers. Field names are stable and end in their unit.
@@ -47,6 +47,8 @@ pub struct Assessment {
     pub criteria: Vec<CriterionResult>,
     /// One entry per excitation level.
     pub levels: Vec<LevelAssessment>,
+    /// Where samples without a solution lie, one entry per input; empty unless some samples failed and some did not.
+    pub failures: Vec<InputFailures>,
     /// What each approximation can change.
     pub error_budget: Vec<ErrorLine>,
     /// What computed the samples.
@@ -82,6 +84,16 @@ pub struct LevelAssessment {
     pub amplitude_q95_m: Vec<Prefix<Option<QuantileEstimate>>>,
     /// Median of the resonance frequency (Hz) over the first samples.
     pub frequency_q50_hz: Vec<Prefix<Option<QuantileEstimate>>>,
+}
+
+/// How one input differs between samples that lack a solution at one level or more and all others.
+#[derive(Debug, Clone, Serialize)]
+pub struct InputFailures {
+    /// Name of the input.
+    pub input: String,
+    /// Shift and distance of the two, and the failure rate along the input.
+    #[serde(flatten)]
+    pub pattern: FailurePattern,
 }
 
 /// How much one input moves the results.
@@ -125,6 +137,7 @@ impl Assessment {
             levels: (0..record.levels.len())
                 .map(|i| LevelAssessment::of(input, i))
                 .collect(),
+            failures: failures(input),
             error_budget: error_budget(record, summary),
             backend: record.backend.description(),
             adapter: record.backend.adapter(),
@@ -204,6 +217,20 @@ impl LevelAssessment {
             frequency_q50_hz: prefixes(&frequency, 0.5),
         }
     }
+}
+
+fn failures(input: &ReportInput) -> Vec<InputFailures> {
+    let lost = |o: &SampleOutcome| o.levels.iter().any(|l| usable_peak(l).is_none());
+    let lost: Vec<bool> = input.outcomes.iter().map(lost).collect();
+    let inputs = input.record.inputs.iter().enumerate();
+    let of_input = |(j, record): (usize, &InputRecord)| {
+        let x: Vec<f64> = input.outcomes.iter().map(|o| o.inputs[j]).collect();
+        Some(InputFailures {
+            input: record.name.clone(),
+            pattern: failure_pattern(&x, &lost, GROUPS, CONFIDENCE)?,
+        })
+    };
+    inputs.filter_map(of_input).collect()
 }
 
 fn influences(input: &ReportInput, frequency: &[f64], amplitude: &[f64]) -> Vec<InputInfluence> {

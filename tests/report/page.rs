@@ -52,6 +52,34 @@ fn failed_samples_are_counted_and_shown() {
         page.contains("no sample has a solution</text>"),
         "empty panels not marked"
     );
+    assert!(
+        !page.contains("Failures along"),
+        "a pattern where every sample failed somewhere"
+    );
+}
+
+/// The synthetic failures lie at stiff contacts with much friction: both inputs say so, on the page and in the report, and
+/// no failure, no pattern. Seen to fail with the samples that failed at level 0 alone.
+#[test]
+fn failures_are_located_along_the_inputs() {
+    let study = SyntheticStudy::new(400);
+    let summary = report::Summary::of(&study.input());
+    let failures = report::Assessment::of(&study.input(), &summary).failures;
+    let names: Vec<&str> = failures.iter().map(|f| f.input.as_str()).collect();
+    assert_eq!(names, ["contact stiffness scale", "mu"]);
+    for found in &failures {
+        assert!(found.pattern.superiority > 0.8, "{found:?}");
+        assert!(found.pattern.distance_p_value < 1e-6, "{found:?}");
+        let counted: usize = found.pattern.bins.iter().map(|b| b.failed).sum();
+        assert_eq!(counted, summary.levels[7].failed);
+    }
+    let page_with = page(&study.input());
+    assert!(page_with.contains("Failures along mu") && page_with.contains("failure-patterns.csv"));
+    let mut solved = SyntheticStudy::new(40);
+    solved
+        .outcomes
+        .retain(|o| o.levels.iter().all(|l| l.peak.is_some()));
+    assert!(!page(&solved.input()).contains("failure-patterns.csv"));
 }
 
 /// Corners of the input: nothing may panic, and [`page`] looks for NaN.
