@@ -174,6 +174,26 @@ impl<'a> View<'a> {
         Axis::around(self.input.record.inputs[j].name.clone(), values)
     }
 
+    /// Whether the samples belong to outer points, so that all together they are no population.
+    pub(super) fn nested(&self) -> bool {
+        self.summary.epistemic.is_some()
+    }
+
+    /// Of fields for all samples and fields for outer points those that the study has.
+    pub(super) fn fields(&self, pair: [&'static [&'static str]; 2]) -> &'static [&'static str] {
+        pair[usize::from(self.nested())]
+    }
+
+    /// What a bar from the quantile `low` to the quantile `high` shows, in words (`5 %`).
+    pub(super) fn scatter_in_words(&self, low: &str, high: &str) -> String {
+        match self.nested() {
+            false => format!("{low} to {high} of the samples with their median"),
+            true => format!(
+                "from the lowest {low} to the highest {high} quantile of the outer points, with the middle of their medians"
+            ),
+        }
+    }
+
     /// Whether no level has a solution.
     pub(super) fn is_empty(&self) -> bool {
         self.summary

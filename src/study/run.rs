@@ -117,6 +117,7 @@ pub(super) fn run_after(
         frequency_tolerance: FREQUENCY_TOLERANCE,
         levels: study.levels.clone(),
         curve_samples: study.output.curve_samples,
+        bands: study.output.bands,
         level_unit: level_unit(study).to_owned(),
         free,
         stuck,

@@ -43,7 +43,7 @@ fn small_study(last: &str) -> tempfile::TempDir {
 /// `run`, then `report` on a copy of its three stored files: the same bytes, without the model.
 #[test]
 fn a_report_can_be_rendered_again() {
-    let study = small_study(REQUIREMENTS);
+    let study = small_study(&format!("{REQUIREMENTS}bands = \"peak-aligned\"\n"));
     let output = microslip(study.path(), &["run", "study.toml", "--quiet"]);
     assert!(output.status.success(), "{output:?}");
     let results = study.path().join("results");
@@ -64,6 +64,7 @@ fn a_report_can_be_rendered_again() {
         "house rule",
         "life",
         "Reserve factor",
+        "Frequency over resonance frequency",
         "uniform: low 0.1, high 0.8",
     ] {
         assert!(page.contains(words), "{words} is not in the page");

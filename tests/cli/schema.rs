@@ -55,6 +55,7 @@ fn bad_keys_and_shapes_are_invalid() {
         ("distribution = \"uniform\"", "distribution = \"even\""),
         ("band_hz = [100, 200]", "band = [100, 200]"),
         ("[output]", "[stress]\nlimit = 3.0\n[output]"),
+        ("[output]", "[output]\nbands = \"deepest\""),
     ] {
         assert!(STUDY.contains(old), "{old}");
         let study = STUDY.replacen(old, new, 1);
