@@ -3,6 +3,7 @@
 use super::TwoBladeSettings;
 use crate::fe::{Cuboid, FeError, FeModel, Material, grid_lines, tensor_mesh};
 use crate::units::mm_to_m;
+use std::f64::consts::PI;
 
 /// Lengths of the settings in metres, and the contact grid.
 #[derive(Debug, Clone)]
@@ -72,6 +73,25 @@ impl Layout {
                 .collect::<Vec<_>>()
         };
         self.along.iter().enumerate().flat_map(row).collect()
+    }
+
+    /// Relative deviation of the mean pressure on each contact node's part of the width from that of all, under a rigid flat
+    /// punch as wide as the contact: its load left of s is 1/2 + asin(2s)/π of the whole.
+    pub(super) fn punch_deviation(&self) -> Vec<f64> {
+        let (first, last) = (self.across[0], self.across[self.across.len() - 1]);
+        let width = last - first;
+        let left_of =
+            |x: f64| 0.5 + (2.0 * ((x - first) / width - 0.5)).clamp(-1.0, 1.0).asin() / PI;
+        let shares = tributary(&self.across);
+        let mut edge = first;
+        let deviation: Vec<f64> = (shares.iter())
+            .map(|share| {
+                let start = edge;
+                edge += share;
+                (left_of(edge) - left_of(start)) * width / share - 1.0
+            })
+            .collect();
+        self.along.iter().flat_map(|_| deviation.clone()).collect()
     }
 
     /// Underside of the platforms, where the strip lies.
