@@ -310,7 +310,7 @@ fn show_result(result: &RunResult, folder: &Path, quiet: bool) -> Result<(), Err
 fn show_replicates(out: &mut dyn Write, summary: &Summary) -> std::io::Result<()> {
     for (i, outer, means) in summary.replicate_means() {
         let level = summary.levels[i].level;
-        let point = outer.map_or_else(String::new, |outer| format!(", outer point {outer}"));
+        let point = at_point(outer);
         let (frequency, amplitude) = (means.frequency_hz, means.amplitude_m);
         writeln!(
             out,
@@ -374,7 +374,7 @@ fn show_ranges(out: &mut dyn Write, epistemic: &EpistemicSummary) -> std::io::Re
         for (ranges, unit, show) in quantities {
             for quantile in ranges {
                 let ends = [quantile.range.lowest, quantile.range.highest].map(|end| {
-                    let value = end.value.value().map_or_else(|| "open".to_owned(), show);
+                    let value = end.value.in_words(show);
                     format!("{value} (point {})", end.outer)
                 });
                 writeln!(
@@ -459,6 +459,14 @@ impl Bar {
             let _ = writeln!(std::io::stderr(), "{done}/{total}, about {eta} s left");
         }
     }
+}
+
+/// What the intervals of a design without independent samples are.
+const INDICATIONS: &str = "no independent samples: intervals are indications";
+
+/// ` at outer point 3`, where there are such.
+fn at_point(outer: Option<u64>) -> String {
+    outer.map_or_else(String::new, |outer| format!(" at outer point {outer}"))
 }
 
 /// Opened before any work, so that an unwritable folder costs no computation.

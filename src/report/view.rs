@@ -168,6 +168,12 @@ impl<'a> View<'a> {
         points.iter().map(point).collect()
     }
 
+    /// Largest amplitude per level of a curve, in the view's unit; `None` without points.
+    pub(super) fn largest(&self, points: &[CurvePoint], level: f64) -> Option<f64> {
+        let amplitudes = self.curve(points, level).into_iter().map(|p| p.1);
+        amplitudes.reduce(f64::max)
+    }
+
     /// Axis over the values of input `j`.
     pub(super) fn input_axis(&self, j: usize) -> Axis {
         let values = self.input.outcomes.iter().map(|o| o.inputs[j]);

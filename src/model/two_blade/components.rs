@@ -82,13 +82,17 @@ impl Layout {
         let width = last - first;
         let left_of =
             |x: f64| 0.5 + (2.0 * ((x - first) / width - 0.5)).clamp(-1.0, 1.0).asin() / PI;
-        let shares = tributary(&self.across);
-        let mut edge = first;
-        let deviation: Vec<f64> = (shares.iter())
-            .map(|share| {
-                let start = edge;
-                edge += share;
-                (left_of(edge) - left_of(start)) * width / share - 1.0
+        // the ends to the bit: close to them the asin sees round-off under its root
+        let n = self.across.len();
+        let edge = |i: usize| match i {
+            0 => first,
+            i if i == n => last,
+            i => 0.5 * (self.across[i - 1] + self.across[i]),
+        };
+        let deviation: Vec<f64> = (0..n)
+            .map(|i| {
+                let (start, end) = (edge(i), edge(i + 1));
+                (left_of(end) - left_of(start)) * width / (end - start) - 1.0
             })
             .collect();
         self.along.iter().flat_map(|_| deviation.clone()).collect()

@@ -6,7 +6,7 @@ use super::super::population::{Bound, Quantiles};
 use super::super::summary::{Distribution, LevelSummary, PROBABILITIES};
 use super::super::view::View;
 use super::epistemic::{extreme_cell, range_cell};
-use crate::statistics::{Interval, Limit, QuantileEstimate, ToleranceBound, wilks_sample_size};
+use crate::statistics::{Interval, QuantileEstimate, ToleranceBound, wilks_sample_size};
 
 /// A quantity of the tables and how it is shown.
 struct Quantity<'a> {
@@ -94,8 +94,7 @@ fn table(view: &View, quantity: &Quantity) -> Block {
 
 /// `a … b`, where a side may be open.
 pub(in crate::report) fn limits(interval: Interval, show: &dyn Fn(f64) -> String) -> String {
-    let side = |limit: Limit| limit.value().map_or_else(|| "open".to_owned(), show);
-    format!("{} … {}", side(interval.lower), side(interval.upper))
+    interval.in_words(" … ", show)
 }
 
 /// A quantile by its place among 5, 50, 95 %, or its range over the outer points.
@@ -135,7 +134,7 @@ fn tolerance_cell(bound: &ToleranceBound, show: &dyn Fn(f64) -> String) -> Cell 
             percent(bound.achieved_confidence)
         ),
     };
-    Cell::number(value.map_or_else(|| "open".to_owned(), show), value)
+    Cell::number(bound.limit.in_words(show), value)
         .with_raw([Some(bound.order as f64), Some(bound.achieved_confidence)])
         .with_small(basis)
 }

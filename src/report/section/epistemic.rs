@@ -9,7 +9,7 @@ use super::super::figure::{Panel, Size};
 use super::super::population::Populations;
 use super::super::view::{Shown, View};
 use super::envelope::limits;
-use crate::statistics::{Limit, Observed, Sorted};
+use crate::statistics::{Interval, Limit, Observed, Sorted};
 
 /// Sections that show shares, quantiles or bands of all samples.
 const POOLED: [&str; 4] = ["performance", "response", "influence", "convergence"];
@@ -95,17 +95,17 @@ fn points(epistemic: &EpistemicSummary) -> Block {
 
 /// `a … b`, where they are, and the hull of the confidence intervals.
 pub(super) fn range_cell(range: &BoxRange, show: &dyn Fn(f64) -> String) -> Cell {
-    let side = |limit: Limit| limit.value().map_or_else(|| "open".to_owned(), show);
     let (lowest, highest) = (range.lowest, range.highest);
+    let ends = Interval {
+        lower: lowest.value,
+        upper: highest.value,
+    };
     let interval = [range.interval.lower, range.interval.upper].map(Limit::value);
-    Cell::number(
-        format!("{} … {}", side(lowest.value), side(highest.value)),
-        lowest.value.value(),
-    )
-    .with_raw([highest.value.value(), interval[0], interval[1]])
-    .with_raw([lowest.outer, highest.outer].map(|outer| Some(outer as f64)))
-    .with_small(format!("at points {} and {}", lowest.outer, highest.outer))
-    .with_small(limits(range.interval, show))
+    Cell::number(limits(ends, show), lowest.value.value())
+        .with_raw([highest.value.value(), interval[0], interval[1]])
+        .with_raw([lowest.outer, highest.outer].map(|outer| Some(outer as f64)))
+        .with_small(format!("at points {} and {}", lowest.outer, highest.outer))
+        .with_small(limits(range.interval, show))
 }
 
 /// The outermost value and the outer point that it comes from.
@@ -115,7 +115,7 @@ pub(super) fn extreme_cell(extreme: &Extreme, show: &dyn Fn(f64) -> String) -> C
         Some(_) => format!("at point {}", extreme.outer),
         None => "too few samples, or too many failed".to_owned(),
     };
-    Cell::number(value.map_or_else(|| "open".to_owned(), show), value)
+    Cell::number(extreme.value.in_words(show), value)
         .with_raw([Some(extreme.outer as f64)])
         .with_small(basis)
 }

@@ -132,10 +132,8 @@ fn add_linear_curves(view: &View, panel: &mut Panel, unit: impl Fn(f64) -> f64) 
 
 fn largest_linear_amplitude(view: &View) -> f64 {
     let record = view.input.record;
-    let points = record.free.curve.iter().chain(&record.stuck.curve);
-    points
-        .map(|p| p.amplitude_m * view.unit.per_metre)
-        .fold(0.0, f64::max)
+    let limits = [&record.free, &record.stuck].map(|linear| view.largest(&linear.curve, 1.0));
+    limits.into_iter().flatten().fold(0.0, f64::max)
 }
 
 /// Response at the nominal inputs, all levels in one panel.
