@@ -94,7 +94,7 @@ fn show_pair(
         Some(median) => format!(
             "median {} ({}) {unit}",
             show(median.estimate),
-            median.interval.in_words(" .. ", &show),
+            median.interval.in_words(" .. ", show),
         ),
     };
     let (first, second) = (&pair.comparison.a_better, &pair.comparison.b_better);

@@ -62,7 +62,7 @@ fn failed_samples_are_counted_and_shown() {
 /// no failure, no pattern. Seen to fail with the samples that failed at level 0 alone.
 #[test]
 fn failures_are_located_along_the_inputs() {
-    let study = SyntheticStudy::new(400);
+    let study = SyntheticStudy::new(200);
     let summary = report::Summary::of(&study.input());
     let failures = report::Assessment::of(&study.input(), &summary).failures;
     let names: Vec<&str> = failures.iter().map(|f| f.input.as_str()).collect();

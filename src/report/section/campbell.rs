@@ -122,8 +122,9 @@ fn diagram(
     }
     view.note_if_empty(&mut panel);
     let words = view.scatter_in_words("1 %", "99 %");
-    let caption =
-        format!("Bands and bars: {words}, by level; bars stand where an engine order crosses it.");
+    let caption = format!(
+        "Bands and bars: {words}, by level; bars stand where an engine order crosses their middle."
+    );
     view.figure(&panel, file, caption)
 }
 

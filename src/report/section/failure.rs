@@ -89,7 +89,7 @@ fn failure_rate(level: &LevelSummary) -> Cell {
 }
 
 /// Inputs whose failure rate is drawn, those that separate failed and solved samples best.
-const MAX_INPUTS: usize = 3;
+const MAX_INPUTS: usize = 4;
 
 /// Places of the inputs, those first that separate failed and solved samples best.
 fn separating(view: &View) -> Vec<usize> {
@@ -116,7 +116,7 @@ fn patterns(view: &View) -> Vec<Block> {
                 functions (Kolmogorov and Smirnov), which sees failures at both ends too. A p-value below 5 % arises by \
                 chance for one input in twenty.";
     vec![
-        Block::triples(strongest.map(|j| rates(view, j)).collect()),
+        Block::pairs(strongest.map(|j| rates(view, j)).collect()),
         separation(failures),
         Block::Hint(hint.to_owned()),
     ]
@@ -128,7 +128,7 @@ fn rates(view: &View, j: usize) -> Figure {
     let highest = bins.iter().map(|b| b.rate.upper).fold(0.0, f64::max);
     let y = Axis::linear("Share without a solution", 0.0, 1.06 * highest);
     let title = format!("Failures along {}", view.input.record.inputs[j].name);
-    let mut panel = Panel::new(Size::Small, title, view.input_axis(j), y);
+    let mut panel = Panel::new(Size::Large, title, view.input_axis(j), y);
     let bars = bins.iter().map(|b| (b.lower, b.upper, b.rate.estimate));
     panel.bars("neutral", bars);
     for bin in bins {
