@@ -110,6 +110,7 @@ curve_samples = 0
 "#;
 
 /// The same factor on both sides is a factor on both, solved on all contacts instead of one half; `inspect` says so.
+/// Seen to fail with the right side's stiffness put into the left pairs.
 #[test]
 fn equal_sides_are_the_folded_model() {
     let rig = RIG.replace("LEVELS", "0.1");
@@ -127,6 +128,7 @@ fn equal_sides_are_the_folded_model() {
 
 /// Even weights and `edge_pressure` = 1 are the weights of a rigid punch: of three columns each carries a third in place of
 /// ¼, ½, ¼. The model stays folded; one without positions of its contacts refuses the input, and a value above 1 is none.
+/// Seen to fail with the load left as it is.
 #[test]
 fn edge_pressure_is_that_of_a_punch() {
     let weighted = |row: [u32; 3]| {
@@ -185,6 +187,7 @@ fn edge_pressure_is_that_of_a_punch() {
 }
 
 /// The pressure field shows in `inspect`, is a set of inputs, and moves the peak where contacts slip.
+/// Seen to fail with the load left as it is.
 #[test]
 fn a_pressure_field_is_a_set_of_inputs() {
     let folder = tempfile::tempdir().unwrap();
