@@ -27,7 +27,7 @@ use microslip::hb::{
     AlertSettings, Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Status,
 };
 use microslip::model::two_blade::{TwoBladeSettings, build};
-use microslip::report::record::{DesignRecord, FileRecord, InputRecord, LinearRecord};
+use microslip::report::record::{Bands, DesignRecord, FileRecord, InputRecord, LinearRecord};
 use microslip::report::requirement::Requirements;
 use microslip::report::{self, ReportInput, RunRecord};
 use microslip::sampling::{Design, Distribution, Input, Shape};
@@ -141,7 +141,7 @@ impl Rig {
             linear: &self.linear,
             contacts: &self.contacts,
             interfaces: &[],
-            load_modes: &[],
+            loads: &[],
             design,
             levels,
             settings,
@@ -513,6 +513,7 @@ fn record(provenance: Provenance, names: &[String]) -> RunRecord {
         frequency_tolerance: 3e-7,
         levels: LEVELS.to_vec(),
         curve_samples: 0,
+        bands: Bands::default(),
         level_unit: "N".to_owned(),
         free: linear(2600.0),
         stuck: linear(2620.0),
@@ -579,7 +580,7 @@ fn peers() {
         linear: &linear,
         contacts: &model.contacts,
         interfaces: &[],
-        load_modes: &[],
+        loads: &[],
         design: &design,
         levels: &[0.5],
         settings: &settings,

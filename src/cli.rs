@@ -295,7 +295,6 @@ fn show_result(result: &RunResult, folder: &Path, quiet: bool) -> Result<(), Err
     }
     print(|out| {
         show_levels(out, &result.summary)?;
-        show_replicates(out, result)?;
         if let Some(reason) = &result.unfolded {
             writeln!(out, "{reason}")?;
         }
@@ -307,25 +306,28 @@ fn show_result(result: &RunResult, folder: &Path, quiet: bool) -> Result<(), Err
     })
 }
 
-/// Means with their standard errors, where there are replicates.
-fn show_replicates(out: &mut dyn Write, result: &RunResult) -> std::io::Result<()> {
-    for level in result.replicate_means() {
+/// Means with their standard errors, where there are replicates; by outer point, where the samples belong to such.
+fn show_replicates(out: &mut dyn Write, summary: &Summary) -> std::io::Result<()> {
+    for (i, outer, means) in summary.replicate_means() {
+        let level = summary.levels[i].level;
+        let point = at_point(outer);
+        let (frequency, amplitude) = (means.frequency_hz, means.amplitude_m);
         writeln!(
             out,
-            "level {}, mean of {} replicates and its standard error: {:.4} +- {:.1e} Hz, {:.4e} +- {:.1e} m ({} failed samples not in it)",
-            level.level,
-            level.frequency_hz.replicates,
-            level.frequency_hz.mean,
-            level.frequency_hz.standard_error,
-            level.amplitude_m.mean,
-            level.amplitude_m.standard_error,
-            level.amplitude_m.failed
+            "level {level}{point}, mean of {} replicates and its standard error: {:.4} +- {:.1e} Hz, {:.4e} +- {:.1e} m ({} failed samples not in it)",
+            frequency.replicates,
+            frequency.mean,
+            frequency.standard_error,
+            amplitude.mean,
+            amplitude.standard_error,
+            amplitude.failed
         )?;
     }
     Ok(())
 }
 
-/// One line per level: samples solved, and the 5, 50 and 95 % quantiles of frequency and amplitude.
+/// Samples solved, and the 5, 50 and 95 % quantiles of frequency and amplitude, one line per level; then what outer
+/// points and replicates say.
 fn show_levels(out: &mut dyn Write, summary: &Summary) -> std::io::Result<()> {
     for level in &summary.levels {
         let solved = summary.samples - level.failed;
@@ -351,10 +353,10 @@ fn show_levels(out: &mut dyn Write, summary: &Summary) -> std::io::Result<()> {
         }
         writeln!(out)?;
     }
-    match &summary.epistemic {
-        Some(epistemic) => show_ranges(out, epistemic),
-        None => Ok(()),
+    if let Some(epistemic) = &summary.epistemic {
+        show_ranges(out, epistemic)?;
     }
+    show_replicates(out, summary)
 }
 
 /// Ranges of the quantiles over the outer points, with the point of each end.
@@ -372,7 +374,7 @@ fn show_ranges(out: &mut dyn Write, epistemic: &EpistemicSummary) -> std::io::Re
         for (ranges, unit, show) in quantities {
             for quantile in ranges {
                 let ends = [quantile.range.lowest, quantile.range.highest].map(|end| {
-                    let value = end.value.value().map_or_else(|| "open".to_owned(), show);
+                    let value = end.value.in_words(show);
                     format!("{value} (point {})", end.outer)
                 });
                 writeln!(
@@ -457,6 +459,14 @@ impl Bar {
             let _ = writeln!(std::io::stderr(), "{done}/{total}, about {eta} s left");
         }
     }
+}
+
+/// What the intervals of a design without independent samples are.
+const INDICATIONS: &str = "no independent samples: intervals are indications";
+
+/// ` at outer point 3`, where there are such.
+fn at_point(outer: Option<u64>) -> String {
+    outer.map_or_else(String::new, |outer| format!(" at outer point {outer}"))
 }
 
 /// Opened before any work, so that an unwritable folder costs no computation.

@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use super::{INDICATIONS, at_point};
 use clap::Args;
 use microslip::Error;
 use microslip::report::comparison::{Compared, DesignComparison, Pair, PointRanking};
@@ -53,7 +54,7 @@ fn show(out: &mut dyn Write, comparison: &DesignComparison) -> std::io::Result<(
         )?;
     }
     if !comparison.independent {
-        writeln!(out, "no independent samples: intervals are indications")?;
+        writeln!(out, "{INDICATIONS}")?;
     }
     for level in &comparison.levels {
         writeln!(out, "level {} {}", level.level, comparison.level_unit)?;
@@ -79,10 +80,6 @@ fn shown(quantity: Compared) -> (f64, &'static str) {
     }
 }
 
-fn at(outer: Option<u64>) -> String {
-    outer.map_or_else(String::new, |outer| format!(" at outer point {outer}"))
-}
-
 fn show_pair(
     out: &mut dyn Write,
     comparison: &DesignComparison,
@@ -92,19 +89,17 @@ fn show_pair(
     let (scale, unit) = shown(quantity);
     let [a, b] = [pair.a, pair.b].map(|place| comparison.designs[place].label.as_str());
     let show = |v: f64| format!("{:.4}", v * scale);
-    let side = |limit: Option<f64>| limit.map_or_else(|| "open".to_owned(), show);
     let median = match &pair.comparison.median_difference {
         None => "no pair is solved".to_owned(),
         Some(median) => format!(
-            "median {} ({} .. {}) {unit}",
+            "median {} ({}) {unit}",
             show(median.estimate),
-            side(median.interval.lower.value()),
-            side(median.interval.upper.value()),
+            median.interval.in_words(" .. ", show),
         ),
     };
     let (first, second) = (&pair.comparison.a_better, &pair.comparison.b_better);
     let word = quantity.word();
-    let name = format!("{}{}", quantity.name(), at(pair.outer));
+    let name = format!("{}{}", quantity.name(), at_point(pair.outer));
     let shares = [(a, first), (b, second)].map(|(label, share)| {
         let known = share
             .known
@@ -140,7 +135,7 @@ fn show_ranking(
         "",
         order.join(" before "),
         100.0 * found.quantile,
-        at(found.outer),
+        at_point(found.outer),
         100.0 * ranking.surely,
         100.0 * ranking.possibly,
     )

@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
+use super::{INDICATIONS, at_point};
 use clap::Args;
 use microslip::Error;
 use microslip::report::reweighting::{ReweightedPoint, Reweighting};
@@ -35,10 +36,6 @@ pub(super) fn execute(arguments: &ReweightArguments) -> Result<(), Error> {
     })
 }
 
-fn at(outer: Option<u64>) -> String {
-    outer.map_or_else(String::new, |outer| format!(" at outer point {outer}"))
-}
-
 fn show(out: &mut dyn Write, found: &Reweighting) -> std::io::Result<()> {
     for input in &found.inputs {
         writeln!(
@@ -52,15 +49,15 @@ fn show(out: &mut dyn Write, found: &Reweighting) -> std::io::Result<()> {
         writeln!(
             out,
             "{samples} samples count for {effective:.1}{}",
-            at(point.outer)
+            at_point(point.outer)
         )?;
     }
     if !found.independent {
-        writeln!(out, "no independent samples: intervals are indications")?;
+        writeln!(out, "{INDICATIONS}")?;
     }
     for level in &found.levels {
         for point in &level.points {
-            writeln!(out, "level {}{}", level.level, at(point.outer))?;
+            writeln!(out, "level {}{}", level.level, at_point(point.outer))?;
             show_point(out, point)?;
         }
     }
@@ -74,19 +71,16 @@ fn show_point(out: &mut dyn Write, point: &ReweightedPoint) -> std::io::Result<(
         (&point.amplitude_m, "m", &|v| format!("{v:.4e}")),
     ];
     for (quantiles, unit, show) in quantities {
-        let side = |limit: Option<f64>| limit.map_or_else(|| "open".to_owned(), show);
         for quantile in quantiles {
             let (new, old) = (quantile.reweighted, quantile.sampled);
             writeln!(
                 out,
-                "  {:.0} %: {} ({} .. {}) {unit}; as sampled {} ({} .. {})",
+                "  {:.0} %: {} ({}) {unit}; as sampled {} ({})",
                 100.0 * new.probability,
                 show(new.estimate),
-                side(new.interval.lower.value()),
-                side(new.interval.upper.value()),
+                new.interval.in_words(" .. ", show),
                 show(old.estimate),
-                side(old.interval.lower.value()),
-                side(old.interval.upper.value()),
+                old.interval.in_words(" .. ", show),
             )?;
         }
     }

@@ -50,9 +50,11 @@ impl Applied<'_> {
             Input::StaticLoadScale => self.load_scale = value,
             Input::ExcitationScale => self.excitation_scale = value,
             Input::DampingScale => self.linear.to_mut().scale_damping(value),
-            Input::PressureMode(k) => {
-                let mode = &ensemble.load_modes[usize::from(k)];
-                for (part, load) in self.linear.to_mut().parts.iter_mut().zip(mode) {
+            Input::EdgePressure | Input::PressureMode(_) => {
+                let Some((_, loads)) = ensemble.loads.iter().find(|(of, _)| *of == input) else {
+                    panic!("{} has no load", input.name());
+                };
+                for (part, load) in self.linear.to_mut().parts.iter_mut().zip(loads) {
                     let entries = part.static_force.iter_mut().zip(load);
                     entries.for_each(|(force, f)| *force += value * f);
                 }
@@ -84,6 +86,7 @@ fn put_contact(contact: &mut ContactParameters<f64>, input: Input, value: f64) {
         Input::StaticLoadScale
         | Input::DampingScale
         | Input::ExcitationScale
+        | Input::EdgePressure
         | Input::PressureMode(_) => {}
     }
 }

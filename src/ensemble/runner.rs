@@ -9,7 +9,7 @@ use crate::aft::Backend;
 use crate::contact::ContactParameters;
 use crate::hb::peak::PeakSettings;
 use crate::hb::{HbSettings, LinearModel};
-use crate::sampling::Design;
+use crate::sampling::{Design, Input};
 use rayon::prelude::*;
 
 /// What all samples of a study share.
@@ -21,8 +21,8 @@ pub struct Ensemble<'a> {
     pub contacts: &'a [ContactParameters<f64>],
     /// Interface of each contact pair: 0 = left, 1 = right. Shape as `contacts`; read for inputs of one side only.
     pub interfaces: &'a [usize],
-    /// Static force (as [`crate::hb::linear::Part::static_force`]) of each mode of the pressure field. Shape: modes × parts.
-    pub load_modes: &'a [Vec<Vec<f64>>],
+    /// Static force (as [`crate::hb::linear::Part::static_force`], by part) of 1 of each input that is a load.
+    pub loads: &'a [(Input, Vec<Vec<f64>>)],
     /// Random inputs.
     pub design: &'a Design,
     /// Excitation levels, ascending.

@@ -3,19 +3,20 @@
 //! Statements of the kind "95 % of the blades with 95 % confidence" hold for the distributions of the inputs that the
 //! study assumes; [`Assessment::condition`] says so wherever they go.
 
-use super::epistemic::EpistemicSummary;
+use super::epistemic::{EpistemicSummary, nested};
 use super::error_budget::{ErrorLine, error_budget};
 use super::judgement::{CriterionResult, judge_all};
 use super::margins::{OrderMargin, Reserve, order_margins, reserve};
+use super::population::{Bound, Populations};
 use super::record::{FileRecord, InputRecord, RunRecord};
 use super::summary::{CONFIDENCE, Summary};
 use super::{ReportInput, usable_peak};
 use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
 use crate::ensemble::store::Provenance;
 use crate::statistics::{
-    Bootstrap, ConditionalMean, GivenDataIndex, Interval, JointRegion, Observed, Prefix,
-    QuantileEstimate, Side, ToleranceBound, conditional_means, convergence, first_order_index,
-    joint_region, quantile_estimate, tolerance_bound,
+    Bootstrap, ConditionalMean, FailurePattern, GivenDataIndex, Interval, JointRegion, Prefix,
+    QuantileEstimate, Side, conditional_means, convergence, failure_pattern, first_order_index,
+    joint_region, quantile_estimate,
 };
 use serde::Serialize;
 
@@ -25,7 +26,7 @@ pub const CONTENT: f64 = 0.95;
 const REPLICATES: u32 = 200;
 /// First prefix of a convergence table.
 const FIRST_PREFIX: usize = 16;
-/// Groups of a conditional mean.
+/// Groups of a conditional mean and of a failure rate.
 const GROUPS: usize = 5;
 
 /// Everything that a designer's report says in numbers. Field names are stable and end in their unit.
@@ -47,6 +48,8 @@ pub struct Assessment {
     pub criteria: Vec<CriterionResult>,
     /// One entry per excitation level.
     pub levels: Vec<LevelAssessment>,
+    /// Where samples without a solution lie, one entry per input; empty unless some samples failed and some did not.
+    pub failures: Vec<InputFailures>,
     /// What each approximation can change.
     pub error_budget: Vec<ErrorLine>,
     /// What computed the samples.
@@ -67,11 +70,12 @@ pub struct LevelAssessment {
     /// Excitation level.
     pub level: f64,
     /// Lower and upper bound of the resonance frequency (Hz).
-    pub frequency_bounds_hz: [ToleranceBound; 2],
+    pub frequency_bounds_hz: [Bound; 2],
     /// Upper bound of the amplitude (m).
-    pub amplitude_bound_m: ToleranceBound,
-    /// Region of frequency (x, Hz) and amplitude (y, m).
-    pub joint_region: JointRegion,
+    pub amplitude_bound_m: Bound,
+    /// Region of frequency (x, Hz) and amplitude (y, m); absent where the samples belong to outer points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub joint_region: Option<JointRegion>,
     /// Margin to each engine order; empty without `[operation]`.
     pub margins: Vec<OrderMargin>,
     /// Reserve against the allowable stress; absent without `[stress]`.
@@ -82,6 +86,16 @@ pub struct LevelAssessment {
     pub amplitude_q95_m: Vec<Prefix<Option<QuantileEstimate>>>,
     /// Median of the resonance frequency (Hz) over the first samples.
     pub frequency_q50_hz: Vec<Prefix<Option<QuantileEstimate>>>,
+}
+
+/// How one input differs between samples that lack a solution at one level or more and all others.
+#[derive(Debug, Clone, Serialize)]
+pub struct InputFailures {
+    /// Name of the input.
+    pub input: String,
+    /// Shift and distance of the two, and the failure rate along the input.
+    #[serde(flatten)]
+    pub pattern: FailurePattern,
 }
 
 /// How much one input moves the results.
@@ -125,6 +139,7 @@ impl Assessment {
             levels: (0..record.levels.len())
                 .map(|i| LevelAssessment::of(input, i))
                 .collect(),
+            failures: failures(input),
             error_budget: error_budget(record, summary),
             backend: record.backend.description(),
             adapter: record.backend.adapter(),
@@ -179,10 +194,8 @@ impl LevelAssessment {
     fn of(input: &ReportInput, i: usize) -> Self {
         let frequency = values(input, i, |p| p.frequency_hz);
         let amplitude = values(input, i, |p| p.amplitude_m);
-        let bound = |values: &[f64], side: Side| {
-            let observed = Observed::of(values.iter().copied());
-            tolerance_bound(&observed, side, CONTENT, CONFIDENCE)
-        };
+        let frequencies = Populations::of(input, i, |p| p.frequency_hz);
+        let amplitudes = Populations::of(input, i, |p| p.amplitude_m);
         let pairs = frequency.iter().copied().zip(amplitude.iter().copied());
         let pairs: Vec<(f64, f64)> = pairs.collect();
         let prefixes = |values: &[f64], p: f64| {
@@ -193,17 +206,32 @@ impl LevelAssessment {
         let requirements = &input.record.requirements;
         Self {
             level: input.record.levels[i],
-            frequency_bounds_hz: [Side::Lower, Side::Upper].map(|side| bound(&frequency, side)),
-            amplitude_bound_m: bound(&amplitude, Side::Upper),
-            joint_region: joint_region(&pairs, CONTENT, CONFIDENCE),
+            frequency_bounds_hz: [Side::Lower, Side::Upper].map(|side| frequencies.bound(side)),
+            amplitude_bound_m: amplitudes.bound(Side::Upper),
+            joint_region: (!nested(input.outcomes))
+                .then(|| joint_region(&pairs, CONTENT, CONFIDENCE)),
             margins: (requirements.operation.as_ref())
-                .map_or_else(Vec::new, |operation| order_margins(&frequency, operation)),
-            reserve: (requirements.stress.as_ref()).map(|stress| reserve(&amplitude, stress)),
+                .map_or_else(Vec::new, |operation| order_margins(input, i, operation)),
+            reserve: (requirements.stress.as_ref()).map(|stress| reserve(input, i, stress)),
             influences: influences(input, &frequency, &amplitude),
             amplitude_q95_m: prefixes(&amplitude, 0.95),
             frequency_q50_hz: prefixes(&frequency, 0.5),
         }
     }
+}
+
+fn failures(input: &ReportInput) -> Vec<InputFailures> {
+    let lost = |o: &SampleOutcome| o.levels.iter().any(|l| usable_peak(l).is_none());
+    let lost: Vec<bool> = input.outcomes.iter().map(lost).collect();
+    let inputs = input.record.inputs.iter().enumerate();
+    let of_input = |(j, record): (usize, &InputRecord)| {
+        let x: Vec<f64> = input.outcomes.iter().map(|o| o.inputs[j]).collect();
+        Some(InputFailures {
+            input: record.name.clone(),
+            pattern: failure_pattern(&x, &lost, GROUPS, CONFIDENCE)?,
+        })
+    };
+    inputs.filter_map(of_input).collect()
 }
 
 fn influences(input: &ReportInput, frequency: &[f64], amplitude: &[f64]) -> Vec<InputInfluence> {

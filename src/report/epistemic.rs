@@ -9,8 +9,8 @@ use super::assessment::{CONTENT, values};
 use super::margins::allowable_amplitude_m;
 use super::record::RunRecord;
 use super::requirement::Quantity;
-use super::summary::{CONFIDENCE, Distribution, PROBABILITIES};
-use crate::ensemble::outcome::SampleOutcome;
+use super::summary::{CONFIDENCE, Distribution, PROBABILITIES, ReplicateMeans};
+use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
 use crate::statistics::{
     Interval, Limit, Observed, Side, exceedance, quantile_estimate, tolerance_bound,
 };
@@ -69,6 +69,9 @@ pub struct PointStatistics {
     pub frequency_hz: Distribution,
     /// Amplitude (m).
     pub amplitude_m: Distribution,
+    /// Means over the replicates of a quasi-random design; absent for any other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub replicate_means: Option<ReplicateMeans>,
 }
 
 /// An end of a range and the outer point that it comes from.
@@ -119,6 +122,20 @@ pub fn outer_groups(outcomes: &[SampleOutcome]) -> Vec<(Option<u64>, Vec<usize>)
         groups.entry(outcome.group.outer).or_default().push(i);
     }
     groups.into_iter().collect()
+}
+
+/// A number of the peaks at level `i` by outer point, failed samples among them; empty without outer points.
+pub(super) fn observed_by_point(
+    input: &ReportInput,
+    i: usize,
+    value: impl Fn(&PeakRecord) -> f64,
+) -> Vec<(u64, Observed)> {
+    let all = values(input, i, value);
+    let observed = |(outer, members): (Option<u64>, Vec<usize>)| {
+        Some((outer?, Observed::of(chosen(&all, &members))))
+    };
+    let groups = outer_groups(input.outcomes).into_iter();
+    groups.filter_map(observed).collect()
 }
 
 /// The chosen ones of `values`.
@@ -200,32 +217,33 @@ fn epistemic_columns(outcomes: &[SampleOutcome], groups: &[(u64, Vec<usize>)]) -
 
 impl EpistemicLevel {
     fn of(input: &ReportInput, groups: &[(u64, Vec<usize>)], i: usize) -> Self {
-        let by_point = |values: &[f64]| -> Vec<(u64, Observed)> {
-            let observed = |(outer, members): &(u64, Vec<usize>)| {
-                (*outer, Observed::of(chosen(values, members)))
-            };
-            groups.iter().map(observed).collect()
-        };
-        let frequency = by_point(&values(input, i, |p| p.frequency_hz));
-        let amplitude = by_point(&values(input, i, |p| p.amplitude_m));
+        let frequency = observed_by_point(input, i, |p| p.frequency_hz);
+        let amplitude = observed_by_point(input, i, |p| p.amplitude_m);
         let limits = amplitude_limits_m(input.record, i);
         Self {
             level: input.record.levels[i],
             frequency_hz: quantile_ranges(&frequency),
             amplitude_m: quantile_ranges(&amplitude),
-            frequency_bounds_hz: [Side::Lower, Side::Upper].map(|side| bound(&frequency, side)),
-            amplitude_bound_m: bound(&amplitude, Side::Upper),
+            frequency_bounds_hz: [Side::Lower, Side::Upper]
+                .map(|side| outermost_bound(&frequency, side)),
+            amplitude_bound_m: outermost_bound(&amplitude, Side::Upper),
             exceedances: limits
                 .into_iter()
                 .filter_map(|limit| exceedance_range(&amplitude, limit))
                 .collect(),
-            points: (frequency.iter().zip(&amplitude))
-                .map(|((outer, frequency), (_, amplitude))| PointStatistics {
-                    outer: *outer,
-                    failed: frequency.failed(),
-                    frequency_hz: Distribution::of_observed(frequency),
-                    amplitude_m: Distribution::of_observed(amplitude),
-                })
+            points: (groups.iter().zip(frequency.iter().zip(&amplitude)))
+                .map(
+                    |((outer, members), ((_, frequency), (_, amplitude)))| PointStatistics {
+                        outer: *outer,
+                        failed: frequency.failed(),
+                        frequency_hz: Distribution::of_observed(frequency),
+                        amplitude_m: Distribution::of_observed(amplitude),
+                        replicate_means: ReplicateMeans::of(
+                            members.iter().map(|&m| &input.outcomes[m]),
+                            i,
+                        ),
+                    },
+                )
                 .collect(),
         }
     }
@@ -266,7 +284,7 @@ fn box_range(points: &[(u64, Interval, Interval)]) -> BoxRange {
     }
 }
 
-fn quantile_ranges(points: &[(u64, Observed)]) -> Vec<QuantileRange> {
+pub(super) fn quantile_ranges(points: &[(u64, Observed)]) -> Vec<QuantileRange> {
     let range = |&probability: &f64| {
         let at = |(outer, observed): &(u64, Observed)| match quantile_estimate(
             observed,
@@ -285,7 +303,7 @@ fn quantile_ranges(points: &[(u64, Observed)]) -> Vec<QuantileRange> {
 }
 
 /// The outermost tolerance bound: whichever outer point is true, its own bound lies inside, with its confidence.
-fn bound(points: &[(u64, Observed)], side: Side) -> Extreme {
+pub(super) fn outermost_bound(points: &[(u64, Observed)], side: Side) -> Extreme {
     let limit = |(outer, observed): &(u64, Observed)| {
         let bound = tolerance_bound(observed, side, CONTENT, CONFIDENCE);
         (*outer, bound.limit)
@@ -293,7 +311,10 @@ fn bound(points: &[(u64, Observed)], side: Side) -> Extreme {
     extreme(points.iter().map(limit), side)
 }
 
-fn exceedance_range(points: &[(u64, Observed)], threshold_m: f64) -> Option<ExceedanceRange> {
+pub(super) fn exceedance_range(
+    points: &[(u64, Observed)],
+    threshold_m: f64,
+) -> Option<ExceedanceRange> {
     let at = |(outer, observed): &(u64, Observed)| {
         let share = exceedance(observed, threshold_m, CONFIDENCE)?.probability;
         let of_all = |count: usize| count as f64 / share.total() as f64;

@@ -1,12 +1,9 @@
 //! Distance of the resonance from the engine orders, and of the stress from the allowable one.
 
-use super::assessment::CONTENT;
+use super::ReportInput;
+use super::population::{Bound, Exceeded, Populations, Quantiles};
 use super::requirement::{MarginBase, Operation, Stress};
-use super::summary::{CONFIDENCE, PROBABILITIES};
-use crate::statistics::{
-    Denominator, Exceedance, Observed, QuantileEstimate, Side, ToleranceBound, exceedance,
-    frequency_margin, goodman_allowable, quantile_estimate, reserve_factor, tolerance_bound,
-};
+use crate::statistics::{Denominator, Side, frequency_margin, goodman_allowable, reserve_factor};
 use serde::Serialize;
 
 /// m → µm.
@@ -18,11 +15,11 @@ pub struct OrderMargin {
     /// Order k of the excitation.
     pub engine_order: u32,
     /// Speed of the resonance crossing 60 f/k (1/min): 5, 50, 95 %; empty without samples.
-    pub crossing_rpm: Vec<QuantileEstimate>,
+    pub crossing_rpm: Quantiles,
     /// Size of the smallest margin over the range of speeds, a share, 0 where the order crosses the resonance.
-    pub range: Vec<QuantileEstimate>,
+    pub range: Quantiles,
     /// Lower bound of that size.
-    pub range_bound: ToleranceBound,
+    pub range_bound: Bound,
     /// Size of the margin at each speed that is held for long.
     pub dwell: Vec<DwellMargin>,
 }
@@ -33,7 +30,7 @@ pub struct DwellMargin {
     /// The speed (1/min).
     pub speed_rpm: f64,
     /// Size of the margin, a share: 5, 50, 95 %.
-    pub quantiles: Vec<QuantileEstimate>,
+    pub quantiles: Quantiles,
 }
 
 /// Reserve of the alternating stress at one excitation level.
@@ -44,11 +41,11 @@ pub struct Reserve {
     /// Amplitude of the first response coordinate at which it is reached (m).
     pub allowable_amplitude_m: f64,
     /// Allowable over actual alternating stress: 5, 50, 95 %; empty without samples.
-    pub factor: Vec<QuantileEstimate>,
+    pub factor: Quantiles,
     /// Lower bound of that factor.
-    pub factor_bound: ToleranceBound,
+    pub factor_bound: Bound,
     /// Probability that the factor is below 1.
-    pub exceedance: Option<Exceedance>,
+    pub exceedance: Option<Exceeded>,
 }
 
 /// Size of the smallest margin of a resonance to one engine order between two speeds; NaN for a failed sample.
@@ -73,30 +70,30 @@ pub(super) fn smallest_margin(frequency_hz: f64, operation: &Operation) -> f64 {
     sizes.reduce(f64::min).unwrap_or(f64::NAN)
 }
 
-fn quantiles(observed: &Observed) -> Vec<QuantileEstimate> {
-    let estimate = |&p: &f64| quantile_estimate(observed, p, CONFIDENCE);
-    PROBABILITIES.iter().filter_map(estimate).collect()
-}
-
-/// Margins of the resonance frequencies (Hz, NaN = failed) to every engine order.
-pub(super) fn order_margins(frequency_hz: &[f64], operation: &Operation) -> Vec<OrderMargin> {
+/// Margins of the resonance at level `i` to every engine order.
+pub(super) fn order_margins(
+    input: &ReportInput,
+    i: usize,
+    operation: &Operation,
+) -> Vec<OrderMargin> {
     let margin = |&k: &u32| {
         let sizes = |speeds: [f64; 2]| {
-            let size = |&f: &f64| margin_size(f, operation, k, speeds);
-            Observed::of(frequency_hz.iter().map(size))
+            Populations::of(input, i, |p| {
+                margin_size(p.frequency_hz, operation, k, speeds)
+            })
         };
         let range = sizes(operation.speed_rpm);
-        let crossing = frequency_hz.iter().map(|f| 60.0 * f / f64::from(k));
+        let crossing = Populations::of(input, i, |p| 60.0 * p.frequency_hz / f64::from(k));
         let dwell = operation.dwell_rpm.iter();
         OrderMargin {
             engine_order: k,
-            crossing_rpm: quantiles(&Observed::of(crossing)),
-            range: quantiles(&range),
-            range_bound: tolerance_bound(&range, Side::Lower, CONTENT, CONFIDENCE),
+            crossing_rpm: crossing.quantiles(),
+            range: range.quantiles(),
+            range_bound: range.bound(Side::Lower),
             dwell: dwell
                 .map(|&speed_rpm| DwellMargin {
                     speed_rpm,
-                    quantiles: quantiles(&sizes([speed_rpm; 2])),
+                    quantiles: sizes([speed_rpm; 2]).quantiles(),
                 })
                 .collect(),
         }
@@ -125,16 +122,16 @@ pub(super) fn factor(amplitude_m: f64, stress: &Stress) -> f64 {
     reserve_factor(allowable_mpa(stress), applied).unwrap_or(f64::NAN)
 }
 
-/// Reserve of the amplitudes (m, NaN = failed).
-pub(super) fn reserve(amplitude_m: &[f64], stress: &Stress) -> Reserve {
-    let factors = Observed::of(amplitude_m.iter().map(|&a| factor(a, stress)));
+/// Reserve at level `i`.
+pub(super) fn reserve(input: &ReportInput, i: usize, stress: &Stress) -> Reserve {
+    let factors = Populations::of(input, i, |p| factor(p.amplitude_m, stress));
     let allowable_amplitude_m = allowable_amplitude_m(stress);
-    let amplitudes = Observed::of(amplitude_m.iter().copied());
+    let amplitudes = Populations::of(input, i, |p| p.amplitude_m);
     Reserve {
         allowable_mpa: allowable_mpa(stress),
         allowable_amplitude_m,
-        factor: quantiles(&factors),
-        factor_bound: tolerance_bound(&factors, Side::Lower, CONTENT, CONFIDENCE),
-        exceedance: exceedance(&amplitudes, allowable_amplitude_m, CONFIDENCE),
+        factor: factors.quantiles(),
+        factor_bound: factors.bound(Side::Lower),
+        exceedance: amplitudes.exceedance(allowable_amplitude_m),
     }
 }

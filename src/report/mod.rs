@@ -16,6 +16,7 @@ mod figure;
 pub mod judgement;
 pub mod margins;
 mod page;
+pub mod population;
 pub mod record;
 pub mod requirement;
 pub mod reweighting;

@@ -32,6 +32,8 @@ pub struct RunRecord {
     pub levels: Vec<f64>,
     /// Samples with a forced response curve: the first so many.
     pub curve_samples: u64,
+    /// Which bands of these curves the page shows.
+    pub bands: Bands,
     /// Unit of the excitation levels, such as `N`.
     pub level_unit: String,
     /// Structure without contact forces.
@@ -50,6 +52,21 @@ pub struct RunRecord {
     pub tables: Vec<FileRecord>,
     /// Wall time of the run (s).
     pub wall_time_s: f64,
+}
+
+/// How the bands of whole curves are formed.
+#[derive(
+    Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Bands {
+    /// Pointwise quantiles, stretched by one factor until they hold the stated share of whole curves.
+    #[default]
+    Simultaneous,
+    /// What the deepest curves span, of as many as hold that share.
+    Depth,
+    /// As `Simultaneous`, each curve over its frequency divided by that of its peak.
+    PeakAligned,
 }
 
 /// A sampled input.

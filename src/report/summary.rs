@@ -1,14 +1,14 @@
 //! The numbers of a study: `summary.json`.
 
-use super::epistemic::{EpistemicSummary, nested};
+use super::epistemic::{EpistemicSummary, PointStatistics, nested};
 use super::{ReportInput, counted_status, usable_peak};
 use crate::ensemble::backend::BackendReport;
 use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
 use crate::ensemble::store::Provenance;
 use crate::hb::{ContactFractions, Status};
 use crate::statistics::{
-    Moments, Observed, Proportion, QuantileEstimate, Sorted, moments, proportion, quantile,
-    quantile_estimate, rank_correlation,
+    Moments, Observed, Proportion, QuantileEstimate, ReplicateMean, Sorted, moments, proportion,
+    quantile, quantile_estimate, rank_correlation, replicate_mean,
 };
 use std::collections::BTreeMap;
 
@@ -64,6 +64,10 @@ pub struct LevelSummary {
     pub amplitude_m: Distribution,
     /// Amplitude over excitation level (m per unit level).
     pub amplitude_per_unit_level_m: Distribution,
+    /// Means over the replicates of a quasi-random design; absent for any other, and where the samples belong to outer
+    /// points ([`EpistemicSummary`] has them by point).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub replicate_means: Option<ReplicateMeans>,
     /// Estimated relative change of the amplitude by the harmonics left out.
     pub truncation_error: Distribution,
     /// Number of solutions per highest harmonic.
@@ -90,6 +94,15 @@ pub struct Distribution {
     /// One entry per probability; empty without samples. Those of frequency and amplitude over all samples are empty too
     /// where these belong to outer points: they are no population ([`EpistemicSummary`] has them by point).
     pub quantiles: Vec<QuantileEstimate>,
+}
+
+/// Means over the replicates of a quasi-random design, with the standard errors that their scatter shows.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct ReplicateMeans {
+    /// Resonance frequency (Hz).
+    pub frequency_hz: ReplicateMean,
+    /// Amplitude (m).
+    pub amplitude_m: ReplicateMean,
 }
 
 /// Work of the solver per sample.
@@ -144,6 +157,19 @@ impl Summary {
             epistemic: EpistemicSummary::of(input),
         }
     }
+
+    /// Means over replicates with the place of their level and their outer point; empty without replicates.
+    #[must_use]
+    pub fn replicate_means(&self) -> Vec<(usize, Option<u64>, ReplicateMeans)> {
+        let of_level = |(i, l): (usize, &LevelSummary)| Some((i, None, l.replicate_means?));
+        let levels = self.levels.iter().enumerate().filter_map(of_level);
+        let epistemic = self.epistemic.iter().flat_map(|e| &e.levels).enumerate();
+        let of_points = epistemic.flat_map(|(i, l)| {
+            let of_point = move |p: &PointStatistics| Some((i, Some(p.outer), p.replicate_means?));
+            l.points.iter().filter_map(of_point)
+        });
+        levels.chain(of_points).collect()
+    }
 }
 
 impl LevelSummary {
@@ -180,6 +206,10 @@ impl LevelSummary {
             frequency_hz: of_blades(&|p| Some(p.frequency_hz)),
             amplitude_m: of_blades(&|p| Some(p.amplitude_m)),
             amplitude_per_unit_level_m: of_blades(&|p| Some(p.amplitude_m / level)),
+            replicate_means: match pooled {
+                true => None,
+                false => ReplicateMeans::of(input.outcomes.iter(), i),
+            },
             truncation_error: distribution(&|p| p.truncation_error),
             highest_harmonics,
             mean_contact_fractions: mean_fractions(&peaks),
@@ -204,6 +234,26 @@ impl Distribution {
             moments: moments(all.valid()),
             quantiles: PROBABILITIES.iter().filter_map(estimate).collect(),
         }
+    }
+}
+
+impl ReplicateMeans {
+    /// Means at level `i` over the samples of one population; `None` with fewer than two replicates.
+    pub(super) fn of<'a>(
+        outcomes: impl Iterator<Item = &'a SampleOutcome> + Clone,
+        i: usize,
+    ) -> Option<Self> {
+        let mean = |value: fn(&PeakRecord) -> f64| {
+            let of = |o: &SampleOutcome| {
+                let peak = usable_peak(&o.levels[i]);
+                Some((o.group.replicate?, peak.map_or(f64::NAN, |p| value(&p))))
+            };
+            replicate_mean(outcomes.clone().filter_map(of))
+        };
+        Some(Self {
+            frequency_hz: mean(|p| p.frequency_hz)?,
+            amplitude_m: mean(|p| p.amplitude_m)?,
+        })
     }
 }
 

@@ -168,10 +168,36 @@ impl<'a> View<'a> {
         points.iter().map(point).collect()
     }
 
+    /// Largest amplitude per level of a curve, in the view's unit; `None` without points.
+    pub(super) fn largest(&self, points: &[CurvePoint], level: f64) -> Option<f64> {
+        let amplitudes = self.curve(points, level).into_iter().map(|p| p.1);
+        amplitudes.reduce(f64::max)
+    }
+
     /// Axis over the values of input `j`.
     pub(super) fn input_axis(&self, j: usize) -> Axis {
         let values = self.input.outcomes.iter().map(|o| o.inputs[j]);
         Axis::around(self.input.record.inputs[j].name.clone(), values)
+    }
+
+    /// Whether the samples belong to outer points, so that all together they are no population.
+    pub(super) fn nested(&self) -> bool {
+        self.summary.epistemic.is_some()
+    }
+
+    /// Of fields for all samples and fields for outer points those that the study has.
+    pub(super) fn fields(&self, pair: [&'static [&'static str]; 2]) -> &'static [&'static str] {
+        pair[usize::from(self.nested())]
+    }
+
+    /// What a bar from the quantile `low` to the quantile `high` shows, in words (`5 %`).
+    pub(super) fn scatter_in_words(&self, low: &str, high: &str) -> String {
+        match self.nested() {
+            false => format!("{low} to {high} of the samples with their median"),
+            true => format!(
+                "from the lowest {low} to the highest {high} quantile of the outer points, with the middle of their medians"
+            ),
+        }
     }
 
     /// Whether no level has a solution.

@@ -28,6 +28,8 @@ pub enum Input {
     DampingScale,
     /// Factor on every excitation level.
     ExcitationScale,
+    /// How far the contact load is that of a rigid flat punch: 0 = the model's, 1 = peaked at the edges like the punch's.
+    EdgePressure,
     /// Standard normal coefficient of a mode of the contact pressure's random field, below [`PRESSURE_MODES`].
     PressureMode(u8),
 }
@@ -55,7 +57,7 @@ const PRESSURE_NAMES: [&str; 16] = [
 
 impl Input {
     /// Every input that `[inputs]` can name, in order; the modes of the pressure field come after them.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::StiffnessScale,
         Self::NormalStiffnessScale,
         Self::TangentialStiffnessScale,
@@ -67,6 +69,7 @@ impl Input {
         Self::RightFrictionCoefficient,
         Self::DampingScale,
         Self::ExcitationScale,
+        Self::EdgePressure,
     ];
 
     /// Refuses a value without physical meaning (negative or not finite; a factor of 0).
@@ -80,13 +83,25 @@ impl Input {
                 | Self::LeftFrictionCoefficient
                 | Self::RightFrictionCoefficient
                 | Self::StaticLoadScale
+                | Self::EdgePressure
         );
-        let holds = value.is_finite() && (value > 0.0 || (zero_allowed && value == 0.0));
+        let most = self.largest();
+        let above = value > 0.0 || (zero_allowed && value == 0.0);
         let rule = match zero_allowed {
+            _ if most.is_finite() => "must be from 0 to 1",
             true => "must be >= 0",
             false => "must be > 0",
         };
+        let holds = value.is_finite() && above && value <= most;
         BadSetting::unless(holds, key, value, rule)
+    }
+
+    /// Largest value with a physical meaning.
+    fn largest(self) -> f64 {
+        match self {
+            Self::EdgePressure => 1.0,
+            _ => f64::INFINITY,
+        }
     }
 
     /// Name in study files, tables and reports.
@@ -104,6 +119,7 @@ impl Input {
             Self::RightFrictionCoefficient => "right_friction_coefficient",
             Self::DampingScale => "damping_scale",
             Self::ExcitationScale => "excitation_scale",
+            Self::EdgePressure => "edge_pressure",
             Self::PressureMode(k) => PRESSURE_NAMES[usize::from(k)],
         }
     }
@@ -129,6 +145,7 @@ impl Input {
             Self::RightFrictionCoefficient => 8,
             Self::DampingScale => 9,
             Self::ExcitationScale => 10,
+            Self::EdgePressure => 11,
             Self::PressureMode(k) => 64 + u32::from(k),
         }
     }
@@ -149,7 +166,7 @@ impl Input {
         self.interface().is_some() || matches!(self, Self::PressureMode(_))
     }
 
-    /// Refuses a distribution that can give this input a value without physical meaning (negative; a factor of 0).
+    /// Refuses a distribution that can give this input a value without physical meaning (negative or too large; a factor of 0).
     ///
     /// # Errors
     /// [`BadSetting`] on `truncation` or `value`, relative to the input.
@@ -157,7 +174,7 @@ impl Input {
         if matches!(self, Self::PressureMode(_)) {
             return Ok(());
         }
-        let low = distribution.support()[0];
+        let [low, high] = distribution.support();
         if let Some(value) = distribution.fixed_value() {
             return self.accepts_value("value", value);
         }
@@ -166,6 +183,15 @@ impl Input {
             "distribution",
             format!("{} on ({low}, ...)", distribution.shape().name()),
             "must not give negative values: raise low or add truncation = [low, high]",
+        )?;
+        let most = self.largest();
+        BadSetting::unless(
+            high <= most,
+            "distribution",
+            format!("{} on (..., {high})", distribution.shape().name()),
+            &format!(
+                "must not give values above {most}: lower high or add truncation = [low, high]"
+            ),
         )
     }
 }

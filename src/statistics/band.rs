@@ -1,8 +1,7 @@
 //! Pointwise and simultaneous bands of curves on a common grid.
 
 use super::curve::CurveSet;
-use super::limit::Interval;
-use super::observed::{Observed, Sorted};
+use super::observed::Sorted;
 use super::order_statistic::{quantile, quantile_rank};
 use super::proportion::{Share, share};
 
@@ -13,8 +12,6 @@ pub struct BandPoint {
     pub x: f64,
     /// One quantile of the present curves per probability asked for; absent where no curve reaches.
     pub quantiles: Option<Vec<f64>>,
-    /// Range of each quantile over all values that the missing curves could have had.
-    pub missing_bounds: Vec<Interval>,
     /// Number of curves that reach this abscissa; the others are missing here, not zero.
     pub present: usize,
 }
@@ -56,18 +53,9 @@ fn band_point(curves: &CurveSet, i: usize, probabilities: &[f64]) -> BandPoint {
     let present = sorted.values().len();
     let quantiles = probabilities.iter().map(|&p| quantile(&sorted, p));
     let quantiles = quantiles.collect();
-    let all = Observed::with_failed(sorted, curves.total() - present);
-    let bounds = |&p: &f64| {
-        let rank = quantile_rank(all.total(), p);
-        Interval {
-            lower: all.lowest(rank),
-            upper: all.highest(rank),
-        }
-    };
     BandPoint {
         x: curves.grid()[i],
         quantiles,
-        missing_bounds: probabilities.iter().map(bounds).collect(),
         present,
     }
 }

@@ -20,6 +20,12 @@ impl Limit {
             Self::Unbounded => None,
         }
     }
+
+    /// The value as `show` writes it, or the word for an unbounded side.
+    #[must_use]
+    pub fn in_words(self, show: impl FnOnce(f64) -> String) -> String {
+        self.value().map_or_else(|| "open".to_owned(), show)
+    }
 }
 
 impl From<Option<f64>> for Limit {
@@ -55,6 +61,13 @@ impl Interval {
             lower: Some(lower).into(),
             upper: Some(upper).into(),
         }
+    }
+
+    /// Both limits as `show` writes them.
+    #[must_use]
+    pub fn in_words(&self, separator: &str, show: impl Fn(f64) -> String) -> String {
+        let [lower, upper] = [self.lower, self.upper].map(|limit| limit.in_words(&show));
+        format!("{lower}{separator}{upper}")
     }
 
     /// Whether `value` lies between the limits, limits included.

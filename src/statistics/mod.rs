@@ -27,10 +27,8 @@ pub mod proportion;
 pub mod replicates;
 pub mod reweight;
 pub mod sensitivity;
-pub mod sketch;
 pub mod sobol_index;
 pub mod tolerance;
-pub mod tornado;
 pub mod weighted;
 
 pub use band::{
@@ -65,13 +63,10 @@ pub use proportion::{Proportion, Share, proportion, share};
 pub use replicates::{ReplicateMean, replicate_mean};
 pub use reweight::Weights;
 pub use sensitivity::{Index, Influence, SensitivityRefusal};
-pub use sketch::{Sketch, SketchMismatch};
 pub use sobol_index::{SobolIndex, independent, pick_freeze_points, sobol_indices};
 pub use tolerance::{
-    Basis, Side, ToleranceBound, basis_bound, tolerance_bound, tolerance_confidence,
-    tolerance_order, wilks_sample_size,
+    Side, ToleranceBound, tolerance_bound, tolerance_confidence, tolerance_order, wilks_sample_size,
 };
-pub use tornado::{OneAtATime, TornadoBar, tornado};
 pub use weighted::{
     WeightedExceedance, WeightedQuantile, effective_sample_size, weighted_exceedance,
     weighted_quantile,

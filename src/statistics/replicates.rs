@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 /// Mean over all replicates and its standard error.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct ReplicateMean {
     /// Mean of the replicates' means.
     pub mean: f64,

@@ -1,7 +1,7 @@
 //! One-sided tolerance bounds: an order statistic that leaves a stated share of the population on its safe side.
 //!
 //! With n samples the k-th value from the end bounds the share `content` with the confidence P(B ≥ k), B binomial(n,
-//! 1 − content). Sources: Wilks, Ann. Math. Statist. 12 (1941) 91–96; A- and B-basis: CMH-17, vol. 1, chapter 8.
+//! 1 − content). Source: Wilks, Ann. Math. Statist. 12 (1941) 91–96.
 
 use super::limit::Limit;
 use super::observed::Observed;
@@ -15,26 +15,6 @@ pub enum Side {
     Lower,
     /// The population lies below the bound, as for an amplitude.
     Upper,
-}
-
-/// Lower bounds of material strengths by their common names.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-pub enum Basis {
-    /// 99 % of the population with 95 % confidence.
-    A,
-    /// 90 % of the population with 95 % confidence.
-    B,
-}
-
-impl Basis {
-    /// Share of the population and confidence.
-    #[must_use]
-    pub fn content_and_confidence(self) -> (f64, f64) {
-        match self {
-            Self::A => (0.99, 0.95),
-            Self::B => (0.90, 0.95),
-        }
-    }
 }
 
 /// A one-sided tolerance bound.
@@ -126,11 +106,4 @@ pub fn tolerance_bound(
         order,
         achieved_confidence: tolerance_confidence(n, content, order),
     }
-}
-
-/// A- or B-basis: the lower tolerance bound of that name.
-#[must_use]
-pub fn basis_bound(observed: &Observed, basis: Basis) -> ToleranceBound {
-    let (content, confidence) = basis.content_and_confidence();
-    tolerance_bound(observed, Side::Lower, content, confidence)
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::Error;
 use crate::ensemble::store::replace_file;
+use crate::report::record::Bands;
 use crate::setting::BadSetting;
 
 /// `[output]` of a study file.
@@ -15,6 +16,8 @@ pub struct OutputSettings {
     pub folder: PathBuf,
     /// Samples whose forced response is computed for the bands of the report: the first so many.
     pub curve_samples: u64,
+    /// How the bands of whole curves in the report are formed.
+    pub bands: Bands,
 }
 
 impl Default for OutputSettings {
@@ -22,6 +25,7 @@ impl Default for OutputSettings {
         Self {
             folder: PathBuf::from("results"),
             curve_samples: 200,
+            bands: Bands::default(),
         }
     }
 }

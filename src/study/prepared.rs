@@ -5,11 +5,12 @@ use crate::Error;
 use crate::aft::Backend;
 use crate::contact::ContactParameters;
 use crate::ensemble::Ensemble;
+use crate::hb::LinearModel;
 use crate::hb::peak::PeakSettings;
 use crate::hb::resonance::Band;
-use crate::hb::{LinearModel, ProblemError};
 use crate::model::ReducedModel;
 use crate::model::two_blade::ComponentSummary;
+use crate::sampling::Input;
 
 /// Relative change of frequency at which a peak counts as located: a peak reached on two ways differs by at most 1e-7.
 pub(super) const FREQUENCY_TOLERANCE: f64 = 5e-8;
@@ -29,22 +30,23 @@ pub struct PreparedStudy<'s> {
     pub contacts: Vec<ContactParameters<f64>>,
     /// Interface of each of them.
     interfaces: Vec<usize>,
-    /// Static force of each mode of the pressure field. Shape: modes × parts × coordinates.
-    load_modes: Vec<Vec<Vec<f64>>>,
+    /// Static force of 1 of each input that is a load. Shape of a force: parts × coordinates.
+    loads: Vec<(Input, Vec<Vec<f64>>)>,
 }
 
 impl Study {
     /// Builds the model and folds it where the study lets it.
     ///
     /// # Errors
-    /// Whatever building the model refuses; [`Error::Study`] on an input of a side that the model does not have.
+    /// Whatever building the model refuses; [`Error::Study`] on an input of something that the model does not have.
     pub fn prepared(&self) -> Result<PreparedStudy<'_>, Error> {
         let model = self.build_model()?;
         let linear = self.linear(&model)?;
-        let load_modes = match self.pressure_modes(&model.reduced)? {
-            Some(modes) => static_forces(&model.reduced, &modes.loads)?,
-            None => Vec::new(),
-        };
+        let loads = self.loads(&model.reduced)?.into_iter();
+        let loads = loads.map(|(input, load)| {
+            Ok::<_, Error>((input, self.static_force(&model, &linear, load)?))
+        });
+        let loads: Vec<_> = loads.collect::<Result<_, _>>()?;
         let interface = |&pair: &usize| model.reduced.contacts[pair].interface;
         let contact = |&pair: &usize| model.contacts[pair];
         Ok(PreparedStudy {
@@ -52,7 +54,7 @@ impl Study {
             contacts: linear.pairs.iter().map(contact).collect(),
             interfaces: linear.pairs.iter().map(interface).collect(),
             linear,
-            load_modes,
+            loads,
             reduced: model.reduced,
             components: model.components,
         })
@@ -60,7 +62,7 @@ impl Study {
 
     /// What is solved: `model`, or one half of it where the mirror gives the other.
     pub(super) fn linear(&self, model: &StudyModel) -> Result<LinearModel, Error> {
-        self.check_sides(&model.reduced)?;
+        self.check_inputs(&model.reduced)?;
         let folded = match self.folds() {
             true => LinearModel::folded(&model.reduced, &model.contacts)?,
             false => None,
@@ -69,6 +71,22 @@ impl Study {
             Some(half) => Ok(half),
             None => Ok(LinearModel::new(&model.reduced)?),
         }
+    }
+
+    /// A load on the degrees of freedom of `model` in the coordinates of its parts in `linear`; one that is solved on its
+    /// half is loaded evenly.
+    fn static_force(
+        &self,
+        model: &StudyModel,
+        linear: &LinearModel,
+        load: Vec<f64>,
+    ) -> Result<Vec<Vec<f64>>, Error> {
+        let folded = linear.n_contacts() < model.reduced.n_contacts();
+        let mut loaded = model.clone();
+        loaded.reduced.static_force = load;
+        loaded.reduced.mirror = loaded.reduced.mirror.filter(|_| folded);
+        let parts = self.linear(&loaded)?.parts;
+        Ok(parts.into_iter().map(|part| part.static_force).collect())
     }
 }
 
@@ -93,7 +111,7 @@ impl PreparedStudy<'_> {
             linear: &self.linear,
             contacts: &self.contacts,
             interfaces: &self.interfaces,
-            load_modes: &self.load_modes,
+            loads: &self.loads,
             design: &self.study.design,
             levels: &self.study.levels,
             settings: &self.study.solver,
@@ -105,20 +123,4 @@ impl PreparedStudy<'_> {
             backend,
         }
     }
-}
-
-/// Other static loads in the coordinates of the whole model. Shape: `loads` × dofs → loads × parts × coordinates.
-fn static_forces(
-    model: &ReducedModel,
-    loads: &[Vec<f64>],
-) -> Result<Vec<Vec<Vec<f64>>>, ProblemError> {
-    let of_load = |load: &Vec<f64>| {
-        let loaded = ReducedModel {
-            static_force: load.clone(),
-            ..model.clone()
-        };
-        let parts = LinearModel::new(&loaded)?.parts;
-        Ok(parts.into_iter().map(|part| part.static_force).collect())
-    };
-    loads.iter().map(of_load).collect()
 }

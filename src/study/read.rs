@@ -14,7 +14,7 @@ use crate::hb::HbSettings;
 use crate::model::interface::InterfaceSettings;
 use crate::model::matrices::{MatricesError, MatricesSettings};
 use crate::model::two_blade::{
-    self, ComponentSummary, PressureField, PressureModes, TwoBladeSettings,
+    self, ComponentSummary, PressureField, PressureModes, TwoBladeSettings, edge_load,
 };
 use crate::model::{ModelError, ReducedModel};
 use crate::report::requirement::Requirements;
@@ -45,6 +45,9 @@ pub(super) const KEYS: [&str; 17] = [
     "stress",
     "criteria",
 ];
+
+/// Why a pressure cannot be shaped.
+const NO_POSITIONS: &str = "a model of kind \"matrices\" has no positions of its contacts";
 
 /// Which structure is computed.
 #[derive(Debug, Clone, PartialEq)]
@@ -232,6 +235,23 @@ impl Study {
         }
     }
 
+    /// The inputs that are static loads, each with its load at 1 on the degrees of freedom of `model`.
+    ///
+    /// # Errors
+    /// [`Error::Model`] if the modes of the pressure field cannot be computed.
+    pub fn loads(&self, model: &ReducedModel) -> Result<Vec<(Input, Vec<f64>)>, Error> {
+        let ModelSettings::TwoBladeStrip { blades, .. } = &self.model else {
+            return Ok(Vec::new());
+        };
+        let inputs = self.design.inputs().iter();
+        let edge = inputs.filter(|(input, _)| *input == Input::EdgePressure);
+        let edge = edge.map(|(input, _)| (*input, edge_load(blades, model)));
+        let modes = self.pressure_modes(model)?;
+        let modes = modes.into_iter().flat_map(|modes| modes.loads);
+        let modes = (0..).map(Input::PressureMode).zip(modes);
+        Ok(edge.chain(modes).collect())
+    }
+
     /// Whether samples may be solved on half of a mirror-symmetric model.
     #[must_use]
     pub fn folds(&self) -> bool {
@@ -250,24 +270,26 @@ impl Study {
         })
     }
 
-    /// Refuses an input of a side that the model does not have.
+    /// Refuses an input of a side or of a contact width that the model does not have.
     ///
     /// # Errors
     /// [`Error::Study`] on `inputs.<name>`.
-    pub fn check_sides(&self, model: &ReducedModel) -> Result<(), Error> {
+    pub fn check_inputs(&self, model: &ReducedModel) -> Result<(), Error> {
         for (input, _) in self.design.inputs() {
-            let Some(interface) = input.interface() else {
-                continue;
+            let lacks = |interface: &usize| {
+                let mut pairs = model.contacts.iter();
+                pairs.all(|pair| pair.interface != *interface)
             };
-            if !model
-                .contacts
-                .iter()
-                .any(|pair| pair.interface == interface)
-            {
+            let reason = match (input, &self.model) {
+                (Input::EdgePressure, ModelSettings::Matrices(_)) => Some(NO_POSITIONS.to_owned()),
+                _ => (input.interface().filter(lacks))
+                    .map(|interface| format!("no contact pair has interface = {interface}")),
+            };
+            if let Some(reason) = reason {
                 return Err(self.bad_setting(&BadSetting {
                     key: format!("inputs.{}", input.name()),
                     value: "(given)".to_owned(),
-                    rule: format!("must be absent: no contact pair has interface = {interface}"),
+                    rule: format!("must be absent: {reason}"),
                 }));
             }
         }
@@ -327,9 +349,8 @@ fn model(document: &mut Document<'_>, contact: &ContactSection) -> Result<ModelS
         }
         "matrices" => {
             if document.take::<PressureField>("pressure_field")?.is_some() {
-                let rule =
-                    "must be absent: a model of kind \"matrices\" has no positions of its contacts";
-                return Err(document.at_key("pressure_field", rule.to_owned()));
+                let rule = format!("must be absent: {NO_POSITIONS}");
+                return Err(document.at_key("pressure_field", rule));
             }
             let settings: MatricesSettings = required(document, "model")?;
             document.checked(settings.validate().map_err(|b| b.under("model")))?;

@@ -11,7 +11,7 @@ use crate::Error;
 use crate::ensemble::atlas::Atlas;
 use crate::ensemble::backend::{BackendSettings, OpenBackend};
 use crate::ensemble::kept::{ATLAS_FILE, KeptStudy, write_anchors};
-use crate::ensemble::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
+use crate::ensemble::outcome::{CurvePoint, LevelOutcome, SampleOutcome};
 use crate::ensemble::store::{Provenance, write_curves, write_samples};
 use crate::ensemble::{Ensemble, Solved};
 use crate::hb::resonance::{Band, linear_resonance, linear_response};
@@ -22,7 +22,6 @@ use crate::report::record::{
 };
 use crate::report::{self, RunRecord, Summary};
 use crate::sampling::DesignKind;
-use crate::statistics::{ReplicateMean, replicate_mean};
 use crate::units::rad_s_to_hz;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -38,44 +37,6 @@ pub struct RunResult {
     pub summary: Summary,
     /// Why the model was not folded although `mirror` allows it.
     pub unfolded: Option<String>,
-}
-
-/// Means of one level over the replicates of a quasi-random design.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LevelReplicates {
-    /// Excitation level.
-    pub level: f64,
-    /// Resonance frequency (Hz).
-    pub frequency_hz: ReplicateMean,
-    /// Amplitude (m).
-    pub amplitude_m: ReplicateMean,
-}
-
-impl RunResult {
-    /// Means and standard errors per level, failed samples counted beside them; empty without replicates.
-    #[must_use]
-    pub fn replicate_means(&self) -> Vec<LevelReplicates> {
-        let level = |(i, summary): (usize, &crate::report::summary::LevelSummary)| {
-            let mean = |of: fn(&PeakRecord) -> f64| {
-                replicate_mean(self.outcomes.iter().filter_map(|outcome| {
-                    let record = &outcome.levels[i];
-                    let peak = record.peak.filter(|_| record.status.has_solution());
-                    Some((outcome.group.replicate?, peak.map_or(f64::NAN, |p| of(&p))))
-                }))
-            };
-            Some(LevelReplicates {
-                level: summary.level,
-                frequency_hz: mean(|peak| peak.frequency_hz)?,
-                amplitude_m: mean(|peak| peak.amplitude_m)?,
-            })
-        };
-        self.summary
-            .levels
-            .iter()
-            .enumerate()
-            .filter_map(level)
-            .collect()
-    }
 }
 
 /// Computes every sample and writes `samples.parquet`, `curves.parquet`, `atlas.parquet` (for an extension),
@@ -156,6 +117,7 @@ pub(super) fn run_after(
         frequency_tolerance: FREQUENCY_TOLERANCE,
         levels: study.levels.clone(),
         curve_samples: study.output.curve_samples,
+        bands: study.output.bands,
         level_unit: level_unit(study).to_owned(),
         free,
         stuck,

@@ -41,9 +41,10 @@ fn small_study(last: &str) -> tempfile::TempDir {
 }
 
 /// `run`, then `report` on a copy of its three stored files: the same bytes, without the model.
+/// Seen to fail with one second more of wall time in the second rendering.
 #[test]
 fn a_report_can_be_rendered_again() {
-    let study = small_study(REQUIREMENTS);
+    let study = small_study(&format!("{REQUIREMENTS}bands = \"peak-aligned\"\n"));
     let output = microslip(study.path(), &["run", "study.toml", "--quiet"]);
     assert!(output.status.success(), "{output:?}");
     let results = study.path().join("results");
@@ -64,12 +65,14 @@ fn a_report_can_be_rendered_again() {
         "house rule",
         "life",
         "Reserve factor",
+        "Frequency over resonance frequency",
         "uniform: low 0.1, high 0.8",
     ] {
         assert!(page.contains(words), "{words} is not in the page");
     }
 }
 
+/// Seen to fail without the path of the file.
 #[test]
 fn a_folder_without_results_is_refused() {
     let empty = tempfile::tempdir().unwrap();
@@ -77,7 +80,7 @@ fn a_folder_without_results_is_refused() {
     assert_refused("report", &output, &["results/run.json", "No such file"]);
 }
 
-/// Requirements do not change a sample.
+/// Requirements do not change a sample. Seen to fail with a seed that knew of `[stress]`.
 #[test]
 fn requirements_change_no_sample() {
     let with = small_study(REQUIREMENTS);
@@ -90,7 +93,7 @@ fn requirements_change_no_sample() {
     assert!(samples(&with) == samples(&without));
 }
 
-/// One message with line, key and rule for every key.
+/// One message with line, key and rule for every key. Seen to fail with the number of the criterion left out.
 #[test]
 fn bad_requirements_name_line_key_and_rule() {
     let cases: [(&str, &str, &[&str]); 24] = [

@@ -1,8 +1,10 @@
 //! Epistemic inputs: no statistic over all samples passes for a probability.
 
 use crate::synthetic::SyntheticStudy;
+use microslip::report::epistemic::Extreme;
+use microslip::report::population::{Bound, Quantiles};
 use microslip::report::{self, Assessment, Summary};
-use microslip::statistics::{Judgement, Limit, Observed, quantile_estimate};
+use microslip::statistics::{Judgement, Limit, Observed, Side, quantile_estimate, tolerance_bound};
 
 const STIFFNESS: [f64; 3] = [0.1, 1.0, 10.0];
 
@@ -92,6 +94,111 @@ fn pooled_statistics_are_no_probabilities() {
     assert!(summary.epistemic.is_none() && summary.levels[0].frequency_hz.quantiles.len() == 3);
     let json = serde_json::to_string(&summary).unwrap();
     assert!(!json.contains("epistemic"));
+}
+
+/// Margins, reserves and bounds are the outermost of the points, and the sections say nothing of pooled samples; the region of
+/// both results, which would be of all samples, is absent. Seen to fail with all samples as one population.
+#[test]
+fn margins_and_reserves_are_those_of_the_points() {
+    let mut study = nested(270);
+    for outcome in study
+        .outcomes
+        .iter_mut()
+        .filter(|o| o.group.outer == Some(2))
+    {
+        let peaks = outcome.levels.iter_mut().filter_map(|l| l.peak.as_mut());
+        peaks.for_each(|p| p.frequency_hz *= 0.98);
+    }
+    let summary = Summary::of(&study.input());
+    let assessment = Assessment::of(&study.input(), &summary);
+    let by_point = |value: &dyn Fn(f64, f64) -> f64| -> Vec<Observed> {
+        let of_point = |outer: u64| {
+            let outcomes = study
+                .outcomes
+                .iter()
+                .filter(|o| o.group.outer == Some(outer));
+            let peaks = outcomes.map(|o| o.levels[2].peak.unwrap());
+            Observed::of(peaks.map(|p| value(p.frequency_hz, p.amplitude_m)))
+        };
+        (0..3).map(of_point).collect()
+    };
+    let lowest = |points: &[Observed], of: &dyn Fn(&Observed) -> f64| {
+        let values: Vec<f64> = points.iter().map(of).collect();
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let outer = values.iter().position(|v| *v == least).unwrap() as u64;
+        (Limit::Value(least), outer)
+    };
+    let q05 = |o: &Observed| quantile_estimate(o, 0.05, 0.95).unwrap().estimate;
+    let bound = |o: &Observed| {
+        let bound = tolerance_bound(o, Side::Lower, 0.95, 0.95);
+        bound.limit.value().unwrap()
+    };
+    let level = &assessment.levels[2];
+    assert!(level.joint_region.is_none());
+    let reserve = level.reserve.as_ref().unwrap();
+    // Goodman allows 280 MPa, at 1.5 MPa/µm
+    let factors = by_point(&|_, a| 280.0 / 1.5 / (1e6 * a));
+    let margins = by_point(&|f, _| (f - 2790.0).abs() / 2790.0);
+    let order = &level.margins[1];
+    assert_eq!(order.engine_order, 54);
+    for (found, found_bound, points) in [
+        (&reserve.factor, reserve.factor_bound, factors),
+        (&order.range, order.range_bound, margins),
+    ] {
+        let (Quantiles::Points(found), Bound::Points(found_bound)) = (found, found_bound) else {
+            panic!("all samples as one population")
+        };
+        let close = |found: Extreme, expected: (Limit, u64)| {
+            let ratio = found.value.value().unwrap() / expected.0.value().unwrap();
+            assert!((ratio - 1.0).abs() < 1e-9, "{found:?}, not {expected:?}");
+            assert_eq!(found.outer, expected.1);
+        };
+        close(found[0].range.lowest, lowest(&points, &q05));
+        close(found_bound, lowest(&points, &bound));
+    }
+    let folder = tempfile::tempdir().unwrap();
+    report::write(folder.path(), &study.input()).unwrap();
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    for (id, pooled) in [("campbell", 1), ("stress", 1), ("performance", 1)] {
+        let section = page
+            .split(&format!("<section id=\"{id}\">"))
+            .nth(1)
+            .unwrap();
+        let section = section.split("</section>").next().unwrap();
+        assert_eq!(section.matches("are no population").count(), pooled, "{id}");
+        assert_eq!(section.contains("at points "), id != "performance", "{id}");
+    }
+}
+
+/// Replicates are those of a point: none over all samples. Seen to fail with the samples of all points at each.
+#[test]
+fn replicates_are_those_of_the_points() {
+    let mut study = nested(180);
+    for (i, outcome) in study.outcomes.iter_mut().enumerate() {
+        outcome.group.replicate = Some(i as u64 / 3 % 4);
+    }
+    let summary = Summary::of(&study.input());
+    assert!(summary.levels[0].replicate_means.is_none());
+    let points = &summary.epistemic.as_ref().unwrap().levels[2].points;
+    for (outer, point) in points.iter().enumerate() {
+        let mut sums = [0.0; 4];
+        for (i, outcome) in study
+            .outcomes
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| i % 3 == outer)
+        {
+            sums[i / 3 % 4] += outcome.levels[2].peak.unwrap().amplitude_m / 15.0;
+        }
+        let found = point.replicate_means.unwrap().amplitude_m;
+        let mean = sums.iter().sum::<f64>() / 4.0;
+        assert!((found.mean / mean - 1.0).abs() < 1e-12, "{found:?}");
+    }
+    assert_eq!(summary.replicate_means().len(), 3 * summary.levels.len());
+    let folder = tempfile::tempdir().unwrap();
+    report::write(folder.path(), &study.input()).unwrap();
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("Means over the replicates"));
 }
 
 /// A criterion that fails at one point alone fails, and names it. Seen to fail with all samples judged together.

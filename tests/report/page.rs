@@ -2,7 +2,7 @@
 
 use crate::synthetic::{LEVELS, SyntheticStudy};
 use microslip::ensemble::outcome::CurvePoint;
-use microslip::report::record::InputRecord;
+use microslip::report::record::{Bands, InputRecord};
 use microslip::report::{self, ReportInput};
 
 /// The page of a study; every page must satisfy the rules checked here.
@@ -52,6 +52,34 @@ fn failed_samples_are_counted_and_shown() {
         page.contains("no sample has a solution</text>"),
         "empty panels not marked"
     );
+    assert!(
+        !page.contains("Failures along"),
+        "a pattern where every sample failed somewhere"
+    );
+}
+
+/// The synthetic failures lie at stiff contacts with much friction: both inputs say so, on the page and in the report, and
+/// no failure, no pattern. Seen to fail with the samples that failed at level 0 alone.
+#[test]
+fn failures_are_located_along_the_inputs() {
+    let study = SyntheticStudy::new(200);
+    let summary = report::Summary::of(&study.input());
+    let failures = report::Assessment::of(&study.input(), &summary).failures;
+    let names: Vec<&str> = failures.iter().map(|f| f.input.as_str()).collect();
+    assert_eq!(names, ["contact stiffness scale", "mu"]);
+    for found in &failures {
+        assert!(found.pattern.superiority > 0.8, "{found:?}");
+        assert!(found.pattern.distance_p_value < 1e-6, "{found:?}");
+        let counted: usize = found.pattern.bins.iter().map(|b| b.failed).sum();
+        assert_eq!(counted, summary.levels[7].failed);
+    }
+    let page_with = page(&study.input());
+    assert!(page_with.contains("Failures along mu") && page_with.contains("failure-patterns.csv"));
+    let mut solved = SyntheticStudy::new(40);
+    solved
+        .outcomes
+        .retain(|o| o.levels.iter().all(|l| l.peak.is_some()));
+    assert!(!page(&solved.input()).contains("failure-patterns.csv"));
 }
 
 /// Corners of the input: nothing may panic, and [`page`] looks for NaN.
@@ -71,6 +99,45 @@ fn pages_without_results_render() {
     study.record.stuck.curve.clear();
     study.record.free.frequency_hz = f64::NAN;
     page(&study.input());
+}
+
+/// Curves of one shape, peaks scattered by 0.1 %, amplitudes by 10 %: over the frequency they cross, over that of their peak
+/// they lie one above the other, 91 of 100 from the 5th to the 95th. A band of the deepest curves says so.
+///
+/// Seen to fail with the curves left over their frequency, and with every band simultaneous.
+#[test]
+fn bands_are_those_that_the_study_asks_for() {
+    let mut study = SyntheticStudy::new(100);
+    for (i, outcome) in study.outcomes.iter_mut().enumerate() {
+        let level = &mut outcome.levels[0];
+        let peak = level.peak.as_mut().unwrap();
+        peak.frequency_hz = 2970.0 * (1.0 + 1e-3 * (i as f64 * 0.618_034).fract());
+        let point = |j: i32| {
+            let t = 1e-4 * f64::from(j);
+            let amplitude = 1e-7 * (1.0 + 1e-3 * i as f64);
+            CurvePoint {
+                frequency_hz: peak.frequency_hz * (1.0 + t),
+                amplitude_m: amplitude / (1.0 + (t / 2e-4).powi(2)).sqrt(),
+            }
+        };
+        level.curve = (-100..=100).map(point).collect();
+    }
+    let mut captions = |bands: Bands| {
+        study.record.bands = bands;
+        page(&study.input())
+    };
+    let (plain, deepest) = (captions(Bands::Simultaneous), captions(Bands::Depth));
+    let aligned = captions(Bands::PeakAligned);
+    let nested = "91 % of them wholly inside";
+    assert!(aligned.contains(nested) && !plain.contains(nested));
+    let label = "Frequency over resonance frequency</text>";
+    assert_eq!(aligned.matches(label).count(), LEVELS.len());
+    assert!(!plain.contains(label) && !deepest.contains(label));
+    assert!(deepest.contains("is spanned by the deepest curves"));
+    let whole = |page: &str| page.matches("Dashed: holds").count();
+    // failed samples of the last level are more than a band of 95 % may leave out
+    assert_eq!(whole(&plain), LEVELS.len() - 1);
+    assert!(whole(&deepest) < whole(&plain), "{} bands", whole(&deepest));
 }
 
 /// Identical samples have no spread: axes and bins of width zero. Seen to fail without the widening in `Axis::linear`.

@@ -94,6 +94,36 @@ fn failures_widen_the_quantiles() {
     assert!(rate.lower < 0.03 && 0.03 < rate.upper);
 }
 
+/// Three replicates, one sample of the second failed: means by hand, in the file and on the page; none without replicates.
+/// Seen to fail with the failed sample at the mean of zero.
+#[test]
+fn replicates_show_the_error_of_the_mean() {
+    let mut study = SyntheticStudy::new(12);
+    let plain = serde_json::to_value(Summary::of(&study.input())).unwrap();
+    assert!(plain["levels"][0].get("replicate_means").is_none());
+    for (i, outcome) in study.outcomes.iter_mut().enumerate() {
+        outcome.group.replicate = Some(i as u64 % 3);
+        outcome.levels[0].peak.as_mut().unwrap().frequency_hz = 100.0 + i as f64;
+    }
+    study.outcomes[10].levels[0].status = Status::MaxIterations;
+    // means of 0, 3, 6, 9 and 1, 4, 7 and 2, 5, 8, 11
+    let means = [104.5, 104.0, 106.5];
+    let mean = means.iter().sum::<f64>() / 3.0;
+    let squares: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
+    let summary = Summary::of(&study.input());
+    let found = summary.levels[0].replicate_means.unwrap().frequency_hz;
+    assert!((found.mean - mean).abs() < 1e-12, "{found:?}");
+    assert!(
+        (found.standard_error - (squares / 6.0).sqrt()).abs() < 1e-12,
+        "{found:?}"
+    );
+    assert_eq!((found.replicates, found.failed), (3, 1));
+    let folder = tempfile::tempdir().unwrap();
+    microslip::report::write(folder.path(), &study.input()).unwrap();
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("Means over the replicates") && page.contains("105.0000"));
+}
+
 /// The same samples in another order give the same bits. Seen to fail without the sort of the values.
 #[test]
 fn the_order_of_the_samples_does_not_matter() {

@@ -5,7 +5,9 @@ use microslip::ensemble::backend::BackendReport;
 use microslip::ensemble::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
 use microslip::ensemble::store::{Provenance, write_curves, write_samples};
 use microslip::hb::{SliderAnchor, Status};
-use microslip::report::record::{DesignRecord, FileRecord, InputRecord, LinearRecord, TABLES};
+use microslip::report::record::{
+    Bands, DesignRecord, FileRecord, InputRecord, LinearRecord, TABLES,
+};
 use microslip::report::requirement::{
     Criterion, MarginBase, Operation, Quantity, Requirements, Stress,
 };
@@ -93,6 +95,7 @@ fn record() -> RunRecord {
         frequency_tolerance: 3e-7,
         levels: LEVELS.to_vec(),
         curve_samples: 200,
+        bands: Bands::default(),
         level_unit: "N".to_owned(),
         free: LinearRecord {
             frequency_hz: FREE,

@@ -3,6 +3,7 @@
 use super::TwoBladeSettings;
 use crate::fe::{Cuboid, FeError, FeModel, Material, grid_lines, tensor_mesh};
 use crate::units::mm_to_m;
+use std::f64::consts::PI;
 
 /// Lengths of the settings in metres, and the contact grid.
 #[derive(Debug, Clone)]
@@ -72,6 +73,29 @@ impl Layout {
                 .collect::<Vec<_>>()
         };
         self.along.iter().enumerate().flat_map(row).collect()
+    }
+
+    /// Relative deviation of the mean pressure on each contact node's part of the width from that of all, under a rigid flat
+    /// punch as wide as the contact: its load left of s is 1/2 + asin(2s)/π of the whole.
+    pub(super) fn punch_deviation(&self) -> Vec<f64> {
+        let (first, last) = (self.across[0], self.across[self.across.len() - 1]);
+        let width = last - first;
+        let left_of =
+            |x: f64| 0.5 + (2.0 * ((x - first) / width - 0.5)).clamp(-1.0, 1.0).asin() / PI;
+        // the ends to the bit: close to them the asin sees round-off under its root
+        let n = self.across.len();
+        let edge = |i: usize| match i {
+            0 => first,
+            i if i == n => last,
+            i => 0.5 * (self.across[i - 1] + self.across[i]),
+        };
+        let deviation: Vec<f64> = (0..n)
+            .map(|i| {
+                let (start, end) = (edge(i), edge(i + 1));
+                (left_of(end) - left_of(start)) * width / (end - start) - 1.0
+            })
+            .collect();
+        self.along.iter().flat_map(|_| deviation.clone()).collect()
     }
 
     /// Underside of the platforms, where the strip lies.

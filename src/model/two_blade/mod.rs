@@ -12,7 +12,7 @@ mod pressure;
 mod settings;
 
 pub use linear::{LinearModes, TrackedMode};
-pub use pressure::{PressureField, PressureModes};
+pub use pressure::{PressureField, PressureModes, edge_load};
 pub use settings::{Phase, TwoBladeSettings};
 
 use super::{CraigBampton, ModelError, ReducedModel, ReductionError};

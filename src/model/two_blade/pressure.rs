@@ -1,6 +1,11 @@
-//! Random field of the contact pressure: how the load on the strip is shared out to the contact nodes.
+//! How the load on the strip is shared out to the contact nodes: the pressure of a rigid punch, and a random field.
 //!
-//! The strip is thin: the load on a node is nearly the force in its contact. The relative deviation of the load is a
+//! The strip is thin: the load on a node is nearly the force in its contact.
+//!
+//! Pressure of a rigid flat punch: p(s) = p̄ / (π √(1/4 − s²)) over the contact width, s from −1/2 to 1/2, infinite at
+//! both edges with a finite load (Johnson 1985, Contact Mechanics, sec. 2.8). A node carries the integral over its part of the width.
+//!
+//! Random field: the relative deviation of the load is a
 //! Gaussian field δ with standard deviation σ and correlation exp(−d²/2ℓ²) at the distance d, independent on the two
 //! interfaces, expanded in its first modes (Karhunen & Loève; nodes weighed by their area, Ghanem & Spanos 1991, sec. 2.3):
 //! δ = σ Σ_k √λ_k φ_k ξ_k with independent standard normal ξ_k. The mean over an interface is taken out, so that every
@@ -9,7 +14,7 @@
 use super::TwoBladeSettings;
 use super::components::Layout;
 use crate::linalg::{LinalgError, symmetric_eigen};
-use crate::model::ContactPair;
+use crate::model::{ContactPair, ReducedModel};
 use crate::setting::{BadSetting, positive};
 use crate::units::mm_to_m;
 use faer::Mat;
@@ -76,17 +81,11 @@ impl PressureField {
         let area: Vec<f64> = pairs[..half].iter().map(|pair| pair.area).collect();
         // blade 2 has the mirror image of these nodes, in the same order
         let (deviations, variance_share) = self.deviations(&positions, &area)?;
-        let total: f64 = 2.0 * area.iter().sum::<f64>();
         let load = |first: usize, deviation: &[f64]| {
             let mean = weighted_mean(deviation, &area);
+            let centred: Vec<f64> = deviation.iter().map(|d| d - mean).collect();
             let mut force = vec![0.0; n_dofs];
-            for (i, pair) in pairs[first..first + half].iter().enumerate() {
-                let share = settings.centrifugal_load_n * area[i] / total;
-                // the strip's side of the approach
-                for &(dof, weight) in pair.n.iter().filter(|(_, weight)| *weight > 0.0) {
-                    force[dof] += weight * share * (deviation[i] - mean);
-                }
-            }
+            add_load(&mut force, settings, &pairs[first..first + half], &centred);
             force
         };
         let loads = [0, half].map(|first| deviations.iter().map(move |d| (first, d)));
@@ -128,6 +127,35 @@ impl PressureField {
     }
 }
 
+/// Static force (N) that makes the load of the rig's contacts that of a rigid flat punch on each platform, instead of even.
+///
+/// Shape: one entry per degree of freedom of `model`. Keeps the load of each interface.
+#[must_use]
+pub fn edge_load(settings: &TwoBladeSettings, model: &ReducedModel) -> Vec<f64> {
+    let deviation = Layout::new(settings).punch_deviation();
+    let mut force = vec![0.0; model.n_dofs()];
+    for pairs in model.contacts.chunks(deviation.len()) {
+        add_load(&mut force, settings, pairs, &deviation);
+    }
+    force
+}
+
+/// Adds the load of a relative deviation of the pressure from its mean on one interface, on the strip's side.
+fn add_load(
+    force: &mut [f64],
+    settings: &TwoBladeSettings,
+    pairs: &[ContactPair],
+    deviation: &[f64],
+) {
+    let total: f64 = 2.0 * pairs.iter().map(|pair| pair.area).sum::<f64>();
+    for (pair, deviation) in pairs.iter().zip(deviation) {
+        let share = settings.centrifugal_load_n * pair.area / total;
+        for &(dof, weight) in pair.n.iter().filter(|(_, weight)| *weight > 0.0) {
+            force[dof] += weight * share * deviation;
+        }
+    }
+}
+
 fn weighted_mean(values: &[f64], weights: &[f64]) -> f64 {
     let sum: f64 = values.iter().zip(weights).map(|(x, w)| x * w).sum();
     sum / weights.iter().sum::<f64>()
@@ -136,6 +164,7 @@ fn weighted_mean(values: &[f64], weights: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     fn rig(modes: usize) -> (TwoBladeSettings, PressureField, Vec<ContactPair>) {
         let settings = TwoBladeSettings::default();
@@ -189,6 +218,29 @@ mod tests {
                 "{i} {j}: {found}, not {expected}"
             );
         }
+    }
+
+    /// On three columns the punch carries a third each; on many it has the profile 2/(π √(1 − 4 s²)) and keeps the load.
+    ///
+    /// Seen to fail with the load left of s linear in s.
+    #[test]
+    fn a_punch_presses_at_the_edges() {
+        let mut settings = TwoBladeSettings::default();
+        let three = Layout::new(&settings).punch_deviation();
+        for (deviation, expected) in three.iter().zip([1.0, -1.0, 1.0, 1.0]) {
+            assert!((deviation - expected / 3.0).abs() < 1e-12, "{three:?}");
+        }
+        settings.contact_nodes = [401, 2];
+        let layout = Layout::new(&settings);
+        let many = layout.punch_deviation();
+        for i in [20, 100, 200, 333] {
+            let s = i as f64 / 400.0 - 0.5;
+            let profile = 2.0 / (PI * (1.0 - 4.0 * s * s).sqrt());
+            assert!((1.0 + many[i] - profile).abs() < 1e-3 * profile, "{i}");
+        }
+        let nodes = layout.contact_nodes();
+        let change: f64 = many.iter().zip(&nodes).map(|(d, node)| d * node.area).sum();
+        assert!(change.abs() < 1e-12 * nodes[0].area, "{change}");
     }
 
     /// Each mode loads one interface, leaves its sum and pulls nothing on the blades.

@@ -2,13 +2,14 @@
 
 use super::super::axis::Axis;
 use super::super::block::{Block, Cell, Figure, Key, Mark, Section, Table};
-use super::super::display::{DASH, percent, short};
+use super::super::display::{percent, short};
 use super::super::figure::{Panel, Size};
 use super::super::margins::OrderMargin;
+use super::super::population::Populations;
 use super::super::requirement::{MarginBase, Operation};
 use super::super::view::{Shown, View};
-use super::envelope::limits;
-use crate::statistics::{QuantileEstimate, Sorted, quantile};
+use super::BOUND_FIELDS;
+use super::envelope::{bound_cell, quantile_cell};
 
 /// Probabilities of a scatter bar.
 const BAR: [f64; 2] = [0.01, 0.99];
@@ -56,17 +57,16 @@ pub(super) fn section(view: &View) -> Option<Section> {
     })
 }
 
-/// Quantiles of the resonance frequency of level `i` (Hz).
-fn bar(view: &View, i: usize) -> Option<[f64; 2]> {
-    let sorted = Sorted::finite(view.values(Shown::Frequency, i));
-    let [low, high] = BAR.map(|p| quantile(&sorted, p));
-    Some([low?, high?])
+/// Scatter of the resonance frequency of level `i` with its middle (Hz).
+fn bar(view: &View, i: usize) -> Option<[f64; 3]> {
+    Populations::of(view.input, i, |p| p.frequency_hz).scatter(BAR)
 }
 
 /// Frequencies around the scatter of all levels (Hz).
 fn close_up(view: &View) -> Option<[f64; 2]> {
     let bars = (0..view.n_levels()).filter_map(|i| bar(view, i));
-    let [low, high] = bars.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
+    let ends = bars.map(|[low, _, high]| [low, high]);
+    let [low, high] = ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
     let room = (high - low).max(2e-3 * high);
     Some([low - room, high + room])
 }
@@ -104,7 +104,7 @@ fn diagram(
     let y = Axis::linear("Frequency (Hz)", low, high);
     let mut panel = Panel::new(Size::Large, title, x, y);
     for i in 0..view.n_levels() {
-        if let Some([lower, upper]) = bar(view, i) {
+        if let Some([lower, _, upper]) = bar(view, i) {
             let band = [(speeds[0], lower, upper), (speeds[1], lower, upper)];
             panel.band(&format!("l{i}"), &band);
         }
@@ -121,7 +121,10 @@ fn diagram(
         draw_bars(view, &mut panel, operation, speeds);
     }
     view.note_if_empty(&mut panel);
-    let caption = "Bands and bars: 1 % to 99 % of the samples, by level; bars stand where an engine order crosses the median.";
+    let words = view.scatter_in_words("1 %", "99 %");
+    let caption = format!(
+        "Bands and bars: {words}, by level; bars stand where an engine order crosses their middle."
+    );
     view.figure(&panel, file, caption)
 }
 
@@ -139,32 +142,21 @@ fn draw_order(panel: &mut Panel, order: u32, [slow, fast]: [f64; 2], [low, high]
     panel.words("end", (speed, slope * speed), &format!("EO {order}"));
 }
 
-/// A bar of each level at the speed where an order crosses its median.
+/// A bar of each level at the speed where an order crosses its middle.
 fn draw_bars(view: &View, panel: &mut Panel, operation: &Operation, speeds: [f64; 2]) {
     let n = view.n_levels();
     for i in 0..n {
-        let sorted = Sorted::finite(view.values(Shown::Frequency, i));
-        let (Some(ends), Some(median)) = (bar(view, i), quantile(&sorted, 0.5)) else {
+        let Some([low, middle, high]) = bar(view, i) else {
             continue;
         };
         // Side by side, so that levels with the same scatter can be told apart.
         let aside = (i as f64 - 0.5 * (n - 1) as f64) * 0.014 * (speeds[1] - speeds[0]);
         for &order in &operation.engine_orders {
-            let speed = 60.0 * median / f64::from(order);
+            let speed = 60.0 * middle / f64::from(order);
             if (speeds[0]..=speeds[1]).contains(&speed) {
-                panel.whisker(&format!("l{i}"), speed + aside, ends);
+                panel.whisker(&format!("l{i}"), speed + aside, [low, high]);
             }
         }
-    }
-}
-
-/// Quantile with its interval, by its place among 5, 50, 95 %.
-fn cell(quantiles: &[QuantileEstimate], k: usize, show: &dyn Fn(f64) -> String) -> Cell {
-    match quantiles.get(k) {
-        None => Cell::number(DASH, None).with_raw([None, None]),
-        Some(q) => Cell::number(show(q.estimate), Some(q.estimate))
-            .with_raw([q.interval.lower.value(), q.interval.upper.value()])
-            .with_small(limits(q.interval, show)),
     }
 }
 
@@ -178,21 +170,15 @@ fn margins(view: &View) -> Block {
             ("Order", &["engine_order"]),
             (
                 "Crossing, 5 %",
-                &["crossing_q05_rpm", "lower_rpm", "upper_rpm"],
+                view.fields(interval_fields!("crossing_q05_rpm")),
             ),
             (
                 "Crossing, 95 %",
-                &["crossing_q95_rpm", "lower_rpm", "upper_rpm"],
+                view.fields(interval_fields!("crossing_q95_rpm")),
             ),
-            (
-                "Margin, 5 %",
-                &["margin_q05", "margin_q05_lower", "margin_q05_upper"],
-            ),
-            (
-                "Margin, 50 %",
-                &["margin_q50", "margin_q50_lower", "margin_q50_upper"],
-            ),
-            ("Lower bound", &["margin_bound"]),
+            ("Margin, 5 %", view.fields(interval_fields!("margin_q05"))),
+            ("Margin, 50 %", view.fields(interval_fields!("margin_q50"))),
+            ("Lower bound", view.fields(BOUND_FIELDS)),
         ],
     );
     let speed = |v: f64| format!("{v:.0}");
@@ -205,15 +191,14 @@ fn margins(view: &View) -> Block {
                 range_bound,
                 ..
             } = margin;
-            let bound = range_bound.limit.value();
             table.row(vec![
                 view.level_cell(i),
                 Cell::number(engine_order.to_string(), Some(f64::from(*engine_order))),
-                cell(crossing_rpm, 0, &speed),
-                cell(crossing_rpm, 2, &speed),
-                cell(range, 0, &percent),
-                cell(range, 1, &percent),
-                Cell::number(bound.map_or_else(|| "open".to_owned(), percent), bound),
+                quantile_cell(crossing_rpm, 0, &speed),
+                quantile_cell(crossing_rpm, 2, &speed),
+                quantile_cell(range, 0, &percent),
+                quantile_cell(range, 1, &percent),
+                bound_cell(range_bound, &percent),
             ]);
         }
     }
@@ -232,14 +217,8 @@ fn dwell(view: &View, operation: &Operation) -> Option<Block> {
             ("Level", &["level"]),
             ("Order", &["engine_order"]),
             ("Speed (1/min)", &["speed_rpm"]),
-            (
-                "Margin, 5 %",
-                &["margin_q05", "margin_q05_lower", "margin_q05_upper"],
-            ),
-            (
-                "Margin, 50 %",
-                &["margin_q50", "margin_q50_lower", "margin_q50_upper"],
-            ),
+            ("Margin, 5 %", view.fields(interval_fields!("margin_q05"))),
+            ("Margin, 50 %", view.fields(interval_fields!("margin_q50"))),
         ],
     );
     for (i, level) in view.assessment.levels.iter().enumerate() {
@@ -250,8 +229,8 @@ fn dwell(view: &View, operation: &Operation) -> Option<Block> {
                     view.level_cell(i),
                     Cell::number(order.to_string(), Some(f64::from(order))),
                     Cell::number(short(dwell.speed_rpm), Some(dwell.speed_rpm)),
-                    cell(&dwell.quantiles, 0, &percent),
-                    cell(&dwell.quantiles, 1, &percent),
+                    quantile_cell(&dwell.quantiles, 0, &percent),
+                    quantile_cell(&dwell.quantiles, 1, &percent),
                 ]);
             }
         }

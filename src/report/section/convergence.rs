@@ -1,13 +1,28 @@
-//! What more samples changed: estimates over the first 16, 32, 64, … samples.
+//! How far the number of samples leaves the estimates open: over the first 16, 32, 64, … samples, and between replicates.
 
 use super::super::axis::Axis;
-use super::super::block::{Block, Figure, Section};
+use super::super::block::{Block, Cell, Figure, Section, Table};
+use super::super::display::{significant, with_digits};
 use super::super::figure::{Panel, Size};
 use super::super::view::View;
-use crate::statistics::{Prefix, QuantileEstimate};
+use crate::statistics::{Prefix, QuantileEstimate, ReplicateMean};
 
-/// Absent without two prefixes to compare.
+/// Absent without prefixes or replicates to compare.
 pub(super) fn section(view: &View) -> Option<Section> {
+    let blocks: Vec<Block> = prefixes(view)
+        .into_iter()
+        .flatten()
+        .chain(replicates(view).into_iter().flatten())
+        .collect();
+    (!blocks.is_empty()).then(|| Section {
+        id: "convergence",
+        title: "Convergence over the samples".to_owned(),
+        blocks,
+    })
+}
+
+/// Absent with fewer than two prefixes.
+fn prefixes(view: &View) -> Option<[Block; 3]> {
     let first = view.assessment.levels.first()?;
     if first.amplitude_q95_m.len() < 2 {
         return None;
@@ -32,15 +47,64 @@ pub(super) fn section(view: &View) -> Option<Section> {
     ];
     let hint = "Each point uses the first so many samples, failed ones included; bars are 95 % confidence intervals, \
                 left out where a side is open. A bar that the later points leave is a reason to doubt the samples.";
-    Some(Section {
-        id: "convergence",
-        title: "Convergence over the samples".to_owned(),
-        blocks: vec![
-            view.level_legend([]),
-            Block::pairs(figures),
-            Block::Hint(hint.to_owned()),
-        ],
-    })
+    Some([
+        view.level_legend([]),
+        Block::pairs(figures),
+        Block::Hint(hint.to_owned()),
+    ])
+}
+
+/// Means over the replicates of a quasi-random design with the error that their scatter shows; absent without replicates.
+fn replicates(view: &View) -> Option<[Block; 2]> {
+    let means = view.summary.replicate_means();
+    let nested = means.first()?.1.is_some();
+    let outer = nested.then_some(("Outer point", &["outer"] as &'static [_]));
+    let columns = [("Level", &["level"] as &'static [_])]
+        .into_iter()
+        .chain(outer)
+        .chain([
+            ("Replicates", &["replicates"] as &'static [_]),
+            (
+                "Mean frequency (Hz)",
+                &["frequency_mean_hz", "frequency_standard_error_hz"],
+            ),
+            (
+                "Mean amplitude",
+                &["amplitude_mean_m", "amplitude_standard_error_m"],
+            ),
+            ("Failed, not in it", &["failed"]),
+        ])
+        .map(|(head, fields)| (head.to_owned(), fields));
+    let mut table = Table::new("Means over the replicates", "replicates", columns);
+    let count = |n: u64| Cell::number(n.to_string(), Some(n as f64));
+    let cell = |mean: ReplicateMean, shown: String, scale: f64, unit: &str| {
+        let error = with_digits(mean.standard_error * scale, 2);
+        Cell::number(format!("{shown}{unit}"), Some(mean.mean))
+            .with_raw([Some(mean.standard_error)])
+            .with_small(format!("± {error}{unit}"))
+    };
+    let length = format!(" {}", view.unit.symbol);
+    for (i, outer, means) in means {
+        let (frequency, amplitude) = (means.frequency_hz, means.amplitude_m);
+        let scale = view.unit.per_metre;
+        let numbers = [
+            count(frequency.replicates as u64),
+            cell(frequency, format!("{:.4}", frequency.mean), 1.0, ""),
+            cell(
+                amplitude,
+                significant(amplitude.mean * scale),
+                scale,
+                &length,
+            ),
+            count(frequency.failed as u64),
+        ];
+        let head = [view.level_cell(i)].into_iter().chain(outer.map(count));
+        table.row(head.chain(numbers).collect());
+    }
+    let hint = "Points of one replicate depend on each other, so their scatter says nothing about the error; that of the \
+                replicates’ means does. Small figures: its standard error, the standard deviation of these means over the \
+                root of their number. It knows nothing of failed samples.";
+    Some([table.block(), Block::Hint(hint.to_owned())])
 }
 
 /// Number of samples, estimate and its interval.

@@ -1,10 +1,12 @@
 //! Quantiles of frequency and amplitude, level by level, as tables.
 
 use super::super::block::{Block, Cell, Section, Table};
-use super::super::display::{DASH, hertz, significant, with_digits};
+use super::super::display::{DASH, hertz, percent, significant, with_digits};
+use super::super::population::{Bound, Quantiles};
 use super::super::summary::{Distribution, LevelSummary, PROBABILITIES};
 use super::super::view::View;
-use crate::statistics::{Interval, Limit, QuantileEstimate};
+use super::epistemic::{extreme_cell, range_cell};
+use crate::statistics::{Interval, QuantileEstimate, ToleranceBound, wilks_sample_size};
 
 /// A quantity of the tables and how it is shown.
 struct Quantity<'a> {
@@ -92,8 +94,49 @@ fn table(view: &View, quantity: &Quantity) -> Block {
 
 /// `a … b`, where a side may be open.
 pub(in crate::report) fn limits(interval: Interval, show: &dyn Fn(f64) -> String) -> String {
-    let side = |limit: Limit| limit.value().map_or_else(|| "open".to_owned(), show);
-    format!("{} … {}", side(interval.lower), side(interval.upper))
+    interval.in_words(" … ", show)
+}
+
+/// A quantile by its place among 5, 50, 95 %, or its range over the outer points.
+pub(super) fn quantile_cell(quantiles: &Quantiles, k: usize, show: &dyn Fn(f64) -> String) -> Cell {
+    match quantiles {
+        Quantiles::One(all) => match all.get(k) {
+            None => Cell::number(DASH, None).with_raw([None, None]),
+            Some(q) => Cell::number(show(q.estimate), Some(q.estimate))
+                .with_raw([q.interval.lower.value(), q.interval.upper.value()])
+                .with_small(limits(q.interval, show)),
+        },
+        Quantiles::Points(ranges) => match ranges.get(k) {
+            None => Cell::number(DASH, None).with_raw([None; 5]),
+            Some(quantile) => range_cell(&quantile.range, show),
+        },
+    }
+}
+
+/// A bound, and the value of the samples or the outer point that it comes from.
+pub(super) fn bound_cell(bound: &Bound, show: &dyn Fn(f64) -> String) -> Cell {
+    match bound {
+        Bound::One(bound) => tolerance_cell(bound, show),
+        Bound::Points(extreme) => extreme_cell(extreme, show),
+    }
+}
+
+fn tolerance_cell(bound: &ToleranceBound, show: &dyn Fn(f64) -> String) -> Cell {
+    let value = bound.limit.value();
+    let basis = match (bound.order, value) {
+        (0, _) => match wilks_sample_size(bound.content, bound.confidence, 1) {
+            Some(n) => format!("too few samples: {n} needed"),
+            None => "too few samples".to_owned(),
+        },
+        (_, None) => "failed samples may lie beyond".to_owned(),
+        (order, _) => format!(
+            "value {order} from the end, {}",
+            percent(bound.achieved_confidence)
+        ),
+    };
+    Cell::number(bound.limit.in_words(show), value)
+        .with_raw([Some(bound.order as f64), Some(bound.achieved_confidence)])
+        .with_small(basis)
 }
 
 fn quantile_cells(

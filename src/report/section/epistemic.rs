@@ -4,23 +4,15 @@ use super::super::assessment::pooling;
 use super::super::axis::Axis;
 use super::super::block::{Block, Cell, Figure, Key, Mark, Section, Table};
 use super::super::display::{hertz, percent, short, significant};
-use super::super::epistemic::{
-    BoxRange, EpistemicLevel, EpistemicSummary, Extreme, QuantileRange, outer_groups,
-};
+use super::super::epistemic::{BoxRange, EpistemicLevel, EpistemicSummary, Extreme, QuantileRange};
 use super::super::figure::{Panel, Size};
+use super::super::population::Populations;
 use super::super::view::{Shown, View};
 use super::envelope::limits;
-use crate::statistics::{Limit, Observed, Sorted};
+use crate::statistics::{Interval, Limit, Observed, Sorted};
 
 /// Sections that show shares, quantiles or bands of all samples.
-const POOLED: [&str; 6] = [
-    "campbell",
-    "stress",
-    "performance",
-    "response",
-    "influence",
-    "convergence",
-];
+const POOLED: [&str; 4] = ["performance", "response", "influence", "convergence"];
 /// Values at which a p-box is drawn.
 const PLACES: usize = 200;
 
@@ -102,18 +94,30 @@ fn points(epistemic: &EpistemicSummary) -> Block {
 }
 
 /// `a … b`, where they are, and the hull of the confidence intervals.
-fn range_cell(range: &BoxRange, show: &dyn Fn(f64) -> String) -> Cell {
-    let side = |limit: Limit| limit.value().map_or_else(|| "open".to_owned(), show);
+pub(super) fn range_cell(range: &BoxRange, show: &dyn Fn(f64) -> String) -> Cell {
     let (lowest, highest) = (range.lowest, range.highest);
+    let ends = Interval {
+        lower: lowest.value,
+        upper: highest.value,
+    };
     let interval = [range.interval.lower, range.interval.upper].map(Limit::value);
-    Cell::number(
-        format!("{} … {}", side(lowest.value), side(highest.value)),
-        lowest.value.value(),
-    )
-    .with_raw([highest.value.value(), interval[0], interval[1]])
-    .with_raw([lowest.outer, highest.outer].map(|outer| Some(outer as f64)))
-    .with_small(format!("at points {} and {}", lowest.outer, highest.outer))
-    .with_small(limits(range.interval, show))
+    Cell::number(limits(ends, show), lowest.value.value())
+        .with_raw([highest.value.value(), interval[0], interval[1]])
+        .with_raw([lowest.outer, highest.outer].map(|outer| Some(outer as f64)))
+        .with_small(format!("at points {} and {}", lowest.outer, highest.outer))
+        .with_small(limits(range.interval, show))
+}
+
+/// The outermost value and the outer point that it comes from.
+pub(super) fn extreme_cell(extreme: &Extreme, show: &dyn Fn(f64) -> String) -> Cell {
+    let value = extreme.value.value();
+    let basis = match value {
+        Some(_) => format!("at point {}", extreme.outer),
+        None => "too few samples, or too many failed".to_owned(),
+    };
+    Cell::number(extreme.value.in_words(show), value)
+        .with_raw([Some(extreme.outer as f64)])
+        .with_small(basis)
 }
 
 fn quantiles(
@@ -128,39 +132,9 @@ fn quantiles(
         file,
         &[
             ("Level", &["level"]),
-            (
-                "5 %",
-                &[
-                    "q05_lowest",
-                    "q05_highest",
-                    "q05_lower",
-                    "q05_upper",
-                    "q05_lowest_at",
-                    "q05_highest_at",
-                ],
-            ),
-            (
-                "50 %",
-                &[
-                    "q50_lowest",
-                    "q50_highest",
-                    "q50_lower",
-                    "q50_upper",
-                    "q50_lowest_at",
-                    "q50_highest_at",
-                ],
-            ),
-            (
-                "95 %",
-                &[
-                    "q95_lowest",
-                    "q95_highest",
-                    "q95_lower",
-                    "q95_upper",
-                    "q95_lowest_at",
-                    "q95_highest_at",
-                ],
-            ),
+            ("5 %", interval_fields!("q05")[1]),
+            ("50 %", interval_fields!("q50")[1]),
+            ("95 %", interval_fields!("q95")[1]),
         ],
     );
     let levels = view.summary.epistemic.iter().flat_map(|e| &e.levels);
@@ -183,25 +157,15 @@ fn bounds(view: &View, epistemic: &EpistemicSummary, length: &dyn Fn(f64) -> Str
             ("Amplitude below", &["amplitude_upper_m", "outer"]),
         ],
     );
-    let cell = |extreme: &Extreme, show: &dyn Fn(f64) -> String| {
-        let value = extreme.value.value();
-        let basis = match value {
-            Some(_) => format!("at point {}", extreme.outer),
-            None => "too few samples, or too many failed".to_owned(),
-        };
-        Cell::number(value.map_or_else(|| "open".to_owned(), show), value)
-            .with_raw([Some(extreme.outer as f64)])
-            .with_small(basis)
-    };
     let frequency = |v: f64| format!("{} Hz", hertz(v));
     let amplitude = |v: f64| format!("{} {}", length(v), view.unit.symbol);
     for (i, level) in epistemic.levels.iter().enumerate() {
         let [lower, upper] = &level.frequency_bounds_hz;
         table.row(vec![
             view.level_cell(i),
-            cell(lower, &frequency),
-            cell(upper, &frequency),
-            cell(&level.amplitude_bound_m, &amplitude),
+            extreme_cell(lower, &frequency),
+            extreme_cell(upper, &frequency),
+            extreme_cell(&level.amplitude_bound_m, &amplitude),
         ]);
     }
     table.block()
@@ -251,16 +215,8 @@ fn exceedances(
 /// Distribution functions of the outer points and the band that they leave, failed samples on either side.
 fn p_box(view: &View, shown: Shown, i: usize) -> Figure {
     let level = view.input.record.levels[i];
-    let points: Vec<Observed> = outer_groups(view.input.outcomes)
-        .into_iter()
-        .map(|(_, members)| {
-            let value = |&m: &usize| {
-                let peak = super::super::usable_peak(&view.input.outcomes[m].levels[i]);
-                peak.map_or(f64::NAN, |p| view.value(shown, level, &p))
-            };
-            Observed::of(members.iter().map(value))
-        })
-        .collect();
+    let populations = Populations::of(view.input, i, |p| view.value(shown, level, p));
+    let points = populations.each();
     let all = Sorted::finite(view.values(shown, i));
     let x = Axis::around(view.label(shown), all.values().iter().copied());
     let y = Axis::linear("Share of samples below", 0.0, 1.0);

@@ -1,5 +1,6 @@
 //! Failures and error alerts: how many, and where they lie.
 
+use super::super::assessment::InputFailures;
 use super::super::axis::Axis;
 use super::super::block::{Block, Cell, Figure, Section, Table};
 use super::super::display::{DASH, percent, short, significant};
@@ -9,7 +10,7 @@ use super::super::usable_peak;
 use super::super::view::{View, thinned};
 use crate::ensemble::outcome::SampleOutcome;
 use crate::hb::Status;
-use crate::statistics::{Sorted, histogram, rank_correlation};
+use crate::statistics::{FailurePattern, Sorted, histogram};
 
 pub(super) fn section(view: &View) -> Section {
     let mut blocks = vec![statuses(view)];
@@ -21,6 +22,7 @@ pub(super) fn section(view: &View) -> Section {
     if !figures.is_empty() {
         blocks.push(Block::pairs(figures));
     }
+    blocks.extend(patterns(view));
     blocks.extend([
         truncation_table(view),
         contact_table(view),
@@ -86,6 +88,88 @@ fn failure_rate(level: &LevelSummary) -> Cell {
     }
 }
 
+/// Inputs whose failure rate is drawn, those that separate failed and solved samples best.
+const MAX_INPUTS: usize = 4;
+
+/// Places of the inputs, those first that separate failed and solved samples best.
+fn separating(view: &View) -> Vec<usize> {
+    let distance = |j: &usize| {
+        let failures = view.assessment.failures.get(*j);
+        failures.map_or(0.0, |f| f.pattern.distance)
+    };
+    let mut order: Vec<usize> = (0..view.input.record.inputs.len()).collect();
+    order.sort_by(|a, b| distance(b).total_cmp(&distance(a)));
+    order
+}
+
+/// Failure rate along the inputs that separate failed and solved samples best, and the tests of all inputs; empty unless
+/// some samples failed and some did not.
+fn patterns(view: &View) -> Vec<Block> {
+    let failures = &view.assessment.failures;
+    if failures.is_empty() {
+        return Vec::new();
+    }
+    let strongest = separating(view).into_iter().take(MAX_INPUTS);
+    let hint = "A sample counts as failed if it lacks a solution at one level or more. Above: failure rate among fifths of the \
+                samples along an input, with 95 % confidence intervals. Shift: how often the input of a failed sample exceeds \
+                that of a solved one (Mann and Whitney; 50 % = no shift). Distance: largest one between their distribution \
+                functions (Kolmogorov and Smirnov), which sees failures at both ends too. A p-value below 5 % arises by \
+                chance for one input in twenty.";
+    vec![
+        Block::pairs(strongest.map(|j| rates(view, j)).collect()),
+        separation(failures),
+        Block::Hint(hint.to_owned()),
+    ]
+}
+
+/// Failure rate of equal shares of the samples along input `j`.
+fn rates(view: &View, j: usize) -> Figure {
+    let bins = &view.assessment.failures[j].pattern.bins;
+    let highest = bins.iter().map(|b| b.rate.upper).fold(0.0, f64::max);
+    let y = Axis::linear("Share without a solution", 0.0, 1.06 * highest);
+    let title = format!("Failures along {}", view.input.record.inputs[j].name);
+    let mut panel = Panel::new(Size::Large, title, view.input_axis(j), y);
+    let bars = bins.iter().map(|b| (b.lower, b.upper, b.rate.estimate));
+    panel.bars("neutral", bars);
+    for bin in bins {
+        let middle = 0.5 * (bin.lower + bin.upper);
+        panel.whisker("plain", middle, [bin.rate.lower, bin.rate.upper]);
+    }
+    view.figure(&panel, format!("failures-along-input-{j}"), "")
+}
+
+fn separation(failures: &[InputFailures]) -> Block {
+    let mut table = Table::of(
+        "Inputs of failed against inputs of solved samples",
+        "failure-patterns",
+        &[
+            ("Input", &["input"]),
+            ("Shift", &["superiority"]),
+            ("p", &["shift_p_value"]),
+            ("Distance", &["distance"]),
+            ("p", &["distance_p_value"]),
+        ],
+    );
+    for InputFailures { input, pattern } in failures {
+        let FailurePattern {
+            superiority,
+            shift_p_value,
+            distance,
+            distance_p_value,
+            ..
+        } = pattern;
+        let number = |v: &f64| Cell::number(percent(*v), Some(*v));
+        table.row(vec![
+            Cell::text(input),
+            number(superiority),
+            number(shift_p_value),
+            number(distance),
+            number(distance_p_value),
+        ]);
+    }
+    table.block()
+}
+
 /// Where failed samples lie, over the two inputs that separate them best; absent without failures or inputs.
 fn failure_map(view: &View) -> Option<Figure> {
     let outcomes = view.input.outcomes;
@@ -93,13 +177,7 @@ fn failure_map(view: &View) -> Option<Figure> {
     if !outcomes.iter().any(failed) {
         return None;
     }
-    let separation = |j: usize| {
-        let indicator = |o: &SampleOutcome| (o.inputs[j], f64::from(u8::from(failed(o))));
-        let pairs: Vec<_> = outcomes.iter().map(indicator).collect();
-        rank_correlation(&pairs).map_or(0.0, f64::abs)
-    };
-    let mut order: Vec<usize> = (0..view.input.record.inputs.len()).collect();
-    order.sort_by(|&a, &b| separation(b).total_cmp(&separation(a)));
+    let order = separating(view);
     let j = *order.first()?;
     let second = order.get(1).copied();
     let y = match second {

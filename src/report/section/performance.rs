@@ -3,6 +3,7 @@
 use super::super::axis::Axis;
 use super::super::block::{Block, Figure, Key, Mark, Section};
 use super::super::figure::{Panel, Size};
+use super::super::record::LinearRecord;
 use super::super::view::{Shown, View};
 use crate::statistics::{Sorted, quantile};
 
@@ -38,17 +39,14 @@ pub(super) fn section(view: &View) -> Option<Section> {
     })
 }
 
-/// Largest amplitude of a linear limit (view's unit).
-fn top(view: &View, curve: &[crate::ensemble::outcome::CurvePoint]) -> f64 {
-    let amplitudes = view.curve(curve, 1.0).into_iter().map(|p| p.1);
-    amplitudes.fold(f64::NAN, f64::max)
-}
-
 fn fan(view: &View, shown: Shown) -> Figure {
     let record = view.input.record;
     let limits = match shown {
         Shown::Frequency => [record.free.frequency_hz, record.stuck.frequency_hz],
-        Shown::AmplitudePerLevel => [&record.free, &record.stuck].map(|l| top(view, &l.curve)),
+        Shown::AmplitudePerLevel => {
+            let top = |linear: &LinearRecord| view.largest(&linear.curve, 1.0);
+            [&record.free, &record.stuck].map(|linear| top(linear).unwrap_or(f64::NAN))
+        }
     };
     let fans: Vec<(f64, Vec<f64>)> = (0..view.n_levels())
         .filter_map(|i| {

@@ -5,15 +5,18 @@ use super::super::axis::Axis;
 use super::super::block::{Block, Figure, Key, Mark, Section};
 use super::super::display::percent;
 use super::super::figure::{Panel, Size};
+use super::super::record::Bands;
 use super::super::summary::{CONFIDENCE, PROBABILITIES};
 use super::super::usable_peak;
 use super::super::view::{Shown, View, thinned};
 use crate::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use crate::statistics::{
     Band, BandPoint, Curve, CurveSet, Envelope, EnvelopePoint, EnvelopeRefusal, Interval, Limit,
-    MissingPoints, Sorted, pointwise_band, quantile, simultaneous_band,
+    MissingPoints, Sorted, depth_band, pointwise_band, quantile, simultaneous_band,
 };
 
+/// Label of the abscissa.
+const FREQUENCY: &str = "Excitation frequency (Hz)";
 /// Grid points of a band.
 const GRID: usize = 401;
 /// A band is drawn where at least this share of the curves exists.
@@ -40,17 +43,39 @@ pub(super) fn section(view: &View) -> Section {
             view.level_legend(linear().into_iter().chain(ring)),
             Block::pairs(first),
             Block::Heading("Scatter of the response, level by level".to_owned()),
-            Block::Legend([band, whole].into_iter().chain(line).chain(linear()).collect()),
-            Block::triples(bands(view)),
-            Block::Hint(
-                "The filled band is pointwise: at each frequency 90 % of the curves lie inside, but fewer curves stay \
-                 inside everywhere. The dashed band is calibrated on the other half of the samples to hold the stated \
-                 share of whole curves. Both are drawn where at least half of the curves exist. For the peak itself \
-                 use the envelopes."
-                    .to_owned(),
+            Block::Legend(
+                [band, whole]
+                    .into_iter()
+                    .chain(line)
+                    .chain(linear())
+                    .collect(),
             ),
+            Block::triples(bands(view)),
+            Block::Hint(meaning(view.input.record.bands)),
         ],
     }
+}
+
+/// What the bands are, in words.
+fn meaning(bands: Bands) -> String {
+    let (abscissa, shape) = match bands {
+        Bands::Simultaneous => ("", "is stretched from the pointwise one"),
+        Bands::Depth => (
+            "",
+            "is spanned by the deepest curves of one half of the samples",
+        ),
+        Bands::PeakAligned => (
+            "Each curve stands over its frequency divided by that of its own peak: what scatters is its shape, not its \
+             place. ",
+            "is stretched from the pointwise one",
+        ),
+    };
+    format!(
+        "{abscissa}The filled band is pointwise: at each frequency 90 % of the curves lie inside, but fewer curves stay \
+         inside everywhere. The dashed band {shape} and calibrated on the other half of the samples to hold the stated \
+         share of whole curves. Both are drawn where at least half of the curves exist. For the peak itself use the \
+         envelopes."
+    )
 }
 
 /// Frequencies that hold nearly all resonances, the free and the stuck one included, with room for the flanks.
@@ -71,25 +96,44 @@ fn window(view: &View) -> (f64, f64) {
     (low - room, high + room)
 }
 
-fn response_axes(view: &View, top: f64) -> (Axis, Axis) {
+/// Abscissas of the bands (Hz, or over the resonance frequency).
+fn band_window(view: &View) -> (f64, f64) {
     let (low, high) = window(view);
-    let frequency = Axis::linear("Excitation frequency (Hz)", low, high);
-    let label = view.label(Shown::AmplitudePerLevel);
-    (frequency, Axis::linear(label, 0.0, 1.06 * top))
+    match view.input.record.bands {
+        Bands::Simultaneous | Bands::Depth => (low, high),
+        Bands::PeakAligned => {
+            let half = 0.5 * (high - low) / (high + low);
+            (1.0 - half, 1.0 + half)
+        }
+    }
 }
 
-fn add_linear_curves(view: &View, panel: &mut Panel) {
+/// What the frequencies of a curve with the given resonance (Hz) are divided by in the bands.
+fn band_unit(view: &View, resonance_hz: f64) -> f64 {
+    match view.input.record.bands {
+        Bands::Simultaneous | Bands::Depth => 1.0,
+        Bands::PeakAligned => resonance_hz,
+    }
+}
+
+fn amplitude_axis(view: &View, top: f64) -> Axis {
+    Axis::linear(view.label(Shown::AmplitudePerLevel), 0.0, 1.06 * top)
+}
+
+/// The linear limits, the frequencies of each divided by `unit` of its resonance (Hz).
+fn add_linear_curves(view: &View, panel: &mut Panel, unit: impl Fn(f64) -> f64) {
     let record = view.input.record;
-    panel.line("free", view.curve(&record.free.curve, 1.0).into_iter());
-    panel.line("stuck", view.curve(&record.stuck.curve, 1.0).into_iter());
+    for (class, linear) in [("free", &record.free), ("stuck", &record.stuck)] {
+        let points = view.curve(&linear.curve, 1.0).into_iter();
+        let unit = unit(linear.frequency_hz);
+        panel.line(class, points.map(|(f, a)| (f / unit, a)));
+    }
 }
 
 fn largest_linear_amplitude(view: &View) -> f64 {
     let record = view.input.record;
-    let points = record.free.curve.iter().chain(&record.stuck.curve);
-    points
-        .map(|p| p.amplitude_m * view.unit.per_metre)
-        .fold(0.0, f64::max)
+    let limits = [&record.free, &record.stuck].map(|linear| view.largest(&linear.curve, 1.0));
+    limits.into_iter().flatten().fold(0.0, f64::max)
 }
 
 /// Response at the nominal inputs, all levels in one panel.
@@ -97,9 +141,11 @@ fn nominal_responses(view: &View) -> Option<Figure> {
     let nominal = view.input.record.nominal.as_ref()?;
     let amplitudes = (0..view.n_levels()).filter_map(|i| view.nominal(Shown::AmplitudePerLevel, i));
     let top = amplitudes.fold(largest_linear_amplitude(view), f64::max);
-    let (x, y) = response_axes(view, top);
+    let (low, high) = window(view);
+    let x = Axis::linear(FREQUENCY, low, high);
+    let y = amplitude_axis(view, top);
     let mut panel = Panel::new(Size::Large, "Nominal forced response", x, y);
-    add_linear_curves(view, &mut panel);
+    add_linear_curves(view, &mut panel, |_| 1.0);
     for (i, record) in nominal.levels.iter().enumerate() {
         let curve = view.curve(&record.curve, record.level);
         panel.line(&format!("level l{i}"), curve.into_iter());
@@ -118,16 +164,20 @@ struct LevelBands {
 /// One panel per level: 5 %, 50 % and 95 % of the response at each frequency, the band of whole curves, and the nominal
 /// response.
 fn bands(view: &View) -> Vec<Figure> {
-    let (low, high) = window(view);
+    let (low, high) = band_window(view);
     let grid: Vec<f64> = (0..GRID)
         .map(|i| low + (high - low) * i as f64 / (GRID - 1) as f64)
         .collect();
+    let whole_band = match view.input.record.bands {
+        Bands::Simultaneous | Bands::PeakAligned => simultaneous_band,
+        Bands::Depth => depth_band,
+    };
     let bands: Vec<LevelBands> = (0..view.n_levels())
         .map(|i| {
             let set = CurveSet::of(&curves(view, i), &grid);
             LevelBands {
                 pointwise: pointwise_band(&set, &PROBABILITIES, CONFIDENCE),
-                whole: simultaneous_band(&set, CONTENT, CONFIDENCE, MissingPoints::NotJudged),
+                whole: whole_band(&set, CONTENT, CONFIDENCE, MissingPoints::NotJudged),
                 curves: set.total() - set.failed(),
             }
         })
@@ -141,12 +191,13 @@ fn bands(view: &View) -> Vec<Figure> {
         .collect()
 }
 
-/// Curve of each sample that was to have one; absent without a solution.
+/// Curve of each sample that was to have one, over the abscissa of the bands; absent without a solution.
 fn curves(view: &View, i: usize) -> Vec<Option<Curve>> {
     let solved = |o: &SampleOutcome| {
         let record: &LevelOutcome = &o.levels[i];
-        usable_peak(record)?;
-        Curve::through(view.curve(&record.curve, record.level))
+        let resonance_hz = usable_peak(record)?.frequency_hz;
+        let curve = Curve::through(view.curve(&record.curve, record.level))?;
+        curve.aligned(band_unit(view, resonance_hz))
     };
     let asked = |o: &&SampleOutcome| o.index < view.input.record.curve_samples;
     view.input
@@ -158,15 +209,22 @@ fn curves(view: &View, i: usize) -> Vec<Option<Curve>> {
 }
 
 fn band_panel(view: &View, i: usize, bands: &LevelBands, top: f64) -> Figure {
-    let (x, y) = response_axes(view, top);
+    let (low, high) = band_window(view);
+    let label = match view.input.record.bands {
+        Bands::Simultaneous | Bands::Depth => FREQUENCY,
+        Bands::PeakAligned => "Frequency over resonance frequency",
+    };
+    let (x, y) = (Axis::linear(label, low, high), amplitude_axis(view, top));
     let mut panel = Panel::new(Size::Small, view.level_name(i), x, y);
-    add_linear_curves(view, &mut panel);
+    add_linear_curves(view, &mut panel, |resonance| band_unit(view, resonance));
     let drawn = draw_pointwise(&mut panel, i, bands);
     draw_whole(&mut panel, i, bands);
-    if let Some(nominal) = &view.input.record.nominal {
+    let nominal = view.input.record.nominal.as_ref();
+    if let (Some(nominal), Some(resonance)) = (nominal, view.nominal(Shown::Frequency, i)) {
         let record = &nominal.levels[i];
-        let curve = view.curve(&record.curve, record.level);
-        panel.line("nominal", curve.into_iter());
+        let curve = view.curve(&record.curve, record.level).into_iter();
+        let unit = band_unit(view, resonance);
+        panel.line("nominal", curve.map(|(f, a)| (f / unit, a)));
     }
     let inside = bands.pointwise.whole_curves_inside.and_then(|s| s.known);
     let pointwise = match inside {
@@ -180,8 +238,10 @@ fn band_panel(view: &View, i: usize, bands: &LevelBands, top: f64) -> Figure {
     };
     let whole = match &bands.whole {
         Ok(band) => format!(
-            " Dashed: holds {} of whole curves where they exist.",
-            percent(band.expected_coverage)
+            " Dashed: holds {} of whole curves where they exist; {} curves shaped it, {} samples set its width.",
+            percent(band.expected_coverage),
+            band.shaped_by,
+            band.calibration.total()
         ),
         Err(_) if bands.curves == 0 => String::new(),
         Err(refusal) => format!(" No band of whole curves: {refusal}."),
@@ -242,21 +302,27 @@ fn cloud(view: &View) -> Figure {
         panel.dots(&format!("l{i}"), thinned(points.collect()).into_iter());
     }
     for i in 0..view.n_levels() {
-        let corners = region(view, i, ranges);
-        panel.line(&format!("joint l{i}"), corners.into_iter());
+        if let Some(corners) = region(view, i, ranges) {
+            panel.line(&format!("joint l{i}"), corners.into_iter());
+        }
         if let (Some(x), Some(y)) = (view.nominal(frequency, i), view.nominal(amplitude, i)) {
             panel.ring(&format!("l{i}"), (x, y));
         }
     }
     view.note_if_empty(&mut panel);
-    let caption = "Dashed: region that holds 95 % of the blades with 95 % confidence, open where too few samples bound \
-                   it, conditional on the assumed distributions.";
+    let caption = match view.nested() {
+        true => "",
+        false => {
+            "Dashed: region that holds 95 % of the blades with 95 % confidence, open where too few samples bound it, \
+             conditional on the assumed distributions."
+        }
+    };
     view.figure(&panel, "peaks", caption)
 }
 
-/// Corners of the joint region of level `i`; open sides lie outside of the axes.
-fn region(view: &View, i: usize, [x_axis, y_axis]: [[f64; 2]; 2]) -> [(f64, f64); 5] {
-    let region = &view.assessment.levels[i].joint_region;
+/// Corners of the joint region of level `i`, if there is one; open sides lie outside of the axes.
+fn region(view: &View, i: usize, [x_axis, y_axis]: [[f64; 2]; 2]) -> Option<[(f64, f64); 5]> {
+    let region = view.assessment.levels[i].joint_region.as_ref()?;
     let scale = view.unit.per_metre / view.input.record.levels[i];
     let sides = |interval: Interval, scale: f64, [low, high]: [f64; 2]| {
         let width = high - low;
@@ -266,5 +332,5 @@ fn region(view: &View, i: usize, [x_axis, y_axis]: [[f64; 2]; 2]) -> [(f64, f64)
     };
     let [x0, x1] = sides(region.x, 1.0, x_axis);
     let [y0, y1] = sides(region.y, scale, y_axis);
-    [(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)]
+    Some([(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)])
 }

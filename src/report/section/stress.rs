@@ -5,10 +5,12 @@ use super::super::block::{Block, Cell, Figure, Key, Mark, Section, Table};
 use super::super::display::{DASH, percent, significant, with_digits};
 use super::super::figure::{Panel, Size};
 use super::super::margins::{Reserve, factor};
+use super::super::population::{Exceeded, Populations};
 use super::super::requirement::Stress;
 use super::super::view::View;
-use super::envelope::limits;
-use crate::statistics::{Sorted, quantile};
+use super::BOUND_FIELDS;
+use super::envelope::{bound_cell, quantile_cell};
+use super::epistemic::range_cell;
 
 /// m → µm.
 const UM_PER_M: f64 = 1e6;
@@ -51,16 +53,13 @@ pub(super) fn section(view: &View) -> Option<Section> {
 
 /// 5 %, 50 %, 95 % of a number of the amplitude (m) at level `i`.
 fn scatter(view: &View, i: usize, of: impl Fn(f64) -> f64) -> Option<[f64; 3]> {
-    let values = view.peaks(i).map(|(_, peak)| of(peak.amplitude_m));
-    let sorted = Sorted::finite(values);
-    let [low, middle, high] = [0.05, 0.5, 0.95].map(|p| quantile(&sorted, p));
-    Some([low?, middle?, high?])
+    Populations::of(view.input, i, |peak| of(peak.amplitude_m)).scatter([0.05, 0.95])
 }
 
 /// Alternating over mean stress, with the scatter of each level beside the mean stress.
 fn haigh(view: &View, stress: &Stress) -> Figure {
     let applied = |amplitude_m: f64| amplitude_m * UM_PER_M * stress.modal_stress_mpa_per_um;
-    let bound = |i: usize| view.assessment.levels[i].amplitude_bound_m.limit.value();
+    let bound = |i: usize| view.assessment.levels[i].amplitude_bound_m.value();
     let levels = 0..view.n_levels();
     let bounds = levels.clone().filter_map(bound).map(applied);
     let tops = levels.filter_map(|i| Some(scatter(view, i, applied)?[2]));
@@ -87,8 +86,10 @@ fn haigh(view: &View, stress: &Stress) -> Figure {
         );
     }
     view.note_if_empty(&mut panel);
-    let caption = "Bars: 5 % to 95 % of the samples with their median, by level; all levels have the same mean stress \
-                   and are drawn side by side.";
+    let caption = format!(
+        "Bars: {}, by level; all levels have the same mean stress and are drawn side by side.",
+        view.scatter_in_words("5 %", "95 %")
+    );
     view.figure(&panel, "haigh", caption)
 }
 
@@ -102,7 +103,7 @@ fn reserves(view: &View, stress: &Stress) -> Figure {
         .assessment
         .levels
         .iter()
-        .map(|l| l.reserve.as_ref()?.factor_bound.limit.value())
+        .map(|l| l.reserve.as_ref()?.factor_bound.value())
         .collect();
     let shown = scatters.iter().flatten().flatten();
     let shown = shown.chain(bounds.iter().flatten()).copied().chain([1.0]);
@@ -124,8 +125,8 @@ fn reserves(view: &View, stress: &Stress) -> Figure {
         panel.crosses(&format!("l{i}"), bound.map(|b| (b, y)).into_iter());
     }
     view.note_if_empty(&mut panel);
-    let caption =
-        "Bars: 5 % to 95 % of the samples with their median; red: allowable stress reached.";
+    let words = view.scatter_in_words("5 %", "95 %");
+    let caption = format!("Bars: {words}; red: allowable stress reached.");
     view.figure(&panel, "reserve-factor", caption)
 }
 
@@ -136,13 +137,13 @@ fn table(view: &View) -> Block {
         &[
             ("Level", &["level"]),
             ("Allowable amplitude", &["allowable_amplitude_m"]),
-            ("Reserve, 5 %", &["q05", "q05_lower", "q05_upper"]),
-            ("Reserve, 50 %", &["q50", "q50_lower", "q50_upper"]),
-            ("Reserve, 95 %", &["q95", "q95_lower", "q95_upper"]),
-            ("Lower bound", &["bound", "order", "achieved_confidence"]),
+            ("Reserve, 5 %", view.fields(interval_fields!("q05"))),
+            ("Reserve, 50 %", view.fields(interval_fields!("q50"))),
+            ("Reserve, 95 %", view.fields(interval_fields!("q95"))),
+            ("Lower bound", view.fields(BOUND_FIELDS)),
             (
                 "Probability below 1",
-                &["probability", "probability_lower", "probability_upper"],
+                view.fields(interval_fields!("probability")),
             ),
         ],
     );
@@ -155,24 +156,7 @@ fn table(view: &View) -> Block {
 }
 
 fn row(view: &View, i: usize, reserve: &Reserve) -> Vec<Cell> {
-    let quantile = |k: usize| match reserve.factor.get(k) {
-        None => Cell::number(DASH, None).with_raw([None, None]),
-        Some(q) => Cell::number(significant(q.estimate), Some(q.estimate))
-            .with_raw([q.interval.lower.value(), q.interval.upper.value()])
-            .with_small(limits(q.interval, &significant)),
-    };
-    let bound = reserve.factor_bound;
-    let value = bound.limit.value();
-    let order = match (bound.order, value) {
-        (0, _) => "too few samples".to_owned(),
-        (_, None) => "failed samples may lie beyond".to_owned(),
-        (order, _) => format!("rank {order}, {}", percent(bound.achieved_confidence)),
-    };
-    let probability = reserve.exceedance.map(|e| e.probability);
-    let known = probability.and_then(|p| p.known).map(|k| k.estimate);
-    let range = probability.map_or_else(String::new, |p| {
-        format!("{} … {}", percent(p.lower), percent(p.upper))
-    });
+    let quantile = |k: usize| quantile_cell(&reserve.factor, k, &significant);
     let amplitude = reserve.allowable_amplitude_m;
     let shown = significant(amplitude * view.unit.per_metre);
     vec![
@@ -181,11 +165,26 @@ fn row(view: &View, i: usize, reserve: &Reserve) -> Vec<Cell> {
         quantile(0),
         quantile(1),
         quantile(2),
-        Cell::number(value.map_or_else(|| "open".to_owned(), significant), value)
-            .with_raw([Some(bound.order as f64), Some(bound.achieved_confidence)])
-            .with_small(order),
-        Cell::number(known.map_or_else(|| DASH.to_owned(), percent), known)
-            .with_raw([probability.map(|p| p.lower), probability.map(|p| p.upper)])
-            .with_small(range),
+        bound_cell(&reserve.factor_bound, &significant),
+        probability_cell(reserve.exceedance.as_ref()),
     ]
+}
+
+/// Probability, or its range over the outer points.
+fn probability_cell(exceeded: Option<&Exceeded>) -> Cell {
+    match exceeded {
+        None => Cell::number(DASH, None).with_raw([None, None]),
+        Some(Exceeded::Points(exceedance)) => range_cell(&exceedance.range, &percent),
+        Some(Exceeded::One(exceedance)) => {
+            let share = exceedance.probability;
+            let known = share.known.map(|k| k.estimate);
+            Cell::number(known.map_or_else(|| DASH.to_owned(), percent), known)
+                .with_raw([Some(share.lower), Some(share.upper)])
+                .with_small(format!(
+                    "{} … {}",
+                    percent(share.lower),
+                    percent(share.upper)
+                ))
+        }
+    }
 }

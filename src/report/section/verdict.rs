@@ -7,9 +7,9 @@ use super::super::judgement::{CriterionResult, LevelResult};
 use super::super::requirement::{Criterion, Quantity};
 use super::super::summary::Summary;
 use super::super::view::View;
-use super::envelope::limits;
+use super::envelope::{bound_cell, limits};
 use crate::hb::Status;
-use crate::statistics::{Judgement, ToleranceBound};
+use crate::statistics::Judgement;
 
 pub(super) fn section(view: &View) -> Section {
     let notices = notices(view);
@@ -169,27 +169,12 @@ fn bounds(view: &View) -> Block {
         let [lower, upper] = &level.frequency_bounds_hz;
         table.row(vec![
             view.level_cell(i),
-            bound(lower, &frequency),
-            bound(upper, &frequency),
-            bound(&level.amplitude_bound_m, &amplitude),
+            bound_cell(lower, &frequency),
+            bound_cell(upper, &frequency),
+            bound_cell(&level.amplitude_bound_m, &amplitude),
         ]);
     }
     table.block()
-}
-
-fn bound(bound: &ToleranceBound, show: &dyn Fn(f64) -> String) -> Cell {
-    let value = bound.limit.value();
-    let basis = match (bound.order, value) {
-        (0, _) => "too few samples".to_owned(),
-        (_, None) => "failed samples may lie beyond".to_owned(),
-        (order, _) => format!(
-            "value {order} from the end, {}",
-            percent(bound.achieved_confidence)
-        ),
-    };
-    Cell::number(value.map_or_else(|| "open".to_owned(), show), value)
-        .with_raw([Some(bound.order as f64), Some(bound.achieved_confidence)])
-        .with_small(basis)
 }
 
 fn facts(summary: &Summary) -> Vec<(String, String)> {

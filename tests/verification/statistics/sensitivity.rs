@@ -2,8 +2,8 @@
 
 use super::{Numbers, borehole, g_function, ishigami};
 use microslip::statistics::{
-    Bootstrap, ChaosRefusal, ChaosSettings, Influence, OneAtATime, Polynomials, SensitivityRefusal,
-    SobolIndex, first_order_index, fit_chaos, pick_freeze_points, sobol_indices, tornado,
+    Bootstrap, ChaosRefusal, ChaosSettings, Influence, Polynomials, SensitivityRefusal, SobolIndex,
+    first_order_index, fit_chaos, pick_freeze_points, sobol_indices,
 };
 
 const BOOTSTRAP: Bootstrap = Bootstrap {
@@ -208,29 +208,6 @@ fn given_data_indices_of_ishigami() {
     }
     let few = first_order_index(&[0.0; 8], &[1.0; 8], &BOOTSTRAP).unwrap_err();
     assert!(matches!(few, SensitivityRefusal::TooFew { found: 8, .. }));
-}
-
-/// Bars in the order of what they move; a failed end is unknown and comes first.
-/// Seen to fail with an unknown swing as 0.
-#[test]
-fn tornado_bars() {
-    let end = |low, high| OneAtATime { low, high };
-    let bars = tornado(
-        10.0,
-        &[
-            end(Some(9.0), Some(11.0)),
-            end(Some(13.0), Some(14.0)),
-            end(Some(10.0), None),
-            end(Some(f64::NAN), Some(12.0)),
-        ],
-    );
-    let order: Vec<usize> = bars.iter().map(|b| b.input).collect();
-    assert_eq!(order, [2, 3, 1, 0]);
-    assert_eq!((bars[2].swing, bars[3].swing), (Some(4.0), Some(2.0)));
-    assert_eq!(
-        (bars[1].low, bars[1].high, bars[1].swing),
-        (None, Some(2.0), None)
-    );
 }
 
 /// An expansion of Ishigami from 400 random samples: its Q², indices and predictions.

@@ -2,12 +2,11 @@
 
 use super::{Numbers, borehole, g_function, ishigami};
 use microslip::statistics::{
-    Basis, Criterion, Denominator, Interval, Judgement, Limit, Observed, Side, Sketch, Sorted,
-    basis_bound, convergence, effective_sample_size, exceedance, frequency_margin,
-    goodman_allowable, joint_region, judge, moment_estimate, nested_prefixes,
-    order_statistic_interval, quantile, quantile_estimate, reserve_factor, tolerance_bound,
-    tolerance_confidence, tolerance_order, weighted_exceedance, weighted_quantile,
-    wilks_sample_size,
+    Criterion, Denominator, Interval, Judgement, Limit, Observed, Side, convergence,
+    effective_sample_size, exceedance, frequency_margin, goodman_allowable, joint_region, judge,
+    moment_estimate, nested_prefixes, order_statistic_interval, quantile, quantile_estimate,
+    reserve_factor, tolerance_bound, tolerance_confidence, tolerance_order, weighted_exceedance,
+    weighted_quantile, wilks_sample_size,
 };
 
 fn integers(n: usize) -> Observed {
@@ -49,22 +48,17 @@ fn ranks_of_a_quantile_interval() {
     }
 }
 
-/// Bounds are the values of their rank, from below and from above; the names of the bases stand for 99 and 90 %.
+/// Bounds are the values of their rank, from below and from above.
 /// Seen to fail with `n - order` in the upper bound.
 #[test]
 fn tolerance_bounds_are_order_statistics() {
     let upper = tolerance_bound(&integers(124), Side::Upper, 0.95, 0.95);
     assert_eq!((upper.limit, upper.order), (Limit::Value(122.0), 3));
     assert!(upper.achieved_confidence >= 0.95);
-    assert_eq!(
-        basis_bound(&integers(29), Basis::B).limit,
-        Limit::Value(1.0)
-    );
-    assert_eq!(
-        basis_bound(&integers(473), Basis::A).limit,
-        Limit::Value(2.0)
-    );
-    let few = basis_bound(&integers(298), Basis::A);
+    let lower = |n: usize, content: f64| tolerance_bound(&integers(n), Side::Lower, content, 0.95);
+    assert_eq!(lower(29, 0.90).limit, Limit::Value(1.0));
+    assert_eq!(lower(473, 0.99).limit, Limit::Value(2.0));
+    let few = lower(298, 0.99);
     assert_eq!((few.limit, few.order), (Limit::Unbounded, 0));
 }
 
@@ -129,50 +123,6 @@ fn moments_and_quantiles_of_test_functions() {
             assert!(q.interval.contains(exact), "{exact}: {q:?}");
         }
     }
-}
-
-/// Whatever the number of shards and the order of merging, the bits are the same, and quantiles keep the accuracy.
-/// Seen to fail with `insert(bin, count)` in place of adding.
-#[test]
-fn sketches_merge_to_the_same_bits() {
-    let mut numbers = Numbers::of(4);
-    let mut values: Vec<f64> = (0..5000).map(|_| numbers.normal().powi(3)).collect();
-    values.extend([0.0, f64::NAN, f64::INFINITY, 1e-300, -1e300]);
-    let sharded = |shards: usize, backwards: bool| {
-        let mut parts: Vec<Sketch> = (0..shards)
-            .map(|s| {
-                let mut sketch = Sketch::new(0.01).unwrap();
-                let own = values.iter().skip(s).step_by(shards);
-                own.for_each(|&v| sketch.add(v));
-                sketch
-            })
-            .collect();
-        if backwards {
-            parts.reverse();
-        }
-        let mut whole = Sketch::new(0.01).unwrap();
-        parts.iter().for_each(|part| whole.merge(part).unwrap());
-        serde_json::to_string(&whole).unwrap()
-    };
-    let reference = sharded(1, false);
-    for (shards, backwards) in [(7, false), (7, true), (64, false), (64, true)] {
-        assert_eq!(sharded(shards, backwards), reference);
-    }
-    let mut sketch = Sketch::new(0.01).unwrap();
-    values.iter().for_each(|&v| sketch.add(v));
-    assert_eq!((sketch.valid(), sketch.failed()), (5003, 2));
-    let exact = Sorted::finite(values);
-    for rank in [1, 2, 100, 2500, 4990, 5003] {
-        let (found, exact) = (
-            sketch.order_statistic(rank as u64).unwrap(),
-            exact.order_statistic(rank).unwrap(),
-        );
-        assert!((found - exact).abs() <= 0.010_001 * exact.abs(), "{rank}");
-    }
-    assert_eq!(sketch.order_statistic(0), None);
-    assert_eq!(sketch.order_statistic(5004), None);
-    assert!(sketch.merge(&Sketch::new(0.02).unwrap()).is_err());
-    assert!(Sketch::new(0.0).is_none());
 }
 
 /// Equal weights give the plain quantile and share; a weight of two is a sample twice; a heavy one lowers n_e.

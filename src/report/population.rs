@@ -1,0 +1,132 @@
+//! A result by population: all samples of a study, or those of each outer point of its epistemic inputs.
+//!
+//! Samples of different outer points are no population together, so a statistic is then its range over the points.
+
+use super::ReportInput;
+use super::assessment::{CONTENT, values};
+use super::epistemic::{
+    ExceedanceRange, Extreme, QuantileRange, exceedance_range, observed_by_point, outermost_bound,
+    quantile_ranges,
+};
+use super::summary::{CONFIDENCE, PROBABILITIES};
+use crate::ensemble::outcome::PeakRecord;
+use crate::statistics::{
+    Exceedance, Observed, QuantileEstimate, Side, ToleranceBound, exceedance, quantile,
+    quantile_estimate, tolerance_bound,
+};
+use serde::Serialize;
+
+/// Values of a result, failed samples among them.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Populations {
+    /// Of all samples.
+    One(Observed),
+    /// Of each outer point, with its number.
+    Points(Vec<(u64, Observed)>),
+}
+
+/// 5, 50 and 95 % quantiles; empty without samples.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Quantiles {
+    /// Of all samples.
+    One(Vec<QuantileEstimate>),
+    /// Their ranges over the outer points.
+    Points(Vec<QuantileRange>),
+}
+
+/// A tolerance bound.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Bound {
+    /// Of all samples.
+    One(ToleranceBound),
+    /// The outermost of the outer points.
+    Points(Extreme),
+}
+
+/// Probability of exceeding a limit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Exceeded {
+    /// Of all samples.
+    One(Exceedance),
+    /// Its range over the outer points.
+    Points(ExceedanceRange),
+}
+
+impl Bound {
+    /// The bound; `None` where it is open.
+    #[must_use]
+    pub fn value(&self) -> Option<f64> {
+        match self {
+            Self::One(bound) => bound.limit.value(),
+            Self::Points(extreme) => extreme.value.value(),
+        }
+    }
+}
+
+impl Populations {
+    /// A number of the peaks at level `i`.
+    pub(super) fn of(input: &ReportInput, i: usize, value: impl Fn(&PeakRecord) -> f64) -> Self {
+        let points = observed_by_point(input, i, &value);
+        match points.is_empty() {
+            true => Self::One(Observed::of(values(input, i, value))),
+            false => Self::Points(points),
+        }
+    }
+
+    /// Each population.
+    pub(super) fn each(&self) -> Vec<&Observed> {
+        match self {
+            Self::One(all) => vec![all],
+            Self::Points(points) => points.iter().map(|(_, observed)| observed).collect(),
+        }
+    }
+
+    pub(super) fn quantiles(&self) -> Quantiles {
+        let estimate = |all: &Observed, p: &f64| quantile_estimate(all, *p, CONFIDENCE);
+        match self {
+            Self::One(all) => {
+                let all = PROBABILITIES.iter().filter_map(|p| estimate(all, p));
+                Quantiles::One(all.collect())
+            }
+            Self::Points(points) => Quantiles::Points(quantile_ranges(points)),
+        }
+    }
+
+    pub(super) fn bound(&self, side: Side) -> Bound {
+        match self {
+            Self::One(all) => Bound::One(tolerance_bound(all, side, CONTENT, CONFIDENCE)),
+            Self::Points(points) => Bound::Points(outermost_bound(points, side)),
+        }
+    }
+
+    /// `None` without samples.
+    pub(super) fn exceedance(&self, limit: f64) -> Option<Exceeded> {
+        match self {
+            Self::One(all) => exceedance(all, limit, CONFIDENCE).map(Exceeded::One),
+            Self::Points(points) => exceedance_range(points, limit).map(Exceeded::Points),
+        }
+    }
+
+    /// Lowest `low` quantile, middle of the medians and highest `high` quantile of the populations, from the samples with a
+    /// solution; `None` without such.
+    pub(super) fn scatter(&self, [low, high]: [f64; 2]) -> Option<[f64; 3]> {
+        let of = |all: &&Observed| {
+            let [low, median, high] = [low, 0.5, high].map(|p| quantile(all.valid(), p));
+            Some([low?, median?, median?, high?])
+        };
+        let populations = self.each();
+        let hull = populations.iter().filter_map(of).reduce(|a, b| {
+            let (least, most) = (f64::min, f64::max);
+            [
+                least(a[0], b[0]),
+                least(a[1], b[1]),
+                most(a[2], b[2]),
+                most(a[3], b[3]),
+            ]
+        });
+        hull.map(|[low, least, most, high]| [low, 0.5 * (least + most), high])
+    }
+}
