@@ -206,8 +206,8 @@ impl EpistemicLevel {
             };
             groups.iter().map(observed).collect()
         };
-        let frequency = by_point(&values(input, i, |p| p.frequency_hz));
-        let amplitude = by_point(&values(input, i, |p| p.amplitude_m));
+        let frequency = by_point(&values(input.outcomes, i, |p| p.frequency_hz));
+        let amplitude = by_point(&values(input.outcomes, i, |p| p.amplitude_m));
         let limits = amplitude_limits_m(input.record, i);
         Self {
             level: input.record.levels[i],

@@ -103,6 +103,7 @@ impl PreparedStudy<'_> {
             },
             curve_samples: self.study.output.curve_samples,
             backend,
+            solver: self.study.sample_solver,
         }
     }
 }

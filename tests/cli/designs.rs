@@ -43,6 +43,11 @@ fn inspect_shows_the_design() {
             "sobol, 4 replicates of 16 points, correlated",
         ),
         (
+            "samples = 64\n",
+            format!("[design]\nkind = \"pick-freeze\"\n{SECOND}"),
+            "pick-freeze, 16 rows of 4 samples",
+        ),
+        (
             "",
             format!("[design]\nkind = \"grid\"\npoints = 5\n{SECOND}"),
             "grid of 5 x 5 points",
@@ -102,6 +107,39 @@ fn bad_designs_name_line_key_and_rule() {
             ten,
             "[design]\nkind = \"sobol\"\npoints = 3".to_owned(),
             ":43: design.points = (given): must be absent",
+        ),
+        (
+            ten,
+            format!("[design]\nkind = \"pick-freeze\"\n{SECOND}"),
+            ":3: samples = 10: must be a power of two times 4 (2 and one per input): 8 or 16",
+        ),
+        (
+            "",
+            "[design]\nkind = \"pick-freeze\"".to_owned(),
+            "samples = (absent): must be given",
+        ),
+        (
+            ten,
+            "[design]\nkind = \"pick-freeze\"\nreplicates = 2".to_owned(),
+            ":43: design.replicates = (given): must be absent",
+        ),
+        (
+            ten,
+            "[design]\nkind = \"pick-freeze\"\npath = \"good.csv\"".to_owned(),
+            ":43: design.path = (given): must be absent",
+        ),
+        (
+            "samples = 8\n",
+            format!(
+                "[design]\nkind = \"pick-freeze\"\n{}",
+                pairs(&pair(k, mu, 0.5))
+            ),
+            ": correlation = (given): must be absent: with correlated inputs Sobol' indices are no shares",
+        ),
+        (
+            "samples = 33\n",
+            format!("{}[design]\nkind = \"pick-freeze\"", epistemic(1.0, "")),
+            ":42: inputs.stiffness_scale.kind = \"epistemic\": must be \"aleatory\" in a pick-freeze design",
         ),
         (
             ten,

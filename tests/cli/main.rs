@@ -14,6 +14,7 @@ mod reweight;
 mod run;
 mod schema;
 mod solve;
+mod test_functions;
 
 use std::path::Path;
 use std::process::Output;

@@ -12,6 +12,7 @@ mod influence;
 mod performance;
 mod response;
 mod stress;
+mod surrogate;
 mod verdict;
 
 pub(super) use distribution::confidence_band;
@@ -32,6 +33,7 @@ pub(super) fn sections(view: &View) -> Vec<Section> {
         Some(response::section(view)),
         distribution::section(view),
         influence::section(view),
+        surrogate::section(view),
         convergence::section(view),
         Some(error_budget::section(view)),
         Some(failure::section(view)),
