@@ -5,6 +5,8 @@ use super::{STUDY, folder, microslip};
 const SECOND: &str =
     "[inputs.stiffness_scale]\ndistribution = \"log-uniform\"\nlow = 0.5\nhigh = 2\n";
 
+const SURROGATE: &str = "[surrogate]\nkind = \"polynomial-chaos\"\n";
+
 /// What `inspect` says about a design, or its message; `head` replaces the line of samples, `tail` comes last.
 fn inspect(head: &str, tail: &str) -> Result<String, String> {
     let folder = folder("study.toml", "samples = 10", "samples = 10");
@@ -240,6 +242,31 @@ fn bad_designs_name_line_key_and_rule() {
             ten,
             epistemic(1.0, "[epistemic]\nkind = \"grid\"\npoints = 1"),
             ":47: epistemic.points = 1: must be at least 2",
+        ),
+        (
+            ten,
+            format!("{SURROGATE}hold_out = 0.9"),
+            ":43: surrogate.hold_out = 0.9: must be from 0.05 to 0.5",
+        ),
+        (
+            ten,
+            "[surrogate]\nkind = \"kriging\"".to_owned(),
+            ":42: surrogate.kind: ",
+        ),
+        (
+            ten,
+            format!("{}{SURROGATE}", pairs(&pair(k, mu, 0.5))),
+            ":47: surrogate = (table): must be absent: inputs are correlated",
+        ),
+        (
+            "samples = 11\n",
+            epistemic(1.0, SURROGATE),
+            "surrogate = (table): must be absent: an epistemic input has no distribution",
+        ),
+        (
+            "",
+            format!("[design]\nkind = \"file\"\npath = \"good.csv\"\n{SURROGATE}"),
+            "surrogate = (table): must be absent: inputs from a file have no distribution",
         ),
         (
             ten,

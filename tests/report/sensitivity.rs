@@ -3,7 +3,9 @@
 use crate::synthetic::SyntheticStudy;
 use microslip::hb::Status;
 use microslip::report::sensitivity::IndexResult;
+use microslip::report::surrogate::{SurrogateResult, SurrogateSettings};
 use microslip::report::{self, Assessment, StoredRun, Summary};
+use microslip::sampling::{Distribution, Shape};
 use microslip::statistics::{Influence, SobolIndex};
 
 fn frequency_indices(study: &SyntheticStudy, level: usize) -> Vec<IndexResult> {
@@ -116,4 +118,98 @@ fn what_cannot_have_an_index_says_so() {
     fixed.mixed.retain(|o| o.group.place == Some(2));
     assert_eq!(reason(&fixed, 1), "the input is fixed");
     found(&frequency_indices(&fixed, 0)[0]);
+}
+
+/// The synthetic study with its distributions and a surrogate.
+fn with_surrogate(samples: u64) -> SyntheticStudy {
+    let mut study = SyntheticStudy::new(samples);
+    let laws = [
+        Shape::LogUniform {
+            low: 0.1,
+            high: 10.0,
+        },
+        Shape::Uniform {
+            low: 0.1,
+            high: 0.8,
+        },
+    ];
+    for (input, shape) in study.record.inputs.iter_mut().zip(laws) {
+        input.distribution = Some(Distribution::new(shape, None).unwrap());
+    }
+    let settings: SurrogateSettings =
+        serde_json::from_str(r#"{ "kind": "polynomial-chaos" }"#).unwrap();
+    study.record.surrogate = Some(settings);
+    study
+}
+
+fn surrogate(study: &SyntheticStudy, level: usize) -> SurrogateResult {
+    let assessment = Assessment::of(&study.input(), &Summary::of(&study.input()));
+    assessment.levels[level]
+        .surrogates
+        .as_ref()
+        .unwrap()
+        .frequency
+        .clone()
+}
+
+/// Up to 5 % of failed samples are counted; with more there is no surrogate, no line of the error budget, and a reason.
+/// Samples that are held out shape nothing: errors in them leave the surrogate as it is.
+#[test]
+fn a_surrogate_says_what_it_is_worth() {
+    let mut study = with_surrogate(200);
+    let whole = surrogate(&study, 0).surrogate().unwrap().clone();
+    assert_eq!(
+        (whole.fitted, whole.hold_out.samples, whole.failed),
+        (160, 40, 0)
+    );
+    assert!(whole.q2 > 0.99, "{whole:?}");
+    // noise of 0.05 Hz, evenly spread, has a standard deviation of 0.0144 Hz
+    assert!(whole.hold_out.rms_error < 0.03, "{whole:?}");
+    assert!((whole.indices[0].total - 1.0).abs() < 0.01 && whole.indices[1].total < 0.01);
+    for outcome in &mut study.outcomes[..10] {
+        outcome.levels[0].status = Status::MaxIterations;
+    }
+    let holed = surrogate(&study, 0).surrogate().unwrap().clone();
+    assert_eq!(
+        (holed.fitted + holed.hold_out.samples, holed.failed),
+        (190, 10)
+    );
+    study.outcomes[10].levels[0].status = Status::MaxIterations;
+    let SurrogateResult::Refused(reason) = surrogate(&study, 0) else {
+        panic!("a surrogate in spite of 11 failed samples");
+    };
+    assert!(
+        reason.starts_with("11 of 200 samples have no solution"),
+        "{reason}"
+    );
+    let assessment = Assessment::of(&study.input(), &Summary::of(&study.input()));
+    let line = assessment
+        .error_budget
+        .iter()
+        .find(|line| line.source == "Surrogate")
+        .unwrap();
+    assert_eq!(line.frequency_hz, None);
+    assert!(page(&study).contains("not available: 11 of 200 samples have no solution"));
+    // too few
+    let SurrogateResult::Refused(reason) = surrogate(&with_surrogate(12), 0) else {
+        panic!("a surrogate of 9 samples");
+    };
+    assert!(reason.contains("too few"), "{reason}");
+}
+
+/// A stored distribution is the one that was drawn from, cut or not. Seen to fail with the truncation left out.
+#[test]
+fn distributions_are_stored() {
+    let normal = Shape::Normal {
+        mean: 1.0,
+        standard_deviation: 0.5,
+    };
+    for truncation in [None, Some([0.5, 3.0])] {
+        let law = Distribution::new(normal, truncation).unwrap();
+        let text = serde_json::to_string(&law).unwrap();
+        let again: Distribution = serde_json::from_str(&text).unwrap();
+        assert_eq!(again, law, "{text}");
+    }
+    let bad = r#"{ "shape": { "uniform": { "low": 1.0, "high": 0.0 } }, "truncation": null }"#;
+    assert!(serde_json::from_str::<Distribution>(bad).is_err());
 }
