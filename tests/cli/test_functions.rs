@@ -180,7 +180,7 @@ fn ishigami() {
 /// Eight inputs of very different weight.
 #[test]
 fn g_function() {
-    let run = run("g-function", &[UNIFORM; 8], "pick-freeze", 10 << 8, "");
+    let run = run("g-function", &[UNIFORM; 8], "pick-freeze", 10 << 9, "");
     run.assert_moments(1.0, 0.465_424);
     let first = [
         0.716_192, 0.179_048, 0.023_676, 0.007_162, 7.2e-5, 7.2e-5, 7.2e-5, 7.2e-5,

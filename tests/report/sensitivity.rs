@@ -3,6 +3,7 @@
 use crate::synthetic::SyntheticStudy;
 use microslip::hb::Status;
 use microslip::report::sensitivity::IndexResult;
+use microslip::report::requirement::Requirements;
 use microslip::report::surrogate::{SurrogateResult, SurrogateSettings};
 use microslip::report::{self, Assessment, StoredRun, Summary};
 use microslip::sampling::{Distribution, Shape};
@@ -139,6 +140,8 @@ fn with_surrogate(samples: u64) -> SyntheticStudy {
     let settings: SurrogateSettings =
         serde_json::from_str(r#"{ "kind": "polynomial-chaos" }"#).unwrap();
     study.record.surrogate = Some(settings);
+    // limits cost 100000 points each
+    study.record.requirements = Requirements::default();
     study
 }
 
