@@ -113,7 +113,8 @@ impl Run {
             "{moments:?}"
         );
         let stated = &self.summary["levels"][0]["frequency_hz"]["moments"];
-        assert_eq!(stated["mean"].as_f64(), Some(moments.valid_only.mean));
+        let mean = stated["mean"].as_f64();
+        assert_eq!(mean, Some(moments.valid_only.mean), "the population's mean");
     }
 
     /// The 5, 50 and 95 % quantiles lie in their intervals, as frequency and as amplitude.
@@ -152,7 +153,7 @@ impl Run {
                     } else {
                         "not_distinguishable"
                     };
-                    assert_eq!(found[kind]["influence"], words);
+                    assert_eq!(found[kind]["influence"], words, "{lower} .. {upper}");
                 }
             }
         }

@@ -2,8 +2,8 @@
 
 use crate::synthetic::SyntheticStudy;
 use microslip::hb::Status;
-use microslip::report::sensitivity::IndexResult;
 use microslip::report::requirement::Requirements;
+use microslip::report::sensitivity::IndexResult;
 use microslip::report::surrogate::{SurrogateResult, SurrogateSettings};
 use microslip::report::{self, Assessment, StoredRun, Summary};
 use microslip::sampling::{Distribution, Shape};
