@@ -225,7 +225,8 @@ impl Design {
             ),
             Plan::PickFreeze(design) => {
                 let (rows, row) = (inner / design.row(), design.row());
-                format!("pick-freeze, {rows} rows of {row} samples")
+                let word = if rows == 1 { "row" } else { "rows" };
+                format!("pick-freeze, {rows} {word} of {row} samples")
             }
             Plan::Grid(points) => {
                 let sides: Vec<_> = points.iter().map(u64::to_string).collect();

@@ -297,7 +297,7 @@ fn replicates_are_told_apart() {
 }
 
 /// Rows are those of the statistics that read them, from the columns of one sequence, and every sample knows its place.
-/// A and B depend on each other in no pair of columns.
+/// A and B depend on each other in no pair of columns. Seen to fail with two points of one sequence as A and B.
 #[test]
 fn pick_freeze_rows_are_those_of_the_indices() {
     let rows = 64;
