@@ -6,9 +6,9 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Influence {
-    /// The interval lies above 0, by more than a solver's tolerance.
+    /// The interval lies above 0.
     Distinct,
-    /// The interval reaches down to 0: these samples do not show an influence.
+    /// The interval holds 0: these samples do not show an influence.
     NotDistinguishable,
 }
 
@@ -34,13 +34,9 @@ pub struct Index {
     pub influence: Influence,
 }
 
-/// A share of the variance up to this is that of a solver's tolerance: relative errors of 1e-7 of a result that scatters
-/// by 1e-4. A total index is a sum of squares and never 0 itself.
-const NOTHING: f64 = 1e-6;
-
 impl Index {
     pub(super) fn new(estimate: f64, (lower, upper): (f64, f64)) -> Self {
-        let influence = match lower > NOTHING {
+        let influence = match lower > 0.0 {
             true => Influence::Distinct,
             false => Influence::NotDistinguishable,
         };
