@@ -9,11 +9,11 @@
 
 use microslip::aft::{Accuracy, AftSettings, Backend, Laps, Want};
 use microslip::contact::{ContactParameters, Events, FrictionLaw};
-use microslip::ensemble::Ensemble;
 use microslip::ensemble::atlas::{Anchor, Atlas, AtlasPrediction};
 use microslip::ensemble::backend::BackendReport;
 use microslip::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use microslip::ensemble::store::{Provenance, write_samples};
+use microslip::ensemble::{Ensemble, SampleSolver};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::forced_response::at_frequencies;
 use microslip::hb::newton::{Iterate, WorkCount};
@@ -148,6 +148,7 @@ impl Rig {
             peak: search(),
             curve_samples: 0,
             backend: Backend::Cpu,
+            solver: SampleSolver::HarmonicBalance,
         }
     }
 }
@@ -478,6 +479,7 @@ fn memory() {
     let input = ReportInput {
         record: &record,
         outcomes: &outcomes,
+        mixed: &[],
         changed: &[],
     };
     report::write(folder.path(), &input).expect("written");
@@ -500,6 +502,7 @@ fn record(provenance: Provenance, names: &[String]) -> RunRecord {
     let input = |name: &String| InputRecord {
         name: name.clone(),
         prior: String::new(),
+        distribution: None,
     };
     RunRecord {
         provenance,
@@ -509,6 +512,7 @@ fn record(provenance: Provenance, names: &[String]) -> RunRecord {
             description: "monte-carlo".to_owned(),
             independent: true,
             outer_points: 1,
+            mixed_inputs: Vec::new(),
         },
         frequency_tolerance: 3e-7,
         levels: LEVELS.to_vec(),
@@ -520,6 +524,7 @@ fn record(provenance: Provenance, names: &[String]) -> RunRecord {
         nominal: None,
         components: Vec::new(),
         requirements: Requirements::default(),
+        surrogate: None,
         study_file: FileRecord::of("study.toml", b""),
         tables: Vec::new(),
         wall_time_s: 0.0,
@@ -590,6 +595,7 @@ fn peers() {
         },
         curve_samples: 0,
         backend: Backend::Cpu,
+        solver: SampleSolver::HarmonicBalance,
     };
     measured("blades-strip-oop", &ensemble, 256);
 }

@@ -8,5 +8,7 @@ pub mod outcome;
 pub mod runner;
 mod sample;
 pub mod store;
+#[cfg(feature = "test-functions")]
+pub mod test_function;
 
-pub use runner::{Ensemble, Solved};
+pub use runner::{Ensemble, SampleSolver, Solved};

@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 pub struct SampleOutcome {
     /// Index of the sample in the study, 0-based.
     pub index: u64,
-    /// Outer point and replicate, where the design has such.
+    /// Outer point, replicate and place in a row, where the design has such.
     pub group: SampleGroup,
     /// Sampled inputs, in the order of the study's input names.
     pub inputs: Vec<f64>,

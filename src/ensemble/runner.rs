@@ -35,6 +35,19 @@ pub struct Ensemble<'a> {
     pub curve_samples: u64,
     /// Who evaluates the contacts.
     pub backend: Backend<'a>,
+    /// What gives the peaks of a sample.
+    pub solver: SampleSolver,
+}
+
+/// What gives the peaks of a sample.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum SampleSolver {
+    /// The balance equations.
+    #[default]
+    HarmonicBalance,
+    /// A function with known answers.
+    #[cfg(feature = "test-functions")]
+    Function(super::test_function::TestFunction),
 }
 
 /// Samples solved without help: the first part of the atlas.

@@ -3,10 +3,10 @@
 //! A peak is predicted from the atlas and corrected. Where that fails it is followed from the nearest anchor along the
 //! straight line between the inputs, and where that fails too the sample's own track from the stuck state decides.
 
-use super::Ensemble;
 use super::applied::Applied;
 use super::atlas::{Anchor, AnchorPeak, Atlas, AtlasPrediction};
 use super::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
+use super::{Ensemble, SampleSolver};
 use crate::hb::curve::response_curve;
 use crate::hb::newton::WorkCount;
 use crate::hb::peak::PeakSettings;
@@ -49,32 +49,73 @@ impl Ensemble<'_> {
         atlas: &Atlas,
     ) -> (SampleOutcome, Anchor) {
         let _turn = self.backend.turn();
-        let curve = index < self.curve_samples;
-        let applied = self.applied(&inputs);
+        // bands are of the population
+        let group = self.design.group(index);
+        let curve = index < self.curve_samples && group.of_population();
+        let (levels, peaks) = match self.solver {
+            SampleSolver::HarmonicBalance => self.solved(&inputs, &place, atlas, curve),
+            #[cfg(feature = "test-functions")]
+            SampleSolver::Function(function) => self.evaluated(function, &inputs),
+        };
+        let outcome = SampleOutcome {
+            index,
+            group,
+            inputs,
+            levels,
+        };
+        (outcome, Anchor { place, peaks })
+    }
+
+    /// Records of the levels, with the forced response if wanted, and the peaks as starts for other samples.
+    fn solved(
+        &self,
+        inputs: &[f64],
+        place: &[f64],
+        atlas: &Atlas,
+        curve: bool,
+    ) -> (Vec<LevelOutcome>, Vec<Option<AnchorPeak>>) {
+        let applied = self.applied(inputs);
         let levels = self.applied_levels(&applied);
         let solved = (applied.problem(self.settings.anchor)).and_then(|problem| {
-            let peaks = self.peaks(&problem, &levels, &place, atlas)?;
+            let peaks = self.peaks(&problem, &levels, place, atlas)?;
             let anchor = |peak: &LevelPeak| Some(AnchorPeak::new(peak.solution.as_ref()?));
             let anchors = peaks.iter().map(anchor).collect();
             let level = |(peak, nominal)| self.level(&problem, peak, nominal, curve);
             let of_levels = peaks.into_iter().zip(self.levels.iter().copied());
             Ok((of_levels.map(level).collect(), anchors))
         });
-        let (levels, anchors) = solved.unwrap_or_else(|error| {
+        solved.unwrap_or_else(|error| {
             let none = vec![None; self.levels.len()];
             (self.without_problem(&error), none)
-        });
-        let outcome = SampleOutcome {
-            index,
-            group: self.design.group(index),
-            inputs,
-            levels,
+        })
+    }
+
+    /// The same from a function, which is the same at every level; of the medians where `inputs` is empty.
+    #[cfg(feature = "test-functions")]
+    fn evaluated(
+        &self,
+        function: super::test_function::TestFunction,
+        inputs: &[f64],
+    ) -> (Vec<LevelOutcome>, Vec<Option<AnchorPeak>>) {
+        let medians = self
+            .design
+            .inputs()
+            .iter()
+            .map(|(_, law)| law.quantile(0.5));
+        let peak = match inputs {
+            [] => function.peak(&medians.collect::<Vec<_>>()),
+            inputs => function.peak(inputs),
         };
-        let anchor = Anchor {
-            place,
-            peaks: anchors,
+        let level = |&level: &f64| LevelOutcome {
+            level,
+            status: Status::Converged,
+            peak: Some(peak),
+            curve: Vec::new(),
+            newton_iterations: 0,
+            factorizations: 0,
         };
-        (outcome, anchor)
+        let levels = self.levels.iter().map(level).collect();
+        (levels, vec![None; self.levels.len()])
     }
 
     /// Excitation levels of a sample. Shape: `[levels]`.

@@ -88,9 +88,10 @@ const ROW_GROUP: usize = 4096;
 const INPUTS_KEY: &str = "inputs";
 /// Columns of what a sample belongs to.
 type GroupColumn = (&'static str, fn(&SampleGroup) -> Option<u64>);
-const GROUP_COLUMNS: [GroupColumn; 2] = [
+const GROUP_COLUMNS: [GroupColumn; 3] = [
     ("outer", |group| group.outer),
     ("replicate", |group| group.replicate),
+    ("place", |group| group.place),
 ];
 
 /// Writes `path` as a whole: to a temporary file beside it first, which then takes its name.
@@ -122,8 +123,8 @@ pub fn replace_file<E: From<std::io::Error>>(
 
 /// Writes one row per sample and level.
 ///
-/// Columns: `sample`, `outer` and `replicate` where the design has such, the inputs by name, `level`, `status`, then the fields of [`PeakRecord`] (null without a
-/// solution), `newton_iterations`, `factorizations`. Units are those of [`PeakRecord`].
+/// Columns: `sample`, those of [`SampleGroup`] that the design has, the inputs by name, `level`, `status`, then the fields
+/// of [`PeakRecord`] (null without a solution), `newton_iterations`, `factorizations`. Units are those of [`PeakRecord`].
 ///
 /// # Errors
 /// [`StoreError`]; then `path` is as it was.
@@ -467,8 +468,12 @@ impl Record {
 
     fn group(&self) -> SampleGroup {
         let number = |name: &str| Some(self.count(name).ok()? as u64);
-        let [outer, replicate] = GROUP_COLUMNS.map(|(name, _)| number(name));
-        SampleGroup { outer, replicate }
+        let [outer, replicate, place] = GROUP_COLUMNS.map(|(name, _)| number(name));
+        SampleGroup {
+            outer,
+            replicate,
+            place,
+        }
     }
 
     fn status(&self) -> Result<Status, StoreError> {

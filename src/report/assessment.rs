@@ -9,24 +9,23 @@ use super::judgement::{CriterionResult, judge_all};
 use super::margins::{OrderMargin, Reserve, order_margins, reserve};
 use super::population::{Bound, Populations};
 use super::record::{FileRecord, InputRecord, RunRecord};
+use super::sensitivity::{InputInfluence, influences};
 use super::summary::{CONFIDENCE, Summary};
+use super::surrogate::{LevelSurrogates, surrogates};
 use super::{ReportInput, usable_peak};
 use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
 use crate::ensemble::store::Provenance;
 use crate::statistics::{
-    Bootstrap, ConditionalMean, FailurePattern, GivenDataIndex, Interval, JointRegion, Prefix,
-    QuantileEstimate, Side, conditional_means, convergence, failure_pattern, first_order_index,
+    FailurePattern, JointRegion, Prefix, QuantileEstimate, Side, convergence, failure_pattern,
     joint_region, quantile_estimate,
 };
 use serde::Serialize;
 
 /// Share of the population in every tolerance bound of a report.
 pub const CONTENT: f64 = 0.95;
-/// Replicates of a resampling interval.
-const REPLICATES: u32 = 200;
 /// First prefix of a convergence table.
 const FIRST_PREFIX: usize = 16;
-/// Groups of a conditional mean and of a failure rate.
+/// Groups of a failure rate.
 const GROUPS: usize = 5;
 
 /// Everything that a designer's report says in numbers. Field names are stable and end in their unit.
@@ -82,6 +81,9 @@ pub struct LevelAssessment {
     pub reserve: Option<Reserve>,
     /// How much each input moves the results.
     pub influences: Vec<InputInfluence>,
+    /// Surrogates of the results; absent unless the study wants them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surrogates: Option<LevelSurrogates>,
     /// 95 % quantile of the amplitude (m) over the first samples.
     pub amplitude_q95_m: Vec<Prefix<Option<QuantileEstimate>>>,
     /// Median of the resonance frequency (Hz) over the first samples.
@@ -98,36 +100,14 @@ pub struct InputFailures {
     pub pattern: FailurePattern,
 }
 
-/// How much one input moves the results.
-#[derive(Debug, Clone, Serialize)]
-pub struct InputInfluence {
-    /// Name of the input.
-    pub input: String,
-    /// Share of the variance of the resonance frequency.
-    pub frequency: IndexResult,
-    /// Share of the variance of the amplitude.
-    pub amplitude: IndexResult,
-    /// Mean resonance frequency (Hz) over groups of samples along the input.
-    pub frequency_means_hz: Vec<ConditionalMean>,
-    /// Mean amplitude (m) over groups of samples along the input.
-    pub amplitude_means_m: Vec<ConditionalMean>,
-}
-
-/// An index, or why there is none.
-#[derive(Debug, Clone, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum IndexResult {
-    /// First-order index with its interval.
-    Index(GivenDataIndex),
-    /// Why there is no index.
-    Refused(String),
-}
-
 impl Assessment {
     /// Assesses the samples of a study.
     #[must_use]
     pub fn of(input: &ReportInput, summary: &Summary) -> Self {
         let record = input.record;
+        let levels: Vec<LevelAssessment> = (0..record.levels.len())
+            .map(|i| LevelAssessment::of(input, i))
+            .collect();
         Self {
             provenance: record.provenance.clone(),
             condition: condition(record, summary.epistemic.as_ref()),
@@ -136,11 +116,9 @@ impl Assessment {
             content: CONTENT,
             confidence: CONFIDENCE,
             criteria: judge_all(input),
-            levels: (0..record.levels.len())
-                .map(|i| LevelAssessment::of(input, i))
-                .collect(),
             failures: failures(input),
-            error_budget: error_budget(record, summary),
+            error_budget: error_budget(record, summary, &levels),
+            levels,
             backend: record.backend.description(),
             adapter: record.backend.adapter(),
             study_file: record.study_file.clone(),
@@ -182,18 +160,18 @@ pub(super) fn pooling(epistemic: &EpistemicSummary) -> String {
 
 /// One value per sample at level `i`, NaN where it failed.
 pub(super) fn values(
-    input: &ReportInput,
+    outcomes: &[SampleOutcome],
     i: usize,
     value: impl Fn(&PeakRecord) -> f64,
 ) -> Vec<f64> {
     let of = |o: &SampleOutcome| usable_peak(&o.levels[i]).map_or(f64::NAN, |p| value(&p));
-    input.outcomes.iter().map(of).collect()
+    outcomes.iter().map(of).collect()
 }
 
 impl LevelAssessment {
     fn of(input: &ReportInput, i: usize) -> Self {
-        let frequency = values(input, i, |p| p.frequency_hz);
-        let amplitude = values(input, i, |p| p.amplitude_m);
+        let frequency = values(input.outcomes, i, |p| p.frequency_hz);
+        let amplitude = values(input.outcomes, i, |p| p.amplitude_m);
         let frequencies = Populations::of(input, i, |p| p.frequency_hz);
         let amplitudes = Populations::of(input, i, |p| p.amplitude_m);
         let pairs = frequency.iter().copied().zip(amplitude.iter().copied());
@@ -213,7 +191,8 @@ impl LevelAssessment {
             margins: (requirements.operation.as_ref())
                 .map_or_else(Vec::new, |operation| order_margins(input, i, operation)),
             reserve: (requirements.stress.as_ref()).map(|stress| reserve(input, i, stress)),
-            influences: influences(input, &frequency, &amplitude),
+            influences: influences(input, i),
+            surrogates: surrogates(input, i),
             amplitude_q95_m: prefixes(&amplitude, 0.95),
             frequency_q50_hz: prefixes(&frequency, 0.5),
         }
@@ -232,31 +211,4 @@ fn failures(input: &ReportInput) -> Vec<InputFailures> {
         })
     };
     inputs.filter_map(of_input).collect()
-}
-
-fn influences(input: &ReportInput, frequency: &[f64], amplitude: &[f64]) -> Vec<InputInfluence> {
-    let bootstrap = Bootstrap {
-        seed: input.record.provenance.seed,
-        replicates: REPLICATES,
-        confidence: CONFIDENCE,
-    };
-    let inputs = input.record.inputs.iter().enumerate();
-    inputs
-        .map(|(j, record)| {
-            let x: Vec<f64> = input.outcomes.iter().map(|o| o.inputs[j]).collect();
-            let index = |results: &[f64]| match first_order_index(&x, results, &bootstrap) {
-                Ok(index) => IndexResult::Index(index),
-                Err(refusal) => IndexResult::Refused(refusal.to_string()),
-            };
-            let open = Interval::UNBOUNDED;
-            let means = |results: &[f64]| conditional_means(&x, results, GROUPS, open, CONFIDENCE);
-            InputInfluence {
-                input: record.name.clone(),
-                frequency: index(frequency),
-                amplitude: index(amplitude),
-                frequency_means_hz: means(frequency),
-                amplitude_means_m: means(amplitude),
-            }
-        })
-        .collect()
 }

@@ -94,14 +94,14 @@ impl Compared {
 
     /// One value per sample at level `i`, NaN where it failed; `None` without the table that the number needs.
     pub(super) fn of(self, run: &StoredRun, i: usize) -> Option<Vec<f64>> {
-        let (input, requirements) = (run.input(), &run.record.requirements);
+        let requirements = &run.record.requirements;
         match self {
-            Self::FrequencyHz => Some(values(&input, i, |p| p.frequency_hz)),
-            Self::AmplitudeM => Some(values(&input, i, |p| p.amplitude_m)),
+            Self::FrequencyHz => Some(values(&run.outcomes, i, |p| p.frequency_hz)),
+            Self::AmplitudeM => Some(values(&run.outcomes, i, |p| p.amplitude_m)),
             Self::FrequencyMargin => (requirements.operation.as_ref())
-                .map(|o| values(&input, i, |p| smallest_margin(p.frequency_hz, o))),
+                .map(|o| values(&run.outcomes, i, |p| smallest_margin(p.frequency_hz, o))),
             Self::ReserveFactor => (requirements.stress.as_ref())
-                .map(|s| values(&input, i, |p| factor(p.amplitude_m, s))),
+                .map(|s| values(&run.outcomes, i, |p| factor(p.amplitude_m, s))),
         }
     }
 }

@@ -130,7 +130,7 @@ pub(super) fn observed_by_point(
     i: usize,
     value: impl Fn(&PeakRecord) -> f64,
 ) -> Vec<(u64, Observed)> {
-    let all = values(input, i, value);
+    let all = values(input.outcomes, i, value);
     let observed = |(outer, members): (Option<u64>, Vec<usize>)| {
         Some((outer?, Observed::of(chosen(&all, &members))))
     };

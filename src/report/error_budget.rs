@@ -1,7 +1,9 @@
 //! What each approximation can change; the ignorance of the inputs is not among them.
 
+use super::assessment::LevelAssessment;
 use super::record::RunRecord;
 use super::summary::{Distribution, LevelSummary, Summary};
+use super::surrogate::{LevelSurrogates, SurrogateResult};
 use crate::contact::{Events, FrictionLaw};
 use serde::Serialize;
 
@@ -19,7 +21,11 @@ pub struct ErrorLine {
 }
 
 /// The lines of the budget.
-pub(super) fn error_budget(record: &RunRecord, summary: &Summary) -> Vec<ErrorLine> {
+pub(super) fn error_budget(
+    record: &RunRecord,
+    summary: &Summary,
+    levels: &[LevelAssessment],
+) -> Vec<ErrorLine> {
     vec![
         sampling(summary),
         harmonics(record, summary),
@@ -27,13 +33,49 @@ pub(super) fn error_budget(record: &RunRecord, summary: &Summary) -> Vec<ErrorLi
         place_of_peak(record, summary),
         precision(record, summary),
         reduction(record),
-        ErrorLine {
-            source: "Surrogate",
+        surrogate(summary, levels),
+    ]
+}
+
+fn surrogate(summary: &Summary, levels: &[LevelAssessment]) -> ErrorLine {
+    let source = "Surrogate";
+    let wanted: Vec<_> = levels
+        .iter()
+        .filter_map(|l| l.surrogates.as_ref())
+        .collect();
+    if wanted.is_empty() {
+        return ErrorLine {
+            source,
             frequency_hz: Some(0.0),
             amplitude_relative: Some(0.0),
             basis: "none is used: the balance equations are solved for every sample".to_owned(),
-        },
-    ]
+        };
+    }
+    // one level without is unknown
+    let rms = |result: &SurrogateResult| Some(result.surrogate()?.hold_out.rms_error);
+    let worst = |errors: Vec<Option<f64>>| {
+        let errors: Option<Vec<f64>> = errors.into_iter().collect();
+        errors?.into_iter().reduce(f64::max)
+    };
+    let frequency_hz = worst(wanted.iter().map(|s| rms(&s.frequency)).collect());
+    let relative = |(s, level): (&&LevelSurrogates, &LevelSummary)| {
+        Some(rms(&s.amplitude)? / level.amplitude_m.moments?.mean)
+    };
+    let amplitudes = wanted.iter().zip(&summary.levels).map(relative);
+    let amplitude_relative = worst(amplitudes.collect());
+    ErrorLine {
+        source,
+        frequency_hz,
+        amplitude_relative,
+        basis: match frequency_hz.is_some() && amplitude_relative.is_some() {
+            true => {
+                "root mean square difference from the solver at samples that were held out, of the mean amplitude; in \
+                 numbers labelled surrogate alone"
+            }
+            false => "not available at every level: the section on the surrogate says why",
+        }
+        .to_owned(),
+    }
 }
 
 /// Largest value over the levels; absent if no level has one.

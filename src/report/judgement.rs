@@ -141,13 +141,13 @@ fn quantile(input: &ReportInput, criterion: &Criterion, i: usize) -> (Option<f64
         &requirements.operation,
         &requirements.stress,
     ) {
-        (Quantity::FrequencyMarginPercent, Some(operation), _) => values(input, i, |p| {
+        (Quantity::FrequencyMarginPercent, Some(operation), _) => values(input.outcomes, i, |p| {
             100.0 * smallest_margin(p.frequency_hz, operation)
         }),
         (Quantity::ReserveFactor, _, Some(stress)) => {
-            values(input, i, |p| factor(p.amplitude_m, stress))
+            values(input.outcomes, i, |p| factor(p.amplitude_m, stress))
         }
-        _ => values(input, i, |p| p.amplitude_m * UM_PER_M),
+        _ => values(input.outcomes, i, |p| p.amplitude_m * UM_PER_M),
     };
     let probability = match criterion.quantity.at_least() {
         true => 1.0 - criterion.share(),
@@ -163,7 +163,7 @@ fn quantile(input: &ReportInput, criterion: &Criterion, i: usize) -> (Option<f64
 fn probability(input: &ReportInput, criterion: &Criterion, i: usize) -> (Option<f64>, Interval) {
     let stress = input.record.requirements.stress.as_ref();
     let found = stress.and_then(|stress| {
-        let observed = Observed::of(values(input, i, |p| p.amplitude_m));
+        let observed = Observed::of(values(input.outcomes, i, |p| p.amplitude_m));
         exceedance(
             &observed,
             allowable_amplitude_m(stress),

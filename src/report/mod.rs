@@ -21,7 +21,9 @@ pub mod record;
 pub mod requirement;
 pub mod reweighting;
 mod section;
+pub mod sensitivity;
 pub mod summary;
+pub mod surrogate;
 mod view;
 
 pub use assessment::Assessment;
@@ -39,8 +41,10 @@ use std::path::{Path, PathBuf};
 pub struct ReportInput<'a> {
     /// All of the run beside its samples.
     pub record: &'a RunRecord,
-    /// The samples, failed ones included.
+    /// The samples of the population, failed ones included.
     pub outcomes: &'a [SampleOutcome],
+    /// The mixed samples of a pick-freeze design, for its indices alone.
+    pub mixed: &'a [SampleOutcome],
     /// Tables of the run whose content has changed since.
     pub changed: &'a [String],
 }

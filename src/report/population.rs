@@ -71,7 +71,7 @@ impl Populations {
     pub(super) fn of(input: &ReportInput, i: usize, value: impl Fn(&PeakRecord) -> f64) -> Self {
         let points = observed_by_point(input, i, &value);
         match points.is_empty() {
-            true => Self::One(Observed::of(values(input, i, value))),
+            true => Self::One(Observed::of(values(input.outcomes, i, value))),
             false => Self::Points(points),
         }
     }

@@ -1,10 +1,12 @@
 //! `run.json`: all of a run that its tables do not hold, so that a report needs no solver.
 
 use super::requirement::Requirements;
+use super::surrogate::SurrogateSettings;
 use super::{ReportError, ReportInput};
 use crate::ensemble::backend::BackendReport;
 use crate::ensemble::outcome::{CurvePoint, SampleOutcome, number};
 use crate::ensemble::store::{Provenance, StoreError, read_curves, read_samples, replace_file};
+use crate::sampling::Distribution;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::Path;
@@ -46,6 +48,8 @@ pub struct RunRecord {
     pub components: Vec<ComponentRecord>,
     /// What the designer asks for.
     pub requirements: Requirements,
+    /// The surrogate that is wanted, if any.
+    pub surrogate: Option<SurrogateSettings>,
     /// The study file.
     pub study_file: FileRecord,
     /// The tables of the run.
@@ -76,6 +80,8 @@ pub struct InputRecord {
     pub name: String,
     /// Its distribution in words: what every probability of the report depends on.
     pub prior: String,
+    /// The distribution that it is drawn from; absent where it is fixed, an interval or from a file.
+    pub distribution: Option<Distribution>,
 }
 
 /// How the samples were chosen.
@@ -87,6 +93,9 @@ pub struct DesignRecord {
     pub independent: bool,
     /// Outer points of a nested design, 1 of any other.
     pub outer_points: u64,
+    /// Inputs, by their number, that the mixed samples of a pick-freeze design take from B, in the order of their places;
+    /// empty for any other design.
+    pub mixed_inputs: Vec<usize>,
 }
 
 /// A linear limit of the structure.
@@ -148,8 +157,10 @@ impl FileRecord {
 pub struct StoredRun {
     /// `run.json`.
     pub record: RunRecord,
-    /// Outcomes with their curves.
+    /// Outcomes of the population with their curves.
     pub outcomes: Vec<SampleOutcome>,
+    /// Outcomes of the mixed samples of a pick-freeze design, which belong to no population.
+    pub mixed: Vec<SampleOutcome>,
     /// Tables whose content is not that of the run.
     pub changed: Vec<String>,
 }
@@ -177,6 +188,7 @@ impl StoredRun {
         ReportInput {
             record: &self.record,
             outcomes: &self.outcomes,
+            mixed: &self.mixed,
             changed: &self.changed,
         }
     }
@@ -208,9 +220,12 @@ impl StoredRun {
             let what = format!("a sample with the levels and inputs of {RECORD}");
             return Err(at(samples)(StoreError::Missing(what)));
         }
+        let of_population = |outcome: &SampleOutcome| outcome.group.of_population();
+        let (outcomes, mixed) = stored.outcomes.into_iter().partition(of_population);
         Ok(Self {
             record,
-            outcomes: stored.outcomes,
+            outcomes,
+            mixed,
             changed,
         })
     }

@@ -146,8 +146,8 @@ fn point(
     members: &[usize],
     weights: &Weights,
 ) -> ReweightedPoint {
-    let frequency = chosen(&values(&run.input(), i, |p| p.frequency_hz), members);
-    let amplitude = chosen(&values(&run.input(), i, |p| p.amplitude_m), members);
+    let frequency = chosen(&values(&run.outcomes, i, |p| p.frequency_hz), members);
+    let amplitude = chosen(&values(&run.outcomes, i, |p| p.amplitude_m), members);
     let observed = Observed::of(amplitude.iter().copied());
     let exceeded = |&limit: &f64| {
         Some(ReweightedExceedance {

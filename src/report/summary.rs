@@ -24,7 +24,7 @@ pub struct Summary {
     pub provenance: Provenance,
     /// Names of the sampled inputs.
     pub inputs: Vec<String>,
-    /// Number of samples, failed ones included.
+    /// Number of samples of the population, failed ones included: all but the mixed ones of a pick-freeze design.
     pub samples: usize,
     /// Unit of the excitation levels.
     pub level_unit: String,
@@ -45,7 +45,7 @@ pub struct Summary {
     pub epistemic: Option<EpistemicSummary>,
 }
 
-/// Statistics of all samples at one excitation level.
+/// Statistics of the population at one excitation level.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct LevelSummary {
     /// Excitation level.
@@ -82,6 +82,20 @@ pub struct LevelSummary {
     pub factorizations: WorkCount,
     /// How strongly each input orders the results.
     pub rank_correlations: Vec<InputCorrelation>,
+    /// How the mixed samples of a pick-freeze design ended; absent for any other design.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mixed: Option<MixedSummary>,
+}
+
+/// Samples that serve sensitivity indices alone, at one excitation level.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct MixedSummary {
+    /// Number of samples, failed ones included.
+    pub samples: usize,
+    /// Samples per status, every status listed.
+    pub statuses: BTreeMap<&'static str, usize>,
+    /// Samples without a solution: one is enough to refuse the indices.
+    pub failed: usize,
 }
 
 /// What is known of one result: from the samples with a solution, and what the others leave open.
@@ -134,7 +148,8 @@ impl Summary {
     #[must_use]
     pub fn of(input: &ReportInput) -> Self {
         let record = input.record;
-        for outcome in input.outcomes.iter().chain(&record.nominal) {
+        let all = input.outcomes.iter().chain(input.mixed);
+        for outcome in all.chain(&record.nominal) {
             assert_eq!(
                 outcome.levels.len(),
                 record.levels.len(),
@@ -217,7 +232,20 @@ impl LevelSummary {
             newton_iterations: WorkCount::of(records.iter().map(|r| r.newton_iterations)),
             factorizations: WorkCount::of(records.iter().map(|r| r.factorizations)),
             rank_correlations: correlations(input, i),
+            mixed: MixedSummary::of(input.mixed, i),
         }
+    }
+}
+
+impl MixedSummary {
+    fn of(mixed: &[SampleOutcome], i: usize) -> Option<Self> {
+        let records: Vec<&LevelOutcome> = mixed.iter().map(|o| &o.levels[i]).collect();
+        let solved = records.iter().filter(|r| usable_peak(r).is_some()).count();
+        (!records.is_empty()).then(|| Self {
+            samples: records.len(),
+            statuses: count_statuses(&records),
+            failed: records.len() - solved,
+        })
     }
 }
 

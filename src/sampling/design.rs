@@ -5,6 +5,7 @@ use super::distribution::{Distribution, Shape};
 use super::file::SampleTable;
 use super::input::Input;
 use super::outer::{EpistemicTable, OuterPoints};
+use super::pick_freeze::is_independent;
 use super::plan::{DesignKind, DesignTable, Plan};
 use super::table::Uncertainty;
 use crate::setting::BadSetting;
@@ -42,6 +43,8 @@ pub struct Design {
     drawn: Vec<Input>,
     drawn_places: Vec<usize>,
     plan: Plan,
+    /// Whether inputs are correlated, in the plan or by the copula.
+    correlated: bool,
     copula: Option<Copula>,
     file: Option<(Vec<usize>, Vec<Vec<f64>>)>,
     outer: Option<(Vec<usize>, OuterPoints)>,
@@ -54,6 +57,17 @@ pub struct SampleGroup {
     pub outer: Option<u64>,
     /// Replicate of a quasi-random design with several.
     pub replicate: Option<u64>,
+    /// Place in a row of a pick-freeze design: 0 = A, 1 = B, 2 + j = A with the j-th random input of B.
+    pub place: Option<u64>,
+}
+
+impl SampleGroup {
+    /// Whether the sample is a draw of the population. Mixed samples of a pick-freeze design share their inputs with
+    /// others, so no statistic of the population may count them.
+    #[must_use]
+    pub fn of_population(&self) -> bool {
+        self.place.is_none_or(is_independent)
+    }
 }
 
 impl Design {
@@ -133,14 +147,46 @@ impl Design {
             .collect()
     }
 
-    /// Outer point and replicate of sample `i`.
+    /// Outer point, replicate and place in its row of sample `i`.
     #[must_use]
     pub fn group(&self, i: u64) -> SampleGroup {
         let n_outer = self.outer_points();
         SampleGroup {
             outer: self.outer.as_ref().map(|_| i % n_outer),
             replicate: self.plan.replicates().map(|n| i / n_outer % n),
+            place: self.plan.place(i),
         }
+    }
+
+    /// Places among [`Design::inputs`] of those that are drawn from their distribution: not fixed, epistemic or from a file.
+    #[must_use]
+    pub fn drawn(&self) -> &[usize] {
+        &self.drawn_places
+    }
+
+    /// The same in a pick-freeze design, whose mixed samples take one of them at a time from B, in the order of
+    /// [`SampleGroup::place`]; empty for any other design.
+    #[must_use]
+    pub fn mixed_inputs(&self) -> &[usize] {
+        match self.plan {
+            Plan::PickFreeze(_) => &self.drawn_places,
+            _ => &[],
+        }
+    }
+
+    /// Why the variance of a result is no sum of parts by the inputs, if that is so.
+    #[must_use]
+    pub fn indivisible(&self) -> Option<&'static str> {
+        if self.correlated {
+            return Some("inputs are correlated");
+        }
+        if self.outer.is_some() {
+            return Some("an epistemic input has no distribution");
+        }
+        if self.file.is_some() {
+            return Some("inputs from a file have no distribution");
+        }
+        self.drawn.is_empty().then_some("no input is random")
     }
 
     /// Number of outer points; 1 without epistemic inputs.
@@ -177,6 +223,11 @@ impl Design {
                 },
                 inner / replicates
             ),
+            Plan::PickFreeze(design) => {
+                let (rows, row) = (inner / design.row(), design.row());
+                let word = if rows == 1 { "row" } else { "rows" };
+                format!("pick-freeze, {rows} {word} of {row} samples")
+            }
             Plan::Grid(points) => {
                 let sides: Vec<_> = points.iter().map(u64::to_string).collect();
                 format!("grid of {} points", sides.join(" x "))
@@ -208,6 +259,7 @@ impl DesignSettings {
         self.inputs.sort_by_key(|(input, _)| *input);
         self.check_inputs().map_err(|bad| bad.under("inputs"))?;
         let outer = self.outer()?;
+        self.check_pick_freeze()?;
         let n_outer = outer
             .as_ref()
             .map_or(1, |points| points.values.len() as u64);
@@ -244,6 +296,7 @@ impl DesignSettings {
             drawn,
             drawn_places,
             plan,
+            correlated: correlation.is_some(),
             copula,
             file,
             outer: outer.map(|points| (outer_places, points)),
@@ -296,6 +349,18 @@ impl DesignSettings {
             BadSetting::unless(!in_file, input.name(), "(given)", rule)?;
         }
         Ok(())
+    }
+
+    /// Sobol' indices are shares of a variance, and an interval has none.
+    fn check_pick_freeze(&self) -> Result<(), BadSetting> {
+        let inputs = self.inputs.iter().map(|(input, _)| *input);
+        let interval = inputs
+            .filter(|_| self.design.kind == DesignKind::PickFreeze)
+            .find(|input| self.interval(*input).is_some());
+        let key =
+            interval.map_or_else(String::new, |input| format!("inputs.{}.kind", input.name()));
+        let rule = "must be \"aleatory\" in a pick-freeze design: an interval has no variance to share out";
+        BadSetting::unless(interval.is_none(), &key, "\"epistemic\"", rule)
     }
 
     fn in_file(&self, input: Input) -> bool {

@@ -7,7 +7,8 @@ use statrs::distribution::{
 use crate::setting::{BadSetting, positive};
 
 /// Family and parameters.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Shape {
     /// Always `value`.
     Fixed {
@@ -65,13 +66,38 @@ pub enum Shape {
 }
 
 /// A shape with checked parameters, possibly cut to an interval (and normalised again).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "Stated", into = "Stated")]
 pub struct Distribution {
     shape: Shape,
     law: Law,
     support: [f64; 2],
     /// F of the uncut law at both ends of the support.
     kept: [f64; 2],
+}
+
+/// A distribution as it is stored: what [`Distribution::new`] takes.
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Stated {
+    shape: Shape,
+    truncation: Option<[f64; 2]>,
+}
+
+impl From<Distribution> for Stated {
+    fn from(distribution: Distribution) -> Self {
+        let (shape, support) = (distribution.shape, distribution.support);
+        let truncation = (support != shape.support()).then_some(support);
+        Self { shape, truncation }
+    }
+}
+
+impl TryFrom<Stated> for Distribution {
+    type Error = BadSetting;
+
+    fn try_from(stated: Stated) -> Result<Self, BadSetting> {
+        Self::new(stated.shape, stated.truncation)
+    }
 }
 
 /// Least probability that a truncation must keep: below it the inverse loses digits to cancellation.

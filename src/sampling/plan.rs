@@ -3,6 +3,7 @@
 use super::Input;
 use super::correlation::identity;
 use super::latin::LatinHypercube;
+use super::pick_freeze::{MOST_INPUTS, PickFreeze};
 use super::sobol::{MOST_DIMENSIONS, Sobol};
 use super::stream::{SCRAMBLE, uniform};
 use crate::setting::BadSetting;
@@ -20,6 +21,8 @@ pub enum DesignKind {
     LatinHypercube,
     /// Scrambled Sobol' points in independent replicates.
     Sobol,
+    /// Scrambled Sobol' points in rows that give Sobol' indices.
+    PickFreeze,
     /// Full grid in the probabilities of the inputs.
     Grid,
     /// Rows of a file.
@@ -34,6 +37,7 @@ impl DesignKind {
             Self::MonteCarlo => "monte-carlo",
             Self::LatinHypercube => "latin-hypercube",
             Self::Sobol => "sobol",
+            Self::PickFreeze => "pick-freeze",
             Self::Grid => "grid",
             Self::File => "file",
         }
@@ -81,6 +85,8 @@ pub enum Plan {
         /// Number of independent scramblings.
         replicates: u64,
     },
+    /// Rows of points that share coordinates.
+    PickFreeze(PickFreeze),
     /// Points per input; the first input changes fastest. Values are the middles of cells of equal probability.
     Grid(Vec<u64>),
 }
@@ -183,6 +189,12 @@ impl DesignTable {
                 Ok((Plan::LatinHypercube(hypercube), None))
             }
             DesignKind::Sobol => Ok((self.sobol(samples, inputs)?, None)),
+            DesignKind::PickFreeze => {
+                let rule = "must be absent: with correlated inputs Sobol' indices are no shares of the variance";
+                let free = correlation.is_none();
+                BadSetting::unless(free, "correlation", "(given)", rule)?;
+                Ok((pick_freeze(samples, inputs)?, None))
+            }
             DesignKind::Grid => {
                 let points = self.grid(inputs)?;
                 let rule = "must be absent: correlated inputs have no grid";
@@ -201,24 +213,12 @@ impl DesignTable {
     }
 
     fn sobol(&self, samples: Option<u64>, inputs: &[Input]) -> Result<Plan, BadSetting> {
-        let samples = given(samples)?;
         let replicates = self.replicates();
-        let points = samples / replicates;
-        let whole = points * replicates == samples && points.is_power_of_two();
-        let lower = match points {
-            0 => 1,
-            n => 1 << n.ilog2(),
+        let of = match replicates {
+            1 => String::new(),
+            n => format!(" times {n} replicates"),
         };
-        let rule = format!(
-            "must be a power of two{}: {} or {}",
-            match replicates {
-                1 => String::new(),
-                n => format!(" times {n} replicates"),
-            },
-            lower * replicates,
-            2 * lower * replicates
-        );
-        BadSetting::unless(whole, "samples", samples, &rule)?;
+        power_of_two_times(replicates, given(samples)?, &of)?;
         let rule =
             format!("must be of another kind: Sobol' points have at most {MOST_DIMENSIONS} inputs");
         let few = inputs.len() <= MOST_DIMENSIONS;
@@ -236,6 +236,32 @@ fn given(samples: Option<u64>) -> Result<u64, BadSetting> {
         value: "(absent)".to_owned(),
         rule: "must be given for this kind of design".to_owned(),
     })
+}
+
+fn pick_freeze(samples: Option<u64>, inputs: &[Input]) -> Result<Plan, BadSetting> {
+    let n = inputs.len();
+    let rule = format!(
+        "must be of another kind: a pick-freeze design has 1 to {MOST_INPUTS} random inputs, not {n}"
+    );
+    let holds = (1..=MOST_INPUTS).contains(&n);
+    BadSetting::unless(holds, "design.kind", "\"pick-freeze\"", &rule)?;
+    let design = PickFreeze::new(n);
+    let of = format!(" times {} (2 and one per input)", design.row());
+    power_of_two_times(design.row(), given(samples)?, &of)?;
+    Ok(Plan::PickFreeze(design))
+}
+
+/// Refuses a number of samples that is no power of two times `unit`, which the message calls `of`.
+fn power_of_two_times(unit: u64, samples: u64, of: &str) -> Result<(), BadSetting> {
+    let points = samples / unit;
+    let whole = points * unit == samples && points.is_power_of_two();
+    let lower = match points {
+        0 => 1,
+        n => 1 << n.ilog2(),
+    };
+    let (lower, upper) = (lower * unit, 2 * lower * unit);
+    let rule = format!("must be a power of two{of}: {lower} or {upper}");
+    BadSetting::unless(whole, "samples", samples, &rule)
 }
 
 fn latin_hypercube(
@@ -279,6 +305,7 @@ impl Plan {
                 sequence,
                 replicates,
             } => sequence.scrambled(seed, i % replicates, SCRAMBLE, i / replicates),
+            Self::PickFreeze(design) => design.point(seed, i),
             Self::Grid(points) => {
                 let mut rest = i;
                 (points.iter())
@@ -301,9 +328,21 @@ impl Plan {
         }
     }
 
+    /// Place of sample `i` in its row of a pick-freeze design.
+    #[must_use]
+    pub fn place(&self, i: u64) -> Option<u64> {
+        match self {
+            Self::PickFreeze(design) => Some(design.place(i)),
+            _ => None,
+        }
+    }
+
     /// Whether the first samples of a larger design of this kind are those of a smaller one.
     #[must_use]
     pub fn grows(&self) -> bool {
-        matches!(self, Self::MonteCarlo | Self::Sobol { .. })
+        matches!(
+            self,
+            Self::MonteCarlo | Self::Sobol { .. } | Self::PickFreeze(_)
+        )
     }
 }

@@ -5,8 +5,8 @@
 //! number x of dimension j is the little-endian 64-bit word j of the key stream; u = (⌊x / 2¹²⌋ + ½) / 2⁵².
 //!
 //! Dimensions below 2¹⁶ are those of the inputs in a Monte Carlo design; the ones above are taken in blocks of 2¹⁶ by
-//! what other designs need: the place within a stratum of a Latin hypercube, the keys that scramble Sobol' points, and
-//! those of the outer points of a nested design.
+//! what other designs need: the place within a stratum of a Latin hypercube, the keys that scramble Sobol' points, those of
+//! the outer points of a nested design, and the points at which a surrogate is evaluated.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha20Rng;
@@ -26,6 +26,8 @@ pub(super) const JITTER: u32 = 1 << 16;
 pub(super) const SCRAMBLE: u32 = 2 << 16;
 /// The same for the outer points of a nested design.
 pub(super) const OUTER: u32 = 3 << 16;
+/// First dimension of the points at which a surrogate is evaluated.
+pub const SURROGATE: u32 = 4 << 16;
 
 /// Middle of cell `x` of the 2⁵² cells of (0, 1).
 pub(super) fn unit(x: u64) -> f64 {

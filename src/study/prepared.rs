@@ -121,6 +121,7 @@ impl PreparedStudy<'_> {
             },
             curve_samples: self.study.output.curve_samples,
             backend,
+            solver: self.study.sample_solver,
         }
     }
 }

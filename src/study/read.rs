@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use super::document::Document;
 use super::frequency::{FrequencySettings, FrequencyTable, ascending_positive};
 use super::output::OutputSettings;
-use super::requirements::{check_requirements, requirements};
+use super::requirements::{check_requirements, check_surrogate, requirements};
 use super::tables::{ContactSection, SolverSection};
 use crate::Error;
 use crate::contact::ContactParameters;
+use crate::ensemble::SampleSolver;
 use crate::hb::HbSettings;
 use crate::model::interface::InterfaceSettings;
 use crate::model::matrices::{MatricesError, MatricesSettings};
@@ -18,6 +19,7 @@ use crate::model::two_blade::{
 };
 use crate::model::{ModelError, ReducedModel};
 use crate::report::requirement::Requirements;
+use crate::report::surrogate::SurrogateSettings;
 use crate::sampling::input::PRESSURE_MODES;
 use crate::sampling::{
     CorrelationTable, Design, DesignSettings, DesignTable, Distribution, DistributionTable,
@@ -26,7 +28,7 @@ use crate::sampling::{
 use crate::setting::BadSetting;
 
 /// Top-level keys of a study file.
-pub(super) const KEYS: [&str; 17] = [
+pub(super) const KEYS: [&str; 18] = [
     "name",
     "seed",
     "samples",
@@ -44,6 +46,7 @@ pub(super) const KEYS: [&str; 17] = [
     "operation",
     "stress",
     "criteria",
+    "surrogate",
 ];
 
 /// Why a pressure cannot be shaped.
@@ -84,6 +87,8 @@ pub struct Study {
     pub design: Design,
     /// Solver.
     pub solver: HbSettings,
+    /// What gives the peaks of a sample.
+    pub sample_solver: SampleSolver,
     /// Whether samples of a mirror-symmetric model are solved on one half of its contacts.
     pub mirror: bool,
     /// Frequencies.
@@ -92,6 +97,8 @@ pub struct Study {
     pub output: OutputSettings,
     /// What the designer asks for.
     pub requirements: Requirements,
+    /// The surrogate that is wanted, if any.
+    pub surrogate: Option<SurrogateSettings>,
 }
 
 /// The nominal model of a study.
@@ -136,6 +143,8 @@ impl Study {
         let frequency: FrequencyTable = required(&mut document, "frequency")?;
         let output: OutputSettings = document.take("output")?.unwrap_or_default();
         let requirements = requirements(&mut document)?;
+        let surrogate: Option<SurrogateSettings> = document.take("surrogate")?;
+        let sample_solver = sample_solver(&mut document, &design)?;
         document.finish(&KEYS)?;
         let at = |bad: BadSetting| document.bad_setting(&bad);
         validate_head(&name, &levels).map_err(at)?;
@@ -143,6 +152,9 @@ impl Study {
         let frequency = frequency.settings();
         let frequency = frequency.map_err(|bad| at(bad.under("frequency")))?;
         check_requirements(&requirements, frequency.unit, &levels).map_err(at)?;
+        if let Some(settings) = &surrogate {
+            check_surrogate(settings, &design).map_err(at)?;
+        }
         Ok(Self {
             path: path.to_owned(),
             text: text.to_owned(),
@@ -152,10 +164,12 @@ impl Study {
             model,
             design,
             solver: solver.settings(&contact).map_err(at)?,
+            sample_solver,
             mirror: solver.mirror(),
             frequency,
             output,
             requirements,
+            surrogate,
         })
     }
 
@@ -304,6 +318,25 @@ impl Study {
             Err(error) => error,
         }
     }
+}
+
+#[cfg(not(feature = "test-functions"))]
+fn sample_solver(_: &mut Document<'_>, _: &Design) -> Result<SampleSolver, Error> {
+    Ok(SampleSolver::HarmonicBalance)
+}
+
+/// Reads `test_function`, the function that stands for the solver.
+#[cfg(feature = "test-functions")]
+fn sample_solver(document: &mut Document<'_>, design: &Design) -> Result<SampleSolver, Error> {
+    use crate::ensemble::test_function::TestFunction;
+    let Some(function) = document.take::<TestFunction>("test_function")? else {
+        return Ok(SampleSolver::HarmonicBalance);
+    };
+    if design.inputs().len() != function.inputs() {
+        let rule = format!("must have {} inputs", function.inputs());
+        return Err(document.at_key("test_function", rule));
+    }
+    Ok(SampleSolver::Function(function))
 }
 
 /// Folder of a file.

@@ -1,9 +1,11 @@
-//! `[operation]`, `[stress]` and `[[criteria]]` of a study file.
+//! `[operation]`, `[stress]`, `[[criteria]]` and `[surrogate]` of a study file.
 
 use super::document::Document;
 use super::frequency::FrequencyUnit;
 use crate::Error;
 use crate::report::requirement::Requirements;
+use crate::report::surrogate::SurrogateSettings;
+use crate::sampling::Design;
 use crate::setting::BadSetting;
 
 /// Takes the three tables out of the study file.
@@ -38,4 +40,18 @@ pub(super) fn check_requirements(
         BadSetting::unless(holds, key, "(table)", rule)?;
     }
     requirements.validate(levels)
+}
+
+/// Checks the surrogate of a study with the given design.
+///
+/// # Errors
+/// [`BadSetting`] with a key relative to the study file.
+pub(super) fn check_surrogate(
+    settings: &SurrogateSettings,
+    design: &Design,
+) -> Result<(), BadSetting> {
+    settings.validate().map_err(|bad| bad.under("surrogate"))?;
+    let reason = design.indivisible();
+    let rule = format!("must be absent: {}", reason.unwrap_or_default());
+    BadSetting::unless(reason.is_none(), "surrogate", "(table)", &rule)
 }

@@ -113,6 +113,7 @@ pub(super) fn run_after(
             description: study.design.description(),
             independent: study.design.kind() == DesignKind::MonteCarlo,
             outer_points: study.design.outer_points(),
+            mixed_inputs: study.design.mixed_inputs().to_vec(),
         },
         frequency_tolerance: FREQUENCY_TOLERANCE,
         levels: study.levels.clone(),
@@ -124,6 +125,7 @@ pub(super) fn run_after(
         nominal: Some(nominal),
         components: component_records(&prepared.components),
         requirements: study.requirements.clone(),
+        surrogate: study.surrogate,
         study_file: FileRecord::of(&study.file_name(), study.text.as_bytes()),
         tables: hashes(folder, &TABLES)?,
         wall_time_s: clock.elapsed().as_secs_f64(),
@@ -203,11 +205,13 @@ fn component_records(components: &[(&'static str, ComponentSummary)]) -> Vec<Com
 
 /// Names of the inputs with their distributions or intervals, these as the study file states them.
 fn input_records(study: &Study) -> Vec<InputRecord> {
-    let inputs = study.design.inputs().iter().map(|(input, _)| input.name());
+    let design = &study.design;
+    let inputs = design.inputs().iter().enumerate();
     inputs
-        .map(|name| InputRecord {
-            name: name.to_owned(),
-            prior: stated_prior(&study.text, name).unwrap_or_default(),
+        .map(|(j, (input, distribution))| InputRecord {
+            name: input.name().to_owned(),
+            prior: stated_prior(&study.text, input.name()).unwrap_or_default(),
+            distribution: design.drawn().contains(&j).then(|| distribution.clone()),
         })
         .collect()
 }

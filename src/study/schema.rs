@@ -11,6 +11,7 @@ use super::tables::{ContactSection, SolverSection};
 use crate::model::matrices::MatricesSettings;
 use crate::model::two_blade::{PressureField, TwoBladeSettings};
 use crate::report::requirement::{Criterion, Operation, Stress};
+use crate::report::surrogate::SurrogateSettings;
 use crate::sampling::{CorrelationTable, DesignTable, DistributionTable, EpistemicTable, Input};
 
 /// The schema (JSON Schema, draft 2020-12) of a study file, for editors and programs.
@@ -58,6 +59,7 @@ fn section(key: &str, generator: &mut SchemaGenerator) -> Value {
         "operation" => of::<Operation>(generator),
         "stress" => of::<Stress>(generator),
         "criteria" => json!({ "type": "array", "items": of::<Criterion>(generator) }),
+        "surrogate" => of::<SurrogateSettings>(generator),
         _ => Value::Bool(false),
     }
 }

@@ -5,6 +5,8 @@ use super::{STUDY, folder, microslip};
 const SECOND: &str =
     "[inputs.stiffness_scale]\ndistribution = \"log-uniform\"\nlow = 0.5\nhigh = 2\n";
 
+const SURROGATE: &str = "[surrogate]\nkind = \"polynomial-chaos\"\n";
+
 /// What `inspect` says about a design, or its message; `head` replaces the line of samples, `tail` comes last.
 fn inspect(head: &str, tail: &str) -> Result<String, String> {
     let folder = folder("study.toml", "samples = 10", "samples = 10");
@@ -41,6 +43,11 @@ fn inspect_shows_the_design() {
             "samples = 64\n",
             format!("[design]\nkind = \"sobol\"\nreplicates = 4\n{SECOND}{pair}"),
             "sobol, 4 replicates of 16 points, correlated",
+        ),
+        (
+            "samples = 64\n",
+            format!("[design]\nkind = \"pick-freeze\"\n{SECOND}"),
+            "pick-freeze, 16 rows of 4 samples",
         ),
         (
             "",
@@ -102,6 +109,39 @@ fn bad_designs_name_line_key_and_rule() {
             ten,
             "[design]\nkind = \"sobol\"\npoints = 3".to_owned(),
             ":43: design.points = (given): must be absent",
+        ),
+        (
+            ten,
+            format!("[design]\nkind = \"pick-freeze\"\n{SECOND}"),
+            ":3: samples = 10: must be a power of two times 4 (2 and one per input): 8 or 16",
+        ),
+        (
+            "",
+            "[design]\nkind = \"pick-freeze\"".to_owned(),
+            "samples = (absent): must be given",
+        ),
+        (
+            ten,
+            "[design]\nkind = \"pick-freeze\"\nreplicates = 2".to_owned(),
+            ":43: design.replicates = (given): must be absent",
+        ),
+        (
+            ten,
+            "[design]\nkind = \"pick-freeze\"\npath = \"good.csv\"".to_owned(),
+            ":43: design.path = (given): must be absent",
+        ),
+        (
+            "samples = 8\n",
+            format!(
+                "[design]\nkind = \"pick-freeze\"\n{}",
+                pairs(&pair(k, mu, 0.5))
+            ),
+            ": correlation = (given): must be absent: with correlated inputs Sobol' indices are no shares",
+        ),
+        (
+            "samples = 33\n",
+            format!("{}[design]\nkind = \"pick-freeze\"", epistemic(1.0, "")),
+            ":42: inputs.stiffness_scale.kind = \"epistemic\": must be \"aleatory\" in a pick-freeze design",
         ),
         (
             ten,
@@ -202,6 +242,31 @@ fn bad_designs_name_line_key_and_rule() {
             ten,
             epistemic(1.0, "[epistemic]\nkind = \"grid\"\npoints = 1"),
             ":47: epistemic.points = 1: must be at least 2",
+        ),
+        (
+            ten,
+            format!("{SURROGATE}hold_out = 0.9"),
+            ":43: surrogate.hold_out = 0.9: must be from 0.05 to 0.5",
+        ),
+        (
+            ten,
+            "[surrogate]\nkind = \"kriging\"".to_owned(),
+            ":42: surrogate.kind: ",
+        ),
+        (
+            ten,
+            format!("{}{SURROGATE}", pairs(&pair(k, mu, 0.5))),
+            ":47: surrogate = (table): must be absent: inputs are correlated",
+        ),
+        (
+            "samples = 11\n",
+            epistemic(1.0, SURROGATE),
+            "surrogate = (table): must be absent: an epistemic input has no distribution",
+        ),
+        (
+            "",
+            format!("[design]\nkind = \"file\"\npath = \"good.csv\"\n{SURROGATE}"),
+            "surrogate = (table): must be absent: inputs from a file have no distribution",
         ),
         (
             ten,

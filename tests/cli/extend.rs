@@ -44,6 +44,11 @@ fn an_extended_run_is_the_whole_run() {
             "[design]\nkind = \"sobol\"\nreplicates = 3",
             [6, 12, 48],
         ),
+        (
+            "pick-freeze",
+            "[design]\nkind = \"pick-freeze\"",
+            [6, 12, 48],
+        ),
     ];
     for (what, more, [few, some, many]) in designs {
         study(path, few, more);
@@ -98,6 +103,12 @@ fn what_cannot_be_extended_is_refused() {
     refused(
         &extend("12"),
         ": samples = 12: must be a power of two: 8 or 16",
+    );
+    study(path, 6, "[design]\nkind = \"pick-freeze\"");
+    succeed(path, &run);
+    refused(
+        &extend("9"),
+        ": samples = 9: must be a power of two times 3 (2 and one per input): 6 or 12",
     );
     study(path, 8, "[design]\nkind = \"latin-hypercube\"");
     succeed(path, &run);

@@ -14,6 +14,8 @@ mod reweight;
 mod run;
 mod schema;
 mod solve;
+mod stick_limit;
+mod test_functions;
 
 use std::path::Path;
 use std::process::Output;

@@ -9,6 +9,7 @@ mod comparison;
 mod epistemic;
 mod page;
 mod record;
+mod sensitivity;
 mod store;
 mod summary;
 mod synthetic;

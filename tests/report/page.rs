@@ -214,6 +214,7 @@ fn many_inputs_are_thinned() {
         let idle = InputRecord {
             name: format!("idle {j}"),
             prior: "fixed".to_owned(),
+            distribution: None,
         };
         study.record.inputs.insert(0, idle);
         for outcome in &mut study.outcomes {

@@ -23,24 +23,46 @@ const FREE_AMPLITUDE: f64 = 3.80e-6;
 pub(crate) struct SyntheticStudy {
     pub(crate) record: RunRecord,
     pub(crate) outcomes: Vec<SampleOutcome>,
+    pub(crate) mixed: Vec<SampleOutcome>,
 }
 
 impl SyntheticStudy {
     pub(crate) fn new(n_samples: u64) -> Self {
-        let corner = |i: u64| {
-            let (u, v) = (fraction(i, 0.618_033_988_7), fraction(i, 0.414_213_562_4));
-            sample(i, [10f64.powf(2.0 * u - 1.0), 0.1 + 0.7 * v])
-        };
         Self {
             record: record(),
-            outcomes: (0..n_samples).map(corner).collect(),
+            outcomes: (0..n_samples)
+                .map(|i| sample(i, point(i, [0.618_033_988_7, 0.414_213_562_4])))
+                .collect(),
+            mixed: Vec::new(),
         }
+    }
+
+    /// A pick-freeze design of both inputs: rows of four samples.
+    pub(crate) fn pick_freeze(rows: u64) -> Self {
+        let mut study = Self::new(0);
+        study.record.design.mixed_inputs = vec![0, 1];
+        study.record.design.independent = false;
+        for row in 0..rows {
+            let a = point(row, [0.618_033_988_7, 0.414_213_562_4]);
+            let b = point(row, [0.732_050_807_6, 0.236_067_977_5]);
+            let inputs = [a, b, [b[0], a[1]], [a[0], b[1]]];
+            for (place, inputs) in (0..).zip(inputs) {
+                let mut outcome = sample(4 * row + place, inputs);
+                outcome.group.place = Some(place);
+                match outcome.group.of_population() {
+                    true => study.outcomes.push(outcome),
+                    false => study.mixed.push(outcome),
+                }
+            }
+        }
+        study
     }
 
     pub(crate) fn input(&self) -> ReportInput<'_> {
         ReportInput {
             record: &self.record,
             outcomes: &self.outcomes,
+            mixed: &self.mixed,
             changed: &[],
         }
     }
@@ -53,8 +75,10 @@ impl SyntheticStudy {
     pub(crate) fn store(&mut self, folder: &std::path::Path) {
         let (provenance, names) = (&self.record.provenance, self.input_names());
         let [samples, curves] = TABLES;
-        write_samples(&folder.join(samples), provenance, &names, &self.outcomes).unwrap();
-        write_curves(&folder.join(curves), provenance, &self.outcomes).unwrap();
+        let mut all = [self.outcomes.clone(), self.mixed.clone()].concat();
+        all.sort_by_key(|outcome| outcome.index);
+        write_samples(&folder.join(samples), provenance, &names, &all).unwrap();
+        write_curves(&folder.join(curves), provenance, &all).unwrap();
         self.record.tables = TABLES
             .map(|name| FileRecord::in_folder(folder, name).unwrap())
             .to_vec();
@@ -79,6 +103,7 @@ fn record() -> RunRecord {
     let input = |name: &str, prior: &str| InputRecord {
         name: name.to_owned(),
         prior: prior.to_owned(),
+        distribution: None,
     };
     RunRecord {
         provenance: provenance(),
@@ -91,6 +116,7 @@ fn record() -> RunRecord {
             description: "monte-carlo".to_owned(),
             independent: true,
             outer_points: 1,
+            mixed_inputs: Vec::new(),
         },
         frequency_tolerance: 3e-7,
         levels: LEVELS.to_vec(),
@@ -108,6 +134,7 @@ fn record() -> RunRecord {
         nominal: Some(nominal),
         components: Vec::new(),
         requirements: requirements(),
+        surrogate: None,
         study_file: FileRecord::of("study.toml", b"name = \"synthetic\""),
         tables: Vec::new(),
         wall_time_s: 143.2,
@@ -169,6 +196,12 @@ pub(crate) fn provenance() -> Provenance {
 /// Additive recurrence in [0, 1): evenly spread, reproducible.
 fn fraction(i: u64, step: f64) -> f64 {
     (0.5 + (i + 1) as f64 * step).fract()
+}
+
+/// Inputs of a point of the recurrence with these steps.
+fn point(i: u64, steps: [f64; 2]) -> [f64; 2] {
+    let [u, v] = steps.map(|step| fraction(i, step));
+    [10f64.powf(2.0 * u - 1.0), 0.1 + 0.7 * v]
 }
 
 fn sample(index: u64, inputs: [f64; 2]) -> SampleOutcome {

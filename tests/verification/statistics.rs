@@ -7,6 +7,7 @@ mod failed;
 mod sensitivity;
 mod values;
 
+use microslip::ensemble::test_function::TestFunction;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
@@ -58,15 +59,12 @@ fn assert_coverage(name: &str, measured: f64, stated: f64) {
 
 /// Ishigami's function of three uniform numbers, with a = 7 and b = 0.1.
 fn ishigami(u: &[f64]) -> f64 {
-    let [x1, x2, x3] = [0, 1, 2].map(|j| TAU * (u[j] - 0.5));
-    x1.sin() + 7.0 * x2.sin().powi(2) + 0.1 * x3.powi(4) * x1.sin()
+    TestFunction::Ishigami.value(u)
 }
 
 /// Sobol's G-function with the coefficients 0, 1, 4.5, 9, 99, 99, 99, 99.
 fn g_function(u: &[f64]) -> f64 {
-    let a = [0.0, 1.0, 4.5, 9.0, 99.0, 99.0, 99.0, 99.0];
-    let factor = |(u, a): (&f64, f64)| ((4.0 * u - 2.0).abs() + a) / (1.0 + a);
-    u.iter().zip(a).map(factor).product()
+    TestFunction::GFunction.value(u)
 }
 
 /// Water flow through a borehole (Harper & Gupta 1983, inputs of the library uqtestfuns) at eight uniform numbers.
@@ -74,11 +72,14 @@ fn borehole(u: &[f64]) -> f64 {
     use statrs::distribution::{ContinuousCDF, Normal};
     let z = |j: usize| Normal::standard().inverse_cdf(u[j]);
     let between = |j: usize, low: f64, high: f64| low + u[j] * (high - low);
-    let (radius, influence) = (0.1 + 0.016_181_2 * z(0), (7.71 + 1.0056 * z(1)).exp());
-    let (t_u, h_u) = (between(2, 63_070.0, 115_600.0), between(3, 990.0, 1100.0));
-    let (t_l, h_l) = (between(4, 63.1, 116.0), between(5, 700.0, 820.0));
-    let (length, k_w) = (between(6, 1120.0, 1680.0), between(7, 9985.0, 12_045.0));
-    let log = (influence / radius).ln();
-    let resistance = 1.0 + 2.0 * length * t_u / (log * radius * radius * k_w) + t_u / t_l;
-    TAU * t_u * (h_u - h_l) / (log * resistance)
+    TestFunction::Borehole.value(&[
+        0.1 + 0.016_181_2 * z(0),
+        (7.71 + 1.0056 * z(1)).exp(),
+        between(2, 63_070.0, 115_600.0),
+        between(3, 990.0, 1100.0),
+        between(4, 63.1, 116.0),
+        between(5, 700.0, 820.0),
+        between(6, 1120.0, 1680.0),
+        between(7, 9985.0, 12_045.0),
+    ])
 }

@@ -1,13 +1,13 @@
 //! Which input moves what.
 
-use super::super::assessment::{IndexResult, InputInfluence};
 use super::super::axis::Axis;
 use super::super::block::{Block, Cell, Figure, Section, Table};
 use super::super::display::{DASH, minus_sign};
 use super::super::figure::{Panel, Size};
+use super::super::sensitivity::{IndexResult, InputInfluence};
 use super::super::summary::{InputCorrelation, LevelSummary};
 use super::super::view::{Shown, View, thinned};
-use crate::statistics::{ConditionalMean, Influence};
+use crate::statistics::{ConditionalMean, Index, Influence};
 
 /// Inputs that get a scatter panel, those with the strongest rank correlations.
 const MAX_INPUTS: usize = 6;
@@ -29,13 +29,7 @@ pub(super) fn section(view: &View) -> Option<Section> {
             view.level_legend([]),
             Block::pairs(Shown::ALL.map(|shown| bars(view, shown)).to_vec()),
             indices(view),
-            Block::Hint(
-                "First-order index: share of the variance that the input explains alone, estimated by ranks from the \
-                 samples at hand, with a 95 % interval from halves of the samples. “Not distinguishable from 0”: \
-                 these samples show no influence. It presumes independent inputs and describes the samples with a \
-                 solution."
-                    .to_owned(),
-            ),
+            Block::Hint(explanation(view)),
             Block::Heading("Mean of the result along each input".to_owned()),
             Block::pairs(Shown::ALL.map(|shown| tornado(view, shown)).to_vec()),
             Block::Heading("Samples over each input".to_owned()),
@@ -45,6 +39,31 @@ pub(super) fn section(view: &View) -> Option<Section> {
             Block::Hint(hint.to_owned()),
         ],
     })
+}
+
+/// Whether the indices are those of a pick-freeze design, with totals.
+fn with_totals(view: &View) -> bool {
+    !view.input.record.design.mixed_inputs.is_empty()
+}
+
+/// What an index is and where it comes from.
+fn explanation(view: &View) -> String {
+    let (kind, source) = match with_totals(view) {
+        true => (
+            "Total index (pale bar): that and its interactions with the other inputs. ",
+            "estimated from the rows of the pick-freeze design, with 95 % intervals by resampling the rows. A single \
+             sample without a solution refuses the indices of its level: without its row they would be biased",
+        ),
+        false => (
+            "",
+            "estimated by ranks from the samples at hand, with a 95 % interval from tenths of the samples. It describes \
+             the samples with a solution",
+        ),
+    };
+    format!(
+        "First-order index: share of the variance that the input explains alone. {kind}Independent inputs are presumed; \
+         {source}. “Not distinguishable from 0”: these samples show no influence."
+    )
 }
 
 /// Index of the result that a panel shows.
@@ -66,90 +85,114 @@ fn input_names(view: &View) -> Vec<String> {
     inputs.map(|input| input.name.clone()).collect()
 }
 
-/// First-order indices, one bar per input and level.
+/// Indices, one bar per input and level; totals behind the first-order ones.
 fn bars(view: &View, shown: Shown) -> Figure {
     let n = view.n_levels();
     let x = Axis::linear("Share of the variance", -0.1, 1.1);
     let names = input_names(view);
     let size = Size::Rows(names.len() * n.div_ceil(2).max(1));
-    let title = format!("First-order index, {}", shown.word());
+    let title = match with_totals(view) {
+        true => format!("First-order and total index, {}", shown.word()),
+        false => format!("First-order index, {}", shown.word()),
+    };
     let mut panel = Panel::new(size, title, x, Axis::of_names(names));
     panel.rule("zero", 0.0);
+    let mut empty = true;
     for (i, level) in view.assessment.levels.iter().enumerate() {
         for (j, influence) in level.influences.iter().enumerate() {
-            if let IndexResult::Index(found) = index(influence, shown) {
-                let (y, index) = (line(j, i, n), found.index);
-                let ends = [0.0, index.estimate.max(0.0)];
-                panel.level_bar(&format!("l{i}"), y, ends, 0.6 / n as f64);
-                panel.level_whisker("plain", y, [index.lower, index.upper]);
+            let (first, total) = match index(influence, shown) {
+                IndexResult::Index(found) => (found.index, None),
+                IndexResult::PickFreeze(found) => (found.first, Some(found.total)),
+                IndexResult::Refused(_) => continue,
+            };
+            empty = false;
+            let (y, height) = (line(j, i, n), 0.6 / n as f64);
+            let ends = |index: Index| [0.0, index.estimate.max(0.0)];
+            if let Some(total) = total {
+                panel.level_bar(&format!("total l{i}"), y, ends(total), height);
             }
+            panel.level_bar(&format!("l{i}"), y, ends(first), 0.6 * height);
+            panel.level_whisker("plain", y, [first.lower, first.upper]);
         }
     }
-    let levels = view.assessment.levels.iter().flat_map(|l| &l.influences);
-    if !levels
-        .map(|influence| index(influence, shown))
-        .any(|found| matches!(found, IndexResult::Index(_)))
-    {
+    if empty {
         panel.note("no index: the table says why");
     }
     view.figure(&panel, format!("index-{}", shown.word()), "")
 }
 
-/// First-order indices with their intervals, or the reason why there is none.
+/// Columns of the download, in the order of the cells.
+const FREQUENCY_FIRST: &[&str] = &[
+    "frequency_index",
+    "frequency_index_lower",
+    "frequency_index_upper",
+];
+const FREQUENCY_TOTAL: &[&str] = &[
+    "frequency_total",
+    "frequency_total_lower",
+    "frequency_total_upper",
+];
+const AMPLITUDE_FIRST: &[&str] = &[
+    "amplitude_index",
+    "amplitude_index_lower",
+    "amplitude_index_upper",
+];
+const AMPLITUDE_TOTAL: &[&str] = &[
+    "amplitude_total",
+    "amplitude_total_lower",
+    "amplitude_total_upper",
+];
+
+/// Indices with their intervals, or the reason why there is none.
 fn indices(view: &View) -> Block {
-    let mut table = Table::of(
-        "First-order indices",
-        "indices",
-        &[
-            ("Level", &["level"]),
-            ("Input", &["input"]),
-            (
-                "Frequency",
-                &[
-                    "frequency_index",
-                    "frequency_index_lower",
-                    "frequency_index_upper",
-                ],
-            ),
-            (
-                "Amplitude",
-                &[
-                    "amplitude_index",
-                    "amplitude_index_lower",
-                    "amplitude_index_upper",
-                ],
-            ),
-        ],
-    );
+    let totals = with_totals(view);
+    let mut columns = vec![("Level", &["level"] as &'static [_]), ("Input", &["input"])];
+    columns.push(("Frequency", FREQUENCY_FIRST));
+    columns.extend(totals.then_some(("Frequency, total", FREQUENCY_TOTAL)));
+    columns.push(("Amplitude", AMPLITUDE_FIRST));
+    columns.extend(totals.then_some(("Amplitude, total", AMPLITUDE_TOTAL)));
+    let title = match totals {
+        true => "First-order and total indices",
+        false => "First-order indices",
+    };
+    let mut table = Table::of(title, "indices", &columns);
     for (i, level) in view.assessment.levels.iter().enumerate() {
         for influence in &level.influences {
-            table.row(vec![
+            let mut cells = vec![
                 view.level_cell(i),
                 Cell::text(&influence.input).with_class("text"),
-                index_cell(&influence.frequency),
-                index_cell(&influence.amplitude),
-            ]);
+            ];
+            for shown in Shown::ALL {
+                cells.extend(index_cells(index(influence, shown), totals));
+            }
+            table.row(cells);
         }
     }
     table.block()
 }
 
-fn index_cell(result: &IndexResult) -> Cell {
+/// One cell, or two with totals.
+fn index_cells(result: &IndexResult, totals: bool) -> Vec<Cell> {
     match result {
-        IndexResult::Refused(reason) => Cell::number(DASH, None)
-            .with_raw([None, None])
-            .with_small(reason),
-        IndexResult::Index(found) => {
-            let index = found.index;
-            let number = |v: f64| minus_sign(&format!("{v:.2}"));
-            let cell = Cell::number(number(index.estimate), Some(index.estimate))
-                .with_raw([Some(index.lower), Some(index.upper)])
-                .with_small(format!("{} … {}", number(index.lower), number(index.upper)));
-            match index.influence {
-                Influence::Distinct => cell,
-                Influence::NotDistinguishable => cell.with_small(index.influence.to_string()),
-            }
+        IndexResult::Index(found) => vec![index_cell(found.index)],
+        IndexResult::PickFreeze(found) => [found.first, found.total].map(index_cell).into(),
+        IndexResult::Refused(reason) => {
+            let none = Cell::number(DASH, None)
+                .with_raw([None, None])
+                .with_small(reason);
+            vec![none; 1 + usize::from(totals)]
         }
+    }
+}
+
+fn index_cell(index: Index) -> Cell {
+    let number = |v: f64| minus_sign(&format!("{v:.2}"));
+    let cell = Cell::number(number(index.estimate), Some(index.estimate))
+        .with_raw([Some(index.lower), Some(index.upper)])
+        .with_small(format!("{} … {}", number(index.lower), number(index.upper)));
+    match index.influence {
+        Influence::Distinct => cell,
+        Influence::NotDistinguishable => cell.with_small(index.influence.to_string()),
     }
 }
 

@@ -36,6 +36,7 @@ mod influence;
 mod performance;
 mod response;
 mod stress;
+mod surrogate;
 mod verdict;
 
 pub(super) use distribution::confidence_band;
@@ -56,6 +57,7 @@ pub(super) fn sections(view: &View) -> Vec<Section> {
         Some(response::section(view)),
         distribution::section(view),
         influence::section(view),
+        surrogate::section(view),
         convergence::section(view),
         Some(error_budget::section(view)),
         Some(failure::section(view)),

@@ -215,6 +215,7 @@ fn notices(view: &View) -> Vec<String> {
         ));
     }
     notices.extend(view.summary.epistemic.as_ref().map(pooling));
+    notices.extend(mixed_notice(view));
     for status in Status::ALL.into_iter().filter(|&s| s != Status::Converged) {
         notices.extend(status_notice(view, status));
     }
@@ -225,6 +226,19 @@ fn notices(view: &View) -> Vec<String> {
         }
     }
     notices
+}
+
+/// How many samples serve the sensitivity indices alone, and how many of them have no solution; absent without such.
+fn mixed_notice(view: &View) -> Option<String> {
+    let levels = view.summary.levels.iter();
+    let mixed: Vec<_> = levels.filter_map(|l| l.mixed.as_ref()).collect();
+    let samples = mixed.first()?.samples;
+    let failed: usize = mixed.iter().map(|m| m.failed).sum();
+    let solves = samples * mixed.len();
+    Some(format!(
+        "{samples} further samples share inputs with these and serve the sensitivity indices alone; {failed} of their \
+         {solves} solves have no solution. No other number of this page counts them."
+    ))
 }
 
 /// How many solves ended so, and where most of them; absent if none did.

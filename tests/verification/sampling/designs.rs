@@ -10,6 +10,7 @@ use microslip::sampling::{
     CorrelationTable, Design, DesignSettings, DesignTable, Distribution, DistributionTable,
     EpistemicTable, Input, Uncertainty,
 };
+use microslip::statistics::pick_freeze_points;
 
 const INPUTS: &str = r#"
 [stiffness_scale]
@@ -263,6 +264,7 @@ fn growing_designs_keep_their_first_samples() {
     let cases = [
         ("kind = \"monte-carlo\"", 24),
         ("kind = \"sobol\"\nreplicates = 3", 24),
+        ("kind = \"pick-freeze\"", 20),
     ];
     for (text, n) in cases {
         let (few, many) = (settings(text, n), settings(text, 4 * n));
@@ -292,4 +294,39 @@ fn replicates_are_told_apart() {
         assert!(seen.iter().all(|s| *s), "replicate {replicate}");
     }
     assert_ne!(design.sample(0), design.sample(1));
+}
+
+/// Rows are those of the statistics that read them, from the columns of one sequence, and every sample knows its place.
+/// A and B depend on each other in no pair of columns. Seen to fail with two points of one sequence as A and B.
+#[test]
+fn pick_freeze_rows_are_those_of_the_indices() {
+    let rows = 64;
+    let design = settings("kind = \"pick-freeze\"", 5 * rows)
+        .build()
+        .unwrap();
+    assert_eq!(design.mixed_inputs(), [0, 1, 2]);
+    let u = places(&design);
+    let table: Vec<Vec<f64>> = u
+        .chunks_exact(5)
+        .map(|row| [row[0].clone(), row[1].clone()].concat())
+        .collect();
+    let expected = pick_freeze_points(&table).unwrap();
+    for (i, (found, expected)) in u.iter().zip(&expected).enumerate() {
+        for (a, b) in found.iter().zip(expected) {
+            assert!((a - b).abs() < 1e-12, "sample {i}: {a} {b}");
+        }
+        let group = design.group(i as u64);
+        assert_eq!(group.place, Some(i as u64 % 5));
+        assert_eq!(group.of_population(), i % 5 < 2);
+    }
+    // each column of A and of B has one value in each of the strata
+    for j in 0..6 {
+        let mut seen = vec![false; rows as usize];
+        for row in &table {
+            seen[(row[j] * rows as f64) as usize] = true;
+        }
+        assert!(seen.iter().all(|s| *s), "column {j}");
+    }
+    let monte_carlo = settings("kind = \"monte-carlo\"", 10).build().unwrap();
+    assert!(monte_carlo.mixed_inputs().is_empty() && monte_carlo.group(7).of_population());
 }

@@ -1,0 +1,222 @@
+//! What a surrogate says beyond the samples, and what it is worth.
+
+use super::super::block::{Block, Cell, Section, Table};
+use super::super::display::{DASH, minus_sign, percent, significant};
+use super::super::surrogate::{LevelSurrogates, Surrogate, SurrogateResult};
+use super::super::view::{Shown, View};
+
+/// Absent where the study wants none.
+pub(super) fn section(view: &View) -> Option<Section> {
+    view.input.record.surrogate?;
+    let mut blocks = vec![
+        Block::Hint(
+            "A polynomial chaos expansion stands for the solver in this section, and nowhere else on this page. It knows \
+             smooth dependence only; its worth is its error at samples that did not shape it (held out)."
+                .to_owned(),
+        ),
+        worth(view),
+        indices(view),
+    ];
+    if let Some(table) = exceedances(view) {
+        blocks.push(table);
+        blocks.push(Block::Hint(
+            "Surrogate: share of 100000 points, with the 95 % interval of that share alone; below it the shares with the \
+             limit moved by its cross-validation error to either side. Samples: share of the solved ones with its 95 % \
+             interval, failed ones on either side."
+                .to_owned(),
+        ));
+    }
+    Some(Section {
+        id: "surrogate",
+        title: "Surrogate".to_owned(),
+        blocks,
+    })
+}
+
+/// Number of a level, its surrogates.
+fn levels<'a>(view: &'a View) -> impl Iterator<Item = (usize, &'a LevelSurrogates)> {
+    let levels = view.assessment.levels.iter().enumerate();
+    levels.filter_map(|(i, level)| Some((i, level.surrogates.as_ref()?)))
+}
+
+fn of(level: &LevelSurrogates, shown: Shown) -> &SurrogateResult {
+    match shown {
+        Shown::Frequency => &level.frequency,
+        Shown::AmplitudePerLevel => &level.amplitude,
+    }
+}
+
+fn worth(view: &View) -> Block {
+    let mut table = Table::of(
+        "Surrogate: what it is worth",
+        "surrogate",
+        &[
+            ("Level", &["level"]),
+            ("Result", &["result"]),
+            ("Variance predicted", &["q2"]),
+            ("Cross-validation error", &["cross_validation_error"]),
+            ("Error where held out", &["hold_out_rms_error"]),
+            ("Largest there", &["hold_out_largest_error"]),
+            ("Samples", &["fitted", "held_out", "failed"]),
+            ("Terms", &["terms", "degree"]),
+        ],
+    );
+    for (i, level) in levels(view) {
+        for shown in Shown::ALL {
+            let head = [
+                view.level_cell(i),
+                Cell::text(shown.word()).with_class("text"),
+            ];
+            let cells = match of(level, shown) {
+                SurrogateResult::Refused(reason) => refused(reason),
+                SurrogateResult::Surrogate(surrogate) => worth_cells(view, shown, surrogate),
+            };
+            table.row(head.into_iter().chain(cells).collect());
+        }
+    }
+    table.block()
+}
+
+fn refused(reason: &str) -> Vec<Cell> {
+    let none = || Cell::number(DASH, None);
+    vec![
+        none().with_small(format!("not available: {reason}")),
+        none(),
+        none(),
+        none(),
+        none().with_raw([None, None]),
+        none().with_raw([None]),
+    ]
+}
+
+/// Errors in Hz or in the unit of the page; in full and in SI in the download.
+fn worth_cells(view: &View, shown: Shown, surrogate: &Surrogate) -> Vec<Cell> {
+    let error = |v: f64| {
+        let text = match shown {
+            Shown::Frequency => format!("{} Hz", significant(v)),
+            Shown::AmplitudePerLevel => {
+                format!(
+                    "{} {}",
+                    significant(v * view.unit.per_metre),
+                    view.unit.symbol
+                )
+            }
+        };
+        Cell::number(text, Some(v))
+    };
+    let held = &surrogate.hold_out;
+    let samples = [held.samples, surrogate.failed].map(|n| Some(n as f64));
+    vec![
+        Cell::number(
+            minus_sign(&format!("{:.4}", surrogate.q2)),
+            Some(surrogate.q2),
+        ),
+        error(surrogate.cross_validation_error),
+        error(held.rms_error),
+        error(held.largest_error),
+        Cell::number(surrogate.fitted.to_string(), Some(surrogate.fitted as f64))
+            .with_raw(samples)
+            .with_small(format!(
+                "{} held out, {} failed",
+                held.samples, surrogate.failed
+            )),
+        Cell::number(surrogate.terms.to_string(), Some(surrogate.terms as f64))
+            .with_raw([Some(surrogate.degree as f64)])
+            .with_small(format!("degree {}", surrogate.degree)),
+    ]
+}
+
+fn indices(view: &View) -> Block {
+    let mut table = Table::of(
+        "Surrogate: Sobol’ indices",
+        "surrogate-indices",
+        &[
+            ("Level", &["level"]),
+            ("Result", &["result"]),
+            ("Input", &["input"]),
+            ("First-order index", &["first"]),
+            ("Total index", &["total"]),
+        ],
+    );
+    let share = |v: f64| Cell::number(format!("{v:.3}"), Some(v));
+    for (i, level) in levels(view) {
+        for shown in Shown::ALL {
+            let found = of(level, shown).surrogate();
+            for index in found.iter().flat_map(|s| &s.indices) {
+                table.row(vec![
+                    view.level_cell(i),
+                    Cell::text(shown.word()).with_class("text"),
+                    Cell::text(&index.input).with_class("text"),
+                    share(index.first),
+                    share(index.total),
+                ]);
+            }
+        }
+    }
+    table.block()
+}
+
+/// Absent without a limit of the amplitude.
+fn exceedances(view: &View) -> Option<Block> {
+    let mut table = Table::of(
+        "Surrogate: probability that the amplitude exceeds a limit",
+        "surrogate-exceedance",
+        &[
+            ("Level", &["level"]),
+            ("Limit", &["limit_m"]),
+            (
+                "Surrogate",
+                &[
+                    "surrogate",
+                    "surrogate_lower",
+                    "surrogate_upper",
+                    "limit_up",
+                    "limit_down",
+                ],
+            ),
+            ("Samples", &["samples", "samples_lower", "samples_upper"]),
+        ],
+    );
+    let mut empty = true;
+    for (i, level) in levels(view) {
+        for both in level
+            .amplitude
+            .surrogate()
+            .iter()
+            .flat_map(|s| &s.exceedances)
+        {
+            empty = false;
+            let found = &both.surrogate;
+            let limit = significant(found.threshold * view.unit.per_metre);
+            let share = found.probability;
+            let (surely, possibly) = found.by_error;
+            let samples = both.samples.map(|s| s.probability);
+            let known = samples.and_then(|s| s.known).map(|k| k.estimate);
+            table.row(vec![
+                view.level_cell(i),
+                Cell::number(
+                    format!("{limit} {}", view.unit.symbol),
+                    Some(found.threshold),
+                ),
+                Cell::number(percent(share.estimate), Some(share.estimate))
+                    .with_raw([share.lower, share.upper, surely, possibly].map(Some))
+                    .with_small(format!(
+                        "{} … {}",
+                        percent(share.lower),
+                        percent(share.upper)
+                    ))
+                    .with_small(format!(
+                        "{} … {} by its error",
+                        percent(surely),
+                        percent(possibly)
+                    )),
+                Cell::number(known.map_or_else(|| DASH.to_owned(), percent), known)
+                    .with_raw([samples.map(|s| s.lower), samples.map(|s| s.upper)])
+                    .with_small(samples.map_or_else(String::new, |s| {
+                        format!("{} … {}", percent(s.lower), percent(s.upper))
+                    })),
+            ]);
+        }
+    }
+    (!empty).then(|| table.block())
+}
