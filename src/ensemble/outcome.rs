@@ -68,6 +68,8 @@ pub struct PeakRecord {
     /// Largest component of the residual over the fixed displacement scale.
     #[serde(deserialize_with = "number")]
     pub residual: f64,
+    /// Other, lower maxima of the amplitude that the search met, on this or another branch of solutions.
+    pub other_maxima: usize,
 }
 
 /// One point of a forced response curve.

@@ -21,6 +21,10 @@ use crate::units::rad_s_to_hz;
 const SURPRISE: f64 = 0.2;
 /// First and smallest share of the way from an anchor to a sample in one step.
 const STEPS: [f64; 2] = [0.5, 1.0 / 64.0];
+/// Relative distances of frequency and amplitude up to which two solutions are one maximum.
+const SAME: [f64; 2] = [1e-6, 1e-5];
+/// The same for solutions on different harmonics, which the truncation sets apart.
+const SAME_ON_OTHER_HARMONICS: [f64; 2] = [1e-4, 2e-2];
 /// Relative tolerance of frequency and residual at the peaks between an anchor and a sample: they only lead on.
 const WAYPOINT_TOLERANCE: f64 = 1e-5;
 
@@ -78,9 +82,9 @@ impl Ensemble<'_> {
         let levels = self.applied_levels(&applied);
         let solved = (applied.problem(self.settings.anchor)).and_then(|problem| {
             let peaks = self.peaks(&problem, &levels, place, atlas)?;
-            let anchor = |peak: &LevelPeak| Some(AnchorPeak::new(peak.solution.as_ref()?));
+            let anchor = |found: &Found| Some(AnchorPeak::new(found.peak.solution.as_ref()?));
             let anchors = peaks.iter().map(anchor).collect();
-            let level = |(peak, nominal)| self.level(&problem, peak, nominal, curve);
+            let level = |(found, nominal)| self.level(&problem, found, nominal, curve);
             let of_levels = peaks.into_iter().zip(self.levels.iter().copied());
             Ok((of_levels.map(level).collect(), anchors))
         });
@@ -132,19 +136,19 @@ impl Ensemble<'_> {
         levels: &[f64],
         place: &[f64],
         atlas: &Atlas,
-    ) -> Result<Vec<LevelPeak>, ProblemError> {
-        let mut spent = vec![WorkCount::default(); self.levels.len()];
-        let mut peaks: Vec<Option<LevelPeak>> = (spent.iter_mut().enumerate())
-            .map(|(level, spent)| {
+    ) -> Result<Vec<Found>, ProblemError> {
+        let mut searches: Vec<Search> = levels.iter().map(|_| Search::default()).collect();
+        let mut peaks: Vec<Option<LevelPeak>> = (searches.iter_mut().enumerate())
+            .map(|(level, search)| {
                 let prediction = atlas.predict(place, level)?.at_level(levels[level]);
-                let predicted = self.predicted(problem, prediction, spent);
+                let predicted = self.predicted(problem, prediction, search);
                 predicted.or_else(|| {
                     self.followed(
                         problem,
                         (level, levels[level]),
                         place,
                         atlas.nearest(place, level)?,
-                        spent,
+                        search,
                     )
                 })
             })
@@ -158,16 +162,16 @@ impl Ensemble<'_> {
                 .zip(tracked)
                 .for_each(|(i, peak)| peaks[i] = Some(peak));
         }
-        (peaks.iter_mut().flatten().zip(spent)).for_each(|(peak, spent)| peak.count += spent);
-        Ok(peaks.into_iter().flatten().collect())
+        let found = peaks.into_iter().flatten().zip(searches);
+        Ok(found.map(|(peak, search)| search.end(peak)).collect())
     }
 
-    /// The peak that a prediction leads to, unless that is not what it promised; `spent` counts what a failure costs.
+    /// The peak that a prediction leads to, unless that is not what it promised.
     fn predicted(
         &self,
         problem: &Problem<'_>,
         prediction: AtlasPrediction,
-        spent: &mut WorkCount,
+        search: &mut Search,
     ) -> Option<LevelPeak> {
         let AtlasPrediction {
             harmonics,
@@ -179,11 +183,12 @@ impl Ensemble<'_> {
                 Some(LevelPeak::found(solution))
             }
             Ok(solution) => {
-                *spent += solution.work_count;
+                search.spent += solution.work_count;
+                search.aside.push(solution);
                 None
             }
             Err((_, work)) => {
-                *spent += work;
+                search.spent += work;
                 None
             }
         }
@@ -196,7 +201,7 @@ impl Ensemble<'_> {
         (level, target): (usize, f64),
         place: &[f64],
         (start, anchor): (&[f64], &AnchorPeak),
-        spent: &mut WorkCount,
+        search: &mut Search,
     ) -> Option<LevelPeak> {
         let (mut before, mut at) = (None, (0.0, anchor.clone()));
         let mut step = STEPS[0];
@@ -208,11 +213,11 @@ impl Ensemble<'_> {
             };
             if share == 1.0 {
                 let prediction = prediction.at_level(target);
-                if let Some(peak) = self.predicted(problem, prediction, spent) {
+                if let Some(peak) = self.predicted(problem, prediction, search) {
                     return Some(peak);
                 }
             } else if let Some(next) =
-                self.waypoint(level, (start, place, share), prediction, spent)
+                self.waypoint(level, (start, place, share), prediction, &mut search.spent)
             {
                 before = Some(std::mem::replace(&mut at, (share, next)));
                 step *= 2.0;
@@ -259,7 +264,7 @@ impl Ensemble<'_> {
     fn level(
         &self,
         problem: &Problem<'_>,
-        peak: LevelPeak,
+        Found { peak, others }: Found,
         level: f64,
         with_curve: bool,
     ) -> LevelOutcome {
@@ -271,7 +276,7 @@ impl Ensemble<'_> {
         LevelOutcome {
             level,
             status: peak.status,
-            peak: peak.solution.as_ref().map(record),
+            peak: (peak.solution.as_ref()).map(|solution| record(solution, others)),
             curve,
             newton_iterations: count.iterations,
             factorizations: count.factorizations,
@@ -327,12 +332,63 @@ impl Ensemble<'_> {
     }
 }
 
+/// What the search for one peak has spent and met on the way.
+#[derive(Default)]
+struct Search {
+    spent: WorkCount,
+    /// Maxima that were not those that a prediction had promised.
+    aside: Vec<Solution>,
+}
+
+/// A peak, and how many other maxima were met.
+struct Found {
+    peak: LevelPeak,
+    others: usize,
+}
+
+impl Search {
+    /// The highest of `peak` and the maxima that were met before it.
+    fn end(self, mut peak: LevelPeak) -> Found {
+        let mut maxima: Vec<Solution> = peak.solution.take().into_iter().collect();
+        for solution in self.aside {
+            if !maxima.iter().any(|known| is_same_maximum(known, &solution)) {
+                maxima.push(solution);
+            }
+        }
+        let others = maxima.len().saturating_sub(1);
+        // the first of equals: what is found does not depend on anything but the sample and its atlas
+        let highest =
+            maxima
+                .into_iter()
+                .reduce(|best, other| match other.amplitude(0) > best.amplitude(0) {
+                    true => other,
+                    false => best,
+                });
+        if let Some(highest) = highest {
+            peak.status = highest.status;
+            peak.solution = Some(highest);
+        }
+        peak.count += self.spent;
+        Found { peak, others }
+    }
+}
+
+/// Whether two solutions of one problem are the same maximum, perhaps on other harmonics.
+fn is_same_maximum(a: &Solution, b: &Solution) -> bool {
+    let apart = |a: f64, b: f64| (a / b - 1.0).abs();
+    let [frequency, amplitude] = match a.harmonics == b.harmonics {
+        true => SAME,
+        false => SAME_ON_OTHER_HARMONICS,
+    };
+    apart(a.omega, b.omega) <= frequency && apart(a.amplitude(0), b.amplitude(0)) <= amplitude
+}
+
 /// Whether an amplitude is too far from the predicted one to lie on the same branch.
 fn surprising(found: f64, predicted: f64) -> bool {
     (found / predicted - 1.0).abs() >= SURPRISE
 }
 
-fn record(solution: &Solution) -> PeakRecord {
+fn record(solution: &Solution, other_maxima: usize) -> PeakRecord {
     PeakRecord {
         frequency_hz: rad_s_to_hz(solution.omega),
         amplitude_m: solution.amplitude(0),
@@ -345,5 +401,59 @@ fn record(solution: &Solution) -> PeakRecord {
         work_viscous_j: solution.work.viscous,
         work_friction_j: solution.work.friction,
         residual: solution.residual,
+        other_maxima,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::harmonics::HarmonicSet;
+    use crate::hb::solution::{ContactFractions, CycleWork};
+
+    /// A solution of one response, told apart by frequency and amplitude.
+    fn maximum(omega: f64, amplitude: f64, highest: usize) -> Solution {
+        let harmonics = HarmonicSet::up_to(highest);
+        let mut responses = vec![0.0; harmonics.n_coefficients()];
+        responses[1] = amplitude;
+        Solution {
+            status: Status::Converged,
+            omega,
+            level: 1.0,
+            harmonics,
+            relative: Vec::new(),
+            force: Vec::new(),
+            responses,
+            residual: 0.0,
+            contact: ContactFractions::default(),
+            flight_fraction: 0.0,
+            work: CycleWork::default(),
+            truncation_error: None,
+            work_count: WorkCount::default(),
+        }
+    }
+
+    /// Seen to fail with the lowest of the maxima, and with maxima on other harmonics counted apart.
+    #[test]
+    fn the_highest_maximum_is_reported_and_the_others_are_counted() {
+        let end = |aside: Vec<Solution>| {
+            let search = Search {
+                aside,
+                ..Search::default()
+            };
+            let found = search.end(LevelPeak::found(maximum(100.0, 2.0, 3)));
+            let solution = found.peak.solution.unwrap();
+            (solution.omega, found.others)
+        };
+        assert_eq!(end(vec![]), (100.0, 0));
+        assert_eq!(end(vec![maximum(100.0, 2.0, 3)]), (100.0, 0));
+        assert_eq!(
+            end(vec![maximum(100.001, 2.01, 5)]),
+            (100.0, 0),
+            "harmonics"
+        );
+        assert_eq!(end(vec![maximum(100.001, 1.9, 3)]), (100.0, 1), "lower");
+        let [lower, higher] = [maximum(99.0, 1.0, 3), maximum(101.0, 3.0, 3)];
+        assert_eq!(end(vec![lower, higher.clone(), higher]), (101.0, 2));
     }
 }

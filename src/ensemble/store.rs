@@ -344,6 +344,11 @@ fn sample_columns(input_names: &[String], group: SampleGroup, outcomes: &[Sample
     add("work_viscous_j", real(|p| Some(p.work_viscous_j)));
     add("work_friction_j", real(|p| Some(p.work_friction_j)));
     add("residual", real(|p| Some(p.residual)));
+    let others = |l: &LevelOutcome| peak(l).and_then(|p| count(p.other_maxima));
+    add(
+        "other_maxima",
+        Column::Count(rows.iter().map(|(_, l)| others(l)).collect()),
+    );
     let newton = rows.iter().map(|(_, l)| count(l.newton_iterations));
     add("newton_iterations", Column::Count(newton.collect()));
     let factorizations = rows.iter().map(|(_, l)| count(l.factorizations));
@@ -515,6 +520,7 @@ impl Record {
             work_viscous_j: self.number("work_viscous_j")?,
             work_friction_j: self.number("work_friction_j")?,
             residual: self.number("residual")?,
+            other_maxima: self.count("other_maxima")?,
         }))
     }
 }

@@ -70,6 +70,7 @@ impl TestFunction {
             work_viscous_j: 0.0,
             work_friction_j: 0.0,
             residual: 0.0,
+            other_maxima: 0,
         }
     }
 }

@@ -72,6 +72,8 @@ pub struct LevelSummary {
     pub truncation_error: Distribution,
     /// Number of solutions per highest harmonic.
     pub highest_harmonics: BTreeMap<usize, usize>,
+    /// Samples whose search met other, lower maxima too.
+    pub several_maxima: usize,
     /// Mean shares of the contact states.
     pub mean_contact_fractions: Option<ContactFractions>,
     /// Largest |input − viscous − friction| work per cycle over the input work.
@@ -227,6 +229,7 @@ impl LevelSummary {
             },
             truncation_error: distribution(&|p| p.truncation_error),
             highest_harmonics,
+            several_maxima: peaks.iter().filter(|p| p.other_maxima > 0).count(),
             mean_contact_fractions: mean_fractions(&peaks),
             worst_work_balance: worst_work_balance(&peaks),
             newton_iterations: WorkCount::of(records.iter().map(|r| r.newton_iterations)),

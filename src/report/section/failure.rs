@@ -300,6 +300,7 @@ fn work_table(view: &View) -> Block {
             ("Factorisations, median", &["factorizations_median"]),
             ("95 %", &["factorizations_q95"]),
             ("Worst work balance", &["work_balance"]),
+            ("Several maxima met", &["several_maxima"]),
         ],
     );
     for (i, level) in view.summary.levels.iter().enumerate() {
@@ -315,6 +316,7 @@ fn work_table(view: &View) -> Block {
                 balance.map_or_else(|| DASH.to_owned(), significant),
                 balance,
             ),
+            count(Some(level.several_maxima as f64)),
         ]);
     }
     table.block()
