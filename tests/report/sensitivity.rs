@@ -81,7 +81,8 @@ fn mixed_samples_are_in_no_other_number() {
     assert_eq!(json(&with), json(&without));
 }
 
-/// One failed mixed sample refuses the indices of its level, with the reason in the page; other levels keep theirs.
+/// One failed mixed sample refuses the indices of its level, with the reason in the page; other levels keep theirs. Seen
+/// to fail with 0 in its place.
 #[test]
 fn a_failed_sample_refuses_the_indices() {
     let mut study = SyntheticStudy::pick_freeze(32);
@@ -106,7 +107,7 @@ fn a_failed_sample_refuses_the_indices() {
     }
 }
 
-/// An input with one value has no index, and neither have too few rows.
+/// An input with one value has no index, and neither have too few rows. Seen to fail with the index of another input.
 #[test]
 fn what_cannot_have_an_index_says_so() {
     let reason = |study: &SyntheticStudy, j: usize| match &frequency_indices(study, 0)[j] {
