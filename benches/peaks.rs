@@ -522,6 +522,7 @@ fn record(provenance: Provenance, names: &[String]) -> RunRecord {
         free: linear(2600.0),
         stuck: linear(2620.0),
         nominal: None,
+        one_at_a_time: None,
         components: Vec::new(),
         requirements: Requirements::default(),
         surrogate: None,

@@ -4,6 +4,7 @@ mod applied;
 pub mod atlas;
 pub mod backend;
 pub mod kept;
+pub mod one_at_a_time;
 pub mod outcome;
 pub mod runner;
 mod sample;

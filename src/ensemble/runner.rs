@@ -51,7 +51,7 @@ pub enum SampleSolver {
 }
 
 /// Samples solved without help: the first part of the atlas.
-const FIRST_ANCHORS: u64 = 8;
+pub(super) const FIRST_ANCHORS: u64 = 8;
 /// Samples in the atlas at most.
 pub const MOST_ANCHORS: u64 = 1024;
 

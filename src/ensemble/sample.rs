@@ -56,11 +56,7 @@ impl Ensemble<'_> {
         // bands are of the population
         let group = self.design.group(index);
         let curve = index < self.curve_samples && group.of_population();
-        let (levels, peaks) = match self.solver {
-            SampleSolver::HarmonicBalance => self.solved(&inputs, &place, atlas, curve),
-            #[cfg(feature = "test-functions")]
-            SampleSolver::Function(function) => self.evaluated(function, &inputs),
-        };
+        let (levels, peaks) = self.solved(&inputs, &place, atlas, curve);
         let outcome = SampleOutcome {
             index,
             group,
@@ -70,8 +66,29 @@ impl Ensemble<'_> {
         (outcome, Anchor { place, peaks })
     }
 
+    /// Records of the levels at inputs that are no sample, without curves.
+    pub(super) fn levels(&self, inputs: &[f64], atlas: &Atlas) -> Vec<LevelOutcome> {
+        let place = self.design.place(inputs);
+        self.solved(inputs, &place, atlas, false).0
+    }
+
     /// Records of the levels, with the forced response if wanted, and the peaks as starts for other samples.
     fn solved(
+        &self,
+        inputs: &[f64],
+        place: &[f64],
+        atlas: &Atlas,
+        curve: bool,
+    ) -> (Vec<LevelOutcome>, Vec<Option<AnchorPeak>>) {
+        match self.solver {
+            SampleSolver::HarmonicBalance => self.balanced(inputs, place, atlas, curve),
+            #[cfg(feature = "test-functions")]
+            SampleSolver::Function(function) => self.evaluated(function, inputs),
+        }
+    }
+
+    /// The same by harmonic balance.
+    fn balanced(
         &self,
         inputs: &[f64],
         place: &[f64],

@@ -4,6 +4,7 @@ use super::requirement::Requirements;
 use super::surrogate::SurrogateSettings;
 use super::{ReportError, ReportInput};
 use crate::ensemble::backend::BackendReport;
+use crate::ensemble::one_at_a_time::OneAtATime;
 use crate::ensemble::outcome::{CurvePoint, SampleOutcome, number};
 use crate::ensemble::store::{Provenance, StoreError, read_curves, read_samples, replace_file};
 use crate::sampling::Distribution;
@@ -44,6 +45,8 @@ pub struct RunRecord {
     pub stuck: LinearRecord,
     /// Outcome at the nominal inputs, if computed.
     pub nominal: Option<SampleOutcome>,
+    /// Results along each input alone, if wanted.
+    pub one_at_a_time: Option<OneAtATime>,
     /// Components that the model was reduced from; none for the user's own matrices.
     pub components: Vec<ComponentRecord>,
     /// What the designer asks for.

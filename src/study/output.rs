@@ -18,6 +18,8 @@ pub struct OutputSettings {
     pub curve_samples: u64,
     /// How the bands of whole curves in the report are formed.
     pub bands: Bands,
+    /// Whether each random input is also moved alone, from its 5 % to its 95 % value, the others at their medians.
+    pub one_at_a_time: bool,
 }
 
 impl Default for OutputSettings {
@@ -26,6 +28,7 @@ impl Default for OutputSettings {
             folder: PathBuf::from("results"),
             curve_samples: 200,
             bands: Bands::default(),
+            one_at_a_time: false,
         }
     }
 }

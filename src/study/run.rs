@@ -92,6 +92,8 @@ pub(super) fn run_after(
     let Solved { outcomes, anchors } = (backend.extend(&ensemble, kept, total, one_more))
         .map_err(|error| Error::Threads(error.to_string()))?;
     let nominal = ensemble.nominal();
+    let alone = study.output.one_at_a_time;
+    let one_at_a_time = alone.then(|| ensemble.one_at_a_time(&anchors));
     let provenance = provenance(study, prepared.folded());
     let inputs = input_records(study);
     let input_names: Vec<String> = inputs.iter().map(|input| input.name.clone()).collect();
@@ -123,6 +125,7 @@ pub(super) fn run_after(
         free,
         stuck,
         nominal: Some(nominal),
+        one_at_a_time,
         components: component_records(&prepared.components),
         requirements: study.requirements.clone(),
         surrogate: study.surrogate,

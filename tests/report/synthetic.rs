@@ -132,6 +132,7 @@ fn record() -> RunRecord {
             curve: lorentz(STUCK, 3.30e-6, 0.68, 30.0),
         },
         nominal: Some(nominal),
+        one_at_a_time: None,
         components: Vec::new(),
         requirements: requirements(),
         surrogate: None,

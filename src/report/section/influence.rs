@@ -31,7 +31,7 @@ pub(super) fn section(view: &View) -> Option<Section> {
             indices(view),
             Block::Hint(explanation(view)),
             Block::Heading("Mean of the result along each input".to_owned()),
-            Block::pairs(Shown::ALL.map(|shown| tornado(view, shown)).to_vec()),
+            Block::pairs(Shown::ALL.map(|shown| means(view, shown)).to_vec()),
             Block::Heading("Samples over each input".to_owned()),
             Block::pairs(scatter.collect()),
             correlations(view, Shown::Frequency, |c| c.frequency),
@@ -196,13 +196,46 @@ fn index_cell(index: Index) -> Cell {
     }
 }
 
-/// Means of the samples with the lowest and the highest values of each input, about the mean of all.
-fn tornado(view: &View, shown: Shown) -> Figure {
+/// How far a result goes along an input, at one level.
+pub(super) struct Leg {
+    pub level: usize,
+    /// Number of the input's line in the panel.
+    pub row: usize,
+    /// Results at the input's low and high value.
+    pub low: f64,
+    pub high: f64,
+}
+
+/// A bar per input and level from the result at the low to that at the high value of the input (dot).
+pub(super) fn legs(
+    view: &View,
+    shown: Shown,
+    names: &[String],
+    title: String,
+    legs: &[Leg],
+) -> Panel {
     let n = view.n_levels();
-    let mut rows = Vec::new();
+    let ends = legs.iter().flat_map(|leg| [leg.low, leg.high]);
+    let x = Axis::around(view.label(shown), ends);
+    let size = Size::Rows(names.len() * n.div_ceil(2).max(1));
+    let mut panel = Panel::new(size, title, x, Axis::of_names(names.to_vec()));
+    for leg in legs {
+        let (left, right) = (leg.low.min(leg.high), leg.low.max(leg.high));
+        let y = line(leg.row, leg.level, n);
+        let class = format!("l{}", leg.level);
+        panel.level_bar(&format!("total {class}"), y, [left, right], 0.5 / n as f64);
+        panel.dots(&class, [(leg.high, y)].into_iter());
+    }
+    view.note_if_empty(&mut panel);
+    panel
+}
+
+/// Means of the samples with the lowest and the highest values of each input.
+fn means(view: &View, shown: Shown) -> Figure {
+    let mut found = Vec::new();
     for (i, level) in view.assessment.levels.iter().enumerate() {
         let scale = view.unit.per_metre / level.level;
-        for (j, influence) in level.influences.iter().enumerate() {
+        for (row, influence) in level.influences.iter().enumerate() {
             let (means, scale) = match shown {
                 Shown::Frequency => (&influence.frequency_means_hz, 1.0),
                 Shown::AmplitudePerLevel => (&influence.amplitude_means_m, scale),
@@ -210,25 +243,20 @@ fn tornado(view: &View, shown: Shown) -> Figure {
             let mean = |k: &ConditionalMean| Some(k.moments?.valid_only.mean * scale);
             let ends = [means.first(), means.last()].map(|k| k.and_then(mean));
             if let [Some(low), Some(high)] = ends {
-                rows.push((i, line(j, i, n), low, high));
+                found.push(Leg {
+                    level: i,
+                    row,
+                    low,
+                    high,
+                });
             }
         }
     }
-    let ends = rows.iter().flat_map(|(_, _, low, high)| [*low, *high]);
-    let x = Axis::around(view.label(shown), ends);
-    let names = input_names(view);
-    let size = Size::Rows(names.len() * n.div_ceil(2).max(1));
     let title = format!("Mean {}, low to high input", shown.word());
-    let mut panel = Panel::new(size, title, x, Axis::of_names(names));
-    for (i, y, low, high) in rows {
-        let (left, right) = (low.min(high), low.max(high));
-        panel.level_bar(&format!("total l{i}"), y, [left, right], 0.5 / n as f64);
-        panel.dots(&format!("l{i}"), [(high, y)].into_iter());
-    }
-    view.note_if_empty(&mut panel);
+    let panel = legs(view, shown, &input_names(view), title, &found);
     let caption = "From the fifth of the samples with the lowest values of the input to the fifth with the highest (dot), \
                    each the mean over all other inputs.";
-    view.figure(&panel, format!("tornado-{}", shown.word()), caption)
+    view.figure(&panel, format!("means-{}", shown.word()), caption)
 }
 
 /// The inputs in their order, or those with the strongest rank correlations where they are many.

@@ -33,6 +33,7 @@ mod epistemic;
 mod error_budget;
 mod failure;
 mod influence;
+mod one_at_a_time;
 mod performance;
 mod response;
 mod stress;
@@ -57,6 +58,7 @@ pub(super) fn sections(view: &View) -> Vec<Section> {
         Some(response::section(view)),
         distribution::section(view),
         influence::section(view),
+        one_at_a_time::section(view),
         surrogate::section(view),
         convergence::section(view),
         Some(error_budget::section(view)),
