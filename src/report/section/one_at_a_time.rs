@@ -1,7 +1,7 @@
 //! One input at a time: how far the results go when an input alone goes from its low to its high value.
 
 use super::super::block::{Block, Cell, Figure, Section, Table};
-use super::super::display::short;
+use super::super::display::{minus_sign, short};
 use super::super::usable_peak;
 use super::super::view::{Shown, View};
 use super::influence::{Leg, legs};
@@ -77,7 +77,7 @@ fn table(view: &View, results: &OneAtATime) -> Block {
             let (peak, middle) = (usable_peak(outcome), usable_peak(median));
             let pair = peak.zip(middle);
             let number = |v: Option<f64>, scale: f64, digits: usize| match v {
-                Some(v) => Cell::number(format!("{:.digits$}", v * scale), Some(v)),
+                Some(v) => Cell::number(minus_sign(&format!("{:.digits$}", v * scale)), Some(v)),
                 None => Cell::number(outcome.status.name(), None),
             };
             table.row(vec![
