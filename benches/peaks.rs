@@ -598,5 +598,7 @@ fn peers() {
         backend: Backend::Cpu,
         solver: SampleSolver::HarmonicBalance,
     };
-    measured("blades-strip-oop", &ensemble, 256);
+    for samples in [256, 1024] {
+        measured("blades-strip-oop", &ensemble, samples);
+    }
 }
