@@ -182,8 +182,9 @@ impl Device {
 
     /// Ends the device as a driver reset would.
     pub fn destroy(&self) {
-        self.device.destroy();
+        // first, so that whoever meets an error of the dead device knows it for what it is
         self.lost.store(true, Ordering::SeqCst);
+        self.device.destroy();
     }
 
     /// Limits of the adapter.

@@ -110,9 +110,7 @@ impl Kernels {
                 })
             })
             .collect();
-        scope
-            .close()
-            .map_err(|message| GpuError::Shader { message })?;
+        scope.close(device, |message| GpuError::Shader { message })?;
         Ok(Self {
             shape,
             reflection,
@@ -220,9 +218,7 @@ impl Kernels {
         device.queue.write_buffer(&named["circle"], 0, &circle);
         let orders = bytemuck::cast_slice(&self.shape.orders);
         device.queue.write_buffer(&named["orders"], 0, orders);
-        scope
-            .close()
-            .map_err(|message| GpuError::Refused { states, message })?;
+        scope.close(device, |message| GpuError::Refused { states, message })?;
         Ok(Buffers {
             capacity,
             named,
@@ -255,13 +251,7 @@ impl Kernels {
         let commands = self.record(device, buffers, n, want);
         let submission = device.queue.submit([commands]);
         let read = self.read_batch(device, buffers, (parts, n), want, submission);
-        scope
-            .close()
-            .map_err(|message| GpuError::Refused { states: n, message })?;
-        if device.is_lost() {
-            let message = "reset while it computed".to_owned();
-            return Err(GpuError::Lost { message });
-        }
+        scope.close(device, |message| GpuError::Refused { states: n, message })?;
         read
     }
 
@@ -443,11 +433,20 @@ impl Scope {
         }
     }
 
-    fn close(self) -> Result<(), String> {
+    /// The first error, as `refusal` puts it. A lost device reports errors of every kind, and is no refusal.
+    fn close(
+        self,
+        device: &Device,
+        refusal: impl FnOnce(String) -> GpuError,
+    ) -> Result<(), GpuError> {
         let errors = [self.internal, self.validation, self.memory]
             .map(|scope| pollster::block_on(scope.pop()));
+        if device.is_lost() {
+            let message = "reset while it computed".to_owned();
+            return Err(GpuError::Lost { message });
+        }
         match errors.into_iter().flatten().next() {
-            Some(error) => Err(error.to_string()),
+            Some(error) => Err(refusal(error.to_string())),
             None => Ok(()),
         }
     }
