@@ -10,6 +10,7 @@ use crate::hb::compliance::Compliance;
 use crate::linalg::vector::axpy;
 use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
+use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// Force components in the order of elimination: the normal force drives the tangential ones, not the other way round.
@@ -38,11 +39,12 @@ struct Slot {
     reads: Vec<(usize, Vec<f64>)>,
 }
 
-/// Neighbouring slots with the factors of their diagonal block of C.
+/// Neighbouring slots with the factors of their diagonal block of C, in single precision: a preconditioner need not be
+/// exact, and half of the memory is half of the time.
 #[derive(Debug)]
 pub(super) struct Block {
     slots: Range<usize>,
-    factors: PartialPivLu<f64>,
+    factors: PartialPivLu<f32>,
 }
 
 impl<'a> Capacitance<'a> {
@@ -95,6 +97,7 @@ impl<'a> Capacitance<'a> {
     }
 
     /// x += G y for the forces y of a range of slots.
+    #[inline(always)]
     fn add_compliance(&self, slots: Range<usize>, y: &[f64], x: &mut [f64]) {
         let n = self.layout.n_relative();
         let m = self.layout.n_coefficients;
@@ -118,11 +121,20 @@ impl<'a> Capacitance<'a> {
 
     /// LU factors of C.
     pub(super) fn dense_factors(&self) -> PartialPivLu<f64> {
-        self.factors(0..self.slots.len())
+        self.matrix(0..self.slots.len()).partial_piv_lu()
     }
 
-    /// LU factors of the diagonal block of C that belongs to a range of slots.
-    fn factors(&self, slots: Range<usize>) -> PartialPivLu<f64> {
+    /// The diagonal block of C that belongs to a range of slots.
+    fn matrix(&self, slots: Range<usize>) -> Mat<f64> {
+        Arch::new().dispatch(Assembly {
+            capacitance: self,
+            slots,
+        })
+    }
+
+    /// See [`Self::matrix`].
+    #[inline(always)]
+    fn assembled(&self, slots: Range<usize>) -> Mat<f64> {
         let m = self.layout.n_coefficients;
         let size = slots.len() * m;
         let mut matrix = Mat::<f64>::identity(size, size);
@@ -140,10 +152,11 @@ impl<'a> Capacitance<'a> {
                 }
             }
         }
-        matrix.partial_piv_lu()
+        matrix
     }
 
     /// Displacement coefficients in `row` per unit of one coefficient of the force in `column`.
+    #[inline(always)]
     fn compliance_entries(
         &self,
         row: usize,
@@ -172,8 +185,7 @@ impl<'a> Capacitance<'a> {
             for part in 0..parts {
                 let at = |part: usize| start + part * same.len() / parts;
                 let slots = at(part)..at(part + 1);
-                let factors = self.factors(slots.clone());
-                blocks.push(Block { slots, factors });
+                blocks.push(Block::new(slots.clone(), &self.matrix(slots)));
             }
             start += same.len();
         }
@@ -182,6 +194,16 @@ impl<'a> Capacitance<'a> {
 
     /// (z, C z) with z from one Gauss–Seidel sweep for C z = v.
     pub(super) fn sweep(&self, blocks: &[Block], v: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        Arch::new().dispatch(Sweep {
+            capacitance: self,
+            blocks,
+            v,
+        })
+    }
+
+    /// See [`Self::sweep`].
+    #[inline(always)]
+    fn swept(&self, blocks: &[Block], v: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let m = self.layout.n_coefficients;
         let mut z = v.to_vec();
         let mut displacement = vec![0.0; self.layout.n_unknowns()];
@@ -190,7 +212,7 @@ impl<'a> Capacitance<'a> {
             for (slot, z) in (self.slots[block.slots.clone()].iter()).zip(z.chunks_exact_mut(m)) {
                 slot.add_deviation(&self.layout, -1.0, &displacement, z);
             }
-            solve_in_place(&block.factors, z);
+            block.solve_in_place(z);
             self.add_compliance(block.slots.clone(), z, &mut displacement);
         }
         let mut product = z.clone();
@@ -201,12 +223,68 @@ impl<'a> Capacitance<'a> {
     }
 }
 
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "a preconditioner in single precision"
+)]
+impl Block {
+    fn new(slots: Range<usize>, matrix: &Mat<f64>) -> Self {
+        let (n, m) = (matrix.nrows(), matrix.ncols());
+        let single = Mat::<f32>::from_fn(n, m, |i, j| matrix[(i, j)] as f32);
+        Self {
+            slots,
+            factors: single.partial_piv_lu(),
+        }
+    }
+
+    /// x ← C⁻¹ x with this block of C.
+    fn solve_in_place(&self, x: &mut [f64]) {
+        let mut single: Vec<f32> = x.iter().map(|x| *x as f32).collect();
+        (self.factors).solve_in_place(ColMut::from_slice_mut(&mut single));
+        x.iter_mut()
+            .zip(single)
+            .for_each(|(x, single)| *x = f64::from(single));
+    }
+}
+
+/// The arguments of [`Capacitance::matrix`], for the instruction set that is found at run time.
+struct Assembly<'a, 'c> {
+    capacitance: &'a Capacitance<'c>,
+    slots: Range<usize>,
+}
+
+impl WithSimd for Assembly<'_, '_> {
+    type Output = Mat<f64>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Mat<f64> {
+        self.capacitance.assembled(self.slots)
+    }
+}
+
+/// The arguments of [`Capacitance::sweep`], for the instruction set that is found at run time.
+struct Sweep<'a, 'c> {
+    capacitance: &'a Capacitance<'c>,
+    blocks: &'a [Block],
+    v: &'a [f64],
+}
+
+impl WithSimd for Sweep<'_, '_> {
+    type Output = (Vec<f64>, Vec<f64>);
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        self.capacitance.swept(self.blocks, self.v)
+    }
+}
+
 impl Slot {
     fn new(layout: &Layout, component: usize, tangent: &PairTangent) -> Option<Self> {
         let m = layout.n_coefficients;
         let at = |component: usize| component * layout.n_pairs + tangent.pair;
         let transposed = |values: &[f64]| -> Vec<f64> {
-            (0..m * m).map(|i| values[i % m * m + i / m]).collect()
+            let column = |j: usize| values[j..].iter().step_by(m).copied();
+            (0..m).flat_map(column).collect()
         };
         let reads: Vec<_> = (tangent.blocks.iter())
             .filter(|(row, ..)| *row == component)
@@ -220,6 +298,7 @@ impl Slot {
     }
 
     /// y += factor dg x in this slot.
+    #[inline(always)]
     fn add_deviation(&self, layout: &Layout, factor: f64, x: &[f64], y: &mut [f64]) {
         let (m, n) = (layout.n_coefficients, layout.n_relative());
         for (row, columns) in &self.reads {
