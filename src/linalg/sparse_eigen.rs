@@ -17,6 +17,26 @@ pub struct LowestModes {
     pub shapes: Mat<f64>,
 }
 
+/// Which of the lowest modes are wanted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Wanted {
+    /// Those with λ below this.
+    Below(f64),
+    /// So many.
+    First(usize),
+}
+
+impl Wanted {
+    /// Number of wanted modes among those with the ascending eigenvalues `lambda`.
+    #[must_use]
+    pub fn among(self, lambda: &[f64]) -> usize {
+        match self {
+            Self::Below(limit) => lambda.partition_point(|lambda| *lambda < limit),
+            Self::First(count) => count.min(lambda.len()),
+        }
+    }
+}
+
 /// Block size of the Krylov space: finds eigenvalues of multiplicity up to 8, so six rigid-body modes at once.
 const BLOCK: usize = 8;
 /// Largest Krylov space before giving up.
@@ -52,16 +72,16 @@ pub fn lowest_modes(
     Lanczos::new(stiffness, mass, shift)?.modes(count)
 }
 
-/// The lowest eigenpairs of K φ = λ M φ up to and with the first one with λ ≥ `limit`, as [`lowest_modes`] finds them.
+/// The `wanted` lowest eigenpairs of K φ = λ M φ and the one after them, as [`lowest_modes`] finds them.
 ///
-/// Fewer if the pencil has no such pair, and at most `most`.
+/// Fewer if the pencil has no such pair, and at most `most`. The same modes are the same bits, however they are wanted.
 ///
 /// # Errors
 /// [`LinalgError`] if K + σM is not definite or the iteration does not converge.
-pub fn modes_up_to(
+pub fn wanted_modes(
     stiffness: &SparseColMat<usize, f64>,
     mass: &SparseColMat<usize, f64>,
-    limit: f64,
+    wanted: Wanted,
     most: usize,
     shift: f64,
 ) -> Result<LowestModes, LinalgError> {
@@ -74,14 +94,14 @@ pub fn modes_up_to(
         let mut count = FIRST_COUNT.min(most);
         loop {
             let modes = lanczos.modes(count)?;
-            if count == most || modes.lambda.last().is_some_and(|last| *last >= limit) {
+            if count == most || wanted.among(&modes.lambda) < count {
                 break modes;
             }
             count = (2 * count).min(most);
         }
     };
-    let below = modes.lambda.partition_point(|lambda| *lambda < limit);
-    Ok(modes.truncated((below + 1).min(most)))
+    let count = wanted.among(&modes.lambda);
+    Ok(modes.truncated((count + 1).min(most)))
 }
 
 impl LowestModes {

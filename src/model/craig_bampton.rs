@@ -4,7 +4,7 @@
 //! Source: Craig & Bampton 1968, AIAA J. 6, 1313.
 
 use crate::fe::FeModel;
-use crate::linalg::{LinalgError, modes_up_to, symmetric_generalized_eigen};
+use crate::linalg::{LinalgError, LowestModes, Wanted, symmetric_generalized_eigen, wanted_modes};
 use crate::units::{hz_to_rad_s, rad_s_to_hz};
 use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
@@ -51,51 +51,26 @@ impl CraigBampton {
     /// # Errors
     /// [`ReductionError`] if the modes cannot be computed, or are too many.
     pub fn new(fe: &FeModel, masters: &[usize], cut_off: f64) -> Result<Self, ReductionError> {
-        let parts = Partition::new(fe.n_dofs(), masters);
-        let k_ii = parts.inner_block(&fe.stiffness);
-        let m_ii = parts.inner_block(&fe.mass);
         let limit = hz_to_rad_s(cut_off).powi(2);
-        let modes = modes_up_to(&k_ii, &m_ii, limit, MOST_MODES + 1, 0.0)?;
-        let n_modes = modes.lambda.partition_point(|lambda| *lambda < limit);
-        let frequency = |i: usize| modes.lambda.get(i).map(|l| rad_s_to_hz(l.sqrt()));
-        if n_modes > MOST_MODES {
-            let frequency = frequency(MOST_MODES).unwrap_or(f64::INFINITY);
+        let fixed = FixedInterface::new(fe, masters, Wanted::Below(limit))?;
+        if fixed.n_modes > MOST_MODES {
+            let frequency = fixed.frequency(MOST_MODES);
             return Err(ReductionError::TooManyModes { frequency });
         }
-        let factor =
-            k_ii.sp_cholesky(Side::Lower)
-                .map_err(|_| LinalgError::NotPositiveDefinite {
-                    matrix: "stiffness with fixed masters",
-                })?;
-        let k_ib = parts.coupling(&fe.stiffness);
-        let constraint = -factor.solve(&k_ib);
-        let (b, n) = (masters.len(), masters.len() + n_modes);
-        let mut basis = Mat::zeros(fe.n_dofs(), n);
-        for (column, &dof) in masters.iter().enumerate() {
-            basis[(dof, column)] = 1.0;
-        }
-        for (row, &dof) in parts.inner.iter().enumerate() {
-            for column in 0..n {
-                basis[(dof, column)] = if column < b {
-                    constraint[(row, column)]
-                } else {
-                    modes.shapes[(row, column - b)]
-                };
-            }
-        }
-        let condensed = parts.masters_block(&fe.stiffness) + k_ib.transpose() * &constraint;
-        let mut stiffness = Mat::zeros(n, n);
-        stiffness.submatrix_mut(0, 0, b, b).copy_from(&condensed);
-        for (i, lambda) in modes.lambda.iter().take(n_modes).enumerate() {
-            stiffness[(b + i, b + i)] = *lambda;
-        }
-        Ok(Self {
-            n_masters: b,
-            mass: symmetric(&(basis.transpose() * (&fe.mass * &basis))),
-            stiffness: symmetric(&stiffness),
-            basis,
-            first_left_out: frequency(n_modes).unwrap_or(f64::INFINITY),
-        })
+        Ok(fixed.reduced(fe)?)
+    }
+
+    /// Keeps `masters` and the first `n_modes` modes with masters fixed, at most as many as [`CraigBampton::new`].
+    ///
+    /// # Errors
+    /// [`LinalgError`] if fixing the masters leaves rigid-body motion, or the modes do not converge.
+    pub fn with_modes(
+        fe: &FeModel,
+        masters: &[usize],
+        n_modes: usize,
+    ) -> Result<Self, LinalgError> {
+        let wanted = Wanted::First(n_modes.min(MOST_MODES));
+        FixedInterface::new(fe, masters, wanted)?.reduced(fe)
     }
 
     /// Number of reduced coordinates.
@@ -110,6 +85,76 @@ impl CraigBampton {
     /// [`LinalgError`] if the reduced matrices are not definite.
     pub fn modes(&self) -> Result<(Vec<f64>, Mat<f64>), LinalgError> {
         symmetric_generalized_eigen(self.stiffness.as_ref(), self.mass.as_ref())
+    }
+}
+
+/// A component with its masters fixed.
+struct FixedInterface {
+    parts: Partition,
+    k_ii: SparseColMat<usize, f64>,
+    /// Those that are kept, and the next one.
+    modes: LowestModes,
+    n_modes: usize,
+}
+
+impl FixedInterface {
+    fn new(fe: &FeModel, masters: &[usize], wanted: Wanted) -> Result<Self, LinalgError> {
+        let parts = Partition::new(fe.n_dofs(), masters);
+        let k_ii = parts.inner_block(&fe.stiffness);
+        let m_ii = parts.inner_block(&fe.mass);
+        let modes = wanted_modes(&k_ii, &m_ii, wanted, MOST_MODES + 1, 0.0)?;
+        Ok(Self {
+            n_modes: wanted.among(&modes.lambda),
+            parts,
+            k_ii,
+            modes,
+        })
+    }
+
+    /// Frequency of mode `i` (Hz); infinite if there is none.
+    fn frequency(&self, i: usize) -> f64 {
+        let lambda = self.modes.lambda.get(i);
+        lambda.map_or(f64::INFINITY, |lambda| rad_s_to_hz(lambda.sqrt()))
+    }
+
+    fn reduced(&self, fe: &FeModel) -> Result<CraigBampton, LinalgError> {
+        let Self {
+            parts,
+            k_ii,
+            modes,
+            n_modes,
+        } = self;
+        let factor =
+            k_ii.sp_cholesky(Side::Lower)
+                .map_err(|_| LinalgError::NotPositiveDefinite {
+                    matrix: "stiffness with fixed masters",
+                })?;
+        let k_ib = parts.coupling(&fe.stiffness);
+        let constraint = -factor.solve(&k_ib);
+        let (b, n) = (parts.n_masters, parts.n_masters + n_modes);
+        let mut basis = Mat::zeros(fe.n_dofs(), n);
+        for (dof, place) in parts.place.iter().enumerate() {
+            for column in 0..n {
+                basis[(dof, column)] = match *place {
+                    Place::Master(master) => f64::from(u8::from(column == master)),
+                    Place::Inner(row) if column < b => constraint[(row, column)],
+                    Place::Inner(row) => modes.shapes[(row, column - b)],
+                };
+            }
+        }
+        let condensed = parts.masters_block(&fe.stiffness) + k_ib.transpose() * &constraint;
+        let mut stiffness = Mat::zeros(n, n);
+        stiffness.submatrix_mut(0, 0, b, b).copy_from(&condensed);
+        for (i, lambda) in modes.lambda.iter().take(*n_modes).enumerate() {
+            stiffness[(b + i, b + i)] = *lambda;
+        }
+        Ok(CraigBampton {
+            n_masters: b,
+            mass: symmetric(&(basis.transpose() * (&fe.mass * &basis))),
+            stiffness: symmetric(&stiffness),
+            basis,
+            first_left_out: self.frequency(*n_modes),
+        })
     }
 }
 
@@ -128,7 +173,7 @@ enum Place {
 /// Split of the degrees of freedom into masters and inner ones.
 struct Partition {
     place: Vec<Place>,
-    inner: Vec<usize>,
+    n_inner: usize,
     n_masters: usize,
 }
 
@@ -142,16 +187,16 @@ impl Partition {
             );
             place[dof] = Place::Master(i);
         }
-        let mut inner = Vec::new();
-        for (dof, slot) in place.iter_mut().enumerate() {
+        let mut n_inner = 0;
+        for slot in &mut place {
             if let Place::Inner(i) = slot {
-                *i = inner.len();
-                inner.push(dof);
+                *i = n_inner;
+                n_inner += 1;
             }
         }
         Self {
             place,
-            inner,
+            n_inner,
             n_masters: masters.len(),
         }
     }
@@ -173,14 +218,14 @@ impl Partition {
                 _ => None,
             })
             .collect();
-        let n = self.inner.len();
+        let n = self.n_inner;
         SparseColMat::try_new_from_triplets(n, n, &entries)
             .unwrap_or_else(|_| unreachable!("indices come from the partition"))
     }
 
     /// Rows inner, columns masters.
     fn coupling(&self, full: &SparseColMat<usize, f64>) -> Mat<f64> {
-        let mut block = Mat::zeros(self.inner.len(), self.n_masters);
+        let mut block = Mat::zeros(self.n_inner, self.n_masters);
         for entry in self.entries(full) {
             if let (Place::Inner(row), Place::Master(col), val) = entry {
                 block[(row, col)] = val;
