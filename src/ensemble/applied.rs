@@ -51,11 +51,11 @@ impl Applied<'_> {
             Input::ExcitationScale => self.excitation_scale = value,
             Input::DampingScale => self.linear.to_mut().scale_damping(value),
             Input::EdgePressure | Input::PressureMode(_) => {
-                let Some((_, loads)) = ensemble.loads.iter().find(|(of, _)| *of == input) else {
+                let Some(load) = ensemble.loads.iter().position(|of| *of == input) else {
                     panic!("{} has no load", input.name());
                 };
-                for (part, load) in self.linear.to_mut().parts.iter_mut().zip(loads) {
-                    let entries = part.static_force.iter_mut().zip(load);
+                for part in &mut self.linear.to_mut().parts {
+                    let entries = part.static_force.iter_mut().zip(&part.loads[load]);
                     entries.for_each(|(force, f)| *force += value * f);
                 }
             }

@@ -21,8 +21,8 @@ pub struct Ensemble<'a> {
     pub contacts: &'a [ContactParameters<f64>],
     /// Interface of each contact pair: 0 = left, 1 = right. Shape as `contacts`; read for inputs of one side only.
     pub interfaces: &'a [usize],
-    /// Static force (as [`crate::hb::linear::Part::static_force`], by part) of 1 of each input that is a load.
-    pub loads: &'a [(Input, Vec<Vec<f64>>)],
+    /// Inputs that are static loads, in the order of [`crate::hb::linear::Part::loads`].
+    pub loads: &'a [Input],
     /// Random inputs.
     pub design: &'a Design,
     /// Excitation levels, ascending.

@@ -18,6 +18,26 @@ use faer::Mat;
 const TOLERANCE: f64 = 1e-7;
 
 impl LinearModel {
+    /// What is solved: `model` folded along its mirror where `mirror` allows it and it can be, else whole. Shape: `contacts`
+    /// `[model.n_contacts()]`.
+    ///
+    /// # Errors
+    /// [`ProblemError::Linalg`] if M is not positive definite or the eigensolver fails.
+    pub fn of(
+        model: &ReducedModel,
+        contacts: &[ContactParameters<f64>],
+        mirror: bool,
+    ) -> Result<Self, ProblemError> {
+        let folded = match mirror {
+            true => Self::folded(model, contacts)?,
+            false => None,
+        };
+        match folded {
+            Some(half) => Ok(half),
+            None => Self::new(model),
+        }
+    }
+
     /// `model` folded along its mirror; `None` where it has none that the matrices, loads, contact pairs and the
     /// constants `contacts` share. Shape: `contacts` `[model.n_contacts()]`.
     ///
@@ -34,8 +54,10 @@ impl LinearModel {
             return Ok(None);
         };
         let forces = [&model.cosine_force, &model.sine_force];
-        let excited = |parity| forces.iter().all(|f| has_parity(mirror, f, parity));
-        if !has_parity(mirror, &model.static_force, Parity::Even) {
+        let excited = |parity| (forces.iter()).all(|f| has_parity(mirror, f, largest(f), parity));
+        let mut loads = [&model.static_force].into_iter().chain(&model.loads);
+        let load = largest(&model.static_force);
+        if !loads.all(|f| has_parity(mirror, f, load, Parity::Even)) {
             return Ok(None);
         }
         let parities: &[Parity] = if excited(Parity::Even) {
@@ -82,10 +104,14 @@ fn keeps_matrices(mirror: &Mirror, model: &ReducedModel) -> bool {
             .all(keeps)
 }
 
-fn has_parity(mirror: &Mirror, force: &[f64], parity: Parity) -> bool {
-    let largest = force.iter().fold(0.0, |m: f64, f| m.max(f.abs()));
+fn largest(force: &[f64]) -> f64 {
+    force.iter().fold(0.0, |m: f64, f| m.max(f.abs()))
+}
+
+/// Whether a force has that parity, up to round-off of forces as large as `scale`.
+fn has_parity(mirror: &Mirror, force: &[f64], scale: f64, parity: Parity) -> bool {
     (mirror.image.iter().enumerate()).all(|(i, &(j, sign))| {
-        (force[j] * sign - parity.sign() * force[i]).abs() <= TOLERANCE * largest
+        (force[j] * sign - parity.sign() * force[i]).abs() <= TOLERANCE * scale
     })
 }
 
@@ -170,6 +196,7 @@ fn half(model: &ReducedModel, mirror: &Mirror, parity: Parity, pairs: &[usize]) 
         retention: model.retention.as_ref().map(matrix),
         contacts: pairs.iter().map(pair).collect(),
         static_force: vector(&model.static_force),
+        loads: model.loads.iter().map(|load| vector(load)).collect(),
         cosine_force: vector(&model.cosine_force),
         sine_force: vector(&model.sine_force),
         responses: (model.responses.iter())

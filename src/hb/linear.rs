@@ -39,6 +39,8 @@ pub struct Part {
     pub response: Mat<f64>,
     /// Φᵀ f₀. Shape: `[n]`.
     pub static_force: Vec<f64>,
+    /// Φᵀ of each of the model's further loads. Shape: loads × n.
+    pub loads: Vec<Vec<f64>>,
     /// Φᵀ (f_c − i f_s) per unit level. Shape: `[n]`.
     pub force: Vec<c64>,
 }
@@ -165,6 +167,7 @@ impl Part {
             images,
             response: rows_times(&responses, phi),
             static_force: project(&model.static_force),
+            loads: model.loads.iter().map(|load| project(load)).collect(),
             force: cosine
                 .iter()
                 .zip(&sine)

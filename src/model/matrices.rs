@@ -222,6 +222,7 @@ impl MatricesSettings {
         let model = ReducedModel {
             name: name.to_owned(),
             static_force: vector("static_force", &self.static_force)?,
+            loads: Vec::new(),
             responses: self.response_rows(&dof_names, &index)?,
             dof_names,
             mass,

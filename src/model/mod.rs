@@ -72,6 +72,8 @@ pub struct ReducedModel {
     pub contacts: Vec<ContactPair>,
     /// f₀.
     pub static_force: Vec<f64>,
+    /// Further static forces, each added to f₀ times an input of the sample. Shape: loads × n.
+    pub loads: Vec<Vec<f64>>,
     /// f_c per unit level.
     pub cosine_force: Vec<f64>,
     /// f_s per unit level.

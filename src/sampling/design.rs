@@ -341,7 +341,8 @@ impl DesignSettings {
         for (input, uncertainty) in &self.inputs {
             let accepted = match uncertainty {
                 Uncertainty::Aleatory(distribution) => input.accepts(distribution),
-                Uncertainty::Epistemic { lower, .. } => input.accepts_value("lower", *lower),
+                Uncertainty::Epistemic { lower, upper } => (input.accepts_value("lower", *lower))
+                    .and_then(|()| input.accepts_value("upper", *upper)),
             };
             accepted.map_err(|bad| bad.under(input.name()))?;
             let in_file = self.in_file(*input);

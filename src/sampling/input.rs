@@ -166,6 +166,12 @@ impl Input {
         self.interface().is_some() || matches!(self, Self::PressureMode(_))
     }
 
+    /// Whether the input is a factor on a static load that the model has for it.
+    #[must_use]
+    pub fn is_load(self) -> bool {
+        matches!(self, Self::EdgePressure | Self::PressureMode(_))
+    }
+
     /// Refuses a distribution that can give this input a value without physical meaning (negative or too large; a factor of 0).
     ///
     /// # Errors

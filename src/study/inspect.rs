@@ -3,8 +3,7 @@
 use super::frequency::FrequencyUnit;
 use super::read::{Study, StudyModel};
 use crate::Error;
-use crate::model::ReducedModel;
-use crate::model::two_blade::{ComponentSummary, PressureModes};
+use crate::model::two_blade::{ComponentSummary, PressureInputs};
 use crate::sampling::Input;
 
 /// Number of frequencies that are shown.
@@ -62,10 +61,11 @@ pub struct Inspection {
 pub fn inspect(study: &Study) -> Result<Inspection, Error> {
     let built = study.build_model()?;
     let n_contacts = study.linear(&built)?.n_contacts();
+    let components = built.components();
     let StudyModel {
         reduced: model,
         contacts: parameters,
-        components,
+        rig,
     } = built;
     let no_modes = |error| Error::Command {
         path: study.path.clone(),
@@ -96,7 +96,7 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
             .map(|(i, _)| Input::name(*i))
             .collect(),
         design: study.design.description(),
-        pressure_field: pressure_field(study, &model)?,
+        pressure_field: rig.and_then(|rig| pressure_field(rig.pressure())),
         samples: study.samples,
         levels: study.levels.clone(),
         unknowns,
@@ -106,15 +106,13 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
     })
 }
 
-fn pressure_field(study: &Study, model: &ReducedModel) -> Result<Option<String>, Error> {
-    let text = |modes: PressureModes| {
-        format!(
-            "{} modes per interface hold {:.0} % of the variance",
-            modes.loads.len() / 2,
-            100.0 * modes.variance_share
-        )
-    };
-    Ok(study.pressure_modes(model)?.map(text))
+fn pressure_field(inputs: &PressureInputs) -> Option<String> {
+    let (modes, share) = (inputs.modes_per_interface(), inputs.variance_share);
+    let text = format!(
+        "{modes} modes per interface hold {:.0} % of the variance",
+        100.0 * share
+    );
+    (modes > 0).then_some(text)
 }
 
 /// Three relative displacements per pair and coefficient.

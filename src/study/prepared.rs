@@ -30,8 +30,8 @@ pub struct PreparedStudy<'s> {
     pub contacts: Vec<ContactParameters<f64>>,
     /// Interface of each of them.
     interfaces: Vec<usize>,
-    /// Static force of 1 of each input that is a load. Shape of a force: parts × coordinates.
-    loads: Vec<(Input, Vec<Vec<f64>>)>,
+    /// Inputs that are static loads, in the order of the model's.
+    loads: Vec<Input>,
 }
 
 impl Study {
@@ -42,51 +42,28 @@ impl Study {
     pub fn prepared(&self) -> Result<PreparedStudy<'_>, Error> {
         let model = self.build_model()?;
         let linear = self.linear(&model)?;
-        let loads = self.loads(&model.reduced)?.into_iter();
-        let loads = loads.map(|(input, load)| {
-            Ok::<_, Error>((input, self.static_force(&model, &linear, load)?))
-        });
-        let loads: Vec<_> = loads.collect::<Result<_, _>>()?;
         let interface = |&pair: &usize| model.reduced.contacts[pair].interface;
         let contact = |&pair: &usize| model.contacts[pair];
+        let inputs = self.design.inputs().iter().map(|(input, _)| *input);
         Ok(PreparedStudy {
             study: self,
-            contacts: linear.pairs.iter().map(contact).collect(),
+            components: model.components(),
             interfaces: linear.pairs.iter().map(interface).collect(),
+            loads: inputs.filter(|input| input.is_load()).collect(),
+            contacts: linear.pairs.iter().map(contact).collect(),
             linear,
-            loads,
             reduced: model.reduced,
-            components: model.components,
         })
     }
 
     /// What is solved: `model`, or one half of it where the mirror gives the other.
     pub(super) fn linear(&self, model: &StudyModel) -> Result<LinearModel, Error> {
         self.check_inputs(&model.reduced)?;
-        let folded = match self.folds() {
-            true => LinearModel::folded(&model.reduced, &model.contacts)?,
-            false => None,
-        };
-        match folded {
-            Some(half) => Ok(half),
-            None => Ok(LinearModel::new(&model.reduced)?),
-        }
-    }
-
-    /// A load on the degrees of freedom of `model` in the coordinates of its parts in `linear`; one that is solved on its
-    /// half is loaded evenly.
-    fn static_force(
-        &self,
-        model: &StudyModel,
-        linear: &LinearModel,
-        load: Vec<f64>,
-    ) -> Result<Vec<Vec<f64>>, Error> {
-        let folded = linear.n_contacts() < model.reduced.n_contacts();
-        let mut loaded = model.clone();
-        loaded.reduced.static_force = load;
-        loaded.reduced.mirror = loaded.reduced.mirror.filter(|_| folded);
-        let parts = self.linear(&loaded)?.parts;
-        Ok(parts.into_iter().map(|part| part.static_force).collect())
+        Ok(LinearModel::of(
+            &model.reduced,
+            &model.contacts,
+            self.folds(),
+        )?)
     }
 }
 

@@ -15,7 +15,7 @@ use crate::hb::HbSettings;
 use crate::model::interface::InterfaceSettings;
 use crate::model::matrices::{MatricesError, MatricesSettings};
 use crate::model::two_blade::{
-    self, ComponentSummary, PressureField, PressureModes, TwoBladeSettings, edge_load,
+    self, ComponentSummary, PressureField, PressureInputs, TwoBladeModel, TwoBladeSettings,
 };
 use crate::model::{ModelError, ReducedModel};
 use crate::report::requirement::Requirements;
@@ -51,6 +51,9 @@ pub(super) const KEYS: [&str; 18] = [
 
 /// Why a pressure cannot be shaped.
 const NO_POSITIONS: &str = "a model of kind \"matrices\" has no positions of its contacts";
+/// Why a punch and a field do not go together.
+const TWO_PRESSURES: &str =
+    "the deviations of [pressure_field] are relative to model.pressure_weights, not to a punch";
 
 /// Which structure is computed.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,8 +111,18 @@ pub struct StudyModel {
     pub reduced: ReducedModel,
     /// Constants of its contact pairs. Shape: `[n_contacts]`.
     pub contacts: Vec<ContactParameters<f64>>,
+    /// The built-in rig that it is of; none for the user's own matrices.
+    pub rig: Option<TwoBladeModel>,
+}
+
+impl StudyModel {
     /// The components that it was reduced from, by name; none for the user's own matrices.
-    pub components: Vec<(&'static str, ComponentSummary)>,
+    #[must_use]
+    pub fn components(&self) -> Vec<(&'static str, ComponentSummary)> {
+        let rig = self.rig.iter();
+        rig.flat_map(|rig| [("blade", rig.blade.clone()), ("strip", rig.strip.clone())])
+            .collect()
+    }
 }
 
 impl Study {
@@ -193,18 +206,23 @@ impl Study {
     pub fn build_model(&self) -> Result<StudyModel, Error> {
         match &self.model {
             ModelSettings::TwoBladeStrip {
-                blades, interface, ..
+                blades,
+                interface,
+                pressure,
             } => {
                 let rig = two_blade::build(blades).map_err(|error| match error {
                     ModelError::Setting(bad) => self.bad_setting(&bad.under("model")),
                     error => Error::Model(error),
                 })?;
-                let mut reduced = rig.reduced;
+                let edge = self.has_input(Input::EdgePressure);
+                let inputs = PressureInputs::new(blades, edge, pressure.as_ref());
+                let rig = rig.with_pressure(inputs.map_err(ModelError::from)?);
+                let mut reduced = rig.reduced.clone();
                 reduced.name.clone_from(&self.name);
                 Ok(StudyModel {
                     contacts: interface.parameters(&reduced.contacts),
                     reduced,
-                    components: vec![("blade", rig.blade), ("strip", rig.strip)],
+                    rig: Some(rig),
                 })
             }
             ModelSettings::Matrices(settings) => {
@@ -218,7 +236,7 @@ impl Study {
                 Ok(StudyModel {
                     reduced,
                     contacts,
-                    components: Vec::new(),
+                    rig: None,
                 })
             }
         }
@@ -229,41 +247,6 @@ impl Study {
         let inputs = self.design.inputs().iter().map(|(input, _)| *input);
         let sided = inputs.filter(|input| input.one_sided());
         sided.map(Input::name).collect()
-    }
-
-    /// The random field of the contact pressure on `model`, if there is one.
-    ///
-    /// # Errors
-    /// [`Error::Model`] if its modes cannot be computed.
-    pub fn pressure_modes(&self, model: &ReducedModel) -> Result<Option<PressureModes>, Error> {
-        match &self.model {
-            ModelSettings::TwoBladeStrip {
-                blades,
-                pressure: Some(field),
-                ..
-            } => {
-                let modes = field.modes(blades, &model.contacts, model.n_dofs());
-                Ok(Some(modes.map_err(ModelError::from)?))
-            }
-            _ => Ok(None),
-        }
-    }
-
-    /// The inputs that are static loads, each with its load at 1 on the degrees of freedom of `model`.
-    ///
-    /// # Errors
-    /// [`Error::Model`] if the modes of the pressure field cannot be computed.
-    pub fn loads(&self, model: &ReducedModel) -> Result<Vec<(Input, Vec<f64>)>, Error> {
-        let ModelSettings::TwoBladeStrip { blades, .. } = &self.model else {
-            return Ok(Vec::new());
-        };
-        let inputs = self.design.inputs().iter();
-        let edge = inputs.filter(|(input, _)| *input == Input::EdgePressure);
-        let edge = edge.map(|(input, _)| (*input, edge_load(blades, model)));
-        let modes = self.pressure_modes(model)?;
-        let modes = modes.into_iter().flat_map(|modes| modes.loads);
-        let modes = (0..).map(Input::PressureMode).zip(modes);
-        Ok(edge.chain(modes).collect())
     }
 
     /// Whether samples may be solved on half of a mirror-symmetric model.
@@ -284,22 +267,18 @@ impl Study {
         })
     }
 
-    /// Refuses an input of a side or of a contact width that the model does not have.
+    fn has_input(&self, input: Input) -> bool {
+        let mut inputs = self.design.inputs().iter();
+        inputs.any(|(other, _)| *other == input)
+    }
+
+    /// Refuses an input of something that the model does not have.
     ///
     /// # Errors
     /// [`Error::Study`] on `inputs.<name>`.
     pub fn check_inputs(&self, model: &ReducedModel) -> Result<(), Error> {
         for (input, _) in self.design.inputs() {
-            let lacks = |interface: &usize| {
-                let mut pairs = model.contacts.iter();
-                pairs.all(|pair| pair.interface != *interface)
-            };
-            let reason = match (input, &self.model) {
-                (Input::EdgePressure, ModelSettings::Matrices(_)) => Some(NO_POSITIONS.to_owned()),
-                _ => (input.interface().filter(lacks))
-                    .map(|interface| format!("no contact pair has interface = {interface}")),
-            };
-            if let Some(reason) = reason {
+            if let Some(reason) = self.lacking(*input, model) {
                 return Err(self.bad_setting(&BadSetting {
                     key: format!("inputs.{}", input.name()),
                     value: "(given)".to_owned(),
@@ -308,6 +287,30 @@ impl Study {
             }
         }
         Ok(())
+    }
+
+    /// What the model lacks for an input.
+    fn lacking(&self, input: Input, model: &ReducedModel) -> Option<String> {
+        let weighted = |blades: &TwoBladeSettings| blades.pressure_weights.is_some();
+        let reason = match (input, &self.model) {
+            (Input::EdgePressure, ModelSettings::Matrices(_)) => NO_POSITIONS,
+            (
+                Input::EdgePressure,
+                ModelSettings::TwoBladeStrip {
+                    blades,
+                    pressure: Some(_),
+                    ..
+                },
+            ) if weighted(blades) => TWO_PRESSURES,
+            _ => {
+                let interface = input.interface()?;
+                let mut pairs = model.contacts.iter();
+                let there = pairs.any(|pair| pair.interface == interface);
+                let reason = format!("no contact pair has interface = {interface}");
+                return (!there).then_some(reason);
+            }
+        };
+        Some(reason.to_owned())
     }
 
     /// The error of a setting that only a command can find, at its line.
@@ -371,7 +374,9 @@ fn model(document: &mut Document<'_>, contact: &ContactSection) -> Result<ModelS
             let interface = document.checked(contact.interface().map_err(of_contact))?;
             let pressure: Option<PressureField> = document.take("pressure_field")?;
             if let Some(field) = &pressure {
-                let valid = field.validate().map_err(|b| b.under("pressure_field"));
+                let nodes = blades.contact_nodes.iter().product();
+                let valid = field.validate(nodes);
+                let valid = valid.map_err(|b| b.under("pressure_field"));
                 document.checked(valid)?;
             }
             Ok(ModelSettings::TwoBladeStrip {

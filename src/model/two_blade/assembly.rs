@@ -1,6 +1,6 @@
 //! The components put together: matrices, contact pairs, loads, responses.
 
-use super::{Component, Phase, TwoBladeSettings, components::ContactNode};
+use super::{Blade, Component, Phase, TwoBladeSettings, components::ContactNode};
 use crate::model::{ContactPair, Mirror, ReducedModel, Response, SparseRow};
 use crate::units::hz_to_rad_s;
 use faer::{Mat, Scale};
@@ -13,37 +13,38 @@ struct System<'a> {
     contact: &'a [ContactNode],
     blade: &'a Component,
     strip: &'a Component,
+    /// Maps blade 1 to blade 2.
     mirror: &'a [f64],
 }
 
-/// The reduced model of the rig; `components` are blade 1 and the strip, `mirror` maps blade 1 to blade 2.
+/// The reduced model of the rig, without loads of inputs.
 pub(super) fn reduced_model(
     settings: &TwoBladeSettings,
     contact: &[ContactNode],
-    components: [&Component; 2],
-    mirror: &[f64],
+    blade: &Blade,
+    strip: &Component,
 ) -> ReducedModel {
-    let [blade, strip] = components;
     let system = System {
         settings,
         contact,
-        blade,
+        blade: &blade.component,
         strip,
-        mirror,
+        mirror: &blade.mirror,
     };
     let strip_damping = Scale(strip_damping_time(settings)) * &strip.reduced.stiffness;
     ReducedModel {
         name: "two blades with strip damper".to_owned(),
         dof_names: system.dof_names(),
-        mass: system.block_diagonal(&blade.reduced.mass, &strip.reduced.mass),
+        mass: system.block_diagonal(&system.blade.reduced.mass, &strip.reduced.mass),
         damping: system.block_diagonal(
             &modal_damping(blade, settings.blade_damping_ratio),
             &strip_damping,
         ),
-        stiffness: system.block_diagonal(&blade.reduced.stiffness, &strip.reduced.stiffness),
+        stiffness: system.block_diagonal(&system.blade.reduced.stiffness, &strip.reduced.stiffness),
         retention: Some(system.retention()),
         contacts: system.contact_pairs(),
         static_force: system.centrifugal_force(),
+        loads: Vec::new(),
         cosine_force: system.excitation(),
         sine_force: vec![0.0; system.n_dofs()],
         responses: system.responses(),
@@ -52,11 +53,11 @@ pub(super) fn reduced_model(
 }
 
 /// M Φ diag(2ζω) Φᵀ M: the same damping ratio in every mode of the component.
-fn modal_damping(component: &Component, ratio: f64) -> Mat<f64> {
-    let momenta = &component.reduced.mass * &component.shapes;
+fn modal_damping(blade: &Blade, ratio: f64) -> Mat<f64> {
+    let momenta = &blade.component.reduced.mass * &blade.shapes;
     let n = momenta.nrows();
     let scaled = Mat::from_fn(n, n, |i, j| {
-        momenta[(i, j)] * 2.0 * ratio * component.lambda[j].max(0.0).sqrt()
+        momenta[(i, j)] * 2.0 * ratio * blade.lambda[j].max(0.0).sqrt()
     });
     scaled * momenta.transpose()
 }

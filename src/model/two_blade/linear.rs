@@ -29,13 +29,13 @@ impl TwoBladeModel {
     /// Frequency of neck bending without strip (Hz): the second blade mode that moves mainly in x.
     #[must_use]
     pub fn free_neck_bending(&self) -> f64 {
-        frequencies(&self.blade_modes.lambda)[self.blade_modes.x_bending[1]]
+        frequencies(&self.first_blade.lambda)[self.first_blade.x_bending[1]]
     }
 
     /// Frequency of the blade's first bending in x without strip (Hz).
     #[must_use]
     pub fn free_first_bending(&self) -> f64 {
-        frequencies(&self.blade_modes.lambda)[self.blade_modes.x_bending[0]]
+        frequencies(&self.first_blade.lambda)[self.first_blade.x_bending[0]]
     }
 
     /// Modes with springs k_n, k_t (N/m) in all contact pairs, all stuck and closed: K + Σ BᵀkB, without retention.
@@ -82,7 +82,7 @@ impl TwoBladeModel {
     /// The mode most like in-phase neck bending of the free blades.
     #[must_use]
     pub fn neck_bending_in(&self, modes: &LinearModes) -> TrackedMode {
-        let free = self.in_phase_shape(self.blade_modes.x_bending[1]);
+        let free = self.in_phase_shape(self.first_blade.x_bending[1]);
         let projections = (&self.reduced.mass * free).transpose() * &modes.shapes;
         let correlation = |k: usize| projections[(0, k)].powi(2);
         let index = (0..modes.frequencies.len())
@@ -99,9 +99,9 @@ impl TwoBladeModel {
     /// root mean square of (u₁ − u₂)/2 over the contact nodes, as a fraction of the response point's motion.
     #[must_use]
     pub fn relative_platform_motion(&self) -> [[f64; 3]; 2] {
-        let n_blade = self.blade_modes.mirror.len();
+        let n_blade = self.first_blade.mirror.len();
         let n_contact = self.reduced.n_contacts() / 2;
-        self.blade_modes.x_bending.map(|mode| {
+        self.first_blade.x_bending.map(|mode| {
             let shape = self.in_phase_shape(mode);
             let response = &self.reduced.responses[0].row;
             let reference: f64 = response.iter().map(|&(dof, w)| w * shape[(dof, 0)]).sum();
@@ -118,12 +118,12 @@ impl TwoBladeModel {
 
     /// Mass-normalised shape in which both blades have mode `mode` with equal motion in x, the strip at rest.
     fn in_phase_shape(&self, mode: usize) -> Mat<f64> {
-        let blade = self.blade_modes.shapes.col(mode);
-        let n = self.blade_modes.mirror.len();
+        let blade = self.first_blade.shapes.col(mode);
+        let n = self.first_blade.mirror.len();
         let mut shape = Mat::zeros(self.reduced.n_dofs(), 1);
         for q in 0..n {
             shape[(q, 0)] = blade[q] / 2f64.sqrt();
-            shape[(n + q, 0)] = -self.blade_modes.mirror[q] * blade[q] / 2f64.sqrt();
+            shape[(n + q, 0)] = -self.first_blade.mirror[q] * blade[q] / 2f64.sqrt();
         }
         shape
     }

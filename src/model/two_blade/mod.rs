@@ -12,7 +12,7 @@ mod pressure;
 mod settings;
 
 pub use linear::{LinearModes, TrackedMode};
-pub use pressure::{PressureField, PressureModes, edge_load};
+pub use pressure::{PressureField, PressureInputs};
 pub use settings::{Phase, TwoBladeSettings};
 
 use super::{CraigBampton, ModelError, ReducedModel, ReductionError};
@@ -20,7 +20,7 @@ use crate::fe::FeModel;
 use crate::linalg::lowest_modes;
 use crate::setting::BadSetting;
 use crate::units::rad_s_to_hz;
-use components::Layout;
+use components::{ContactNode, Layout};
 use faer::Mat;
 
 /// Full-model modes that are computed for comparison with the reduced ones.
@@ -39,7 +39,8 @@ pub struct TwoBladeModel {
     pub blade: ComponentSummary,
     /// The free strip.
     pub strip: ComponentSummary,
-    blade_modes: BladeModes,
+    first_blade: Blade,
+    pressure: PressureInputs,
 }
 
 /// A component before and after reduction.
@@ -63,9 +64,10 @@ pub struct ComponentSummary {
     pub mass: f64,
 }
 
-/// Modes of one blade in reduced coordinates, and the first two of the family that bends in x.
+/// Blade 1 with its modes in reduced coordinates.
 #[derive(Debug, Clone)]
-struct BladeModes {
+struct Blade {
+    component: Component,
     lambda: Vec<f64>,
     shapes: Mat<f64>,
     /// Indices of the first two modes with most of their modal mass in x: airfoil flap and neck bending.
@@ -74,12 +76,10 @@ struct BladeModes {
     mirror: Vec<f64>,
 }
 
-/// A reduced component with its place in the mesh.
+/// A reduced component.
+#[derive(Debug, Clone)]
 struct Component {
     reduced: CraigBampton,
-    lambda: Vec<f64>,
-    shapes: Mat<f64>,
-    summary: ComponentSummary,
     /// First master coordinate of every master node, in the order asked for.
     nodes: Vec<usize>,
 }
@@ -91,52 +91,101 @@ struct Component {
 pub fn build(settings: &TwoBladeSettings) -> Result<TwoBladeModel, ModelError> {
     settings.validate()?;
     let layout = Layout::new(settings);
-    let heights = [settings.excitation_height, settings.response_height];
     let contact = layout.contact_nodes();
-    let z = layout.contact_height();
-    let on_blade = contact.iter().map(|c| [c.x, c.y, z]);
-    let blade_nodes: Vec<_> = on_blade
-        .clone()
-        .chain(heights.iter().map(|&h| layout.airfoil_point(h)))
-        .collect();
-    let strip_nodes: Vec<_> = on_blade
-        .chain(contact.iter().map(|c| [-c.x, c.y, z]))
-        .collect();
-    let blade_fe = layout.blade(&heights)?;
-    let blade_cut_off = ("blade_cut_off_hz", settings.blade_cut_off_hz);
-    let blade = Component::new(&blade_fe, &blade_nodes, blade_cut_off, 0.0)?;
-    let strip_cut_off = ("strip_cut_off_hz", settings.strip_cut_off_hz);
-    let strip = Component::new(&layout.strip()?, &strip_nodes, strip_cut_off, STRIP_SHIFT)?;
-    let mirror = (0..blade.reduced.n_dofs())
-        .map(|q| {
-            if q < blade.reduced.n_masters && q % 3 == 0 {
-                -1.0
-            } else {
-                1.0
-            }
-        })
-        .collect();
-    let blade_modes = BladeModes {
-        x_bending: first_x_bending_modes(&blade_fe, &blade)?,
-        lambda: blade.lambda.clone(),
-        shapes: blade.shapes.clone(),
-        mirror,
-    };
+    let (first_blade, blade) = Blade::new(settings, &layout, &contact)?;
+    let cut_off = ("strip_cut_off_hz", settings.strip_cut_off_hz);
+    let fe = layout.strip()?;
+    let strip = Component::new(&fe, &strip_nodes(&layout, &contact), |masters| {
+        below(&fe, masters, cut_off)
+    })?;
+    let (lambda, _) = strip.reduced.modes()?;
     Ok(TwoBladeModel {
-        reduced: assembly::reduced_model(settings, &contact, [&blade, &strip], &blade_modes.mirror),
+        reduced: assembly::reduced_model(settings, &contact, &first_blade, &strip),
         settings: settings.clone(),
-        blade: blade.summary,
-        strip: strip.summary,
-        blade_modes,
+        blade,
+        strip: ComponentSummary::new(&fe, &strip.reduced, &lambda, cut_off.1, STRIP_SHIFT)?,
+        first_blade,
+        pressure: PressureInputs::default(),
     })
 }
 
+impl TwoBladeModel {
+    /// The rig with [`ReducedModel::loads`] for the inputs of the contact pressure.
+    #[must_use]
+    pub fn with_pressure(mut self, pressure: PressureInputs) -> Self {
+        self.reduced.loads = pressure.loads(self.settings.centrifugal_load_n, &self.reduced);
+        self.pressure = pressure;
+        self
+    }
+
+    /// The inputs of its contact pressure.
+    #[must_use]
+    pub fn pressure(&self) -> &PressureInputs {
+        &self.pressure
+    }
+}
+
+/// Contact nodes of the strip: under blade 1, then under blade 2.
+fn strip_nodes(layout: &Layout, contact: &[ContactNode]) -> Vec<[f64; 3]> {
+    let z = layout.contact_height();
+    let under = |side: f64| contact.iter().map(move |c| [side * c.x, c.y, z]);
+    under(1.0).chain(under(-1.0)).collect()
+}
+
+/// A component with the modes below the cut-off (Hz) of a key of the settings.
+fn below(
+    fe: &FeModel,
+    masters: &[usize],
+    (key, cut_off): (&str, f64),
+) -> Result<CraigBampton, ModelError> {
+    CraigBampton::new(fe, masters, cut_off).map_err(|error| match error {
+        ReductionError::Linalg(error) => ModelError::from(error),
+        ReductionError::TooManyModes { .. } => ModelError::from(BadSetting {
+            key: key.to_owned(),
+            value: cut_off.to_string(),
+            rule: error.to_string(),
+        }),
+    })
+}
+
+impl Blade {
+    /// Blade 1, and what a report says about its making.
+    fn new(
+        settings: &TwoBladeSettings,
+        layout: &Layout,
+        contact: &[ContactNode],
+    ) -> Result<(Self, ComponentSummary), ModelError> {
+        let heights = [settings.excitation_height, settings.response_height];
+        let fe = layout.blade(&heights)?;
+        let z = layout.contact_height();
+        let nodes = contact.iter().map(|c| [c.x, c.y, z]);
+        let nodes: Vec<_> = nodes
+            .chain(heights.map(|height| layout.airfoil_point(height)))
+            .collect();
+        let cut_off = ("blade_cut_off_hz", settings.blade_cut_off_hz);
+        let component = Component::new(&fe, &nodes, |masters| below(&fe, masters, cut_off))?;
+        let reduced = &component.reduced;
+        let (lambda, shapes) = reduced.modes()?;
+        let summary = ComponentSummary::new(&fe, reduced, &lambda, cut_off.1, 0.0)?;
+        let in_x = |q: usize| q < reduced.n_masters && q.is_multiple_of(3);
+        let mirror = (0..reduced.n_dofs()).map(|q| if in_x(q) { -1.0 } else { 1.0 });
+        let blade = Self {
+            x_bending: first_x_bending_modes(&fe, reduced, &shapes)?,
+            mirror: mirror.collect(),
+            component,
+            lambda,
+            shapes,
+        };
+        Ok((blade, summary))
+    }
+}
+
 impl Component {
+    /// The component with the degrees of freedom of `master_nodes` as masters, which `reduce` keeps.
     fn new(
         fe: &FeModel,
         master_nodes: &[[f64; 3]],
-        (key, cut_off): (&str, f64),
-        shift: f64,
+        reduce: impl FnOnce(&[usize]) -> Result<CraigBampton, ModelError>,
     ) -> Result<Self, ModelError> {
         let mut masters: Vec<usize> = Vec::new();
         let mut nodes = Vec::new();
@@ -151,33 +200,33 @@ impl Component {
                 masters.extend(dofs);
             }
         }
-        let reduced = CraigBampton::new(fe, &masters, cut_off).map_err(|error| match error {
-            ReductionError::Linalg(error) => ModelError::from(error),
-            ReductionError::TooManyModes { .. } => ModelError::from(BadSetting {
-                key: key.to_owned(),
-                value: cut_off.to_string(),
-                rule: error.to_string(),
-            }),
-        })?;
-        let (lambda, shapes) = reduced.modes()?;
+        Ok(Self {
+            reduced: reduce(&masters)?,
+            nodes,
+        })
+    }
+}
+
+impl ComponentSummary {
+    /// `lambda` are the eigenvalues of the reduced component; `shift` is for the modes of the full one ((rad/s)²).
+    fn new(
+        fe: &FeModel,
+        reduced: &CraigBampton,
+        lambda: &[f64],
+        cut_off: f64,
+        shift: f64,
+    ) -> Result<Self, ModelError> {
         let full = lowest_modes(&fe.stiffness, &fe.mass, COMPARED_MODES, shift)?;
         let along_z = Mat::from_fn(fe.n_dofs(), 1, |i, _| if i % 3 == 2 { 1.0 } else { 0.0 });
-        let summary = ComponentSummary {
+        Ok(Self {
             n_fe_dofs: fe.n_dofs(),
-            n_masters: masters.len(),
-            n_modes: reduced.n_dofs() - masters.len(),
+            n_masters: reduced.n_masters,
+            n_modes: reduced.n_dofs() - reduced.n_masters,
             cut_off,
             first_left_out: reduced.first_left_out,
             reduced_frequencies: frequencies(&lambda[..full.lambda.len().min(lambda.len())]),
             full_frequencies: frequencies(&full.lambda),
             mass: (along_z.transpose() * (&fe.mass * &along_z))[(0, 0)],
-        };
-        Ok(Self {
-            reduced,
-            lambda,
-            shapes,
-            summary,
-            nodes,
         })
     }
 }
@@ -191,9 +240,13 @@ fn frequencies(lambda: &[f64]) -> Vec<f64> {
 }
 
 /// The first two blade modes that carry most of their modal mass in x.
-fn first_x_bending_modes(fe: &FeModel, blade: &Component) -> Result<[usize; 2], ModelError> {
-    let n = COMPARED_MODES.min(blade.lambda.len());
-    let shapes = &blade.reduced.basis * blade.shapes.subcols(0, n);
+fn first_x_bending_modes(
+    fe: &FeModel,
+    blade: &CraigBampton,
+    shapes: &Mat<f64>,
+) -> Result<[usize; 2], ModelError> {
+    let n = COMPARED_MODES.min(shapes.ncols());
+    let shapes = &blade.basis * shapes.subcols(0, n);
     let momenta = &fe.mass * &shapes;
     let share_in_x = |mode: usize| -> f64 {
         (0..fe.n_dofs())

@@ -5,16 +5,15 @@
 //! Pressure of a rigid flat punch: p(s) = p̄ / (π √(1/4 − s²)) over the contact width, s from −1/2 to 1/2, infinite at
 //! both edges with a finite load (Johnson 1985, Contact Mechanics, sec. 2.8). A node carries the integral over its part of the width.
 //!
-//! Random field: the relative deviation of the load is a
-//! Gaussian field δ with standard deviation σ and correlation exp(−d²/2ℓ²) at the distance d, independent on the two
-//! interfaces, expanded in its first modes (Karhunen & Loève; nodes weighed by their area, Ghanem & Spanos 1991, sec. 2.3):
+//! Random field: the deviation of a node's load from its nominal one, relative to this, is a Gaussian field δ with standard
+//! deviation σ and correlation exp(−d²/2ℓ²) at the distance d, independent on the two interfaces, expanded in its first modes (Karhunen & Loève; nodes weighed by their area, Ghanem & Spanos 1991, sec. 2.3):
 //! δ = σ Σ_k √λ_k φ_k ξ_k with independent standard normal ξ_k. The mean over an interface is taken out, so that every
 //! sample has the same load on both; what the modes left out would add is left out.
 
 use super::TwoBladeSettings;
-use super::components::Layout;
+use super::components::{ContactNode, Layout};
 use crate::linalg::{LinalgError, symmetric_eigen};
-use crate::model::{ContactPair, ReducedModel};
+use crate::model::ReducedModel;
 use crate::setting::{BadSetting, positive};
 use crate::units::mm_to_m;
 use faer::Mat;
@@ -23,7 +22,7 @@ use faer::Mat;
 #[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressureField {
-    /// σ: standard deviation of the pressure over its mean.
+    /// σ: standard deviation of the load of a node over its nominal one.
     pub standard_deviation: f64,
     /// ℓ (mm).
     pub correlation_length_mm: f64,
@@ -36,78 +35,134 @@ fn default_modes() -> usize {
     4
 }
 
-/// A field as loads on the model.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PressureModes {
-    /// Static force of ξ_k = 1 (N): first all modes of interface 0, then those of interface 1. Shape: inputs × dofs.
-    pub loads: Vec<Vec<f64>>,
+/// How the load on the strip is shared out anew by the inputs of its pressure, whatever the load is.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PressureInputs {
+    /// Share of the load on every contact pair where a rigid punch presses on each platform; if its input is wanted.
+    punch: Option<Vec<f64>>,
+    /// What ξ_k = 1 adds to these shares: first all modes of interface 0, then those of interface 1. Shape: modes × pairs.
+    modes: Vec<Vec<f64>>,
     /// Share of the field's variance, averaged over the area, that the modes hold.
     pub variance_share: f64,
+}
+
+impl PressureInputs {
+    /// The inputs of the rig of `settings`: edge pressure, the modes of a field, both or neither.
+    ///
+    /// # Errors
+    /// [`LinalgError`] if the eigenvalues of the covariance do not converge.
+    pub fn new(
+        settings: &TwoBladeSettings,
+        edge: bool,
+        field: Option<&PressureField>,
+    ) -> Result<Self, LinalgError> {
+        let layout = Layout::new(settings);
+        let nodes = layout.contact_nodes();
+        let area: Vec<f64> = nodes.iter().map(|node| node.area).collect();
+        // blade 2 has the mirror image of these nodes, in the same order
+        let nominal = match &settings.pressure_weights {
+            Some(weights) => weights.clone(),
+            None => area.repeat(2),
+        };
+        let total: f64 = nominal.iter().sum();
+        let nominal: Vec<f64> = nominal.iter().map(|share| share / total).collect();
+        let punch = edge.then(|| {
+            let pressure = layout.punch_deviation().into_iter().map(|d| 1.0 + d);
+            let punch: Vec<f64> = area.iter().zip(pressure).map(|(a, p)| a * p).collect();
+            let whole: f64 = punch.iter().sum();
+            let of_interface = |own: &[f64]| {
+                let load: f64 = own.iter().sum();
+                punch.iter().map(move |share| load * share / whole)
+            };
+            nominal.chunks(area.len()).flat_map(of_interface).collect()
+        });
+        let Some(field) = field else {
+            return Ok(Self {
+                punch,
+                ..Self::default()
+            });
+        };
+        let (deviations, variance_share) = field.deviations(&nodes)?;
+        let mode = |interface: usize, deviation: &[f64]| {
+            let pairs = interface * area.len()..(interface + 1) * area.len();
+            let own = &nominal[pairs.clone()];
+            let mean = weighted_mean(deviation, own);
+            let mut shares = vec![0.0; nominal.len()];
+            for ((share, own), d) in shares[pairs].iter_mut().zip(own).zip(deviation) {
+                *share = own * (d - mean);
+            }
+            shares
+        };
+        let modes = (0..2).flat_map(|interface| deviations.iter().map(move |d| (interface, d)));
+        Ok(Self {
+            punch,
+            modes: modes.map(|(interface, d)| mode(interface, d)).collect(),
+            variance_share,
+        })
+    }
+
+    /// Number of modes of the field on each interface.
+    #[must_use]
+    pub fn modes_per_interface(&self) -> usize {
+        self.modes.len() / 2
+    }
+
+    /// Static forces (N) of the inputs at 1 on `model` under a centrifugal load (N): that of edge pressure, then those of the
+    /// modes. Each leaves the load of an interface as it is.
+    ///
+    /// Shape: inputs × degrees of freedom. All on the strip's side.
+    #[must_use]
+    pub fn loads(&self, load: f64, model: &ReducedModel) -> Vec<Vec<f64>> {
+        let on_pairs = |shares: &Vec<f64>| {
+            let mut force = vec![0.0; model.n_dofs()];
+            for (pair, share) in model.contacts.iter().zip(shares) {
+                for &(dof, weight) in pair.n.iter().filter(|(_, weight)| *weight > 0.0) {
+                    force[dof] += weight * load * share;
+                }
+            }
+            force
+        };
+        // in place of the nominal load, not on top: between both no node is pulled
+        let in_place = |punch: &Vec<f64>| {
+            let forces = on_pairs(punch).into_iter().zip(&model.static_force);
+            forces.map(|(punch, nominal)| punch - nominal).collect()
+        };
+        let punch = self.punch.iter().map(in_place);
+        punch.chain(self.modes.iter().map(on_pairs)).collect()
+    }
 }
 
 impl PressureField {
     /// Modes per interface at most.
     pub const MOST_MODES: usize = 8;
 
-    /// Checks ranges.
+    /// Checks ranges; an interface has `nodes` contact nodes.
     ///
     /// # Errors
     /// [`BadSetting`] with a key relative to `[pressure_field]`.
-    pub fn validate(&self) -> Result<(), BadSetting> {
+    pub fn validate(&self, nodes: usize) -> Result<(), BadSetting> {
         positive("standard_deviation", self.standard_deviation)?;
         let rule = "must be at most 0.3: a Gaussian field would lift the strip off";
         let small = self.standard_deviation <= 0.3;
         BadSetting::unless(small, "standard_deviation", self.standard_deviation, rule)?;
         positive("correlation_length_mm", self.correlation_length_mm)?;
-        let rule = format!("must be from 1 to {}", Self::MOST_MODES);
-        let holds = (1..=Self::MOST_MODES).contains(&self.modes);
+        let most = Self::MOST_MODES.min(nodes);
+        let rule = format!("must be from 1 to {most}");
+        let holds = (1..=most).contains(&self.modes);
         BadSetting::unless(holds, "modes", self.modes, &rule)
     }
 
-    /// The field on the rig of `settings`, whose contact pairs and number of degrees of freedom are `pairs` and `n_dofs`.
-    ///
-    /// # Errors
-    /// [`LinalgError`] if the eigenvalues of the covariance do not converge.
-    pub fn modes(
-        &self,
-        settings: &TwoBladeSettings,
-        pairs: &[ContactPair],
-        n_dofs: usize,
-    ) -> Result<PressureModes, LinalgError> {
-        let positions: Vec<[f64; 2]> = (Layout::new(settings).contact_nodes().iter())
-            .map(|node| [node.x, node.y])
-            .collect();
-        let half = positions.len();
-        let area: Vec<f64> = pairs[..half].iter().map(|pair| pair.area).collect();
-        // blade 2 has the mirror image of these nodes, in the same order
-        let (deviations, variance_share) = self.deviations(&positions, &area)?;
-        let load = |first: usize, deviation: &[f64]| {
-            let mean = weighted_mean(deviation, &area);
-            let centred: Vec<f64> = deviation.iter().map(|d| d - mean).collect();
-            let mut force = vec![0.0; n_dofs];
-            add_load(&mut force, settings, &pairs[first..first + half], &centred);
-            force
-        };
-        let loads = [0, half].map(|first| deviations.iter().map(move |d| (first, d)));
-        let loads = loads.into_iter().flatten().map(|(first, d)| load(first, d));
-        Ok(PressureModes {
-            loads: loads.collect(),
-            variance_share,
-        })
-    }
-
     /// σ √λ_k φ_k at the nodes of one interface, and the share of the variance that these hold.
-    fn deviations(
-        &self,
-        positions: &[[f64; 2]],
-        area: &[f64],
-    ) -> Result<(Vec<Vec<f64>>, f64), LinalgError> {
-        let n = positions.len();
+    fn deviations(&self, nodes: &[ContactNode]) -> Result<(Vec<Vec<f64>>, f64), LinalgError> {
+        let n = nodes.len();
         let length = mm_to_m(self.correlation_length_mm);
-        let total: f64 = area.iter().sum();
-        let root: Vec<f64> = area.iter().map(|a| (a / total).sqrt()).collect();
+        let total: f64 = nodes.iter().map(|node| node.area).sum();
+        let root: Vec<f64> = nodes
+            .iter()
+            .map(|node| (node.area / total).sqrt())
+            .collect();
         let covariance = Mat::from_fn(n, n, |i, j| {
-            let [dx, dy] = [0, 1].map(|axis| positions[i][axis] - positions[j][axis]);
+            let (dx, dy) = (nodes[i].x - nodes[j].x, nodes[i].y - nodes[j].y);
             let correlation = (-0.5 * (dx * dx + dy * dy) / (length * length)).exp();
             root[i] * correlation * root[j]
         });
@@ -127,38 +182,13 @@ impl PressureField {
     }
 }
 
-/// Static force (N) that makes the load of the rig's contacts that of a rigid flat punch on each platform, instead of even.
-///
-/// Shape: one entry per degree of freedom of `model`. Keeps the load of each interface.
-#[must_use]
-pub fn edge_load(settings: &TwoBladeSettings, model: &ReducedModel) -> Vec<f64> {
-    let deviation = Layout::new(settings).punch_deviation();
-    let mut force = vec![0.0; model.n_dofs()];
-    for pairs in model.contacts.chunks(deviation.len()) {
-        add_load(&mut force, settings, pairs, &deviation);
-    }
-    force
-}
-
-/// Adds the load of a relative deviation of the pressure from its mean on one interface, on the strip's side.
-fn add_load(
-    force: &mut [f64],
-    settings: &TwoBladeSettings,
-    pairs: &[ContactPair],
-    deviation: &[f64],
-) {
-    let total: f64 = 2.0 * pairs.iter().map(|pair| pair.area).sum::<f64>();
-    for (pair, deviation) in pairs.iter().zip(deviation) {
-        let share = settings.centrifugal_load_n * pair.area / total;
-        for &(dof, weight) in pair.n.iter().filter(|(_, weight)| *weight > 0.0) {
-            force[dof] += weight * share * deviation;
-        }
-    }
-}
-
+/// Mean of the values; 0 where all weights are.
 fn weighted_mean(values: &[f64], weights: &[f64]) -> f64 {
     let sum: f64 = values.iter().zip(weights).map(|(x, w)| x * w).sum();
-    sum / weights.iter().sum::<f64>()
+    match weights.iter().sum::<f64>() {
+        0.0 => 0.0,
+        weight => sum / weight,
+    }
 }
 
 #[cfg(test)]
@@ -166,25 +196,13 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    fn rig(modes: usize) -> (TwoBladeSettings, PressureField, Vec<ContactPair>) {
-        let settings = TwoBladeSettings::default();
-        let nodes = Layout::new(&settings).contact_nodes();
-        let pair = |(i, area): (usize, f64)| ContactPair {
-            name: String::new(),
-            t1: Vec::new(),
-            t2: Vec::new(),
-            n: vec![(i, 1.0), (100 + i, -1.0)],
-            area,
-            interface: i / nodes.len(),
-        };
-        let areas = nodes.iter().chain(&nodes).map(|node| node.area);
-        let pairs = areas.enumerate().map(pair).collect();
+    fn rig(modes: usize) -> (TwoBladeSettings, PressureField) {
         let field = PressureField {
             standard_deviation: 0.1,
             correlation_length_mm: 8.0,
             modes,
         };
-        (settings, field, pairs)
+        (TwoBladeSettings::default(), field)
     }
 
     /// The pressure's covariance, from all modes of one interface, is σ² exp(−d²/2ℓ²) less the mean: by its own formula.
@@ -192,11 +210,11 @@ mod tests {
     /// Seen to fail with the areas left out of the eigenproblem.
     #[test]
     fn all_modes_give_the_covariance() {
-        let (settings, mut field, pairs) = rig(1);
+        let (settings, mut field) = rig(1);
         let nodes = Layout::new(&settings).contact_nodes();
         field.modes = nodes.len();
-        let modes = field.modes(&settings, &pairs, 200).unwrap();
-        assert!((modes.variance_share - 1.0).abs() < 1e-12);
+        let inputs = PressureInputs::new(&settings, false, Some(&field)).unwrap();
+        assert!((inputs.variance_share - 1.0).abs() < 1e-12);
         let n = nodes.len();
         let total: f64 = nodes.iter().map(|node| node.area).sum();
         let w: Vec<f64> = nodes.iter().map(|node| node.area / total).collect();
@@ -207,9 +225,8 @@ mod tests {
         let row_mean = |i: usize| (0..n).map(|j| w[j] * c(i, j)).sum::<f64>();
         let mean: f64 = (0..n).map(|i| w[i] * row_mean(i)).sum();
         for (i, j) in [(0, 0), (0, 1), (3, 7), (14, 14), (2, 12)] {
-            let nominal = |i: usize| 0.5 * settings.centrifugal_load_n * w[i];
-            let relative = |mode: &Vec<f64>, i: usize| mode[i] / nominal(i);
-            let found: f64 = (modes.loads.iter())
+            let relative = |mode: &Vec<f64>, i: usize| mode[i] / (0.5 * w[i]);
+            let found: f64 = (inputs.modes.iter())
                 .map(|mode| relative(mode, i) * relative(mode, j))
                 .sum();
             let expected = c(i, j) - row_mean(i) - row_mean(j) + mean;
@@ -243,22 +260,36 @@ mod tests {
         assert!(change.abs() < 1e-12 * nodes[0].area, "{change}");
     }
 
-    /// Each mode loads one interface, leaves its sum and pulls nothing on the blades.
+    /// Each mode loads one interface and leaves its sum, also under weights that leave nodes or a whole interface unloaded.
+    ///
+    /// Seen to fail with the mean of the deviations by area, whatever the weights.
     #[test]
     fn modes_keep_the_load_of_each_interface() {
-        let (settings, field, pairs) = rig(3);
-        let modes = field.modes(&settings, &pairs, 200).unwrap();
-        assert_eq!(modes.loads.len(), 6);
-        assert!(modes.variance_share > 0.5 && modes.variance_share < 1.0);
-        for (k, load) in modes.loads.iter().enumerate() {
+        let (mut settings, field) = rig(3);
+        let inputs = PressureInputs::new(&settings, false, Some(&field)).unwrap();
+        assert_eq!(inputs.modes.len(), 6);
+        assert!(inputs.variance_share > 0.5 && inputs.variance_share < 1.0);
+        for (k, shares) in inputs.modes.iter().enumerate() {
             let (own, other) = if k < 3 {
                 (0..15, 15..30)
             } else {
                 (15..30, 0..15)
             };
-            assert!(load[own.clone()].iter().any(|f| f.abs() > 0.1), "mode {k}");
-            assert!(load[own].iter().sum::<f64>().abs() < 1e-12, "mode {k}");
-            assert!(load[other].iter().chain(&load[30..]).all(|f| *f == 0.0));
+            assert!(shares[own.clone()].iter().any(|s| s.abs() > 1e-3), "{k}");
+            assert!(shares[own].iter().sum::<f64>().abs() < 1e-14, "{k}");
+            assert!(shares[other].iter().all(|s| *s == 0.0), "{k}");
         }
+        let weights = [[1.0, 0.0, 3.0].repeat(5), vec![0.0; 15]].concat();
+        settings.pressure_weights = Some(weights.clone());
+        let inputs = PressureInputs::new(&settings, true, Some(&field)).unwrap();
+        for shares in &inputs.modes {
+            assert!(shares.iter().sum::<f64>().abs() < 1e-14, "{shares:?}");
+            let loaded = |(s, w): (&f64, &f64)| s.abs() <= 0.5 * w / 20.0;
+            assert!(shares.iter().zip(&weights).all(loaded), "{shares:?}");
+        }
+        let punch = inputs.punch.unwrap();
+        assert!((punch.iter().sum::<f64>() - 1.0).abs() < 1e-14, "{punch:?}");
+        assert!(punch[..15].iter().all(|s| *s > 0.0), "{punch:?}");
+        assert!(punch[15..].iter().all(|s| *s == 0.0), "{punch:?}");
     }
 }

@@ -60,6 +60,7 @@ fn assembled(
         retention: None,
         contacts,
         static_force,
+        loads: Vec::new(),
         cosine_force: zero.clone(),
         sine_force: zero,
         responses: (0..n)
@@ -232,6 +233,7 @@ pub(super) fn modal(model: &ReducedModel) -> LinearModel {
         static_force: (0..n)
             .map(|j| dot(phi.col(j).iter(), &part.static_force))
             .collect(),
+        loads: Vec::new(),
         force: (0..n)
             .map(|j| {
                 phi.col(j)

@@ -302,6 +302,7 @@ fn truncated(hertz: f64) -> LinearModel {
         images: part.images,
         response: columns(&part.response),
         static_force: part.static_force[..n].to_vec(),
+        loads: Vec::new(),
         force: part.force[..n].to_vec(),
     };
     LinearModel {
