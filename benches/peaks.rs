@@ -2,7 +2,7 @@
 //!
 //! Sections: `parts` (one Newton iteration), `study` (random samples over the box of the default study, levels up to
 //! 100 N), `sweep` (this program's own continuation, 60 points around the peak), `slow-path` (the same peaks found by
-//! each sample alone), `harmonics` (rate on more harmonics), `certified` (rate at a truncation threshold of 1e-3, against
+//! each sample alone), `strip` (a structure with a strip of its own), `harmonics` (rate on more harmonics), `certified` (rate at a truncation threshold of 1e-3, against
 //! 31 harmonics), `memory` (results of 100 000 samples), `peers` (the reference problem blades-strip-oop). Rates are per second of processor time of all threads; without arguments all sections run.
 
 #![expect(clippy::expect_used, reason = "a benchmark without its state fails")]
@@ -13,7 +13,7 @@ use microslip::ensemble::atlas::{Anchor, Atlas, AtlasPrediction};
 use microslip::ensemble::backend::BackendReport;
 use microslip::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use microslip::ensemble::store::{Provenance, write_samples};
-use microslip::ensemble::{Ensemble, SampleSolver};
+use microslip::ensemble::{Ensemble, SampleSolver, Strips};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::forced_response::at_frequencies;
 use microslip::hb::newton::{Iterate, WorkCount};
@@ -26,6 +26,7 @@ use microslip::hb::track::track_peaks;
 use microslip::hb::{
     AlertSettings, Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Status,
 };
+use microslip::model::interface::InterfaceSettings;
 use microslip::model::two_blade::{TwoBladeSettings, build};
 use microslip::report::record::{Bands, DesignRecord, FileRecord, InputRecord, LinearRecord};
 use microslip::report::requirement::Requirements;
@@ -45,8 +46,9 @@ fn main() {
         .skip(1)
         .filter(|a| !a.starts_with('-'))
         .collect();
-    let sections: [(&str, fn()); 8] = [
+    let sections: [(&str, fn()); 9] = [
         ("parts", parts),
+        ("strip", strip),
         ("study", study),
         ("sweep", sweep),
         ("slow-path", slow_path),
@@ -139,6 +141,7 @@ impl Rig {
     ) -> Ensemble<'a> {
         Ensemble {
             linear: &self.linear,
+            strips: None,
             contacts: &self.contacts,
             interfaces: &[],
             loads: &[],
@@ -266,6 +269,22 @@ fn parts() {
             2 * grid[0] * grid[1]
         );
     }
+}
+
+fn strip() {
+    let rig = build(&TwoBladeSettings::default()).expect("valid");
+    let contacts = InterfaceSettings::default().parameters(&rig.reduced.contacts);
+    let nominal = LinearModel::of(&rig.reduced, &contacts, true).expect("definite");
+    let reduced = milliseconds(10, || drop(rig.with_strip(0.5)));
+    let strips = Strips {
+        rig,
+        contacts,
+        mirror: true,
+    };
+    let folded = milliseconds(10, || drop(strips.linear(0.5, &nominal)));
+    println!(
+        "{reduced:.1} ms to reduce a strip, {folded:.1} ms with folding and modes (fastest of 5)"
+    );
 }
 
 fn study() {
@@ -584,6 +603,7 @@ fn peers() {
     let [low, high] = study.frequency.band;
     let ensemble = Ensemble {
         linear: &linear,
+        strips: None,
         contacts: &model.contacts,
         interfaces: &[],
         loads: &[],

@@ -1,9 +1,9 @@
 //! The nominal model with the inputs of one sample put in.
 
-use super::Ensemble;
+use super::{Ensemble, Strips};
 use crate::aft::Backend;
 use crate::contact::ContactParameters;
-use crate::hb::{LinearModel, Problem, ProblemError, SliderAnchor};
+use crate::hb::{LinearModel, Problem, ProblemError, SliderAnchor, Status};
 use crate::sampling::Input;
 use std::borrow::Cow;
 
@@ -20,9 +20,16 @@ pub(super) struct Applied<'m> {
 
 impl Ensemble<'_> {
     /// The model at the given input values, in the order of the design; nominal where there are none.
-    pub(super) fn applied(&self, inputs: &[f64]) -> Applied<'_> {
+    ///
+    /// # Errors
+    /// The [`Status`] of a sample whose strip makes no model.
+    pub(super) fn applied(&self, inputs: &[f64]) -> Result<Applied<'_>, Status> {
         let mut applied = Applied {
-            linear: Cow::Borrowed(self.linear),
+            // the other inputs act on what the thickness makes
+            linear: match self.thickness_mm(inputs) {
+                Some((strips, mm)) => Cow::Owned(strips.linear(mm, self.linear)?),
+                None => Cow::Borrowed(self.linear),
+            },
             contacts: self.contacts.to_vec(),
             load_scale: 1.0,
             backend: self.backend,
@@ -31,7 +38,16 @@ impl Ensemble<'_> {
         for ((input, _), value) in self.design.inputs().iter().zip(inputs) {
             applied.put(*input, *value, self);
         }
-        applied
+        Ok(applied)
+    }
+
+    fn thickness_mm(&self, inputs: &[f64]) -> Option<(&Strips, f64)> {
+        let mut given = self.design.inputs().iter().zip(inputs);
+        let (_, value) = given.find(|((input, _), _)| *input == Input::StripThickness)?;
+        let Some(strips) = self.strips else {
+            panic!("{} has no strips", Input::StripThickness.name());
+        };
+        Some((strips, *value))
     }
 }
 
@@ -59,6 +75,7 @@ impl Applied<'_> {
                     entries.for_each(|(force, f)| *force += value * f);
                 }
             }
+            Input::StripThickness => {}
             _ => {
                 let of_side = |pair: usize| input.interface().is_none_or(|i| interfaces[pair] == i);
                 for (pair, contact) in self.contacts.iter_mut().enumerate() {
@@ -87,6 +104,7 @@ fn put_contact(contact: &mut ContactParameters<f64>, input: Input, value: f64) {
         | Input::DampingScale
         | Input::ExcitationScale
         | Input::EdgePressure
+        | Input::StripThickness
         | Input::PressureMode(_) => {}
     }
 }

@@ -9,7 +9,9 @@ pub mod outcome;
 pub mod runner;
 mod sample;
 pub mod store;
+pub mod strips;
 #[cfg(feature = "test-functions")]
 pub mod test_function;
 
 pub use runner::{Ensemble, SampleSolver, Solved};
+pub use strips::Strips;

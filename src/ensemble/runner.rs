@@ -5,6 +5,7 @@
 
 use super::atlas::{Anchor, Atlas};
 use super::outcome::SampleOutcome;
+use super::strips::Strips;
 use crate::aft::Backend;
 use crate::contact::ContactParameters;
 use crate::hb::peak::PeakSettings;
@@ -15,8 +16,10 @@ use rayon::prelude::*;
 /// What all samples of a study share.
 #[derive(Debug, Clone, Copy)]
 pub struct Ensemble<'a> {
-    /// Linear part of the model.
+    /// Nominal linear part of the model.
     pub linear: &'a LinearModel,
+    /// What gives a sample its own strip, where the thickness of the strip is an input.
+    pub strips: Option<&'a Strips>,
     /// Nominal constants of the contact pairs.
     pub contacts: &'a [ContactParameters<f64>],
     /// Interface of each contact pair: 0 = left, 1 = right. Shape as `contacts`; read for inputs of one side only.

@@ -95,19 +95,20 @@ impl Ensemble<'_> {
         atlas: &Atlas,
         curve: bool,
     ) -> (Vec<LevelOutcome>, Vec<Option<AnchorPeak>>) {
-        let applied = self.applied(inputs);
-        let levels = self.applied_levels(&applied);
-        let solved = (applied.problem(self.settings.anchor)).and_then(|problem| {
-            let peaks = self.peaks(&problem, &levels, place, atlas)?;
+        let solved = self.applied(inputs).and_then(|applied| {
+            let levels = self.applied_levels(&applied);
+            let problem = applied.problem(self.settings.anchor).map_err(status_of)?;
+            let peaks = self.peaks(&problem, &levels, place, atlas);
+            let peaks = peaks.map_err(status_of)?;
             let anchor = |found: &Found| Some(AnchorPeak::new(found.peak.solution.as_ref()?));
             let anchors = peaks.iter().map(anchor).collect();
             let level = |(found, nominal)| self.level(&problem, found, nominal, curve);
             let of_levels = peaks.into_iter().zip(self.levels.iter().copied());
             Ok((of_levels.map(level).collect(), anchors))
         });
-        solved.unwrap_or_else(|error| {
+        solved.unwrap_or_else(|status| {
             let none = vec![None; self.levels.len()];
-            (self.without_problem(&error), none)
+            (self.without_problem(status), none)
         })
     }
 
@@ -258,7 +259,7 @@ impl Ensemble<'_> {
         let inputs: Vec<f64> = (self.design.inputs().iter().zip(start.iter().zip(end)))
             .map(|((_, distribution), (a, b))| distribution.quantile(a + share * (b - a)))
             .collect();
-        let applied = self.applied(&inputs);
+        let applied = self.applied(&inputs).ok()?;
         let prediction = prediction.at_level(self.applied_levels(&applied)[level]);
         let problem = applied.problem(self.settings.anchor).ok()?;
         let balance = on(&problem, prediction.harmonics, self.settings);
@@ -330,12 +331,8 @@ impl Ensemble<'_> {
             .collect()
     }
 
-    /// A sample whose constants make no harmonic balance problem fails at every level.
-    fn without_problem(&self, error: &ProblemError) -> Vec<LevelOutcome> {
-        let status = match error {
-            ProblemError::Linalg(_) => Status::NonFinite,
-            _ => Status::NotHeld,
-        };
+    /// A sample whose inputs make no harmonic balance problem fails at every level.
+    fn without_problem(&self, status: Status) -> Vec<LevelOutcome> {
         (self.levels.iter())
             .map(|&level| LevelOutcome {
                 level,
@@ -346,6 +343,14 @@ impl Ensemble<'_> {
                 factorizations: 0,
             })
             .collect()
+    }
+}
+
+/// How a sample ends whose constants make no harmonic balance problem.
+fn status_of(error: ProblemError) -> Status {
+    match error {
+        ProblemError::Linalg(_) => Status::NonFinite,
+        _ => Status::NotHeld,
     }
 }
 

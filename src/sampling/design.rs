@@ -112,6 +112,23 @@ impl Design {
         &self.inputs
     }
 
+    /// Ends of the values of the input at a place among [`Design::inputs`]: of its distribution or interval, or of its column in
+    /// the file.
+    #[must_use]
+    pub fn range(&self, place: usize) -> [f64; 2] {
+        let column = |(columns, rows): &(Vec<usize>, Vec<Vec<f64>>)| {
+            let column = columns.iter().position(|c| *c == place)?;
+            let values = rows.iter().map(|row| row[column]);
+            Some(
+                values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+                    [v.min(low), v.max(high)]
+                }),
+            )
+        };
+        let in_file = self.file.as_ref().and_then(column);
+        in_file.unwrap_or_else(|| self.inputs[place].1.support())
+    }
+
     /// Values of sample `i`, in the order of [`Design::inputs`]: F_j⁻¹(u(i, j)), or the file's or outer point's value.
     #[must_use]
     pub fn sample(&self, i: u64) -> Vec<f64> {

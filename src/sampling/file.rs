@@ -43,7 +43,7 @@ pub struct SampleTable {
 impl SampleTable {
     /// Reads `path`: `.csv` with a line of names first (`#` starts a comment), or `.parquet`.
     ///
-    /// Names are those of [`Input::name`]; friction is absolute, everything else a factor, so no column has a unit.
+    /// Names are those of [`Input::name`], values as in the tables of a study: a column with a unit has it in its name.
     ///
     /// # Errors
     /// [`SampleFileError`] on the first column or value that cannot be taken, with its line.

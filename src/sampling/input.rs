@@ -30,6 +30,8 @@ pub enum Input {
     ExcitationScale,
     /// How far the contact load is that of a rigid flat punch: 0 = the model's, 1 = peaked at the edges like the punch's.
     EdgePressure,
+    /// Thickness of the built-in model's strip (mm; absolute). Its mass and with it the centrifugal load grow in proportion.
+    StripThickness,
     /// Standard normal coefficient of a mode of the contact pressure's random field, below [`PRESSURE_MODES`].
     PressureMode(u8),
 }
@@ -57,7 +59,7 @@ const PRESSURE_NAMES: [&str; 16] = [
 
 impl Input {
     /// Every input that `[inputs]` can name, in order; the modes of the pressure field come after them.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::StiffnessScale,
         Self::NormalStiffnessScale,
         Self::TangentialStiffnessScale,
@@ -70,6 +72,7 @@ impl Input {
         Self::DampingScale,
         Self::ExcitationScale,
         Self::EdgePressure,
+        Self::StripThickness,
     ];
 
     /// Refuses a value without physical meaning (negative or not finite; a factor of 0).
@@ -120,6 +123,7 @@ impl Input {
             Self::DampingScale => "damping_scale",
             Self::ExcitationScale => "excitation_scale",
             Self::EdgePressure => "edge_pressure",
+            Self::StripThickness => "strip_thickness_mm",
             Self::PressureMode(k) => PRESSURE_NAMES[usize::from(k)],
         }
     }
@@ -146,6 +150,7 @@ impl Input {
             Self::DampingScale => 9,
             Self::ExcitationScale => 10,
             Self::EdgePressure => 11,
+            Self::StripThickness => 12,
             Self::PressureMode(k) => 64 + u32::from(k),
         }
     }

@@ -4,7 +4,7 @@ use super::read::{Study, StudyModel};
 use crate::Error;
 use crate::aft::Backend;
 use crate::contact::ContactParameters;
-use crate::ensemble::Ensemble;
+use crate::ensemble::{Ensemble, Strips};
 use crate::hb::LinearModel;
 use crate::hb::peak::PeakSettings;
 use crate::hb::resonance::Band;
@@ -32,6 +32,8 @@ pub struct PreparedStudy<'s> {
     interfaces: Vec<usize>,
     /// Inputs that are static loads, in the order of the model's.
     loads: Vec<Input>,
+    /// What gives a sample its own strip, where the thickness of the strip is an input.
+    strips: Option<Strips>,
 }
 
 impl Study {
@@ -45,11 +47,17 @@ impl Study {
         let interface = |&pair: &usize| model.reduced.contacts[pair].interface;
         let contact = |&pair: &usize| model.contacts[pair];
         let inputs = self.design.inputs().iter().map(|(input, _)| *input);
+        let own_strips = inputs.clone().any(|input| input == Input::StripThickness);
         Ok(PreparedStudy {
             study: self,
             components: model.components(),
             interfaces: linear.pairs.iter().map(interface).collect(),
             loads: inputs.filter(|input| input.is_load()).collect(),
+            strips: model.rig.filter(|_| own_strips).map(|rig| Strips {
+                rig,
+                contacts: model.contacts.clone(),
+                mirror: self.folds(),
+            }),
             contacts: linear.pairs.iter().map(contact).collect(),
             linear,
             reduced: model.reduced,
@@ -86,6 +94,7 @@ impl PreparedStudy<'_> {
     pub fn ensemble<'a>(&'a self, backend: Backend<'a>) -> Ensemble<'a> {
         Ensemble {
             linear: &self.linear,
+            strips: self.strips.as_ref(),
             contacts: &self.contacts,
             interfaces: &self.interfaces,
             loads: &self.loads,

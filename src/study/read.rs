@@ -51,6 +51,8 @@ pub(super) const KEYS: [&str; 18] = [
 
 /// Why a pressure cannot be shaped.
 const NO_POSITIONS: &str = "a model of kind \"matrices\" has no positions of its contacts";
+/// Why a strip has no thickness.
+const NO_STRIP: &str = "a model of kind \"matrices\" has no strip that could be meshed anew";
 /// Why a punch and a field do not go together.
 const TWO_PRESSURES: &str =
     "the deviations of [pressure_field] are relative to model.pressure_weights, not to a punch";
@@ -272,19 +274,21 @@ impl Study {
         inputs.any(|(other, _)| *other == input)
     }
 
-    /// Refuses an input of something that the model does not have.
+    /// Refuses an input of something that the model does not have, or that makes no model.
     ///
     /// # Errors
     /// [`Error::Study`] on `inputs.<name>`.
     pub fn check_inputs(&self, model: &ReducedModel) -> Result<(), Error> {
-        for (input, _) in self.design.inputs() {
-            if let Some(reason) = self.lacking(*input, model) {
-                return Err(self.bad_setting(&BadSetting {
-                    key: format!("inputs.{}", input.name()),
-                    value: "(given)".to_owned(),
-                    rule: format!("must be absent: {reason}"),
-                }));
-            }
+        for (place, (input, _)) in self.design.inputs().iter().enumerate() {
+            let absent = self.lacking(*input, model).map_or(Ok(()), |reason| {
+                let rule = format!("must be absent: {reason}");
+                BadSetting::unless(false, "", "(given)", &rule)
+            });
+            let checked = absent.and_then(|()| self.check_strips(*input, place));
+            checked.map_err(|bad| {
+                let key = format!("inputs.{}", input.name());
+                self.bad_setting(&BadSetting { key, ..bad })
+            })?;
         }
         Ok(())
     }
@@ -294,6 +298,7 @@ impl Study {
         let weighted = |blades: &TwoBladeSettings| blades.pressure_weights.is_some();
         let reason = match (input, &self.model) {
             (Input::EdgePressure, ModelSettings::Matrices(_)) => NO_POSITIONS,
+            (Input::StripThickness, ModelSettings::Matrices(_)) => NO_STRIP,
             (
                 Input::EdgePressure,
                 ModelSettings::TwoBladeStrip {
@@ -311,6 +316,25 @@ impl Study {
             }
         };
         Some(reason.to_owned())
+    }
+
+    /// Refuses strips that do not fit the blades, as thin and as thick as the input at `place` can be.
+    fn check_strips(&self, input: Input, place: usize) -> Result<(), BadSetting> {
+        if let (Input::StripThickness, ModelSettings::TwoBladeStrip { blades, .. }) =
+            (input, &self.model)
+        {
+            for end in self.design.range(place) {
+                let valid = blades.with_strip_thickness(end).validate();
+                valid.map_err(|bad| BadSetting {
+                    rule: format!(
+                        "{} (an end of its values; truncation = [low, high] cuts a distribution)",
+                        bad.rule
+                    ),
+                    ..bad
+                })?;
+            }
+        }
+        Ok(())
     }
 
     /// The error of a setting that only a command can find, at its line.

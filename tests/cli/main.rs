@@ -15,6 +15,7 @@ mod run;
 mod schema;
 mod solve;
 mod stick_limit;
+mod strip;
 mod test_functions;
 
 use std::path::Path;

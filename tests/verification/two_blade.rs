@@ -5,6 +5,8 @@
     reason = "functions shared by tests fail like tests"
 )]
 
+mod strip;
+
 use faer::Mat;
 use microslip::aft::{AftSettings, Laps};
 use microslip::contact::{ContactParameters, Events, FrictionLaw};
@@ -472,6 +474,13 @@ fn settings_name_the_broken_rule() {
         (
             TwoBladeSettings {
                 strip_mm: [14.0, 50.0, 0.4],
+                ..default()
+            },
+            "strip_mm",
+        ),
+        (
+            TwoBladeSettings {
+                strip_mm: [10.0, 50.0, 19.0],
                 ..default()
             },
             "strip_mm",

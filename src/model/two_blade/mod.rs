@@ -110,7 +110,7 @@ pub fn build(settings: &TwoBladeSettings) -> Result<TwoBladeModel, ModelError> {
 }
 
 impl TwoBladeModel {
-    /// The rig with [`ReducedModel::loads`] for the inputs of the contact pressure.
+    /// The rig with [`ReducedModel::loads`] for the inputs of the contact pressure, which a strip of another thickness has too.
     #[must_use]
     pub fn with_pressure(mut self, pressure: PressureInputs) -> Self {
         self.reduced.loads = pressure.loads(self.settings.centrifugal_load_n, &self.reduced);
@@ -122,6 +122,28 @@ impl TwoBladeModel {
     #[must_use]
     pub fn pressure(&self) -> &PressureInputs {
         &self.pressure
+    }
+
+    /// The reduced model with a strip of another thickness (mm), loaded as [`TwoBladeSettings::with_strip_thickness`] says.
+    ///
+    /// Blades, degrees of freedom and contact pairs stay: the strip's mesh moves its lower face only, and it keeps as many
+    /// fixed-interface modes as here, where a cut-off would let their number jump. So everything is smooth in the thickness. At
+    /// that of the settings it is [`TwoBladeModel::reduced`] to the bit.
+    ///
+    /// # Errors
+    /// [`ModelError`]: the thickness breaks a rule, or the reduction of the strip fails.
+    pub fn with_strip(&self, thickness_mm: f64) -> Result<ReducedModel, ModelError> {
+        let settings = self.settings.with_strip_thickness(thickness_mm);
+        settings.validate()?;
+        let layout = Layout::new(&settings);
+        let contact = layout.contact_nodes();
+        let fe = layout.strip()?;
+        let strip = Component::new(&fe, &strip_nodes(&layout, &contact), |masters| {
+            Ok(CraigBampton::with_modes(&fe, masters, self.strip.n_modes)?)
+        })?;
+        let mut model = assembly::reduced_model(&settings, &contact, &self.first_blade, &strip);
+        model.loads = (self.pressure).loads(settings.centrifugal_load_n, &model);
+        Ok(model)
     }
 }
 

@@ -59,7 +59,7 @@ pub struct TwoBladeSettings {
     /// Damping ratio of the strip at 1 kHz; grows with frequency (stiffness-proportional). The default is more than
     /// steel has: it damps the strip's bending resonances that high harmonics meet.
     pub strip_damping_ratio: f64,
-    /// Centrifugal load on the strip (N), towards +z.
+    /// Centrifugal load on the strip (N), towards +z; of a strip as thick as `strip_mm` says.
     pub centrifugal_load_n: f64,
     /// Share of the load of each contact node (any scale), in the order of the contact pairs; without it the load is
     /// a uniform body force.
@@ -131,6 +131,12 @@ impl TwoBladeSettings {
             }
         }
         positive("gap_mm", self.gap_mm)?;
+        BadSetting::unless(
+            self.strip_mm[2] <= self.neck_mm[2],
+            "strip_mm",
+            self.strip_mm[2],
+            "must not be thicker than the neck is high",
+        )?;
         let fits = |part: f64, offset: f64, whole: f64| part + 2.0 * offset.abs() <= whole + 1e-9;
         for axis in 0..2 {
             BadSetting::unless(
@@ -231,6 +237,19 @@ impl TwoBladeSettings {
             format!("{} values", weights.len()),
             &format!("needs {n_pairs} values >= 0, one per contact pair, not all zero"),
         )
+    }
+
+    /// The same rig at the same speed with a strip of another thickness (mm).
+    ///
+    /// The centrifugal load m r Ω² grows with the mass of the strip; that r changes by half of the thickness is left out.
+    #[must_use]
+    pub fn with_strip_thickness(&self, thickness_mm: f64) -> Self {
+        let [x, y, nominal_mm] = self.strip_mm;
+        Self {
+            strip_mm: [x, y, thickness_mm],
+            centrifugal_load_n: self.centrifugal_load_n * (thickness_mm / nominal_mm),
+            ..self.clone()
+        }
     }
 
     /// Width of the strip under one platform (mm).
