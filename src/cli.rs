@@ -20,6 +20,7 @@ use microslip::report::epistemic::EpistemicSummary;
 use microslip::report::{Summary, render};
 use microslip::study::{
     LevelCurve, OutputFolder, Progress, RunResult, Study, extend, inspect, run, schema, solve,
+    write_arrow_tables,
 };
 use reweight::ReweightArguments;
 
@@ -152,6 +153,9 @@ struct StudyArguments {
 struct ReportArguments {
     /// Folder of the results of a run.
     folder: PathBuf,
+    /// Write the tables as Arrow files, too: samples.arrow and curves.arrow.
+    #[arg(long)]
+    arrow: bool,
     /// No summary.
     #[arg(long)]
     quiet: bool,
@@ -218,15 +222,22 @@ fn execute(command: &Command) -> Result<(), Error> {
         }),
         Command::Report(arguments) => {
             let (summary, _) = render(&arguments.folder)?;
+            if arguments.arrow {
+                write_arrow_tables(&arguments.folder, true)?;
+            }
             if arguments.quiet {
                 return Ok(());
             }
             print(|out| {
                 show_levels(out, &summary)?;
+                let tables = match arguments.arrow {
+                    true => "samples.arrow, curves.arrow, ",
+                    false => "",
+                };
                 let path = arguments.folder.display();
                 writeln!(
                     out,
-                    "summary.json, report.json and report.html are in {path}"
+                    "{tables}summary.json, report.json and report.html are in {path}"
                 )
             })
         }

@@ -1,6 +1,7 @@
 //! Many samples: from inputs to outcomes to files.
 
 mod applied;
+pub mod arrow;
 pub mod atlas;
 pub mod backend;
 pub mod kept;

@@ -7,6 +7,7 @@ use super::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
 use crate::contact::{Events, FrictionLaw};
 use crate::hb::{SliderAnchor, Status};
 use crate::sampling::SampleGroup;
+use arrow_schema::ArrowError;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use parquet::column::writer::ColumnWriter;
 use parquet::data_type::ByteArray;
@@ -64,6 +65,9 @@ pub enum StoreError {
     /// The Parquet library refused.
     #[error("result file: {0}")]
     Parquet(#[from] ParquetError),
+    /// The Arrow library refused.
+    #[error("result file: {0}")]
+    Arrow(#[from] ArrowError),
     /// An input bears the name of another column.
     #[error("input {0:?}: the name is already a column of the result file")]
     DuplicateColumn(String),

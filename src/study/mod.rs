@@ -23,7 +23,7 @@ pub use compare::compare;
 pub use extend::extend;
 pub use frequency::{FrequencySettings, FrequencyUnit, Points};
 pub use inspect::{Inspection, inspect};
-pub use output::{OutputFolder, OutputSettings};
+pub use output::{OutputFolder, OutputSettings, write_arrow_tables};
 pub use prepared::PreparedStudy;
 pub use read::{ModelSettings, Study, StudyModel};
 pub use reweight::reweight;

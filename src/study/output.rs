@@ -4,8 +4,10 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use crate::Error;
+use crate::ensemble::arrow::write_arrow;
 use crate::ensemble::store::replace_file;
-use crate::report::record::Bands;
+use crate::report::ReportError;
+use crate::report::record::{Bands, TABLES};
 use crate::setting::BadSetting;
 
 /// `[output]` of a study file.
@@ -20,6 +22,8 @@ pub struct OutputSettings {
     pub bands: Bands,
     /// Whether each random input is also moved alone, from its 5 % to its 95 % value, the others at their medians.
     pub one_at_a_time: bool,
+    /// Whether the tables are written as Arrow files, too.
+    pub arrow: bool,
 }
 
 impl Default for OutputSettings {
@@ -29,6 +33,7 @@ impl Default for OutputSettings {
             curve_samples: 200,
             bands: Bands::default(),
             one_at_a_time: false,
+            arrow: false,
         }
     }
 }
@@ -42,6 +47,22 @@ impl OutputSettings {
         let empty = self.folder.as_os_str().is_empty();
         BadSetting::unless(!empty, "folder", "\"\"", "must not be empty")
     }
+}
+
+/// Writes the tables of the results in `folder` as Arrow files, too: `samples.arrow` and `curves.arrow`.
+///
+/// If they are not `wanted`, only those that are there already: else they would stay those of other samples.
+///
+/// # Errors
+/// [`Error::Report`] with the Arrow file that cannot be written, or whose table cannot be read.
+pub fn write_arrow_tables(folder: &Path, wanted: bool) -> Result<(), Error> {
+    for table in TABLES.map(|name| folder.join(name)) {
+        let path = table.with_extension("arrow");
+        if wanted || path.exists() {
+            write_arrow(&table, &path).map_err(|source| ReportError::Stored { path, source })?;
+        }
+    }
+    Ok(())
 }
 
 /// A folder that exists and can be written to.

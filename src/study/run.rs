@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::output::OutputFolder;
+use super::output::{OutputFolder, write_arrow_tables};
 use super::prepared::FREQUENCY_TOLERANCE;
 use super::read::{ModelSettings, Study};
 use super::solve::Progress;
@@ -39,8 +39,8 @@ pub struct RunResult {
     pub unfolded: Option<String>,
 }
 
-/// Computes every sample and writes `samples.parquet`, `curves.parquet`, `atlas.parquet` (for an extension),
-/// `run.json`, and the report made from these.
+/// Computes every sample and writes `samples.parquet`, `curves.parquet` (as Arrow files too, where the study wants them),
+/// `atlas.parquet` (for an extension), `run.json`, and the report made from these.
 ///
 /// `backend` evaluates the contacts; what it fails to do the processor does.
 /// Runs on the current rayon thread pool; `progress` is called before the first sample and after each.
@@ -105,6 +105,7 @@ pub(super) fn run_after(
         &outcomes,
     )?;
     write_curves(&folder.path().join(curves_name), &provenance, &outcomes)?;
+    write_arrow_tables(folder.path(), study.output.arrow)?;
     let atlas_path = folder.path().join(ATLAS_FILE);
     write_anchors(&atlas_path, &kept_study(study, folder)?, &anchors)?;
     let record = RunRecord {
