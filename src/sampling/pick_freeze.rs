@@ -46,14 +46,22 @@ impl PickFreeze {
     pub fn point(&self, seed: u64, i: u64) -> Vec<f64> {
         let mut a = (self.sequence).scrambled(seed, 0, SCRAMBLE, i / self.row());
         let b = a.split_off(self.inputs);
-        match self.place(i) {
-            0 => a,
-            1 => b,
-            mixed => {
-                let j = (mixed - INDEPENDENT) as usize;
-                a[j] = b[j];
-                a
-            }
+        at_place(a, b, self.place(i))
+    }
+}
+
+/// Point at a place of the row of A and B: A itself, B itself, then A with coordinate 0, 1, … of B.
+///
+/// Shape: `a` and `b` have one entry per input; `place` is less than their number + 2.
+#[must_use]
+pub fn at_place(mut a: Vec<f64>, b: Vec<f64>, place: u64) -> Vec<f64> {
+    match place {
+        0 => a,
+        1 => b,
+        mixed => {
+            let j = (mixed - INDEPENDENT) as usize;
+            a[j] = b[j];
+            a
         }
     }
 }

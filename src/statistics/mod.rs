@@ -63,7 +63,7 @@ pub use proportion::{Proportion, Share, proportion, share};
 pub use replicates::{ReplicateMean, replicate_mean};
 pub use reweight::Weights;
 pub use sensitivity::{Index, Influence, SensitivityRefusal};
-pub use sobol_index::{SobolIndex, independent, pick_freeze_points, sobol_indices};
+pub use sobol_index::{SobolIndex, sobol_indices};
 pub use tolerance::{
     Side, ToleranceBound, tolerance_bound, tolerance_confidence, tolerance_order, wilks_sample_size,
 };

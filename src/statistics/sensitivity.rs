@@ -82,19 +82,6 @@ pub enum SensitivityRefusal {
         /// Number whose multiple is needed.
         multiple: usize,
     },
-    /// The two halves of a design depend on each other, as blocks of one low-discrepancy sequence do.
-    #[error(
-        "column {first} of the first half and column {second} of the second are correlated ({correlation:.3}): take \
-         both halves from the columns of one sequence, not from its rows"
-    )]
-    Dependent {
-        /// Column of the first half, from 0.
-        first: usize,
-        /// Column of the second half, from 0.
-        second: usize,
-        /// Their correlation.
-        correlation: f64,
-    },
     /// A resampling interval needs replicates and a confidence in (0, 1).
     #[error("a resampling interval needs 20 replicates and a confidence between 0 and 1")]
     Bootstrap,

@@ -1,8 +1,8 @@
 //! Sobol' indices by pick-freeze: evaluations in which all inputs but one are drawn anew, or only one.
 //!
 //! Row i of a design takes d + 2 evaluations: at A_i, at B_i, and for each input j at A_i with column j of B_i. A and B
-//! must be the left and right half of ONE sequence of 2d columns; two blocks of rows of one d-dimensional
-//! low-discrepancy sequence depend on each other and give indices that are plainly wrong.
+//! must be independent of each other, as the halves of ONE sequence of 2d columns are (`sampling::pick_freeze`); two blocks
+//! of rows of one d-dimensional low-discrepancy sequence are not and give indices that are plainly wrong.
 
 use super::bootstrap::Bootstrap;
 use super::sensitivity::{Index, SensitivityRefusal, all_solved, mean_and_variance, usable};
@@ -16,84 +16,10 @@ pub struct SobolIndex {
     pub total: Index,
 }
 
-/// A correlation of halves beyond this multiple of 1/√n is no accident: 1e-6 per pair of columns.
-const DEPENDENT: f64 = 5.0;
-
-/// Points of a pick-freeze design, d + 2 per row of `table`: A, B, then A with one column of B at a time.
-///
-/// Shape: `table` has rows of 2d numbers, A in the first d columns. Any one-to-one map of the columns, such as the
-/// inputs' inverse distribution functions, may be applied to the points after.
-///
-/// # Errors
-///
-/// An odd number of columns, fewer than 16 rows, or halves that depend on each other.
-pub fn pick_freeze_points(table: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, SensitivityRefusal> {
-    let columns = table.first().map_or(0, Vec::len);
-    if let Some(row) = table
-        .iter()
-        .find(|row| row.len() != columns || row.len() % 2 != 0)
-    {
-        let found = row.len();
-        return Err(SensitivityRefusal::Shape { found, multiple: 2 });
-    }
-    let halves: Vec<(&[f64], &[f64])> = table.iter().map(|row| row.split_at(columns / 2)).collect();
-    independent(&halves)?;
-    let mut points = Vec::with_capacity(table.len() * (columns / 2 + 2));
-    for (a, b) in halves {
-        points.push(a.to_vec());
-        points.push(b.to_vec());
-        for j in 0..a.len() {
-            let mut mixed = a.to_vec();
-            mixed[j] = b[j];
-            points.push(mixed);
-        }
-    }
-    Ok(points)
-}
-
-/// Refuses halves of a design of which a column of one is correlated with a column of the other.
-///
-/// Blocks of rows of a base-2 sequence differ by fixed binary digits, which shows as a correlation of at least 1/2.
-///
-/// # Errors
-///
-/// Such a pair, or fewer than 16 rows, with which none would show.
-pub fn independent(halves: &[(&[f64], &[f64])]) -> Result<(), SensitivityRefusal> {
-    let n = halves.len();
-    if n < 16 {
-        return Err(SensitivityRefusal::TooFew {
-            found: n,
-            needed: 16,
-        });
-    }
-    let inputs = halves[0].0.len();
-    for first in 0..inputs {
-        for second in 0..inputs {
-            let pairs = halves.iter().map(|(a, b)| (a[first], b[second]));
-            let correlation = correlation(pairs);
-            if correlation.abs() > (DEPENDENT / (n as f64).sqrt()).min(0.49) {
-                return Err(SensitivityRefusal::Dependent {
-                    first,
-                    second,
-                    correlation,
-                });
-            }
-        }
-    }
-    Ok(())
-}
-
-fn correlation(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
-    let (mean_a, variance_a) = mean_and_variance(pairs.clone().map(|p| p.0));
-    let (mean_b, variance_b) = mean_and_variance(pairs.clone().map(|p| p.1));
-    let (product, _) = mean_and_variance(pairs.map(|(a, b)| (a - mean_a) * (b - mean_b)));
-    product / (variance_a * variance_b).sqrt()
-}
-
 /// First and total indices, one per input, with bootstrap intervals over the rows of the design.
 ///
-/// Shape: `results` of [`pick_freeze_points`], in that order, for d = `inputs`. With points of a low-discrepancy sequence
-/// the interval is wider than the true error; [`super::moment_estimate`] of the estimates of several independently
+/// Shape: `results` row after row, each at A, at B, then at A with column 0, 1, … of B, for d = `inputs` columns. With
+/// points of a low-discrepancy sequence the interval is wider than the true error; [`super::moment_estimate`] of the estimates of several independently
 /// scrambled sequences gives one that is not.
 ///
 /// # Errors

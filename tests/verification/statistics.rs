@@ -8,6 +8,7 @@ mod sensitivity;
 mod values;
 
 use microslip::ensemble::test_function::TestFunction;
+use microslip::sampling::pick_freeze::at_place;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
@@ -82,4 +83,15 @@ fn borehole(u: &[f64]) -> f64 {
         between(6, 1120.0, 1680.0),
         between(7, 9985.0, 12_045.0),
     ])
+}
+
+/// Points of a pick-freeze design. Shape: `table` has rows of 2d numbers, A in the first d.
+fn pick_freeze_points(table: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let row = |row: &Vec<f64>| -> Vec<Vec<f64>> {
+        let (a, b) = row.split_at(row.len() / 2);
+        (0..a.len() as u64 + 2)
+            .map(|place| at_place(a.to_vec(), b.to_vec(), place))
+            .collect()
+    };
+    table.iter().flat_map(row).collect()
 }
