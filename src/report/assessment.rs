@@ -84,9 +84,9 @@ pub struct LevelAssessment {
     /// Surrogates of the results; absent unless the study wants them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surrogates: Option<LevelSurrogates>,
-    /// 95 % quantile of the amplitude (m) over the first samples.
+    /// 95 % quantile of the amplitude (m) over the first samples; empty where the samples belong to outer points.
     pub amplitude_q95_m: Vec<Prefix<Option<QuantileEstimate>>>,
-    /// Median of the resonance frequency (Hz) over the first samples.
+    /// Median of the resonance frequency (Hz) over the first samples; empty where the samples belong to outer points.
     pub frequency_q50_hz: Vec<Prefix<Option<QuantileEstimate>>>,
 }
 
@@ -176,18 +176,19 @@ impl LevelAssessment {
         let amplitudes = Populations::of(input, i, |p| p.amplitude_m);
         let pairs = frequency.iter().copied().zip(amplitude.iter().copied());
         let pairs: Vec<(f64, f64)> = pairs.collect();
-        let prefixes = |values: &[f64], p: f64| {
-            convergence(values, FIRST_PREFIX, |o| {
+        let pooled = nested(input.outcomes);
+        let prefixes = |values: &[f64], p: f64| match pooled {
+            true => Vec::new(),
+            false => convergence(values, FIRST_PREFIX, |o| {
                 quantile_estimate(o, p, CONFIDENCE)
-            })
+            }),
         };
         let requirements = &input.record.requirements;
         Self {
             level: input.record.levels[i],
             frequency_bounds_hz: [Side::Lower, Side::Upper].map(|side| frequencies.bound(side)),
             amplitude_bound_m: amplitudes.bound(Side::Upper),
-            joint_region: (!nested(input.outcomes))
-                .then(|| joint_region(&pairs, CONTENT, CONFIDENCE)),
+            joint_region: (!pooled).then(|| joint_region(&pairs, CONTENT, CONFIDENCE)),
             margins: (requirements.operation.as_ref())
                 .map_or_else(Vec::new, |operation| order_margins(input, i, operation)),
             reserve: (requirements.stress.as_ref()).map(|stress| reserve(input, i, stress)),

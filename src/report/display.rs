@@ -108,6 +108,15 @@ pub(super) fn minus_sign(text: &str) -> String {
     text.replace('-', "−")
 }
 
+/// `1 % … 5 %`, or `1 %` where both ends are shown alike.
+pub(super) fn from_to(ends: [f64; 2], show: impl Fn(f64) -> String) -> String {
+    let [low, high] = ends.map(show);
+    match low == high {
+        true => low,
+        false => format!("{low} … {high}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

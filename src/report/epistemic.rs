@@ -9,10 +9,15 @@ use super::assessment::{CONTENT, values};
 use super::margins::allowable_amplitude_m;
 use super::record::RunRecord;
 use super::requirement::Quantity;
-use super::summary::{CONFIDENCE, Distribution, PROBABILITIES, ReplicateMeans};
+use super::summary::{
+    CONFIDENCE, Distribution, InputCorrelation, PROBABILITIES, ReplicateMeans, correlations,
+    mean_fractions,
+};
 use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
+use crate::hb::ContactFractions;
 use crate::statistics::{
-    Interval, Limit, Observed, Side, exceedance, quantile_estimate, tolerance_bound,
+    Interval, Limit, Observed, Proportion, Side, exceedance, proportion, quantile_estimate,
+    tolerance_bound,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -65,6 +70,8 @@ pub struct PointStatistics {
     pub outer: u64,
     /// Samples without a solution.
     pub failed: usize,
+    /// Their share, with confidence limits; absent without samples.
+    pub failure_rate: Option<Proportion>,
     /// Resonance frequency (Hz).
     pub frequency_hz: Distribution,
     /// Amplitude (m).
@@ -72,6 +79,10 @@ pub struct PointStatistics {
     /// Means over the replicates of a quasi-random design; absent for any other.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub replicate_means: Option<ReplicateMeans>,
+    /// Mean shares of the contact states; absent without a solution.
+    pub mean_contact_fractions: Option<ContactFractions>,
+    /// How strongly each input orders the results at this point: not at all if it has one value there.
+    pub rank_correlations: Vec<InputCorrelation>,
 }
 
 /// An end of a range and the outer point that it comes from.
@@ -232,18 +243,20 @@ impl EpistemicLevel {
                 .filter_map(|limit| exceedance_range(&amplitude, limit))
                 .collect(),
             points: (groups.iter().zip(frequency.iter().zip(&amplitude)))
-                .map(
-                    |((outer, members), ((_, frequency), (_, amplitude)))| PointStatistics {
+                .map(|((outer, members), ((_, frequency), (_, amplitude)))| {
+                    let samples = members.iter().map(|&m| &input.outcomes[m]);
+                    let failed = frequency.failed();
+                    PointStatistics {
                         outer: *outer,
-                        failed: frequency.failed(),
+                        failed,
+                        failure_rate: proportion(failed, members.len(), CONFIDENCE),
                         frequency_hz: Distribution::of_observed(frequency),
                         amplitude_m: Distribution::of_observed(amplitude),
-                        replicate_means: ReplicateMeans::of(
-                            members.iter().map(|&m| &input.outcomes[m]),
-                            i,
-                        ),
-                    },
-                )
+                        replicate_means: ReplicateMeans::of(samples.clone(), i),
+                        mean_contact_fractions: mean_fractions(samples.clone(), i),
+                        rank_correlations: correlations(input.record, samples, i),
+                    }
+                })
                 .collect(),
         }
     }
@@ -270,7 +283,7 @@ fn extreme(limits: impl Iterator<Item = (u64, Limit)>, side: Side) -> Extreme {
 
 /// Range of intervals over the outer points: of the statistic with failed samples at either end, and of its confidence
 /// interval.
-fn box_range(points: &[(u64, Interval, Interval)]) -> BoxRange {
+pub(super) fn box_range(points: &[(u64, Interval, Interval)]) -> BoxRange {
     let side = |of: fn(&(u64, Interval, Interval)) -> Limit, side: Side| {
         extreme(points.iter().map(|point| (point.0, of(point))), side)
     };

@@ -7,7 +7,7 @@ use super::surrogate::{LevelSurrogates, SurrogateResult};
 use crate::contact::{Events, FrictionLaw};
 use serde::Serialize;
 
-/// One source of error, at its worst over the levels; a number that nobody estimated is absent, never 0.
+/// One source of error, at its worst over levels and outer points; a number that nobody estimated is absent, never 0.
 #[derive(Debug, Clone, Serialize)]
 pub struct ErrorLine {
     /// What is approximated.
@@ -78,10 +78,22 @@ fn surrogate(summary: &Summary, levels: &[LevelAssessment]) -> ErrorLine {
     }
 }
 
-/// Largest value over the levels; absent if no level has one.
-fn largest(summary: &Summary, value: impl Fn(&LevelSummary) -> Option<f64>) -> Option<f64> {
-    let values = summary.levels.iter().filter_map(value);
-    values.filter(|v| v.is_finite()).reduce(f64::max)
+/// The largest number there is; absent if there is none.
+fn largest(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+    let values = values.flatten().filter(|v| v.is_finite());
+    values.reduce(f64::max)
+}
+
+/// Frequency (Hz) and amplitude (m) of every population: the samples of a level, or of each outer point there.
+fn populations(summary: &Summary) -> Vec<[&Distribution; 2]> {
+    let levels = summary.levels.iter();
+    match &summary.epistemic {
+        None => levels.map(|l| [&l.frequency_hz, &l.amplitude_m]).collect(),
+        Some(epistemic) => {
+            let points = epistemic.levels.iter().flat_map(|l| &l.points);
+            points.map(|p| [&p.frequency_hz, &p.amplitude_m]).collect()
+        }
+    }
 }
 
 /// Half the confidence interval of the 95 % quantile; absent where a side is open.
@@ -91,12 +103,16 @@ fn half_width(distribution: &Distribution) -> Option<f64> {
 }
 
 fn sampling(summary: &Summary) -> ErrorLine {
-    let relative = |l: &LevelSummary| {
-        let estimate = l.amplitude_m.quantiles.last()?.estimate;
-        Some(half_width(&l.amplitude_m)? / estimate)
+    let relative = |amplitude: &Distribution| {
+        Some(half_width(amplitude)? / amplitude.quantiles.last()?.estimate)
     };
-    let frequency_hz = largest(summary, |l| half_width(&l.frequency_hz));
-    let amplitude_relative = largest(summary, relative);
+    let populations = populations(summary);
+    let frequency_hz = largest(
+        populations
+            .iter()
+            .map(|[frequency, _]| half_width(frequency)),
+    );
+    let amplitude_relative = largest(populations.iter().map(|[_, amplitude]| relative(amplitude)));
     let half = "half the 95 % confidence interval of the 95 % quantile; shrinks with the root of the number of samples";
     ErrorLine {
         source: "Number of samples",
@@ -115,7 +131,7 @@ fn harmonics(record: &RunRecord, summary: &Summary) -> ErrorLine {
     ErrorLine {
         source: "Harmonics left out",
         frequency_hz: None,
-        amplitude_relative: largest(summary, q95),
+        amplitude_relative: largest(summary.levels.iter().map(q95)),
         basis: match record.provenance.truncation_threshold {
             Some(_) => "95 % quantile of the change by one Newton step on a larger harmonic set",
             None => "the error alert is off",
@@ -141,7 +157,8 @@ fn time_points(record: &RunRecord) -> ErrorLine {
 }
 
 fn place_of_peak(record: &RunRecord, summary: &Summary) -> ErrorLine {
-    let frequency = largest(summary, |l| Some(l.frequency_hz.moments?.maximum));
+    let highest = |[frequency, _]: [&Distribution; 2]| Some(frequency.moments?.maximum);
+    let frequency = largest(populations(summary).into_iter().map(highest));
     ErrorLine {
         source: "Place of the peak",
         frequency_hz: frequency.map(|f| f * record.frequency_tolerance),
@@ -154,7 +171,7 @@ fn precision(record: &RunRecord, summary: &Summary) -> ErrorLine {
     ErrorLine {
         source: "Precision of the numbers",
         frequency_hz: None,
-        amplitude_relative: largest(summary, |l| l.worst_work_balance),
+        amplitude_relative: largest(summary.levels.iter().map(|l| l.worst_work_balance)),
         basis: format!(
             "{}; largest |input − viscous − frictional work| over the input work",
             record.backend.description()

@@ -16,6 +16,12 @@ use crate::statistics::{
 };
 use serde::Serialize;
 
+/// Lowest and highest value; `None` without any.
+pub(super) fn hull(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    let ends = values.map(|v| [v, v]);
+    ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+}
+
 /// Values of a result, failed samples among them.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Populations {
@@ -110,23 +116,20 @@ impl Populations {
         }
     }
 
-    /// Lowest `low` quantile, middle of the medians and highest `high` quantile of the populations, from the samples with a
-    /// solution; `None` without such.
+    /// Lowest and highest quantile of the populations, from the samples with a solution; `None` without such.
+    pub(super) fn hull(&self, probability: f64) -> Option<[f64; 2]> {
+        let each = self.each();
+        hull(each.iter().filter_map(|o| quantile(o.valid(), probability)))
+    }
+
+    /// Lowest `low` quantile, middle of the medians and highest `high` quantile of the populations; `None` without a
+    /// solution.
     pub(super) fn scatter(&self, [low, high]: [f64; 2]) -> Option<[f64; 3]> {
-        let of = |all: &&Observed| {
-            let [low, median, high] = [low, 0.5, high].map(|p| quantile(all.valid(), p));
-            Some([low?, median?, median?, high?])
-        };
-        let populations = self.each();
-        let hull = populations.iter().filter_map(of).reduce(|a, b| {
-            let (least, most) = (f64::min, f64::max);
-            [
-                least(a[0], b[0]),
-                least(a[1], b[1]),
-                most(a[2], b[2]),
-                most(a[3], b[3]),
-            ]
-        });
-        hull.map(|[low, least, most, high]| [low, 0.5 * (least + most), high])
+        let [least, most] = self.hull(0.5)?;
+        Some([
+            self.hull(low)?[0],
+            0.5 * (least + most),
+            self.hull(high)?[1],
+        ])
     }
 }

@@ -2,6 +2,7 @@
 
 use super::ReportInput;
 use super::assessment::values;
+use super::epistemic::{BoxRange, box_range, chosen, nested, outer_groups};
 use super::summary::CONFIDENCE;
 use crate::ensemble::outcome::PeakRecord;
 use crate::statistics::{
@@ -24,9 +25,9 @@ pub struct InputInfluence {
     pub frequency: IndexResult,
     /// Share of the variance of the amplitude.
     pub amplitude: IndexResult,
-    /// Mean resonance frequency (Hz) over groups of samples along the input.
+    /// Mean resonance frequency (Hz) over groups of samples along the input; empty where samples belong to outer points.
     pub frequency_means_hz: Vec<ConditionalMean>,
-    /// Mean amplitude (m) over groups of samples along the input.
+    /// Mean amplitude (m) over groups of samples along the input; empty where samples belong to outer points.
     pub amplitude_means_m: Vec<ConditionalMean>,
 }
 
@@ -36,6 +37,8 @@ pub struct InputInfluence {
 pub enum IndexResult {
     /// First-order index with its interval, from samples of any design.
     Index(GivenDataIndex),
+    /// Its range over the outer points, from the samples of each.
+    Points(BoxRange),
     /// First and total index with their intervals, from the rows of a pick-freeze design.
     PickFreeze(SobolIndex),
     /// Why there is no index.
@@ -48,11 +51,15 @@ pub(super) fn influences(input: &ReportInput, i: usize) -> Vec<InputInfluence> {
     let [frequency, amplitude] = results.map(|value| indices(input, i, value));
     let values = results.map(|value| values(input.outcomes, i, value));
     let inputs = input.record.inputs.iter().enumerate();
+    let pooled = nested(input.outcomes);
     inputs
         .zip(frequency.into_iter().zip(amplitude))
         .map(|((j, record), (frequency, amplitude))| {
             let (x, open) = (column(input, j), Interval::UNBOUNDED);
-            let means = |results: &[f64]| conditional_means(&x, results, GROUPS, open, CONFIDENCE);
+            let means = |results: &[f64]| match pooled {
+                true => Vec::new(),
+                false => conditional_means(&x, results, GROUPS, open, CONFIDENCE),
+            };
             InputInfluence {
                 input: record.name.clone(),
                 frequency,
@@ -83,11 +90,42 @@ fn indices(input: &ReportInput, i: usize, value: Results) -> Vec<IndexResult> {
         return pick_freeze(input, i, value, &bootstrap);
     }
     let results = values(input.outcomes, i, value);
-    let index = |j| match first_order_index(&column(input, j), &results, &bootstrap) {
-        Ok(index) => IndexResult::Index(index),
-        Err(refusal) => IndexResult::Refused(refusal.to_string()),
+    let pooled = nested(input.outcomes);
+    let index = |j| {
+        let x = column(input, j);
+        match pooled {
+            true => by_point(input, &x, &results, &bootstrap),
+            false => match first_order_index(&x, &results, &bootstrap) {
+                Ok(index) => IndexResult::Index(index),
+                Err(refusal) => IndexResult::Refused(refusal.to_string()),
+            },
+        }
     };
     (0..input.record.inputs.len()).map(index).collect()
+}
+
+/// Range of the index of one input over the outer points. An interval has no variance to explain a share of.
+fn by_point(input: &ReportInput, x: &[f64], results: &[f64], bootstrap: &Bootstrap) -> IndexResult {
+    let mut found = Vec::new();
+    for (outer, members) in outer_groups(input.outcomes) {
+        let outer = outer.unwrap_or_default();
+        let (x, results) = (chosen(x, &members), chosen(results, &members));
+        if x.iter().all(|v| *v == x[0]) {
+            let reason = "one value at every outer point: it has no variance there";
+            return IndexResult::Refused(reason.to_owned());
+        }
+        match first_order_index(&x, &results, bootstrap) {
+            Ok(GivenDataIndex { index, .. }) => found.push((
+                outer,
+                Interval::between(index.estimate, index.estimate),
+                Interval::between(index.lower, index.upper),
+            )),
+            Err(refusal) => {
+                return IndexResult::Refused(format!("outer point {outer}: {refusal}"));
+            }
+        }
+    }
+    IndexResult::Points(box_range(&found))
 }
 
 /// The same from the rows of a pick-freeze design: A and B are of the population, the others mixed.

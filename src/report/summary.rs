@@ -1,6 +1,7 @@
 //! The numbers of a study: `summary.json`.
 
 use super::epistemic::{EpistemicSummary, PointStatistics, nested};
+use super::record::RunRecord;
 use super::{ReportInput, counted_status, usable_peak};
 use crate::ensemble::backend::BackendReport;
 use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
@@ -46,6 +47,9 @@ pub struct Summary {
 }
 
 /// Statistics of the population at one excitation level.
+///
+/// Samples of different outer points are no population: what is absent where samples belong to such stands in
+/// [`EpistemicSummary`], by point.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct LevelSummary {
     /// Excitation level.
@@ -54,7 +58,8 @@ pub struct LevelSummary {
     pub statuses: BTreeMap<&'static str, usize>,
     /// Samples without a solution.
     pub failed: usize,
-    /// Share of samples without a solution, with confidence limits; absent without samples.
+    /// Share of samples without a solution, with confidence limits; absent without samples, and where these belong to outer
+    /// points.
     pub failure_rate: Option<Proportion>,
     /// Peak at the nominal inputs.
     pub nominal: Option<PeakRecord>,
@@ -65,7 +70,7 @@ pub struct LevelSummary {
     /// Amplitude over excitation level (m per unit level).
     pub amplitude_per_unit_level_m: Distribution,
     /// Means over the replicates of a quasi-random design; absent for any other, and where the samples belong to outer
-    /// points ([`EpistemicSummary`] has them by point).
+    /// points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub replicate_means: Option<ReplicateMeans>,
     /// Estimated relative change of the amplitude by the harmonics left out.
@@ -74,7 +79,7 @@ pub struct LevelSummary {
     pub highest_harmonics: BTreeMap<usize, usize>,
     /// Samples whose search met other, lower maxima too.
     pub several_maxima: usize,
-    /// Mean shares of the contact states.
+    /// Mean shares of the contact states; absent where the samples belong to outer points.
     pub mean_contact_fractions: Option<ContactFractions>,
     /// Largest |input − viscous − friction| work per cycle over the input work.
     pub worst_work_balance: Option<f64>,
@@ -105,10 +110,10 @@ pub struct MixedSummary {
 pub struct Distribution {
     /// Number of samples that count.
     pub valid: usize,
-    /// Mean, standard deviation and range; absent without samples.
+    /// Mean, standard deviation and range; absent without samples. Those of frequency and amplitude over all samples are
+    /// absent too where these belong to outer points, and so are their quantiles.
     pub moments: Option<Moments>,
-    /// One entry per probability; empty without samples. Those of frequency and amplitude over all samples are empty too
-    /// where these belong to outer points: they are no population ([`EpistemicSummary`] has them by point).
+    /// One entry per probability; empty without samples.
     pub quantiles: Vec<QuantileEstimate>,
 }
 
@@ -132,8 +137,9 @@ pub struct WorkCount {
     pub total: usize,
 }
 
-/// Spearman's rank correlation of one input with the results; absent where either does not vary.
-#[derive(Debug, Clone, serde::Serialize)]
+/// Spearman's rank correlation of one input with the results; absent where either does not vary, and over samples that belong
+/// to outer points.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct InputCorrelation {
     /// Name of the input.
     pub input: String,
@@ -199,12 +205,13 @@ impl LevelSummary {
             Distribution::of(peaks.iter().filter_map(value), failed)
         };
         let pooled = nested(input.outcomes);
-        let of_blades = |value: &dyn Fn(&PeakRecord) -> Option<f64>| {
-            let mut all = distribution(value);
-            if pooled {
-                all.quantiles.clear();
-            }
-            all
+        let population = if pooled { &[] } else { input.outcomes };
+        let of_blades = |value: &dyn Fn(&PeakRecord) -> Option<f64>| match pooled {
+            true => Distribution {
+                valid: peaks.len(),
+                ..Distribution::default()
+            },
+            false => distribution(value),
         };
         let mut highest_harmonics = BTreeMap::new();
         for peak in &peaks {
@@ -214,7 +221,7 @@ impl LevelSummary {
             level,
             statuses: count_statuses(&records),
             failed,
-            failure_rate: proportion(failed, records.len(), CONFIDENCE),
+            failure_rate: proportion(failed, population.len(), CONFIDENCE),
             nominal: input
                 .record
                 .nominal
@@ -223,18 +230,15 @@ impl LevelSummary {
             frequency_hz: of_blades(&|p| Some(p.frequency_hz)),
             amplitude_m: of_blades(&|p| Some(p.amplitude_m)),
             amplitude_per_unit_level_m: of_blades(&|p| Some(p.amplitude_m / level)),
-            replicate_means: match pooled {
-                true => None,
-                false => ReplicateMeans::of(input.outcomes.iter(), i),
-            },
+            replicate_means: ReplicateMeans::of(population.iter(), i),
             truncation_error: distribution(&|p| p.truncation_error),
             highest_harmonics,
             several_maxima: peaks.iter().filter(|p| p.other_maxima > 0).count(),
-            mean_contact_fractions: mean_fractions(&peaks),
+            mean_contact_fractions: mean_fractions(population.iter(), i),
             worst_work_balance: worst_work_balance(&peaks),
             newton_iterations: WorkCount::of(records.iter().map(|r| r.newton_iterations)),
             factorizations: WorkCount::of(records.iter().map(|r| r.factorizations)),
-            rank_correlations: correlations(input, i),
+            rank_correlations: correlations(input.record, population.iter(), i),
             mixed: MixedSummary::of(input.mixed, i),
         }
     }
@@ -307,9 +311,14 @@ fn count_statuses(records: &[&LevelOutcome]) -> BTreeMap<&'static str, usize> {
     counts
 }
 
-fn mean_fractions(peaks: &[PeakRecord]) -> Option<ContactFractions> {
+/// Mean shares of the contact states at level `i` over the samples of one population; `None` without a solution.
+pub(super) fn mean_fractions<'a>(
+    outcomes: impl Iterator<Item = &'a SampleOutcome> + Clone,
+    i: usize,
+) -> Option<ContactFractions> {
     let mean = |value: fn(&PeakRecord) -> f64| {
-        moments(&Sorted::finite(peaks.iter().map(value))).map(|m| m.mean)
+        let of = |o: &SampleOutcome| Some(value(&usable_peak(&o.levels[i])?));
+        moments(&Sorted::finite(outcomes.clone().filter_map(of))).map(|m| m.mean)
     };
     Some(ContactFractions {
         stick: mean(|p| p.stick_fraction)?,
@@ -327,13 +336,18 @@ fn worst_work_balance(peaks: &[PeakRecord]) -> Option<f64> {
     sorted.values().last().copied()
 }
 
-fn correlations(input: &ReportInput, i: usize) -> Vec<InputCorrelation> {
+/// Correlations at level `i` over the samples of one population.
+pub(super) fn correlations<'a>(
+    record: &RunRecord,
+    outcomes: impl Iterator<Item = &'a SampleOutcome> + Clone,
+    i: usize,
+) -> Vec<InputCorrelation> {
     let with = |j: usize, value: fn(&PeakRecord) -> f64| {
         let pair =
             |o: &SampleOutcome| Some((*o.inputs.get(j)?, value(&usable_peak(&o.levels[i])?)));
-        rank_correlation(&input.outcomes.iter().filter_map(pair).collect::<Vec<_>>())
+        rank_correlation(&outcomes.clone().filter_map(pair).collect::<Vec<_>>())
     };
-    let names = input.record.inputs.iter().enumerate();
+    let names = record.inputs.iter().enumerate();
     names
         .map(|(j, input)| InputCorrelation {
             input: input.name.clone(),

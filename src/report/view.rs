@@ -4,6 +4,7 @@ use super::assessment::Assessment;
 use super::axis::Axis;
 use super::block::{Block, Cell, Figure, Key, Mark};
 use super::display::{LengthUnit, short};
+use super::epistemic::PointStatistics;
 use super::figure::{Panel, level_colour};
 use super::summary::Summary;
 use super::{ReportInput, usable_peak};
@@ -26,6 +27,12 @@ pub(super) struct View<'a> {
     /// Style sheet of the figures, with the colours of the levels.
     pub(super) style: String,
 }
+
+/// What an outer and an inner band show of the outer points.
+pub(super) const RANGES: [&str; 2] = [
+    "from the lowest 5 % to the highest 95 % quantile of the outer points",
+    "from their lowest to their highest median",
+];
 
 /// What a panel shows of a peak.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,10 +63,8 @@ impl<'a> View<'a> {
         summary: &'a Summary,
         assessment: &'a Assessment,
     ) -> Self {
-        let sampled = summary.levels.iter().filter_map(|level| {
-            let moments = level.amplitude_per_unit_level_m.moments?;
-            Some(moments.maximum)
-        });
+        let levels = input.outcomes.iter().flat_map(|o| &o.levels);
+        let sampled = levels.filter_map(|l| Some(usable_peak(l)?.amplitude_m / l.level));
         let linear = input.record.free.curve.iter().map(|p| p.amplitude_m);
         let largest = sampled.chain(linear).fold(0.0, f64::max);
         Self {
@@ -183,6 +188,12 @@ impl<'a> View<'a> {
     /// Whether the samples belong to outer points, so that all together they are no population.
     pub(super) fn nested(&self) -> bool {
         self.summary.epistemic.is_some()
+    }
+
+    /// Statistics of level `i` by outer point; empty without outer points.
+    pub(super) fn points(&self, i: usize) -> &[PointStatistics] {
+        let epistemic = self.summary.epistemic.as_ref();
+        epistemic.map_or(&[], |e| &e.levels[i].points)
     }
 
     /// Of fields for all samples and fields for outer points those that the study has.

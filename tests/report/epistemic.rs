@@ -1,10 +1,15 @@
 //! Epistemic inputs: no statistic over all samples passes for a probability.
 
 use crate::synthetic::SyntheticStudy;
+use microslip::ensemble::outcome::SampleOutcome;
 use microslip::report::epistemic::Extreme;
 use microslip::report::population::{Bound, Quantiles};
+use microslip::report::sensitivity::IndexResult;
 use microslip::report::{self, Assessment, Summary};
-use microslip::statistics::{Judgement, Limit, Observed, Side, quantile_estimate, tolerance_bound};
+use microslip::statistics::{
+    Bootstrap, Index, Judgement, Limit, Observed, Side, first_order_index, quantile_estimate,
+    rank_correlation, tolerance_bound,
+};
 
 const STIFFNESS: [f64; 3] = [0.1, 1.0, 10.0];
 
@@ -23,7 +28,32 @@ fn nested(samples: u64) -> SyntheticStudy {
     study
 }
 
-/// Each end of a range is the quantile of its point's samples. Seen to fail with the samples of two points together.
+/// Sections with statistics.
+const SECTIONS: [&str; 7] = [
+    "campbell",
+    "stress",
+    "performance",
+    "response",
+    "influence",
+    "error-budget",
+    "failures",
+];
+
+/// A section of a page.
+fn section<'p>(page: &'p str, id: &str) -> &'p str {
+    let start = format!("<section id=\"{id}\">");
+    let section = page.split(&start).nth(1).unwrap();
+    section.split("</section>").next().unwrap()
+}
+
+fn page(study: &SyntheticStudy) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    report::write(folder.path(), &study.input()).unwrap();
+    std::fs::read_to_string(folder.path().join("report.html")).unwrap()
+}
+
+/// Each end of a range is the quantile of its point's samples, and so are rates and means. Seen to fail with the samples of two
+/// points together, and with the contact states of all.
 #[test]
 fn ranges_are_those_of_the_points() {
     let study = nested(180);
@@ -52,6 +82,18 @@ fn ranges_are_those_of_the_points() {
         assert_eq!(range.lowest.value, Limit::Value(lowest));
         assert_eq!(level.points[2].amplitude_m.valid, 60);
     }
+    for (outer, point) in (0..).zip(&epistemic.levels[7].points) {
+        let of_point = |o: &&SampleOutcome| o.group.outer == Some(outer);
+        let levels = study.outcomes.iter().filter(of_point).map(|o| &o.levels[7]);
+        let sticks: Vec<f64> = levels
+            .filter_map(|l| Some(l.peak?.stick_fraction))
+            .collect();
+        let failed = 60 - sticks.len();
+        assert_eq!(point.failure_rate.unwrap().estimate, failed as f64 / 60.0);
+        let stick = sticks.iter().sum::<f64>() / sticks.len() as f64;
+        let found = point.mean_contact_fractions.unwrap().stick;
+        assert!((found / stick - 1.0).abs() < 1e-12, "{found}, not {stick}");
+    }
 }
 
 /// Quantiles over all samples are absent from the summary, words stand in the report, and a study without outer points
@@ -73,9 +115,7 @@ fn pooled_statistics_are_no_probabilities() {
             .condition
             .contains("contact stiffness scale is only known to an interval")
     );
-    let folder = tempfile::tempdir().unwrap();
-    report::write(folder.path(), &study.input()).unwrap();
-    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    let page = page(&study);
     assert!(page.contains("Ranges over the epistemic inputs") && page.contains("at points "));
     for absent in [
         "NaN",
@@ -85,10 +125,12 @@ fn pooled_statistics_are_no_probabilities() {
     ] {
         assert!(!page.contains(absent), "{absent}");
     }
-    assert!(
-        page.matches("are no population").count() >= 5,
-        "sections without a word"
-    );
+    for id in SECTIONS {
+        let words = section(&page, id).matches("are no population").count();
+        // the condition of every probability says so, and nothing else needs to
+        let expected = usize::from(["campbell", "stress"].contains(&id));
+        assert_eq!(words, expected, "{id}");
+    }
     let plain = SyntheticStudy::new(90);
     let summary = Summary::of(&plain.input());
     assert!(summary.epistemic.is_none() && summary.levels[0].frequency_hz.quantiles.len() == 3);
@@ -156,17 +198,9 @@ fn margins_and_reserves_are_those_of_the_points() {
         close(found[0].range.lowest, lowest(&points, &q05));
         close(found_bound, lowest(&points, &bound));
     }
-    let folder = tempfile::tempdir().unwrap();
-    report::write(folder.path(), &study.input()).unwrap();
-    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
-    for (id, pooled) in [("campbell", 1), ("stress", 1), ("performance", 1)] {
-        let section = page
-            .split(&format!("<section id=\"{id}\">"))
-            .nth(1)
-            .unwrap();
-        let section = section.split("</section>").next().unwrap();
-        assert_eq!(section.matches("are no population").count(), pooled, "{id}");
-        assert_eq!(section.contains("at points "), id != "performance", "{id}");
+    let page = page(&study);
+    for id in ["campbell", "stress"] {
+        assert!(section(&page, id).contains("at points "), "{id}");
     }
 }
 
@@ -195,9 +229,7 @@ fn replicates_are_those_of_the_points() {
         assert!((found.mean / mean - 1.0).abs() < 1e-12, "{found:?}");
     }
     assert_eq!(summary.replicate_means().len(), 3 * summary.levels.len());
-    let folder = tempfile::tempdir().unwrap();
-    report::write(folder.path(), &study.input()).unwrap();
-    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    let page = page(&study);
     assert!(page.contains("Means over the replicates"));
 }
 
@@ -241,4 +273,109 @@ fn a_criterion_must_hold_at_every_point() {
         (result.judgement, result.levels[0].outer),
         (Judgement::Fail, Some(1))
     );
+}
+
+/// An outer point that stands twice is the same box: no figure and no table of a statistic moves, where one of all samples
+/// together would. Seen to fail with all samples as one population in the fans alone and in all figures of peaks, and with the
+/// curves of all samples together.
+#[test]
+fn a_point_that_stands_twice_moves_no_range() {
+    let once = nested(180);
+    let mut twice = nested(180);
+    let again = twice.outcomes.iter().filter(|o| o.group.outer == Some(1));
+    let mut again: Vec<_> = again.cloned().collect();
+    for outcome in &mut again {
+        outcome.group.outer = Some(3);
+    }
+    twice.outcomes.extend(again);
+    let pages = [page(&once), page(&twice)];
+    for id in ["stress", "performance"] {
+        let [once, twice] = [0, 1].map(|k| section(&pages[k], id));
+        // the condition counts the outer points
+        let once = once.replace("all 3 outer points", "all 4 outer points");
+        assert!(once == twice, "{id}");
+    }
+    for (id, class) in [("campbell", "class=\""), ("response", "class=\"band")] {
+        let marks = |page: &str| -> Vec<String> {
+            let paths = section(page, id).split("<path ").skip(1);
+            let path = |p: &str| p.split("/>").next().unwrap().to_owned();
+            paths.map(path).filter(|p| p.starts_with(class)).collect()
+        };
+        let [once, twice] = [0, 1].map(|k| marks(&pages[k]));
+        assert!(once.len() > 8 && once == twice, "{id}");
+    }
+    assert!(section(&pages[0], "response").contains("curves of 3 outer points"));
+}
+
+/// Indices and rank correlations are those of the samples of each point, an interval has none, and nothing of all samples
+/// together is left in the numbers. Seen to fail with the samples of all points at each.
+#[test]
+fn influence_is_that_of_the_points() {
+    let study = nested(600);
+    let summary = Summary::of(&study.input());
+    let assessment = Assessment::of(&study.input(), &summary);
+    let i = 2;
+    let of_point = |outer: u64| -> Vec<(f64, f64)> {
+        let outcomes = study.outcomes.iter();
+        let outcomes = outcomes.filter(|o| o.group.outer == Some(outer));
+        let pair = |o: &SampleOutcome| (o.inputs[1], o.levels[i].peak.unwrap().amplitude_m);
+        outcomes.map(pair).collect()
+    };
+    let bootstrap = Bootstrap {
+        seed: study.record.provenance.seed,
+        replicates: 200,
+        confidence: 0.95,
+    };
+    let indices = [0, 1, 2].map(|outer| {
+        let (x, y): (Vec<f64>, Vec<f64>) = of_point(outer).into_iter().unzip();
+        first_order_index(&x, &y, &bootstrap).unwrap().index
+    });
+    let level = &assessment.levels[i];
+    let IndexResult::Points(range) = &level.influences[1].amplitude else {
+        panic!("{:?}", level.influences[1].amplitude)
+    };
+    let least = |of: fn(&Index) -> f64| indices.iter().map(of).fold(f64::INFINITY, f64::min);
+    let most = |of: fn(&Index) -> f64| indices.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+    assert_eq!(range.lowest.value, Limit::Value(least(|x| x.estimate)));
+    assert_eq!(range.highest.value, Limit::Value(most(|x| x.estimate)));
+    assert_eq!(range.interval.lower, Limit::Value(least(|x| x.lower)));
+    assert_eq!(range.interval.upper, Limit::Value(most(|x| x.upper)));
+    let IndexResult::Refused(reason) = &level.influences[0].amplitude else {
+        panic!("an index of an interval")
+    };
+    assert!(reason.contains("no variance"), "{reason}");
+    let points = &summary.epistemic.as_ref().unwrap().levels[i].points;
+    for (outer, point) in (0..).zip(points) {
+        let [interval, random] = &point.rank_correlations[..] else {
+            panic!("one entry per input")
+        };
+        assert_eq!(random.amplitude, rank_correlation(&of_point(outer)));
+        assert_eq!(interval.amplitude, None);
+    }
+    let pooled = &summary.levels[i];
+    let none = pooled
+        .rank_correlations
+        .iter()
+        .all(|c| c.amplitude.is_none());
+    assert!(none && pooled.failure_rate.is_none() && pooled.amplitude_m.moments.is_none());
+    assert!(pooled.mean_contact_fractions.is_none() && pooled.amplitude_m.valid == 600);
+    assert!(level.amplitude_q95_m.is_empty() && level.frequency_q50_hz.is_empty());
+    assert!(level.influences[1].amplitude_means_m.is_empty());
+}
+
+/// The error by the number of samples is that of the worst outer point. Seen to fail with that of all samples, which is said
+/// to be unknown.
+#[test]
+fn the_error_budget_knows_the_points() {
+    let study = nested(600);
+    let summary = Summary::of(&study.input());
+    let points = summary.epistemic.as_ref().unwrap().levels.iter();
+    let widths = points.flat_map(|l| &l.points).filter_map(|point| {
+        let q95 = point.frequency_hz.quantiles.last()?.interval;
+        Some(0.5 * (q95.upper.value()? - q95.lower.value()?))
+    });
+    let assessment = Assessment::of(&study.input(), &summary);
+    let line = &assessment.error_budget[0];
+    assert_eq!(line.frequency_hz, widths.reduce(f64::max));
+    assert!(line.frequency_hz.is_some() && line.amplitude_relative.is_some());
 }

@@ -9,9 +9,12 @@ use crate::statistics::{Prefix, QuantileEstimate, ReplicateMean};
 
 /// Absent without prefixes or replicates to compare.
 pub(super) fn section(view: &View) -> Option<Section> {
+    let of_points = "The first so many samples of all outer points together are no population: how far the samples leave an \
+                     estimate open is shown by the confidence limits (small figures) of its range over the outer points.";
     let blocks: Vec<Block> = prefixes(view)
         .into_iter()
         .flatten()
+        .chain(view.nested().then(|| Block::Hint(of_points.to_owned())))
         .chain(replicates(view).into_iter().flatten())
         .collect();
     (!blocks.is_empty()).then(|| Section {

@@ -1,6 +1,5 @@
 //! Ranges over the outer points of the epistemic inputs, as tables and as p-boxes.
 
-use super::super::assessment::pooling;
 use super::super::axis::Axis;
 use super::super::block::{Block, Cell, Figure, Key, Mark, Section, Table};
 use super::super::display::{hertz, percent, short, significant};
@@ -11,20 +10,8 @@ use super::super::view::{Shown, View};
 use super::envelope::limits;
 use crate::statistics::{Interval, Limit, Observed, Sorted};
 
-/// Sections that show shares, quantiles or bands of all samples.
-const POOLED: [&str; 4] = ["performance", "response", "influence", "convergence"];
 /// Values at which a p-box is drawn.
 const PLACES: usize = 200;
-
-/// Says at the head of every section with statistics over all samples what they are not.
-pub(super) fn warn(view: &View, sections: &mut [Section]) {
-    let Some(epistemic) = &view.summary.epistemic else {
-        return;
-    };
-    for section in sections.iter_mut().filter(|s| POOLED.contains(&s.id)) {
-        section.blocks.insert(0, Block::Hint(pooling(epistemic)));
-    }
-}
 
 /// Absent without epistemic inputs.
 pub(super) fn section(view: &View) -> Option<Section> {

@@ -3,14 +3,14 @@
 use super::super::assessment::InputFailures;
 use super::super::axis::Axis;
 use super::super::block::{Block, Cell, Figure, Section, Table};
-use super::super::display::{DASH, percent, short, significant};
+use super::super::display::{DASH, from_to, percent, short, significant};
 use super::super::figure::{Panel, Size};
-use super::super::summary::LevelSummary;
+use super::super::population::hull;
 use super::super::usable_peak;
 use super::super::view::{View, thinned};
 use crate::ensemble::outcome::SampleOutcome;
-use crate::hb::Status;
-use crate::statistics::{FailurePattern, Sorted, histogram};
+use crate::hb::{ContactFractions, Status};
+use crate::statistics::{FailurePattern, Proportion, Sorted, histogram};
 
 pub(super) fn section(view: &View) -> Section {
     let mut blocks = vec![statuses(view)];
@@ -64,12 +64,19 @@ fn statuses(view: &View) -> Block {
             _ => table.row(cells),
         }
     }
+    let share = match view.nested() {
+        false => {
+            "share of all samples, with its 95 % confidence interval after Clopper and Pearson"
+        }
+        true => {
+            "lowest and highest share over the outer points; outermost of their 95 % confidence limits after Clopper and \
+                 Pearson"
+        }
+    };
     let name = Cell::text("without a solution")
-        .with_small(
-            "share of all samples, with its 95 % confidence interval after Clopper and Pearson",
-        )
+        .with_small(share)
         .with_class("text strong");
-    let rates = view.summary.levels.iter().map(failure_rate);
+    let rates = (0..view.n_levels()).map(|i| failure_rate(view, i));
     let cells = [name].into_iter().chain(rates).chain([Cell::text("")]);
     table.row(cells.collect());
     table.block()
@@ -79,13 +86,19 @@ fn count(n: usize) -> Cell {
     Cell::number(n.to_string(), Some(n as f64))
 }
 
-fn failure_rate(level: &LevelSummary) -> Cell {
-    match level.failure_rate {
-        None => Cell::number(DASH, None),
-        Some(rate) => Cell::number(percent(rate.estimate), Some(rate.estimate))
-            .with_small(format!("{} …", percent(rate.lower)))
-            .with_small(percent(rate.upper)),
-    }
+fn failure_rate(view: &View, i: usize) -> Cell {
+    let rates: Vec<Proportion> = match view.points(i) {
+        [] => view.summary.levels[i].failure_rate.into_iter().collect(),
+        points => points.iter().filter_map(|p| p.failure_rate).collect(),
+    };
+    let ends = |of: fn(&Proportion) -> f64| hull(rates.iter().map(of));
+    let all = (ends(|r| r.estimate), ends(|r| r.lower), ends(|r| r.upper));
+    let (Some([lowest, highest]), Some([lower, _]), Some([_, upper])) = all else {
+        return Cell::number(DASH, None);
+    };
+    Cell::number(from_to([lowest, highest], percent), Some(lowest))
+        .with_small(format!("{} …", percent(lower)))
+        .with_small(percent(upper))
 }
 
 /// Inputs whose failure rate is drawn, those that separate failed and solved samples best.
@@ -115,11 +128,15 @@ fn patterns(view: &View) -> Vec<Block> {
                 that of a solved one (Mann and Whitney; 50 % = no shift). Distance: largest one between their distribution \
                 functions (Kolmogorov and Smirnov), which sees failures at both ends too. A p-value below 5 % arises by \
                 chance for one input in twenty.";
-    vec![
+    let of_points = "The samples of the outer points share their random inputs: intervals and p-values, which presume \
+                     independent samples, are indications here.";
+    let mut blocks = vec![
         Block::pairs(strongest.map(|j| rates(view, j)).collect()),
         separation(failures),
         Block::Hint(hint.to_owned()),
-    ]
+    ];
+    blocks.extend(view.nested().then(|| Block::Hint(of_points.to_owned())));
+    blocks
 }
 
 /// Failure rate of equal shares of the samples along input `j`.
@@ -266,24 +283,40 @@ fn truncation_table(view: &View) -> Block {
 }
 
 fn contact_table(view: &View) -> Block {
-    let title = "Contact states at the peak, mean share of pairs and time";
+    let title = match view.nested() {
+        false => "Contact states at the peak, mean share of pairs and time",
+        true => {
+            "Contact states at the peak, mean share of pairs and time: lowest and highest of the outer points"
+        }
+    };
     let mut table = Table::of(
         title,
         "contact",
         &[
             ("Level", &["level"]),
-            ("Stick", &["stick"]),
-            ("Slip", &["slip"]),
-            ("Separated", &["separated"]),
+            ("Stick", view.fields(range_fields!("stick"))),
+            ("Slip", view.fields(range_fields!("slip"))),
+            ("Separated", view.fields(range_fields!("separated"))),
         ],
     );
-    for (i, level) in view.summary.levels.iter().enumerate() {
-        let fractions = level.mean_contact_fractions;
+    for i in 0..view.n_levels() {
+        let means: Vec<ContactFractions> = match view.points(i) {
+            [] => (view.summary.levels[i].mean_contact_fractions.into_iter()).collect(),
+            points => points
+                .iter()
+                .filter_map(|p| p.mean_contact_fractions)
+                .collect(),
+        };
+        let range = |of: fn(&ContactFractions) -> f64| match hull(means.iter().map(of)) {
+            None => share(None).with_raw(view.nested().then_some(None)),
+            Some([low, high]) => Cell::number(from_to([low, high], percent), Some(low))
+                .with_raw(view.nested().then_some(Some(high))),
+        };
         table.row(vec![
             view.level_cell(i),
-            share(fractions.map(|f| f.stick)),
-            share(fractions.map(|f| f.slip)),
-            share(fractions.map(|f| f.separated)),
+            range(|f| f.stick),
+            range(|f| f.slip),
+            range(|f| f.separated),
         ]);
     }
     table.block()

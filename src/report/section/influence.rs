@@ -2,42 +2,57 @@
 
 use super::super::axis::Axis;
 use super::super::block::{Block, Cell, Figure, Section, Table};
-use super::super::display::{DASH, minus_sign};
+use super::super::display::{DASH, from_to, minus_sign};
 use super::super::figure::{Panel, Size};
+use super::super::population::hull;
 use super::super::sensitivity::{IndexResult, InputInfluence};
 use super::super::summary::{InputCorrelation, LevelSummary};
 use super::super::view::{Shown, View, thinned};
+use super::epistemic::range_cell;
 use crate::statistics::{ConditionalMean, Index, Influence};
 
 /// Inputs that get a scatter panel, those with the strongest rank correlations.
 const MAX_INPUTS: usize = 6;
+
+/// What a rank correlation is.
+const SPEARMAN: &str = "Spearman’s coefficient over the samples with a solution: ±1 where the input alone orders the results, \
+                        0 where it does not. A relation that first falls and then rises can hide behind 0.";
 
 /// Absent without inputs.
 pub(super) fn section(view: &View) -> Option<Section> {
     if view.input.record.inputs.is_empty() {
         return None;
     }
-    let hint = "Spearman’s coefficient over the samples with a solution: ±1 where the input alone orders the results, \
-                0 where it does not. A relation that first falls and then rises can hide behind 0.";
+    let hint = match view.nested() {
+        false => SPEARMAN.to_owned(),
+        true => format!("{SPEARMAN} Lowest and highest coefficient over the outer points."),
+    };
     let scatter = strongest(view)
         .into_iter()
         .flat_map(|j| Shown::ALL.map(|shown| scatter(view, j, shown)));
+    let mut blocks = vec![
+        view.level_legend([]),
+        Block::pairs(Shown::ALL.map(|shown| bars(view, shown)).to_vec()),
+        indices(view),
+        Block::Hint(explanation(view)),
+    ];
+    if !view.nested() {
+        blocks.extend([
+            Block::Heading("Mean of the result along each input".to_owned()),
+            Block::pairs(Shown::ALL.map(|shown| means(view, shown)).to_vec()),
+        ]);
+    }
+    blocks.extend([
+        Block::Heading("Samples over each input".to_owned()),
+        Block::pairs(scatter.collect()),
+        correlations(view, Shown::Frequency, |c| c.frequency),
+        correlations(view, Shown::AmplitudePerLevel, |c| c.amplitude),
+        Block::Hint(hint),
+    ]);
     Some(Section {
         id: "influence",
         title: "Influence of the inputs".to_owned(),
-        blocks: vec![
-            view.level_legend([]),
-            Block::pairs(Shown::ALL.map(|shown| bars(view, shown)).to_vec()),
-            indices(view),
-            Block::Hint(explanation(view)),
-            Block::Heading("Mean of the result along each input".to_owned()),
-            Block::pairs(Shown::ALL.map(|shown| means(view, shown)).to_vec()),
-            Block::Heading("Samples over each input".to_owned()),
-            Block::pairs(scatter.collect()),
-            correlations(view, Shown::Frequency, |c| c.frequency),
-            correlations(view, Shown::AmplitudePerLevel, |c| c.amplitude),
-            Block::Hint(hint.to_owned()),
-        ],
+        blocks,
     })
 }
 
@@ -60,9 +75,16 @@ fn explanation(view: &View) -> String {
              the samples with a solution",
         ),
     };
+    let range = match view.nested() {
+        false => "",
+        true => {
+            " Solid bar and first number: the lowest, pale bar and second number: the highest of the outer points, each from \
+             its own samples; the interval holds theirs."
+        }
+    };
     format!(
         "First-order index: share of the variance that the input explains alone. {kind}Independent inputs are presumed; \
-         {source}. “Not distinguishable from 0”: these samples show no influence."
+         {source}. “Not distinguishable from 0”: these samples show no influence.{range}"
     )
 }
 
@@ -85,7 +107,35 @@ fn input_names(view: &View) -> Vec<String> {
     inputs.map(|input| input.name.clone()).collect()
 }
 
-/// Indices, one bar per input and level; totals behind the first-order ones.
+/// What is drawn of an index.
+struct Bar {
+    /// First-order index, or the lowest one over the outer points.
+    solid: f64,
+    /// Total index, or the highest first-order one over the outer points.
+    pale: Option<f64>,
+    interval: [f64; 2],
+}
+
+/// `None` without an index.
+fn bar(result: &IndexResult) -> Option<Bar> {
+    let of = |first: Index, pale: Option<f64>| Bar {
+        solid: first.estimate,
+        pale,
+        interval: [first.lower, first.upper],
+    };
+    match result {
+        IndexResult::Index(found) => Some(of(found.index, None)),
+        IndexResult::PickFreeze(found) => Some(of(found.first, Some(found.total.estimate))),
+        IndexResult::Points(range) => Some(Bar {
+            solid: range.lowest.value.value()?,
+            pale: range.highest.value.value(),
+            interval: [range.interval.lower.value()?, range.interval.upper.value()?],
+        }),
+        IndexResult::Refused(_) => None,
+    }
+}
+
+/// Indices, one bar per input and level; totals, or the highest of the outer points, behind the first-order ones.
 fn bars(view: &View, shown: Shown) -> Figure {
     let n = view.n_levels();
     let x = Axis::linear("Share of the variance", -0.1, 1.1);
@@ -100,19 +150,22 @@ fn bars(view: &View, shown: Shown) -> Figure {
     let mut empty = true;
     for (i, level) in view.assessment.levels.iter().enumerate() {
         for (j, influence) in level.influences.iter().enumerate() {
-            let (first, total) = match index(influence, shown) {
-                IndexResult::Index(found) => (found.index, None),
-                IndexResult::PickFreeze(found) => (found.first, Some(found.total)),
-                IndexResult::Refused(_) => continue,
+            let Some(Bar {
+                solid,
+                pale,
+                interval,
+            }) = bar(index(influence, shown))
+            else {
+                continue;
             };
             empty = false;
             let (y, height) = (line(j, i, n), 0.6 / n as f64);
-            let ends = |index: Index| [0.0, index.estimate.max(0.0)];
-            if let Some(total) = total {
-                panel.level_bar(&format!("total l{i}"), y, ends(total), height);
+            let ends = |index: f64| [0.0, index.max(0.0)];
+            if let Some(pale) = pale {
+                panel.level_bar(&format!("total l{i}"), y, ends(pale), height);
             }
-            panel.level_bar(&format!("l{i}"), y, ends(first), 0.6 * height);
-            panel.level_whisker("plain", y, [first.lower, first.upper]);
+            panel.level_bar(&format!("l{i}"), y, ends(solid), 0.6 * height);
+            panel.level_whisker("plain", y, interval);
         }
     }
     if empty {
@@ -121,36 +174,25 @@ fn bars(view: &View, shown: Shown) -> Figure {
     view.figure(&panel, format!("index-{}", shown.word()), "")
 }
 
-/// Columns of the download, in the order of the cells.
-const FREQUENCY_FIRST: &[&str] = &[
-    "frequency_index",
-    "frequency_index_lower",
-    "frequency_index_upper",
-];
-const FREQUENCY_TOTAL: &[&str] = &[
-    "frequency_total",
-    "frequency_total_lower",
-    "frequency_total_upper",
-];
-const AMPLITUDE_FIRST: &[&str] = &[
-    "amplitude_index",
-    "amplitude_index_lower",
-    "amplitude_index_upper",
-];
-const AMPLITUDE_TOTAL: &[&str] = &[
-    "amplitude_total",
-    "amplitude_total_lower",
-    "amplitude_total_upper",
-];
-
 /// Indices with their intervals, or the reason why there is none.
 fn indices(view: &View) -> Block {
     let totals = with_totals(view);
     let mut columns = vec![("Level", &["level"] as &'static [_]), ("Input", &["input"])];
-    columns.push(("Frequency", FREQUENCY_FIRST));
-    columns.extend(totals.then_some(("Frequency, total", FREQUENCY_TOTAL)));
-    columns.push(("Amplitude", AMPLITUDE_FIRST));
-    columns.extend(totals.then_some(("Amplitude, total", AMPLITUDE_TOTAL)));
+    let fields = |of| view.fields(of);
+    columns.push(("Frequency", fields(interval_fields!("frequency_index"))));
+    columns.extend(totals.then(|| {
+        (
+            "Frequency, total",
+            fields(interval_fields!("frequency_total")),
+        )
+    }));
+    columns.push(("Amplitude", fields(interval_fields!("amplitude_index"))));
+    columns.extend(totals.then(|| {
+        (
+            "Amplitude, total",
+            fields(interval_fields!("amplitude_total")),
+        )
+    }));
     let title = match totals {
         true => "First-order and total indices",
         false => "First-order indices",
@@ -163,7 +205,7 @@ fn indices(view: &View) -> Block {
                 Cell::text(&influence.input).with_class("text"),
             ];
             for shown in Shown::ALL {
-                cells.extend(index_cells(index(influence, shown), totals));
+                cells.extend(index_cells(view, index(influence, shown)));
             }
             table.row(cells);
         }
@@ -172,15 +214,17 @@ fn indices(view: &View) -> Block {
 }
 
 /// One cell, or two with totals.
-fn index_cells(result: &IndexResult, totals: bool) -> Vec<Cell> {
+fn index_cells(view: &View, result: &IndexResult) -> Vec<Cell> {
     match result {
         IndexResult::Index(found) => vec![index_cell(found.index)],
+        IndexResult::Points(range) => vec![range_cell(range, &|v| minus_sign(&format!("{v:.2}")))],
         IndexResult::PickFreeze(found) => [found.first, found.total].map(index_cell).into(),
         IndexResult::Refused(reason) => {
+            let fields = view.fields(interval_fields!("index")).len();
             let none = Cell::number(DASH, None)
-                .with_raw([None, None])
+                .with_raw(vec![None; fields - 1])
                 .with_small(reason);
-            vec![none; 1 + usize::from(totals)]
+            vec![none; 1 + usize::from(with_totals(view))]
         }
     }
 }
@@ -259,12 +303,25 @@ fn means(view: &View, shown: Shown) -> Figure {
     view.figure(&panel, format!("means-{}", shown.word()), caption)
 }
 
-/// The inputs in their order, or those with the strongest rank correlations where they are many.
+/// Correlations of input `j` at level `i`: one of all samples, or one of each outer point.
+fn correlations_of<'a>(view: &'a View, i: usize, j: usize) -> Vec<&'a InputCorrelation> {
+    let of_level = |level: &'a LevelSummary| vec![&level.rank_correlations[j]];
+    match view.points(i) {
+        [] => of_level(&view.summary.levels[i]),
+        points => points.iter().map(|p| &p.rank_correlations[j]).collect(),
+    }
+}
+
+/// The inputs in their order; where they are many those known to an interval, and those with the strongest rank correlations.
 fn strongest(view: &View) -> Vec<usize> {
+    let epistemic = view.summary.epistemic.as_ref();
     let strength = |j: usize| {
-        let levels = view.summary.levels.iter();
-        let of_input = levels.filter_map(|l| l.rank_correlations.get(j));
-        of_input
+        let name = &view.input.record.inputs[j].name;
+        if epistemic.is_some_and(|e| e.inputs.contains(name)) {
+            return f64::INFINITY;
+        }
+        let found = (0..view.n_levels()).flat_map(|i| correlations_of(view, i, j));
+        found
             .flat_map(|c| [c.frequency, c.amplitude])
             .flatten()
             .fold(0.0, |a: f64, b| a.max(b.abs()))
@@ -296,25 +353,41 @@ fn scatter(view: &View, j: usize, shown: Shown) -> Figure {
 
 /// Rows input, columns level; each cell with its strength for the shade behind it.
 fn correlations(view: &View, shown: Shown, value: fn(&InputCorrelation) -> Option<f64>) -> Block {
-    let fields: [&'static [&'static str]; 2] = [&["input"], &["rank_correlation"]];
-    let levels = (0..view.n_levels()).map(|i| (view.level_name(i), fields[1]));
-    let columns = [("Input".to_owned(), fields[0])].into_iter().chain(levels);
+    let fields = view.fields(range_fields!("rank_correlation"));
+    let levels = (0..view.n_levels()).map(|i| (view.level_name(i), fields));
+    let columns = [("Input".to_owned(), &["input"] as &'static [_])]
+        .into_iter()
+        .chain(levels);
     let title = format!("Rank correlation with the input: {}", shown.word());
     let file = format!("rank-correlation-{}", shown.word());
     let mut table = Table::new(title, &file, columns);
     for (j, input) in view.input.record.inputs.iter().enumerate() {
-        let cell = |level: &LevelSummary| {
-            let rho = level.rank_correlations.get(j).and_then(value);
-            let text = rho.map_or_else(|| DASH.to_owned(), |r| minus_sign(&format!("{r:+.2}")));
-            let class = match rho < Some(0.0) {
-                true => "shade negative",
-                false => "shade positive",
-            };
-            Cell::number(text, rho).with_shade(class, rho.map_or(0.0, |r| r.abs() * 60.0))
+        let cell = |i: usize| {
+            let found = correlations_of(view, i, j).into_iter().map(value);
+            let found: Option<Vec<f64>> = found.collect();
+            correlation_cell(found.and_then(|rho| hull(rho.into_iter())), view.nested())
         };
         let name = Cell::text(&input.name);
-        let cells = view.summary.levels.iter().map(cell);
+        let cells = (0..view.n_levels()).map(cell);
         table.row([name].into_iter().chain(cells).collect());
     }
     table.block()
+}
+
+/// Lowest and highest coefficient, shaded by what both have in common.
+fn correlation_cell(ends: Option<[f64; 2]>, nested: bool) -> Cell {
+    let show = |rho: f64| minus_sign(&format!("{rho:+.2}"));
+    let text = ends.map_or_else(|| DASH.to_owned(), |ends| from_to(ends, show));
+    let [low, high] = ends.unwrap_or_default();
+    let strength = match low * high > 0.0 {
+        true => low.abs().min(high.abs()),
+        false => 0.0,
+    };
+    let class = match low < 0.0 {
+        true => "shade negative",
+        false => "shade positive",
+    };
+    Cell::number(text, ends.map(|e| e[0]))
+        .with_raw(nested.then_some(ends.map(|e| e[1])))
+        .with_shade(class, strength * 60.0)
 }

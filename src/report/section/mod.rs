@@ -18,6 +18,16 @@ macro_rules! interval_fields {
     };
 }
 
+/// Fields of a number in a download: of all samples, and its range over the outer points.
+macro_rules! range_fields {
+    ($name:literal) => {
+        [
+            &[$name] as &'static [&'static str],
+            &[concat!($name, "_lowest"), concat!($name, "_highest")],
+        ]
+    };
+}
+
 /// Fields of a bound in a download: of all samples, and over the outer points.
 const BOUND_FIELDS: [&[&str]; 2] = [
     &["bound", "order", "achieved_confidence"],
@@ -65,7 +75,5 @@ pub(super) fn sections(view: &View) -> Vec<Section> {
         Some(failure::section(view)),
         Some(audit::section(view)),
     ];
-    let mut sections: Vec<Section> = all.into_iter().flatten().collect();
-    epistemic::warn(view, &mut sections);
-    sections
+    all.into_iter().flatten().collect()
 }

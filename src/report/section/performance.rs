@@ -3,21 +3,55 @@
 use super::super::axis::Axis;
 use super::super::block::{Block, Figure, Key, Mark, Section};
 use super::super::figure::{Panel, Size};
+use super::super::population::Populations;
 use super::super::record::LinearRecord;
-use super::super::view::{Shown, View};
-use crate::statistics::{Sorted, quantile};
+use super::super::view::{RANGES, Shown, View};
 
-/// Probabilities of the fan, outside in, and its middle.
-const FAN: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
+/// The fan at one level.
+struct Fan {
+    /// Excitation level.
+    level: f64,
+    /// From the 5 % to the 95 % quantile.
+    outer: [f64; 2],
+    /// From the 25 % to the 75 % quantile; over outer points from the lowest to the highest median.
+    inner: [f64; 2],
+    /// Absent over outer points.
+    median: Option<f64>,
+}
+
+impl Fan {
+    /// `None` without a solution.
+    fn of(view: &View, shown: Shown, i: usize) -> Option<Self> {
+        let level = view.input.record.levels[i];
+        let values = Populations::of(view.input, i, |p| view.value(shown, level, p));
+        let medians = values.hull(0.5)?;
+        let from_to = |[low, high]: [f64; 2]| Some([values.hull(low)?[0], values.hull(high)?[1]]);
+        let nested = view.nested();
+        Some(Self {
+            level,
+            outer: from_to([0.05, 0.95])?,
+            inner: if nested {
+                medians
+            } else {
+                from_to([0.25, 0.75])?
+            },
+            median: (!nested).then_some(medians[0]),
+        })
+    }
+}
 
 /// Absent with fewer than two levels: there is nothing to draw a curve through.
 pub(super) fn section(view: &View) -> Option<Section> {
     if view.n_levels() < 2 {
         return None;
     }
+    let [outer, inner] = match view.nested() {
+        false => ["5 % to 95 % of the samples, median", "25 % to 75 %"],
+        true => RANGES,
+    };
     let keys = [
-        Key::new(Mark::Band, "outer", "5 % to 95 % of the samples, median"),
-        Key::new(Mark::Band, "", "25 % to 75 %"),
+        Key::new(Mark::Band, "outer", outer),
+        Key::new(Mark::Band, "", inner),
         Key::new(Mark::Line, "line free", "without contact"),
         Key::new(Mark::Line, "line stuck", "fully stuck"),
     ];
@@ -48,17 +82,13 @@ fn fan(view: &View, shown: Shown) -> Figure {
             [&record.free, &record.stuck].map(|linear| top(linear).unwrap_or(f64::NAN))
         }
     };
-    let fans: Vec<(f64, Vec<f64>)> = (0..view.n_levels())
-        .filter_map(|i| {
-            let sorted = Sorted::finite(view.values(shown, i));
-            let quantiles: Option<Vec<f64>> = FAN.iter().map(|&p| quantile(&sorted, p)).collect();
-            Some((record.levels[i], quantiles?))
-        })
+    let fans: Vec<Fan> = (0..view.n_levels())
+        .filter_map(|i| Fan::of(view, shown, i))
         .collect();
     let nominal =
         (0..view.n_levels()).filter_map(|i| Some((record.levels[i], view.nominal(shown, i)?)));
     let nominal: Vec<(f64, f64)> = nominal.collect();
-    let values = fans.iter().flat_map(|(_, q)| q.iter().copied());
+    let values = fans.iter().flat_map(|fan| fan.outer);
     let x = Axis::around(
         format!("Excitation ({})", record.level_unit),
         record.levels.iter().copied(),
@@ -72,14 +102,16 @@ fn fan(view: &View, shown: Shown) -> Figure {
         Shown::AmplitudePerLevel => "Amplitude per excitation over excitation",
     };
     let mut panel = Panel::new(Size::Large, title, x, y);
-    let band = |low: usize, high: usize| -> Vec<_> {
-        fans.iter().map(|(x, q)| (*x, q[low], q[high])).collect()
+    let band = |of: fn(&Fan) -> [f64; 2]| -> Vec<_> {
+        let edges = |fan: &Fan| (fan.level, of(fan)[0], of(fan)[1]);
+        fans.iter().map(edges).collect()
     };
     panel.level_rule("free", limits[0]);
     panel.level_rule("stuck", limits[1]);
-    panel.band("range outer", &band(0, 4));
-    panel.band("range", &band(1, 3));
-    panel.line("nominal", fans.iter().map(|(x, q)| (*x, q[2])));
+    panel.band("range outer", &band(|fan| fan.outer));
+    panel.band("range", &band(|fan| fan.inner));
+    let medians = fans.iter().filter_map(|fan| Some((fan.level, fan.median?)));
+    panel.line("nominal", medians);
     for (i, point) in nominal.into_iter().enumerate() {
         panel.ring(&format!("l{i}"), point);
     }

@@ -4,15 +4,17 @@ use super::super::assessment::CONTENT;
 use super::super::axis::Axis;
 use super::super::block::{Block, Figure, Key, Mark, Section};
 use super::super::display::percent;
+use super::super::epistemic::outer_groups;
 use super::super::figure::{Panel, Size};
+use super::super::population::hull;
 use super::super::record::Bands;
 use super::super::summary::{CONFIDENCE, PROBABILITIES};
-use super::super::usable_peak;
-use super::super::view::{Shown, View, thinned};
+use super::super::view::{RANGES, Shown, View, thinned};
+use super::super::{ReportInput, usable_peak};
 use crate::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use crate::statistics::{
-    Band, BandPoint, Curve, CurveSet, Envelope, EnvelopePoint, EnvelopeRefusal, Interval, Limit,
-    MissingPoints, Sorted, depth_band, pointwise_band, quantile, simultaneous_band,
+    Band, Curve, CurveSet, Envelope, EnvelopeRefusal, Interval, Limit, MissingPoints, Sorted,
+    depth_band, pointwise_band, quantile, simultaneous_band,
 };
 
 /// Label of the abscissa.
@@ -32,7 +34,20 @@ pub(super) fn section(view: &View) -> Section {
     let nominal = view.input.record.nominal.is_some();
     let ring = nominal.then(|| Key::new(Mark::Ring, "", "nominal peak"));
     let line = nominal.then(|| Key::new(Mark::Line, "line nominal", "nominal"));
-    let band = Key::new(Mark::Band, "", "5 %, 50 % and 95 % at each frequency");
+    let band_keys: Vec<Key> = match view.nested() {
+        false => vec![Key::new(
+            Mark::Band,
+            "",
+            "5 %, 50 % and 95 % at each frequency",
+        )],
+        true => {
+            let [outer, inner] = RANGES;
+            vec![
+                Key::new(Mark::Band, "outer", outer),
+                Key::new(Mark::Band, "", inner),
+            ]
+        }
+    };
     let whole = Key::new(Mark::Line, "line wide grey", "95 % of whole curves");
     let mut first: Vec<Figure> = nominal_responses(view).into_iter().collect();
     first.push(cloud(view));
@@ -44,20 +59,21 @@ pub(super) fn section(view: &View) -> Section {
             Block::pairs(first),
             Block::Heading("Scatter of the response, level by level".to_owned()),
             Block::Legend(
-                [band, whole]
+                band_keys
                     .into_iter()
+                    .chain([whole])
                     .chain(line)
                     .chain(linear())
                     .collect(),
             ),
             Block::triples(bands(view)),
-            Block::Hint(meaning(view.input.record.bands)),
+            Block::Hint(meaning(view.input.record.bands, view.nested())),
         ],
     }
 }
 
 /// What the bands are, in words.
-fn meaning(bands: Bands) -> String {
+fn meaning(bands: Bands, nested: bool) -> String {
     let (abscissa, shape) = match bands {
         Bands::Simultaneous => ("", "is stretched from the pointwise one"),
         Bands::Depth => (
@@ -70,6 +86,15 @@ fn meaning(bands: Bands) -> String {
             "is stretched from the pointwise one",
         ),
     };
+    if nested {
+        return format!(
+            "{abscissa}Quantiles and medians at each frequency are those of each outer point, and the filled bands run from \
+             the lowest to the highest of them. The dashed band holds the band of whole curves of each outer point, which \
+             {shape} and calibrated on the other half of its samples. All are drawn where at least half of the curves of \
+             every outer point exist. Whichever outer point is true, its own bands lie inside. For the peak itself use the \
+             ranges."
+        );
+    }
     format!(
         "{abscissa}The filled band is pointwise: at each frequency 90 % of the curves lie inside, but fewer curves stay \
          inside everywhere. The dashed band {shape} and calibrated on the other half of the samples to hold the stated \
@@ -78,20 +103,21 @@ fn meaning(bands: Bands) -> String {
     )
 }
 
-/// Frequencies that hold nearly all resonances, the free and the stuck one included, with room for the flanks.
+/// Frequencies that hold nearly all resonances of every population, the free and the stuck one included, with room for the
+/// flanks.
 fn window(view: &View) -> (f64, f64) {
-    let record = view.input.record;
-    let sorted = Sorted::finite(view.all_values(Shown::Frequency));
+    let ReportInput {
+        record, outcomes, ..
+    } = *view.input;
+    let most = |(_, members): (_, Vec<usize>)| {
+        let levels = members.iter().flat_map(|&sample| &outcomes[sample].levels);
+        let sorted = Sorted::finite(levels.filter_map(|l| Some(usable_peak(l)?.frequency_hz)));
+        [quantile(&sorted, 0.02), quantile(&sorted, 0.98)]
+    };
+    let most = outer_groups(outcomes).into_iter().flat_map(most).flatten();
     let nominal = (0..view.n_levels()).filter_map(|i| view.nominal(Shown::Frequency, i));
     let linear = [record.free.frequency_hz, record.stuck.frequency_hz];
-    let shown: Vec<f64> = [quantile(&sorted, 0.02), quantile(&sorted, 0.98)]
-        .into_iter()
-        .flatten()
-        .chain(linear)
-        .chain(nominal)
-        .collect();
-    let low = shown.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = shown.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let [low, high] = hull(most.chain(linear).chain(nominal)).unwrap_or(linear);
     let room = (0.15 * (high - low)).max(4e-4 * high);
     (low - room, high + room)
 }
@@ -153,12 +179,24 @@ fn nominal_responses(view: &View) -> Option<Figure> {
     Some(view.figure(&panel, "nominal-response", ""))
 }
 
-/// Bands of one level.
-struct LevelBands {
+/// Bands of the curves of one population at one level: of all samples, or of those of an outer point.
+struct CurveBands {
+    /// Number of the outer point, if it is one.
+    outer: Option<u64>,
     pointwise: Band,
     whole: Result<Envelope, EnvelopeRefusal>,
     /// Samples with a curve.
     curves: usize,
+}
+
+/// What a panel shows at one abscissa, from the lowest to the highest of the populations.
+struct Strip {
+    x: f64,
+    /// From the 5 % to the 95 % quantile.
+    outer: [f64; 2],
+    medians: [f64; 2],
+    /// Band of whole curves; absent unless every population has one here.
+    whole: Option<[f64; 2]>,
 }
 
 /// One panel per level: 5 %, 50 % and 95 % of the response at each frequency, the band of whole curves, and the nominal
@@ -168,31 +206,76 @@ fn bands(view: &View) -> Vec<Figure> {
     let grid: Vec<f64> = (0..GRID)
         .map(|i| low + (high - low) * i as f64 / (GRID - 1) as f64)
         .collect();
-    let whole_band = match view.input.record.bands {
-        Bands::Simultaneous | Bands::PeakAligned => simultaneous_band,
-        Bands::Depth => depth_band,
+    let groups = outer_groups(view.input.outcomes);
+    let of_level = |i: usize| -> Vec<CurveBands> {
+        let bands = |(outer, members): &(Option<u64>, Vec<usize>)| {
+            let set = CurveSet::of(&curves(view, i, members), &grid);
+            CurveBands::of(*outer, &set, view.input.record.bands)
+        };
+        groups.iter().map(bands).collect()
     };
-    let bands: Vec<LevelBands> = (0..view.n_levels())
-        .map(|i| {
-            let set = CurveSet::of(&curves(view, i), &grid);
-            LevelBands {
-                pointwise: pointwise_band(&set, &PROBABILITIES, CONFIDENCE),
-                whole: whole_band(&set, CONTENT, CONFIDENCE, MissingPoints::NotJudged),
-                curves: set.total() - set.failed(),
-            }
+    let levels: Vec<(Vec<CurveBands>, Vec<Option<Strip>>)> = (0..view.n_levels())
+        .map(of_level)
+        .map(|bands| {
+            let strips = (0..GRID).map(|k| Strip::of(&bands, k)).collect();
+            (bands, strips)
         })
         .collect();
-    let quantiles = bands.iter().flat_map(|band| &band.pointwise.points);
-    let highest = quantiles.filter_map(|p| p.quantiles.as_ref()?.last().copied());
-    let top = highest.fold(largest_linear_amplitude(view), f64::max);
-    let panels = bands.iter().enumerate();
+    let strips = levels.iter().flat_map(|(_, strips)| strips).flatten();
+    let top = strips.fold(largest_linear_amplitude(view), |top, s| top.max(s.outer[1]));
+    let panels = levels.iter().enumerate();
     panels
-        .map(|(i, bands)| band_panel(view, i, bands, top))
+        .map(|(i, (bands, strips))| band_panel(view, i, bands, strips, top))
         .collect()
 }
 
-/// Curve of each sample that was to have one, over the abscissa of the bands; absent without a solution.
-fn curves(view: &View, i: usize) -> Vec<Option<Curve>> {
+impl CurveBands {
+    fn of(outer: Option<u64>, set: &CurveSet, bands: Bands) -> Self {
+        let whole_band = match bands {
+            Bands::Simultaneous | Bands::PeakAligned => simultaneous_band,
+            Bands::Depth => depth_band,
+        };
+        Self {
+            outer,
+            pointwise: pointwise_band(set, &PROBABILITIES, CONFIDENCE),
+            whole: whole_band(set, CONTENT, CONFIDENCE, MissingPoints::NotJudged),
+            curves: set.total() - set.failed(),
+        }
+    }
+
+    /// Quantiles at grid point `k`; `None` where too few of the curves exist.
+    fn quantiles(&self, k: usize) -> Option<&[f64]> {
+        let point = &self.pointwise.points[k];
+        let enough = point.present as f64 >= PRESENT * self.curves as f64;
+        point.quantiles.as_deref().filter(|_| enough)
+    }
+
+    /// Edges of the band of whole curves at grid point `k`.
+    fn whole(&self, k: usize) -> Option<[f64; 2]> {
+        let point = self.whole.as_ref().ok()?.points[k]?;
+        Some([point.lower.max(0.0), point.upper])
+    }
+}
+
+impl Strip {
+    /// At grid point `k`; `None` where too few of the curves of some population exist.
+    fn of(populations: &[CurveBands], k: usize) -> Option<Self> {
+        let hull = |ends: Option<Vec<[f64; 2]>>| hull(ends?.into_iter().flatten());
+        let from_to = |low: usize, high: usize| {
+            let ends = |p: &CurveBands| p.quantiles(k).map(|q| [q[low], q[high]]);
+            hull(populations.iter().map(ends).collect())
+        };
+        Some(Self {
+            x: populations.first()?.pointwise.points[k].x,
+            outer: from_to(0, 2)?,
+            medians: from_to(1, 1)?,
+            whole: hull(populations.iter().map(|p| p.whole(k)).collect()),
+        })
+    }
+}
+
+/// Curves of those of the samples that were to have one, over the abscissa of the bands; absent without a solution.
+fn curves(view: &View, i: usize, samples: &[usize]) -> Vec<Option<Curve>> {
     let solved = |o: &SampleOutcome| {
         let record: &LevelOutcome = &o.levels[i];
         let resonance_hz = usable_peak(record)?.frequency_hz;
@@ -200,15 +283,17 @@ fn curves(view: &View, i: usize) -> Vec<Option<Curve>> {
         curve.aligned(band_unit(view, resonance_hz))
     };
     let asked = |o: &&SampleOutcome| o.index < view.input.record.curve_samples;
-    view.input
-        .outcomes
-        .iter()
-        .filter(asked)
-        .map(solved)
-        .collect()
+    let samples = samples.iter().map(|&s| &view.input.outcomes[s]);
+    samples.filter(asked).map(solved).collect()
 }
 
-fn band_panel(view: &View, i: usize, bands: &LevelBands, top: f64) -> Figure {
+fn band_panel(
+    view: &View,
+    i: usize,
+    bands: &[CurveBands],
+    strips: &[Option<Strip>],
+    top: f64,
+) -> Figure {
     let (low, high) = band_window(view);
     let label = match view.input.record.bands {
         Bands::Simultaneous | Bands::Depth => FREQUENCY,
@@ -217,8 +302,7 @@ fn band_panel(view: &View, i: usize, bands: &LevelBands, top: f64) -> Figure {
     let (x, y) = (Axis::linear(label, low, high), amplitude_axis(view, top));
     let mut panel = Panel::new(Size::Small, view.level_name(i), x, y);
     add_linear_curves(view, &mut panel, |resonance| band_unit(view, resonance));
-    let drawn = draw_pointwise(&mut panel, i, bands);
-    draw_whole(&mut panel, i, bands);
+    draw_strips(&mut panel, i, strips, view.nested());
     let nominal = view.input.record.nominal.as_ref();
     if let (Some(nominal), Some(resonance)) = (nominal, view.nominal(Shown::Frequency, i)) {
         let record = &nominal.levels[i];
@@ -226,10 +310,20 @@ fn band_panel(view: &View, i: usize, bands: &LevelBands, top: f64) -> Figure {
         let unit = band_unit(view, resonance);
         panel.line("nominal", curve.map(|(f, a)| (f / unit, a)));
     }
+    let drawn = strips.iter().any(Option::is_some);
+    let caption = match bands {
+        [all] if !view.nested() => caption(all, drawn),
+        points => caption_of_points(points, drawn),
+    };
+    view.figure(&panel, format!("band-{i}"), caption)
+}
+
+/// How many curves of all samples there are, and what their bands hold.
+fn caption(bands: &CurveBands, drawn: bool) -> String {
     let inside = bands.pointwise.whole_curves_inside.and_then(|s| s.known);
     let pointwise = match inside {
         None => "No sample has a response curve.".to_owned(),
-        Some(_) if drawn == 0 => "No frequency is reached by half of the curves.".to_owned(),
+        Some(_) if !drawn => "No frequency is reached by half of the curves.".to_owned(),
         Some(inside) => format!(
             "{} curves, {} of them wholly inside the pointwise band.",
             bands.curves,
@@ -246,48 +340,66 @@ fn band_panel(view: &View, i: usize, bands: &LevelBands, top: f64) -> Figure {
         Err(_) if bands.curves == 0 => String::new(),
         Err(refusal) => format!(" No band of whole curves: {refusal}."),
     };
-    view.figure(&panel, format!("band-{i}"), pointwise + &whole)
+    pointwise + &whole
 }
 
-/// Draws the pointwise band where enough curves exist; number of grid points drawn.
-fn draw_pointwise(panel: &mut Panel, i: usize, bands: &LevelBands) -> usize {
-    let least = PRESENT * bands.curves as f64;
-    let enough = |present: usize| present > 0 && present as f64 >= least;
-    let mut drawn = 0;
-    for run in bands
-        .pointwise
-        .points
-        .chunk_by(|a, b| enough(a.present) == enough(b.present))
-    {
-        let shown = run.iter().filter(|p| enough(p.present));
-        let quantiles: Vec<(f64, &[f64])> = shown
-            .filter_map(|p| Some((p.x, p.quantiles.as_deref()?)))
-            .collect();
-        drawn += quantiles.len();
-        let outer: Vec<_> = quantiles.iter().map(|(x, q)| (*x, q[0], q[2])).collect();
-        panel.band(&format!("l{i}"), &outer);
-        let median = quantiles.iter().map(|(x, q)| (*x, q[1]));
-        panel.line(&format!("median l{i}"), median);
+/// The same over outer points.
+fn caption_of_points(points: &[CurveBands], drawn: bool) -> String {
+    let curves: usize = points.iter().map(|p| p.curves).sum();
+    if let Some(CurveBands { outer, .. }) = points.iter().find(|p| p.curves == 0) {
+        let outer = outer.unwrap_or_default();
+        return format!("No sample of outer point {outer} has a response curve.");
     }
-    drawn
+    let pointwise = match drawn {
+        true => format!("{curves} curves of {} outer points.", points.len()),
+        false => "No frequency is reached by half of the curves of every outer point.".to_owned(),
+    };
+    let coverage = |p: &CurveBands| match &p.whole {
+        Ok(band) => Ok(band.expected_coverage),
+        Err(refusal) => Err((p.outer.unwrap_or_default(), *refusal)),
+    };
+    let coverages: Result<Vec<f64>, _> = points.iter().map(coverage).collect();
+    let whole = match coverages {
+        Ok(held) => format!(
+            " Dashed: around bands that hold {} or more of the whole curves of each, where they exist.",
+            percent(held.into_iter().fold(1.0, f64::min))
+        ),
+        Err((outer, refusal)) => {
+            format!(" No band of whole curves: at outer point {outer} {refusal}.")
+        }
+    };
+    pointwise + &whole
 }
 
-/// Draws the band of whole curves, where it exists and where enough curves do.
-fn draw_whole(panel: &mut Panel, i: usize, bands: &LevelBands) {
-    let Ok(whole) = &bands.whole else { return };
-    let least = PRESENT * bands.curves as f64;
-    let edge = |side: fn(&EnvelopePoint) -> f64| {
-        let points = whole.points.iter().zip(&bands.pointwise.points);
-        let of = move |(point, band): (&Option<EnvelopePoint>, &BandPoint)| {
-            let present = band.present as f64 >= least;
-            let value = point.as_ref().filter(|_| present).map(side);
-            (band.x, value.unwrap_or(f64::NAN))
+/// Draws the bands where every population has enough curves.
+fn draw_strips(panel: &mut Panel, i: usize, strips: &[Option<Strip>], nested: bool) {
+    for run in strips.chunk_by(|a, b| a.is_some() == b.is_some()) {
+        let band = |of: fn(&Strip) -> [f64; 2]| -> Vec<_> {
+            let edges = |s: &Strip| (s.x, of(s)[0], of(s)[1]);
+            run.iter().flatten().map(edges).collect()
         };
-        points.map(of)
-    };
-    let class = format!("wide l{i}");
-    panel.line(&class, edge(|p| p.lower.max(0.0)));
-    panel.line(&class, edge(|p| p.upper));
+        let medians = band(|s| s.medians);
+        match nested {
+            true => {
+                panel.band(&format!("outer l{i}"), &band(|s| s.outer));
+                panel.band(&format!("l{i}"), &medians);
+            }
+            false => {
+                panel.band(&format!("l{i}"), &band(|s| s.outer));
+                panel.line(
+                    &format!("median l{i}"),
+                    medians.into_iter().map(|m| (m.0, m.1)),
+                );
+            }
+        }
+        let whole = |end: usize| {
+            let of = move |s: &Strip| (s.x, s.whole.map_or(f64::NAN, |ends| ends[end]));
+            run.iter().flatten().map(of)
+        };
+        for end in [0, 1] {
+            panel.line(&format!("wide l{i}"), whole(end));
+        }
+    }
 }
 
 /// All peaks: amplitude per force over frequency, coloured by level.
@@ -311,7 +423,7 @@ fn cloud(view: &View) -> Figure {
     }
     view.note_if_empty(&mut panel);
     let caption = match view.nested() {
-        true => "",
+        true => "The samples of all outer points: how dense they lie says nothing.",
         false => {
             "Dashed: region that holds 95 % of the blades with 95 % confidence, open where too few samples bound it, \
              conditional on the assumed distributions."
