@@ -26,12 +26,8 @@ var<private> n_points: u32;
 var<private> n_runs: u32;
 var<private> overflow: bool;
 
-fn sample(c: u32, i: u32, state: u32) -> real {
-    return signals[(c * N_TIME + i) * batch.n_states + state];
-}
-
 fn sampled_rate(c: u32, i: u32, state: u32) -> real {
-    return sample(3u + c, i, state);
+    return sample_of(3u + c, i, state);
 }
 
 // Factor on the gap function in a bound: side 0 is the lower one.
@@ -125,9 +121,9 @@ fn linear_share(before: real, after: real) -> real {
 // Marks of the interval after sample i: what may happen inside it.
 fn marks(i: u32, d: u32, mu: real, state: u32) -> u32 {
     let next = select(i + 1u, 0u, i + 1u == N_TIME);
-    let g = array<real, 2>(sample(GAP, i, state), sample(GAP, next, state));
+    let g = array<real, 2>(sample_of(GAP, i, state), sample_of(GAP, next, state));
     let g_rate = array<real, 2>(sampled_rate(GAP, i, state), sampled_rate(GAP, next, state));
-    let s = array<real, 2>(sample(d, i, state), sample(d, next, state));
+    let s = array<real, 2>(sample_of(d, i, state), sample_of(d, next, state));
     let s_rate = array<real, 2>(sampled_rate(d, i, state), sampled_rate(d, next, state));
     var mark = 0u;
     let zero = real(0.0);
@@ -261,9 +257,9 @@ fn add_interval(i: u32, mark: u32, d: u32, mu: real, was_open: bool, state: u32)
 // Breakpoints of the period, ascending from phase 0, which is always one.
 fn add_points(d: u32, mu: real, state: u32) {
     n_points = 0u;
-    let first_gap = sample(GAP, 0u, state);
+    let first_gap = sample_of(GAP, 0u, state);
     var open = first_gap <= real(0.0);
-    let first = Point(0u, select(0u, 1u, open), real(0.0), sample(d, 0u, state), first_gap);
+    let first = Point(0u, select(0u, 1u, open), real(0.0), sample_of(d, 0u, state), first_gap);
     add_point(first, d, state);
     for (var i = 0u; i < N_TIME; i++) {
         let mark = marks(i, d, mu, state);
@@ -325,7 +321,7 @@ fn reaches(a: Point, b: Point, d: u32, mu: real, side: u32, level: real, state: 
     var ends = array<u32, 2>(a.interval, b.interval);
     while low < high {
         let middle = (low + high) / 2u;
-        let here = sample(d, middle % N_TIME, state) + factor * sample(GAP, middle % N_TIME, state);
+        let here = sample_of(d, middle % N_TIME, state) + factor * sample_of(GAP, middle % N_TIME, state);
         if (here > level) == rising {
             high = middle;
             ends[1] = middle;

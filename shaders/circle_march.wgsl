@@ -23,10 +23,6 @@ struct Lap {
     overshoot: real,
 }
 
-fn sample_of(c: u32, i: u32, state: u32) -> real {
-    return signals[(c * N_TIME + i) * batch.n_states + state];
-}
-
 fn stick_signal(i: u32, state: u32) -> vec2<real> {
     return vec2<real>(sample_of(0u, i, state), sample_of(1u, i, state));
 }

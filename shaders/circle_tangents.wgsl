@@ -1,10 +1,6 @@
 // Derivatives of the circle law, the twin of aft/circle_tangent.rs: one thread per state that moves and column. The
 // slider carries its derivative by one coefficient of one signal around the laps.
 
-fn place(slot: u32, block: u32, a: u32, b: u32) -> u32 {
-    return ((((slot / GROUP) * BLOCKS + block) * M + a) * M + b) * GROUP + slot % GROUP;
-}
-
 // Direction of the rows and signal of the columns to the block: T1T1, T1T2, T2T1, T2T2, T1N, T2N.
 fn block_of(d: u32, c: u32) -> u32 {
     return select(2u * d + c, 4u + d, c == GAP);
@@ -88,10 +84,10 @@ fn circle_tangents(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     for (var a = 0u; a < M; a++) {
         let w = weight(a);
-        tangents[place(slot, block_of(0u, c), a, b)] = w * sums[a].x;
-        tangents[place(slot, block_of(1u, c), a, b)] = w * sums[a].y;
+        tangents[tangent_at(slot, block_of(0u, c), a, b)] = w * sums[a].x;
+        tangents[tangent_at(slot, block_of(1u, c), a, b)] = w * sums[a].y;
         if c == GAP {
-            tangents[place(slot, 6u, a, b)] = w * normal_sums[a];
+            tangents[tangent_at(slot, 6u, a, b)] = w * normal_sums[a];
         }
     }
 }

@@ -107,6 +107,16 @@ const MASK_SLIP: u32 = 2u;
 const MASK_SLIDER: u32 = 4u;
 const MASK_OPEN: u32 = 6u;
 
+// Signal (0 to 2) or its rate (3 to 5) at a sample.
+fn sample_of(c: u32, i: u32, state: u32) -> real {
+    return signals[(c * N_TIME + i) * batch.n_states + state];
+}
+
+// Place of a derivative in `tangents`.
+fn tangent_at(slot: u32, block: u32, a: u32, b: u32) -> u32 {
+    return ((((slot / GROUP) * BLOCKS + block) * M + a) * M + b) * GROUP + slot % GROUP;
+}
+
 fn spectrum_at(mask: u32, trig: u32, order: u32, state: u32) -> u32 {
     return ((mask * 2u + trig) * N_ORDERS + order) * batch.n_states + state;
 }

@@ -1,10 +1,6 @@
 // Derivatives in segment form: one thread per state that moves and row. A stick adds one product of the sums over it and
 // the basis where its slider was set; masks add Gram matrices.
 
-fn entry(slot: u32, block: u32, a: u32, b: u32) -> u32 {
-    return ((((slot / GROUP) * BLOCKS + block) * M + a) * M + b) * GROUP + slot % GROUP;
-}
-
 @compute @workgroup_size(GROUP)
 fn tangents_of_moving(@builtin(global_invocation_id) id: vec3<u32>) {
     let n = batch.n_states;
@@ -28,11 +24,11 @@ fn tangents_of_moving(@builtin(global_invocation_id) id: vec3<u32>) {
                 by_stick -= product;
                 by_gap -= product * sticks[stick_at(d, t, 1u, M, state)];
             }
-            tangents[entry(slot, d, a, b)] = by_stick;
-            tangents[entry(slot, 2u + d, a, b)] = by_gap;
+            tangents[tangent_at(slot, d, a, b)] = by_stick;
+            tangents[tangent_at(slot, 2u + d, a, b)] = by_gap;
         }
     }
     for (var b = 0u; b < M; b++) {
-        tangents[entry(slot, 4u, a, b)] = -gram(MASK_OPEN, a, b, state);
+        tangents[tangent_at(slot, 4u, a, b)] = -gram(MASK_OPEN, a, b, state);
     }
 }

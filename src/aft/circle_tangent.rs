@@ -7,12 +7,9 @@
 use super::batch::Block;
 use super::circle::{Cycle, lane2, solve_identity_minus};
 use super::march::slip_monodromy;
-use super::tangent::{SegmentScratch, View, add_masked_gram, add_scaled};
+use super::tangent::{RANK, SegmentScratch, View, add_masked_gram, add_products, add_scaled};
 use crate::contact::Real;
 use crate::contact::law::{CircleStep, anchored_at_closing, circle_step};
-
-/// Rank-1 products that are added to the blocks together.
-const RANK: usize = 4;
 
 /// Scratch of the derivative of the circle law.
 #[derive(Debug, Clone, Default)]
@@ -249,19 +246,8 @@ impl<T: Real> CircleScratch<T> {
     #[inline(always)]
     fn flush(&mut self, m: usize, out: &mut [T]) {
         self.weights[self.waiting * m..].fill(T::ZERO);
-        for block in &Block::ALL[..Block::NN as usize] {
-            let (d, c) = (block.row_component(), block.column_component());
-            let row = |r: usize| &self.rows[(2 * r + d) * 3 * m + c * m..][..m];
-            let rows: [&[T]; RANK] = std::array::from_fn(row);
-            let target = &mut out[*block as usize * m * m..][..m * m];
-            for (a, target) in target.chunks_exact_mut(m).enumerate() {
-                let w: [T; RANK] = std::array::from_fn(|r| self.weights[r * m + a]);
-                for (b, value) in target.iter_mut().enumerate() {
-                    *value += (w[0] * rows[0][b] + w[1] * rows[1][b])
-                        + (w[2] * rows[2][b] + w[3] * rows[3][b]);
-                }
-            }
-        }
+        let row = |r: usize, d: usize, c: usize| &self.rows[(2 * r + d) * 3 * m + c * m..][..m];
+        add_products(m, &self.weights, row, out);
         self.waiting = 0;
     }
 }

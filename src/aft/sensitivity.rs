@@ -6,13 +6,11 @@
 
 use super::batch::Block;
 use super::plan::AftPlan;
-use super::tangent::{SegmentScratch, add_masked_gram, add_scaled};
+use super::tangent::{RANK, SegmentScratch, add_masked_gram, add_products, add_scaled};
 use crate::contact::{ContactParameters, Real};
 
 /// Columns of a row that belong to the start tractions; those of the displacement coefficients follow, `[3][m]`.
 pub(super) const STARTS: usize = 2;
-/// Rank-1 products that are added to the blocks together.
-const RANK: usize = 4;
 
 /// A number as a sum of the signals at one phase: factors of s = k_t u (N), s', L = mu N and L'.
 #[derive(Debug, Clone, Copy)]
@@ -216,19 +214,9 @@ impl<T: Real> Blocks<T> {
         let (m, width) = (plan.m, STARTS + 3 * plan.m);
         self.weights[self.waiting * m..].fill(T::ZERO);
         self.rows[self.waiting * 2 * width..].fill(T::ZERO);
-        for block in &Block::ALL[..Block::NN as usize] {
-            let (d, c) = (block.row_component(), block.column_component());
-            let row = |r: usize| &self.rows[(2 * r + d) * width + STARTS + c * m..][..m];
-            let rows: [&[T]; RANK] = std::array::from_fn(row);
-            let target = &mut out[*block as usize * m * m..][..m * m];
-            for (a, target) in target.chunks_exact_mut(m).enumerate() {
-                let w: [T; RANK] = std::array::from_fn(|r| self.weights[r * m + a]);
-                for (b, value) in target.iter_mut().enumerate() {
-                    *value += (w[0] * rows[0][b] + w[1] * rows[1][b])
-                        + (w[2] * rows[2][b] + w[3] * rows[3][b]);
-                }
-            }
-        }
+        let row =
+            |r: usize, d: usize, c: usize| &self.rows[(2 * r + d) * width + STARTS + c * m..][..m];
+        add_products(m, &self.weights, row, out);
         for (d, starts) in self.starts.chunks_exact_mut(STARTS * m).enumerate() {
             for (a, starts) in starts.chunks_exact_mut(STARTS).enumerate() {
                 for r in 0..RANK {

@@ -365,6 +365,34 @@ pub(super) fn subtract_product<T: Real>(block: &mut [T], factor: T, column: &[T]
     }
 }
 
+/// Rank-1 products that [`add_products`] adds together.
+pub(super) const RANK: usize = 4;
+
+/// Adds rank-1 products to all blocks but that of the normal force.
+///
+/// Shape: `weights` `[RANK][m]`; `row(r, d, c)` is the row of product r for the component d of the traction, by the `[m]`
+/// coefficients of component c.
+#[inline(always)]
+pub(super) fn add_products<'r, T: Real>(
+    m: usize,
+    weights: &[T],
+    row: impl Fn(usize, usize, usize) -> &'r [T],
+    out: &mut [T],
+) {
+    for block in &Block::ALL[..Block::NN as usize] {
+        let (d, c) = (block.row_component(), block.column_component());
+        let rows: [&[T]; RANK] = std::array::from_fn(|r| row(r, d, c));
+        let target = &mut out[*block as usize * m * m..][..m * m];
+        for (a, target) in target.chunks_exact_mut(m).enumerate() {
+            let w: [T; RANK] = std::array::from_fn(|r| weights[r * m + a]);
+            for (b, value) in target.iter_mut().enumerate() {
+                *value += (w[0] * rows[0][b] + w[1] * rows[1][b])
+                    + (w[2] * rows[2][b] + w[3] * rows[3][b]);
+            }
+        }
+    }
+}
+
 /// `y` += a `x`.
 #[inline(always)]
 pub(super) fn add_scaled<T: Real>(y: &mut [T], a: T, x: &[T]) {
