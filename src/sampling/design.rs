@@ -156,6 +156,24 @@ impl Design {
         values
     }
 
+    /// What is assumed of input `j`, in words.
+    #[must_use]
+    pub fn assumption(&self, j: usize) -> String {
+        let distribution = &self.inputs[j].1;
+        if self
+            .outer
+            .as_ref()
+            .is_some_and(|(places, _)| places.contains(&j))
+        {
+            let [lower, upper] = distribution.support();
+            return format!("known to an interval only: lower {lower:?}, upper {upper:?}");
+        }
+        match &self.file {
+            Some((columns, _)) if columns.contains(&j) => "values of a file".to_owned(),
+            _ => distribution.to_string(),
+        }
+    }
+
     /// Where inputs are in the unit cube: their distribution functions. Shape: `[inputs]`, as `values`.
     #[must_use]
     pub fn place(&self, values: &[f64]) -> Vec<f64> {

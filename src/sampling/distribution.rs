@@ -5,6 +5,7 @@ use statrs::distribution::{
 };
 
 use crate::setting::{BadSetting, positive};
+use std::fmt;
 
 /// Family and parameters.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -86,9 +87,10 @@ struct Stated {
 
 impl From<Distribution> for Stated {
     fn from(distribution: Distribution) -> Self {
-        let (shape, support) = (distribution.shape, distribution.support);
-        let truncation = (support != shape.support()).then_some(support);
-        Self { shape, truncation }
+        Self {
+            shape: distribution.shape,
+            truncation: distribution.truncation(),
+        }
     }
 }
 
@@ -118,16 +120,39 @@ impl Shape {
         }
     }
 
-    /// Keys of the parameters in study files.
+    /// Parameters with their keys in study files.
     #[must_use]
-    pub fn parameters(&self) -> &'static [&'static str] {
-        match self {
-            Self::Fixed { .. } => &["value"],
-            Self::Uniform { .. } | Self::LogUniform { .. } => &["low", "high"],
-            Self::Normal { .. } => &["mean", "standard_deviation"],
-            Self::Lognormal { .. } => &["median", "log_standard_deviation"],
-            Self::Triangular { .. } => &["low", "mode", "high"],
-            Self::Beta { .. } => &["alpha", "beta", "low", "high"],
+    pub fn parameters(&self) -> Vec<(&'static str, f64)> {
+        match *self {
+            Self::Fixed { value } => vec![("value", value)],
+            Self::Uniform { low, high } | Self::LogUniform { low, high } => {
+                vec![("low", low), ("high", high)]
+            }
+            Self::Normal {
+                mean,
+                standard_deviation,
+            } => vec![("mean", mean), ("standard_deviation", standard_deviation)],
+            Self::Lognormal {
+                median,
+                log_standard_deviation,
+            } => vec![
+                ("median", median),
+                ("log_standard_deviation", log_standard_deviation),
+            ],
+            Self::Triangular { low, mode, high } => {
+                vec![("low", low), ("mode", mode), ("high", high)]
+            }
+            Self::Beta {
+                alpha,
+                beta,
+                low,
+                high,
+            } => vec![
+                ("alpha", alpha),
+                ("beta", beta),
+                ("low", low),
+                ("high", high),
+            ],
         }
     }
 
@@ -278,6 +303,17 @@ impl Law {
     }
 }
 
+/// `uniform: low 0.1, high 0.8`
+impl fmt::Display for Distribution {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let parameter = |(key, value): (&str, f64)| format!("{} {value:?}", key.replace('_', " "));
+        let parameters = self.shape.parameters().into_iter().map(parameter);
+        let cut = self.truncation().map(|ends| format!("truncation {ends:?}"));
+        let stated: Vec<String> = parameters.chain(cut).collect();
+        write!(f, "{}: {}", self.shape.name(), stated.join(", "))
+    }
+}
+
 impl Distribution {
     /// A distribution of checked parameters; `truncation` = [low, high] cuts it and normalises what is left.
     ///
@@ -314,6 +350,11 @@ impl Distribution {
             support: [low, high],
             kept,
         })
+    }
+
+    /// Where it is cut, if it is.
+    fn truncation(&self) -> Option<[f64; 2]> {
+        (self.support != self.shape.support()).then_some(self.support)
     }
 
     /// Always `value`.

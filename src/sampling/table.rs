@@ -96,7 +96,8 @@ impl DistributionTable {
     /// [`BadSetting`] on a missing, superfluous or inadmissible parameter; keys relative to the table.
     pub fn distribution(&self) -> Result<Distribution, BadSetting> {
         let shape = self.shape()?;
-        self.refuse_superfluous(|key| shape.parameters().contains(&key), shape.name())?;
+        let takes = |key: &str| shape.parameters().iter().any(|(taken, _)| *taken == key);
+        self.refuse_superfluous(takes, shape.name())?;
         Distribution::new(shape, self.truncation)
     }
 

@@ -5,7 +5,6 @@ use std::path::Path;
 
 use super::document::Document;
 use super::output::OutputFolder;
-use super::run::stated_prior;
 use crate::Error;
 use crate::ensemble::kept::{KeptStudy, read_study};
 use crate::report::StoredRun;
@@ -54,8 +53,8 @@ pub fn reweight(folder: &Path, prior: &Path, output: &OutputFolder) -> Result<Re
     let inputs = (changes.iter())
         .map(|change| ReweightedInput {
             name: change.name.clone(),
-            sampled: stated_prior(&kept.text, &change.name).unwrap_or_default(),
-            reweighted: stated_prior(&text, &change.name).unwrap_or_default(),
+            sampled: change.old.to_string(),
+            reweighted: change.new.to_string(),
         })
         .collect();
     let found = Reweighting::of(&run, inputs, [&new, &old]).map_err(|left| {

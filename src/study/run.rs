@@ -207,49 +207,17 @@ fn component_records(components: &[(&'static str, ComponentSummary)]) -> Vec<Com
     components.iter().map(record).collect()
 }
 
-/// Names of the inputs with their distributions or intervals, these as the study file states them.
+/// Names of the inputs with their distributions or intervals.
 fn input_records(study: &Study) -> Vec<InputRecord> {
     let design = &study.design;
     let inputs = design.inputs().iter().enumerate();
     inputs
         .map(|(j, (input, distribution))| InputRecord {
             name: input.name().to_owned(),
-            prior: stated_prior(&study.text, input.name()).unwrap_or_default(),
+            prior: design.assumption(j),
             distribution: design.drawn().contains(&j).then(|| distribution.clone()),
         })
         .collect()
-}
-
-/// Parameters of a distribution in the order in which they are read.
-const PARAMETERS: [&str; 11] = [
-    "value",
-    "lower",
-    "upper",
-    "alpha",
-    "beta",
-    "low",
-    "mean",
-    "median",
-    "mode",
-    "standard_deviation",
-    "high",
-];
-
-/// What the table `[inputs.<name>]` of a TOML text says, in words.
-pub(super) fn stated_prior(text: &str, name: &str) -> Option<String> {
-    let tables: serde_json::Value = toml::from_str(text).ok()?;
-    let table = tables.get("inputs")?.get(name)?.as_object()?;
-    let parameter = |(key, value): (&String, &serde_json::Value)| match key.as_str() {
-        "distribution" | "kind" => None,
-        _ => Some(format!("{} {value}", key.replace('_', " "))),
-    };
-    let place = |key: &str| PARAMETERS.iter().position(|p| *p == key);
-    let mut stated: Vec<_> = table.iter().collect();
-    stated.sort_by_key(|(key, _)| place(key).unwrap_or(PARAMETERS.len()));
-    let parameters: Vec<String> = stated.into_iter().filter_map(parameter).collect();
-    let family = table.get("distribution").and_then(|family| family.as_str());
-    let family = family.unwrap_or("known to an interval only");
-    Some(format!("{family}: {}", parameters.join(", ")))
 }
 
 /// Linear response per unit level over the band, and its resonance.

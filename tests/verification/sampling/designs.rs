@@ -8,7 +8,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use microslip::sampling::{
     CorrelationTable, Design, DesignSettings, DesignTable, Distribution, DistributionTable,
-    EpistemicTable, Input, Uncertainty,
+    EpistemicTable, Input, SampleTable, Uncertainty,
 };
 
 const INPUTS: &str = r#"
@@ -335,4 +335,61 @@ fn pick_freeze_rows_are_those_of_the_indices() {
     }
     let monte_carlo = settings("kind = \"monte-carlo\"", 10).build().unwrap();
     assert!(monte_carlo.mixed_inputs().is_empty() && monte_carlo.group(7).of_population());
+}
+
+/// What a report says of an input is what the study states, of every family, of an interval and of a file. Seen to fail
+/// without the truncation, and with an interval as the scale that stands for it.
+#[test]
+fn assumptions_are_stated_in_words() {
+    let words = |table: &str| {
+        let table: DistributionTable = toml::from_str(table).unwrap();
+        table.distribution().unwrap().to_string()
+    };
+    for (table, expected) in [
+        ("distribution = \"fixed\"\nvalue = 2", "fixed: value 2.0"),
+        (
+            "distribution = \"uniform\"\nhigh = 0.8\nlow = 0.1",
+            "uniform: low 0.1, high 0.8",
+        ),
+        (
+            "distribution = \"log-uniform\"\nlow = 0.1\nhigh = 10.0\ntruncation = [0.5, 2]",
+            "log-uniform: low 0.1, high 10.0, truncation [0.5, 2.0]",
+        ),
+        (
+            "distribution = \"normal\"\nmean = 1\nstandard_deviation = 0.2",
+            "normal: mean 1.0, standard deviation 0.2",
+        ),
+        (
+            "distribution = \"lognormal\"\nmedian = 1\nlog_standard_deviation = 0.2",
+            "lognormal: median 1.0, log standard deviation 0.2",
+        ),
+        (
+            "distribution = \"triangular\"\nlow = 0\nhigh = 3\nmode = 1",
+            "triangular: low 0.0, mode 1.0, high 3.0",
+        ),
+        (
+            "distribution = \"beta\"\nalpha = 2\nbeta = 3\nlow = 0\nhigh = 1",
+            "beta: alpha 2.0, beta 3.0, low 0.0, high 1.0",
+        ),
+    ] {
+        assert_eq!(words(table), expected);
+    }
+    let mut settings = settings("kind = \"file\"\npath = \"x.csv\"", 4);
+    settings.inputs = inputs(INTERVAL);
+    settings.samples = None;
+    settings.file = Some(SampleTable {
+        inputs: vec![Input::FrictionCoefficient],
+        rows: vec![vec![0.3]],
+    });
+    let design = settings.build().unwrap();
+    let of = |wanted: Input| {
+        let inputs = design.inputs().iter();
+        let j = inputs.clone().position(|(input, _)| *input == wanted);
+        design.assumption(j.unwrap())
+    };
+    assert_eq!(
+        of(Input::StiffnessScale),
+        "known to an interval only: lower 0.1, upper 10.0"
+    );
+    assert_eq!(of(Input::FrictionCoefficient), "values of a file");
 }
