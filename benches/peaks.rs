@@ -2,18 +2,20 @@
 //!
 //! Sections: `parts` (one Newton iteration), `study` (random samples over the box of the default study, levels up to
 //! 100 N), `sweep` (this program's own continuation, 60 points around the peak), `slow-path` (the same peaks found by
-//! each sample alone), `strip` (a structure with a strip of its own), `harmonics` (rate on more harmonics), `certified` (rate at a truncation threshold of 1e-3, against
-//! 31 harmonics), `memory` (results of 100 000 samples), `peers` (the reference problem blades-strip-oop). Rates are per second of processor time of all threads; without arguments all sections run.
+//! each sample alone), `strip` (a structure with a strip of its own), `harmonics` (rate on more harmonics), `certified`
+//! (rate at a truncation threshold of 1e-3, against 31 harmonics), `memory` (results of 100 000 samples), `peers` (the
+//! reference problem blades-strip-oop). Rates are per second of processor time of all threads; without arguments all
+//! sections run.
 
 #![expect(clippy::expect_used, reason = "a benchmark without its state fails")]
 
 use microslip::aft::{Accuracy, AftSettings, Backend, Laps, Want};
 use microslip::contact::{ContactParameters, Events, FrictionLaw};
-use microslip::ensemble::atlas::{Anchor, Atlas, AtlasPrediction};
+use microslip::ensemble::atlas::{Anchor, AnchorPeak, Atlas, AtlasPrediction};
 use microslip::ensemble::backend::BackendReport;
 use microslip::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use microslip::ensemble::store::{Provenance, write_samples};
-use microslip::ensemble::{Ensemble, SampleSolver, Strips};
+use microslip::ensemble::{Ensemble, SampleSolver, Solved, Strips};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::forced_response::at_frequencies;
 use microslip::hb::newton::{Iterate, WorkCount};
@@ -404,27 +406,22 @@ const CERTIFIED: AlertSettings = AlertSettings {
     highest_harmonic: 21,
 };
 
-/// Peaks whose truncation error is below 1e-3 by the alert, against the same peaks on 31 harmonics.
+/// Samples solved, and those of them that are compared with 31 harmonics.
+const CERTIFIED_SAMPLES: u64 = 256;
+const COMPARED: usize = 50;
+
+/// Peaks whose truncation error is below 1e-3 by the alert, the first of them against the same peaks on 31 harmonics.
 fn certified() {
     let rig = Rig::new([3, 5]);
     let (design, settings) = (design(17), settings(5, Some(CERTIFIED)));
     let levels = [1.0, 5.0, 20.0, 100.0];
     let ensemble = rig.ensemble(&design, &levels, &settings);
-    let (mut atlas, mut solved) = (Atlas::default(), Vec::<(SampleOutcome, Anchor)>::new());
-    // as `Ensemble::run` does, which keeps the solutions to itself
-    let (seconds, ()) = processor_time(|| {
-        for index in 0..50_u64 {
-            if index >= 8 && index.is_power_of_two() {
-                atlas = Atlas::default();
-                atlas.extend(solved.iter().map(|(_, anchor)| anchor.clone()));
-            }
-            solved.push(ensemble.sample(index, &atlas));
-        }
-    });
-    let n_peaks = solved.len() * levels.len();
+    let (seconds, solved) =
+        processor_time(|| ensemble.extend(Solved::default(), CERTIFIED_SAMPLES, || {}));
+    let n_peaks = solved.outcomes.len() * levels.len();
     println!("{:.2} peaks per processor second", n_peaks as f64 / seconds);
     for (i, level) in levels.iter().enumerate() {
-        let peaks: Vec<&LevelOutcome> = solved.iter().map(|(o, _)| &o.levels[i]).collect();
+        let peaks: Vec<&LevelOutcome> = solved.outcomes.iter().map(|o| &o.levels[i]).collect();
         describe(&format!("{level} N"), &peaks);
         let mut fates: BTreeMap<(&str, usize), usize> = BTreeMap::new();
         for peak in &peaks {
@@ -433,28 +430,11 @@ fn certified() {
         }
         println!("  {fates:?}");
     }
-    let mut errors = Vec::new();
-    for (outcome, anchor) in &solved {
-        let problem = rig.problem(outcome.inputs[0], outcome.inputs[1]);
-        for (level, peak) in outcome.levels.iter().zip(&anchor.peaks) {
-            let Some(peak) = peak.as_ref().filter(|_| level.status == Status::Converged) else {
-                continue;
-            };
-            let AtlasPrediction {
-                harmonics,
-                mut peak,
-                amplitude,
-            } = peak.as_prediction();
-            let balance = on(&problem, HarmonicSet::up_to(31), &settings);
-            let n_relative = balance.layout.n_relative();
-            peak.point.r = harmonics.convert(&peak.point.r, n_relative, &balance.harmonics);
-            let mut count = WorkCount::default();
-            match maximum_near(&balance, peak, search(), settings.newton, &mut count) {
-                Ok(best) => errors.push((best.response(&balance).norm() / amplitude - 1.0).abs()),
-                Err(status) => println!("{} N: {status:?} on 31 harmonics", level.level),
-            }
-        }
-    }
+    let compared = solved.outcomes.par_iter().zip(&solved.anchors);
+    let mut errors: Vec<f64> = compared
+        .take(COMPARED)
+        .flat_map_iter(|(outcome, anchor)| on_31_harmonics(&rig, &settings, outcome, anchor))
+        .collect();
     errors.sort_by(f64::total_cmp);
     let above = errors.iter().filter(|e| **e > CERTIFIED.threshold).count();
     println!(
@@ -464,6 +444,39 @@ fn certified() {
         errors[errors.len() - 1],
         CERTIFIED.threshold
     );
+}
+
+/// Relative changes of the certified amplitudes of one sample on 31 harmonics.
+fn on_31_harmonics(
+    rig: &Rig,
+    settings: &HbSettings,
+    outcome: &SampleOutcome,
+    anchor: &Anchor,
+) -> Vec<f64> {
+    let problem = rig.problem(outcome.inputs[0], outcome.inputs[1]);
+    let balance = on(&problem, HarmonicSet::up_to(31), settings);
+    let change = |(level, peak): (&LevelOutcome, &Option<AnchorPeak>)| {
+        let peak = peak
+            .as_ref()
+            .filter(|_| level.status == Status::Converged)?;
+        let AtlasPrediction {
+            harmonics,
+            mut peak,
+            amplitude,
+        } = peak.as_prediction();
+        let n_relative = balance.layout.n_relative();
+        peak.point.r = harmonics.convert(&peak.point.r, n_relative, &balance.harmonics);
+        let mut count = WorkCount::default();
+        match maximum_near(&balance, peak, search(), settings.newton, &mut count) {
+            Ok(best) => Some((best.response(&balance).norm() / amplitude - 1.0).abs()),
+            Err(status) => {
+                println!("{} N: {status:?} on 31 harmonics", level.level);
+                None
+            }
+        }
+    };
+    let peaks = outcome.levels.iter().zip(&anchor.peaks);
+    peaks.filter_map(change).collect()
 }
 
 /// Peak of the memory with the results of 100 000 samples, the largest atlas and what writes them.
