@@ -9,9 +9,9 @@ use super::epistemic::{chosen, outer_groups};
 use super::figure::{Panel, Size};
 use super::page::page;
 use super::record::StoredRun;
-use super::section::{confidence_band, limits};
+use super::section::{confidence_band, limits, share_cell};
 use super::view::{figure_style, level_name, thinned};
-use crate::statistics::{Share, Sorted, empirical_cdf};
+use crate::statistics::{Sorted, empirical_cdf};
 
 /// A comparison as the page shows it.
 struct View<'a> {
@@ -323,24 +323,14 @@ fn pair_row(view: &View, i: usize, quantity: Compared, pair: &Pair) -> Vec<Cell>
             .with_raw([median.interval.lower.value(), median.interval.upper.value()])
             .with_small(limits(median.interval, &show)),
     };
-    let share = |share: &Share| {
-        let estimate = share.known.map(|known| known.estimate);
-        Cell::number(estimate.map_or_else(|| DASH.to_owned(), percent), estimate)
-            .with_raw([Some(share.lower), Some(share.upper)])
-            .with_small(format!(
-                "{} … {}",
-                percent(share.lower),
-                percent(share.upper)
-            ))
-    };
     let unknown = pair.comparison.a_better.unknown;
     vec![
         view.level_cell(i),
         outer_cell(pair.outer),
         Cell::text(format!("{} − {}", view.label(pair.a), view.label(pair.b))).with_class("text"),
         median,
-        share(&pair.comparison.a_better),
-        share(&pair.comparison.b_better),
+        share_cell(Some(&pair.comparison.a_better)),
+        share_cell(Some(&pair.comparison.b_better)),
         Cell::number(unknown.to_string(), Some(unknown as f64)),
     ]
 }

@@ -6,7 +6,7 @@ use super::super::population::{Bound, Quantiles};
 use super::super::summary::{Distribution, LevelSummary, PROBABILITIES};
 use super::super::view::View;
 use super::epistemic::{extreme_cell, range_cell};
-use crate::statistics::{Interval, QuantileEstimate, ToleranceBound, wilks_sample_size};
+use crate::statistics::{Interval, QuantileEstimate, Share, ToleranceBound, wilks_sample_size};
 
 /// A quantity of the tables and how it is shown.
 struct Quantity<'a> {
@@ -95,6 +95,18 @@ fn table(view: &View, quantity: &Quantity) -> Block {
 /// `a … b`, where a side may be open.
 pub(in crate::report) fn limits(interval: Interval, show: &dyn Fn(f64) -> String) -> String {
     interval.in_words(" … ", show)
+}
+
+/// A share of the samples, and what it can be at least and at most.
+pub(in crate::report) fn share_cell(share: Option<&Share>) -> Cell {
+    let Some(share) = share else {
+        return Cell::number(DASH, None).with_raw([None, None]);
+    };
+    let known = share.known.map(|known| known.estimate);
+    let [lower, upper] = [share.lower, share.upper];
+    Cell::number(known.map_or_else(|| DASH.to_owned(), percent), known)
+        .with_raw([lower, upper].map(Some))
+        .with_small(format!("{} … {}", percent(lower), percent(upper)))
 }
 
 /// A quantile by its place among 5, 50, 95 %, or its range over the outer points.

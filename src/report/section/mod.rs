@@ -51,7 +51,7 @@ mod surrogate;
 mod verdict;
 
 pub(super) use distribution::confidence_band;
-pub(super) use envelope::limits;
+pub(super) use envelope::{limits, share_cell};
 
 use super::block::Section;
 use super::view::View;

@@ -2,14 +2,14 @@
 
 use super::super::axis::Axis;
 use super::super::block::{Block, Cell, Figure, Key, Mark, Section, Table};
-use super::super::display::{DASH, percent, significant, with_digits};
+use super::super::display::{percent, significant, with_digits};
 use super::super::figure::{Panel, Size};
 use super::super::margins::{Reserve, factor};
 use super::super::population::{Exceeded, Populations};
 use super::super::requirement::Stress;
 use super::super::view::View;
 use super::BOUND_FIELDS;
-use super::envelope::{bound_cell, quantile_cell};
+use super::envelope::{bound_cell, quantile_cell, share_cell};
 use super::epistemic::range_cell;
 
 /// m → µm.
@@ -173,18 +173,8 @@ fn row(view: &View, i: usize, reserve: &Reserve) -> Vec<Cell> {
 /// Probability, or its range over the outer points.
 fn probability_cell(exceeded: Option<&Exceeded>) -> Cell {
     match exceeded {
-        None => Cell::number(DASH, None).with_raw([None, None]),
+        None => share_cell(None),
         Some(Exceeded::Points(exceedance)) => range_cell(&exceedance.range, &percent),
-        Some(Exceeded::One(exceedance)) => {
-            let share = exceedance.probability;
-            let known = share.known.map(|k| k.estimate);
-            Cell::number(known.map_or_else(|| DASH.to_owned(), percent), known)
-                .with_raw([Some(share.lower), Some(share.upper)])
-                .with_small(format!(
-                    "{} … {}",
-                    percent(share.lower),
-                    percent(share.upper)
-                ))
-        }
+        Some(Exceeded::One(exceedance)) => share_cell(Some(&exceedance.probability)),
     }
 }

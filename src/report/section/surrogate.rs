@@ -4,6 +4,7 @@ use super::super::block::{Block, Cell, Section, Table};
 use super::super::display::{DASH, minus_sign, percent, significant};
 use super::super::surrogate::{LevelSurrogates, Surrogate, SurrogateResult};
 use super::super::view::{Shown, View};
+use super::share_cell;
 
 /// Absent where the study wants none.
 pub(super) fn section(view: &View) -> Option<Section> {
@@ -191,7 +192,6 @@ fn exceedances(view: &View) -> Option<Block> {
             let share = found.probability;
             let (surely, possibly) = found.by_error;
             let samples = both.samples.map(|s| s.probability);
-            let known = samples.and_then(|s| s.known).map(|k| k.estimate);
             table.row(vec![
                 view.level_cell(i),
                 Cell::number(
@@ -210,11 +210,7 @@ fn exceedances(view: &View) -> Option<Block> {
                         percent(surely),
                         percent(possibly)
                     )),
-                Cell::number(known.map_or_else(|| DASH.to_owned(), percent), known)
-                    .with_raw([samples.map(|s| s.lower), samples.map(|s| s.upper)])
-                    .with_small(samples.map_or_else(String::new, |s| {
-                        format!("{} … {}", percent(s.lower), percent(s.upper))
-                    })),
+                share_cell(samples.as_ref()),
             ]);
         }
     }
