@@ -13,7 +13,7 @@ use microslip::aft::{AftSettings, Laps};
 use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::alert::{pad, time_points};
-use microslip::hb::jacobian::Jacobian;
+use microslip::hb::jacobian::{EXACT, Jacobian};
 use microslip::hb::newton::{Iterate, Point};
 use microslip::hb::peak::PeakSettings;
 use microslip::hb::resonance::Band;
@@ -157,7 +157,13 @@ fn harmonic_blocks(iterate: &Iterate<'_>, balance: &Balance<'_>, sides: &[Vec<f6
     let blocks: Vec<_> = (0..iterate.compliance.harmonics.len() + 1)
         .map(|k| factors(iterate, balance, k..k + 1))
         .collect();
-    let nothing_active = Jacobian::new(&balance.layout, balance.problem, &iterate.compliance, &[]);
+    let nothing_active = Jacobian::new(
+        &balance.layout,
+        balance.problem,
+        &iterate.compliance,
+        &[],
+        EXACT,
+    );
     let jacobian = iterate.jacobian(balance);
     let product = |v: &[f64]| {
         let mut z = v.to_vec();

@@ -2,7 +2,7 @@
 
 use super::balance::{Balance, ContactResponse, LoadRate, Motion};
 use super::compliance::Compliance;
-use super::jacobian::Jacobian;
+use super::jacobian::{EXACT, Jacobian};
 use super::newton::Direction;
 use crate::aft::{Accuracy, Want};
 use faer::prelude::c64;
@@ -48,6 +48,13 @@ pub struct Iterate<'p> {
 /// Residual over the motion below which contact forces decide a result: a draft in single precision leaves a few 1e-6
 /// there, so that no draft is ever taken for a solution by a tolerance that is finer.
 pub const DRAFT_RESIDUAL: f64 = 1e-4;
+
+/// Tolerance of linear solves over the residual that Newton's method starts from ("forcing term"). What the step leaves,
+/// about the square of the residual, is then not raised.
+/// Source: Eisenstat & Walker 1996, SIAM J. Sci. Comput. 17, 16–32.
+const FORCING: f64 = 0.1;
+/// Largest such tolerance.
+const LOOSEST: f64 = 1e-3;
 
 impl<'p> Iterate<'p> {
     /// Evaluates everything at `point`.
@@ -118,14 +125,17 @@ impl<'p> Iterate<'p> {
         }
     }
 
-    /// The Jacobian here.
+    /// The Jacobian here. Its solves are as exact as a step from here can use, and exact where the residual is round-off.
     #[must_use]
     pub fn jacobian<'a>(&'a self, balance: &'a Balance<'p>) -> Jacobian<'a> {
+        let size = self.relative_residual(balance) / self.point.dynamic_share(balance).min(1.0);
+        let tolerance = (FORCING * size).max(EXACT).min(LOOSEST);
         Jacobian::new(
             &balance.layout,
             balance.problem,
             &self.compliance,
             &self.contact.active,
+            tolerance,
         )
     }
 

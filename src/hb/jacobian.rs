@@ -26,12 +26,12 @@ const DENSE_LIMIT: usize = 150;
 /// Up to so many a dense factor replaces a Krylov solve that does not converge.
 const DENSE_FALLBACK_LIMIT: usize = 4000;
 
-/// Residual of the forces; the displacements, and so the tangents, are then exact to about 1e-9. Halves of the two-blade
-/// rig take 5 to 60 iterations, the whole rig at 21 harmonics up to 365.
-const GCR: GcrSettings = GcrSettings {
-    tolerance: 1e-10,
-    max_iterations: 400,
-};
+/// Residual of the forces in an exact solve; the displacements, and so the tangents, are then exact to about 1e-9.
+pub const EXACT: f64 = 1e-10;
+
+/// Directions of one Krylov solve at the most. Halves of the two-blade rig take 5 to 60 in an exact solve, the whole rig
+/// at 21 harmonics up to 365.
+const MAX_ITERATIONS: usize = 400;
 
 /// Derivative of the force deviation g of one pair: blocks (force component, displacement component, m × m).
 #[derive(Debug, Clone)]
@@ -60,6 +60,8 @@ enum Solver {
 /// Solver of large systems.
 #[derive(Debug)]
 struct Krylov {
+    /// Residual of the forces over those asked for.
+    tolerance: f64,
     /// Preconditioner.
     blocks: Vec<Block>,
     /// What earlier right-hand sides have explored; later ones need less.
@@ -69,13 +71,14 @@ struct Krylov {
 }
 
 impl<'a> Jacobian<'a> {
-    /// Factorises what the solves need.
+    /// Factorises what the solves need. Those of large systems leave `tolerance` of the forces.
     #[must_use]
     pub fn new(
         layout: &Layout,
         problem: &'a Problem<'_>,
         compliance: &'a Compliance<'a>,
         active: &[PairTangent],
+        tolerance: f64,
     ) -> Self {
         let static_compliance = &problem.stuck_static.compliance;
         let capacitance = Capacitance::new(layout, static_compliance, compliance, active);
@@ -83,6 +86,7 @@ impl<'a> Jacobian<'a> {
             Solver::Dense(capacitance.dense_factors())
         } else {
             Solver::Krylov(Krylov {
+                tolerance,
                 blocks: capacitance.blocks(),
                 space: RefCell::default(),
                 dense: OnceCell::new(),
@@ -144,7 +148,11 @@ impl Krylov {
     fn solve(&self, capacitance: &Capacitance<'_>, y: &mut [f64]) {
         if self.dense.get().is_none() {
             let sweep = |v: &[f64]| capacitance.sweep(&self.blocks, v);
-            let result = self.space.borrow_mut().solve(sweep, y, GCR);
+            let settings = GcrSettings {
+                tolerance: self.tolerance,
+                max_iterations: MAX_ITERATIONS,
+            };
+            let result = self.space.borrow_mut().solve(sweep, y, settings);
             if result.converged || y.len() > DENSE_FALLBACK_LIMIT {
                 y.copy_from_slice(&result.solution);
                 return;
