@@ -3,7 +3,7 @@
 //! Source: Seydel, Practical Bifurcation and Stability Analysis, 3rd ed. 2010, ch. 4.
 
 use super::balance::Balance;
-use super::newton::{Condition, Direction, Iterate, Metric, Point, WorkCount, solve};
+use super::newton::{Condition, Direction, Iterate, Metric, WorkCount, solve};
 use super::settings::NewtonSettings;
 use super::status::Status;
 use faer::prelude::c64;
@@ -155,13 +155,7 @@ impl<'p> BranchPoint<'p> {
         newton: NewtonSettings,
     ) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
         let base = &self.iterate.point;
-        let predicted = Point {
-            r: (base.r.iter().zip(&self.tangent.r))
-                .map(|(r, t)| r + step * t)
-                .collect(),
-            omega: base.omega + step * self.tangent.omega,
-            level: base.level,
-        };
+        let predicted = base.moved(&self.tangent, step);
         let condition = Condition::ArcLength {
             base,
             tangent: &self.tangent,

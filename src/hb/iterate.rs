@@ -20,6 +20,18 @@ pub struct Point {
 }
 
 impl Point {
+    /// The point after a step of `length` along `direction`, at the same level.
+    #[must_use]
+    pub fn moved(&self, direction: &Direction, length: f64) -> Self {
+        Self {
+            r: (self.r.iter().zip(&direction.r))
+                .map(|(r, d)| r + length * d)
+                .collect(),
+            omega: self.omega + length * direction.omega,
+            level: self.level,
+        }
+    }
+
     /// Largest dynamic displacement over the scale of the residual: a small excitation moves the contacts little
     /// compared with what the static load does.
     #[must_use]
@@ -129,7 +141,12 @@ impl<'p> Iterate<'p> {
     #[must_use]
     pub fn jacobian<'a>(&'a self, balance: &'a Balance<'p>) -> Jacobian<'a> {
         let size = self.relative_residual(balance) / self.point.dynamic_share(balance).min(1.0);
-        let tolerance = (FORCING * size).max(EXACT).min(LOOSEST);
+        self.jacobian_within(balance, (FORCING * size).max(EXACT).min(LOOSEST))
+    }
+
+    /// The same with solves that leave `tolerance` of the forces.
+    #[must_use]
+    pub fn jacobian_within<'a>(&'a self, balance: &'a Balance<'p>, tolerance: f64) -> Jacobian<'a> {
         Jacobian::new(
             &balance.layout,
             balance.problem,

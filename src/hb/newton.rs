@@ -98,11 +98,8 @@ const MAX_LEVEL_STEP: f64 = 0.5;
 /// Iterations within which the smallest residual must halve; a start that does not manage that never converged.
 const PATIENCE: usize = 12;
 
-/// Smallest damping factor of the line search.
+/// Smallest damping factor, taken whatever it gives.
 const MIN_DAMPING: f64 = 1.0 / 64.0;
-
-/// The same with a moving frequency, where every trial needs new compliances.
-const MIN_DAMPING_MOVING: f64 = 1.0 / 16.0;
 
 /// Residuals below this need no damping: the condition alone may still be open.
 const NEAR: f64 = 1e-2;
@@ -167,12 +164,15 @@ pub fn solve<'p>(
             return Err((Status::MaxIterations, count));
         }
         let jacobian = iterate.jacobian(balance);
-        let step = bordered_step(balance, &iterate, &jacobian, condition);
+        let linear = Linearized::new(balance, &iterate, &jacobian, condition);
         count += WorkCount {
             iterations: 1,
             factorizations: jacobian.factorizations(),
         };
-        iterate = advance(balance, &iterate, &step, size);
+        let next = advance(&linear);
+        drop(linear);
+        drop(jacobian);
+        iterate = next;
     }
 }
 
@@ -189,11 +189,7 @@ pub fn polish<'p>(balance: &Balance<'p>, solved: Iterate<'p>) -> (Iterate<'p>, W
             iterations: 1,
             factorizations: jacobian.factorizations(),
         };
-        let (r, moved) = (&iterate.point.r, &step.r);
-        let point = Point {
-            r: r.iter().zip(moved).map(|(r, d)| r + d).collect(),
-            ..iterate.point
-        };
+        let point = iterate.point.moved(&step, 1.0);
         let compliance = Arc::clone(&iterate.compliance);
         let trial = Iterate::with_compliance(balance, point, compliance);
         let (before, after) = (
@@ -217,7 +213,9 @@ pub fn newton_step(
     jacobian: &Jacobian<'_>,
     condition: Condition<'_>,
 ) -> Direction {
-    bordered_step(balance, iterate, jacobian, condition).direction
+    let linear = Linearized::new(balance, iterate, jacobian, condition);
+    let values = condition.values(balance, iterate);
+    linear.step(&iterate.residual, values).direction
 }
 
 /// A Newton step with the change of the level.
@@ -236,56 +234,97 @@ impl Step {
     }
 }
 
-/// The Newton step for r, and for the frequency and the level where the condition sets them free.
-fn bordered_step(
-    balance: &Balance<'_>,
-    iterate: &Iterate<'_>,
-    jacobian: &Jacobian<'_>,
-    condition: Condition<'_>,
-) -> Step {
-    let mut step = Step {
-        direction: Direction {
-            r: negated(&jacobian.solve(&iterate.residual)),
-            omega: 0.0,
-        },
-        level: 0.0,
-    };
-    if matches!(condition, Condition::FixedFrequency) {
-        return step;
-    }
-    let by_omega = Step {
-        direction: Direction {
-            r: iterate.frequency_rate(balance, jacobian),
-            omega: 1.0,
-        },
-        level: 0.0,
-    };
-    let rates = |s: &Step| condition.rates(balance, iterate, jacobian, &s.direction, s.level);
-    let [c1, c2] = condition.values(balance, iterate);
-    let [t1, t2] = rates(&step);
-    let [a1, a2] = rates(&by_omega);
-    let limit = MAX_FREQUENCY_STEP * iterate.point.omega;
-    if let Condition::Amplitude { .. } = condition {
-        let by_level = Step {
+/// The balance equations and their condition, linearised at one iterate.
+struct Linearized<'a, 'p> {
+    balance: &'a Balance<'p>,
+    iterate: &'a Iterate<'p>,
+    jacobian: &'a Jacobian<'a>,
+    condition: Condition<'a>,
+    /// Solutions of the linearised balance per change of the frequency and of the level, each with the rates of the
+    /// condition, where the condition sets them free.
+    free: Vec<(Step, [f64; 2])>,
+}
+
+impl<'a, 'p> Linearized<'a, 'p> {
+    fn new(
+        balance: &'a Balance<'p>,
+        iterate: &'a Iterate<'p>,
+        jacobian: &'a Jacobian<'a>,
+        condition: Condition<'a>,
+    ) -> Self {
+        let by_omega = || Step {
+            direction: Direction {
+                r: iterate.frequency_rate(balance, jacobian),
+                omega: 1.0,
+            },
+            level: 0.0,
+        };
+        let by_level = || Step {
             direction: Direction {
                 r: iterate.level_rate(balance, jacobian),
                 omega: 0.0,
             },
             level: 1.0,
         };
-        let [b1, b2] = rates(&by_level);
-        let determinant = a1 * b2 - a2 * b1;
-        let (e1, e2) = (-(c1 + t1), -(c2 + t2));
-        let omega = (e1 * b2 - e2 * b1) / determinant;
-        let level = (a1 * e2 - a2 * e1) / determinant;
-        // the level must stay positive
-        let largest = MAX_LEVEL_STEP * iterate.point.level;
-        step.add(omega.clamp(-limit, limit), &by_omega);
-        step.add(level.clamp(-largest, largest), &by_level);
-    } else {
-        step.add((-(c1 + t1) / a1).clamp(-limit, limit), &by_omega);
+        let free = match condition {
+            Condition::FixedFrequency => Vec::new(),
+            Condition::Amplitude { .. } => vec![by_omega(), by_level()],
+            Condition::PhaseLocked(_) | Condition::ArcLength { .. } => vec![by_omega()],
+        };
+        let mut linear = Self {
+            balance,
+            iterate,
+            jacobian,
+            condition,
+            free: Vec::new(),
+        };
+        linear.free = (free.into_iter())
+            .map(|step| {
+                let rates = linear.rates(&step);
+                (step, rates)
+            })
+            .collect();
+        linear
     }
-    step
+
+    fn rates(&self, step: &Step) -> [f64; 2] {
+        let (direction, level) = (&step.direction, step.level);
+        (self.condition).rates(self.balance, self.iterate, self.jacobian, direction, level)
+    }
+
+    /// The step that takes `residual` and the values `c` of the condition away.
+    fn step(&self, residual: &[f64], [c1, c2]: [f64; 2]) -> Step {
+        let mut step = Step {
+            direction: Direction {
+                r: negated(&self.jacobian.solve(residual)),
+                omega: 0.0,
+            },
+            level: 0.0,
+        };
+        let [t1, t2] = match self.free.is_empty() {
+            true => return step,
+            false => self.rates(&step),
+        };
+        let point = &self.iterate.point;
+        let limit = MAX_FREQUENCY_STEP * point.omega;
+        match &self.free[..] {
+            [(by_omega, [a1, _])] => {
+                step.add((-(c1 + t1) / a1).clamp(-limit, limit), by_omega);
+            }
+            [(by_omega, [a1, a2]), (by_level, [b1, b2])] => {
+                let determinant = a1 * b2 - a2 * b1;
+                let (e1, e2) = (-(c1 + t1), -(c2 + t2));
+                let omega = (e1 * b2 - e2 * b1) / determinant;
+                let level = (a1 * e2 - a2 * e1) / determinant;
+                // the level must stay positive
+                let largest = MAX_LEVEL_STEP * point.level;
+                step.add(omega.clamp(-limit, limit), by_omega);
+                step.add(level.clamp(-largest, largest), by_level);
+            }
+            _ => {}
+        }
+        step
+    }
 }
 
 /// The smallest residuals of the running and the previous window of iterations.
@@ -322,31 +361,33 @@ impl Progress {
     }
 }
 
-/// Takes the step, damped until the residual falls; with a moving frequency it must only not grow, since the
-/// condition is part of the system.
-fn advance<'p>(balance: &Balance<'p>, from: &Iterate<'p>, step: &Step, size: f64) -> Iterate<'p> {
-    let direction = &step.direction;
+/// Takes the Newton step, damped until the step that would follow with the same Jacobian is shorter ("natural
+/// monotonicity"). The residual is no measure far from the solution: stiff contacts can make it ten times larger on the
+/// best way there.
+///
+/// Source: Deuflhard 2004, Newton Methods for Nonlinear Problems, section 3.3.
+fn advance<'p>(linear: &Linearized<'_, 'p>) -> Iterate<'p> {
+    let (balance, from) = (linear.balance, linear.iterate);
+    let step = linear.step(&from.residual, linear.condition.values(balance, from));
+    let moving = step.direction.omega != 0.0;
+    let metric = Metric::at(balance, &from.point, from.point.omega);
+    let n_relative = balance.layout.n_relative();
+    let length = |step: &Step| (metric.dot(n_relative, &step.direction, &step.direction)).sqrt();
     let mut damping = 1.0;
     loop {
-        let point = Point {
-            r: (from.point.r.iter().zip(&direction.r))
-                .map(|(r, d)| r + damping * d)
-                .collect(),
-            omega: from.point.omega + damping * direction.omega,
-            level: from.point.level + damping * step.level,
-        };
-        let trial = if direction.omega == 0.0 {
-            let compliance = Arc::clone(&from.compliance);
-            Iterate::with_compliance(balance, point, compliance)
-        } else {
+        let mut point = from.point.moved(&step.direction, damping);
+        point.level += damping * step.level;
+        let trial = if moving {
             Iterate::new(balance, point)
-        };
-        let (allowed, smallest) = if direction.omega == 0.0 {
-            ((1.0 - 0.1 * damping) * size, MIN_DAMPING)
         } else {
-            (size, MIN_DAMPING_MOVING)
+            Iterate::with_compliance(balance, point, Arc::clone(&from.compliance))
         };
-        if trial.relative_residual(balance) <= allowed.max(NEAR) || damping <= smallest {
+        if damping <= MIN_DAMPING || trial.relative_residual(balance) <= NEAR {
+            return trial;
+        }
+        let values = linear.condition.values(balance, &trial);
+        let next = linear.step(&trial.residual, values);
+        if length(&next) <= (1.0 - 0.25 * damping) * length(&step) {
             return trial;
         }
         damping *= 0.5;

@@ -5,6 +5,7 @@ use faer::prelude::c64;
 use microslip::contact::FrictionLaw;
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::continuation::BranchPoint;
+use microslip::hb::jacobian::EXACT;
 use microslip::hb::linear::LinearModel;
 use microslip::hb::newton::{Condition, Direction, Iterate, Metric, Point, newton_step, solve};
 use microslip::hb::track::stuck_point;
@@ -158,7 +159,7 @@ fn difference_error(
 
 /// J x = x + G dg x.
 fn times(iterate: &Iterate<'_>, balance: &Balance<'_>, x: &[f64]) -> Vec<f64> {
-    let jacobian = iterate.jacobian(balance);
+    let jacobian = iterate.jacobian_within(balance, EXACT);
     let mut y = x.to_vec();
     jacobian.add_compliance(&jacobian.deviation(x), &mut y);
     y
@@ -168,7 +169,7 @@ fn times(iterate: &Iterate<'_>, balance: &Balance<'_>, x: &[f64]) -> Vec<f64> {
 fn slopes(balance: &Balance<'_>, iterate: &Iterate<'_>, rng: &mut ChaCha8Rng) -> [f64; 6] {
     let point = &iterate.point;
     let size = largest(&point.r[balance.layout.n_relative()..]);
-    let jacobian = iterate.jacobian(balance);
+    let jacobian = iterate.jacobian_within(balance, EXACT);
     let still = vec![0.0; point.r.len()];
     let by_r = random_direction(balance, size, rng);
     let exact = [
@@ -237,7 +238,7 @@ fn the_solve_inverts_the_jacobian() {
         for (level, hertz) in STATES {
             let iterate = Iterate::new(balance, shaken(balance, hertz * TAU, level, rng));
             let b = random_direction(balance, 1.0, rng);
-            let x = iterate.jacobian(balance).solve(&b);
+            let x = iterate.jacobian_within(balance, EXACT).solve(&b);
             let back = times(&iterate, balance, &x);
             let error: Vec<f64> = back.iter().zip(&b).map(|(y, b)| y - b).collect();
             let unknowns = 3 * iterate.contact.active.len() * balance.layout.n_coefficients;
@@ -319,7 +320,7 @@ fn bordered_steps_agree_with_differences() {
 fn phase_step_error(balance: &Balance<'_>, iterate: &Iterate<'_>, phasor: c64) -> [f64; 2] {
     let (step, slope, scale) = bordered(balance, iterate, Condition::PhaseLocked(phasor));
     let y = iterate.response(balance);
-    let jacobian = iterate.jacobian(balance);
+    let jacobian = iterate.jacobian_within(balance, EXACT);
     let rate = iterate.response_rate(balance, &jacobian, &step, 0.0);
     let closed = ((y + rate) * phasor.conj()).im.abs() / y.norm();
     let [r, y_error] = difference_error(
@@ -389,7 +390,12 @@ fn bordered(
     iterate: &Iterate<'_>,
     condition: Condition<'_>,
 ) -> (Direction, Vec<f64>, f64) {
-    let step = newton_step(balance, iterate, &iterate.jacobian(balance), condition);
+    let step = newton_step(
+        balance,
+        iterate,
+        &iterate.jacobian_within(balance, EXACT),
+        condition,
+    );
     assert!(step.omega != 0.0, "the frequency is free");
     let slope: Vec<f64> = iterate.residual.iter().map(|r| -r).collect();
     let by_omega = balance.frequency_slope(&iterate.compliance, &iterate.motion);
