@@ -1,21 +1,30 @@
 //! Error alert: how much would the harmonics left out change the amplitude?
 //!
-//! The solution is padded with zeros onto an enlarged harmonic set and corrected by one Newton step there. This is
-//! the role of the Jacobian Alert Algorithm of Gastaldi & Berruti 2017: an estimate below about 10 %, an alarm above.
-//! With lift-off it can be too low: of peaks that it put below 0.1 % one in five changed by more on 31 harmonics, at
-//! most by 0.5 % (`cargo bench --bench peaks -- certified`).
+//! The solution is padded with zeros onto two larger harmonic sets and corrected by one Newton step on each. This is the
+//! idea of the Jacobian Alert Algorithm of Gastaldi & Berruti 2017, more cautious: the changes of the amplitude do not
+//! fall from set to set (the strip's resonances lie on some harmonics and not on others), so that one small change
+//! proves nothing.
 
 use super::balance::Balance;
-use super::newton::{Condition, Iterate, Point, newton_step};
+use super::newton::{Condition, Iterate, Point, WorkCount, newton_step};
+use super::problem::Problem;
+use super::settings::{AlertSettings, HbSettings};
+use super::solution::Solution;
+use super::status::Status;
 use crate::aft::AftSettings;
 use crate::harmonics::HarmonicSet;
+use std::cell::OnceCell;
 
-/// The next larger set that is tried: about 1.6 times the highest harmonic, without gaps.
-#[must_use]
-pub fn enlarged(harmonics: &HarmonicSet, cap: Option<usize>) -> HarmonicSet {
-    let highest = harmonics.highest();
-    let next = (highest + (highest * 3).div_ceil(5)).max(highest + 2);
-    HarmonicSet::up_to(cap.map_or(next, |cap| next.min(cap)))
+/// Larger sets that the alert looks at.
+const LOOKS: usize = 2;
+
+/// The error over the way that the amplitude goes from set to set. `cargo bench --bench peaks -- certified` tells how
+/// often that is too little.
+const CAUTION: f64 = 2.0;
+
+/// The next larger set: about 1.6 times the highest harmonic, without gaps.
+fn enlarged(highest: usize) -> usize {
+    (highest + (highest * 3).div_ceil(5)).max(highest + 2)
 }
 
 /// Time points that keep the sampling error of `harmonics` below the truncation error: at least 12 per period of the
@@ -29,22 +38,18 @@ pub fn time_points(aft: AftSettings, harmonics: &HarmonicSet) -> AftSettings {
     }
 }
 
-/// Relative change of |ŷ| by one Newton step on `larger`, under `condition`.
+/// `problem` on the harmonics of the study, or on others with time points to match.
 #[must_use]
-pub fn truncation_error(
-    balance: &Balance<'_>,
-    solution: &Iterate<'_>,
-    larger: &Balance<'_>,
-    condition: Condition<'_>,
-) -> f64 {
-    let amplitude = solution.response(balance).norm();
-    let padded = pad(balance, &solution.point, larger);
-    let iterate = Iterate::new(larger, padded);
-    let jacobian = iterate.jacobian(larger);
-    let step = newton_step(larger, &iterate, &jacobian, condition);
-    let rate = iterate.response_rate(larger, &jacobian, &step, 0.0);
-    let corrected = (iterate.response(larger) + rate).norm();
-    (corrected - amplitude).abs() / amplitude
+pub fn on<'p>(
+    problem: &'p Problem<'p>,
+    harmonics: HarmonicSet,
+    settings: &HbSettings,
+) -> Balance<'p> {
+    let aft = match harmonics == settings.harmonics {
+        true => settings.aft,
+        false => time_points(settings.aft, &harmonics),
+    };
+    Balance::new(problem, harmonics, aft)
 }
 
 /// The same motion on another harmonic set.
@@ -57,4 +62,128 @@ pub fn pad(from: &Balance<'_>, point: &Point, to: &Balance<'_>) -> Point {
         omega: point.omega,
         level: point.level,
     }
+}
+
+/// A problem on the harmonics of a solution and on larger sets, each discretised when it is first asked for.
+#[derive(Debug)]
+pub struct AlertSets<'s, 'p> {
+    problem: &'p Problem<'p>,
+    settings: &'s HbSettings,
+    alert: AlertSettings,
+    /// Smallest first; on the last, beyond the highest harmonic allowed, errors are estimated only.
+    sets: Vec<(HarmonicSet, OnceCell<Balance<'p>>)>,
+}
+
+/// What a solution would become with more harmonics.
+#[derive(Debug)]
+pub struct Outlook {
+    /// Cautious estimate of the relative error of |ŷ|.
+    pub error: f64,
+    /// Where one Newton step leads on each larger set, the next one first.
+    pub steps: Vec<Point>,
+    /// Work of the steps.
+    pub count: WorkCount,
+}
+
+impl<'s, 'p> AlertSets<'s, 'p> {
+    /// `problem` on `first` and on larger sets, unless the settings switch the alert off.
+    #[must_use]
+    pub fn new(
+        problem: &'p Problem<'p>,
+        first: &HarmonicSet,
+        settings: &'s HbSettings,
+    ) -> Option<Self> {
+        let alert = settings.alert?;
+        let mut sets = vec![first.clone()];
+        let mut highest = first.highest();
+        while highest < alert.highest_harmonic {
+            highest = enlarged(highest).min(alert.highest_harmonic);
+            sets.push(HarmonicSet::up_to(highest));
+        }
+        sets.push(HarmonicSet::up_to(enlarged(highest)));
+        Some(Self {
+            problem,
+            settings,
+            alert,
+            sets: sets.into_iter().map(|set| (set, OnceCell::new())).collect(),
+        })
+    }
+
+    /// The problem on set `i`.
+    #[must_use]
+    pub fn balance(&self, i: usize) -> &Balance<'p> {
+        let (set, balance) = &self.sets[i];
+        balance.get_or_init(|| on(self.problem, set.clone(), self.settings))
+    }
+
+    /// Sets on which a solution of set `i` may be repeated, largest first: the change to the next one alone is seldom worth
+    /// a solve.
+    pub fn above(&self, i: usize) -> impl Iterator<Item = usize> {
+        let last = (i + LOOKS).min(self.sets.len() - 2);
+        (i + 1..=last).rev()
+    }
+
+    /// The outlook of `solution` on set `i`, with Newton steps under `condition`.
+    #[must_use]
+    pub fn outlook(&self, i: usize, solution: &Iterate<'_>, condition: Condition<'_>) -> Outlook {
+        let sets = i + 1..self.sets.len().min(i + 1 + LOOKS);
+        let looks: Vec<(f64, Point)> = sets
+            .map(|to| step_on(self.balance(i), solution, self.balance(to), condition))
+            .collect();
+        let (mut way, mut last) = (0.0, 0.0);
+        for (change, _) in &looks {
+            way += (change - last).abs();
+            last = *change;
+        }
+        Outlook {
+            error: CAUTION * way,
+            count: WorkCount {
+                iterations: looks.len(),
+                factorizations: looks.len(),
+            },
+            steps: looks.into_iter().map(|(_, point)| point).collect(),
+        }
+    }
+
+    /// Whether an estimated error is no alarm.
+    #[must_use]
+    pub fn is_silent(&self, error: f64) -> bool {
+        error <= self.alert.threshold
+    }
+
+    /// The solved `iterate` on set `i` with its estimated error.
+    #[must_use]
+    pub fn judged(
+        &self,
+        i: usize,
+        iterate: &Iterate<'_>,
+        error: f64,
+        count: WorkCount,
+    ) -> Solution {
+        let status = match self.is_silent(error) {
+            true => Status::Converged,
+            false => Status::TruncationAboveThreshold,
+        };
+        let mut solution = Solution::new(self.balance(i), iterate, status, count);
+        solution.truncation_error = Some(error);
+        solution
+    }
+}
+
+/// Relative change of |ŷ| by one Newton step from `solution` on `larger`, under `condition`, and where the step leads.
+#[must_use]
+pub fn step_on(
+    balance: &Balance<'_>,
+    solution: &Iterate<'_>,
+    larger: &Balance<'_>,
+    condition: Condition<'_>,
+) -> (f64, Point) {
+    let amplitude = solution.response(balance).norm();
+    let iterate = Iterate::new(larger, pad(balance, &solution.point, larger));
+    let jacobian = iterate.jacobian(larger);
+    let step = newton_step(larger, &iterate, &jacobian, condition);
+    let rate = iterate.response_rate(larger, &jacobian, &step, 0.0);
+    let corrected = (iterate.response(larger) + rate).norm();
+    let point = iterate.point.moved(&step, 1.0);
+    ((corrected - amplitude) / amplitude, point)
 }

@@ -1,13 +1,14 @@
 //! Forced response at one level: at given frequencies, or as a continuous curve over a band.
 
-use super::alert::{enlarged, pad, time_points, truncation_error};
+use super::alert::AlertSets;
 use super::balance::Balance;
 use super::continuation::{BranchPoint, StepSettings, on_if, walk};
 use super::ladder::Ladder;
-use super::newton::{Condition, Iterate, WorkCount, solve};
+use super::newton::{Condition, Iterate, WorkCount};
 use super::problem::Problem;
+use super::refine::{Kept, refined};
 use super::resonance::Band;
-use super::settings::{AlertSettings, HbSettings};
+use super::settings::HbSettings;
 use super::solution::Solution;
 use super::status::Status;
 use super::sweep::{Sweep, SweepDirection};
@@ -33,13 +34,15 @@ pub fn at_frequencies(
     direction: SweepDirection,
 ) -> Vec<Solution> {
     let ladder = Ladder::new(problem, settings);
-    let alerts = alert_sets(problem, settings);
+    let balance = ladder.full();
+    let sets = AlertSets::new(problem, &settings.harmonics, settings);
+    let kept = (Kept::Frequency, settings.newton);
     let mut sweep = Sweep::new(&ladder, settings.newton, level, direction);
     let solution = |&omega: &f64| match sweep.next(omega) {
-        Ok((iterate, count)) => refined(&alerts, iterate, settings, count),
+        Ok((iterate, count)) => refined(balance, iterate, sets.as_ref(), kept, count),
         Err((status, count)) => {
-            let stuck = stuck_point(&alerts[0], omega, level);
-            Solution::new(&alerts[0], &Iterate::new(&alerts[0], stuck), status, count)
+            let stuck = stuck_point(balance, omega, level);
+            Solution::new(balance, &Iterate::new(balance, stuck), status, count)
         }
     };
     match direction {
@@ -65,9 +68,14 @@ pub fn over_band(
     band: Band,
 ) -> Vec<Solution> {
     let balance = Balance::new(problem, settings.harmonics.clone(), settings.aft);
-    let next = settings.alert.map(|_| larger(&balance, settings, None));
-    let report =
-        |iterate: &Iterate<'_>, count| finished(&balance, iterate, next.as_ref(), settings, count);
+    let sets = AlertSets::new(problem, &settings.harmonics, settings);
+    let report = |iterate: &Iterate<'_>, count| {
+        let Some(sets) = &sets else {
+            return Solution::new(&balance, iterate, Status::Converged, count);
+        };
+        let outlook = sets.outlook(0, iterate, Condition::FixedFrequency);
+        sets.judged(0, iterate, outlook.error, count)
+    };
     let ladder = Ladder::new(problem, settings);
     let mut sweep = Sweep::new(&ladder, settings.newton, level, SweepDirection::Upward);
     let (first, count) = match sweep.next(band.low) {
@@ -97,82 +105,4 @@ pub fn over_band(
         solutions.push(Solution::new(&balance, last, end.status, end.count));
     }
     solutions
-}
-
-/// The problem on the first harmonics and, with an alert, on each larger set up to the highest harmonic.
-fn alert_sets<'p>(problem: &'p Problem<'p>, settings: &HbSettings) -> Vec<Balance<'p>> {
-    let mut rungs = vec![Balance::new(
-        problem,
-        settings.harmonics.clone(),
-        settings.aft,
-    )];
-    let Some(AlertSettings {
-        highest_harmonic, ..
-    }) = settings.alert
-    else {
-        return rungs;
-    };
-    while let Some(top) = rungs
-        .last()
-        .filter(|top| top.harmonics.highest() < highest_harmonic)
-    {
-        rungs.push(larger(top, settings, Some(highest_harmonic)));
-    }
-    // One more, on which the error of the highest is estimated.
-    if let Some(top) = rungs.last() {
-        rungs.push(larger(top, settings, None));
-    }
-    rungs
-}
-
-fn larger<'p>(balance: &Balance<'p>, settings: &HbSettings, cap: Option<usize>) -> Balance<'p> {
-    let harmonics = enlarged(&balance.harmonics, cap);
-    let aft = time_points(settings.aft, &harmonics);
-    Balance::new(balance.problem, harmonics, aft)
-}
-
-/// Adds harmonics until the truncation error is below the threshold.
-fn refined<'p>(
-    sets: &[Balance<'p>],
-    mut iterate: Iterate<'p>,
-    settings: &HbSettings,
-    mut count: WorkCount,
-) -> Solution {
-    for (rung, next) in sets.iter().zip(&sets[1..]) {
-        let solution = finished(rung, &iterate, Some(next), settings, count);
-        let is_top = next.harmonics.highest() == sets[sets.len() - 1].harmonics.highest();
-        if solution.status == Status::Converged || is_top {
-            return solution;
-        }
-        let start = pad(rung, &iterate.point, next);
-        match solve(next, start, Condition::FixedFrequency, settings.newton) {
-            Ok((better, work)) => {
-                count += work;
-                iterate = better;
-            }
-            // The smaller set has a solution whose error is known; the larger one has none.
-            Err(_) => return solution,
-        }
-    }
-    finished(&sets[0], &iterate, None, settings, count)
-}
-
-/// A solved iterate with its truncation error, estimated on `next`.
-fn finished(
-    balance: &Balance<'_>,
-    iterate: &Iterate<'_>,
-    next: Option<&Balance<'_>>,
-    settings: &HbSettings,
-    count: WorkCount,
-) -> Solution {
-    let mut solution = Solution::new(balance, iterate, Status::Converged, count);
-    if let (Some(alert), Some(next)) = (settings.alert, next) {
-        let error = truncation_error(balance, iterate, next, Condition::FixedFrequency);
-        solution.truncation_error = Some(error);
-        let alarming = error.is_nan() || error > alert.threshold;
-        if alarming && solution.status == Status::Converged {
-            solution.status = Status::TruncationAboveThreshold;
-        }
-    }
-    solution
 }

@@ -1,60 +1,96 @@
-//! More harmonics for a located peak until the error alert is silent.
+//! More harmonics for a solution until the error alert is silent.
 
-use super::alert::{enlarged, time_points, truncation_error};
+use super::alert::{AlertSets, on, pad};
 use super::balance::Balance;
-use super::newton::{Condition, Iterate, WorkCount};
+use super::newton::{Condition, Iterate, WorkCount, solve};
 use super::peak::PeakSettings;
 use super::predicted::{PeakPrediction, correct, maximum_near};
 use super::problem::Problem;
-use super::settings::HbSettings;
+use super::settings::{HbSettings, NewtonSettings};
 use super::solution::Solution;
 use super::status::Status;
 use crate::harmonics::HarmonicSet;
+use faer::prelude::c64;
 
-/// Raises the harmonics of the peak `iterate` of `balance` as far as `settings.alert` asks; `count` is the work before.
+/// What a solution remains on more harmonics.
+#[derive(Debug, Clone, Copy)]
+pub enum Kept {
+    /// The solution at its frequency.
+    Frequency,
+    /// A maximum of |ŷ|.
+    Maximum(PeakSettings),
+}
+
+impl Kept {
+    /// What closes the Newton steps of the alert at a solution whose response has the direction `phasor`.
+    fn condition(self, phasor: c64) -> Condition<'static> {
+        match self {
+            Self::Frequency => Condition::FixedFrequency,
+            Self::Maximum(_) => Condition::PhaseLocked(phasor),
+        }
+    }
+
+    /// The solution on `balance` next to `start`.
+    fn solved<'p>(
+        self,
+        balance: &Balance<'p>,
+        start: PeakPrediction,
+        newton: NewtonSettings,
+        count: &mut WorkCount,
+    ) -> Result<Iterate<'p>, Status> {
+        match self {
+            Self::Frequency => count.tally(solve(
+                balance,
+                start.point,
+                Condition::FixedFrequency,
+                newton,
+            )),
+            Self::Maximum(peak) => maximum_near(balance, start, peak, newton, count),
+        }
+    }
+}
+
+/// Raises the harmonics of the solution `iterate` of `balance` as far as the alert of `sets` asks, which begin with those
+/// of `balance`; `count` is the work before.
 ///
-/// Each larger set starts from the peak on the smaller one. A peak that cannot be located on the larger set stays on the
-/// smaller one, with [`Status::TruncationAboveThreshold`].
+/// A solution that cannot be found on larger sets stays on the smaller one, with
+/// [`Status::TruncationAboveThreshold`].
 #[must_use]
 pub fn refined<'p>(
     balance: &Balance<'p>,
     iterate: Iterate<'p>,
-    settings: &HbSettings,
-    peak: PeakSettings,
+    sets: Option<&AlertSets<'_, 'p>>,
+    (kept, newton): (Kept, NewtonSettings),
     mut count: WorkCount,
 ) -> Solution {
-    let Some(alert) = settings.alert else {
+    let Some(sets) = sets else {
         return Solution::new(balance, &iterate, Status::Converged, count);
     };
-    let mut raised: Option<Balance<'p>> = None;
-    let mut iterate = iterate;
+    let (mut at, mut iterate) = (0, iterate);
     loop {
-        let balance = raised.as_ref().unwrap_or(balance);
-        let below_cap = balance.harmonics.highest() < alert.highest_harmonic;
-        let cap = below_cap.then_some(alert.highest_harmonic);
-        let larger = on(balance.problem, enlarged(&balance.harmonics, cap), settings);
-        let prediction = PeakPrediction::on_other_harmonics(balance, &iterate, &larger);
-        let locked = Condition::PhaseLocked(prediction.phasor);
-        let error = truncation_error(balance, &iterate, &larger, locked);
-        count += WorkCount {
-            iterations: 1,
-            factorizations: 1,
+        let balance = sets.balance(at);
+        let response = iterate.response(balance);
+        let phasor = response / response.norm();
+        let outlook = sets.outlook(at, &iterate, kept.condition(phasor));
+        count += outlook.count;
+        let mut raised = |to: usize| {
+            let larger = sets.balance(to);
+            let corrected = outlook.steps[to - at - 1].clone();
+            let padded = pad(balance, &iterate.point, larger);
+            [corrected, padded].into_iter().find_map(|point| {
+                let start = PeakPrediction { point, phasor };
+                let solved = kept.solved(larger, start, newton, &mut count);
+                Some((to, solved.ok()?))
+            })
         };
-        let silent = error <= alert.threshold;
-        let next = (!silent && below_cap)
-            .then(|| maximum_near(&larger, prediction, peak, settings.newton, &mut count).ok())
-            .flatten();
-        let Some(next) = next else {
-            let status = match silent {
-                true => Status::Converged,
-                false => Status::TruncationAboveThreshold,
-            };
-            let mut solution = Solution::new(balance, &iterate, status, count);
-            solution.truncation_error = Some(error);
-            return solution;
+        let next = match sets.is_silent(outlook.error) {
+            true => None,
+            false => sets.above(at).find_map(&mut raised),
         };
-        iterate = next;
-        raised = Some(larger);
+        match next {
+            Some(larger) => (at, iterate) = larger,
+            None => return sets.judged(at, &iterate, outlook.error, count),
+        }
     }
 }
 
@@ -71,19 +107,7 @@ pub fn refined_near(
 ) -> Result<Solution, (Status, WorkCount)> {
     let balance = on(problem, harmonics.clone(), settings);
     let (iterate, count) = correct(&balance, prediction, peak, settings.newton)?;
-    Ok(refined(&balance, iterate, settings, peak, count))
-}
-
-/// `problem` on the harmonics of the study, or on others with time points to match.
-#[must_use]
-pub fn on<'p>(
-    problem: &'p Problem<'p>,
-    harmonics: HarmonicSet,
-    settings: &HbSettings,
-) -> Balance<'p> {
-    let aft = match harmonics == settings.harmonics {
-        true => settings.aft,
-        false => time_points(settings.aft, &harmonics),
-    };
-    Balance::new(problem, harmonics, aft)
+    let sets = AlertSets::new(problem, harmonics, settings);
+    let kept = (Kept::Maximum(peak), settings.newton);
+    Ok(refined(&balance, iterate, sets.as_ref(), kept, count))
 }

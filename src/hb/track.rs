@@ -7,7 +7,7 @@
 //! until the error alert is silent. Where that fails the phase resonance is taken to the harmonics of the study before
 //! the maximum is located, and where that fails too the whole band is swept by continuation.
 
-use super::alert::pad;
+use super::alert::{AlertSets, pad};
 use super::balance::Balance;
 use super::continuation::{BranchPoint, StepSettings, on_if, walk};
 use super::ladder::Ladder;
@@ -15,7 +15,7 @@ use super::newton::{Condition, Iterate, Point, WorkCount, solve};
 use super::peak::{PeakSettings, find_peak, highest_nearby};
 use super::predicted::{PeakPrediction, correct, maximum_near};
 use super::problem::Problem;
-use super::refine::refined;
+use super::refine::{Kept, refined};
 use super::resonance::{LinearResonance, linear_resonance};
 use super::settings::{HbSettings, NewtonSettings};
 use super::solution::Solution;
@@ -174,7 +174,10 @@ impl<'a, 'p> Track<'a, 'p> {
                         highest_nearby(full, found, self.peak, newton, &mut self.count)
                     }
                 };
-                let solution = refined(full, found, self.settings, self.peak, self.count);
+                let settings = self.settings;
+                let sets = AlertSets::new(full.problem, &settings.harmonics, settings);
+                let kept = (Kept::Maximum(self.peak), settings.newton);
+                let solution = refined(full, found, sets.as_ref(), kept, self.count);
                 LevelPeak::found(solution)
             }
             Err(status) => LevelPeak::failed(level, status, self.count),

@@ -4,12 +4,12 @@ use super::invariants::{Draw, settings, solved};
 use super::models::{Case, plane, short};
 use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
-use microslip::hb::alert::{pad, truncation_error};
+use microslip::hb::alert::{AlertSets, on, pad, step_on};
 use microslip::hb::forced_response::{at_frequencies, over_band};
 use microslip::hb::newton::{Condition, Iterate, WorkCount, solve};
 use microslip::hb::peak::PeakSettings;
 use microslip::hb::predicted::{PeakPrediction, correct};
-use microslip::hb::refine::refined;
+use microslip::hb::refine::{Kept, refined};
 use microslip::hb::resonance::Band;
 use microslip::hb::sweep::SweepDirection;
 use microslip::hb::track::{stuck_point, track_peaks};
@@ -140,7 +140,7 @@ fn the_walk_passes_folds() {
     });
 }
 
-/// Estimate on `highest` harmonics and true change of the amplitude on 15.
+/// One Newton step from a solution on `highest` harmonics and true change of the amplitude on 15.
 fn truncation(draw: &Draw, highest: usize) -> Option<(f64, f64, bool)> {
     with_problem(&draw.case, |problem| {
         let newton = draw.settings.newton;
@@ -151,19 +151,19 @@ fn truncation(draw: &Draw, highest: usize) -> Option<(f64, f64, bool)> {
         let fixed = Condition::FixedFrequency;
         let start = stuck_point(&balance, draw.omega, draw.level);
         let (iterate, _) = solve(&balance, start, fixed, newton).ok()?;
-        let estimate = truncation_error(&balance, &iterate, &larger, fixed);
+        let (estimate, _) = step_on(&balance, &iterate, &larger, fixed);
         let padded = pad(&balance, &iterate.point, &larger);
         let (better, _) = solve(&larger, padded, fixed, newton).ok()?;
         let ratio = better.response(&larger).norm() / iterate.response(&balance).norm();
         let separated = iterate.contact.samples.iter().any(|s| s[2] > 0);
-        Some((estimate, (ratio - 1.0).abs(), separated))
+        Some((estimate.abs(), (ratio - 1.0).abs(), separated))
     })
 }
 
 /// Slipping blades in the plane: estimated against true change of the amplitude, within a tenth.
 /// Seen to fail with: half of the Newton step.
 #[test]
-fn the_alert_estimates_the_truncation_error_of_slip() {
+fn a_newton_step_estimates_the_truncation_error_of_slip() {
     for (level, hertz) in [(10.0, 425.0), (10.0, 417.0), (20.0, 400.0)] {
         for highest in [1, 3] {
             let draw = Draw {
@@ -182,7 +182,7 @@ fn the_alert_estimates_the_truncation_error_of_slip() {
 /// Random problems: within a factor of three where contacts slip only, and never silent (1 %) when the change is above
 /// 2.5 %. Seen to fail with: half of the Newton step.
 #[test]
-fn the_alert_is_not_silent() {
+fn a_newton_step_sees_large_truncation_errors() {
     let (mut worst, mut count, mut alarms) = (1.0f64, 0, 0);
     solved(41, 150, |draw, solution| {
         let Some((estimate, truth, separated)) = truncation(draw, solution.harmonics.highest())
@@ -203,6 +203,50 @@ fn the_alert_is_not_silent() {
         worst < 3.0 && count > 10 && alarms > 5,
         "{worst} {count} {alarms}"
     );
+}
+
+/// Random problems with slip and lift-off: few estimates are below the change on 31 harmonics, none by more than a factor
+/// of two. Seen to fail with: one larger set only; no caution.
+#[test]
+fn the_alert_is_cautious() {
+    let (mut low, mut count, mut worst) = (0, 0, 0.0f64);
+    solved(43, 150, |draw, solution| {
+        let Some((error, truth)) = outlook(draw, solution.harmonics.highest()) else {
+            return;
+        };
+        if truth > 1e-4 {
+            count += 1;
+            low += usize::from(error < truth);
+            worst = worst.max(truth / error);
+        }
+    });
+    println!("{low} of {count} too low, worst by a factor of {worst:.1}");
+    assert!(
+        count > 30 && low * 5 <= count && worst < 2.0,
+        "{low} of {count}, {worst}"
+    );
+}
+
+/// What the alert says of a solution on `highest` harmonics, and the true change of the amplitude on 31.
+fn outlook(draw: &Draw, highest: usize) -> Option<(f64, f64)> {
+    let settings = HbSettings {
+        harmonics: HarmonicSet::up_to(highest),
+        alert: Some(AlertSettings::default()),
+        ..draw.settings.clone()
+    };
+    with_problem(&draw.case, |problem| {
+        let fixed = Condition::FixedFrequency;
+        let sets = AlertSets::new(problem, &settings.harmonics, &settings)?;
+        let balance = sets.balance(0);
+        let start = stuck_point(balance, draw.omega, draw.level);
+        let (iterate, _) = solve(balance, start, fixed, settings.newton).ok()?;
+        let error = sets.outlook(0, &iterate, fixed).error;
+        let most = on(problem, HarmonicSet::up_to(31), &settings);
+        let padded = pad(balance, &iterate.point, &most);
+        let (best, _) = solve(&most, padded, fixed, settings.newton).ok()?;
+        let ratio = best.response(&most).norm() / iterate.response(balance).norm();
+        Some((error, (ratio - 1.0).abs()))
+    })
 }
 
 /// Solutions on the flanks are no peaks: from there the maximum is found, or nothing. Seen to fail with the first
@@ -331,7 +375,9 @@ fn peaks_not_located_on_more_harmonics_stay_on_fewer() {
         let refine = |band: Band| {
             let search = PeakSettings { band, ..SEARCH };
             let iterate = Iterate::new(&balance, few.point());
-            refined(&balance, iterate, &settings, search, WorkCount::default())
+            let sets = AlertSets::new(problem, &settings.harmonics, &settings);
+            let kept = (Kept::Maximum(search), settings.newton);
+            refined(&balance, iterate, sets.as_ref(), kept, WorkCount::default())
         };
         let narrow = refine(Band {
             low: few.omega * (1.0 - 1e-7),
