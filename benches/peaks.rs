@@ -2,10 +2,10 @@
 //!
 //! Sections: `parts` (one Newton iteration), `study` (random samples over the box of the default study, levels up to
 //! 100 N), `sweep` (this program's own continuation, 60 points around the peak), `slow-path` (the same peaks found by
-//! each sample alone), `strip` (a structure with a strip of its own), `harmonics` (rate on more harmonics), `certified`
-//! (rate at a truncation threshold of 1e-3, against 31 harmonics), `memory` (results of 100 000 samples), `peers` (the
-//! reference problem blades-strip-oop). Rates are per second of processor time of all threads; without arguments all
-//! sections run.
+//! each sample alone), `strip` (a structure with a strip of its own), `harmonics` (rate on more harmonics), `pairs` (rate
+//! with more contact pairs), `certified` (rate at a truncation threshold of 1e-3, against 31 harmonics), `memory` (results
+//! of 100 000 samples), `peers` (the reference problem blades-strip-oop). Rates are per second of processor time of all
+//! threads; without arguments all sections run.
 
 #![expect(clippy::expect_used, reason = "a benchmark without its state fails")]
 
@@ -48,13 +48,14 @@ fn main() {
         .skip(1)
         .filter(|a| !a.starts_with('-'))
         .collect();
-    let sections: [(&str, fn()); 9] = [
+    let sections: [(&str, fn()); 10] = [
         ("parts", parts),
         ("strip", strip),
         ("study", study),
         ("sweep", sweep),
         ("slow-path", slow_path),
         ("harmonics", harmonics),
+        ("pairs", pairs),
         ("certified", certified),
         ("memory", memory),
         ("peers", peers),
@@ -219,17 +220,17 @@ fn describe(name: &str, peaks: &[&LevelOutcome]) {
     );
 }
 
-/// Runs the first samples and prints their rate, work and fate.
-fn measured(name: &str, ensemble: &Ensemble<'_>, samples: u64) -> Vec<SampleOutcome> {
+/// Runs the first samples, prints their rate, work and fate, and returns them with the rate.
+fn measured(name: &str, ensemble: &Ensemble<'_>, samples: u64) -> (f64, Vec<SampleOutcome>) {
     let (seconds, outcomes) = processor_time(|| ensemble.run(samples, || {}));
     let peaks: Vec<&LevelOutcome> = outcomes.iter().flat_map(|o| &o.levels).collect();
+    let rate = peaks.len() as f64 / seconds;
     println!(
-        "{name}, {samples} samples x {} levels: {:.2} peaks per processor second",
-        ensemble.levels.len(),
-        peaks.len() as f64 / seconds
+        "{name}, {samples} samples x {} levels: {rate:.2} peaks per processor second",
+        ensemble.levels.len()
     );
     describe("all", &peaks);
-    outcomes
+    (rate, outcomes)
 }
 
 fn parts() {
@@ -294,7 +295,7 @@ fn study() {
     let (design, settings) = (design(2026), settings(5, None));
     let ensemble = rig.ensemble(&design, &LEVELS, &settings);
     for samples in [64, 256, 1024] {
-        let outcomes = measured("H = 5", &ensemble, samples);
+        let (_, outcomes) = measured("H = 5", &ensemble, samples);
         if samples == 1024 {
             for (i, level) in LEVELS.iter().enumerate() {
                 let peaks: Vec<_> = outcomes.iter().map(|o| &o.levels[i]).collect();
@@ -347,7 +348,7 @@ fn slow_path() {
     let rig = Rig::new([3, 5]);
     let (design, settings) = (design(7), settings(5, None));
     let ensemble = rig.ensemble(&design, &LEVELS, &settings);
-    let fast = measured("from the atlas", &ensemble, 300);
+    let (_, fast) = measured("from the atlas", &ensemble, 300);
     let alone = |outcome: &SampleOutcome| {
         let problem = rig.problem(outcome.inputs[0], outcome.inputs[1]);
         track_peaks(&problem, &settings, search(), &LEVELS).expect("modes")
@@ -399,6 +400,22 @@ fn harmonics() {
         let ensemble = rig.ensemble(&design, &levels, &settings);
         measured(&format!("H = {highest}"), &ensemble, 32);
     }
+}
+
+/// The default structure with finer and finer contact grids, and how the time per peak grows with their pairs.
+fn pairs() {
+    let (design, settings) = (design(2026), settings(5, None));
+    let levels = [1.0, 20.0, 100.0];
+    let times = [[2, 3], [3, 5], [4, 7], [6, 8]].map(|grid| {
+        let rig = Rig::new(grid);
+        let ensemble = rig.ensemble(&design, &levels, &settings);
+        let pairs = (2 * grid[0] * grid[1]) as f64;
+        let (rate, _) = measured(&format!("{pairs} pairs"), &ensemble, 64);
+        (pairs, 1.0 / rate)
+    });
+    let [(few, short), .., (many, long)] = times;
+    let growth = (long / short).ln() / (many / few).ln();
+    println!("from {few} to {many} pairs the time per peak grows as pairs^{growth:.2}");
 }
 
 const CERTIFIED: AlertSettings = AlertSettings {
