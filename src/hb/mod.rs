@@ -23,6 +23,7 @@ pub mod refine;
 pub mod resonance;
 pub mod settings;
 pub mod solution;
+mod springs;
 pub mod status;
 pub mod sweep;
 pub mod track;

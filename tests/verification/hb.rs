@@ -6,6 +6,7 @@
 )]
 
 mod closed_form;
+mod compliance;
 mod curve;
 mod fold;
 mod invariants;
