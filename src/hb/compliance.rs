@@ -41,6 +41,22 @@ pub struct HarmonicCompliance<'p> {
 /// modes, those of a light strip and those close to resonance. Condensing one would lose as many digits, twice.
 const LOOSE: f64 = 100.0;
 
+/// A structure with what the stuck contacts do to it at any frequency.
+enum Held<'p> {
+    /// Λ, diagonal of Ĉ, and the stiffness of the contacts against each mode. Shapes: `[n]`.
+    Modes {
+        lambda: &'p [f64],
+        damping: &'p [f64],
+        held: Vec<f64>,
+    },
+    /// M, C and K + ΦᵀBᵀ K_c BΦ. Shapes: n × n.
+    Matrices {
+        mass: &'p Mat<f64>,
+        damping: &'p Mat<f64>,
+        stiffness: Mat<f64>,
+    },
+}
+
 /// What Z_s⁻¹ is applied with.
 #[derive(Debug)]
 enum Impedance {
@@ -70,8 +86,8 @@ impl<'p> Compliance<'p> {
     /// The stuck structure at `omega` for the stuck stiffness `k_c` (N/m, shape `[3·n_contacts]`).
     #[must_use]
     pub fn new(model: &'p LinearModel, k_c: &'p [f64], orders: &[usize], omega: f64) -> Self {
-        let held: Vec<Vec<f64>> = (model.parts.iter())
-            .map(|part| held_stiffness(part, k_c))
+        let held: Vec<Held<'_>> = (model.parts.iter())
+            .map(|part| Held::new(part, k_c))
             .collect();
         let harmonics = (orders.iter().filter(|&&k| k > 0))
             .map(|&order| {
@@ -84,19 +100,25 @@ impl<'p> Compliance<'p> {
 }
 
 impl<'p> HarmonicCompliance<'p> {
-    /// `held`: see [`held_stiffness`].
-    fn new(part: &'p Part, (k_c, held): (&'p [f64], &[f64]), order: usize, omega: f64) -> Self {
+    fn new(part: &'p Part, (k_c, held): (&'p [f64], &Held<'_>), order: usize, omega: f64) -> Self {
         let frequency = order as f64 * omega;
-        let (impedance, real, imaginary) = match &part.structure {
-            Structure::Modal { lambda, damping } => {
-                let impedance: Vec<c64> = (lambda.iter().zip(damping))
+        let (impedance, real, imaginary) = match held {
+            Held::Modes {
+                lambda,
+                damping,
+                held,
+            } => {
+                let impedance: Vec<c64> = (lambda.iter().zip(*damping))
                     .map(|(&l, &c)| c64::new(l - frequency * frequency, frequency * c))
                     .collect();
                 let (modes, stuck) = FreeModes::new(part, (k_c, held), impedance);
                 (Impedance::Free(modes), stuck.real, stuck.imaginary)
             }
-            Structure::Physical { mass, damping, .. } => {
-                let stiffness = part.stiffness_with_springs(k_c);
+            Held::Matrices {
+                mass,
+                damping,
+                stiffness,
+            } => {
                 let z = Mat::from_fn(mass.nrows(), mass.ncols(), |i, j| {
                     let inertia = frequency * frequency * mass[(i, j)];
                     c64::new(stiffness[(i, j)] - inertia, frequency * damping[(i, j)])
@@ -307,14 +329,26 @@ fn add_complex_product(
     add_product(imaginary, factor, a[1], b[0]);
 }
 
-/// Stiffness of the stuck contacts against each mode. Shape: `[n]`.
-fn held_stiffness(part: &Part, k_c: &[f64]) -> Vec<f64> {
-    let against = |j| {
-        let shape = part.contact.col_as_slice(j);
-        let energies = shape.iter().zip(k_c).map(|(x, k)| k * x * x);
-        part.images * energies.sum::<f64>()
-    };
-    (0..part.n_coordinates()).map(against).collect()
+impl<'p> Held<'p> {
+    fn new(part: &'p Part, k_c: &[f64]) -> Self {
+        let against = |j| {
+            let shape = part.contact.col_as_slice(j);
+            let energies = shape.iter().zip(k_c).map(|(x, k)| k * x * x);
+            part.images * energies.sum::<f64>()
+        };
+        match &part.structure {
+            Structure::Modal { lambda, damping } => Self::Modes {
+                lambda,
+                damping,
+                held: (0..part.n_coordinates()).map(against).collect(),
+            },
+            Structure::Physical { mass, damping, .. } => Self::Matrices {
+                mass,
+                damping,
+                stiffness: part.stiffness_with_springs(k_c),
+            },
+        }
+    }
 }
 
 /// H = L D Lᵀ. Shape: `receptance` `[n]`.

@@ -141,7 +141,9 @@ impl<'p> Iterate<'p> {
     #[must_use]
     pub fn jacobian<'a>(&'a self, balance: &'a Balance<'p>) -> Jacobian<'a> {
         let size = self.relative_residual(balance) / self.point.dynamic_share(balance).min(1.0);
-        self.jacobian_within(balance, (FORCING * size).max(EXACT).min(LOOSEST))
+        // a residual that is no number asks for nothing
+        let tolerance = if size > 0.0 { FORCING * size } else { EXACT };
+        self.jacobian_within(balance, tolerance.clamp(EXACT, LOOSEST))
     }
 
     /// The same with solves that leave `tolerance` of the forces.
