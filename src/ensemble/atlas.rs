@@ -1,8 +1,8 @@
 //! Solved samples that predict the peaks of others.
 //!
-//! The peaks of a sample vary smoothly with its inputs nearly everywhere, so a linear regression over the nearest solved
-//! samples is a start from which a few Newton iterations converge. A prediction is a start and nothing more: what is
-//! reported solves the balance equations of the sample itself.
+//! The peaks of a sample vary smoothly with its inputs nearly everywhere, so a spline through the nearest solved samples
+//! is a start from which a few Newton iterations converge. A prediction is a start and nothing more: what is reported
+//! solves the balance equations of the sample itself.
 
 use crate::harmonics::HarmonicSet;
 use crate::hb::Solution;
@@ -45,10 +45,12 @@ pub struct AtlasPrediction {
     pub amplitude: f64,
 }
 
-/// Anchors in a regression, per unknown of it.
-const ANCHORS_PER_UNKNOWN: usize = 2;
-/// Share of the nearest anchors' own weight that keeps a regression over degenerate places finite.
+/// Anchors of a spline, per unknown of its linear part.
+const ANCHORS_PER_UNKNOWN: usize = 4;
+/// What keeps the linear part finite where the anchors do not span all inputs.
 const RIDGE: f64 = 1e-5;
+/// What keeps the spline finite where anchors coincide.
+const SMOOTHING: f64 = 1e-9;
 
 impl AnchorPeak {
     /// The start that `solution` is for others.
@@ -132,7 +134,7 @@ impl Atlas {
         let mut near = self.by_distance(place, level);
         near.truncate(ANCHORS_PER_UNKNOWN * (place.len() + 1));
         let places: Vec<&[f64]> = near.iter().map(|(_, place, _)| *place).collect();
-        let weights = regression_weights(place, &places);
+        let weights = spline_weights(place, &places);
         let peaks = near.iter().map(|(.., peak)| *peak);
         let parts: Vec<(f64, &AnchorPeak)> = weights.into_iter().zip(peaks).collect();
         (!parts.is_empty()).then(|| combined(&parts))
@@ -170,32 +172,37 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
         .sqrt()
 }
 
-/// Weights w with Σ w_i v_i = value at `place` of the weighted linear regression of v over `places` (nearest first).
-fn regression_weights(place: &[f64], places: &[&[f64]]) -> Vec<f64> {
+/// Weights w with Σ w_i v_i = value at `place` of the spline through v at `places` (nearest first): a sum of cubes of the
+/// distances and a linear function, the smoothest one in any number of inputs.
+/// Source: Duchon 1977, in Constructive Theory of Functions of Several Variables, 85–100.
+fn spline_weights(place: &[f64], places: &[&[f64]]) -> Vec<f64> {
     let n = places.len();
-    if n == 0 {
-        return Vec::new();
-    }
-    let distances: Vec<f64> = places.iter().map(|p| distance(place, p)).collect();
-    let reach = 1.5 * distances[n - 1];
+    let nearest = || (0..n).map(|i| f64::from(u8::from(i == 0))).collect();
+    let reach = places.last().map_or(0.0, |last| distance(place, last));
     // a place that has been solved already predicts itself
-    if distances[0] <= 1e-9 * reach || reach == 0.0 {
-        return (0..n).map(|i| f64::from(u8::from(i == 0))).collect();
+    if reach == 0.0 || distance(place, places[0]) <= 1e-9 * reach {
+        return nearest();
     }
-    let kernel = DVector::from_fn(n, |i, _| (1.0 - (distances[i] / reach).powi(2)).powi(2));
-    let basis = DMatrix::from_fn(n, place.len() + 1, |i, j| match j {
+    let cube = |a: &[f64], b: &[f64]| (distance(a, b) / reach).powi(3);
+    let linear = |i: usize, j: usize| match j {
         0 => 1.0,
         j => (places[i][j - 1] - place[j - 1]) / reach,
+    };
+    let size = n + place.len() + 1;
+    let matrix = DMatrix::from_fn(size, size, |i, j| match (i < n, j < n) {
+        (true, true) if i == j => SMOOTHING,
+        (true, true) => cube(places[i], places[j]),
+        (true, false) => linear(i, j - n),
+        (false, true) => linear(j, i - n),
+        (false, false) if i == j && i > n => -RIDGE,
+        (false, false) => 0.0,
     });
-    let weighted = DMatrix::from_diagonal(&kernel) * &basis;
-    let mut normal = basis.transpose() * &weighted;
-    let ridge = RIDGE * kernel.sum();
-    (1..normal.nrows()).for_each(|j| normal[(j, j)] += ridge);
-    let unit = DVector::from_fn(place.len() + 1, |j, _| f64::from(u8::from(j == 0)));
-    match normal.cholesky() {
-        Some(factor) => (weighted * factor.solve(&unit)).iter().copied().collect(),
-        None => (kernel.clone() / kernel.sum()).iter().copied().collect(),
-    }
+    let right = DVector::from_fn(size, |i, _| match i < n {
+        true => cube(places[i], place),
+        false => f64::from(u8::from(i == n)),
+    });
+    let solution = matrix.lu().solve(&right);
+    solution.map_or_else(nearest, |w| w.iter().take(n).copied().collect())
 }
 
 #[cfg(test)]
@@ -226,7 +233,7 @@ mod tests {
         atlas
     }
 
-    /// Seen to fail with a ridge of 1e-3.
+    /// Seen to fail with a ridge of 0.1.
     #[test]
     fn linear_peaks_are_predicted() {
         let peak = |x: f64, y: f64| [1.0 + x - 2.0 * y, 100.0 + 3.0 * x, 5.0 + y];
@@ -256,19 +263,20 @@ mod tests {
         assert!(atlas.predict(&[0.5, 0.5], 0).is_none());
     }
 
-    /// Inputs that do not vary, or anchors on a line, leave the regression defined. Seen to fail without ridge and
-    /// weights by distance.
+    /// Inputs that do not vary, or anchors on a line or at one place, leave the spline what it is elsewhere: exact for what
+    /// varies linearly. Seen to fail without ridge and without smoothing.
     #[test]
-    fn degenerate_places_give_finite_weights() {
-        let on_a_line: Vec<Vec<f64>> = (1..8).map(|i| vec![0.1 * f64::from(i), 0.5]).collect();
-        let places: Vec<&[f64]> = on_a_line.iter().map(Vec::as_slice).collect();
-        let weights = regression_weights(&[0.05, 0.5], &places);
-        assert!(
-            weights.iter().all(|w| w.is_finite() && w.abs() < 3.0),
-            "{weights:?}"
-        );
+    fn degenerate_places_keep_linear_peaks() {
+        let mut on_a_line: Vec<Vec<f64>> = (1..8).map(|i| vec![0.1 * f64::from(i), 0.5]).collect();
+        for place in [[0.05, 0.5], [0.05, 0.7]] {
+            let places: Vec<&[f64]> = on_a_line.iter().map(Vec::as_slice).collect();
+            let weights = spline_weights(&place, &places);
+            let found: f64 = weights.iter().zip(&places).map(|(w, p)| w * p[0]).sum();
+            assert!((found - 0.05).abs() < 1e-3, "{place:?}: {weights:?}");
+            on_a_line.insert(0, vec![0.1, 0.5]);
+        }
         let at_once: Vec<&[f64]> = vec![&[0.5, 0.5]; 4];
-        let sum: f64 = regression_weights(&[0.4, 0.5], &at_once).iter().sum();
+        let sum: f64 = spline_weights(&[0.4, 0.5], &at_once).iter().sum();
         assert!((sum - 1.0).abs() < 1e-12, "{sum}");
     }
 }
