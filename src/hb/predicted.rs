@@ -1,9 +1,10 @@
 //! A resonance peak close to a predicted one: Newton's method for displacements and frequency together.
 //!
 //! Per iteration one factor J gives the correction of r at a fixed frequency, the tangent dr/dω and from both
-//! d ln ŷ/dω = g + i p at the corrected point. Far from the branch the frequency follows the predicted phase of the
-//! peak, δω = −δφ/p; close to it the growth g must vanish, δω = −g/g′, with g′ by secants, at first −p² as for one
-//! oscillator. The growth is wrong by as much as the displacements: while that is more than it tells, the frequency rests.
+//! d ln ŷ/dω at the corrected point: the phase φ that a frequency step gives, and the growth g = d ln|ŷ|/dφ. Far from the
+//! branch the frequency follows the predicted phase of the peak; close to it the growth must vanish, δφ = −g/g′, with g′ by
+//! secants, at first −1 as for one oscillator. The growth is wrong by as much as the displacements: while that is more than
+//! it tells, the frequency rests.
 
 use super::alert::pad;
 use super::balance::Balance;
@@ -48,7 +49,7 @@ impl PeakPrediction {
 
 /// Residual over the dynamic displacement below which the amplitude's growth is more reliable than the predicted phase.
 const SETTLED: f64 = 1e-2;
-/// Error of the growth over the phase rate, per residual over the dynamic displacement.
+/// Error of the growth, per residual over the dynamic displacement.
 const GROWTH_ERROR: f64 = 5.0;
 /// Longest step of the phase (rad) in one iteration.
 const LONGEST_STEP: f64 = 0.5;
@@ -56,13 +57,13 @@ const LONGEST_STEP: f64 = 0.5;
 const CURVATURE_RESOLUTION: f64 = 2.0;
 /// Phases (rad) closer than this do not measure it: round-off.
 const SHORTEST_SECANT: f64 = 1e-6;
-/// Curvature, as a multiple of one oscillator's, that a top may have where it could not be measured.
+/// Curvature −g′, 1 for one oscillator, that a top may have where it could not be measured.
 const UNMEASURED: f64 = 0.1;
 /// Step of the phase (rad) that measures it where all iterations were closer together.
 const CURVATURE_STEP: f64 = 0.1;
 /// Newton steps spent on that.
 const CORRECTIONS: usize = 3;
-/// Curvatures, as multiples of one oscillator's, that a secant may use; friction makes flat tops (0.03 has been seen).
+/// Curvatures that a secant may use; friction makes flat tops (0.03 has been seen).
 const USABLE: std::ops::Range<f64> = 0.003..10.0;
 /// Iterations before giving up.
 const MAX_ITERATIONS: usize = 20;
@@ -122,7 +123,7 @@ fn searched<'p>(
         .min(sharp_enough(balance, &iterate.point, settings));
     let share = iterate.point.dynamic_share(balance).min(1.0);
     let settled = SETTLED * share;
-    let enough = |at: &Local| settings.frequency_tolerance * at.omega * at.oscillator().abs();
+    let enough = |at: &Local| settings.frequency_tolerance * at.omega * at.phase_rate.abs();
     let mut search = Search::default();
     for _ in 0..MAX_ITERATIONS {
         let size = iterate.relative_residual(balance);
@@ -139,22 +140,23 @@ fn searched<'p>(
         }
         let mut local = Local::new(balance, &iterate, &mut count);
         // the growth is as exact as the displacements that it was taken at
-        local.growth_error = GROWTH_ERROR * (size / share) * local.rate.im.abs();
-        let trusted = 0.5 * local.rate.re.abs().max(enough(&local));
+        local.growth_error = GROWTH_ERROR * (size / share);
+        let trusted = 0.5 * local.growth.abs().max(enough(&local));
         search.closed |= closing;
-        let by_growth = closing || (!search.located && local.growth_error <= trusted);
-        let omega_step = if by_growth {
+        let tells = size <= settled && local.growth_error <= trusted;
+        let by_growth = closing || (!search.located && tells);
+        let phase_step = if by_growth {
             search.growth_step(&local, settings.frequency_tolerance)
         } else if search.last.is_none() && size > settled {
-            -(local.response / phasor).arg() / local.rate.im
+            (phasor / local.response).arg()
         } else {
             0.0
         };
-        if search.stalls(size, by_growth.then_some(omega_step)) {
+        if search.stalls(size, by_growth.then_some(phase_step / local.phase_rate)) {
             break;
         }
-        let longest = LONGEST_STEP / local.rate.im.abs();
-        let omega_step = omega_step.clamp(-longest, longest);
+        let phase_step = phase_step.clamp(-LONGEST_STEP, LONGEST_STEP);
+        let omega_step = phase_step / local.phase_rate;
         let point = local.along(&local.corrected(&iterate.point), omega_step);
         if by_growth {
             search.last = Some(local);
@@ -164,6 +166,9 @@ fn searched<'p>(
         }
         iterate = match iterate.contact.accuracy {
             Accuracy::Draft => evaluate(balance, point),
+            Accuracy::Full if omega_step == 0.0 => {
+                Iterate::with_compliance(balance, point, iterate.compliance)
+            }
             Accuracy::Full => Iterate::new(balance, point),
         };
     }
@@ -177,9 +182,10 @@ struct Local {
     tangent: Direction,
     /// ŷ after the correction.
     response: c64,
-    /// d ln ŷ/dω there.
-    rate: c64,
-    /// Error of its real part, the growth (s).
+    /// Derivative of its phase by the frequency (s).
+    phase_rate: f64,
+    /// Derivative of ln |ŷ| by the phase along the branch, and its error.
+    growth: f64,
     growth_error: f64,
 }
 
@@ -197,9 +203,11 @@ impl Local {
         };
         let rate = |d: &Direction| iterate.response_rate(balance, &jacobian, d, 0.0);
         let response = iterate.response(balance) + rate(&correction);
+        let by_omega = rate(&tangent) / response;
         Self {
             omega: iterate.point.omega,
-            rate: rate(&tangent) / response,
+            phase_rate: by_omega.im,
+            growth: by_omega.re / by_omega.im,
             response,
             correction,
             tangent,
@@ -207,14 +215,9 @@ impl Local {
         }
     }
 
-    /// dg/dω of one oscillator with this phase rate.
-    fn oscillator(&self) -> f64 {
-        -self.rate.im * self.rate.im
-    }
-
-    /// Whether a secant may use this dg/dω: it belongs to a maximum, and not to a kink.
-    fn usable(&self, curvature: f64) -> bool {
-        USABLE.contains(&(curvature / self.oscillator()))
+    /// Phase (rad) that `other` is behind.
+    fn ahead_of(&self, other: &Self) -> f64 {
+        (self.response / other.response).arg()
     }
 
     /// The point after the Newton step.
@@ -226,6 +229,11 @@ impl Local {
     fn along(&self, from: &Point, omega_step: f64) -> Point {
         moved(from, &self.tangent, omega_step)
     }
+}
+
+/// Whether a secant may use this derivative of the growth: it belongs to a maximum, and not to a kink.
+fn usable(curvature: f64) -> bool {
+    USABLE.contains(&-curvature)
 }
 
 fn moved(from: &Point, direction: &Direction, length: f64) -> Point {
@@ -243,7 +251,7 @@ fn moved(from: &Point, direction: &Direction, length: f64) -> Point {
 struct Search {
     /// The last iteration that stepped to where the growth vanishes.
     last: Option<Local>,
-    /// dg/dω where it could be measured.
+    /// dg/dφ where it could be measured.
     curvature: Option<f64>,
     /// Whether a frequency step was within the tolerance: the rest is up to the displacements.
     located: bool,
@@ -256,25 +264,20 @@ struct Search {
 }
 
 impl Search {
-    /// Frequency step to where the growth vanishes.
+    /// Phase step to where the growth vanishes.
     fn growth_step(&mut self, here: &Local, tolerance: f64) -> f64 {
         if let Some(last) = &self.last {
-            let apart = here.omega - last.omega;
+            let apart = here.ahead_of(last);
             let errors = here.growth_error + last.growth_error;
-            let told_apart = (apart * here.oscillator()).abs() > CURVATURE_RESOLUTION * errors;
-            if told_apart && (apart * here.rate.im).abs() > SHORTEST_SECANT {
-                self.curvature = Some((here.rate.re - last.rate.re) / apart);
+            if apart.abs() > SHORTEST_SECANT.max(CURVATURE_RESOLUTION * errors) {
+                self.curvature = Some((here.growth - last.growth) / apart);
             }
         }
-        let measured = self.curvature.filter(|c| here.usable(*c));
-        let curvature = measured.unwrap_or(here.oscillator());
-        let flattest = match measured {
-            Some(measured) => measured.abs().min(here.oscillator().abs()),
-            None => UNMEASURED * here.oscillator().abs(),
-        };
-        let farthest = here.rate.re.abs().max(here.growth_error) / flattest;
-        self.located = farthest <= tolerance * here.omega;
-        -here.rate.re / curvature
+        let measured = self.curvature.filter(|c| usable(*c));
+        let flattest = measured.map_or(UNMEASURED, |c| c.abs().min(1.0));
+        let farthest = here.growth.abs().max(here.growth_error) / flattest;
+        self.located = farthest <= tolerance * here.omega * here.phase_rate.abs();
+        -here.growth / measured.unwrap_or(-1.0)
     }
 
     /// Whether the peak `at` is a maximum: by the growth seen on the way, else by the growth a little further on.
@@ -282,15 +285,14 @@ impl Search {
         let Some(here) = &self.last else {
             return false;
         };
-        if self.curvature.is_some_and(|c| here.usable(c)) {
+        if self.curvature.is_some_and(usable) {
             return true;
         }
-        let step = CURVATURE_STEP / here.rate.im.abs();
-        let mut point = here.along(&at.point, step);
+        let mut point = here.along(&at.point, CURVATURE_STEP / here.phase_rate.abs());
         for _ in 0..CORRECTIONS {
             let aside = Iterate::new(balance, point);
             let there = Local::new(balance, &aside, count);
-            if here.usable((there.rate.re - here.rate.re) / step) {
+            if usable((there.growth - here.growth) / there.ahead_of(here)) {
                 return true;
             }
             point = there.corrected(&aside.point);
