@@ -222,28 +222,18 @@ impl Local {
 
     /// The point after the Newton step.
     fn corrected(&self, from: &Point) -> Point {
-        moved(from, &self.correction, 1.0)
+        from.moved(&self.correction, 1.0)
     }
 
     /// The point moved along the tangent.
     fn along(&self, from: &Point, omega_step: f64) -> Point {
-        moved(from, &self.tangent, omega_step)
+        from.moved(&self.tangent, omega_step)
     }
 }
 
 /// Whether a secant may use this derivative of the growth: it belongs to a maximum, and not to a kink.
 fn usable(curvature: f64) -> bool {
     USABLE.contains(&-curvature)
-}
-
-fn moved(from: &Point, direction: &Direction, length: f64) -> Point {
-    Point {
-        r: (from.r.iter().zip(&direction.r))
-            .map(|(r, d)| r + length * d)
-            .collect(),
-        omega: from.omega + length * direction.omega,
-        level: from.level,
-    }
 }
 
 /// What the iterations have seen of the growth.
