@@ -94,7 +94,7 @@ pub fn refined<'p>(
     }
 }
 
-/// The peak next to a prediction on `harmonics`, refined from there.
+/// The peak next to a prediction on `harmonics`, reached by undamped steps or else by damped ones, refined from there.
 ///
 /// # Errors
 /// How the solve at the prediction ended; its work comes with either.
@@ -106,8 +106,12 @@ pub fn refined_near(
     peak: PeakSettings,
 ) -> Result<Solution, (Status, WorkCount)> {
     let balance = on(problem, harmonics.clone(), settings);
-    let (iterate, count) = correct(&balance, prediction, peak, settings.newton)?;
+    let newton = settings.newton;
+    let mut count = WorkCount::default();
+    let undamped = count.tally(correct(&balance, prediction.clone(), peak, newton));
+    let found = undamped.or_else(|_| maximum_near(&balance, prediction, peak, newton, &mut count));
+    let iterate = found.map_err(|status| (status, count))?;
     let sets = AlertSets::new(problem, harmonics, settings);
-    let kept = (Kept::Maximum(peak), settings.newton);
+    let kept = (Kept::Maximum(peak), newton);
     Ok(refined(&balance, iterate, sets.as_ref(), kept, count))
 }
