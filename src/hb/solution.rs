@@ -54,7 +54,7 @@ pub struct Solution {
     pub flight_fraction: f64,
     /// Energy balance.
     pub work: CycleWork,
-    /// Estimated relative change of the amplitude by the harmonics left out.
+    /// Cautious estimate of the relative change of the amplitude by the harmonics left out.
     pub truncation_error: Option<f64>,
     /// Newton iterations and factorisations spent.
     pub work_count: WorkCount,

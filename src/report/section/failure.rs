@@ -240,7 +240,7 @@ fn truncation(view: &View) -> Option<Figure> {
     if let Some(threshold) = threshold {
         panel.rule("limit", threshold);
     }
-    let caption = "Estimated relative change of the amplitude by the harmonics left out; red: threshold above which \
+    let caption = "Cautious estimate of the relative change of the amplitude by the harmonics left out; red: threshold above which \
                    harmonics are added.";
     Some(view.figure(&panel, "truncation", caption))
 }
