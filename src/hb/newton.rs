@@ -163,16 +163,14 @@ pub fn solve<'p>(
         {
             return Err((Status::MaxIterations, count));
         }
-        let jacobian = iterate.jacobian(balance);
-        let linear = Linearized::new(balance, &iterate, &jacobian, condition);
-        count += WorkCount {
-            iterations: 1,
-            factorizations: jacobian.factorizations(),
+        iterate = {
+            let jacobian = iterate.jacobian(balance);
+            count += WorkCount {
+                iterations: 1,
+                factorizations: jacobian.factorizations(),
+            };
+            advance(&Linearized::new(balance, &iterate, &jacobian, condition))
         };
-        let next = advance(&linear);
-        drop(linear);
-        drop(jacobian);
-        iterate = next;
     }
 }
 
