@@ -1,7 +1,8 @@
 //! One sample: from its inputs to its peaks, curves and record.
 //!
-//! A peak is predicted from the atlas and corrected. Where that fails it is followed from the nearest anchor along the
-//! straight line between the inputs, and where that fails too the sample's own track from the stuck state decides.
+//! A peak is predicted from the atlas and corrected, by damped steps where undamped ones fail. Where that fails it is
+//! followed from the nearest anchor along the straight line between the inputs, and where that fails too the sample's own
+//! track from the stuck state decides.
 
 use super::applied::Applied;
 use super::atlas::{Anchor, AnchorPeak, Atlas, AtlasPrediction};

@@ -299,10 +299,7 @@ impl<'a, 'p> Linearized<'a, 'p> {
             },
             level: 0.0,
         };
-        let [t1, t2] = match self.free.is_empty() {
-            true => return step,
-            false => self.rates(&step),
-        };
+        let [t1, t2] = self.rates(&step);
         let point = &self.iterate.point;
         let limit = MAX_FREQUENCY_STEP * point.omega;
         match &self.free[..] {
