@@ -32,6 +32,7 @@ pub struct AnchorPeak {
     pub(super) harmonics: HarmonicSet,
     pub(super) point: Point,
     pub(super) response: c64,
+    pub(super) sharpness: Option<f64>,
 }
 
 /// A predicted peak and the harmonics that it is given on.
@@ -60,6 +61,7 @@ impl AnchorPeak {
             harmonics: solution.harmonics.clone(),
             point: solution.point(),
             response: solution.first_harmonic(0),
+            sharpness: solution.sharpness,
         }
     }
 
@@ -71,6 +73,7 @@ impl AnchorPeak {
             peak: PeakPrediction {
                 point: self.point.clone(),
                 phasor: self.response / self.response.norm(),
+                sharpness: self.sharpness,
             },
             amplitude: self.response.norm(),
         }
@@ -100,6 +103,7 @@ fn combined(parts: &[(f64, &AnchorPeak)]) -> AtlasPrediction {
     let n_relative = first.point.r.len() / harmonics.n_coefficients();
     let mut r = vec![0.0; first.point.r.len()];
     let (mut omega, mut response) = (0.0, c64::new(0.0, 0.0));
+    let mut sharpness = Some(0.0);
     for (weight, peak) in parts {
         let theirs = (peak.harmonics).convert(&peak.point.r, n_relative, &harmonics);
         r.iter_mut()
@@ -107,6 +111,7 @@ fn combined(parts: &[(f64, &AnchorPeak)]) -> AtlasPrediction {
             .for_each(|(r, x)| *r += weight * x);
         omega += weight * peak.point.omega;
         response += peak.response * *weight;
+        sharpness = (sharpness.zip(peak.sharpness)).map(|(sum, s)| sum + weight * s);
     }
     AtlasPrediction {
         harmonics,
@@ -117,6 +122,7 @@ fn combined(parts: &[(f64, &AnchorPeak)]) -> AtlasPrediction {
                 level: first.point.level,
             },
             phasor: response / response.norm(),
+            sharpness,
         },
         amplitude: response.norm(),
     }
@@ -225,6 +231,7 @@ mod tests {
                         level: 2.0,
                     },
                     response: c64::new(0.0, -response),
+                    sharpness: None,
                 })],
             }
         };

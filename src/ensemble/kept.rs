@@ -34,7 +34,7 @@ pub struct KeptStudy {
 /// Writes the anchors: one row per sample and level with a solution.
 ///
 /// Columns: `sample`, `level_index`, `harmonics` (orders, u32), `angular_frequency`, `level`, `response_real`,
-/// `response_imaginary`, `displacements` (f64); the numbers of a list are bytes, little-endian.
+/// `response_imaginary`, `sharpness` (null where unknown), `displacements` (f64); the numbers of a list are bytes, little-endian.
 ///
 /// # Errors
 /// [`StoreError`]; then `path` is as it was.
@@ -70,6 +70,7 @@ fn columns(rows: &[Row]) -> Table {
     let bytes = |of: &dyn Fn(&AnchorPeak) -> Vec<u8>| {
         Column::Bytes(rows.iter().map(|(_, _, peak)| of(peak)).collect())
     };
+    let sharpness = rows.iter().map(|(_, _, peak)| peak.sharpness);
     let columns = [
         ("sample", count(|row| row.0)),
         ("level_index", count(|row| row.1)),
@@ -78,6 +79,7 @@ fn columns(rows: &[Row]) -> Table {
         ("level", real(|peak| peak.point.level)),
         ("response_real", real(|peak| peak.response.re)),
         ("response_imaginary", real(|peak| peak.response.im)),
+        ("sharpness", Column::Real(sharpness.collect())),
         ("displacements", bytes(&displacements)),
     ];
     columns
@@ -149,5 +151,6 @@ fn anchor_peak(row: &Record) -> Result<AnchorPeak, StoreError> {
             level: row.real("level")?,
         },
         response: c64::new(row.real("response_real")?, row.real("response_imaginary")?),
+        sharpness: row.optional("sharpness")?,
     })
 }

@@ -275,8 +275,12 @@ impl Ensemble<'_> {
             ..self.settings.newton
         };
         let corrected = correct(&balance, prediction.peak, peak, newton);
-        let iterate = spent.tally(corrected).ok()?;
-        let found = Solution::new(&balance, &iterate, Status::Converged, WorkCount::default());
+        let located = spent.tally(corrected).ok()?;
+        let none = WorkCount::default();
+        let found = Solution {
+            sharpness: located.sharpness,
+            ..Solution::new(&balance, &located.iterate, Status::Converged, none)
+        };
         (!surprising(found.amplitude(0), amplitude)).then(|| AnchorPeak::new(&found))
     }
 
@@ -319,7 +323,8 @@ impl Ensemble<'_> {
             (solution.harmonics).convert(&prediction.point.r, n_relative, harmonics);
         // a picture may start beside the maximum
         let maximum = maximum_near(&balance, prediction.clone(), self.peak, newton, count);
-        let start = maximum.or_else(|_| phase_locked(&balance, prediction, newton, count));
+        let start = maximum.map(|peak| peak.iterate);
+        let start = start.or_else(|_| phase_locked(&balance, prediction, newton, count));
         let Ok(peak) = start else {
             return Vec::new();
         };
@@ -453,6 +458,7 @@ mod tests {
             flight_fraction: 0.0,
             work: CycleWork::default(),
             truncation_error: None,
+            sharpness: None,
             work_count: WorkCount::default(),
         }
     }

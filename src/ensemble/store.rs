@@ -444,7 +444,7 @@ impl Record {
         StoreError::Missing(name.to_owned())
     }
 
-    fn optional(&self, name: &str) -> Result<Option<f64>, StoreError> {
+    pub(super) fn optional(&self, name: &str) -> Result<Option<f64>, StoreError> {
         match self.0.get(name) {
             Some(Field::Double(value)) => Ok(Some(*value)),
             Some(Field::Null) => Ok(None),

@@ -39,7 +39,7 @@ pub fn at_frequencies(
     let kept = (Kept::Frequency, settings.newton);
     let mut sweep = Sweep::new(&ladder, settings.newton, level, direction);
     let solution = |&omega: &f64| match sweep.next(omega) {
-        Ok((iterate, count)) => refined(balance, iterate, sets.as_ref(), kept, count),
+        Ok((iterate, count)) => refined(balance, iterate.into(), sets.as_ref(), kept, count),
         Err((status, count)) => {
             let stuck = stuck_point(balance, omega, level);
             Solution::new(balance, &Iterate::new(balance, stuck), status, count)

@@ -20,6 +20,25 @@ pub struct PeakSettings {
     pub frequency_tolerance: f64,
 }
 
+/// A peak that was searched for.
+#[derive(Debug)]
+pub struct Located<'p> {
+    /// The solution there.
+    pub iterate: Iterate<'p>,
+    /// −d² ln|ŷ|/dφ² by the phase φ of ŷ along the branch, where the search measured it: 1 for one oscillator.
+    pub sharpness: Option<f64>,
+}
+
+impl<'p> From<Iterate<'p>> for Located<'p> {
+    /// A solution of unknown sharpness.
+    fn from(iterate: Iterate<'p>) -> Self {
+        Self {
+            iterate,
+            sharpness: None,
+        }
+    }
+}
+
 /// First steps shorter than this (relative change of the displacements) would measure curvature in round-off.
 const SHORTEST_STEP: f64 = 1e-3;
 /// Longer steps would leave the neighbourhood in which the curvature estimate holds.
@@ -50,7 +69,7 @@ pub fn find_peak<'p>(
     start: Iterate<'p>,
     settings: PeakSettings,
     newton: NewtonSettings,
-) -> Result<(BranchPoint<'p>, WorkCount), (Status, WorkCount)> {
+) -> Result<(Located<'p>, WorkCount), (Status, WorkCount)> {
     let newton = NewtonSettings {
         tolerance: newton
             .tolerance
@@ -91,12 +110,12 @@ pub fn find_peak<'p>(
         // the last point must have been solved where the secant wanted it: a kink makes a liar of a prediction
         let tolerance = settings.frequency_tolerance;
         if search.is_maximum() && (moved <= tolerance || search.bracket_width() <= tolerance) {
-            return Ok((search.into_best(), count));
+            return Ok((search.ended(), count));
         }
         step = search.next();
     }
     if search.is_maximum() && search.bracket_width() <= 10.0 * settings.frequency_tolerance {
-        return Ok((search.into_best(), count));
+        return Ok((search.ended(), count));
     }
     Err((Status::MaxIterations, count))
 }
@@ -107,15 +126,15 @@ pub fn find_peak<'p>(
 /// side, each an exact one of the discretised equations. Searches from both sides look for a higher one.
 pub fn highest_nearby<'p>(
     balance: &Balance<'p>,
-    found: Iterate<'p>,
+    found: Located<'p>,
     settings: PeakSettings,
     newton: NewtonSettings,
     count: &mut WorkCount,
-) -> Iterate<'p> {
+) -> Located<'p> {
     let omega_scale = 2.0 * settings.band.width();
-    let (first, work) = BranchPoint::new(balance, found, omega_scale, None, None);
+    let (first, work) = BranchPoint::new(balance, found.iterate, omega_scale, None, None);
     *count += work;
-    let others: Vec<BranchPoint<'p>> = LOOKS
+    let others: Vec<Located<'p>> = LOOKS
         .iter()
         .filter_map(|&step| {
             let aside = count.tally(first.step(balance, step, newton)).ok()?;
@@ -124,15 +143,17 @@ pub fn highest_nearby<'p>(
                 .ok()
         })
         .collect();
-    let height = |point: &BranchPoint<'_>| point.response.norm();
-    let highest =
-        others
-            .into_iter()
-            .fold(first, |best, other| match height(&other) > height(&best) {
-                true => other,
-                false => best,
-            });
-    highest.iterate
+    let found = Located {
+        iterate: first.iterate,
+        ..found
+    };
+    let height = |peak: &Located<'_>| peak.iterate.response(balance).norm();
+    others
+        .into_iter()
+        .fold(found, |best, other| match height(&other) > height(&best) {
+            true => other,
+            false => best,
+        })
 }
 
 /// Residual that leaves the growth of the amplitude exact enough for the frequency asked for: a flat top moves far for
@@ -247,12 +268,21 @@ impl<'p> Search<'p> {
         self.newer.s + step.copysign(g_new)
     }
 
-    fn into_best(self) -> BranchPoint<'p> {
-        match self.older {
-            Some(older) if older.point.response.norm() > self.newer.point.response.norm() => {
-                older.point
-            }
-            _ => self.newer.point,
+    /// The higher of the two, with the sharpness between them.
+    fn ended(self) -> Located<'p> {
+        let newer = self.newer.point;
+        let Some(Station { s, point: older }) = self.older else {
+            return newer.iterate.into();
+        };
+        let fall = (older.growth() - newer.growth()) / (self.newer.s - s);
+        let sharpness = Some(fall / newer.phase_rate().powi(2));
+        let best = match older.response.norm() > newer.response.norm() {
+            true => older,
+            false => newer,
+        };
+        Located {
+            iterate: best.iterate,
+            sharpness,
         }
     }
 }

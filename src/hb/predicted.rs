@@ -2,14 +2,14 @@
 //!
 //! Per iteration one factor J gives the correction of r at a fixed frequency, the tangent dr/dω and from both
 //! d ln ŷ/dω at the corrected point: the phase φ that a frequency step gives, and the growth g = d ln|ŷ|/dφ. Far from the
-//! branch the frequency follows the predicted phase of the peak; close to it the growth must vanish, δφ = −g/g′, with g′ by
-//! secants, at first −1 as for one oscillator. The growth is wrong by as much as the displacements: while that is more than
-//! it tells, the frequency rests.
+//! branch the frequency follows the predicted phase of the peak; close to it the growth must vanish, δφ = g/s. The sharpness
+//! s = −g′ is measured by secants and predicted before, 1 as for one oscillator where it is not. The growth is wrong by as
+//! much as the displacements: while that is more than it tells, the frequency rests.
 
 use super::alert::pad;
 use super::balance::Balance;
 use super::newton::{Condition, Direction, Iterate, Point, WorkCount, newton_step, solve};
-use super::peak::{PeakSettings, find_peak, sharp_enough};
+use super::peak::{Located, PeakSettings, find_peak, sharp_enough};
 use super::settings::NewtonSettings;
 use super::solution::Solution;
 use super::status::Status;
@@ -23,6 +23,8 @@ pub struct PeakPrediction {
     pub point: Point,
     /// Unit phasor of response 0.
     pub phasor: c64,
+    /// Sharpness of the peak (see [`Located`]).
+    pub sharpness: Option<f64>,
 }
 
 impl PeakPrediction {
@@ -33,16 +35,18 @@ impl PeakPrediction {
         Self {
             point: solution.point(),
             phasor: response / response.norm(),
+            sharpness: solution.sharpness,
         }
     }
 
     /// The peak on the harmonics of `to` where those of `from` have theirs at `peak`.
     #[must_use]
-    pub fn on_other_harmonics(from: &Balance<'_>, peak: &Iterate<'_>, to: &Balance<'_>) -> Self {
-        let response = peak.response(from);
+    pub fn on_other_harmonics(from: &Balance<'_>, peak: &Located<'_>, to: &Balance<'_>) -> Self {
+        let response = peak.iterate.response(from);
         Self {
-            point: pad(from, &peak.point, to),
+            point: pad(from, &peak.iterate.point, to),
             phasor: response / response.norm(),
+            sharpness: peak.sharpness,
         }
     }
 }
@@ -53,17 +57,17 @@ const SETTLED: f64 = 1e-2;
 const GROWTH_ERROR: f64 = 5.0;
 /// Longest step of the phase (rad) in one iteration.
 const LONGEST_STEP: f64 = 0.5;
-/// Changes of the growth over the sum of their errors from which they measure the curvature.
-const CURVATURE_RESOLUTION: f64 = 2.0;
+/// Phases over the sum of the errors of the growth from which its changes measure the sharpness.
+const RESOLUTION: f64 = 2.0;
 /// Phases (rad) closer than this do not measure it: round-off.
 const SHORTEST_SECANT: f64 = 1e-6;
-/// Curvature −g′, 1 for one oscillator, that a top may have where it could not be measured.
+/// Sharpness that a top may have where it could not be measured.
 const UNMEASURED: f64 = 0.1;
 /// Step of the phase (rad) that measures it where all iterations were closer together.
-const CURVATURE_STEP: f64 = 0.1;
+const ASIDE: f64 = 0.1;
 /// Newton steps spent on that.
 const CORRECTIONS: usize = 3;
-/// Curvatures that a secant may use; friction makes flat tops (0.03 has been seen).
+/// Sharpness that a step may use; friction makes flat tops (0.03 has been seen).
 const USABLE: std::ops::Range<f64> = 0.003..10.0;
 /// Iterations before giving up.
 const MAX_ITERATIONS: usize = 20;
@@ -84,7 +88,7 @@ pub fn correct<'p>(
     prediction: PeakPrediction,
     settings: PeakSettings,
     newton: NewtonSettings,
-) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
+) -> Result<(Located<'p>, WorkCount), (Status, WorkCount)> {
     if matches!(balance.problem.backend, Backend::Cpu) {
         return searched(balance, prediction, (settings, newton), Iterate::new);
     }
@@ -114,7 +118,7 @@ fn searched<'p>(
     prediction: PeakPrediction,
     (settings, newton): (PeakSettings, NewtonSettings),
     evaluate: fn(&Balance<'p>, Point) -> Iterate<'p>,
-) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
+) -> Result<(Located<'p>, WorkCount), (Status, WorkCount)> {
     let mut count = WorkCount::default();
     let phasor = prediction.phasor;
     let mut iterate = evaluate(balance, prediction.point);
@@ -124,7 +128,10 @@ fn searched<'p>(
     let share = iterate.point.dynamic_share(balance).min(1.0);
     let settled = SETTLED * share;
     let enough = |at: &Local| settings.frequency_tolerance * at.omega * at.phase_rate.abs();
-    let mut search = Search::default();
+    let mut search = Search {
+        predicted: prediction.sharpness,
+        ..Search::default()
+    };
     for _ in 0..MAX_ITERATIONS {
         let size = iterate.relative_residual(balance);
         if !size.is_finite() {
@@ -134,7 +141,7 @@ fn searched<'p>(
         let closing = solved && search.located;
         if closing && search.closed {
             return match search.is_maximum(balance, &iterate, &mut count) {
-                true => Ok((iterate, count)),
+                true => Ok((search.ended(iterate), count)),
                 false => Err((Status::MaxIterations, count)),
             };
         }
@@ -231,9 +238,9 @@ impl Local {
     }
 }
 
-/// Whether a secant may use this derivative of the growth: it belongs to a maximum, and not to a kink.
-fn usable(curvature: f64) -> bool {
-    USABLE.contains(&-curvature)
+/// Whether a step may use this sharpness: it belongs to a maximum, and not to a kink.
+fn usable(sharpness: &f64) -> bool {
+    USABLE.contains(sharpness)
 }
 
 /// What the iterations have seen of the growth.
@@ -241,8 +248,9 @@ fn usable(curvature: f64) -> bool {
 struct Search {
     /// The last iteration that stepped to where the growth vanishes.
     last: Option<Local>,
-    /// dg/dφ where it could be measured.
-    curvature: Option<f64>,
+    /// Sharpness −dg/dφ as predicted, and where it could be measured.
+    predicted: Option<f64>,
+    measured: Option<f64>,
     /// Whether a frequency step was within the tolerance: the rest is up to the displacements.
     located: bool,
     /// Whether a solved, located iterate has made one more step, which leaves nothing of the way on which it was found.
@@ -259,15 +267,16 @@ impl Search {
         if let Some(last) = &self.last {
             let apart = here.ahead_of(last);
             let errors = here.growth_error + last.growth_error;
-            if apart.abs() > SHORTEST_SECANT.max(CURVATURE_RESOLUTION * errors) {
-                self.curvature = Some((here.growth - last.growth) / apart);
+            if apart.abs() > SHORTEST_SECANT.max(RESOLUTION * errors) {
+                self.measured = Some((last.growth - here.growth) / apart);
             }
         }
-        let measured = self.curvature.filter(|c| usable(*c));
-        let flattest = measured.map_or(UNMEASURED, |c| c.abs().min(1.0));
+        let measured = self.measured.filter(usable);
+        let flattest = measured.map_or(UNMEASURED, |sharpness| sharpness.min(1.0));
         let farthest = here.growth.abs().max(here.growth_error) / flattest;
         self.located = farthest <= tolerance * here.omega * here.phase_rate.abs();
-        -here.growth / measured.unwrap_or(-1.0)
+        let predicted = self.predicted.filter(usable);
+        here.growth / measured.or(predicted).unwrap_or(1.0)
     }
 
     /// Whether the peak `at` is a maximum: by the growth seen on the way, else by the growth a little further on.
@@ -275,19 +284,27 @@ impl Search {
         let Some(here) = &self.last else {
             return false;
         };
-        if self.curvature.is_some_and(usable) {
+        if self.measured.as_ref().is_some_and(usable) {
             return true;
         }
-        let mut point = here.along(&at.point, CURVATURE_STEP / here.phase_rate.abs());
+        let mut point = here.along(&at.point, ASIDE / here.phase_rate.abs());
         for _ in 0..CORRECTIONS {
             let aside = Iterate::new(balance, point);
             let there = Local::new(balance, &aside, count);
-            if usable((there.growth - here.growth) / there.ahead_of(here)) {
+            if usable(&((here.growth - there.growth) / there.ahead_of(here))) {
                 return true;
             }
             point = there.corrected(&aside.point);
         }
         false
+    }
+
+    /// The peak `iterate` where the search ended.
+    fn ended<'p>(&self, iterate: Iterate<'p>) -> Located<'p> {
+        Located {
+            iterate,
+            sharpness: self.measured.or(self.predicted).filter(usable),
+        }
     }
 
     /// Whether neither the residual nor the steps by the growth have been halved for long; each such step may raise the
@@ -321,16 +338,17 @@ pub fn maximum_near<'p>(
     settings: PeakSettings,
     newton: NewtonSettings,
     count: &mut WorkCount,
-) -> Result<Iterate<'p>, Status> {
-    let phasor = prediction.phasor;
-    let locked = phase_locked(balance, prediction, newton, count)?;
-    let point = locked.point.clone();
-    let direct = correct(balance, PeakPrediction { point, phasor }, settings, newton);
+) -> Result<Located<'p>, Status> {
+    let locked = phase_locked(balance, prediction.clone(), newton, count)?;
+    let start = PeakPrediction {
+        point: locked.point.clone(),
+        ..prediction
+    };
+    let direct = correct(balance, start, settings, newton);
     if let Ok(found) = count.tally(direct) {
         return Ok(found);
     }
-    let searched = find_peak(balance, locked, settings, newton);
-    Ok(count.tally(searched)?.iterate)
+    count.tally(find_peak(balance, locked, settings, newton))
 }
 
 /// The solution with the predicted phase.

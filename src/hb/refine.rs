@@ -2,8 +2,8 @@
 
 use super::alert::{AlertSets, on, pad};
 use super::balance::Balance;
-use super::newton::{Condition, Iterate, WorkCount, solve};
-use super::peak::PeakSettings;
+use super::newton::{Condition, WorkCount, solve};
+use super::peak::{Located, PeakSettings};
 use super::predicted::{PeakPrediction, correct, maximum_near};
 use super::problem::Problem;
 use super::settings::{HbSettings, NewtonSettings};
@@ -37,20 +37,19 @@ impl Kept {
         start: PeakPrediction,
         newton: NewtonSettings,
         count: &mut WorkCount,
-    ) -> Result<Iterate<'p>, Status> {
+    ) -> Result<Located<'p>, Status> {
         match self {
-            Self::Frequency => count.tally(solve(
-                balance,
-                start.point,
-                Condition::FixedFrequency,
-                newton,
-            )),
+            Self::Frequency => {
+                let fixed = Condition::FixedFrequency;
+                let iterate = count.tally(solve(balance, start.point, fixed, newton))?;
+                Ok(iterate.into())
+            }
             Self::Maximum(peak) => maximum_near(balance, start, peak, newton, count),
         }
     }
 }
 
-/// Raises the harmonics of the solution `iterate` of `balance` as far as the alert of `sets` asks, which begin with those
+/// Raises the harmonics of the solution `found` of `balance` as far as the alert of `sets` asks, which begin with those
 /// of `balance`; `count` is the work before.
 ///
 /// A solution that cannot be found on larger sets stays on the smaller one, with
@@ -58,27 +57,35 @@ impl Kept {
 #[must_use]
 pub fn refined<'p>(
     balance: &Balance<'p>,
-    iterate: Iterate<'p>,
+    found: Located<'p>,
     sets: Option<&AlertSets<'_, 'p>>,
     (kept, newton): (Kept, NewtonSettings),
     mut count: WorkCount,
 ) -> Solution {
     let Some(sets) = sets else {
-        return Solution::new(balance, &iterate, Status::Converged, count);
+        return Solution {
+            sharpness: found.sharpness,
+            ..Solution::new(balance, &found.iterate, Status::Converged, count)
+        };
     };
-    let (mut at, mut iterate) = (0, iterate);
+    let (mut at, mut found) = (0, found);
     loop {
         let balance = sets.balance(at);
+        let Located { iterate, sharpness } = &found;
         let response = iterate.response(balance);
         let phasor = response / response.norm();
-        let outlook = sets.outlook(at, &iterate, kept.condition(phasor));
+        let outlook = sets.outlook(at, iterate, kept.condition(phasor));
         count += outlook.count;
         let mut raised = |to: usize| {
             let larger = sets.balance(to);
             let corrected = outlook.steps[to - at - 1].clone();
             let padded = pad(balance, &iterate.point, larger);
             [corrected, padded].into_iter().find_map(|point| {
-                let start = PeakPrediction { point, phasor };
+                let start = PeakPrediction {
+                    point,
+                    phasor,
+                    sharpness: *sharpness,
+                };
                 let solved = kept.solved(larger, start, newton, &mut count);
                 Some((to, solved.ok()?))
             })
@@ -88,8 +95,13 @@ pub fn refined<'p>(
             false => sets.above(at).find_map(&mut raised),
         };
         match next {
-            Some(larger) => (at, iterate) = larger,
-            None => return sets.judged(at, &iterate, outlook.error, count),
+            Some(larger) => (at, found) = larger,
+            None => {
+                return Solution {
+                    sharpness: *sharpness,
+                    ..sets.judged(at, iterate, outlook.error, count)
+                };
+            }
         }
     }
 }
@@ -110,8 +122,8 @@ pub fn refined_near(
     let mut count = WorkCount::default();
     let undamped = count.tally(correct(&balance, prediction.clone(), peak, newton));
     let found = undamped.or_else(|_| maximum_near(&balance, prediction, peak, newton, &mut count));
-    let iterate = found.map_err(|status| (status, count))?;
+    let found = found.map_err(|status| (status, count))?;
     let sets = AlertSets::new(problem, harmonics, settings);
     let kept = (Kept::Maximum(peak), newton);
-    Ok(refined(&balance, iterate, sets.as_ref(), kept, count))
+    Ok(refined(&balance, found, sets.as_ref(), kept, count))
 }

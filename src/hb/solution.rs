@@ -56,6 +56,8 @@ pub struct Solution {
     pub work: CycleWork,
     /// Cautious estimate of the relative change of the amplitude by the harmonics left out.
     pub truncation_error: Option<f64>,
+    /// Sharpness of a peak (see [`super::peak::Located`]).
+    pub sharpness: Option<f64>,
     /// Newton iterations and factorisations spent.
     pub work_count: WorkCount,
 }
@@ -105,6 +107,7 @@ impl Solution {
             flight_fraction: flight_fraction(balance, &iterate.point.r),
             work: CycleWork::new(balance, iterate),
             truncation_error: None,
+            sharpness: None,
             work_count,
         };
         if status.has_solution() && model.floats && solution.bounces() {

@@ -12,7 +12,7 @@ use super::balance::Balance;
 use super::continuation::{BranchPoint, StepSettings, on_if, walk};
 use super::ladder::Ladder;
 use super::newton::{Condition, Iterate, Point, WorkCount, solve};
-use super::peak::{PeakSettings, find_peak, highest_nearby};
+use super::peak::{Located, PeakSettings, find_peak, highest_nearby};
 use super::predicted::{PeakPrediction, correct, maximum_near};
 use super::problem::Problem;
 use super::refine::{Kept, refined};
@@ -185,33 +185,31 @@ impl<'a, 'p> Track<'a, 'p> {
     }
 
     /// The maximum on the harmonics of `rung` next to the phase resonance at `level`.
-    fn located(&mut self, level: f64, rung: usize) -> Result<Iterate<'p>, Status> {
+    fn located(&mut self, level: f64, rung: usize) -> Result<Located<'p>, Status> {
         let start = self.follow(level)?;
         let start = self.climb(start, rung)?;
         self.maximum(start, rung)
     }
 
     /// The maximum next to the phase resonance `start`: directly, else by a search along the branch.
-    fn maximum(&mut self, start: Iterate<'p>, rung: usize) -> Result<Iterate<'p>, Status> {
+    fn maximum(&mut self, start: Iterate<'p>, rung: usize) -> Result<Located<'p>, Status> {
         let (balance, newton) = (&self.ladder[rung], self.settings.newton);
         let prediction = PeakPrediction {
             point: start.point.clone(),
             phasor: self.phasor,
+            sharpness: None,
         };
         let direct = self
             .count
             .tally(correct(balance, prediction, self.peak, newton));
         match direct {
             Ok(found) => Ok(found),
-            Err(_) => {
-                let searched = find_peak(balance, start, self.peak, newton);
-                Ok(self.count.tally(searched)?.iterate)
-            }
+            Err(_) => (self.count).tally(find_peak(balance, start, self.peak, newton)),
         }
     }
 
     /// The maximum on the harmonics of the study that belongs to the maximum `found` on few.
-    fn raised(&mut self, found: Iterate<'p>) -> Result<Iterate<'p>, Status> {
+    fn raised(&mut self, found: Located<'p>) -> Result<Located<'p>, Status> {
         let newton = self.settings.newton;
         let mut found = found;
         for pair in self.ladder[self.few..].windows(2) {
@@ -342,7 +340,7 @@ impl<'a, 'p> Track<'a, 'p> {
     }
 
     /// Walks through the whole band at `level` on few harmonics and locates the maximum next to the highest point met.
-    fn sweep(&mut self, level: f64) -> Result<Iterate<'p>, Status> {
+    fn sweep(&mut self, level: f64) -> Result<Located<'p>, Status> {
         let band = self.peak.band;
         let newton = self.settings.newton;
         let balance = &self.ladder[self.few];
@@ -377,10 +375,7 @@ impl<'a, 'p> Track<'a, 'p> {
             (status, _) => return Err(status),
         };
         let start = Iterate::new(balance, point);
-        let found = self
-            .count
-            .tally(find_peak(balance, start, self.peak, newton))?;
-        Ok(found.iterate)
+        (self.count).tally(find_peak(balance, start, self.peak, newton))
     }
 }
 

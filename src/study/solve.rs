@@ -256,6 +256,7 @@ mod tests {
             flight_fraction: 0.0,
             work: CycleWork::default(),
             truncation_error: None,
+            sharpness: None,
             force: Vec::new(),
             work_count: WorkCount {
                 iterations: 3,

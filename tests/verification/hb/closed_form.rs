@@ -63,7 +63,10 @@ fn peak(balance: &Balance<'_>, [omega, amplitude]: [f64; 2], level: f64) -> (f64
         frequency_tolerance: 1e-8,
     };
     let (found, _) = find_peak(balance, locked, settings, NEWTON).expect("a peak");
-    (found.iterate.point.omega, found.response.norm())
+    (
+        found.iterate.point.omega,
+        found.iterate.response(balance).norm(),
+    )
 }
 
 /// Undamped, one harmonic: X = a²/(k_t (a − πF/4)) with a = mu N, smallest at a = πF/2, where X = πF/k_t and

@@ -154,8 +154,8 @@ fn peaks_of_neighbours_are_corrected_to_the_maximum() {
         };
         corrected += 1;
         let errors = [
-            relative(top.point.omega, expected.omega),
-            relative(top.response(&balance).norm(), expected.amplitude(0)),
+            relative(top.iterate.point.omega, expected.omega),
+            relative(top.iterate.response(&balance).norm(), expected.amplitude(0)),
         ];
         println!("{} N {errors:?} {count:?}", solution.level);
         assert!(errors[0] < 2e-7 && errors[1] < 1e-7, "{errors:?}");
