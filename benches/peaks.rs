@@ -26,7 +26,8 @@ use microslip::hb::resonance::{Band, linear_resonance};
 use microslip::hb::sweep::SweepDirection;
 use microslip::hb::track::track_peaks;
 use microslip::hb::{
-    AlertSettings, Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Status,
+    AlertSettings, Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor,
+    Solution, Status,
 };
 use microslip::model::interface::InterfaceSettings;
 use microslip::model::two_blade::{TwoBladeSettings, build};
@@ -253,26 +254,34 @@ fn parts() {
             continue;
         };
         let balance = Balance::new(&problem, settings.harmonics.clone(), settings.aft);
-        let at = Iterate::new(&balance, solution.point());
-        let (r, omega, force) = (&at.point.r, at.point.omega, &at.contact.force);
-        let times = [
-            milliseconds(5, || drop(balance.compliance(omega))),
-            milliseconds(5, || {
-                drop(balance.contact(r, Want::ForcesAndTangents, Accuracy::Full))
-            }),
-            milliseconds(5, || drop(balance.motion(&at.compliance, 20.0, r, force))),
-            milliseconds(2, || {
-                let jacobian = at.jacobian(&balance);
-                drop(jacobian.solve(&at.residual));
-                drop(at.frequency_rate(&balance, &jacobian));
-            }),
-        ];
-        let [compliance, contact, motion, jacobian] = times;
-        println!(
-            "{:5} {highest:2}  {compliance:10.3} {contact:8.3} {motion:7.3} {jacobian:9.3}",
-            2 * grid[0] * grid[1]
-        );
+        print_iteration(&balance, solution);
     }
+}
+
+/// The parts of a Newton iteration at a solution.
+fn print_iteration(balance: &Balance<'_>, solution: &Solution) {
+    let at = Iterate::new(balance, solution.point());
+    let (r, omega, force) = (&at.point.r, at.point.omega, &at.contact.force);
+    let times = [
+        milliseconds(5, || drop(balance.compliance(omega))),
+        milliseconds(5, || {
+            drop(balance.contact(r, Want::ForcesAndTangents, Accuracy::Full))
+        }),
+        milliseconds(5, || {
+            drop(balance.motion(&at.compliance, solution.level, r, force));
+        }),
+        milliseconds(2, || {
+            let jacobian = at.jacobian(balance);
+            drop(jacobian.solve(&at.residual));
+            drop(at.frequency_rate(balance, &jacobian));
+        }),
+    ];
+    let [compliance, contact, motion, jacobian] = times;
+    println!(
+        "{:5} {:2}  {compliance:10.3} {contact:8.3} {motion:7.3} {jacobian:9.3}",
+        balance.layout.n_pairs,
+        balance.harmonics.highest()
+    );
 }
 
 fn strip() {
@@ -650,6 +659,15 @@ fn peers() {
         backend: Backend::Cpu,
         solver: SampleSolver::HarmonicBalance,
     };
+    println!("pairs  H    compliance  contact  motion  Jacobian and two solves (ms, fastest of 5)");
+    for mu in [0.2, 0.5, 0.8] {
+        let mut contacts = model.contacts.clone();
+        contacts.iter_mut().for_each(|c| c.mu = mu);
+        let problem = Problem::new(&linear, contacts, 1.0, settings.anchor).expect("held");
+        let peak = track_peaks(&problem, &settings, ensemble.peak, &[0.5]).expect("modes");
+        let balance = Balance::new(&problem, settings.harmonics.clone(), settings.aft);
+        print_iteration(&balance, peak[0].solution.as_ref().expect("a peak"));
+    }
     for samples in [256, 1024] {
         measured("blades-strip-oop", &ensemble, samples);
     }

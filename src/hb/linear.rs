@@ -1,8 +1,8 @@
 //! The linear model in the coordinates in which its dynamic stiffness is cheapest to invert.
 //!
 //! With q = Φ η, Φᵀ M Φ = I and Φᵀ K Φ = Λ the free structure (contacts open) obeys
-//! η̈ + Ĉ η̇ + Λ η = Φᵀ f. Where Ĉ is diagonal, as for components with modal or proportional damping, Z = Λ − Ω² + iΩĈ
-//! costs nothing to invert and the model uses these coordinates; no mode is left out. Else η = q.
+//! η̈ + Ĉ η̇ + Λ η = Φᵀ f; no mode is left out. Where Ĉ is diagonal, as for components with modal or proportional damping,
+//! Z = Λ − Ω² + iΩĈ costs nothing to invert; other damping couples some modes.
 
 use super::ProblemError;
 use crate::linalg::symmetric_generalized_eigen;
@@ -10,7 +10,7 @@ use crate::model::{ReducedModel, SparseRow};
 use faer::prelude::*;
 
 /// Off-diagonal damping below this share of its diagonal neighbours is round-off.
-const DIAGONAL_TOLERANCE: f64 = 1e-8;
+const ROUND_OFF: f64 = 1e-8;
 
 /// A [`ReducedModel`] as harmonic balance sees it: one [`Part`] per class of harmonics.
 #[derive(Debug, Clone)]
@@ -27,7 +27,7 @@ pub struct LinearModel {
 /// The linear structure in coordinates η, with its contact, load and response vectors.
 #[derive(Debug, Clone)]
 pub struct Part {
-    /// Mass, damping and stiffness of the free structure.
+    /// Stiffness and damping of the free structure.
     pub structure: Structure,
     /// Φᵀ K₀ Φ, stiffness of the 0th harmonic only.
     pub retention: Option<Mat<f64>>,
@@ -45,25 +45,24 @@ pub struct Part {
     pub force: Vec<c64>,
 }
 
-/// Matrices of the free structure.
+/// The free structure in its modes.
 #[derive(Debug, Clone)]
-pub enum Structure {
-    /// η are modal coordinates.
-    Modal {
-        /// Λ, squared natural frequencies ((rad/s)²), ascending. Shape: `[n]`.
-        lambda: Vec<f64>,
-        /// Diagonal of Ĉ (1/s). Shape: `[n]`.
-        damping: Vec<f64>,
-    },
-    /// η are the model's own degrees of freedom.
-    Physical {
-        /// M.
-        mass: Mat<f64>,
-        /// C.
-        damping: Mat<f64>,
-        /// K.
-        stiffness: Mat<f64>,
-    },
+pub struct Structure {
+    /// Λ, squared natural frequencies ((rad/s)²), ascending. Shape: `[n]`.
+    pub lambda: Vec<f64>,
+    /// Diagonal of Ĉ (1/s). Shape: `[n]`.
+    pub damping: Vec<f64>,
+    /// The rest of Ĉ.
+    pub coupling: Coupling,
+}
+
+/// Damping beside the diagonal.
+#[derive(Debug, Clone)]
+pub struct Coupling {
+    /// Modes that are coupled to any other, ascending; none for classical damping.
+    pub modes: Vec<usize>,
+    /// Ĉ among them (1/s) with zeros on the diagonal. Shape: modes × modes.
+    pub damping: Mat<f64>,
 }
 
 impl LinearModel {
@@ -83,10 +82,8 @@ impl LinearModel {
     /// Multiplies the damping matrix by `factor`.
     pub fn scale_damping(&mut self, factor: f64) {
         for part in &mut self.parts {
-            match &mut part.structure {
-                Structure::Modal { damping, .. } => damping.iter_mut().for_each(|c| *c *= factor),
-                Structure::Physical { damping, .. } => *damping *= Scale(factor),
-            }
+            (part.structure.damping.iter_mut()).for_each(|c| *c *= factor);
+            part.structure.coupling.damping *= Scale(factor);
         }
     }
 
@@ -116,7 +113,7 @@ impl LinearModel {
 }
 
 impl Part {
-    /// Chooses the coordinates and transforms everything; also says whether the free structure floats.
+    /// Transforms everything to the modes; also says whether the free structure floats.
     ///
     /// # Errors
     /// [`ProblemError::Linalg`] if M is not positive definite or the eigensolver fails.
@@ -126,29 +123,15 @@ impl Part {
         let damping = modes.transpose() * &model.damping * &modes;
         let round_off = 10.0 * f64::EPSILON * lambda.len() as f64;
         let floats = lambda.first() <= lambda.last().map(|l| round_off * l).as_ref();
-        let part = match diagonal(&damping) {
-            Some(damping) => {
-                Self::in_coordinates(model, Structure::Modal { lambda, damping }, &modes, images)
-            }
-            None => {
-                let structure = Structure::Physical {
-                    mass: model.mass.clone(),
-                    damping: model.damping.clone(),
-                    stiffness: model.stiffness.clone(),
-                };
-                let own = Mat::identity(lambda.len(), lambda.len());
-                Self::in_coordinates(model, structure, &own, images)
-            }
+        let structure = Structure {
+            damping: (0..lambda.len()).map(|i| damping[(i, i)]).collect(),
+            coupling: Coupling::of(&damping),
+            lambda,
         };
-        Ok((part, floats))
+        Ok((Self::in_modes(model, structure, &modes, images), floats))
     }
 
-    fn in_coordinates(
-        model: &ReducedModel,
-        structure: Structure,
-        phi: &Mat<f64>,
-        images: f64,
-    ) -> Self {
+    fn in_modes(model: &ReducedModel, structure: Structure, phi: &Mat<f64>, images: f64) -> Self {
         let pairs = &model.contacts;
         let rows: Vec<&SparseRow> = (pairs.iter().map(|p| &p.t1))
             .chain(pairs.iter().map(|p| &p.t2))
@@ -185,13 +168,8 @@ impl Part {
     /// Static stiffness of the free structure. Shape: n × n.
     #[must_use]
     pub fn stiffness(&self) -> Mat<f64> {
-        match &self.structure {
-            Structure::Modal { lambda, .. } => {
-                let n = lambda.len();
-                Mat::from_fn(n, n, |i, j| if i == j { lambda[i] } else { 0.0 })
-            }
-            Structure::Physical { stiffness, .. } => stiffness.clone(),
-        }
+        let (lambda, n) = (&self.structure.lambda, self.n_coordinates());
+        Mat::from_fn(n, n, |i, j| if i == j { lambda[i] } else { 0.0 })
     }
 
     /// Stiffness of the structure with springs `k` (N/m, shape `[3·n_contacts]`) between the contacts.
@@ -203,32 +181,13 @@ impl Part {
         self.stiffness() + self.contact.transpose() * springs
     }
 
-    /// (dZ/dω) η for harmonic k at ω: (−2k²ω M + ik C) η.
+    /// (dZ/dω) η for harmonic k at ω: (−2k²ω + ik Ĉ) η.
     #[must_use]
     pub fn impedance_slope(&self, k: usize, omega: f64, eta: &[c64]) -> Vec<c64> {
         let k = k as f64;
-        (self.damp(eta).iter().zip(self.weigh(eta)))
-            .map(|(c_eta, m_eta)| m_eta * (-2.0 * k * k * omega) + c64::new(0.0, k) * c_eta)
+        (self.structure.damp(eta).iter().zip(eta))
+            .map(|(c_eta, eta)| eta * (-2.0 * k * k * omega) + c64::new(0.0, k) * c_eta)
             .collect()
-    }
-
-    /// C η.
-    #[must_use]
-    pub fn damp(&self, eta: &[c64]) -> Vec<c64> {
-        match &self.structure {
-            Structure::Modal { damping, .. } => {
-                eta.iter().zip(damping).map(|(eta, c)| eta * *c).collect()
-            }
-            Structure::Physical { damping, .. } => times(damping, eta),
-        }
-    }
-
-    /// M η.
-    fn weigh(&self, eta: &[c64]) -> Vec<c64> {
-        match &self.structure {
-            Structure::Modal { .. } => eta.to_vec(),
-            Structure::Physical { mass, .. } => times(mass, eta),
-        }
     }
 
     /// B Φ η. Shape: `[n]` → `[3·n_contacts]`.
@@ -255,18 +214,42 @@ impl Part {
     }
 }
 
-/// The diagonal of Ĉ if the rest is round-off.
-fn diagonal(full: &Mat<f64>) -> Option<Vec<f64>> {
-    let n = full.nrows();
-    let largest = (0..n).map(|i| full[(i, i)]).fold(0.0, f64::max);
-    let floor = largest * f64::EPSILON * n as f64;
-    let only = (0..n).all(|i| {
-        (0..i).all(|j| {
+impl Structure {
+    /// Ĉ η.
+    #[must_use]
+    pub fn damp(&self, eta: &[c64]) -> Vec<c64> {
+        let diagonal = eta.iter().zip(&self.damping);
+        let mut damped: Vec<c64> = diagonal.map(|(eta, c)| eta * *c).collect();
+        (self.coupling).add_product(c64::new(1.0, 0.0), eta, &mut damped);
+        damped
+    }
+}
+
+impl Coupling {
+    /// What of Ĉ beside the diagonal is more than round-off.
+    fn of(full: &Mat<f64>) -> Self {
+        let n = full.nrows();
+        let largest = (0..n).map(|i| full[(i, i)]).fold(0.0, f64::max);
+        let floor = largest * f64::EPSILON * n as f64;
+        let counts = |i: usize, j: usize| {
             let neighbours = (full[(i, i)].abs() * full[(j, j)].abs()).sqrt();
-            full[(i, j)].abs() <= DIAGONAL_TOLERANCE * neighbours + floor
-        })
-    });
-    only.then(|| (0..n).map(|i| full[(i, i)]).collect())
+            i != j && full[(i, j)].abs() > ROUND_OFF * neighbours + floor
+        };
+        let modes: Vec<usize> = (0..n).filter(|&i| (0..n).any(|j| counts(i, j))).collect();
+        let damping = Mat::from_fn(modes.len(), modes.len(), |a, b| match a == b {
+            true => 0.0,
+            false => full[(modes[a], modes[b])],
+        });
+        Self { modes, damping }
+    }
+
+    /// y += factor Ĉ η with what is beside the diagonal of Ĉ.
+    pub(super) fn add_product(&self, factor: c64, eta: &[c64], y: &mut [c64]) {
+        let coupled: Vec<c64> = self.modes.iter().map(|&j| eta[j]).collect();
+        for (&i, c_eta) in self.modes.iter().zip(times(&self.damping, &coupled)) {
+            y[i] += factor * c_eta;
+        }
+    }
 }
 
 fn rows_times(rows: &[&SparseRow], phi: &Mat<f64>) -> Mat<f64> {

@@ -2,7 +2,7 @@
 //! limit at large excitation.
 
 use super::compliance::Compliance;
-use super::linear::{LinearModel, Part, Structure};
+use super::linear::{LinearModel, Part};
 use crate::linalg::{LinalgError, symmetric_generalized_eigen};
 use faer::prelude::*;
 
@@ -55,11 +55,8 @@ pub fn linear_resonance(
 ) -> Result<Option<LinearResonance>, LinalgError> {
     let part = model.part(1);
     let stiffness = part.stiffness_with_springs(k);
-    let mass = match &part.structure {
-        Structure::Modal { .. } => Mat::identity(stiffness.nrows(), stiffness.ncols()),
-        Structure::Physical { mass, .. } => mass.clone(),
-    };
-    let (lambda, modes) = symmetric_generalized_eigen(stiffness.as_ref(), mass.as_ref())?;
+    let unit = Mat::identity(stiffness.nrows(), stiffness.ncols());
+    let (lambda, modes) = symmetric_generalized_eigen(stiffness.as_ref(), unit.as_ref())?;
     let omega: Vec<f64> = lambda.iter().map(|l| l.max(0.0).sqrt()).collect();
     let strongest = (0..omega.len())
         .filter(|&j| band.contains(omega[j]))
@@ -88,7 +85,7 @@ pub fn linear_response(model: &LinearModel, k: &[f64], omega: f64) -> c64 {
 }
 
 fn damping_of(part: &Part, mode: &[c64]) -> f64 {
-    (part.damp(mode).iter().zip(mode))
+    (part.structure.damp(mode).iter().zip(mode))
         .map(|(c, x)| (c * x.conj()).re)
         .sum()
 }

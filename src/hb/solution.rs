@@ -201,7 +201,7 @@ impl CycleWork {
             if h.order == 1 {
                 work.input = PI * level * power(&h.part.force, eta);
             }
-            let damping: f64 = (h.part.damp(eta).iter().zip(eta))
+            let damping: f64 = (h.part.structure.damp(eta).iter().zip(eta))
                 .map(|(c_eta, eta)| (eta.conj() * c_eta).re)
                 .sum();
             work.viscous += PI * k * k * iterate.point.omega * damping;

@@ -1,6 +1,6 @@
 //! Derivatives of the balance equations against differences of fourth order.
 
-use super::models::{aft, modal, short, space};
+use super::models::{aft, short, space};
 use faer::prelude::c64;
 use microslip::contact::FrictionLaw;
 use microslip::harmonics::HarmonicSet;
@@ -74,12 +74,15 @@ impl Kinds {
     }
 }
 
-/// Problems in both laws, both kinds of coordinates, with few and many harmonics.
+/// Problems in both laws, with damping that couples the modes or not, with few and many harmonics.
 fn for_every_discretisation(mut check: impl FnMut(FrictionLaw, &Balance<'_>, &mut ChaCha8Rng)) {
     let mut rng = ChaCha8Rng::seed_from_u64(11);
-    let case = space().with_contacts(1.0, 0.3);
-    let physical = LinearModel::new(&case.model).expect("definite");
-    for linear in [physical, modal(&case.model)] {
+    let mut case = space().with_contacts(1.0, 0.3);
+    for dashpot in [0.0, 5.0] {
+        case.model.damping[(0, 0)] += dashpot;
+        let linear = LinearModel::new(&case.model).expect("definite");
+        let coupled = &linear.part(1).structure.coupling.modes;
+        assert_eq!(coupled.is_empty(), dashpot == 0.0, "{coupled:?}");
         let anchor = SliderAnchor::Unloaded;
         let problem = Problem::new(&linear, case.contacts.clone(), 1.0, anchor).expect("held");
         for law in [FrictionLaw::Box, FrictionLaw::Circle] {

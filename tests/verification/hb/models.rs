@@ -3,8 +3,6 @@
 use faer::Mat;
 use microslip::aft::{AftSettings, Laps};
 use microslip::contact::{ContactParameters, Events, FrictionLaw};
-use microslip::hb::linear::{LinearModel, Part, Structure};
-use microslip::linalg::symmetric_generalized_eigen;
 use microslip::model::{ContactPair, ReducedModel, Response, SparseRow};
 
 /// A model and its nominal contact parameters.
@@ -208,50 +206,6 @@ pub(super) fn space() -> Case {
         model,
         contacts: vec![contact; 8],
     }
-}
-
-/// The same linear model in modal coordinates, whatever its size; the damping must be diagonal in the modes.
-pub(super) fn modal(model: &ReducedModel) -> LinearModel {
-    let own = LinearModel::new(model).expect("definite");
-    if matches!(own.part(0).structure, Structure::Modal { .. }) {
-        return own;
-    }
-    let (lambda, phi) =
-        symmetric_generalized_eigen(model.stiffness.as_ref(), model.mass.as_ref()).expect("modes");
-    let damping = phi.transpose() * &model.damping * &phi;
-    let n = lambda.len();
-    let part = own.part(0);
-    let modal = Part {
-        structure: Structure::Modal {
-            damping: (0..n).map(|i| damping[(i, i)]).collect(),
-            lambda,
-        },
-        retention: (part.retention.as_ref()).map(|k| phi.transpose() * k * &phi),
-        contact: &part.contact * &phi,
-        images: part.images,
-        response: &part.response * &phi,
-        static_force: (0..n)
-            .map(|j| dot(phi.col(j).iter(), &part.static_force))
-            .collect(),
-        loads: Vec::new(),
-        force: (0..n)
-            .map(|j| {
-                phi.col(j)
-                    .iter()
-                    .zip(&part.force)
-                    .map(|(p, f)| f * *p)
-                    .sum()
-            })
-            .collect(),
-    };
-    LinearModel {
-        parts: vec![modal],
-        ..own
-    }
-}
-
-fn dot<'a>(a: impl Iterator<Item = &'a f64>, b: &[f64]) -> f64 {
-    a.zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Errors in two digits.

@@ -5,7 +5,7 @@
 //! in-plane position, which exists in harmonic 0 only, acts on the mean of the period before.
 
 use super::invariants::settings;
-use super::models::{modal, plane};
+use super::models::plane;
 use crate::two_blade::{RIG, contacts};
 use faer::prelude::*;
 use microslip::contact::FrictionLaw;
@@ -47,9 +47,9 @@ impl<'a> March<'a> {
     fn new(problem: &'a Problem<'a>, iterate: &Iterate<'_>, n_steps: usize) -> Self {
         let model = problem.model;
         let part = model.part(0);
-        let Structure::Modal { lambda, damping } = &part.structure else {
-            unreachable!("modal coordinates")
-        };
+        let Structure {
+            lambda, damping, ..
+        } = &part.structure;
         let omega = iterate.point.omega;
         let step = TAU / omega / n_steps as f64;
         let at = |i: f64| motion(iterate, i * step * omega);
@@ -238,7 +238,7 @@ fn time_integration_of_the_lumped_blades_agrees() {
     for (dof, mass) in [(2, 1.58e-3), (3, 1.58e-3), (4, 1.58e-3 * 1e-4 / 12.0)] {
         case.model.damping[(dof, dof)] = 2000.0 * mass;
     }
-    let linear = modal(&case.model);
+    let linear = LinearModel::new(&case.model).expect("definite");
     let anchor = SliderAnchor::Unloaded;
     let problem = Problem::new(&linear, case.contacts, 1.0, anchor).expect("held");
     for (level, hertz) in [(10.0, 417.0), (40.0, 380.0)] {
@@ -282,20 +282,23 @@ fn time_integration_of_the_lumped_blades_agrees() {
 
 /// The rig without its modes above `hertz`.
 fn truncated(hertz: f64) -> LinearModel {
-    let full = modal(&RIG.reduced);
+    let full = LinearModel::new(&RIG.reduced).expect("definite");
     let part = full.part(0);
-    let Structure::Modal { lambda, damping } = &part.structure else {
-        unreachable!("modal coordinates")
-    };
+    let Structure {
+        lambda,
+        damping,
+        coupling,
+    } = &part.structure;
     let n = lambda
         .iter()
         .filter(|l| **l < (TAU * hertz).powi(2))
         .count();
     let columns = |a: &Mat<f64>| a.submatrix(0, 0, a.nrows(), n).to_owned();
     let truncated = Part {
-        structure: Structure::Modal {
+        structure: Structure {
             lambda: lambda[..n].to_vec(),
             damping: damping[..n].to_vec(),
+            coupling: coupling.clone(),
         },
         retention: (part.retention.as_ref()).map(|k| k.submatrix(0, 0, n, n).to_owned()),
         contact: columns(&part.contact),
