@@ -195,14 +195,16 @@ impl<T: Real> Intervals<T> {
             for l in 0..LANES {
                 let gap = [a.gap[l], b.gap[l]];
                 let v = 2 * LANES + l;
-                let gap_rate = [ra[v], rb[v]].map(|r| step * p.k_n[l] * r);
+                let rate_of_gap = step * p.k_n[l];
+                let gap_rate = [rate_of_gap * ra[v], rate_of_gap * rb[v]];
                 let mut mark: T = number(CROSSING, (gap[0] > T::ZERO) != (gap[1] > T::ZERO));
                 mark += number(DIP, dips(gap, gap_rate));
                 if !bounds {
                     marks[l] = mark;
                     continue;
                 }
-                let friction = [gap[0], gap[1], gap_rate[0], gap_rate[1]].map(|x| p.mu[l] * x);
+                let mu = p.mu[l];
+                let friction = [mu * gap[0], mu * gap[1], mu * gap_rate[0], mu * gap_rate[1]];
                 let first = [a.u[0][l], b.u[0][l], step * ra[l], step * rb[l]];
                 let second = [
                     a.u[1][l],

@@ -4,10 +4,10 @@
 //! as [`super::slip`] says until its slider would move backwards: λ = e·s' − L' falls to 0.
 
 use super::breakpoints::{Breakpoint, Signals, basis_row, signal_rates};
-use super::march::{Components, Lane, Workspace};
+use super::march::{Components, LANES, Lane, Workspace};
 use super::plan::AftPlan;
 use super::roots::{crossing_share, linear_share, turn_share, zero};
-use super::slip::{Dual, HalfAngle, SlipStep};
+use super::slip::{Dual, HalfAngle, SlipStep, numbers};
 use crate::contact::ContactParameters;
 use crate::contact::Real;
 use std::f64::consts::TAU;
@@ -29,6 +29,29 @@ pub(super) struct Node<T> {
 }
 
 impl<T: Real> Node<T> {
+    /// Sample i of a state of the group, for i up to Nt.
+    #[inline(always)]
+    pub(super) fn sampled(
+        (work, rates): (&Workspace<T>, &[Components<T>]),
+        p: &ContactParameters<T>,
+        lane: usize,
+        i: usize,
+    ) -> Self {
+        let n = rates.len();
+        let at = if i == n { 0 } else { i };
+        let (s, rate) = (&work.samples[at], &rates[at]);
+        Self {
+            sample: Some(i),
+            theta: T::from_f64(i as f64 * TAU / n as f64),
+            path: [p.k_t[0] * s.u[0][lane], p.k_t[1] * s.u[1][lane]],
+            rate: [p.k_t[0] * rate[lane], p.k_t[1] * rate[LANES + lane]],
+            bend: [T::ZERO; 2],
+            limit: p.mu * s.normal(lane),
+            limit_rate: p.mu * (p.k_n * rate[2 * LANES + lane]),
+            limit_bend: T::ZERO,
+        }
+    }
+
     /// Rate at which the slider moves along `e`.
     #[inline(always)]
     pub(super) fn sliding(&self, e: [T; 2]) -> T {
@@ -66,7 +89,8 @@ pub(super) fn normal<T: Real>(e: [T; 2]) -> [T; 2] {
 pub(super) struct Course<'a, T> {
     pub plan: &'a AftPlan<T>,
     pub work: &'a Workspace<T>,
-    pub rates: &'a [Components<T>],
+    /// The samples. Shape: `[time + 1]`.
+    pub nodes: &'a [Node<T>],
     /// Slip from each sample to the next one.
     pub maps: &'a [[Lane<T>; 4]],
     pub lane: usize,
@@ -79,23 +103,12 @@ impl<T: Real> Course<'_, T> {
     /// The sample i; i = Nt is sample 0 a period later.
     #[inline(always)]
     pub(super) fn sample(&self, i: usize) -> Node<T> {
-        let at = if i == self.plan.n_time() { 0 } else { i };
-        let (s, rate, l, p) = (&self.work.samples[at], &self.rates[at], self.lane, self.p);
-        Node {
-            sample: Some(i),
-            theta: self.phase(i),
-            path: [p.k_t[0] * s.u[0][l], p.k_t[1] * s.u[1][l]],
-            rate: [p.k_t[0] * rate[l], p.k_t[1] * rate[super::march::LANES + l]],
-            bend: [T::ZERO; 2],
-            limit: p.mu * s.normal(l),
-            limit_rate: p.mu * (p.k_n * rate[2 * super::march::LANES + l]),
-            limit_bend: T::ZERO,
-        }
+        self.nodes[i]
     }
 
     #[inline(always)]
     pub(super) fn phase(&self, i: usize) -> T {
-        T::from_f64(i as f64 * TAU / self.plan.n_time() as f64)
+        self.nodes[i].theta
     }
 
     /// The signals at a phase, and the basis row there.
@@ -141,7 +154,7 @@ impl<T: Real> Course<'_, T> {
         let [end, end_rate, _] = next.excess(slider);
         let margin = self.work.tolerance[self.lane];
         let least = margin * (next.limit + next.limit + margin);
-        if end <= least && end_rate >= T::ZERO {
+        if end <= least && (end_rate >= T::ZERO || here.excess(slider)[1] <= T::ZERO) {
             return None;
         }
         self.crossing([here, next], slider, least, row)
@@ -177,9 +190,6 @@ impl<T: Real> Course<'_, T> {
             }
         } else {
             // Inside at both ends, and perhaps not between them.
-            if rates[0] <= T::ZERO {
-                return None;
-            }
             let share = turn_share(end - start, rates);
             let rest = T::ONE - share;
             let [start_part, end_part] = [rest * rest, share * share];
@@ -250,7 +260,7 @@ impl<T: Real> Course<'_, T> {
 pub(super) fn slip_step<T: Real, const N: usize>(here: &Node<T>, next: &Node<T>) -> SlipStep<T, N> {
     let input = |i: usize, value: T| Dual {
         value,
-        slope: std::array::from_fn(|j| if i == j { T::ONE } else { T::ZERO }),
+        slope: numbers(|j| if i == j { T::ONE } else { T::ZERO }),
     };
     SlipStep {
         path: [0, 1].map(|d| input(d, next.path[d] - here.path[d])),

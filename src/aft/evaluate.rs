@@ -28,8 +28,9 @@ type LastEvents = [[Option<Event>; 2]; LANES];
 /// Contact forces, and tangents if wanted, of every state of the batch.
 ///
 /// The result of a state does not depend on the others, bit for bit. Neither does it depend on the processor's
-/// instruction set, which is found at run time: products are rounded before they are summed (no fused multiply-add).
-/// Only sines and cosines come from the platform's library. Buffers of `out` are reused.
+/// instruction set, which is found at run time: every operation rounds once and correctly, fused multiply-adds too
+/// (without an instruction for them they are slow). Only sines and cosines come from the platform's library. Buffers of
+/// `out` are reused.
 pub fn evaluate<T: Real>(
     plan: &AftPlan<T>,
     batch: &AftBatch<T>,
@@ -119,7 +120,8 @@ fn locate<S: Simd, T: Real>(
         FrictionLaw::Circle => {
             located_circle.mark(simd, plan, work);
             for lane in lanes.clone() {
-                located_circle.evaluate(Place::new(plan, batch, work, (first, lane)), want, out);
+                let place = Place::new(plan, batch, work, (first, lane));
+                located_circle.evaluate(simd, place, want, out);
                 located_circle.put_tractions(work, lane);
             }
             store_forces(simd, plan, work, first, out);
@@ -142,9 +144,10 @@ fn march_box<T: Real>(
         Laps::Periodic => 2,
     };
     let mut events = LastEvents::default();
-    let mut w = work.parameters.anchor;
-    let mut start = w;
-    let mut count = work.box_lap(&mut w);
+    let p = &work.parameters;
+    let mut z = [0, 1].map(|d| std::array::from_fn(|l| p.k_t[d][l] * p.anchor[d][l]));
+    let mut start = z;
+    let mut count = work.box_lap(&mut z);
     let stuck: [bool; LANES] =
         std::array::from_fn(|l| count.slip[l] == T::ZERO && work.separated[l] == T::ZERO);
     let all_stuck = stuck.iter().all(|&s| s);
@@ -153,8 +156,8 @@ fn march_box<T: Real>(
             update_events(plan, work, &stuck, &mut events);
         }
         work.samples[0].closing = work.closing_over_end;
-        start = w;
-        count = work.box_lap(&mut w);
+        start = z;
+        count = work.box_lap(&mut z);
     }
     let mut cycle = Cycle {
         count,
@@ -171,8 +174,7 @@ fn march_box<T: Real>(
         stuck,
     };
     for l in 0..LANES {
-        let (start, end) = (circle::lane2(&start, l), circle::lane2(&w, l));
-        let change = circle::size(circle::change_over_lap(work, l, start, end));
+        let change = circle::size([0, 1].map(|d| z[d][l] - start[d][l]));
         if change <= work.tolerance[l] {
             cycle.periodicity[l] = box_periodicity(work, &cycle, l);
         }
@@ -307,8 +309,8 @@ mod tests {
         }
     }
 
-    /// Plain products and sums alone, so that no instruction set rounds them otherwise.
-    /// Seen to fail with: vector sums of `table_product` rounded otherwise.
+    /// Every operation is rounded correctly, so that no instruction set gives another result.
+    /// Seen to fail with: products of `table_product` rounded before the sum on one of two instruction sets.
     #[test]
     fn every_instruction_set_gives_the_same_bits() {
         let set = HarmonicSet::up_to(5);

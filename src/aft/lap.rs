@@ -5,11 +5,13 @@
 
 use super::breakpoints::{basis_row, first_sample_from};
 use super::course::{Course, Node, dot, normal, slip_step};
-use super::plan::AftPlan;
-use super::sensitivity::{Base, Blocks, Mix, Rows, add_mix, scale};
-use super::slip::HalfAngle;
-use super::tangent::add_scaled;
+use super::plan::{AftPlan, CHUNK};
+use super::sensitivity::{
+    Base, Basis, Blocks, Mix, Row, Rows, add_mix, add_row, add_step, scale, set_rows,
+};
+use super::slip::{HalfAngle, numbers};
 use crate::contact::Real;
+use pulp::Simd;
 use std::f64::consts::TAU;
 
 /// What a closed contact does.
@@ -44,7 +46,7 @@ pub(super) struct Lap<T> {
     row: Vec<T>,
     next_row: Vec<T>,
     /// Row under construction.
-    sliding: Vec<T>,
+    sliding: Row<T>,
     /// Where the present slip began.
     slider: [T; 2],
     /// First sample of the present stick.
@@ -52,10 +54,11 @@ pub(super) struct Lap<T> {
 }
 
 /// A lap in progress; `target` takes the derivatives.
-pub(super) struct Walk<'a, T> {
+pub(super) struct Walk<'a, S, T> {
+    pub simd: S,
     pub course: Course<'a, T>,
     pub lap: &'a mut Lap<T>,
-    pub target: Option<(&'a mut Blocks<T>, &'a mut [T])>,
+    pub target: Option<&'a mut Blocks<T>>,
 }
 
 impl<T: Real> Lap<T> {
@@ -87,15 +90,15 @@ fn kink_weights<T: Real>(plan: &AftPlan<T>, theta: T) -> [T; 2] {
 
 /// The basis row at a node: that of its sample, or `row` of an event.
 #[inline(always)]
-fn row_at<'a, T: Real>(plan: &'a AftPlan<T>, node: &Node<T>, row: &'a [T]) -> &'a [T] {
+fn basis_at<'a, T: Real>(plan: &AftPlan<T>, node: &Node<T>, row: &'a [T]) -> Basis<'a, T> {
     match node.sample {
-        Some(i) if i == plan.n_time() => plan.row(0),
-        Some(i) => plan.row(i),
-        None => row,
+        Some(i) if i == plan.n_time() => Basis::Sample(0),
+        Some(i) => Basis::Sample(i),
+        None => Basis::Event(row),
     }
 }
 
-impl<'a, T: Real> Walk<'a, T> {
+impl<'a, S: Simd, T: Real> Walk<'a, S, T> {
     /// The lap from the slider k_t w (N); returns where it ends.
     #[inline(always)]
     pub(super) fn go(mut self, slider: [T; 2]) -> [T; 2] {
@@ -131,8 +134,8 @@ impl<'a, T: Real> Walk<'a, T> {
         }
         let open = points.last().is_some_and(|last| last.open);
         let slider = self.rest(motion, open);
-        if let Some((blocks, out)) = self.target {
-            blocks.flush(self.course.plan, out);
+        if let Some(blocks) = self.target {
+            blocks.flush(self.simd, self.course.plan);
         }
         slider
     }
@@ -166,18 +169,18 @@ impl<'a, T: Real> Walk<'a, T> {
     fn turn_towards(&mut self, node: &Node<T>, e: [T; 2], size: T) {
         let base = self.base();
         let (p, lap) = (normal(e), &mut *self.lap);
-        let row = row_at(base.plan, node, &lap.row);
+        let at = basis_at(base.plan, node, &lap.row);
         let [first, second] = &lap.rows.slider;
         let factors = p.map(|p| p / size);
-        for ((angle, &a), &b) in lap.rows.angle.iter_mut().zip(first).zip(second) {
-            *angle = -(factors[0] * a + factors[1] * b);
-        }
+        set_rows(&mut lap.rows.angle, [first, second], |_, a, b| {
+            -(factors[0] * a + factors[1] * b)
+        });
         let mix = Mix {
             path: factors,
             ..Mix::NONE
         };
-        add_mix(base, &mut lap.rows.angle, row, mix);
-        lap.rows.instant.fill(T::ZERO);
+        add_mix(base, &mut lap.rows.angle, at, mix);
+        lap.rows.instant.fill([T::ZERO; CHUNK]);
     }
 
     #[inline(always)]
@@ -192,54 +195,61 @@ impl<'a, T: Real> Walk<'a, T> {
     #[inline(always)]
     fn contact(
         &mut self,
-        mut here: Node<T>,
+        here: Node<T>,
         mut motion: Motion<T>,
         end: Option<T>,
     ) -> (Node<T>, Motion<T>) {
         let course = self.course;
         let n = course.plan.n_time();
-        let mut i = here.sample.map_or_else(
+        // Samples are not copied: most nodes are samples.
+        let (mut event, mut at) = (here, here.sample);
+        let mut i = at.map_or_else(
             || first_sample_from(here.theta.to_f64(), n as f64),
             |sample| sample + 1,
         );
         loop {
+            let here = at.map_or(&event, |sample| &course.nodes[sample]);
             let inside = end.is_none_or(|end| i < n && course.phase(i) < end);
+            let root;
             let next = match end {
-                Some(end) if !inside => course.gap_root(end, &mut self.lap.next_row),
-                _ => course.sample(i),
+                Some(end) if !inside => {
+                    root = course.gap_root(end, &mut self.lap.next_row);
+                    &root
+                }
+                _ => &course.nodes[i],
             };
             match motion {
                 Motion::Stick(slider) => {
-                    let nodes = [&here, &next];
                     let row = &mut self.lap.next_row;
-                    if let Some(event) = course.slip_start(nodes, slider, row) {
+                    if let Some(start) = course.slip_start([here, next], slider, row) {
                         self.end_stick(i);
-                        (here, motion) = (event, self.start_slip(&event, slider));
+                        motion = self.start_slip(&start, slider);
+                        (event, at) = (start, None);
                         continue;
                     }
                 }
                 Motion::Slip(half) => {
-                    let after = half.after(course.map(&here, &next));
+                    let after = half.after(course.map(here, next));
                     if inside && next.sliding(after.direction()) <= T::ZERO {
                         let row = &mut self.lap.next_row;
-                        let event = course.slip_end([&here, &next], half, after, row);
-                        motion = self.end_slip([&here, &event], half);
-                        here = event;
+                        let stop = course.slip_end([here, next], half, after, row);
+                        motion = self.end_slip([here, &stop], half);
+                        (event, at) = (stop, None);
                         continue;
                     }
-                    let turning = self.slide([&here, &next], half, after);
+                    let turning = self.slide([here, next], half, after);
                     if !inside {
-                        self.open(&next, after, turning);
+                        self.open(next, after, turning);
                     }
                     motion = Motion::Slip(after);
                 }
             }
-            here = next;
             if !inside || i == n {
                 self.end_stick(i);
-                return (here, motion);
+                return (*next, motion);
             }
-            self.keep(i, &here, motion);
+            self.keep(i, next, motion);
+            at = Some(i);
             i += 1;
         }
     }
@@ -258,21 +268,10 @@ impl<'a, T: Real> Walk<'a, T> {
                 self.lap.tractions[i] = e.map(|e| node.limit * e);
                 self.lap.slip += 1;
                 let base = self.base();
-                if let Some((blocks, out)) = &mut self.target {
-                    let b = base.plan.row(i);
-                    let p = normal(e);
-                    for (d, row) in blocks.traction.iter_mut().enumerate() {
-                        let factor = node.limit * p[d];
-                        for (row, &angle) in row.iter_mut().zip(&self.lap.rows.angle) {
-                            *row = factor * angle;
-                        }
-                        let mix = Mix {
-                            limit: e[d],
-                            ..Mix::NONE
-                        };
-                        add_mix(base, row, b, mix);
-                    }
-                    blocks.weigh(base.plan, b, [T::ONE, T::ZERO], out);
+                if let Some(blocks) = &mut self.target {
+                    let turned = normal(e).map(|p| node.limit * p);
+                    let angle = &self.lap.rows.angle;
+                    blocks.slip(self.simd, base, i, (angle, turned), e);
                 }
             }
         }
@@ -280,11 +279,11 @@ impl<'a, T: Real> Walk<'a, T> {
 
     /// The samples before i that stick.
     fn end_stick(&mut self, i: usize) {
-        let base = self.base();
         if let Some(from) = self.lap.stick_from.take()
-            && let Some((blocks, out)) = &mut self.target
+            && let Some(blocks) = &mut self.target
         {
-            blocks.stick(base, from..i, &self.lap.rows.slider, out);
+            let plan = self.course.plan;
+            blocks.stick(self.simd, plan, from..i, &self.lap.rows.slider);
         }
     }
 
@@ -307,27 +306,26 @@ impl<'a, T: Real> Walk<'a, T> {
         let lap = &mut *self.lap;
         // e·(ds + s' dθ − dz) = dL + L' dθ.
         let [first, second] = &lap.rows.slider;
-        for ((instant, &a), &b) in lap.rows.instant.iter_mut().zip(first).zip(second) {
-            *instant = inverse * (e[0] * a + e[1] * b);
-        }
+        set_rows(&mut lap.rows.instant, [first, second], |_, a, b| {
+            inverse * (e[0] * a + e[1] * b)
+        });
         let mix = Mix {
             path: e.map(|e| -(inverse * e)),
             limit: inverse,
             ..Mix::NONE
         };
-        add_mix(base, &mut lap.rows.instant, &lap.row, mix);
+        add_mix(base, &mut lap.rows.instant, Basis::Event(&lap.row), mix);
         let turning = dot(p, node.rate) / size;
-        add_scaled(&mut lap.rows.angle, turning, &lap.rows.instant);
+        add_row(&mut lap.rows.angle, turning, &lap.rows.instant);
         let jump = e.map(|e| -(sliding * e));
         self.kink(node, jump, |lap, out| {
             lap.sliding_row(base, node, e);
             let moved = dot(e, node.bend) - node.limit_bend;
-            add_scaled(&mut lap.sliding, moved, &lap.rows.instant);
+            add_row(&mut lap.sliding, moved, &lap.rows.instant);
             for (d, row) in out.iter_mut().enumerate() {
-                let pairs = lap.sliding.iter().zip(&lap.rows.angle);
-                for (row, (&dl, &angle)) in row.iter_mut().zip(pairs) {
-                    *row = -(e[d] * dl + sliding * p[d] * angle);
-                }
+                set_rows(row, [&lap.sliding, &lap.rows.angle], |_, dl, angle| {
+                    -(e[d] * dl + sliding * p[d] * angle)
+                });
             }
         });
         Motion::Slip(HalfAngle::of(e))
@@ -349,7 +347,7 @@ impl<'a, T: Real> Walk<'a, T> {
         };
         lap.rows.instant.copy_from_slice(&lap.sliding);
         scale(&mut lap.rows.instant, factor);
-        add_scaled(&mut lap.rows.angle, turning, &lap.rows.instant);
+        add_row(&mut lap.rows.angle, turning, &lap.rows.instant);
         let slider = self.stop(node, after);
         let lap = &mut *self.lap;
         lap.note_way(slider);
@@ -362,16 +360,16 @@ impl<'a, T: Real> Walk<'a, T> {
         let e = half.direction();
         let p = normal(e);
         let lap = &mut *self.lap;
-        let row = row_at(base.plan, node, &lap.row);
+        let at = basis_at(base.plan, node, &lap.row);
         for (d, slider) in lap.rows.slider.iter_mut().enumerate() {
             let (turned, moved) = (node.limit * p[d], node.rate[d] - e[d] * node.limit_rate);
-            let pairs = lap.rows.angle.iter().zip(&lap.rows.instant);
-            for (slider, (&angle, &instant)) in slider.iter_mut().zip(pairs) {
-                *slider = moved * instant - turned * angle;
-            }
+            let rows: [&[_]; 2] = [&lap.rows.angle, &lap.rows.instant];
+            set_rows(slider, rows, |_, angle, instant| {
+                moved * instant - turned * angle
+            });
             let mut mix = Mix::NONE;
             (mix.path[d], mix.limit) = (T::ONE, -e[d]);
-            add_mix(base, slider, row, mix);
+            add_mix(base, slider, at, mix);
         }
         [0, 1].map(|d| node.path[d] - node.limit * e[d])
     }
@@ -388,26 +386,32 @@ impl<'a, T: Real> Walk<'a, T> {
             scale(&mut lap.rows.angle, factor);
             return T::ZERO;
         }
-        let map = slip_step::<T, 6>(here, next).map();
+        let map = slip_step::<T, 8>(here, next).map();
         let (factor, turned) = half.angle_rates(map.map(|m| m.value), after);
-        let slopes: [T; 6] = std::array::from_fn(|i| turned(map.map(|m| m.slope[i])));
+        let slopes: [T; 8] = numbers(|i| turned([0, 1, 2, 3].map(|k: usize| map[k].slope[i])));
         let (path, rate, length) = ([slopes[0], slopes[1]], [slopes[2], slopes[3]], slopes[5]);
         let limit = T::from_f64(0.5) * slopes[4];
+        let ends = [
+            basis_at(base.plan, here, &lap.row),
+            basis_at(base.plan, next, &lap.next_row),
+        ];
         scale(&mut lap.rows.angle, factor);
+        if let [Basis::Sample(here), Basis::Sample(next)] = ends {
+            add_step(base, &mut lap.rows.angle, [here, next], path, rate, limit);
+            return T::ZERO;
+        }
         let mut mix = Mix {
             path: path.map(|x| -x),
             limit,
             ..Mix::NONE
         };
-        let row = row_at(base.plan, here, &lap.row);
-        add_mix(base, &mut lap.rows.angle, row, mix);
+        add_mix(base, &mut lap.rows.angle, ends[0], mix);
         if here.sample.is_none() {
             let moved = limit * here.limit_rate - dot(path, here.rate) - length;
-            add_scaled(&mut lap.rows.angle, moved, &lap.rows.instant);
+            add_row(&mut lap.rows.angle, moved, &lap.rows.instant);
         }
         (mix.path, mix.rate) = (path, rate);
-        let row = row_at(base.plan, next, &lap.next_row);
-        add_mix(base, &mut lap.rows.angle, row, mix);
+        add_mix(base, &mut lap.rows.angle, ends[1], mix);
         if next.sample.is_none() {
             std::mem::swap(&mut lap.row, &mut lap.next_row);
         }
@@ -423,33 +427,33 @@ impl<'a, T: Real> Walk<'a, T> {
         let speed = dot(node.rate, node.rate).sqrt();
         if speed <= node.limit_rate {
             for (d, slider) in lap.rows.slider.iter_mut().enumerate() {
-                slider.fill(T::ZERO);
-                add_scaled(slider, node.rate[d], &lap.rows.instant);
+                slider.fill([T::ZERO; CHUNK]);
+                add_row(slider, node.rate[d], &lap.rows.instant);
                 let mut mix = Mix::NONE;
                 mix.path[d] = T::ONE;
-                add_mix(base, slider, &lap.row, mix);
+                add_mix(base, slider, Basis::Event(&lap.row), mix);
             }
             self.kink(&node, node.rate, |lap, out| {
                 for (d, row) in out.iter_mut().enumerate() {
-                    row.fill(T::ZERO);
-                    add_scaled(row, node.bend[d], &lap.rows.instant);
+                    row.fill([T::ZERO; CHUNK]);
+                    add_row(row, node.bend[d], &lap.rows.instant);
                     let mut mix = Mix::NONE;
                     mix.rate[d] = T::ONE;
-                    add_mix(base, row, &lap.row, mix);
+                    add_mix(base, row, Basis::Event(&lap.row), mix);
                 }
             });
             return (node, Motion::Stick(node.path));
         }
         let e = node.rate.map(|v| v / speed);
         let p = normal(e);
-        lap.rows.angle.fill(T::ZERO);
+        lap.rows.angle.fill([T::ZERO; CHUNK]);
         let turning = dot(p, node.bend) / speed;
-        add_scaled(&mut lap.rows.angle, turning, &lap.rows.instant);
+        add_row(&mut lap.rows.angle, turning, &lap.rows.instant);
         let mix = Mix {
             rate: p.map(|p| p / speed),
             ..Mix::NONE
         };
-        add_mix(base, &mut lap.rows.angle, &lap.row, mix);
+        add_mix(base, &mut lap.rows.angle, Basis::Event(&lap.row), mix);
         lap.slider = node.path;
         self.limit_kink(&node, e, T::ONE);
         (node, Motion::Slip(HalfAngle::of(e)))
@@ -461,7 +465,7 @@ impl<'a, T: Real> Walk<'a, T> {
         let lap = &mut *self.lap;
         lap.note_way(node.path);
         lap.instant_of_gap_root(base, node);
-        add_scaled(&mut lap.rows.angle, turning, &lap.rows.instant);
+        add_row(&mut lap.rows.angle, turning, &lap.rows.instant);
         self.limit_kink(node, half.direction(), -T::ONE);
     }
 
@@ -474,15 +478,15 @@ impl<'a, T: Real> Walk<'a, T> {
             for (d, row) in out.iter_mut().enumerate() {
                 let (moved, turned) =
                     (sign * e[d] * node.limit_bend, sign * node.limit_rate * p[d]);
-                let pairs = lap.rows.instant.iter().zip(&lap.rows.angle);
-                for (row, (&instant, &angle)) in row.iter_mut().zip(pairs) {
-                    *row = moved * instant + turned * angle;
-                }
+                let rows: [&[_]; 2] = [&lap.rows.instant, &lap.rows.angle];
+                set_rows(row, rows, |_, instant, angle| {
+                    moved * instant + turned * angle
+                });
                 let mix = Mix {
                     limit_rate: sign * e[d],
                     ..Mix::NONE
                 };
-                add_mix(base, row, &lap.row, mix);
+                add_mix(base, row, Basis::Event(&lap.row), mix);
             }
         });
     }
@@ -493,28 +497,28 @@ impl<'a, T: Real> Walk<'a, T> {
         &mut self,
         node: &Node<T>,
         jump: [T; 2],
-        jump_rows: impl FnOnce(&mut Lap<T>, &mut [Vec<T>; 2]),
+        jump_rows: impl FnOnce(&mut Lap<T>, &mut [Row<T>; 2]),
     ) {
         let plan = self.course.plan;
         let theta = node.theta;
         self.lap.kinks.push(Kink { theta, jump });
-        let Some((blocks, out)) = &mut self.target else {
+        let Some(blocks) = &mut self.target else {
             return;
         };
         let [weight, slope] = kink_weights(plan, theta);
         jump_rows(self.lap, &mut blocks.traction);
         for (row, &jump) in blocks.traction.iter_mut().zip(&jump) {
-            for (row, &instant) in row.iter_mut().zip(&self.lap.rows.instant) {
-                *row = weight * *row + slope * jump * instant;
-            }
+            scale(row, weight);
+            add_row(row, slope * jump, &self.lap.rows.instant);
         }
-        blocks.weigh(plan, &self.lap.row, [T::ONE, T::ZERO], out);
+        blocks.weigh(self.simd, plan, &self.lap.row, [T::ONE, T::ZERO]);
         for (row, &jump) in blocks.traction.iter_mut().zip(&jump) {
-            for (row, &instant) in row.iter_mut().zip(&self.lap.rows.instant) {
-                *row = weight * jump * instant;
-            }
+            let instant = &self.lap.rows.instant;
+            set_rows(row, [instant, instant], |_, instant, _| {
+                weight * jump * instant
+            });
         }
-        blocks.weigh(plan, &self.lap.row, [T::ZERO, T::ONE], out);
+        blocks.weigh(self.simd, plan, &self.lap.row, [T::ZERO, T::ONE]);
     }
 
     /// The slider at the end of the lap, and its rows.
@@ -523,17 +527,17 @@ impl<'a, T: Real> Walk<'a, T> {
         let node = self.course.sample(base.plan.n_time());
         if open {
             for (d, slider) in self.lap.rows.slider.iter_mut().enumerate() {
-                slider.fill(T::ZERO);
+                slider.fill([T::ZERO; CHUNK]);
                 let mut mix = Mix::NONE;
                 mix.path[d] = T::ONE;
-                add_mix(base, slider, base.plan.row(0), mix);
+                add_mix(base, slider, Basis::Sample(0), mix);
             }
             return node.path;
         }
         match motion {
             Motion::Stick(slider) => slider,
             Motion::Slip(half) => {
-                self.lap.rows.instant.fill(T::ZERO);
+                self.lap.rows.instant.fill([T::ZERO; CHUNK]);
                 let slider = self.stop(&node, half);
                 self.lap.note_way(slider);
                 slider
@@ -552,27 +556,25 @@ impl<T: Real> Lap<T> {
     /// Row of the phase of a root of the gap function.
     fn instant_of_gap_root(&mut self, base: Base<T>, node: &Node<T>) {
         let instant = &mut self.rows.instant;
-        instant.fill(T::ZERO);
+        instant.fill([T::ZERO; CHUNK]);
         if node.limit_rate != T::ZERO {
             let mix = Mix {
                 limit: -(T::ONE / node.limit_rate),
                 ..Mix::NONE
             };
-            add_mix(base, instant, &self.row, mix);
+            add_mix(base, instant, Basis::Event(&self.row), mix);
         }
     }
 
     /// Row of λ = e·s' − L' at a fixed phase, into `sliding`.
     fn sliding_row(&mut self, base: Base<T>, node: &Node<T>, e: [T; 2]) {
-        let turned = dot(normal(e), node.rate);
-        self.sliding.clear();
-        self.sliding
-            .extend(self.rows.angle.iter().map(|&angle| turned * angle));
+        self.sliding.clone_from(&self.rows.angle);
+        scale(&mut self.sliding, dot(normal(e), node.rate));
         let mix = Mix {
             rate: e,
             limit_rate: -T::ONE,
             ..Mix::NONE
         };
-        add_mix(base, &mut self.sliding, &self.row, mix);
+        add_mix(base, &mut self.sliding, Basis::Event(&self.row), mix);
     }
 }

@@ -8,12 +8,12 @@ use super::breakpoints::Intervals;
 use super::circle::{
     MAX_LAPS, NEWTON_LAPS, Search, classify, is_singular, size, solve_identity_minus,
 };
-use super::course::Course;
+use super::course::{Course, Node};
 use super::lap::{Lap, Walk};
 use super::located::{LaneScratch, Place};
 use super::march::{LANES, Lane, Workspace};
 use super::plan::AftPlan;
-use super::sensitivity::{Blocks, Rows};
+use super::sensitivity::{Base, Blocks, Rows};
 use super::settings::Laps;
 use super::slip::{Dual, SlipStep};
 use crate::contact::{ContactParameters, Real};
@@ -27,6 +27,8 @@ pub(super) struct LocatedCircle<T> {
     /// Slip from each sample to the next one, row-major. Shape: `[time]`.
     maps: Vec<[Lane<T>; 4]>,
     lane: LaneScratch<T>,
+    /// Samples of the present state. Shape: `[time + 1]`.
+    nodes: Vec<Node<T>>,
     lap: Lap<T>,
     blocks: Blocks<T>,
     /// Kinks of the tractions, normal force coefficients. Shape: `[lane][3][m]`.
@@ -100,7 +102,13 @@ impl<T: Real> LocatedCircle<T> {
 
     /// Summary, and tangent if wanted, of one state after `mark`; its tractions go to [`Self::put_tractions`].
     #[inline(always)]
-    pub(super) fn evaluate(&mut self, at: Place<T>, want: Want, out: &mut AftForces<T>) {
+    pub(super) fn evaluate<S: Simd>(
+        &mut self,
+        simd: S,
+        at: Place<T>,
+        want: Want,
+        out: &mut AftForces<T>,
+    ) {
         let (plan, m) = (at.plan, at.plan.m);
         let p = at.batch.parameters[at.state];
         let coefficient =
@@ -110,10 +118,14 @@ impl<T: Real> LocatedCircle<T> {
         let (signals, points) = (&mut lane.signals, &mut lane.points);
         self.intervals
             .breakpoints(plan, at.work, at.lane, signals, points);
+        let group = (at.work, self.intervals.rates.as_slice());
+        self.nodes.clear();
+        self.nodes
+            .extend((0..=plan.n_time()).map(|i| Node::sampled(group, &p, at.lane, i)));
         let course = Course {
             plan,
             work: at.work,
-            rates: &self.intervals.rates,
+            nodes: &self.nodes,
             maps: &self.maps,
             lane: at.lane,
             p: &p,
@@ -135,18 +147,20 @@ impl<T: Real> LocatedCircle<T> {
                 }
             }
             let walk = Walk {
+                simd,
                 course,
                 lap: &mut self.lap,
-                target: cycle
-                    .is_last()
-                    .then_some((&mut self.blocks, &mut out.blocks[offset..])),
+                target: cycle.is_last().then_some(&mut self.blocks),
             };
             let end = walk.go(cycle.next);
             cycle.advance(course, &mut self.lap, end, tangents);
         }
-        if tangents && !cycle.stuck && !cycle.from_anchor {
-            let target = &mut out.blocks[offset..];
-            close_cycle(plan, &mut self.lap.rows, &self.blocks, target);
+        if tangents && !cycle.stuck {
+            if !cycle.from_anchor {
+                close_cycle(plan, &mut self.lap.rows, &mut self.blocks);
+            }
+            self.blocks
+                .store(Base { plan, p: &p }, &mut out.blocks[offset..]);
         }
         let forces = &mut self.forces[at.lane * 3 * m..][..3 * m];
         forces.fill(T::ZERO);
@@ -190,13 +204,17 @@ impl<T: Real> LocatedCircle<T> {
 
 /// Adds what the periodic slider contributes to the blocks: its start derivative is (I − M)⁻¹ times its end derivative
 /// for a fixed start.
-fn close_cycle<T: Real>(plan: &AftPlan<T>, rows: &mut Rows<T>, blocks: &Blocks<T>, out: &mut [T]) {
+fn close_cycle<T: Real>(plan: &AftPlan<T>, rows: &mut Rows<T>, blocks: &mut Blocks<T>) {
     let m = rows.monodromy();
     let [first, second] = &mut rows.slider;
-    for (a, b) in first.iter_mut().zip(second) {
+    let pairs = first
+        .as_flattened_mut()
+        .iter_mut()
+        .zip(second.as_flattened_mut());
+    for (a, b) in pairs {
         [*a, *b] = solve_identity_minus(m, [*a, *b]);
     }
-    blocks.add_starts(plan, &rows.slider, out);
+    blocks.add_starts(plan, &rows.slider);
 }
 
 impl<T: Real> Cycle<T> {

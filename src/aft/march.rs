@@ -42,11 +42,11 @@ impl<T: Real> Sample<T> {
 
     /// Displacements; the approach goes into `gap`.
     #[inline(always)]
-    fn set_signals(&mut self, signal: impl Fn(usize) -> T) {
+    fn set_signals(&mut self, signals: Components<T>) {
         for l in 0..LANES {
-            self.u[0][l] = signal(l);
-            self.u[1][l] = signal(LANES + l);
-            self.gap[l] = signal(2 * LANES + l);
+            self.u[0][l] = signals[l];
+            self.u[1][l] = signals[LANES + l];
+            self.gap[l] = signals[2 * LANES + l];
         }
     }
 
@@ -124,7 +124,7 @@ pub(super) struct Workspace<T> {
     /// Cosine coefficients (mean included) and sine coefficients. Shape: `[cosine]`, `[sine]`.
     cosines: Vec<Components<T>>,
     sines: Vec<Components<T>>,
-    /// Even and odd part of the signals over the first half period. Shape: `[Nt/2 + 1]`.
+    /// Even and odd part of the forces over the first half period. Shape: `[Nt/2 + 1]`.
     even: Vec<Components<T>>,
     odd: Vec<Components<T>>,
     /// Shape: `[time]`.
@@ -174,12 +174,9 @@ impl<T: Real> Workspace<T> {
     /// Displacements at all time points; the approach goes into `gap`.
     #[inline(always)]
     fn synthesize<S: Simd>(&mut self, simd: S, plan: &AftPlan<T>) {
-        let n = plan.n_time();
-        self.even_and_odd(simd, plan);
-        for (i, (even, odd)) in self.even.iter().zip(&self.odd).enumerate() {
-            self.samples[(n - i) % n].set_signals(|j| even[j] - odd[j]);
-            self.samples[i].set_signals(|j| even[j] + odd[j]);
-        }
+        let (cosines, sines) = (&self.cosines, &self.sines);
+        let samples = &mut self.samples;
+        points(simd, plan, cosines, sines, |i, u| samples[i].set_signals(u));
     }
 
     /// Derivatives of the displacements by the phase at all time points, handed on as (point, values). The
@@ -189,9 +186,8 @@ impl<T: Real> Workspace<T> {
         &mut self,
         simd: S,
         plan: &AftPlan<T>,
-        mut emit: impl FnMut(usize, Components<T>),
+        emit: impl FnMut(usize, Components<T>),
     ) {
-        let n = plan.n_time();
         self.cosines[0] = [T::ZERO; 3 * LANES];
         let pairs = self.cosines[1..].iter_mut().zip(&mut self.sines);
         for (&k, (cosine, sine)) in plan.orders[1..].iter().zip(pairs) {
@@ -200,26 +196,7 @@ impl<T: Real> Workspace<T> {
                 (cosine[j], sine[j]) = (k * sine[j], -(k * cosine[j]));
             }
         }
-        self.even_and_odd(simd, plan);
-        for (i, (even, odd)) in self.even.iter().zip(&self.odd).enumerate() {
-            let (mut before, mut after) = (*even, *even);
-            for j in 0..3 * LANES {
-                before[j] -= odd[j];
-                after[j] += odd[j];
-            }
-            emit((n - i) % n, before);
-            emit(i, after);
-        }
-    }
-
-    /// Cosine and sine sums over the first half period; the points ±θ share them.
-    #[inline(always)]
-    fn even_and_odd<S: Simd>(&mut self, simd: S, plan: &AftPlan<T>) {
-        let half = plan.n_time() / 2 + 1;
-        self.even.resize(half, [T::ZERO; 3 * LANES]);
-        self.odd.resize(half, [T::ZERO; 3 * LANES]);
-        T::table_product(simd, &plan.cosines, &self.cosines, &mut self.even);
-        T::table_product(simd, &plan.sines, &self.sines, &mut self.odd);
+        points(simd, plan, &self.cosines, &self.sines, emit);
     }
 
     /// Gap functions and instants of closing.
@@ -245,22 +222,22 @@ impl<T: Real> Workspace<T> {
             let scale = tangential + p.mu[l] * normal[l];
             self.tolerance[l] = T::from_f64(TOLERANCE) * T::EPSILON * scale;
         }
-        let last = self.samples.len() - 1;
-        let mut before = [T::ONE; LANES];
-        for s in &mut self.samples {
-            s.closing = instants(events, &before, &s.gap);
-            before = s.gap;
+        let samples = &mut self.samples;
+        samples[0].closing = [T::ZERO; LANES];
+        for i in 1..samples.len() {
+            samples[i].closing = instants(events, &samples[i - 1].gap, &samples[i].gap);
         }
-        self.closing_over_end = instants(events, &self.samples[last].gap, &self.samples[0].gap);
+        let last = &samples[samples.len() - 1];
+        self.closing_over_end = instants(events, &last.gap, &samples[0].gap);
     }
 
-    /// One lap of the box law from the sliders `w`, which end where the lap ends.
+    /// One lap of the box law from the sliders `z` = k_t w (N), which end where the lap ends.
     #[allow(
         clippy::needless_range_loop,
         reason = "a plain loop over lanes becomes vector code"
     )]
     #[inline(always)]
-    pub(super) fn box_lap(&mut self, w: &mut [Lane<T>; 2]) -> LapCount<T> {
+    pub(super) fn box_lap(&mut self, z: &mut [Lane<T>; 2]) -> LapCount<T> {
         let p = &self.parameters;
         let mut count = LapCount::<T>::default();
         for s in &mut self.samples {
@@ -269,22 +246,22 @@ impl<T: Real> Workspace<T> {
                 let limit = p.mu[l] * s.normal(l);
                 let mut at_limit = [(false, false); 2];
                 for d in 0..2 {
-                    let u = s.u[d][l];
+                    let path = p.k_t[d][l] * s.u[d][l];
                     let start = if closes {
-                        anchored_at_closing(w[d][l], u, s.closing[l])
+                        anchored_at_closing(z[d][l], path, s.closing[l])
                     } else {
-                        w[d][l]
+                        z[d][l]
                     };
-                    let (traction, slider) =
-                        box_step(p.k_t[d][l], p.flexibility[d][l], limit, u, start);
+                    let (traction, slider) = box_step(limit, path, start);
                     s.traction[d][l] = traction;
-                    w[d][l] = slider;
+                    z[d][l] = slider;
                     at_limit[d] = (traction >= limit, traction <= -limit);
-                    count.upper[d][l] = count.upper[d][l].or_larger(flag(at_limit[d].0));
-                    count.lower[d][l] = count.lower[d][l].or_larger(flag(at_limit[d].1));
+                    set_if(at_limit[d].0, &mut count.upper[d][l], T::ONE);
+                    set_if(at_limit[d].1, &mut count.lower[d][l], T::ONE);
                 }
                 let slips = at_limit[0].0 | at_limit[0].1 | at_limit[1].0 | at_limit[1].1;
-                count.slip[l] += flag(slips & (s.gap[l] > T::ZERO));
+                let next = count.slip[l] + T::ONE;
+                set_if(slips & (s.gap[l] > T::ZERO), &mut count.slip[l], next);
             }
         }
         count
@@ -357,15 +334,20 @@ impl<T: Real> Workspace<T> {
         mut emit: impl FnMut(usize, usize, &[T]),
     ) {
         let n = plan.n_time();
+        self.even.resize(n / 2 + 1, [T::ZERO; 3 * LANES]);
+        self.odd.resize(n / 2 + 1, [T::ZERO; 3 * LANES]);
         for (i, (even, odd)) in self.even.iter_mut().zip(&mut self.odd).enumerate() {
-            let (a, b) = (self.samples[i].forces(), self.samples[(n - i) % n].forces());
+            let after = self.samples[i].forces();
+            let before = self.samples[if i == 0 { 0 } else { n - i }].forces();
+            let (mut sum, mut difference) = (after, after);
+            for j in 0..3 * LANES {
+                sum[j] += before[j];
+                difference[j] -= before[j];
+            }
+            (*even, *odd) = (sum, difference);
+            // The point is its own mirror image.
             if i == 0 || 2 * i == n {
-                (*even, *odd) = (a, [T::ZERO; 3 * LANES]);
-            } else {
-                for j in 0..3 * LANES {
-                    even[j] = a[j] + b[j];
-                    odd[j] = a[j] - b[j];
-                }
+                *even = after;
             }
         }
         T::table_product(simd, &plan.cosine_weights, &self.even, &mut self.cosines);
@@ -377,6 +359,45 @@ impl<T: Real> Workspace<T> {
             for (k, values) in self.sines.iter().enumerate() {
                 emit(c, 2 * k + 2, &values[c * LANES..][..LANES]);
             }
+        }
+    }
+}
+
+/// Replaces the number if `holds`, without a branch.
+#[inline(always)]
+fn set_if<T: Real>(holds: bool, number: &mut T, value: T) {
+    *number = if holds { value } else { *number };
+}
+
+/// Values at all points, handed on as (point, values), from the coefficients. Cosine and sine sums are shared by the
+/// points ±θ; they are made a few at a time, so that they stay in the first cache.
+#[inline(always)]
+fn points<S: Simd, T: Real>(
+    simd: S,
+    plan: &AftPlan<T>,
+    cosines: &[Components<T>],
+    sines: &[Components<T>],
+    mut emit: impl FnMut(usize, Components<T>),
+) {
+    const CHUNK: usize = 8;
+    let n = plan.n_time();
+    let mut even = [[T::ZERO; 3 * LANES]; CHUNK];
+    let mut odd = even;
+    for first in (0..=n / 2).step_by(CHUNK) {
+        let rows = first..(first + CHUNK).min(n / 2 + 1);
+        let (even, odd) = (&mut even[..rows.len()], &mut odd[..rows.len()]);
+        let of_cosines = &plan.cosines[first * cosines.len()..][..rows.len() * cosines.len()];
+        let of_sines = &plan.sines[first * sines.len()..][..rows.len() * sines.len()];
+        T::table_product(simd, of_cosines, cosines, even);
+        T::table_product(simd, of_sines, sines, odd);
+        for (i, (even, odd)) in rows.zip(even.iter().zip(&*odd)) {
+            let (mut before, mut after) = (*even, *even);
+            for j in 0..3 * LANES {
+                before[j] -= odd[j];
+                after[j] += odd[j];
+            }
+            emit(if i == 0 { 0 } else { n - i }, before);
+            emit(i, after);
         }
     }
 }
@@ -406,9 +427,9 @@ pub(super) fn slip_monodromy<T: Real>(trial: [T; 2], ratio: T, factor: [T; 4]) -
 
 #[inline(always)]
 fn instants<T: Real>(events: Events, before: &Lane<T>, gap: &Lane<T>) -> Lane<T> {
-    let closes = |l: usize| before[l] <= T::ZERO && gap[l] > T::ZERO;
     // Few samples close a contact; the others are spared the division.
-    if events == Events::Interpolated && (0..LANES).any(closes) {
+    let closes = |l: usize| (before[l] <= T::ZERO) & (gap[l] > T::ZERO);
+    if events == Events::Interpolated && any(closes) {
         std::array::from_fn(|l| closing_instant(before[l], gap[l]))
     } else {
         [T::ZERO; LANES]
@@ -418,5 +439,11 @@ fn instants<T: Real>(events: Events, before: &Lane<T>, gap: &Lane<T>) -> Lane<T>
 /// Whether a contact of the lanes closes just before the sample.
 #[inline(always)]
 fn some_close<T: Real>(closing: &Lane<T>) -> bool {
-    (0..LANES).any(|l| closing[l] != T::ZERO)
+    any(|l| closing[l] != T::ZERO)
+}
+
+/// Whether something holds of any lane; all are asked at once.
+#[inline(always)]
+fn any(holds: impl Fn(usize) -> bool) -> bool {
+    (0..LANES).fold(false, |any, l| any | holds(l))
 }

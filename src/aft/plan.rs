@@ -5,6 +5,12 @@ use crate::contact::Real;
 use crate::harmonics::HarmonicSet;
 use std::f64::consts::TAU;
 
+/// Coefficients that a loop handles together: rows of derivatives are padded to whole chunks.
+pub(super) const CHUNK: usize = 8;
+
+/// Part of a padded row.
+pub(super) type Chunk<T> = [T; CHUNK];
+
 /// Everything of a contact evaluation that does not depend on the state.
 #[derive(Debug, Clone)]
 pub struct AftPlan<T> {
@@ -19,6 +25,8 @@ pub struct AftPlan<T> {
     pub(super) order_numbers: Vec<T>,
     /// b: values of the basis functions. Shape: `[time][coefficient]`.
     pub(super) basis: Vec<T>,
+    /// b and b', padded. Shape: `[time][2][chunk]`.
+    waves: Vec<Chunk<T>>,
     /// Weight w of each coefficient in the analysis: 1/Nt for the mean, 2/Nt else. Shape: `[coefficient]`.
     pub(super) weight: Vec<T>,
     /// Cosines (mean included) and sines over the first half period (points 0 to Nt/2).
@@ -64,6 +72,22 @@ impl<T: Real> AftPlan<T> {
         let basis = (0..n_time).flat_map(|i| (0..m).map(move |j| (j, i)));
         let cosine_rows = || std::iter::once(0).chain((1..m).step_by(2));
         let sine_rows = || (2..m).step_by(2);
+        let rate = |j: usize, i: usize| match j {
+            0 => 0.0,
+            _ if j % 2 == 1 => -(orders[j.div_ceil(2)] as f64) * value(j + 1, i),
+            _ => orders[j / 2] as f64 * value(j - 1, i),
+        };
+        let mut waves = Vec::new();
+        for i in 0..n_time {
+            for f in [&value as &dyn Fn(usize, usize) -> f64, &rate] {
+                let padded = |j: usize| if j < m { convert(f(j, i)) } else { T::ZERO };
+                waves.extend(
+                    (0..m)
+                        .step_by(CHUNK)
+                        .map(|first| std::array::from_fn(|l| padded(first + l))),
+                );
+            }
+        }
         let half = 0..=n_time / 2;
         let mut cosines = Vec::new();
         let mut sines = Vec::new();
@@ -79,6 +103,7 @@ impl<T: Real> AftPlan<T> {
             settings,
             arch: pulp::Arch::new(),
             m,
+            waves,
             basis: basis.map(|(j, i)| convert(value(j, i))).collect(),
             cosine_weights: cosine_rows().flat_map(weighted).collect(),
             sine_weights: sine_rows().flat_map(weighted).collect(),
@@ -114,6 +139,17 @@ impl<T: Real> AftPlan<T> {
     /// Row b_i of the basis. Shape: `[coefficient]`.
     pub(super) fn row(&self, i: usize) -> &[T] {
         &self.basis[i * self.m..][..self.m]
+    }
+
+    /// Chunks of one displacement or force component.
+    pub(super) fn n_chunks(&self) -> usize {
+        self.m.div_ceil(CHUNK)
+    }
+
+    /// Rows b_i and b'_i, padded. Shape of each: `[chunk]`.
+    pub(super) fn wave(&self, i: usize) -> (&[Chunk<T>], &[Chunk<T>]) {
+        let n = self.n_chunks();
+        self.waves[2 * n * i..][..2 * n].split_at(n)
     }
 
     /// Number of orders in the spectrum of a mask: 0 to 2H.

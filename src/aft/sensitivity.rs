@@ -5,12 +5,14 @@
 //! traction in slip, the phase of an event while it is near.
 
 use super::batch::Block;
-use super::plan::AftPlan;
-use super::tangent::{RANK, SegmentScratch, add_masked_gram, add_products, add_scaled};
+use super::plan::{AftPlan, CHUNK, Chunk};
+use super::tangent::{SegmentScratch, add_masked_gram, add_scaled, clear};
 use crate::contact::{ContactParameters, Real};
+use pulp::{Simd, WithSimd};
 
-/// Columns of a row that belong to the start tractions; those of the displacement coefficients follow, `[3][m]`.
-pub(super) const STARTS: usize = 2;
+/// Derivatives of one number: the first two of the first chunk by the start tractions, the others by the displacement
+/// coefficients, component by component in whole chunks. What pads a chunk stays 0.
+pub(super) type Row<T> = Vec<Chunk<T>>;
 
 /// A number as a sum of the signals at one phase: factors of s = k_t u (N), s', L = mu N and L'.
 #[derive(Debug, Clone, Copy)]
@@ -37,14 +39,21 @@ pub(super) struct Base<'a, T> {
     pub p: &'a ContactParameters<T>,
 }
 
+/// Where a basis row is: at a sample, or at an event.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Basis<'a, T> {
+    Sample(usize),
+    Event(&'a [T]),
+}
+
 /// The rows of the present state.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Rows<T> {
     /// Whether the displacement coefficients have columns.
     pub full: bool,
-    pub slider: [Vec<T>; 2],
-    pub angle: Vec<T>,
-    pub instant: Vec<T>,
+    pub slider: [Row<T>; 2],
+    pub angle: Row<T>,
+    pub instant: Row<T>,
 }
 
 impl<T: Real> Rows<T> {
@@ -52,48 +61,74 @@ impl<T: Real> Rows<T> {
     #[inline(always)]
     pub(super) fn start(&mut self, plan: &AftPlan<T>, full: bool) {
         self.full = full;
-        let width = if full { STARTS + 3 * plan.m } else { STARTS };
+        let width = if full { width(plan) } else { 1 };
         let [first, second] = &mut self.slider;
         for row in [first, second, &mut self.angle, &mut self.instant] {
             row.clear();
-            row.resize(width, T::ZERO);
+            row.resize(width, [T::ZERO; CHUNK]);
         }
-        self.slider[0][0] = T::ONE;
-        self.slider[1][1] = T::ONE;
+        self.slider[0][0][0] = T::ONE;
+        self.slider[1][0][1] = T::ONE;
     }
 
     /// Derivative of the sliders by the start tractions, row-major.
     #[inline(always)]
     pub(super) fn monodromy(&self) -> [T; 4] {
         let [a, b] = &self.slider;
-        [a[0], a[1], b[0], b[1]]
+        [a[0][0], a[0][1], b[0][0], b[0][1]]
     }
 }
 
-/// Adds a mix of the signals where the basis row is `b`.
+/// Chunks of a row.
+fn width<T: Real>(plan: &AftPlan<T>) -> usize {
+    1 + 3 * plan.n_chunks()
+}
+
+/// Adds a mix of the signals where the basis row is `at`.
 #[inline(always)]
-pub(super) fn add_mix<T: Real>(base: Base<T>, row: &mut [T], b: &[T], mix: Mix<T>) {
-    let m = base.plan.m;
-    if row.len() == STARTS {
-        return;
-    }
-    let [first, rest] = split(&mut row[STARTS..], m);
-    let [second, normal] = split(rest, m);
+pub(super) fn add_mix<T: Real>(base: Base<T>, row: &mut [Chunk<T>], at: Basis<T>, mix: Mix<T>) {
     let k = base.p.k_t;
     let friction = base.p.mu * base.p.k_n;
-    for (row, value, rate) in [
-        (first, k[0] * mix.path[0], k[0] * mix.rate[0]),
-        (second, k[1] * mix.path[1], k[1] * mix.rate[1]),
-        (normal, friction * mix.limit, friction * mix.limit_rate),
-    ] {
-        add_signal(base.plan, row, b, value, rate);
+    let factors = [
+        (k[0] * mix.path[0], k[0] * mix.rate[0]),
+        (k[1] * mix.path[1], k[1] * mix.rate[1]),
+        (friction * mix.limit, friction * mix.limit_rate),
+    ];
+    let components = row[1..].chunks_exact_mut(base.plan.n_chunks());
+    for (row, (value, rate)) in components.zip(factors) {
+        match at {
+            _ if value == T::ZERO && rate == T::ZERO => {}
+            Basis::Sample(i) => {
+                let (b, rates) = base.plan.wave(i);
+                set_rows(row, [b, rates], |row, b, r| row + (value * b + rate * r));
+            }
+            Basis::Event(b) => add_signal(base.plan, row.as_flattened_mut(), b, value, rate),
+        }
     }
 }
 
+/// Adds what a step of slip between two samples depends on: the change of s, s' at the end, half the sum of L.
 #[inline(always)]
-fn split<T>(row: &mut [T], at: usize) -> [&mut [T]; 2] {
-    let (a, b) = row.split_at_mut(at);
-    [a, b]
+pub(super) fn add_step<T: Real>(
+    base: Base<T>,
+    row: &mut [Chunk<T>],
+    [here, next]: [usize; 2],
+    path: [T; 2],
+    rate: [T; 2],
+    limit: T,
+) {
+    let n = base.plan.n_chunks();
+    let ((before, _), (after, rates)) = (base.plan.wave(here), base.plan.wave(next));
+    let mut components = row[1..].chunks_exact_mut(n);
+    for (d, row) in components.by_ref().take(2).enumerate() {
+        let (value, rate) = (base.p.k_t[d] * path[d], base.p.k_t[d] * rate[d]);
+        set_rows(row, [before, after], |row, b, a| row + value * (a - b));
+        add_row(row, rate, rates);
+    }
+    let value = base.p.mu * base.p.k_n * limit;
+    for row in components {
+        set_rows(row, [before, after], |row, b, a| row + value * (a + b));
+    }
 }
 
 /// `row` += `value` b + `rate` b'.
@@ -108,138 +143,253 @@ fn add_signal<T: Real>(plan: &AftPlan<T>, row: &mut [T], b: &[T], value: T, rate
     }
 }
 
+/// Every number of `row` becomes a function of itself and those of two rows.
+#[inline(always)]
+pub(super) fn set_rows<T: Real>(
+    row: &mut [Chunk<T>],
+    [a, b]: [&[Chunk<T>]; 2],
+    f: impl Fn(T, T, T) -> T,
+) {
+    for (row, (a, b)) in row.iter_mut().zip(a.iter().zip(b)) {
+        let mut new = *row;
+        for l in 0..CHUNK {
+            new[l] = f(new[l], a[l], b[l]);
+        }
+        *row = new;
+    }
+}
+
+/// `row` += `factor` `x`.
+#[inline(always)]
+pub(super) fn add_row<T: Real>(row: &mut [Chunk<T>], factor: T, x: &[Chunk<T>]) {
+    set_rows(row, [x, x], |row, x, _| row + factor * x);
+}
+
 /// `row` = `factor` `row`.
 #[inline(always)]
-pub(super) fn scale<T: Real>(row: &mut [T], factor: T) {
-    for value in row {
+pub(super) fn scale<T: Real>(row: &mut [Chunk<T>], factor: T) {
+    for value in row.as_flattened_mut() {
         *value = factor * *value;
     }
 }
 
+/// Products that wait to be added together.
+const RANK: usize = 32;
+
+/// Chunks of both tractions, side by side.
+type Pair<T> = [T; 2 * CHUNK];
+
 /// Derivative blocks under construction.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Blocks<T> {
-    pub segments: SegmentScratch<T>,
-    /// Products that wait to be added. Shape: `[rank][m]`, `[rank][2][width]`.
+    segments: SegmentScratch<T>,
+    /// Spectrum of the samples that stick. Shape: `[2][2H + 1]`.
+    stick: Vec<T>,
+    /// Weight of the next product. Shape: `[m]`.
+    weight: Vec<T>,
+    /// Products that wait to be added. Shape: `[m][RANK]`, `[width][RANK]`.
     weights: Vec<T>,
-    rows: Vec<T>,
+    rows: Vec<Pair<T>>,
     waiting: usize,
-    /// Derivative of the force coefficients by the start tractions. Shape: `[2][m][2]`.
-    starts: Vec<T>,
-    /// Row under construction for each traction. Shape: `[2][width]`.
-    pub traction: [Vec<T>; 2],
+    /// Sum of the waiting products of one chunk. Shape: `[m]`.
+    product: Vec<Pair<T>>,
+    /// Derivatives of the force coefficients. Shape: `[width][m]`.
+    sums: Vec<Pair<T>>,
+    /// Row under construction for each traction.
+    pub traction: [Row<T>; 2],
 }
 
 impl<T: Real> Blocks<T> {
     #[inline(always)]
     pub(super) fn start(&mut self, plan: &AftPlan<T>) {
-        let width = STARTS + 3 * plan.m;
+        let zero = [T::ZERO; 2 * CHUNK];
+        clear(&mut self.stick, 2 * plan.n_mask_orders());
         self.weights.resize(RANK * plan.m, T::ZERO);
-        self.rows.resize(RANK * 2 * width, T::ZERO);
-        self.starts.clear();
-        self.starts.resize(2 * plan.m * STARTS, T::ZERO);
+        self.rows.resize(RANK * width(plan), zero);
+        self.product.resize(plan.m, zero);
+        self.sums.clear();
+        self.sums.resize(width(plan) * plan.m, zero);
         self.waiting = 0;
-        self.clear_traction(plan);
-    }
-
-    /// Both rows of `traction` zero.
-    #[inline(always)]
-    pub(super) fn clear_traction(&mut self, plan: &AftPlan<T>) {
         for row in &mut self.traction {
             row.clear();
-            row.resize(STARTS + 3 * plan.m, T::ZERO);
+            row.resize(width(plan), [T::ZERO; CHUNK]);
         }
     }
 
     /// Stick of the samples `range`: dT = k_t b − dz.
     #[inline(always)]
-    pub(super) fn stick(
+    pub(super) fn stick<S: Simd>(
         &mut self,
-        base: Base<T>,
+        simd: S,
+        plan: &AftPlan<T>,
         range: std::ops::Range<usize>,
-        slider: &[Vec<T>; 2],
-        out: &mut [T],
+        slider: &[Row<T>; 2],
     ) {
-        let (plan, size) = (base.plan, base.plan.m * base.plan.m);
         let run = self.segments.run(plan, range.start, range.end);
-        for (block, k) in [(Block::T1T1, base.p.k_t[0]), (Block::T2T2, base.p.k_t[1])] {
-            add_masked_gram(plan, run, k, &mut out[block as usize * size..][..size]);
-        }
+        add_scaled(&mut self.stick, T::ONE, run);
         for (row, z) in self.traction.iter_mut().zip(slider) {
-            for (row, &z) in row.iter_mut().zip(z) {
-                *row = -z;
-            }
+            set_rows(row, [z, z], |_, z, _| -z);
         }
-        let at = self.waiting * plan.m;
-        let sums = self.segments.sums_of_run(plan);
-        self.weights[at..][..plan.m].copy_from_slice(sums);
-        self.queue(plan, out);
+        self.weight.clear();
+        self.weight
+            .extend_from_slice(self.segments.sums_of_run(plan));
+        self.queue_traction(simd, plan);
+    }
+
+    /// Slip at sample i: dT = `turned` dφ + e dL.
+    #[inline(always)]
+    pub(super) fn slip<S: Simd>(
+        &mut self,
+        simd: S,
+        base: Base<T>,
+        i: usize,
+        (angle, turned): (&Row<T>, [T; 2]),
+        e: [T; 2],
+    ) {
+        let plan = base.plan;
+        self.weight.clear();
+        let weighted = plan.row(i).iter().zip(&plan.weight);
+        self.weight.extend(weighted.map(|(&b, &w)| w * b));
+        let friction = base.p.mu * base.p.k_n;
+        let (b, _) = plan.wave(i);
+        let normal = angle.len() - b.len();
+        let targets = self.rows[self.waiting..].iter_mut().step_by(RANK);
+        for (k, (target, angle)) in targets.zip(angle).enumerate() {
+            let mut pair = [T::ZERO; 2 * CHUNK];
+            for l in 0..CHUNK {
+                pair[l] = turned[0] * angle[l];
+                pair[CHUNK + l] = turned[1] * angle[l];
+            }
+            if k >= normal {
+                let b = b[k - normal];
+                for l in 0..CHUNK {
+                    pair[l] += friction * e[0] * b[l];
+                    pair[CHUNK + l] += friction * e[1] * b[l];
+                }
+            }
+            *target = pair;
+        }
+        self.queue(simd, plan);
     }
 
     /// Adds (w ∘ (`value` b + `rate` b')) ⊗ `traction`.
     #[inline(always)]
-    pub(super) fn weigh(
+    pub(super) fn weigh<S: Simd>(
         &mut self,
+        simd: S,
         plan: &AftPlan<T>,
         b: &[T],
         [value, rate]: [T; 2],
-        out: &mut [T],
     ) {
-        let weights = &mut self.weights[self.waiting * plan.m..][..plan.m];
-        weights.fill(T::ZERO);
-        add_signal(plan, weights, b, value, rate);
-        for (weight, &w) in weights.iter_mut().zip(&plan.weight) {
+        clear(&mut self.weight, plan.m);
+        add_signal(plan, &mut self.weight, b, value, rate);
+        for (weight, &w) in self.weight.iter_mut().zip(&plan.weight) {
             *weight = *weight * w;
         }
-        self.queue(plan, out);
+        self.queue_traction(simd, plan);
     }
 
-    /// Puts the rows in `traction` next to the weights that were just written.
+    /// Puts the rows in `traction` next to the weights.
     #[inline(always)]
-    fn queue(&mut self, plan: &AftPlan<T>, out: &mut [T]) {
-        let width = STARTS + 3 * plan.m;
-        let rows = &mut self.rows[self.waiting * 2 * width..][..2 * width];
-        for (target, row) in rows.chunks_exact_mut(width).zip(&self.traction) {
-            target.copy_from_slice(row);
+    fn queue_traction<S: Simd>(&mut self, simd: S, plan: &AftPlan<T>) {
+        let [first, second] = &self.traction;
+        let targets = self.rows[self.waiting..].iter_mut().step_by(RANK);
+        for (target, (first, second)) in targets.zip(first.iter().zip(second)) {
+            target[..CHUNK].copy_from_slice(first);
+            target[CHUNK..].copy_from_slice(second);
+        }
+        self.queue(simd, plan);
+    }
+
+    /// Puts the weights next to the rows that were just written.
+    #[inline(always)]
+    fn queue<S: Simd>(&mut self, simd: S, plan: &AftPlan<T>) {
+        let columns = self.weights[self.waiting..].iter_mut().step_by(RANK);
+        for (target, &weight) in columns.zip(&self.weight) {
+            *target = weight;
         }
         self.waiting += 1;
         if self.waiting == RANK {
-            self.flush(plan, out);
+            self.flush(simd, plan);
         }
     }
 
-    /// Adds the waiting products to the blocks.
+    /// Adds the waiting products to the sums.
     #[inline(always)]
-    pub(super) fn flush(&mut self, plan: &AftPlan<T>, out: &mut [T]) {
-        let (m, width) = (plan.m, STARTS + 3 * plan.m);
-        self.weights[self.waiting * m..].fill(T::ZERO);
-        self.rows[self.waiting * 2 * width..].fill(T::ZERO);
-        let row =
-            |r: usize, d: usize, c: usize| &self.rows[(2 * r + d) * width + STARTS + c * m..][..m];
-        add_products(m, &self.weights, row, out);
-        for (d, starts) in self.starts.chunks_exact_mut(STARTS * m).enumerate() {
-            for (a, starts) in starts.chunks_exact_mut(STARTS).enumerate() {
-                for r in 0..RANK {
-                    let row = &self.rows[(2 * r + d) * width..][..STARTS];
-                    add_scaled(starts, self.weights[r * m + a], row);
-                }
-            }
-        }
-        self.waiting = 0;
+    pub(super) fn flush<S: Simd>(&mut self, simd: S, plan: &AftPlan<T>) {
+        // Callers may be functions of their own, which are compiled for any processor.
+        simd.vectorize(Flush { blocks: self, plan });
     }
 
     /// Adds what the start tractions contribute, whose derivatives by the displacement coefficients are `rows`.
     #[inline(always)]
-    pub(super) fn add_starts(&self, plan: &AftPlan<T>, rows: &[Vec<T>; 2], out: &mut [T]) {
-        let m = plan.m;
-        for block in &Block::ALL[..Block::NN as usize] {
-            let (d, c) = (block.row_component(), block.column_component());
-            let starts = self.starts[d * STARTS * m..].chunks_exact(STARTS);
-            let target = &mut out[*block as usize * m * m..][..m * m];
-            for (target, starts) in target.chunks_exact_mut(m).zip(starts) {
-                for (row, &start) in rows.iter().zip(starts) {
-                    add_scaled(target, start, &row[STARTS + c * m..][..m]);
+    pub(super) fn add_starts(&mut self, plan: &AftPlan<T>, [first, second]: &[Row<T>; 2]) {
+        let (starts, sums) = self.sums.split_at_mut(plan.m);
+        let rows = first[1..].iter().zip(&second[1..]);
+        for (sums, (first, second)) in sums.chunks_exact_mut(plan.m).zip(rows) {
+            for (sum, start) in sums.iter_mut().zip(&*starts) {
+                let mut new = *sum;
+                for l in 0..CHUNK {
+                    new[l] += start[0] * first[l] + start[1] * second[l];
+                    new[CHUNK + l] += start[CHUNK] * first[l] + start[CHUNK + 1] * second[l];
                 }
+                *sum = new;
+            }
+        }
+    }
+
+    /// Adds the sums and the samples that stick to the blocks.
+    #[inline(always)]
+    pub(super) fn store(&self, base: Base<T>, out: &mut [T]) {
+        let (m, n) = (base.plan.m, base.plan.n_chunks());
+        let blocks = out
+            .chunks_exact_mut(m * m)
+            .zip(&Block::ALL[..Block::NN as usize]);
+        for (out, block) in blocks {
+            let (d, c) = (block.row_component(), block.column_component());
+            let sums = &self.sums[(1 + c * n) * m..][..n * m];
+            for (chunk, sums) in sums.chunks_exact(m).enumerate() {
+                for (row, sum) in out.chunks_exact_mut(m).zip(sums) {
+                    let columns = row[chunk * CHUNK..].iter_mut().take(CHUNK);
+                    for (column, &sum) in columns.zip(&sum[d * CHUNK..]) {
+                        *column += sum;
+                    }
+                }
+            }
+        }
+        for (block, k) in [(Block::T1T1, base.p.k_t[0]), (Block::T2T2, base.p.k_t[1])] {
+            let block = &mut out[block as usize * m * m..][..m * m];
+            add_masked_gram(base.plan, &self.stick, k, block);
+        }
+    }
+}
+
+/// The arguments of [`Blocks::flush`].
+struct Flush<'a, T> {
+    blocks: &'a mut Blocks<T>,
+    plan: &'a AftPlan<T>,
+}
+
+impl<T: Real> WithSimd for Flush<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { blocks, plan } = self;
+        let waiting = std::mem::take(&mut blocks.waiting);
+        for weights in blocks.weights.chunks_exact_mut(RANK) {
+            weights[waiting..].fill(T::ZERO);
+        }
+        let rows = blocks.rows.chunks_exact_mut(RANK);
+        for (rows, sums) in rows.zip(blocks.sums.chunks_exact_mut(plan.m)) {
+            rows[waiting..].fill([T::ZERO; 2 * CHUNK]);
+            T::table_product(simd, &blocks.weights, rows, &mut blocks.product);
+            for (sum, product) in sums.iter_mut().zip(&blocks.product) {
+                let mut new = *sum;
+                for l in 0..2 * CHUNK {
+                    new[l] += product[l];
+                }
+                *sum = new;
             }
         }
     }

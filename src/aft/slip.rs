@@ -20,6 +20,16 @@ pub(super) struct Dual<T, const N: usize> {
     pub slope: [T; N],
 }
 
+/// Like `std::array::from_fn`, which is not always inlined.
+#[inline(always)]
+pub(super) fn numbers<T: Real, const N: usize>(f: impl Fn(usize) -> T) -> [T; N] {
+    let mut numbers = [T::ZERO; N];
+    for (i, number) in numbers.iter_mut().enumerate() {
+        *number = f(i);
+    }
+    numbers
+}
+
 impl<T: Real, const N: usize> Dual<T, N> {
     #[inline(always)]
     pub(super) fn constant(value: T) -> Self {
@@ -34,7 +44,7 @@ impl<T: Real, const N: usize> Dual<T, N> {
     fn chain(self, value: T, factor: T) -> Self {
         Self {
             value,
-            slope: self.slope.map(|s| factor * s),
+            slope: numbers(|i| factor * self.slope[i]),
         }
     }
 
@@ -73,7 +83,7 @@ impl<T: Real, const N: usize> Add for Dual<T, N> {
     fn add(self, other: Self) -> Self {
         Self {
             value: self.value + other.value,
-            slope: std::array::from_fn(|i| self.slope[i] + other.slope[i]),
+            slope: numbers(|i| self.slope[i] + other.slope[i]),
         }
     }
 }
@@ -84,7 +94,7 @@ impl<T: Real, const N: usize> Sub for Dual<T, N> {
     fn sub(self, other: Self) -> Self {
         Self {
             value: self.value - other.value,
-            slope: std::array::from_fn(|i| self.slope[i] - other.slope[i]),
+            slope: numbers(|i| self.slope[i] - other.slope[i]),
         }
     }
 }
@@ -96,9 +106,7 @@ impl<T: Real, const N: usize> Mul for Dual<T, N> {
     fn mul(self, other: Self) -> Self {
         Self {
             value: self.value * other.value,
-            slope: std::array::from_fn(|i| {
-                self.slope[i] * other.value + self.value * other.slope[i]
-            }),
+            slope: numbers(|i| self.slope[i] * other.value + self.value * other.slope[i]),
         }
     }
 }
@@ -166,7 +174,7 @@ impl<T: Real, const N: usize> SlipStep<T, N> {
         exponential: Dual<T, N>,
     ) -> Dual<T, N> {
         let number = T::from_f64;
-        let ahead = self.rate.map(|r| r * self.length);
+        let ahead = [self.rate[0] * self.length, self.rate[1] * self.length];
         let cross = self.path[0] * ahead[1] - self.path[1] * ahead[0];
         let sizes = square + ahead[0] * ahead[0] + ahead[1] * ahead[1];
         let sizes = sizes + (limit * limit).scaled(T::EPSILON);

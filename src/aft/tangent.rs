@@ -229,6 +229,11 @@ impl<T: Real> SegmentScratch<T> {
         let samples = &view.work.samples;
         let touches = |i: usize| samples[i].gap[view.lane] > T::ZERO;
         clear(&mut self.contact, 2 * view.plan.n_mask_orders());
+        if view.work.separated[view.lane] == T::ZERO {
+            self.spectrum_of_run(view.plan, 0, samples.len());
+            add_scaled(&mut self.contact, T::ONE, &self.run);
+            return;
+        }
         let mut start = 0;
         while start < samples.len() {
             let mut end = start + 1;
@@ -384,10 +389,10 @@ pub(super) fn add_products<'r, T: Real>(
         let rows: [&[T]; RANK] = std::array::from_fn(|r| row(r, d, c));
         let target = &mut out[*block as usize * m * m..][..m * m];
         for (a, target) in target.chunks_exact_mut(m).enumerate() {
-            let w: [T; RANK] = std::array::from_fn(|r| weights[r * m + a]);
-            for (b, value) in target.iter_mut().enumerate() {
-                *value += (w[0] * rows[0][b] + w[1] * rows[1][b])
-                    + (w[2] * rows[2][b] + w[3] * rows[3][b]);
+            let w: [T; RANK] = [0, 1, 2, 3].map(|r: usize| weights[r * m + a]);
+            let pairs = rows[0].iter().zip(rows[1]).zip(rows[2].iter().zip(rows[3]));
+            for (value, ((&a, &b), (&c, &d))) in target.iter_mut().zip(pairs) {
+                *value += (w[0] * a + w[1] * b) + (w[2] * c + w[3] * d);
             }
         }
     }

@@ -26,25 +26,29 @@ pub fn closing_instant<T: Real>(gap_before: T, gap: T) -> T {
 }
 
 /// Slider position after closing at the instant θ: a separated slider follows the surface, so it stood at the
-/// displacement of the sample before, and is anchored at w + θ (u − w). θ = 0 changes nothing.
+/// displacement of the sample before, and is anchored at w + θ (u − w). θ = 0 changes nothing. In m or in N.
 #[inline(always)]
 #[must_use]
 pub fn anchored_at_closing<T: Real>(slider: T, displacement: T, instant: T) -> T {
     slider + instant * (displacement - slider)
 }
 
-/// Traction (N) and slider position (m) of one direction under its own limit L = mu N: T = clip(k_t (u − w), −L, L).
+/// Traction T = clip(s − z, −L, L) and slider z of one direction under its own limit L = mu N, all in N: s = k_t u is
+/// the path of the surface and z = k_t w.
 ///
-/// `flexibility` is 1/k_t, or 0 for an absent spring. L = 0 gives T = 0 and a slider that follows.
+/// The slider is a play: pushed by the bounds s ∓ L, so that the next step waits for two comparisons only. Rounding is
+/// monotone, so a slider that moves leaves |T| = L exactly.
 #[inline(always)]
 #[must_use]
-pub fn box_step<T: Real>(k_t: T, flexibility: T, limit: T, u: T, slider: T) -> (T, T) {
-    let trial = k_t * (u - slider);
-    let below = if trial > limit { limit } else { trial };
-    let traction = if below < -limit { -limit } else { below };
-    let moved = u - traction * flexibility;
-    let slider = if traction == trial { slider } else { moved };
-    (traction, slider)
+pub fn box_step<T: Real>(limit: T, path: T, slider: T) -> (T, T) {
+    let clip = |x: T, lower: T, upper: T| {
+        let above = if lower > x { lower } else { x };
+        if upper < above { upper } else { above }
+    };
+    (
+        clip(path - slider, -limit, limit),
+        clip(slider, path - limit, path + limit),
+    )
 }
 
 /// What one step of the coupled law gives.

@@ -49,7 +49,7 @@ pub trait Real:
 
     /// `out[r]` = Σ `table[r][k]` `x[k]`, in the order of k, with the vector instructions `simd`.
     ///
-    /// Multiplication and addition round one by one, so that every instruction set gives the same bits.
+    /// Every product is added without rounding it first, which gives the same bits on every instruction set.
     ///
     /// Shape: `table` `[row][k]`, `x` `[k]`, `out` `[row]`.
     fn table_product<S: Simd, const W: usize>(
@@ -67,13 +67,14 @@ pub trait Real:
     }
 }
 
-/// Rows of a table product that are summed together: enough to hide the time that one addition takes.
+/// Rows and vectors of a table product that are summed together: as many sums as hide the time that one fused
+/// multiply-add takes and fit into sixteen registers with what they are made of.
 const ROWS: usize = 4;
+const VECTORS: usize = 3;
 
 macro_rules! real {
     (
-        $type:ident, $lanes:ident, $vectors:ident, $vectors_mut:ident, $splat:ident, $mul:ident, $add:ident, $load:ident,
-        $store:ident
+        $type:ident, $lanes:ident, $vectors:ident, $vectors_mut:ident, $splat:ident, $mul_add:ident, $load:ident, $store:ident
     ) => {
         impl Real for $type {
             const ZERO: Self = 0.0;
@@ -113,50 +114,70 @@ macro_rules! real {
                 x: &[[Self; W]],
                 out: &mut [[Self; W]],
             ) {
+                /// The vectors of R rows from the vector `first` on.
                 #[inline(always)]
-                fn rows_product<S: Simd, const W: usize, const R: usize>(
+                fn block<S: Simd, const W: usize, const R: usize, const V: usize>(
                     simd: S,
                     table: &[$type],
                     x: &[[$type; W]],
-                    out: &mut [[$type; W]; R],
+                    (first, out): (usize, &mut [[$type; W]]),
                 ) {
                     let depth = x.len();
                     let rows: [&[$type]; R] = std::array::from_fn(|r| &table[r * depth..][..depth]);
-                    let whole = W / S::$lanes;
-                    for column in 0..W.div_ceil(S::$lanes) {
-                        let mut sums = [simd.$splat(0.0); R];
-                        for (k, x) in x.iter().enumerate() {
-                            let (vectors, rest) = S::$vectors(x);
-                            let x = if column < whole {
-                                vectors[column]
-                            } else {
-                                simd.$load(rest)
-                            };
-                            for r in 0..R {
-                                let product = simd.$mul(simd.$splat(rows[r][k]), x);
-                                sums[r] = simd.$add(sums[r], product);
+                    let mut sums = [[simd.$splat(0.0); V]; R];
+                    for (k, x) in x.iter().enumerate() {
+                        let (vectors, rest) = S::$vectors(x);
+                        let x: [_; V] = std::array::from_fn(|v| match vectors.get(first + v) {
+                            Some(&vector) => vector,
+                            None => simd.$load(rest),
+                        });
+                        for (sums, row) in sums.iter_mut().zip(rows) {
+                            let factor = simd.$splat(row[k]);
+                            for (sum, x) in sums.iter_mut().zip(x) {
+                                *sum = simd.$mul_add(factor, x, *sum);
                             }
                         }
-                        for (out, sum) in out.iter_mut().zip(sums) {
-                            let (vectors, rest) = S::$vectors_mut(out);
-                            if column < whole {
-                                vectors[column] = sum;
-                            } else {
-                                simd.$store(rest, sum);
+                    }
+                    for (out, sums) in out.iter_mut().zip(sums) {
+                        let (vectors, rest) = S::$vectors_mut(out);
+                        for (v, sum) in sums.into_iter().enumerate() {
+                            match vectors.get_mut(first + v) {
+                                Some(vector) => *vector = sum,
+                                None => simd.$store(rest, sum),
                             }
                         }
                     }
                 }
 
+                #[inline(always)]
+                fn rows<S: Simd, const W: usize, const R: usize>(
+                    simd: S,
+                    table: &[$type],
+                    x: &[[$type; W]],
+                    out: &mut [[$type; W]],
+                ) {
+                    let vectors = W.div_ceil(S::$lanes);
+                    let whole = vectors - vectors % VECTORS;
+                    for first in (0..whole).step_by(VECTORS) {
+                        block::<S, W, R, VECTORS>(simd, table, x, (first, &mut *out));
+                    }
+                    match vectors - whole {
+                        2 => block::<S, W, R, 2>(simd, table, x, (whole, out)),
+                        1 => block::<S, W, R, 1>(simd, table, x, (whole, out)),
+                        _ => {}
+                    }
+                }
+
                 let depth = x.len();
                 assert_eq!(table.len(), out.len() * depth, "one row per output");
-                let (blocks, rest) = out.as_chunks_mut::<ROWS>();
-                let (head, tail) = table.split_at(blocks.len() * ROWS * depth);
-                for (rows, out) in head.chunks_exact(ROWS * depth).zip(blocks) {
-                    rows_product::<S, W, ROWS>(simd, rows, x, out);
-                }
-                for (row, out) in tail.chunks_exact(depth).zip(rest) {
-                    rows_product::<S, W, 1>(simd, row, x, std::array::from_mut(out));
+                let tables = table.chunks(ROWS * depth);
+                for (table, out) in tables.zip(out.chunks_mut(ROWS)) {
+                    match out.len() {
+                        ROWS => rows::<S, W, ROWS>(simd, table, x, out),
+                        3 => rows::<S, W, 3>(simd, table, x, out),
+                        2 => rows::<S, W, 2>(simd, table, x, out),
+                        _ => rows::<S, W, 1>(simd, table, x, out),
+                    }
                 }
             }
         }
@@ -169,8 +190,7 @@ real!(
     as_simd_f32s,
     as_mut_simd_f32s,
     splat_f32s,
-    mul_f32s,
-    add_f32s,
+    mul_add_f32s,
     partial_load_f32s,
     partial_store_f32s
 );
@@ -180,8 +200,7 @@ real!(
     as_simd_f64s,
     as_mut_simd_f64s,
     splat_f64s,
-    mul_f64s,
-    add_f64s,
+    mul_add_f64s,
     partial_load_f64s,
     partial_store_f64s
 );

@@ -291,14 +291,15 @@ fn single_steps_respect_the_limits() {
         let limit = mu * normal;
         let round = 1e-15 * (1.0 + limit);
         for d in 0..2 {
-            let (t, w) = box_step(k_t[d], flexibility[d], limit, u[d], boxed[d]);
+            let path = k_t[d] * u[d];
+            let (t, z) = box_step(limit, path, boxed[d]);
             assert!(t.abs() <= limit, "box {t} {limit}");
-            assert!((t - k_t[d] * (u[d] - w)).abs() < 4.0 * round, "box slider");
+            assert!((t - (path - z)).abs() < 4.0 * round, "box slider");
             assert!(
-                t.abs() == limit || w == boxed[d],
+                t.abs() == limit || z == boxed[d],
                 "box slider moved in stick"
             );
-            boxed[d] = w;
+            boxed[d] = z;
         }
         let step = circle_step(k_t, flexibility, (limit, 0.0), u, circle);
         let size = step.traction[0].hypot(step.traction[1]);
