@@ -3,10 +3,11 @@
 //! The solution is padded with zeros onto two larger harmonic sets and corrected by one Newton step on each. This is the
 //! idea of the Jacobian Alert Algorithm of Gastaldi & Berruti 2017, more cautious: the changes of the amplitude do not
 //! fall from set to set (the strip's resonances lie on some harmonics and not on others), so that one small change
-//! proves nothing.
+//! proves nothing. Nor does one step always see such a resonance: where what it says is not far from the threshold, a
+//! solve on the largest set decides.
 
 use super::balance::Balance;
-use super::newton::{Condition, Iterate, Point, WorkCount, newton_step};
+use super::newton::{Condition, Iterate, Point, WorkCount, newton_step, solve};
 use super::problem::Problem;
 use super::settings::{AlertSettings, HbSettings};
 use super::solution::Solution;
@@ -18,9 +19,12 @@ use std::cell::OnceCell;
 /// Larger sets that the alert looks at.
 const LOOKS: usize = 2;
 
-/// The error over the way that the amplitude goes from set to set. `cargo bench --bench peaks -- certified` tells how
-/// often that is too little.
+/// The error over the way that the amplitude goes from set to set, and over its change by a solve. `cargo bench --bench
+/// peaks -- certified` tells how often that is too little.
 const CAUTION: f64 = 2.0;
+
+/// Errors by Newton steps on all sets looked at, over the threshold, that leave open whether the true one is below it.
+const OPEN: [f64; 2] = [0.2, 2.0];
 
 /// The next larger set: about 1.6 times the highest harmonic, without gaps.
 fn enlarged(highest: usize) -> usize {
@@ -79,9 +83,9 @@ pub struct AlertSets<'s, 'p> {
 pub struct Outlook {
     /// Cautious estimate of the relative error of |ŷ|.
     pub error: f64,
-    /// Where one Newton step leads on each larger set, the next one first.
+    /// Where one Newton step, or the solve, leads on each larger set, the next one first.
     pub steps: Vec<Point>,
-    /// Work of the steps.
+    /// Work of the steps and the solve.
     pub count: WorkCount,
 }
 
@@ -143,6 +147,36 @@ impl<'s, 'p> AlertSets<'s, 'p> {
             },
             steps: looks.into_iter().map(|(_, point)| point).collect(),
         }
+    }
+
+    /// The `outlook` of `solution` on set `i` with its error by a solve on the largest of its sets, where the steps leave
+    /// open what the alert should say.
+    #[must_use]
+    pub fn decided(
+        &self,
+        i: usize,
+        solution: &Iterate<'_>,
+        mut outlook: Outlook,
+        condition: Condition<'_>,
+    ) -> Outlook {
+        let [low, high] = OPEN.map(|share| share * self.alert.threshold);
+        let looks = outlook.steps.len();
+        // a single look may see nothing by chance
+        let low = if looks < LOOKS { 0.0 } else { low };
+        let (to, open) = (i + looks, (low..=high).contains(&outlook.error));
+        if let Some(step) = outlook.steps.last_mut().filter(|_| open) {
+            let larger = self.balance(to);
+            let solved = solve(larger, step.clone(), condition, self.settings.newton);
+            // without a solution there, the worst of what was open
+            outlook.error = high;
+            if let Ok(solved) = outlook.count.tally(solved) {
+                let amplitude = solution.response(self.balance(i)).norm();
+                let change = solved.response(larger).norm() / amplitude - 1.0;
+                outlook.error = CAUTION * change.abs();
+                *step = solved.point;
+            }
+        }
+        outlook
     }
 
     /// Whether an estimated error is no alarm.

@@ -74,7 +74,9 @@ pub fn refined<'p>(
         let Located { iterate, sharpness } = &found;
         let response = iterate.response(balance);
         let phasor = response / response.norm();
-        let outlook = sets.outlook(at, iterate, kept.condition(phasor));
+        let condition = kept.condition(phasor);
+        let outlook = sets.outlook(at, iterate, condition);
+        let outlook = sets.decided(at, iterate, outlook, condition);
         count += outlook.count;
         let mut raised = |to: usize| {
             let larger = sets.balance(to);
