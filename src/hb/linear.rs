@@ -121,6 +121,8 @@ impl Part {
         let (lambda, modes) =
             symmetric_generalized_eigen(model.stiffness.as_ref(), model.mass.as_ref())?;
         let damping = modes.transpose() * &model.damping * &modes;
+        // G is written for symmetric matrices, and small entries are all round-off of large ones
+        let damping = Scale(0.5) * (damping.transpose() + &damping);
         let round_off = 10.0 * f64::EPSILON * lambda.len() as f64;
         let floats = lambda.first() <= lambda.last().map(|l| round_off * l).as_ref();
         let structure = Structure {
