@@ -207,13 +207,13 @@ impl<T: Real> Workspace<T> {
             ([T::ZERO; LANES], [T::ZERO; LANES], [T::ZERO; LANES]);
         let mut separated = [T::ZERO; LANES];
         for s in &mut self.samples {
+            let gap: Lane<T> = std::array::from_fn(|l| p.n_0[l] + p.k_n[l] * s.gap[l]);
+            s.gap = gap;
             for l in 0..LANES {
-                let gap = p.n_0[l] + p.k_n[l] * s.gap[l];
-                s.gap[l] = gap;
-                separated[l] += flag(gap <= T::ZERO);
+                separated[l] += flag(gap[l] <= T::ZERO);
                 first[l] = first[l].or_larger(s.u[0][l].abs());
                 second[l] = second[l].or_larger(s.u[1][l].abs());
-                normal[l] = normal[l].or_larger(gap);
+                normal[l] = normal[l].or_larger(gap[l]);
             }
         }
         self.separated = separated;
@@ -240,29 +240,36 @@ impl<T: Real> Workspace<T> {
     pub(super) fn box_lap(&mut self, z: &mut [Lane<T>; 2]) -> LapCount<T> {
         let p = &self.parameters;
         let mut count = LapCount::<T>::default();
+        // how far tractions are beyond their limits at most: 0 where they slip, else less
+        let never = [-T::from_f64(f64::INFINITY); LANES];
+        let (mut above, mut below) = ([never; 2], [never; 2]);
         for s in &mut self.samples {
             let closes = some_close(&s.closing);
-            for l in 0..LANES {
-                let limit = p.mu[l] * s.normal(l);
-                let mut at_limit = [(false, false); 2];
-                for d in 0..2 {
-                    let path = p.k_t[d][l] * s.u[d][l];
-                    let start = if closes {
-                        anchored_at_closing(z[d][l], path, s.closing[l])
-                    } else {
-                        z[d][l]
-                    };
-                    let (traction, slider) = box_step(limit, path, start);
-                    s.traction[d][l] = traction;
-                    z[d][l] = slider;
-                    at_limit[d] = (traction >= limit, traction <= -limit);
-                    set_if(at_limit[d].0, &mut count.upper[d][l], T::ONE);
-                    set_if(at_limit[d].1, &mut count.lower[d][l], T::ONE);
+            let limit: Lane<T> = std::array::from_fn(|l| p.mu[l] * s.normal(l));
+            let mut beyond = never;
+            for d in 0..2 {
+                let z = &mut z[d];
+                let path: Lane<T> = std::array::from_fn(|l| p.k_t[d][l] * s.u[d][l]);
+                if closes {
+                    for l in 0..LANES {
+                        z[l] = anchored_at_closing(z[l], path[l], s.closing[l]);
+                    }
                 }
-                let slips = at_limit[0].0 | at_limit[0].1 | at_limit[1].0 | at_limit[1].1;
-                let next = count.slip[l] + T::ONE;
-                set_if(slips & (s.gap[l] > T::ZERO), &mut count.slip[l], next);
+                for l in 0..LANES {
+                    let (traction, slider) = box_step(limit[l], path[l], z[l]);
+                    (s.traction[d][l], z[l]) = (traction, slider);
+                    let (up, down) = (traction - limit[l], -traction - limit[l]);
+                    above[d][l] = above[d][l].or_larger(up);
+                    below[d][l] = below[d][l].or_larger(down);
+                    beyond[l] = beyond[l].or_larger(up.or_larger(down));
+                }
             }
+            for l in 0..LANES {
+                count.slip[l] += flag((beyond[l] >= T::ZERO) & (s.gap[l] > T::ZERO));
+            }
+        }
+        for (count, most) in [(&mut count.upper, above), (&mut count.lower, below)] {
+            *count = most.map(|direction| direction.map(|by| flag(by >= T::ZERO)));
         }
         count
     }
@@ -361,12 +368,6 @@ impl<T: Real> Workspace<T> {
             }
         }
     }
-}
-
-/// Replaces the number if `holds`, without a branch.
-#[inline(always)]
-fn set_if<T: Real>(holds: bool, number: &mut T, value: T) {
-    *number = if holds { value } else { *number };
 }
 
 /// Values at all points, handed on as (point, values), from the coefficients. Cosine and sine sums are shared by the

@@ -123,7 +123,10 @@ macro_rules! real {
                     (first, out): (usize, &mut [[$type; W]]),
                 ) {
                     let depth = x.len();
-                    let rows: [&[$type]; R] = std::array::from_fn(|r| &table[r * depth..][..depth]);
+                    let mut rows = [&table[..depth]; R];
+                    for (r, row) in rows.iter_mut().enumerate() {
+                        *row = &table[r * depth..][..depth];
+                    }
                     let mut sums = [[simd.$splat(0.0); V]; R];
                     for (k, x) in x.iter().enumerate() {
                         let (vectors, rest) = S::$vectors(x);
