@@ -668,7 +668,7 @@ fn peers() {
         let balance = Balance::new(&problem, settings.harmonics.clone(), settings.aft);
         print_iteration(&balance, peak[0].solution.as_ref().expect("a peak"));
     }
-    for samples in [256, 1024] {
+    for samples in [256, 1024, 4096] {
         measured("blades-strip-oop", &ensemble, samples);
     }
 }

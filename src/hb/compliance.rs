@@ -12,6 +12,7 @@ use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
 use faer::{Accum, Par};
+use pulp::{Arch, Simd, WithSimd};
 
 /// The stuck structure at all dynamic harmonics of one excitation frequency.
 #[derive(Debug)]
@@ -93,6 +94,15 @@ impl<'p> HarmonicCompliance<'p> {
     /// η̂ = Z_s⁻¹ `load`. Shape: `[n]`.
     #[must_use]
     pub fn solve(&self, load: &[c64]) -> Vec<c64> {
+        Arch::new().dispatch(Solving {
+            compliance: self,
+            load,
+        })
+    }
+
+    /// See [`Self::solve`].
+    #[inline(always)]
+    fn solved(&self, load: &[c64]) -> Vec<c64> {
         // takes the error of the motion from 1e-10 to 1e-13
         let coarse = self.solve_by_compliance(load);
         let missing = self.missing_load(load, &coarse);
@@ -102,6 +112,7 @@ impl<'p> HarmonicCompliance<'p> {
 
     /// Z_s⁻¹ `load` up to the round-off of G. With the receptance D of all modes but the loose ones
     /// r = (I − G K_c) BΦ D f + R f_l and η̂ = D (f − ΦᵀBᵀ K_c r); the loose ones follow from the symmetry of Z_s⁻¹.
+    #[inline(always)]
     fn solve_by_compliance(&self, load: &[c64]) -> Vec<c64> {
         let modes = &self.modes;
         let free = times(&modes.receptance, load);
@@ -128,6 +139,7 @@ impl<'p> HarmonicCompliance<'p> {
     }
 
     /// `load` − Z_s η.
+    #[inline(always)]
     fn missing_load(&self, load: &[c64], eta: &[c64]) -> Vec<c64> {
         let held = (self.part).contact_load(&self.spring(&self.part.relative(eta)));
         let free = self.modes.free_load(self.part, eta);
@@ -137,12 +149,14 @@ impl<'p> HarmonicCompliance<'p> {
     }
 
     /// K_c r.
+    #[inline(always)]
     fn spring(&self, r: &[c64]) -> Vec<c64> {
         let k = self.stuck_stiffness;
         r.iter().zip(k).map(|(r, k)| r * *k).collect()
     }
 
     /// G x. Shape: `[3·n_contacts]`.
+    #[inline(always)]
     fn apply(&self, x: &[c64]) -> Vec<c64> {
         let (mut cosine, mut sine) = (vec![0.0; x.len()], vec![0.0; x.len()]);
         let x_cosine: Vec<f64> = x.iter().map(|z| z.re).collect();
@@ -154,6 +168,7 @@ impl<'p> HarmonicCompliance<'p> {
     }
 
     /// (c, s) += G (x_c, x_s) in cosine and sine coefficients; x̂ = x_c − i x_s.
+    #[inline(always)]
     pub fn add_real(&self, x: (&[f64], &[f64]), y: (&mut [f64], &mut [f64])) {
         for (j, (&x_c, &x_s)) in x.0.iter().zip(x.1).enumerate() {
             if x_c == 0.0 && x_s == 0.0 {
@@ -172,12 +187,29 @@ impl<'p> HarmonicCompliance<'p> {
     }
 }
 
+#[inline(always)]
 fn times(d: &[c64], x: &[c64]) -> Vec<c64> {
     d.iter().zip(x).map(|(d, x)| d * x).collect()
 }
 
+#[inline(always)]
 fn minus(a: &[c64], b: &[c64]) -> Vec<c64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+/// The arguments of [`HarmonicCompliance::solve`], for the instruction set that is found at run time.
+struct Solving<'a, 'p> {
+    compliance: &'a HarmonicCompliance<'p>,
+    load: &'a [c64],
+}
+
+impl WithSimd for Solving<'_, '_> {
+    type Output = Vec<c64>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Vec<c64> {
+        self.compliance.solved(self.load)
+    }
 }
 
 impl FreeModes {
@@ -252,6 +284,7 @@ impl FreeModes {
     }
 
     /// Z η.
+    #[inline(always)]
     fn free_load(&self, part: &Part, eta: &[c64]) -> Vec<c64> {
         let mut load = times(&self.impedance, eta);
         let coupling = &part.structure.coupling;

@@ -194,6 +194,7 @@ impl Part {
 
     /// B Φ η. Shape: `[n]` → `[3·n_contacts]`.
     #[must_use]
+    #[inline(always)]
     pub fn relative(&self, eta: &[c64]) -> Vec<c64> {
         times(&self.contact, eta)
     }
@@ -206,6 +207,7 @@ impl Part {
 
     /// Φᵀ Bᵀ f, the load of the contacts and their images. Shape: `[3·n_contacts]` → `[n]`.
     #[must_use]
+    #[inline(always)]
     pub fn contact_load(&self, force: &[c64]) -> Vec<c64> {
         (0..self.n_coordinates())
             .map(|j| {
@@ -264,6 +266,7 @@ fn rows_times(rows: &[&SparseRow], phi: &Mat<f64>) -> Mat<f64> {
 }
 
 /// A x of a real matrix and a complex vector, column by column.
+#[inline(always)]
 pub(super) fn times(a: &Mat<f64>, x: &[c64]) -> Vec<c64> {
     let mut y = vec![c64::new(0.0, 0.0); a.nrows()];
     for (j, x) in x.iter().enumerate() {
