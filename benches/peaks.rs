@@ -405,10 +405,14 @@ fn harmonics() {
     let rig = Rig::new([3, 5]);
     let design = design(11);
     let levels = [1.0, 5.0, 20.0, 100.0];
-    for highest in [5, 9, 13, 21] {
-        let settings = settings(highest, None);
-        let ensemble = rig.ensemble(&design, &levels, &settings);
-        measured(&format!("H = {highest}"), &ensemble, 32);
+    for samples in [32, 256] {
+        let times = [5, 9, 13, 21].map(|highest| {
+            let settings = settings(highest, None);
+            let ensemble = rig.ensemble(&design, &levels, &settings);
+            let (rate, _) = measured(&format!("H = {highest}"), &ensemble, samples);
+            (highest as f64, 1.0 / rate)
+        });
+        print_growth("H", times);
     }
 }
 
@@ -423,9 +427,14 @@ fn pairs() {
         let (rate, _) = measured(&format!("{pairs} pairs"), &ensemble, 64);
         (pairs, 1.0 / rate)
     });
+    print_growth("pairs", times);
+}
+
+/// How the time per peak grows with a number, from its first to its last value.
+fn print_growth(name: &str, times: [(f64, f64); 4]) {
     let [(few, short), .., (many, long)] = times;
     let growth = (long / short).ln() / (many / few).ln();
-    println!("from {few} to {many} pairs the time per peak grows as pairs^{growth:.2}");
+    println!("from {few} to {many} the time per peak grows as {name}^{growth:.2}");
 }
 
 const CERTIFIED: AlertSettings = AlertSettings {

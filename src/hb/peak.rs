@@ -20,7 +20,7 @@ pub struct PeakSettings {
     pub frequency_tolerance: f64,
 }
 
-/// A peak that was searched for.
+/// What a search ends with: a peak, or a solution at a frequency, whose sharpness is unknown.
 #[derive(Debug)]
 pub struct Located<'p> {
     /// The solution there.
