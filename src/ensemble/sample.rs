@@ -276,11 +276,7 @@ impl Ensemble<'_> {
         };
         let corrected = correct(&balance, prediction.peak, peak, newton);
         let located = spent.tally(corrected).ok()?;
-        let none = WorkCount::default();
-        let found = Solution {
-            sharpness: located.sharpness,
-            ..Solution::new(&balance, &located.iterate, Status::Converged, none)
-        };
+        let found = located.solution(&balance, WorkCount::default());
         (!surprising(found.amplitude(0), amplitude)).then(|| AnchorPeak::new(&found))
     }
 

@@ -185,20 +185,12 @@ impl<'s, 'p> AlertSets<'s, 'p> {
         error <= self.alert.threshold
     }
 
-    /// The solved `iterate` on set `i` with its estimated error.
+    /// The solution with its estimated error.
     #[must_use]
-    pub fn judged(
-        &self,
-        i: usize,
-        iterate: &Iterate<'_>,
-        error: f64,
-        count: WorkCount,
-    ) -> Solution {
-        let status = match self.is_silent(error) {
-            true => Status::Converged,
-            false => Status::TruncationAboveThreshold,
-        };
-        let mut solution = Solution::new(self.balance(i), iterate, status, count);
+    pub fn judged(&self, mut solution: Solution, error: f64) -> Solution {
+        if solution.status == Status::Converged && !self.is_silent(error) {
+            solution.status = Status::TruncationAboveThreshold;
+        }
         solution.truncation_error = Some(error);
         solution
     }

@@ -70,11 +70,12 @@ pub fn over_band(
     let balance = Balance::new(problem, settings.harmonics.clone(), settings.aft);
     let sets = AlertSets::new(problem, &settings.harmonics, settings);
     let report = |iterate: &Iterate<'_>, count| {
+        let solution = Solution::new(&balance, iterate, Status::Converged, count);
         let Some(sets) = &sets else {
-            return Solution::new(&balance, iterate, Status::Converged, count);
+            return solution;
         };
         let outlook = sets.outlook(0, iterate, Condition::FixedFrequency);
-        sets.judged(0, iterate, outlook.error, count)
+        sets.judged(solution, outlook.error)
     };
     let ladder = Ladder::new(problem, settings);
     let mut sweep = Sweep::new(&ladder, settings.newton, level, SweepDirection::Upward);

@@ -9,6 +9,7 @@ use super::continuation::BranchPoint;
 use super::newton::{Iterate, Point, WorkCount};
 use super::resonance::Band;
 use super::settings::NewtonSettings;
+use super::solution::Solution;
 use super::status::Status;
 
 /// How exactly, and where, a peak is located.
@@ -27,6 +28,18 @@ pub struct Located<'p> {
     pub iterate: Iterate<'p>,
     /// −d² ln|ŷ|/dφ² by the phase φ of ŷ along the branch, where the search measured it: 1 for one oscillator.
     pub sharpness: Option<f64>,
+}
+
+impl Located<'_> {
+    /// Everything reported of it; `count` is all work.
+    #[must_use]
+    pub fn solution(&self, balance: &Balance<'_>, count: WorkCount) -> Solution {
+        let solution = Solution::new(balance, &self.iterate, Status::Converged, count);
+        Solution {
+            sharpness: self.sharpness,
+            ..solution
+        }
+    }
 }
 
 impl<'p> From<Iterate<'p>> for Located<'p> {

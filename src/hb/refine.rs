@@ -63,10 +63,7 @@ pub fn refined<'p>(
     mut count: WorkCount,
 ) -> Solution {
     let Some(sets) = sets else {
-        return Solution {
-            sharpness: found.sharpness,
-            ..Solution::new(balance, &found.iterate, Status::Converged, count)
-        };
+        return found.solution(balance, count);
     };
     let (mut at, mut found) = (0, found);
     loop {
@@ -98,12 +95,7 @@ pub fn refined<'p>(
         };
         match next {
             Some(larger) => (at, found) = larger,
-            None => {
-                return Solution {
-                    sharpness: *sharpness,
-                    ..sets.judged(at, iterate, outlook.error, count)
-                };
-            }
+            None => return sets.judged(found.solution(balance, count), outlook.error),
         }
     }
 }

@@ -40,6 +40,16 @@ pub(crate) fn contacts(model: &ReducedModel, scale: f64, mu: f64) -> Vec<Contact
     interface.parameters(&model.contacts)
 }
 
+/// The default rig solved on one half, and the pairs of that half.
+pub(crate) fn folded(scale: f64, mu: f64) -> (LinearModel, Vec<ContactParameters<f64>>) {
+    let mut contacts = contacts(&RIG.reduced, scale, mu);
+    let linear = LinearModel::folded(&RIG.reduced, &contacts)
+        .expect("definite")
+        .expect("a mirror");
+    contacts.truncate(linear.n_contacts());
+    (linear, contacts)
+}
+
 /// Stuck minus free frequency of in-phase neck bending at `scale` times the nominal stiffness, equal shares (Hz).
 fn shift(rig: &TwoBladeModel, scale: f64) -> f64 {
     let stuck = rig

@@ -1,7 +1,7 @@
 //! The compliance of the stuck structure against the structure itself.
 
 use super::models::short;
-use crate::two_blade::{RIG, contacts};
+use crate::two_blade::folded;
 use faer::prelude::c64;
 use microslip::contact::ContactParameters;
 use microslip::hb::LinearModel;
@@ -83,11 +83,8 @@ fn compliance_is_that_of_the_stuck_structure(
 /// Where all modes are condensed to the contacts 7e-6 of the load is left.
 #[test]
 fn compliance_at_free_resonances() {
-    let nominal = contacts(&RIG.reduced, 1.0, 0.6);
-    let linear = LinearModel::folded(&RIG.reduced, &nominal)
-        .expect("definite")
-        .expect("a mirror");
-    compliance_is_that_of_the_stuck_structure(&linear, &nominal[..linear.n_contacts()]);
+    let (linear, contacts) = folded(1.0, 0.6);
+    compliance_is_that_of_the_stuck_structure(&linear, &contacts);
 }
 
 /// Blades whose damping couples 32 of 92 modes. Seen to fail without the coupling in the loose modes.

@@ -2,7 +2,7 @@
 
 use super::invariants::settings;
 use super::models::plane;
-use crate::two_blade::{RIG, contacts};
+use crate::two_blade::folded;
 use microslip::contact::{Events, FrictionLaw};
 use microslip::hb::curve::{CURVE_ERROR, CurvePoint, response_curve};
 use microslip::hb::forced_response::over_band;
@@ -83,12 +83,8 @@ fn curves_are_as_exact_as_they_say() {
         high: high * TAU,
     };
     let anchor = SliderAnchor::Unloaded;
-    let contacts = contacts(&RIG.reduced, 1.0, 0.4);
-    let linear = LinearModel::folded(&RIG.reduced, &contacts)
-        .expect("definite")
-        .expect("a mirror");
-    let half = contacts[..linear.n_contacts()].to_vec();
-    let problem = Problem::new(&linear, half, 1.0, anchor).expect("held");
+    let (linear, contacts) = folded(1.0, 0.4);
+    let problem = Problem::new(&linear, contacts, 1.0, anchor).expect("held");
     check(&problem, band(2605.0, 2635.0), &[0.1, 5.0, 20.0, 100.0]);
     let case = plane(-1.0);
     let linear = LinearModel::new(&case.model).expect("definite");

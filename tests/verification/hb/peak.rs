@@ -2,7 +2,7 @@
 
 use super::invariants::{Draw, settings, solved};
 use super::models::{Case, plane, short};
-use crate::two_blade::{RIG, contacts};
+use crate::two_blade::folded;
 use faer::prelude::c64;
 use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
@@ -255,11 +255,7 @@ fn outlook(draw: &Draw, highest: usize) -> Option<(f64, f64)> {
 /// 0.3 %, which no Newton step sees. Seen to fail with errors by steps alone: they say less than 0.1 %.
 #[test]
 fn silent_steps_are_checked_by_a_solve() {
-    let contacts = contacts(&RIG.reduced, 0.1466, 0.5746);
-    let linear = LinearModel::folded(&RIG.reduced, &contacts)
-        .expect("definite")
-        .expect("a mirror");
-    let contacts = contacts[..linear.n_contacts()].to_vec();
+    let (linear, contacts) = folded(0.1466, 0.5746);
     let problem = Problem::new(&linear, contacts, 1.0, SliderAnchor::Unloaded).expect("held");
     let mut settings = located(21);
     settings.aft.n_time = 256;
