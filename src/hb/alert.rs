@@ -3,7 +3,7 @@
 //! The solution is padded with zeros onto two larger harmonic sets and corrected by one Newton step on each. This is the
 //! idea of the Jacobian Alert Algorithm of Gastaldi & Berruti 2017, more cautious: the changes of the amplitude do not
 //! fall from set to set (the strip's resonances lie on some harmonics and not on others), so that one small change
-//! proves nothing. Nor does one step always see such a resonance: where what it says is not far from the threshold, a
+//! proves nothing. Nor does one step always see what larger sets bring: where what it says is not far from the threshold, a
 //! solve on the largest set decides.
 
 use super::balance::Balance;

@@ -251,8 +251,8 @@ fn outlook(draw: &Draw, highest: usize) -> Option<(f64, f64)> {
     })
 }
 
-/// Soft contacts on the default rig, at 20 N, on 21 harmonics: a resonance of the strip on a higher one lowers the peak by
-/// 0.3 %, which no Newton step sees. Seen to fail with errors by steps alone: they say less than 0.1 %.
+/// Soft contacts on the default rig, at 20 N, on 21 harmonics: the higher ones lower the peak by 0.3 %, which no Newton step
+/// sees. Seen to fail with errors by steps alone: they say less than 0.1 %.
 #[test]
 fn silent_steps_are_checked_by_a_solve() {
     let (linear, contacts) = folded(0.1466, 0.5746);
