@@ -233,7 +233,8 @@ impl FreeModes {
         for &j in &loose {
             receptance[j] = c64::new(0.0, 0.0);
         }
-        let mut stuck = receptance_at_contacts(part, &receptance).with_springs(k_c);
+        let springs: Vec<c64> = k_c.iter().map(|&k| c64::new(k, 0.0)).collect();
+        let mut stuck = receptance_at_contacts(part, &receptance).with_springs(&springs);
         let (m, n) = (k_c.len(), loose.len());
         let mut moved = [Mat::zeros(m, n), Mat::zeros(m, n)];
         for (b, &j) in loose.iter().enumerate() {

@@ -47,7 +47,7 @@ pub struct PairTangent {
 pub struct Jacobian<'a> {
     static_compliance: &'a Mat<f64>,
     compliance: &'a Compliance<'a>,
-    capacitance: Capacitance<'a>,
+    capacitance: Capacitance,
     solver: Solver,
 }
 
@@ -109,21 +109,16 @@ impl<'a> Jacobian<'a> {
     /// x = J⁻¹ b. Shape: `[n_coefficients][3·n_contacts]`.
     #[must_use]
     pub fn solve(&self, b: &[f64]) -> Vec<f64> {
-        let mut y = self.capacitance.deviation(b);
-        match &self.solver {
-            Solver::Dense(factors) => solve_in_place(factors, &mut y),
-            Solver::Krylov(krylov) => krylov.solve(&self.capacitance, &mut y),
-        }
-        y.iter_mut().for_each(|y| *y = -*y);
-        let mut x = b.to_vec();
-        self.add_compliance(&self.capacitance.spread(&y), &mut x);
-        x
+        self.capacitance.solve(b, |y| match &self.solver {
+            Solver::Dense(factors) => solve_in_place(factors, y),
+            Solver::Krylov(krylov) => krylov.solve(&self.capacitance, y),
+        })
     }
 
     /// dg x. Shape: `[n_coefficients][3·n_contacts]`.
     #[must_use]
     pub fn deviation(&self, x: &[f64]) -> Vec<f64> {
-        self.capacitance.spread(&self.capacitance.deviation(x))
+        self.capacitance.deviation(x)
     }
 
     /// y += G x, harmonic by harmonic.
@@ -145,7 +140,7 @@ impl<'a> Jacobian<'a> {
 
 impl Krylov {
     /// y ← C⁻¹ y.
-    fn solve(&self, capacitance: &Capacitance<'_>, y: &mut [f64]) {
+    fn solve(&self, capacitance: &Capacitance, y: &mut [f64]) {
         if self.dense.get().is_none() {
             let sweep = |v: &[f64]| capacitance.sweep(&self.blocks, v);
             let settings = GcrSettings {

@@ -12,15 +12,16 @@ use pulp::{Arch, Simd, WithSimd};
 const WIDTH: usize = 4;
 
 /// Real and imaginary part of a symmetric matrix; only the lower triangle counts.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Symmetric {
     pub(super) real: Mat<f64>,
     pub(super) imaginary: Mat<f64>,
 }
 
 impl Symmetric {
-    /// The compliance with springs `k` (N/m) at all points, both triangles.
-    pub(super) fn with_springs(mut self, k: &[f64]) -> Self {
+    /// The compliance with springs `k` (N/m) at the points, both triangles. The imaginary part of a spring is the damping
+    /// that it has at the frequency of this compliance.
+    pub(super) fn with_springs(mut self, k: &[c64]) -> Self {
         Arch::new().dispatch(Attachment {
             compliance: &mut self,
             springs: k,
@@ -37,16 +38,17 @@ impl Symmetric {
 
     /// See [`Self::with_springs`].
     #[inline(always)]
-    fn attach(&mut self, k: &[f64]) {
+    fn attach(&mut self, k: &[c64]) {
         let m = k.len();
         let mut diagonal: [Vec<f64>; 2] =
             [&self.real, &self.imaginary].map(|matrix| (0..m).map(|i| matrix[(i, i)]).collect());
-        let mut left: Vec<usize> = (0..m).collect();
+        let none = c64::new(0.0, 0.0);
+        let mut left: Vec<usize> = (0..m).filter(|&i| k[i] != none).collect();
         let mut group: [Update; WIDTH] = std::array::from_fn(|_| Update::new(m));
         while !left.is_empty() {
             for next in 0..WIDTH {
                 let (earlier, rest) = group.split_at_mut(next);
-                let pivot = |i: usize| c64::new(1.0 + k[i] * diagonal[0][i], k[i] * diagonal[1][i]);
+                let pivot = |i: usize| k[i] * c64::new(diagonal[0][i], diagonal[1][i]) + 1.0;
                 let sizes = (left.iter().enumerate()).map(|(at, &i)| (at, pivot(i).norm_sqr()));
                 let largest = sizes.reduce(|a, b| if b.1 > a.1 { b } else { a });
                 let Some((at, _)) = largest else {
@@ -150,7 +152,7 @@ impl Update {
 
 struct Attachment<'a> {
     compliance: &'a mut Symmetric,
-    springs: &'a [f64],
+    springs: &'a [c64],
 }
 
 impl WithSimd for Attachment<'_> {

@@ -1,12 +1,18 @@
 //! The equations that are left of J x = b once everything linear is eliminated.
 //!
-//! y = dg x obeys C y = dg b with C = I + dg G, and x = b − G y (C is the capacitance matrix of Woodbury's identity).
 //! dg has rows only for the force components that deviate from the stuck contact: the "slots". A pair that slips in one
 //! direction has one slot, a pair that opens three. Vectors are slot-major, `[slot][coefficient]`.
+//!
+//! What a slot does to its own displacement at one harmonic is, apart from the coupling of harmonics, a complex spring D
+//! (the contact, linearised harmonic by harmonic); softer than the stuck contact it takes away. With dg = D + e and the
+//! compliance G' = (I + G D)⁻¹ G with these springs, J x = b becomes x + G' e x = b' with b' = b − G' D b, so that y = e x
+//! obeys C y = e b' with C = I + e G' (the capacitance matrix of Woodbury's identity), and x = b' − G' y. C is closer to I
+//! than I + dg G: where contacts are stiff and open, that is nearly singular, pair by pair.
 
 use super::PairTangent;
 use crate::hb::balance::Layout;
 use crate::hb::compliance::Compliance;
+use crate::hb::springs::Symmetric;
 use crate::linalg::vector::axpy;
 use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
@@ -20,12 +26,16 @@ const ORDER: [usize; 3] = [2, 0, 1];
 /// on peaks of the two-blade rig (3 to 21 harmonics, soft and stiff contacts); 130 and 300 cost up to 1.5 times as much.
 const BLOCK_UNKNOWNS: usize = 200;
 
-/// C = I + dg G at one iterate.
+/// So many unknowns and more are worth springs. At 495 (45 slots, 5 harmonics) attaching them costs as much as the sweeps
+/// they save, at 1935 (21 harmonics) it halves the sweeps of stiff contacts and is a tenth of the time.
+const SPRINGS_FROM: usize = 1000;
+
+/// C = I + e G' at one iterate.
 #[derive(Debug)]
-pub(super) struct Capacitance<'a> {
+pub(super) struct Capacitance {
     layout: Layout,
-    static_compliance: &'a Mat<f64>,
-    compliance: &'a Compliance<'a>,
+    /// G' of the 0th and of the dynamic harmonics.
+    compliance: Vec<Symmetric>,
     slots: Vec<Slot>,
 }
 
@@ -35,7 +45,9 @@ struct Slot {
     component: usize,
     /// Position among the relative displacements of one coefficient.
     row: usize,
-    /// Displacements that the force depends on, each with its block of dg by columns. Shape: `[column m][row m]`.
+    /// D (N/m) at the 0th and the dynamic harmonics; zero where springs are not worth their cost.
+    springs: Vec<c64>,
+    /// Displacements that the force depends on, each with its block of e by columns. Shape: `[column m][row m]`.
     reads: Vec<(usize, Vec<f64>)>,
 }
 
@@ -47,25 +59,45 @@ pub(super) struct Block {
     factors: PartialPivLu<f32>,
 }
 
-impl<'a> Capacitance<'a> {
+impl Capacitance {
     /// Collects the slots of the active pairs.
     pub(super) fn new(
         layout: &Layout,
-        static_compliance: &'a Mat<f64>,
-        compliance: &'a Compliance<'a>,
+        static_compliance: &Mat<f64>,
+        compliance: &Compliance<'_>,
         active: &[PairTangent],
     ) -> Self {
-        let slots = (ORDER.iter())
+        let mut slots: Vec<Slot> = (ORDER.iter())
             .flat_map(|&component| {
                 active
                     .iter()
                     .filter_map(move |t| Slot::new(layout, component, t))
             })
             .collect();
+        if slots.len() * layout.n_coefficients >= SPRINGS_FROM {
+            (slots.iter_mut()).for_each(|slot| slot.take_springs(layout.n_coefficients));
+        }
+        let n = layout.n_relative();
+        let rest = Symmetric {
+            real: static_compliance.clone(),
+            imaginary: Mat::zeros(n, n),
+        };
+        let moving = compliance.harmonics.iter().map(|h| Symmetric {
+            real: h.real.clone(),
+            imaginary: h.imaginary.clone(),
+        });
+        let with_springs = |(order, stuck): (usize, Symmetric)| {
+            let mut springs = vec![c64::new(0.0, 0.0); n];
+            for slot in &slots {
+                springs[slot.row] = slot.springs[order];
+            }
+            stuck.with_springs(&springs)
+        };
         Self {
             layout: *layout,
-            static_compliance,
-            compliance,
+            compliance: (std::iter::once(rest).chain(moving).enumerate())
+                .map(with_springs)
+                .collect(),
             slots,
         }
     }
@@ -75,36 +107,60 @@ impl<'a> Capacitance<'a> {
         self.slots.len() * self.layout.n_coefficients
     }
 
-    /// dg x for displacements x. Shape: as the unknowns → slot-major.
+    /// dg x. Shape: as the unknowns.
     pub(super) fn deviation(&self, x: &[f64]) -> Vec<f64> {
-        let mut y = vec![0.0; self.size()];
-        for (slot, y) in (self.slots.iter()).zip(y.chunks_exact_mut(self.layout.n_coefficients)) {
-            slot.add_deviation(&self.layout, 1.0, x, y);
-        }
-        y
-    }
-
-    /// Forces y in the order of the unknowns.
-    pub(super) fn spread(&self, y: &[f64]) -> Vec<f64> {
         let n = self.layout.n_relative();
         let mut out = vec![0.0; self.layout.n_unknowns()];
-        for (slot, y) in (self.slots.iter()).zip(y.chunks_exact(self.layout.n_coefficients)) {
+        let forces = self.slots.iter().zip(self.spring_forces(x));
+        for (slot, mut y) in forces {
+            slot.add_deviation(&self.layout, 1.0, x, &mut y);
             for (coefficient, y) in out.chunks_exact_mut(n).zip(y) {
-                coefficient[slot.row] = *y;
+                coefficient[slot.row] = y;
             }
         }
         out
     }
 
-    /// x += G y for the forces y of a range of slots.
+    /// x = J⁻¹ b, where `solve` is y ← C⁻¹ y. Shape: as the unknowns.
+    pub(super) fn solve(&self, b: &[f64], solve: impl FnOnce(&mut [f64])) -> Vec<f64> {
+        let negated = |y: &[f64]| -> Vec<f64> { y.iter().map(|y| -y).collect() };
+        let all = 0..self.slots.len();
+        let m = self.layout.n_coefficients;
+        let mut x = b.to_vec();
+        let pull: Vec<f64> = self.spring_forces(b).flatten().collect();
+        self.add_compliance(all.clone(), &negated(&pull), &mut x);
+        let mut y = vec![0.0; self.size()];
+        for (slot, y) in self.slots.iter().zip(y.chunks_exact_mut(m)) {
+            slot.add_deviation(&self.layout, 1.0, &x, y);
+        }
+        solve(&mut y);
+        self.add_compliance(all, &negated(&y), &mut x);
+        x
+    }
+
+    /// D x, slot by slot.
+    fn spring_forces(&self, x: &[f64]) -> impl Iterator<Item = Vec<f64>> {
+        let n = self.layout.n_relative();
+        self.slots.iter().map(move |slot| {
+            let x: Vec<f64> = x[slot.row..].iter().step_by(n).copied().collect();
+            let mut force = vec![slot.springs[0].re * x[0]];
+            for (spring, x) in slot.springs[1..].iter().zip(x[1..].chunks_exact(2)) {
+                let f = spring * c64::new(x[0], -x[1]);
+                force.extend([f.re, -f.im]);
+            }
+            force
+        })
+    }
+
+    /// x += G' y for the forces y of a range of slots.
     #[inline(always)]
     fn add_compliance(&self, slots: Range<usize>, y: &[f64], x: &mut [f64]) {
         let n = self.layout.n_relative();
         let m = self.layout.n_coefficients;
         let (x_rest, x_moving) = x.split_at_mut(n);
         for (slot, y) in self.slots[slots].iter().zip(y.chunks_exact(m)) {
-            axpy(y[0], self.static_compliance.col_as_slice(slot.row), x_rest);
-            for ((h, y), x) in (self.compliance.harmonics.iter())
+            axpy(y[0], self.compliance[0].real.col_as_slice(slot.row), x_rest);
+            for ((h, y), x) in (self.compliance[1..].iter())
                 .zip(y[1..].chunks_exact(2))
                 .zip(x_moving.chunks_exact_mut(2 * n))
             {
@@ -163,15 +219,12 @@ impl<'a> Capacitance<'a> {
         column: usize,
         coefficient: usize,
     ) -> [(usize, f64); 2] {
-        let Some(moving) = coefficient.checked_sub(1) else {
-            return [(0, self.static_compliance[(row, column)]), (0, 0.0)];
-        };
-        let h = &self.compliance.harmonics[moving / 2];
+        let h = &self.compliance[coefficient.div_ceil(2)];
         let (re, im) = (h.real[(row, column)], h.imaginary[(row, column)]);
-        if moving % 2 == 0 {
-            [(coefficient, re), (coefficient + 1, -im)]
-        } else {
-            [(coefficient - 1, im), (coefficient, re)]
+        match coefficient {
+            0 => [(0, re), (0, 0.0)],
+            cosine if cosine % 2 == 1 => [(cosine, re), (cosine + 1, -im)],
+            sine => [(sine - 1, im), (sine, re)],
         }
     }
 
@@ -248,12 +301,12 @@ impl Block {
 }
 
 /// The arguments of [`Capacitance::matrix`], for the instruction set that is found at run time.
-struct Assembly<'a, 'c> {
-    capacitance: &'a Capacitance<'c>,
+struct Assembly<'a> {
+    capacitance: &'a Capacitance,
     slots: Range<usize>,
 }
 
-impl WithSimd for Assembly<'_, '_> {
+impl WithSimd for Assembly<'_> {
     type Output = Mat<f64>;
 
     #[inline(always)]
@@ -263,13 +316,13 @@ impl WithSimd for Assembly<'_, '_> {
 }
 
 /// The arguments of [`Capacitance::sweep`], for the instruction set that is found at run time.
-struct Sweep<'a, 'c> {
-    capacitance: &'a Capacitance<'c>,
+struct Sweep<'a> {
+    capacitance: &'a Capacitance,
     blocks: &'a [Block],
     v: &'a [f64],
 }
 
-impl WithSimd for Sweep<'_, '_> {
+impl WithSimd for Sweep<'_> {
     type Output = (Vec<f64>, Vec<f64>);
 
     #[inline(always)]
@@ -293,11 +346,20 @@ impl Slot {
         (!reads.is_empty()).then(|| Self {
             component,
             row: at(component),
+            springs: vec![c64::new(0.0, 0.0); m.div_ceil(2)],
             reads,
         })
     }
 
-    /// y += factor dg x in this slot.
+    /// Parts dg into D and e.
+    fn take_springs(&mut self, m: usize) {
+        let row = self.row;
+        if let Some((_, own)) = self.reads.iter_mut().find(|(column, _)| *column == row) {
+            self.springs = take_springs(own, m);
+        }
+    }
+
+    /// y += factor e x in this slot.
     #[inline(always)]
     fn add_deviation(&self, layout: &Layout, factor: f64, x: &[f64], y: &mut [f64]) {
         let (m, n) = (layout.n_coefficients, layout.n_relative());
@@ -307,6 +369,25 @@ impl Slot {
             }
         }
     }
+}
+
+/// Takes out of a block, by columns, what multiplies each harmonic by a complex number: x̂ = x_c − i x_s.
+fn take_springs(columns: &mut [f64], m: usize) -> Vec<c64> {
+    let mut springs = vec![c64::new(columns[0], 0.0)];
+    columns[0] = 0.0;
+    for (c, s) in (1..m).step_by(2).map(|c| (c, c + 1)) {
+        let [cc, sc, cs, ss] = [(c, c), (c, s), (s, c), (s, s)].map(|(j, i)| j * m + i);
+        let spring = c64::new(
+            0.5 * (columns[cc] + columns[ss]),
+            0.5 * (columns[cs] - columns[sc]),
+        );
+        columns[cc] -= spring.re;
+        columns[ss] -= spring.re;
+        columns[cs] -= spring.im;
+        columns[sc] += spring.im;
+        springs.push(spring);
+    }
+    springs
 }
 
 /// x ← A⁻¹ x.
