@@ -6,9 +6,10 @@ use super::circle_tangent::{CircleScratch, circle_tangent};
 use super::located::{Located, Place};
 use super::located_circle::LocatedCircle;
 use super::march::{LANES, Workspace};
+use super::motions::Event;
 use super::plan::AftPlan;
 use super::settings::Laps;
-use super::tangent::{Event, SegmentScratch, View, box_tangent};
+use super::tangent::{SegmentScratch, View, box_tangent};
 use crate::contact::{Events, FrictionLaw, Real};
 use pulp::{Simd, WithSimd};
 

@@ -11,10 +11,11 @@ use super::batch::{AftBatch, AftForces, Block, Periodicity, StateSummary, Tangen
 use super::breakpoints::{Breakpoint, Intervals, Signals, basis_row, first_sample_from, rate};
 use super::circle;
 use super::march::Workspace;
+use super::motions::Motion;
 use super::plan::AftPlan;
 use super::settings::Laps;
 use super::tangent::{
-    Motion, add_masked_gram, add_masked_product, add_scaled, clear, subtract_product, sums_of_run,
+    add_masked_gram, add_masked_product, add_scaled, clear, subtract_product, sums_of_run,
 };
 use crate::contact::law::normal_force;
 use crate::contact::{ContactParameters, Real};

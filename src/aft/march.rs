@@ -1,6 +1,7 @@
 //! The march around the period, for a handful of states at a time (vector lanes).
 
 use super::batch::AftBatch;
+use super::motions::{WORD, Word};
 use super::plan::AftPlan;
 use crate::contact::law::{
     anchored_at_closing, box_step, circle_step, closing_instant, normal_force,
@@ -132,6 +133,8 @@ pub(super) struct Workspace<T> {
     pub parameters: LaneParameters<T>,
     /// Instant of closing from the last point to the first one of the next lap.
     pub closing_over_end: Lane<T>,
+    /// Motions of the samples. Shape: `[word]`.
+    pub words: Vec<Word>,
     /// Samples out of contact.
     pub separated: Lane<T>,
     /// Largest traction that counts as rounding (N).
@@ -167,6 +170,8 @@ impl<T: Real> Workspace<T> {
             self.parameters.set(l, &batch.parameters[state]);
         }
         self.samples.resize(plan.n_time(), Sample::default());
+        self.words
+            .resize(plan.n_time().div_ceil(WORD), Word::default());
         self.synthesize(simd, plan);
         self.close_gaps(plan.settings.events);
     }
@@ -205,18 +210,25 @@ impl<T: Real> Workspace<T> {
         let p = &self.parameters;
         let (mut first, mut second, mut normal) =
             ([T::ZERO; LANES], [T::ZERO; LANES], [T::ZERO; LANES]);
-        let mut separated = [T::ZERO; LANES];
-        for s in &mut self.samples {
-            let gap: Lane<T> = std::array::from_fn(|l| p.n_0[l] + p.k_n[l] * s.gap[l]);
-            s.gap = gap;
+        let mut separated = [0; LANES];
+        for (word, samples) in self.words.iter_mut().zip(self.samples.chunks_mut(WORD)) {
+            let mut open = [0; LANES];
+            for (i, s) in samples.iter_mut().enumerate() {
+                let gap: Lane<T> = std::array::from_fn(|l| p.n_0[l] + p.k_n[l] * s.gap[l]);
+                s.gap = gap;
+                mark(&mut open, i, |l| gap[l] <= T::ZERO);
+                for l in 0..LANES {
+                    first[l] = first[l].or_larger(s.u[0][l].abs());
+                    second[l] = second[l].or_larger(s.u[1][l].abs());
+                    normal[l] = normal[l].or_larger(gap[l]);
+                }
+            }
+            word.separated = open;
             for l in 0..LANES {
-                separated[l] += flag(gap[l] <= T::ZERO);
-                first[l] = first[l].or_larger(s.u[0][l].abs());
-                second[l] = second[l].or_larger(s.u[1][l].abs());
-                normal[l] = normal[l].or_larger(gap[l]);
+                separated[l] += open[l].count_ones();
             }
         }
-        self.separated = separated;
+        self.separated = separated.map(whole);
         for l in 0..LANES {
             let tangential = p.k_t[0][l] * first[l] + p.k_t[1][l] * second[l];
             let scale = tangential + p.mu[l] * normal[l];
@@ -239,39 +251,47 @@ impl<T: Real> Workspace<T> {
     #[inline(always)]
     pub(super) fn box_lap(&mut self, z: &mut [Lane<T>; 2]) -> LapCount<T> {
         let p = &self.parameters;
-        let mut count = LapCount::<T>::default();
-        // how far tractions are beyond their limits at most: 0 where they slip, else less
-        let never = [-T::from_f64(f64::INFINITY); LANES];
-        let (mut above, mut below) = ([never; 2], [never; 2]);
-        for s in &mut self.samples {
-            let closes = some_close(&s.closing);
-            let limit: Lane<T> = std::array::from_fn(|l| p.mu[l] * s.normal(l));
-            let mut beyond = never;
-            for d in 0..2 {
-                let z = &mut z[d];
-                let path: Lane<T> = std::array::from_fn(|l| p.k_t[d][l] * s.u[d][l]);
-                if closes {
-                    for l in 0..LANES {
-                        z[l] = anchored_at_closing(z[l], path[l], s.closing[l]);
+        let mut slip = [0; LANES];
+        let (mut upper, mut lower) = ([[0; LANES]; 2], [[0; LANES]; 2]);
+        for (word, samples) in self.words.iter_mut().zip(self.samples.chunks_mut(WORD)) {
+            // samples at the upper and at the lower limit
+            let (mut above, mut below) = ([[0; LANES]; 2], [[0; LANES]; 2]);
+            for (i, s) in samples.iter_mut().enumerate() {
+                let closes = some_close(&s.closing);
+                let limit: Lane<T> = std::array::from_fn(|l| p.mu[l] * s.normal(l));
+                for d in 0..2 {
+                    let z = &mut z[d];
+                    let path: Lane<T> = std::array::from_fn(|l| p.k_t[d][l] * s.u[d][l]);
+                    if closes {
+                        for l in 0..LANES {
+                            z[l] = anchored_at_closing(z[l], path[l], s.closing[l]);
+                        }
                     }
-                }
-                for l in 0..LANES {
-                    let (traction, slider) = box_step(limit[l], path[l], z[l]);
-                    (s.traction[d][l], z[l]) = (traction, slider);
-                    let (up, down) = (traction - limit[l], -traction - limit[l]);
-                    above[d][l] = above[d][l].or_larger(up);
-                    below[d][l] = below[d][l].or_larger(down);
-                    beyond[l] = beyond[l].or_larger(up.or_larger(down));
+                    let mut traction = [T::ZERO; LANES];
+                    for l in 0..LANES {
+                        (traction[l], z[l]) = box_step(limit[l], path[l], z[l]);
+                    }
+                    s.traction[d] = traction;
+                    mark(&mut above[d], i, |l| traction[l] >= limit[l]);
+                    mark(&mut below[d], i, |l| traction[l] <= -limit[l]);
                 }
             }
+            word.set_limits(above, below);
             for l in 0..LANES {
-                count.slip[l] += flag((beyond[l] >= T::ZERO) & (s.gap[l] > T::ZERO));
+                slip[l] += word.slips(l);
+                for d in 0..2 {
+                    upper[d][l] |= above[d][l];
+                    lower[d][l] |= below[d][l];
+                }
             }
         }
-        for (count, most) in [(&mut count.upper, above), (&mut count.lower, below)] {
-            *count = most.map(|direction| direction.map(|by| flag(by >= T::ZERO)));
+        let some = |bits: [Lane<u64>; 2]| bits.map(|b| b.map(|b| flag(b != 0)));
+        LapCount {
+            slip: slip.map(whole),
+            upper: some(upper),
+            lower: some(lower),
+            ..LapCount::default()
         }
-        count
     }
 
     /// Distance from the limit (N) within which a slider of the circle law touches it: a steady cycle is found to
@@ -401,6 +421,21 @@ fn points<S: Simd, T: Real>(
             emit(i, after);
         }
     }
+}
+
+/// Sets bit `i` of the lanes of which something holds.
+#[inline(always)]
+fn mark(bits: &mut Lane<u64>, i: usize, holds: impl Fn(usize) -> bool) {
+    let bit = 1 << i;
+    for (l, bits) in bits.iter_mut().enumerate() {
+        *bits |= if holds(l) { bit } else { 0 };
+    }
+}
+
+/// A number of samples.
+#[inline(always)]
+fn whole<T: Real>(count: u32) -> T {
+    T::from_f64(f64::from(count))
 }
 
 /// 1 if `holds`, else 0.

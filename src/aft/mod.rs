@@ -12,6 +12,7 @@ mod lap;
 mod located;
 mod located_circle;
 mod march;
+mod motions;
 mod plan;
 mod roots;
 mod sensitivity;

@@ -3,31 +3,14 @@
 //! Inside a stick segment that starts after the event r, T_i = T_r + k_t (u_i − u_r); so its derivative is k_t b_i plus
 //! a constant row, and every segment adds one rank-1 product. The sums over masks Σ w b bᵀ need the spectrum of the
 //! mask alone: products of sines and cosines are sums over p − q (Toeplitz) and p + q (Hankel). Cost per state:
-//! O(Nt) to find the segments and O(segments · m²). Derived from the transition rules of Petrov and Ewins
+//! O(segments · m²), and Nt/64 words of bits to find the segments. Derived from the transition rules of Petrov and Ewins
 //! (J. Turbomach. 125, 2003).
 
 use super::batch::Block;
 use super::march::Workspace;
+use super::motions::{Event, Motion, contacts, last_event, runs};
 use super::plan::AftPlan;
 use crate::contact::{ContactParameters, Real};
-
-/// What a direction does at a sample.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Motion {
-    Stick,
-    /// T = mu N.
-    SlipUp,
-    /// T = −mu N.
-    SlipDown,
-    Separated,
-}
-
-/// Last sample without stick: where the slider was set last.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Event {
-    sample: usize,
-    motion: Motion,
-}
 
 /// Scratch rows of the segment form.
 #[derive(Debug, Clone, Default)]
@@ -59,30 +42,10 @@ impl<T: Real> View<'_, T> {
         self.work.parameters.of(self.lane)
     }
 
-    #[inline(always)]
-    fn motion(&self, d: usize, i: usize) -> Motion {
-        let s = &self.work.samples[i];
-        let limit = self.work.parameters.mu[self.lane] * s.normal(self.lane);
-        let traction = s.traction[d][self.lane];
-        if s.gap[self.lane] <= T::ZERO {
-            Motion::Separated
-        } else if traction >= limit {
-            Motion::SlipUp
-        } else if traction <= -limit {
-            Motion::SlipDown
-        } else {
-            Motion::Stick
-        }
-    }
-
     /// Last event of direction `d` in the lap that was marched last.
     #[inline(always)]
     pub(super) fn last_event(&self, d: usize) -> Option<Event> {
-        let n = self.plan.n_time();
-        (0..n).rev().find_map(|sample| {
-            let motion = self.motion(d, sample);
-            (motion != Motion::Stick).then_some(Event { sample, motion })
-        })
+        last_event(&self.work.words, self.lane, d)
     }
 
     /// Derivative of the instant of closing at `sample` by the coefficients of n: factors of b at the sample before
@@ -139,15 +102,10 @@ impl<T: Real> SegmentScratch<T> {
         let width = 2 * view.plan.n_mask_orders();
         clear(&mut self.stick, width);
         clear(&mut self.slip, width);
-        let (mut start, mut last) = (0, before);
-        while start < n {
-            let motion = view.motion(d, start);
-            let mut end = start + 1;
-            while end < n && view.motion(d, end) == motion {
-                end += 1;
-            }
-            self.spectrum_of_run(view.plan, start, end);
-            match motion {
+        let mut last = before;
+        for run in runs(&view.work.words, n, view.lane, d) {
+            self.spectrum_of_run(view.plan, run.start, run.end);
+            match run.motion {
                 Motion::Stick => {
                     add_scaled(&mut self.stick, T::ONE, &self.run);
                     self.segment(view, d, last, tt, tn);
@@ -156,13 +114,7 @@ impl<T: Real> SegmentScratch<T> {
                 Motion::SlipDown => add_scaled(&mut self.slip, -T::ONE, &self.run),
                 Motion::Separated => {}
             }
-            if motion != Motion::Stick {
-                last = Some(Event {
-                    sample: end - 1,
-                    motion,
-                });
-            }
-            start = end;
+            last = run.event().or(last);
         }
         add_masked_gram(view.plan, &self.stick, p.k_t[d], tt);
         add_masked_gram(view.plan, &self.slip, p.mu * p.k_n, tn);
@@ -226,25 +178,10 @@ impl<T: Real> SegmentScratch<T> {
     /// Spectrum of the samples in contact, into `contact`.
     #[inline(always)]
     pub(super) fn contact_spectrum(&mut self, view: View<T>) {
-        let samples = &view.work.samples;
-        let touches = |i: usize| samples[i].gap[view.lane] > T::ZERO;
         clear(&mut self.contact, 2 * view.plan.n_mask_orders());
-        if view.work.separated[view.lane] == T::ZERO {
-            self.spectrum_of_run(view.plan, 0, samples.len());
+        for (start, end) in contacts(&view.work.words, view.plan.n_time(), view.lane) {
+            self.spectrum_of_run(view.plan, start, end);
             add_scaled(&mut self.contact, T::ONE, &self.run);
-            return;
-        }
-        let mut start = 0;
-        while start < samples.len() {
-            let mut end = start + 1;
-            while end < samples.len() && touches(end) == touches(start) {
-                end += 1;
-            }
-            if touches(start) {
-                self.spectrum_of_run(view.plan, start, end);
-                add_scaled(&mut self.contact, T::ONE, &self.run);
-            }
-            start = end;
         }
     }
 
