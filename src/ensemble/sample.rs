@@ -28,7 +28,7 @@ const SAME: [f64; 2] = [1e-6, 1e-5];
 /// The same for solutions on different harmonics, which the truncation sets apart.
 const SAME_ON_OTHER_HARMONICS: [f64; 2] = [1e-4, 2e-2];
 /// Relative tolerance of frequency and residual at the peaks between an anchor and a sample: they only lead on.
-const WAYPOINT_TOLERANCE: f64 = 1e-5;
+const WAYPOINT_TOLERANCE: f64 = 1e-3;
 
 impl Ensemble<'_> {
     /// Outcome of sample `index` and what it is to others, started from `atlas`.

@@ -69,6 +69,8 @@ const ASIDE: f64 = 0.1;
 const CORRECTIONS: usize = 3;
 /// Sharpness that a step may use; friction makes flat tops (0.03 has been seen).
 const USABLE: std::ops::Range<f64> = 0.003..10.0;
+/// Share of the frequency tolerance that the error of the growth may make of a step to leave nothing of the way.
+const CLOSE: f64 = 0.1;
 /// Iterations before giving up.
 const MAX_ITERATIONS: usize = 20;
 /// Iterations in a row that may fail to halve the residual, on the way, or the frequency step, at the end: samples that
@@ -149,7 +151,6 @@ fn searched<'p>(
         // the growth is as exact as the displacements that it was taken at
         local.growth_error = GROWTH_ERROR * (size / share);
         let trusted = 0.5 * local.growth.abs().max(enough(&local));
-        search.closed |= closing;
         let tells = size <= settled && local.growth_error <= trusted;
         let by_growth = closing || (!search.located && tells);
         let phase_step = if by_growth {
@@ -166,6 +167,7 @@ fn searched<'p>(
         let omega_step = phase_step / local.phase_rate;
         let point = local.along(&local.corrected(&iterate.point), omega_step);
         if by_growth {
+            search.closed |= closing || search.leaves_nothing(&local, enough(&local));
             search.last = Some(local);
         }
         if !settings.band.contains(point.omega) {
@@ -253,7 +255,8 @@ struct Search {
     measured: Option<f64>,
     /// Whether a frequency step was within the tolerance: the rest is up to the displacements.
     located: bool,
-    /// Whether a solved, located iterate has made one more step, which leaves nothing of the way on which it was found.
+    /// Whether a step within the tolerance has left nothing of the way on which the iterate was found: one by a growth that
+    /// is exact enough, or one more where the iterate is solved.
     closed: bool,
     /// Smallest residual since the last such step, smallest such step, and iterations since one of them was halved.
     smallest_residual: Option<f64>,
@@ -262,6 +265,17 @@ struct Search {
 }
 
 impl Search {
+    /// The flattest top that the growth seen so far allows.
+    fn flattest(&self) -> f64 {
+        let measured = self.measured.filter(usable);
+        measured.map_or(UNMEASURED, |sharpness| sharpness.min(1.0))
+    }
+
+    /// Whether the step from `here`, by the growth, is within the tolerance (a phase) and its error far below.
+    fn leaves_nothing(&self, here: &Local, tolerance: f64) -> bool {
+        self.located && here.growth_error <= CLOSE * tolerance * self.flattest()
+    }
+
     /// Phase step to where the growth vanishes.
     fn growth_step(&mut self, here: &Local, tolerance: f64) -> f64 {
         if let Some(last) = &self.last {
@@ -271,12 +285,11 @@ impl Search {
                 self.measured = Some((last.growth - here.growth) / apart);
             }
         }
-        let measured = self.measured.filter(usable);
-        let flattest = measured.map_or(UNMEASURED, |sharpness| sharpness.min(1.0));
-        let farthest = here.growth.abs().max(here.growth_error) / flattest;
+        let farthest = here.growth.abs().max(here.growth_error) / self.flattest();
         self.located = farthest <= tolerance * here.omega * here.phase_rate.abs();
-        let predicted = self.predicted.filter(usable);
-        here.growth / measured.or(predicted).unwrap_or(1.0)
+        let sharpness = self.measured.filter(usable);
+        let sharpness = sharpness.or(self.predicted.filter(usable));
+        here.growth / sharpness.unwrap_or(1.0)
     }
 
     /// Whether the peak `at` is a maximum: by the growth seen on the way, else by the growth a little further on.

@@ -422,6 +422,31 @@ fn sharpness_is_the_curvature_of_the_top() {
     });
 }
 
+/// A search ends with a step within the tolerance by a growth that is exact enough. Seen to fail with one more step after
+/// each.
+#[test]
+fn exact_steps_are_the_last() {
+    let case = plane(-1.0);
+    with_problem(&case, |problem| {
+        let settings = located(3);
+        let tracked = track_peaks(problem, &settings, SEARCH, &[10.0]).expect("modes");
+        let top = tracked[0].solution.as_ref().expect("a peak");
+        let balance = Balance::new(problem, settings.harmonics.clone(), settings.aft);
+        let mut iterations = 0;
+        for shift in [-2e-5, -1e-5, -5e-6, 5e-6, 1e-5, 2e-5] {
+            let mut start = PeakPrediction::of(top);
+            start.point.omega *= 1.0 + shift;
+            let found = correct(&balance, start, SEARCH, settings.newton);
+            let (found, count) = found.expect("close by");
+            let error = found.iterate.point.omega / top.omega - 1.0;
+            println!("{shift:e}: {count:?} {error:e}");
+            assert!(error.abs() < 2e-8, "{shift:e}: {error:e}");
+            iterations += count.iterations;
+        }
+        assert!(iterations <= 30, "{iterations}");
+    });
+}
+
 /// Peaks on more harmonics than the search uses are tops of their own curve. Seen to fail with peaks left where they are
 /// 0.045 rad beside the phase of the top.
 #[test]
