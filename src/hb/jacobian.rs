@@ -1,11 +1,11 @@
 //! The Jacobian I + G dg of the balance equations and its inverse.
 //!
 //! dg = dF − K_c is zero for a force that sticks all period long, so the system is solved for the other forces only
-//! (`capacitance`); the displacements follow by substitution. Few unknowns are factorised densely, many are solved by
-//! conjugate residuals. Their preconditioner is one Gauss–Seidel sweep over blocks of one force component of
-//! neighbouring pairs with all their harmonics: slip and lift-off couple the harmonics of a pair strongly, the structure
-//! couples pairs and components weakly, so the number of iterations hardly grows with the harmonics. The blocks are
-//! factorised in single precision, everything else is double.
+//! (`capacitance`, where springs make large systems easier); the displacements follow by substitution. Few unknowns are
+//! factorised densely, many are solved by conjugate residuals. Their preconditioner is one Gauss–Seidel sweep over blocks
+//! of one force component of neighbouring pairs with all their harmonics: slip and lift-off couple the harmonics of a pair
+//! strongly, the structure couples pairs and components weakly, so the number of iterations hardly grows with the
+//! harmonics. The blocks are factorised in single precision, everything else is double.
 
 mod capacitance;
 

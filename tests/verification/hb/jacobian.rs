@@ -258,6 +258,35 @@ fn the_solve_inverts_the_jacobian() {
     assert!(worst[0] < 1e-9 && worst[1] < 1e-8, "{}", short(&worst));
 }
 
+/// J J⁻¹ b = b for systems so large that contacts enter the compliance as springs.
+#[test]
+fn the_solve_inverts_large_jacobians() {
+    let mut rng = ChaCha8Rng::seed_from_u64(31);
+    let case = space().with_contacts(1.0, 0.3);
+    let linear = LinearModel::new(&case.model).expect("definite");
+    let anchor = SliderAnchor::Unloaded;
+    let problem = Problem::new(&linear, case.contacts.clone(), 1.0, anchor).expect("held");
+    for law in [FrictionLaw::Box, FrictionLaw::Circle] {
+        let balance = Balance::new(&problem, HarmonicSet::up_to(60), aft(256, law));
+        let at = shaken(&balance, 345.0 * TAU, 150.0, &mut rng);
+        let iterate = Iterate::new(&balance, at);
+        let blocks = iterate.contact.active.iter().flat_map(|t| &t.blocks);
+        let slots = blocks.filter(|(row, column, _)| row == column).count();
+        let unknowns = slots * balance.layout.n_coefficients;
+        assert!(unknowns > 1000, "{unknowns}");
+        let b = random_direction(&balance, 1.0, &mut rng);
+        let back = times(
+            &iterate,
+            &balance,
+            &iterate.jacobian_within(&balance, EXACT).solve(&b),
+        );
+        let error: Vec<f64> = back.iter().zip(&b).map(|(y, b)| y - b).collect();
+        let error = largest(&error) / largest(&b);
+        println!("{unknowns} unknowns: {error:.1e}");
+        assert!(error < 1e-8, "{error:e}");
+    }
+}
+
 /// The bordered step d solves R + dR·d = 0 and c + dc·d = 0, both derivatives by differences along d, near solutions
 /// that stick, slip, separate and mix, for both laws. Scale: the largest of the terms that cancel.
 ///
