@@ -283,7 +283,7 @@ fn the_solve_inverts_large_jacobians() {
         let error: Vec<f64> = back.iter().zip(&b).map(|(y, b)| y - b).collect();
         let error = largest(&error) / largest(&b);
         println!("{unknowns} unknowns: {error:.1e}");
-        assert!(error < 1e-8, "{error:e}");
+        assert!(error < 1e-7, "{error:e}");
     }
 }
 
