@@ -169,7 +169,7 @@ mod tests {
         let (lane, d, n) = (3, 1, 150_usize);
         // seven samples of one motion, and a long stick over the end of the first word
         let motion = |i: usize| match (i / 7 + i / 70 * (i / 70) + 2 * (i / 83))
-            * usize::from(i < 40 || i > 111)
+            * usize::from(!(40..=111).contains(&i))
             % 5
         {
             1 => Motion::SlipUp,
