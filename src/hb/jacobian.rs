@@ -5,19 +5,21 @@
 //! factorised densely, many are solved by conjugate residuals. Their preconditioner is one Gauss–Seidel sweep over blocks
 //! of one force component of neighbouring pairs with all their harmonics: slip and lift-off couple the harmonics of a pair
 //! strongly, the structure couples pairs and components weakly, so the number of iterations hardly grows with the
-//! harmonics. The blocks are factorised in single precision, everything else is double.
+//! harmonics. Sweeps are in single precision; the residual of a solve that asks for more is refined in double.
 
 mod capacitance;
+mod sweep;
 
 use super::balance::Layout;
 use super::compliance::Compliance;
 use super::problem::Problem;
 use crate::linalg::gcr::{GcrSettings, SearchSpace};
-use crate::linalg::vector::axpy;
-use capacitance::{Block, Capacitance, solve_in_place};
+use crate::linalg::vector::{axpy, norm};
+use capacitance::Capacitance;
 use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
 use std::cell::{OnceCell, RefCell};
+use sweep::Sweep;
 
 /// Up to so many unknowns a dense factor is cheaper than setup and two Krylov solves (equal at 130, three times dearer
 /// at 330).
@@ -28,6 +30,12 @@ const DENSE_FALLBACK_LIMIT: usize = 4000;
 
 /// Residual of the forces in an exact solve; the displacements, and so the tangents, are then exact to about 1e-9.
 pub const EXACT: f64 = 1e-10;
+
+/// Share of a residual that sweeps in single precision leave; what they believe to be left below is round-off.
+const SINGLE: f64 = 1e-5;
+
+/// A refinement that leaves more of the residual will not end.
+const STALLED: f64 = 0.1;
 
 /// Directions of one Krylov solve at the most. Halves of the two-blade rig take 5 to 60 in an exact solve, the whole rig
 /// at 21 harmonics up to 365.
@@ -63,7 +71,7 @@ struct Krylov {
     /// Residual of the forces over those asked for.
     tolerance: f64,
     /// Preconditioner.
-    blocks: Vec<Block>,
+    sweep: Sweep,
     /// What earlier right-hand sides have explored; later ones need less.
     space: RefCell<SearchSpace>,
     /// Dense factor, once a solve did not converge.
@@ -83,11 +91,11 @@ impl<'a> Jacobian<'a> {
         let static_compliance = &problem.stuck_static.compliance;
         let capacitance = Capacitance::new(layout, static_compliance, compliance, active);
         let solver = if capacitance.size() <= DENSE_LIMIT {
-            Solver::Dense(capacitance.dense_factors())
+            Solver::Dense(dense_factors(&capacitance))
         } else {
             Solver::Krylov(Krylov {
                 tolerance,
-                blocks: capacitance.blocks(),
+                sweep: Sweep::new(&capacitance),
                 space: RefCell::default(),
                 dense: OnceCell::new(),
             })
@@ -142,18 +150,48 @@ impl Krylov {
     /// y ← C⁻¹ y.
     fn solve(&self, capacitance: &Capacitance, y: &mut [f64]) {
         if self.dense.get().is_none() {
-            let sweep = |v: &[f64]| capacitance.sweep(&self.blocks, v);
-            let settings = GcrSettings {
-                tolerance: self.tolerance,
-                max_iterations: MAX_ITERATIONS,
-            };
-            let result = self.space.borrow_mut().solve(sweep, y, settings);
-            if result.converged || y.len() > DENSE_FALLBACK_LIMIT {
-                y.copy_from_slice(&result.solution);
+            if let Some(solution) = self.refined(capacitance, y) {
+                y.copy_from_slice(&solution);
                 return;
             }
         }
-        let factors = self.dense.get_or_init(|| capacitance.dense_factors());
+        let factors = (self.dense).get_or_init(|| dense_factors(capacitance));
         solve_in_place(factors, y);
     }
+
+    /// C⁻¹ `b`, refined as far as sweeps in single precision leave of it; none if it was not reached and a dense factor can
+    /// be had.
+    fn refined(&self, capacitance: &Capacitance, b: &[f64]) -> Option<Vec<f64>> {
+        let goal = self.tolerance * norm(b);
+        let mut solution = vec![0.0; b.len()];
+        let mut left = b.to_vec();
+        while norm(&left) > goal {
+            let size = norm(&left);
+            let settings = GcrSettings {
+                tolerance: (goal / size).max(SINGLE),
+                max_iterations: MAX_ITERATIONS,
+            };
+            let result = (self.space.borrow_mut()).solve(|v| self.sweep.apply(v), &left, settings);
+            axpy(1.0, &result.solution, &mut solution);
+            if result.converged && self.tolerance >= SINGLE {
+                break;
+            }
+            left = capacitance.residual(b, &solution);
+            if !result.converged || norm(&left) > STALLED * size {
+                return (b.len() > DENSE_FALLBACK_LIMIT).then_some(solution);
+            }
+        }
+        Some(solution)
+    }
+}
+
+/// LU factors of C.
+fn dense_factors(capacitance: &Capacitance) -> PartialPivLu<f64> {
+    let all = 0..capacitance.slots.len();
+    capacitance.matrix(all).partial_piv_lu()
+}
+
+/// x ← A⁻¹ x.
+fn solve_in_place(factors: &PartialPivLu<f64>, x: &mut [f64]) {
+    factors.solve_in_place(ColMut::from_slice_mut(x));
 }

@@ -6,8 +6,10 @@
 
 use super::ProblemError;
 use crate::linalg::symmetric_generalized_eigen;
+use crate::linalg::vector::dot;
 use crate::model::{ReducedModel, SparseRow};
 use faer::prelude::*;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Off-diagonal damping below this share of its diagonal neighbours is round-off.
 const ROUND_OFF: f64 = 1e-8;
@@ -207,14 +209,32 @@ impl Part {
 
     /// Φᵀ Bᵀ f, the load of the contacts and their images. Shape: `[3·n_contacts]` → `[n]`.
     #[must_use]
-    #[inline(always)]
     pub fn contact_load(&self, force: &[c64]) -> Vec<c64> {
-        (0..self.n_coordinates())
-            .map(|j| {
-                let products = self.contact.col(j).iter().zip(force);
-                products.map(|(b, f)| f * *b).sum::<c64>() * self.images
-            })
-            .collect()
+        Arch::new().dispatch(ContactLoad { part: self, force })
+    }
+}
+
+/// The arguments of [`Part::contact_load`], for the instruction set that is found at run time.
+struct ContactLoad<'a> {
+    part: &'a Part,
+    force: &'a [c64],
+}
+
+impl WithSimd for ContactLoad<'_> {
+    type Output = Vec<c64>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Vec<c64> {
+        let Self { part, force } = self;
+        let [real, imaginary] =
+            [|f: &c64| f.re, |f: &c64| f.im].map(|of| force.iter().map(of).collect::<Vec<f64>>());
+        // a closure would not be compiled for the instruction set
+        let mut load = Vec::with_capacity(part.n_coordinates());
+        for j in 0..part.n_coordinates() {
+            let moved = part.contact.col_as_slice(j);
+            load.push(c64::new(dot(moved, &real), dot(moved, &imaginary)) * part.images);
+        }
+        load
     }
 }
 

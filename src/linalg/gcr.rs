@@ -124,7 +124,11 @@ impl WithSimd for Without<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Vec<f64> {
         let Self { products, v } = self;
-        let lengths: Vec<f64> = products.iter().map(|product| dot(product, v)).collect();
+        // a closure would not be compiled for the instruction set
+        let mut lengths = Vec::with_capacity(products.len() + 1);
+        for product in products {
+            lengths.push(dot(product, v));
+        }
         for (length, product) in lengths.iter().zip(products) {
             axpy(-length, product, v);
         }

@@ -4,6 +4,7 @@
 
 mod dense_eigen;
 pub mod gcr;
+pub mod single;
 mod sparse_eigen;
 pub mod vector;
 

@@ -14,7 +14,6 @@ use crate::hb::balance::Layout;
 use crate::hb::compliance::Compliance;
 use crate::hb::springs::Symmetric;
 use crate::linalg::vector::axpy;
-use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -22,41 +21,25 @@ use std::ops::Range;
 /// Force components in the order of elimination: the normal force drives the tangential ones, not the other way round.
 const ORDER: [usize; 3] = [2, 0, 1];
 
-/// Largest blocks of the Gauss–Seidel sweep. Of 70, 130, 200, 300 and 500 unknowns 200 made setup and two solves cheapest
-/// on peaks of the two-blade rig (3 to 21 harmonics, soft and stiff contacts); 130 and 300 cost up to 1.5 times as much.
-const BLOCK_UNKNOWNS: usize = 200;
-
-/// So many unknowns and more are worth springs. At 495 (45 slots, 5 harmonics) attaching them costs as much as the sweeps
-/// they save, at 1935 (21 harmonics) it halves the sweeps of stiff contacts and is a tenth of the time.
-const SPRINGS_FROM: usize = 1000;
-
 /// C = I + e G' at one iterate.
 #[derive(Debug)]
 pub(super) struct Capacitance {
-    layout: Layout,
+    pub(super) layout: Layout,
     /// G' of the 0th and of the dynamic harmonics.
-    compliance: Vec<Symmetric>,
-    slots: Vec<Slot>,
+    pub(super) compliance: Vec<Symmetric>,
+    pub(super) slots: Vec<Slot>,
 }
 
 /// One force component of one pair.
 #[derive(Debug)]
-struct Slot {
-    component: usize,
+pub(super) struct Slot {
+    pub(super) component: usize,
     /// Position among the relative displacements of one coefficient.
-    row: usize,
-    /// D (N/m) at the 0th and the dynamic harmonics; zero where springs are not worth their cost.
+    pub(super) row: usize,
+    /// D (N/m) at the 0th and the dynamic harmonics.
     springs: Vec<c64>,
     /// Displacements that the force depends on, each with its block of e by columns. Shape: `[column m][row m]`.
-    reads: Vec<(usize, Vec<f64>)>,
-}
-
-/// Neighbouring slots with the factors of their diagonal block of C, in single precision: a preconditioner need not be
-/// exact, and half of the memory is half of the time.
-#[derive(Debug)]
-pub(super) struct Block {
-    slots: Range<usize>,
-    factors: PartialPivLu<f32>,
+    pub(super) reads: Vec<(usize, Vec<f64>)>,
 }
 
 impl Capacitance {
@@ -74,9 +57,7 @@ impl Capacitance {
                     .filter_map(move |t| Slot::new(layout, component, t))
             })
             .collect();
-        if slots.len() * layout.n_coefficients >= SPRINGS_FROM {
-            (slots.iter_mut()).for_each(|slot| slot.take_springs(layout.n_coefficients));
-        }
+        (slots.iter_mut()).for_each(|slot| slot.take_springs(layout.n_coefficients));
         let n = layout.n_relative();
         let rest = Symmetric {
             real: static_compliance.clone(),
@@ -109,13 +90,14 @@ impl Capacitance {
 
     /// dg x. Shape: as the unknowns.
     pub(super) fn deviation(&self, x: &[f64]) -> Vec<f64> {
-        let n = self.layout.n_relative();
-        let mut out = vec![0.0; self.layout.n_unknowns()];
-        let forces = self.slots.iter().zip(self.spring_forces(x));
-        for (slot, mut y) in forces {
-            slot.add_deviation(&self.layout, 1.0, x, &mut y);
-            for (coefficient, y) in out.chunks_exact_mut(n).zip(y) {
-                coefficient[slot.row] = y;
+        let layout = &self.layout;
+        let mut forces = self.spring_forces(x);
+        self.add_forces(x, &mut forces);
+        let mut out = vec![0.0; layout.n_unknowns()];
+        let forces = forces.chunks_exact(layout.n_coefficients);
+        for (slot, y) in self.slots.iter().zip(forces) {
+            for (coefficient, y) in out.chunks_exact_mut(layout.n_relative()).zip(y) {
+                coefficient[slot.row] = *y;
             }
         }
         out
@@ -123,65 +105,53 @@ impl Capacitance {
 
     /// x = J⁻¹ b, where `solve` is y ← C⁻¹ y. Shape: as the unknowns.
     pub(super) fn solve(&self, b: &[f64], solve: impl FnOnce(&mut [f64])) -> Vec<f64> {
-        let negated = |y: &[f64]| -> Vec<f64> { y.iter().map(|y| -y).collect() };
-        let all = 0..self.slots.len();
-        let m = self.layout.n_coefficients;
         let mut x = b.to_vec();
-        let pull: Vec<f64> = self.spring_forces(b).flatten().collect();
-        self.add_compliance(all.clone(), &negated(&pull), &mut x);
+        self.take_motion(&self.spring_forces(b), &mut x);
         let mut y = vec![0.0; self.size()];
-        for (slot, y) in self.slots.iter().zip(y.chunks_exact_mut(m)) {
-            slot.add_deviation(&self.layout, 1.0, &x, y);
-        }
+        self.add_forces(&x, &mut y);
         solve(&mut y);
-        self.add_compliance(all, &negated(&y), &mut x);
+        self.take_motion(&y, &mut x);
         x
     }
 
-    /// D x, slot by slot.
-    fn spring_forces(&self, x: &[f64]) -> impl Iterator<Item = Vec<f64>> {
+    /// `b` − C y.
+    pub(super) fn residual(&self, b: &[f64], y: &[f64]) -> Vec<f64> {
+        let mut motion = vec![0.0; self.layout.n_unknowns()];
+        self.take_motion(y, &mut motion);
+        let mut left: Vec<f64> = b.iter().zip(y).map(|(b, y)| b - y).collect();
+        self.add_forces(&motion, &mut left);
+        left
+    }
+
+    /// D x. Shape: `[slot][coefficient]`.
+    fn spring_forces(&self, x: &[f64]) -> Vec<f64> {
         let n = self.layout.n_relative();
-        self.slots.iter().map(move |slot| {
+        let mut forces = Vec::with_capacity(self.size());
+        for slot in &self.slots {
             let x: Vec<f64> = x[slot.row..].iter().step_by(n).copied().collect();
-            let mut force = vec![slot.springs[0].re * x[0]];
+            forces.push(slot.springs[0].re * x[0]);
             for (spring, x) in slot.springs[1..].iter().zip(x[1..].chunks_exact(2)) {
                 let f = spring * c64::new(x[0], -x[1]);
-                force.extend([f.re, -f.im]);
-            }
-            force
-        })
-    }
-
-    /// x += G' y for the forces y of a range of slots.
-    #[inline(always)]
-    fn add_compliance(&self, slots: Range<usize>, y: &[f64], x: &mut [f64]) {
-        let n = self.layout.n_relative();
-        let m = self.layout.n_coefficients;
-        let (x_rest, x_moving) = x.split_at_mut(n);
-        for (slot, y) in self.slots[slots].iter().zip(y.chunks_exact(m)) {
-            axpy(y[0], self.compliance[0].real.col_as_slice(slot.row), x_rest);
-            for ((h, y), x) in (self.compliance[1..].iter())
-                .zip(y[1..].chunks_exact(2))
-                .zip(x_moving.chunks_exact_mut(2 * n))
-            {
-                let (x_c, x_s) = x.split_at_mut(n);
-                let real = h.real.col_as_slice(slot.row);
-                let imaginary = h.imaginary.col_as_slice(slot.row);
-                for (((c, s), re), im) in (x_c.iter_mut().zip(x_s)).zip(real).zip(imaginary) {
-                    *c += re * y[0] + im * y[1];
-                    *s += re * y[1] - im * y[0];
-                }
+                forces.extend([f.re, -f.im]);
             }
         }
+        forces
     }
 
-    /// LU factors of C.
-    pub(super) fn dense_factors(&self) -> PartialPivLu<f64> {
-        self.matrix(0..self.slots.len()).partial_piv_lu()
+    /// x −= G' y.
+    fn take_motion(&self, y: &[f64], x: &mut [f64]) {
+        let capacitance = self;
+        Arch::new().dispatch(Motion { capacitance, y, x });
+    }
+
+    /// y += e x.
+    fn add_forces(&self, x: &[f64], y: &mut [f64]) {
+        let capacitance = self;
+        Arch::new().dispatch(Forces { capacitance, x, y });
     }
 
     /// The diagonal block of C that belongs to a range of slots.
-    fn matrix(&self, slots: Range<usize>) -> Mat<f64> {
+    pub(super) fn matrix(&self, slots: Range<usize>) -> Mat<f64> {
         Arch::new().dispatch(Assembly {
             capacitance: self,
             slots,
@@ -227,76 +197,66 @@ impl Capacitance {
             sine => [(sine - 1, im), (sine, re)],
         }
     }
+}
 
-    /// Blocks of a Gauss–Seidel sweep: neighbouring slots of one force component.
-    pub(super) fn blocks(&self) -> Vec<Block> {
-        let most = (BLOCK_UNKNOWNS / self.layout.n_coefficients).max(1);
-        let mut blocks = Vec::new();
-        let mut start = 0;
-        for same in self.slots.chunk_by(|a, b| a.component == b.component) {
-            let parts = same.len().div_ceil(most);
-            for part in 0..parts {
-                let at = |part: usize| start + part * same.len() / parts;
-                let slots = at(part)..at(part + 1);
-                blocks.push(Block::new(slots.clone(), &self.matrix(slots)));
-            }
-            start += same.len();
-        }
-        blocks
-    }
+/// The arguments of [`Capacitance::take_motion`], for the instruction set that is found at run time.
+struct Motion<'a> {
+    capacitance: &'a Capacitance,
+    y: &'a [f64],
+    x: &'a mut [f64],
+}
 
-    /// (z, C z) with z from one Gauss–Seidel sweep for C z = v.
-    pub(super) fn sweep(&self, blocks: &[Block], v: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        Arch::new().dispatch(Sweep {
-            capacitance: self,
-            blocks,
-            v,
-        })
-    }
+impl WithSimd for Motion<'_> {
+    type Output = ();
 
-    /// See [`Self::sweep`].
     #[inline(always)]
-    fn swept(&self, blocks: &[Block], v: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let m = self.layout.n_coefficients;
-        let mut z = v.to_vec();
-        let mut displacement = vec![0.0; self.layout.n_unknowns()];
-        for block in blocks {
-            let z = &mut z[block.slots.start * m..block.slots.end * m];
-            for (slot, z) in (self.slots[block.slots.clone()].iter()).zip(z.chunks_exact_mut(m)) {
-                slot.add_deviation(&self.layout, -1.0, &displacement, z);
+    fn with_simd<S: Simd>(self, _: S) {
+        let Capacitance {
+            layout,
+            compliance,
+            slots,
+        } = self.capacitance;
+        let n = layout.n_relative();
+        let (x_rest, x_moving) = self.x.split_at_mut(n);
+        for (slot, y) in slots.iter().zip(self.y.chunks_exact(layout.n_coefficients)) {
+            axpy(-y[0], compliance[0].real.col_as_slice(slot.row), x_rest);
+            for ((h, y), x) in (compliance[1..].iter())
+                .zip(y[1..].chunks_exact(2))
+                .zip(x_moving.chunks_exact_mut(2 * n))
+            {
+                let (x_c, x_s) = x.split_at_mut(n);
+                let real = h.real.col_as_slice(slot.row);
+                let imaginary = h.imaginary.col_as_slice(slot.row);
+                for (((c, s), re), im) in (x_c.iter_mut().zip(x_s)).zip(real).zip(imaginary) {
+                    *c -= re * y[0] + im * y[1];
+                    *s -= re * y[1] - im * y[0];
+                }
             }
-            block.solve_in_place(z);
-            self.add_compliance(block.slots.clone(), z, &mut displacement);
         }
-        let mut product = z.clone();
-        for (slot, product) in self.slots.iter().zip(product.chunks_exact_mut(m)) {
-            slot.add_deviation(&self.layout, 1.0, &displacement, product);
-        }
-        (z, product)
     }
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "a preconditioner in single precision"
-)]
-impl Block {
-    fn new(slots: Range<usize>, matrix: &Mat<f64>) -> Self {
-        let (n, m) = (matrix.nrows(), matrix.ncols());
-        let single = Mat::<f32>::from_fn(n, m, |i, j| matrix[(i, j)] as f32);
-        Self {
-            slots,
-            factors: single.partial_piv_lu(),
-        }
-    }
+/// The arguments of [`Capacitance::add_forces`], for the instruction set that is found at run time.
+struct Forces<'a> {
+    capacitance: &'a Capacitance,
+    x: &'a [f64],
+    y: &'a mut [f64],
+}
 
-    /// x ← C⁻¹ x with this block of C.
-    fn solve_in_place(&self, x: &mut [f64]) {
-        let mut single: Vec<f32> = x.iter().map(|x| *x as f32).collect();
-        (self.factors).solve_in_place(ColMut::from_slice_mut(&mut single));
-        x.iter_mut()
-            .zip(single)
-            .for_each(|(x, single)| *x = f64::from(single));
+impl WithSimd for Forces<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Capacitance { layout, slots, .. } = self.capacitance;
+        let (m, n) = (layout.n_coefficients, layout.n_relative());
+        for (slot, y) in slots.iter().zip(self.y.chunks_exact_mut(m)) {
+            for (row, columns) in &slot.reads {
+                for (x, column) in self.x.chunks_exact(n).zip(columns.chunks_exact(m)) {
+                    axpy(x[*row], column, y);
+                }
+            }
+        }
     }
 }
 
@@ -312,22 +272,6 @@ impl WithSimd for Assembly<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Mat<f64> {
         self.capacitance.assembled(self.slots)
-    }
-}
-
-/// The arguments of [`Capacitance::sweep`], for the instruction set that is found at run time.
-struct Sweep<'a> {
-    capacitance: &'a Capacitance,
-    blocks: &'a [Block],
-    v: &'a [f64],
-}
-
-impl WithSimd for Sweep<'_> {
-    type Output = (Vec<f64>, Vec<f64>);
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        self.capacitance.swept(self.blocks, self.v)
     }
 }
 
@@ -358,17 +302,6 @@ impl Slot {
             self.springs = take_springs(own, m);
         }
     }
-
-    /// y += factor e x in this slot.
-    #[inline(always)]
-    fn add_deviation(&self, layout: &Layout, factor: f64, x: &[f64], y: &mut [f64]) {
-        let (m, n) = (layout.n_coefficients, layout.n_relative());
-        for (row, columns) in &self.reads {
-            for (x, column) in x.chunks_exact(n).zip(columns.chunks_exact(m)) {
-                axpy(factor * x[*row], column, y);
-            }
-        }
-    }
 }
 
 /// Takes out of a block, by columns, what multiplies each harmonic by a complex number: x̂ = x_c − i x_s.
@@ -388,9 +321,4 @@ fn take_springs(columns: &mut [f64], m: usize) -> Vec<c64> {
         springs.push(spring);
     }
     springs
-}
-
-/// x ← A⁻¹ x.
-pub(super) fn solve_in_place(factors: &PartialPivLu<f64>, x: &mut [f64]) {
-    factors.solve_in_place(ColMut::from_slice_mut(x));
 }

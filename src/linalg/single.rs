@@ -1,0 +1,261 @@
+//! Products and solves in single precision, for preconditioners: what they lose is found elsewhere, and half of the
+//! memory is half of the time.
+//!
+//! Columns are filled up with zeros to whole vectors of the widest registers.
+
+use faer::linalg::solvers::PartialPivLu;
+use faer::prelude::*;
+use pulp::Simd;
+use std::ops::Range;
+
+/// Single-precision numbers of the widest vector register.
+pub const LANES: usize = 16;
+
+/// LU factors of a matrix, with the tiles on their diagonals inverted: solving for one vector is then a row of products of
+/// whole vectors.
+#[derive(Debug)]
+pub struct SingleLu {
+    /// Rows of the matrix in the order of the factors.
+    order: Vec<usize>,
+    lower: Vec<Tile>,
+    upper: Vec<Tile>,
+}
+
+/// `LANES` columns of a triangular factor.
+#[derive(Debug)]
+struct Tile {
+    /// Of the square on the diagonal, by columns.
+    inverse: Vec<f32>,
+    /// What lies below it (lower factor) or above it (upper one), by columns.
+    rest: Vec<f32>,
+}
+
+impl SingleLu {
+    /// Factorises a matrix that is rounded to single precision first.
+    #[must_use]
+    pub fn new(matrix: &Mat<f64>) -> Self {
+        let n = matrix.nrows();
+        let columns: Vec<Vec<f32>> = (0..n).map(|j| rounded(matrix.col_as_slice(j))).collect();
+        let factors = PartialPivLu::new(Mat::from_fn(n, n, |i, j| columns[j][i]).as_ref());
+        let tiles = n.next_multiple_of(LANES) / LANES;
+        let (l, u) = (factors.L(), factors.U());
+        Self {
+            order: factors.P().arrays().0.to_vec(),
+            lower: (0..tiles)
+                .map(|t| Tile::new(l, t, (t + 1) * LANES..tiles * LANES, 0..LANES))
+                .collect(),
+            upper: (0..tiles)
+                .map(|t| Tile::new(u, t, 0..t * LANES, (0..LANES).rev()))
+                .collect(),
+        }
+    }
+
+    /// x ← A⁻¹ x.
+    #[inline(always)]
+    pub fn solve_in_place<S: Simd>(&self, simd: S, x: &mut [f32]) {
+        let mut work = vec![0.0; self.lower.len() * LANES];
+        for (work, &row) in work.iter_mut().zip(&self.order) {
+            *work = x[row];
+        }
+        for (t, tile) in self.lower.iter().enumerate() {
+            let (now, later) = work[t * LANES..].split_at_mut(LANES);
+            tile.solve(simd, now, later);
+        }
+        for (t, tile) in self.upper.iter().enumerate().rev() {
+            let (later, now) = work.split_at_mut(t * LANES);
+            tile.solve(simd, &mut now[..LANES], later);
+        }
+        x.copy_from_slice(&work[..x.len()]);
+    }
+}
+
+impl Tile {
+    /// Columns `t` of a triangular factor, those beyond its size being those of the identity, with the `rest` of its rows;
+    /// `order` is that of the substitution.
+    fn new(
+        factor: MatRef<'_, f32>,
+        t: usize,
+        rest: Range<usize>,
+        order: impl Iterator<Item = usize>,
+    ) -> Self {
+        let n = factor.nrows();
+        let start = t * LANES;
+        let mut square = [[0.0; LANES]; LANES];
+        let mut others = Vec::with_capacity(LANES * rest.len());
+        for (j, column) in square.iter_mut().enumerate() {
+            column[j] = 1.0;
+            if start + j < n {
+                let all = factor.col(start + j);
+                let there = start..n.min(start + LANES);
+                (column
+                    .iter_mut()
+                    .zip(all.subrows(start, there.len()).iter()))
+                .for_each(|(to, from)| *to = *from);
+                let there = rest.start.min(n)..rest.end.min(n);
+                others.extend(all.subrows(there.start, there.len()).iter());
+            }
+            others.resize((j + 1) * rest.len(), 0.0);
+        }
+        Self {
+            inverse: inverse(&square, order),
+            rest: others,
+        }
+    }
+
+    /// Solves for the unknowns of these columns and takes their part from the others.
+    #[inline(always)]
+    fn solve<S: Simd>(&self, simd: S, now: &mut [f32], others: &mut [f32]) {
+        let mut solved = [0.0; LANES];
+        add_product(simd, 1.0, &self.inverse, now.iter(), &mut solved);
+        now.copy_from_slice(&solved);
+        add_product(simd, -1.0, &self.rest, solved.iter(), others);
+    }
+}
+
+/// Inverse of a triangle, both by columns, by substitution in an `order`.
+fn inverse(triangle: &[[f32; LANES]; LANES], order: impl Iterator<Item = usize>) -> Vec<f32> {
+    let mut rows = [[0.0; LANES]; LANES];
+    (0..LANES).for_each(|i| rows[i][i] = 1.0);
+    for k in order {
+        let scale = 1.0 / triangle[k][k];
+        let solved = rows[k].map(|x| x * scale);
+        for (row, factor) in rows.iter_mut().zip(triangle[k]) {
+            for (x, solved) in row.iter_mut().zip(solved) {
+                *x -= factor * solved;
+            }
+        }
+        rows[k] = solved;
+    }
+    (0..LANES).flat_map(|j| rows.map(|row| row[j])).collect()
+}
+
+/// `x` in single precision.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding to single precision is meant"
+)]
+#[must_use]
+#[inline(always)]
+pub fn rounded(x: &[f64]) -> Vec<f32> {
+    x.iter().map(|x| *x as f32).collect()
+}
+
+/// Columns, each filled up with zeros to whole vectors.
+pub fn filled<C: AsRef<[f32]>>(columns: impl Iterator<Item = C>) -> Vec<f32> {
+    let mut all = Vec::new();
+    for column in columns {
+        let column = column.as_ref();
+        all.extend_from_slice(column);
+        all.resize(all.len() + fill(column.len()), 0.0);
+    }
+    all
+}
+
+/// Zeros after a column of n.
+fn fill(n: usize) -> usize {
+    n.next_multiple_of(LANES) - n
+}
+
+/// `x` as vectors of the instruction set.
+#[inline(always)]
+pub fn vectors<S: Simd>(x: &[f32]) -> &[S::f32s] {
+    S::as_simd_f32s(x).0
+}
+
+/// `x` as vectors of the instruction set.
+#[inline(always)]
+pub fn vectors_mut<S: Simd>(x: &mut [f32]) -> &mut [S::f32s] {
+    S::as_mut_simd_f32s(x).0
+}
+
+/// y += factor A x, A by columns as long as y, whole vectors.
+#[inline(always)]
+pub fn add_product<'a, S: Simd>(
+    simd: S,
+    factor: f32,
+    columns: &[f32],
+    x: impl Iterator<Item = &'a f32> + Clone,
+    y: &mut [f32],
+) {
+    let (columns, mut y) = (vectors::<S>(columns), vectors_mut::<S>(y));
+    let rows = y.len();
+    let mut first = 0;
+    while y.len() >= 4 {
+        let (now, later) = y.split_at_mut(4);
+        add_rows::<S, 4>(simd, factor, columns, (first, rows), x.clone(), now);
+        (y, first) = (later, first + 4);
+    }
+    while y.len() >= 3 {
+        let (now, later) = y.split_at_mut(3);
+        add_rows::<S, 3>(simd, factor, columns, (first, rows), x.clone(), now);
+        (y, first) = (later, first + 3);
+    }
+    while !y.is_empty() {
+        let (now, later) = y.split_at_mut(1);
+        add_rows::<S, 1>(simd, factor, columns, (first, rows), x.clone(), now);
+        (y, first) = (later, first + 1);
+    }
+}
+
+/// V vectors of [`add_product`] from the vector `first` of columns with `rows` vectors.
+#[inline(always)]
+fn add_rows<'a, S: Simd, const V: usize>(
+    simd: S,
+    factor: f32,
+    columns: &[S::f32s],
+    (first, rows): (usize, usize),
+    x: impl Iterator<Item = &'a f32>,
+    y: &mut [S::f32s],
+) {
+    let mut sums = [simd.splat_f32s(0.0); V];
+    for (column, x) in columns.chunks_exact(rows).zip(x) {
+        let (column, x) = (&column[first..][..V], simd.splat_f32s(*x));
+        for (sum, a) in sums.iter_mut().zip(column) {
+            *sum = simd.mul_add_f32s(*a, x, *sum);
+        }
+    }
+    let factor = simd.splat_f32s(factor);
+    for (y, sum) in y.iter_mut().zip(sums) {
+        *y = simd.mul_add_f32s(sum, factor, *y);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pulp::{Arch, WithSimd};
+
+    struct Solve<'a>(&'a SingleLu, &'a mut [f32]);
+
+    impl WithSimd for Solve<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            self.0.solve_in_place(simd, self.1);
+        }
+    }
+
+    /// Sizes below, at and above whole tiles, with pivots off the diagonal.
+    #[test]
+    fn solutions_leave_the_round_off_of_single_precision() {
+        for n in [1, 5, 16, 17, 32, 43, 129] {
+            let entry = |i: usize, j: usize| {
+                let off = ((3 * i + 7 * j + i * j) as f64).sin();
+                if (i + 1) % n == j {
+                    off + 4.0
+                } else {
+                    off / n as f64
+                }
+            };
+            let matrix = Mat::from_fn(n, n, entry);
+            let b: Vec<f64> = (0..n).map(|i| (i as f64).cos() + 2.0).collect();
+            let mut x = rounded(&b);
+            Arch::new().dispatch(Solve(&SingleLu::new(&matrix), &mut x));
+            for (i, b) in b.iter().enumerate() {
+                let product: f64 = (0..n).map(|j| entry(i, j) * f64::from(x[j])).sum();
+                assert!((product - b).abs() < 1e-5, "{n}, row {i}: {product} {b}");
+            }
+        }
+    }
+}
