@@ -1,7 +1,7 @@
 //! The Jacobian I + G dg of the balance equations and its inverse.
 //!
 //! dg = dF − K_c is zero for a force that sticks all period long, so the system is solved for the other forces only
-//! (`capacitance`, where springs make large systems easier); the displacements follow by substitution. Few unknowns are
+//! (`capacitance`, where springs make them easier); the displacements follow by substitution. Few unknowns are
 //! factorised densely, many are solved by conjugate residuals. Their preconditioner is one Gauss–Seidel sweep over blocks
 //! of one force component of neighbouring pairs with all their harmonics: slip and lift-off couple the harmonics of a pair
 //! strongly, the structure couples pairs and components weakly, so the number of iterations hardly grows with the
@@ -149,11 +149,11 @@ impl<'a> Jacobian<'a> {
 impl Krylov {
     /// y ← C⁻¹ y.
     fn solve(&self, capacitance: &Capacitance, y: &mut [f64]) {
-        if self.dense.get().is_none() {
-            if let Some(solution) = self.refined(capacitance, y) {
-                y.copy_from_slice(&solution);
-                return;
-            }
+        if self.dense.get().is_none()
+            && let Some(solution) = self.refined(capacitance, y)
+        {
+            y.copy_from_slice(&solution);
+            return;
         }
         let factors = (self.dense).get_or_init(|| dense_factors(capacitance));
         solve_in_place(factors, y);

@@ -232,7 +232,7 @@ fn slopes_agree_with_differences() {
 }
 
 /// Dense and Krylov solves: J J⁻¹ b = b. Seen to fail with: the sign of Im G in one entry of the factors (dense; only
-/// a worse preconditioner for Krylov), and in the Gauss–Seidel sweep.
+/// a worse preconditioner for Krylov), and without refinement of what single precision leaves.
 #[test]
 fn the_solve_inverts_the_jacobian() {
     let mut worst = [0.0f64; 2];
@@ -258,7 +258,7 @@ fn the_solve_inverts_the_jacobian() {
     assert!(worst[0] < 1e-9 && worst[1] < 1e-8, "{}", short(&worst));
 }
 
-/// J J⁻¹ b = b for systems so large that contacts enter the compliance as springs.
+/// J J⁻¹ b = b for systems of many contacts and harmonics. Seen to fail without refinement of what single precision leaves.
 #[test]
 fn the_solve_inverts_large_jacobians() {
     let mut rng = ChaCha8Rng::seed_from_u64(31);
