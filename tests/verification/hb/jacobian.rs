@@ -248,7 +248,7 @@ fn the_solve_inverts_the_jacobian() {
             let unknowns = 3 * iterate.contact.active.len() * balance.layout.n_coefficients;
             let krylov = usize::from(unknowns > 150);
             counts[krylov] += 1;
-            again[krylov] += jacobian.factorizations() - 1;
+            again[krylov] += jacobian.factorizations().saturating_sub(1);
             worst[krylov] = worst[krylov].max(largest(&error) / largest(&b));
         }
     });
