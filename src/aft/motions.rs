@@ -17,6 +17,19 @@ pub(super) enum Motion {
     Separated,
 }
 
+impl Motion {
+    /// The motion of separated, up and down bits.
+    #[inline(always)]
+    fn of([separated, up, down]: [bool; 3]) -> Self {
+        match (separated, up, down) {
+            (true, _, _) => Self::Separated,
+            (_, true, _) => Self::SlipUp,
+            (_, _, true) => Self::SlipDown,
+            _ => Self::Stick,
+        }
+    }
+}
+
 /// Last sample without stick: where the slider was set last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Event {
@@ -82,15 +95,10 @@ impl Run {
 /// The stretches of one lane and direction over `n` samples, in order.
 #[inline(always)]
 pub(super) fn runs(words: &[Word], n: usize, lane: usize, d: usize) -> impl Iterator<Item = Run> {
-    stretches(n, move |w| words[w].bits(lane, d)).map(|(start, end, [separated, up, down])| Run {
+    stretches(n, move |w| words[w].bits(lane, d)).map(|(start, end, bits)| Run {
         start,
         end,
-        motion: match (separated, up, down) {
-            (true, _, _) => Motion::Separated,
-            (_, true, _) => Motion::SlipUp,
-            (_, _, true) => Motion::SlipDown,
-            _ => Motion::Stick,
-        },
+        motion: Motion::of(bits),
     })
 }
 
@@ -142,18 +150,11 @@ fn stretches<const K: usize>(
 #[inline(always)]
 pub(super) fn last_event(words: &[Word], lane: usize, d: usize) -> Option<Event> {
     words.iter().enumerate().rev().find_map(|(w, word)| {
-        let [separated, up, down] = word.bits(lane, d);
-        let bit = (separated | up | down).checked_ilog2()?;
-        let motion = if separated >> bit & 1 == 1 {
-            Motion::Separated
-        } else if up >> bit & 1 == 1 {
-            Motion::SlipUp
-        } else {
-            Motion::SlipDown
-        };
+        let bits = word.bits(lane, d);
+        let bit = (bits[0] | bits[1] | bits[2]).checked_ilog2()?;
         Some(Event {
             sample: w * WORD + bit as usize,
-            motion,
+            motion: Motion::of(bits.map(|b| b >> bit & 1 == 1)),
         })
     })
 }

@@ -7,6 +7,7 @@
 
 use super::linear::{LinearModel, Part};
 use super::springs::Symmetric;
+use crate::linalg::vector::axpy_complex;
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::solvers::PartialPivLu;
@@ -174,15 +175,8 @@ impl<'p> HarmonicCompliance<'p> {
             if x_c == 0.0 && x_s == 0.0 {
                 continue;
             }
-            let real = self.real.col_as_slice(j);
-            let imaginary = self.imaginary.col_as_slice(j);
-            for (((c, s), &a), &b) in (y.0.iter_mut().zip(y.1.iter_mut()))
-                .zip(real)
-                .zip(imaginary)
-            {
-                *c += a * x_c + b * x_s;
-                *s += a * x_s - b * x_c;
-            }
+            let column = [&self.real, &self.imaginary].map(|part| part.col_as_slice(j));
+            axpy_complex((x_c, x_s), column, (&mut *y.0, &mut *y.1));
         }
     }
 }

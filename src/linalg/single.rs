@@ -146,14 +146,9 @@ pub fn filled<C: AsRef<[f32]>>(columns: impl Iterator<Item = C>) -> Vec<f32> {
     for column in columns {
         let column = column.as_ref();
         all.extend_from_slice(column);
-        all.resize(all.len() + fill(column.len()), 0.0);
+        all.resize(all.len().next_multiple_of(LANES), 0.0);
     }
     all
-}
-
-/// Zeros after a column of n.
-fn fill(n: usize) -> usize {
-    n.next_multiple_of(LANES) - n
 }
 
 /// `x` as vectors of the instruction set.
@@ -177,23 +172,16 @@ pub fn add_product<'a, S: Simd>(
     x: impl Iterator<Item = &'a f32> + Clone,
     y: &mut [f32],
 ) {
-    let (columns, mut y) = (vectors::<S>(columns), vectors_mut::<S>(y));
+    let (columns, y) = (vectors::<S>(columns), vectors_mut::<S>(y));
     let rows = y.len();
-    let mut first = 0;
-    while y.len() >= 4 {
-        let (now, later) = y.split_at_mut(4);
-        add_rows::<S, 4>(simd, factor, columns, (first, rows), x.clone(), now);
-        (y, first) = (later, first + 4);
-    }
-    while y.len() >= 3 {
-        let (now, later) = y.split_at_mut(3);
-        add_rows::<S, 3>(simd, factor, columns, (first, rows), x.clone(), now);
-        (y, first) = (later, first + 3);
-    }
-    while !y.is_empty() {
-        let (now, later) = y.split_at_mut(1);
-        add_rows::<S, 1>(simd, factor, columns, (first, rows), x.clone(), now);
-        (y, first) = (later, first + 1);
+    for (chunk, y) in y.chunks_mut(4).enumerate() {
+        let (at, x) = ((4 * chunk, rows), x.clone());
+        match y.len() {
+            4 => add_rows::<S, 4>(simd, factor, columns, at, x, y),
+            3 => add_rows::<S, 3>(simd, factor, columns, at, x, y),
+            2 => add_rows::<S, 2>(simd, factor, columns, at, x, y),
+            _ => add_rows::<S, 1>(simd, factor, columns, at, x, y),
+        }
     }
 }
 

@@ -49,3 +49,12 @@ pub fn axpy(factor: f64, x: &[f64], y: &mut [f64]) {
         *y += factor * x;
     }
 }
+
+/// y += factor x with the `[real, imaginary]` part of x; factor and y in cosine and sine coefficients, ŷ = y_c − i y_s.
+#[inline(always)]
+pub fn axpy_complex(factor: (f64, f64), x: [&[f64]; 2], y: (&mut [f64], &mut [f64])) {
+    for (((c, s), re), im) in (y.0.iter_mut().zip(y.1)).zip(x[0]).zip(x[1]) {
+        *c += re * factor.0 + im * factor.1;
+        *s += re * factor.1 - im * factor.0;
+    }
+}

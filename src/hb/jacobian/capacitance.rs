@@ -13,7 +13,7 @@ use super::PairTangent;
 use crate::hb::balance::Layout;
 use crate::hb::compliance::Compliance;
 use crate::hb::springs::Symmetric;
-use crate::linalg::vector::axpy;
+use crate::linalg::vector::{axpy, axpy_complex};
 use faer::prelude::*;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -50,14 +50,13 @@ impl Capacitance {
         compliance: &Compliance<'_>,
         active: &[PairTangent],
     ) -> Self {
-        let mut slots: Vec<Slot> = (ORDER.iter())
+        let slots: Vec<Slot> = (ORDER.iter())
             .flat_map(|&component| {
                 active
                     .iter()
                     .filter_map(move |t| Slot::new(layout, component, t))
             })
             .collect();
-        (slots.iter_mut()).for_each(|slot| slot.take_springs(layout.n_coefficients));
         let n = layout.n_relative();
         let rest = Symmetric {
             real: static_compliance.clone(),
@@ -225,12 +224,8 @@ impl WithSimd for Motion<'_> {
                 .zip(x_moving.chunks_exact_mut(2 * n))
             {
                 let (x_c, x_s) = x.split_at_mut(n);
-                let real = h.real.col_as_slice(slot.row);
-                let imaginary = h.imaginary.col_as_slice(slot.row);
-                for (((c, s), re), im) in (x_c.iter_mut().zip(x_s)).zip(real).zip(imaginary) {
-                    *c -= re * y[0] + im * y[1];
-                    *s -= re * y[1] - im * y[0];
-                }
+                let column = [&h.real, &h.imaginary].map(|part| part.col_as_slice(slot.row));
+                axpy_complex((-y[0], -y[1]), column, (x_c, x_s));
             }
         }
     }
@@ -283,24 +278,25 @@ impl Slot {
             let column = |j: usize| values[j..].iter().step_by(m).copied();
             (0..m).flat_map(column).collect()
         };
-        let reads: Vec<_> = (tangent.blocks.iter())
+        let mut reads: Vec<_> = (tangent.blocks.iter())
             .filter(|(row, ..)| *row == component)
             .map(|(_, column, values)| (at(*column), transposed(values)))
             .collect();
-        (!reads.is_empty()).then(|| Self {
+        if reads.is_empty() {
+            return None;
+        }
+        let row = at(component);
+        let own = reads.iter_mut().find(|(column, _)| *column == row);
+        let springs = match own {
+            Some((_, own)) => take_springs(own, m),
+            None => vec![c64::new(0.0, 0.0); m.div_ceil(2)],
+        };
+        Some(Self {
             component,
-            row: at(component),
-            springs: vec![c64::new(0.0, 0.0); m.div_ceil(2)],
+            row,
+            springs,
             reads,
         })
-    }
-
-    /// Parts dg into D and e.
-    fn take_springs(&mut self, m: usize) {
-        let row = self.row;
-        if let Some((_, own)) = self.reads.iter_mut().find(|(column, _)| *column == row) {
-            self.springs = take_springs(own, m);
-        }
     }
 }
 
