@@ -5,7 +5,8 @@
 //! amplitude that a level gives is not. At each level asked for, a few harmonics are added step by step and the maximum
 //! next to the phase resonance is located. More harmonics are added to the located maximum, first those of the study, then
 //! until the error alert is silent. Where that fails the phase resonance is taken to the harmonics of the study before
-//! the maximum is located, and where that fails too the whole band is swept by continuation.
+//! the maximum is located, and where that fails too the whole band is swept by continuation, on few harmonics and at last
+//! on those of the study, whose maximum may be too far from that on few.
 
 use super::alert::{AlertSets, pad};
 use super::balance::Balance;
@@ -55,7 +56,7 @@ const TRACK_ITERATIONS: usize = 30;
 /// study's tolerance.
 const TRACK_TOLERANCE: f64 = 1e-5;
 /// Steps of the sweep that replaces a failed track.
-const SWEEP_STEPS: usize = 200;
+const SWEEP_STEPS: usize = 1000;
 /// Most harmonics (0 included) on which the maximum is searched.
 const FEW_HARMONICS: usize = 8;
 
@@ -152,17 +153,22 @@ impl<'a, 'p> Track<'a, 'p> {
         if !(level.is_finite() && level > 0.0) {
             return LevelPeak::failed(level, Status::NonFinite, self.count);
         }
-        let last = self.ladder.len() - 1;
+        let (few, last) = (self.few, self.ladder.len() - 1);
+        let with_more = |status| if few < last { Ok(()) } else { Err(status) };
         let found = self
-            .located(level, self.few)
+            .located(level, few)
             .and_then(|found| self.raised(found))
-            .or_else(|status| match self.few < last {
-                true => self.located(level, last),
-                false => Err(status),
+            .or_else(|status| {
+                with_more(status)?;
+                self.located(level, last)
             })
             .or_else(|_| {
-                let found = self.sweep(level)?;
+                let found = self.sweep(level, few)?;
                 self.raised(found)
+            })
+            .or_else(|status| {
+                with_more(status)?;
+                self.sweep(level, last)
             });
         match found {
             Ok(found) => {
@@ -339,11 +345,12 @@ impl<'a, 'p> Track<'a, 'p> {
         self.count.tally(solved)
     }
 
-    /// Walks through the whole band at `level` on few harmonics and locates the maximum next to the highest point met.
-    fn sweep(&mut self, level: f64) -> Result<Located<'p>, Status> {
+    /// Walks through the whole band at `level` on the harmonics of `rung` and locates the maximum next to the highest
+    /// point met.
+    fn sweep(&mut self, level: f64, rung: usize) -> Result<Located<'p>, Status> {
         let band = self.peak.band;
         let newton = self.settings.newton;
-        let balance = &self.ladder[self.few];
+        let balance = &self.ladder[rung];
         let start = stuck_point(balance, band.low, level);
         let start = self
             .count

@@ -251,6 +251,34 @@ fn outlook(draw: &Draw, highest: usize) -> Option<(f64, f64)> {
     })
 }
 
+/// Search of the default rig's peaks.
+const RIG: PeakSettings = PeakSettings {
+    band: Band {
+        low: 2605.0 * TAU,
+        high: 2635.0 * TAU,
+    },
+    frequency_tolerance: 5e-8,
+};
+
+/// With 9 harmonics, and with no other number, the default rig's peak at 100 N lies 1.7 % below that on 8, too far for
+/// Newton's method. Seen to fail (maximum of iterations) without the sweep on all harmonics.
+#[test]
+fn peaks_far_from_those_on_few_harmonics_are_found() {
+    let (linear, contacts) = folded(1.003_096_633_942_574, 0.767_395_205_371_211_2);
+    let problem = Problem::new(&linear, contacts, 1.0, SliderAnchor::Unloaded).expect("held");
+    let amplitude = [8, 9].map(|highest| {
+        let mut settings = located(highest);
+        settings.aft.n_time = 128;
+        settings.newton = NewtonSettings::default();
+        let tracked = track_peaks(&problem, &settings, RIG, &[100.0]).expect("modes");
+        assert_eq!(tracked[0].status, Status::Converged, "{highest}");
+        tracked[0].solution.as_ref().expect("a peak").amplitude(0)
+    });
+    let lower = 1.0 - amplitude[1] / amplitude[0];
+    println!("lower by {lower:.4}");
+    assert!((0.01..0.02).contains(&lower), "the case is gone");
+}
+
 /// Soft contacts on the default rig, at 20 N, on 21 harmonics: the higher ones lower the peak by 0.3 %, which no Newton step
 /// sees. Seen to fail with errors by steps alone: they say less than 0.1 %.
 #[test]
@@ -264,14 +292,7 @@ fn silent_steps_are_checked_by_a_solve() {
         threshold: 1e-3,
         highest_harmonic: 21,
     });
-    let peak = PeakSettings {
-        band: Band {
-            low: 2605.0 * TAU,
-            high: 2635.0 * TAU,
-        },
-        frequency_tolerance: 5e-8,
-    };
-    let tracked = track_peaks(&problem, &settings, peak, &[20.0]).expect("modes");
+    let tracked = track_peaks(&problem, &settings, RIG, &[20.0]).expect("modes");
     let found = tracked[0].solution.as_ref().expect("a peak");
 
     let sets = AlertSets::new(&problem, &settings.harmonics, &settings).expect("an alert");
@@ -283,7 +304,7 @@ fn silent_steps_are_checked_by_a_solve() {
     let mut prediction = PeakPrediction::of(found);
     prediction.point = pad(sets.balance(0), &prediction.point, &most);
     let mut count = WorkCount::default();
-    let best = maximum_near(&most, prediction, peak, settings.newton, &mut count).expect("a peak");
+    let best = maximum_near(&most, prediction, RIG, settings.newton, &mut count).expect("a peak");
     let truth = (best.iterate.response(&most).norm() / found.amplitude(0) - 1.0).abs();
     let error = found.truncation_error.expect("an alert");
     println!(
