@@ -256,12 +256,23 @@ impl FreeModes {
             spring + free
         });
         let dynamic = dynamic.partial_piv_lu();
-        let transposed = dynamic.solve(Mat::from_fn(n, m, |b, i| {
-            c64::new(moved[0][(i, b)], moved[1][(i, b)])
-        }));
-        let per_load = transposed.transpose().to_owned();
-        let [real, imaginary] = [|z: &c64| z.re, |z: &c64| z.im]
-            .map(|f| Mat::from_fn(m, n, |i, b| part.images * f(&per_load[(i, b)])));
+        let mut transposed = Mat::zeros(n, m);
+        for b in 0..n {
+            let [real, imaginary] = moved.each_ref().map(|w| w.col_as_slice(b));
+            for (i, (&re, &im)) in real.iter().zip(imaginary).enumerate() {
+                transposed[(b, i)] = c64::new(re, im);
+            }
+        }
+        dynamic.solve_in_place(&mut transposed);
+        let mut per_load = Mat::zeros(m, n);
+        let [mut real, mut imaginary] = [Mat::zeros(m, n), Mat::zeros(m, n)];
+        for i in 0..m {
+            for (b, &r) in transposed.col_as_slice(i).iter().enumerate() {
+                per_load[(i, b)] = r;
+                real[(i, b)] = part.images * r.re;
+                imaginary[(i, b)] = part.images * r.im;
+            }
+        }
         let [moved_real, moved_imaginary] = moved.each_ref().map(Mat::transpose);
         add_product(&mut stuck.real, 1.0, real.as_ref(), moved_real);
         add_product(&mut stuck.real, -1.0, imaginary.as_ref(), moved_imaginary);
