@@ -54,7 +54,7 @@ pub enum SampleSolver {
 }
 
 /// Samples solved without help: the first generation. Each later one has half as many samples as all before it.
-pub(super) const FIRST_ANCHORS: u64 = 4;
+pub(super) const FIRST_ANCHORS: u64 = 5;
 /// Samples in the atlas at most.
 pub const MOST_ANCHORS: u64 = 1024;
 
