@@ -56,7 +56,7 @@ const TRACK_ITERATIONS: usize = 30;
 /// study's tolerance.
 const TRACK_TOLERANCE: f64 = 1e-5;
 /// Steps of the sweep that replaces a failed track.
-const SWEEP_STEPS: usize = 400;
+const SWEEP_STEPS: usize = 1000;
 /// Most harmonics (0 included) on which the maximum is searched.
 const FEW_HARMONICS: usize = 8;
 
