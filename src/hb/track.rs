@@ -154,6 +154,7 @@ impl<'a, 'p> Track<'a, 'p> {
             return LevelPeak::failed(level, Status::NonFinite, self.count);
         }
         let (few, last) = (self.few, self.ladder.len() - 1);
+        // on all harmonics there is something left to try only where the search was on few
         let with_more = |status| if few < last { Ok(()) } else { Err(status) };
         let found = self
             .located(level, few)
