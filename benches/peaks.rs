@@ -166,7 +166,7 @@ fn search() -> PeakSettings {
             low: hz_to_rad_s(2605.0),
             high: hz_to_rad_s(2635.0),
         },
-        frequency_tolerance: 5e-8,
+        frequency_tolerance: 1e-9,
     }
 }
 

@@ -47,7 +47,7 @@ pub struct AtlasPrediction {
 }
 
 /// Anchors of a spline, per unknown of its linear part.
-const ANCHORS_PER_UNKNOWN: usize = 4;
+const ANCHORS_PER_UNKNOWN: usize = 6;
 /// What keeps the linear part finite where the anchors do not span all inputs.
 const RIDGE: f64 = 1e-5;
 /// What keeps the spline finite where anchors coincide.

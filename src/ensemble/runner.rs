@@ -53,8 +53,8 @@ pub enum SampleSolver {
     Function(super::test_function::TestFunction),
 }
 
-/// Samples solved without help: the first part of the atlas.
-pub(super) const FIRST_ANCHORS: u64 = 8;
+/// Samples solved without help: the first generation. Each later one has half as many samples as all before it.
+pub(super) const FIRST_ANCHORS: u64 = 5;
 /// Samples in the atlas at most.
 pub const MOST_ANCHORS: u64 = 1024;
 
@@ -76,8 +76,8 @@ impl Ensemble<'_> {
 
     /// The samples 0 … `samples` − 1, of which `kept` has the first ones; `done` is called after each of the others.
     ///
-    /// The first samples are solved on their own, each later one starts from samples before the last power of two: what
-    /// sample i starts from depends on i, not on the order of solving, the number of samples, or what was kept.
+    /// The first samples are solved on their own, each later one starts from the generations before its own: what sample i
+    /// starts from depends on i, not on the order of solving, the number of samples, or what was kept.
     #[must_use]
     pub fn extend(&self, kept: Solved, samples: u64, done: impl Fn() + Sync) -> Solved {
         let mut solved = kept;
@@ -86,7 +86,7 @@ impl Ensemble<'_> {
         while first < samples {
             let end = match first {
                 0 => FIRST_ANCHORS,
-                _ if first < MOST_ANCHORS => 2 * first,
+                _ if first < MOST_ANCHORS => (first + first / 2).min(MOST_ANCHORS),
                 _ => samples,
             };
             let end = end.min(samples);

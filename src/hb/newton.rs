@@ -101,6 +101,10 @@ const PATIENCE: usize = 12;
 /// Smallest damping factor, taken whatever it gives.
 const MIN_DAMPING: f64 = 1.0 / 64.0;
 
+/// Largest ratio between the first damping factor tried and the one taken before: where one step had to be short, so has
+/// the next.
+const RECOVERY: f64 = 8.0;
+
 /// Residuals below this need no damping: the condition alone may still be open.
 const NEAR: f64 = 1e-2;
 
@@ -142,6 +146,7 @@ pub fn solve<'p>(
     let mut count = WorkCount::default();
     let mut iterate = Iterate::new(balance, start);
     let mut progress = Progress::default();
+    let mut damping = 1.0;
     loop {
         let size = iterate.relative_residual(balance);
         if !size.is_finite() {
@@ -163,13 +168,14 @@ pub fn solve<'p>(
         {
             return Err((Status::MaxIterations, count));
         }
-        iterate = {
+        (iterate, damping) = {
             let jacobian = iterate.jacobian(balance);
             count += WorkCount {
                 iterations: 1,
                 factorizations: jacobian.factorizations(),
             };
-            advance(&Linearized::new(balance, &iterate, &jacobian, condition))
+            let linear = Linearized::new(balance, &iterate, &jacobian, condition);
+            advance(&linear, (RECOVERY * damping).min(1.0))
         };
     }
 }
@@ -356,19 +362,18 @@ impl Progress {
     }
 }
 
-/// Takes the Newton step, damped until the step that would follow with the same Jacobian is shorter ("natural
-/// monotonicity"). The residual is no measure far from the solution: stiff contacts can make it ten times larger on the
-/// best way there.
+/// Takes the Newton step times `damping` or less, damped until the step that would follow with the same Jacobian is shorter
+/// ("natural monotonicity"); returns the factor taken, too. The residual is no measure far from the solution: stiff
+/// contacts can make it ten times larger on the best way there.
 ///
 /// Source: Deuflhard 2004, Newton Methods for Nonlinear Problems, section 3.3.
-fn advance<'p>(linear: &Linearized<'_, 'p>) -> Iterate<'p> {
+fn advance<'p>(linear: &Linearized<'_, 'p>, mut damping: f64) -> (Iterate<'p>, f64) {
     let (balance, from) = (linear.balance, linear.iterate);
     let step = linear.step(&from.residual, linear.condition.values(balance, from));
     let moving = step.direction.omega != 0.0;
     let metric = Metric::at(balance, &from.point, from.point.omega);
     let n_relative = balance.layout.n_relative();
     let length = |step: &Step| (metric.dot(n_relative, &step.direction, &step.direction)).sqrt();
-    let mut damping = 1.0;
     loop {
         let mut point = from.point.moved(&step.direction, damping);
         point.level += damping * step.level;
@@ -378,12 +383,12 @@ fn advance<'p>(linear: &Linearized<'_, 'p>) -> Iterate<'p> {
             Iterate::with_compliance(balance, point, Arc::clone(&from.compliance))
         };
         if damping <= MIN_DAMPING || trial.relative_residual(balance) <= NEAR {
-            return trial;
+            return (trial, damping);
         }
         let values = linear.condition.values(balance, &trial);
         let next = linear.step(&trial.residual, values);
         if length(&next) <= (1.0 - 0.25 * damping) * length(&step) {
-            return trial;
+            return (trial, damping);
         }
         damping *= 0.5;
     }

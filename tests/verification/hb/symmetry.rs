@@ -100,20 +100,21 @@ fn forgets_the_start(draw: &Draw, solution: &Solution) -> bool {
     (out.summaries.iter()).all(|s| s.periodicity == Periodicity::Unique || s.laps == 1)
 }
 
-/// Static load and excitation times three: everything times three, as the law knows no length.
+/// Static load and excitation times four: everything times four, as the law knows no length. A power of two changes no
+/// digit, so that the solves go the same way, however far.
 /// Seen to fail with: the root of the factor on the static load.
 #[test]
 fn solutions_scale_with_the_loads() {
     let mut worst = 0.0f64;
     solved(32, 100, |draw, solution| {
         let larger = draw
-            .solve_scaled(3.0)
+            .solve_scaled(4.0)
             .expect("the same problem in other units");
-        let expected: Vec<f64> = solution.responses.iter().map(|x| 3.0 * x).collect();
+        let expected: Vec<f64> = solution.responses.iter().map(|x| 4.0 * x).collect();
         worst = worst.max(difference(&larger.responses, &expected));
     });
     println!("{worst:.1e}");
-    assert!(worst < 1e-9, "{worst:e}");
+    assert!(worst < 1e-14, "{worst:e}");
 }
 
 /// In-phase excitation of the rig: interface 2 is the mirror image of interface 1 half a period later,
