@@ -263,9 +263,12 @@ impl Real for Counted {
         table: &[Self],
         x: &[[Self; W]],
         out: &mut [[Self; W]],
+        onto: bool,
     ) {
         for (row, out) in table.chunks_exact(x.len()).zip(out) {
-            *out = [Self::ZERO; W];
+            if !onto {
+                *out = [Self::ZERO; W];
+            }
             for (&factor, x) in row.iter().zip(x) {
                 for (out, &x) in out.iter_mut().zip(x) {
                     *out += factor * x;

@@ -50,7 +50,7 @@ pub(super) fn identity<T: Real>() -> [Lane<T>; 4] {
 pub(super) fn march<T: Real>(plan: &AftPlan<T>, work: &mut Workspace<T>) -> Cycle<T> {
     let mut w = work.parameters.anchor;
     let mut monodromy = identity();
-    let count = work.circle_lap::<true>(&mut w, &mut monodromy);
+    let count = work.circle_lap::<true>(&mut w, &mut monodromy, true);
     let mut cycle = Cycle {
         stuck: std::array::from_fn(|l| count.slip[l] == T::ZERO && work.separated[l] == T::ZERO),
         count,
@@ -80,10 +80,9 @@ impl<T: Real> Cycle<T> {
         mut monodromy: [Lane<T>; 4],
     ) {
         for _ in 1..laps {
-            work.samples[0].closing = work.closing_over_end;
             self.start = w;
             monodromy = identity();
-            self.count = work.circle_lap::<true>(&mut w, &mut monodromy);
+            self.count = work.circle_lap::<true>(&mut w, &mut monodromy, false);
         }
         for l in 0..LANES {
             if !self.stuck[l] {
@@ -98,7 +97,6 @@ impl<T: Real> Cycle<T> {
     /// Steady cycle of every lane, from the sliders at the end of the first lap.
     #[inline(always)]
     fn steady(&mut self, work: &mut Workspace<T>, w: [Lane<T>; 2]) {
-        work.samples[0].closing = work.closing_over_end;
         self.start = w;
         let mut search = [Search::default(); LANES];
         for (search, &stuck) in search.iter_mut().zip(&self.stuck) {
@@ -106,7 +104,7 @@ impl<T: Real> Cycle<T> {
         }
         for lap in 2..=MAX_LAPS {
             let (mut end, mut monodromy) = (self.start, identity());
-            self.count = work.circle_lap::<true>(&mut end, &mut monodromy);
+            self.count = work.circle_lap::<true>(&mut end, &mut monodromy, false);
             for (l, search) in search.iter_mut().enumerate().filter(|(_, s)| !s.done) {
                 self.laps[l] = lap;
                 let change = change_over_lap(work, l, lane2(&self.start, l), lane2(&end, l));
@@ -293,13 +291,14 @@ fn lap_of_lane<T: Real>(
     let margin = work.touch_margin(l);
     let p = work.parameters;
     let mut slip = T::ZERO;
-    for (i, s) in work.samples.iter_mut().enumerate() {
-        let u = [s.u[0][l], s.u[1][l]];
+    for i in 0..work.samples.len() {
         let closing = if first && i == 0 {
             T::ZERO
         } else {
-            s.closing[l]
+            work.closing(i, l)
         };
+        let s = &mut work.samples[i];
+        let u = [s.u[0][l], s.u[1][l]];
         let start = [
             anchored_at_closing(w[0], u[0], closing),
             anchored_at_closing(w[1], u[1], closing),

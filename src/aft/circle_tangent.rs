@@ -104,7 +104,7 @@ impl<T: Real> CircleScratch<T> {
         for (i, s) in view.work.samples.iter().enumerate() {
             let u = [s.u[0][view.lane], s.u[1][view.lane]];
             if !(first && i == 0) {
-                self.close_gap(view, i, s.closing[view.lane], u);
+                self.close_gap(view, i, view.work.closing(i, view.lane), u);
             }
             let limit = p.mu * s.normal(view.lane);
             let step = circle_step(p.k_t, flexibility, (limit, margin), u, self.slider);

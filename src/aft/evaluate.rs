@@ -39,7 +39,20 @@ pub fn evaluate<T: Real>(
     out: &mut AftForces<T>,
 ) {
     out.reset(plan, batch);
-    let evaluation = Evaluation {
+    let arguments = (plan, batch, want, out);
+    match (plan.settings().law, plan.settings().events) {
+        (FrictionLaw::Box, Events::Located) => dispatch::<T, false, true>(arguments),
+        (FrictionLaw::Box, _) => dispatch::<T, false, false>(arguments),
+        (FrictionLaw::Circle, Events::Located) => dispatch::<T, true, true>(arguments),
+        (FrictionLaw::Circle, _) => dispatch::<T, true, false>(arguments),
+    }
+}
+
+/// Calls the function for the instruction set that is found at run time.
+fn dispatch<T: Real, const CIRCLE: bool, const LOCATED: bool>(
+    (plan, batch, want, out): (&AftPlan<T>, &AftBatch<T>, Want, &mut AftForces<T>),
+) {
+    let evaluation = Evaluation::<T, CIRCLE, LOCATED> {
         plan,
         batch,
         want,
@@ -48,15 +61,18 @@ pub fn evaluate<T: Real>(
     plan.arch.dispatch(evaluation);
 }
 
-/// The arguments of [`evaluate`], for the instruction set that is found at run time.
-struct Evaluation<'a, T> {
+/// The arguments of [`evaluate`] for one law and one way to resolve events: the compiler keeps the sliders of a small
+/// function in registers, but not those of one that can do everything.
+struct Evaluation<'a, T, const CIRCLE: bool, const LOCATED: bool> {
     plan: &'a AftPlan<T>,
     batch: &'a AftBatch<T>,
     want: Want,
     out: &'a mut AftForces<T>,
 }
 
-impl<T: Real> WithSimd for Evaluation<'_, T> {
+impl<T: Real, const CIRCLE: bool, const LOCATED: bool> WithSimd
+    for Evaluation<'_, T, CIRCLE, LOCATED>
+{
     type Output = ();
 
     #[inline(always)]
@@ -67,14 +83,19 @@ impl<T: Real> WithSimd for Evaluation<'_, T> {
             want,
             out,
         } = self;
+        let law = if CIRCLE {
+            FrictionLaw::Circle
+        } else {
+            FrictionLaw::Box
+        };
         let mut scratch = std::mem::take(&mut out.scratch);
         for first in (0..batch.n_states).step_by(LANES) {
             scratch.work.load(simd, plan, batch, first);
-            if plan.settings().events == Events::Located {
-                locate(simd, plan, batch, first, &mut scratch, (want, out));
+            if LOCATED {
+                locate(simd, (plan, law), batch, first, &mut scratch, (want, out));
                 continue;
             }
-            let (cycle, events) = match plan.settings().law {
+            let (cycle, events) = match law {
                 FrictionLaw::Box => march_box(plan, &mut scratch.work, want),
                 FrictionLaw::Circle => {
                     let cycle = circle::march(plan, &mut scratch.work);
@@ -86,7 +107,7 @@ impl<T: Real> WithSimd for Evaluation<'_, T> {
                 out.summaries
                     .push(summary(plan, &scratch.work, &cycle, lane));
                 if want == Want::ForcesAndTangents {
-                    store_tangent(plan, &mut scratch, (&cycle, events), lane, out);
+                    store_tangent((plan, law), &mut scratch, (&cycle, events), lane, out);
                 }
             }
         }
@@ -98,7 +119,7 @@ impl<T: Real> WithSimd for Evaluation<'_, T> {
 #[inline(always)]
 fn locate<S: Simd, T: Real>(
     simd: S,
-    plan: &AftPlan<T>,
+    (plan, law): (&AftPlan<T>, FrictionLaw),
     batch: &AftBatch<T>,
     first: usize,
     scratch: &mut Scratch<T>,
@@ -111,7 +132,7 @@ fn locate<S: Simd, T: Real>(
         ..
     } = scratch;
     let lanes = 0..LANES.min(batch.n_states - first);
-    match plan.settings().law {
+    match law {
         FrictionLaw::Box => {
             located.mark(simd, plan, work);
             for lane in lanes {
@@ -148,17 +169,25 @@ fn march_box<T: Real>(
     let p = &work.parameters;
     let mut z = [0, 1].map(|d| std::array::from_fn(|l| p.k_t[d][l] * p.anchor[d][l]));
     let mut start = z;
-    let mut count = work.box_lap(&mut z);
+    // Forces need nothing of the first lap but its end, unless it is the last.
+    let brief = want == Want::Forces && laps > 1;
+    let mut count = if brief {
+        work.box_lap::<false>(&mut z, true)
+    } else {
+        work.box_lap::<true>(&mut z, true)
+    };
     let stuck: [bool; LANES] =
         std::array::from_fn(|l| count.slip[l] == T::ZERO && work.separated[l] == T::ZERO);
     let all_stuck = stuck.iter().all(|&s| s);
+    if all_stuck && brief {
+        work.box_lap::<true>(&mut z, true);
+    }
     for _ in 1..if all_stuck { 1 } else { laps } {
         if want == Want::ForcesAndTangents {
             update_events(plan, work, &stuck, &mut events);
         }
-        work.samples[0].closing = work.closing_over_end;
         start = z;
-        count = work.box_lap(&mut z);
+        count = work.box_lap::<true>(&mut z, false);
     }
     let mut cycle = Cycle {
         count,
@@ -254,7 +283,7 @@ fn summary<T: Real>(
 
 #[inline(always)]
 fn store_tangent<T: Real>(
-    plan: &AftPlan<T>,
+    (plan, law): (&AftPlan<T>, FrictionLaw),
     scratch: &mut Scratch<T>,
     (cycle, events): (&Cycle<T>, [Option<Event>; 2]),
     lane: usize,
@@ -274,7 +303,7 @@ fn store_tangent<T: Real>(
         work: &scratch.work,
         lane,
     };
-    match plan.settings().law {
+    match law {
         FrictionLaw::Box => box_tangent(view, events, &mut scratch.segments, blocks),
         FrictionLaw::Circle => circle_tangent(
             view,

@@ -2,12 +2,13 @@
 
 use super::batch::AftBatch;
 use super::motions::{WORD, Word};
-use super::plan::AftPlan;
+use super::plan::{AftPlan, POINTS};
 use crate::contact::law::{
-    anchored_at_closing, box_step, circle_step, closing_instant, normal_force,
+    anchored_at_closing, box_slider, box_step, circle_step, closing_instant, normal_force,
 };
 use crate::contact::{ContactParameters, Events, Real};
 use pulp::Simd;
+use std::ops::Range;
 
 /// Traction that counts as rounding, in rounding errors of the largest |k_t u| + mu N of the period.
 const TOLERANCE: f64 = 256.0;
@@ -21,15 +22,28 @@ pub(super) type Lane<T> = [T; LANES];
 /// One number per component and state, component by component.
 pub(super) type Components<T> = [T; 3 * LANES];
 
+/// Even or odd part of signals at a few points of the first half period, which stay in the first cache.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Points<T>([Components<T>; POINTS]);
+
+impl<T: Real> Default for Points<T> {
+    #[inline(always)]
+    fn default() -> Self {
+        Self([[T::ZERO; 3 * LANES]; POINTS])
+    }
+}
+
 /// Everything known of one time point.
+///
+/// Aligned to the lines of the cache: a vector that crosses them takes two accesses.
 #[derive(Debug, Clone, Copy, Default)]
+#[repr(align(64))]
 pub(super) struct Sample<T> {
     /// Tangential displacements (m).
     pub u: [Lane<T>; 2],
     /// Gap function n_0 + k_n v (N).
     pub gap: Lane<T>,
-    /// Instant of closing since the point before (0 at other points, and for events at samples).
-    pub closing: Lane<T>,
     /// Tractions (N).
     pub traction: [Lane<T>; 2],
 }
@@ -125,14 +139,11 @@ pub(super) struct Workspace<T> {
     /// Cosine coefficients (mean included) and sine coefficients. Shape: `[cosine]`, `[sine]`.
     cosines: Vec<Components<T>>,
     sines: Vec<Components<T>>,
-    /// Even and odd part of the forces over the first half period. Shape: `[Nt/2 + 1]`.
-    even: Vec<Components<T>>,
-    odd: Vec<Components<T>>,
     /// Shape: `[time]`.
     pub samples: Vec<Sample<T>>,
     pub parameters: LaneParameters<T>,
-    /// Instant of closing from the last point to the first one of the next lap.
-    pub closing_over_end: Lane<T>,
+    /// Samples before which a contact of the lanes closes, if instants of closing are interpolated. Shape: `[word]`.
+    closings: Vec<u64>,
     /// Motions of the samples. Shape: `[word]`.
     pub words: Vec<Word>,
     /// Samples out of contact.
@@ -154,15 +165,21 @@ impl<T: Real> Workspace<T> {
         let (n, m) = (batch.n_states, plan.m);
         self.cosines.resize(m / 2 + 1, [T::ZERO; 3 * LANES]);
         self.sines.resize(m / 2, [T::ZERO; 3 * LANES]);
-        for (row, values) in batch.displacement.chunks_exact(n).enumerate() {
-            let (c, j) = (row / m, row % m);
-            let target = if j % 2 == 1 || j == 0 {
-                &mut self.cosines[j.div_ceil(2)]
-            } else {
-                &mut self.sines[j / 2 - 1]
-            };
-            for (l, target) in target[c * LANES..][..LANES].iter_mut().enumerate() {
-                *target = values[(first + l).min(n - 1)];
+        for (c, rows) in batch.displacement.chunks_exact(m * n).enumerate() {
+            for (j, values) in rows.chunks_exact(n).enumerate() {
+                let target = if j % 2 == 1 || j == 0 {
+                    &mut self.cosines[j.div_ceil(2)]
+                } else {
+                    &mut self.sines[j / 2 - 1]
+                };
+                let target = &mut target[c * LANES..][..LANES];
+                if let Some(values) = values[first..].first_chunk::<LANES>() {
+                    target.copy_from_slice(values);
+                    continue;
+                }
+                for (l, target) in target.iter_mut().enumerate() {
+                    *target = values[(first + l).min(n - 1)];
+                }
             }
         }
         for l in 0..LANES {
@@ -204,7 +221,7 @@ impl<T: Real> Workspace<T> {
         points(simd, plan, &self.cosines, &self.sines, emit);
     }
 
-    /// Gap functions and instants of closing.
+    /// Gap functions, samples out of contact and samples that close.
     #[inline(always)]
     fn close_gaps(&mut self, events: Events) {
         let p = &self.parameters;
@@ -234,48 +251,78 @@ impl<T: Real> Workspace<T> {
             let scale = tangential + p.mu[l] * normal[l];
             self.tolerance[l] = T::from_f64(TOLERANCE) * T::EPSILON * scale;
         }
-        let samples = &mut self.samples;
-        samples[0].closing = [T::ZERO; LANES];
-        for i in 1..samples.len() {
-            samples[i].closing = instants(events, &samples[i - 1].gap, &samples[i].gap);
+        self.closings.clear();
+        let last = (self.samples.len() - 1) % WORD;
+        let mut before = self.words[self.words.len() - 1]
+            .separated
+            .map(|b| b >> last);
+        for word in &self.words {
+            let mut closings = 0;
+            for (before, &open) in before.iter_mut().zip(&word.separated) {
+                closings |= (open << 1 | *before & 1) & !open;
+                *before = open >> (WORD - 1);
+            }
+            let interpolated = events == Events::Interpolated;
+            self.closings.push(if interpolated { closings } else { 0 });
         }
-        let last = &samples[samples.len() - 1];
-        self.closing_over_end = instants(events, &last.gap, &samples[0].gap);
     }
 
-    /// One lap of the box law from the sliders `z` = k_t w (N), which end where the lap ends.
-    #[allow(
-        clippy::needless_range_loop,
-        reason = "a plain loop over lanes becomes vector code"
-    )]
+    /// Whether a contact of the lanes closes just before the sample; in the first lap none does before the first one.
     #[inline(always)]
-    pub(super) fn box_lap(&mut self, z: &mut [Lane<T>; 2]) -> LapCount<T> {
-        let p = &self.parameters;
+    fn closes(&self, sample: usize, first: bool) -> bool {
+        self.closings[sample / WORD] >> (sample % WORD) & 1 == 1 && !(first && sample == 0)
+    }
+
+    /// Instant of closing since the sample before; 0 if the contact does not close, and for events at samples.
+    #[inline(always)]
+    pub(super) fn closing(&self, sample: usize, lane: usize) -> T {
+        if self.closes(sample, false) {
+            closing_instant(
+                self.before(sample).gap[lane],
+                self.samples[sample].gap[lane],
+            )
+        } else {
+            T::ZERO
+        }
+    }
+
+    /// The sample before.
+    #[inline(always)]
+    fn before(&self, sample: usize) -> &Sample<T> {
+        &self.samples[sample.checked_sub(1).unwrap_or(self.samples.len() - 1)]
+    }
+
+    /// One lap of the box law from the sliders `z` = k_t w (N), which end where the lap ends. Unless it is recorded, it
+    /// leaves neither tractions nor motions, and of the counts `slip` tells only whether there is any.
+    #[inline(always)]
+    pub(super) fn box_lap<const RECORD: bool>(
+        &mut self,
+        z: &mut [Lane<T>; 2],
+        first: bool,
+    ) -> LapCount<T> {
         let mut slip = [0; LANES];
         let (mut upper, mut lower) = ([[0; LANES]; 2], [[0; LANES]; 2]);
-        for (word, samples) in self.words.iter_mut().zip(self.samples.chunks_mut(WORD)) {
+        for w in 0..self.words.len() {
             // samples at the upper and at the lower limit
             let (mut above, mut below) = ([[0; LANES]; 2], [[0; LANES]; 2]);
-            for (i, s) in samples.iter_mut().enumerate() {
-                let closes = some_close(&s.closing);
-                let limit: Lane<T> = std::array::from_fn(|l| p.mu[l] * s.normal(l));
-                for d in 0..2 {
-                    let z = &mut z[d];
-                    let path: Lane<T> = std::array::from_fn(|l| p.k_t[d][l] * s.u[d][l]);
-                    if closes {
-                        for l in 0..LANES {
-                            z[l] = anchored_at_closing(z[l], path[l], s.closing[l]);
-                        }
-                    }
-                    let mut traction = [T::ZERO; LANES];
-                    for l in 0..LANES {
-                        (traction[l], z[l]) = box_step(limit[l], path[l], z[l]);
-                    }
-                    s.traction[d] = traction;
-                    mark(&mut above[d], i, |l| traction[l] >= limit[l]);
-                    mark(&mut below[d], i, |l| traction[l] <= -limit[l]);
-                }
+            let mut closings = self.closings[w];
+            if first && w == 0 {
+                closings &= !1;
             }
+            // The sliders stay in registers over a stretch without closing.
+            let mut start = w * WORD;
+            let end = (start + WORD).min(self.samples.len());
+            loop {
+                let stop = (w * WORD + closings.trailing_zeros() as usize).min(end);
+                self.box_stretch::<RECORD>(start..stop, z, &mut above, &mut below);
+                if stop == end {
+                    break;
+                }
+                self.anchor(stop, z);
+                closings &= closings - 1;
+                start = stop;
+            }
+            let word = &mut self.words[w];
             word.set_limits(above, below);
             for l in 0..LANES {
                 slip[l] += word.slips(l);
@@ -294,6 +341,62 @@ impl<T: Real> Workspace<T> {
         }
     }
 
+    /// The samples `stretch` of one word, between which no contact closes.
+    #[allow(
+        clippy::needless_range_loop,
+        reason = "a plain loop over lanes becomes vector code"
+    )]
+    #[inline(always)]
+    fn box_stretch<const RECORD: bool>(
+        &mut self,
+        stretch: Range<usize>,
+        z: &mut [Lane<T>; 2],
+        above: &mut [Lane<u64>; 2],
+        below: &mut [Lane<u64>; 2],
+    ) {
+        let p = &self.parameters;
+        let first = stretch.start % WORD;
+        for (i, s) in self.samples[stretch].iter_mut().enumerate() {
+            let limit: Lane<T> = std::array::from_fn(|l| p.mu[l] * s.normal(l));
+            for d in 0..2 {
+                let mut traction = [T::ZERO; LANES];
+                for l in 0..LANES {
+                    let path = p.k_t[d][l] * s.u[d][l];
+                    (traction[l], z[d][l]) = if RECORD {
+                        box_step(limit[l], path, z[d][l])
+                    } else {
+                        // not clipped, which the lap need not know
+                        (path - z[d][l], box_slider(limit[l], path, z[d][l]))
+                    };
+                }
+                if RECORD {
+                    s.traction[d] = traction;
+                    mark(&mut above[d], first + i, |l| traction[l] >= limit[l]);
+                    mark(&mut below[d], first + i, |l| traction[l] <= -limit[l]);
+                } else {
+                    mark(&mut above[d], first + i, |l| traction[l].abs() >= limit[l]);
+                }
+            }
+        }
+    }
+
+    /// Sliders `z` (N) of the contacts that close just before the sample.
+    #[allow(
+        clippy::needless_range_loop,
+        reason = "a plain loop over lanes becomes vector code"
+    )]
+    #[inline(always)]
+    fn anchor(&self, sample: usize, z: &mut [Lane<T>; 2]) {
+        let (before, s) = (self.before(sample), &self.samples[sample]);
+        for l in 0..LANES {
+            let instant = closing_instant(before.gap[l], s.gap[l]);
+            for d in 0..2 {
+                let path = self.parameters.k_t[d][l] * s.u[d][l];
+                z[d][l] = anchored_at_closing(z[d][l], path, instant);
+            }
+        }
+    }
+
     /// Distance from the limit (N) within which a slider of the circle law touches it: a steady cycle is found to
     /// within the tolerance, so that its slider may stand off a limit that holds it by that much.
     #[inline(always)]
@@ -308,21 +411,24 @@ impl<T: Real> Workspace<T> {
         &mut self,
         w: &mut [Lane<T>; 2],
         monodromy: &mut [Lane<T>; 4],
+        first: bool,
     ) -> LapCount<T> {
         let margin: Lane<T> = std::array::from_fn(|l| self.touch_margin(l));
         let p = &self.parameters;
         let mut count = LapCount::<T>::default();
-        for s in &mut self.samples {
-            let closes = some_close(&s.closing);
+        for i in 0..self.samples.len() {
+            let closing: Option<Lane<T>> = self
+                .closes(i, first)
+                .then(|| std::array::from_fn(|l| self.closing(i, l)));
+            let s = &mut self.samples[i];
             for l in 0..LANES {
                 let u = [s.u[0][l], s.u[1][l]];
-                let start = if closes {
-                    [
-                        anchored_at_closing(w[0][l], u[0], s.closing[l]),
-                        anchored_at_closing(w[1][l], u[1], s.closing[l]),
-                    ]
-                } else {
-                    [w[0][l], w[1][l]]
+                let start = match closing {
+                    Some(instant) => [
+                        anchored_at_closing(w[0][l], u[0], instant[l]),
+                        anchored_at_closing(w[1][l], u[1], instant[l]),
+                    ],
+                    None => [w[0][l], w[1][l]],
                 };
                 let k_t = [p.k_t[0][l], p.k_t[1][l]];
                 let flexibility = [p.flexibility[0][l], p.flexibility[1][l]];
@@ -361,24 +467,34 @@ impl<T: Real> Workspace<T> {
         mut emit: impl FnMut(usize, usize, &[T]),
     ) {
         let n = plan.n_time();
-        self.even.resize(n / 2 + 1, [T::ZERO; 3 * LANES]);
-        self.odd.resize(n / 2 + 1, [T::ZERO; 3 * LANES]);
-        for (i, (even, odd)) in self.even.iter_mut().zip(&mut self.odd).enumerate() {
-            let after = self.samples[i].forces();
-            let before = self.samples[if i == 0 { 0 } else { n - i }].forces();
-            let (mut sum, mut difference) = (after, after);
-            for j in 0..3 * LANES {
-                sum[j] += before[j];
-                difference[j] -= before[j];
+        let samples = self.samples.as_slice();
+        let (mut even, mut odd) = (Points::default(), Points::default());
+        for first in (0..=n / 2).step_by(POINTS) {
+            let points = first..(first + POINTS).min(n / 2 + 1);
+            let (even, odd) = (&mut even.0[..points.len()], &mut odd.0[..points.len()]);
+            for (i, (even, odd)) in points.clone().zip(even.iter_mut().zip(&mut *odd)) {
+                let after = samples[i].forces();
+                let before = samples[if i == 0 { 0 } else { n - i }].forces();
+                let (mut sum, mut difference) = (after, after);
+                for j in 0..3 * LANES {
+                    sum[j] += before[j];
+                    difference[j] -= before[j];
+                }
+                (*even, *odd) = (sum, difference);
+                // The point is its own mirror image.
+                if i == 0 || 2 * i == n {
+                    *even = after;
+                }
             }
-            (*even, *odd) = (sum, difference);
-            // The point is its own mirror image.
-            if i == 0 || 2 * i == n {
-                *even = after;
+            for (weights, signal, out) in [
+                (&plan.cosine_weights, even, &mut self.cosines),
+                (&plan.sine_weights, odd, &mut self.sines),
+            ] {
+                let rows = out.len();
+                let weights = &weights[first * rows..][..points.len() * rows];
+                T::table_product(simd, weights, signal, out, first > 0);
             }
         }
-        T::table_product(simd, &plan.cosine_weights, &self.even, &mut self.cosines);
-        T::table_product(simd, &plan.sine_weights, &self.odd, &mut self.sines);
         for c in 0..3 {
             for (k, values) in self.cosines.iter().enumerate() {
                 emit(c, (2 * k).saturating_sub(1), &values[c * LANES..][..LANES]);
@@ -391,7 +507,7 @@ impl<T: Real> Workspace<T> {
 }
 
 /// Values at all points, handed on as (point, values), from the coefficients. Cosine and sine sums are shared by the
-/// points ±θ; they are made a few at a time, so that they stay in the first cache.
+/// points ±θ.
 #[inline(always)]
 fn points<S: Simd, T: Real>(
     simd: S,
@@ -400,17 +516,15 @@ fn points<S: Simd, T: Real>(
     sines: &[Components<T>],
     mut emit: impl FnMut(usize, Components<T>),
 ) {
-    const CHUNK: usize = 8;
     let n = plan.n_time();
-    let mut even = [[T::ZERO; 3 * LANES]; CHUNK];
-    let mut odd = even;
-    for first in (0..=n / 2).step_by(CHUNK) {
-        let rows = first..(first + CHUNK).min(n / 2 + 1);
-        let (even, odd) = (&mut even[..rows.len()], &mut odd[..rows.len()]);
+    let (mut even, mut odd) = (Points::default(), Points::default());
+    for first in (0..=n / 2).step_by(POINTS) {
+        let rows = first..(first + POINTS).min(n / 2 + 1);
+        let (even, odd) = (&mut even.0[..rows.len()], &mut odd.0[..rows.len()]);
         let of_cosines = &plan.cosines[first * cosines.len()..][..rows.len() * cosines.len()];
         let of_sines = &plan.sines[first * sines.len()..][..rows.len() * sines.len()];
-        T::table_product(simd, of_cosines, cosines, even);
-        T::table_product(simd, of_sines, sines, odd);
+        T::table_product(simd, of_cosines, cosines, even, false);
+        T::table_product(simd, of_sines, sines, odd, false);
         for (i, (even, odd)) in rows.zip(even.iter().zip(&*odd)) {
             let (mut before, mut after) = (*even, *even);
             for j in 0..3 * LANES {
@@ -459,27 +573,4 @@ pub(super) fn slip_monodromy<T: Real>(trial: [T; 2], ratio: T, factor: [T; 4]) -
         normal[1] * row[0],
         normal[1] * row[1],
     ]
-}
-
-#[inline(always)]
-fn instants<T: Real>(events: Events, before: &Lane<T>, gap: &Lane<T>) -> Lane<T> {
-    // Few samples close a contact; the others are spared the division.
-    let closes = |l: usize| (before[l] <= T::ZERO) & (gap[l] > T::ZERO);
-    if events == Events::Interpolated && any(closes) {
-        std::array::from_fn(|l| closing_instant(before[l], gap[l]))
-    } else {
-        [T::ZERO; LANES]
-    }
-}
-
-/// Whether a contact of the lanes closes just before the sample.
-#[inline(always)]
-fn some_close<T: Real>(closing: &Lane<T>) -> bool {
-    any(|l| closing[l] != T::ZERO)
-}
-
-/// Whether something holds of any lane; all are asked at once.
-#[inline(always)]
-fn any(holds: impl Fn(usize) -> bool) -> bool {
-    (0..LANES).fold(false, |any, l| any | holds(l))
 }

@@ -8,6 +8,9 @@ use std::f64::consts::TAU;
 /// Coefficients that a loop handles together: rows of derivatives are padded to whole chunks.
 pub(super) const CHUNK: usize = 8;
 
+/// Points of the half period that a transform handles together.
+pub(super) const POINTS: usize = 16;
+
 /// Part of a padded row.
 pub(super) type Chunk<T> = [T; CHUNK];
 
@@ -33,7 +36,8 @@ pub struct AftPlan<T> {
     /// Shape: `[half][cosine]`, `[half][sine]`.
     pub(super) cosines: Vec<T>,
     pub(super) sines: Vec<T>,
-    /// The same times w, for the analysis of folded signals. Shape: `[cosine][half]`, `[sine][half]`.
+    /// The same times w, for the analysis of folded signals, [`POINTS`] at a time.
+    /// Shape: `[half by POINTS][cosine][point]`, `[half by POINTS][sine][point]`.
     pub(super) cosine_weights: Vec<T>,
     pub(super) sine_weights: Vec<T>,
     /// Samples per radian over k, for k = 0..=2H (over 1 for k = 0): integrals in samples. Shape: `[2H + 1]`.
@@ -95,18 +99,25 @@ impl<T: Real> AftPlan<T> {
             cosines.extend(cosine_rows().map(|j| convert(value(j, i))));
             sines.extend(sine_rows().map(|j| convert(value(j, i))));
         }
-        let weighted = |j: usize| {
-            let weight = weight[j];
-            half.clone().map(move |i| convert(weight * value(j, i)))
-        };
+        let mut cosine_weights = Vec::new();
+        let mut sine_weights = Vec::new();
+        for first in half.clone().step_by(POINTS) {
+            let points = first..(first + POINTS).min(half.end() + 1);
+            let weighted = |j: usize| {
+                let weight = weight[j];
+                points.clone().map(move |i| convert(weight * value(j, i)))
+            };
+            cosine_weights.extend(cosine_rows().flat_map(weighted));
+            sine_weights.extend(sine_rows().flat_map(weighted));
+        }
         Self {
             settings,
             arch: pulp::Arch::new(),
             m,
             waves,
             basis: basis.map(|(j, i)| convert(value(j, i))).collect(),
-            cosine_weights: cosine_rows().flat_map(weighted).collect(),
-            sine_weights: sine_rows().flat_map(weighted).collect(),
+            cosine_weights,
+            sine_weights,
             cosines,
             sines,
             per_order: (0..=2 * harmonics.highest())

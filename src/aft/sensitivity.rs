@@ -383,7 +383,7 @@ impl<T: Real> WithSimd for Flush<'_, T> {
         let rows = blocks.rows.chunks_exact_mut(RANK);
         for (rows, sums) in rows.zip(blocks.sums.chunks_exact_mut(plan.m)) {
             rows[waiting..].fill([T::ZERO; 2 * CHUNK]);
-            T::table_product(simd, &blocks.weights, rows, &mut blocks.product);
+            T::table_product(simd, &blocks.weights, rows, &mut blocks.product, false);
             for (sum, product) in sums.iter_mut().zip(&blocks.product) {
                 let mut new = *sum;
                 for l in 0..2 * CHUNK {

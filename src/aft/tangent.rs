@@ -157,11 +157,7 @@ impl<T: Real> SegmentScratch<T> {
         let n = view.plan.n_time();
         let sample = (before + 1) % n;
         let s = view.work.samples.as_slice();
-        let instant = if sample == 0 {
-            view.work.closing_over_end[view.lane]
-        } else {
-            s[sample].closing[view.lane]
-        };
+        let instant = view.work.closing(sample, view.lane);
         if instant == T::ZERO {
             return;
         }

@@ -35,20 +35,29 @@ pub fn anchored_at_closing<T: Real>(slider: T, displacement: T, instant: T) -> T
 
 /// Traction T = clip(s − z, −L, L) and slider z of one direction under its own limit L = mu N, all in N: s = k_t u is
 /// the path of the surface and z = k_t w.
-///
-/// The slider is a play: pushed by the bounds s ∓ L, so that the next step waits for two comparisons only. Rounding is
-/// monotone, so a slider that moves leaves |T| = L exactly.
 #[inline(always)]
 #[must_use]
 pub fn box_step<T: Real>(limit: T, path: T, slider: T) -> (T, T) {
-    let clip = |x: T, lower: T, upper: T| {
-        let above = if lower > x { lower } else { x };
-        if upper < above { upper } else { above }
-    };
     (
         clip(path - slider, -limit, limit),
-        clip(slider, path - limit, path + limit),
+        box_slider(limit, path, slider),
     )
+}
+
+/// Slider of [`box_step`] alone.
+///
+/// It is a play: pushed by the bounds s ∓ L, so that the next step waits for two comparisons only. Rounding is monotone,
+/// so a slider that moves leaves |T| = L exactly.
+#[inline(always)]
+#[must_use]
+pub fn box_slider<T: Real>(limit: T, path: T, slider: T) -> T {
+    clip(slider, path - limit, path + limit)
+}
+
+#[inline(always)]
+fn clip<T: Real>(x: T, lower: T, upper: T) -> T {
+    let above = if lower > x { lower } else { x };
+    if upper < above { upper } else { above }
 }
 
 /// What one step of the coupled law gives.

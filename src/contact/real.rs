@@ -47,7 +47,8 @@ pub trait Real:
     #[must_use]
     fn sin_cos(self) -> (Self, Self);
 
-    /// `out[r]` = Σ `table[r][k]` `x[k]`, in the order of k, with the vector instructions `simd`.
+    /// `out[r]` = Σ `table[r][k]` `x[k]`, in the order of k, with the vector instructions `simd`; `onto` goes on with the
+    /// sum that `out[r]` holds.
     ///
     /// Every product is added without rounding it first, which gives the same bits on every instruction set.
     ///
@@ -57,6 +58,7 @@ pub trait Real:
         table: &[Self],
         x: &[[Self; W]],
         out: &mut [[Self; W]],
+        onto: bool,
     );
 
     /// The larger of two numbers, `other` if one of them is not a number: one instruction where `f64::max` takes several.
@@ -74,7 +76,7 @@ const VECTORS: usize = 3;
 
 macro_rules! real {
     (
-        $type:ident, $lanes:ident, $vectors:ident, $vectors_mut:ident, $splat:ident, $mul_add:ident, $load:ident, $store:ident
+        $type:ident, $vector:ident, $lanes:ident, $vectors:ident, $vectors_mut:ident, $splat:ident, $mul_add:ident, $load:ident, $store:ident
     ) => {
         impl Real for $type {
             const ZERO: Self = 0.0;
@@ -113,6 +115,7 @@ macro_rules! real {
                 table: &[Self],
                 x: &[[Self; W]],
                 out: &mut [[Self; W]],
+                onto: bool,
             ) {
                 /// The vectors of R rows from the vector `first` on.
                 #[inline(always)]
@@ -121,19 +124,28 @@ macro_rules! real {
                     table: &[$type],
                     x: &[[$type; W]],
                     (first, out): (usize, &mut [[$type; W]]),
+                    onto: bool,
                 ) {
                     let depth = x.len();
                     let mut rows = [&table[..depth]; R];
                     for (r, row) in rows.iter_mut().enumerate() {
                         *row = &table[r * depth..][..depth];
                     }
-                    let mut sums = [[simd.$splat(0.0); V]; R];
-                    for (k, x) in x.iter().enumerate() {
+                    let load = |x: &[$type; W]| -> [S::$vector; V] {
                         let (vectors, rest) = S::$vectors(x);
-                        let x: [_; V] = std::array::from_fn(|v| match vectors.get(first + v) {
+                        std::array::from_fn(|v| match vectors.get(first + v) {
                             Some(&vector) => vector,
                             None => simd.$load(rest),
-                        });
+                        })
+                    };
+                    let mut sums = [[simd.$splat(0.0); V]; R];
+                    if onto {
+                        for (sums, out) in sums.iter_mut().zip(&*out) {
+                            *sums = load(out);
+                        }
+                    }
+                    for (k, x) in x.iter().enumerate() {
+                        let x = load(x);
                         for (sums, row) in sums.iter_mut().zip(rows) {
                             let factor = simd.$splat(row[k]);
                             for (sum, x) in sums.iter_mut().zip(x) {
@@ -158,28 +170,32 @@ macro_rules! real {
                     table: &[$type],
                     x: &[[$type; W]],
                     out: &mut [[$type; W]],
+                    onto: bool,
                 ) {
                     let vectors = W.div_ceil(S::$lanes);
                     let whole = vectors - vectors % VECTORS;
                     for first in (0..whole).step_by(VECTORS) {
-                        block::<S, W, R, VECTORS>(simd, table, x, (first, &mut *out));
+                        block::<S, W, R, VECTORS>(simd, table, x, (first, &mut *out), onto);
                     }
                     match vectors - whole {
-                        2 => block::<S, W, R, 2>(simd, table, x, (whole, out)),
-                        1 => block::<S, W, R, 1>(simd, table, x, (whole, out)),
+                        2 => block::<S, W, R, 2>(simd, table, x, (whole, out), onto),
+                        1 => block::<S, W, R, 1>(simd, table, x, (whole, out), onto),
                         _ => {}
                     }
                 }
 
                 let depth = x.len();
                 assert_eq!(table.len(), out.len() * depth, "one row per output");
-                let tables = table.chunks(ROWS * depth);
-                for (table, out) in tables.zip(out.chunks_mut(ROWS)) {
+                // Blocks of about the same size: few rows have too few sums.
+                let n = out.len().max(1);
+                let block = n.div_ceil(n.div_ceil(ROWS));
+                let tables = table.chunks(block * depth);
+                for (table, out) in tables.zip(out.chunks_mut(block)) {
                     match out.len() {
-                        ROWS => rows::<S, W, ROWS>(simd, table, x, out),
-                        3 => rows::<S, W, 3>(simd, table, x, out),
-                        2 => rows::<S, W, 2>(simd, table, x, out),
-                        _ => rows::<S, W, 1>(simd, table, x, out),
+                        ROWS => rows::<S, W, ROWS>(simd, table, x, out, onto),
+                        3 => rows::<S, W, 3>(simd, table, x, out, onto),
+                        2 => rows::<S, W, 2>(simd, table, x, out, onto),
+                        _ => rows::<S, W, 1>(simd, table, x, out, onto),
                     }
                 }
             }
@@ -189,6 +205,7 @@ macro_rules! real {
 
 real!(
     f32,
+    f32s,
     F32_LANES,
     as_simd_f32s,
     as_mut_simd_f32s,
@@ -199,6 +216,7 @@ real!(
 );
 real!(
     f64,
+    f64s,
     F64_LANES,
     as_simd_f64s,
     as_mut_simd_f64s,
