@@ -584,6 +584,24 @@ fn a_state_does_not_see_its_neighbours() {
     }
 }
 
+/// Seen to fail with: states that stick not marched again where the first lap is not recorded.
+#[test]
+fn forces_alone_are_those_that_come_with_tangents() {
+    let set = HarmonicSet::up_to(4);
+    let states = random_states(&mut ChaCha8Rng::seed_from_u64(11), &set, 100);
+    for plan in plans(&set, &[Laps::Periodic, Laps::Fixed(1), Laps::Fixed(3)]) {
+        let mut stuck = 0;
+        for state in &states {
+            let [alone, with] = [Want::Forces, Want::ForcesAndTangents]
+                .map(|want| run(&plan, std::slice::from_ref(state), want));
+            stuck += usize::from(with.tangents[0] == Tangent::Stuck);
+            assert_eq!(alone.forces, with.forces, "{:?}", plan.settings());
+            assert_eq!(alone.summaries, with.summaries, "{:?}", plan.settings());
+        }
+        assert!(stuck > 2, "{stuck} stuck, {:?}", plan.settings());
+    }
+}
+
 /// Seen to fail with: displacements of the single-precision batch rounded to 12 bits.
 #[test]
 fn single_precision_follows_double_precision() {
