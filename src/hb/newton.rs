@@ -101,9 +101,10 @@ const PATIENCE: usize = 12;
 /// Smallest damping factor, taken whatever it gives.
 const MIN_DAMPING: f64 = 1.0 / 64.0;
 
-/// Largest ratio between the first damping factor tried and the one taken before: where one step had to be short, so has
-/// the next.
-const RECOVERY: f64 = 8.0;
+/// First damping factor that a step tries, over the one that the step before took: where that was taken as tried, and
+/// where it had to be shortened, which says what the next one needs.
+const RECOVERY: f64 = 16.0;
+const CAUTION: f64 = 2.0;
 
 /// Residuals below this need no damping: the condition alone may still be open.
 const NEAR: f64 = 1e-2;
@@ -175,7 +176,7 @@ pub fn solve<'p>(
                 factorizations: jacobian.factorizations(),
             };
             let linear = Linearized::new(balance, &iterate, &jacobian, condition);
-            advance(&linear, (RECOVERY * damping).min(1.0))
+            advance(&linear, damping)
         };
     }
 }
@@ -363,7 +364,7 @@ impl Progress {
 }
 
 /// Takes the Newton step times `damping` or less, damped until the step that would follow with the same Jacobian is shorter
-/// ("natural monotonicity"); returns the factor taken, too. The residual is no measure far from the solution: stiff
+/// ("natural monotonicity"); returns the factor to try next, too. The residual is no measure far from the solution: stiff
 /// contacts can make it ten times larger on the best way there.
 ///
 /// Source: Deuflhard 2004, Newton Methods for Nonlinear Problems, section 3.3.
@@ -374,6 +375,7 @@ fn advance<'p>(linear: &Linearized<'_, 'p>, mut damping: f64) -> (Iterate<'p>, f
     let metric = Metric::at(balance, &from.point, from.point.omega);
     let n_relative = balance.layout.n_relative();
     let length = |step: &Step| (metric.dot(n_relative, &step.direction, &step.direction)).sqrt();
+    let mut growth = RECOVERY;
     loop {
         let mut point = from.point.moved(&step.direction, damping);
         point.level += damping * step.level;
@@ -383,14 +385,14 @@ fn advance<'p>(linear: &Linearized<'_, 'p>, mut damping: f64) -> (Iterate<'p>, f
             Iterate::with_compliance(balance, point, Arc::clone(&from.compliance))
         };
         if damping <= MIN_DAMPING || trial.relative_residual(balance) <= NEAR {
-            return (trial, damping);
+            return (trial, (growth * damping).min(1.0));
         }
         let values = linear.condition.values(balance, &trial);
         let next = linear.step(&trial.residual, values);
         if length(&next) <= (1.0 - 0.25 * damping) * length(&step) {
-            return (trial, damping);
+            return (trial, (growth * damping).min(1.0));
         }
-        damping *= 0.5;
+        (damping, growth) = (0.5 * damping, CAUTION);
     }
 }
 
