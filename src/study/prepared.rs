@@ -13,7 +13,7 @@ use crate::model::two_blade::ComponentSummary;
 use crate::sampling::Input;
 
 /// Relative change of frequency at which a peak counts as located: a peak reached on two ways, or with two backends,
-/// differs by at most 1e-9 (by 3.2e-10 among 2099 random ones, `cargo bench --bench peaks -- slow-path`).
+/// differs by at most 1e-9 (by 3.2e-10 among 2100 random ones, `cargo bench --bench peaks -- slow-path`).
 pub(super) const FREQUENCY_TOLERANCE: f64 = 1e-9;
 
 /// A study with its model built.
