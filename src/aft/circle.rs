@@ -292,11 +292,7 @@ fn lap_of_lane<T: Real>(
     let p = work.parameters;
     let mut slip = T::ZERO;
     for i in 0..work.samples.len() {
-        let closing = if first && i == 0 {
-            T::ZERO
-        } else {
-            work.closing(i, l)
-        };
+        let closing = work.closing(i, l, first);
         let s = &mut work.samples[i];
         let u = [s.u[0][l], s.u[1][l]];
         let start = [

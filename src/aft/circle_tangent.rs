@@ -103,9 +103,7 @@ impl<T: Real> CircleScratch<T> {
         let mut stick_start = None;
         for (i, s) in view.work.samples.iter().enumerate() {
             let u = [s.u[0][view.lane], s.u[1][view.lane]];
-            if !(first && i == 0) {
-                self.close_gap(view, i, view.work.closing(i, view.lane), u);
-            }
+            self.close_gap(view, i, view.work.closing(i, view.lane, first), u);
             let limit = p.mu * s.normal(view.lane);
             let step = circle_step(p.k_t, flexibility, (limit, margin), u, self.slider);
             let contact = s.gap[view.lane] > T::ZERO;

@@ -267,16 +267,22 @@ impl<T: Real> Workspace<T> {
         }
     }
 
-    /// Whether a contact of the lanes closes just before the sample; in the first lap none does before the first one.
+    /// Samples of a word before which a contact of the lanes closes; in the first lap none does before the first one.
+    #[inline(always)]
+    fn closings_of(&self, word: usize, first: bool) -> u64 {
+        self.closings[word] & !u64::from(first && word == 0)
+    }
+
+    /// Whether a contact of the lanes closes just before the sample.
     #[inline(always)]
     fn closes(&self, sample: usize, first: bool) -> bool {
-        self.closings[sample / WORD] >> (sample % WORD) & 1 == 1 && !(first && sample == 0)
+        self.closings_of(sample / WORD, first) >> (sample % WORD) & 1 == 1
     }
 
     /// Instant of closing since the sample before; 0 if the contact does not close, and for events at samples.
     #[inline(always)]
-    pub(super) fn closing(&self, sample: usize, lane: usize) -> T {
-        if self.closes(sample, false) {
+    pub(super) fn closing(&self, sample: usize, lane: usize, first: bool) -> T {
+        if self.closes(sample, first) {
             closing_instant(
                 self.before(sample).gap[lane],
                 self.samples[sample].gap[lane],
@@ -305,10 +311,7 @@ impl<T: Real> Workspace<T> {
         for w in 0..self.words.len() {
             // samples at the upper and at the lower limit
             let (mut above, mut below) = ([[0; LANES]; 2], [[0; LANES]; 2]);
-            let mut closings = self.closings[w];
-            if first && w == 0 {
-                closings &= !1;
-            }
+            let mut closings = self.closings_of(w, first);
             // The sliders stay in registers over a stretch without closing.
             let mut start = w * WORD;
             let end = (start + WORD).min(self.samples.len());
@@ -419,7 +422,7 @@ impl<T: Real> Workspace<T> {
         for i in 0..self.samples.len() {
             let closing: Option<Lane<T>> = self
                 .closes(i, first)
-                .then(|| std::array::from_fn(|l| self.closing(i, l)));
+                .then(|| std::array::from_fn(|l| self.closing(i, l, first)));
             let s = &mut self.samples[i];
             for l in 0..LANES {
                 let u = [s.u[0][l], s.u[1][l]];

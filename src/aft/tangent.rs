@@ -157,7 +157,7 @@ impl<T: Real> SegmentScratch<T> {
         let n = view.plan.n_time();
         let sample = (before + 1) % n;
         let s = view.work.samples.as_slice();
-        let instant = view.work.closing(sample, view.lane);
+        let instant = view.work.closing(sample, view.lane, false);
         if instant == T::ZERO {
             return;
         }

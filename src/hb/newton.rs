@@ -101,9 +101,9 @@ const PATIENCE: usize = 12;
 /// Smallest damping factor, taken whatever it gives.
 const MIN_DAMPING: f64 = 1.0 / 64.0;
 
-/// First damping factor that a step tries, over the one that the step before took: where that was taken as tried, and
-/// where it had to be shortened, which says what the next one needs.
+/// First damping factor that a step tries, over the one that the step before took as it was tried.
 const RECOVERY: f64 = 16.0;
+/// The same where the step before had to be shortened, which says what the next one needs.
 const CAUTION: f64 = 2.0;
 
 /// Residuals below this need no damping: the condition alone may still be open.
@@ -384,12 +384,13 @@ fn advance<'p>(linear: &Linearized<'_, 'p>, mut damping: f64) -> (Iterate<'p>, f
         } else {
             Iterate::with_compliance(balance, point, Arc::clone(&from.compliance))
         };
-        if damping <= MIN_DAMPING || trial.relative_residual(balance) <= NEAR {
-            return (trial, (growth * damping).min(1.0));
-        }
-        let values = linear.condition.values(balance, &trial);
-        let next = linear.step(&trial.residual, values);
-        if length(&next) <= (1.0 - 0.25 * damping) * length(&step) {
+        let shorter = || {
+            let values = linear.condition.values(balance, &trial);
+            let next = linear.step(&trial.residual, values);
+            length(&next) <= (1.0 - 0.25 * damping) * length(&step)
+        };
+        let near = trial.relative_residual(balance) <= NEAR;
+        if damping <= MIN_DAMPING || near || shorter() {
             return (trial, (growth * damping).min(1.0));
         }
         (damping, growth) = (0.5 * damping, CAUTION);
