@@ -7,7 +7,7 @@ use super::breakpoints::{Breakpoint, Signals, basis_row, signal_rates};
 use super::march::{Components, LANES, Lane, Workspace};
 use super::plan::AftPlan;
 use super::roots::{crossing_share, linear_share, turn_share, zero};
-use super::slip::{Dual, HalfAngle, SlipStep, numbers};
+use super::slip::{HalfAngle, SlipStep, dot, normal};
 use crate::contact::ContactParameters;
 use crate::contact::Real;
 use std::f64::consts::TAU;
@@ -58,6 +58,13 @@ impl<T: Real> Node<T> {
         dot(e, self.rate) - self.limit_rate
     }
 
+    /// Change with the phase of this node of a number with these derivatives by the step that ends here.
+    #[inline(always)]
+    pub(super) fn turning(&self, by: &SlipStep<T>) -> T {
+        let limit_rate = T::from_f64(0.5) * self.limit_rate;
+        dot(by.path, self.rate) + dot(by.rate, self.bend) + by.limit * limit_rate + by.length
+    }
+
     /// Square of the traction over its limit (N²), with its rate and curvature.
     #[inline(always)]
     fn excess(&self, slider: [T; 2]) -> [T; 3] {
@@ -71,17 +78,6 @@ impl<T: Real> Node<T> {
                 - self.limit * self.limit_bend),
         ]
     }
-}
-
-#[inline(always)]
-pub(super) fn dot<T: Real>(a: [T; 2], b: [T; 2]) -> T {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-/// The unit vector a quarter turn ahead of `e`.
-#[inline(always)]
-pub(super) fn normal<T: Real>(e: [T; 2]) -> [T; 2] {
-    [-e[1], e[0]]
 }
 
 /// One state of a group.
@@ -227,17 +223,15 @@ impl<T: Real> Course<'_, T> {
         after: HalfAngle<T>,
         row: &mut Vec<T>,
     ) -> Node<T> {
-        let before = here.sliding(half.direction());
-        let share = linear_share(before, next.sliding(after.direction()));
+        let before = here.sliding(half.e);
+        let share = linear_share(before, next.sliding(after.e));
         let guess = here.theta + share * (next.theta - here.theta);
         let ends = [here.theta, next.theta];
         let theta = zero(ends, false, guess, T::EPSILON, |theta| {
             let node = self.instant(theta, row);
-            let map = ending_step(here, &node).map();
-            let after = half.after(map.map(|m| m.value));
-            let e = after.direction();
-            let (_, turned) = half.angle_rates(map.map(|m| m.value), after);
-            let turning = turned(map.map(|m| m.slope[0]));
+            let step = slip_step(here, &node);
+            let e = half.after(step.map()).e;
+            let turning = node.turning(&step.angle_rates(half).step);
             let rate = dot(normal(e), node.rate) * turning + dot(e, node.bend) - node.limit_bend;
             [node.sliding(e), rate, T::ZERO]
         });
@@ -249,39 +243,18 @@ impl<T: Real> Course<'_, T> {
     pub(super) fn map(&self, here: &Node<T>, next: &Node<T>) -> [T; 4] {
         match (here.sample, next.sample) {
             (Some(i), Some(_)) => std::array::from_fn(|k| self.maps[i][k][self.lane]),
-            _ => slip_step::<T, 0>(here, next).map().map(|m| m.value),
+            _ => slip_step(here, next).map(),
         }
     }
 }
 
-/// The step between two nodes; its derivatives are by s₁, s₂ (change over the step), s₁', s₂' (at the end), the mean L
-/// and the length, as far as N goes.
+/// The step between two nodes.
 #[inline(always)]
-pub(super) fn slip_step<T: Real, const N: usize>(here: &Node<T>, next: &Node<T>) -> SlipStep<T, N> {
-    let input = |i: usize, value: T| Dual {
-        value,
-        slope: numbers(|j| if i == j { T::ONE } else { T::ZERO }),
-    };
+pub(super) fn slip_step<T: Real>(here: &Node<T>, next: &Node<T>) -> SlipStep<T> {
     SlipStep {
-        path: [0, 1].map(|d| input(d, next.path[d] - here.path[d])),
-        rate: [0, 1].map(|d| input(2 + d, next.rate[d])),
-        limit: input(4, T::from_f64(0.5) * (here.limit + next.limit)),
-        length: input(5, next.theta - here.theta),
-    }
-}
-
-/// The step with its derivative by the phase at its end.
-#[inline(always)]
-fn ending_step<T: Real>(here: &Node<T>, next: &Node<T>) -> SlipStep<T, 1> {
-    let half = T::from_f64(0.5);
-    let moving = |value: T, slope: T| Dual {
-        value,
-        slope: [slope],
-    };
-    SlipStep {
-        path: [0, 1].map(|d| moving(next.path[d] - here.path[d], next.rate[d])),
-        rate: [0, 1].map(|d| moving(next.rate[d], next.bend[d])),
-        limit: moving(half * (here.limit + next.limit), half * next.limit_rate),
-        length: moving(next.theta - here.theta, T::ONE),
+        path: [0, 1].map(|d| next.path[d] - here.path[d]),
+        rate: next.rate,
+        limit: T::from_f64(0.5) * (here.limit + next.limit),
+        length: next.theta - here.theta,
     }
 }

@@ -4,12 +4,12 @@
 //! integrand, by J in its slope at the share x of a step h, −½ h² B₂(x) J (Euler and Maclaurin; B₂ = x² − x + 1/6).
 
 use super::breakpoints::{basis_row, first_sample_from};
-use super::course::{Course, Node, dot, normal, slip_step};
+use super::course::{Course, Node, slip_step};
 use super::plan::{AftPlan, CHUNK};
 use super::sensitivity::{
     Base, Basis, Blocks, Mix, Row, Rows, add_mix, add_row, add_step, scale, set_rows,
 };
-use super::slip::{HalfAngle, numbers};
+use super::slip::{HalfAngle, dot, normal};
 use crate::contact::Real;
 use pulp::Simd;
 use std::f64::consts::TAU;
@@ -230,7 +230,7 @@ impl<'a, S: Simd, T: Real> Walk<'a, S, T> {
                 }
                 Motion::Slip(half) => {
                     let after = half.after(course.map(here, next));
-                    if inside && next.sliding(after.direction()) <= T::ZERO {
+                    if inside && next.sliding(after.e) <= T::ZERO {
                         let row = &mut self.lap.next_row;
                         let stop = course.slip_end([here, next], half, after, row);
                         motion = self.end_slip([here, &stop], half);
@@ -264,7 +264,7 @@ impl<'a, S: Simd, T: Real> Walk<'a, S, T> {
                 self.lap.stick_from = self.lap.stick_from.or(Some(i));
             }
             Motion::Slip(half) => {
-                let e = half.direction();
+                let e = half.e;
                 self.lap.tractions[i] = e.map(|e| node.limit * e);
                 self.lap.slip += 1;
                 let base = self.base();
@@ -336,7 +336,7 @@ impl<'a, S: Simd, T: Real> Walk<'a, S, T> {
         let base = self.base();
         let after = half.after(self.course.map(here, node));
         let turning = self.slide([here, node], half, after);
-        let e = after.direction();
+        let e = after.e;
         let lap = &mut *self.lap;
         lap.sliding_row(base, node, e);
         let fall = dot(normal(e), node.rate) * turning + dot(e, node.bend) - node.limit_bend;
@@ -357,7 +357,7 @@ impl<'a, S: Simd, T: Real> Walk<'a, S, T> {
     /// The slider at `node`, and its rows, where slip in the direction `half` ends.
     fn stop(&mut self, node: &Node<T>, half: HalfAngle<T>) -> [T; 2] {
         let base = self.base();
-        let e = half.direction();
+        let e = half.e;
         let p = normal(e);
         let lap = &mut *self.lap;
         let at = basis_at(base.plan, node, &lap.row);
@@ -382,20 +382,18 @@ impl<'a, S: Simd, T: Real> Walk<'a, S, T> {
         let lap = &mut *self.lap;
         let between_samples = here.sample.is_some() && next.sample.is_some();
         if between_samples && !lap.rows.full {
-            let (factor, _) = half.angle_rates(self.course.map(here, next), after);
+            let factor = half.angle_rate(self.course.map(here, next), after);
             scale(&mut lap.rows.angle, factor);
             return T::ZERO;
         }
-        let map = slip_step::<T, 8>(here, next).map();
-        let (factor, turned) = half.angle_rates(map.map(|m| m.value), after);
-        let slopes: [T; 8] = numbers(|i| turned([0, 1, 2, 3].map(|k: usize| map[k].slope[i])));
-        let (path, rate, length) = ([slopes[0], slopes[1]], [slopes[2], slopes[3]], slopes[5]);
-        let limit = T::from_f64(0.5) * slopes[4];
+        let rates = slip_step(here, next).angle_rates(half);
+        let (path, rate, length) = (rates.step.path, rates.step.rate, rates.step.length);
+        let limit = T::from_f64(0.5) * rates.step.limit;
         let ends = [
             basis_at(base.plan, here, &lap.row),
             basis_at(base.plan, next, &lap.next_row),
         ];
-        scale(&mut lap.rows.angle, factor);
+        scale(&mut lap.rows.angle, rates.angle);
         if let [Basis::Sample(here), Basis::Sample(next)] = ends {
             add_step(base, &mut lap.rows.angle, [here, next], path, rate, limit);
             return T::ZERO;
@@ -415,7 +413,7 @@ impl<'a, S: Simd, T: Real> Walk<'a, S, T> {
         if next.sample.is_none() {
             std::mem::swap(&mut lap.row, &mut lap.next_row);
         }
-        dot(path, next.rate) + dot(rate, next.bend) + limit * next.limit_rate + length
+        next.turning(&rates.step)
     }
 
     /// The contact closes: the slider stood where the surface is, at rest or already sliding.
@@ -466,7 +464,7 @@ impl<'a, S: Simd, T: Real> Walk<'a, S, T> {
         lap.note_way(node.path);
         lap.instant_of_gap_root(base, node);
         add_row(&mut lap.rows.angle, turning, &lap.rows.instant);
-        self.limit_kink(node, half.direction(), -T::ONE);
+        self.limit_kink(node, half.e, -T::ONE);
     }
 
     /// Kink at a root of the gap function in slip: ± L' e.

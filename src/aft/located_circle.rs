@@ -15,7 +15,7 @@ use super::march::{LANES, Lane, Workspace};
 use super::plan::AftPlan;
 use super::sensitivity::{Base, Blocks, Rows};
 use super::settings::Laps;
-use super::slip::{Dual, SlipStep};
+use super::slip::SlipStep;
 use crate::contact::{ContactParameters, Real};
 use pulp::Simd;
 use std::f64::consts::TAU;
@@ -76,7 +76,7 @@ impl<T: Real> LocatedCircle<T> {
         let n = plan.n_time();
         self.maps.resize(n, [[T::ZERO; LANES]; 4]);
         let p = &work.parameters;
-        let length = Dual::constant(T::from_f64(TAU / n as f64));
+        let length = T::from_f64(TAU / n as f64);
         for (i, map) in self.maps.iter_mut().enumerate() {
             let next = if i + 1 == n { 0 } else { i + 1 };
             let (a, b) = (&work.samples[i], &work.samples[next]);
@@ -85,14 +85,14 @@ impl<T: Real> LocatedCircle<T> {
                 let limit = p.mu[l] * (a.normal(l) + b.normal(l));
                 let path = |d: usize| p.k_t[d][l] * b.u[d][l] - p.k_t[d][l] * a.u[d][l];
                 let rate = |d: usize| p.k_t[d][l] * rates[d * LANES + l];
-                let step = SlipStep::<T, 0> {
-                    path: [Dual::constant(path(0)), Dual::constant(path(1))],
-                    rate: [Dual::constant(rate(0)), Dual::constant(rate(1))],
-                    limit: Dual::constant(T::from_f64(0.5) * limit),
+                let step = SlipStep {
+                    path: [path(0), path(1)],
+                    rate: [rate(0), rate(1)],
+                    limit: T::from_f64(0.5) * limit,
                     length,
                 };
                 for (k, entry) in step.map().into_iter().enumerate() {
-                    map[k][l] = entry.value;
+                    map[k][l] = entry;
                 }
             }
         }

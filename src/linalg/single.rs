@@ -25,7 +25,7 @@ pub struct SingleLu {
 #[derive(Debug)]
 struct Tile {
     /// Of the square on the diagonal, by columns.
-    inverse: Vec<f32>,
+    inverse: [[f32; LANES]; LANES],
     /// What lies below it (lower factor) or above it (upper one), by columns.
     rest: Vec<f32>,
 }
@@ -35,8 +35,11 @@ impl SingleLu {
     #[must_use]
     pub fn new(matrix: &Mat<f64>) -> Self {
         let n = matrix.nrows();
-        let columns: Vec<Vec<f32>> = (0..n).map(|j| rounded(matrix.col_as_slice(j))).collect();
-        let factors = PartialPivLu::new(Mat::from_fn(n, n, |i, j| columns[j][i]).as_ref());
+        let mut single = Mat::zeros(n, n);
+        for j in 0..n {
+            round(matrix.col_as_slice(j), single.col_as_slice_mut(j));
+        }
+        let factors = PartialPivLu::new(single.as_ref());
         let tiles = n.div_ceil(LANES);
         let (l, u) = (factors.L(), factors.U());
         Self {
@@ -106,14 +109,23 @@ impl Tile {
     #[inline(always)]
     fn solve<S: Simd>(&self, simd: S, now: &mut [f32], others: &mut [f32]) {
         let mut solved = [0.0; LANES];
-        add_product(simd, 1.0, &self.inverse, now.iter(), &mut solved);
+        add_product(
+            simd,
+            1.0,
+            self.inverse.as_flattened(),
+            now.iter(),
+            &mut solved,
+        );
         now.copy_from_slice(&solved);
         add_product(simd, -1.0, &self.rest, solved.iter(), others);
     }
 }
 
 /// Inverse of a triangle, both by columns, by substitution in an `order`.
-fn inverse(triangle: &[[f32; LANES]; LANES], order: impl Iterator<Item = usize>) -> Vec<f32> {
+fn inverse(
+    triangle: &[[f32; LANES]; LANES],
+    order: impl Iterator<Item = usize>,
+) -> [[f32; LANES]; LANES] {
     let mut rows = [[0.0; LANES]; LANES];
     (0..LANES).for_each(|i| rows[i][i] = 1.0);
     for k in order {
@@ -126,7 +138,7 @@ fn inverse(triangle: &[[f32; LANES]; LANES], order: impl Iterator<Item = usize>)
         }
         rows[k] = solved;
     }
-    (0..LANES).flat_map(|j| rows.map(|row| row[j])).collect()
+    std::array::from_fn(|j| rows.map(|row| row[j]))
 }
 
 /// `x` in single precision.
@@ -134,19 +146,20 @@ fn inverse(triangle: &[[f32; LANES]; LANES], order: impl Iterator<Item = usize>)
     clippy::cast_possible_truncation,
     reason = "rounding to single precision is meant"
 )]
-#[must_use]
 #[inline(always)]
-pub fn rounded(x: &[f64]) -> Vec<f32> {
-    x.iter().map(|x| *x as f32).collect()
+pub fn round(x: &[f64], single: &mut [f32]) {
+    for (single, x) in single.iter_mut().zip(x) {
+        *single = *x as f32;
+    }
 }
 
-/// Columns, each filled up with zeros to whole vectors.
-pub fn filled<C: AsRef<[f32]>>(columns: impl Iterator<Item = C>) -> Vec<f32> {
-    let mut all = Vec::new();
-    for column in columns {
-        let column = column.as_ref();
-        all.extend_from_slice(column);
-        all.resize(all.len().next_multiple_of(LANES), 0.0);
+/// Columns of `rows` numbers in single precision, each filled up with zeros to whole vectors.
+#[must_use]
+pub fn filled<'a>(rows: usize, columns: impl ExactSizeIterator<Item = &'a [f64]>) -> Vec<f32> {
+    let stride = rows.next_multiple_of(LANES);
+    let mut all = vec![0.0; stride * columns.len()];
+    for (single, column) in all.chunks_exact_mut(stride).zip(columns) {
+        round(column, single);
     }
     all
 }
@@ -239,7 +252,8 @@ mod tests {
             };
             let matrix = Mat::from_fn(n, n, entry);
             let b: Vec<f64> = (0..n).map(|i| (i as f64).cos() + 2.0).collect();
-            let mut x = rounded(&b);
+            let mut x = vec![0.0; n];
+            round(&b, &mut x);
             Arch::new().dispatch(Solve(&SingleLu::new(&matrix), &mut x));
             for (i, b) in b.iter().enumerate() {
                 let product: f64 = (0..n).map(|j| entry(i, j) * f64::from(x[j])).sum();

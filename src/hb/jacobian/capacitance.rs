@@ -127,10 +127,9 @@ impl Capacitance {
         let n = self.layout.n_relative();
         let mut forces = Vec::with_capacity(self.size());
         for slot in &self.slots {
-            let x: Vec<f64> = x[slot.row..].iter().step_by(n).copied().collect();
-            forces.push(slot.springs[0].re * x[0]);
-            for (spring, x) in slot.springs[1..].iter().zip(x[1..].chunks_exact(2)) {
-                let f = spring * c64::new(x[0], -x[1]);
+            forces.push(slot.springs[0].re * x[slot.row]);
+            for (spring, x) in slot.springs[1..].iter().zip(x[n..].chunks_exact(2 * n)) {
+                let f = spring * c64::new(x[slot.row], -x[n + slot.row]);
                 forces.extend([f.re, -f.im]);
             }
         }
@@ -274,9 +273,12 @@ impl Slot {
     fn new(layout: &Layout, component: usize, tangent: &PairTangent) -> Option<Self> {
         let m = layout.n_coefficients;
         let at = |component: usize| component * layout.n_pairs + tangent.pair;
-        let transposed = |values: &[f64]| -> Vec<f64> {
-            let column = |j: usize| values[j..].iter().step_by(m).copied();
-            (0..m).flat_map(column).collect()
+        let transposed = |values: &[f64]| {
+            let mut columns = vec![0.0; m * m];
+            for (j, column) in columns.chunks_exact_mut(m).enumerate() {
+                (column.iter_mut().zip(values[j..].iter().step_by(m))).for_each(|(c, v)| *c = *v);
+            }
+            columns
         };
         let mut reads: Vec<_> = (tangent.blocks.iter())
             .filter(|(row, ..)| *row == component)
@@ -302,7 +304,8 @@ impl Slot {
 
 /// Takes out of a block, by columns, what multiplies each harmonic by a complex number: x̂ = x_c − i x_s.
 fn take_springs(columns: &mut [f64], m: usize) -> Vec<c64> {
-    let mut springs = vec![c64::new(columns[0], 0.0)];
+    let mut springs = Vec::with_capacity(m.div_ceil(2));
+    springs.push(c64::new(columns[0], 0.0));
     columns[0] = 0.0;
     for (c, s) in (1..m).step_by(2).map(|c| (c, c + 1)) {
         let [cc, sc, cs, ss] = [(c, c), (c, s), (s, c), (s, s)].map(|(j, i)| j * m + i);

@@ -5,7 +5,7 @@
 //! vector register; where a column is added to one slot, these zeros reach into the next.
 
 use super::capacitance::Capacitance;
-use crate::linalg::single::{LANES, SingleLu, add_product, filled, rounded, vectors, vectors_mut};
+use crate::linalg::single::{LANES, SingleLu, add_product, filled, round, vectors, vectors_mut};
 use faer::prelude::*;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -50,12 +50,12 @@ impl Sweep {
         let slots = exact.slots.iter().map(|slot| Slot {
             row: slot.row,
             reads: (slot.reads.iter())
-                .map(|(row, columns)| (*row, filled(rounded(columns).chunks_exact(m))))
+                .map(|(row, columns)| (*row, filled(m, columns.chunks_exact(m))))
                 .collect(),
         });
         let columns = |matrix: &Mat<f64>| {
-            let column = |j| rounded(matrix.col_as_slice(j));
-            filled((0..matrix.ncols()).map(column))
+            let column = |j| matrix.col_as_slice(j);
+            filled(matrix.nrows(), (0..matrix.ncols()).map(column))
         };
         let compliance = (exact.compliance.iter()).map(|h| [&h.real, &h.imaginary].map(columns));
         Self {
@@ -76,7 +76,7 @@ impl Sweep {
     #[inline(always)]
     fn applied<S: Simd>(&self, simd: S, v: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let mut z = vec![0.0; v.len().next_multiple_of(LANES) + LANES];
-        z[..v.len()].copy_from_slice(&rounded(v));
+        round(v, &mut z);
         let mut x = vec![0.0; self.m * self.n];
         for block in &self.blocks {
             let range = block.slots.start * self.m..block.slots.end * self.m;
