@@ -231,7 +231,7 @@ impl<T: Real> Course<'_, T> {
             let node = self.instant(theta, row);
             let step = slip_step(here, &node);
             let e = half.after(step.map()).e;
-            let turning = node.turning(&step.angle_rates(half).step);
+            let turning = node.turning(&step.angle_rates(half));
             let rate = dot(normal(e), node.rate) * turning + dot(e, node.bend) - node.limit_bend;
             [node.sliding(e), rate, T::ZERO]
         });

@@ -380,20 +380,19 @@ impl<'a, S: Simd, T: Real> Walk<'a, S, T> {
     fn slide(&mut self, [here, next]: [&Node<T>; 2], half: HalfAngle<T>, after: HalfAngle<T>) -> T {
         let base = self.base();
         let lap = &mut *self.lap;
+        let factor = half.angle_rate(self.course.map(here, next), after);
+        scale(&mut lap.rows.angle, factor);
         let between_samples = here.sample.is_some() && next.sample.is_some();
         if between_samples && !lap.rows.full {
-            let factor = half.angle_rate(self.course.map(here, next), after);
-            scale(&mut lap.rows.angle, factor);
             return T::ZERO;
         }
-        let rates = slip_step(here, next).angle_rates(half);
-        let (path, rate, length) = (rates.step.path, rates.step.rate, rates.step.length);
-        let limit = T::from_f64(0.5) * rates.step.limit;
+        let by = slip_step(here, next).angle_rates(half);
+        let (path, rate, length) = (by.path, by.rate, by.length);
+        let limit = T::from_f64(0.5) * by.limit;
         let ends = [
             basis_at(base.plan, here, &lap.row),
             basis_at(base.plan, next, &lap.next_row),
         ];
-        scale(&mut lap.rows.angle, rates.angle);
         if let [Basis::Sample(here), Basis::Sample(next)] = ends {
             add_step(base, &mut lap.rows.angle, [here, next], path, rate, limit);
             return T::ZERO;
@@ -413,7 +412,7 @@ impl<'a, S: Simd, T: Real> Walk<'a, S, T> {
         if next.sample.is_none() {
             std::mem::swap(&mut lap.row, &mut lap.next_row);
         }
-        next.turning(&rates.step)
+        next.turning(&by)
     }
 
     /// The contact closes: the slider stood where the surface is, at rest or already sliding.

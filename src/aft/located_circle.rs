@@ -48,6 +48,8 @@ struct Cycle<T> {
     /// Whether the derivative is that of plain laps from the anchor, not that of the steady cycle.
     from_anchor: bool,
     stuck: bool,
+    /// Whether the last Newton step was so small that the next lap should be the last one, which fills the tangent.
+    near: bool,
 }
 
 /// What a lap is for; numbers count the laps of a stage from 1.
@@ -140,7 +142,7 @@ impl<T: Real> LocatedCircle<T> {
         let mut cycle = Cycle::new(&p);
         while !matches!(cycle.stage, Stage::Done) {
             if cycle.starts_rows() {
-                let full = matches!(cycle.stage, Stage::Tangent(_));
+                let full = cycle.carries_rows();
                 self.lap.rows.start(plan, full);
                 if full {
                     self.blocks.start(plan);
@@ -228,6 +230,7 @@ impl<T: Real> Cycle<T> {
             periodicity: Periodicity::DependsOnAnchor,
             from_anchor: true,
             stuck: false,
+            near: false,
         }
     }
 
@@ -236,10 +239,15 @@ impl<T: Real> Cycle<T> {
         !matches!(self.stage, Stage::Tangent(number) if number > 1)
     }
 
+    /// Whether the next lap carries the derivatives by the displacement coefficients.
+    fn carries_rows(&self) -> bool {
+        self.near || matches!(self.stage, Stage::Tangent(_))
+    }
+
     /// Whether the next lap fills the tangent.
     fn is_last(&self) -> bool {
         let laps = if self.from_anchor { self.laps } else { 1 };
-        matches!(self.stage, Stage::Tangent(number) if number == laps)
+        self.near || matches!(self.stage, Stage::Tangent(number) if number == laps)
     }
 
     /// Takes the end of a lap and decides on the next one.
@@ -345,14 +353,18 @@ impl<T: Real> Cycle<T> {
             let step = search.step(change, m, self.laps);
             self.next = [self.next[0] + step[0], self.next[1] + step[1]];
             self.stage = Stage::Newton(search);
+            self.near = tangents && size(step) * T::EPSILON.sqrt() <= tolerance;
             return;
         }
         self.start = self.next;
         self.periodicity = classify(size(change) <= tolerance, m);
         self.from_anchor = is_singular(m);
+        let near = std::mem::take(&mut self.near);
         let rests = lap.way * T::EPSILON.sqrt() <= tolerance;
         if search.newton && rests {
             (self.stage, self.next) = (Stage::Plain(1), anchor(course.p));
+        } else if near && !self.from_anchor {
+            self.stage = Stage::Done;
         } else {
             self.stage = self.finish(course.p, tangents);
         }
