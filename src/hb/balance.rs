@@ -212,7 +212,7 @@ impl<'p> Balance<'p> {
         let mut out = vec![0.0; self.layout.n_unknowns()];
         for (i, (h, eta)) in at.harmonics.iter().zip(&motion.dynamic).enumerate() {
             let load = h.part.impedance_slope(h.order, at.omega, eta);
-            self.store(i, &h.part.relative(&h.solve(&load)), 1.0, &mut out);
+            self.store(i, &h.part.relative(&h.solve_rate(&load)), 1.0, &mut out);
         }
         out
     }
@@ -255,7 +255,7 @@ impl<'p> Balance<'p> {
         for ((load, inertia), force) in load.iter_mut().zip(&inertia).zip(&part.force) {
             *load = force * rate.level - *load - inertia * rate.omega;
         }
-        part.responses(&first.solve(&load))[0]
+        part.responses(&first.solve_rate(&load))[0]
     }
 
     /// Largest displacement (m) of the stuck structure, static or dynamic.
@@ -273,7 +273,7 @@ impl<'p> Balance<'p> {
     /// r̂₁ of the stuck structure.
     fn stuck_relative(&self, first: &HarmonicCompliance<'_>, level: f64) -> Vec<c64> {
         let load: Vec<c64> = first.part.force.iter().map(|f| f * level).collect();
-        first.part.relative(&first.solve(&load))
+        first.part.relative(&first.solve_rate(&load))
     }
 
     /// Complex amplitudes of the i-th dynamic harmonic of a coefficient-major vector.
