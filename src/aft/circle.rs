@@ -50,7 +50,7 @@ pub(super) fn identity<T: Real>() -> [Lane<T>; 4] {
 pub(super) fn march<T: Real>(plan: &AftPlan<T>, work: &mut Workspace<T>) -> Cycle<T> {
     let mut w = work.parameters.anchor;
     let mut monodromy = identity();
-    let count = work.circle_lap::<true>(&mut w, &mut monodromy, true);
+    let count = work.circle_lap(&mut w, &mut monodromy, true);
     let mut cycle = Cycle {
         stuck: std::array::from_fn(|l| count.slip[l] == T::ZERO && work.separated[l] == T::ZERO),
         count,
@@ -82,7 +82,7 @@ impl<T: Real> Cycle<T> {
         for _ in 1..laps {
             self.start = w;
             monodromy = identity();
-            self.count = work.circle_lap::<true>(&mut w, &mut monodromy, false);
+            self.count = work.circle_lap(&mut w, &mut monodromy, false);
         }
         for l in 0..LANES {
             if !self.stuck[l] {
@@ -104,7 +104,7 @@ impl<T: Real> Cycle<T> {
         }
         for lap in 2..=MAX_LAPS {
             let (mut end, mut monodromy) = (self.start, identity());
-            self.count = work.circle_lap::<true>(&mut end, &mut monodromy, false);
+            self.count = work.circle_lap(&mut end, &mut monodromy, false);
             for (l, search) in search.iter_mut().enumerate().filter(|(_, s)| !s.done) {
                 self.laps[l] = lap;
                 let change = change_over_lap(work, l, lane2(&self.start, l), lane2(&end, l));

@@ -407,10 +407,10 @@ impl<T: Real> Workspace<T> {
         self.tolerance[lane] + self.tolerance[lane]
     }
 
-    /// One lap of the circle law from the sliders `w`, which end where the lap ends. If wanted, `monodromy`
-    /// (2 × 2, row-major) is multiplied by the derivative of the end traction by the start traction.
+    /// One lap of the circle law from the sliders `w`, which end where the lap ends. `monodromy` (2 × 2, row-major) is
+    /// multiplied by the derivative of the end traction by the start traction.
     #[inline(always)]
-    pub(super) fn circle_lap<const MONODROMY: bool>(
+    pub(super) fn circle_lap(
         &mut self,
         w: &mut [Lane<T>; 2],
         monodromy: &mut [Lane<T>; 4],
@@ -442,19 +442,12 @@ impl<T: Real> Workspace<T> {
                 let contact = s.gap[l] > T::ZERO;
                 count.slip[l] += flag(step.slips & contact);
                 count.overshoot[l] = count.overshoot[l].or_larger(T::ONE - step.ratio);
-                if MONODROMY {
-                    let factor = [
-                        monodromy[0][l],
-                        monodromy[1][l],
-                        monodromy[2][l],
-                        monodromy[3][l],
-                    ];
-                    let turned = slip_monodromy(step.trial, step.ratio, factor);
-                    for (entry, (&old, new)) in monodromy.iter_mut().zip(factor.iter().zip(turned))
-                    {
-                        let sliding = if step.touches { new } else { old };
-                        entry[l] = if contact { sliding } else { T::ZERO };
-                    }
+                let factor = monodromy.each_ref().map(|entry| entry[l]);
+                let turned = slip_monodromy(step.trial, step.ratio, factor);
+                for (entry, (old, new)) in monodromy.iter_mut().zip(factor.into_iter().zip(turned))
+                {
+                    let sliding = if step.touches { new } else { old };
+                    entry[l] = if contact { sliding } else { T::ZERO };
                 }
             }
         }
