@@ -405,7 +405,7 @@ fn harmonics() {
     let rig = Rig::new([3, 5]);
     let design = design(11);
     let levels = [1.0, 5.0, 20.0, 100.0];
-    for samples in [32, 256] {
+    for samples in [32, 64, 256] {
         let times = [5, 9, 13, 21].map(|highest| {
             let settings = settings(highest, None);
             let ensemble = rig.ensemble(&design, &levels, &settings);

@@ -138,17 +138,17 @@ impl<T: Real> SlipStep<T> {
         let Parts {
             y, growth, scale, ..
         } = parts;
-        // Of growth, e^y, the factors of the boost and of the turn by y.
-        let of_growth =
+        // Derivatives of the parts by y.
+        let growth_by_y =
             ((number(1.0 / 30.0) * y + number(0.125)) * y + number(1.0 / 3.0)) * y + number(0.5);
-        let of_exponential = growth + of_growth * y;
-        let even = -(of_exponential + of_exponential) * scale * scale;
-        let odd = of_growth * scale + growth * even;
-        let of_polynomial = (number(0.025) * y + number(0.05)) * y + number(1.0 / 12.0);
-        let risen = (of_polynomial * y + parts.polynomial + parts.polynomial) * y;
-        let weight = (scale + scale) * (risen - parts.weight * of_exponential);
+        let exponential_by_y = growth + growth_by_y * y;
+        let even_by_y = -(exponential_by_y + exponential_by_y) * scale * scale;
+        let odd_by_y = growth_by_y * scale + growth * even_by_y;
+        let polynomial_by_y = (number(0.025) * y + number(0.05)) * y + number(1.0 / 12.0);
+        let risen = (polynomial_by_y * y + parts.polynomial + parts.polynomial) * y;
+        let weight_by_y = (scale + scale) * (risen - parts.weight * exponential_by_y);
 
-        // The boost: A ψ, ψ after it, and the angle by which a change of that turns it.
+        // A ψ, ψ after the boost, and the angle by which a change of that turns it.
         let a = self.path.map(|path| path * parts.flexibility);
         let [c, s] = before.psi;
         let image = [a[0] * c + a[1] * s, a[1] * c - a[0] * s];
@@ -158,17 +158,17 @@ impl<T: Real> SlipStep<T> {
         ];
         let inverse = T::ONE / dot(boosted, boosted);
         let turned = |x: T, y: T| (inverse + inverse) * (boosted[0] * y - boosted[1] * x);
-        let of_a = [parts.odd * turned(c, -s), parts.odd * turned(s, c)];
 
-        // The turn, by its tangent, the cross product and the squares.
-        let of_turn = T::ONE / (T::ONE + parts.turn * parts.turn);
-        let of_share = (of_turn + of_turn) * parts.inverse_of_squares;
-        let of_cross = of_share * parts.weight;
-        let of_squares = -(of_cross * parts.cross * parts.inverse_of_squares);
-        let twice = of_squares + of_squares;
-        let of_y = even * turned(c, s)
-            + odd * turned(image[0], image[1])
-            + of_share * weight * parts.cross;
+        // Derivatives of the angle, from its turn back to the step.
+        let by_turn = number(2.0) / (T::ONE + parts.turn * parts.turn);
+        let by_share = by_turn * parts.inverse_of_squares;
+        let by_cross = by_share * parts.weight;
+        let by_squares = -(by_cross * parts.cross * parts.inverse_of_squares);
+        let twice = by_squares + by_squares;
+        let by_y = even_by_y * turned(c, s)
+            + odd_by_y * turned(image[0], image[1])
+            + by_share * weight_by_y * parts.cross;
+        let by_a = [parts.odd * turned(c, -s), parts.odd * turned(s, c)];
 
         let (ahead, flexibility) = (parts.ahead, parts.flexibility);
         let inverse_way = if parts.way > T::ZERO {
@@ -178,24 +178,24 @@ impl<T: Real> SlipStep<T> {
         };
         let unit = self.path.map(|path| path * inverse_way);
         let mut path = [
-            flexibility * (of_a[0] + of_y * unit[0]) + of_cross * ahead[1] + twice * self.path[0],
-            flexibility * (of_a[1] + of_y * unit[1]) - of_cross * ahead[0] + twice * self.path[1],
+            flexibility * (by_a[0] + by_y * unit[0]) + by_cross * ahead[1] + twice * self.path[0],
+            flexibility * (by_a[1] + by_y * unit[1]) - by_cross * ahead[0] + twice * self.path[1],
         ];
-        let mut limit = twice * T::EPSILON * parts.limit - flexibility * (of_y * y + dot(of_a, a));
+        let mut limit = twice * T::EPSILON * parts.limit - flexibility * (by_y * y + dot(by_a, a));
         if parts.limit > self.limit {
             let share = number(1.0 / LONGEST) * limit;
             path = [path[0] + share * unit[0], path[1] + share * unit[1]];
             limit = T::ZERO;
         }
-        let of_ahead = [
-            twice * ahead[0] - of_cross * self.path[1],
-            twice * ahead[1] + of_cross * self.path[0],
+        let by_ahead = [
+            twice * ahead[0] - by_cross * self.path[1],
+            twice * ahead[1] + by_cross * self.path[0],
         ];
         Self {
             path,
-            rate: of_ahead.map(|x| x * self.length),
+            rate: by_ahead.map(|x| x * self.length),
             limit,
-            length: dot(of_ahead, self.rate),
+            length: dot(by_ahead, self.rate),
         }
     }
 }
