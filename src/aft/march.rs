@@ -442,10 +442,15 @@ impl<T: Real> Workspace<T> {
                 let contact = s.gap[l] > T::ZERO;
                 count.slip[l] += flag(step.slips & contact);
                 count.overshoot[l] = count.overshoot[l].or_larger(T::ONE - step.ratio);
-                let factor = monodromy.each_ref().map(|entry| entry[l]);
+                // entry by entry: with a closure this loop is no vector code
+                let factor = [
+                    monodromy[0][l],
+                    monodromy[1][l],
+                    monodromy[2][l],
+                    monodromy[3][l],
+                ];
                 let turned = slip_monodromy(step.trial, step.ratio, factor);
-                for (entry, (old, new)) in monodromy.iter_mut().zip(factor.into_iter().zip(turned))
-                {
+                for (entry, (&old, new)) in monodromy.iter_mut().zip(factor.iter().zip(turned)) {
                     let sliding = if step.touches { new } else { old };
                     entry[l] = if contact { sliding } else { T::ZERO };
                 }
