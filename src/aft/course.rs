@@ -58,6 +58,12 @@ impl<T: Real> Node<T> {
         dot(e, self.rate) - self.limit_rate
     }
 
+    /// Its change with the phase where `e` turns at the rate `turning`; for events only.
+    #[inline(always)]
+    pub(super) fn sliding_rate(&self, e: [T; 2], turning: T) -> T {
+        dot(normal(e), self.rate) * turning + dot(e, self.bend) - self.limit_bend
+    }
+
     /// Change with the phase of this node of a number with these derivatives by the step that ends here.
     #[inline(always)]
     pub(super) fn turning(&self, by: &SlipStep<T>) -> T {
@@ -232,8 +238,7 @@ impl<T: Real> Course<'_, T> {
             let step = slip_step(here, &node);
             let e = half.after(step.map()).e;
             let turning = node.turning(&step.angle_rates(half));
-            let rate = dot(normal(e), node.rate) * turning + dot(e, node.bend) - node.limit_bend;
-            [node.sliding(e), rate, T::ZERO]
+            [node.sliding(e), node.sliding_rate(e, turning), T::ZERO]
         });
         self.instant(theta, row)
     }

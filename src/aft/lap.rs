@@ -339,7 +339,7 @@ impl<'a, S: Simd, T: Real> Walk<'a, S, T> {
         let e = after.e;
         let lap = &mut *self.lap;
         lap.sliding_row(base, node, e);
-        let fall = dot(normal(e), node.rate) * turning + dot(e, node.bend) - node.limit_bend;
+        let fall = node.sliding_rate(e, turning);
         let factor = if fall < T::ZERO {
             -(T::ONE / fall)
         } else {
