@@ -4,21 +4,55 @@
 // (roots of the gap function, turning points of a bound) a bound can push at the end only. Within an interval between
 // samples a signal is its Taylor polynomial, which is exact to rounding.
 
-alias Polynomial = array<real, TERMS>;
+const STICK: u32 = 0u;
+const SLIP_UP: u32 = 1u;
+const SLIP_DOWN: u32 = 2u;
+const SEPARATED: u32 = 3u;
 
-const CROSSING: u32 = 1u;
-const DIP: u32 = 2u;
-// Shifted by the side.
+// Masks of the spectra, the first three per direction.
+const MASK_MOVED: u32 = 0u;
+const MASK_SLIP: u32 = 2u;
+const MASK_SLIDER: u32 = 4u;
+const MASKS: u32 = 7u;
+
+// Instant at which a motion may change: share of the interval after a sample, signals there, whether the contact is
+// open afterwards.
+struct Point {
+    interval: u32,
+    open: u32,
+    share: real,
+    stick: real,
+    gap: real,
+}
+
+// Stretch of one motion up to an instant; `slider` is k_t w of a stick and the source where it was set last.
+struct Run {
+    interval: u32,
+    motion: u32,
+    share: real,
+    slider: real,
+    source_motion: u32,
+    source_interval: u32,
+    source_share: real,
+}
+
+// Shape: [MAX_POINTS][2][state]
+@group(0) @binding(6) var<storage, read_write> points: array<Point>;
+// Shape: [MAX_RUNS][2][state]
+@group(0) @binding(7) var<storage, read_write> runs: array<Run>;
+// Runs, and sticks with a source. Shape: [2][2][state]
+@group(0) @binding(8) var<storage, read_write> counts: array<u32>;
+
+const POINTS_PER_STATE: u32 = 2u * MAX_POINTS;
+const RUNS_PER_STATE: u32 = 2u * MAX_RUNS;
+const COUNTS_PER_STATE: u32 = 4u;
+
+// The rate of a bound changes sign, or may do so twice. Shifted by the side.
 const TURN: u32 = 4u;
 const TURN_PAIR: u32 = 16u;
 
-const MAX_STEPS: u32 = 30u;
-const MAX_FOUND: u32 = 8u;
-
-// Breakpoints found in the interval at hand.
-var<private> found: array<real, MAX_FOUND>;
+// Which of the roots found in the interval at hand are those of the gap function.
 var<private> crosses: array<bool, MAX_FOUND>;
-var<private> n_found: u32;
 // Taylor polynomials of the direction's signal and of the gap function there.
 var<private> stick: Polynomial;
 var<private> gap: Polynomial;
@@ -26,39 +60,9 @@ var<private> n_points: u32;
 var<private> n_runs: u32;
 var<private> overflow: bool;
 
-fn sampled_rate(c: u32, i: u32, state: u32) -> real {
-    return sample_of(3u + c, i, state);
-}
-
 // Factor on the gap function in a bound: side 0 is the lower one.
 fn friction(mu: real, side: u32) -> real {
     return select(-mu, mu, side == 1u);
-}
-
-// Taylor polynomial of a signal after sample i, by the share of the interval.
-fn taylor(c: u32, i: u32, state: u32) -> Polynomial {
-    var p = Polynomial();
-    if c == GAP {
-        p[0] = states[batch.n_states + state];
-    }
-    for (var h = 0u; h < HARMONICS; h++) {
-        let k = orders[h];
-        let phase = (k * i) % N_TIME;
-        let cosine = circle[phase];
-        let sine = circle[N_TIME + phase];
-        let a = coefficient(c, h, 0u, state);
-        let b = coefficient(c, h, 1u, state);
-        let even = a * cosine + b * sine;
-        let odd = b * cosine - a * sine;
-        let reach = real(k) * STEP;
-        var power = real(1.0);
-        for (var t = 0u; t < TERMS; t++) {
-            let term = power * select(even, odd, t % 2u == 1u);
-            p[t] += select(term, -term, t % 4u >= 2u);
-            power *= reach / real(t + 1u);
-        }
-    }
-    return p;
 }
 
 fn bound(mu: real, side: u32) -> Polynomial {
@@ -70,68 +74,15 @@ fn bound(mu: real, side: u32) -> Polynomial {
     return p;
 }
 
-fn differentiated(q: Polynomial) -> Polynomial {
-    var p = q;
-    for (var t = 1u; t < TERMS; t++) {
-        p[t - 1u] = real(t) * p[t];
-    }
-    p[TERMS - 1u] = real(0.0);
-    return p;
-}
-
-fn value(q: Polynomial, x: real) -> real {
-    var p = q;
-    var sum = p[TERMS - 1u];
-    for (var t = TERMS - 1u; t > 0u; t--) {
-        sum = sum * x + p[t - 1u];
-    }
-    return sum;
-}
-
-// Where q passes `level` between two shares: Newton's method, bisection where it leaves the bracket.
-fn root(q: Polynomial, level: real, from_share: real, to_share: real, rising: bool, guess: real) -> real {
-    let slope = differentiated(q);
-    var low = from_share;
-    var high = to_share;
-    var x = clamp(guess, low, high);
-    for (var step = 0u; step < MAX_STEPS; step++) {
-        let error = value(q, x) - level;
-        if (error > real(0.0)) == rising {
-            high = x;
-        } else {
-            low = x;
-        }
-        var next = x - error / value(slope, x);
-        if !(next > low && next < high) {
-            next = real(0.5) * (low + high);
-        }
-        let moved = abs(next - x);
-        x = next;
-        if moved <= RESOLUTION {
-            break;
-        }
-    }
-    return x;
-}
-
-fn linear_share(before: real, after: real) -> real {
-    return before / (before - after);
-}
-
 // Marks of the interval after sample i: what may happen inside it.
 fn marks(i: u32, d: u32, mu: real, state: u32) -> u32 {
     let next = select(i + 1u, 0u, i + 1u == N_TIME);
     let g = array<real, 2>(sample_of(GAP, i, state), sample_of(GAP, next, state));
     let g_rate = array<real, 2>(sampled_rate(GAP, i, state), sampled_rate(GAP, next, state));
+    var mark = gap_mark(g, g_rate);
     let s = array<real, 2>(sample_of(d, i, state), sample_of(d, next, state));
     let s_rate = array<real, 2>(sampled_rate(d, i, state), sampled_rate(d, next, state));
-    var mark = 0u;
     let zero = real(0.0);
-    if (g[0] > zero) != (g[1] > zero) {
-        mark |= CROSSING;
-    } else if g[0] * g_rate[0] < zero && g[1] * g_rate[1] > zero {
-        mark |= DIP;
-    }
     if g[0] <= zero && g[1] <= zero && mark == 0u {
         return 0u;
     }
@@ -154,40 +105,6 @@ fn marks(i: u32, d: u32, mu: real, state: u32) -> u32 {
     return mark;
 }
 
-fn note(share: real, crossing: bool) {
-    found[n_found] = share;
-    crosses[n_found] = crossing;
-    n_found++;
-}
-
-// Roots of p in the interval: one where its sign changes, else two where it turns in between.
-fn note_roots(p: Polynomial, pair: bool, crossing: bool) {
-    let zero = real(0.0);
-    let one = real(1.0);
-    var ends = array<real, 3>(zero, one, one);
-    var n = 1u;
-    if pair {
-        let bend = differentiated(p);
-        let bends_up = value(bend, one) > zero;
-        if (value(bend, zero) > zero) == bends_up {
-            return;
-        }
-        let top = root(bend, zero, zero, one, bends_up, real(0.5));
-        if (value(p, top) > zero) == (value(p, zero) > zero) {
-            return;
-        }
-        ends[1] = top;
-        n = 2u;
-    }
-    for (var k = 0u; k < n; k++) {
-        let first = value(p, ends[k]);
-        let last = value(p, ends[k + 1u]);
-        let guess = ends[k] + (ends[k + 1u] - ends[k]) * linear_share(first, last);
-        // not by the sign of `last`: at a sample that is zero to rounding it may differ from that of the mark
-        note(root(p, zero, ends[k], ends[k + 1u], last > first, guess), crossing);
-    }
-}
-
 // Crossings of the gap function, then turns of both bounds, which its crossings decide on.
 fn note_interval(mark: u32, i: u32, mu: real) {
     let zero = real(0.0);
@@ -208,11 +125,17 @@ fn note_interval(mark: u32, i: u32, mu: real) {
             let away = (value(p, real(1.0)) > zero) == (side == 1u);
             if (mark & single) != 0u && !away && !touches {
                 // the bound turns towards the slider and is not at it: the sample before will do
-                note(zero, false);
+                crosses[n_found] = false;
+                found[n_found] = zero;
+                n_found++;
                 continue;
             }
         }
-        note_roots(p, (mark & pair) != 0u, what == 0u);
+        let before = n_found;
+        find_roots(p, (mark & pair) != 0u);
+        for (var k = before; k < n_found; k++) {
+            crosses[k] = what == 0u;
+        }
     }
 }
 

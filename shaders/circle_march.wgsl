@@ -3,6 +3,17 @@
 // as an overflow and the processor decides.
 
 const MAX_LAPS: u32 = 40u;
+
+// Start of the steady cycle; laps from the anchor whose derivative counts, 0 = that of the cycle.
+struct Cycle {
+    start: vec2<real>,
+    laps: u32,
+}
+
+@group(0) @binding(6) var<storage, read_write> cycles: array<Cycle>;
+
+const CYCLES_PER_STATE: u32 = 1u;
+
 // Radial return, in forces: the slider's place is k_t w.
 struct Step {
     traction: vec2<real>,
@@ -179,7 +190,5 @@ fn circle_march(@builtin(global_invocation_id) id: vec3<u32>) {
     slots[state] = slot;
     moving[slot] = state;
     // the derivative is that of the laps from the anchor, or that of the steady cycle
-    let derivative_laps = select(0u, laps, from_anchor || LAPS > 0u);
-    counts[state] = derivative_laps;
-    points[state] = Point(0u, 0u, real(0.0), start.x, start.y);
+    cycles[state] = Cycle(start, select(0u, laps, from_anchor || LAPS > 0u));
 }

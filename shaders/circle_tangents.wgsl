@@ -23,9 +23,10 @@ fn circle_tangents(@builtin(global_invocation_id) id: vec3<u32>) {
     let one = real(1.0);
     let mu = states[state];
     let margin = real(2.0) * rounding(mu, state);
-    let anchored = counts[state] > 0u;
-    let laps = select(2u, counts[state], anchored);
-    let start = vec2<real>(points[state].stick, points[state].gap);
+    let cycle = cycles[state];
+    let anchored = cycle.laps > 0u;
+    let laps = select(2u, cycle.laps, anchored);
+    let start = cycle.start;
     let unit = select(vec2<real>(zero, zero), vec2<real>(one, zero), c == 0u) + select(vec2<real>(zero, zero), vec2<real>(zero, one), c == 1u);
     var slider = select(start, vec2<real>(states[2u * n + state], states[3u * n + state]), anchored);
     var by = vec2<real>(zero, zero);

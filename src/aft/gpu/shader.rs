@@ -248,10 +248,12 @@ impl Shape {
         text.push_str(include_str!("../../../shaders/transform.wgsl"));
         let parts: &[&str] = match self.march {
             March::Box => &[
+                include_str!("../../../shaders/polynomial.wgsl"),
+                include_str!("../../../shaders/masks.wgsl"),
                 include_str!("../../../shaders/box_march.wgsl"),
-                include_str!("../../../shaders/spectra.wgsl"),
-                include_str!("../../../shaders/forces.wgsl"),
-                include_str!("../../../shaders/tangents.wgsl"),
+                include_str!("../../../shaders/box_spectra.wgsl"),
+                include_str!("../../../shaders/box_forces.wgsl"),
+                include_str!("../../../shaders/box_tangents.wgsl"),
             ],
             March::Circle { .. } => &[
                 include_str!("../../../shaders/circle_march.wgsl"),

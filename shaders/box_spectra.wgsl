@@ -1,43 +1,13 @@
 // Spectra of the stretches of each motion, from antiderivatives at their ends: one thread per state and direction.
 
-struct Turn {
-    cosine: real,
-    sine: real,
-}
+// Per stick with a source: sums of the basis over it; basis at the source and the slider's rate by the gap function.
+// Shape: [MAX_STICKS][2][2][M + 1][state]
+@group(0) @binding(10) var<storage, read_write> sticks: array<real>;
 
-// cos and sin of a part of one step, by their series: the trigonometric functions of the language are too coarse in f32
-// and absent in f64.
-fn part_of_step(share: real) -> Turn {
-    let x = share * STEP;
-    var turn = Turn(real(0.0), real(0.0));
-    var power = real(1.0);
-    for (var t = 0u; t < TERMS; t++) {
-        let term = select(power, -power, t % 4u >= 2u);
-        if t % 2u == 0u {
-            turn.cosine += term;
-        } else {
-            turn.sine += term;
-        }
-        power *= x / real(t + 1u);
-    }
-    return turn;
-}
+const STICKS_PER_STATE: u32 = 4u * MAX_STICKS * (M + 1u);
 
-// e^{ik(phase i + part)} for the part's k-th power.
-fn turned(k: u32, i: u32, part: Turn) -> Turn {
-    let phase = (k * i) % N_TIME;
-    let cosine = circle[phase];
-    let sine = circle[N_TIME + phase];
-    return Turn(cosine * part.cosine - sine * part.sine, sine * part.cosine + cosine * part.sine);
-}
-
-fn times(a: Turn, b: Turn) -> Turn {
-    return Turn(a.cosine * b.cosine - a.sine * b.sine, a.sine * b.cosine + a.cosine * b.sine);
-}
-
-fn add(mask: u32, order: u32, factor: real, cosine: real, sine: real, state: u32) {
-    spectra[spectrum_at(mask, 0u, order, state)] += factor * cosine;
-    spectra[spectrum_at(mask, 1u, order, state)] += factor * sine;
+fn stick_at(d: u32, stick: u32, part: u32, row: u32, state: u32) -> u32 {
+    return ((((stick * 2u + d) * 2u + part) * (M + 1u)) + row) * batch.n_states + state;
 }
 
 // Sums of the basis over a stick, basis at its source, and rate of the slider by the gap function there.
