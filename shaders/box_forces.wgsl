@@ -16,10 +16,7 @@ fn forces(@builtin(global_invocation_id) id: vec3<u32>) {
             sum = -runs[c * n + state].slider;
         }
     } else if c == GAP {
-        sum = -gram(MASK_OPEN, a, 0u, state) * states[n + state];
-        for (var b = 1u; b < M; b++) {
-            sum -= gram(MASK_OPEN, a, b, state) * coefficient(GAP, (b - 1u) / 2u, (b - 1u) % 2u, state);
-        }
+        sum = -open_gap(a, state);
     } else {
         let mu = states[state];
         sum = mu * gram(MASK_SLIP + c, a, 0u, state) * states[n + state] - gram(MASK_SLIDER + c, a, 0u, state);

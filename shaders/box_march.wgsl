@@ -4,6 +4,8 @@
 // (roots of the gap function, turning points of a bound) a bound can push at the end only. Within an interval between
 // samples a signal is its Taylor polynomial, which is exact to rounding.
 
+const SIGNAL_ROWS: u32 = 6u;
+
 const STICK: u32 = 0u;
 const SLIP_UP: u32 = 1u;
 const SLIP_DOWN: u32 = 2u;

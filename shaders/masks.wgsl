@@ -76,3 +76,12 @@ fn turned(k: u32, i: u32, part: Turn) -> Turn {
 fn times(a: Turn, b: Turn) -> Turn {
     return Turn(a.cosine * b.cosine - a.sine * b.sine, a.sine * b.cosine + a.cosine * b.sine);
 }
+
+// Coefficient a of the gap function while the contact is open.
+fn open_gap(a: u32, state: u32) -> real {
+    var sum = gram(MASK_OPEN, a, 0u, state) * states[batch.n_states + state];
+    for (var b = 1u; b < M; b++) {
+        sum += gram(MASK_OPEN, a, b, state) * coefficient(GAP, (b - 1u) / 2u, (b - 1u) % 2u, state);
+    }
+    return sum;
+}

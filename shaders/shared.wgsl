@@ -2,7 +2,8 @@
 //   alias real = f32 or f64
 //   HARMONICS   orders above 0            HIGHEST   highest order         N_TIME  samples per period
 //   TERMS       terms of Taylor series    STEP      2 pi / N_TIME         LAPS    passes over the period
-//   MAX_POINTS, MAX_RUNS, MAX_STICKS      room per direction of a state
+//   MAX_...         rooms of a law for what a state may do over a period
+//   MAX_ITERATIONS  of the loops of one invocation, where they are counted
 //   RESOLUTION  rounding of a share of an interval, and its root
 //   BLOCKS      blocks of a derivative    INTERPOLATED  whether closing is located by linear interpolation
 // All quantities are forces over the scale of their state: the stick signals k_t u of both directions without their
@@ -33,7 +34,7 @@ struct Batch {
 @group(0) @binding(3) var<storage, read> coefficients: array<real>;
 // Friction coefficient, mean of the gap function, anchors of both directions. Shape: [4][state]
 @group(0) @binding(4) var<storage, read> states: array<real>;
-// Signals and their rates per interval at the samples. Shape: [6][N_TIME][state]
+// Signals and their rates per interval at the samples, and what a law keeps there. Shape: [SIGNAL_ROWS][N_TIME][state]
 @group(0) @binding(5) var<storage, read_write> signals: array<real>;
 // Force less that of the stuck contact. Shape: [3][M][state]
 @group(0) @binding(11) var<storage, read_write> deviations: array<real>;
@@ -51,7 +52,7 @@ struct Batch {
 // Elements per state of the arrays; the host reads them here.
 const COEFFICIENTS_PER_STATE: u32 = 6u * HARMONICS;
 const STATES_PER_STATE: u32 = 4u;
-const SIGNALS_PER_STATE: u32 = 6u * N_TIME;
+const SIGNALS_PER_STATE: u32 = SIGNAL_ROWS * N_TIME;
 const DEVIATIONS_PER_STATE: u32 = 3u * M;
 const FLAGS_PER_STATE: u32 = 1u;
 const SLOTS_PER_STATE: u32 = 1u;

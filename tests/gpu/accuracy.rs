@@ -211,6 +211,7 @@ fn compare(
 }
 
 const BOX: (FrictionLaw, Events) = (FrictionLaw::Box, Events::Located);
+const CIRCLE: (FrictionLaw, Events) = (FrictionLaw::Circle, Events::Located);
 
 /// Every value is below the bound of its quantile: median, 99 %, largest.
 fn assert_below(values: &[f64], bounds: [f64; 3], what: &str) {
@@ -304,6 +305,35 @@ fn circle_law_agrees_in_single_precision() {
     }
 }
 
+/// The same for the circle law with located events. Rounding decides where the search of the steady cycle ends, on either
+/// side.
+#[test]
+fn located_circle_law_agrees_in_single_precision() {
+    let test = "located_circle_law_agrees_in_single_precision";
+    let Some(device) = device(test, Precision::F32) else {
+        return;
+    };
+    for (h, n_time) in [(1, 64), (5, 128)] {
+        let found = compare(&device, CIRCLE, (h, n_time), Precision::F32);
+        let [forces, derivatives] = &found.same_precision;
+        assert_below(forces, [3e-7, 1e-6, 2e-4], "forces");
+        assert_below(derivatives, [1e-6, 1e-3, 5e-2], "derivatives");
+        let [forces, derivatives] = &found.exact;
+        assert_below(forces, [3e-7, 5e-5, 2e-4], "forces in single precision");
+        assert_below(
+            derivatives,
+            [1e-6, 5e-4, 5e-3],
+            "derivatives in single precision",
+        );
+        assert!((0.05..0.5).contains(&found.stuck), "{} stick", found.stuck);
+        assert!(
+            found.undecided < STATES / 10,
+            "{} undecided",
+            found.undecided
+        );
+    }
+}
+
 /// In double precision nothing is left between shader and law but the tolerance of root searches.
 /// Seen to fail with: Taylor series cut for single precision.
 #[test]
@@ -311,10 +341,12 @@ fn shader_and_law_agree_in_double_precision() {
     let Some(device) = device("shader_and_law_agree_in_double_precision", Precision::F64) else {
         return;
     };
-    let found = compare(&device, BOX, (3, 64), Precision::F64);
-    let [forces, derivatives] = &found.exact;
-    assert_below(forces, [1e-15, 1e-12, 1e-10], "forces");
-    assert_below(derivatives, [1e-11, 1e-8, 1e-5], "derivatives");
+    for law in [BOX, CIRCLE] {
+        let found = compare(&device, law, (3, 64), Precision::F64);
+        let [forces, derivatives] = &found.exact;
+        assert_below(forces, [1e-15, 1e-12, 1e-10], "forces");
+        assert_below(derivatives, [1e-11, 1e-8, 1e-5], "derivatives");
+    }
 }
 
 /// A state's answer does not depend on the rest of its batch, bit for bit.

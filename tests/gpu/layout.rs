@@ -8,8 +8,9 @@ use microslip::harmonics::HarmonicSet;
 const PRECISIONS: [(Precision, u64); 2] = [(Precision::F32, 4), (Precision::F64, 8)];
 
 /// Blocks of a derivative and passes per law.
-const LAWS: [(FrictionLaw, Events, u64, usize); 3] = [
+const LAWS: [(FrictionLaw, Events, u64, usize); 4] = [
     (FrictionLaw::Box, Events::Located, 5, 5),
+    (FrictionLaw::Circle, Events::Located, 7, 5),
     (FrictionLaw::Circle, Events::Interpolated, 7, 4),
     (FrictionLaw::Circle, Events::Sampled, 7, 4),
 ];

@@ -51,10 +51,12 @@ pub(super) enum March {
     /// Box law with located events.
     Box,
     /// Circle law decided at the samples; whether the instant of closing is interpolated.
-    Circle {
+    SampledCircle {
         /// See above.
         interpolated: bool,
     },
+    /// Circle law with located events.
+    LocatedCircle,
 }
 
 /// A pass over a batch.
@@ -105,11 +107,18 @@ const BOX_PASSES: [Pass; 5] = [
     pass("forces", |shape| 3 * shape.rows(), false),
     pass("tangents_of_moving", Shape::rows, true),
 ];
-const CIRCLE_PASSES: [Pass; 4] = [
+const SAMPLED_CIRCLE_PASSES: [Pass; 4] = [
     pass("transform", |shape| shape.n_time, false),
     pass("circle_march", |_| 1, false),
-    pass("circle_forces", |shape| 3 * shape.rows(), false),
-    pass("circle_tangents", |shape| 3 * shape.rows(), true),
+    pass("circle_sampled_forces", |shape| 3 * shape.rows(), false),
+    pass("circle_sampled_tangents", |shape| 3 * shape.rows(), true),
+];
+const LOCATED_CIRCLE_PASSES: [Pass; 5] = [
+    pass("transform", |shape| shape.n_time, false),
+    pass("gap_roots", |_| 1, false),
+    pass("circle_march", |_| 1, false),
+    pass("circle_located_forces", |shape| 3 * shape.rows(), false),
+    pass("circle_located_tangents", |shape| 3 * shape.rows(), true),
 ];
 
 /// Evaluations of polynomials in the root searches of one event. Seen cut: 13 harmonics at 256 samples, all in motion.
@@ -122,11 +131,14 @@ impl Shape {
         let settings = plan.settings();
         let march = match (settings.law, settings.events) {
             (FrictionLaw::Box, Events::Located) => March::Box,
-            (FrictionLaw::Circle, Events::Interpolated) => March::Circle { interpolated: true },
-            (FrictionLaw::Circle, Events::Sampled) => March::Circle {
+            (FrictionLaw::Circle, Events::Located) => March::LocatedCircle,
+            (FrictionLaw::Circle, Events::Interpolated) => {
+                March::SampledCircle { interpolated: true }
+            }
+            (FrictionLaw::Circle, Events::Sampled) => March::SampledCircle {
                 interpolated: false,
             },
-            _ => return None,
+            (FrictionLaw::Box, Events::Interpolated | Events::Sampled) => return None,
         };
         let whole = |x: usize| u32::try_from(x).ok();
         let shape = Self {
@@ -135,7 +147,7 @@ impl Shape {
             laps: match (settings.laps, march) {
                 (Laps::Fixed(n), _) => whole(n)?,
                 (Laps::Periodic, March::Box) => 2,
-                (Laps::Periodic, March::Circle { .. }) => 0,
+                (Laps::Periodic, _) => 0,
             },
             march,
             precision,
@@ -169,28 +181,45 @@ impl Shape {
         n.max(4)
     }
 
-    /// Room per direction for breakpoints, runs and sticks; the circle law has none.
-    fn rooms(&self) -> [usize; 3] {
+    /// Names and sizes of the rooms for what a state may do over a period; per direction in the box law.
+    fn rooms(&self) -> Vec<(&'static str, usize)> {
         let highest = self.highest() as usize;
         match self.march {
-            March::Box => [24 + 4 * highest, 24 + 2 * highest, 8 + highest / 2],
-            March::Circle { .. } => [1; 3],
+            March::Box => self.box_rooms().into(),
+            March::SampledCircle { .. } => Vec::new(),
+            // a gap function of this order has no more roots, but for one counted twice at a sample
+            March::LocatedCircle => vec![
+                ("MAX_ROOTS", 4 + 2 * highest),
+                ("MAX_EVENTS", 24 + 4 * highest),
+            ],
         }
+    }
+
+    fn box_rooms(&self) -> [(&'static str, usize); 3] {
+        let highest = self.highest() as usize;
+        [
+            ("MAX_POINTS", 24 + 4 * highest),
+            ("MAX_RUNS", 24 + 2 * highest),
+            ("MAX_STICKS", 8 + highest / 2),
+        ]
     }
 
     /// Whether no invocation can need more loop iterations than a software adapter counts, silently. Box law: the march with
     /// all its room for events used, series and root searches at every one of them. Circle law: all laps, and the sums of
-    /// the last one.
+    /// the last one; with located events the shader counts what it spends, and leaves what would be too much undecided.
     #[must_use]
     pub fn suits_software(&self) -> bool {
-        let [points, runs, _] = self.rooms();
         let (n_time, m) = (self.n_time as usize, self.n_coefficients());
         let iterations = match self.march {
             March::Box => {
+                let [(_, points), (_, runs), _] = self.box_rooms();
                 let event = self.terms() * (2 * self.orders.len() + ROOT_LOOPS);
                 3 * n_time + (points + runs) * event + self.laps as usize * points
             }
-            March::Circle { .. } => n_time * (MOST_CIRCLE_LAPS.max(self.laps as usize) + m + 2),
+            March::SampledCircle { .. } => {
+                n_time * (MOST_CIRCLE_LAPS.max(self.laps as usize) + m + 2)
+            }
+            March::LocatedCircle => n_time * (MOST_CIRCLE_LAPS + m + 2),
         };
         iterations <= MOST_ITERATIONS
     }
@@ -199,7 +228,7 @@ impl Shape {
     pub(super) fn blocks(&self) -> &'static [Block] {
         match self.march {
             March::Box => &[Block::T1T1, Block::T2T2, Block::T1N, Block::T2N, Block::NN],
-            March::Circle { .. } => &Block::ALL,
+            March::SampledCircle { .. } | March::LocatedCircle => &Block::ALL,
         }
     }
 
@@ -207,14 +236,14 @@ impl Shape {
     pub(super) fn passes(&self) -> &'static [Pass] {
         match self.march {
             March::Box => &BOX_PASSES,
-            March::Circle { .. } => &CIRCLE_PASSES,
+            March::SampledCircle { .. } => &SAMPLED_CIRCLE_PASSES,
+            March::LocatedCircle => &LOCATED_CIRCLE_PASSES,
         }
     }
 
     /// The whole shader text.
     #[must_use]
     pub fn text(&self) -> String {
-        let [points, runs, sticks] = self.rooms();
         let mut text = format!("alias real = {};\n", self.precision.name());
         let whole = [
             ("HARMONICS", self.orders.len()),
@@ -223,11 +252,9 @@ impl Shape {
             ("TERMS", self.terms()),
             ("LAPS", self.laps as usize),
             ("BLOCKS", self.blocks().len()),
-            ("MAX_POINTS", points),
-            ("MAX_RUNS", runs),
-            ("MAX_STICKS", sticks),
+            ("MAX_ITERATIONS", MOST_ITERATIONS),
         ];
-        for (name, value) in whole {
+        for (name, value) in whole.into_iter().chain(self.rooms()) {
             // writing to a string cannot fail
             let _ = writeln!(text, "const {name}: u32 = {value}u;");
         }
@@ -242,7 +269,7 @@ impl Shape {
         ] {
             let _ = writeln!(text, "const {name}: real = {value:e};");
         }
-        let interpolated = self.march == March::Circle { interpolated: true };
+        let interpolated = self.march == March::SampledCircle { interpolated: true };
         let _ = writeln!(text, "const INTERPOLATED: bool = {interpolated};");
         text.push_str(include_str!("../../../shaders/shared.wgsl"));
         text.push_str(include_str!("../../../shaders/transform.wgsl"));
@@ -255,10 +282,20 @@ impl Shape {
                 include_str!("../../../shaders/box_forces.wgsl"),
                 include_str!("../../../shaders/box_tangents.wgsl"),
             ],
-            March::Circle { .. } => &[
-                include_str!("../../../shaders/circle_march.wgsl"),
-                include_str!("../../../shaders/circle_forces.wgsl"),
-                include_str!("../../../shaders/circle_tangents.wgsl"),
+            March::SampledCircle { .. } => &[
+                include_str!("../../../shaders/circle.wgsl"),
+                include_str!("../../../shaders/circle_sampled_lap.wgsl"),
+                include_str!("../../../shaders/circle_sampled_forces.wgsl"),
+                include_str!("../../../shaders/circle_sampled_tangents.wgsl"),
+            ],
+            March::LocatedCircle => &[
+                include_str!("../../../shaders/polynomial.wgsl"),
+                include_str!("../../../shaders/masks.wgsl"),
+                include_str!("../../../shaders/circle.wgsl"),
+                include_str!("../../../shaders/circle_slip.wgsl"),
+                include_str!("../../../shaders/circle_located_lap.wgsl"),
+                include_str!("../../../shaders/circle_located_forces.wgsl"),
+                include_str!("../../../shaders/circle_located_tangents.wgsl"),
             ],
         };
         parts.iter().for_each(|part| text.push_str(part));

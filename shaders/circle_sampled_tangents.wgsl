@@ -1,14 +1,8 @@
 // Derivatives of the circle law, the twin of aft/circle_tangent.rs: one thread per state that moves and column. The
 // slider carries its derivative by one coefficient of one signal around the laps.
 
-// Direction of the rows and signal of the columns to the block: T1T1, T1T2, T2T1, T2T2, T1N, T2N.
-fn block_of(d: u32, c: u32) -> u32 {
-    return select(2u * d + c, 4u + d, c == GAP);
-}
-
 @compute @workgroup_size(GROUP)
-fn circle_tangents(@builtin(global_invocation_id) id: vec3<u32>) {
-    let n = batch.n_states;
+fn circle_sampled_tangents(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = id.x;
     let c = id.y / M;
     let b = id.y % M;
@@ -21,14 +15,14 @@ fn circle_tangents(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let zero = real(0.0);
     let one = real(1.0);
-    let mu = states[state];
-    let margin = real(2.0) * rounding(mu, state);
+    set_state(state);
+    let margin = tolerance + tolerance;
     let cycle = cycles[state];
     let anchored = cycle.laps > 0u;
     let laps = select(2u, cycle.laps, anchored);
     let start = cycle.start;
     let unit = select(vec2<real>(zero, zero), vec2<real>(one, zero), c == 0u) + select(vec2<real>(zero, zero), vec2<real>(zero, one), c == 1u);
-    var slider = select(start, vec2<real>(states[2u * n + state], states[3u * n + state]), anchored);
+    var slider = select(start, anchor_of(state), anchored);
     var by = vec2<real>(zero, zero);
     var monodromy = vec4<real>(one, zero, zero, one);
     var sums = array<vec2<real>, M>();
@@ -61,7 +55,7 @@ fn circle_tangents(@builtin(global_invocation_id) id: vec3<u32>) {
                 monodromy = vec4<real>(zero, zero, zero, zero);
             } else if step.touches {
                 slider = step.slider;
-                let normal = vec2<real>(-step.direction.y, step.direction.x);
+                let normal = normal_to(step.direction);
                 let trial = here * unit - by;
                 rate = (step.ratio * (normal.x * trial.x + normal.y * trial.y)) * normal;
                 if c == GAP {
