@@ -25,6 +25,7 @@ use std::time::Instant;
 
 const HARMONICS: [usize; 4] = [1, 3, 5, 7];
 const POINTS: [usize; 3] = [64, 128, 256];
+const LAWS: [FrictionLaw; 2] = [FrictionLaw::Box, FrictionLaw::Circle];
 /// Runs of which the fastest counts.
 const RUNS: usize = 5;
 
@@ -57,7 +58,9 @@ fn main() {
     }
     drop(device);
     if asked("study") {
-        studies(adapter, samples);
+        for law in LAWS {
+            studies(law, adapter.clone(), samples);
+        }
     }
 }
 
@@ -71,13 +74,17 @@ fn kernels(device: &Device) {
         peak.flops / 1e9,
         peak.bytes / 1e9
     );
-    rates(device, states, &peak);
-    batch_sizes(device, states);
+    for law in LAWS {
+        rates(device, law, states, &peak);
+        batch_sizes(device, law, states);
+    }
 }
 
 /// Node-states per second, without and with derivatives.
-fn rates(device: &Device, states: usize, peak: &Peak) {
-    println!("\nthousand node-states per second, {states} states, f32; processor: one core, f64");
+fn rates(device: &Device, law: FrictionLaw, states: usize, peak: &Peak) {
+    println!(
+        "\n{law:?} law: thousand node-states per second, {states} states, f32; processor: one core, f64"
+    );
     println!(
         "{:>2} {:>4} {:>10} {:>10} {:>10} {:>10} {:>9} {:>10}",
         "H", "Nt", "forces", "tangents", "with copy", "roofline", "cpu F", "cpu F+J"
@@ -85,12 +92,13 @@ fn rates(device: &Device, states: usize, peak: &Peak) {
     for h in HARMONICS {
         for n_time in POINTS {
             let set = HarmonicSet::up_to(h);
-            let case = Case::new(device, &set, n_time, states);
+            let case = Case::new(device, (law, &set, n_time), states);
             let (forces, _) = case.seconds(device, Want::Forces);
             let (tangents, wall) = case.seconds(device, Want::ForcesAndTangents);
             let least = case.least_seconds(peak);
             let few = batch(&set, 512);
-            let cpu = |want| 512.0 / processor_seconds(&set, n_time, &few, want) / 1e3;
+            let on_core = plan(law, &set, n_time);
+            let cpu = |want| 512.0 / processor_seconds(&on_core, &few, want) / 1e3;
             let rate = |seconds: f64| states as f64 / seconds / 1e3;
             println!(
                 "{h:>2} {n_time:>4} {:>10.0} {:>10.0} {:>10.0} {:>9.1}% {:>9.0} {:>10.0}",
@@ -106,14 +114,14 @@ fn rates(device: &Device, states: usize, peak: &Peak) {
 }
 
 /// Rate over the number of states in a batch.
-fn batch_sizes(device: &Device, most: usize) {
+fn batch_sizes(device: &Device, law: FrictionLaw, most: usize) {
     println!(
         "\nH = 5, Nt = 128, forces and tangents: states in a batch, thousand per second on the device, with copies"
     );
     let set = HarmonicSet::up_to(5);
     let mut states = 16;
     while states <= most {
-        let case = Case::new(device, &set, 128, states);
+        let case = Case::new(device, (law, &set, 128), states);
         let (on_device, wall) = case.seconds(device, Want::ForcesAndTangents);
         let rate = |seconds: f64| states as f64 / seconds / 1e3;
         println!("{states:>7} {:>9.1} {:>9.1}", rate(on_device), rate(wall));
@@ -122,9 +130,9 @@ fn batch_sizes(device: &Device, most: usize) {
 }
 
 /// Samples per second of the default study on both backends, and how far their answers are apart.
-fn studies(adapter: Option<String>, samples: u64) {
-    println!("\ndefault study, {samples} samples: samples per second");
-    let (processor, expected) = study(BackendSettings::default(), samples);
+fn studies(law: FrictionLaw, adapter: Option<String>, samples: u64) {
+    println!("\ndefault study, {law:?} law, {samples} samples: samples per second");
+    let (processor, expected) = study(law, BackendSettings::default(), samples);
     println!("processor {:.2}", samples as f64 / processor);
     let gpu = GpuSettings {
         adapter,
@@ -134,7 +142,7 @@ fn studies(adapter: Option<String>, samples: u64) {
         choice: BackendChoice::Gpu,
         gpu,
     };
-    let (seconds, found) = study(backend, samples);
+    let (seconds, found) = study(law, backend, samples);
     println!(
         "gpu       {:.2}, {:.2} times the processor's",
         samples as f64 / seconds,
@@ -163,11 +171,12 @@ fn compare(found: &[SampleOutcome], expected: &[SampleOutcome]) {
     );
 }
 
-fn study(backend: BackendSettings, samples: u64) -> (f64, Vec<SampleOutcome>) {
-    let study =
+fn study(law: FrictionLaw, backend: BackendSettings, samples: u64) -> (f64, Vec<SampleOutcome>) {
+    let mut study =
         Study::read("studies/two-blade-strip/study.toml".as_ref()).expect("the default study");
+    study.solver.aft.law = law;
     let prepared = study.prepared().expect("the default model");
-    let backend = OpenBackend::open(&backend, study.solver.newton.tolerance);
+    let backend = OpenBackend::open(&backend, &study.solver);
     let ensemble = Ensemble {
         curve_samples: 0,
         ..prepared.ensemble(backend.backend())
@@ -194,14 +203,19 @@ struct Case {
     states: ScaledStates,
     kernels: Kernels,
     buffers: Buffers,
+    law: FrictionLaw,
     h: usize,
     n_time: usize,
 }
 
 impl Case {
-    fn new(device: &Device, set: &HarmonicSet, n_time: usize, n_states: usize) -> Self {
-        let plan = plan(set, n_time);
-        let shape = Shape::of(&plan, Precision::F32).expect("the box law has a shader");
+    fn new(
+        device: &Device,
+        (law, set, n_time): (FrictionLaw, &HarmonicSet, usize),
+        n_states: usize,
+    ) -> Self {
+        let plan = plan(law, set, n_time);
+        let shape = Shape::of(&plan, Precision::F32).expect("both laws have a shader");
         let kernels = Kernels::new(device, shape).expect("it compiles");
         let buffers = kernels.buffers(device, n_states).expect("memory");
         let states = ScaledStates::new(&batch(set, n_states)).expect("finite");
@@ -209,6 +223,7 @@ impl Case {
             states,
             kernels,
             buffers,
+            law,
             h: set.highest(),
             n_time,
         }
@@ -234,22 +249,28 @@ impl Case {
     fn least_seconds(&self, peak: &Peak) -> f64 {
         let (h, n_time) = (self.h as f64, self.n_time as f64);
         let m = 2.0 * h + 1.0;
-        // both signals and rates at the samples, the scan of the march, rows of forces and of derivatives
+        // signals and rates at the samples; box law: the scan of the march, rows of forces and of derivatives; circle law:
+        // two laps of the march, and two of every column, the last one with its sums
         let transform = n_time * h * 3.0 * 10.0;
-        let march = n_time * 2.0 * 30.0;
-        let rows = 5.0 * m * m * 8.0 + 2.0 * m * m * 8.0;
-        // signals written once and read by both directions, tangents written
-        let bytes = 4.0 * (6.0 * n_time + 2.0 * 4.0 * n_time + 5.0 * m * m + 12.0 * m);
+        let (rest, rows, blocks) = match self.law {
+            FrictionLaw::Box => (n_time * 2.0 * 30.0 + 7.0 * m * m * 8.0, 14.0, 5.0),
+            FrictionLaw::Circle => {
+                let columns = 3.0 * m * n_time * (2.0 * 30.0 + 4.0 * m);
+                (n_time * 2.0 * 30.0 + columns, 22.0, 7.0)
+            }
+        };
+        // signals written once and read by every direction or lap of the march, tangents written
+        let bytes = 4.0 * (rows * n_time + blocks * m * m + 12.0 * m);
         let n = self.states.n_states as f64;
-        let flops = n * (transform + march + rows);
+        let flops = n * (transform + rest);
         (flops / peak.flops).max(n * bytes / peak.bytes)
     }
 }
 
-fn plan(set: &HarmonicSet, n_time: usize) -> AftPlan<f64> {
+fn plan(law: FrictionLaw, set: &HarmonicSet, n_time: usize) -> AftPlan<f64> {
     let settings = AftSettings {
         n_time,
-        law: FrictionLaw::Box,
+        law,
         events: Events::Located,
         laps: Laps::Periodic,
     };
@@ -257,13 +278,12 @@ fn plan(set: &HarmonicSet, n_time: usize) -> AftPlan<f64> {
 }
 
 /// One core.
-fn processor_seconds(set: &HarmonicSet, n_time: usize, batch: &AftBatch<f64>, want: Want) -> f64 {
-    let plan = plan(set, n_time);
+fn processor_seconds(plan: &AftPlan<f64>, batch: &AftBatch<f64>, want: Want) -> f64 {
     let mut out = AftForces::default();
     let mut best = f64::INFINITY;
     for _ in 0..RUNS {
         let clock = Instant::now();
-        evaluate(&plan, batch, want, &mut out);
+        evaluate(plan, batch, want, &mut out);
         best = best.min(clock.elapsed().as_secs_f64());
     }
     best

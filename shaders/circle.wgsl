@@ -4,9 +4,11 @@
 
 const MAX_LAPS: u32 = 40u;
 
-// Start of the steady cycle; laps from the anchor whose derivative counts, 0 = that of the cycle.
+// Start of the steady cycle; traction that counts as rounding; laps from the anchor whose derivative counts, 0 = that of
+// the cycle.
 struct Cycle {
     start: vec2<real>,
+    tolerance: real,
     laps: u32,
 }
 
@@ -67,6 +69,14 @@ fn set_state(state: u32) {
         largest = max(largest, vec3<real>(abs(s.x), abs(s.y), sample_of(GAP, i, state)));
     }
     tolerance = real(128.0) * RESOLUTION * (largest.x + largest.y + mu * largest.z);
+}
+
+// The steady cycle that the march found.
+fn take_cycle(state: u32) -> Cycle {
+    let cycle = cycles[state];
+    mu = states[state];
+    tolerance = cycle.tolerance;
+    return cycle;
 }
 
 fn anchor_of(state: u32) -> vec2<real> {
@@ -151,5 +161,5 @@ fn circle_march(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = atomicAdd(&n_moving, 1u);
     slots[state] = slot;
     moving[slot] = state;
-    cycles[state] = Cycle(start, select(0u, laps, from_anchor || LAPS > 0u));
+    cycles[state] = Cycle(start, tolerance, select(0u, laps, from_anchor || LAPS > 0u));
 }

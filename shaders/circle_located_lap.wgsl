@@ -1,10 +1,12 @@
 // Lap of the circle law with located events, the twin of aft/course.rs and aft/lap.rs, where the formulas are explained:
 // with the derivatives by the start tractions and by one coefficient of one signal. Time counts in intervals between
-// samples. A lap of the tangents walks the events that the march found.
+// samples.
 
 // Row of `signals` with the tractions.
 const TRACTION: u32 = 6u;
-const SIGNAL_ROWS: u32 = 8u;
+// First row with the derivatives of the steps of slip.
+const STEPS: u32 = 8u;
+const SIGNAL_ROWS: u32 = 14u;
 const MASKS: u32 = 1u;
 
 // A root of the gap function or an event of the slider, and the jump of the slope of the tractions there.
@@ -58,8 +60,7 @@ const NO_SIGNAL: u32 = 3u;
 var<private> column_signal: u32 = NO_SIGNAL;
 var<private> column: u32;
 
-// Whether events are looked for, whether they and the tractions are stored, whether derivatives of forces are summed up.
-var<private> searches: bool;
+// Whether events and tractions are stored, whether derivatives of forces are summed up.
 var<private> stores: bool;
 var<private> sums_up: bool;
 var<private> sums: array<vec2<real>, M>;
@@ -82,7 +83,6 @@ var<private> overflows: bool;
 var<private> slip_from: vec2<real>;
 var<private> way: real;
 var<private> n_events: u32;
-var<private> next_event: u32;
 // Loop iterations so far: a widespread software adapter ends loops silently after 65 535.
 var<private> spent: u32;
 
@@ -148,14 +148,19 @@ fn sample_node(i: u32, state: u32) -> Node {
     node.limit = mu * max(sample_of(GAP, at, state), real(0.0));
     node.limit_rate = mu * sampled_rate(GAP, at, state);
     if column_signal != NO_SIGNAL {
-        node.wave = vec2<real>(basis(column, at), real(0.0));
-        if column > 0u {
-            // the derivative of a cosine is minus the sine, that of a sine the cosine
-            let other = basis(select(column + 1u, column - 1u, column % 2u == 0u), at);
-            node.wave.y = real(order_of(column)) * STEP * select(-other, other, column % 2u == 0u);
-        }
+        node.wave = wave_of_sample(i);
     }
     return node;
+}
+
+fn wave_of_sample(i: u32) -> vec2<real> {
+    if column == 0u {
+        return vec2<real>(real(1.0), real(0.0));
+    }
+    // the derivative of a cosine is minus the sine, that of a sine the cosine
+    let sine = column % 2u == 0u;
+    let other = basis(select(column + 1u, column - 1u, sine), i);
+    return vec2<real>(basis(column, i), real(order_of(column)) * STEP * select(-other, other, sine));
 }
 
 fn enter(interval: u32, state: u32) {
@@ -296,18 +301,6 @@ struct Found {
 
 const NOTHING: Found = Found(real(0.0), false);
 
-// The next event of the march, if it comes before `next`.
-fn known_event(next: Node, state: u32) -> Found {
-    if next_event == n_events {
-        return NOTHING;
-    }
-    let event = events[event_at(next_event, state)];
-    if event.interval > next.interval || (event.interval == next.interval && event.share > next.share) {
-        return NOTHING;
-    }
-    return Found(event.share, true);
-}
-
 // Where the values and rates at both ends let a function pass zero, as a share.
 fn crossing_share(value: vec2<real>, rate: vec2<real>) -> real {
     let line = linear_share(value.x, value.y);
@@ -326,25 +319,44 @@ fn turn_share(rise: real, rate: vec2<real>) -> real {
     return two * sign * rate.x / (slope + sqrt(slope * slope - two * two * curvature * rate.x));
 }
 
-// Where the slider, which rests from `here` on, begins to slip before `next`.
-fn slip_start(here: Node, next: Node, state: u32) -> Found {
-    if !searches {
-        return known_event(next, state);
+// What is searched for: where the traction of a stick is largest over its limit and where it passes that, the end of slip.
+const TOP: u32 = 0u;
+const START: u32 = 1u;
+const END: u32 = 2u;
+
+// The function whose zero that is, with its slope and curvature.
+fn searched_function(what: u32, here: Node, share: real) -> vec3<real> {
+    let node = trial_node(share);
+    if what == END {
+        let step = step_between(here, node);
+        let e = after_step(half, slip_map(step)).e;
+        let turning = turning_of(node, angle_rates(step, half));
+        return vec3<real>(sliding(node, e), sliding_rate(node, e, turning), real(0.0));
     }
+    let f = excess(node);
+    return select(f, vec3<real>(f.y, f.z, real(0.0)), what == TOP);
+}
+
+// Where the slider, which rests from `here` on, begins to slip before `next`, or where its slip ends, whose direction
+// would be `after` there.
+fn event_between(here: Node, next: Node, after: HalfAngle, state: u32) -> Found {
     let zero = real(0.0);
     let one = real(1.0);
-    let end = excess(next);
-    let start = excess(here);
-    let least = tolerance * (next.limit + next.limit + tolerance);
-    if end.x <= least && (end.y >= zero || start.y <= zero) {
-        return NOTHING;
-    }
-    enter(here.interval, state);
     let width = share_of(next, here) - here.share;
+    let start = excess(here);
+    let end = excess(next);
+    let least = tolerance * (next.limit + next.limit + tolerance);
     let rates = width * vec2<real>(start.y, end.y);
-    var high = here.share + width;
+    var what = START;
     var guess = zero;
-    if end.x > least {
+    if slips {
+        what = END;
+        let last = sliding(next, after.e);
+        if last > zero {
+            return NOTHING;
+        }
+        guess = linear_share(sliding(here, half.e), last);
+    } else if end.x > least {
         let held = tolerance * (here.limit + here.limit + tolerance);
         if here.event && start.z < zero {
             // slip ended at `here`, or the contact closed: a double zero, and a cubic beyond it
@@ -356,78 +368,62 @@ fn slip_start(here: Node, next: Node, state: u32) -> Found {
         } else {
             guess = crossing_share(vec2<real>(start.x, end.x), rates);
         }
-    } else {
+    } else if end.y < zero && start.y > zero {
         // inside at both ends, and perhaps not between them
-        let share = turn_share(end.x - start.x, rates);
-        let rest = one - share;
-        let top = rest * rest * (one + share + share) * start.x + share * share * (one + rest + rest) * end.x
-            + share * rest * (rest * rates.x - share * rates.y);
+        what = TOP;
+        guess = turn_share(end.x - start.x, rates);
+        let rest = one - guess;
+        let top = rest * rest * (one + guess + guess) * start.x + guess * guess * (one + rest + rest) * end.x
+            + guess * rest * (rest * rates.x - guess * rates.y);
         if top <= zero {
             return NOTHING;
         }
-        var search = search_between(here.share, high, here.share + width * share);
-        for (var step = 0u; step < MAX_STEPS && !search.done; step++) {
-            let slope = excess(trial_node(search.x));
-            search = searched(search, vec3<real>(slope.y, slope.z, zero), false, ROOT_OF_RESOLUTION);
-        }
-        high = search.x;
-        let highest = excess(trial_node(high)).x;
-        if highest <= least {
-            return NOTHING;
-        }
-        guess = share * linear_share(start.x, highest);
-    }
-    var search = search_between(here.share, high, here.share + width * guess);
-    for (var step = 0u; step < MAX_STEPS && !search.done; step++) {
-        search = searched(search, excess(trial_node(search.x)), true, RESOLUTION / STEP);
-    }
-    return Found(search.x, true);
-}
-
-// Where slip from `here` ends before `next`, where its direction would be `after`.
-fn slip_end(here: Node, next: Node, after: HalfAngle, state: u32) -> Found {
-    if !searches {
-        return known_event(next, state);
-    }
-    if sliding(next, after.e) > real(0.0) {
+    } else {
         return NOTHING;
     }
     enter(here.interval, state);
-    let width = share_of(next, here) - here.share;
-    let guess = here.share + width * linear_share(sliding(here, half.e), sliding(next, after.e));
-    var search = search_between(here.share, here.share + width, guess);
-    for (var k = 0u; k < MAX_STEPS && !search.done; k++) {
-        let node = trial_node(search.x);
-        let step = step_between(here, node);
-        let e = after_step(half, slip_map(step)).e;
-        let turning = turning_of(node, angle_rates(step, half));
-        let f = vec3<real>(sliding(node, e), sliding_rate(node, e, turning), real(0.0));
-        search = searched(search, f, false, RESOLUTION / STEP);
+    var high = here.share + width;
+    while true {
+        var search = search_between(here.share, high, here.share + width * guess);
+        let accepted = select(RESOLUTION / STEP, ROOT_OF_RESOLUTION, what == TOP);
+        for (var k = 0u; k < MAX_STEPS && !search.done; k++) {
+            search = searched(search, searched_function(what, here, search.x), what == START, accepted);
+        }
+        if what != TOP {
+            return Found(search.x, true);
+        }
+        let highest = excess(trial_node(search.x)).x;
+        if highest <= least {
+            return NOTHING;
+        }
+        what = START;
+        high = search.x;
+        guess *= linear_share(start.x, highest);
     }
-    return Found(search.x, true);
+    return NOTHING;
 }
 
-// An event of the slider at `node`; its jump is stored by `kink`.
-fn pass_event(node: Node, state: u32) {
-    if searches {
-        if n_events == MAX_EVENTS {
-            overflows = true;
-            return;
-        }
-        if stores {
-            events[event_at(n_events, state)] = Event(node.interval, node.share, ZERO);
-        }
-        n_events++;
+// An event of the slider at `node`, found just now.
+fn add_event(node: Node, state: u32) {
+    if n_events == MAX_EVENTS {
+        overflows = true;
+        return;
     }
-    next_event++;
+    if stores {
+        events[event_at(n_events, state)] = Event(node.interval, node.share, ZERO);
+    }
+    n_events++;
 }
 
 // Derivatives of the tractions at sample i, less those of the stuck contact where it `moves`.
 fn add_sample(i: u32, rate: vec2<real>) {
     if sums_up {
-        spend(M);
-        for (var a = 0u; a < M; a++) {
-            sums[a] += basis(a, i) * rate;
+        spend(HARMONICS);
+        sums[0] += rate;
+        for (var h = 0u; h < HARMONICS; h++) {
+            let phase = (orders[h] * i) % N_TIME;
+            sums[2u * h + 1u] += circle[phase] * rate;
+            sums[2u * h + 2u] += circle[N_TIME + phase] * rate;
         }
     }
 }
@@ -571,9 +567,9 @@ fn slide(here: Node, next: Node, after: HalfAngle, step: SlipStep, map: vec4<rea
     return turning_of(next, by);
 }
 
-// Slip ends at `node` with the direction `after`; `turning` is the rate of its angle.
-fn end_slip(node: Node, after: HalfAngle, turning: real) {
-    let e = after.e;
+// Slip ends at `node`; `turning` is the rate of its angle.
+fn end_slip(node: Node, turning: real) {
+    let e = half.e;
     let fall = sliding_rate(node, e, turning);
     var factor = real(0.0);
     if fall < real(0.0) {
@@ -581,7 +577,6 @@ fn end_slip(node: Node, after: HalfAngle, turning: real) {
     }
     instant = factor * sliding_row(node, e);
     angle += turning * instant;
-    half = after;
     slips = false;
     stop_slider(node);
     note_way(slider);
@@ -659,48 +654,58 @@ fn contact(from_node: Node, k: u32, n_roots: u32, state: u32) {
         if inside {
             next = sample_node(i, state);
         }
-        if !slips {
-            let start = slip_start(here, next, state);
-            if start.here {
-                here = event_node(here.interval, start.share, state);
-                pass_event(here, state);
-                start_slip(here, state);
-                continue;
-            }
-            if !inside && stores {
-                // it opens without slip, to rounding: no kink
-                roots[event_at(k, state)].jump = ZERO;
-            }
-        } else {
-            var step = step_between(here, next);
-            var map = slip_map(step);
-            var after = after_step(half, map);
-            if inside {
-                let found = slip_end(here, next, after, state);
-                if found.here {
-                    let stop = event_node(here.interval, found.share, state);
-                    pass_event(stop, state);
-                    step = step_between(here, stop);
-                    map = slip_map(step);
-                    after = after_step(half, map);
-                    let turning = slide(here, stop, after, step, map);
-                    end_slip(stop, after, turning);
-                    here = stop;
-                    continue;
-                }
-            }
-            let turning = slide(here, next, after, step, map);
-            half = after;
-            if !inside {
-                open_contact(k, next, turning, state);
-            }
+        var step = step_between(here, next);
+        var map = slip_map(step);
+        var after = after_step(half, map);
+        var found = NOTHING;
+        if inside || !slips {
+            found = event_between(here, next, after, state);
         }
-        if !inside || i == N_TIME {
+        if found.here {
+            next = event_node(here.interval, found.share, state);
+            add_event(next, state);
+            step = step_between(here, next);
+            map = slip_map(step);
+            after = after_step(half, map);
+        }
+        var turning = real(0.0);
+        if slips {
+            turning = slide(here, next, after, step, map);
+            half = after;
+        }
+        if found.here {
+            pass_event(next, turning, state);
+            here = next;
+            continue;
+        }
+        if !inside {
+            pass_end(k, next, turning, state);
+            return;
+        }
+        if i == N_TIME {
             return;
         }
         keep(i, next, state);
         here = next;
         i++;
+    }
+}
+
+// An event of the slider; `turning` is the rate of the direction that slips until then.
+fn pass_event(node: Node, turning: real, state: u32) {
+    if slips {
+        end_slip(node, turning);
+    } else {
+        start_slip(node, state);
+    }
+}
+
+// The contact opens at root k. Without slip, to rounding, there is no kink.
+fn pass_end(k: u32, node: Node, turning: real, state: u32) {
+    if slips {
+        open_contact(k, node, turning, state);
+    } else if stores {
+        roots[event_at(k, state)].jump = ZERO;
     }
 }
 
@@ -723,17 +728,44 @@ fn sample_from(k: u32, n_roots: u32, state: u32) -> u32 {
     return root.interval + select(1u, 0u, root.share == real(0.0));
 }
 
-// Walks one lap from `slider` with its rows to the end.
-fn walk(state: u32) {
-    let n_roots = counts[state];
-    n_events = select(counts[batch.n_states + state], 0u, searches);
-    next_event = 0u;
+fn start_lap(start: vec2<real>) {
+    slider = start;
+    slider_rows[0] = Row(real(1.0), real(0.0), real(0.0));
+    slider_rows[1] = Row(real(0.0), real(1.0), real(0.0));
+}
+
+// Begins a lap from `slider` and its rows; returns whether the contact is open then.
+fn begin_lap(state: u32) -> bool {
+    n_events = 0u;
     moves = false;
-    spend(2u * N_TIME);
     slips = false;
     way = real(0.0);
+    spend(2u * N_TIME);
+    return sample_of(GAP, 0u, state) <= real(0.0);
+}
+
+// The slider and its rows at the end of a lap.
+fn end_lap(open: bool, state: u32) {
+    let last = sample_node(N_TIME, state);
+    if open {
+        slider = last.path;
+        slider_rows[0] = mixed(last, of_path(0u));
+        slider_rows[1] = mixed(last, of_path(1u));
+    } else if slips {
+        instant = NO_ROW;
+        stop_slider(last);
+        note_way(slider);
+    }
+}
+
+// Walks one lap.
+fn walk(state: u32) {
+    let n_roots = counts[state];
+    var open = begin_lap(state);
     var here = sample_node(0u, state);
-    var open = sample_of(GAP, 0u, state) <= real(0.0);
+    if !open {
+        resume(here, state);
+    }
     var first_sample = 0u;
     for (var k = 0u; k <= n_roots && !overflows; k++) {
         let end = sample_from(k, n_roots, state);
@@ -744,37 +776,21 @@ fn walk(state: u32) {
                 here = close(k, state);
             }
         } else {
-            if k == 0u {
-                resume(here, state);
-            }
             contact(here, k, n_roots, state);
         }
         first_sample = end;
         open = !open;
     }
-    let last = sample_node(N_TIME, state);
-    if !open {
-        // open at the end
-        slider = last.path;
-        for (var d = 0u; d < 2u; d++) {
-            slider_rows[d] = mixed(last, of_path(d));
-        }
-    } else if slips {
-        instant = NO_ROW;
-        stop_slider(last);
-        note_way(slider);
-    }
-    if searches && stores {
+    // it was flipped after the last stretch
+    end_lap(!open, state);
+    if stores {
         counts[batch.n_states + state] = n_events;
     }
 }
 
 fn lap_from(start: vec2<real>, first: bool, state: u32) -> Lap {
-    searches = true;
     stores = true;
-    slider = start;
-    slider_rows[0] = Row(real(1.0), real(0.0), real(0.0));
-    slider_rows[1] = Row(real(0.0), real(1.0), real(0.0));
+    start_lap(start);
     walk(state);
     let monodromy = vec4<real>(slider_rows[0].xy, slider_rows[1].xy);
     // without friction the slider is where the surface is, always

@@ -15,9 +15,8 @@ fn circle_sampled_tangents(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let zero = real(0.0);
     let one = real(1.0);
-    set_state(state);
+    let cycle = take_cycle(state);
     let margin = tolerance + tolerance;
-    let cycle = cycles[state];
     let anchored = cycle.laps > 0u;
     let laps = select(2u, cycle.laps, anchored);
     let start = cycle.start;

@@ -5,6 +5,7 @@ use super::{Ensemble, Solved};
 use crate::aft::Backend;
 pub use crate::aft::gpu::GpuReport;
 use crate::aft::gpu::{Gpu, GpuSettings};
+use crate::hb::HbSettings;
 use crate::hb::newton::DRAFT_RESIDUAL;
 
 /// Samples in flight per thread of the processor: two batches of half of them keep the device busy.
@@ -82,9 +83,10 @@ pub struct OpenBackend {
 }
 
 impl OpenBackend {
-    /// Opens what was asked for; `tolerance` is that of Newton's method.
+    /// Opens what was asked for, to solve with `solver`.
     #[must_use]
-    pub fn open(settings: &BackendSettings, tolerance: f64) -> Self {
+    pub fn open(settings: &BackendSettings, solver: &HbSettings) -> Self {
+        let tolerance = solver.newton.tolerance;
         let turns = rayon::current_num_threads();
         let mut open = Self {
             gpu: None,
@@ -102,6 +104,8 @@ impl OpenBackend {
         }
         let gpu = GpuSettings {
             turns,
+            law: solver.aft.law,
+            events: solver.aft.events,
             ..settings.gpu.clone()
         };
         match Gpu::open(gpu) {

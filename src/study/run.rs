@@ -70,7 +70,7 @@ pub(super) fn run_after(
     progress: impl Fn(Progress) + Sync,
 ) -> Result<RunResult, Error> {
     let clock = Instant::now();
-    let backend = OpenBackend::open(backend, study.solver.newton.tolerance);
+    let backend = OpenBackend::open(backend, &study.solver);
     let prepared = study.prepared()?;
     let (linear, band) = (&prepared.linear, prepared.band());
     let nominal = Problem::new(linear, prepared.contacts.clone(), 1.0, study.solver.anchor)?;

@@ -4,8 +4,11 @@ use crate::device;
 use crate::states::{located, random};
 use microslip::aft::gpu::{Fault, Gpu, GpuError, GpuSettings, Precision};
 use microslip::aft::{AftForces, Want, evaluate};
+use microslip::contact::{Events, FrictionLaw};
 use microslip::ensemble::backend::{BackendChoice, BackendSettings, OpenBackend};
 use microslip::harmonics::HarmonicSet;
+use microslip::hb::HbSettings;
+use microslip::study::Study;
 
 fn settings(index: usize) -> GpuSettings {
     GpuSettings {
@@ -13,6 +16,12 @@ fn settings(index: usize) -> GpuSettings {
         turns: 4,
         ..GpuSettings::default()
     }
+}
+
+/// The solver of the default study.
+fn solver() -> HbSettings {
+    let study = Study::read("studies/two-blade-strip/study.toml".as_ref()).unwrap();
+    study.solver
 }
 
 /// Index of the adapter of the tests.
@@ -122,41 +131,48 @@ fn a_wrong_device_is_not_used() {
         choice: BackendChoice::Gpu,
         gpu,
     };
-    let report = OpenBackend::open(&backend, 1e-8).report();
+    let report = OpenBackend::open(&backend, &solver()).report();
     assert_eq!(report.adapter(), None);
     assert!(report.reason.unwrap().contains("self-test"));
 }
 
 /// `auto` never takes software, named or not; `gpu` takes it when named. An adapter that is not there, and a tolerance
-/// coarser than drafts, lead to the processor.
-/// Seen to fail with: the check of hardware left out.
+/// coarser than drafts or a law without shader lead to the processor.
+/// Seen to fail with: the check of hardware left out; the self-test of another law.
 #[test]
 fn the_choice_says_why_it_is_the_processor() {
-    let reason = |choice, gpu, tolerance| {
-        let report = OpenBackend::open(&BackendSettings { choice, gpu }, tolerance).report();
+    let reason = |choice, gpu, solver: &HbSettings| {
+        let report = OpenBackend::open(&BackendSettings { choice, gpu }, solver).report();
         report.reason
     };
+    let solver = solver();
+    let mut coarse = solver.clone();
+    coarse.newton.tolerance = 1e-2;
+    let mut sampled = solver.clone();
+    (sampled.aft.law, sampled.aft.events) = (FrictionLaw::Box, Events::Sampled);
     let absent = GpuSettings {
         adapter: Some("no such adapter".to_owned()),
         ..GpuSettings::default()
     };
-    let why = reason(BackendChoice::Gpu, absent, 1e-8).unwrap();
+    let why = reason(BackendChoice::Gpu, absent, &solver).unwrap();
     assert!(why.contains("no such adapter"), "{why}");
-    let why = reason(BackendChoice::Gpu, GpuSettings::default(), 1e-2).unwrap();
+    let why = reason(BackendChoice::Gpu, GpuSettings::default(), &coarse).unwrap();
     assert!(why.contains("tolerance"), "{why}");
     assert_eq!(
-        reason(BackendChoice::Cpu, GpuSettings::default(), 1e-8),
+        reason(BackendChoice::Cpu, GpuSettings::default(), &solver),
         None
     );
     let Some(device) = device("the_choice_says_why_it_is_the_processor", Precision::F32) else {
         return;
     };
     if !device.adapter.is_hardware() {
-        let why = reason(BackendChoice::Auto, settings(device.adapter.index), 1e-8).unwrap();
+        let why = reason(BackendChoice::Auto, settings(device.adapter.index), &solver).unwrap();
         assert!(why.contains("software"), "{why}");
         assert_eq!(
-            reason(BackendChoice::Gpu, settings(device.adapter.index), 1e-8),
+            reason(BackendChoice::Gpu, settings(device.adapter.index), &solver),
             None
         );
     }
+    let why = reason(BackendChoice::Gpu, settings(device.adapter.index), &sampled).unwrap();
+    assert!(why.contains("no shader"), "{why}");
 }

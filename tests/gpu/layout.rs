@@ -10,7 +10,7 @@ const PRECISIONS: [(Precision, u64); 2] = [(Precision::F32, 4), (Precision::F64,
 /// Blocks of a derivative and passes per law.
 const LAWS: [(FrictionLaw, Events, u64, usize); 4] = [
     (FrictionLaw::Box, Events::Located, 5, 5),
-    (FrictionLaw::Circle, Events::Located, 7, 5),
+    (FrictionLaw::Circle, Events::Located, 7, 7),
     (FrictionLaw::Circle, Events::Interpolated, 7, 4),
     (FrictionLaw::Circle, Events::Sampled, 7, 4),
 ];

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use wgpu::BufferUsages as Usage;
 
 /// Passes of a shape at most.
-const MOST_PASSES: usize = 5;
+const MOST_PASSES: usize = 7;
 /// Bytes of the timestamps at both ends of every pass.
 const TIMER_BYTES: u64 = 16 * MOST_PASSES as u64;
 /// Compiled passes for one shape.

@@ -23,6 +23,7 @@ pub use tally::GpuReport;
 use super::batch::{AftBatch, AftForces, Tangent, Want};
 use super::evaluate::evaluate;
 use super::plan::AftPlan;
+use crate::contact::{Events, FrictionLaw};
 use queue::{Lane, Queue};
 use std::cell::Cell;
 use std::sync::Arc;
@@ -103,6 +104,10 @@ pub struct GpuSettings {
     pub audit: f64,
     /// Samples that compute on the processor at the same time.
     pub turns: usize,
+    /// Law and events whose shaders the self-test examines.
+    pub law: FrictionLaw,
+    /// See above.
+    pub events: Events,
     /// Failure on purpose.
     pub fault: Option<Fault>,
 }
@@ -114,6 +119,8 @@ impl Default for GpuSettings {
             precision: Precision::F32,
             audit: 0.01,
             turns: 1,
+            law: FrictionLaw::Box,
+            events: Events::Located,
             fault: None,
         }
     }

@@ -113,12 +113,14 @@ const SAMPLED_CIRCLE_PASSES: [Pass; 4] = [
     pass("circle_sampled_forces", |shape| 3 * shape.rows(), false),
     pass("circle_sampled_tangents", |shape| 3 * shape.rows(), true),
 ];
-const LOCATED_CIRCLE_PASSES: [Pass; 5] = [
+const LOCATED_CIRCLE_PASSES: [Pass; 7] = [
     pass("transform", |shape| shape.n_time, false),
     pass("gap_roots", |_| 1, false),
     pass("circle_march", |_| 1, false),
     pass("circle_located_forces", |shape| 3 * shape.rows(), false),
+    pass("circle_steps", |shape| shape.n_time, true),
     pass("circle_located_tangents", |shape| 3 * shape.rows(), true),
+    pass("circle_anchored_tangents", |shape| 3 * shape.rows(), true),
 ];
 
 /// Evaluations of polynomials in the root searches of one event. Seen cut: 13 harmonics at 256 samples, all in motion.
