@@ -12,7 +12,9 @@
 
 mod states;
 
-use microslip::aft::gpu::{Buffers, Device, GpuSettings, Kernels, Precision, ScaledStates, Shape};
+use microslip::aft::gpu::{
+    Buffers, Device, GpuReport, GpuSettings, Kernels, Precision, ScaledStates, Shape,
+};
 use microslip::aft::{AftBatch, AftForces, AftPlan, AftSettings, Laps, Want, evaluate};
 use microslip::contact::{Events, FrictionLaw};
 use microslip::ensemble::Ensemble;
@@ -132,7 +134,7 @@ fn batch_sizes(device: &Device, law: FrictionLaw, most: usize) {
 /// Samples per second of the default study on both backends, and how far their answers are apart.
 fn studies(law: FrictionLaw, adapter: Option<String>, samples: u64) {
     println!("\ndefault study, {law:?} law, {samples} samples: samples per second");
-    let (processor, expected) = study(law, BackendSettings::default(), samples);
+    let (processor, expected, _) = study(law, BackendSettings::default(), samples);
     println!("processor {:.2}", samples as f64 / processor);
     let gpu = GpuSettings {
         adapter,
@@ -142,12 +144,30 @@ fn studies(law: FrictionLaw, adapter: Option<String>, samples: u64) {
         choice: BackendChoice::Gpu,
         gpu,
     };
-    let (seconds, found) = study(law, backend, samples);
+    let (seconds, found, report) = study(law, backend, samples);
     println!(
         "gpu       {:.2}, {:.2} times the processor's",
         samples as f64 / seconds,
         processor / seconds
     );
+    if let Some(gpu) = report {
+        println!(
+            "{} evaluations in {} batches ({:.0} states each), on the device {:.2} s of {seconds:.2} s, audit {:.1e}",
+            gpu.evaluations,
+            gpu.batches,
+            gpu.states as f64 / gpu.batches.max(1) as f64,
+            gpu.pass_seconds.values().sum::<f64>(),
+            gpu.largest_force_difference,
+        );
+        let set = HarmonicSet::up_to(5);
+        let few = batch(&set, 512);
+        let of_512 = processor_seconds(&plan(law, &set, 128), &few, Want::ForcesAndTangents);
+        let drafts = gpu.states as f64 / 512.0 * of_512;
+        println!(
+            "so many states with H = 5, Nt = 128 take one core {drafts:.3} s: {:.2} % of the processor's run",
+            100.0 * drafts / (processor * rayon::current_num_threads() as f64)
+        );
+    }
     compare(&found, &expected);
 }
 
@@ -171,7 +191,12 @@ fn compare(found: &[SampleOutcome], expected: &[SampleOutcome]) {
     );
 }
 
-fn study(law: FrictionLaw, backend: BackendSettings, samples: u64) -> (f64, Vec<SampleOutcome>) {
+/// Time (s), outcomes, and what a GPU did.
+fn study(
+    law: FrictionLaw,
+    backend: BackendSettings,
+    samples: u64,
+) -> (f64, Vec<SampleOutcome>, Option<GpuReport>) {
     let mut study =
         Study::read("studies/two-blade-strip/study.toml".as_ref()).expect("the default study");
     study.solver.aft.law = law;
@@ -185,17 +210,7 @@ fn study(law: FrictionLaw, backend: BackendSettings, samples: u64) -> (f64, Vec<
     let outcomes = backend.run(&ensemble, samples, || {}).expect("threads");
     let seconds = clock.elapsed().as_secs_f64();
     assert_eq!(outcomes.len() as u64, samples, "no sample is lost");
-    if let Some(gpu) = backend.report().gpu {
-        println!(
-            "{} evaluations in {} batches ({:.0} states each), on the device {:.2} s of {seconds:.2} s, audit {:.1e}",
-            gpu.evaluations,
-            gpu.batches,
-            gpu.states as f64 / gpu.batches.max(1) as f64,
-            gpu.pass_seconds.values().sum::<f64>(),
-            gpu.largest_force_difference,
-        );
-    }
-    (seconds, outcomes)
+    (seconds, outcomes, backend.report().gpu)
 }
 
 /// One shape with its states on the device.

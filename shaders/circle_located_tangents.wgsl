@@ -188,6 +188,10 @@ fn has_derivative(slot: u32, anchored: bool) -> bool {
 }
 
 fn store_column(slot: u32, state: u32) {
+    if overflows {
+        atomicOr(&flags[state], OVERFLOW);
+        return;
+    }
     for (var a = 0u; a < M; a++) {
         let w = weight(a);
         tangents[tangent_at(slot, block_of(0u, column_signal), a, column)] = w * sums[a].x;
@@ -233,10 +237,6 @@ fn circle_anchored_tangents(@builtin(global_invocation_id) id: vec3<u32>, @built
     for (var lap = 1u; lap <= cycle.laps && !overflows; lap++) {
         sums_up = lap == cycle.laps;
         walk(state);
-    }
-    if overflows {
-        atomicOr(&flags[state], OVERFLOW);
-        return;
     }
     store_column(slot, state);
 }
