@@ -307,6 +307,8 @@ fn circle_law_agrees_in_single_precision() {
 
 /// The same for the circle law with located events. Rounding decides where the search of the steady cycle ends, on either
 /// side.
+/// Seen to fail with: the shift of an event left out of the angle; the curvature left out at the start of slip; a small
+/// bound on the loop iterations, which leaves most states to the processor and the others right.
 #[test]
 fn located_circle_law_agrees_in_single_precision() {
     let test = "located_circle_law_agrees_in_single_precision";

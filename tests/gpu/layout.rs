@@ -38,8 +38,10 @@ fn every_text_is_valid() {
     for (precision, _) in PRECISIONS {
         for (law, events, ..) in LAWS {
             for shape in shapes(precision, (law, events)) {
-                if let Err(error) = Reflection::of(&shape.text()) {
-                    panic!("{shape:?}: {error}");
+                for hardware in [false, true] {
+                    if let Err(error) = Reflection::of(&shape.text(hardware)) {
+                        panic!("{shape:?}: {error}");
+                    }
                 }
             }
         }
@@ -56,7 +58,7 @@ fn the_hosts_arrays_are_what_the_shaders_declare() {
         .flat_map(|p| LAWS.map(|law| (p, law)))
     {
         for shape in shapes(precision, (law, events)) {
-            let read = Reflection::of(&shape.text()).unwrap();
+            let read = Reflection::of(&shape.text(true)).unwrap();
             let binding = |name: &str| read.bindings[name];
             let set_size = binding("deviations").per_state.unwrap() / 3;
             let expected = [

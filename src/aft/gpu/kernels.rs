@@ -66,7 +66,7 @@ impl Kernels {
     /// # Errors
     /// [`GpuError::Shader`].
     pub fn new(device: &Device, shape: Shape) -> Result<Self, GpuError> {
-        let text = shape.text();
+        let text = shape.text(device.adapter.is_hardware());
         let reflection = Reflection::of(&text)?;
         let entries: Vec<_> = (reflection.bindings.values())
             .map(|binding| wgpu::BindGroupLayoutEntry {

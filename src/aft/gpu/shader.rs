@@ -243,9 +243,14 @@ impl Shape {
         }
     }
 
-    /// The whole shader text.
+    /// The whole shader text, for `hardware` or for a software adapter, on which the iterations of loops are bounded.
     #[must_use]
-    pub fn text(&self) -> String {
+    pub fn text(&self, hardware: bool) -> String {
+        let most_iterations = if hardware {
+            u32::MAX as usize
+        } else {
+            MOST_ITERATIONS
+        };
         let mut text = format!("alias real = {};\n", self.precision.name());
         let whole = [
             ("HARMONICS", self.orders.len()),
@@ -254,7 +259,7 @@ impl Shape {
             ("TERMS", self.terms()),
             ("LAPS", self.laps as usize),
             ("BLOCKS", self.blocks().len()),
-            ("MAX_ITERATIONS", MOST_ITERATIONS),
+            ("MAX_ITERATIONS", most_iterations),
         ];
         for (name, value) in whole.into_iter().chain(self.rooms()) {
             // writing to a string cannot fail
