@@ -69,7 +69,8 @@ var<private> sums: array<vec2<real>, M>;
 var<private> polynomials: array<Polynomial, 3>;
 var<private> entered: u32 = N_TIME;
 
-// Motion at hand: the slider in stick, the direction in slip, their rows.
+// Motion at hand: whether the contact is open; the slider in stick, the direction in slip, their rows.
+var<private> open: bool;
 var<private> slips: bool;
 var<private> slider: vec2<real>;
 var<private> half: HalfAngle;
@@ -709,16 +710,6 @@ fn pass_end(k: u32, node: Node, turning: real, state: u32) {
     }
 }
 
-// Samples from an instant to another while the contact is open.
-fn pass_open(from_sample: u32, to_sample: u32, state: u32) {
-    for (var i = from_sample; i < to_sample; i++) {
-        if stores {
-            store_traction(i, state, ZERO);
-        }
-        add_sample(i, -stuck_rate(i));
-    }
-}
-
 // First sample at or after a root, the end of the lap where there is none.
 fn sample_from(k: u32, n_roots: u32, state: u32) -> u32 {
     if k >= n_roots {
@@ -734,20 +725,45 @@ fn start_lap(start: vec2<real>) {
     slider_rows[1] = Row(real(0.0), real(1.0), real(0.0));
 }
 
-// Begins a lap from `slider` and its rows; returns whether the contact is open then.
-fn begin_lap(state: u32) -> bool {
+// Begins a lap from `slider` and its rows.
+fn begin_lap(state: u32) -> Node {
     n_events = 0u;
     moves = false;
     slips = false;
     way = real(0.0);
     spend(2u * N_TIME);
-    return sample_of(GAP, 0u, state) <= real(0.0);
+    let here = sample_node(0u, state);
+    open = sample_of(GAP, 0u, state) <= real(0.0);
+    if !open {
+        resume(here, state);
+    }
+    return here;
 }
 
-// The slider and its rows at the end of a lap.
-fn end_lap(open: bool, state: u32) {
+// The open contact up to root k, where it closes, or to the end of the lap.
+fn pass_open(k: u32, n_roots: u32, state: u32) -> Node {
+    moves = true;
+    var i = 0u;
+    if k > 0u {
+        i = sample_from(k - 1u, n_roots, state);
+    }
+    let end = sample_from(k, n_roots, state);
+    for (; i < end; i++) {
+        if stores {
+            store_traction(i, state, ZERO);
+        }
+        add_sample(i, -stuck_rate(i));
+    }
+    if k < n_roots {
+        return close(k, state);
+    }
+    return Node();
+}
+
+// The slider and its rows at the end of a lap; `open` tells of the stretch after it.
+fn end_lap(state: u32) {
     let last = sample_node(N_TIME, state);
-    if open {
+    if !open {
         slider = last.path;
         slider_rows[0] = mixed(last, of_path(0u));
         slider_rows[1] = mixed(last, of_path(1u));
@@ -761,28 +777,16 @@ fn end_lap(open: bool, state: u32) {
 // Walks one lap.
 fn walk(state: u32) {
     let n_roots = counts[state];
-    var open = begin_lap(state);
-    var here = sample_node(0u, state);
-    if !open {
-        resume(here, state);
-    }
-    var first_sample = 0u;
+    var here = begin_lap(state);
     for (var k = 0u; k <= n_roots && !overflows; k++) {
-        let end = sample_from(k, n_roots, state);
         if open {
-            moves = true;
-            pass_open(first_sample, end, state);
-            if k < n_roots {
-                here = close(k, state);
-            }
+            here = pass_open(k, n_roots, state);
         } else {
             contact(here, k, n_roots, state);
         }
-        first_sample = end;
         open = !open;
     }
-    // it was flipped after the last stretch
-    end_lap(!open, state);
+    end_lap(state);
     if stores {
         counts[batch.n_states + state] = n_events;
     }

@@ -148,26 +148,16 @@ fn keep_again(i: u32, state: u32) {
 // Walks the lap of the steady cycle.
 fn walk_again(state: u32) {
     let n_roots = counts[state];
-    var open = begin_lap(state);
-    var here = sample_node(0u, state);
-    if !open {
-        resume(here, state);
-    }
-    var first_sample = 0u;
+    var here = begin_lap(state);
     for (var k = 0u; k <= n_roots; k++) {
-        let end = sample_from(k, n_roots, state);
         if open {
-            pass_open(first_sample, end, state);
-            if k < n_roots {
-                here = close(k, state);
-            }
+            here = pass_open(k, n_roots, state);
         } else {
             contact_again(here, k, n_roots, state);
         }
-        first_sample = end;
         open = !open;
     }
-    end_lap(!open, state);
+    end_lap(state);
 }
 
 // The state, and the column, of a thread: columns of one state stand side by side, since they go the same way.
