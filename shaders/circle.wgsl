@@ -113,7 +113,7 @@ fn circle_march(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     set_state(state);
     let first = lap_from(anchor_of(state), true, state);
-    if !first.moves {
+    if !first.moves && !first.overflows {
         return;
     }
     var start = first.end;

@@ -128,11 +128,7 @@ fn wave_at(i: u32, part: Turn) -> vec2<real> {
         return vec2<real>(real(1.0), real(0.0));
     }
     let order = order_of(column);
-    var power = Turn(real(1.0), real(0.0));
-    for (var k = 0u; k < order; k++) {
-        power = times(power, part);
-    }
-    let here = turned(order, i, power);
+    let here = turn_at(order, i, part);
     let rate = real(order) * STEP;
     if column % 2u == 0u {
         return vec2<real>(here.sine, rate * here.cosine);
@@ -416,7 +412,7 @@ fn add_event(node: Node, state: u32) {
     n_events++;
 }
 
-// Derivatives of the tractions at sample i, less those of the stuck contact where it `moves`.
+// Derivatives of the tractions at sample i, less those of the stuck contact.
 fn add_sample(i: u32, rate: vec2<real>) {
     if sums_up {
         spend(HARMONICS);
@@ -455,13 +451,18 @@ fn keep(i: u32, node: Node, state: u32) {
     }
 }
 
+// Factor of a jump of the slope in what a sum over the samples misses of it.
+fn kink_weight(x: real) -> real {
+    return real(0.5) * (x * x - x + real(1.0) / real(6.0));
+}
+
 // The slope of the tractions jumps at an event, whose phase moves as `instant`.
 fn kink(node: Node, jump: vec2<real>, by_first: Row, by_second: Row) {
     if !sums_up {
         return;
     }
     let x = node.share;
-    let factor = real(0.5) * (x * x - x + real(1.0) / real(6.0));
+    let factor = kink_weight(x);
     let slope = x - real(0.5);
     let value = factor * vec2<real>(by_first.z, by_second.z) + slope * instant.z * jump;
     let rate = factor * instant.z * jump;
@@ -797,8 +798,9 @@ fn lap_from(start: vec2<real>, first: bool, state: u32) -> Lap {
     start_lap(start);
     walk(state);
     let monodromy = vec4<real>(slider_rows[0].xy, slider_rows[1].xy);
-    // without friction the slider is where the surface is, always
-    return Lap(slider, monodromy, moves, way * ROOT_OF_RESOLUTION <= tolerance, overflows || mu == real(0.0));
+    // roots may be missing where their room is full; without friction the slider is where the surface is, always
+    let leaves = overflows || counts[state] == MAX_ROOTS || mu == real(0.0);
+    return Lap(slider, monodromy, moves, way * ROOT_OF_RESOLUTION <= tolerance, leaves);
 }
 
 @compute @workgroup_size(GROUP)

@@ -1,14 +1,6 @@
-// Force coefficients less those of the stuck contact: one thread per state, component and coefficient.
+// Forces of the circle law decided at the samples.
 
-@compute @workgroup_size(GROUP)
-fn circle_sampled_forces(@builtin(global_invocation_id) id: vec3<u32>) {
-    let n = batch.n_states;
-    let state = id.x;
-    let c = id.y / M;
-    let a = id.y % M;
-    if state >= n {
-        return;
-    }
+fn deviation(c: u32, a: u32, state: u32) -> real {
     var sum = real(0.0);
     for (var i = 0u; i < N_TIME; i++) {
         var deviation = -min(sample_of(GAP, i, state), real(0.0));
@@ -17,5 +9,5 @@ fn circle_sampled_forces(@builtin(global_invocation_id) id: vec3<u32>) {
         }
         sum += basis(a, i) * deviation;
     }
-    deviations[(c * M + a) * n + state] = weight(a) * sum;
+    return weight(a) * sum;
 }

@@ -73,6 +73,15 @@ fn turned(k: u32, i: u32, part: Turn) -> Turn {
     return Turn(cosine * part.cosine - sine * part.sine, sine * part.cosine + cosine * part.sine);
 }
 
+// e^{ik(phase i + part)}.
+fn turn_at(k: u32, i: u32, part: Turn) -> Turn {
+    var power = Turn(real(1.0), real(0.0));
+    for (var j = 0u; j < k; j++) {
+        power = times(power, part);
+    }
+    return turned(k, i, power);
+}
+
 fn times(a: Turn, b: Turn) -> Turn {
     return Turn(a.cosine * b.cosine - a.sine * b.sine, a.sine * b.cosine + a.cosine * b.sine);
 }

@@ -110,14 +110,14 @@ const BOX_PASSES: [Pass; 5] = [
 const SAMPLED_CIRCLE_PASSES: [Pass; 4] = [
     pass("transform", |shape| shape.n_time, false),
     pass("circle_march", |_| 1, false),
-    pass("circle_sampled_forces", |shape| 3 * shape.rows(), false),
+    pass("forces", |shape| 3 * shape.rows(), false),
     pass("circle_sampled_tangents", |shape| 3 * shape.rows(), true),
 ];
 const LOCATED_CIRCLE_PASSES: [Pass; 7] = [
     pass("transform", |shape| shape.n_time, false),
     pass("gap_roots", |_| 1, false),
     pass("circle_march", |_| 1, false),
-    pass("circle_located_forces", |shape| 3 * shape.rows(), false),
+    pass("forces", |shape| 3 * shape.rows(), false),
     pass("circle_steps", |shape| shape.n_time, true),
     pass("circle_located_tangents", |shape| 3 * shape.rows(), true),
     pass("circle_anchored_tangents", |shape| 3 * shape.rows(), true),
@@ -280,6 +280,7 @@ impl Shape {
         let _ = writeln!(text, "const INTERPOLATED: bool = {interpolated};");
         text.push_str(include_str!("../../../shaders/shared.wgsl"));
         text.push_str(include_str!("../../../shaders/transform.wgsl"));
+        text.push_str(include_str!("../../../shaders/forces.wgsl"));
         let parts: &[&str] = match self.march {
             March::Box => &[
                 include_str!("../../../shaders/polynomial.wgsl"),
