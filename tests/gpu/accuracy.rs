@@ -404,8 +404,8 @@ fn assert_independent(device: &Device, (law, events): (FrictionLaw, Events)) {
     let together = run(&parts.iter().collect::<Vec<_>>());
     for (part, together) in parts.iter().zip(&together) {
         let alone = run(&[part]).remove(0);
-        assert_eq!(alone.deviations, together.deviations);
-        assert_eq!(alone.slots, together.slots);
-        assert_eq!(alone.tangents, together.tangents);
+        assert_eq!(alone.deviations, together.deviations, "forces of {law:?}");
+        assert_eq!(alone.slots, together.slots, "places of {law:?}");
+        assert_eq!(alone.tangents, together.tangents, "tangents of {law:?}");
     }
 }
