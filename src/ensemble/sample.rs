@@ -160,6 +160,7 @@ impl Ensemble<'_> {
         let mut searches: Vec<Search> = levels.iter().map(|_| Search::default()).collect();
         let mut peaks: Vec<Option<LevelPeak>> = (searches.iter_mut().enumerate())
             .map(|(level, search)| {
+                problem.budget.grant(self.settings.newton.budget);
                 let prediction = atlas.predict(place, level)?.at_level(levels[level]);
                 let predicted = self.predicted(problem, prediction, search);
                 predicted.or_else(|| {
@@ -313,6 +314,7 @@ impl Ensemble<'_> {
         let newton = self.settings.newton;
         let harmonics = &self.settings.harmonics;
         let balance = Balance::new(problem, harmonics.clone(), self.settings.aft);
+        problem.budget.grant(self.settings.newton.budget);
         let n_relative = balance.layout.n_relative();
         let mut prediction = PeakPrediction::of(solution);
         prediction.point.r =

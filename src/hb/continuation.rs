@@ -237,9 +237,10 @@ pub fn walk<'p>(
             Err((status, work)) => {
                 count += work;
                 length *= 0.5;
-                if length < steps.smallest || pace.is_hopeless(None, steps.largest) {
+                let gives_up = status == Status::BudgetSpent || length < steps.smallest;
+                if gives_up || pace.is_hopeless(None, steps.largest) {
                     let status = match status {
-                        Status::NonFinite => status,
+                        Status::NonFinite | Status::BudgetSpent => status,
                         _ => Status::StepTooSmall,
                     };
                     return end(status, point, count);

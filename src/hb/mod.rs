@@ -5,6 +5,7 @@
 
 pub mod alert;
 pub mod balance;
+pub mod budget;
 pub mod compliance;
 pub mod continuation;
 pub mod curve;

@@ -164,6 +164,9 @@ pub fn solve<'p>(
             // a step of a walk that was too long
             return Err((Status::StepTooSmall, count));
         }
+        if balance.problem.budget.is_spent() {
+            return Err((Status::BudgetSpent, count));
+        }
         if count.iterations == settings.max_iterations
             || (size > settings.tolerance && progress.stalls(size))
         {
@@ -171,6 +174,7 @@ pub fn solve<'p>(
         }
         (iterate, damping) = {
             let jacobian = iterate.jacobian(balance);
+            balance.problem.budget.spend();
             count += WorkCount {
                 iterations: 1,
                 factorizations: jacobian.factorizations(),
@@ -190,6 +194,7 @@ pub fn polish<'p>(balance: &Balance<'p>, solved: Iterate<'p>) -> (Iterate<'p>, W
     loop {
         let jacobian = iterate.jacobian(balance);
         let step = newton_step(balance, &iterate, &jacobian, Condition::FixedFrequency);
+        balance.problem.budget.spend();
         count += WorkCount {
             iterations: 1,
             factorizations: jacobian.factorizations(),

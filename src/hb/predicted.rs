@@ -147,6 +147,9 @@ fn searched<'p>(
                 false => Err((Status::MaxIterations, count)),
             };
         }
+        if balance.problem.budget.is_spent() {
+            return Err((Status::BudgetSpent, count));
+        }
         let mut local = Local::new(balance, &iterate, &mut count);
         // the growth is as exact as the displacements that it was taken at
         local.growth_error = GROWTH_ERROR * (size / share);
@@ -201,6 +204,7 @@ struct Local {
 impl Local {
     fn new(balance: &Balance<'_>, iterate: &Iterate<'_>, count: &mut WorkCount) -> Self {
         let jacobian = iterate.jacobian(balance);
+        balance.problem.budget.spend();
         *count += WorkCount {
             iterations: 1,
             factorizations: jacobian.factorizations(),

@@ -1,6 +1,7 @@
 //! The nonlinear problem of one sample: a linear model, contact parameters and the static load.
 
 use super::ProblemError;
+use super::budget::Budget;
 use super::linear::{LinearModel, Part};
 use super::settings::SliderAnchor;
 use crate::aft::Backend;
@@ -23,6 +24,8 @@ pub struct Problem<'m> {
     pub static_load_scale: f64,
     /// Who evaluates the contacts: the processor, unless it is set otherwise.
     pub backend: Backend<'m>,
+    /// Newton iterations left to the search that runs; unbounded until one is granted.
+    pub budget: Budget,
 }
 
 /// Stuck structure at rest: η₀ = `eta` − `eta_per_force` g₀, r₀ = `relative` − `compliance` g₀.
@@ -87,6 +90,7 @@ impl<'m> Problem<'m> {
             stuck_static,
             static_load_scale,
             backend: Backend::Cpu,
+            budget: Budget::default(),
         })
     }
 

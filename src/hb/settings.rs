@@ -23,6 +23,8 @@ pub struct NewtonSettings {
     pub tolerance: f64,
     /// Iterations before giving up.
     pub max_iterations: usize,
+    /// Iterations of all solves of one search or curve before it ends with [`super::Status::BudgetSpent`].
+    pub budget: usize,
 }
 
 impl Default for NewtonSettings {
@@ -30,6 +32,7 @@ impl Default for NewtonSettings {
         Self {
             tolerance: 1e-8,
             max_iterations: 40,
+            budget: 20_000,
         }
     }
 }
@@ -79,6 +82,12 @@ impl HbSettings {
             self.newton.max_iterations > 0,
             "newton.max_iterations",
             self.newton.max_iterations,
+            "must be at least 1",
+        )?;
+        BadSetting::unless(
+            self.newton.budget > 0,
+            "newton.budget",
+            self.newton.budget,
             "must be at least 1",
         )?;
         if let Some(alert) = self.alert {

@@ -15,6 +15,8 @@ pub enum Status {
     MaxIterations,
     /// Continuation could not go on with the smallest step.
     StepTooSmall,
+    /// The search took all Newton iterations that a search may take.
+    BudgetSpent,
     /// A non-finite number turned up.
     NonFinite,
     /// The amplitude has no maximum inside the frequency band.
@@ -25,12 +27,13 @@ pub enum Status {
 
 impl Status {
     /// Every status, in the order of reports.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Converged,
         Self::TruncationAboveThreshold,
         Self::BouncingContact,
         Self::MaxIterations,
         Self::StepTooSmall,
+        Self::BudgetSpent,
         Self::NonFinite,
         Self::NoPeakInBand,
         Self::NotHeld,
@@ -54,6 +57,7 @@ impl Status {
             Self::BouncingContact => "bouncing-contact",
             Self::MaxIterations => "max-iterations",
             Self::StepTooSmall => "step-too-small",
+            Self::BudgetSpent => "budget-spent",
             Self::NonFinite => "non-finite",
             Self::NoPeakInBand => "no-peak-in-band",
             Self::NotHeld => "not-held",
@@ -75,6 +79,9 @@ impl Status {
             }
             Self::MaxIterations => "Newton's method did not converge from any start that was tried",
             Self::StepTooSmall => "the continuation could not go on with the smallest step",
+            Self::BudgetSpent => {
+                "the search took more Newton iterations than solver.budget allows"
+            }
             Self::NonFinite => "a number overflowed or was undefined",
             Self::NoPeakInBand => {
                 "the amplitude has no maximum inside the frequency band of the study"

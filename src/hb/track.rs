@@ -149,6 +149,8 @@ impl<'a, 'p> Track<'a, 'p> {
     /// Follows the phase resonance to `level` and returns the peak there.
     fn level(&mut self, level: f64) -> LevelPeak {
         self.count = WorkCount::default();
+        let budget = &self.ladder[0].problem.budget;
+        budget.grant(self.settings.newton.budget);
         // Ratios of such levels are no numbers, and the track would never give up on them.
         if !(level.is_finite() && level > 0.0) {
             return LevelPeak::failed(level, Status::NonFinite, self.count);
@@ -186,6 +188,9 @@ impl<'a, 'p> Track<'a, 'p> {
                 let kept = (Kept::Maximum(self.peak), settings.newton);
                 let solution = refined(full, found, sets.as_ref(), kept, self.count);
                 LevelPeak::found(solution)
+            }
+            Err(_) if budget.is_spent() => {
+                LevelPeak::failed(level, Status::BudgetSpent, self.count)
             }
             Err(status) => LevelPeak::failed(level, status, self.count),
         }

@@ -83,6 +83,7 @@ pub struct SolverSection {
     laps: Option<LapsTable>,
     tolerance: Option<f64>,
     max_iterations: Option<usize>,
+    budget: Option<usize>,
     alert: Option<Alert>,
     mirror: Option<bool>,
 }
@@ -207,6 +208,7 @@ impl SolverSection {
         NewtonSettings {
             tolerance: self.tolerance.unwrap_or(default.tolerance),
             max_iterations: self.max_iterations.unwrap_or(default.max_iterations),
+            budget: self.budget.unwrap_or(default.budget),
         }
     }
 

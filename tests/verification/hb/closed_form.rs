@@ -14,6 +14,7 @@ use std::f64::consts::PI;
 pub(super) const NEWTON: NewtonSettings = NewtonSettings {
     tolerance: 1e-12,
     max_iterations: 100,
+    budget: usize::MAX,
 };
 
 /// Oscillator, element and discretisation.

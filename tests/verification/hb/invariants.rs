@@ -24,6 +24,7 @@ pub(super) fn settings(highest: usize, law: FrictionLaw) -> HbSettings {
         newton: NewtonSettings {
             tolerance: 1e-12,
             max_iterations: 60,
+            ..NewtonSettings::default()
         },
         alert: None,
     }

@@ -78,6 +78,23 @@ fn hopeless_walks_end_early() {
     });
 }
 
+/// Each level has a budget of its own, and what is found within it stays.
+/// Seen to fail without a check of the budget in `newton`: the slipping level is found with 43 iterations.
+#[test]
+fn a_spent_budget_is_a_status() {
+    with_problem(|problem, mut settings| {
+        settings.newton.budget = 20;
+        let levels = [0.1, 40.0, 0.2];
+        let peaks = track_peaks(problem, &settings, peak(band(300.0, 450.0)), &levels);
+        let ends = peaks.expect("modes").into_iter();
+        let ends: Vec<_> = ends.map(|p| (p.status, p.count.iterations)).collect();
+        println!("{ends:?}");
+        assert_eq!(ends[0].0, Status::Converged);
+        assert_eq!(ends[1].0, Status::BudgetSpent);
+        assert!((20..25).contains(&ends[1].1), "{ends:?}");
+    });
+}
+
 /// In frequency, level or start. Seen to hang without the check of the levels in `track`, and to
 /// fail without the check of the residual in `newton`.
 #[test]
