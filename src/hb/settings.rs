@@ -37,6 +37,12 @@ impl Default for NewtonSettings {
     }
 }
 
+/// Highest harmonic that a solution may have: tables of the contact evaluation grow with its square.
+pub const HIGHEST_HARMONIC: usize = 200;
+
+/// Largest product of time points and harmonics: the largest table of a contact evaluation has 16 bytes for each (134 MB).
+const LARGEST_TABLE: usize = 1 << 23;
+
 /// When harmonics are added.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AlertSettings {
@@ -76,6 +82,7 @@ impl HbSettings {
     /// # Errors
     /// The first [`BadSetting`].
     pub fn validate(&self) -> Result<(), BadSetting> {
+        highest_harmonic("harmonics", self.harmonics.highest())?;
         self.aft.validate(self.harmonics.highest())?;
         positive("newton.tolerance", self.newton.tolerance)?;
         BadSetting::unless(
@@ -92,6 +99,7 @@ impl HbSettings {
         )?;
         if let Some(alert) = self.alert {
             positive("alert.threshold", alert.threshold)?;
+            highest_harmonic("alert.highest_harmonic", alert.highest_harmonic)?;
             BadSetting::unless(
                 alert.highest_harmonic >= self.harmonics.highest(),
                 "alert.highest_harmonic",
@@ -99,6 +107,24 @@ impl HbSettings {
                 "must not be below the highest harmonic of the solution",
             )?;
         }
-        Ok(())
+        let highest = self.harmonics.highest();
+        let most = (self.alert).map_or(highest, |alert| alert.highest_harmonic);
+        BadSetting::unless(
+            self.aft.n_time * most <= LARGEST_TABLE,
+            "time_points",
+            self.aft.n_time,
+            &format!(
+                "times the highest harmonic, that of the alert included, must be at most {LARGEST_TABLE}"
+            ),
+        )
     }
+}
+
+/// Requires a highest harmonic from 1 to [`HIGHEST_HARMONIC`].
+///
+/// # Errors
+/// [`BadSetting`] otherwise.
+pub fn highest_harmonic(key: &str, value: usize) -> Result<(), BadSetting> {
+    let rule = format!("the highest harmonic must be from 1 to {HIGHEST_HARMONIC}");
+    BadSetting::unless((1..=HIGHEST_HARMONIC).contains(&value), key, value, &rule)
 }

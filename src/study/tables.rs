@@ -3,6 +3,7 @@
 use crate::aft::{AftSettings, Laps};
 use crate::contact::{Events, FrictionLaw};
 use crate::harmonics::HarmonicSet;
+use crate::hb::settings::highest_harmonic;
 use crate::hb::{AlertSettings, HbSettings, NewtonSettings, SliderAnchor};
 use crate::model::interface::{InterfaceSettings, Share};
 use crate::setting::BadSetting;
@@ -133,8 +134,6 @@ struct AlertTable {
 
 /// Harmonics of the first solution if the study does not say.
 const DEFAULT_HARMONIC: usize = 5;
-/// Highest harmonic that can be asked for.
-const HIGHEST_HARMONIC: usize = 1000;
 /// Points per period if the study does not say.
 const DEFAULT_TIME_POINTS: usize = 128;
 
@@ -180,25 +179,21 @@ impl SolverSection {
     }
 
     fn harmonics(&self) -> Result<HarmonicSet, BadSetting> {
-        let bad = |value: String, rule: &str| BadSetting {
-            key: "solver.harmonics".to_owned(),
-            value,
-            rule: rule.to_owned(),
-        };
         let highest = match &self.harmonics {
             None => DEFAULT_HARMONIC,
             Some(Harmonics::UpTo(highest)) => *highest,
             Some(Harmonics::List(orders)) => orders.last().copied().unwrap_or(0),
         };
-        if !(1..=HIGHEST_HARMONIC).contains(&highest) {
-            let rule = format!("the highest harmonic must be from 1 to {HIGHEST_HARMONIC}");
-            return Err(bad(highest.to_string(), &rule));
-        }
+        // before the set takes memory
+        highest_harmonic("solver.harmonics", highest)?;
         match &self.harmonics {
-            Some(Harmonics::List(orders)) => HarmonicSet::new(orders.clone()).map_err(|_| {
-                let rule = "must be ascending without repetition and contain 0 and 1";
-                bad(format!("{orders:?}"), rule)
-            }),
+            Some(Harmonics::List(orders)) => {
+                HarmonicSet::new(orders.clone()).map_err(|_| BadSetting {
+                    key: "solver.harmonics".to_owned(),
+                    value: format!("{orders:?}"),
+                    rule: "must be ascending without repetition and contain 0 and 1".to_owned(),
+                })
+            }
             _ => Ok(HarmonicSet::up_to(highest)),
         }
     }

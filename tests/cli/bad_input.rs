@@ -199,6 +199,21 @@ fn bad_values_name_line_key_and_rule() {
                 &[":34: solver.alert.threshold = -1"],
             ),
             (
+                "time_points = 128",
+                "alert = { highest_harmonic = 1000000000 }",
+                &[":34: solver.alert.highest_harmonic = 1000000000: ", "from 1 to 200"],
+            ),
+            (
+                "harmonics = 5",
+                "harmonics = 1000000000",
+                &[":33: solver.harmonics = 1000000000: ", "from 1 to 200"],
+            ),
+            (
+                "time_points = 128",
+                "time_points = 65536\nalert = { highest_harmonic = 200 }",
+                &[":34: solver.time_points = 65536: times the highest", "8388608"],
+            ),
+            (
                 "[100, 200]",
                 "[200, 100]",
                 &[":37: frequency.band_hz = [200, 100]: must be [low"],
