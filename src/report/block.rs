@@ -4,6 +4,7 @@
 //! own download: the SVG and CSV texts are part of the page.
 
 use super::figure::Panel;
+use super::level_mark::shape;
 use serde::Serialize;
 
 /// One section of the page.
@@ -80,6 +81,8 @@ pub(super) struct Key {
     pub(super) mark: Mark,
     /// Its class in the style sheet.
     pub(super) class: String,
+    /// Of a chip: the shape of its level.
+    shape: Option<&'static str>,
     /// What it means.
     pub(super) text: String,
 }
@@ -88,7 +91,7 @@ pub(super) struct Key {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Mark {
-    /// A round spot of a level's colour.
+    /// A spot in the colour and the shape of a level.
     Chip,
     /// A line.
     Line,
@@ -106,7 +109,16 @@ impl Key {
         Self {
             mark,
             class: class.to_owned(),
+            shape: None,
             text: text.into(),
+        }
+    }
+
+    /// The mark of excitation level `i`.
+    pub(super) fn level(i: usize, text: impl Into<String>) -> Self {
+        Self {
+            shape: Some(shape(i)),
+            ..Self::new(Mark::Chip, &format!("l{i}"), text)
         }
     }
 }
@@ -179,12 +191,19 @@ pub(super) struct Cell {
     class: String,
     /// Class of a badge around the text.
     badge: Option<&'static str>,
-    /// Excitation level whose colour stands before the text.
-    chip: Option<usize>,
+    /// Excitation level whose mark stands before the text.
+    chip: Option<Chip>,
     /// Strength of the background (%).
     shade: Option<f64>,
     #[serde(skip)]
     raw: Vec<String>,
+}
+
+/// Mark of an excitation level.
+#[derive(Debug, Clone, Copy, Serialize)]
+struct Chip {
+    level: usize,
+    shape: &'static str,
 }
 
 impl Table {
@@ -307,9 +326,12 @@ impl Cell {
         self
     }
 
-    /// With the colour of a level before it.
+    /// With the mark of a level before it.
     pub(super) fn with_chip(mut self, level: usize) -> Self {
-        self.chip = Some(level);
+        self.chip = Some(Chip {
+            level,
+            shape: shape(level),
+        });
         self
     }
 

@@ -4,7 +4,7 @@ use super::ReportError;
 use super::axis::Axis;
 use super::block::{Block, Cell, Figure, Key, Mark, Section, Table};
 use super::comparison::{Compared, ComparedQuantity, DesignComparison, Pair, PointRanking};
-use super::display::{DASH, LengthUnit, percent, with_digits};
+use super::display::{DASH, LengthUnit, from_to, percent, with_digits};
 use super::epistemic::{chosen, outer_groups};
 use super::figure::{Panel, Size};
 use super::page::page;
@@ -47,7 +47,7 @@ pub(super) fn render(
     let title = format!("Designs {} compared", labels.join(", "));
     page(
         &title,
-        &view.style,
+        comparison.levels.len(),
         &[
             designs(&view),
             rankings(&view),
@@ -198,8 +198,7 @@ fn rankings(view: &View) -> Section {
             ("By", &["quantity"]),
             ("Outer point", &["outer"]),
             ("Best first", &["order"]),
-            ("Surely", &["surely"]),
-            ("Possibly", &["possibly"]),
+            ("Resamples in this order", &["surely", "possibly"]),
             ("First is the best", &["best_surely", "best_possibly"]),
         ],
     );
@@ -210,9 +209,10 @@ fn rankings(view: &View) -> Section {
             }
         }
     }
-    let hint = "Order of the quantile that 95 % of the blades keep, on the samples that every design solved. Surely: share \
-                of 1000 resamples of the common samples in which the order holds whatever failed samples would have given; \
-                possibly: for some of what they could have given.";
+    let hint = "The order is that of the quantile that 95 % of the blades keep, on the samples that every design solved. \
+                The last two columns draw the common samples anew, 1000 times, and count how often the whole order comes \
+                out again, and how often its first design is the best. A range, where samples failed: the lower end for \
+                the most unfavourable results that they could have had, the upper end for the most favourable ones.";
     Section {
         id: "ranking",
         title: "Ranking".to_owned(),
@@ -235,19 +235,17 @@ fn ranking_row(view: &View, i: usize, quantity: Compared, found: &PointRanking) 
         .order
         .first()
         .map_or((0.0, 0.0), |&k| ranking.best[k]);
+    let shares = |(surely, possibly): (f64, f64)| {
+        Cell::number(from_to([surely, possibly], percent), Some(surely)).with_raw([Some(possibly)])
+    };
     let by = format!("{} % quantile, {}", 100.0 * found.quantile, quantity.name());
     vec![
         view.level_cell(i),
         Cell::text(by).with_class("text"),
         outer_cell(found.outer),
         Cell::text(order.join(" < ")).with_class("text strong"),
-        Cell::number(percent(ranking.surely), Some(ranking.surely)),
-        Cell::number(percent(ranking.possibly), Some(ranking.possibly)),
-        Cell::number(
-            format!("{} … {}", percent(best.0), percent(best.1)),
-            Some(best.0),
-        )
-        .with_raw([Some(best.1)]),
+        shares((ranking.surely, ranking.possibly)),
+        shares(best),
     ]
 }
 

@@ -1,7 +1,9 @@
-//! One panel of a figure as inline SVG. Colours, weights and fonts are in `style.css`, found by class.
+//! One panel of a figure as inline SVG. Colours, weights and fonts are in `look/figure.css`, found by class.
 
 use super::axis::Axis;
+use super::level_mark::shape;
 use minijinja::HtmlEscape;
+use std::collections::VecDeque;
 use std::fmt::Write;
 
 /// Size of a panel in its own units; the page scales it to its column.
@@ -28,6 +30,13 @@ const TICK_WIDTH: f64 = 6.3;
 /// Height of a tick label with its surroundings.
 const TICK_HEIGHT: f64 = 26.0;
 
+/// Marks of its level along a line.
+const MARKS_PER_LINE: usize = 6;
+/// Height of a line of words.
+const LINE: f64 = 12.0;
+/// Width of the place around a mark where the pointer shows its values.
+const REACH: f64 = 14.0;
+
 /// A panel under construction: marks are drawn in the order of the calls.
 #[derive(Debug, Clone)]
 pub(super) struct Panel {
@@ -38,6 +47,7 @@ pub(super) struct Panel {
     x: Axis,
     y: Axis,
     marks: String,
+    readouts: String,
     note: Option<String>,
 }
 
@@ -59,6 +69,7 @@ impl Panel {
             x,
             y,
             marks: String::new(),
+            readouts: String::new(),
             note: None,
         }
     }
@@ -111,13 +122,43 @@ impl Panel {
         self.path(&format!("band {class}"), &data);
     }
 
-    /// Round dots; one path for all of them keeps the file small.
-    pub(super) fn dots(&mut self, class: &str, points: impl Iterator<Item = (f64, f64)>) {
+    /// Dots of an excitation level, in its colour and shape; one path for all of them keeps the file small.
+    pub(super) fn dots(&mut self, level: usize, points: impl Iterator<Item = (f64, f64)>) {
+        self.shapes(&format!("dots l{level}"), shape(level), points);
+    }
+
+    /// One mark of an excitation level, large enough to stand on a line.
+    pub(super) fn mark(&mut self, level: usize, point: (f64, f64)) {
+        if let Some((x, y)) = self.place(point) {
+            let shape = shape(level);
+            let _ = write!(
+                self.marks,
+                "<path class=\"mark l{level}\" transform=\"translate({x:.1} {y:.1}) scale(1.7)\" d=\"M0 0{shape}\"/>"
+            );
+        }
+    }
+
+    /// Dots of samples that a figure shows behind others.
+    pub(super) fn pale_dots(&mut self, points: impl Iterator<Item = (f64, f64)>) {
+        self.shapes("dots solved", shape(0), points);
+    }
+
+    fn shapes(&mut self, class: &str, shape: &str, points: impl Iterator<Item = (f64, f64)>) {
         let mut data = String::new();
         for (x, y) in points.filter_map(|p| self.place(p)) {
-            let _ = write!(data, "M{x:.1} {y:.1}h0");
+            let _ = write!(data, "M{x:.1} {y:.1}{shape}");
         }
-        self.path(&format!("dots {class}"), &data);
+        self.path(class, &data);
+    }
+
+    /// Some marks of an excitation level along a line through the points.
+    pub(super) fn marks_along(&mut self, level: usize, points: &[(f64, f64)]) {
+        let stride = points.len().div_ceil(MARKS_PER_LINE).max(1);
+        // Marks of different levels stand at different places, so that lines that coincide show both.
+        let first = (stride * (level % MARKS_PER_LINE)) / MARKS_PER_LINE;
+        for &point in points.iter().skip(first).step_by(stride) {
+            self.mark(level, point);
+        }
     }
 
     /// Crosses.
@@ -213,16 +254,73 @@ impl Panel {
         }
     }
 
-    /// Words inside the plot area, beginning at a point (`end`: ending there), a little above it.
-    pub(super) fn words(&mut self, class: &str, point: (f64, f64), text: &str) {
-        if let Some((x, y)) = self.place(point) {
-            write_text(
-                &mut self.marks,
-                &format!("words {class}"),
-                (x, y - 4.0),
-                text,
-            );
+    /// Words beside points, moved up or down where they would hide each other, each with a thin line to its point.
+    pub(super) fn labels(&mut self, labels: &[((f64, f64), String)]) {
+        let (width, height) = self.inner();
+        let mut placed: Vec<(f64, f64, &str)> = labels
+            .iter()
+            .filter_map(|(point, text)| {
+                let (x, y) = self.place(*point)?;
+                Some((x, y, text.as_str()))
+            })
+            .collect();
+        placed.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let mut lines = stacked(placed.iter().map(|p| p.1), height);
+        for (x, y, text) in placed {
+            let line = lines.pop_front().unwrap_or(y);
+            let (class, side) = match x < 0.7 * width {
+                true => ("words", 1.0),
+                false => ("words end", -1.0),
+            };
+            let [from, to] = [5.0, 15.0].map(|distance| x + side * distance);
+            self.path("pointer", &format!("M{from:.1} {y:.1}L{to:.1} {line:.1}"));
+            write_text(&mut self.marks, class, (to + 2.0 * side, line + 3.5), text);
         }
+    }
+
+    /// Words that show while the pointer is at `x` within `half_width` (of the axis), over the whole height.
+    pub(super) fn readout_at(&mut self, x: f64, half_width: f64, lines: &[String]) {
+        let ends = [x - half_width, x + half_width].map(|x| self.x.position(x));
+        let [Some(from), Some(to)] = ends else { return };
+        let (width, height) = self.inner();
+        let [from, to] = [from.max(0.0), to.min(1.0)].map(|position| position * width);
+        if from < to {
+            self.readout([from, to], [0.0, height], lines);
+        }
+    }
+
+    /// Words that show while the pointer is on the upright line from `low` to `high` at `x`.
+    pub(super) fn readout_upright(&mut self, x: f64, [low, high]: [f64; 2], lines: &[String]) {
+        if let (Some((x, top)), Some((_, bottom))) = (self.place((x, high)), self.place((x, low))) {
+            let room = 0.5 * REACH;
+            self.readout([x - room, x + room], [top - room, bottom + room], lines);
+        }
+    }
+
+    /// Words that show while the pointer is on the level line from `low` to `high` at `y`.
+    pub(super) fn readout_level(&mut self, y: f64, [low, high]: [f64; 2], lines: &[String]) {
+        if let (Some((left, y)), Some((right, _))) = (self.place((low, y)), self.place((high, y))) {
+            let room = 0.5 * REACH;
+            self.readout([left - room, right + room], [y - room, y + room], lines);
+        }
+    }
+
+    /// The pointer's place is an empty rectangle; the style sheet shows its words while the pointer is there.
+    fn readout(&mut self, [x0, x1]: [f64; 2], [y0, y1]: [f64; 2], lines: &[String]) {
+        let (width, _) = self.inner();
+        let (anchor, at) = match 0.5 * (x0 + x1) < 0.5 * width {
+            true => ("end", width - 4.0),
+            false => ("start", 4.0),
+        };
+        let _ = write!(
+            self.readouts,
+            "<g class=\"readout {anchor}\"><path d=\"M{x0:.1} {y0:.1}H{x1:.1}V{y1:.1}H{x0:.1}Z\"/>"
+        );
+        for (i, line) in lines.iter().enumerate() {
+            let y = LINE * (i + 1) as f64;
+            write_text(&mut self.readouts, "words", (at, y), line);
+        }
+        self.readouts.push_str("</g>");
     }
 
     /// A sentence in the middle of the panel, for when there is nothing to draw.
@@ -230,9 +328,9 @@ impl Panel {
         self.note = Some(text.to_owned());
     }
 
-    /// The panel as SVG inside a page.
+    /// The panel as SVG inside a page, with values that show under the pointer.
     pub(super) fn svg(&self) -> String {
-        self.picture("", "")
+        self.picture("", "", &self.readouts)
     }
 
     /// The panel as a file of its own, in the given style sheet.
@@ -243,11 +341,11 @@ impl Panel {
             2.0 * self.height
         );
         let ground = "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>";
-        self.picture(&attributes, &format!("<style>{style}</style>{ground}"))
+        self.picture(&attributes, &format!("<style>{style}</style>{ground}"), "")
     }
 
     /// Title and axis labels are escaped here.
-    fn picture(&self, attributes: &str, start: &str) -> String {
+    fn picture(&self, attributes: &str, start: &str, readouts: &str) -> String {
         let (width, height) = self.inner();
         let left = self.left;
         let mut svg = format!(
@@ -263,7 +361,7 @@ impl Panel {
         // The inner picture cuts off what leaves the plot area.
         let _ = write!(
             svg,
-            "<svg x=\"{left}\" y=\"{TOP}\" width=\"{width:.0}\" height=\"{height:.0}\">{}</svg>",
+            "<svg x=\"{left}\" y=\"{TOP}\" width=\"{width:.0}\" height=\"{height:.0}\">{}{readouts}</svg>",
             self.marks
         );
         let _ = write!(
@@ -317,28 +415,25 @@ impl Panel {
     }
 }
 
+/// Heights (downwards, ascending) moved apart so that a line of words fits at each, within the picture's height.
+fn stacked(heights: impl Iterator<Item = f64>, height: f64) -> VecDeque<f64> {
+    let mut lines: VecDeque<f64> = VecDeque::new();
+    for wanted in heights {
+        let least = lines.back().map_or(LINE, |last| last + LINE);
+        lines.push_back(wanted.max(least));
+    }
+    let mut most = height - 0.5 * LINE;
+    for line in lines.iter_mut().rev() {
+        *line = line.min(most);
+        most = *line - LINE;
+    }
+    lines
+}
+
 fn write_text(svg: &mut String, class: &str, (x, y): (f64, f64), text: &str) {
     let _ = write!(
         svg,
         "<text class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\">{}</text>",
         HtmlEscape(text)
     );
-}
-
-/// Colour of excitation level `i` of `n`: a ramp from navy over violet to orange, low levels dark.
-/// It runs along blue–red–yellow, which the common colour deficiencies keep apart, and stays readable on white.
-pub(super) fn level_colour(i: usize, n: usize) -> String {
-    const STOPS: [[f64; 3]; 6] = [
-        [16.0, 28.0, 100.0],
-        [28.0, 92.0, 190.0],
-        [118.0, 72.0, 200.0],
-        [186.0, 50.0, 150.0],
-        [222.0, 74.0, 82.0],
-        [242.0, 146.0, 56.0],
-    ];
-    let position = i as f64 / (n.max(2) - 1) as f64 * (STOPS.len() - 1) as f64;
-    let stop = (position as usize).min(STOPS.len() - 2);
-    let share = position - stop as f64;
-    let mix = |c: usize| STOPS[stop][c] + share * (STOPS[stop + 1][c] - STOPS[stop][c]);
-    format!("rgb({:.0} {:.0} {:.0})", mix(0), mix(1), mix(2))
 }

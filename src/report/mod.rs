@@ -14,6 +14,7 @@ pub mod epistemic;
 pub mod error_budget;
 mod figure;
 pub mod judgement;
+mod level_mark;
 pub mod margins;
 mod page;
 pub mod population;

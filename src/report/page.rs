@@ -2,9 +2,10 @@
 
 use super::assessment::Assessment;
 use super::block::Section;
+use super::level_mark::{Ground, colours};
 use super::section::sections;
 use super::summary::Summary;
-use super::view::View;
+use super::view::{View, figure_style};
 use super::{ReportError, ReportInput};
 use minijinja::value::Serde;
 use minijinja::{Environment, context};
@@ -16,18 +17,25 @@ pub(super) fn render(
     assessment: &Assessment,
 ) -> Result<String, ReportError> {
     let view = View::new(input, summary, assessment);
-    page(&summary.provenance.study, &view.style, &sections(&view))
+    let title = &summary.provenance.study;
+    page(title, view.n_levels(), &sections(&view))
 }
 
-/// A page of the given title, style sheet of the figures, and sections.
-pub(super) fn page(title: &str, style: &str, sections: &[Section]) -> Result<String, ReportError> {
+/// A page of the given title and sections, for so many excitation levels.
+pub(super) fn page(
+    title: &str,
+    n_levels: usize,
+    sections: &[Section],
+) -> Result<String, ReportError> {
     let mut environment = Environment::new();
     // The names end in .html, which switches escaping on.
     environment.add_template("report.html", include_str!("look/report.html.j2"))?;
     environment.add_template("block.html", include_str!("look/block.html.j2"))?;
     let page = environment.get_template("report.html")?.render(context! {
         page_style => include_str!("look/page.css"),
-        figure_style => style,
+        figure_style => figure_style(n_levels),
+        dark_style => include_str!("look/dark.css"),
+        dark_levels => colours(n_levels, Ground::Dark),
         study => title,
         sections => Serde(sections),
     })?;

@@ -2,14 +2,14 @@
 
 use super::assessment::Assessment;
 use super::axis::Axis;
-use super::block::{Block, Cell, Figure, Key, Mark};
+use super::block::{Block, Cell, Figure, Key};
 use super::display::{LengthUnit, short};
 use super::epistemic::PointStatistics;
-use super::figure::{Panel, level_colour};
+use super::figure::Panel;
+use super::level_mark::{Ground, colours};
 use super::summary::Summary;
 use super::{ReportInput, usable_peak};
 use crate::ensemble::outcome::{CurvePoint, PeakRecord, SampleOutcome};
-use std::fmt::Write;
 
 /// Dots per level and panel; more are thinned evenly.
 const MAX_DOTS: usize = 1500;
@@ -99,7 +99,7 @@ impl<'a> View<'a> {
 
     /// One key per level.
     pub(super) fn level_keys(&self) -> Vec<Key> {
-        let key = |i: usize| Key::new(Mark::Chip, &format!("l{i}"), self.level_name(i));
+        let key = |i: usize| Key::level(i, self.level_name(i));
         (0..self.n_levels()).map(key).collect()
     }
 
@@ -238,11 +238,7 @@ pub(super) fn level_name(level: f64, unit: &str) -> String {
 
 /// Style sheet of the figures, with a colour for each of so many levels.
 pub(super) fn figure_style(n_levels: usize) -> String {
-    let mut style = include_str!("look/figure.css").to_owned();
-    for i in 0..n_levels {
-        let _ = writeln!(style, ".l{i} {{ --c: {}; }}", level_colour(i, n_levels));
-    }
-    style
+    include_str!("look/figure.css").to_owned() + &colours(n_levels, Ground::White)
 }
 
 /// At most so many points as a panel can show.

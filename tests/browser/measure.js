@@ -1,6 +1,6 @@
 // Measures the page and sends the findings as JSON to the page around it.
 const width = document.documentElement.clientWidth;
-const found = { width, figures: 0, empty: [], outside: [], cut: [], overlapping: [] };
+const found = { width, figures: 0, empty: [], outside: [], cut: [], overlapping: [], scrolling: [] };
 const name = (e) => `${e.tagName}.${e.getAttribute('class') || ''} ${(e.textContent || '').trim().slice(0, 40)}`;
 const box = (e) => e.getBoundingClientRect();
 
@@ -11,6 +11,10 @@ for (const e of document.body.querySelectorAll('*')) {
   if (free && !e.closest('svg svg') && box(e).right > width + 1) found.outside.push(`${name(e)}: ${box(e).right}`);
 }
 if (document.documentElement.scrollWidth > width) found.outside.push(`page: ${document.documentElement.scrollWidth}`);
+
+for (const table of document.querySelectorAll('.scroll > table')) {
+  if (table.parentElement.scrollWidth > table.parentElement.clientWidth) found.scrolling.push(table.getAttribute('aria-label'));
+}
 
 for (const panel of document.querySelectorAll('svg.panel')) {
   found.figures += 1;

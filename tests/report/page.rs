@@ -34,6 +34,13 @@ fn page(input: &ReportInput) -> String {
     page
 }
 
+/// The picture whose download has the given name.
+fn figure<'a>(page: &'a str, name: &str) -> &'a str {
+    let end = page.find(&format!("download=\"{name}.svg\"")).unwrap();
+    let start = page[..end].rfind("<figure>").unwrap();
+    &page[start..end]
+}
+
 /// Counts and the rate with its interval must be in the page.
 /// Seen to fail when the notices skipped statuses without a solution.
 #[test]
@@ -132,12 +139,65 @@ fn bands_are_those_that_the_study_asks_for() {
     assert!(aligned.contains(nested) && !plain.contains(nested));
     let label = "Frequency over resonance frequency</text>";
     assert_eq!(aligned.matches(label).count(), LEVELS.len());
-    assert!(!plain.contains(label) && !deepest.contains(label));
+    for page in [&plain, &deepest] {
+        assert!(!figure(page, "band-0").contains(label));
+    }
     assert!(deepest.contains("is spanned by the deepest curves"));
     let whole = |page: &str| page.matches("Dashed: holds").count();
     // failed samples of the last level are more than a band of 95 % may leave out
     assert_eq!(whole(&plain), LEVELS.len() - 1);
     assert!(whole(&deepest) < whole(&plain), "{} bands", whole(&deepest));
+}
+
+/// Resonances that scatter over many widths of a peak are no band over the frequency: each curve then stands over its own
+/// resonance, whatever the study asks for.
+///
+/// Seen to fail with the window of every level over the frequency.
+#[test]
+fn narrow_peaks_that_scatter_far_stand_over_their_resonance() {
+    let mut study = SyntheticStudy::new(60);
+    for (i, outcome) in study.outcomes.iter_mut().enumerate() {
+        let level = &mut outcome.levels[0];
+        let peak = level.peak.as_mut().unwrap();
+        peak.frequency_hz = 2970.0 * (1.0 + 4e-3 * (i as f64 * 0.618_034).fract());
+        let point = |j: i32| CurvePoint {
+            frequency_hz: peak.frequency_hz * (1.0 + 1e-5 * f64::from(j)),
+            amplitude_m: 1e-7 / (1.0 + (0.1 * f64::from(j)).powi(2)).sqrt(),
+        };
+        level.curve = (-100..=100).map(point).collect();
+    }
+    let page = page(&study.input());
+    assert!(figure(&page, "band-0").contains("Frequency over resonance frequency</text>"));
+    assert!(page.contains("At 0.1 N"), "the levels are named");
+}
+
+/// All levels have the mean stress of the study: their bars stand there and not beside it.
+///
+/// Seen to fail with the levels drawn side by side.
+#[test]
+fn levels_stand_at_their_mean_stress() {
+    let haigh = page(&SyntheticStudy::new(60).input());
+    let haigh = figure(&haigh, "haigh");
+    let starts: Vec<&str> = haigh
+        .split("<path class=\"whisker l")
+        .skip(1)
+        .map(|bar| bar.split(['M', ' ']).nth(2).unwrap())
+        .collect();
+    assert_eq!(starts.len(), LEVELS.len());
+    assert!(starts.iter().all(|x| *x == starts[0]), "{starts:?}");
+}
+
+/// Values show under the pointer in the page; a picture that is saved has none of them.
+///
+/// Seen to fail with the readouts drawn among the marks.
+#[test]
+fn values_show_in_the_page_alone() {
+    let page = page(&SyntheticStudy::new(40).input());
+    assert!(figure(&page, "band-0").contains("class=\"readout"));
+    let saved = page.split("data:image/svg+xml,").skip(1);
+    for link in saved.map(|rest| rest.split('"').next().unwrap()) {
+        assert!(!link.contains("class%3D%22readout") && !link.contains("class=%22readout"));
+    }
 }
 
 /// Identical samples have no spread: axes and bins of width zero. Seen to fail without the widening in `Axis::linear`.

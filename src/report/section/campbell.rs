@@ -2,12 +2,12 @@
 
 use super::super::axis::Axis;
 use super::super::block::{Block, Cell, Figure, Key, Mark, Section, Table};
-use super::super::display::{percent, short};
+use super::super::display::{hertz, percent, short};
 use super::super::figure::{Panel, Size};
 use super::super::margins::OrderMargin;
-use super::super::population::Populations;
+use super::super::population::{Populations, hull};
 use super::super::requirement::{MarginBase, Operation};
-use super::super::view::{Shown, View};
+use super::super::view::View;
 use super::BOUND_FIELDS;
 use super::envelope::{bound_cell, quantile_cell};
 
@@ -19,7 +19,7 @@ pub(super) fn section(view: &View) -> Option<Section> {
     let operation = view.input.record.requirements.operation.as_ref()?;
     let keys = [
         Key::new(Mark::Line, "line order", "engine order"),
-        Key::new(Mark::Line, "rule quantile", "range of speeds"),
+        Key::new(Mark::Band, "speeds", "range of speeds"),
         Key::new(Mark::Line, "rule limit", "speed that is held"),
     ];
     let base = match operation.margin_relative_to {
@@ -32,16 +32,18 @@ pub(super) fn section(view: &View) -> Option<Section> {
          frequencies at all speeds: centrifugal stiffening enters by the study's model only. {}",
         view.assessment.condition
     );
-    let figures = vec![
-        diagram(view, operation, "Campbell diagram", "campbell", None),
-        diagram(
-            view,
-            operation,
-            "Campbell diagram, close-up",
-            "campbell-close",
-            close_up(view),
-        ),
-    ];
+    let overview = Window::overview(view, operation);
+    let mut figures = vec![diagram(
+        view,
+        operation,
+        "Campbell diagram",
+        "campbell",
+        &overview,
+    )];
+    figures.extend(Window::close_up(view, operation).map(|window| {
+        let title = "Campbell diagram, close-up";
+        diagram(view, operation, title, "campbell-close", &window)
+    }));
     Some(Section {
         id: "campbell",
         title: "Campbell diagram".to_owned(),
@@ -83,43 +85,77 @@ fn speeds_in_sight(operation: &Operation, [low, high]: [f64; 2]) -> [f64; 2] {
     [(slow - room).max(0.0), fast + room]
 }
 
-/// Engine orders and scatter bars; over all frequencies from 0, or over `window` (Hz).
+/// What a diagram shows: speeds (1/min) and frequencies (Hz).
+struct Window {
+    speeds: [f64; 2],
+    frequencies: [f64; 2],
+}
+
+impl Window {
+    /// The range of speeds with room, the resonances and the engine orders there.
+    fn overview(view: &View, operation: &Operation) -> Self {
+        let [slow, fast] = operation.speed_rpm;
+        let orders = operation.engine_orders.iter();
+        let excited = orders.flat_map(|&k| [slow, fast].map(|speed| excitation_hz(k, speed)));
+        let bars = (0..view.n_levels()).filter_map(|i| bar(view, i));
+        let resonances = bars.flat_map(|[low, _, high]| [low, high]);
+        let [low, high] = hull(excited.chain(resonances)).unwrap_or([0.0, 1.0]);
+        let room = (0.12 * (high - low)).max(0.02 * high);
+        let aside = (fast - slow).max(0.12 * fast);
+        Self {
+            speeds: [(slow - aside).max(0.0), fast + aside],
+            frequencies: [(low - room).max(0.0), high + room],
+        }
+    }
+
+    /// The resonances' scatter and the crossings close to the range of speeds; absent without a resonance.
+    fn close_up(view: &View, operation: &Operation) -> Option<Self> {
+        let frequencies = close_up(view)?;
+        Some(Self {
+            speeds: speeds_in_sight(operation, frequencies),
+            frequencies,
+        })
+    }
+}
+
+/// Frequency (Hz) of an engine order at a speed (1/min).
+fn excitation_hz(order: u32, speed_rpm: f64) -> f64 {
+    f64::from(order) / 60.0 * speed_rpm
+}
+
+/// Engine orders and scatter bars in a window.
 fn diagram(
     view: &View,
     operation: &Operation,
     title: &str,
     file: &str,
-    window: Option<[f64; 2]>,
+    Window {
+        speeds,
+        frequencies,
+    }: &Window,
 ) -> Figure {
-    let [slow, fast] = operation.speed_rpm;
-    let [low, high] = window.unwrap_or_else(|| {
-        let top = view.all_values(Shown::Frequency).fold(0.0, f64::max);
-        [0.0, 1.2 * top.max(1e-6)]
-    });
-    let speeds = match window {
-        Some(window) => speeds_in_sight(operation, window),
-        None => [0.0, 1.15 * fast],
-    };
     let x = Axis::linear("Speed (1/min)", speeds[0], speeds[1]);
-    let y = Axis::linear("Frequency (Hz)", low, high);
+    let y = Axis::linear("Frequency (Hz)", frequencies[0], frequencies[1]);
     let mut panel = Panel::new(Size::Large, title, x, y);
+    let range = operation
+        .speed_rpm
+        .map(|speed| (speed, frequencies[0], frequencies[1]));
+    panel.band("speeds", &range);
     for i in 0..view.n_levels() {
         if let Some([lower, _, upper]) = bar(view, i) {
             let band = [(speeds[0], lower, upper), (speeds[1], lower, upper)];
             panel.band(&format!("l{i}"), &band);
         }
     }
-    panel.rule("quantile", slow);
-    panel.rule("quantile", fast);
     for speed in &operation.dwell_rpm {
         panel.rule("limit", *speed);
     }
+    let mut labels = Vec::new();
     for &order in &operation.engine_orders {
-        draw_order(&mut panel, order, speeds, [low, high]);
+        labels.extend(draw_order(&mut panel, order, *speeds, *frequencies));
     }
-    if window.is_some() {
-        draw_bars(view, &mut panel, operation, speeds);
-    }
+    draw_bars(view, &mut panel, operation, *speeds);
+    panel.labels(&labels);
     view.note_if_empty(&mut panel);
     let words = view.scatter_in_words("1 %", "99 %");
     let caption = format!(
@@ -128,34 +164,42 @@ fn diagram(
     view.figure(&panel, file, caption)
 }
 
-/// The line of an order with its name where it leaves the picture.
-fn draw_order(panel: &mut Panel, order: u32, [slow, fast]: [f64; 2], [low, high]: [f64; 2]) {
-    let slope = f64::from(order) / 60.0;
+/// The line of an order; its name and the place of it, if the line crosses the window.
+fn draw_order(
+    panel: &mut Panel,
+    order: u32,
+    [slow, fast]: [f64; 2],
+    [low, high]: [f64; 2],
+) -> Option<((f64, f64), String)> {
+    let slope = excitation_hz(order, 1.0);
     let [enters, leaves] = [slow.max(low / slope), fast.min(high / slope)];
     if enters >= leaves {
-        return;
+        return None;
     }
     let ends = [enters, leaves].map(|speed| (speed, slope * speed));
     panel.line("order", ends.into_iter());
-    // The name stands a little inside the edge that the line leaves by.
-    let speed = enters + 0.93 * (leaves - enters);
-    panel.words("end", (speed, slope * speed), &format!("EO {order}"));
+    let speed = enters + 0.12 * (leaves - enters);
+    Some(((speed, slope * speed), format!("EO {order}")))
 }
 
 /// A bar of each level at the speed where an order crosses its middle.
 fn draw_bars(view: &View, panel: &mut Panel, operation: &Operation, speeds: [f64; 2]) {
-    let n = view.n_levels();
-    for i in 0..n {
+    for i in 0..view.n_levels() {
         let Some([low, middle, high]) = bar(view, i) else {
             continue;
         };
-        // Side by side, so that levels with the same scatter can be told apart.
-        let aside = (i as f64 - 0.5 * (n - 1) as f64) * 0.014 * (speeds[1] - speeds[0]);
         for &order in &operation.engine_orders {
-            let speed = 60.0 * middle / f64::from(order);
-            if (speeds[0]..=speeds[1]).contains(&speed) {
-                panel.whisker(&format!("l{i}"), speed + aside, [low, high]);
+            let speed = middle / excitation_hz(order, 1.0);
+            if !(speeds[0]..=speeds[1]).contains(&speed) {
+                continue;
             }
+            panel.whisker(&format!("l{i}"), speed, [low, high]);
+            panel.mark(i, (speed, middle));
+            let words = [
+                format!("{}, EO {order} at {speed:.0}/min", view.level_name(i)),
+                [low, middle, high].map(hertz).join(", ") + " Hz",
+            ];
+            panel.readout_upright(speed, [low, high], &words);
         }
     }
 }

@@ -156,9 +156,16 @@ fn figure(
         let line = points.iter().map(|p| (p.n * aside, p.estimate));
         panel.line(&format!("level l{i}"), line);
         for point in points {
-            if let Some(interval) = point.interval {
-                panel.whisker(&format!("l{i}"), point.n * aside, interval);
-            }
+            panel.mark(i, (point.n * aside, point.estimate));
+            let Some([low, high]) = point.interval else {
+                continue;
+            };
+            panel.whisker(&format!("l{i}"), point.n * aside, [low, high]);
+            let words = [
+                format!("{}, {} samples", view.level_name(i), point.n),
+                [point.estimate, low, high].map(significant).join(", "),
+            ];
+            panel.readout_upright(point.n * aside, [low, high], &words);
         }
     }
     view.note_if_empty(&mut panel);

@@ -95,6 +95,7 @@ fn cdf(view: &View, shown: Shown) -> Figure {
         let kept = corners.into_iter().rev().collect();
         let corners: Vec<_> = thinned(kept).into_iter().rev().collect();
         panel.steps(&format!("level l{i}"), &corners, 0.0);
+        panel.marks_along(i, &corners);
     }
     view.note_if_empty(&mut panel);
     let caption = "Filled: 95 % confidence interval at each value (Clopper and Pearson), failed samples on either side.";

@@ -141,10 +141,8 @@ fn tolerance_cell(bound: &ToleranceBound, show: &dyn Fn(f64) -> String) -> Cell 
             None => "too few samples".to_owned(),
         },
         (_, None) => "failed samples may lie beyond".to_owned(),
-        (order, _) => format!(
-            "value {order} from the end, {}",
-            percent(bound.achieved_confidence)
-        ),
+        // The place in the order and the confidence reached stand in the download.
+        _ => String::new(),
     };
     Cell::number(bound.limit.in_words(show), value)
         .with_raw([Some(bound.order as f64), Some(bound.achieved_confidence)])

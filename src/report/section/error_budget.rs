@@ -23,7 +23,7 @@ pub(super) fn section(view: &View) -> Section {
             Cell::text(line.source).with_class("text strong"),
             Cell::number(frequency, line.frequency_hz),
             Cell::number(amplitude, line.amplitude_relative),
-            Cell::text(&line.basis).with_class("text"),
+            Cell::text(&line.basis).with_class("text wide"),
         ]);
     }
     Section {

@@ -204,15 +204,15 @@ fn failure_map(view: &View) -> Option<Figure> {
     let place = |o: &SampleOutcome| (o.inputs[j], second.map_or(o.index as f64, |k| o.inputs[k]));
     let mut panel = Panel::new(Size::Large, "Where samples failed", view.input_axis(j), y);
     let solved = outcomes.iter().filter(|o| !failed(o)).map(place);
-    panel.dots("solved", thinned(solved.collect()).into_iter());
+    panel.pale_dots(thinned(solved.collect()).into_iter());
     for i in 0..view.n_levels() {
         let lost = outcomes
             .iter()
             .filter(|o| usable_peak(&o.levels[i]).is_none());
-        panel.crosses(&format!("l{i}"), lost.map(place));
+        panel.dots(i, lost.map(place));
     }
-    let caption = "Crosses: samples without a solution, coloured by level; grey: samples solved at every level. Over \
-                   the inputs that separate the two best.";
+    let caption = "Marks of a level: samples without a solution there; grey: samples solved at every level. Over the \
+                   inputs that separate the two best.";
     Some(view.figure(&panel, "failures", caption))
 }
 

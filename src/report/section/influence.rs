@@ -2,7 +2,7 @@
 
 use super::super::axis::Axis;
 use super::super::block::{Block, Cell, Figure, Section, Table};
-use super::super::display::{DASH, from_to, minus_sign};
+use super::super::display::{DASH, from_to, minus_sign, percent, significant};
 use super::super::figure::{Panel, Size};
 use super::super::population::hull;
 use super::super::sensitivity::{IndexResult, InputInfluence};
@@ -102,9 +102,13 @@ fn line(j: usize, i: usize, n: usize) -> f64 {
     -(j as f64) - spread
 }
 
+fn input_name<'a>(view: &'a View, j: usize) -> &'a str {
+    &view.input.record.inputs[j].name
+}
+
 fn input_names(view: &View) -> Vec<String> {
-    let inputs = view.input.record.inputs.iter();
-    inputs.map(|input| input.name.clone()).collect()
+    let inputs = 0..view.input.record.inputs.len();
+    inputs.map(|j| input_name(view, j).to_owned()).collect()
 }
 
 /// What is drawn of an index.
@@ -166,6 +170,13 @@ fn bars(view: &View, shown: Shown) -> Figure {
             }
             panel.level_bar(&format!("l{i}"), y, ends(solid), 0.6 * height);
             panel.level_whisker("plain", y, interval);
+            panel.mark(i, (-0.05, y));
+            let [low, high] = interval.map(percent);
+            let words = [
+                format!("{}, {}", input_name(view, j), view.level_name(i)),
+                format!("{} ({low} … {high})", percent(solid)),
+            ];
+            panel.readout_level(y, [-0.1, 1.1], &words);
         }
     }
     if empty {
@@ -248,9 +259,20 @@ pub(super) struct Leg {
     /// Results at the input's low and high value.
     pub low: f64,
     pub high: f64,
+    /// Confidence intervals of both, where they are estimates from samples.
+    pub intervals: Option<[[f64; 2]; 2]>,
 }
 
-/// A bar per input and level from the result at the low to that at the high value of the input (dot).
+impl Leg {
+    /// Whether the two results differ by more than the uncertainty of their estimates.
+    fn is_distinguishable(&self) -> bool {
+        self.intervals
+            .is_none_or(|[low, high]| low[1] < high[0] || high[1] < low[0])
+    }
+}
+
+/// A bar per input and level from the result at the low to that at the high value of the input (dot), none where the two
+/// cannot be told apart; thin lines for the intervals of estimates.
 pub(super) fn legs(
     view: &View,
     shown: Shown,
@@ -260,15 +282,26 @@ pub(super) fn legs(
 ) -> Panel {
     let n = view.n_levels();
     let ends = legs.iter().flat_map(|leg| [leg.low, leg.high]);
-    let x = Axis::around(view.label(shown), ends);
+    let intervals = legs.iter().filter_map(|leg| leg.intervals).flatten();
+    let x = Axis::around(view.label(shown), ends.chain(intervals.flatten()));
     let size = Size::Rows(names.len() * n.div_ceil(2).max(1));
     let mut panel = Panel::new(size, title, x, Axis::of_names(names.to_vec()));
     for leg in legs {
         let (left, right) = (leg.low.min(leg.high), leg.low.max(leg.high));
         let y = line(leg.row, leg.level, n);
-        let class = format!("l{}", leg.level);
-        panel.level_bar(&format!("total {class}"), y, [left, right], 0.5 / n as f64);
-        panel.dots(&class, [(leg.high, y)].into_iter());
+        let class = format!("total l{}", leg.level);
+        if leg.is_distinguishable() {
+            panel.level_bar(&class, y, [left, right], 0.5 / n as f64);
+        }
+        for interval in leg.intervals.into_iter().flatten() {
+            panel.level_whisker("plain", y, interval);
+        }
+        panel.mark(leg.level, (leg.high, y));
+        let words = [
+            format!("{}, {}", names[leg.row], view.level_name(leg.level)),
+            format!("{} → {}", significant(leg.low), significant(leg.high)),
+        ];
+        panel.readout_level(y, [left, right], &words);
     }
     view.note_if_empty(&mut panel);
     panel
@@ -285,13 +318,20 @@ fn means(view: &View, shown: Shown) -> Figure {
                 Shown::AmplitudePerLevel => (&influence.amplitude_means_m, scale),
             };
             let mean = |k: &ConditionalMean| Some(k.moments?.valid_only.mean * scale);
-            let ends = [means.first(), means.last()].map(|k| k.and_then(mean));
-            if let [Some(low), Some(high)] = ends {
+            let interval = |k: &ConditionalMean| {
+                let mean = k.moments?.mean;
+                Some([mean.lower.value()? * scale, mean.upper.value()? * scale])
+            };
+            let [Some(first), Some(last)] = [means.first(), means.last()] else {
+                continue;
+            };
+            if let (Some(low), Some(high)) = (mean(first), mean(last)) {
                 found.push(Leg {
                     level: i,
                     row,
                     low,
                     high,
+                    intervals: interval(first).zip(interval(last)).map(<[_; 2]>::from),
                 });
             }
         }
@@ -299,7 +339,8 @@ fn means(view: &View, shown: Shown) -> Figure {
     let title = format!("Mean {}, low to high input", shown.word());
     let panel = legs(view, shown, &input_names(view), title, &found);
     let caption = "From the fifth of the samples with the lowest values of the input to the fifth with the highest (dot), \
-                   each the mean over all other inputs.";
+                   each the mean over all other inputs. Thin lines: 95 % confidence intervals of the means; no bar where \
+                   the two overlap: there the samples show no change.";
     view.figure(&panel, format!("means-{}", shown.word()), caption)
 }
 
@@ -345,7 +386,7 @@ fn scatter(view: &View, j: usize, shown: Shown) -> Figure {
     for i in 0..view.n_levels() {
         let inputs = view.peaks(i).map(|(o, _)| o.inputs[j]);
         let points = inputs.zip(view.values(shown, i)).collect();
-        panel.dots(&format!("l{i}"), thinned(points).into_iter());
+        panel.dots(i, thinned(points).into_iter());
     }
     view.note_if_empty(&mut panel);
     view.figure(&panel, format!("{}-over-input-{j}", shown.word()), "")

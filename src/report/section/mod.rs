@@ -37,6 +37,7 @@ const BOUND_FIELDS: [&[&str]; 2] = [
 mod audit;
 mod campbell;
 mod convergence;
+mod curve_bands;
 mod distribution;
 mod envelope;
 mod epistemic;
@@ -46,6 +47,7 @@ mod influence;
 mod one_at_a_time;
 mod performance;
 mod response;
+mod response_frame;
 mod stress;
 mod surrogate;
 mod verdict;

@@ -46,6 +46,7 @@ fn figure(view: &View, results: &OneAtATime, shown: Shown) -> Figure {
                     row,
                     low,
                     high,
+                    intervals: None,
                 });
             }
         }

@@ -2,9 +2,9 @@
 
 use super::super::axis::Axis;
 use super::super::block::{Block, Cell, Figure, Key, Mark, Section, Table};
-use super::super::display::{percent, significant, with_digits};
+use super::super::display::{DASH, percent, significant, with_digits};
 use super::super::figure::{Panel, Size};
-use super::super::margins::{Reserve, factor};
+use super::super::margins::{Reserve, allowable_mpa, factor};
 use super::super::population::{Exceeded, Populations};
 use super::super::requirement::Stress;
 use super::super::view::View;
@@ -56,7 +56,7 @@ fn scatter(view: &View, i: usize, of: impl Fn(f64) -> f64) -> Option<[f64; 3]> {
     Populations::of(view.input, i, |peak| of(peak.amplitude_m)).scatter([0.05, 0.95])
 }
 
-/// Alternating over mean stress, with the scatter of each level beside the mean stress.
+/// Alternating over mean stress, with the scatter of each level at the mean stress.
 fn haigh(view: &View, stress: &Stress) -> Figure {
     let applied = |amplitude_m: f64| amplitude_m * UM_PER_M * stress.modal_stress_mpa_per_um;
     let bound = |i: usize| view.assessment.levels[i].amplitude_bound_m.value();
@@ -72,22 +72,34 @@ fn haigh(view: &View, stress: &Stress) -> Figure {
     let mut panel = Panel::new(Size::Large, "Haigh diagram", x, y);
     let line = [(0.0, stress.endurance_limit_mpa), (ultimate, 0.0)];
     panel.line("allowable", line.into_iter());
-    let n = view.n_levels();
-    for i in 0..n {
-        let aside = (i as f64 - 0.5 * (n - 1) as f64) * 0.022 * ultimate;
-        let mean = (stress.mean_stress_mpa + aside).max(0.0);
-        if let Some([low, middle, high]) = scatter(view, i, applied) {
-            panel.whisker(&format!("l{i}"), mean, [low, high]);
-            panel.dots(&format!("l{i}"), [(mean, middle)].into_iter());
-        }
-        panel.crosses(
-            &format!("l{i}"),
-            bound(i).map(|b| (mean, applied(b))).into_iter(),
-        );
+    let mean = stress.mean_stress_mpa;
+    let mut labels = Vec::new();
+    for i in 0..view.n_levels() {
+        let bound = bound(i).map(applied);
+        panel.crosses(&format!("l{i}"), bound.map(|b| (mean, b)).into_iter());
+        let Some([low, middle, high]) = scatter(view, i, applied) else {
+            continue;
+        };
+        panel.whisker(&format!("l{i}"), mean, [low, high]);
+        panel.mark(i, (mean, middle));
+        labels.push(((mean, middle), view.level_name(i)));
+        let numbers = [low, middle, high].map(significant).join(", ");
+        let bound = bound.map_or_else(|| DASH.to_owned(), significant);
+        let words = [
+            format!("{}: {numbers} MPa", view.level_name(i)),
+            format!("bound {bound} MPa"),
+        ];
+        panel.readout_upright(mean, [low, high], &words);
     }
+    let allowable = allowable_mpa(stress);
+    labels.push((
+        (mean, allowable),
+        format!("allowable {} MPa", significant(allowable)),
+    ));
+    panel.labels(&labels);
     view.note_if_empty(&mut panel);
     let caption = format!(
-        "Bars: {}, by level; all levels have the same mean stress and are drawn side by side.",
+        "Bars: {}, all at the mean stress of the study.",
         view.scatter_in_words("5 %", "95 %")
     );
     view.figure(&panel, "haigh", caption)
@@ -120,7 +132,12 @@ fn reserves(view: &View, stress: &Stress) -> Figure {
         let y = -(i as f64);
         if let Some([low, middle, high]) = scatter {
             panel.level_whisker(&format!("l{i}"), y, [low, high]);
-            panel.dots(&format!("l{i}"), [(middle, y)].into_iter());
+            panel.mark(i, (middle, y));
+            let words = [
+                view.level_name(i),
+                [low, middle, high].map(significant).join(", "),
+            ];
+            panel.readout_level(y, [low, high], &words);
         }
         panel.crosses(&format!("l{i}"), bound.map(|b| (b, y)).into_iter());
     }
