@@ -109,7 +109,7 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
 fn pressure_field(inputs: &PressureInputs) -> Option<String> {
     let (modes, share) = (inputs.modes_per_interface(), inputs.variance_share);
     let text = format!(
-        "{modes} modes per interface hold {:.0} % of the variance",
+        "{modes} modes per interface hold {:.0} % of the variance and are scaled to all of it",
         100.0 * share
     );
     (modes > 0).then_some(text)

@@ -5,10 +5,13 @@
 //! Pressure of a rigid flat punch: p(s) = p̄ / (π √(1/4 − s²)) over the contact width, s from −1/2 to 1/2, infinite at
 //! both edges with a finite load (Johnson 1985, Contact Mechanics, sec. 2.8). A node carries the integral over its part of the width.
 //!
-//! Random field: the deviation of a node's load from its nominal one, relative to this, is a Gaussian field δ with standard
-//! deviation σ and correlation exp(−d²/2ℓ²) at the distance d, independent on the two interfaces, expanded in its first modes (Karhunen & Loève; nodes weighed by their area, Ghanem & Spanos 1991, sec. 2.3):
-//! δ = σ Σ_k √λ_k φ_k ξ_k with independent standard normal ξ_k. The mean over an interface is taken out, so that every
-//! sample has the same load on both; what the modes left out would add is left out.
+//! Random field: the deviation of a node's load from its nominal one, relative to this, is a Gaussian field δ of mean 0,
+//! independent on the two interfaces. Its covariance is that of a field with correlation exp(−d²/2ℓ²) at the distance d
+//! from which the mean over the interface was taken, so that every sample has the same load on both:
+//! C′ = (I − 1wᵀ) C (I − w1ᵀ), with w the nominal shares of the interface's load. It is expanded in its first modes (Karhunen & Loève;
+//! nodes weighed by w, Ghanem & Spanos 1991, sec. 2.3), δ = σ Σ_k √(λ_k/Λ) φ_k ξ_k with independent standard normal ξ_k
+//! and Λ the sum of the λ_k kept: the mean variance Σ_i w_i var δ_i is σ², whatever the mean took and the modes left out.
+//! The variance of a single node is above σ² at the ends of the interface and below it in the middle.
 
 use super::TwoBladeSettings;
 use super::components::{ContactNode, Layout};
@@ -22,7 +25,8 @@ use faer::Mat;
 #[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressureField {
-    /// σ: standard deviation of the load of a node over its nominal one.
+    /// σ: standard deviation of the load of a node over its nominal one; its square is the mean variance over the
+    /// interface, weighed by load.
     pub standard_deviation: f64,
     /// ℓ (mm).
     pub correlation_length_mm: f64,
@@ -42,7 +46,8 @@ pub struct PressureInputs {
     punch: Option<Vec<f64>>,
     /// What ξ_k = 1 adds to these shares: first all modes of interface 0, then those of interface 1. Shape: modes × pairs.
     modes: Vec<Vec<f64>>,
-    /// Share of the field's variance, averaged over the area, that the modes hold.
+    /// Share of the mean variance that the modes hold before they are scaled to the whole of it: how much of the
+    /// field's shape they have. The lower of both interfaces.
     pub variance_share: f64,
 }
 
@@ -59,13 +64,7 @@ impl PressureInputs {
         let layout = Layout::new(settings);
         let nodes = layout.contact_nodes();
         let area: Vec<f64> = nodes.iter().map(|node| node.area).collect();
-        // blade 2 has the mirror image of these nodes, in the same order
-        let nominal = match &settings.pressure_weights {
-            Some(weights) => weights.clone(),
-            None => area.repeat(2),
-        };
-        let total: f64 = nominal.iter().sum();
-        let nominal: Vec<f64> = nominal.iter().map(|share| share / total).collect();
+        let nominal = nominal_shares(settings, &nodes);
         let punch = edge.then(|| {
             let pressure = layout.punch_deviation().into_iter().map(|d| 1.0 + d);
             let punch: Vec<f64> = area.iter().zip(pressure).map(|(a, p)| a * p).collect();
@@ -82,21 +81,20 @@ impl PressureInputs {
                 ..Self::default()
             });
         };
-        let (deviations, variance_share) = field.deviations(&nodes)?;
-        let mode = |interface: usize, deviation: &[f64]| {
-            let pairs = interface * area.len()..(interface + 1) * area.len();
-            let own = &nominal[pairs.clone()];
-            let mean = weighted_mean(deviation, own);
-            let mut shares = vec![0.0; nominal.len()];
-            for ((share, own), d) in shares[pairs].iter_mut().zip(own).zip(deviation) {
-                *share = own * (d - mean);
-            }
-            shares
-        };
-        let modes = (0..2).flat_map(|interface| deviations.iter().map(move |d| (interface, d)));
+        let mut modes = Vec::new();
+        let mut variance_share = 1.0f64;
+        for (interface, own) in nominal.chunks(nodes.len()).enumerate() {
+            let (deviations, held) = field.share_deviations(&nodes, own)?;
+            variance_share = variance_share.min(held);
+            modes.extend(deviations.into_iter().map(|deviation| {
+                let mut shares = vec![0.0; nominal.len()];
+                shares[interface * nodes.len()..][..nodes.len()].copy_from_slice(&deviation);
+                shares
+            }));
+        }
         Ok(Self {
             punch,
-            modes: modes.map(|(interface, d)| mode(interface, d)).collect(),
+            modes,
             variance_share,
         })
     }
@@ -132,6 +130,21 @@ impl PressureInputs {
     }
 }
 
+/// Share of every contact pair in the load: that of the settings, else by area.
+fn nominal_shares(settings: &TwoBladeSettings, nodes: &[ContactNode]) -> Vec<f64> {
+    // blade 2 has the mirror image of these nodes, in the same order
+    let nominal = match &settings.pressure_weights {
+        Some(weights) => weights.clone(),
+        None => nodes
+            .iter()
+            .map(|node| node.area)
+            .collect::<Vec<_>>()
+            .repeat(2),
+    };
+    let total: f64 = nominal.iter().sum();
+    nominal.iter().map(|share| share / total).collect()
+}
+
 impl PressureField {
     /// Modes per interface at most.
     pub const MOST_MODES: usize = 8;
@@ -146,54 +159,73 @@ impl PressureField {
         let small = self.standard_deviation <= 0.3;
         BadSetting::unless(small, "standard_deviation", self.standard_deviation, rule)?;
         positive("correlation_length_mm", self.correlation_length_mm)?;
-        let most = Self::MOST_MODES.min(nodes);
+        // one less than nodes: the mean is none
+        let most = Self::MOST_MODES.min(nodes - 1);
         let rule = format!("must be from 1 to {most}");
         let holds = (1..=most).contains(&self.modes);
         BadSetting::unless(holds, "modes", self.modes, &rule)
     }
 
-    /// σ √λ_k φ_k at the nodes of one interface, and the share of the variance that these hold.
-    fn deviations(&self, nodes: &[ContactNode]) -> Result<(Vec<Vec<f64>>, f64), LinalgError> {
+    /// w_i σ √(λ_k/Λ) φ_k,i at the nodes i of one interface with the load shares W w_i, times W, and the share of the mean
+    /// variance that these modes hold; all 0 on an interface without load.
+    ///
+    /// With v_k the eigenvectors of √w C′ √w it is φ_k = v_k/√w, so that no node is divided by.
+    fn share_deviations(
+        &self,
+        nodes: &[ContactNode],
+        shares: &[f64],
+    ) -> Result<(Vec<Vec<f64>>, f64), LinalgError> {
         let n = nodes.len();
-        let length = mm_to_m(self.correlation_length_mm);
-        let total: f64 = nodes.iter().map(|node| node.area).sum();
-        let root: Vec<f64> = nodes
-            .iter()
-            .map(|node| (node.area / total).sqrt())
-            .collect();
-        let covariance = Mat::from_fn(n, n, |i, j| {
-            let (dx, dy) = (nodes[i].x - nodes[j].x, nodes[i].y - nodes[j].y);
-            let correlation = (-0.5 * (dx * dx + dy * dy) / (length * length)).exp();
-            root[i] * correlation * root[j]
-        });
-        let (values, vectors) = symmetric_eigen(covariance.as_ref())?;
+        let total: f64 = shares.iter().sum();
+        if total == 0.0 {
+            return Ok((vec![vec![0.0; n]; self.modes], 1.0));
+        }
+        let root: Vec<f64> = shares.iter().map(|share| (share / total).sqrt()).collect();
+        let covariance = self.centred_correlation(nodes, &root);
+        let weighed = Mat::from_fn(n, n, |i, j| root[i] * covariance[(i, j)] * root[j]);
+        let (values, vectors) = symmetric_eigen(weighed.as_ref())?;
         let largest_first: Vec<usize> = (0..n).rev().take(self.modes).collect();
-        let held: f64 = largest_first.iter().map(|&k| values[k]).sum();
+        let positive = |k: usize| values[k].max(0.0);
+        let held: f64 = largest_first.iter().map(|&k| positive(k)).sum();
+        let all: f64 = (0..n).map(positive).sum();
+        if held == 0.0 {
+            // a single loaded node: its load is that of the interface
+            return Ok((vec![vec![0.0; n]; self.modes], 1.0));
+        }
         let modes = largest_first.iter().map(|&k| {
-            let scale = self.standard_deviation * values[k].max(0.0).sqrt();
+            let scale = total * self.standard_deviation * (positive(k) / held).sqrt();
             // an eigenvector has no sign of its own
             let sum: f64 = (0..n).map(|i| (i + 1) as f64 * vectors[(i, k)]).sum();
             let sign = if sum < 0.0 { -1.0 } else { 1.0 };
-            (0..n)
-                .map(|i| sign * scale * vectors[(i, k)] / root[i])
-                .collect()
+            let at = |i: usize| sign * scale * root[i] * vectors[(i, k)];
+            (0..n).map(at).collect()
         });
-        Ok((modes.collect(), held / values.iter().sum::<f64>()))
+        Ok((modes.collect(), held / all))
     }
-}
 
-/// Mean of the values; 0 where all weights are.
-fn weighted_mean(values: &[f64], weights: &[f64]) -> f64 {
-    let sum: f64 = values.iter().zip(weights).map(|(x, w)| x * w).sum();
-    match weights.iter().sum::<f64>() {
-        0.0 => 0.0,
-        weight => sum / weight,
+    /// (I − 1wᵀ) C (I − w1ᵀ) with the correlation C and w the squares of `root`, which add up to 1.
+    fn centred_correlation(&self, nodes: &[ContactNode], root: &[f64]) -> Mat<f64> {
+        let n = nodes.len();
+        let length = mm_to_m(self.correlation_length_mm);
+        let correlation = |i: usize, j: usize| {
+            let (dx, dy) = (nodes[i].x - nodes[j].x, nodes[i].y - nodes[j].y);
+            (-0.5 * (dx * dx + dy * dy) / (length * length)).exp()
+        };
+        let weighed = |j: usize| root[j] * root[j];
+        let with_mean = |i: usize| (0..n).map(|j| weighed(j) * correlation(i, j)).sum();
+        let with_mean: Vec<f64> = (0..n).map(with_mean).collect();
+        let of_mean: f64 = (0..n).map(|i| weighed(i) * with_mean[i]).sum();
+        Mat::from_fn(n, n, |i, j| {
+            correlation(i, j) - with_mean[i] - with_mean[j] + of_mean
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
     use std::f64::consts::PI;
 
     fn rig(modes: usize) -> (TwoBladeSettings, PressureField) {
@@ -205,14 +237,15 @@ mod tests {
         (TwoBladeSettings::default(), field)
     }
 
-    /// The pressure's covariance, from all modes of one interface, is σ² exp(−d²/2ℓ²) less the mean: by its own formula.
+    /// The pressure's covariance, from all modes of one interface, is that of exp(−d²/2ℓ²) less the mean, by its own
+    /// formula, scaled to the mean variance σ².
     ///
     /// Seen to fail with the areas left out of the eigenproblem.
     #[test]
     fn all_modes_give_the_covariance() {
         let (settings, mut field) = rig(1);
         let nodes = Layout::new(&settings).contact_nodes();
-        field.modes = nodes.len();
+        field.modes = nodes.len() - 1;
         let inputs = PressureInputs::new(&settings, false, Some(&field)).unwrap();
         assert!((inputs.variance_share - 1.0).abs() < 1e-12);
         let n = nodes.len();
@@ -220,20 +253,71 @@ mod tests {
         let w: Vec<f64> = nodes.iter().map(|node| node.area / total).collect();
         let c = |i: usize, j: usize| {
             let d2 = (nodes[i].x - nodes[j].x).powi(2) + (nodes[i].y - nodes[j].y).powi(2);
-            0.01 * (-0.5 * d2 / 0.008_f64.powi(2)).exp()
+            (-0.5 * d2 / 0.008_f64.powi(2)).exp()
         };
         let row_mean = |i: usize| (0..n).map(|j| w[j] * c(i, j)).sum::<f64>();
         let mean: f64 = (0..n).map(|i| w[i] * row_mean(i)).sum();
+        let centred = |i: usize, j: usize| c(i, j) - row_mean(i) - row_mean(j) + mean;
+        let scale = 0.01 / (0..n).map(|i| w[i] * centred(i, i)).sum::<f64>();
         for (i, j) in [(0, 0), (0, 1), (3, 7), (14, 14), (2, 12)] {
             let relative = |mode: &Vec<f64>, i: usize| mode[i] / (0.5 * w[i]);
             let found: f64 = (inputs.modes.iter())
                 .map(|mode| relative(mode, i) * relative(mode, j))
                 .sum();
-            let expected = c(i, j) - row_mean(i) - row_mean(j) + mean;
+            let expected = scale * centred(i, j);
             assert!(
                 (found - expected).abs() < 1e-12,
                 "{i} {j}: {found}, not {expected}"
             );
+        }
+    }
+
+    /// Samples of the field have the stated standard deviation on each interface, weighed by the load, for correlation
+    /// lengths from a cell to many times the interface, one mode or many, and for loads of the user's own. With 0.083, 77 to
+    /// 81 % of the load is then within a tenth of the nominal pressure.
+    ///
+    /// Seen to fail with the modes not scaled to the whole variance.
+    #[test]
+    fn samples_have_the_stated_standard_deviation() {
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let normal = rand_distr::StandardNormal;
+        let weights: Vec<f64> = (0..30).map(|i| f64::from(i % 4)).collect();
+        for pressure_weights in [None, Some(weights)] {
+            for (correlation_length_mm, modes) in [(1.0, 8), (8.0, 4), (8.0, 1), (500.0, 2)] {
+                let (mut settings, mut field) = rig(modes);
+                settings.pressure_weights = pressure_weights.clone();
+                field.correlation_length_mm = correlation_length_mm;
+                let inputs = PressureInputs::new(&settings, false, Some(&field)).unwrap();
+                let nominal = nominal_shares(&settings, &Layout::new(&settings).contact_nodes());
+                let mut variance = [0.0; 2];
+                let mut within = 0.0;
+                let n = 4000;
+                for _ in 0..n {
+                    let mut share = vec![0.0; nominal.len()];
+                    for mode in &inputs.modes {
+                        let xi: f64 = random.sample(normal);
+                        share.iter_mut().zip(mode).for_each(|(s, m)| *s += xi * m);
+                    }
+                    for (pair, (s, w)) in share.iter().zip(&nominal).enumerate() {
+                        let whole: f64 = nominal.chunks(15).nth(pair / 15).unwrap().iter().sum();
+                        if *w > 0.0 {
+                            variance[pair / 15] += s * s / (w * whole) / f64::from(n);
+                            let tenth = (s / w).abs() < 0.1 * field.standard_deviation / 0.083;
+                            within += w * f64::from(u8::from(tenth)) / f64::from(n);
+                        }
+                    }
+                }
+                println!("{correlation_length_mm} mm, {modes} modes: {within:.3} within a tenth");
+                assert!(within > 0.75 && within < 0.83, "{within}");
+                for v in variance {
+                    let ratio = v.sqrt() / field.standard_deviation;
+                    // the most that a single mode may scatter: 4 standard errors of √(χ²/n)
+                    assert!(
+                        (ratio - 1.0).abs() < 4.0 / (2.0 * f64::from(n)).sqrt(),
+                        "{correlation_length_mm} mm, {modes} modes: {ratio}"
+                    );
+                }
+            }
         }
     }
 
@@ -284,8 +368,8 @@ mod tests {
         let inputs = PressureInputs::new(&settings, true, Some(&field)).unwrap();
         for shares in &inputs.modes {
             assert!(shares.iter().sum::<f64>().abs() < 1e-14, "{shares:?}");
-            let loaded = |(s, w): (&f64, &f64)| s.abs() <= 0.5 * w / 20.0;
-            assert!(shares.iter().zip(&weights).all(loaded), "{shares:?}");
+            let unloaded = |(s, w): (&f64, &f64)| *w > 0.0 || *s == 0.0;
+            assert!(shares.iter().zip(&weights).all(unloaded), "{shares:?}");
         }
         let punch = inputs.punch.unwrap();
         assert!((punch.iter().sum::<f64>() - 1.0).abs() < 1e-14, "{punch:?}");
