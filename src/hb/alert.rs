@@ -1,10 +1,9 @@
 //! Error alert: how much would the harmonics left out change the amplitude?
 //!
-//! The solution is padded with zeros onto two larger harmonic sets and corrected by one Newton step on each. This is the
-//! idea of the Jacobian Alert Algorithm of Gastaldi & Berruti 2017, more cautious: the changes of the amplitude do not
-//! fall from set to set (the strip's resonances lie on some harmonics and not on others), so that one small change
-//! proves nothing. Nor does one step always see what larger sets bring: where what it says is not far from the threshold, a
-//! solve on the largest set decides.
+//! The solution is repeated with twice its harmonics, and [`CAUTION`] times the change of the amplitude is the error stated.
+//! One Newton step onto them, as in the Jacobian Alert Algorithm of Gastaldi & Berruti 2017, is no substitute: it misses what a
+//! resonance of the strip adds and alarms too much where the strip lifts off far. It is the first iteration of that solve,
+//! and decides alone where it asks for many more harmonics.
 
 use super::balance::Balance;
 use super::newton::{Condition, Iterate, Point, WorkCount, newton_step, solve};
@@ -15,20 +14,21 @@ use super::status::Status;
 use crate::aft::AftSettings;
 use crate::harmonics::HarmonicSet;
 use std::cell::OnceCell;
+use std::collections::BTreeSet;
 
-/// Larger sets that the alert looks at.
-const LOOKS: usize = 2;
+/// The error stated over the change of the amplitude by twice the harmonics: these leave out the ones beyond, whose part is
+/// at most as large where the error falls at least as the inverse of the harmonics.
+pub const CAUTION: f64 = 2.0;
 
-/// The error over the way that the amplitude goes from set to set, and over its change by a solve. `cargo bench --bench
-/// peaks -- certified` tells how often that is too little.
-const CAUTION: f64 = 2.0;
+/// Errors by one Newton step, over the threshold, from which more harmonics are needed whatever a solve would say.
+const LOUD: f64 = 4.0;
 
-/// Errors by Newton steps on all sets looked at, over the threshold, that leave open whether the true one is below it.
-const OPEN: [f64; 2] = [0.2, 2.0];
+/// Errors fall at least as this power of the highest harmonic: for the choice of the next set alone.
+const DECAY: f64 = 2.0;
 
-/// The next larger set: about 1.6 times the highest harmonic, without gaps.
+/// The next larger set: 1.4 times the highest harmonic, so that twice the harmonics are two sets on, without gaps.
 fn enlarged(highest: usize) -> usize {
-    (highest + (highest * 3).div_ceil(5)).max(highest + 2)
+    (7 * highest).div_ceil(5)
 }
 
 /// Time points that keep the sampling error of `harmonics` below the truncation error: at least 12 per period of the
@@ -74,18 +74,22 @@ pub struct AlertSets<'s, 'p> {
     problem: &'p Problem<'p>,
     settings: &'s HbSettings,
     alert: AlertSettings,
-    /// Smallest first; on the last, beyond the highest harmonic allowed, errors are estimated only.
+    /// Highest harmonics of the sets that a solution may have, up to the highest one allowed.
+    rungs: BTreeSet<usize>,
+    /// These sets and those with twice their harmonics, by the highest harmonic.
     sets: Vec<(HarmonicSet, OnceCell<Balance<'p>>)>,
 }
 
-/// What a solution would become with more harmonics.
+/// What a solution becomes with twice its harmonics.
 #[derive(Debug)]
 pub struct Outlook {
-    /// Cautious estimate of the relative error of |ŷ|.
+    /// Stated relative error of |ŷ|; infinite where nothing was found on twice the harmonics.
     pub error: f64,
-    /// Where one Newton step, or the solve, leads on each larger set, the next one first.
-    pub steps: Vec<Point>,
-    /// Work of the steps and the solve.
+    /// Whether a solve says so, not one Newton step.
+    pub decided: bool,
+    /// Where the step or the solve leads on twice the harmonics.
+    pub point: Point,
+    /// Work spent.
     pub count: WorkCount,
 }
 
@@ -98,18 +102,21 @@ impl<'s, 'p> AlertSets<'s, 'p> {
         settings: &'s HbSettings,
     ) -> Option<Self> {
         let alert = settings.alert?;
-        let mut sets = vec![first.clone()];
         let mut highest = first.highest();
+        let mut rungs = BTreeSet::from([highest]);
         while highest < alert.highest_harmonic {
             highest = enlarged(highest).min(alert.highest_harmonic);
-            sets.push(HarmonicSet::up_to(highest));
+            rungs.insert(highest);
         }
-        sets.push(HarmonicSet::up_to(enlarged(highest)));
+        let sizes: BTreeSet<usize> = rungs.iter().flat_map(|&rung| [rung, 2 * rung]).collect();
+        let larger = sizes.into_iter().skip(1).map(HarmonicSet::up_to);
+        let sets = [first.clone()].into_iter().chain(larger);
         Some(Self {
             problem,
             settings,
             alert,
-            sets: sets.into_iter().map(|set| (set, OnceCell::new())).collect(),
+            rungs,
+            sets: sets.map(|set| (set, OnceCell::new())).collect(),
         })
     }
 
@@ -120,37 +127,44 @@ impl<'s, 'p> AlertSets<'s, 'p> {
         balance.get_or_init(|| on(self.problem, set.clone(), self.settings))
     }
 
-    /// Sets on which a solution of set `i` may be repeated, largest first: the change to the next one alone is seldom worth
-    /// a solve.
-    pub fn above(&self, i: usize) -> impl Iterator<Item = usize> {
-        let last = (i + LOOKS).min(self.sets.len() - 2);
-        (i + 1..=last).rev()
+    fn highest(&self, i: usize) -> usize {
+        self.sets[i].0.highest()
     }
 
-    /// The outlook of `solution` on set `i`, with Newton steps under `condition`.
+    /// The set with twice the harmonics of set `i`, if that is one that a solution may have.
+    #[must_use]
+    pub fn twice(&self, i: usize) -> usize {
+        let wanted = 2 * self.highest(i);
+        self.sets.partition_point(|(set, _)| set.highest() < wanted)
+    }
+
+    /// Sets up to twice the harmonics on which a solution of set `i` with this error may be repeated, the one first that
+    /// should do, then larger and at last smaller ones.
+    #[must_use]
+    pub fn above(&self, i: usize, error: f64) -> Vec<usize> {
+        let allowed = |j: &usize| self.rungs.contains(&self.highest(*j));
+        let sets: Vec<usize> = (i + 1..=self.twice(i)).filter(allowed).collect();
+        let growth = (error / self.alert.threshold).powf(1.0 / DECAY);
+        let wanted = growth * self.highest(i) as f64;
+        let enough = |&j: &usize| self.highest(j) as f64 >= wanted;
+        let first = (sets.iter().position(enough)).unwrap_or(sets.len().saturating_sub(1));
+        let (smaller, larger) = sets.split_at(first);
+        larger.iter().chain(smaller.iter().rev()).copied().collect()
+    }
+
+    /// The outlook of `solution` on set `i`, with steps under `condition`: by a solve, unless one Newton step asks for more
+    /// harmonics and there are some.
     #[must_use]
     pub fn outlook(&self, i: usize, solution: &Iterate<'_>, condition: Condition<'_>) -> Outlook {
-        let sets = i + 1..self.sets.len().min(i + 1 + LOOKS);
-        let looks: Vec<(f64, Point)> = sets
-            .map(|to| step_on(self.balance(i), solution, self.balance(to), condition))
-            .collect();
-        let (mut way, mut last) = (0.0, 0.0);
-        for (change, _) in &looks {
-            way += (change - last).abs();
-            last = *change;
-        }
-        Outlook {
-            error: CAUTION * way,
-            count: WorkCount {
-                iterations: looks.len(),
-                factorizations: looks.len(),
-            },
-            steps: looks.into_iter().map(|(_, point)| point).collect(),
+        let look = self.look(i, solution, condition);
+        let loud = look.error > LOUD * self.alert.threshold;
+        match loud && !self.above(i, look.error).is_empty() {
+            true => look,
+            false => self.decided(i, solution, look, condition),
         }
     }
 
-    /// The `outlook` of `solution` on set `i` with its error by a solve on the largest of its sets, where the steps leave
-    /// open what the alert should say.
+    /// The `outlook` of `solution` on set `i` with its error by a solve.
     #[must_use]
     pub fn decided(
         &self,
@@ -159,24 +173,39 @@ impl<'s, 'p> AlertSets<'s, 'p> {
         mut outlook: Outlook,
         condition: Condition<'_>,
     ) -> Outlook {
-        let [low, high] = OPEN.map(|share| share * self.alert.threshold);
-        let looks = outlook.steps.len();
-        // a single look may see nothing by chance
-        let low = if looks < LOOKS { 0.0 } else { low };
-        let (to, open) = (i + looks, (low..=high).contains(&outlook.error));
-        if let Some(step) = outlook.steps.last_mut().filter(|_| open) {
-            let larger = self.balance(to);
-            let solved = solve(larger, step.clone(), condition, self.settings.newton);
-            // without a solution there, the worst of what was open
-            outlook.error = high;
-            if let Ok(solved) = outlook.count.tally(solved) {
-                let amplitude = solution.response(self.balance(i)).norm();
-                let change = solved.response(larger).norm() / amplitude - 1.0;
-                outlook.error = CAUTION * change.abs();
-                *step = solved.point;
-            }
+        if outlook.decided {
+            return outlook;
+        }
+        let (from, to) = (self.balance(i), self.balance(self.twice(i)));
+        let starts = [outlook.point.clone(), pad(from, &solution.point, to)];
+        let solved = starts.into_iter().find_map(|start| {
+            let solved = solve(to, start, condition, self.settings.newton);
+            outlook.count.tally(solved).ok()
+        });
+        outlook.decided = true;
+        outlook.error = f64::INFINITY;
+        if let Some(solved) = solved {
+            let ratio = solved.response(to).norm() / solution.response(from).norm();
+            outlook.error = CAUTION * (ratio - 1.0).abs();
+            outlook.point = solved.point;
         }
         outlook
+    }
+
+    /// One Newton step from `solution` on set `i` onto twice its harmonics.
+    fn look(&self, i: usize, solution: &Iterate<'_>, condition: Condition<'_>) -> Outlook {
+        let twice = self.balance(self.twice(i));
+        let (change, point) = step_on(self.balance(i), solution, twice, condition);
+        let error = CAUTION * change.abs();
+        Outlook {
+            error: if error.is_nan() { f64::INFINITY } else { error },
+            decided: false,
+            point,
+            count: WorkCount {
+                iterations: 1,
+                factorizations: 1,
+            },
+        }
     }
 
     /// Whether an estimated error is no alarm.
@@ -185,13 +214,13 @@ impl<'s, 'p> AlertSets<'s, 'p> {
         error <= self.alert.threshold
     }
 
-    /// The solution with its estimated error.
+    /// The solution with its stated error, if that is known.
     #[must_use]
     pub fn judged(&self, mut solution: Solution, error: f64) -> Solution {
         if solution.status == Status::Converged && !self.is_silent(error) {
             solution.status = Status::TruncationAboveThreshold;
         }
-        solution.truncation_error = Some(error);
+        solution.truncation_error = Some(error).filter(|error| error.is_finite());
         solution
     }
 }

@@ -74,7 +74,9 @@ pub fn over_band(
         let Some(sets) = &sets else {
             return solution;
         };
-        let outlook = sets.outlook(0, iterate, Condition::FixedFrequency);
+        let fixed = Condition::FixedFrequency;
+        let outlook = sets.outlook(0, iterate, fixed);
+        let outlook = sets.decided(0, iterate, outlook, fixed);
         sets.judged(solution, outlook.error)
     };
     let ladder = Ladder::new(problem, settings);

@@ -73,15 +73,13 @@ pub fn refined<'p>(
         let phasor = response / response.norm();
         let condition = kept.condition(phasor);
         let outlook = sets.outlook(at, iterate, condition);
-        let outlook = sets.decided(at, iterate, outlook, condition);
-        count += outlook.count;
+        let twice = sets.balance(sets.twice(at));
+        let starts = [(twice, &outlook.point), (balance, &iterate.point)];
         let mut raised = |to: usize| {
             let larger = sets.balance(to);
-            let corrected = outlook.steps[to - at - 1].clone();
-            let padded = pad(balance, &iterate.point, larger);
-            [corrected, padded].into_iter().find_map(|point| {
+            starts.into_iter().find_map(|(from, point)| {
                 let start = PeakPrediction {
-                    point,
+                    point: pad(from, point, larger),
                     phasor,
                     sharpness: *sharpness,
                 };
@@ -91,12 +89,16 @@ pub fn refined<'p>(
         };
         let next = match sets.is_silent(outlook.error) {
             true => None,
-            false => sets.above(at).find_map(&mut raised),
+            false => (sets.above(at, outlook.error).into_iter()).find_map(&mut raised),
         };
-        match next {
-            Some(larger) => (at, found) = larger,
-            None => return sets.judged(found.solution(balance, count), outlook.error),
+        if let Some(larger) = next {
+            count += outlook.count;
+            (at, found) = larger;
+            continue;
         }
+        let outlook = sets.decided(at, iterate, outlook, condition);
+        count += outlook.count;
+        return sets.judged(found.solution(balance, count), outlook.error);
     }
 }
 

@@ -46,7 +46,7 @@ const LARGEST_TABLE: usize = 1 << 23;
 /// When harmonics are added.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AlertSettings {
-    /// Largest truncation error accepted, relative to the amplitude.
+    /// Largest stated truncation error that certifies a solution, relative to the amplitude.
     pub threshold: f64,
     /// Harmonics are raised up to this order, not beyond.
     pub highest_harmonic: usize,
@@ -56,7 +56,7 @@ impl Default for AlertSettings {
     fn default() -> Self {
         Self {
             threshold: 0.01,
-            highest_harmonic: 21,
+            highest_harmonic: 56,
         }
     }
 }

@@ -54,7 +54,8 @@ pub struct Solution {
     pub flight_fraction: f64,
     /// Energy balance.
     pub work: CycleWork,
-    /// Cautious estimate of the relative change of the amplitude by the harmonics left out.
+    /// Stated error of the amplitude by the harmonics left out: relative, not below the change by twice the harmonics
+    /// ([`super::alert`]). `None` without an alert, or where no solution was found with twice the harmonics.
     pub truncation_error: Option<f64>,
     /// Sharpness of a peak (see [`super::peak::Located`]).
     pub sharpness: Option<f64>,

@@ -4,10 +4,10 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
-    /// Converged, truncation error below the threshold (or not asked for).
+    /// Converged, stated truncation error not above the threshold (or not asked for).
     Converged,
-    /// Converged, but the truncation error is above the threshold at the highest harmonic allowed, or on which the peak
-    /// could be located.
+    /// Converged, but the stated truncation error is above the threshold, or not known, and the solution has no more
+    /// harmonics: the study allows none, or it was not found with more.
     TruncationAboveThreshold,
     /// Converged, but the contacts bounce: a period-1 response is not to be trusted.
     BouncingContact,
@@ -69,19 +69,17 @@ impl Status {
     pub fn explanation(self) -> &'static str {
         match self {
             Self::Converged => {
-                "the balance equations hold and the truncation error is below the threshold"
+                "the balance equations hold and the truncation error is not above the threshold: more harmonics would change the amplitude by less"
             }
             Self::TruncationAboveThreshold => {
-                "the balance equations hold, but the threshold needs more harmonics than allowed or than the peak could be located on"
+                "the balance equations hold, but with this many harmonics the amplitude is not certified: its truncation error is above the threshold, or not known because no solution was found with twice the harmonics; raise highest_harmonic of the alert if that is the highest harmonic of the sample"
             }
             Self::BouncingContact => {
                 "the balance equations hold, but the strip bounces and a response with the period of the excitation is not to be trusted"
             }
             Self::MaxIterations => "Newton's method did not converge from any start that was tried",
             Self::StepTooSmall => "the continuation could not go on with the smallest step",
-            Self::BudgetSpent => {
-                "the search took more Newton iterations than solver.budget allows"
-            }
+            Self::BudgetSpent => "the search took more Newton iterations than solver.budget allows",
             Self::NonFinite => "a number overflowed or was undefined",
             Self::NoPeakInBand => {
                 "the amplitude has no maximum inside the frequency band of the study"

@@ -133,7 +133,7 @@ fn harmonics(record: &RunRecord, summary: &Summary) -> ErrorLine {
         frequency_hz: None,
         amplitude_relative: largest(summary.levels.iter().map(q95)),
         basis: match record.provenance.truncation_threshold {
-            Some(_) => "95 % quantile of the alert's estimate: twice the way of the amplitude over two larger harmonic sets, or its change by a solve on the larger",
+            Some(_) => "95 % quantile of the error that the alert states: twice the change of the amplitude with twice the harmonics",
             None => "the error alert is off",
         }
         .to_owned(),

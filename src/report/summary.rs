@@ -73,7 +73,7 @@ pub struct LevelSummary {
     /// points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub replicate_means: Option<ReplicateMeans>,
-    /// Cautious estimate of the relative change of the amplitude by the harmonics left out.
+    /// Stated relative error of the amplitude by the harmonics left out.
     pub truncation_error: Distribution,
     /// Number of solutions per highest harmonic.
     pub highest_harmonics: BTreeMap<usize, usize>,

@@ -201,7 +201,10 @@ fn bad_values_name_line_key_and_rule() {
             (
                 "time_points = 128",
                 "alert = { highest_harmonic = 1000000000 }",
-                &[":34: solver.alert.highest_harmonic = 1000000000: ", "from 1 to 200"],
+                &[
+                    ":34: solver.alert.highest_harmonic = 1000000000: ",
+                    "from 1 to 200",
+                ],
             ),
             (
                 "harmonics = 5",
@@ -211,7 +214,10 @@ fn bad_values_name_line_key_and_rule() {
             (
                 "time_points = 128",
                 "time_points = 65536\nalert = { highest_harmonic = 200 }",
-                &[":34: solver.time_points = 65536: times the highest", "8388608"],
+                &[
+                    ":34: solver.time_points = 65536: times the highest",
+                    "8388608",
+                ],
             ),
             (
                 "[100, 200]",

@@ -5,6 +5,7 @@
     reason = "functions shared by tests fail like tests"
 )]
 
+mod alert;
 mod closed_form;
 mod compliance;
 mod curve;

@@ -229,7 +229,7 @@ fn truncation(view: &View) -> Option<Figure> {
     let threshold = view.input.record.provenance.truncation_threshold;
     let edges = bins.iter().flat_map(|b| [b.lower, b.upper]);
     let edges = edges.map(|e| 10f64.powf(e)).chain(threshold);
-    let x = Axis::around("Estimated relative truncation error", edges);
+    let x = Axis::around("Stated relative truncation error", edges);
     let y = Axis::linear("Solutions, all levels", 0.0, 1.08 * highest as f64);
     let mut panel = Panel::new(Size::Large, "Harmonics left out", x, y);
     let bar = |b: &crate::statistics::Bin| {
@@ -240,8 +240,8 @@ fn truncation(view: &View) -> Option<Figure> {
     if let Some(threshold) = threshold {
         panel.rule("limit", threshold);
     }
-    let caption = "Cautious estimate of the relative change of the amplitude by the harmonics left out; red: threshold above which \
-                   harmonics are added.";
+    let caption = "Stated error of the amplitude by the harmonics left out: twice its relative change when the peak is solved \
+                   for with twice the harmonics; red: threshold, above which harmonics are added.";
     Some(view.figure(&panel, "truncation", caption))
 }
 
