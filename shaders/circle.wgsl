@@ -1,6 +1,6 @@
-// Steady cycle of the circle law, the twin of the searches in aft/circle.rs and aft/located_circle.rs: one thread per
-// state. Newton's method on the end tractions of a lap finds it; where it does not within a few laps, or finds one that
-// is not unique, the state counts as an overflow and the processor decides. `lap_from` is that of the kind of events.
+// Steady cycle of the circle law, the twin of the search in aft/steady.rs: one thread per state. Newton's method on the
+// end tractions of a lap finds it; where it does not within a few laps, or finds one that is not unique, the state
+// counts as an overflow and the processor decides. `lap_from` is that of the kind of events.
 
 const MAX_LAPS: u32 = 40u;
 
@@ -149,14 +149,15 @@ fn circle_march(@builtin(global_invocation_id) id: vec3<u32>) {
         }
         if failed || singular {
             last = real(-1.0);
-            start += change;
+            start = lap.end;
         } else {
             last = now;
             newton = true;
             start += distance;
         }
     }
-    let decided = (LAPS > 0u || (settled && !(newton && rests))) && !overflows;
+    let unique = !(newton && (rests || from_anchor));
+    let decided = (LAPS > 0u || (settled && unique)) && !overflows;
     atomicStore(&flags[state], select(MOVED | OVERFLOW, MOVED, decided));
     let slot = atomicAdd(&n_moving, 1u);
     slots[state] = slot;

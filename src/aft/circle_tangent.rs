@@ -5,8 +5,9 @@
 //! dT = (L/|T*|) p pᵀ dT* + mu k_n e b_i with e = T*/|T*| and p normal to e, and adds one rank-1 product.
 
 use super::batch::Block;
-use super::circle::{Cycle, lane2, solve_identity_minus};
+use super::circle::{Cycle, lane2};
 use super::march::slip_monodromy;
+use super::steady::{Hold, Origin, is_singular, size, solve_identity_minus};
 use super::tangent::{RANK, SegmentScratch, View, add_masked_gram, add_products, add_scaled};
 use crate::contact::Real;
 use crate::contact::law::{CircleStep, anchored_at_closing, circle_step};
@@ -47,16 +48,21 @@ pub(super) fn circle_tangent<T: Real>(
     let size = view.plan.m * view.plan.m;
     let p = view.parameters();
     scratch.clear(view);
-    let from_anchor = cycle.from_anchor[view.lane];
-    let laps = if from_anchor {
-        scratch.slider = p.anchor;
-        cycle.laps[view.lane]
-    } else {
-        scratch.slider = lane2(&cycle.start, view.lane);
-        2
+    let origin = cycle.origin[view.lane];
+    scratch.slider = match origin {
+        Origin::Anchor => p.anchor,
+        Origin::Itself | Origin::Held(_) => lane2(&cycle.start, view.lane),
+    };
+    let laps = match origin {
+        Origin::Anchor => cycle.laps[view.lane],
+        Origin::Itself => 2,
+        Origin::Held(hold) => {
+            scratch.hold(view, &hold);
+            1
+        }
     };
     for lap in 1..=laps {
-        if lap == 2 && !from_anchor {
+        if lap == 2 && origin == Origin::Itself {
             scratch.close_cycle();
             scratch.slider = lane2(&cycle.start, view.lane);
         }
@@ -64,7 +70,7 @@ pub(super) fn circle_tangent<T: Real>(
             segments: &mut *segments,
             out: &mut *out,
         });
-        scratch.lap(view, from_anchor && lap == 1, target);
+        scratch.lap(view, origin == Origin::Anchor && lap == 1, target);
     }
     segments.contact_spectrum(view);
     let nn = &mut out[Block::NN as usize * size..][..size];
@@ -88,9 +94,30 @@ impl<T: Real> CircleScratch<T> {
     /// Start derivative of the periodic slider from the end derivative of a lap with a fixed start: (I − M)⁻¹ B.
     #[inline(always)]
     fn close_cycle(&mut self) {
+        if is_singular(self.monodromy) {
+            // no steady cycle was found
+            return;
+        }
         let [first, second] = &mut self.by;
         for (a, b) in first.iter_mut().zip(second) {
             [*a, *b] = solve_identity_minus(self.monodromy, [*a, *b]);
+        }
+    }
+
+    /// Derivative of a slider that two samples hold: the excess |s − k_t w| − L of both stays 0.
+    #[inline(always)]
+    fn hold(&mut self, view: View<T>, hold: &Hold<usize, T>) {
+        let (m, p) = (view.plan.m, view.parameters());
+        for (k, (&i, e)) in hold.instants.iter().zip(hold.directions).enumerate() {
+            let excess = [0, 1].map(|j| if j == k { T::ONE } else { T::ZERO });
+            let row = view.plan.row(i);
+            let moved = hold.moved(excess).unwrap_or_default();
+            for (by, moved) in self.by.iter_mut().zip(moved) {
+                for c in 0..2 {
+                    add_scaled(&mut by[c * m..][..m], moved * e[c] * p.k_t[c], row);
+                }
+                add_scaled(&mut by[2 * m..], -(moved * p.mu * p.k_n), row);
+            }
         }
     }
 
@@ -169,7 +196,7 @@ impl<T: Real> CircleScratch<T> {
     #[inline(always)]
     fn slip(&mut self, view: View<T>, i: usize, step: &CircleStep<T>) {
         let (m, p, row) = (view.plan.m, view.parameters(), view.plan.row(i));
-        let length = super::circle::size(step.trial);
+        let length = size(step.trial);
         let e = [step.trial[0] / length, step.trial[1] / length];
         let [first, second] = &mut self.slip;
         for (((s0, s1), b0), b1) in first

@@ -8,9 +8,13 @@ use super::march::{Components, LANES, Lane, Workspace};
 use super::plan::AftPlan;
 use super::roots::{crossing_share, linear_share, turn_share, zero};
 use super::slip::{HalfAngle, SlipStep, dot, normal};
+use super::steady::{Hold, Touch, hold, tops};
 use crate::contact::ContactParameters;
 use crate::contact::Real;
 use std::f64::consts::TAU;
+
+/// Newton steps to where the traction of a resting slider is largest over its limit.
+const TOP_STEPS: usize = 3;
 
 /// The signals at one phase.
 #[derive(Debug, Clone, Copy)]
@@ -69,6 +73,12 @@ impl<T: Real> Node<T> {
     pub(super) fn turning(&self, by: &SlipStep<T>) -> T {
         let limit_rate = T::from_f64(0.5) * self.limit_rate;
         dot(by.path, self.rate) + dot(by.rate, self.bend) + by.limit * limit_rate + by.length
+    }
+
+    /// Traction of a resting slider over its limit.
+    fn touch(&self, slider: [T; 2]) -> Touch<T, T> {
+        let t = [self.path[0] - slider[0], self.path[1] - slider[1]];
+        Touch::of(self.theta, t, self.limit)
     }
 
     /// Square of the traction over its limit (N²), with its rate and curvature.
@@ -241,6 +251,31 @@ impl<T: Real> Course<'_, T> {
             [node.sliding(e), node.sliding_rate(e, turning), T::ZERO]
         });
         self.instant(theta, row)
+    }
+
+    /// The point towards which the slider creeps, from where it is.
+    #[inline(never)]
+    pub(super) fn held(&self, slider: [T; 2]) -> Option<Hold<T, T>> {
+        let step = T::from_f64(TAU / self.plan.n_time() as f64);
+        let near = |theta: T, slider: [T; 2]| {
+            let mut row = Vec::new();
+            let mut node = self.instant(theta, &mut row);
+            for _ in 0..TOP_STEPS {
+                let [_, rate, bend] = node.excess(slider);
+                let way = -(rate / bend);
+                if bend < T::ZERO && way.abs() <= step {
+                    node = self.instant(node.theta + way, &mut row);
+                }
+            }
+            node.touch(slider)
+        };
+        let peaks = |slider| {
+            let tops = tops(self.plan.n_time(), |i| self.nodes[i].touch(slider).excess);
+            tops.into_iter()
+                .map(|i| near(self.phase(i), slider))
+                .collect()
+        };
+        hold(slider, self.work.tolerance[self.lane], near, peaks)
     }
 
     /// Matrix of the slip from `here` to `next`.

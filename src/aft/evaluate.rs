@@ -9,6 +9,7 @@ use super::march::{LANES, Workspace};
 use super::motions::Event;
 use super::plan::AftPlan;
 use super::settings::Laps;
+use super::steady::{Origin, size};
 use super::tangent::{SegmentScratch, View, box_tangent};
 use crate::contact::{Events, FrictionLaw, Real};
 use pulp::{Simd, WithSimd};
@@ -200,11 +201,11 @@ fn march_box<T: Real>(
             }
         }),
         periodicity: [Periodicity::NotPeriodic; LANES],
-        from_anchor: [true; LANES],
+        origin: [Origin::Anchor; LANES],
         stuck,
     };
     for l in 0..LANES {
-        let change = circle::size([0, 1].map(|d| z[d][l] - start[d][l]));
+        let change = size([0, 1].map(|d| z[d][l] - start[d][l]));
         if change <= work.tolerance[l] {
             cycle.periodicity[l] = box_periodicity(work, &cycle, l);
         }

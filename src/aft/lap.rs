@@ -39,7 +39,7 @@ pub(super) struct Lap<T> {
     pub slip: u32,
     /// Whether anything moved the slider.
     pub moved: bool,
-    /// Longest way of the slider in one slip (N).
+    /// Longest way of the slider in one slip (N); infinite where the contact opens.
     pub way: T,
     pub rows: Rows<T>,
     /// Basis rows at the last event and at the one that is looked for.
@@ -112,6 +112,7 @@ impl<'a, S: Simd, T: Real> Walk<'a, S, T> {
         // Without friction the slider always is where the surface is.
         let smooth = self.course.p.mu == T::ZERO;
         if smooth {
+            self.lap.way = T::from_f64(f64::INFINITY);
             let contact = n - self.course.work.separated[self.course.lane].to_f64() as usize;
             (self.lap.moved, self.lap.slip) = (true, contact as u32);
             return self.rest(Motion::Stick(slider), true);
@@ -121,7 +122,7 @@ impl<'a, S: Simd, T: Real> Walk<'a, S, T> {
         for (k, point) in points.iter().enumerate() {
             let end = points.get(k + 1).map(|p| p.theta);
             if point.open {
-                self.lap.moved = true;
+                (self.lap.moved, self.lap.way) = (true, T::from_f64(f64::INFINITY));
                 if let Some(theta) = end {
                     (here, motion) = self.close(theta);
                 }

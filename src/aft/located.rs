@@ -9,11 +9,11 @@
 
 use super::batch::{AftBatch, AftForces, Block, Periodicity, StateSummary, Tangent, Want};
 use super::breakpoints::{Breakpoint, Intervals, Signals, basis_row, first_sample_from, rate};
-use super::circle;
 use super::march::Workspace;
 use super::motions::Motion;
 use super::plan::AftPlan;
 use super::settings::Laps;
+use super::steady::size;
 use super::tangent::{
     add_masked_gram, add_masked_product, add_scaled, clear, subtract_product, sums_of_run,
 };
@@ -424,7 +424,7 @@ impl<T: Real> LaneScratch<T> {
             Laps::Fixed(n) => n,
             Laps::Periodic => 2,
         };
-        let change = circle::size(plays.map(|play| play.change));
+        let change = size(plays.map(|play| play.change));
         let periodicity = if change > at.work.tolerance[at.lane] {
             Periodicity::NotPeriodic
         } else if plays.iter().all(|play| play.forgets) {

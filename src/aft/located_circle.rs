@@ -1,21 +1,21 @@
 //! Circle law with located events: forces, tangents and summaries of a group of states.
 //!
-//! Newton's method on the two start tractions of the slider finds the steady cycle, as in [`super::circle`]; where it is
-//! not unique, plain laps from the anchor decide. The normal force is exact, as in [`super::located`].
+//! [`super::steady`] searches for the steady cycle; with tangents, a lap of the cycle that it found carries the
+//! derivatives, so that the forces are the same with and without. The normal force is exact, as in [`super::located`].
 
 use super::batch::{AftForces, Block, Periodicity, StateSummary, Tangent, Want};
 use super::breakpoints::Intervals;
-use super::circle::{
-    MAX_LAPS, NEWTON_LAPS, Search, classify, is_singular, size, solve_identity_minus,
-};
 use super::course::{Course, Node};
 use super::lap::{Lap, Walk};
 use super::located::{LaneScratch, Place};
 use super::march::{LANES, Lane, Workspace};
-use super::plan::AftPlan;
-use super::sensitivity::{Base, Blocks, Rows};
+use super::plan::{AftPlan, CHUNK};
+use super::sensitivity::{Base, Basis, Blocks, Mix, Rows, add_mix};
 use super::settings::Laps;
 use super::slip::SlipStep;
+use super::steady::{
+    Hold, LapEnd, Next, Origin, Search, classify, is_singular, solve_identity_minus,
+};
 use crate::contact::{ContactParameters, Real};
 use pulp::Simd;
 use std::f64::consts::TAU;
@@ -35,37 +35,28 @@ pub(super) struct LocatedCircle<T> {
     forces: Vec<T>,
 }
 
-/// Search for the steady cycle of one state, lap by lap.
+/// Steady cycle of one state, lap by lap.
 #[derive(Debug, Clone, Copy)]
 struct Cycle<T> {
     stage: Stage<T>,
     /// Slider k_t w (N) at the start of the next lap.
     next: [T; 2],
-    /// The same of the last lap of the cycle.
-    start: [T; 2],
     laps: u32,
     periodicity: Periodicity,
-    /// Whether the derivative is that of plain laps from the anchor, not that of the steady cycle.
-    from_anchor: bool,
+    origin: Origin<T, T>,
     stuck: bool,
     /// Whether the last Newton step was so small that the next lap should be the last one, which fills the tangent.
     near: bool,
 }
 
-/// What a lap is for; numbers count the laps of a stage from 1.
+/// What a lap is for.
 #[derive(Debug, Clone, Copy)]
 enum Stage<T> {
     First,
-    /// As many laps as the settings ask for.
+    /// The lap of this number, of as many as the settings ask for.
     Fixed(u32),
-    Newton(Search<T>),
-    /// Plain laps from the anchor.
-    Plain(u32),
-    /// Newton's method from where they creep.
-    Held(u32),
-    /// The cycle once more.
-    Repeat,
-    /// Derivatives.
+    Search(Search<T, T>),
+    /// Derivatives: the lap of this number.
     Tangent(u32),
     Done,
 }
@@ -146,6 +137,9 @@ impl<T: Real> LocatedCircle<T> {
                 self.lap.rows.start(plan, full);
                 if full {
                     self.blocks.start(plan);
+                    if let (Origin::Held(hold), false) = (cycle.origin, cycle.near) {
+                        hold_slider(course, &hold, &mut self.lap.rows);
+                    }
                 }
             }
             let walk = Walk {
@@ -155,10 +149,10 @@ impl<T: Real> LocatedCircle<T> {
                 target: cycle.is_last().then_some(&mut self.blocks),
             };
             let end = walk.go(cycle.next);
-            cycle.advance(course, &mut self.lap, end, tangents);
+            cycle.advance(course, &self.lap, end, tangents);
         }
         if tangents && !cycle.stuck {
-            if !cycle.from_anchor {
+            if cycle.origin == Origin::Itself {
                 close_cycle(plan, &mut self.lap.rows, &mut self.blocks);
             }
             self.blocks
@@ -204,10 +198,39 @@ impl<T: Real> LocatedCircle<T> {
     }
 }
 
+/// Rows of a slider that two instants hold: the excess |s − z| − L of both stays 0, and so does its slope.
+fn hold_slider<T: Real>(course: Course<T>, hold: &Hold<T, T>, rows: &mut Rows<T>) {
+    let base = Base {
+        plan: course.plan,
+        p: course.p,
+    };
+    for slider in &mut rows.slider {
+        slider.fill([T::ZERO; CHUNK]);
+    }
+    let mut row = Vec::new();
+    for (k, (&theta, e)) in hold.instants.iter().zip(hold.directions).enumerate() {
+        let excess = [0, 1].map(|j| if j == k { T::ONE } else { T::ZERO });
+        let moved = hold.moved(excess).unwrap_or_default();
+        course.instant(theta, &mut row);
+        for (slider, moved) in rows.slider.iter_mut().zip(moved) {
+            let mix = Mix {
+                path: e.map(|e| moved * e),
+                limit: -moved,
+                ..Mix::NONE
+            };
+            add_mix(base, slider, Basis::Event(&row), mix);
+        }
+    }
+}
+
 /// Adds what the periodic slider contributes to the blocks: its start derivative is (I − M)⁻¹ times its end derivative
 /// for a fixed start.
 fn close_cycle<T: Real>(plan: &AftPlan<T>, rows: &mut Rows<T>, blocks: &mut Blocks<T>) {
     let m = rows.monodromy();
+    if is_singular(m) {
+        // no steady cycle was found
+        return;
+    }
     let [first, second] = &mut rows.slider;
     let pairs = first
         .as_flattened_mut()
@@ -221,14 +244,12 @@ fn close_cycle<T: Real>(plan: &AftPlan<T>, rows: &mut Rows<T>, blocks: &mut Bloc
 
 impl<T: Real> Cycle<T> {
     fn new(p: &ContactParameters<T>) -> Self {
-        let start = anchor(p);
         Self {
             stage: Stage::First,
-            next: start,
-            start,
+            next: anchor(p),
             laps: 1,
             periodicity: Periodicity::DependsOnAnchor,
-            from_anchor: true,
+            origin: Origin::Anchor,
             stuck: false,
             near: false,
         }
@@ -246,61 +267,41 @@ impl<T: Real> Cycle<T> {
 
     /// Whether the next lap fills the tangent.
     fn is_last(&self) -> bool {
-        let laps = if self.from_anchor { self.laps } else { 1 };
+        let laps = match self.origin {
+            Origin::Anchor => self.laps,
+            Origin::Itself | Origin::Held(_) => 1,
+        };
         self.near || matches!(self.stage, Stage::Tangent(number) if number == laps)
     }
 
     /// Takes the end of a lap and decides on the next one.
     #[inline(never)]
-    fn advance(&mut self, course: Course<T>, lap: &mut Lap<T>, end: [T; 2], tangents: bool) {
-        let change = [end[0] - self.next[0], end[1] - self.next[1]];
-        let m = lap.rows.monodromy();
-        let tolerance = course.work.tolerance[course.lane];
-        let periodic = size(change) <= tolerance;
+    fn advance(&mut self, course: Course<T>, lap: &Lap<T>, end: [T; 2], tangents: bool) {
+        let took = LapEnd {
+            start: self.next,
+            end,
+            monodromy: lap.rows.monodromy(),
+            way: lap.way,
+            tolerance: course.work.tolerance[course.lane],
+        };
         match self.stage {
             Stage::First => {
                 self.stuck = !lap.moved;
+                self.next = end;
                 self.stage = match course.plan.settings.laps {
                     _ if self.stuck => Stage::Done,
-                    Laps::Fixed(1) => self.fixed(course.p, 1, periodic, m, tangents),
+                    Laps::Fixed(1) => self.fixed(course.p, took, 1, tangents),
                     Laps::Fixed(_) => Stage::Fixed(2),
-                    Laps::Periodic => Stage::Newton(Search::default()),
+                    Laps::Periodic => Stage::Search(Search::new(end)),
                 };
-                if !matches!(self.stage, Stage::Tangent(_)) {
-                    self.next = end;
-                }
             }
             Stage::Fixed(number) => match course.plan.settings.laps {
                 Laps::Fixed(n) if number as usize >= n => {
-                    self.stage = self.fixed(course.p, number, periodic, m, tangents);
+                    self.stage = self.fixed(course.p, took, number, tangents);
                 }
                 _ => (self.stage, self.next) = (Stage::Fixed(number + 1), end),
             },
-            Stage::Newton(search) => self.newton(search, course, lap, change, tangents),
-            Stage::Plain(number) if number > 1 && periodic => {
-                (self.start, self.laps, self.from_anchor) = (self.next, number, true);
-                self.periodicity = Periodicity::DependsOnAnchor;
-                self.stage = self.finish(course.p, tangents);
-            }
-            Stage::Plain(number) if number < MAX_LAPS => {
-                (self.stage, self.next) = (Stage::Plain(number + 1), end);
-            }
-            Stage::Plain(_) => (self.stage, self.next) = (Stage::Held(1), end),
-            Stage::Held(number) => {
-                let lost = is_singular(m) || number > NEWTON_LAPS;
-                let step = solve_identity_minus(m, change);
-                if !lost && size(step) <= tolerance {
-                    (self.start, self.from_anchor) = (self.next, false);
-                    self.periodicity = Periodicity::DependsOnAnchor;
-                    self.stage = self.finish(course.p, tangents);
-                } else if lost {
-                    (self.stage, self.next) = (Stage::Repeat, self.start);
-                } else {
-                    self.next = [self.next[0] + step[0], self.next[1] + step[1]];
-                    self.stage = Stage::Held(number + 1);
-                }
-            }
-            Stage::Repeat => self.stage = self.finish(course.p, tangents),
+            Stage::Search(search) => self.search(search, course, took, tangents),
             Stage::Tangent(_) if self.is_last() => self.stage = Stage::Done,
             Stage::Tangent(number) => {
                 (self.stage, self.next) = (Stage::Tangent(number + 1), end);
@@ -313,60 +314,55 @@ impl<T: Real> Cycle<T> {
     fn fixed(
         &mut self,
         p: &ContactParameters<T>,
+        took: LapEnd<T>,
         laps: u32,
-        periodic: bool,
-        m: [T; 4],
         tangents: bool,
     ) -> Stage<T> {
-        (self.start, self.laps) = (self.next, laps);
-        self.periodicity = classify(periodic, m);
-        self.finish(p, tangents)
+        self.laps = laps;
+        self.periodicity = classify(took.closes(), took.monodromy);
+        self.finish(p, took.start, tangents)
     }
 
-    /// The stage after the cycle was found.
-    fn finish(&mut self, p: &ContactParameters<T>, tangents: bool) -> Stage<T> {
-        self.next = if self.from_anchor {
-            anchor(p)
-        } else {
-            self.start
-        };
-        if tangents {
-            Stage::Tangent(1)
-        } else {
-            Stage::Done
+    /// The stage after the cycle from `start` was found.
+    fn finish(&mut self, p: &ContactParameters<T>, start: [T; 2], tangents: bool) -> Stage<T> {
+        if !tangents {
+            return Stage::Done;
         }
+        self.next = match self.origin {
+            Origin::Anchor => anchor(p),
+            Origin::Itself | Origin::Held(_) => start,
+        };
+        Stage::Tangent(1)
     }
 
-    /// A lap of Newton's method, which changed the slider by `change`.
-    fn newton(
+    /// A lap of the search.
+    fn search(
         &mut self,
-        mut search: Search<T>,
+        mut search: Search<T, T>,
         course: Course<T>,
-        lap: &Lap<T>,
-        change: [T; 2],
+        took: LapEnd<T>,
         tangents: bool,
     ) {
-        let m = lap.rows.monodromy();
-        let tolerance = course.work.tolerance[course.lane];
-        self.laps += 1;
-        if !search.settled(change, m, tolerance) && self.laps < MAX_LAPS {
-            let step = search.step(change, m, self.laps);
-            self.next = [self.next[0] + step[0], self.next[1] + step[1]];
-            self.stage = Stage::Newton(search);
-            self.near = tangents && size(step) * T::EPSILON.sqrt() <= tolerance;
-            return;
-        }
-        self.start = self.next;
-        self.periodicity = classify(size(change) <= tolerance, m);
-        self.from_anchor = is_singular(m);
-        let near = std::mem::take(&mut self.near);
-        let rests = lap.way * T::EPSILON.sqrt() <= tolerance;
-        if search.newton && rests {
-            (self.stage, self.next) = (Stage::Plain(1), anchor(course.p));
-        } else if near && !self.from_anchor {
-            self.stage = Stage::Done;
-        } else {
-            self.stage = self.finish(course.p, tangents);
+        let filled = std::mem::take(&mut self.near);
+        let next = search.take(took, |slider| course.held(slider));
+        self.laps = search.laps;
+        self.stage = Stage::Search(search);
+        match next {
+            Next::Plain => self.next = took.end,
+            Next::From(slider) => {
+                self.next = slider;
+                let small = |step: T| step * T::EPSILON.sqrt() <= took.tolerance;
+                self.near = tangents && search.step.is_some_and(small);
+            }
+            Next::Nothing => {
+                (self.origin, self.periodicity) = (search.origin, search.periodicity);
+                let done = filled && self.origin == Origin::Itself;
+                self.stage = if done {
+                    Stage::Done
+                } else {
+                    self.finish(course.p, took.start, tangents)
+                };
+            }
         }
     }
 

@@ -129,8 +129,8 @@ pub(super) struct LapCount<T> {
     pub upper: [Lane<T>; 2],
     /// See `upper`.
     pub lower: [Lane<T>; 2],
-    /// Largest 1 − L/|T*|: how far the contact slips at most (circle law only).
-    pub overshoot: Lane<T>,
+    /// Square of the largest |T*| − L, by which a sample moves the slider (N², circle law only).
+    pub way: Lane<T>,
 }
 
 /// Buffers of one group of lanes.
@@ -441,7 +441,9 @@ impl<T: Real> Workspace<T> {
                 [w[0][l], w[1][l]] = step.slider;
                 let contact = s.gap[l] > T::ZERO;
                 count.slip[l] += flag(step.slips & contact);
-                count.overshoot[l] = count.overshoot[l].or_larger(T::ONE - step.ratio);
+                let missing = T::ONE - step.ratio;
+                let square = step.trial[0] * step.trial[0] + step.trial[1] * step.trial[1];
+                count.way[l] = count.way[l].or_larger(missing * missing * square);
                 // entry by entry: with a closure this loop is no vector code
                 let factor = [
                     monodromy[0][l],

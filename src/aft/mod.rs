@@ -18,6 +18,7 @@ mod roots;
 mod sensitivity;
 pub mod settings;
 mod slip;
+mod steady;
 mod tangent;
 
 pub use backend::{Accuracy, Backend};

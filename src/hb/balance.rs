@@ -7,7 +7,10 @@
 use super::compliance::{Compliance, HarmonicCompliance};
 use super::jacobian::PairTangent;
 use super::problem::Problem;
-use crate::aft::{Accuracy, AftBatch, AftForces, AftPlan, AftSettings, Block, Tangent, Want};
+use crate::aft::{
+    Accuracy, AftBatch, AftForces, AftPlan, AftSettings, Block, Laps, Periodicity, StateSummary,
+    Tangent, Want,
+};
 use crate::harmonics::HarmonicSet;
 use faer::prelude::*;
 
@@ -55,6 +58,8 @@ pub struct ContactResponse {
     pub active: Vec<PairTangent>,
     /// Per pair: samples that stick, slip, are separated; coarse in a draft.
     pub samples: Vec<[u32; 3]>,
+    /// Whether every slider has the steady cycle that was asked for; a given number of laps asks for none.
+    pub steady: bool,
     /// Whether this may decide a result.
     pub accuracy: Accuracy,
 }
@@ -126,6 +131,8 @@ impl<'p> Balance<'p> {
         let mut forces = AftForces::default();
         let backend = self.problem.backend;
         let accuracy = backend.evaluate(&self.plan, &batch, (want, accuracy), &mut forces);
+        let searched = self.plan.settings().laps == Laps::Periodic;
+        let lost = |s: &StateSummary| s.periodicity == Periodicity::NotPeriodic;
         ContactResponse {
             force: transpose_blocks(&forces.forces, 3, m, n_c),
             active: self.active_pairs(&forces),
@@ -134,6 +141,7 @@ impl<'p> Balance<'p> {
                 .iter()
                 .map(|s| [s.stick, s.slip, s.separated])
                 .collect(),
+            steady: !(searched && forces.summaries.iter().any(lost)),
             accuracy,
         }
     }

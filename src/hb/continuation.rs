@@ -240,7 +240,7 @@ pub fn walk<'p>(
                 let gives_up = status == Status::BudgetSpent || length < steps.smallest;
                 if gives_up || pace.is_hopeless(None, steps.largest) {
                     let status = match status {
-                        Status::NonFinite | Status::BudgetSpent => status,
+                        Status::NonFinite | Status::BudgetSpent | Status::NoSteadyCycle => status,
                         _ => Status::StepTooSmall,
                     };
                     return end(status, point, count);

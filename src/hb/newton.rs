@@ -158,7 +158,10 @@ pub fn solve<'p>(
             .iter()
             .any(|c| c.abs() > condition.tolerance());
         if size <= settings.tolerance && !open {
-            return Ok((iterate, count));
+            return match iterate.contact.steady {
+                true => Ok((iterate, count)),
+                false => Err((Status::NoSteadyCycle, count)),
+            };
         }
         if iterate.point.omega <= 0.0 {
             // a step of a walk that was too long

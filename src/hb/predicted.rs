@@ -140,6 +140,9 @@ fn searched<'p>(
             return Err((Status::NonFinite, count));
         }
         let solved = size <= tolerance;
+        if solved && !iterate.contact.steady {
+            return Err((Status::NoSteadyCycle, count));
+        }
         let closing = solved && search.located;
         if closing && search.closed {
             return match search.is_maximum(balance, &iterate, &mut count) {

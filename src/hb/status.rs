@@ -17,6 +17,8 @@ pub enum Status {
     StepTooSmall,
     /// The search took all Newton iterations that a search may take.
     BudgetSpent,
+    /// The slider of a contact has no steady cycle that the contact evaluation could find.
+    NoSteadyCycle,
     /// A non-finite number turned up.
     NonFinite,
     /// The amplitude has no maximum inside the frequency band.
@@ -27,13 +29,14 @@ pub enum Status {
 
 impl Status {
     /// Every status, in the order of reports.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Converged,
         Self::TruncationAboveThreshold,
         Self::BouncingContact,
         Self::MaxIterations,
         Self::StepTooSmall,
         Self::BudgetSpent,
+        Self::NoSteadyCycle,
         Self::NonFinite,
         Self::NoPeakInBand,
         Self::NotHeld,
@@ -58,6 +61,7 @@ impl Status {
             Self::MaxIterations => "max-iterations",
             Self::StepTooSmall => "step-too-small",
             Self::BudgetSpent => "budget-spent",
+            Self::NoSteadyCycle => "no-steady-cycle",
             Self::NonFinite => "non-finite",
             Self::NoPeakInBand => "no-peak-in-band",
             Self::NotHeld => "not-held",
@@ -80,6 +84,9 @@ impl Status {
             Self::MaxIterations => "Newton's method did not converge from any start that was tried",
             Self::StepTooSmall => "the continuation could not go on with the smallest step",
             Self::BudgetSpent => "the search took more Newton iterations than solver.budget allows",
+            Self::NoSteadyCycle => {
+                "the slider of a contact did not become periodic within the laps of one evaluation"
+            }
             Self::NonFinite => "a number overflowed or was undefined",
             Self::NoPeakInBand => {
                 "the amplitude has no maximum inside the frequency band of the study"

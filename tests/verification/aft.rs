@@ -3,6 +3,7 @@
 mod batch;
 mod located;
 mod located_circle;
+mod steady;
 
 use microslip::aft::{
     AftBatch, AftForces, AftPlan, AftSettings, Block, Laps, Periodicity, StateSummary, Tangent,

@@ -1,0 +1,349 @@
+//! Search for the steady cycle of the circle law, lap by lap; who marches the laps does not matter.
+//!
+//! The slider z = k_t w is swept by the disc |s − z| ≤ L (Moreau's sweeping process; Moreau, J. Differ. Equ. 26, 1977).
+//! A lap never moves two sliders apart, and discs are strictly convex, so one of two things is true. Either all discs
+//! of a period have no point in common: then there is exactly one steady cycle, it slips, and Newton's method finds it
+//! from anywhere. Or they have points in common: then every slider comes to rest in one of them, and where depends on
+//! the anchor. Plain laps get there soon, or they creep towards the point where two instants of the period hold the
+//! slider. That point is solved for ([`hold`]).
+
+use super::batch::Periodicity;
+use super::slip::dot;
+use crate::contact::Real;
+
+/// Laps with Newton steps before the search goes on with plain laps.
+const NEWTON_LAPS: u32 = 40;
+/// Laps after which a cycle counts as not found.
+pub(super) const MAX_LAPS: u32 = 200;
+/// Laps from the anchor after which the slider is asked for the first time whether it creeps, and then at every
+/// doubling.
+const PATIENCE: u32 = 6;
+/// det(I − M) in rounding errors below which a lap is not solved for its cycle.
+const SINGULAR: f64 = 4096.0;
+/// Steps of the search for the point where two instants hold the slider.
+const HOLD_STEPS: usize = 80;
+
+/// What the search learns from a lap. Sliders k_t w and tolerances in N.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LapEnd<T> {
+    pub start: [T; 2],
+    pub end: [T; 2],
+    /// Derivative of the end by the start, row-major.
+    pub monodromy: [T; 4],
+    /// Longest way of the slider in one slip.
+    pub way: T,
+    /// Largest traction that counts as rounding.
+    pub tolerance: T,
+}
+
+impl<T: Real> LapEnd<T> {
+    #[inline(always)]
+    fn change(&self) -> [T; 2] {
+        [self.end[0] - self.start[0], self.end[1] - self.start[1]]
+    }
+
+    /// Whether nothing but rounding moved the slider.
+    #[inline(always)]
+    fn rests(&self) -> bool {
+        self.way <= self.tolerance
+    }
+
+    #[inline(always)]
+    pub(super) fn closes(&self) -> bool {
+        size(self.change()) <= self.tolerance
+    }
+}
+
+/// Two instants of the period that hold a resting slider, and where it rests.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Hold<I, T> {
+    pub slider: [T; 2],
+    pub instants: [I; 2],
+    /// Directions of the traction there.
+    pub directions: [[T; 2]; 2],
+}
+
+impl<I: Copy, T: Real> Hold<I, T> {
+    /// Change of the slider where the excess of the traction over its limit changes at the two instants.
+    pub(super) fn moved(&self, excess: [T; 2]) -> Option<[T; 2]> {
+        let [a, b] = self.directions;
+        let determinant = a[0] * b[1] - a[1] * b[0];
+        let least = T::from_f64(SINGULAR) * T::EPSILON;
+        (determinant.abs() > least).then(|| {
+            let inverse = T::ONE / determinant;
+            [
+                inverse * (b[1] * excess[0] - a[1] * excess[1]),
+                inverse * (a[0] * excess[1] - b[0] * excess[0]),
+            ]
+        })
+    }
+}
+
+/// What the search wants next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Next<T> {
+    /// A lap that goes on where the last one ended.
+    Plain,
+    /// A lap from another slider.
+    From([T; 2]),
+    /// Nothing: the lap just marched is the steady cycle, or none was found.
+    Nothing,
+}
+
+/// How the slider came to its steady cycle, which says what that depends on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Origin<I, T> {
+    /// By laps from the anchor, the last one included.
+    Anchor,
+    /// It is the only cycle.
+    Itself,
+    /// Two instants hold it.
+    Held(Hold<I, T>),
+}
+
+/// Search of one state, from the end of its first lap.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Search<I, T> {
+    stage: Stage<I, T>,
+    /// Laps marched.
+    pub laps: u32,
+    pub origin: Origin<I, T>,
+    pub periodicity: Periodicity,
+    /// Whether a Newton step was made.
+    newton: bool,
+    /// Change over the lap before, while Newton steps are tried.
+    last: Option<T>,
+    /// Slider after the first lap.
+    first: [T; 2],
+    /// Length of the last Newton step.
+    pub step: Option<T>,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Stage<I, T> {
+    Newton,
+    /// So many laps from the anchor.
+    Plain(u32),
+    /// The lap from a slider that two instants may hold, after so many laps from the anchor that ended elsewhere.
+    Held(Hold<I, T>, u32, [T; 2]),
+}
+
+impl<I: Copy, T: Real> Search<I, T> {
+    /// From the slider after the first lap.
+    pub(super) fn new(first: [T; 2]) -> Self {
+        Self {
+            stage: Stage::Newton,
+            laps: 1,
+            origin: Origin::Anchor,
+            periodicity: Periodicity::NotPeriodic,
+            newton: false,
+            last: None,
+            first,
+            step: None,
+        }
+    }
+
+    /// Takes a lap; `held` looks for the point towards which a slider creeps that ended a lap there.
+    pub(super) fn take(
+        &mut self,
+        lap: LapEnd<T>,
+        held: impl FnOnce([T; 2]) -> Option<Hold<I, T>>,
+    ) -> Next<T> {
+        self.laps += 1;
+        self.step = None;
+        match self.stage {
+            Stage::Newton => self.newton(lap),
+            Stage::Plain(laps) => self.plain(lap, laps + 1, held),
+            Stage::Held(hold, laps, end) => {
+                if lap.rests() {
+                    return self.found(Origin::Held(hold), Periodicity::DependsOnAnchor);
+                }
+                self.stage = Stage::Plain(laps);
+                Next::From(end)
+            }
+        }
+    }
+
+    fn newton(&mut self, lap: LapEnd<T>) -> Next<T> {
+        let (change, m) = (lap.change(), lap.monodromy);
+        let singular = is_singular(m);
+        let now = size(change);
+        let failed = self.last.is_some_and(|last| now + now > last);
+        let step = if singular {
+            change
+        } else {
+            solve_identity_minus(m, change)
+        };
+        let settled = size(step) <= lap.tolerance || (lap.closes() && failed);
+        let finite = now < T::from_f64(f64::INFINITY);
+        if (lap.rests() || (settled && singular)) && self.newton {
+            // Where the slider rests depends on the anchor.
+            self.stage = Stage::Plain(1);
+            return Next::From(self.first);
+        }
+        if settled && (singular || lap.rests()) {
+            return self.found(Origin::Anchor, Periodicity::DependsOnAnchor);
+        }
+        if settled {
+            return self.found(Origin::Itself, Periodicity::Unique);
+        }
+        if self.laps >= MAX_LAPS || !finite {
+            return self.found(Origin::Itself, Periodicity::NotPeriodic);
+        }
+        if failed || singular || self.laps > NEWTON_LAPS {
+            self.last = None;
+            return Next::Plain;
+        }
+        (self.last, self.newton) = (Some(now), true);
+        self.step = Some(size(step));
+        Next::From([lap.start[0] + step[0], lap.start[1] + step[1]])
+    }
+
+    /// After so many laps from the anchor.
+    fn plain(
+        &mut self,
+        lap: LapEnd<T>,
+        laps: u32,
+        held: impl FnOnce([T; 2]) -> Option<Hold<I, T>>,
+    ) -> Next<T> {
+        if lap.rests() {
+            self.laps = laps;
+            return self.found(Origin::Anchor, Periodicity::DependsOnAnchor);
+        }
+        if laps >= MAX_LAPS {
+            self.laps = laps;
+            return self.found(Origin::Anchor, Periodicity::NotPeriodic);
+        }
+        self.stage = Stage::Plain(laps);
+        if laps % PATIENCE == 0
+            && (laps / PATIENCE).is_power_of_two()
+            && let Some(hold) = held(lap.end)
+        {
+            self.stage = Stage::Held(hold, laps, lap.end);
+            return Next::From(hold.slider);
+        }
+        Next::Plain
+    }
+
+    fn found(&mut self, origin: Origin<I, T>, periodicity: Periodicity) -> Next<T> {
+        (self.origin, self.periodicity) = (origin, periodicity);
+        Next::Nothing
+    }
+}
+
+/// Traction of a resting slider over its limit at an instant of the period.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Touch<I, T> {
+    pub instant: I,
+    /// |s − z| − L (N).
+    pub excess: T,
+    pub direction: [T; 2],
+}
+
+impl<I, T: Real> Touch<I, T> {
+    /// Of the traction `t` of a slider that rests.
+    #[inline(always)]
+    pub(super) fn of(instant: I, t: [T; 2], limit: T) -> Self {
+        let length = size(t);
+        let inverse = if length > T::ZERO {
+            T::ONE / length
+        } else {
+            T::ZERO
+        };
+        Self {
+            instant,
+            excess: length - limit,
+            direction: t.map(|t| inverse * t),
+        }
+    }
+}
+
+/// The point where two instants of the period hold a slider that creeps and that is at `slider` now. Newton's method,
+/// which comes from outside since discs are convex; where another instant holds the slider, it takes the place of the
+/// one whose direction is nearer. `near` looks at where the excess is largest near an instant, `peaks` at all such
+/// instants of the period.
+pub(super) fn hold<I: Copy, T: Real>(
+    mut slider: [T; 2],
+    tolerance: T,
+    near: impl Fn(I, [T; 2]) -> Touch<I, T>,
+    peaks: impl Fn([T; 2]) -> Vec<Touch<I, T>>,
+) -> Option<Hold<I, T>> {
+    let worst = |slider: [T; 2], against: [T; 2]| {
+        let opposed = |touch: &Touch<I, T>| dot(against, touch.direction) <= T::ZERO;
+        let exceeds = |touch: &Touch<I, T>| touch.excess > tolerance && opposed(touch);
+        let larger = |a: Touch<I, T>, b: Touch<I, T>| if b.excess > a.excess { b } else { a };
+        peaks(slider).into_iter().filter(exceeds).reduce(larger)
+    };
+    let first = worst(slider, [T::ZERO; 2])?;
+    let [x, y] = first.direction;
+    slider = [slider[0] + first.excess * x, slider[1] + first.excess * y];
+    let second = worst(slider, first.direction)?;
+    let mut instants = [first.instant, second.instant];
+    for _ in 0..HOLD_STEPS {
+        let [a, b] = instants.map(|instant| near(instant, slider));
+        let hold = Hold {
+            slider,
+            instants: [a.instant, b.instant],
+            directions: [a.direction, b.direction],
+        };
+        let step = hold.moved([a.excess, b.excess])?;
+        instants = hold.instants;
+        if size(step) > tolerance && a.excess.abs().or_larger(b.excess.abs()) > tolerance {
+            slider = [slider[0] + step[0], slider[1] + step[1]];
+            continue;
+        }
+        let Some(other) = worst(slider, [T::ZERO; 2]) else {
+            return Some(hold);
+        };
+        let e = other.direction;
+        let nearer = usize::from(dot(e, b.direction) > dot(e, a.direction));
+        instants[nearer] = other.instant;
+    }
+    None
+}
+
+/// The samples at which a number of a period is at least that of their neighbours.
+pub(super) fn tops<T: Real>(samples: usize, value: impl Fn(usize) -> T) -> Vec<usize> {
+    let around = |i: usize| [(i + samples - 1) % samples, (i + 1) % samples].map(&value);
+    let is_top = |&i: &usize| {
+        let (here, [before, after]) = (value(i), around(i));
+        here >= before && here >= after
+    };
+    (0..samples).filter(is_top).collect()
+}
+
+/// x of (I − M) x = b.
+#[inline(always)]
+pub(super) fn solve_identity_minus<T: Real>(m: [T; 4], b: [T; 2]) -> [T; 2] {
+    let determinant = determinant_of_identity_minus(m);
+    let (a, d) = (T::ONE - m[0], T::ONE - m[3]);
+    [
+        (d * b[0] + m[1] * b[1]) / determinant,
+        (a * b[1] + m[2] * b[0]) / determinant,
+    ]
+}
+
+#[inline(always)]
+fn determinant_of_identity_minus<T: Real>(m: [T; 4]) -> T {
+    (T::ONE - m[0]) * (T::ONE - m[3]) - m[1] * m[2]
+}
+
+#[inline(always)]
+pub(super) fn is_singular<T: Real>(m: [T; 4]) -> bool {
+    determinant_of_identity_minus(m) <= T::from_f64(SINGULAR) * T::EPSILON
+}
+
+/// Of a given number of laps.
+#[inline(always)]
+pub(super) fn classify<T: Real>(periodic: bool, monodromy: [T; 4]) -> Periodicity {
+    match (periodic, is_singular(monodromy)) {
+        (false, _) => Periodicity::NotPeriodic,
+        (true, true) => Periodicity::DependsOnAnchor,
+        (true, false) => Periodicity::Unique,
+    }
+}
+
+#[inline(always)]
+pub(super) fn size<T: Real>(x: [T; 2]) -> T {
+    dot(x, x).sqrt()
+}
