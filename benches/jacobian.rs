@@ -58,7 +58,7 @@ impl State {
             normal_stiffness: scale * 1e9,
             tangential_stiffness: scale * 0.233e9,
             friction_coefficient: mu,
-            share: Share::Equal,
+            share: Share::TributaryArea,
         };
         let contacts = interface.parameters(&rig.reduced.contacts);
         let problem =

@@ -238,10 +238,10 @@ fn measured(name: &str, ensemble: &Ensemble<'_>, samples: u64) -> (f64, Vec<Samp
 fn parts() {
     println!("pairs  H    compliance  contact  motion  Jacobian and two solves (ms, fastest of 5)");
     for (grid, highest) in [
-        ([3, 5], 3),
-        ([3, 5], 5),
-        ([3, 5], 9),
-        ([3, 5], 21),
+        ([5, 3], 3),
+        ([5, 3], 5),
+        ([5, 3], 9),
+        ([5, 3], 21),
         ([4, 7], 5),
         ([5, 9], 5),
     ] {
@@ -301,7 +301,7 @@ fn strip() {
 }
 
 fn study() {
-    let rig = Rig::new([3, 5]);
+    let rig = Rig::new([5, 3]);
     let (design, settings) = (design(2026), settings(5, None));
     let ensemble = rig.ensemble(&design, &LEVELS, &settings);
     for samples in [64, 256, 1024] {
@@ -316,7 +316,7 @@ fn study() {
 }
 
 fn sweep() {
-    let rig = Rig::new([3, 5]);
+    let rig = Rig::new([5, 3]);
     let (design, settings) = (design(2026), settings(5, None));
     let (mut points, mut seconds, mut peaks) = (0, 0.0, 0);
     for index in 0..4 {
@@ -355,7 +355,7 @@ fn sweep() {
 }
 
 fn slow_path() {
-    let rig = Rig::new([3, 5]);
+    let rig = Rig::new([5, 3]);
     let (design, settings) = (design(7), settings(5, None));
     let ensemble = rig.ensemble(&design, &LEVELS, &settings);
     let (_, fast) = measured("from the atlas", &ensemble, 300);
@@ -402,7 +402,7 @@ fn slow_path() {
 }
 
 fn harmonics() {
-    let rig = Rig::new([3, 5]);
+    let rig = Rig::new([5, 3]);
     let design = design(11);
     let levels = [1.0, 5.0, 20.0, 100.0];
     for samples in [32, 64, 256] {
@@ -420,7 +420,7 @@ fn harmonics() {
 fn pairs() {
     let (design, settings) = (design(2026), settings(5, None));
     let levels = [1.0, 20.0, 100.0];
-    let times = [[2, 3], [3, 5], [4, 7], [6, 8]].map(|grid| {
+    let times = [[2, 3], [5, 3], [4, 7], [6, 8]].map(|grid| {
         let rig = Rig::new(grid);
         let ensemble = rig.ensemble(&design, &levels, &settings);
         let pairs = (2 * grid[0] * grid[1]) as f64;
@@ -448,7 +448,7 @@ const COMPARED: usize = 50;
 
 /// Peaks whose truncation error is below 1e-3 by the alert, the first of them against the same peaks on 31 harmonics.
 fn certified() {
-    let rig = Rig::new([3, 5]);
+    let rig = Rig::new([5, 3]);
     let (design, settings) = (design(17), settings(5, Some(CERTIFIED)));
     let levels = [1.0, 5.0, 20.0, 100.0];
     let ensemble = rig.ensemble(&design, &levels, &settings);
@@ -517,7 +517,7 @@ fn on_31_harmonics(
 
 /// Peak of the memory with the results of 100 000 samples, the largest atlas and what writes them.
 fn memory() {
-    let rig = Rig::new([3, 5]);
+    let rig = Rig::new([5, 3]);
     let (design, settings) = (design(17), settings(5, Some(CERTIFIED)));
     let ensemble = rig.ensemble(&design, &LEVELS, &settings);
     let few: Vec<_> = (0..4)

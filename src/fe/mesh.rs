@@ -24,16 +24,95 @@ pub struct HexMesh {
     pub elements: Vec<[usize; 8]>,
 }
 
+/// Rectangle across z (m).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rectangle {
+    /// From and to along x.
+    pub x: [f64; 2],
+    /// From and to along y.
+    pub y: [f64; 2],
+    /// Height.
+    pub z: f64,
+}
+
+impl Rectangle {
+    /// Area (m²).
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        (self.x[1] - self.x[0]) * (self.y[1] - self.y[0])
+    }
+
+    /// Middle in x and y.
+    #[must_use]
+    pub fn centre(&self) -> [f64; 2] {
+        [self.x, self.y].map(|[from, to]| 0.5 * (from + to))
+    }
+}
+
 impl HexMesh {
+    /// Nodes with the weights of the mean displacement over a rectangle of a tensor mesh, ∫ N_a dA / ∫ dA with the bilinear
+    /// shape functions N_a of the faces in it; in the order of the nodes, the weights add up to 1.
+    ///
+    /// `None` unless the rectangle has grid lines at its edges and nodes at all their crossings.
+    #[must_use]
+    pub fn mean_over(&self, rectangle: &Rectangle) -> Option<Vec<(usize, f64)>> {
+        let tolerance = self.tolerance();
+        let within = |[from, to]: [f64; 2], at: f64| from - tolerance <= at && at <= to + tolerance;
+        let inside: Vec<usize> = (0..self.nodes.len())
+            .filter(|&node| {
+                let [x, y, z] = self.nodes[node];
+                within([rectangle.z; 2], z) && within(rectangle.x, x) && within(rectangle.y, y)
+            })
+            .collect();
+        let [x, y] = [(0, rectangle.x), (1, rectangle.y)].map(|(axis, [from, to])| {
+            let mut lines: Vec<f64> = inside.iter().map(|&node| self.nodes[node][axis]).collect();
+            lines.sort_by(f64::total_cmp);
+            lines.dedup_by(|b, a| *b - *a <= tolerance);
+            let ends = [lines.first(), lines.last()].map(|end| end.copied().unwrap_or(f64::NAN));
+            let spans = (ends[0] - from).abs() <= tolerance && (ends[1] - to).abs() <= tolerance;
+            spans.then(|| line_means(lines))
+        });
+        let (x, y) = (x?, y?);
+        let weight = |node: usize| -> Option<(usize, f64)> {
+            let on = |lines: &[(f64, f64)], at: f64| {
+                let line = lines
+                    .iter()
+                    .find(|(line, _)| (line - at).abs() <= tolerance);
+                line.map(|(_, weight)| *weight)
+            };
+            let at = self.nodes[node];
+            Some((node, on(&x, at[0])? * on(&y, at[1])?))
+        };
+        let complete = inside.len() == x.len() * y.len();
+        complete.then(|| inside.into_iter().filter_map(weight).collect())
+    }
+
+    /// A millionth of the mesh's extent.
+    fn tolerance(&self) -> f64 {
+        let reach = |x: &[f64; 3]| x.iter().fold(0.0, |r: f64, c| r.max(c.abs()));
+        1e-6 * self.nodes.iter().map(reach).fold(0.0, f64::max)
+    }
+
     /// The node at `position`, within a millionth of the mesh's extent.
     #[must_use]
     pub fn node_at(&self, position: [f64; 3]) -> Option<usize> {
-        let reach = |x: &[f64; 3]| x.iter().fold(0.0, |r: f64, c| r.max(c.abs()));
-        let tolerance = 1e-6 * self.nodes.iter().map(reach).fold(0.0, f64::max);
+        let tolerance = self.tolerance();
         self.nodes
             .iter()
             .position(|x| (0..3).all(|i| (x[i] - position[i]).abs() <= tolerance))
     }
+}
+
+/// Lines with the weights of the mean of a function that is linear between them.
+fn line_means(lines: Vec<f64>) -> Vec<(f64, f64)> {
+    let n = lines.len();
+    let length = lines[n - 1] - lines[0];
+    let weight = |i: usize| 0.5 * (lines[(i + 1).min(n - 1)] - lines[i.saturating_sub(1)]) / length;
+    lines
+        .iter()
+        .enumerate()
+        .map(|(i, &line)| (line, weight(i)))
+        .collect()
 }
 
 /// Grid lines through all of `required`, further divided into equal steps of at most `step`.

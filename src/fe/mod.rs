@@ -6,7 +6,7 @@
 pub mod hex8;
 mod mesh;
 
-pub use mesh::{Cuboid, HexMesh, grid_lines, tensor_mesh};
+pub use mesh::{Cuboid, HexMesh, Rectangle, grid_lines, tensor_mesh};
 
 use faer::sparse::{SparseColMat, Triplet};
 
@@ -107,6 +107,22 @@ impl FeModel {
     pub fn dofs_at(&self, position: [f64; 3]) -> Option<[usize; 3]> {
         let first = self.first_dof[self.mesh.node_at(position)?]?;
         Some([first, first + 1, first + 2])
+    }
+
+    /// Mean displacement over a rectangle in x, y and z, as linear forms on the degrees of freedom; `None` as
+    /// [`HexMesh::mean_over`] or where a node is clamped.
+    #[must_use]
+    pub fn mean_over(&self, rectangle: &Rectangle) -> Option<[Vec<(usize, f64)>; 3]> {
+        let nodes = self.mesh.mean_over(rectangle)?;
+        let first = |&(node, weight): &(usize, f64)| Some((self.first_dof[node]?, weight));
+        let first: Vec<(usize, f64)> = nodes.iter().map(first).collect::<Option<_>>()?;
+        let along = |axis| {
+            first
+                .iter()
+                .map(|&(dof, weight)| (dof + axis, weight))
+                .collect()
+        };
+        Some([0, 1, 2].map(along))
     }
 
     /// Displacement u_`direction` = 1 of all free nodes, `[n_dofs]`.

@@ -1,8 +1,11 @@
 //! Component mode synthesis with fixed interfaces.
 //!
-//! u = Ψ q with q = (master displacements, modal coordinates): Ψ = [ I 0 ; −K_ii⁻¹ K_ib Φ_i ].
+//! u = T Ψ q with q = (masters, modal coordinates): Ψ = [ I 0 ; −K_ii⁻¹ K_ib Φ_i ] in coordinates among which the masters
+//! are ([`super::masters`]). A master is a displacement, or a linear form such as the mean displacement of a contact cell.
 //! Source: Craig & Bampton 1968, AIAA J. 6, 1313.
 
+use super::SparseRow;
+use super::masters::MasterCoordinates;
 use crate::fe::FeModel;
 use crate::linalg::{LinalgError, LowestModes, Wanted, symmetric_generalized_eigen, wanted_modes};
 use crate::units::{hz_to_rad_s, rad_s_to_hz};
@@ -29,12 +32,12 @@ pub enum ReductionError {
     },
 }
 
-/// A component reduced to its master degrees of freedom and fixed-interface modes.
+/// A component reduced to its masters and fixed-interface modes.
 #[derive(Debug, Clone)]
 pub struct CraigBampton {
     /// Number of masters b; they come first in q, in the order given.
     pub n_masters: usize,
-    /// Ψ, n_full × (b + modes): recovers the full displacement.
+    /// TΨ, n_full × (b + modes): recovers the full displacement.
     pub basis: Mat<f64>,
     /// ΨᵀKΨ: block diagonal, statically condensed masters and λ of the modes.
     pub stiffness: Mat<f64>,
@@ -45,32 +48,32 @@ pub struct CraigBampton {
 }
 
 impl CraigBampton {
-    /// Keeps `masters` (distinct degrees of freedom of `fe`) and every mode with masters fixed whose frequency lies
-    /// below `cut_off` (Hz).
+    /// Keeps `masters` (linear forms on the degrees of freedom of `fe`, each with one of its own) and every mode with
+    /// masters held at 0 whose frequency lies below `cut_off` (Hz).
     ///
     /// # Errors
     /// [`ReductionError`] if the modes cannot be computed, or are too many.
-    pub fn new(fe: &FeModel, masters: &[usize], cut_off: f64) -> Result<Self, ReductionError> {
+    pub fn new(fe: &FeModel, masters: &[SparseRow], cut_off: f64) -> Result<Self, ReductionError> {
         let limit = hz_to_rad_s(cut_off).powi(2);
         let fixed = FixedInterface::new(fe, masters, Wanted::Below(limit))?;
         if fixed.n_modes > MOST_MODES {
             let frequency = fixed.frequency(MOST_MODES);
             return Err(ReductionError::TooManyModes { frequency });
         }
-        Ok(fixed.reduced(fe)?)
+        Ok(fixed.reduced()?)
     }
 
-    /// Keeps `masters` and the first `n_modes` modes with masters fixed, at most as many as [`CraigBampton::new`].
+    /// Keeps `masters` and the first `n_modes` modes with masters held at 0, at most as many as [`CraigBampton::new`].
     ///
     /// # Errors
     /// [`LinalgError`] if fixing the masters leaves rigid-body motion, or the modes do not converge.
     pub fn with_modes(
         fe: &FeModel,
-        masters: &[usize],
+        masters: &[SparseRow],
         n_modes: usize,
     ) -> Result<Self, LinalgError> {
         let wanted = Wanted::First(n_modes.min(MOST_MODES));
-        FixedInterface::new(fe, masters, wanted)?.reduced(fe)
+        FixedInterface::new(fe, masters, wanted)?.reduced()
     }
 
     /// Number of reduced coordinates.
@@ -88,8 +91,11 @@ impl CraigBampton {
     }
 }
 
-/// A component with its masters fixed.
+/// A component with its masters held at 0, in the coordinates of its masters.
 struct FixedInterface {
+    coordinates: MasterCoordinates,
+    stiffness: SparseColMat<usize, f64>,
+    mass: SparseColMat<usize, f64>,
     parts: Partition,
     k_ii: SparseColMat<usize, f64>,
     /// Those that are kept, and the next one.
@@ -98,13 +104,19 @@ struct FixedInterface {
 }
 
 impl FixedInterface {
-    fn new(fe: &FeModel, masters: &[usize], wanted: Wanted) -> Result<Self, LinalgError> {
-        let parts = Partition::new(fe.n_dofs(), masters);
-        let k_ii = parts.inner_block(&fe.stiffness);
-        let m_ii = parts.inner_block(&fe.mass);
+    fn new(fe: &FeModel, masters: &[SparseRow], wanted: Wanted) -> Result<Self, LinalgError> {
+        let coordinates = MasterCoordinates::new(fe.n_dofs(), masters);
+        let stiffness = coordinates.transformed(&fe.stiffness);
+        let mass = coordinates.transformed(&fe.mass);
+        let parts = Partition::new(fe.n_dofs(), &coordinates.pivots);
+        let k_ii = parts.inner_block(&stiffness);
+        let m_ii = parts.inner_block(&mass);
         let modes = wanted_modes(&k_ii, &m_ii, wanted, MOST_MODES + 1, 0.0)?;
         Ok(Self {
             n_modes: wanted.among(&modes.lambda),
+            coordinates,
+            stiffness,
+            mass,
             parts,
             k_ii,
             modes,
@@ -117,44 +129,47 @@ impl FixedInterface {
         lambda.map_or(f64::INFINITY, |lambda| rad_s_to_hz(lambda.sqrt()))
     }
 
-    fn reduced(&self, fe: &FeModel) -> Result<CraigBampton, LinalgError> {
-        let Self {
-            parts,
-            k_ii,
-            modes,
-            n_modes,
-        } = self;
+    fn reduced(&self) -> Result<CraigBampton, LinalgError> {
         let factor =
-            k_ii.sp_cholesky(Side::Lower)
+            (self.k_ii)
+                .sp_cholesky(Side::Lower)
                 .map_err(|_| LinalgError::NotPositiveDefinite {
                     matrix: "stiffness with fixed masters",
                 })?;
-        let k_ib = parts.coupling(&fe.stiffness);
+        let k_ib = self.parts.coupling(&self.stiffness);
         let constraint = -factor.solve(&k_ib);
-        let (b, n) = (parts.n_masters, parts.n_masters + n_modes);
-        let mut basis = Mat::zeros(fe.n_dofs(), n);
-        for (dof, place) in parts.place.iter().enumerate() {
-            for column in 0..n {
-                basis[(dof, column)] = match *place {
-                    Place::Master(master) => f64::from(u8::from(column == master)),
-                    Place::Inner(row) if column < b => constraint[(row, column)],
-                    Place::Inner(row) => modes.shapes[(row, column - b)],
-                };
-            }
-        }
-        let condensed = parts.masters_block(&fe.stiffness) + k_ib.transpose() * &constraint;
+        let b = self.parts.n_masters;
+        let n = b + self.n_modes;
+        let basis = self.basis(&constraint);
+        let condensed = self.parts.masters_block(&self.stiffness) + k_ib.transpose() * &constraint;
         let mut stiffness = Mat::zeros(n, n);
         stiffness.submatrix_mut(0, 0, b, b).copy_from(&condensed);
-        for (i, lambda) in modes.lambda.iter().take(*n_modes).enumerate() {
+        for (i, lambda) in self.modes.lambda.iter().take(self.n_modes).enumerate() {
             stiffness[(b + i, b + i)] = *lambda;
         }
         Ok(CraigBampton {
             n_masters: b,
-            mass: symmetric(&(basis.transpose() * (&fe.mass * &basis))),
+            mass: symmetric(&(basis.transpose() * (&self.mass * &basis))),
             stiffness: symmetric(&stiffness),
-            basis,
-            first_left_out: self.frequency(*n_modes),
+            basis: self.coordinates.displacements(&basis),
+            first_left_out: self.frequency(self.n_modes),
         })
+    }
+
+    /// Ψ, with −K_ii⁻¹ K_ib given.
+    fn basis(&self, constraint: &Mat<f64>) -> Mat<f64> {
+        let b = self.parts.n_masters;
+        let mut basis = Mat::zeros(self.mass.nrows(), b + self.n_modes);
+        for (dof, place) in self.parts.place.iter().enumerate() {
+            for column in 0..basis.ncols() {
+                basis[(dof, column)] = match *place {
+                    Place::Master(master) => f64::from(u8::from(column == master)),
+                    Place::Inner(row) if column < b => constraint[(row, column)],
+                    Place::Inner(row) => self.modes.shapes[(row, column - b)],
+                };
+            }
+        }
+        basis
     }
 }
 
@@ -163,14 +178,14 @@ fn symmetric(a: &Mat<f64>) -> Mat<f64> {
     Mat::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] + a[(j, i)]))
 }
 
-/// Where each degree of freedom went.
+/// Where each coordinate went.
 #[derive(Clone, Copy)]
 enum Place {
     Master(usize),
     Inner(usize),
 }
 
-/// Split of the degrees of freedom into masters and inner ones.
+/// Split of the coordinates into masters and inner ones.
 struct Partition {
     place: Vec<Place>,
     n_inner: usize,

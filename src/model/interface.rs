@@ -10,9 +10,9 @@ use crate::setting::{BadSetting, non_negative, positive};
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum Share {
-    /// Every pair has the same part.
+    /// Every pair has the same part, whatever its area.
     Equal,
-    /// In proportion to the pair's area: the pressure is even under an even approach.
+    /// In proportion to the pair's area: the pressure is even under an even approach, on any grid.
     TributaryArea,
 }
 
@@ -35,7 +35,7 @@ impl Default for InterfaceSettings {
             normal_stiffness: 1e9,
             tangential_stiffness: 2.33e8,
             friction_coefficient: 0.6,
-            share: Share::Equal,
+            share: Share::TributaryArea,
         }
     }
 }

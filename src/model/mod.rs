@@ -2,6 +2,7 @@
 //! contacts' constants, but no contact law and no harmonic balance.
 
 pub mod interface;
+mod masters;
 pub mod matrices;
 mod matrix_checks;
 pub mod matrix_contacts;

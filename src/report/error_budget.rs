@@ -33,6 +33,7 @@ pub(super) fn error_budget(
         place_of_peak(record, summary),
         precision(record, summary),
         reduction(record),
+        contact_grid(record),
         surrogate(summary, levels),
     ]
 }
@@ -176,6 +177,23 @@ fn precision(record: &RunRecord, summary: &Summary) -> ErrorLine {
             "{}; largest |input − viscous − frictional work| over the input work",
             record.backend.description()
         ),
+    }
+}
+
+fn contact_grid(record: &RunRecord) -> ErrorLine {
+    ErrorLine {
+        source: "Contact grid",
+        frequency_hz: None,
+        amplitude_relative: None,
+        basis: match record.components.is_empty() {
+            true => "the contact pairs are the user's",
+            false => {
+                "compare a run with more contact_nodes; on the built-in rig's default grid the shift by stuck contacts is \
+                 within 3 % of that on the converged interface (cargo test --release --test verification \
+                 the_interface_converges -- --nocapture)"
+            }
+        }
+        .to_owned(),
     }
 }
 

@@ -126,13 +126,12 @@ fn equal_sides_are_the_folded_model() {
     assert!(!close(found[1][0].frequency_hz, found[0][0].frequency_hz));
 }
 
-/// Even weights and `edge_pressure` = 1 are the weights of a rigid punch: of three columns each carries a third in place of
-/// ¼, ½, ¼. The model stays folded; one without positions of its contacts refuses the input, and a value above 1 is none.
+/// Even weights and `edge_pressure` = 1 are the weights of a rigid punch: its load left of s is 1/2 + asin(2s)/π. The model stays folded; one without positions of its contacts refuses the input, and a value above 1 is none.
 /// Seen to fail with the load left as it is.
 #[test]
 fn edge_pressure_is_that_of_a_punch() {
-    let weighted = |row: [u32; 3]| {
-        let interface: Vec<u32> = [1, 2, 2, 2, 1]
+    let weighted = |row: [f64; 5]| {
+        let interface: Vec<f64> = [5.0, 8.0, 5.0]
             .iter()
             .flat_map(|w| row.map(|x| w * x))
             .collect();
@@ -141,8 +140,22 @@ fn edge_pressure_is_that_of_a_punch() {
         let rig = RIG.replace("LEVELS", "20.0");
         rig.replace("kind = \"two-blade-strip\"", &model)
     };
-    let even = peaks(&weighted([1, 2, 1]), "edge_pressure\n0\n0.5\n1\n");
-    let punch = peaks(&weighted([1, 1, 1]), "stiffness_scale\n1\n");
+    // weights of Gauss' rule with five points, and the punch's load between the ends of their cells
+    let gauss: [f64; 5] = [
+        0.236_926_885_056_189_1,
+        0.478_628_670_499_366_5,
+        0.568_888_888_888_888_9,
+        0.478_628_670_499_366_5,
+        0.236_926_885_056_189_1,
+    ];
+    let end = |cells: usize| gauss[..cells].iter().sum::<f64>() - 1.0;
+    let left_of = |cells: usize| end(cells).clamp(-1.0, 1.0).asin();
+    let punch = std::array::from_fn(|i| match i {
+        4 => std::f64::consts::FRAC_PI_2 - left_of(4),
+        _ => left_of(i + 1) - left_of(i),
+    });
+    let even = peaks(&weighted(gauss), "edge_pressure\n0\n0.5\n1\n");
+    let punch = peaks(&weighted(punch), "stiffness_scale\n1\n");
     let [none, half, full] = [0, 1, 2].map(|i| even[i][0].amplitude_m);
     assert!(close(full, punch[0][0].amplitude_m), "{even:?} {punch:?}");
     assert!(close(even[2][0].frequency_hz, punch[0][0].frequency_hz));

@@ -7,9 +7,9 @@
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;
-use microslip::fe::{Cuboid, FeModel, HexMesh, Material, grid_lines, tensor_mesh};
+use microslip::fe::{Cuboid, FeModel, HexMesh, Material, Rectangle, grid_lines, tensor_mesh};
 use microslip::linalg::{lowest_modes, symmetric_generalized_eigen};
-use microslip::model::{CraigBampton, ReductionError};
+use microslip::model::{CraigBampton, ReductionError, SparseRow};
 use microslip::units::rad_s_to_hz;
 use std::f64::consts::{PI, TAU};
 
@@ -289,6 +289,11 @@ fn beam_with_fixed_tip() -> (FeModel, [usize; 3], Vec<f64>) {
     (model, tip, fixed)
 }
 
+/// Displacements as masters.
+fn displacements(dofs: [usize; 3]) -> [SparseRow; 3] {
+    dofs.map(|dof| vec![(dof, 1.0)])
+}
+
 /// Every fixed-interface mode below the cut-off is kept and none above, from no mode to all of them.
 /// Seen to fail: with a cut-off in rad/s; with the first mode above the cut-off kept.
 #[test]
@@ -298,7 +303,7 @@ fn craig_bampton_keeps_the_modes_below_the_cut_off() {
         let last = if n == 0 { 0.0 } else { fixed[n - 1] };
         let next = fixed.get(n).copied().unwrap_or(f64::INFINITY);
         for cut_off in [last * (1.0 + 1e-6), 0.5 * (last + next.min(1e9))] {
-            let reduced = CraigBampton::new(&model, &tip, cut_off).expect("clamped");
+            let reduced = CraigBampton::new(&model, &displacements(tip), cut_off).expect("clamped");
             let kept: Vec<f64> = (reduced.n_masters..reduced.n_dofs())
                 .map(|i| rad_s_to_hz(reduced.stiffness[(i, i)].sqrt()))
                 .collect();
@@ -329,7 +334,7 @@ fn craig_bampton_refuses_too_many_modes() {
     let mesh = block([0.1, 0.02, 0.01], [12, 3, 2]);
     let model = FeModel::new(mesh, &STEEL, clamped_at_origin).expect("valid");
     let tip = model.dofs_at([0.1, 0.0, 0.0]).expect("node");
-    let refused = CraigBampton::new(&model, &tip, 1e9).expect_err("429 modes");
+    let refused = CraigBampton::new(&model, &displacements(tip), 1e9).expect_err("429 modes");
     assert!(
         matches!(refused, ReductionError::TooManyModes { .. }),
         "{refused}"
@@ -344,7 +349,7 @@ fn craig_bampton_component_converges_to_the_full_model() {
     let full = lowest_modes(&model.stiffness, &model.mass, 6, 0.0).expect("converges");
     let worst = |n_modes: usize| {
         let cut_off = 0.5 * (fixed[n_modes - 1] + fixed[n_modes]);
-        let reduced = CraigBampton::new(&model, &tip, cut_off).expect("clamped");
+        let reduced = CraigBampton::new(&model, &displacements(tip), cut_off).expect("clamped");
         let (lambda, _) = reduced.modes().expect("definite");
         let errors = full.lambda.iter().zip(&lambda).map(|(f, r)| r / f - 1.0);
         assert!(
@@ -367,7 +372,7 @@ fn craig_bampton_component_converges_to_the_full_model() {
         "{errors:?}"
     );
 
-    let reduced = CraigBampton::new(&model, &tip, 0.0).expect("clamped");
+    let reduced = CraigBampton::new(&model, &displacements(tip), 0.0).expect("clamped");
     let mut u = Mat::zeros(model.n_dofs(), 3);
     tip.iter()
         .enumerate()
@@ -381,5 +386,63 @@ fn craig_bampton_component_converges_to_the_full_model() {
     assert!(
         (unit - Mat::<f64>::identity(3, 3)).norm_max() < 1e-9,
         "static condensation is exact"
+    );
+}
+
+/// Mean displacements of the halves of a beam's end face as masters: their compliance to forces that are spread with the
+/// same weights is that of the full model, the modes with all means held are those of the constrained full model, and
+/// with all modes the component is the full model.
+/// Seen to fail: with the pivot's row of the map without the division by its weight.
+#[test]
+fn means_over_rectangles_are_masters() {
+    let mesh = block([0.1, 0.02, 0.01], [4, 4, 1]);
+    let model = FeModel::new(mesh, &STEEL, clamped_at_origin).expect("valid");
+    let cell = |y: [f64; 2]| Rectangle {
+        x: [0.05, 0.1],
+        y,
+        z: 0.01,
+    };
+    let cells = [cell([0.0, 0.01]), cell([0.01, 0.02])];
+    let masters: Vec<SparseRow> = (cells.iter())
+        .flat_map(|cell| model.mean_over(cell).expect("on grid lines"))
+        .collect();
+    let n = model.n_dofs();
+    let weights = Mat::from_fn(n, 6, |dof, k| {
+        let own = masters[k].iter().filter(|(d, _)| *d == dof);
+        own.map(|(_, w)| w).sum::<f64>()
+    });
+    for (k, column) in (0..6).map(|k| (k, weights.col(k))) {
+        assert!((column.iter().sum::<f64>() - 1.0).abs() < 1e-14, "mean {k}");
+    }
+    let mut u = weights.clone();
+    let factor = model.stiffness.sp_cholesky(faer::Side::Lower);
+    factor.expect("clamped").solve_in_place(&mut u);
+    let compliance = weights.transpose() * &u;
+    let few = CraigBampton::new(&model, &masters, 0.0).expect("clamped");
+    let unit = &few.stiffness * &compliance;
+    let off = (unit - Mat::<f64>::identity(6, 6)).norm_max();
+    assert!(off < 1e-9, "statics {off:e}");
+    let recovered = (weights.transpose() * &few.basis) - Mat::<f64>::identity(6, 6);
+    assert!(
+        recovered.norm_max() < 1e-12,
+        "means of the constraint modes"
+    );
+
+    let all = CraigBampton::new(&model, &masters, 1e9).expect("few enough");
+    let (lambda, _) = all.modes().expect("definite");
+    let full = lowest_modes(&model.stiffness, &model.mass, 20, 0.0).expect("converges");
+    for (found, exact) in lambda.iter().zip(&full.lambda) {
+        assert!((found / exact - 1.0).abs() < 1e-9, "{found} {exact}");
+    }
+    let held = (weights.transpose() * &all.basis)
+        .subcols(6, all.n_dofs() - 6)
+        .norm_max();
+    assert!(
+        held < 1e-12 * all.basis.norm_max(),
+        "modes move the means by {held:e}"
+    );
+    assert!(
+        model.mean_over(&cell([0.0, 0.008])).is_none(),
+        "no grid line"
     );
 }

@@ -29,13 +29,13 @@ pub(crate) const K_T: f64 = 0.233e9;
 pub(crate) static RIG: LazyLock<TwoBladeModel> =
     LazyLock::new(|| build(&TwoBladeSettings::default()).expect("the default rig builds"));
 
-/// Pairs of the rig: `scale` times the nominal stiffness, equal shares, friction coefficient `mu`.
+/// Pairs of the rig: `scale` times the nominal stiffness, shared by area, friction coefficient `mu`.
 pub(crate) fn contacts(model: &ReducedModel, scale: f64, mu: f64) -> Vec<ContactParameters<f64>> {
     let interface = InterfaceSettings {
         normal_stiffness: scale * K_N,
         tangential_stiffness: scale * K_T,
         friction_coefficient: mu,
-        share: Share::Equal,
+        share: Share::TributaryArea,
     };
     interface.parameters(&model.contacts)
 }
@@ -50,7 +50,7 @@ pub(crate) fn folded(scale: f64, mu: f64) -> (LinearModel, Vec<ContactParameters
     (linear, contacts)
 }
 
-/// Stuck minus free frequency of in-phase neck bending at `scale` times the nominal stiffness, equal shares (Hz).
+/// Stuck minus free frequency of in-phase neck bending at `scale` times the nominal stiffness (Hz).
 fn shift(rig: &TwoBladeModel, scale: f64) -> f64 {
     let stuck = rig
         .stuck_neck_bending(scale * K_N, scale * K_T)
@@ -59,22 +59,9 @@ fn shift(rig: &TwoBladeModel, scale: f64) -> f64 {
     stuck.frequency - rig.free_neck_bending()
 }
 
-/// The same with stiffness shared by tributary area.
-fn shift_by_area(rig: &TwoBladeModel, scale: f64) -> f64 {
-    let contacts = &rig.reduced.contacts;
-    let interface: f64 = 0.5 * contacts.iter().map(|c| c.area).sum::<f64>();
-    let share = |k: f64| -> Vec<f64> {
-        contacts
-            .iter()
-            .map(|c| scale * k * c.area / interface)
-            .collect()
-    };
-    let modes = rig.stuck_modes(&share(K_N), &share(K_T)).expect("definite");
-    rig.neck_bending_in(&modes).frequency - rig.free_neck_bending()
-}
-
-/// Published: about 7 Hz at nominal stiffness, twice that at ten times, next to nothing at a tenth.
-/// Seen to fail: with the tangential stiffness left out, and with the neck 5 % wider.
+/// Published: about 7 Hz at nominal stiffness, twice that at ten times, next to nothing at a tenth. The strip bends over a
+/// zone that widens as k^(-1/4), so that a tenth of the stiffness leaves a quarter of the shift, on any fine grid.
+/// Seen to fail: with the neck 5 % wider, and with means over the patches that leave out their edges.
 #[test]
 fn stuck_shift_reproduces_the_published_relations() {
     let [soft, nominal, stiff] = [0.1, 1.0, 10.0].map(|scale| shift(&RIG, scale));
@@ -88,7 +75,7 @@ fn stuck_shift_reproduces_the_published_relations() {
         "ratio {}",
         stiff / nominal
     );
-    assert!(soft < 1.7, "soft {soft}");
+    assert!(soft < 2.0, "soft {soft}");
 }
 
 /// Published, read as fractions: 0.003 in airfoil bending, 0.13 in neck bending.
@@ -135,8 +122,8 @@ fn peaks(mu: f64, levels: &[f64]) -> Vec<[f64; 2]> {
     };
     let found = track_peaks(&problem, &settings, peak, levels).expect("definite");
     let reported = found.iter().map(|p| {
-        // at 300 N the strip bounces, and the status says so
-        let expected = if p.level < 200.0 {
+        // at 100 N the strip bounces, and the status says so
+        let expected = if p.level < 80.0 {
             Status::Converged
         } else {
             Status::BouncingContact
@@ -189,17 +176,17 @@ fn friction_coefficient_lowers_the_peak_at_twenty_newton() {
     assert!((0.33..=0.55).contains(&drop), "{drop}");
 }
 
-/// Forty modes per component instead of 20 and 12, by higher cut-offs. Seen to fail: with 3 blade modes as default.
+/// Twice as many modes per component, by higher cut-offs. Seen to fail: with 3 blade modes as default.
 #[test]
 fn neck_bending_does_not_depend_on_the_modes_left_out() {
     let many = TwoBladeSettings {
-        blade_cut_off_hz: 62.4e3,
-        strip_cut_off_hz: 2.225e6,
+        blade_cut_off_hz: 60e3,
+        strip_cut_off_hz: 1e5,
         ..TwoBladeSettings::default()
     };
     let rich = build(&many).expect("builds");
-    assert_eq!((RIG.blade.n_modes, RIG.strip.n_modes), (20, 12));
-    assert_eq!((rich.blade.n_modes, rich.strip.n_modes), (40, 40));
+    assert_eq!((RIG.blade.n_modes, RIG.strip.n_modes), (18, 18));
+    assert_eq!((rich.blade.n_modes, rich.strip.n_modes), (36, 32));
     for (a, b) in [
         (RIG.free_neck_bending(), rich.free_neck_bending()),
         (shift(&RIG, 1.0), shift(&rich, 1.0)),
@@ -212,7 +199,8 @@ fn neck_bending_does_not_depend_on_the_modes_left_out() {
     assert!(n < 260, "{n} degrees of freedom");
 }
 
-/// Up to a quarter of the first fixed-interface frequency left out.
+/// Up to a quarter of the first fixed-interface frequency left out. Masters that are means leave the tilt of the patches to
+/// the fixed-interface modes: the sixth blade mode is 0.30 % high.
 /// Seen to fail: with 3 blade modes as default.
 #[test]
 fn reduced_frequencies_match_the_finite_element_models() {
@@ -228,7 +216,7 @@ fn reduced_frequencies_match_the_finite_element_models() {
         assert!(covered.len() >= 6, "{} modes covered", covered.len());
         for (full, reduced) in covered {
             assert!(
-                *reduced > full - 0.5 && reduced - full < 2e-3 * full + 0.5,
+                *reduced > full - 0.5 && reduced - full < 4e-3 * full + 0.5,
                 "{reduced} against {full} Hz"
             );
         }
@@ -264,38 +252,76 @@ fn blade_frequencies_converge_with_the_mesh() {
     assert!(default / finer - 1.0 < 0.03, "{default} against {finer} Hz");
 }
 
-/// Equal shares overweight the edge nodes: the two rules and a finer grid side by side. Prints the numbers.
+/// Shift at 0.1, 1 and 10 times the stiffness on contact grids of halved steps, on coarse blades: the error falls with an order
+/// above 1.5, and the default grid is within 5 % of the extrapolated interface. Prints the numbers.
+/// Seen to fail: with the mean displacement taken over the whole cells (default -8 % by the torsion of the platforms), and
+/// with contacts at nodes and equal shares, as it was before (7.2, 6.1, 5.4, 5.1 Hz at 30, 90, 182, 306 pairs).
 #[test]
-fn shares_by_area_and_equal_shares_bracket_the_grid_effect() {
-    let fine = build(&TwoBladeSettings {
-        contact_nodes: [5, 9],
-        ..TwoBladeSettings::default()
-    })
-    .expect("builds");
-    for rig in [&*RIG, &fine] {
-        let equal = [0.1, 1.0, 10.0].map(|scale| shift(rig, scale));
-        let area = [0.1, 1.0, 10.0].map(|scale| shift_by_area(rig, scale));
+fn the_interface_converges_with_the_contact_grid() {
+    let on = |contact_nodes: [usize; 2]| {
+        let settings = TwoBladeSettings {
+            contact_nodes,
+            blade_element_mm: [20.0, 50.0, 20.0],
+            blade_cut_off_hz: 8e3,
+            strip_cut_off_hz: 3e3,
+            ..TwoBladeSettings::default()
+        };
+        let rig = build(&settings).expect("builds");
+        let shifts = [0.1, 1.0, 10.0].map(|scale| shift(&rig, scale));
+        println!("{contact_nodes:?}: {shifts:.3?} Hz");
+        shifts
+    };
+    let default = on(TwoBladeSettings::default().contact_nodes);
+    let [coarse, middle, fine] = [[3, 2], [6, 4], [12, 8]].map(on);
+    for scale in 0..3 {
+        let steps = [middle[scale] - coarse[scale], fine[scale] - middle[scale]];
+        let order = (steps[0] / steps[1]).abs().log2();
+        // order 1.5 from the last step
+        let limit = fine[scale] + steps[1] / (2f64.powf(1.5) - 1.0);
+        let error = default[scale] / limit - 1.0;
         println!(
-            "{} pairs: equal {equal:.2?} area {area:.2?} Hz",
-            rig.reduced.n_contacts()
+            "order {order:.2}, limit {limit:.3} Hz, default {:.1} %",
+            100.0 * error
         );
         assert!(
-            area.iter().zip(&equal).all(|(a, e)| a < e),
-            "area {area:?} equal {equal:?}"
+            order > 1.5 || steps[1].abs() < 0.015 * limit,
+            "{scale}: {order}"
         );
+        assert!(error.abs() < 0.05, "{scale}: {error}");
     }
 }
 
-/// x, y of a contact pair of the default rig (mm), from the settings alone.
-fn contact_place(pair: usize) -> [f64; 2] {
+/// x, y of a contact pair of the default rig (mm) and its part of the interface, from the settings and Gauss' rule with five
+/// points across and three along (Abramowitz & Stegun, table 25.4).
+fn contact_place(pair: usize) -> ([f64; 2], f64) {
+    let five = [
+        (-0.906_179_845_938_664, 0.236_926_885_056_189),
+        (-0.538_469_310_105_683, 0.478_628_670_499_366),
+        (0.0, 0.568_888_888_888_889),
+        (0.538_469_310_105_683, 0.478_628_670_499_366),
+        (0.906_179_845_938_664, 0.236_926_885_056_189),
+    ];
+    let outer = 0.774_596_669_241_483;
+    let three = [(-outer, 5.0 / 9.0), (0.0, 8.0 / 9.0), (outer, 5.0 / 9.0)];
     let settings = TwoBladeSettings::default();
-    let [across, along] = settings.contact_nodes;
-    let (side, node) = (pair / (across * along), pair % (across * along));
-    let (i, j) = (node % across, node / across);
+    let (side, node) = (pair / 15, pair % 15);
+    let ((x, part_x), (y, part_y)) = (five[node % 5], three[node / 5]);
     let (half, gap) = (0.5 * settings.strip_mm[0], 0.5 * settings.gap_mm);
-    let x = -half + (half - gap) * i as f64 / (across - 1) as f64;
-    let y = settings.strip_mm[1] * (j as f64 / (along - 1) as f64 - 0.5);
-    [if side == 0 { x } else { -x }, y]
+    let x = -half + (half - gap) * 0.5 * (1.0 + x);
+    let y = settings.strip_mm[1] * 0.5 * y;
+    ([if side == 0 { x } else { -x }, y], 0.25 * part_x * part_y)
+}
+
+/// Every pair stands for the area of its point; both add up to the interface.
+/// Seen to fail: with equal steps.
+#[test]
+fn contact_areas_are_the_weights_of_gauss() {
+    let interface = 1e-6 * 50.0 * 0.5 * (10.0 - TwoBladeSettings::default().gap_mm);
+    for (pair, contact) in RIG.reduced.contacts.iter().enumerate() {
+        let (_, part) = contact_place(pair);
+        let found = contact.area / interface;
+        assert!((found - part).abs() < 1e-12, "{pair}: {found} {part}");
+    }
 }
 
 /// Degree of freedom of the strip in a contact row.
@@ -310,7 +336,7 @@ fn strip_is_force_free_in_rigid_body_motion() {
     let n = RIG.reduced.n_dofs();
     let mut motions = Mat::<f64>::zeros(n, 6);
     for (pair, contact) in RIG.reduced.contacts.iter().enumerate() {
-        let [x, y] = contact_place(pair);
+        let ([x, y], _) = contact_place(pair);
         let [ux, uy, uz] = [&contact.t1, &contact.t2, &contact.n].map(|row| strip_dof(row));
         for (axis, u) in [ux, uy, uz].into_iter().enumerate() {
             motions[(u, axis)] = 1e-2;
@@ -365,7 +391,7 @@ fn static_load_is_the_centrifugal_load_on_the_strip() {
     );
 }
 
-/// Free blades: C is diagonal in the modes, 2ζω. Strip: 2e-2 at 1 kHz. Seen to fail: with Φ in place of MΦ.
+/// Free blades: C is diagonal in the modes, 2ζω. Strip: 2e-3 at 1 kHz. Seen to fail: with Φ in place of MΦ.
 #[test]
 fn damping_is_diagonal_in_the_modes_of_the_components() {
     let rig = &RIG.reduced;
@@ -378,15 +404,15 @@ fn damping_is_diagonal_in_the_modes_of_the_components() {
     for i in 0..n {
         for j in 0..n {
             let exact = if i == j {
-                2.0 * 1.5e-4 * lambda[i].sqrt()
+                2.0 * 2e-4 * lambda[i].sqrt()
             } else {
                 0.0
             };
-            let scale = 2.0 * 1.5e-4 * (lambda[i] * lambda[j]).powf(0.25);
+            let scale = 2.0 * 2e-4 * (lambda[i] * lambda[j]).powf(0.25);
             assert!((modal[(i, j)] - exact).abs() < 1e-6 * scale, "({i}, {j})");
         }
     }
-    let (i, beta) = (2 * n, 2.0 * 2e-2 / (2.0 * std::f64::consts::PI * 1e3));
+    let (i, beta) = (2 * n, 2.0 * 2e-3 / (2.0 * std::f64::consts::PI * 1e3));
     let ratio = rig.damping[(i, i)] / rig.stiffness[(i, i)];
     assert!((ratio / beta - 1.0).abs() < 1e-12, "{ratio}");
 }
@@ -421,7 +447,7 @@ fn blades_answer_as_mirror_images() {
     }
 }
 
-/// Retention acts on the strip's mean in-plane motion only.
+/// Retention acts on the strip's mean in-plane motion over the contact area only.
 /// Seen to fail: with both signs of the rotation alike.
 #[test]
 fn retention_holds_three_in_plane_motions_of_the_strip() {
@@ -442,12 +468,14 @@ fn retention_holds_three_in_plane_motions_of_the_strip() {
         })
     };
     let contacts = &RIG.reduced.contacts;
-    let squares =
-        (0..contacts.len()).map(|pair| contact_place(pair).iter().map(|c| c * c).sum::<f64>());
-    let radius = (squares.sum::<f64>() / contacts.len() as f64).sqrt();
+    let squares = (0..contacts.len()).map(|pair| {
+        let ([x, y], part) = contact_place(pair);
+        0.5 * part * (x * x + y * y)
+    });
+    let radius = squares.sum::<f64>().sqrt();
     let mut rotation = Mat::zeros(n, 1);
     for (pair, contact) in contacts.iter().enumerate() {
-        let [x, y] = contact_place(pair);
+        let ([x, y], _) = contact_place(pair);
         rotation[(strip_dof(&contact.t1), 0)] = -y / radius;
         rotation[(strip_dof(&contact.t2), 0)] = x / radius;
     }
@@ -483,7 +511,7 @@ fn settings_name_the_broken_rule() {
         ),
         (
             TwoBladeSettings {
-                strip_mm: [14.0, 50.0, 0.4],
+                strip_mm: [15.0, 50.0, 0.4],
                 ..default()
             },
             "strip_mm",

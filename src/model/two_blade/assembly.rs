@@ -1,6 +1,7 @@
 //! The components put together: matrices, contact pairs, loads, responses.
 
-use super::{Blade, Component, Phase, TwoBladeSettings, components::ContactNode};
+use super::components::ContactCell;
+use super::{Blade, Component, Phase, TwoBladeSettings};
 use crate::model::{ContactPair, Mirror, ReducedModel, Response, SparseRow};
 use crate::units::hz_to_rad_s;
 use faer::{Mat, Scale};
@@ -10,7 +11,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// Places of the components in the system's degrees of freedom: blade 1, blade 2, strip.
 struct System<'a> {
     settings: &'a TwoBladeSettings,
-    contact: &'a [ContactNode],
+    contact: &'a [ContactCell],
     blade: &'a Component,
     strip: &'a Component,
     /// Maps blade 1 to blade 2.
@@ -20,7 +21,7 @@ struct System<'a> {
 /// The reduced model of the rig, without loads of inputs.
 pub(super) fn reduced_model(
     settings: &TwoBladeSettings,
-    contact: &[ContactNode],
+    contact: &[ContactCell],
     blade: &Blade,
     strip: &Component,
 ) -> ReducedModel {
@@ -230,26 +231,27 @@ impl System<'_> {
         image
     }
 
-    /// k Σ w wᵀ with w the mean displacement of the strip's contact nodes in x and y, and their mean rotation about z
-    /// times the radius of gyration.
+    /// k Σ w wᵀ with w the mean displacement of the strip's contact cells in x and y, weighed by area, and their mean
+    /// rotation about z times the radius of gyration.
     fn retention(&self) -> Mat<f64> {
-        let positions: Vec<(usize, f64, f64)> = (0..2)
-            .flat_map(|blade| {
-                let side = if blade == 0 { 1.0 } else { -1.0 };
-                let place = move |(node, c): (usize, &ContactNode)| {
-                    (self.strip_node(blade, node), side * c.x, c.y)
-                };
-                self.contact.iter().enumerate().map(place)
-            })
-            .collect();
-        let n = positions.len() as f64;
-        let radius = (positions.iter().map(|(_, x, y)| x * x + y * y).sum::<f64>() / n).sqrt();
+        let whole: f64 = 2.0 * self.contact.iter().map(|cell| cell.area).sum::<f64>();
+        let mut places = Vec::new();
+        for (blade, side) in [(0, 1.0), (1, -1.0)] {
+            places.extend(self.contact.iter().enumerate().map(|(node, cell)| {
+                let [x, y] = cell.patch.centre();
+                let dof = self.strip_node(blade, node);
+                (dof, [side * x, y], cell.area / whole)
+            }));
+        }
+        let square = |[x, y]: [f64; 2]| x * x + y * y;
+        let gyration: f64 = places.iter().map(|(_, at, part)| part * square(*at)).sum();
+        let radius = gyration.sqrt();
         let mut w = Mat::zeros(self.n_dofs(), 3);
-        for &(dof, x, y) in &positions {
-            w[(dof, 0)] = 1.0 / n;
-            w[(dof + 1, 1)] = 1.0 / n;
-            w[(dof, 2)] = -y / (radius * n);
-            w[(dof + 1, 2)] = x / (radius * n);
+        for (dof, [x, y], part) in places {
+            w[(dof, 0)] = part;
+            w[(dof + 1, 1)] = part;
+            w[(dof, 2)] = -y * part / radius;
+            w[(dof + 1, 2)] = x * part / radius;
         }
         Scale(self.settings.retention_n_per_m) * (&w * w.transpose())
     }

@@ -1,8 +1,10 @@
-//! Finite element models of one blade and of the strip, and where their contact nodes are.
+//! Finite element models of one blade and of the strip, and their contact cells.
 
 use super::TwoBladeSettings;
-use crate::fe::{Cuboid, FeError, FeModel, Material, grid_lines, tensor_mesh};
+use crate::fe::{Cuboid, FeError, FeModel, Material, Rectangle, grid_lines, tensor_mesh};
+use crate::linalg::{LinalgError, symmetric_eigen};
 use crate::units::mm_to_m;
+use faer::Mat;
 use std::f64::consts::PI;
 
 /// Lengths of the settings in metres, and the contact grid.
@@ -13,41 +15,55 @@ pub(super) struct Layout {
     airfoil: [f64; 3],
     airfoil_offset: f64,
     strip: [f64; 3],
+    gap: f64,
     /// Distance of the blade's axis from the middle of the gap.
     axis: f64,
-    /// Contact lines of blade 1 across the gap, from the neck to the edge of the platform (x < 0).
-    across: Vec<f64>,
-    /// Contact lines along the gap.
-    along: Vec<f64>,
+    /// Contact grid of blade 1 across the gap, from the neck to the edge of the platform (x < 0).
+    across: Vec<Cell>,
+    /// Contact grid along the gap.
+    along: Vec<Cell>,
     blade_element: [f64; 3],
     strip_element: f64,
     material: Material,
 }
 
+/// One step of the contact grid along one axis, by Gauss' rule: the steps are as wide as its weights, and each has one of
+/// its points.
+#[derive(Debug, Clone, Copy)]
+struct Cell {
+    /// From and to (m).
+    span: [f64; 2],
+    /// Part around the point, as far as the nearer end of the span (m).
+    patch: [f64; 2],
+}
+
 /// One node of the contact grid of blade 1; blade 2 has its mirror image.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ContactNode {
-    pub(super) x: f64,
-    pub(super) y: f64,
-    /// Tributary area (m²).
+pub(super) struct ContactCell {
+    /// Where pressure and shear act, and whose mean displacement they see.
+    pub(super) patch: Rectangle,
+    /// Area that it stands for (m²): the weight of its point in the integral over the interface.
     pub(super) area: f64,
 }
 
 impl Layout {
-    pub(super) fn new(settings: &TwoBladeSettings) -> Self {
+    /// # Errors
+    /// [`LinalgError`] if the points of Gauss' rule are not found.
+    pub(super) fn new(settings: &TwoBladeSettings) -> Result<Self, LinalgError> {
         let metres = |lengths: [f64; 3]| lengths.map(mm_to_m);
         let (platform, strip) = (metres(settings.platform_mm), metres(settings.strip_mm));
         let gap = mm_to_m(settings.gap_mm);
         let [n_across, n_along] = settings.contact_nodes;
-        Self {
+        Ok(Self {
             neck: metres(settings.neck_mm),
             airfoil: metres(settings.airfoil_mm),
             airfoil_offset: mm_to_m(settings.airfoil_offset_mm),
             axis: 0.5 * (gap + platform[0]),
-            across: equal_steps(-0.5 * strip[0], -0.5 * gap, n_across),
-            along: equal_steps(-0.5 * strip[1], 0.5 * strip[1], n_along),
+            across: gauss_cells([-0.5 * strip[0], -0.5 * gap], n_across)?,
+            along: gauss_cells([-0.5 * strip[1], 0.5 * strip[1]], n_along)?,
             platform,
             strip,
+            gap,
             blade_element: metres(settings.blade_element_mm),
             strip_element: mm_to_m(settings.strip_element_mm),
             material: Material {
@@ -55,47 +71,38 @@ impl Layout {
                 poisson_ratio: settings.poisson_ratio,
                 density: settings.density_kg_m3,
             },
-        }
+        })
     }
 
-    /// Contact nodes of blade 1, those across the gap running fastest.
-    pub(super) fn contact_nodes(&self) -> Vec<ContactNode> {
-        let (width_x, width_y) = (tributary(&self.across), tributary(&self.along));
-        let row = |(j, &y): (usize, &f64)| {
-            let area = |i: usize| width_x[i] * width_y[j];
-            let nodes = self.across.iter().enumerate();
-            nodes
-                .map(|(i, &x)| ContactNode {
-                    x,
-                    y,
-                    area: area(i),
-                })
-                .collect::<Vec<_>>()
+    /// Contact cells of blade 1, those across the gap running fastest.
+    pub(super) fn contact_cells(&self) -> Vec<ContactCell> {
+        let z = self.contact_height();
+        let length = |[from, to]: [f64; 2]| to - from;
+        let cell = |x: &Cell, y: &Cell| ContactCell {
+            patch: Rectangle {
+                x: x.patch,
+                y: y.patch,
+                z,
+            },
+            area: length(x.span) * length(y.span),
         };
-        self.along.iter().enumerate().flat_map(row).collect()
+        let row = |y| self.across.iter().map(move |x| cell(x, y));
+        self.along.iter().flat_map(row).collect()
     }
 
-    /// Relative deviation of the mean pressure on each contact node's part of the width from that of all, under a rigid flat
-    /// punch as wide as the contact: its load left of s is 1/2 + asin(2s)/π of the whole.
+    /// Relative deviation of the mean pressure on each contact cell from that of all, under a rigid flat punch as wide as
+    /// the contact: its load left of s is 1/2 + asin(2s)/π of the whole.
     pub(super) fn punch_deviation(&self) -> Vec<f64> {
-        let (first, last) = (self.across[0], self.across[self.across.len() - 1]);
+        let (first, last) = (-0.5 * self.strip[0], -0.5 * self.gap);
         let width = last - first;
         let left_of =
             |x: f64| 0.5 + (2.0 * ((x - first) / width - 0.5)).clamp(-1.0, 1.0).asin() / PI;
-        // the ends to the bit: close to them the asin sees round-off under its root
-        let n = self.across.len();
-        let edge = |i: usize| match i {
-            0 => first,
-            i if i == n => last,
-            i => 0.5 * (self.across[i - 1] + self.across[i]),
+        let deviation = |cell: &Cell| {
+            let [from, to] = cell.span;
+            (left_of(to) - left_of(from)) * width / (to - from) - 1.0
         };
-        let deviation: Vec<f64> = (0..n)
-            .map(|i| {
-                let (start, end) = (edge(i), edge(i + 1));
-                (left_of(end) - left_of(start)) * width / (end - start) - 1.0
-            })
-            .collect();
-        self.along.iter().flat_map(|_| deviation.clone()).collect()
+        let across: Vec<f64> = self.across.iter().map(deviation).collect();
+        across.repeat(self.along.len())
     }
 
     /// Underside of the platforms, where the strip lies.
@@ -112,7 +119,8 @@ impl Layout {
         ]
     }
 
-    /// Blade 1, clamped at z = 0, with grid lines through the contact nodes and the airfoil points at `heights`.
+    /// Blade 1, clamped at z = 0, with grid lines through edges and middles of the contact patches and the airfoil points
+    /// at `heights`.
     pub(super) fn blade(&self, heights: &[f64]) -> Result<FeModel, FeError> {
         let levels = [
             0.0,
@@ -134,9 +142,9 @@ impl Layout {
             prism(self.airfoil, self.airfoil_offset, 2),
         ];
         let faces = |axis: usize| boxes.iter().flat_map(move |b| [b.min[axis], b.max[axis]]);
-        let x: Vec<f64> = faces(0).chain(self.across.iter().copied()).collect();
+        let x: Vec<f64> = faces(0).chain(patch_lines(&self.across)).collect();
         let y: Vec<f64> = faces(1)
-            .chain(self.along.iter().copied())
+            .chain(patch_lines(&self.along))
             .chain([self.airfoil_offset])
             .collect();
         let z: Vec<f64> = faces(2)
@@ -161,27 +169,55 @@ impl Layout {
             ],
             max: [0.5 * self.strip[0], 0.5 * self.strip[1], top],
         };
-        let mirrored = self.across.iter().flat_map(|&x| [x, -x]);
+        let across = patch_lines(&self.across).into_iter();
+        let across = across.chain([body.max[0], 0.5 * self.gap]);
+        let mirrored = across.flat_map(|x| [x, -x]);
+        let ends = [body.min[1], body.max[1]];
+        let along: Vec<f64> = ends.into_iter().chain(patch_lines(&self.along)).collect();
         let lines = [
             grid_lines(&mirrored.collect::<Vec<_>>(), self.strip_element),
-            grid_lines(&self.along, self.strip_element),
+            grid_lines(&along, self.strip_element),
             vec![body.min[2], body.max[2]],
         ];
         FeModel::new(tensor_mesh(&lines, &[body]), &self.material, |_| false)
     }
 }
 
-/// `n` points from `first` to `last`.
-fn equal_steps(first: f64, last: f64, n: usize) -> Vec<f64> {
-    (0..n)
-        .map(|i| first + (last - first) * i as f64 / (n - 1) as f64)
-        .collect()
+/// Cells of Gauss' rule with `n` points over `span`: exact for polynomials up to degree 2n − 1.
+///
+/// Points and weights are the eigenvalues and squared first components of the eigenvectors of the Jacobi matrix of
+/// Legendre's polynomials. Source: Golub & Welsch 1969, Math. Comp. 23, 221.
+fn gauss_cells(span: [f64; 2], n: usize) -> Result<Vec<Cell>, LinalgError> {
+    let beside = |k: usize| k as f64 / (4.0 * (k * k) as f64 - 1.0).sqrt();
+    let jacobi = Mat::from_fn(n, n, |i, j| match i.abs_diff(j) {
+        1 => beside(i.max(j)),
+        _ => 0.0,
+    });
+    let (points, vectors) = symmetric_eigen(jacobi.as_ref())?;
+    let length = span[1] - span[0];
+    let mut from = span[0];
+    let cells = (0..n).map(|i| {
+        let point = span[0] + 0.5 * (1.0 + points[i]) * length;
+        let to = match i + 1 < n {
+            true => from + vectors[(0, i)].powi(2) * length,
+            false => span[1],
+        };
+        let reach = (point - from).min(to - point);
+        let cell = Cell {
+            span: [from, to],
+            patch: [point - reach, point + reach],
+        };
+        from = to;
+        cell
+    });
+    Ok(cells.collect())
 }
 
-/// Half the distance to both neighbours.
-fn tributary(lines: &[f64]) -> Vec<f64> {
-    let n = lines.len();
-    (0..n)
-        .map(|i| 0.5 * (lines[(i + 1).min(n - 1)] - lines[i.saturating_sub(1)]))
-        .collect()
+/// Edges and middles of the patches: each of them gets a node that is its own.
+fn patch_lines(cells: &[Cell]) -> Vec<f64> {
+    let lines = |cell: &Cell| {
+        let [from, to] = cell.patch;
+        [from, 0.5 * (from + to), to]
+    };
+    cells.iter().flat_map(lines).collect()
 }

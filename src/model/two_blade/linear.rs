@@ -63,7 +63,7 @@ impl TwoBladeModel {
         })
     }
 
-    /// Equal springs: each pair has the interface stiffness (N/m) over the number of pairs of the interface.
+    /// Even springs: each pair has a part of the interface stiffness (N/m) in proportion to its area.
     ///
     /// # Errors
     /// [`LinalgError`] if the eigenvalue problem fails.
@@ -72,11 +72,19 @@ impl TwoBladeModel {
         interface_k_n: f64,
         interface_k_t: f64,
     ) -> Result<TrackedMode, LinalgError> {
-        let n = self.reduced.n_contacts();
-        let per_interface = 0.5 * n as f64;
-        let k_n = vec![interface_k_n / per_interface; n];
-        let k_t = vec![interface_k_t / per_interface; n];
+        let [k_n, k_t] = [interface_k_n, interface_k_t].map(|stiffness| {
+            let parts = self.area_shares().into_iter();
+            parts.map(|part| part * stiffness).collect::<Vec<_>>()
+        });
         Ok(self.neck_bending_in(&self.stuck_modes(&k_n, &k_t)?))
+    }
+
+    /// Area of every contact pair over that of its interface.
+    fn area_shares(&self) -> Vec<f64> {
+        let areas = self.reduced.contacts.iter().map(|pair| pair.area);
+        // both interfaces have the same area
+        let interface = 0.5 * areas.clone().sum::<f64>();
+        areas.map(|area| area / interface).collect()
     }
 
     /// The mode most like in-phase neck bending of the free blades.
@@ -96,22 +104,23 @@ impl TwoBladeModel {
     }
 
     /// Motion of the platforms against each other in the first two in-phase bending modes, as [x, y, z] per mode:
-    /// root mean square of (u₁ − u₂)/2 over the contact nodes, as a fraction of the response point's motion.
+    /// root mean square of (u₁ − u₂)/2 over the contact area, as a fraction of the response point's motion.
     #[must_use]
     pub fn relative_platform_motion(&self) -> [[f64; 3]; 2] {
         let n_blade = self.first_blade.mirror.len();
-        let n_contact = self.reduced.n_contacts() / 2;
+        let parts = self.area_shares();
+        let parts = &parts[..parts.len() / 2];
         self.first_blade.x_bending.map(|mode| {
             let shape = self.in_phase_shape(mode);
             let response = &self.reduced.responses[0].row;
             let reference: f64 = response.iter().map(|&(dof, w)| w * shape[(dof, 0)]).sum();
             std::array::from_fn(|axis| {
-                let squares: f64 = (0..n_contact)
-                    .map(|node| 3 * node + axis)
-                    .map(|dof| 0.5 * (shape[(dof, 0)] - shape[(n_blade + dof, 0)]))
-                    .map(|u| u * u)
-                    .sum();
-                (squares / n_contact as f64).sqrt() / reference.abs()
+                let square = |(cell, part): (usize, &f64)| {
+                    let dof = 3 * cell + axis;
+                    part * (0.5 * (shape[(dof, 0)] - shape[(n_blade + dof, 0)])).powi(2)
+                };
+                let squares: f64 = parts.iter().enumerate().map(square).sum();
+                squares.sqrt() / reference.abs()
             })
         })
     }

@@ -2,7 +2,9 @@
 //! geometry of our own.
 //!
 //! Settings → finite element models of one blade and the strip → Craig–Bampton components → one reduced model. The
-//! second blade is the mirror image of the first, so it is never meshed. Source of the rig and of the relations that
+//! second blade is the mirror image of the first, so it is never meshed. Pressure and shear are integrated over the
+//! interface by Gauss' rule: a contact pair stands for the area of one of its points, sees the mean displacements of both
+//! faces over a patch around it, and its force is spread evenly over this patch. Source of the rig and of the relations that
 //! the default geometry is tuned to: Gastaldi, Berruti & Gola 2018, Exp. Tech., doi 10.1007/s40799-018-0248-z.
 
 mod assembly;
@@ -15,12 +17,12 @@ pub use linear::{LinearModes, TrackedMode};
 pub use pressure::{PressureField, PressureInputs};
 pub use settings::{Phase, TwoBladeSettings};
 
-use super::{CraigBampton, ModelError, ReducedModel, ReductionError};
-use crate::fe::FeModel;
+use super::{CraigBampton, ModelError, ReducedModel, ReductionError, SparseRow};
+use crate::fe::{FeModel, Rectangle};
 use crate::linalg::lowest_modes;
 use crate::setting::BadSetting;
 use crate::units::rad_s_to_hz;
-use components::{ContactNode, Layout};
+use components::{ContactCell, Layout};
 use faer::Mat;
 
 /// Full-model modes that are computed for comparison with the reduced ones.
@@ -48,7 +50,7 @@ pub struct TwoBladeModel {
 pub struct ComponentSummary {
     /// Degrees of freedom of the finite element model.
     pub n_fe_dofs: usize,
-    /// Master degrees of freedom.
+    /// Masters: three displacements per contact cell, excited and response node.
     pub n_masters: usize,
     /// Fixed-interface modes kept: those below the cut-off.
     pub n_modes: usize,
@@ -80,7 +82,7 @@ struct Blade {
 #[derive(Debug, Clone)]
 struct Component {
     reduced: CraigBampton,
-    /// First master coordinate of every master node, in the order asked for.
+    /// First master coordinate of every contact cell, then of every further node, in the order asked for.
     nodes: Vec<usize>,
 }
 
@@ -90,12 +92,12 @@ struct Component {
 /// [`ModelError`]: a setting breaks a rule, or the mesh or an eigenvalue problem fails.
 pub fn build(settings: &TwoBladeSettings) -> Result<TwoBladeModel, ModelError> {
     settings.validate()?;
-    let layout = Layout::new(settings);
-    let contact = layout.contact_nodes();
+    let layout = Layout::new(settings)?;
+    let contact = layout.contact_cells();
     let (first_blade, blade) = Blade::new(settings, &layout, &contact)?;
     let cut_off = ("strip_cut_off_hz", settings.strip_cut_off_hz);
     let fe = layout.strip()?;
-    let strip = Component::new(&fe, &strip_nodes(&layout, &contact), |masters| {
+    let strip = Component::new(&fe, &strip_patches(&contact), &[], |masters| {
         below(&fe, masters, cut_off)
     })?;
     let (lambda, _) = strip.reduced.modes()?;
@@ -135,10 +137,10 @@ impl TwoBladeModel {
     pub fn with_strip(&self, thickness_mm: f64) -> Result<ReducedModel, ModelError> {
         let settings = self.settings.with_strip_thickness(thickness_mm);
         settings.validate()?;
-        let layout = Layout::new(&settings);
-        let contact = layout.contact_nodes();
+        let layout = Layout::new(&settings)?;
+        let contact = layout.contact_cells();
         let fe = layout.strip()?;
-        let strip = Component::new(&fe, &strip_nodes(&layout, &contact), |masters| {
+        let strip = Component::new(&fe, &strip_patches(&contact), &[], |masters| {
             Ok(CraigBampton::with_modes(&fe, masters, self.strip.n_modes)?)
         })?;
         let mut model = assembly::reduced_model(&settings, &contact, &self.first_blade, &strip);
@@ -147,17 +149,20 @@ impl TwoBladeModel {
     }
 }
 
-/// Contact nodes of the strip: under blade 1, then under blade 2.
-fn strip_nodes(layout: &Layout, contact: &[ContactNode]) -> Vec<[f64; 3]> {
-    let z = layout.contact_height();
-    let under = |side: f64| contact.iter().map(move |c| [side * c.x, c.y, z]);
-    under(1.0).chain(under(-1.0)).collect()
+/// Contact patches of the strip: under blade 1, then under blade 2.
+fn strip_patches(contact: &[ContactCell]) -> Vec<Rectangle> {
+    let patches = contact.iter().map(|cell| cell.patch);
+    let mirrored = patches.clone().map(|patch| Rectangle {
+        x: [-patch.x[1], -patch.x[0]],
+        ..patch
+    });
+    patches.chain(mirrored).collect()
 }
 
 /// A component with the modes below the cut-off (Hz) of a key of the settings.
 fn below(
     fe: &FeModel,
-    masters: &[usize],
+    masters: &[SparseRow],
     (key, cut_off): (&str, f64),
 ) -> Result<CraigBampton, ModelError> {
     CraigBampton::new(fe, masters, cut_off).map_err(|error| match error {
@@ -175,17 +180,15 @@ impl Blade {
     fn new(
         settings: &TwoBladeSettings,
         layout: &Layout,
-        contact: &[ContactNode],
+        contact: &[ContactCell],
     ) -> Result<(Self, ComponentSummary), ModelError> {
         let heights = [settings.excitation_height, settings.response_height];
         let fe = layout.blade(&heights)?;
-        let z = layout.contact_height();
-        let nodes = contact.iter().map(|c| [c.x, c.y, z]);
-        let nodes: Vec<_> = nodes
-            .chain(heights.map(|height| layout.airfoil_point(height)))
-            .collect();
+        let points = heights.map(|height| layout.airfoil_point(height));
         let cut_off = ("blade_cut_off_hz", settings.blade_cut_off_hz);
-        let component = Component::new(&fe, &nodes, |masters| below(&fe, masters, cut_off))?;
+        let reduce = |masters: &[SparseRow]| below(&fe, masters, cut_off);
+        let patches: Vec<Rectangle> = contact.iter().map(|cell| cell.patch).collect();
+        let component = Component::new(&fe, &patches, &points, reduce)?;
         let reduced = &component.reduced;
         let (lambda, shapes) = reduced.modes()?;
         let summary = ComponentSummary::new(&fe, reduced, &lambda, cut_off.1, 0.0)?;
@@ -203,23 +206,34 @@ impl Blade {
 }
 
 impl Component {
-    /// The component with the degrees of freedom of `master_nodes` as masters, which `reduce` keeps.
+    /// The component with the mean displacements of `patches` and the displacements of the nodes at `points` as masters,
+    /// which `reduce` keeps.
     fn new(
         fe: &FeModel,
-        master_nodes: &[[f64; 3]],
-        reduce: impl FnOnce(&[usize]) -> Result<CraigBampton, ModelError>,
+        patches: &[Rectangle],
+        points: &[[f64; 3]],
+        reduce: impl FnOnce(&[SparseRow]) -> Result<CraigBampton, ModelError>,
     ) -> Result<Self, ModelError> {
-        let mut masters: Vec<usize> = Vec::new();
+        let mut masters: Vec<SparseRow> = Vec::new();
         let mut nodes = Vec::new();
-        for &position in master_nodes {
+        for patch in patches {
+            let [x, y] = patch.centre();
+            let no_node = ModelError::NoFreeNode {
+                position: [x, y, patch.z],
+            };
+            nodes.push(masters.len());
+            masters.extend(fe.mean_over(patch).ok_or(no_node)?);
+        }
+        for &position in points {
             let Some(dofs) = fe.dofs_at(position) else {
                 return Err(ModelError::NoFreeNode { position });
             };
+            let of_node = dofs.map(|dof| vec![(dof, 1.0)]);
             // Excitation and response may be the same node.
-            let known = masters.iter().position(|&dof| dof == dofs[0]);
+            let known = masters.iter().position(|master| *master == of_node[0]);
             nodes.push(known.unwrap_or(masters.len()));
             if known.is_none() {
-                masters.extend(dofs);
+                masters.extend(of_node);
             }
         }
         Ok(Self {

@@ -8,13 +8,14 @@ use microslip::model::two_blade::{
 };
 use microslip::units::rad_s_to_hz;
 
-/// A small rig whose strip keeps all its modes at any thickness, with loads of a punch and of a field.
+/// A small rig whose strip keeps as many modes at any thickness, with loads of a punch and of a field: the frequencies of
+/// its bending modes are in proportion to the thickness, and so is the cut-off.
 fn small(strip_mm: [f64; 3], pressure_weights: Option<Vec<f64>>) -> TwoBladeModel {
     let settings = TwoBladeSettings {
         strip_mm,
         contact_nodes: [2, 3],
         blade_element_mm: [15.0, 25.0, 25.0],
-        strip_cut_off_hz: 1e9,
+        strip_cut_off_hz: 3e4 * strip_mm[2] / 0.4,
         pressure_weights,
         ..TwoBladeSettings::default()
     };
@@ -47,11 +48,22 @@ fn a_strip_of_another_thickness_is_the_one_built_with_it() {
     let rig = small([10.0, 50.0, 0.4], None);
     for thickness in [0.3, 0.4, 0.7] {
         let mut settings = rig.settings.with_strip_thickness(thickness);
+        settings.strip_cut_off_hz *= thickness / 0.4;
         let [_, _, built] = settings.strip_mm;
         assert_eq!(built, thickness);
         let load = 180.0 * thickness / 0.4;
         assert!((settings.centrifugal_load_n - load).abs() < 1e-12 * load);
-        let expected = build(&settings).expect("builds");
+        let mut expected = build(&settings).expect("builds");
+        // other modes than those of bending do not follow the thickness
+        for _ in 0..20 {
+            settings.strip_cut_off_hz *= match expected.strip.n_modes.cmp(&rig.strip.n_modes) {
+                std::cmp::Ordering::Less => 1.02,
+                std::cmp::Ordering::Equal => break,
+                std::cmp::Ordering::Greater => 0.98,
+            };
+            expected = build(&settings).expect("builds");
+        }
+        assert_eq!(expected.strip.n_modes, rig.strip.n_modes);
         let expected = expected.with_pressure(rig.pressure().clone());
         let found = rig.with_strip(thickness).expect("reduces");
         assert_same(&found, &expected.reduced);
@@ -84,21 +96,22 @@ fn a_thicker_strip_is_heavier_and_stiffer() {
         normal_stiffness: K_N,
         tangential_stiffness: K_T,
         friction_coefficient: 0.6,
-        share: Share::Equal,
+        share: Share::TributaryArea,
     };
     let contacts = interface.parameters(&RIG.reduced.contacts);
     let [mass, load] = mass_and_load(&RIG.reduced);
+    // round-off of the reduction
     assert!(
-        (mass / (7850.0 * 10e-3 * 50e-3 * 0.4e-3) - 1.0).abs() < 1e-12,
+        (mass / (7850.0 * 10e-3 * 50e-3 * 0.4e-3) - 1.0).abs() < 1e-10,
         "{mass}"
     );
-    assert!((load / 180.0 - 1.0).abs() < 1e-12, "{load}");
+    assert!((load / 180.0 - 1.0).abs() < 1e-10, "{load}");
     let frequency = |thickness: f64| {
         let model = RIG.with_strip(thickness).expect("reduces");
         let [own_mass, own_load] = mass_and_load(&model);
         for (own, nominal) in [(own_mass, mass), (own_load, load)] {
             assert!(
-                (own / nominal / (thickness / 0.4) - 1.0).abs() < 1e-12,
+                (own / nominal / (thickness / 0.4) - 1.0).abs() < 1e-10,
                 "{own}"
             );
         }
@@ -136,8 +149,8 @@ fn edge_pressure_pulls_no_node() {
                 assert!((load - 90.0).abs() < 1e-9, "{share}: {load} N");
             }
         }
-        // two columns with equal parts of the width: a punch presses on both alike, and along the gap by area
-        let expected = [11.25, 11.25, 22.5, 22.5, 11.25, 11.25].repeat(2);
+        // two columns with equal parts of the width: a punch presses on both alike, and along the gap by area, 5 : 8 : 5
+        let expected = [12.5, 12.5, 20.0, 20.0, 12.5, 12.5].repeat(2);
         let off = |(a, b): (&f64, &f64)| (a - b).abs();
         let worst = punch.iter().zip(&expected).map(off).fold(0.0, f64::max);
         assert!(worst < 1e-9, "{punch:?}");
