@@ -34,7 +34,7 @@ use microslip::model::two_blade::{TwoBladeSettings, build};
 use microslip::report::record::{Bands, DesignRecord, FileRecord, InputRecord, LinearRecord};
 use microslip::report::requirement::Requirements;
 use microslip::report::{self, ReportInput, RunRecord};
-use microslip::sampling::{Design, Distribution, Input, Shape};
+use microslip::sampling::{Design, Distribution, Growth, Input, Shape};
 use microslip::study::Study;
 use microslip::units::{hz_to_rad_s, rad_s_to_hz};
 use rayon::prelude::*;
@@ -579,6 +579,7 @@ fn record(provenance: Provenance, names: &[String]) -> RunRecord {
         design: DesignRecord {
             description: "monte-carlo".to_owned(),
             independent: true,
+            growth: Growth::Any,
             outer_points: 1,
             mixed_inputs: Vec::new(),
         },

@@ -51,6 +51,12 @@ impl Status {
         )
     }
 
+    /// Whether these numbers may stand for the blade: nothing says that they are not exact enough, or not what it does.
+    #[must_use]
+    pub fn is_trusted(self) -> bool {
+        matches!(self, Self::Converged)
+    }
+
     /// Name in files and reports.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -1,6 +1,6 @@
 //! What the samples say about the designer's requirements: `report.json`.
 //!
-//! Statements of the kind "95 % of the blades with 95 % confidence" hold for the distributions of the inputs that the
+//! Statements of the kind "95 % of the assumed prior with 95 % confidence" hold for the distributions of the inputs that the
 //! study assumes; [`Assessment::condition`] says so wherever they go.
 
 use super::epistemic::{EpistemicSummary, nested};
@@ -108,6 +108,7 @@ impl Assessment {
         let levels: Vec<LevelAssessment> = (0..record.levels.len())
             .map(|i| LevelAssessment::of(input, i))
             .collect();
+        let error_budget = error_budget(input, summary, &levels);
         Self {
             provenance: record.provenance.clone(),
             condition: condition(record, summary.epistemic.as_ref()),
@@ -115,9 +116,9 @@ impl Assessment {
             samples: input.outcomes.len(),
             content: CONTENT,
             confidence: CONFIDENCE,
-            criteria: judge_all(input),
+            criteria: judge_all(input, &error_budget),
             failures: failures(input),
-            error_budget: error_budget(record, summary, &levels),
+            error_budget,
             levels,
             backend: record.backend.description(),
             adapter: record.backend.adapter(),

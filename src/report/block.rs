@@ -30,6 +30,8 @@ pub(super) enum Block {
     Fine(String),
     /// What must be known before a number is used.
     Notices(Vec<String>),
+    /// One plain sentence per judgement.
+    Verdicts(Vec<Verdict>),
     /// Name and value of the numbers that matter most.
     Facts(Vec<(String, String)>),
     /// Marks and what they mean.
@@ -38,6 +40,19 @@ pub(super) enum Block {
     Figures(Row),
     /// Numbers.
     Table(Table),
+}
+
+/// A judgement in words.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Verdict {
+    /// The judgement.
+    pub(super) word: String,
+    /// Class of its badge.
+    pub(super) class: &'static str,
+    /// Name of the criterion.
+    pub(super) name: String,
+    /// What was found, asked and, if undecided, what would decide.
+    pub(super) sentence: String,
 }
 
 /// Figures side by side.

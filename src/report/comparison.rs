@@ -53,7 +53,7 @@ impl Compared {
         }
     }
 
-    /// Probability of the quantile by which designs are ranked: the one that 95 % of the blades keep. A frequency has none.
+    /// Probability of the quantile by which designs are ranked: the one that 95 % of the assumed prior keep. A frequency has none.
     #[must_use]
     pub fn ranked_by(self) -> Option<f64> {
         match self {

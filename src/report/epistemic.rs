@@ -208,7 +208,10 @@ impl EpistemicSummary {
 }
 
 /// Inputs with one value at each outer point that is not the same at all: the epistemic ones.
-fn epistemic_columns(outcomes: &[SampleOutcome], groups: &[(u64, Vec<usize>)]) -> Vec<usize> {
+pub(super) fn epistemic_columns<N>(
+    outcomes: &[SampleOutcome],
+    groups: &[(N, Vec<usize>)],
+) -> Vec<usize> {
     let value = |j: usize, i: usize| outcomes[i].inputs[j];
     let alike = |j: usize, members: &[usize]| {
         let first = value(j, members[0]);

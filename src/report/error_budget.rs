@@ -1,10 +1,13 @@
 //! What each approximation can change; the ignorance of the inputs is not among them.
 
 use super::assessment::LevelAssessment;
+use super::numerical_error::{damping_ratio, harmonics_shift};
 use super::record::RunRecord;
 use super::summary::{Distribution, LevelSummary, Summary};
 use super::surrogate::{LevelSurrogates, SurrogateResult};
+use super::{ReportInput, usable_peak};
 use crate::contact::{Events, FrictionLaw};
+use crate::statistics::{Sorted, quantile};
 use serde::Serialize;
 
 /// One source of error, at its worst over levels and outer points; a number that nobody estimated is absent, never 0.
@@ -20,15 +23,27 @@ pub struct ErrorLine {
     pub basis: String,
 }
 
+const SAMPLING: &str = "Number of samples";
+const HARMONICS: &str = "Harmonics left out";
+const PLACE: &str = "Place of the peak";
+const PRECISION: &str = "Precision of the numbers";
+const SURROGATE: &str = "Surrogate";
+
+/// Lines that are no error of a solved sample: verdicts know the number of samples by their confidence, and use no surrogate.
+pub(super) const NO_NUMERICAL_ERROR: [&str; 2] = [SAMPLING, SURROGATE];
+/// Lines that verdicts take from each peak instead of at their worst.
+pub(super) const OF_EACH_PEAK: [&str; 3] = [HARMONICS, PLACE, PRECISION];
+
 /// The lines of the budget.
 pub(super) fn error_budget(
-    record: &RunRecord,
+    input: &ReportInput,
     summary: &Summary,
     levels: &[LevelAssessment],
 ) -> Vec<ErrorLine> {
+    let record = input.record;
     vec![
         sampling(summary),
-        harmonics(record, summary),
+        harmonics(input, summary),
         time_points(record),
         place_of_peak(record, summary),
         precision(record, summary),
@@ -39,7 +54,7 @@ pub(super) fn error_budget(
 }
 
 fn surrogate(summary: &Summary, levels: &[LevelAssessment]) -> ErrorLine {
-    let source = "Surrogate";
+    let source = SURROGATE;
     let wanted: Vec<_> = levels
         .iter()
         .filter_map(|l| l.surrogates.as_ref())
@@ -116,7 +131,7 @@ fn sampling(summary: &Summary) -> ErrorLine {
     let amplitude_relative = largest(populations.iter().map(|[_, amplitude]| relative(amplitude)));
     let half = "half the 95 % confidence interval of the 95 % quantile; shrinks with the root of the number of samples";
     ErrorLine {
-        source: "Number of samples",
+        source: SAMPLING,
         frequency_hz,
         amplitude_relative,
         basis: match frequency_hz.is_some() && amplitude_relative.is_some() {
@@ -127,14 +142,20 @@ fn sampling(summary: &Summary) -> ErrorLine {
     }
 }
 
-fn harmonics(record: &RunRecord, summary: &Summary) -> ErrorLine {
+fn harmonics(input: &ReportInput, summary: &Summary) -> ErrorLine {
     let q95 = |l: &LevelSummary| Some(l.truncation_error.quantiles.last()?.estimate);
+    let damping_ratio = damping_ratio(input.record);
+    let shift = |i: usize| {
+        let peaks = (input.outcomes.iter()).filter_map(|o| usable_peak(&o.levels[i]));
+        let hz = peaks.filter_map(|p| Some(p.frequency_hz * harmonics_shift(damping_ratio, &p)?));
+        quantile(&Sorted::finite(hz), 0.95)
+    };
     ErrorLine {
-        source: "Harmonics left out",
-        frequency_hz: None,
+        source: HARMONICS,
+        frequency_hz: largest((0..summary.levels.len()).map(shift)),
         amplitude_relative: largest(summary.levels.iter().map(q95)),
-        basis: match record.provenance.truncation_threshold {
-            Some(_) => "95 % quantile of the error that the alert states: twice the change of the amplitude with twice the harmonics",
+        basis: match input.record.provenance.truncation_threshold {
+            Some(_) => "95 % quantile of the error that the alert states: twice the change of the amplitude with twice the harmonics; frequency: the same share of the half-power half-width",
             None => "the error alert is off",
         }
         .to_owned(),
@@ -161,7 +182,7 @@ fn place_of_peak(record: &RunRecord, summary: &Summary) -> ErrorLine {
     let highest = |[frequency, _]: [&Distribution; 2]| Some(frequency.moments?.maximum);
     let frequency = largest(populations(summary).into_iter().map(highest));
     ErrorLine {
-        source: "Place of the peak",
+        source: PLACE,
         frequency_hz: frequency.map(|f| f * record.frequency_tolerance),
         amplitude_relative: Some(0.0),
         basis: "relative change of the frequency at which the search stops; the amplitude is stationary there".to_owned(),
@@ -170,7 +191,7 @@ fn place_of_peak(record: &RunRecord, summary: &Summary) -> ErrorLine {
 
 fn precision(record: &RunRecord, summary: &Summary) -> ErrorLine {
     ErrorLine {
-        source: "Precision of the numbers",
+        source: PRECISION,
         frequency_hz: None,
         amplitude_relative: largest(summary.levels.iter().map(|l| l.worst_work_balance)),
         basis: format!(

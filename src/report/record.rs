@@ -7,7 +7,7 @@ use crate::ensemble::backend::BackendReport;
 use crate::ensemble::one_at_a_time::OneAtATime;
 use crate::ensemble::outcome::{CurvePoint, SampleOutcome, number};
 use crate::ensemble::store::{Provenance, StoreError, read_curves, read_samples, replace_file};
-use crate::sampling::Distribution;
+use crate::sampling::{Distribution, Growth};
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::Path;
@@ -94,6 +94,8 @@ pub struct DesignRecord {
     pub description: String,
     /// Whether the samples are independent draws of one population, as confidence intervals presume.
     pub independent: bool,
+    /// To which numbers of samples, at each outer point, `extend` can go.
+    pub growth: Growth,
     /// Outer points of a nested design, 1 of any other.
     pub outer_points: u64,
     /// Inputs, by their number, that the mixed samples of a pick-freeze design take from B, in the order of their places;

@@ -3,6 +3,7 @@
 //! No number here is a standard's: every limit is the user's, who names the document that it comes from.
 
 use crate::setting::{BadSetting, non_negative, positive};
+use crate::statistics::Demonstration;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -88,7 +89,7 @@ pub struct Criterion {
     pub limit: f64,
     /// Excitation level; every level of the study must do if absent.
     pub level: Option<f64>,
-    /// Share of the blades that must keep the limit; 0.95 if absent. A probability has none.
+    /// Share of the assumed prior that must keep the limit; 0.95 if absent. A probability has none.
     pub share: Option<f64>,
     /// Confidence of the judgement in view of the number of samples; 0.95 if absent.
     pub confidence: Option<f64>,
@@ -113,6 +114,18 @@ impl Criterion {
     #[must_use]
     pub fn confidence(&self) -> f64 {
         self.confidence.unwrap_or(0.95)
+    }
+
+    /// What the samples must demonstrate. A probability of breaking a limit is a share that keeps it.
+    #[must_use]
+    pub fn demonstration(&self) -> Demonstration {
+        Demonstration {
+            content: match self.quantity {
+                Quantity::ProbabilityOfExceedance => 1.0 - self.limit,
+                _ => self.share(),
+            },
+            confidence: self.confidence(),
+        }
     }
 
     fn validate(&self) -> Result<(), BadSetting> {

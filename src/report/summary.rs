@@ -1,6 +1,7 @@
 //! The numbers of a study: `summary.json`.
 
 use super::epistemic::{EpistemicSummary, PointStatistics, nested};
+use super::numerical_error::work_imbalance;
 use super::record::RunRecord;
 use super::{ReportInput, counted_status, usable_peak};
 use crate::ensemble::backend::BackendReport;
@@ -328,12 +329,7 @@ pub(super) fn mean_fractions<'a>(
 }
 
 fn worst_work_balance(peaks: &[PeakRecord]) -> Option<f64> {
-    let imbalance = |p: &PeakRecord| {
-        let dissipated = p.work_viscous_j + p.work_friction_j;
-        (p.work_input_j - dissipated).abs() / p.work_input_j.abs()
-    };
-    let sorted = Sorted::finite(peaks.iter().map(imbalance));
-    sorted.values().last().copied()
+    peaks.iter().filter_map(work_imbalance).reduce(f64::max)
 }
 
 /// Correlations at level `i` over the samples of one population.

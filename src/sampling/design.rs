@@ -4,9 +4,9 @@ use super::correlation::{Copula, CorrelationTable};
 use super::distribution::{Distribution, Shape};
 use super::file::SampleTable;
 use super::input::Input;
-use super::outer::{EpistemicTable, OuterPoints};
+use super::outer::{EpistemicInterval, EpistemicTable, OuterPoints, Scale};
 use super::pick_freeze::is_independent;
-use super::plan::{DesignKind, DesignTable, Plan};
+use super::plan::{DesignKind, DesignTable, Growth, Plan};
 use super::table::Uncertainty;
 use crate::setting::BadSetting;
 
@@ -105,7 +105,7 @@ impl Design {
 
     /// The inputs with their distributions, in the order of the values of a sample.
     ///
-    /// An epistemic input has a uniform distribution here and one from a file a wide lognormal: scales that tell how far
+    /// An epistemic input has a uniform or log-uniform distribution here and one from a file a wide lognormal: scales that tell how far
     /// apart two samples are, and no statement about probability.
     #[must_use]
     pub fn inputs(&self) -> &[(Input, Distribution)] {
@@ -166,7 +166,11 @@ impl Design {
             .is_some_and(|(places, _)| places.contains(&j))
         {
             let [lower, upper] = distribution.support();
-            return format!("known to an interval only: lower {lower:?}, upper {upper:?}");
+            let scale = match distribution.shape() {
+                Shape::LogUniform { .. } => ", points even in the logarithm",
+                _ => "",
+            };
+            return format!("known to an interval only: lower {lower:?}, upper {upper:?}{scale}");
         }
         match &self.file {
             Some((columns, _)) if columns.contains(&j) => "values of a file".to_owned(),
@@ -232,10 +236,10 @@ impl Design {
             .map_or(1, |(_, points)| points.values.len() as u64)
     }
 
-    /// Whether more samples leave the first ones as they are.
+    /// To which numbers of samples, at each outer point, more samples leave the first ones as they are.
     #[must_use]
-    pub fn grows(&self) -> bool {
-        self.plan.grows()
+    pub fn growth(&self) -> Growth {
+        self.plan.growth()
     }
 
     /// Kind of the design, as in study files.
@@ -376,8 +380,8 @@ impl DesignSettings {
         for (input, uncertainty) in &self.inputs {
             let accepted = match uncertainty {
                 Uncertainty::Aleatory(distribution) => input.accepts(distribution),
-                Uncertainty::Epistemic { lower, upper } => (input.accepts_value("lower", *lower))
-                    .and_then(|()| input.accepts_value("upper", *upper)),
+                Uncertainty::Epistemic(known) => (input.accepts_value("lower", known.lower))
+                    .and_then(|()| input.accepts_value("upper", known.upper)),
             };
             accepted.map_err(|bad| bad.under(input.name()))?;
             let in_file = self.in_file(*input);
@@ -404,17 +408,17 @@ impl DesignSettings {
     }
 
     /// The interval of an epistemic input.
-    fn interval(&self, input: Input) -> Option<[f64; 2]> {
+    fn interval(&self, input: Input) -> Option<EpistemicInterval> {
         let (_, uncertainty) = self.inputs.iter().find(|(other, _)| *other == input)?;
         match uncertainty {
-            Uncertainty::Epistemic { lower, upper } => Some([*lower, *upper]),
+            Uncertainty::Epistemic(interval) => Some(*interval),
             Uncertainty::Aleatory(_) => None,
         }
     }
 
     fn outer(&self) -> Result<Option<OuterPoints>, BadSetting> {
-        let intervals: Vec<(Input, [f64; 2])> = (self.inputs.iter())
-            .filter_map(|(input, _)| Some((*input, self.interval(*input)?)))
+        let intervals: Vec<EpistemicInterval> = (self.inputs.iter())
+            .filter_map(|(input, _)| self.interval(*input))
             .collect();
         if intervals.is_empty() {
             let rule = "must be absent: no input is of kind \"epistemic\"";
@@ -444,9 +448,13 @@ impl DesignSettings {
         for (input, uncertainty) in &self.inputs {
             let distribution = match uncertainty {
                 Uncertainty::Aleatory(distribution) => distribution.clone(),
-                Uncertainty::Epistemic { lower, upper } => {
-                    let (low, high) = (*lower, *upper);
-                    Distribution::new(Shape::Uniform { low, high }, None)?
+                Uncertainty::Epistemic(known) => {
+                    let (low, high) = (known.lower, known.upper);
+                    let shape = match known.scale {
+                        Scale::Linear => Shape::Uniform { low, high },
+                        Scale::Log => Shape::LogUniform { low, high },
+                    };
+                    Distribution::new(shape, None)?
                 }
             };
             inputs.push((*input, distribution));

@@ -24,6 +24,6 @@ pub use design::{Design, DesignSettings, SampleGroup};
 pub use distribution::{Distribution, Shape};
 pub use file::{SampleFileError, SampleTable};
 pub use input::Input;
-pub use outer::EpistemicTable;
-pub use plan::{DesignKind, DesignTable};
+pub use outer::{EpistemicInterval, EpistemicTable};
+pub use plan::{DesignKind, DesignTable, Growth};
 pub use table::{DistributionTable, Uncertainty};

@@ -1,6 +1,5 @@
 //! Points over the box of inputs that are known to an interval only.
 
-use super::Input;
 use super::sobol::{MOST_DIMENSIONS, Sobol};
 use super::stream::OUTER;
 use crate::setting::BadSetting;
@@ -14,6 +13,56 @@ pub enum OuterKind {
     Corners,
     /// A full grid with the ends of every interval.
     Grid,
+}
+
+/// Scale of an interval, as written in a study file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scale {
+    /// Even in the value.
+    Linear,
+    /// Even in its logarithm.
+    Log,
+}
+
+/// Ratio of the ends from which an interval of positive values counts as one over orders of magnitude.
+const DECADE: f64 = 10.0;
+
+/// What is known of an epistemic input.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EpistemicInterval {
+    /// Lower end.
+    pub lower: f64,
+    /// Upper end.
+    pub upper: f64,
+    /// Scale on which points are spaced; log needs a positive lower end.
+    pub scale: Scale,
+}
+
+impl EpistemicInterval {
+    /// Scale of an interval that states none: log if it is positive and its ends are a factor of ten apart or more.
+    #[must_use]
+    pub fn usual_scale(lower: f64, upper: f64) -> Scale {
+        match lower > 0.0 && upper >= DECADE * lower {
+            true => Scale::Log,
+            false => Scale::Linear,
+        }
+    }
+
+    /// The value at the share `t` of the way from the lower to the upper end; the ends themselves at 0 and 1.
+    #[must_use]
+    pub fn at(&self, t: f64) -> f64 {
+        let (lower, upper) = (self.lower, self.upper);
+        let between = match self.scale {
+            Scale::Linear => (1.0 - t) * lower + t * upper,
+            Scale::Log => ((1.0 - t) * lower.ln() + t * upper.ln()).exp(),
+        };
+        match t {
+            0.0 => lower,
+            1.0 => upper,
+            _ => between.clamp(lower, upper),
+        }
+    }
 }
 
 /// `[epistemic]` of a study file.
@@ -40,14 +89,14 @@ pub struct OuterPoints {
 }
 
 impl EpistemicTable {
-    /// Covers the box of `intervals` [lower, upper]; the seed moves the space-filling points.
+    /// Covers the box of `intervals`, each on its scale; the seed moves the space-filling points.
     ///
     /// # Errors
     /// [`BadSetting`] on `points`, relative to `[epistemic]`.
     pub fn cover(
         &self,
         seed: u64,
-        intervals: &[(Input, [f64; 2])],
+        intervals: &[EpistemicInterval],
     ) -> Result<OuterPoints, BadSetting> {
         let inputs = u32::try_from(intervals.len()).unwrap_or(u32::MAX);
         let (count, least) = match self.kind {
@@ -72,7 +121,7 @@ impl EpistemicTable {
         };
         let place = |point: Vec<f64>| -> Vec<f64> {
             (point.iter().zip(intervals))
-                .map(|(t, (_, [lower, upper]))| (1.0 - t) * lower + t * upper)
+                .map(|(t, interval)| interval.at(*t))
                 .collect()
         };
         Ok(OuterPoints {
@@ -106,4 +155,38 @@ fn grid(inputs: usize, points: u64) -> Vec<Vec<f64>> {
         cube.iter_mut().for_each(|point| point.rotate_left(1));
     }
     cube
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Over two orders of magnitude the points are even in the logarithm: seven of nine between the ends lie below 3.2,
+    /// and the centre is their geometric mean. Seen to fail with all intervals linear.
+    #[test]
+    fn wide_intervals_are_covered_on_their_scale() {
+        let interval = |lower: f64, upper: f64| EpistemicInterval {
+            lower,
+            upper,
+            scale: EpistemicInterval::usual_scale(lower, upper),
+        };
+        let table = EpistemicTable {
+            kind: OuterKind::Grid,
+            points: Some(9),
+        };
+        let values = |of: EpistemicInterval| -> Vec<f64> {
+            let points = table.cover(1, &[of]).unwrap();
+            points.values.into_iter().map(|v| v[0]).collect()
+        };
+        let wide = values(interval(0.1, 10.0));
+        assert_eq!((wide[0], wide[8]), (0.1, 10.0));
+        assert!((wide[4] - 1.0).abs() < 1e-12, "{wide:?}");
+        let ratio = wide[1] / wide[0];
+        assert!(
+            wide.windows(2)
+                .all(|w| (w[1] / w[0] / ratio - 1.0).abs() < 1e-12)
+        );
+        assert_eq!(values(interval(0.1, 0.9))[4], 0.5);
+        assert_eq!(values(interval(-1.0, 10.0))[4], 4.5);
+    }
 }

@@ -7,7 +7,7 @@ use super::sobol::{MOST_DIMENSIONS, Sobol};
 use super::stream::SCRAMBLE;
 
 /// Places 0 and 1 of a row: A and B. Those from 2 on are mixed.
-const INDEPENDENT: u64 = 2;
+pub(super) const INDEPENDENT: u64 = 2;
 /// Inputs at most: each takes two coordinates.
 pub const MOST_INPUTS: usize = MOST_DIMENSIONS / 2;
 

@@ -3,7 +3,7 @@
 use super::Input;
 use super::correlation::identity;
 use super::latin::LatinHypercube;
-use super::pick_freeze::{MOST_INPUTS, PickFreeze};
+use super::pick_freeze::{INDEPENDENT, MOST_INPUTS, PickFreeze};
 use super::sobol::{MOST_DIMENSIONS, Sobol};
 use super::stream::{SCRAMBLE, uniform};
 use crate::setting::BadSetting;
@@ -89,6 +89,38 @@ pub enum Plan {
     PickFreeze(PickFreeze),
     /// Points per input; the first input changes fastest. Values are the middles of cells of equal probability.
     Grid(Vec<u64>),
+}
+
+/// How the number of samples of a design can grow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Growth {
+    /// By any number.
+    Any,
+    /// To `unit` times a power of two, of which `population` times that power are draws of the population.
+    Doubling {
+        /// Samples per point of the sequence.
+        unit: u64,
+        /// Those of them that are draws.
+        population: u64,
+    },
+    /// Not at all: all samples depend on their number.
+    Fixed,
+}
+
+impl Growth {
+    /// Smallest number of samples of which at least `wanted` are draws of the population; `None` if the design cannot grow.
+    #[must_use]
+    pub fn total(self, wanted: u64) -> Option<u64> {
+        match self {
+            Self::Any => Some(wanted),
+            Self::Doubling { unit, population } => {
+                let points = wanted.div_ceil(population).checked_next_power_of_two()?;
+                points.checked_mul(unit)
+            }
+            Self::Fixed => None,
+        }
+    }
 }
 
 impl DesignTable {
@@ -337,12 +369,43 @@ impl Plan {
         }
     }
 
-    /// Whether the first samples of a larger design of this kind are those of a smaller one.
+    /// To which numbers of samples the design can grow so that the first samples stay as they are.
     #[must_use]
-    pub fn grows(&self) -> bool {
-        matches!(
-            self,
-            Self::MonteCarlo | Self::Sobol { .. } | Self::PickFreeze(_)
-        )
+    pub fn growth(&self) -> Growth {
+        match self {
+            Self::MonteCarlo => Growth::Any,
+            Self::Sobol { replicates, .. } => Growth::Doubling {
+                unit: *replicates,
+                population: *replicates,
+            },
+            Self::PickFreeze(design) => Growth::Doubling {
+                unit: design.row(),
+                population: INDEPENDENT,
+            },
+            Self::LatinHypercube(_) | Self::Grid(_) => Growth::Fixed,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers that `extend` takes: of a pick-freeze design in two inputs, rows of four with two draws each. Seen to fail
+    /// with all samples of a row counted as draws.
+    #[test]
+    fn designs_grow_to_numbers_that_they_take() {
+        assert_eq!(Plan::MonteCarlo.growth().total(59), Some(59));
+        let sequence = Sobol::new(2);
+        let sobol = Plan::Sobol {
+            sequence,
+            replicates: 3,
+        };
+        assert_eq!(sobol.growth().total(59), Some(96));
+        assert_eq!(
+            Plan::PickFreeze(PickFreeze::new(2)).growth().total(59),
+            Some(128)
+        );
+        assert_eq!(Plan::Grid(vec![3]).growth().total(59), None);
     }
 }

@@ -1,6 +1,7 @@
 //! The table that states what is known of an input in a study file.
 
 use super::distribution::{Distribution, Shape};
+use super::outer::{EpistemicInterval, Scale};
 use crate::setting::BadSetting;
 
 /// Family of a distribution, as written in a study file.
@@ -29,12 +30,7 @@ pub enum Uncertainty {
     /// It varies, with a distribution.
     Aleatory(Distribution),
     /// It has one value within an interval, nothing says where.
-    Epistemic {
-        /// Lower end.
-        lower: f64,
-        /// Upper end.
-        upper: f64,
-    },
+    Epistemic(EpistemicInterval),
 }
 
 /// Kind of ignorance, as written in a study file.
@@ -44,7 +40,7 @@ pub enum UncertaintyKind {
     /// `distribution` and its parameters.
     #[default]
     Aleatory,
-    /// `lower`, `upper`.
+    /// `lower`, `upper`, `scale`.
     Epistemic,
 }
 
@@ -58,6 +54,7 @@ pub struct DistributionTable {
     kind: UncertaintyKind,
     lower: Option<f64>,
     upper: Option<f64>,
+    scale: Option<Scale>,
     distribution: Option<Family>,
     value: Option<f64>,
     low: Option<f64>,
@@ -84,6 +81,8 @@ impl DistributionTable {
                     let rule = "must be absent: only an input of kind \"epistemic\" takes it";
                     BadSetting::unless(value.is_none(), key, value.unwrap_or_default(), rule)?;
                 }
+                let rule = "must be absent: only an input of kind \"epistemic\" takes it";
+                BadSetting::unless(self.scale.is_none(), "scale", "(given)", rule)?;
                 self.distribution().map(Uncertainty::Aleatory)
             }
             UncertaintyKind::Epistemic => self.interval(),
@@ -123,7 +122,16 @@ impl DistributionTable {
         let (lower, upper) = (end("lower", self.lower)?, end("upper", self.upper)?);
         let rule = "must be greater than lower";
         BadSetting::unless(lower < upper, "upper", upper, rule)?;
-        Ok(Uncertainty::Epistemic { lower, upper })
+        let usual = EpistemicInterval::usual_scale(lower, upper);
+        let scale = self.scale.unwrap_or(usual);
+        let rule = "must be \"linear\": a logarithmic scale needs lower > 0";
+        let has_one = scale == Scale::Linear || lower > 0.0;
+        BadSetting::unless(has_one, "scale", "\"log\"", rule)?;
+        Ok(Uncertainty::Epistemic(EpistemicInterval {
+            lower,
+            upper,
+            scale,
+        }))
     }
 
     fn shape(&self) -> Result<Shape, BadSetting> {

@@ -8,7 +8,8 @@ use super::proportion::{Share, share};
 pub struct Exceedance {
     /// Threshold, in the unit of the result.
     pub threshold: f64,
-    /// Samples above (yes), at or below (no) and failed (unknown), with the interval of P(result > threshold).
+    /// Samples above (yes), at or below (no) and failed or with the threshold in their enclosure (unknown), with the
+    /// interval of P(result > threshold).
     pub probability: Share,
 }
 
@@ -21,9 +22,11 @@ pub fn exceedance(observed: &Observed, threshold: f64, confidence: f64) -> Optio
     if threshold.is_nan() {
         return None;
     }
-    let values = observed.valid().values();
-    let below = values.partition_point(|&v| v <= threshold);
-    let probability = share(values.len() - below, below, observed.failed(), confidence)?;
+    let beyond = |ends: &[f64]| ends.len() - ends.partition_point(|&v| v <= threshold);
+    let above = beyond(observed.lower_ends());
+    let below = observed.valid().values().len() - beyond(observed.upper_ends());
+    let unknown = observed.total() - above - below;
+    let probability = share(above, below, unknown, confidence)?;
     Some(Exceedance {
         threshold,
         probability,

@@ -5,6 +5,7 @@
 //! not bound is [`Limit::Unbounded`]. Results depend neither on the order of threads nor on the number of shards.
 //! Knows no blade, no contact and no file. Start reading in [`mod@observed`].
 
+pub mod acceptance;
 pub mod band;
 pub mod bin;
 pub mod bootstrap;
@@ -31,6 +32,7 @@ pub mod sobol_index;
 pub mod tolerance;
 pub mod weighted;
 
+pub use acceptance::{Counted, Demonstration, Remedy};
 pub use band::{
     Band, BandPoint, Envelope, EnvelopePoint, EnvelopeRefusal, MissingPoints, pointwise_band,
     simultaneous_band,
@@ -55,7 +57,7 @@ pub use margin::{
     reserve_factor,
 };
 pub use moment::{MomentEstimate, Moments, moment_estimate, moments};
-pub use observed::{Observed, Sorted};
+pub use observed::{Enclosed, Observed, Sorted};
 pub use order_statistic::{
     QuantileEstimate, order_statistic_interval, quantile, quantile_estimate, quantile_rank,
 };

@@ -1,4 +1,7 @@
 //! The results of a set of samples: finite ones in ascending order, the others counted.
+//!
+//! A result may be known to an enclosure only: what its own numerical error leaves open. The k-th smallest of numbers in
+//! enclosures lies between the k-th smallest lower and the k-th smallest upper end, so every limit stays one.
 
 use super::limit::Limit;
 
@@ -36,6 +39,19 @@ impl Sorted {
 pub struct Observed {
     valid: Sorted,
     failed: usize,
+    /// Ends of the enclosures, each ascending; absent where the results are exact.
+    ends: Option<[Vec<f64>; 2]>,
+}
+
+/// A result and the ends between which it lies for certain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Enclosed {
+    /// Lower end; −∞ where nothing bounds it.
+    pub lower: f64,
+    /// The result as computed.
+    pub value: f64,
+    /// Upper end; +∞ where nothing bounds it.
+    pub upper: f64,
 }
 
 impl Observed {
@@ -45,13 +61,41 @@ impl Observed {
         let mut total = 0;
         let valid = Sorted::finite(values.into_iter().inspect(|_| total += 1));
         let failed = total - valid.values().len();
-        Self { valid, failed }
+        Self::with_failed(valid, failed)
+    }
+
+    /// One enclosure per sample; one whose value is not finite is a failed sample. Ends on the wrong side of the value, or
+    /// NaN, bound nothing.
+    #[must_use]
+    pub fn enclosed(results: &[Enclosed]) -> Self {
+        let known = || results.iter().filter(|r| r.value.is_finite());
+        let ascending = |ends: &dyn Fn(&Enclosed) -> f64| {
+            let mut ends: Vec<f64> = known().map(ends).collect();
+            ends.sort_by(f64::total_cmp);
+            ends
+        };
+        let lower = |r: &Enclosed| match r.lower <= r.value {
+            true => r.lower,
+            false => f64::NEG_INFINITY,
+        };
+        let upper = |r: &Enclosed| match r.upper >= r.value {
+            true => r.upper,
+            false => f64::INFINITY,
+        };
+        Self {
+            ends: Some([ascending(&lower), ascending(&upper)]),
+            ..Self::of(results.iter().map(|r| r.value))
+        }
     }
 
     /// Finite values beside a number of failed samples.
     #[must_use]
     pub fn with_failed(valid: Sorted, failed: usize) -> Self {
-        Self { valid, failed }
+        Self {
+            valid,
+            failed,
+            ends: None,
+        }
     }
 
     /// The results that are known.
@@ -72,16 +116,101 @@ impl Observed {
         self.valid.values().len() + self.failed
     }
 
-    /// Smallest value that x₍ᵣₐₙₖ₎ of all n samples can have: failed ones at −∞.
+    /// Lower ends of the results that are known, ascending: the results themselves where they are exact.
+    #[must_use]
+    pub fn lower_ends(&self) -> &[f64] {
+        (self.ends.as_ref()).map_or_else(|| self.valid.values(), |[lower, _]| lower)
+    }
+
+    /// Their upper ends, likewise.
+    #[must_use]
+    pub fn upper_ends(&self) -> &[f64] {
+        (self.ends.as_ref()).map_or_else(|| self.valid.values(), |[_, upper]| upper)
+    }
+
+    /// Smallest value that x₍ᵣₐₙₖ₎ of all n samples can have: failed ones at −∞, the others at their lower ends.
     #[must_use]
     pub fn lowest(&self, rank: usize) -> Limit {
         let rank = rank.saturating_sub(self.failed);
-        self.valid.order_statistic(rank).into()
+        order_statistic(self.lower_ends(), rank).into()
     }
 
-    /// Largest value that x₍ᵣₐₙₖ₎ of all n samples can have: failed ones at +∞.
+    /// Largest value that x₍ᵣₐₙₖ₎ of all n samples can have: failed ones at +∞, the others at their upper ends.
     #[must_use]
     pub fn highest(&self, rank: usize) -> Limit {
-        self.valid.order_statistic(rank).into()
+        order_statistic(self.upper_ends(), rank).into()
+    }
+}
+
+/// The value of a 1-based rank; `None` outside 1..=n.
+fn order_statistic(ascending: &[f64], rank: usize) -> Option<f64> {
+    ascending.get(rank.checked_sub(1)?).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::{exceedance, quantile_estimate};
+
+    fn enclosed(value: f64, error: f64) -> Enclosed {
+        Enclosed {
+            lower: value - error,
+            value,
+            upper: value + error,
+        }
+    }
+
+    /// Every order statistic of 2000 draws from the enclosures lies between the limits, and the limits are reached.
+    /// Seen to fail with the ends in the order of the values instead of each sorted.
+    #[test]
+    fn order_statistics_stay_within_the_ends() {
+        let of = |i: u64| ((i as f64) * 0.618_033_988_7).fract();
+        let results: Vec<Enclosed> = (0..20)
+            .map(|i| enclosed(of(i), 0.3 * of(7 * i + 3)))
+            .collect();
+        let observed = Observed::enclosed(&results);
+        for draw in 0..2000 {
+            let at = |(k, r): (usize, &Enclosed)| match draw {
+                0 => r.lower,
+                1 => r.upper,
+                _ => r.lower + of(draw * 31 + k as u64) * (r.upper - r.lower),
+            };
+            let drawn = Sorted::finite(results.iter().enumerate().map(at));
+            for rank in 1..=20 {
+                let value = drawn.order_statistic(rank).unwrap();
+                let (lowest, highest) = (observed.lowest(rank), observed.highest(rank));
+                let [low, high] = [lowest, highest].map(|l| l.value().unwrap());
+                assert!(
+                    low <= value && value <= high,
+                    "rank {rank}: {low} {value} {high}"
+                );
+                assert!(draw != 0 || low == value);
+                assert!(draw != 1 || high == value);
+            }
+        }
+    }
+
+    /// A sample whose enclosure holds the threshold neither exceeds it nor stays below. Seen to fail with the values alone.
+    #[test]
+    fn an_enclosure_across_the_threshold_is_unknown() {
+        let results = [1.0, 1.95, 2.05, 3.0, f64::NAN].map(|v| enclosed(v, 0.1));
+        let found = exceedance(&Observed::enclosed(&results), 2.0, 0.95).unwrap();
+        let share = found.probability;
+        assert_eq!((share.yes, share.no, share.unknown), (1, 1, 3));
+    }
+
+    /// An end that bounds nothing opens the side that needs it, and no other. Seen to fail with infinite ends dropped.
+    #[test]
+    fn open_ends_open_the_limits() {
+        let mut results = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0].map(|v| enclosed(v, 0.5));
+        (results[6].lower, results[6].upper) = (f64::NAN, f64::NAN);
+        let observed = Observed::enclosed(&results);
+        assert_eq!(observed.highest(7), Limit::Unbounded);
+        assert_eq!(observed.highest(6), Limit::Value(6.5));
+        assert_eq!(observed.lowest(1), Limit::Unbounded);
+        assert_eq!(observed.lowest(2), Limit::Value(0.5));
+        let median = quantile_estimate(&observed, 0.5, 0.5).unwrap();
+        assert_eq!(median.estimate, 4.0);
+        assert_eq!(median.interval.lower, Limit::Value(1.5));
     }
 }

@@ -12,6 +12,7 @@ use crate::ensemble::Solved;
 use crate::ensemble::backend::BackendSettings;
 use crate::ensemble::kept::{ATLAS_FILE, read_solved, read_study};
 use crate::ensemble::store::StoreError;
+use crate::sampling::Growth;
 
 /// Solves the samples that `folder`, the results of a run, lacks of `samples`, and writes all result files anew.
 ///
@@ -40,7 +41,7 @@ pub fn extend(
     let kept = read_study(folder).map_err(unreadable)?;
     let path = folder.join(&kept.path);
     let old = Study::parse(&path, &kept.text)?;
-    if !old.design.grows() {
+    if old.design.growth() == Growth::Fixed {
         let kind = old.design.kind().name();
         return Err(refused(format!(
             "a design of kind {kind:?} cannot be extended: all its samples depend on their number; `run` it with {samples}"

@@ -115,6 +115,7 @@ pub(super) fn run_after(
         design: DesignRecord {
             description: study.design.description(),
             independent: study.design.kind() == DesignKind::MonteCarlo,
+            growth: study.design.growth(),
             outer_points: study.design.outer_points(),
             mixed_inputs: study.design.mixed_inputs().to_vec(),
         },

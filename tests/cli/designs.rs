@@ -235,6 +235,16 @@ fn bad_designs_name_line_key_and_rule() {
         ),
         (
             ten,
+            format!("{SECOND}scale = \"log\""),
+            "inputs.stiffness_scale.scale = (given): must be absent: only an input of kind \"epistemic\"",
+        ),
+        (
+            ten,
+            epistemic(1.0, "scale = \"decades\""),
+            ":45: inputs.stiffness_scale.scale: ",
+        ),
+        (
+            ten,
             epistemic(1.0, ""),
             ":3: samples = 10: must be a multiple of the 11 outer points",
         ),

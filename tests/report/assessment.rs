@@ -33,6 +33,7 @@ fn judge_amplitude(study: &mut SyntheticStudy, limit: f64) -> CriterionResult {
 #[test]
 fn limits_inside_the_interval_are_undecided() {
     let mut study = SyntheticStudy::new(200);
+    study.be_exact();
     let amplitudes = sorted(&study, 4, |_, a| a * 1e6);
     let (lower, upper) = (amplitudes[184], amplitudes[195]);
     for (limit, expected) in [

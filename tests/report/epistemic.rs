@@ -121,7 +121,7 @@ fn pooled_statistics_are_no_probabilities() {
         "NaN",
         "Histograms",
         "id=\"envelopes\"",
-        "Bounds: each holds for 95 % of the blades with 95 % confidence<",
+        "Bounds: each holds for 95 % of the assumed prior with 95 % confidence<",
     ] {
         assert!(!page.contains(absent), "{absent}");
     }

@@ -13,3 +13,4 @@ mod sensitivity;
 mod store;
 mod summary;
 mod synthetic;
+mod verdicts;

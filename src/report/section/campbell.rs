@@ -28,7 +28,7 @@ pub(super) fn section(view: &View) -> Option<Section> {
     };
     let hint = format!(
         "Margins are shares of {base}; over the range of speeds the smallest counts, which is 0 where an order crosses \
-         the resonance inside. The bound holds for 95 % of the blades with 95 % confidence. The model has the same \
+         the resonance inside. The bound holds for 95 % of the assumed prior with 95 % confidence. The model has the same \
          frequencies at all speeds: centrifugal stiffening enters by the study's model only. {}",
         view.assessment.condition
     );

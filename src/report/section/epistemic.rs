@@ -133,7 +133,7 @@ fn quantiles(
 }
 
 fn bounds(view: &View, epistemic: &EpistemicSummary, length: &dyn Fn(f64) -> String) -> Block {
-    let title = "Bounds: each holds for 95 % of the blades with 95 % confidence, whichever outer point is true";
+    let title = "Bounds: each holds for 95 % of the assumed prior with 95 % confidence, whichever outer point is true";
     let mut table = Table::of(
         title,
         "bounds",

@@ -108,7 +108,7 @@ fn cloud(view: &View) -> Figure {
     let caption = match view.nested() {
         true => "The samples of all outer points: how dense they lie says nothing.",
         false => {
-            "Dashed: region that holds 95 % of the blades with 95 % confidence, open where too few samples bound it, \
+            "Dashed: region that holds 95 % of the assumed prior with 95 % confidence, open where too few samples bound it, \
              conditional on the assumed distributions."
         }
     };

@@ -27,7 +27,7 @@ pub(super) fn section(view: &View) -> Option<Section> {
         Key::new(
             Mark::Cross,
             "",
-            "bound for 95 % of the blades with 95 % confidence",
+            "bound for 95 % of the assumed prior with 95 % confidence",
         ),
     ];
     let hint = format!(

@@ -1,10 +1,11 @@
 //! The first section: what must be known before any number is used, and the numbers that matter most.
 
 use super::super::assessment::pooling;
-use super::super::block::{Block, Cell, Section, Table};
-use super::super::display::{DASH, duration, hertz, percent, significant, with_digits};
+use super::super::block::{Block, Cell, Section, Table, Verdict};
+use super::super::display::{DASH, duration, hertz, percent, significant};
 use super::super::judgement::{CriterionResult, LevelResult};
 use super::super::requirement::{Criterion, Quantity};
+use super::super::sentence::{power, reasons, shown};
 use super::super::summary::Summary;
 use super::super::view::View;
 use super::envelope::{bound_cell, limits};
@@ -16,11 +17,17 @@ pub(super) fn section(view: &View) -> Section {
     let calm = "Every sample has a solution at every level, and no error alert was raised.";
     let mut blocks = Vec::new();
     if !view.assessment.criteria.is_empty() {
+        blocks.push(Block::Verdicts(
+            view.assessment.criteria.iter().map(verdict).collect(),
+        ));
         blocks.push(criteria(view));
         blocks.push(Block::Hint(
             "PASS or FAIL: the whole confidence interval lies on that side of the limit, each side with the stated \
-             confidence and whatever the failed samples would have given. UNDECIDED: the limit lies inside, or too \
-             few samples bound the side. Limits, standards and clauses are the user’s."
+             confidence, whatever unknown samples would have given (failed, bouncing, or with a truncation error above \
+             the threshold) and wherever the others lie within their numerical error. UNDECIDED: the limit lies inside, \
+             or too few samples bound the side. (indication): the samples are no independent draws, so there is no \
+             confidence. Flat inputs as intervals: uniform and log-uniform inputs may say no more than that a value lies \
+             somewhere in an interval. Limits, standards and clauses are the user’s."
                 .to_owned(),
         ));
     }
@@ -40,6 +47,18 @@ pub(super) fn section(view: &View) -> Section {
     }
 }
 
+/// A judgement as badge, name and sentence.
+fn verdict(result: &CriterionResult) -> Verdict {
+    let points = outer_points(result.deciding());
+    let (word, class) = badge(result.judgement, points, result.indication);
+    Verdict {
+        word,
+        class,
+        name: result.criterion.name.clone(),
+        sentence: result.sentence.clone(),
+    }
+}
+
 fn criteria(view: &View) -> Block {
     let mut table = Table::of(
         "Criteria",
@@ -51,42 +70,41 @@ fn criteria(view: &View) -> Block {
             ("Required", &["required"]),
             ("Found", &["found", "lower", "upper"]),
             ("Confidence", &["confidence"]),
+            (
+                "Samples",
+                &[
+                    "counts",
+                    "samples",
+                    "broken",
+                    "unknown",
+                    "numerical_error_lower",
+                    "numerical_error_upper",
+                ],
+            ),
+            ("Flat inputs as intervals", &["as_intervals"]),
         ],
     );
     for result in &view.assessment.criteria {
-        if let Some(worst) = worst(result) {
+        if let Some(worst) = result.deciding() {
             table.row(criterion_row(view, result, worst));
         }
     }
     table.block()
 }
 
-/// The level that decides: of those with the judgement of all, the one with the worst estimate.
-fn worst(result: &CriterionResult) -> Option<&LevelResult> {
-    let deciding = |l: &&LevelResult| l.judgement == result.judgement;
-    // Without an estimate nothing is known: that is the worst.
-    let cost = |l: &LevelResult| match l.estimate {
-        None => f64::INFINITY,
-        Some(v) if result.criterion.quantity.at_least() => -v,
-        Some(v) => v,
-    };
-    let levels = result.levels.iter().filter(deciding);
-    levels.max_by(|a, b| cost(a).total_cmp(&cost(b)))
-}
-
 fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> Vec<Cell> {
     let criterion = &result.criterion;
-    let (word, class) = match level.judgement {
-        Judgement::Pass => ("PASS", "pass"),
-        Judgement::Fail => ("FAIL", "fail"),
-        Judgement::Undecided => ("UNDECIDED", "undecided"),
-    };
+    let (word, class) = badge(
+        level.judgement,
+        outer_points(Some(level)),
+        result.indication,
+    );
     let source = [&criterion.standard, &criterion.clause].map(|s| s.as_deref());
     let source: Vec<&str> = source.into_iter().flatten().collect();
-    let (required, show) = requirement(criterion);
+    let show = shown(criterion.quantity);
     let found = level.estimate.map_or_else(|| DASH.to_owned(), show);
-    let levels = view.input.record.levels.iter();
-    let place = levels.clone().position(|l| *l == level.level);
+    let mut levels = view.input.record.levels.iter();
+    let place = levels.position(|l| *l == level.level);
     let sides = [level.interval.lower.value(), level.interval.upper.value()];
     let extent = match result.levels.len() {
         1 => String::new(),
@@ -96,7 +114,7 @@ fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> 
         (level.outer).map_or_else(String::new, |outer| format!("worst outer point: {outer}"));
     let share = match criterion.quantity {
         Quantity::ProbabilityOfExceedance => "of the probability".to_owned(),
-        _ => format!("for {} of the blades", percent(criterion.share())),
+        _ => format!("for {} of the assumed prior", percent(criterion.share())),
     };
     vec![
         Cell::text(word).with_badge(class).with_class("text"),
@@ -108,7 +126,7 @@ fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> 
             .with_small(extent)
             .with_small(outer)
             .with_class("text"),
-        Cell::text(required).with_class("text"),
+        Cell::text(requirement(criterion)).with_class("text"),
         Cell::number(found, level.estimate)
             .with_raw(sides)
             .with_small(limits(level.interval, &show)),
@@ -116,31 +134,95 @@ fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> 
             percent(criterion.confidence()),
             Some(criterion.confidence()),
         )
-        .with_small(share),
+        .with_small(share)
+        .with_small(power(&level.power)),
+        trust_cell(level, show),
+        as_intervals_cell(result),
     ]
 }
 
-/// What is required in words, and how its numbers are shown.
-fn requirement(criterion: &Criterion) -> (String, fn(f64) -> String) {
-    let show: fn(f64) -> String = match criterion.quantity {
-        Quantity::FrequencyMarginPercent => |v| format!("{} %", with_digits(v, 3)),
-        Quantity::AmplitudeUm => |v| format!("{} µm", significant(v)),
-        Quantity::ReserveFactor => |v| with_digits(v, 3),
-        Quantity::ProbabilityOfExceedance => percent,
-    };
-    let limit = show(criterion.limit);
-    let words = match criterion.quantity {
+/// What is required, in words.
+fn requirement(criterion: &Criterion) -> String {
+    let limit = shown(criterion.quantity)(criterion.limit);
+    match criterion.quantity {
         Quantity::FrequencyMarginPercent => format!("frequency margin ≥ {limit}"),
         Quantity::AmplitudeUm => format!("amplitude ≤ {limit}"),
         Quantity::ReserveFactor => format!("reserve factor ≥ {limit}"),
         Quantity::ProbabilityOfExceedance => format!("P(reserve factor < 1) ≤ {limit}"),
-    };
-    (words, show)
+    }
 }
 
-/// Bounds that hold for 95 % of the blades with 95 % confidence.
+/// The word of a judgement and its class. The word says itself what a PASS rests on: outer points, and samples that are
+/// no independent draws.
+fn badge(judgement: Judgement, points: Option<usize>, indication: bool) -> (String, &'static str) {
+    let (word, class) = match judgement {
+        Judgement::Pass => ("PASS", "pass"),
+        Judgement::Fail => ("FAIL", "fail"),
+        Judgement::Undecided => ("UNDECIDED", "undecided"),
+    };
+    let at = match points.filter(|_| judgement == Judgement::Pass) {
+        Some(n) => format!(" at {n} points"),
+        None => String::new(),
+    };
+    let end = if indication { " (indication)" } else { "" };
+    (format!("{word}{at}{end}"), class)
+}
+
+/// Number of outer points that a result is judged at; absent without such.
+fn outer_points(level: Option<&LevelResult>) -> Option<usize> {
+    Some(level?.over_box.as_ref()?.points.len())
+}
+
+/// The judgement with inputs of flat distributions as intervals, its inputs and its basis.
+fn as_intervals_cell(result: &CriterionResult) -> Cell {
+    match &result.as_intervals {
+        None => Cell::text(DASH).with_class("text"),
+        Some(found) => {
+            let (word, class) = badge(found.judgement, None, result.indication);
+            Cell::text(word)
+                .with_badge(class)
+                .with_small(format!("{} as intervals", found.inputs.join(", ")))
+                .with_small(found.basis.clone())
+                .with_class("text")
+        }
+    }
+}
+
+/// Counts of the samples, and what their numerical error does to the interval.
+fn trust_cell(level: &LevelResult, show: fn(f64) -> String) -> Cell {
+    let counted = &level.counted;
+    let error = &level.numerical_error;
+    let moved = [error.lower, error.upper].map(|v| v.map_or_else(|| DASH.to_owned(), show));
+    let numbers = [counted.samples, counted.broken, counted.unknown].map(|n| Some(n as f64));
+    let unknown = match counted.unknown {
+        0 => String::new(),
+        n => format!("{n} unknown: {}", reasons(level)),
+    };
+    let not_in_it = match error.not_estimated.is_empty() {
+        true => String::new(),
+        false => format!(
+            "not estimated: {}",
+            error.not_estimated.join(", ").to_lowercase()
+        ),
+    };
+    Cell::text(format!(
+        "{} of {} break it",
+        counted.broken, counted.samples
+    ))
+    .with_raw(numbers)
+    .with_raw([error.lower, error.upper])
+    .with_small(unknown)
+    .with_small(format!(
+        "numerical error widens by {} and {}",
+        moved[0], moved[1]
+    ))
+    .with_small(not_in_it)
+    .with_class("text")
+}
+
+/// Bounds that hold for 95 % of the assumed prior with 95 % confidence.
 fn bounds(view: &View) -> Block {
-    let title = "Bounds: each holds for 95 % of the blades with 95 % confidence";
+    let title = "Bounds: each holds for 95 % of the assumed prior with 95 % confidence";
     let mut table = Table::of(
         title,
         "bounds",

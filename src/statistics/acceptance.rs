@@ -1,0 +1,200 @@
+//! Demonstration of a share by counts: how many of n samples may break a limit, and how many samples a decision takes.
+//!
+//! A verdict on a quantile of order 1 − content, or on a probability, depends on two counts alone: PASS if the samples
+//! that may break the limit are fewer than the acceptance number has room for, FAIL if those that surely do are too many.
+//! Both numbers are binomial, so no distribution of the results is assumed. Source: Wilks, Ann. Math. Statist. 12 (1941)
+//! 91–96; for the operating characteristic Schilling & Neubauer, Acceptance Sampling in Quality Control, 2nd ed. 2009, ch. 2.
+
+use super::tolerance::tolerance_order;
+use statrs::distribution::{Binomial, DiscreteCDF};
+
+/// Samples beyond which no number is named.
+const MOST_SAMPLES: usize = 1_000_000;
+
+/// What is to be shown: that a share of the population keeps a limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Demonstration {
+    /// Share of the population that must keep the limit.
+    pub content: f64,
+    /// Confidence of PASS, and of FAIL.
+    pub confidence: f64,
+}
+
+/// Samples by what they say about a limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct Counted {
+    /// Number of samples.
+    pub samples: usize,
+    /// Those that surely break the limit.
+    pub broken: usize,
+    /// Those that may: failed, not to be trusted, or with the limit inside their own error.
+    pub unknown: usize,
+}
+
+/// What would decide, if the shares of the samples stayed as they are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Remedy {
+    /// So many samples altogether.
+    Samples(usize),
+    /// No number of samples as long as so large a share of them is unknown.
+    FewerUnknown,
+    /// More than a million samples: the share that keeps the limit is hardly another one than the share that must.
+    TooClose,
+}
+
+impl Demonstration {
+    /// PASS needs fewer samples than this that may break the limit; 0 = n is too small to pass.
+    #[must_use]
+    pub fn acceptance(&self, n: usize) -> usize {
+        tolerance_order(n, self.content, self.confidence)
+    }
+
+    /// FAIL needs at least so many samples that surely break the limit; more than n = n is too small to fail.
+    #[must_use]
+    pub fn rejection(&self, n: usize) -> usize {
+        // so many break by a probability of at most 1 − confidence as long as the share is kept
+        n + 1 - tolerance_order(n, 1.0 - self.content, self.confidence)
+    }
+
+    /// Probability of PASS with n samples that are all known, if the share `kept` of the population keeps the limit.
+    #[must_use]
+    pub fn power(&self, n: usize, kept: f64) -> f64 {
+        match self.acceptance(n) {
+            0 => 0.0,
+            most => Binomial::new(1.0 - kept, n as u64).map_or(0.0, |b| b.cdf(most as u64 - 1)),
+        }
+    }
+
+    /// Samples for which that probability reaches `power`; `None` beyond a million.
+    #[must_use]
+    pub fn samples_for_power(&self, kept: f64, power: f64) -> Option<usize> {
+        first_from(1, |n| self.power(n, kept) >= power)
+    }
+
+    /// What would decide on a study that has not.
+    #[must_use]
+    pub fn remedy(&self, counted: &Counted) -> Remedy {
+        let share = |count: usize| count as f64 / counted.samples.max(1) as f64;
+        let (sure, possible) = (
+            share(counted.broken),
+            share(counted.broken + counted.unknown),
+        );
+        // shares of whole numbers may lie a rounding error beside them
+        let decided = |n: usize| {
+            let most = (possible * n as f64 - 1e-9).ceil() as usize;
+            let least = (sure * n as f64 + 1e-9).floor() as usize;
+            most < self.acceptance(n) || least >= self.rejection(n)
+        };
+        let allowed = 1.0 - self.content;
+        match first_from(counted.samples + 1, decided) {
+            Some(n) => Remedy::Samples(n),
+            None if sure <= allowed && allowed < possible => Remedy::FewerUnknown,
+            None => Remedy::TooClose,
+        }
+    }
+}
+
+/// A number from `least` on with which `holds` begins to hold: the first one if it never ends to hold again.
+fn first_from(least: usize, holds: impl Fn(usize) -> bool) -> Option<usize> {
+    if holds(least) {
+        return Some(least);
+    }
+    let mut missed = least;
+    let mut reached = 2 * least;
+    while !holds(reached) {
+        missed = reached;
+        reached *= 2;
+        if reached > MOST_SAMPLES {
+            return None;
+        }
+    }
+    while reached - missed > 1 {
+        let middle = usize::midpoint(missed, reached);
+        match holds(middle) {
+            true => reached = middle,
+            false => missed = middle,
+        }
+    }
+    Some(reached)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::limit::Limit;
+    use super::super::observed::{Observed, Sorted};
+    use super::super::order_statistic::quantile_estimate;
+    use super::super::{Criterion, Judgement, judge};
+    use super::*;
+
+    const USUAL: Demonstration = Demonstration {
+        content: 0.95,
+        confidence: 0.95,
+    };
+
+    /// The textbook numbers: 59 samples of which none, 93 of which one may break the limit (0.95/0.95); 299 without one
+    /// for 0.99/0.95. Seen to fail with `<=` in place of `<` against the acceptance number.
+    #[test]
+    fn remedies_are_the_textbook_numbers() {
+        let needed = |samples, broken, unknown| {
+            USUAL.remedy(&Counted {
+                samples,
+                broken,
+                unknown,
+            })
+        };
+        assert_eq!(needed(20, 0, 0), Remedy::Samples(59));
+        assert_eq!(needed(58, 0, 0), Remedy::Samples(59));
+        assert_eq!((USUAL.acceptance(92), USUAL.acceptance(93)), (1, 2));
+        let risk = Demonstration {
+            content: 0.99,
+            ..USUAL
+        };
+        let none = Counted {
+            samples: 64,
+            broken: 0,
+            unknown: 0,
+        };
+        assert_eq!(risk.remedy(&none), Remedy::Samples(299));
+        assert_eq!(needed(100, 2, 10), Remedy::FewerUnknown);
+        assert_eq!(needed(100, 5, 0), Remedy::TooClose);
+        let Remedy::Samples(n) = needed(100, 3, 0) else {
+            panic!("3 of 100 are decided some day")
+        };
+        assert!((200..800).contains(&n), "{n}");
+    }
+
+    /// The counts give the judgement of the interval of the quantile, for every number of samples that break the limit.
+    /// Seen to fail with the rejection number one lower.
+    #[test]
+    fn counts_judge_as_the_interval_does() {
+        for n in [10, 59, 64, 93, 200, 1000] {
+            for broken in 0..=n.min(120) {
+                // amplitudes 1 keep the limit 2, amplitudes 3 do not
+                let value = |k: usize| if k < broken { 3.0 } else { 1.0 };
+                let observed = Observed::with_failed(Sorted::finite((0..n).map(value)), 0);
+                let interval = quantile_estimate(&observed, 0.95, 0.9).unwrap().interval;
+                let expected = judge(interval, Criterion::AtMost(2.0));
+                let found = match broken {
+                    few if few < USUAL.acceptance(n) => Judgement::Pass,
+                    many if many >= USUAL.rejection(n) => Judgement::Fail,
+                    _ => Judgement::Undecided,
+                };
+                assert_eq!(found, expected, "{broken} of {n}: {interval:?}");
+                assert_ne!(interval.lower, Limit::Value(2.0));
+            }
+        }
+    }
+
+    /// 59 samples pass with the probability 0.975⁵⁹ = 0.2245 if 97.5 % keep the limit, and hardly ever (0.95⁵⁹ < 5 %) if
+    /// only 95 % do. Seen to fail with the complement.
+    #[test]
+    fn power_is_that_of_the_binomial() {
+        assert!((USUAL.power(59, 0.975) - 0.975_f64.powi(59)).abs() < 1e-9);
+        assert!(USUAL.power(59, 0.95) < 0.05);
+        assert_eq!(USUAL.power(58, 0.999), 0.0);
+        let n = USUAL.samples_for_power(0.975, 0.9).unwrap();
+        assert!(USUAL.power(n, 0.975) >= 0.9 && USUAL.power(n - 1, 0.975) < 0.9);
+        assert!((400..600).contains(&n), "{n}");
+    }
+}
