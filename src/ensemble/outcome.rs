@@ -43,7 +43,8 @@ pub struct PeakRecord {
     /// Amplitude |q̂₁| of the first response coordinate (m).
     #[serde(deserialize_with = "number")]
     pub amplitude_m: f64,
-    /// Estimated relative change of the amplitude by the harmonics left out; absent if not asked for.
+    /// Stated relative error of the amplitude by the harmonics left out; absent without an alert, or where nothing was found
+    /// with twice the harmonics.
     pub truncation_error: Option<f64>,
     /// Highest harmonic of the solution.
     pub highest_harmonic: usize,
