@@ -7,7 +7,7 @@
 
 use microslip::aft::Backend;
 use microslip::contact::ContactParameters;
-use microslip::ensemble::atlas::AnchorPeak;
+use microslip::ensemble::atlas::{AnchorPeak, ModePeaks};
 use microslip::ensemble::outcome::LevelOutcome;
 use microslip::ensemble::{Ensemble, Solved};
 use microslip::harmonics::HarmonicSet;
@@ -64,8 +64,8 @@ fn main() {
         .flat_map_iter(|(outcome, anchor)| {
             let problem = problem(&ensemble, &outcome.inputs);
             let peaks = outcome.levels.iter().zip(&anchor.peaks);
-            let compare = |(level, peak): (&LevelOutcome, &Option<AnchorPeak>)| {
-                compared(&ensemble, &problem, level, peak.as_ref()?)
+            let compare = |(level, peaks): (&LevelOutcome, &ModePeaks)| {
+                compared(&ensemble, &problem, level, peaks.iter().next()?)
             };
             peaks.filter_map(compare).collect::<Vec<_>>()
         })

@@ -11,7 +11,7 @@
 
 use microslip::aft::{Accuracy, AftSettings, Backend, Laps, Want};
 use microslip::contact::{ContactParameters, Events, FrictionLaw};
-use microslip::ensemble::atlas::{Anchor, AnchorPeak, Atlas, AtlasPrediction};
+use microslip::ensemble::atlas::{Anchor, Atlas, AtlasPrediction, ModePeaks};
 use microslip::ensemble::backend::BackendReport;
 use microslip::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use microslip::ensemble::store::{Provenance, write_samples};
@@ -19,6 +19,7 @@ use microslip::ensemble::{Ensemble, SampleSolver, Solved, Strips};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::alert::on;
 use microslip::hb::forced_response::at_frequencies;
+use microslip::hb::maxima::PeakChoice;
 use microslip::hb::newton::{Iterate, WorkCount};
 use microslip::hb::peak::PeakSettings;
 use microslip::hb::predicted::maximum_near;
@@ -153,6 +154,7 @@ impl Rig {
             levels,
             settings,
             peak: search(),
+            choice: PeakChoice::Highest,
             curve_samples: 0,
             backend: Backend::Cpu,
             solver: SampleSolver::HarmonicBalance,
@@ -491,10 +493,9 @@ fn on_31_harmonics(
 ) -> Vec<f64> {
     let problem = rig.problem(outcome.inputs[0], outcome.inputs[1]);
     let balance = on(&problem, HarmonicSet::up_to(31), settings);
-    let change = |(level, peak): (&LevelOutcome, &Option<AnchorPeak>)| {
-        let peak = peak
-            .as_ref()
-            .filter(|_| level.status == Status::Converged)?;
+    let change = |(level, peaks): (&LevelOutcome, &ModePeaks)| {
+        let mut peaks = peaks.iter();
+        let peak = peaks.next().filter(|_| level.status == Status::Converged)?;
         let AtlasPrediction {
             harmonics,
             mut peak,
@@ -665,6 +666,7 @@ fn peers() {
             band: Band { low, high },
             frequency_tolerance: 1e-6,
         },
+        choice: PeakChoice::Highest,
         curve_samples: 0,
         backend: Backend::Cpu,
         solver: SampleSolver::HarmonicBalance,

@@ -6,6 +6,7 @@
 
 use crate::harmonics::HarmonicSet;
 use crate::hb::Solution;
+use crate::hb::maxima::Maxima;
 use crate::hb::newton::Point;
 use crate::hb::predicted::PeakPrediction;
 use faer::prelude::c64;
@@ -22,8 +23,23 @@ pub struct Atlas {
 pub struct Anchor {
     /// Values of the inputs' distribution functions. Shape: `[inputs]`, 0 to 1.
     pub place: Vec<f64>,
-    /// Peaks by level; `None` where the solve failed. Shape: `[levels]`.
-    pub peaks: Vec<Option<AnchorPeak>>,
+    /// Peaks by level. Shape: `[levels]`.
+    pub peaks: Vec<ModePeaks>,
+}
+
+/// The peaks of the modes that were found at one level.
+#[derive(Debug, Clone, Default)]
+pub struct ModePeaks(pub(super) Vec<(usize, AnchorPeak)>);
+
+/// Where a peak is asked for.
+#[derive(Debug, Clone, Copy)]
+pub struct Place<'a> {
+    /// Values of the inputs' distribution functions. Shape: `[inputs]`, 0 to 1.
+    pub inputs: &'a [f64],
+    /// Number of the level.
+    pub level: usize,
+    /// Number of the mode.
+    pub mode: usize,
 }
 
 /// A peak as a start for others.
@@ -52,6 +68,27 @@ const ANCHORS_PER_UNKNOWN: usize = 6;
 const RIDGE: f64 = 1e-5;
 /// What keeps the spline finite where anchors coincide.
 const SMOOTHING: f64 = 1e-9;
+
+impl ModePeaks {
+    /// The starts that `maxima` are for others.
+    #[must_use]
+    pub fn new(maxima: &Maxima) -> Self {
+        let of_mode = |(mode, solution)| (mode, AnchorPeak::new(solution));
+        Self(maxima.by_mode().into_iter().map(of_mode).collect())
+    }
+
+    /// The peaks, in the order in which their modes were searched.
+    pub fn iter(&self) -> impl Iterator<Item = &AnchorPeak> {
+        self.0.iter().map(|(_, peak)| peak)
+    }
+
+    fn of_mode(&self, mode: usize) -> Option<&AnchorPeak> {
+        let mut peaks = self.0.iter();
+        peaks
+            .find(|(other, _)| *other == mode)
+            .map(|(_, peak)| peak)
+    }
+}
 
 impl AnchorPeak {
     /// The start that `solution` is for others.
@@ -134,35 +171,32 @@ impl Atlas {
         self.anchors.extend(anchors);
     }
 
-    /// The peak at level number `level` expected at `place`; `None` without any anchor there.
+    /// The peak expected at `at`; `None` without any anchor there.
     #[must_use]
-    pub fn predict(&self, place: &[f64], level: usize) -> Option<AtlasPrediction> {
-        let mut near = self.by_distance(place, level);
-        near.truncate(ANCHORS_PER_UNKNOWN * (place.len() + 1));
+    pub fn predict(&self, at: &Place<'_>) -> Option<AtlasPrediction> {
+        let mut near = self.by_distance(at);
+        near.truncate(ANCHORS_PER_UNKNOWN * (at.inputs.len() + 1));
         let places: Vec<&[f64]> = near.iter().map(|(_, place, _)| *place).collect();
-        let weights = spline_weights(place, &places);
+        let weights = spline_weights(at.inputs, &places);
         let peaks = near.iter().map(|(.., peak)| *peak);
         let parts: Vec<(f64, &AnchorPeak)> = weights.into_iter().zip(peaks).collect();
         (!parts.is_empty()).then(|| combined(&parts))
     }
 
-    /// The nearest anchor with a peak at level number `level`, with its place.
+    /// The nearest anchor with a peak of this mode at this level, with its place.
     #[must_use]
-    pub fn nearest(&self, place: &[f64], level: usize) -> Option<(&[f64], &AnchorPeak)> {
-        let (_, place, peak) = *self.by_distance(place, level).first()?;
+    pub fn nearest(&self, at: &Place<'_>) -> Option<(&[f64], &AnchorPeak)> {
+        let (_, place, peak) = *self.by_distance(at).first()?;
         Some((place, peak))
     }
 
-    /// Anchors with a peak at level number `level`: distance, place, peak.
-    fn by_distance(&self, place: &[f64], level: usize) -> Vec<(f64, &[f64], &AnchorPeak)> {
+    /// Anchors with a peak of this mode at this level: distance, place, peak.
+    fn by_distance(&self, at: &Place<'_>) -> Vec<(f64, &[f64], &AnchorPeak)> {
         let mut near: Vec<_> = (self.anchors.iter())
             .filter_map(|anchor| {
-                let peak = anchor.peaks[level].as_ref()?;
-                Some((
-                    distance(place, &anchor.place),
-                    anchor.place.as_slice(),
-                    peak,
-                ))
+                let peak = anchor.peaks[at.level].of_mode(at.mode)?;
+                let place = anchor.place.as_slice();
+                Some((distance(at.inputs, place), place, peak))
             })
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -223,21 +257,33 @@ mod tests {
             let [r, omega, response] = peak(x, y);
             Anchor {
                 place: vec![x, y],
-                peaks: vec![Some(AnchorPeak {
-                    harmonics: HarmonicSet::up_to(1),
-                    point: Point {
-                        r: vec![r; 9],
-                        omega,
-                        level: 2.0,
+                peaks: vec![ModePeaks(vec![(
+                    3,
+                    AnchorPeak {
+                        harmonics: HarmonicSet::up_to(1),
+                        point: Point {
+                            r: vec![r; 9],
+                            omega,
+                            level: 2.0,
+                        },
+                        response: c64::new(0.0, -response),
+                        sharpness: None,
                     },
-                    response: c64::new(0.0, -response),
-                    sharpness: None,
-                })],
+                )])],
             }
         };
         let mut atlas = Atlas::default();
         atlas.extend((0..side * side).map(|k| anchor((k / side, k % side))));
         atlas
+    }
+
+    /// Level 0 of mode 3.
+    fn at(inputs: &[f64]) -> Place<'_> {
+        Place {
+            inputs,
+            level: 0,
+            mode: 3,
+        }
     }
 
     /// Seen to fail with a ridge of 0.1.
@@ -246,7 +292,7 @@ mod tests {
         let peak = |x: f64, y: f64| [1.0 + x - 2.0 * y, 100.0 + 3.0 * x, 5.0 + y];
         let atlas = atlas(6, peak);
         for [x, y] in [[0.41, 0.33], [0.72, 0.55], [0.02, 0.97]] {
-            let found = atlas.predict(&[x, y], 0).unwrap();
+            let found = atlas.predict(&at(&[x, y])).unwrap();
             let [r, omega, response] = peak(x, y);
             assert!(
                 (found.peak.point.r[4] - r).abs() < 2e-3,
@@ -258,16 +304,20 @@ mod tests {
         }
     }
 
-    /// A place that has been solved predicts itself, a level without solutions nothing. Seen to fail without the look
+    /// A place that has been solved predicts itself, a mode or a level without solutions nothing. Seen to fail without the look
     /// at the distance.
     #[test]
     fn solved_places_predict_themselves() {
         let peak = |x: f64, y: f64| [x * y, 100.0 + x * x, 1.0];
         let mut atlas = atlas(3, peak);
-        let found = atlas.predict(&[0.5, 0.5], 0).unwrap();
+        let place = at(&[0.5, 0.5]);
+        let found = atlas.predict(&place).unwrap();
         assert_eq!(found.peak.point.omega, 100.25);
-        atlas.anchors.iter_mut().for_each(|a| a.peaks[0] = None);
-        assert!(atlas.predict(&[0.5, 0.5], 0).is_none());
+        let other = Place { mode: 2, ..place };
+        assert!(atlas.predict(&other).is_none());
+        let anchors = atlas.anchors.iter_mut();
+        anchors.for_each(|a| a.peaks[0] = ModePeaks::default());
+        assert!(atlas.predict(&place).is_none());
     }
 
     /// Inputs that do not vary, or anchors on a line or at one place, leave the spline what it is elsewhere: exact for what

@@ -3,7 +3,7 @@
 //! `atlas.parquet` holds the peaks of the first samples with all their coefficients, to the bit: later samples start from
 //! them. With `samples.parquet` and `curves.parquet` it restores everything that a longer run would have in memory.
 
-use super::atlas::{Anchor, AnchorPeak};
+use super::atlas::{Anchor, AnchorPeak, ModePeaks};
 use super::runner::Solved;
 use super::store::{
     Column, Record, StoreError, Table, metadata, read_curves, read_samples, write_table,
@@ -31,9 +31,9 @@ pub struct KeptStudy {
     pub path: String,
 }
 
-/// Writes the anchors: one row per sample and level with a solution.
+/// Writes the anchors: one row per sample, level and mode with a solution.
 ///
-/// Columns: `sample`, `level_index`, `harmonics` (orders, u32), `angular_frequency`, `level`, `response_real`,
+/// Columns: `sample`, `level_index`, `mode`, `harmonics` (orders, u32), `angular_frequency`, `level`, `response_real`,
 /// `response_imaginary`, `sharpness` (null where unknown), `displacements` (f64); the numbers of a list are bytes, little-endian.
 ///
 /// # Errors
@@ -44,21 +44,24 @@ pub fn write_anchors(path: &Path, study: &KeptStudy, anchors: &[Anchor]) -> Resu
     let rows: Vec<Row> = (anchors.iter().enumerate())
         .flat_map(|(sample, anchor)| {
             let levels = anchor.peaks.iter().enumerate();
-            levels.filter_map(move |(level, peak)| Some((sample, level, peak.as_ref()?)))
+            levels.flat_map(move |(level, peaks)| {
+                let peaks = peaks.0.iter();
+                peaks.map(move |(mode, peak)| ([sample, level, *mode], peak))
+            })
         })
         .collect();
     write_table(path, metadata.to_vec(), &rows, columns)
 }
 
-/// Sample, number of its level, peak.
-type Row<'a> = (usize, usize, &'a AnchorPeak);
+/// Sample, number of its level and of the mode; peak.
+type Row<'a> = ([usize; 3], &'a AnchorPeak);
 
 fn columns(rows: &[Row]) -> Table {
     let count = |of: fn(&Row) -> usize| {
         Column::Count(rows.iter().map(|row| i64::try_from(of(row)).ok()).collect())
     };
     let real = |of: fn(&AnchorPeak) -> f64| {
-        Column::Real(rows.iter().map(|(_, _, peak)| Some(of(peak))).collect())
+        Column::Real(rows.iter().map(|(_, peak)| Some(of(peak))).collect())
     };
     let orders = |peak: &AnchorPeak| -> Vec<u8> {
         let orders = peak.harmonics.orders().iter();
@@ -68,12 +71,13 @@ fn columns(rows: &[Row]) -> Table {
         peak.point.r.iter().flat_map(|r| r.to_le_bytes()).collect()
     };
     let bytes = |of: &dyn Fn(&AnchorPeak) -> Vec<u8>| {
-        Column::Bytes(rows.iter().map(|(_, _, peak)| of(peak)).collect())
+        Column::Bytes(rows.iter().map(|(_, peak)| of(peak)).collect())
     };
-    let sharpness = rows.iter().map(|(_, _, peak)| peak.sharpness);
+    let sharpness = rows.iter().map(|(_, peak)| peak.sharpness);
     let columns = [
-        ("sample", count(|row| row.0)),
-        ("level_index", count(|row| row.1)),
+        ("sample", count(|row| row.0[0])),
+        ("level_index", count(|row| row.0[1])),
+        ("mode", count(|row| row.0[2])),
         ("harmonics", bytes(&orders)),
         ("angular_frequency", real(|peak| peak.point.omega)),
         ("level", real(|peak| peak.point.level)),
@@ -113,17 +117,18 @@ pub fn read_solved(folder: &Path, design: &Design) -> Result<Solved, StoreError>
         .take(super::runner::MOST_ANCHORS as usize)
         .map(|outcome| Anchor {
             place: design.place(&outcome.inputs),
-            peaks: vec![None; n_levels],
+            peaks: vec![ModePeaks::default(); n_levels],
         })
         .collect();
     let reader = SerializedFileReader::new(File::open(folder.join(ATLAS_FILE))?)?;
     for row in reader.get_row_iter(None)? {
         let row = Record::of(row?);
         let (sample, level) = (row.count("sample")?, row.count("level_index")?);
-        let peak = anchors
+        let peaks = anchors
             .get_mut(sample)
-            .and_then(|anchor| anchor.peaks.get_mut(level));
-        *peak.ok_or_else(|| Record::missing("sample"))? = Some(anchor_peak(&row)?);
+            .and_then(|anchor| anchor.peaks.get_mut(level))
+            .ok_or_else(|| Record::missing("sample"))?;
+        (peaks.0).push((row.count("mode")?, anchor_peak(&row)?));
     }
     Ok(Solved { outcomes, anchors })
 }

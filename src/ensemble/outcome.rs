@@ -69,8 +69,21 @@ pub struct PeakRecord {
     /// Largest component of the residual over the fixed displacement scale.
     #[serde(deserialize_with = "number")]
     pub residual: f64,
-    /// Other, lower maxima of the amplitude that the search met, on this or another branch of solutions.
+    /// Other, lower maxima of the amplitude that were found: of other modes that compete, or met on the way.
     pub other_maxima: usize,
+    /// The highest of them.
+    pub next: Option<OtherMaximum>,
+}
+
+/// A maximum that is not the highest.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct OtherMaximum {
+    /// Frequency (Hz).
+    #[serde(deserialize_with = "number")]
+    pub frequency_hz: f64,
+    /// Amplitude |q̂₁| of the first response coordinate (m).
+    #[serde(deserialize_with = "number")]
+    pub amplitude_m: f64,
 }
 
 /// One point of a forced response curve.

@@ -8,6 +8,7 @@ use super::outcome::SampleOutcome;
 use super::strips::Strips;
 use crate::aft::Backend;
 use crate::contact::ContactParameters;
+use crate::hb::maxima::PeakChoice;
 use crate::hb::peak::PeakSettings;
 use crate::hb::{HbSettings, LinearModel};
 use crate::sampling::{Design, Input};
@@ -34,6 +35,8 @@ pub struct Ensemble<'a> {
     pub settings: &'a HbSettings,
     /// Where peaks are searched and how exactly.
     pub peak: PeakSettings,
+    /// Which of the maxima is the peak.
+    pub choice: PeakChoice,
     /// Samples with a forced response curve: 0 … this − 1.
     pub curve_samples: u64,
     /// Who evaluates the contacts.

@@ -1,20 +1,23 @@
 //! One sample: from its inputs to its peaks, curves and record.
 //!
-//! A peak is predicted from the atlas and corrected, by damped steps where undamped ones fail. Where that fails it is
+//! The peak is the highest maximum in the band, of those that grow from the modes of the stuck and the free structure
+//! ([`crate::hb::maxima`]). The maximum of a mode is predicted from the atlas and corrected, by damped steps where undamped ones fail. Where that fails it is
 //! followed from the nearest anchor along the straight line between the inputs, and where that fails too the sample's own
 //! track from the stuck state decides.
 
 use super::applied::Applied;
-use super::atlas::{Anchor, AnchorPeak, Atlas, AtlasPrediction};
-use super::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
+use super::atlas::{Anchor, AnchorPeak, Atlas, AtlasPrediction, ModePeaks, Place};
+use super::outcome::{CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome};
 use super::{Ensemble, SampleSolver};
 use crate::hb::alert::on;
 use crate::hb::curve::response_curve;
+use crate::hb::maxima::{Maxima, ModeSearch, search_maxima};
 use crate::hb::newton::WorkCount;
 use crate::hb::peak::PeakSettings;
 use crate::hb::predicted::{PeakPrediction, correct, maximum_near, phase_locked};
 use crate::hb::refine::refined_near;
-use crate::hb::track::{LevelPeak, track_peaks};
+use crate::hb::resonance::{Candidate, candidates};
+use crate::hb::track::{LevelPeak, track_mode};
 use crate::hb::{Balance, NewtonSettings, Problem, ProblemError, Solution, Status};
 use crate::units::rad_s_to_hz;
 
@@ -23,10 +26,6 @@ use crate::units::rad_s_to_hz;
 const SURPRISE: f64 = 0.2;
 /// First and smallest share of the way from an anchor to a sample in one step.
 const STEPS: [f64; 2] = [0.5, 1.0 / 64.0];
-/// Relative distances of frequency and amplitude up to which two solutions are one maximum.
-const SAME: [f64; 2] = [1e-6, 1e-5];
-/// The same for solutions on different harmonics, which the truncation sets apart.
-const SAME_ON_OTHER_HARMONICS: [f64; 2] = [1e-4, 2e-2];
 /// Relative tolerance of frequency and residual at the peaks between an anchor and a sample: they only lead on.
 const WAYPOINT_TOLERANCE: f64 = 1e-3;
 
@@ -81,7 +80,7 @@ impl Ensemble<'_> {
         place: &[f64],
         atlas: &Atlas,
         curve: bool,
-    ) -> (Vec<LevelOutcome>, Vec<Option<AnchorPeak>>) {
+    ) -> (Vec<LevelOutcome>, Vec<ModePeaks>) {
         match self.solver {
             SampleSolver::HarmonicBalance => self.balanced(inputs, place, atlas, curve),
             #[cfg(feature = "test-functions")]
@@ -96,20 +95,19 @@ impl Ensemble<'_> {
         place: &[f64],
         atlas: &Atlas,
         curve: bool,
-    ) -> (Vec<LevelOutcome>, Vec<Option<AnchorPeak>>) {
+    ) -> (Vec<LevelOutcome>, Vec<ModePeaks>) {
         let solved = self.applied(inputs).and_then(|applied| {
             let levels = self.applied_levels(&applied);
             let problem = applied.problem(self.settings.anchor).map_err(status_of)?;
             let peaks = self.peaks(&problem, &levels, place, atlas);
             let peaks = peaks.map_err(status_of)?;
-            let anchor = |found: &Found| Some(AnchorPeak::new(found.peak.solution.as_ref()?));
-            let anchors = peaks.iter().map(anchor).collect();
+            let anchors = peaks.iter().map(ModePeaks::new).collect();
             let level = |(found, nominal)| self.level(&problem, found, nominal, curve);
-            let of_levels = peaks.into_iter().zip(self.levels.iter().copied());
+            let of_levels = peaks.iter().zip(self.levels.iter().copied());
             Ok((of_levels.map(level).collect(), anchors))
         });
         solved.unwrap_or_else(|status| {
-            let none = vec![None; self.levels.len()];
+            let none = vec![ModePeaks::default(); self.levels.len()];
             (self.without_problem(status), none)
         })
     }
@@ -120,7 +118,7 @@ impl Ensemble<'_> {
         &self,
         function: super::test_function::TestFunction,
         inputs: &[f64],
-    ) -> (Vec<LevelOutcome>, Vec<Option<AnchorPeak>>) {
+    ) -> (Vec<LevelOutcome>, Vec<ModePeaks>) {
         let medians = self
             .design
             .inputs()
@@ -139,7 +137,7 @@ impl Ensemble<'_> {
             factorizations: 0,
         };
         let levels = self.levels.iter().map(level).collect();
-        (levels, vec![None; self.levels.len()])
+        (levels, vec![ModePeaks::default(); self.levels.len()])
     }
 
     /// Excitation levels of a sample. Shape: `[levels]`.
@@ -149,48 +147,59 @@ impl Ensemble<'_> {
             .collect()
     }
 
-    /// Peaks at the sample's own `levels`: from the atlas where that leads to what it promised, the others by its track.
+    /// Maxima at the sample's own `levels`.
     fn peaks(
         &self,
         problem: &Problem<'_>,
         levels: &[f64],
         place: &[f64],
         atlas: &Atlas,
-    ) -> Result<Vec<Found>, ProblemError> {
-        let mut searches: Vec<Search> = levels.iter().map(|_| Search::default()).collect();
-        let mut peaks: Vec<Option<LevelPeak>> = (searches.iter_mut().enumerate())
-            .map(|(level, search)| {
-                problem.budget.grant(self.settings.newton.budget);
-                let prediction = atlas.predict(place, level)?.at_level(levels[level]);
-                let predicted = self.predicted(problem, prediction, search);
-                predicted.or_else(|| {
-                    self.followed(
-                        problem,
-                        (level, levels[level]),
-                        place,
-                        atlas.nearest(place, level)?,
-                        search,
-                    )
-                })
+    ) -> Result<Vec<Maxima>, ProblemError> {
+        let modes = candidates(problem.model, &problem.stuck_stiffness, self.peak.band)?;
+        let search = |mode: &Candidate, wanted: &[usize], known: &[Maxima]| {
+            let of_mode = ModeOfSample {
+                problem,
+                mode,
+                levels,
+                place,
+                known,
+            };
+            Ok(self.of_mode(&of_mode, wanted, atlas))
+        };
+        search_maxima(&modes, self.choice, levels, search)
+    }
+
+    /// Maxima of one mode at the `wanted` levels: from the atlas where that leads to what it promised, the others by the
+    /// track of the mode.
+    fn of_mode(&self, of: &ModeOfSample<'_>, wanted: &[usize], atlas: &Atlas) -> Vec<ModeSearch> {
+        let mut searches: Vec<Search> = wanted.iter().map(|_| Search::default()).collect();
+        let mut peaks: Vec<Option<LevelPeak>> = (wanted.iter().zip(&mut searches))
+            .map(|(&level, search)| {
+                of.problem.budget.grant(self.settings.newton.budget);
+                let at = of.at(level);
+                let prediction = atlas.predict(&at)?.at_level(of.levels[level]);
+                let predicted = self.predicted(of, level, prediction, search);
+                predicted.or_else(|| self.followed(of, level, atlas.nearest(&at)?, search))
             })
             .collect();
         let missing: Vec<usize> = (0..peaks.len()).filter(|&i| peaks[i].is_none()).collect();
         if !missing.is_empty() {
-            let levels: Vec<f64> = missing.iter().map(|&i| levels[i]).collect();
-            let tracked = track_peaks(problem, self.settings, self.peak, &levels)?;
+            let levels: Vec<f64> = (missing.iter()).map(|&i| of.levels[wanted[i]]).collect();
+            let tracked = track_mode(of.problem, self.settings, self.peak, of.mode, &levels);
             missing
                 .into_iter()
                 .zip(tracked)
                 .for_each(|(i, peak)| peaks[i] = Some(peak));
         }
         let found = peaks.into_iter().flatten().zip(searches);
-        Ok(found.map(|(peak, search)| search.end(peak)).collect())
+        found.map(|(peak, search)| search.end(peak)).collect()
     }
 
-    /// The peak that a prediction leads to, unless that is not what it promised.
+    /// The peak that a prediction leads to, unless that is not what it promised, or the maximum of another mode.
     fn predicted(
         &self,
-        problem: &Problem<'_>,
+        of: &ModeOfSample<'_>,
+        level: usize,
         prediction: AtlasPrediction,
         search: &mut Search,
     ) -> Option<LevelPeak> {
@@ -199,10 +208,12 @@ impl Ensemble<'_> {
             peak,
             amplitude,
         } = prediction;
-        match refined_near(problem, &harmonics, peak, self.settings, self.peak) {
-            Ok(solution) if !surprising(solution.amplitude(0), amplitude) => {
-                Some(LevelPeak::found(solution))
-            }
+        let expected = |solution: &Solution| {
+            !surprising(solution.amplitude(0), amplitude)
+                && !of.known[level].is_of_another(of.mode.mode, solution)
+        };
+        match refined_near(of.problem, &harmonics, peak, self.settings, self.peak) {
+            Ok(solution) if expected(&solution) => Some(LevelPeak::found(solution)),
             Ok(solution) => {
                 search.spent += solution.work_count;
                 search.aside.push(solution);
@@ -215,12 +226,11 @@ impl Ensemble<'_> {
         }
     }
 
-    /// The peak at `place` and at a level (its number and value there), reached from the anchor by steps along the straight line between their places.
+    /// The peak at a level (its number), reached from an anchor by steps along the straight line between their places.
     fn followed(
         &self,
-        problem: &Problem<'_>,
-        (level, target): (usize, f64),
-        place: &[f64],
+        of: &ModeOfSample<'_>,
+        level: usize,
         (start, anchor): (&[f64], &AnchorPeak),
         search: &mut Search,
     ) -> Option<LevelPeak> {
@@ -233,13 +243,16 @@ impl Ensemble<'_> {
                 None => at.1.as_prediction(),
             };
             if share == 1.0 {
-                let prediction = prediction.at_level(target);
-                if let Some(peak) = self.predicted(problem, prediction, search) {
+                let prediction = prediction.at_level(of.levels[level]);
+                if let Some(peak) = self.predicted(of, level, prediction, search) {
                     return Some(peak);
                 }
-            } else if let Some(next) =
-                self.waypoint(level, (start, place, share), prediction, &mut search.spent)
-            {
+            } else if let Some(next) = self.waypoint(
+                level,
+                (start, of.place, share),
+                prediction,
+                &mut search.spent,
+            ) {
                 before = Some(std::mem::replace(&mut at, (share, next)));
                 step *= 2.0;
                 continue;
@@ -285,19 +298,19 @@ impl Ensemble<'_> {
     fn level(
         &self,
         problem: &Problem<'_>,
-        Found { peak, others }: Found,
+        maxima: &Maxima,
         level: f64,
         with_curve: bool,
     ) -> LevelOutcome {
-        let mut count = peak.count;
-        let curve = (peak.solution.as_ref().filter(|_| with_curve))
-            .map_or_else(Vec::new, |solution| {
-                self.curve(problem, solution, &mut count)
-            });
+        let mut count = maxima.count;
+        let peak = maxima.peak();
+        let curve = (peak.filter(|_| with_curve)).map_or_else(Vec::new, |solution| {
+            self.curve(problem, solution, &mut count)
+        });
         LevelOutcome {
             level,
-            status: peak.status,
-            peak: (peak.solution.as_ref()).map(|solution| record(solution, others)),
+            status: maxima.status(),
+            peak: peak.map(|solution| record(solution, maxima)),
             curve,
             newton_iterations: count.iterations,
             factorizations: count.factorizations,
@@ -359,6 +372,28 @@ fn status_of(error: ProblemError) -> Status {
     }
 }
 
+/// One mode of a sample.
+struct ModeOfSample<'a> {
+    problem: &'a Problem<'a>,
+    mode: &'a Candidate,
+    /// The sample's own levels, and its place among the others.
+    levels: &'a [f64],
+    place: &'a [f64],
+    /// What was found of other modes. Shape: `[levels]`.
+    known: &'a [Maxima],
+}
+
+impl ModeOfSample<'_> {
+    /// Where the atlas is asked for level number `level`.
+    fn at(&self, level: usize) -> Place<'_> {
+        Place {
+            inputs: self.place,
+            level,
+            mode: self.mode.mode,
+        }
+    }
+}
+
 /// What the search for one peak has spent and met on the way.
 #[derive(Default)]
 struct Search {
@@ -367,47 +402,12 @@ struct Search {
     aside: Vec<Solution>,
 }
 
-/// A peak, and how many other maxima were met.
-struct Found {
-    peak: LevelPeak,
-    others: usize,
-}
-
 impl Search {
-    /// The highest of `peak` and the maxima that were met before it.
-    fn end(self, mut peak: LevelPeak) -> Found {
-        let mut maxima: Vec<Solution> = peak.solution.take().into_iter().collect();
-        for solution in self.aside {
-            if !maxima.iter().any(|known| is_same_maximum(known, &solution)) {
-                maxima.push(solution);
-            }
-        }
-        let others = maxima.len().saturating_sub(1);
-        // the first of equals: what is found does not depend on anything but the sample and its atlas
-        let highest =
-            maxima
-                .into_iter()
-                .reduce(|best, other| match other.amplitude(0) > best.amplitude(0) {
-                    true => other,
-                    false => best,
-                });
-        if let Some(highest) = highest {
-            peak.status = highest.status;
-            peak.solution = Some(highest);
-        }
+    fn end(self, mut peak: LevelPeak) -> ModeSearch {
         peak.count += self.spent;
-        Found { peak, others }
+        let aside = self.aside;
+        ModeSearch { peak, aside }
     }
-}
-
-/// Whether two solutions of one problem are the same maximum, perhaps on other harmonics.
-fn is_same_maximum(a: &Solution, b: &Solution) -> bool {
-    let apart = |a: f64, b: f64| (a / b - 1.0).abs();
-    let [frequency, amplitude] = match a.harmonics == b.harmonics {
-        true => SAME,
-        false => SAME_ON_OTHER_HARMONICS,
-    };
-    apart(a.omega, b.omega) <= frequency && apart(a.amplitude(0), b.amplitude(0)) <= amplitude
 }
 
 /// Whether an amplitude is too far from the predicted one to lie on the same branch.
@@ -415,7 +415,8 @@ fn surprising(found: f64, predicted: f64) -> bool {
     (found / predicted - 1.0).abs() >= SURPRISE
 }
 
-fn record(solution: &Solution, other_maxima: usize) -> PeakRecord {
+fn record(solution: &Solution, maxima: &Maxima) -> PeakRecord {
+    let others: Vec<&Solution> = maxima.distinct().into_iter().skip(1).collect();
     PeakRecord {
         frequency_hz: rad_s_to_hz(solution.omega),
         amplitude_m: solution.amplitude(0),
@@ -428,60 +429,10 @@ fn record(solution: &Solution, other_maxima: usize) -> PeakRecord {
         work_viscous_j: solution.work.viscous,
         work_friction_j: solution.work.friction,
         residual: solution.residual,
-        other_maxima,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::harmonics::HarmonicSet;
-    use crate::hb::solution::{ContactFractions, CycleWork};
-
-    /// A solution of one response, told apart by frequency and amplitude.
-    fn maximum(omega: f64, amplitude: f64, highest: usize) -> Solution {
-        let harmonics = HarmonicSet::up_to(highest);
-        let mut responses = vec![0.0; harmonics.n_coefficients()];
-        responses[1] = amplitude;
-        Solution {
-            status: Status::Converged,
-            omega,
-            level: 1.0,
-            harmonics,
-            relative: Vec::new(),
-            force: Vec::new(),
-            responses,
-            residual: 0.0,
-            contact: ContactFractions::default(),
-            flight_fraction: 0.0,
-            work: CycleWork::default(),
-            truncation_error: None,
-            sharpness: None,
-            work_count: WorkCount::default(),
-        }
-    }
-
-    /// Seen to fail with the lowest of the maxima, and with maxima on other harmonics counted apart.
-    #[test]
-    fn the_highest_maximum_is_reported_and_the_others_are_counted() {
-        let end = |aside: Vec<Solution>| {
-            let search = Search {
-                aside,
-                ..Search::default()
-            };
-            let found = search.end(LevelPeak::found(maximum(100.0, 2.0, 3)));
-            let solution = found.peak.solution.unwrap();
-            (solution.omega, found.others)
-        };
-        assert_eq!(end(vec![]), (100.0, 0));
-        assert_eq!(end(vec![maximum(100.0, 2.0, 3)]), (100.0, 0));
-        assert_eq!(
-            end(vec![maximum(100.001, 2.01, 5)]),
-            (100.0, 0),
-            "harmonics"
-        );
-        assert_eq!(end(vec![maximum(100.001, 1.9, 3)]), (100.0, 1), "lower");
-        let [lower, higher] = [maximum(99.0, 1.0, 3), maximum(101.0, 3.0, 3)];
-        assert_eq!(end(vec![lower, higher.clone(), higher]), (101.0, 2));
+        other_maxima: others.len(),
+        next: others.first().map(|other| OtherMaximum {
+            frequency_hz: rad_s_to_hz(other.omega),
+            amplitude_m: other.amplitude(0),
+        }),
     }
 }

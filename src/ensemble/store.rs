@@ -3,7 +3,7 @@
 //! A sample without a solution keeps its row: status and work counts are there, the numbers of the peak are null.
 //! No column ever holds NaN. Files appear whole or not at all.
 
-use super::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
+use super::outcome::{CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome};
 use crate::contact::{Events, FrictionLaw};
 use crate::hb::{SliderAnchor, Status};
 use crate::sampling::SampleGroup;
@@ -353,6 +353,11 @@ fn sample_columns(input_names: &[String], group: SampleGroup, outcomes: &[Sample
         "other_maxima",
         Column::Count(rows.iter().map(|(_, l)| others(l)).collect()),
     );
+    add(
+        "next_frequency_hz",
+        real(|p| p.next.map(|n| n.frequency_hz)),
+    );
+    add("next_amplitude_m", real(|p| p.next.map(|n| n.amplitude_m)));
     let newton = rows.iter().map(|(_, l)| count(l.newton_iterations));
     add("newton_iterations", Column::Count(newton.collect()));
     let factorizations = rows.iter().map(|(_, l)| count(l.factorizations));
@@ -525,6 +530,12 @@ impl Record {
             work_friction_j: self.number("work_friction_j")?,
             residual: self.number("residual")?,
             other_maxima: self.count("other_maxima")?,
+            next: (self.optional("next_frequency_hz")?)
+                .zip(self.optional("next_amplitude_m")?)
+                .map(|(frequency_hz, amplitude_m)| OtherMaximum {
+                    frequency_hz,
+                    amplitude_m,
+                }),
         }))
     }
 }

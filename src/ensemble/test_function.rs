@@ -71,6 +71,7 @@ impl TestFunction {
             work_friction_j: 0.0,
             residual: 0.0,
             other_maxima: 0,
+            next: None,
         }
     }
 }

@@ -105,10 +105,11 @@ impl Maxima {
             PeakChoice::All => true,
             PeakChoice::Mode(mode) => candidate.mode == mode,
             PeakChoice::Highest => match self.highest() {
-                Some(highest) => {
-                    candidate.reach * self.level >= COMPETES * highest.amplitude(0)
-                }
-                None => self.failed.iter().all(|(_, status)| *status == Status::NoPeakInBand),
+                Some(highest) => candidate.reach * self.level >= COMPETES * highest.amplitude(0),
+                None => self
+                    .failed
+                    .iter()
+                    .all(|(_, status)| *status == Status::NoPeakInBand),
             },
         }
     }
@@ -117,10 +118,12 @@ impl Maxima {
         let ModeSearch { peak, aside } = search;
         self.count += peak.count;
         if peak.solution.is_none() && aside.is_empty() {
-            self.failed.push((candidate.reach * self.level, peak.status));
+            self.failed
+                .push((candidate.reach * self.level, peak.status));
         }
         let found = peak.solution.into_iter().chain(aside);
-        self.found.extend(found.map(|solution| (candidate.mode, solution)));
+        self.found
+            .extend(found.map(|solution| (candidate.mode, solution)));
     }
 
     /// The highest maximum found; the first of equals, so that it depends on nothing but the problem and its starts.
@@ -134,7 +137,10 @@ impl Maxima {
     pub fn distinct(&self) -> Vec<&Solution> {
         let mut distinct: Vec<&Solution> = Vec::new();
         for (_, solution) in &self.found {
-            if !distinct.iter().any(|known| is_same_maximum(known, solution)) {
+            if !distinct
+                .iter()
+                .any(|known| is_same_maximum(known, solution))
+            {
                 distinct.push(solution);
             }
         }
@@ -159,7 +165,10 @@ impl Maxima {
     /// Whether `solution` is the maximum of another mode than `mode`.
     #[must_use]
     pub fn is_of_another(&self, mode: usize, solution: &Solution) -> bool {
-        let mut others = self.by_mode().into_iter().filter(|(other, _)| *other != mode);
+        let mut others = self
+            .by_mode()
+            .into_iter()
+            .filter(|(other, _)| *other != mode);
         others.any(|(_, known)| is_same_maximum(known, solution))
     }
 
@@ -174,7 +183,9 @@ impl Maxima {
             Some(highest) => failed
                 .find(|(reach, _)| *reach > known)
                 .map_or(highest.status, |(_, status)| *status),
-            None => failed.next().map_or(Status::NoPeakInBand, |(_, status)| *status),
+            None => failed
+                .next()
+                .map_or(Status::NoPeakInBand, |(_, status)| *status),
         }
     }
 
@@ -271,7 +282,7 @@ mod tests {
     }
 
     /// Modes are searched where they may be higher than what is known, and a failed search hides the peak where its mode
-    /// may be higher. Seen to fail with: every mode searched; failed modes ignored.
+    /// may be higher.
     #[test]
     fn modes_compete_by_their_reach() {
         let modes = [mode(4, 3.0), mode(7, 2.0), mode(1, 0.9)];

@@ -16,6 +16,7 @@ mod iterate;
 pub mod jacobian;
 pub mod ladder;
 pub mod linear;
+pub mod maxima;
 pub mod newton;
 pub mod peak;
 pub mod predicted;

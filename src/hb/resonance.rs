@@ -9,6 +9,9 @@ use faer::prelude::*;
 /// Damping ratios below this count as this much when modes are ranked.
 const UNDAMPED: f64 = 1e-12;
 
+/// Way beyond the frequency of a mode outside the band that its peak may go, relative.
+const BEYOND: f64 = 0.02;
+
 /// A resonance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinearResonance {
@@ -36,6 +39,18 @@ impl Band {
         self.high - self.low
     }
 
+    /// This band, or from a little beyond `omega` on if that is outside.
+    #[must_use]
+    fn widened_to(self, omega: f64) -> Self {
+        match self.contains(omega) {
+            true => self,
+            false => Self {
+                low: self.low.min(omega * (1.0 - BEYOND)),
+                high: self.high.max(omega * (1.0 + BEYOND)),
+            },
+        }
+    }
+
     /// Whether `omega` lies inside.
     #[must_use]
     pub fn contains(self, omega: f64) -> bool {
@@ -54,26 +69,130 @@ pub fn linear_resonance(
     band: Band,
 ) -> Result<Option<LinearResonance>, LinalgError> {
     let part = model.part(1);
-    let stiffness = part.stiffness_with_springs(k);
-    let unit = Mat::identity(stiffness.nrows(), stiffness.ncols());
-    let (lambda, modes) = symmetric_generalized_eigen(stiffness.as_ref(), unit.as_ref())?;
-    let omega: Vec<f64> = lambda.iter().map(|l| l.max(0.0).sqrt()).collect();
-    let strongest = (0..omega.len())
-        .filter(|&j| band.contains(omega[j]))
-        .map(|j| {
-            let mode: Vec<c64> = modes.col(j).iter().map(|x| c64::new(*x, 0.0)).collect();
-            let force: c64 = mode.iter().zip(&part.force).map(|(x, f)| x.re * f).sum();
-            let half_bandwidth = 0.5 * damping_of(part, &mode);
-            let residue = (force * part.responses(&mode)[0]).norm();
-            let amplitude = residue / (2.0 * omega[j] * half_bandwidth.max(UNDAMPED * omega[j]));
-            (j, half_bandwidth, amplitude)
+    let modes = LinearMode::all(part, k)?;
+    let strongest = (modes.iter())
+        .filter(|mode| band.contains(mode.omega))
+        .max_by(|a, b| a.amplitude.total_cmp(&b.amplitude));
+    Ok(strongest.map(|mode| mode.resonance(model, k)))
+}
+
+/// An undamped mode of a linear structure with its damping.
+#[derive(Debug, Clone)]
+struct LinearMode {
+    /// Natural frequency (rad/s).
+    omega: f64,
+    /// Damping constant (rad/s).
+    half_bandwidth: f64,
+    /// Product of its force and its response 0, per unit level (m rad²/s²).
+    residue: f64,
+    /// Amplitude of response 0 at resonance per unit level, by this mode alone (m).
+    amplitude: f64,
+    /// Shape in the modes of the free structure, of unit modal mass: its squares are shares of the free modes.
+    shape: Vec<f64>,
+}
+
+impl LinearMode {
+    /// The modes of `part` with springs `k` between the contacts, ascending in frequency.
+    fn all(part: &Part, k: &[f64]) -> Result<Vec<Self>, LinalgError> {
+        let stiffness = part.stiffness_with_springs(k);
+        let unit = Mat::identity(stiffness.nrows(), stiffness.ncols());
+        let (lambda, modes) = symmetric_generalized_eigen(stiffness.as_ref(), unit.as_ref())?;
+        let mode = |(j, l): (usize, &f64)| {
+            Self::new(part, l.max(0.0).sqrt(), modes.col_as_slice(j).to_vec())
+        };
+        Ok(lambda.iter().enumerate().map(mode).collect())
+    }
+
+    /// The free modes of `part`.
+    fn free(part: &Part) -> Vec<Self> {
+        let n = part.n_coordinates();
+        let unit = |j: usize| (0..n).map(|i| f64::from(u8::from(i == j))).collect();
+        (part.structure.lambda.iter().enumerate())
+            .map(|(j, l)| Self::new(part, l.max(0.0).sqrt(), unit(j)))
+            .collect()
+    }
+
+    fn new(part: &Part, omega: f64, shape: Vec<f64>) -> Self {
+        let mode: Vec<c64> = shape.iter().map(|x| c64::new(*x, 0.0)).collect();
+        let force: c64 = shape.iter().zip(&part.force).map(|(x, f)| x * f).sum();
+        let half_bandwidth = 0.5 * damping_of(part, &mode);
+        let residue = (force * part.responses(&mode)[0]).norm();
+        Self {
+            omega,
+            half_bandwidth,
+            residue,
+            amplitude: residue / (2.0 * omega * half_bandwidth.max(UNDAMPED * omega)),
+            shape,
+        }
+    }
+
+    fn resonance(&self, model: &LinearModel, k: &[f64]) -> LinearResonance {
+        LinearResonance {
+            omega: self.omega,
+            half_bandwidth: self.half_bandwidth,
+            response: linear_response(model, k, self.omega),
+        }
+    }
+}
+
+/// Modes whose residue is below this part of the largest one are not excited: by symmetry, up to round-off.
+const EXCITED: f64 = 1e-6;
+/// Share of a free mode in a stuck one from which its amplitude bounds that of the stuck one.
+const SHARE: f64 = 0.1;
+
+/// A mode of the stuck structure from which a maximum may grow.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// Number of the mode in the stuck structure that the first harmonic sees, 0 for the lowest.
+    pub mode: usize,
+    /// Its natural frequency (rad/s).
+    pub omega: f64,
+    /// Largest amplitude of response 0 per unit level (m): of this mode, and of the free modes that it turns into.
+    pub reach: f64,
+    /// Where its peak may lie on the way to a level: the band, widened to its own frequency.
+    pub path: Band,
+}
+
+/// The modes of the stuck structure from which the maxima inside `band` grow, highest reach first: those with their
+/// frequency in the band, and for each free mode in the band the stuck one that it has the largest share in.
+///
+/// # Errors
+/// [`LinalgError`] if the eigensolver fails.
+pub fn candidates(
+    model: &LinearModel,
+    stuck_stiffness: &[f64],
+    band: Band,
+) -> Result<Vec<Candidate>, LinalgError> {
+    let part = model.part(1);
+    let stuck = LinearMode::all(part, stuck_stiffness)?;
+    let free = LinearMode::free(part);
+    let share = |mode: usize, free: usize| stuck[mode].shape[free].powi(2);
+    let heirs = (0..free.len()).filter(|&f| band.contains(free[f].omega));
+    let heir = |f: usize| (0..stuck.len()).max_by(|&a, &b| share(a, f).total_cmp(&share(b, f)));
+    let mut modes: Vec<usize> = heirs.filter_map(heir).collect();
+    modes.extend((0..stuck.len()).filter(|&mode| band.contains(stuck[mode].omega)));
+    modes.sort_unstable();
+    modes.dedup();
+    // free modes of one frequency are any mixture, so that these bound the amplitude, but do not tell who is excited
+    let reach = |mode: usize| {
+        (free.iter().enumerate())
+            .filter(|(f, of_free)| of_free.omega > 0.5 * band.low && share(mode, *f) >= SHARE)
+            .map(|(_, of_free)| of_free.amplitude)
+            .fold(stuck[mode].amplitude, f64::max)
+    };
+    let residues = modes.iter().map(|&mode| stuck[mode].residue);
+    let most = residues.fold(0.0, f64::max);
+    let mut found: Vec<Candidate> = (modes.into_iter())
+        .filter(|&mode| stuck[mode].residue > EXCITED * most)
+        .map(|mode| Candidate {
+            mode,
+            omega: stuck[mode].omega,
+            reach: reach(mode),
+            path: band.widened_to(stuck[mode].omega),
         })
-        .max_by(|a, b| a.2.total_cmp(&b.2));
-    Ok(strongest.map(|(j, half_bandwidth, _)| LinearResonance {
-        omega: omega[j],
-        half_bandwidth,
-        response: linear_response(model, k, omega[j]),
-    }))
+        .collect();
+    found.sort_by(|a, b| b.reach.total_cmp(&a.reach));
+    Ok(found)
 }
 
 /// First harmonic of response 0 at `omega` per unit level (m) with linear springs `k` between the contacts.

@@ -1,6 +1,6 @@
-//! Resonance peaks of one problem over ascending excitation levels.
+//! Resonance peaks of one problem over ascending excitation levels, each grown from a mode of the stuck structure.
 //!
-//! Below slip onset the stuck structure is linear, so the track starts there and follows the phase resonance with one
+//! Below slip onset the stuck structure is linear, so a track starts there and follows the phase resonance with one
 //! harmonic, which is cheap and smooth, by steps of its amplitude: the level that an amplitude needs is unique where the
 //! amplitude that a level gives is not. At each level asked for, a few harmonics are added step by step and the maximum
 //! next to the phase resonance is located. More harmonics are added to the located maximum, first those of the study, then
@@ -12,12 +12,13 @@ use super::alert::{AlertSets, pad};
 use super::balance::Balance;
 use super::continuation::{BranchPoint, StepSettings, on_if, walk};
 use super::ladder::Ladder;
+use super::maxima::{Maxima, ModeSearch, PeakChoice, search_maxima};
 use super::newton::{Condition, Iterate, Point, WorkCount, solve};
 use super::peak::{Located, PeakSettings, find_peak, highest_nearby};
 use super::predicted::{PeakPrediction, correct, maximum_near};
 use super::problem::Problem;
 use super::refine::{Kept, refined};
-use super::resonance::{LinearResonance, linear_resonance};
+use super::resonance::{Band, Candidate, candidates, linear_response};
 use super::settings::{HbSettings, NewtonSettings};
 use super::solution::Solution;
 use super::status::Status;
@@ -68,6 +69,8 @@ struct Track<'a, 'p> {
     few: usize,
     settings: &'a HbSettings,
     peak: PeakSettings,
+    /// Where the phase resonance may be on the way.
+    path: Band,
     /// Direction of the first harmonic of response 0 at resonance.
     phasor: c64,
     at: Option<Iterate<'p>>,
@@ -75,8 +78,8 @@ struct Track<'a, 'p> {
     count: WorkCount,
 }
 
-/// Peaks of `problem` at the ascending, positive `levels`; a level that is not a positive number gives
-/// [`Status::NonFinite`].
+/// Peaks of `problem` at the ascending, positive `levels`: the highest of the maxima that grow from its modes. A level
+/// that is not a positive number gives [`Status::NonFinite`].
 ///
 /// # Errors
 /// [`LinalgError`] if the modes of the stuck structure cannot be found. Solves that fail are statuses.
@@ -86,25 +89,54 @@ pub fn track_peaks(
     peak: PeakSettings,
     levels: &[f64],
 ) -> Result<Vec<LevelPeak>, LinalgError> {
-    let Some(resonance) = linear_resonance(problem.model, &problem.stuck_stiffness, peak.band)?
-    else {
-        let nothing = |&level| LevelPeak::failed(level, Status::NoPeakInBand, WorkCount::default());
-        return Ok(levels.iter().map(nothing).collect());
+    let modes = candidates(problem.model, &problem.stuck_stiffness, peak.band)?;
+    let search = |mode: &Candidate, at: &[usize], _: &[_]| {
+        let levels: Vec<f64> = at.iter().map(|&i| levels[i]).collect();
+        let found = track_mode(problem, settings, peak, mode, &levels);
+        Ok::<_, LinalgError>(found.into_iter().map(ModeSearch::from).collect())
     };
+    let maxima = search_maxima(&modes, PeakChoice::Highest, levels, search)?;
+    Ok(maxima.into_iter().map(LevelPeak::from).collect())
+}
+
+/// The maxima of `problem` that grow from a mode of the stuck structure, at the ascending `levels`.
+#[must_use]
+pub fn track_mode(
+    problem: &Problem<'_>,
+    settings: &HbSettings,
+    peak: PeakSettings,
+    mode: &Candidate,
+    levels: &[f64],
+) -> Vec<LevelPeak> {
     let ladder = Ladder::new(problem, settings);
     let are_few = |rung: &Balance<'_>| rung.harmonics.orders().len() <= FEW_HARMONICS;
+    let response = linear_response(problem.model, &problem.stuck_stiffness, mode.omega);
     let mut track = Track {
         ladder: ladder.rungs(),
         few: ladder.rungs().iter().rposition(are_few).unwrap_or(0),
         settings,
         peak,
-        phasor: resonance.response / resonance.response.norm(),
+        path: mode.path,
+        phasor: response / response.norm(),
         at: None,
         ratio: RATIOS[0],
         count: WorkCount::default(),
     };
-    track.start(&resonance, levels.first().copied().unwrap_or(1.0));
-    Ok(levels.iter().map(|&level| track.level(level)).collect())
+    problem.budget.grant(settings.newton.budget);
+    track.start(mode.omega, levels.first().copied().unwrap_or(1.0));
+    levels.iter().map(|&level| track.level(level)).collect()
+}
+
+impl From<Maxima> for LevelPeak {
+    /// The highest maximum.
+    fn from(maxima: Maxima) -> Self {
+        Self {
+            level: maxima.level,
+            status: maxima.status(),
+            count: maxima.count,
+            solution: maxima.peak().cloned(),
+        }
+    }
 }
 
 impl LevelPeak {
@@ -131,9 +163,9 @@ impl LevelPeak {
 
 impl<'a, 'p> Track<'a, 'p> {
     /// Solves at or below the first level, where the stuck solution is a good start.
-    fn start(&mut self, resonance: &LinearResonance, first_level: f64) {
+    fn start(&mut self, omega: f64, first_level: f64) {
         let balance = &self.ladder[0];
-        let stuck = |level: f64| stuck_point(balance, resonance.omega, level);
+        let stuck = |level: f64| stuck_point(balance, omega, level);
         let onset = slip_onset(balance, &stuck(1.0));
         let level = first_level.min(START_BELOW_ONSET * onset);
         let newton = self.settings.newton;
@@ -275,7 +307,7 @@ impl<'a, 'p> Track<'a, 'p> {
             let ratio = self.ratio.min(1.1 * level / at.point.level);
             let (point, amplitude) = (at.point.clone(), at.response(&self.ladder[0]).norm());
             match self.scaled(0, &point, amplitude, ratio, newton) {
-                Ok(iterate) if self.peak.band.contains(iterate.point.omega) => {
+                Ok(iterate) if self.path.contains(iterate.point.omega) => {
                     self.at = Some(iterate);
                     self.ratio = (self.ratio * 1.3).min(RATIOS[1]);
                 }

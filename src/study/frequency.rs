@@ -67,6 +67,18 @@ pub enum Points {
     },
 }
 
+/// Which maximum of the band is the peak of a sample.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum PeakSetting {
+    /// The highest one of the modes that compete.
+    #[default]
+    Highest,
+    /// The highest one; every mode in the band is searched.
+    All,
+    /// The one of a mode: its number among the stuck frequencies, 1 for the lowest, as `inspect` counts them.
+    Mode(usize),
+}
+
 /// Frequencies of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrequencySettings {
@@ -76,6 +88,26 @@ pub struct FrequencySettings {
     pub band: [f64; 2],
     /// Points of `solve`.
     pub points: Points,
+    /// The peak of `run`.
+    pub peak: PeakSetting,
+}
+
+/// `peak` of the table.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize, schemars::JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "expected \"highest\", \"all\" or the number of a mode, as `inspect` counts the stuck frequencies"
+)]
+enum PeakTable {
+    Mode(usize),
+    Named(NamedPeak),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+enum NamedPeak {
+    Highest,
+    All,
 }
 
 /// `[frequency]` of a study file.
@@ -88,6 +120,7 @@ pub struct FrequencyTable {
     values_rad_s: Option<Vec<f64>>,
     points: Option<usize>,
     sweep: Option<SweepDirection>,
+    peak: Option<PeakTable>,
 }
 
 /// Most points that `points` may ask for.
@@ -111,7 +144,19 @@ impl FrequencyTable {
             unit,
             band: band.map(|f| unit.to_rad_s(f)),
             points: self.points(unit, band)?,
+            peak: self.peak()?,
         })
+    }
+
+    fn peak(&self) -> Result<PeakSetting, BadSetting> {
+        match self.peak {
+            None | Some(PeakTable::Named(NamedPeak::Highest)) => Ok(PeakSetting::Highest),
+            Some(PeakTable::Named(NamedPeak::All)) => Ok(PeakSetting::All),
+            Some(PeakTable::Mode(0)) => {
+                Err(refused("peak", &0, "must be at least 1, the lowest mode"))
+            }
+            Some(PeakTable::Mode(number)) => Ok(PeakSetting::Mode(number)),
+        }
     }
 
     fn band(&self) -> Result<(FrequencyUnit, [f64; 2]), BadSetting> {

@@ -1,16 +1,20 @@
 //! A study with its model built: what all its samples share.
 
+use super::frequency::PeakSetting;
 use super::read::{Study, StudyModel};
 use crate::Error;
 use crate::aft::Backend;
 use crate::contact::ContactParameters;
 use crate::ensemble::{Ensemble, Strips};
 use crate::hb::LinearModel;
+use crate::hb::maxima::PeakChoice;
 use crate::hb::peak::PeakSettings;
-use crate::hb::resonance::Band;
+use crate::hb::problem::stuck_stiffness;
+use crate::hb::resonance::{Band, candidates};
 use crate::model::ReducedModel;
 use crate::model::two_blade::ComponentSummary;
 use crate::sampling::Input;
+use crate::setting::BadSetting;
 
 /// Relative change of frequency at which a peak counts as located: a peak reached on two ways, or with two backends,
 /// differs by at most 1e-9 (by 3.2e-10 among 2100 random ones, `cargo bench --bench peaks -- slow-path`).
@@ -35,7 +39,12 @@ pub struct PreparedStudy<'s> {
     loads: Vec<Input>,
     /// What gives a sample its own strip, where the thickness of the strip is an input.
     strips: Option<Strips>,
+    /// Which of the maxima is the peak.
+    choice: PeakChoice,
 }
+
+/// Relative distance of two frequencies of one mode, computed in two ways.
+const SAME_MODE: f64 = 1e-6;
 
 impl Study {
     /// Builds the model and folds it where the study lets it.
@@ -47,6 +56,7 @@ impl Study {
         let linear = self.linear(&model)?;
         let interface = |&pair: &usize| model.reduced.contacts[pair].interface;
         let contact = |&pair: &usize| model.contacts[pair];
+        let contacts: Vec<_> = linear.pairs.iter().map(contact).collect();
         let inputs = self.design.inputs().iter().map(|(input, _)| *input);
         let own_strips = inputs.clone().any(|input| input == Input::StripThickness);
         Ok(PreparedStudy {
@@ -59,10 +69,54 @@ impl Study {
                 contacts: model.contacts.clone(),
                 mirror: self.folds(),
             }),
-            contacts: linear.pairs.iter().map(contact).collect(),
+            choice: self.choice(&model.reduced, &model.contacts, (&linear, &contacts))?,
+            contacts,
             linear,
             reduced: model.reduced,
         })
+    }
+
+    /// The peak that `frequency.peak` names, in the modes of what is solved.
+    fn choice(
+        &self,
+        model: &ReducedModel,
+        contacts: &[ContactParameters<f64>],
+        (linear, solved): (&LinearModel, &[ContactParameters<f64>]),
+    ) -> Result<PeakChoice, Error> {
+        let number = match self.frequency.peak {
+            PeakSetting::Highest => return Ok(PeakChoice::Highest),
+            PeakSetting::All => return Ok(PeakChoice::All),
+            PeakSetting::Mode(number) => number,
+        };
+        let no_modes = |error: crate::linalg::LinalgError| Error::Problem(error.into());
+        let stuck = model.stuck_frequencies(contacts).map_err(no_modes)?;
+        let [low, high] = self.frequency.band;
+        let found = candidates(linear, &stuck_stiffness(solved), Band { low, high });
+        let found = found.map_err(no_modes)?;
+        let same = |a: f64, b: f64| (a / b - 1.0).abs() <= SAME_MODE;
+        let named = stuck.get(number - 1);
+        let mode = named.and_then(|omega| found.iter().find(|c| same(c.omega, *omega)));
+        if let Some(candidate) = mode {
+            return Ok(PeakChoice::Mode(candidate.mode));
+        }
+        let mut numbers: Vec<String> = (stuck.iter().zip(1..))
+            .filter(|(omega, _)| found.iter().any(|c| same(c.omega, **omega)))
+            .map(|(omega, n): (_, usize)| {
+                let unit = self.frequency.unit;
+                format!("{n} ({:.5} {})", unit.of_rad_s(*omega), unit.name())
+            })
+            .collect();
+        if numbers.is_empty() {
+            numbers.push("none".to_owned());
+        }
+        Err(self.bad_setting(&BadSetting {
+            key: "frequency.peak".to_owned(),
+            value: number.to_string(),
+            rule: format!(
+                "must be a mode that is excited and has its stuck or its free frequency in the band: {}",
+                numbers.join(", ")
+            ),
+        }))
     }
 
     /// What is solved: `model`, or one half of it where the mirror gives the other.
@@ -106,6 +160,7 @@ impl PreparedStudy<'_> {
                 band: self.band(),
                 frequency_tolerance: FREQUENCY_TOLERANCE,
             },
+            choice: self.choice,
             curve_samples: self.study.output.curve_samples,
             backend,
             solver: self.study.sample_solver,

@@ -277,6 +277,7 @@ fn peak(force: f64, frequency_hz: f64, amplitude_m: f64, stick: f64, noise: f64)
         work_friction_j: 0.4 * work * (1.0 - 1e-9 * noise),
         residual: 1e-11,
         other_maxima: 0,
+        next: None,
     }
 }
 

@@ -12,6 +12,7 @@ mod curve;
 mod fold;
 mod invariants;
 mod jacobian;
+mod maxima;
 mod models;
 mod peak;
 mod status;

@@ -33,6 +33,12 @@ pub(super) fn section(view: &View) -> Section {
          equations are solved, not how many harmonics are needed."
             .to_owned(),
     ));
+    blocks.push(Block::Hint(
+        "The peak is the highest maximum that grows from the modes of the stuck and the free structure in the band (or \
+         from the mode that the study names). Several maxima met: samples with lower ones, too. Isolated branches of \
+         solutions are not searched."
+            .to_owned(),
+    ));
     Section {
         id: "failures",
         title: "Failures, error alerts, solver".to_owned(),

@@ -1,0 +1,321 @@
+//! Several maxima in one band: the highest is the peak.
+
+use faer::Mat;
+use faer::linalg::solvers::Solve;
+use faer::prelude::c64;
+use microslip::aft::Backend;
+use microslip::contact::ContactParameters;
+use microslip::ensemble::Ensemble;
+use microslip::ensemble::outcome::SampleOutcome;
+use microslip::hb::forced_response::over_band;
+use microslip::hb::maxima::PeakChoice;
+use microslip::hb::track::track_peaks;
+use microslip::hb::{Problem, SliderAnchor};
+use microslip::model::{ReducedModel, SparseRow};
+use microslip::study::Study;
+use std::f64::consts::TAU;
+use std::path::Path;
+
+/// The study of `tests/reference/two-peaks-7dof` with some of its lines replaced.
+fn study(changes: &[(&str, &str)]) -> Study {
+    let path = Path::new("tests/reference/two-peaks-7dof/study.toml");
+    let mut text = std::fs::read_to_string(path).expect("a file");
+    for (old, new) in changes {
+        assert!(text.contains(old), "{old}");
+        text = text.replace(old, new);
+    }
+    Study::parse(path, &text).expect("a study")
+}
+
+/// First harmonic of response 0 per unit level of the stuck structure, by the matrices of the study.
+struct Receptance {
+    matrices: [Mat<f64>; 3],
+    force: Vec<f64>,
+    response: Vec<f64>,
+    /// t1 of every pair with its stiffness (N/m).
+    tangential: Vec<(SparseRow, f64)>,
+}
+
+/// Of every pair of the study; 50 N on either side of the strip, which two pairs hold at half of its motion.
+const NORMAL_FORCE: f64 = 50.0;
+const MU: f64 = 0.3;
+
+impl Receptance {
+    fn new(model: &ReducedModel, contacts: &[ContactParameters<f64>], scale: f64) -> Self {
+        let n = model.mass.nrows();
+        let mut stiffness = model.stiffness.clone();
+        for (pair, contact) in model.contacts.iter().zip(contacts) {
+            let springs = [
+                (&pair.t1, contact.k_t[0]),
+                (&pair.t2, contact.k_t[1]),
+                (&pair.n, contact.k_n),
+            ];
+            for (row, k) in springs {
+                for &(i, a) in row {
+                    for &(j, b) in row {
+                        stiffness[(i, j)] += scale * k * a * b;
+                    }
+                }
+            }
+        }
+        let mut response = vec![0.0; n];
+        (model.responses[0].row.iter()).for_each(|&(i, a)| response[i] = a);
+        Self {
+            matrices: [model.mass.clone(), model.damping.clone(), stiffness],
+            force: model.cosine_force.clone(),
+            response,
+            tangential: (model.contacts.iter().zip(contacts))
+                .map(|(pair, contact)| (pair.t1.clone(), scale * contact.k_t[0]))
+                .collect(),
+        }
+    }
+
+    /// q̂₁ per unit level.
+    fn motion(&self, omega: f64) -> Vec<c64> {
+        let [m, c, k] = &self.matrices;
+        let n = m.nrows();
+        let z = Mat::from_fn(n, n, |i, j| {
+            c64::new(k[(i, j)] - omega * omega * m[(i, j)], omega * c[(i, j)])
+        });
+        let force = Mat::from_fn(n, 1, |i, _| c64::new(self.force[i], 0.0));
+        let q = z.partial_piv_lu().solve(force);
+        (0..n).map(|i| q[(i, 0)]).collect()
+    }
+
+    fn amplitude(&self, omega: f64) -> f64 {
+        let q = self.motion(omega);
+        let y = q.iter().zip(&self.response).map(|(q, r)| q * r);
+        y.sum::<c64>().norm()
+    }
+
+    /// Whether no pair slips at this frequency (Hz) and level 1.
+    fn sticks(&self, hz: f64) -> bool {
+        let q = self.motion(hz * TAU);
+        self.tangential.iter().all(|(row, k)| {
+            let relative: c64 = row.iter().map(|&(i, a)| q[i] * a).sum();
+            k * relative.norm() < MU * NORMAL_FORCE
+        })
+    }
+
+    /// Frequency (Hz) and amplitude of all maxima between two frequencies, highest first.
+    fn maxima(&self, [low, high]: [f64; 2]) -> Vec<[f64; 2]> {
+        let step = 0.2;
+        let at = |hz: f64| self.amplitude(hz * TAU);
+        let grid: Vec<f64> = (0..=((high - low) / step) as usize)
+            .map(|i| low + step * i as f64)
+            .collect();
+        let scan: Vec<f64> = grid.iter().map(|hz| at(*hz)).collect();
+        let tops = (1..grid.len() - 1).filter(|&i| scan[i] > scan[i - 1] && scan[i] >= scan[i + 1]);
+        let mut maxima: Vec<[f64; 2]> = tops
+            .map(|i| {
+                // golden section
+                let ratio = 0.5 * (5f64.sqrt() - 1.0);
+                let [mut a, mut b] = [grid[i - 1], grid[i + 1]];
+                for _ in 0..60 {
+                    let [c, d] = [b - ratio * (b - a), a + ratio * (b - a)];
+                    if at(c) > at(d) { b = d } else { a = c }
+                }
+                [0.5 * (a + b), at(0.5 * (a + b))]
+            })
+            .collect();
+        maxima.sort_by(|a, b| b[1].total_cmp(&a[1]));
+        maxima
+    }
+}
+
+fn bits(outcomes: &[SampleOutcome]) -> Vec<[u64; 4]> {
+    let of = |o: &SampleOutcome| {
+        let peak = o.levels[0].peak.expect("a peak");
+        let next = peak.next.map_or(0.0, |next| next.amplitude_m);
+        let counts = (o.levels[0].factorizations + 1000 * peak.other_maxima) as u64;
+        [
+            peak.frequency_hz.to_bits(),
+            peak.amplitude_m.to_bits(),
+            next.to_bits(),
+            counts,
+        ]
+    };
+    outcomes.iter().map(of).collect()
+}
+
+/// Stuck, two near-equal maxima in the band: each sample of two seeds against the receptance, the peak and the maximum
+/// next to it (very stiff contacts slip at one of them); the same bits from one thread and for fewer samples.
+///
+/// Seen to fail with the strongest stuck mode alone: 6 of the first 24 samples have the lower maximum, none another beside it.
+#[test]
+fn the_highest_of_two_near_maxima_is_the_peak() {
+    let mut errors = [0.0f64; 2];
+    let (mut two, mut slipping) = (0, 0);
+    for seed in 1..=2 {
+        let study = study(&[
+            ("[1.0, 50.0]", "[1.0]"),
+            ("seed = 1", &format!("seed = {seed}")),
+        ]);
+        let prepared = study.prepared().expect("a model");
+        let ensemble = prepared.ensemble(Backend::Cpu);
+        let outcomes = ensemble.run(24, || {});
+        for outcome in &outcomes {
+            let linear = Receptance::new(&prepared.reduced, &prepared.contacts, outcome.inputs[0]);
+            let maxima = linear.maxima([700.0, 900.0]);
+            let peak = outcome.levels[0].peak.expect("a peak");
+            let competing = maxima.iter().filter(|top| top[1] > 0.6 * maxima[0][1]);
+            if !competing.clone().all(|top| linear.sticks(top[0])) {
+                // of two maxima one slips: the peak is no lower than the other
+                slipping += 1;
+                let stuck = competing.filter(|top| linear.sticks(top[0]));
+                let highest = stuck.map(|top| top[1]).fold(0.0, f64::max);
+                assert!(
+                    peak.amplitude_m > highest * (1.0 - 1e-6),
+                    "{outcome:?}: {maxima:?}"
+                );
+                continue;
+            }
+            assert_eq!(peak.stick_fraction, 1.0, "nothing slips");
+            errors[0] = errors[0].max((peak.frequency_hz / maxima[0][0] - 1.0).abs());
+            errors[1] = errors[1].max((peak.amplitude_m / maxima[0][1] - 1.0).abs());
+            // where the other mode competes it is reported, too
+            if maxima.len() > 1 && maxima[1][1] > 0.6 * maxima[0][1] {
+                two += 1;
+                let next = peak.next.expect("a second maximum");
+                errors[0] = errors[0].max((next.frequency_hz / maxima[1][0] - 1.0).abs());
+                errors[1] = errors[1].max((next.amplitude_m / maxima[1][1] - 1.0).abs());
+            }
+            assert!(
+                errors[0] < 1e-6 && errors[1] < 1e-6,
+                "seed {seed}, {outcome:?}: {maxima:?}"
+            );
+        }
+        if seed == 1 {
+            let alone = rayon::ThreadPoolBuilder::new()
+                .num_threads(1)
+                .build()
+                .expect("a thread");
+            let part = |samples| {
+                let outcomes = ensemble.run(samples, || {});
+                outcomes.into_iter().take(10).collect::<Vec<_>>()
+            };
+            assert_eq!(
+                bits(&outcomes[..10]),
+                bits(&alone.install(|| part(10))),
+                "threads"
+            );
+            let sample_10 = outcomes[10].levels[0].peak.expect("a peak");
+            assert!(
+                (sample_10.frequency_hz - 824.02).abs() < 0.01,
+                "{sample_10:?}"
+            );
+        }
+    }
+    println!("largest errors {errors:?}, {two} samples with two maxima, {slipping} slip");
+    assert!(
+        two > 10 && slipping < 16,
+        "{two} samples with a second maximum, {slipping} slip"
+    );
+}
+
+/// The strip is held by its contacts alone: where they all slip, nothing but the weak springs of the problem determines
+/// its mean position. Seen to fail without them: 15 of 24 samples are solved at level 50, 22 at level 1, the others end with
+/// `non-finite` or `step-too-small`.
+#[test]
+fn a_strip_that_only_slipping_contacts_hold_is_solved() {
+    let study = study(&[]);
+    let prepared = study.prepared().expect("a model");
+    let ensemble = Ensemble {
+        curve_samples: 0,
+        ..prepared.ensemble(Backend::Cpu)
+    };
+    for outcome in ensemble.run(24, || {}) {
+        for level in &outcome.levels {
+            assert!(level.peak.is_some(), "{outcome:?}");
+        }
+    }
+}
+
+/// The peak is the top of the whole curve through the band, where nothing slips and where pairs do.
+#[test]
+fn the_peak_of_slipping_blades_is_the_top_of_the_curve() {
+    let study = study(&[]);
+    let prepared = study.prepared().expect("a model");
+    let peak = prepared.ensemble(Backend::Cpu).peak;
+    let mut slips = 0;
+    for (scale, level) in [(0.4, 8.0), (1.0, 50.0)] {
+        let contacts = prepared.contacts.iter().map(|c| ContactParameters {
+            k_n: scale * c.k_n,
+            k_t: c.k_t.map(|k| scale * k),
+            ..*c
+        });
+        let problem = Problem::new(
+            &prepared.linear,
+            contacts.collect(),
+            1.0,
+            SliderAnchor::Unloaded,
+        );
+        let problem = problem.expect("held");
+        let found = track_peaks(&problem, &study.solver, peak, &[level]).expect("modes");
+        let solution = found[0].solution.as_ref().expect("a peak");
+        slips += usize::from(solution.contact.slip > 0.0);
+        let curve = over_band(&problem, &study.solver, level, peak.band);
+        let solved = curve.iter().filter(|s| s.status.has_solution());
+        let top = solved.map(|s| s.amplitude(0)).fold(0.0, f64::max);
+        let end = curve.last().map(|s| s.omega);
+        let share = top / solution.amplitude(0);
+        println!(
+            "{scale}: {:.2} Hz, top {share}, {} points",
+            solution.omega / TAU,
+            curve.len()
+        );
+        assert!(end >= Some(peak.band.high * 0.999), "the curve ends early");
+        assert!(share < 1.0 + 1e-3 && share > 0.97, "{share}");
+    }
+    assert!(slips > 0, "nothing slips");
+}
+
+/// A mode is named by its number among the stuck frequencies.
+#[test]
+fn a_named_mode_is_followed() {
+    let named = |peak: &str| {
+        let band = "band_hz = [700, 900]";
+        study(&[
+            ("[1.0, 50.0]", "[1.0]"),
+            (band, &format!("{band}\npeak = {peak}")),
+        ])
+    };
+    let nominal = |study: &Study| {
+        let prepared = study.prepared().map_err(|error| error.to_string())?;
+        let contacts = prepared.contacts.clone();
+        let frequencies = prepared
+            .reduced
+            .stuck_frequencies(&contacts)
+            .expect("modes");
+        let ensemble: Ensemble<'_> = prepared.ensemble(Backend::Cpu);
+        let peak = ensemble.nominal().levels[0].peak.expect("a peak");
+        Ok::<_, String>((ensemble.choice, peak, frequencies))
+    };
+    let (choice, all, stuck) = nominal(&named("\"all\"")).expect("a study");
+    assert_eq!(choice, PeakChoice::All);
+    let next = all.next.expect("another maximum");
+    let mut found = Vec::new();
+    for (number, omega) in (1..).zip(stuck) {
+        let hz = omega / TAU;
+        match nominal(&named(&number.to_string())) {
+            Ok((_, peak, _)) => {
+                assert!((peak.frequency_hz / hz - 1.0).abs() < 3e-3, "{hz} {peak:?}");
+                found.push(peak.frequency_hz);
+            }
+            Err(message) => {
+                println!("{message}");
+                assert!(!(700.0..900.0).contains(&hz), "{hz}");
+                assert!(
+                    message.contains("study.toml:") && message.contains("frequency.peak"),
+                    "{message}"
+                );
+            }
+        }
+    }
+    for hz in [all.frequency_hz, next.frequency_hz] {
+        assert!(
+            found.iter().any(|f| (f / hz - 1.0).abs() < 1e-8),
+            "{hz} {found:?}"
+        );
+    }
+}
