@@ -16,6 +16,7 @@ use devices::{show_devices, show_gpu};
 use microslip::Error;
 use microslip::aft::gpu::{GpuSettings, Precision};
 use microslip::ensemble::backend::{BackendChoice, BackendSettings};
+use microslip::file::FileError;
 use microslip::report::epistemic::EpistemicSummary;
 use microslip::report::{Summary, render};
 use microslip::study::{
@@ -24,6 +25,8 @@ use microslip::study::{
 };
 use reweight::ReweightArguments;
 
+/// Threads at most: more than any machine has, and few enough to start.
+const MOST_THREADS: i64 = 1024;
 /// Exit code of every failure.
 const FAILURE: u8 = 2;
 
@@ -138,9 +141,9 @@ fn share(text: &str) -> Result<f64, String> {
 struct StudyArguments {
     /// The study file.
     study: PathBuf,
-    /// Threads; all cores if absent. The results do not depend on it.
-    #[arg(long)]
-    threads: Option<std::num::NonZeroUsize>,
+    /// Threads, 1 to 1024; all cores if absent. The results do not depend on it.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS))]
+    threads: Option<u16>,
     /// Folder of the results, instead of the study's own.
     #[arg(long)]
     output: Option<PathBuf>,
@@ -168,9 +171,9 @@ struct ExtendArguments {
     /// Number of samples in all.
     #[arg(long)]
     samples: u64,
-    /// Threads; all cores if absent. The results do not depend on it.
-    #[arg(long)]
-    threads: Option<std::num::NonZeroUsize>,
+    /// Threads, 1 to 1024; all cores if absent. The results do not depend on it.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=MOST_THREADS))]
+    threads: Option<u16>,
     /// No progress and no summary.
     #[arg(long)]
     quiet: bool,
@@ -183,7 +186,9 @@ pub(crate) fn main() -> ExitCode {
     match execute(&arguments.command) {
         Ok(()) => ExitCode::SUCCESS,
         // A reader such as `head` that has seen enough is no failure of ours.
-        Err(Error::File { source, .. }) if source.kind() == ErrorKind::BrokenPipe => {
+        Err(Error::File(FileError::System { source, .. }))
+            if source.kind() == ErrorKind::BrokenPipe =>
+        {
             ExitCode::SUCCESS
         }
         Err(error) => {
@@ -194,11 +199,11 @@ pub(crate) fn main() -> ExitCode {
     }
 }
 
-fn start_threads(threads: Option<std::num::NonZeroUsize>) -> Result<(), Error> {
+fn start_threads(threads: Option<u16>) -> Result<(), Error> {
     match threads {
         None => Ok(()),
         Some(threads) => rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.get())
+            .num_threads(usize::from(threads))
             .build_global()
             .map_err(|error| Error::Threads(error.to_string())),
     }
@@ -250,6 +255,7 @@ fn execute(command: &Command) -> Result<(), Error> {
         }
         Command::Solve(arguments) => {
             let study = Study::read(&arguments.study)?;
+            show_warnings(&study.warnings);
             let folder = output_folder(&study, arguments)?;
             let bar = Bar::new(arguments.quiet);
             let curves = solve(&study, &folder, |progress| bar.show(progress))?;
@@ -274,14 +280,12 @@ fn execute(command: &Command) -> Result<(), Error> {
             let profile = arguments.profile;
             let arguments = &arguments.study;
             let study = Study::read(&arguments.study)?;
+            show_warnings(&study.warnings);
             let folder = output_folder(&study, arguments)?;
             let bar = Bar::new(arguments.quiet);
             let result = run(&study, &folder, &backend, |progress| bar.show(progress))?;
             bar.clear();
-            for message in result.summary.backend.messages() {
-                // a message that cannot be shown stands in the summary
-                let _ = writeln!(std::io::stderr(), "warning: {message}");
-            }
+            show_warnings(&result.summary.backend.messages());
             show_result(&result, folder.path(), arguments.quiet)?;
             if arguments.quiet {
                 return Ok(());
@@ -296,6 +300,13 @@ fn execute(command: &Command) -> Result<(), Error> {
             bar.clear();
             show_result(&result, &arguments.folder, arguments.quiet)
         }
+    }
+}
+
+/// Warnings go to standard error; one that cannot be shown is no reason to stop.
+fn show_warnings(messages: &[String]) {
+    for message in messages {
+        let _ = writeln!(std::io::stderr(), "warning: {message}");
     }
 }
 

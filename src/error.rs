@@ -3,24 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use crate::ensemble::store::StoreError;
+use crate::file::FileError;
 use crate::hb::ProblemError;
 use crate::model::ModelError;
 use crate::model::matrices::MatricesError;
 use crate::report::ReportError;
-use crate::sampling::SampleFileError;
 
 /// Everything that ends a command with exit code 2.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A file could not be read or written.
-    #[error("{}: {source}", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What the operating system said.
-        source: std::io::Error,
-    },
+    /// A file cannot be read or written, or is not what it must be.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// A line of the study file breaks a rule.
     #[error("{}:{line}: {message}", path.display())]
     Study {
@@ -31,12 +26,9 @@ pub enum Error {
         /// Key, value and rule.
         message: String,
     },
-    /// A file of the user's model breaks a rule.
+    /// The user's model breaks a rule.
     #[error(transparent)]
     Matrices(#[from] MatricesError),
-    /// The file with the samples breaks a rule.
-    #[error(transparent)]
-    SampleFile(#[from] SampleFileError),
     /// The built-in model cannot be built from its settings.
     #[error("model: {0}")]
     Model(#[from] ModelError),
@@ -66,9 +58,6 @@ impl Error {
     /// `source` happened on `path`.
     #[must_use]
     pub fn file(path: &Path, source: std::io::Error) -> Self {
-        Self::File {
-            path: path.to_owned(),
-            source,
-        }
+        Self::File(FileError::system(path, source))
     }
 }

@@ -88,7 +88,7 @@ impl HarmonicSet {
     pub fn basis(&self, theta: f64) -> Vec<f64> {
         let mut row = vec![1.0];
         for &k in &self.orders[1..] {
-            let (sin, cos) = (k as f64 * theta).sin_cos();
+            let (sin, cos) = libm::sincos(k as f64 * theta);
             row.push(cos);
             row.push(sin);
         }

@@ -1,4 +1,6 @@
-//! A setting that breaks a rule: which key, its value, the rule. The study file's reader adds file and line.
+//! A setting that breaks a rule, or is unusual: which key, its value, the rule. The study file's reader adds file and line.
+
+use serde::de::{Deserialize, Deserializer, Error as _};
 
 /// A value outside its range. `key` is the dotted path below the settings struct that checks it.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -42,6 +44,27 @@ impl BadSetting {
     }
 }
 
+/// Largest number in units of the user's own: its square and its products with others can still be held.
+pub const LARGEST: f64 = 1e30;
+
+/// Friction coefficients that can be meant; a larger number is a percentage.
+pub const FRICTION: [f64; 2] = [0.0, 10.0];
+/// Friction coefficients of metals, dry or oily, cold or hot.
+pub const USUAL_FRICTION: [f64; 2] = [0.05, 1.5];
+
+/// Pattern of a text that is more than white space, for JSON Schema.
+pub const NOT_BLANK: &str = "\\S";
+
+/// Requires a friction coefficient that can be meant.
+///
+/// # Errors
+/// [`BadSetting`] otherwise.
+pub fn friction_coefficient(key: &str, value: f64) -> Result<(), BadSetting> {
+    let rule = "must be from 0 to 10: a friction coefficient, no percentage";
+    let [least, most] = FRICTION;
+    BadSetting::unless((least..=most).contains(&value), key, Plain(value), rule)
+}
+
 /// Requires a finite number > 0.
 ///
 /// # Errors
@@ -66,4 +89,74 @@ pub fn non_negative(key: &str, value: f64) -> Result<(), BadSetting> {
         value,
         "must be a finite number >= 0",
     )
+}
+
+/// Requires a number from `least` to `most`.
+///
+/// # Errors
+/// [`BadSetting`] otherwise.
+pub fn within(key: &str, value: f64, [least, most]: [f64; 2]) -> Result<(), BadSetting> {
+    let rule = format!("must be from {} to {}", Plain(least), Plain(most));
+    BadSetting::unless((least..=most).contains(&value), key, Plain(value), &rule)
+}
+
+/// What is unusual about a value that may be meant all the same.
+#[must_use]
+pub fn unusual(key: &str, value: f64, usual: [f64; 2]) -> Option<BadSetting> {
+    let [low, high] = usual;
+    let rule = format!("is unusual: usual is {} to {}", Plain(low), Plain(high));
+    let inside = (low..=high).contains(&value);
+    BadSetting::unless(inside, key, Plain(value), &rule).err()
+}
+
+/// A number as people write it: 0.05, 1e9.
+struct Plain(f64);
+
+impl std::fmt::Display for Plain {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.0.abs() {
+            0.0 => write!(f, "0"),
+            size if (1e-3..1e5).contains(&size) => write!(f, "{}", self.0),
+            _ => write!(f, "{:e}", self.0),
+        }
+    }
+}
+
+/// Reads a list of exactly `N` values: serde's own reading of an array drops what comes after them.
+///
+/// # Errors
+/// The deserializer's, if it is no list or one of another length.
+pub fn exactly<'de, D, T, const N: usize>(deserializer: D) -> Result<[T; N], D::Error>
+where
+    D: Deserializer<'de>,
+    T: Deserialize<'de>,
+{
+    let values = Vec::<T>::deserialize(deserializer)?;
+    let found = values.len();
+    let wrong = |_| D::Error::custom(format!("expected a list of {N} values, not of {found}"));
+    values.try_into().map_err(wrong)
+}
+
+/// The same for a key that may be absent.
+///
+/// # Errors
+/// As [`exactly`].
+pub fn exactly_if_given<'de, D, T, const N: usize>(
+    deserializer: D,
+) -> Result<Option<[T; N]>, D::Error>
+where
+    D: Deserializer<'de>,
+    T: Deserialize<'de>,
+{
+    exactly(deserializer).map(Some)
+}
+
+/// JSON Schema of a list whose numbers are > 0.
+pub fn positive_items(schema: &mut schemars::Schema) {
+    let items = schema
+        .get_mut("items")
+        .and_then(|items| items.as_object_mut());
+    if let Some(items) = items {
+        items.insert("exclusiveMinimum".to_owned(), 0.into());
+    }
 }

@@ -100,7 +100,7 @@ impl<T: Real> Signals<T> {
 /// Basis row b(θ). Shape: `[m]`.
 #[inline(always)]
 pub(super) fn basis_row<T: Real>(plan: &AftPlan<T>, theta: T, row: &mut [T]) {
-    let (sin, cos) = theta.sin_cos();
+    let (sin, cos) = theta.sine_cosine();
     let (mut c, mut s) = (T::ONE, T::ZERO);
     let mut order = 0;
     row[0] = T::ONE;

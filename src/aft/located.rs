@@ -467,7 +467,7 @@ fn antiderivative<T: Real>(plan: &AftPlan<T>, theta: T, out: &mut Vec<T>) {
     let n = plan.n_mask_orders();
     clear(out, 2 * n);
     let (sines, cosines) = out.split_at_mut(n);
-    let (sin, cos) = theta.sin_cos();
+    let (sin, cos) = theta.sine_cosine();
     sines[0] = plan.per_order[0] * theta;
     let (mut c, mut s) = (T::ONE, T::ZERO);
     for k in 1..n {

@@ -179,7 +179,7 @@ impl<T: Real> AftPlan<T> {
 fn circle_points(n: usize) -> (Vec<f64>, Vec<f64>) {
     crate::harmonics::phases(n)
         .into_iter()
-        .map(|phase| (phase.cos(), phase.sin()))
+        .map(|phase| (libm::cos(phase), libm::sin(phase)))
         .unzip()
 }
 

@@ -25,6 +25,11 @@ pub struct AftSettings {
     pub laps: Laps,
 }
 
+/// Passes over the period that can be asked for: a slider that is not periodic by then is not.
+pub const MOST_LAPS: usize = 10_000;
+/// Points per period that can be asked for.
+pub const MOST_TIME_POINTS: usize = 65_536;
+
 impl AftSettings {
     /// Checks the number of points against the highest harmonic (no aliasing of the Jacobian).
     ///
@@ -32,11 +37,16 @@ impl AftSettings {
     /// [`BadSetting`] on `time_points` or `laps`.
     pub fn validate(&self, highest_harmonic: usize) -> Result<(), BadSetting> {
         BadSetting::unless(
-            self.n_time > 4 * highest_harmonic && self.n_time <= 65_536,
+            self.n_time > 4 * highest_harmonic && self.n_time <= MOST_TIME_POINTS,
             "time_points",
             self.n_time,
             "must be more than 4 times the highest harmonic and at most 65536",
         )?;
-        BadSetting::unless(self.laps != Laps::Fixed(0), "laps", 0, "must be at least 1")
+        let laps = match self.laps {
+            Laps::Fixed(laps) => laps,
+            Laps::Periodic => 1,
+        };
+        let rule = format!("must be from 1 to {MOST_LAPS}, or \"periodic\"");
+        BadSetting::unless((1..=MOST_LAPS).contains(&laps), "laps", laps, &rule)
     }
 }

@@ -43,9 +43,9 @@ pub trait Real:
     #[must_use]
     fn sqrt(self) -> Self;
 
-    /// Sine and cosine.
+    /// Sine and cosine, with the same bits on every machine.
     #[must_use]
-    fn sin_cos(self) -> (Self, Self);
+    fn sine_cosine(self) -> (Self, Self);
 
     /// `out[r]` = Σ `table[r][k]` `x[k]`, in the order of k, with the vector instructions `simd`; `onto` goes on with the
     /// sum that `out[r]` holds.
@@ -76,7 +76,7 @@ const VECTORS: usize = 3;
 
 macro_rules! real {
     (
-        $type:ident, $vector:ident, $lanes:ident, $vectors:ident, $vectors_mut:ident, $splat:ident, $mul_add:ident, $load:ident, $store:ident
+        $type:ident, $sine_cosine:ident, $vector:ident, $lanes:ident, $vectors:ident, $vectors_mut:ident, $splat:ident, $mul_add:ident, $load:ident, $store:ident
     ) => {
         impl Real for $type {
             const ZERO: Self = 0.0;
@@ -105,8 +105,8 @@ macro_rules! real {
             }
 
             #[inline(always)]
-            fn sin_cos(self) -> (Self, Self) {
-                $type::sin_cos(self)
+            fn sine_cosine(self) -> (Self, Self) {
+                libm::$sine_cosine(self)
             }
 
             #[inline(always)]
@@ -205,6 +205,7 @@ macro_rules! real {
 
 real!(
     f32,
+    sincosf,
     f32s,
     F32_LANES,
     as_simd_f32s,
@@ -216,6 +217,7 @@ real!(
 );
 real!(
     f64,
+    sincos,
     f64s,
     F64_LANES,
     as_simd_f64s,

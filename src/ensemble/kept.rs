@@ -6,15 +6,15 @@
 use super::atlas::{Anchor, AnchorPeak, ModePeaks};
 use super::runner::Solved;
 use super::store::{
-    Column, Record, StoreError, Table, metadata, read_curves, read_samples, write_table,
+    Column, Record, StoreError, Table, metadata, missing, read_curves, read_samples, write_table,
 };
+use crate::file::{Fault, FileError, FileRecord, read_parquet};
 use crate::harmonics::HarmonicSet;
 use crate::hb::newton::Point;
 use crate::sampling::Design;
 use faer::prelude::c64;
 use parquet::file::metadata::KeyValue;
-use parquet::file::reader::{FileReader, SerializedFileReader};
-use std::fs::File;
+use parquet::file::reader::FileReader;
 use std::path::Path;
 
 /// The file of the anchors in a result folder.
@@ -38,7 +38,11 @@ pub struct KeptStudy {
 ///
 /// # Errors
 /// [`StoreError`]; then `path` is as it was.
-pub fn write_anchors(path: &Path, study: &KeptStudy, anchors: &[Anchor]) -> Result<(), StoreError> {
+pub fn write_anchors(
+    path: &Path,
+    study: &KeptStudy,
+    anchors: &[Anchor],
+) -> Result<FileRecord, StoreError> {
     let pairs = [(STUDY_TEXT, &study.text), (STUDY_PATH, &study.path)];
     let metadata = pairs.map(|(key, value)| KeyValue::new(key.to_owned(), value.clone()));
     let rows: Vec<Row> = (anchors.iter().enumerate())
@@ -94,22 +98,23 @@ fn columns(rows: &[Row]) -> Table {
 /// The study of the result folder `folder`.
 ///
 /// # Errors
-/// [`StoreError`] if the file of anchors cannot be read or names no study.
-pub fn read_study(folder: &Path) -> Result<KeptStudy, StoreError> {
-    let reader = SerializedFileReader::new(File::open(folder.join(ATLAS_FILE))?)?;
-    let mut stored = metadata(&reader);
-    let mut take = |key: &str| stored.remove(key).ok_or_else(|| Record::missing(key));
-    Ok(KeptStudy {
-        text: take(STUDY_TEXT)?,
-        path: take(STUDY_PATH)?,
+/// [`FileError`] if the file of anchors cannot be read or names no study.
+pub fn read_study(folder: &Path) -> Result<KeptStudy, FileError> {
+    read_parquet(&folder.join(ATLAS_FILE), |reader| {
+        let mut stored = metadata(&reader);
+        let mut take = |key: &str| stored.remove(key).ok_or_else(|| missing(key));
+        Ok(KeptStudy {
+            text: take(STUDY_TEXT)?,
+            path: take(STUDY_PATH)?,
+        })
     })
 }
 
 /// The samples of the result folder `folder`, with their curves, and the anchors among them.
 ///
 /// # Errors
-/// [`StoreError`] if a file cannot be read or lacks something.
-pub fn read_solved(folder: &Path, design: &Design) -> Result<Solved, StoreError> {
+/// [`FileError`] if a file cannot be read or lacks something.
+pub fn read_solved(folder: &Path, design: &Design) -> Result<Solved, FileError> {
     let mut outcomes = read_samples(&folder.join("samples.parquet"))?.outcomes;
     let n_levels = outcomes.first().map_or(0, |outcome| outcome.levels.len());
     read_curves(&folder.join("curves.parquet"), &mut outcomes)?;
@@ -120,20 +125,22 @@ pub fn read_solved(folder: &Path, design: &Design) -> Result<Solved, StoreError>
             peaks: vec![ModePeaks::default(); n_levels],
         })
         .collect();
-    let reader = SerializedFileReader::new(File::open(folder.join(ATLAS_FILE))?)?;
-    for row in reader.get_row_iter(None)? {
-        let row = Record::of(row?);
-        let (sample, level) = (row.count("sample")?, row.count("level_index")?);
-        let peaks = anchors
-            .get_mut(sample)
-            .and_then(|anchor| anchor.peaks.get_mut(level))
-            .ok_or_else(|| Record::missing("sample"))?;
-        (peaks.0).push((row.count("mode")?, anchor_peak(&row)?));
-    }
+    read_parquet(&folder.join(ATLAS_FILE), |reader| {
+        for row in reader.get_row_iter(None)? {
+            let row = Record::of(row?);
+            let (sample, level) = (row.count("sample")?, row.count("level_index")?);
+            let peaks = anchors
+                .get_mut(sample)
+                .and_then(|anchor| anchor.peaks.get_mut(level))
+                .ok_or_else(|| missing("sample"))?;
+            (peaks.0).push((row.count("mode")?, anchor_peak(&row)?));
+        }
+        Ok(())
+    })?;
     Ok(Solved { outcomes, anchors })
 }
 
-fn anchor_peak(row: &Record) -> Result<AnchorPeak, StoreError> {
+fn anchor_peak(row: &Record) -> Result<AnchorPeak, Fault> {
     let (orders, rest) = row.bytes("harmonics")?.as_chunks::<4>();
     let harmonics = HarmonicSet::new(
         orders
@@ -144,9 +151,9 @@ fn anchor_peak(row: &Record) -> Result<AnchorPeak, StoreError> {
     let harmonics = harmonics.ok().filter(|_| rest.is_empty());
     let (displacements, rest) = row.bytes("displacements")?.as_chunks::<8>();
     let whole = rest.is_empty().then_some(displacements);
-    let displacements = whole.ok_or_else(|| Record::missing("displacements"))?;
+    let displacements = whole.ok_or_else(|| missing("displacements"))?;
     Ok(AnchorPeak {
-        harmonics: harmonics.ok_or_else(|| Record::missing("harmonics"))?,
+        harmonics: harmonics.ok_or_else(|| missing("harmonics"))?,
         point: Point {
             r: displacements
                 .iter()

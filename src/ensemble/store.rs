@@ -5,9 +5,9 @@
 
 use super::outcome::{CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome};
 use crate::contact::{Events, FrictionLaw};
+use crate::file::{self, Fault, FileError, FileRecord};
 use crate::hb::{SliderAnchor, Status};
 use crate::sampling::SampleGroup;
-use arrow_schema::ArrowError;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use parquet::column::writer::ColumnWriter;
 use parquet::data_type::ByteArray;
@@ -20,7 +20,7 @@ use parquet::record::{Field, Row};
 use parquet::schema::types::{Type, TypePtr};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
-use std::io::Write;
+use std::io::Error as IoError;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -55,25 +55,16 @@ pub struct Provenance {
     pub highest_harmonic: Option<usize>,
 }
 
-/// Why outcomes could not be stored or read back.
+/// Why outcomes could not be stored.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreError {
-    /// The operating system refused.
-    #[error("result file: {0}")]
-    File(#[from] std::io::Error),
-    /// The Parquet library refused.
-    #[error("result file: {0}")]
-    Parquet(#[from] ParquetError),
-    /// The Arrow library refused.
-    #[error("result file: {0}")]
-    Arrow(#[from] ArrowError),
+    /// A file cannot be written.
+    #[error(transparent)]
+    File(#[from] FileError),
     /// An input bears the name of another column.
     #[error("input {0:?}: the name is already a column of the result file")]
     DuplicateColumn(String),
-    /// The file lacks something that this program writes.
-    #[error("result file: {0} is missing or of another type")]
-    Missing(String),
 }
 
 /// Samples read back from `samples.parquet`.
@@ -98,33 +89,6 @@ const GROUP_COLUMNS: [GroupColumn; 3] = [
     ("place", |group| group.place),
 ];
 
-/// Writes `path` as a whole: to a temporary file beside it first, which then takes its name.
-///
-/// # Errors
-/// Whatever `fill` returns, or the operating system when the file cannot be created or renamed.
-pub fn replace_file<E: From<std::io::Error>>(
-    path: &Path,
-    fill: impl FnOnce(&mut File) -> Result<(), E>,
-) -> Result<(), E> {
-    let folder = match path.parent() {
-        Some(parent) if parent != Path::new("") => parent,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    {
-        // The library's default is 0600; results are for colleagues too, as far as the umask allows.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder)?;
-    fill(file.as_file_mut())?;
-    file.as_file_mut().flush()?;
-    file.as_file().sync_all()?;
-    file.persist(path).map_err(|e| E::from(e.error))?;
-    Ok(())
-}
-
 /// Writes one row per sample and level.
 ///
 /// Columns: `sample`, those of [`SampleGroup`] that the design has, the inputs by name, `level`, `status`, then the fields
@@ -137,9 +101,10 @@ pub fn write_samples(
     provenance: &Provenance,
     input_names: &[String],
     outcomes: &[SampleOutcome],
-) -> Result<(), StoreError> {
-    let mut metadata = key_values(provenance)?;
-    let names = serde_json::to_string(input_names).map_err(std::io::Error::from)?;
+) -> Result<FileRecord, StoreError> {
+    let system = |error: serde_json::Error| FileError::system(path, error.into());
+    let mut metadata = key_values(provenance).map_err(system)?;
+    let names = serde_json::to_string(input_names).map_err(system)?;
     metadata.push(KeyValue::new(INPUTS_KEY.to_owned(), names));
     let group = outcomes
         .first()
@@ -156,64 +121,68 @@ pub fn write_curves(
     path: &Path,
     provenance: &Provenance,
     outcomes: &[SampleOutcome],
-) -> Result<(), StoreError> {
-    write_table(path, key_values(provenance)?, outcomes, curve_columns)
+) -> Result<FileRecord, StoreError> {
+    let system = |error: serde_json::Error| FileError::system(path, error.into());
+    let metadata = key_values(provenance).map_err(system)?;
+    write_table(path, metadata, outcomes, curve_columns)
 }
 
 /// Reads what [`write_samples`] wrote.
 ///
 /// # Errors
-/// [`StoreError`] if the file cannot be read or lacks a column.
-pub fn read_samples(path: &Path) -> Result<StoredSamples, StoreError> {
-    let reader = SerializedFileReader::new(File::open(path)?)?;
-    let metadata = metadata(&reader);
-    let input_names: Vec<String> = metadata
-        .get(INPUTS_KEY)
-        .and_then(|names| serde_json::from_str(names).ok())
-        .ok_or_else(|| StoreError::Missing(INPUTS_KEY.to_owned()))?;
-    let mut outcomes: Vec<SampleOutcome> = Vec::new();
-    for row in reader.get_row_iter(None)? {
-        let row = Record::of(row?);
-        let index = row.count("sample")? as u64;
-        if outcomes.last().is_none_or(|last| last.index != index) {
-            let inputs: Result<_, _> = input_names.iter().map(|name| row.real(name)).collect();
-            outcomes.push(SampleOutcome {
-                index,
-                group: row.group(),
-                inputs: inputs?,
-                levels: Vec::new(),
-            });
+/// [`FileError`] if the file cannot be read or lacks a column.
+pub fn read_samples(path: &Path) -> Result<StoredSamples, FileError> {
+    file::read_parquet(path, |reader| {
+        let metadata = metadata(&reader);
+        let input_names: Vec<String> = metadata
+            .get(INPUTS_KEY)
+            .and_then(|names| serde_json::from_str(names).ok())
+            .ok_or_else(|| missing(INPUTS_KEY))?;
+        let mut outcomes: Vec<SampleOutcome> = Vec::new();
+        for row in reader.get_row_iter(None)? {
+            let row = Record::of(row?);
+            let index = row.count("sample")? as u64;
+            if outcomes.last().is_none_or(|last| last.index != index) {
+                let inputs: Result<_, _> = input_names.iter().map(|name| row.real(name)).collect();
+                outcomes.push(SampleOutcome {
+                    index,
+                    group: row.group(),
+                    inputs: inputs?,
+                    levels: Vec::new(),
+                });
+            }
+            if let Some(outcome) = outcomes.last_mut() {
+                outcome.levels.push(row.level_outcome()?);
+            }
         }
-        if let Some(outcome) = outcomes.last_mut() {
-            outcome.levels.push(row.level_outcome()?);
-        }
-    }
-    Ok(StoredSamples {
-        metadata,
-        input_names,
-        outcomes,
+        Ok(StoredSamples {
+            metadata,
+            input_names,
+            outcomes,
+        })
     })
 }
 
 /// Reads what [`write_curves`] wrote into the outcomes of the same run; their curves are empty before.
 ///
 /// # Errors
-/// [`StoreError`] if the file cannot be read, lacks a column or belongs to other samples.
-pub fn read_curves(path: &Path, outcomes: &mut [SampleOutcome]) -> Result<(), StoreError> {
-    let reader = SerializedFileReader::new(File::open(path)?)?;
+/// [`FileError`] if the file cannot be read, lacks a column or belongs to other samples.
+pub fn read_curves(path: &Path, outcomes: &mut [SampleOutcome]) -> Result<(), FileError> {
     let places: BTreeMap<u64, usize> = outcomes.iter().map(|o| o.index).zip(0..).collect();
-    for row in reader.get_row_iter(None)? {
-        let row = Record::of(row?);
-        let (sample, level) = (row.count("sample")? as u64, row.real("level")?);
-        let outcome = places.get(&sample).and_then(|&i| outcomes.get_mut(i));
-        let record = outcome.and_then(|o| o.levels.iter_mut().find(|l| l.level == level));
-        let record = record.ok_or_else(|| Record::missing("the sample of a curve"))?;
-        record.curve.push(CurvePoint {
-            frequency_hz: row.number("frequency_hz")?,
-            amplitude_m: row.number("amplitude_m")?,
-        });
-    }
-    Ok(())
+    file::read_parquet(path, |reader| {
+        for row in reader.get_row_iter(None)? {
+            let row = Record::of(row?);
+            let (sample, level) = (row.count("sample")? as u64, row.real("level")?);
+            let outcome = places.get(&sample).and_then(|&i| outcomes.get_mut(i));
+            let record = outcome.and_then(|o| o.levels.iter_mut().find(|l| l.level == level));
+            let record = record.ok_or_else(|| missing("the sample of a curve"))?;
+            record.curve.push(CurvePoint {
+                frequency_hz: row.number("frequency_hz")?,
+                amplitude_m: row.number("amplitude_m")?,
+            });
+        }
+        Ok(())
+    })
 }
 
 /// Key-value metadata of a file.
@@ -387,8 +356,8 @@ fn curve_columns(outcomes: &[SampleOutcome]) -> Table {
 }
 
 /// The provenance as pairs; texts as they are, everything else as JSON.
-fn key_values(provenance: &Provenance) -> Result<Vec<KeyValue>, StoreError> {
-    let value = serde_json::to_value(provenance).map_err(std::io::Error::from)?;
+fn key_values(provenance: &Provenance) -> Result<Vec<KeyValue>, serde_json::Error> {
+    let value = serde_json::to_value(provenance)?;
     let fields = value.as_object().into_iter().flatten();
     Ok(fields
         .map(|(key, value)| {
@@ -406,35 +375,57 @@ pub(super) fn write_table<T>(
     metadata: Vec<KeyValue>,
     rows: &[T],
     table: impl Fn(&[T]) -> Table,
-) -> Result<(), StoreError> {
+) -> Result<FileRecord, StoreError> {
     let columns = table(&[]);
     let mut names = BTreeSet::new();
     if let Some((name, _)) = columns.iter().find(|(name, _)| !names.insert(name)) {
         return Err(StoreError::DuplicateColumn(name.clone()));
     }
-    let fields: Result<Vec<TypePtr>, _> = columns.iter().map(|(name, c)| c.schema(name)).collect();
-    let schema = Type::group_type_builder("schema")
-        .with_fields(fields?)
-        .build()?;
     let properties = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
         .set_key_value_metadata(Some(metadata))
         .build();
-    replace_file(path, |file| {
-        let mut writer = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))?;
-        for part in rows.chunks(ROW_GROUP) {
-            let mut group = writer.next_row_group()?;
-            for (_, column) in table(part) {
-                if let Some(mut target) = group.next_column()? {
-                    column.write(target.untyped())?;
-                    target.close()?;
+    let written = file::replace(path, |file| {
+        let fill = || {
+            let schema = schema(&columns)?;
+            let mut writer = SerializedFileWriter::new(file, schema, Arc::new(properties))?;
+            for part in rows.chunks(ROW_GROUP) {
+                let mut group = writer.next_row_group()?;
+                for (_, column) in table(part) {
+                    if let Some(mut target) = group.next_column()? {
+                        column.write(target.untyped())?;
+                        target.close()?;
+                    }
                 }
+                group.close()?;
             }
-            group.close()?;
-        }
-        writer.close()?;
-        Ok(())
-    })
+            writer.close()
+        };
+        fill().map(drop).map_err(plain)
+    });
+    Ok(written?)
+}
+
+fn schema(columns: &Table) -> Result<TypePtr, ParquetError> {
+    let fields: Result<Vec<TypePtr>, _> = columns.iter().map(|(name, c)| c.schema(name)).collect();
+    let schema = Type::group_type_builder("schema").with_fields(fields?);
+    Ok(Arc::new(schema.build()?))
+}
+
+/// What the operating system said, where the library wraps that.
+fn plain(error: ParquetError) -> IoError {
+    match error {
+        ParquetError::External(source) => match source.downcast::<IoError>() {
+            Ok(source) => *source,
+            Err(other) => IoError::other(other),
+        },
+        other => IoError::other(other),
+    }
+}
+
+/// A column or key that this program writes is absent.
+pub(super) fn missing(name: &str) -> Fault {
+    Fault::new(format!("{name} is missing or of another type"))
 }
 
 /// A row by column name.
@@ -445,38 +436,34 @@ impl Record {
         Self(row.into_columns().into_iter().collect())
     }
 
-    pub(super) fn missing(name: &str) -> StoreError {
-        StoreError::Missing(name.to_owned())
-    }
-
-    pub(super) fn optional(&self, name: &str) -> Result<Option<f64>, StoreError> {
+    pub(super) fn optional(&self, name: &str) -> Result<Option<f64>, Fault> {
         match self.0.get(name) {
             Some(Field::Double(value)) => Ok(Some(*value)),
             Some(Field::Null) => Ok(None),
-            _ => Err(Self::missing(name)),
+            _ => Err(missing(name)),
         }
     }
 
-    pub(super) fn real(&self, name: &str) -> Result<f64, StoreError> {
-        self.optional(name)?.ok_or_else(|| Self::missing(name))
+    pub(super) fn real(&self, name: &str) -> Result<f64, Fault> {
+        self.optional(name)?.ok_or_else(|| missing(name))
     }
 
     /// A number that was not finite when it was written is NaN again.
-    fn number(&self, name: &str) -> Result<f64, StoreError> {
+    fn number(&self, name: &str) -> Result<f64, Fault> {
         Ok(self.optional(name)?.unwrap_or(f64::NAN))
     }
 
-    pub(super) fn count(&self, name: &str) -> Result<usize, StoreError> {
+    pub(super) fn count(&self, name: &str) -> Result<usize, Fault> {
         match self.0.get(name) {
-            Some(Field::Long(value)) => usize::try_from(*value).map_err(|_| Self::missing(name)),
-            _ => Err(Self::missing(name)),
+            Some(Field::Long(value)) => usize::try_from(*value).map_err(|_| missing(name)),
+            _ => Err(missing(name)),
         }
     }
 
-    pub(super) fn bytes(&self, name: &str) -> Result<&[u8], StoreError> {
+    pub(super) fn bytes(&self, name: &str) -> Result<&[u8], Fault> {
         match self.0.get(name) {
             Some(Field::Bytes(value)) => Ok(value.data()),
-            _ => Err(Self::missing(name)),
+            _ => Err(missing(name)),
         }
     }
 
@@ -490,15 +477,15 @@ impl Record {
         }
     }
 
-    fn status(&self) -> Result<Status, StoreError> {
+    fn status(&self) -> Result<Status, Fault> {
         let Some(Field::Str(name)) = self.0.get("status") else {
-            return Err(Self::missing("status"));
+            return Err(missing("status"));
         };
         let known = Status::ALL.into_iter().find(|status| status.name() == name);
-        known.ok_or_else(|| Self::missing("status"))
+        known.ok_or_else(|| missing("status"))
     }
 
-    fn level_outcome(&self) -> Result<LevelOutcome, StoreError> {
+    fn level_outcome(&self) -> Result<LevelOutcome, Fault> {
         Ok(LevelOutcome {
             level: self.real("level")?,
             status: self.status()?,
@@ -509,7 +496,7 @@ impl Record {
         })
     }
 
-    fn peak(&self) -> Result<Option<PeakRecord>, StoreError> {
+    fn peak(&self) -> Result<Option<PeakRecord>, Fault> {
         let place = (
             self.optional("frequency_hz")?,
             self.optional("amplitude_m")?,

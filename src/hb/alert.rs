@@ -144,7 +144,7 @@ impl<'s, 'p> AlertSets<'s, 'p> {
     pub fn above(&self, i: usize, error: f64) -> Vec<usize> {
         let allowed = |j: &usize| self.rungs.contains(&self.highest(*j));
         let sets: Vec<usize> = (i + 1..=self.twice(i)).filter(allowed).collect();
-        let growth = (error / self.alert.threshold).powf(1.0 / DECAY);
+        let growth = libm::pow(error / self.alert.threshold, 1.0 / DECAY);
         let wanted = growth * self.highest(i) as f64;
         let enough = |&j: &usize| self.highest(j) as f64 >= wanted;
         let first = (sets.iter().position(enough)).unwrap_or(sets.len().saturating_sub(1));

@@ -2,7 +2,7 @@
 
 use crate::aft::AftSettings;
 use crate::harmonics::HarmonicSet;
-use crate::setting::{BadSetting, positive};
+use crate::setting::{BadSetting, unusual, within};
 
 /// Where the sliders start: decides the mean tractions of contacts that never slip.
 #[derive(
@@ -15,6 +15,15 @@ pub enum SliderAnchor {
     /// Traction-free at the static equilibrium under the static load without friction.
     StaticEquilibrium,
 }
+
+/// Tolerances that can be met and that leave a solution.
+pub const TOLERANCE: [f64; 2] = [1e-14, 1e-3];
+/// Iterations that can be asked for.
+pub const MOST_ITERATIONS: usize = 10_000;
+/// Iterations of all solves of one search or curve that can be asked for.
+pub const MOST_BUDGET: usize = 1_000_000_000;
+/// Truncation errors that can be told from rounding and that leave an amplitude.
+pub const THRESHOLD: [f64; 2] = [1e-9, 1.0];
 
 /// Stop rules of Newton's method.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,6 +86,12 @@ pub struct HbSettings {
 }
 
 impl HbSettings {
+    /// What may be meant but is unusual; keys as in a study file.
+    #[must_use]
+    pub fn unusual(&self) -> Option<BadSetting> {
+        unusual("tolerance", self.newton.tolerance, [1e-12, 1e-6])
+    }
+
     /// Checks every rule between the settings.
     ///
     /// # Errors
@@ -84,21 +99,20 @@ impl HbSettings {
     pub fn validate(&self) -> Result<(), BadSetting> {
         highest_harmonic("harmonics", self.harmonics.highest())?;
         self.aft.validate(self.harmonics.highest())?;
-        positive("newton.tolerance", self.newton.tolerance)?;
-        BadSetting::unless(
-            self.newton.max_iterations > 0,
-            "newton.max_iterations",
-            self.newton.max_iterations,
-            "must be at least 1",
-        )?;
-        BadSetting::unless(
-            self.newton.budget > 0,
-            "newton.budget",
-            self.newton.budget,
-            "must be at least 1",
-        )?;
+        within("newton.tolerance", self.newton.tolerance, TOLERANCE)?;
+        for (key, count, most) in [
+            (
+                "newton.max_iterations",
+                self.newton.max_iterations,
+                MOST_ITERATIONS,
+            ),
+            ("newton.budget", self.newton.budget, MOST_BUDGET),
+        ] {
+            let rule = format!("must be from 1 to {most}");
+            BadSetting::unless((1..=most).contains(&count), key, count, &rule)?;
+        }
         if let Some(alert) = self.alert {
-            positive("alert.threshold", alert.threshold)?;
+            within("alert.threshold", alert.threshold, THRESHOLD)?;
             highest_harmonic("alert.highest_harmonic", alert.highest_harmonic)?;
             BadSetting::unless(
                 alert.highest_harmonic >= self.harmonics.highest(),

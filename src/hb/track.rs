@@ -358,15 +358,15 @@ impl<'a, 'p> Track<'a, 'p> {
         let mut at = start;
         let (mut slope, mut longest) = (1.0, LONGEST_SECANT);
         for _ in 0..MOST_SECANTS {
-            let gap = (level / at.point.level).ln();
+            let gap = libm::log(level / at.point.level);
             if gap.abs() <= NEAR_LEVEL {
                 break;
             }
             let step = (gap * slope).clamp(-longest, longest);
             let amplitude = at.response(balance).norm();
-            match self.scaled(rung, &at.point, amplitude, step.exp(), newton) {
+            match self.scaled(rung, &at.point, amplitude, libm::exp(step), newton) {
                 Ok(next) => {
-                    let moved = (next.point.level / at.point.level).ln();
+                    let moved = libm::log(next.point.level / at.point.level);
                     slope = (step / moved).clamp(0.1, 3.0);
                     at = next;
                 }
@@ -443,13 +443,13 @@ pub fn stuck_point(balance: &Balance<'_>, omega: f64, level: f64) -> Point {
 fn slip_onset(balance: &Balance<'_>, unit: &Point) -> f64 {
     let n_c = balance.layout.n_pairs;
     let n = balance.layout.n_relative();
-    let dynamic = |i: usize| unit.r[n + i].hypot(unit.r[2 * n + i]);
+    let dynamic = |i: usize| libm::hypot(unit.r[n + i], unit.r[2 * n + i]);
     (balance.problem.contacts.iter().enumerate())
         .map(|(pair, c)| {
             let preload = c.n_0 + c.k_n * unit.r[2 * n_c + pair];
             let [t1, t2] = [0, 1].map(|axis| c.k_t[axis] * dynamic(axis * n_c + pair));
             let normal = c.k_n * dynamic(2 * n_c + pair);
-            preload.max(0.0) * (c.mu / (t1.hypot(t2) + c.mu * normal)).min(1.0 / normal)
+            preload.max(0.0) * (c.mu / (libm::hypot(t1, t2) + c.mu * normal)).min(1.0 / normal)
         })
         .filter(|level| *level > 0.0)
         .fold(f64::INFINITY, f64::min)

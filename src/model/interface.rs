@@ -2,7 +2,7 @@
 
 use super::ContactPair;
 use crate::contact::ContactParameters;
-use crate::setting::{BadSetting, non_negative, positive};
+use crate::setting::{BadSetting, USUAL_FRICTION, friction_coefficient, unusual, within};
 
 /// How the pairs of an interface share its stiffness.
 #[derive(
@@ -15,6 +15,9 @@ pub enum Share {
     /// In proportion to the pair's area: the pressure is even under an even approach, on any grid.
     TributaryArea,
 }
+
+/// Stiffnesses of an interface that can be meant (N/µm): a millimetre of solid steel under it has 1e5.
+pub const STIFFNESS_N_PER_UM: [f64; 2] = [1e-6, 1e6];
 
 /// Constants of every interface of a model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,12 +49,38 @@ impl InterfaceSettings {
     /// # Errors
     /// [`BadSetting`] with the key of the study file; stiffness in N/µm as there.
     pub fn validate(&self) -> Result<(), BadSetting> {
-        positive("normal_stiffness_n_per_um", self.normal_stiffness * 1e-6)?;
-        positive(
-            "tangential_stiffness_n_per_um",
-            self.tangential_stiffness * 1e-6,
-        )?;
-        non_negative("friction_coefficient", self.friction_coefficient)
+        for (key, stiffness) in self.stiffnesses() {
+            within(key, stiffness, STIFFNESS_N_PER_UM)?;
+        }
+        friction_coefficient("friction_coefficient", self.friction_coefficient)
+    }
+
+    /// What may be meant but is unusual.
+    #[must_use]
+    pub fn unusual(&self) -> Vec<BadSetting> {
+        let stiffnesses = self
+            .stiffnesses()
+            .map(|(key, k)| unusual(key, k, [1.0, 1e5]));
+        let friction = unusual(
+            "friction_coefficient",
+            self.friction_coefficient,
+            USUAL_FRICTION,
+        );
+        stiffnesses
+            .into_iter()
+            .chain([friction])
+            .flatten()
+            .collect()
+    }
+
+    fn stiffnesses(&self) -> [(&'static str, f64); 2] {
+        [
+            ("normal_stiffness_n_per_um", self.normal_stiffness * 1e-6),
+            (
+                "tangential_stiffness_n_per_um",
+                self.tangential_stiffness * 1e-6,
+            ),
+        ]
     }
 
     /// Constants of every pair: stiffness shared within the pair's interface, no preload of their own.

@@ -12,8 +12,9 @@ use super::matrix_contacts::ContactTable;
 use super::matrix_market::read_matrix;
 use super::{ReducedModel, Response, SparseRow};
 use crate::contact::ContactParameters;
+use crate::file::{self, FileError};
 use crate::linalg::symmetric_generalized_eigen;
-use crate::setting::{BadSetting, non_negative};
+use crate::setting::{BadSetting, LARGEST, NOT_BLANK, non_negative, unusual, within};
 
 /// Why a model cannot be built from the user's files.
 #[derive(Debug, thiserror::Error)]
@@ -22,38 +23,21 @@ pub enum MatricesError {
     /// A value in the study file; the key is relative to `[model]`.
     #[error(transparent)]
     Setting(#[from] BadSetting),
-    /// A file could not be read.
-    #[error("{}: {source}", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What the operating system said.
-        source: std::io::Error,
-    },
-    /// A file's content breaks a rule.
-    #[error("{place}: {rule}")]
-    Matrix {
-        /// File, and line where there is one.
-        place: String,
-        /// The rule.
-        rule: String,
-    },
+    /// A file cannot be read, or its content breaks a rule.
+    #[error(transparent)]
+    File(#[from] FileError),
 }
 
-impl MatricesError {
-    /// The content of `path` breaks `rule`.
-    pub(super) fn matrix(path: &Path, line: Option<usize>, rule: String) -> Self {
-        let place = match line {
-            Some(line) => format!("{}:{line}", path.display()),
-            None => path.display().to_string(),
-        };
-        Self::Matrix { place, rule }
-    }
-}
+/// Damping ratios of blades with all that damps them.
+const USUAL_DAMPING: [f64; 2] = [1e-6, 0.1];
 
 /// `[model]` with `kind = "matrices"`. Files are relative to the study file's folder.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend(
+    "oneOf" = [{ "required": ["damping"] }, { "required": ["modal_damping_ratio"] }],
+    "required" = ["mass", "stiffness", "contact"]
+))]
 pub struct MatricesSettings {
     /// M: Matrix Market file.
     pub mass: PathBuf,
@@ -62,6 +46,7 @@ pub struct MatricesSettings {
     /// C: Matrix Market file; either this or `modal_damping_ratio`.
     pub damping: Option<PathBuf>,
     /// The same damping ratio in every mode of the free structure; rigid-body modes stay undamped.
+    #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1))]
     pub modal_damping_ratio: Option<f64>,
     /// Stiffness added in harmonic 0 only: Matrix Market file.
     pub retention: Option<PathBuf>,
@@ -75,8 +60,10 @@ pub struct MatricesSettings {
     pub sine_force: Option<Vector>,
     /// Contact pairs.
     #[serde(default)]
+    #[schemars(length(min = 1))]
     pub contact: Vec<ContactTable>,
     /// Response coordinates, all degrees of freedom if absent; resonance is the maximum of the first one's amplitude.
+    #[schemars(length(min = 1))]
     pub responses: Option<Vec<ResponseTable>>,
 }
 
@@ -88,7 +75,10 @@ pub struct MatricesSettings {
 )]
 pub enum DofNames {
     /// The names.
-    List(Vec<String>),
+    List(
+        #[schemars(length(min = 1), inner(regex(pattern = NOT_BLANK)), extend("uniqueItems" = true))]
+         Vec<String>,
+    ),
     /// The file.
     File(PathBuf),
 }
@@ -145,7 +135,7 @@ impl DofIndex {
                     rule: rule.to_owned(),
                 });
             };
-            BadSetting::unless(weight.is_finite(), &key, weight, "must be a finite number")?;
+            within(&key, weight, [-LARGEST, LARGEST])?;
             if weight != 0.0 {
                 row.push((i, weight));
             }
@@ -181,6 +171,19 @@ impl MatricesSettings {
                 .map_err(|bad| bad.under(&format!("contact[{i}]")))?;
         }
         Ok(())
+    }
+
+    /// What may be meant but is unusual; keys relative to `[model]`.
+    #[must_use]
+    pub fn unusual(&self) -> Vec<BadSetting> {
+        let contacts = self.contact.iter().enumerate();
+        let of_contacts = contacts.filter_map(|(i, contact)| {
+            let found = contact.unusual()?;
+            Some(found.under(&format!("contact[{i}]")))
+        });
+        let ratio = self.modal_damping_ratio;
+        let damping = ratio.and_then(|ratio| unusual("modal_damping_ratio", ratio, USUAL_DAMPING));
+        of_contacts.chain(damping).collect()
     }
 
     /// Reads the files and builds the model. `folder` is the study file's; `name` goes to the model.
@@ -247,16 +250,17 @@ impl MatricesSettings {
     ) -> Result<Mat<f64>, MatricesError> {
         let path = folder.join(file);
         let matrix = read_matrix(&path)?;
-        let broken = |rule| MatricesError::matrix(&path, None, rule);
+        let broken = |rule: String| FileError::content(&path, None, rule);
         let (rows, columns) = (matrix.nrows(), matrix.ncols());
         if rows != columns {
-            return Err(broken(format!("is {rows} x {columns}: must be square")));
+            return Err(broken(format!("is {rows} x {columns}: must be square")).into());
         }
         if let Some(n) = size.filter(|n| *n != rows) {
             return Err(broken(format!(
                 "is {rows} x {rows}: must be {n} x {n}, the size of {}",
                 self.mass.display()
-            )));
+            ))
+            .into());
         }
         let matrix = symmetric(&matrix).map_err(broken)?;
         property(&matrix).map_err(broken)?;
@@ -287,10 +291,8 @@ impl MatricesSettings {
         let names: Vec<String> = match &self.dof_names {
             None => (1..=n).map(|i| i.to_string()).collect(),
             Some(DofNames::List(names)) => names.clone(),
-            Some(DofNames::File(file)) => {
-                let path = folder.join(file);
-                let text = std::fs::read_to_string(&path)
-                    .map_err(|source| MatricesError::File { path, source })?;
+            Some(DofNames::File(name)) => {
+                let text = file::read_text(&folder.join(name))?;
                 let lines = text.lines().map(str::trim);
                 lines.filter(|l| !l.is_empty()).map(str::to_owned).collect()
             }
@@ -359,7 +361,7 @@ fn dense(
                     matrix.nrows(),
                     matrix.ncols()
                 );
-                return Err(MatricesError::matrix(&path, None, rule));
+                return Err(FileError::content(&path, None, rule).into());
             }
             values.copy_from_slice(matrix.col_as_slice(0));
         }
@@ -367,10 +369,11 @@ fn dense(
     Ok(values)
 }
 
-/// Refuses the first name that is given twice.
+/// Refuses the first name that is empty or given twice.
 fn unique<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Result<(), BadSetting> {
     let mut seen = std::collections::BTreeSet::new();
     for name in names {
+        BadSetting::unless(!name.trim().is_empty(), key, "\"\"", "must not be empty")?;
         BadSetting::unless(seen.insert(name), key, name, "must not be given twice")?;
     }
     Ok(())

@@ -5,33 +5,53 @@ use std::collections::BTreeMap;
 use super::matrices::DofIndex;
 use super::{ContactPair, SparseRow};
 use crate::contact::ContactParameters;
-use crate::setting::{BadSetting, non_negative};
+use crate::setting::{
+    BadSetting, FRICTION, LARGEST, NOT_BLANK, USUAL_FRICTION, friction_coefficient, unusual, within,
+};
 
 /// `[[model.contact]]`: one pair. A direction without a table is absent.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend(
+    "anyOf" = [{ "required": ["t1"] }, { "required": ["t2"] }, { "required": ["n"] }],
+    "dependentRequired" = {
+        "t1": ["k_t1"], "k_t1": ["t1"], "t2": ["k_t2"], "k_t2": ["t2"], "n": ["k_n"], "k_n": ["n"], "gap": ["n"]
+    },
+    "dependentSchemas" = { "gap": { "properties": { "n_0": false } } }
+))]
 pub struct ContactTable {
     /// Name, unique in the model.
+    #[schemars(regex(pattern = NOT_BLANK))]
     pub name: String,
     /// First tangential relative displacement: dof → weight.
+    #[schemars(extend("minProperties" = 1))]
     pub t1: Option<BTreeMap<String, f64>>,
     /// Second tangential relative displacement: dof → weight.
+    #[schemars(extend("minProperties" = 1))]
     pub t2: Option<BTreeMap<String, f64>>,
     /// Normal approach (compression positive): dof → weight.
+    #[schemars(extend("minProperties" = 1))]
     pub n: Option<BTreeMap<String, f64>>,
     /// Normal stiffness (force/length); with `n` only.
+    #[schemars(range(min = 0, max = LARGEST))]
     pub k_n: Option<f64>,
     /// Tangential stiffness of `t1` (force/length).
+    #[schemars(range(min = 0, max = LARGEST))]
     pub k_t1: Option<f64>,
     /// Tangential stiffness of `t2` (force/length).
+    #[schemars(range(min = 0, max = LARGEST))]
     pub k_t2: Option<f64>,
     /// Friction coefficient.
+    #[schemars(range(min = FRICTION[0], max = FRICTION[1]))]
     pub mu: f64,
     /// Normal force at zero approach; without `n` the constant normal force. 0 if absent.
+    #[schemars(range(min = -LARGEST, max = LARGEST))]
     pub n_0: Option<f64>,
     /// Gap at zero approach (length) instead of `n_0`: n_0 = −k_n · gap.
+    #[schemars(range(min = 0, max = LARGEST))]
     pub gap: Option<f64>,
     /// Area that the pair stands for; 1 if absent.
+    #[schemars(range(max = LARGEST), extend("exclusiveMinimum" = 0))]
     pub area: Option<f64>,
     /// Interface that the pair belongs to (0, 1, …), for reports.
     #[serde(default)]
@@ -54,25 +74,33 @@ impl ContactTable {
             };
             let value = stiffness.map_or("(absent)".to_owned(), |k| k.to_string());
             BadSetting::unless(rule.is_empty(), key, value, &rule)?;
-            non_negative(key, stiffness.unwrap_or(0.0))?;
+            within(key, stiffness.unwrap_or(0.0), [0.0, LARGEST])?;
         }
+        let rule = "must not be empty";
+        BadSetting::unless(!self.name.trim().is_empty(), "name", "\"\"", rule)?;
         let any = self.t1.is_some() || self.t2.is_some() || self.n.is_some();
         BadSetting::unless(any, "name", &self.name, "must have t1, t2 or n")?;
-        non_negative("mu", self.mu)?;
+        friction_coefficient("mu", self.mu)?;
         self.validate_preload()?;
         let area = self.area.unwrap_or(1.0);
-        crate::setting::positive("area", area)
+        crate::setting::positive("area", area)?;
+        within("area", area, [0.0, LARGEST])
+    }
+
+    /// What may be meant but is unusual.
+    pub(super) fn unusual(&self) -> Option<BadSetting> {
+        unusual("mu", self.mu, USUAL_FRICTION)
     }
 
     fn validate_preload(&self) -> Result<(), BadSetting> {
         if let Some(gap) = self.gap {
-            non_negative("gap", gap)?;
+            within("gap", gap, [0.0, LARGEST])?;
             let alone = self.n_0.is_none() && self.n.is_some();
             let rule = "must be absent if n_0 is given or n is absent";
             BadSetting::unless(alone, "gap", gap, rule)?;
         }
         let n_0 = self.n_0.unwrap_or(0.0);
-        BadSetting::unless(n_0.is_finite(), "n_0", n_0, "must be a finite number")?;
+        within("n_0", n_0, [-LARGEST, LARGEST])?;
         let loaded = self.n.is_some() || n_0 > 0.0;
         let rule = "must be > 0 if n is absent: it is the constant normal force";
         BadSetting::unless(loaded, "n_0", n_0, rule)

@@ -1,144 +1,282 @@
 //! Matrix Market files: the dense or sparse real matrices that a user brings.
+//!
+//! Format: <https://math.nist.gov/MatrixMarket/formats.html>. A reader of our own, since the one at hand panics on numbers
+//! beyond 64 bits and cannot say where an entry stands.
 
+use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use faer::Mat;
-use nalgebra_sparse::CooMatrix;
-use nalgebra_sparse::io::{
-    MatrixMarketError, MatrixMarketErrorKind, load_coo_from_matrix_market_str,
-};
 
-use super::matrices::MatricesError;
+use crate::file::{self, FileError};
 
-/// Largest number of rows or columns: a dense matrix of this size takes 3.2 GB.
-const LARGEST: usize = 20_000;
+/// Largest number of rows or columns: a dense matrix of this size takes 200 MB, its modes some minutes.
+const LARGEST: usize = 5_000;
+/// Bytes of a line at most.
+const LONGEST_LINE: u64 = 4096;
 
 /// Reads a real or integer matrix, `coordinate` or `array`, `general` or `symmetric` (lower triangle stored).
 ///
-/// Entries given twice are added. Comment lines may stand between header and size line only.
+/// Lines that start with `%` are comments.
 ///
 /// # Errors
-/// [`MatricesError::File`] if it cannot be read, [`MatricesError::Matrix`] on anything but such a matrix.
-pub(super) fn read_matrix(path: &Path) -> Result<Mat<f64>, MatricesError> {
-    let text = std::fs::read_to_string(path).map_err(|source| MatricesError::File {
-        path: path.to_owned(),
-        source,
-    })?;
-    check_size_line(&text).map_err(|(line, rule)| MatricesError::matrix(path, Some(line), rule))?;
-    let coordinates: CooMatrix<f64> =
-        load_coo_from_matrix_market_str(&as_real(text)).map_err(|error| {
-            let (line, rule) = explain(&error);
-            MatricesError::matrix(path, line, rule)
-        })?;
-    let mut matrix = Mat::zeros(coordinates.nrows(), coordinates.ncols());
-    for (i, j, value) in coordinates.triplet_iter() {
-        if !value.is_finite() {
-            let rule = format!(
-                "entry ({}, {}) = {value}: must be a finite number",
-                i + 1,
-                j + 1
-            );
-            return Err(MatricesError::matrix(path, None, rule));
-        }
-        matrix[(i, j)] += value;
-    }
-    Ok(matrix)
-}
-
-/// An `integer` matrix under a `real` header: the library reads integers into integer types only.
-fn as_real(text: String) -> String {
-    let header = text.lines().next().unwrap_or_default().to_ascii_lowercase();
-    if !header.contains(" integer ") {
-        return text;
-    }
-    let values = &text[header.len()..];
-    format!("{}{values}", header.replace(" integer ", " real "))
-}
-
-/// Refuses sizes that the reader's own arithmetic could not hold, before it sees them.
-fn check_size_line(text: &str) -> Result<(), (usize, String)> {
-    let mut lines = text
-        .lines()
-        .enumerate()
-        .filter(|(_, line)| !line.trim().is_empty());
-    match lines.next() {
-        Some((_, header))
-            if header
-                .to_ascii_lowercase()
-                .starts_with("%%matrixmarket matrix") => {}
-        Some((i, _)) => return Err((i + 1, HEADER_RULE.to_owned())),
-        None => return Err((1, "the file is empty".to_owned())),
-    }
-    let Some((i, size)) = lines.find(|(_, line)| !line.trim_start().starts_with('%')) else {
-        return Err((1, "the size line is missing".to_owned()));
+/// [`FileError`] if the file cannot be read, or on the first line that does not belong to such a matrix: an entry given
+/// twice among them.
+pub(super) fn read_matrix(path: &Path) -> Result<Mat<f64>, FileError> {
+    let mut lines = Lines {
+        path,
+        reader: BufReader::new(file::open(path)?),
+        number: 0,
     };
-    for word in size.split_whitespace().take(2) {
-        let rows: usize = word.parse().unwrap_or(usize::MAX);
-        if rows == 0 || rows > LARGEST {
-            return Err((
-                i + 1,
-                format!("size {word}: must be an integer from 1 to {LARGEST}"),
-            ));
+    let header = Header::read(&mut lines)?;
+    let (number, line) = loop {
+        match lines.next()? {
+            None => return Err(lines.at(lines.number, "the size line is missing".to_owned())),
+            Some((_, line)) if line.starts_with('%') => {}
+            Some(found) => break found,
+        }
+    };
+    let size = header.size(&line).map_err(|rule| lines.at(number, rule))?;
+    let mut entries = Entries::new(&header, &size);
+    while let Some((number, line)) = lines.next()? {
+        if !line.starts_with('%') {
+            entries.add(&line).map_err(|rule| lines.at(number, rule))?;
         }
     }
-    Ok(())
+    entries
+        .finish()
+        .map_err(|rule| FileError::content(path, None, rule))
+}
+
+/// Lines with their numbers, each of bounded length.
+struct Lines<'p, R> {
+    path: &'p Path,
+    reader: R,
+    number: u64,
+}
+
+impl<R: BufRead> Lines<'_, R> {
+    /// The next line that is not empty, without white space around it.
+    fn next(&mut self) -> Result<Option<(u64, String)>, FileError> {
+        loop {
+            let mut bytes = Vec::new();
+            let mut bounded = self.reader.by_ref().take(LONGEST_LINE);
+            let read = bounded.read_until(b'\n', &mut bytes);
+            if read.map_err(|source| FileError::system(self.path, source))? == 0 {
+                return Ok(None);
+            }
+            self.number += 1;
+            if bytes.len() as u64 == LONGEST_LINE {
+                let rule = format!("must be shorter than {LONGEST_LINE} bytes");
+                return Err(self.at(self.number, rule));
+            }
+            let text = file::text(bytes).map_err(|(_, rule)| self.at(self.number, rule))?;
+            let line = text.trim_start_matches('\u{feff}').trim();
+            if !line.is_empty() {
+                return Ok(Some((self.number, line.to_owned())));
+            }
+        }
+    }
+
+    fn at(&self, line: u64, rule: String) -> FileError {
+        FileError::content(self.path, Some(line), rule)
+    }
+}
+
+/// What the first line states.
+struct Header {
+    coordinate: bool,
+    symmetric: bool,
 }
 
 const HEADER_RULE: &str = "must start with a Matrix Market header such as \
     `%%MatrixMarket matrix coordinate real symmetric`";
 
-/// Line, where known, and one plain sentence for what the library's reader refuses.
-fn explain(error: &MatrixMarketError) -> (Option<usize>, String) {
-    let line = error
-        .message()
-        .split_once("--> ")
-        .and_then(|(_, place)| place.split(':').next()?.trim().parse().ok());
-    let rule = match error.kind() {
-        MatrixMarketErrorKind::ParsingError if line == Some(1) => HEADER_RULE.to_owned(),
-        MatrixMarketErrorKind::ParsingError => {
-            "is not a line of a Matrix Market file (row column value, \
-             or one value in array format)"
-                .to_owned()
+impl Header {
+    fn read<R: BufRead>(lines: &mut Lines<'_, R>) -> Result<Self, FileError> {
+        let Some((number, line)) = lines.next()? else {
+            return Err(lines.at(1, "the file is empty".to_owned()));
+        };
+        let rule = |rule: &str| lines.at(number, rule.to_owned());
+        let lower = line.to_ascii_lowercase();
+        let words: Vec<&str> = lower.split_whitespace().collect();
+        let ["%%matrixmarket", "matrix", format, field, symmetry] = words[..] else {
+            return Err(rule(HEADER_RULE));
+        };
+        if !matches!(field, "real" | "integer" | "double") {
+            return Err(rule("must be a real or integer matrix"));
         }
-        MatrixMarketErrorKind::TypeMismatch => "must be a real or integer matrix".to_owned(),
-        MatrixMarketErrorKind::ZeroError => "indices must start at 1".to_owned(),
-        MatrixMarketErrorKind::SparseFormatError(_) => {
-            "an index is beyond the size that the size line states".to_owned()
+        if !matches!(format, "coordinate" | "array") || !matches!(symmetry, "general" | "symmetric")
+        {
+            return Err(rule(HEADER_RULE));
         }
-        MatrixMarketErrorKind::NotLowerTriangle => {
-            "a symmetric matrix must store its lower triangle (row >= column) only".to_owned()
+        Ok(Self {
+            coordinate: format == "coordinate",
+            symmetric: symmetry == "symmetric",
+        })
+    }
+
+    /// Rows, columns and number of entries that the size line states.
+    fn size(&self, line: &str) -> Result<Size, String> {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let (rows, columns, stated) = match (self.coordinate, &words[..]) {
+            (true, [rows, columns, entries]) => (rows, columns, Some(entries)),
+            (false, [rows, columns]) => (rows, columns, None),
+            (true, _) => return Err("must be the size line: rows columns entries".to_owned()),
+            (false, _) => return Err("must be the size line: rows columns".to_owned()),
+        };
+        let length = |word: &str| {
+            let length = word.parse().ok().filter(|n| (1..=LARGEST).contains(n));
+            length.ok_or_else(|| format!("size {word}: must be an integer from 1 to {LARGEST}"))
+        };
+        let (rows, columns) = (length(rows)?, length(columns)?);
+        if self.symmetric && rows != columns {
+            return Err("a symmetric matrix must be square".to_owned());
         }
-        MatrixMarketErrorKind::NonSquare => "a symmetric matrix must be square".to_owned(),
-        _ => error
-            .message()
-            .lines()
-            .next()
-            .unwrap_or("cannot be read")
-            .to_owned(),
-    };
-    (line, rule)
+        let most = match self.symmetric {
+            true => rows * (rows + 1) / 2,
+            false => rows * columns,
+        };
+        let entries = match stated {
+            None => most,
+            Some(word) => {
+                let entries = word.parse().ok().filter(|n| *n <= most);
+                entries
+                    .ok_or_else(|| format!("{word} entries: must be an integer from 0 to {most}"))?
+            }
+        };
+        Ok(Size {
+            rows,
+            columns,
+            entries,
+        })
+    }
+}
+
+struct Size {
+    rows: usize,
+    columns: usize,
+    entries: usize,
+}
+
+/// A matrix that grows line by line.
+struct Entries<'h> {
+    header: &'h Header,
+    size: &'h Size,
+    matrix: Mat<f64>,
+    /// Which entries of a coordinate matrix are there already, column by column.
+    given: Vec<bool>,
+    read: usize,
+    /// Place of the next entry of an array.
+    next: (usize, usize),
+}
+
+impl<'h> Entries<'h> {
+    fn new(header: &'h Header, size: &'h Size) -> Self {
+        Self {
+            header,
+            size,
+            matrix: Mat::zeros(size.rows, size.columns),
+            given: vec![
+                false;
+                if header.coordinate {
+                    size.rows * size.columns
+                } else {
+                    0
+                }
+            ],
+            read: 0,
+            next: (0, 0),
+        }
+    }
+
+    /// Adds the entry of a line.
+    fn add(&mut self, line: &str) -> Result<(), String> {
+        if self.read == self.size.entries {
+            return Err(format!(
+                "is entry {}, of {} stated",
+                self.read + 1,
+                self.read
+            ));
+        }
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let (i, j, word) = match (self.header.coordinate, &words[..]) {
+            (true, [row, column, value]) => {
+                let i = index(row, self.size.rows, "row")?;
+                let j = index(column, self.size.columns, "column")?;
+                (i, j, value)
+            }
+            (false, [value]) => (self.next.0, self.next.1, value),
+            (true, _) => return Err("must be an entry: row column value".to_owned()),
+            (false, _) => return Err("must be an entry: one value".to_owned()),
+        };
+        let place = format!("entry ({}, {})", i + 1, j + 1);
+        let value: f64 =
+            (word.parse()).map_err(|_| format!("{place} = {word}: must be a number"))?;
+        if !value.is_finite() {
+            return Err(format!("{place} = {word}: must be a finite number"));
+        }
+        if self.header.symmetric && i < j {
+            let rule = "a symmetric matrix must store its lower triangle (row >= column) only";
+            return Err(format!("{place}: {rule}"));
+        }
+        if self.header.coordinate
+            && std::mem::replace(&mut self.given[i + j * self.size.rows], true)
+        {
+            return Err(format!("{place}: must be given once"));
+        }
+        self.matrix[(i, j)] = value;
+        if self.header.symmetric {
+            self.matrix[(j, i)] = value;
+        }
+        self.read += 1;
+        self.next = match i + 1 < self.size.rows {
+            true => (i + 1, j),
+            false if self.header.symmetric => (j + 1, j + 1),
+            false => (0, j + 1),
+        };
+        Ok(())
+    }
+
+    fn finish(self) -> Result<Mat<f64>, String> {
+        match self.read == self.size.entries {
+            true => Ok(self.matrix),
+            false => Err(format!(
+                "{} entries required by the size line, {} found",
+                self.size.entries, self.read
+            )),
+        }
+    }
+}
+
+/// A 0-based index from a 1-based one of at most `size`.
+fn index(word: &str, size: usize, what: &str) -> Result<usize, String> {
+    let index: Option<usize> = word.parse().ok().filter(|i| (1..=size).contains(i));
+    index.map(|i| i - 1).ok_or_else(|| {
+        format!("{what} {word}: must be an integer from 1 to {size} (indices start at 1; the size line states the last)")
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Result<Mat<f64>, MatricesError> {
+    fn read(text: &str) -> Result<Mat<f64>, FileError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.mtx");
         std::fs::write(&path, text).unwrap();
         read_matrix(&path)
     }
 
-    /// Seen to fail with `=` instead of `+=` for the entry.
+    /// Seen to fail with the mirrored entry of a symmetric matrix left out.
     #[test]
     fn every_storage_of_one_matrix_reads_the_same() {
         let storages = [
             "%%MatrixMarket matrix array real general\n2 2\n4\n-1\n-1\n3.5\n",
             "%%MatrixMarket matrix array real symmetric\n% comment\n2 2\n4\n-1\n3.5\n",
             "%%MatrixMarket matrix coordinate real symmetric\n2 2 3\n1 1 4\n2 1 -1.0e0\n2 2 3.5\n",
-            "%%matrixmarket matrix coordinate real general\n2 2 5\n1 1 4\n2 1 -1\n1 2 -1\n2 2 3\n2 2 .5\n",
-            "%%MatrixMarket matrix coordinate INTEGER symmetric\n2 2 4\n1 1 4\n2 1 -1\n2 2 3\n2 2 0.5\n",
+            "%%matrixmarket matrix coordinate real general\n2 2 4\n1 1 4\n2 1 -1\n1 2 -1\n2 2 3.5\n",
+            "%%MatrixMarket matrix coordinate INTEGER symmetric\n2 2 3\n1 1 4\n% comment\n2 1 -1\n2 2 3.5\n",
             "%%MatrixMarket matrix array real general\r\n2 2\r\n4\r\n-1\r\n-1\r\n3.5\r\n",
         ];
         for text in storages {
@@ -148,23 +286,88 @@ mod tests {
         }
     }
 
+    /// Seen to panic (sizes, counts and indices beyond 2^64) and to accept (an entry twice, too many of them) with the
+    /// reader of `nalgebra-sparse`.
     #[test]
-    fn what_is_no_real_matrix_is_refused_without_panic() {
+    fn what_is_no_real_matrix_is_refused_with_its_line() {
         let header = "%%MatrixMarket matrix coordinate real general";
-        let sizes = [
-            "2 2",
-            "2 2 1",
-            "2 2 1\n3 1 1.0",
-            "2 2 1\n1 1",
-            "0 0 0",
-            "-1 2 1",
-            "2 2 1\n1 1 1e",
-            "a b c",
+        let huge = "99999999999999999999999";
+        let cases = [
+            ("2 2".to_owned(), ":2: must be the size line"),
+            (
+                "2 2 1".to_owned(),
+                ": 1 entries required by the size line, 0 found",
+            ),
+            ("2 2 1\n3 1 1.0".to_owned(), ":3: row 3: must be"),
+            ("2 2 1\n0 1 1.0".to_owned(), ":3: row 0: must be"),
+            ("2 2 1\n1 -1 1.0".to_owned(), ":3: column -1: must be"),
+            ("2 2 1\n1 1".to_owned(), ":3: must be an entry"),
+            ("0 0 0".to_owned(), ":2: size 0: must be"),
+            ("-1 2 1".to_owned(), ":2: size -1: must be"),
+            (
+                "2 2 1\n1 1 1e".to_owned(),
+                ":3: entry (1, 1) = 1e: must be a number",
+            ),
+            (
+                "2 2 1\n1 1 1e999".to_owned(),
+                ":3: entry (1, 1) = 1e999: must be a finite",
+            ),
+            ("a b c".to_owned(), ":2: size a: must be"),
+            (
+                "2 2 5".to_owned(),
+                ":2: 5 entries: must be an integer from 0 to 4",
+            ),
+            (format!("{huge} 2 1"), ":2: size 9999"),
+            (format!("2 {huge} 1"), ":2: size 9999"),
+            (
+                "5001 5001 1".to_owned(),
+                ":2: size 5001: must be an integer from 1 to 5000",
+            ),
+            (format!("2 2 {huge}"), "entries: must be"),
+            (format!("2 2 1\n{huge} 1 1.0"), ":3: row 9999"),
+            (format!("2 2 1\n1 {huge} 1.0"), ":3: column 9999"),
+            (
+                "2 2 2\n1 1 1\n\n1 1 2".to_owned(),
+                ":5: entry (1, 1): must be given once",
+            ),
+            (
+                "2 2 1\n1 1 1\n2 2 2".to_owned(),
+                ":4: is entry 2, of 1 stated",
+            ),
+            (
+                format!("2 2 1\n1 1 {}", "1".repeat(5000)),
+                ":3: must be shorter",
+            ),
         ];
-        for size in sizes {
-            assert!(read(&format!("{header}\n{size}\n")).is_err(), "{size}");
+        for (lines, expected) in cases {
+            let error = read(&format!("{header}\n{lines}\n"))
+                .unwrap_err()
+                .to_string();
+            assert!(error.contains(expected), "{lines}: {error}");
         }
-        assert!(read("%%MatrixMarket matrix coordinate pattern general\n1 1 1\n1 1\n").is_err());
-        assert!(read("%%MatrixMarket vector array real general\n1\n1\n").is_err());
+        let others = [
+            (
+                "%%MatrixMarket matrix coordinate pattern general\n1 1 1\n1 1\n",
+                ":1: must be a real",
+            ),
+            (
+                "%%MatrixMarket vector array real general\n1\n1\n",
+                ":1: must start with",
+            ),
+            (
+                "%%MatrixMarket matrix array real symmetric\n2 1\n1\n1\n",
+                ":2: a symmetric matrix must be square",
+            ),
+            (
+                "%%MatrixMarket matrix coordinate real symmetric\n2 2 1\n1 2 1\n",
+                ":3: entry (1, 2): a symmetric",
+            ),
+            ("", ":1: the file is empty"),
+            (header, ":1: the size line is missing"),
+        ];
+        for (text, expected) in others {
+            let error = read(text).unwrap_err().to_string();
+            assert!(error.contains(expected), "{text}: {error}");
+        }
     }
 }

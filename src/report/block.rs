@@ -369,7 +369,13 @@ fn full(value: Option<f64>) -> String {
         .map_or_else(String::new, |v| v.to_string())
 }
 
+/// A field of a CSV line. A text that a spreadsheet would take for a formula gets an apostrophe, which makes it a text.
 fn quoted(field: &str) -> String {
+    let formula = field.starts_with(['=', '+', '-', '@']) && field.parse::<f64>().is_err();
+    let field = match formula {
+        true => &format!("'{field}"),
+        false => field,
+    };
     if field.contains(['"', ',', '\n', '\r']) {
         format!("\"{}\"", field.replace('"', "\"\""))
     } else {
@@ -411,6 +417,18 @@ mod tests {
         table.row(vec![Cell::text("a, \"b\""), number]);
         let expected = "name,value_hz,lower_hz\r\n\"a, \"\"b\"\"\",1.234567890123,\r\n";
         assert_eq!(table.csv(), expected);
+    }
+
+    /// A name is never a formula; numbers stay numbers. Seen to fail without the look at the first character.
+    #[test]
+    fn texts_are_no_formulas() {
+        for formula in ["=1+1", "+1+1", "-a1", "@sum(a1)"] {
+            assert_eq!(quoted(formula), format!("'{formula}"));
+        }
+        assert_eq!(quoted("=cmd(1,2)"), "\"'=cmd(1,2)\"");
+        for other in ["-1.5e-3", "+2", "a=b", "", "margin -5 %"] {
+            assert_eq!(quoted(other), other);
+        }
     }
 
     /// Nothing that HTML or a URL could misread is left. Seen to fail with `%` passed through.

@@ -10,7 +10,7 @@ use super::margins::{factor, smallest_margin};
 use super::record::{InputRecord, StoredRun};
 use super::summary::CONFIDENCE;
 use super::{ReportError, comparison_page};
-use crate::ensemble::store::replace_file;
+use crate::file;
 use crate::statistics::{Better, Bootstrap, Comparison, Ranking, compare, rank_designs};
 use serde::Serialize;
 use std::io::Write;
@@ -237,10 +237,10 @@ impl DesignComparison {
     /// # Errors
     /// [`ReportError`] if a file cannot be written.
     pub fn write(&self, folder: &Path, runs: &[StoredRun]) -> Result<(), ReportError> {
-        let json = serde_json::to_string_pretty(self).map_err(std::io::Error::from)?;
+        let json = serde_json::to_string_pretty(self)?;
         let page = comparison_page::render(self, runs)?;
         for (name, text) in [("comparison.json", json), ("comparison.html", page)] {
-            replace_file(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
+            file::replace(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
         }
         Ok(())
     }

@@ -36,10 +36,10 @@ pub use record::{RunRecord, StoredRun};
 pub use summary::Summary;
 
 use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
-use crate::ensemble::store::{StoreError, replace_file};
+use crate::file::{self, FileError};
 use crate::hb::Status;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Everything a report is made from.
 #[derive(Debug, Clone, Copy)]
@@ -58,17 +58,12 @@ pub struct ReportInput<'a> {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
-    /// The operating system refused.
+    /// A file cannot be read back or written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The numbers cannot be written as JSON.
     #[error("report: {0}")]
-    File(#[from] std::io::Error),
-    /// A file of the run cannot be read back.
-    #[error("{}: {source}", path.display())]
-    Stored {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        source: StoreError,
-    },
+    Json(#[from] serde_json::Error),
     /// The page template is broken.
     #[error("report page: {0}")]
     Page(#[from] minijinja::Error),
@@ -92,9 +87,9 @@ pub fn render(folder: &Path) -> Result<(Summary, StoredRun), ReportError> {
 /// [`ReportError`] if a file cannot be written.
 pub fn write(folder: &Path, input: &ReportInput) -> Result<Summary, ReportError> {
     let summary = Summary::of(input);
-    let json = serde_json::to_string_pretty(&summary).map_err(std::io::Error::from)?;
+    let json = serde_json::to_string_pretty(&summary)?;
     let assessment = Assessment::of(input, &summary);
-    let report = serde_json::to_string_pretty(&assessment).map_err(std::io::Error::from)?;
+    let report = serde_json::to_string_pretty(&assessment)?;
     let page = page::render(input, &summary, &assessment)?;
     let files = [
         ("summary.json", json),
@@ -102,7 +97,7 @@ pub fn write(folder: &Path, input: &ReportInput) -> Result<Summary, ReportError>
         ("report.html", page),
     ];
     for (name, text) in files {
-        replace_file(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
+        file::replace(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
     }
     Ok(summary)
 }

@@ -1,12 +1,14 @@
 //! `run.json`: all of a run that its tables do not hold, so that a report needs no solver.
 
+use super::ReportInput;
 use super::requirement::Requirements;
 use super::surrogate::SurrogateSettings;
-use super::{ReportError, ReportInput};
 use crate::ensemble::backend::BackendReport;
 use crate::ensemble::one_at_a_time::OneAtATime;
 use crate::ensemble::outcome::{CurvePoint, SampleOutcome, number};
-use crate::ensemble::store::{Provenance, StoreError, read_curves, read_samples, replace_file};
+use crate::ensemble::store::{Provenance, read_curves, read_samples};
+pub use crate::file::FileRecord;
+use crate::file::{self, FileError};
 use crate::sampling::{Distribution, Growth};
 use serde::{Deserialize, Serialize};
 use std::io::Write;
@@ -124,39 +126,6 @@ pub struct ComponentRecord {
     pub first_left_out_hz: Option<f64>,
 }
 
-/// A file and the hash of its content.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct FileRecord {
-    /// Name, without folder.
-    pub name: String,
-    /// BLAKE3 of its bytes, hexadecimal.
-    pub blake3: String,
-}
-
-impl FileRecord {
-    /// Record of a file with the given content.
-    #[must_use]
-    pub fn of(name: &str, content: &[u8]) -> Self {
-        Self {
-            name: name.to_owned(),
-            blake3: blake3::hash(content).to_hex().to_string(),
-        }
-    }
-
-    /// Record of a file in `folder`.
-    ///
-    /// # Errors
-    /// The operating system's, if it cannot be read.
-    pub fn in_folder(folder: &Path, name: &str) -> std::io::Result<Self> {
-        let mut hasher = blake3::Hasher::new();
-        hasher.update_reader(std::fs::File::open(folder.join(name))?)?;
-        Ok(Self {
-            name: name.to_owned(),
-            blake3: hasher.finalize().to_hex().to_string(),
-        })
-    }
-}
-
 /// A run read back from its folder.
 #[derive(Debug, Clone)]
 pub struct StoredRun {
@@ -166,25 +135,80 @@ pub struct StoredRun {
     pub outcomes: Vec<SampleOutcome>,
     /// Outcomes of the mixed samples of a pick-freeze design, which belong to no population.
     pub mixed: Vec<SampleOutcome>,
-    /// Tables whose content is not that of the run.
+    /// Files whose content is not that of the run.
     pub changed: Vec<String>,
 }
 
 impl RunRecord {
-    /// Writes `run.json`, whole or not at all.
+    /// Writes `run.json`, whole or not at all. Its second line holds the hash of the bytes below.
     ///
     /// # Errors
-    /// The operating system's.
-    pub fn write(&self, folder: &Path) -> std::io::Result<()> {
-        let json = serde_json::to_string_pretty(self)?;
-        replace_file(&folder.join(RECORD), |file| file.write_all(json.as_bytes()))
+    /// [`FileError`].
+    pub fn write(&self, folder: &Path) -> Result<(), FileError> {
+        let path = folder.join(RECORD);
+        let json = serde_json::to_string_pretty(self);
+        let json = json.map_err(|error| FileError::system(&path, error.into()))?;
+        let body = json.strip_prefix(OPENING).unwrap_or(&json);
+        let hash = FileRecord::of(RECORD, body.as_bytes()).blake3;
+        file::replace(&path, |file| {
+            write!(file, "{OPENING}{HASH_KEY}{hash}{HASH_END}{body}")
+        })?;
+        Ok(())
     }
 
-    fn read(path: &Path) -> Result<Self, StoreError> {
-        let text = std::fs::read_to_string(path)?;
-        serde_json::from_str(&text).map_err(|error| StoreError::File(error.into()))
+    /// Reads `run.json`, and whether it is what the run wrote.
+    fn read(folder: &Path) -> Result<(Self, bool), FileError> {
+        let path = folder.join(RECORD);
+        let text = file::read_text(&path)?;
+        let hashed = text
+            .strip_prefix(OPENING)
+            .and_then(|rest| rest.strip_prefix(HASH_KEY)?.split_once(HASH_END));
+        let (json, intact) = match hashed {
+            // an empty line in place of the hash, so that errors name the lines of the file
+            Some((hash, body)) => (
+                format!("{OPENING}\n{body}"),
+                FileRecord::of(RECORD, body.as_bytes()).blake3 == hash,
+            ),
+            None => (text, false),
+        };
+        let record = serde_json::from_str(&json).map_err(|error| {
+            let line = error.line() as u64;
+            FileError::content(&path, Some(line), format!("is no record of a run: {error}"))
+        })?;
+        Ok((record, intact))
+    }
+
+    /// Names of the files in `folder` that are not those that the run wrote; absent ones among them.
+    fn changed(&self, folder: &Path) -> Vec<String> {
+        let differs = |table: &&FileRecord| {
+            FileRecord::in_folder(folder, &table.name).ok().as_ref() != Some(*table)
+        };
+        let tables = self.tables.iter().filter(differs);
+        tables.map(|table| table.name.clone()).collect()
     }
 }
+
+/// First bytes of `run.json`.
+const OPENING: &str = "{\n";
+/// What stands around the hash in its second line.
+const HASH_KEY: &str = "  \"blake3_of_the_lines_below\": \"";
+const HASH_END: &str = "\",\n";
+
+/// Refuses a folder with files that are not those that the run wrote: what is computed from them would pass for its results.
+///
+/// # Errors
+/// [`FileError`] on the first such file.
+pub fn require_unchanged(folder: &Path) -> Result<(), FileError> {
+    let (record, intact) = RunRecord::read(folder)?;
+    let own = (!intact).then(|| RECORD.to_owned());
+    match own.into_iter().chain(record.changed(folder)).next() {
+        None => Ok(()),
+        Some(name) => Err(FileError::content(&folder.join(name), None, CHANGED)),
+    }
+}
+
+/// What is wrong with a changed file.
+pub const CHANGED: &str = "is not the file that the run wrote";
 
 impl StoredRun {
     /// What a report is made from.
@@ -201,29 +225,20 @@ impl StoredRun {
     /// Reads what a run left in `folder`.
     ///
     /// # Errors
-    /// [`ReportError::Stored`] with the file that is absent or not what a run writes.
-    pub fn read(folder: &Path) -> Result<Self, ReportError> {
-        let at = |name: &str| {
-            let path = folder.join(name);
-            move |source: StoreError| ReportError::Stored { path, source }
-        };
-        let record = RunRecord::read(&folder.join(RECORD)).map_err(at(RECORD))?;
-        let [samples, curves] = TABLES;
-        let mut stored = read_samples(&folder.join(samples)).map_err(at(samples))?;
-        read_curves(&folder.join(curves), &mut stored.outcomes).map_err(at(curves))?;
-        let mut changed = Vec::new();
-        for table in &record.tables {
-            let found = FileRecord::in_folder(folder, &table.name);
-            if found.map_err(|e| at(&table.name)(e.into()))? != *table {
-                changed.push(table.name.clone());
-            }
-        }
+    /// [`FileError`] with the file that is absent or not what a run writes.
+    pub fn read(folder: &Path) -> Result<Self, FileError> {
+        let (record, intact) = RunRecord::read(folder)?;
+        let [samples, curves] = TABLES.map(|name| folder.join(name));
+        let mut stored = read_samples(&samples)?;
+        read_curves(&curves, &mut stored.outcomes)?;
+        let own = (!intact).then(|| RECORD.to_owned());
+        let changed = own.into_iter().chain(record.changed(folder)).collect();
         let shape = |o: &SampleOutcome| {
             o.levels.len() == record.levels.len() && o.inputs.len() == record.inputs.len()
         };
         if !stored.outcomes.iter().all(shape) {
-            let what = format!("a sample with the levels and inputs of {RECORD}");
-            return Err(at(samples)(StoreError::Missing(what)));
+            let rule = format!("must have the levels and inputs of {RECORD} in every sample");
+            return Err(FileError::content(&samples, None, rule));
         }
         let of_population = |outcome: &SampleOutcome| outcome.group.of_population();
         let (outcomes, mixed) = stored.outcomes.into_iter().partition(of_population);

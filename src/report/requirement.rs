@@ -2,7 +2,7 @@
 //!
 //! No number here is a standard's: every limit is the user's, who names the document that it comes from.
 
-use crate::setting::{BadSetting, non_negative, positive};
+use crate::setting::{BadSetting, LARGEST, NOT_BLANK, non_negative, positive, within};
 use crate::statistics::Demonstration;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -23,11 +23,15 @@ pub struct Requirements {
 #[serde(deny_unknown_fields)]
 pub struct Operation {
     /// Lowest and highest speed of continuous operation (1/min).
+    #[serde(deserialize_with = "crate::setting::exactly")]
+    #[schemars(inner(range(max = 1e7)), transform = crate::setting::positive_items)]
     pub speed_rpm: [f64; 2],
     /// Orders of the excitation: multiples of the speed.
+    #[schemars(length(min = 1), inner(range(min = 1)), extend("uniqueItems" = true))]
     pub engine_orders: Vec<u32>,
     /// Speeds that are held for long (1/min), inside the range.
     #[serde(default)]
+    #[schemars(transform = crate::setting::positive_items)]
     pub dwell_rpm: Vec<f64>,
     /// What a margin is a share of.
     #[serde(default)]
@@ -50,12 +54,16 @@ pub enum MarginBase {
 #[serde(deny_unknown_fields)]
 pub struct Stress {
     /// Alternating stress at the critical place per amplitude of the first response coordinate (MPa/µm).
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub modal_stress_mpa_per_um: f64,
     /// Mean stress there (MPa).
+    #[schemars(range(min = 0))]
     pub mean_stress_mpa: f64,
     /// Alternating stress that the material bears for ever without mean stress (MPa).
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub endurance_limit_mpa: f64,
     /// Ultimate strength (MPa).
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub ultimate_strength_mpa: f64,
 }
 
@@ -76,8 +84,13 @@ pub enum Quantity {
 /// `[[criteria]]`: one judgement, PASS, FAIL or UNDECIDED.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend(
+    "if" = { "properties": { "quantity": { "const": "probability-of-exceedance" } } },
+    "then" = { "properties": { "limit": { "exclusiveMaximum": 1 }, "share": false } }
+))]
 pub struct Criterion {
     /// Name in the report.
+    #[schemars(regex(pattern = NOT_BLANK))]
     pub name: String,
     /// Document that the limit comes from.
     pub standard: Option<String>,
@@ -86,12 +99,16 @@ pub struct Criterion {
     /// What is judged, with its unit.
     pub quantity: Quantity,
     /// The limit.
+    #[schemars(range(max = LARGEST), extend("exclusiveMinimum" = 0))]
     pub limit: f64,
     /// Excitation level; every level of the study must do if absent.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub level: Option<f64>,
     /// Share of the assumed prior that must keep the limit; 0.95 if absent. A probability has none.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub share: Option<f64>,
     /// Confidence of the judgement in view of the number of samples; 0.95 if absent.
+    #[schemars(extend("exclusiveMinimum" = 0.5, "exclusiveMaximum" = 1))]
     pub confidence: Option<f64>,
 }
 
@@ -132,6 +149,7 @@ impl Criterion {
         let named = !self.name.trim().is_empty();
         BadSetting::unless(named, "name", "\"\"", "must not be empty")?;
         positive("limit", self.limit)?;
+        within("limit", self.limit, [0.0, LARGEST])?;
         let share = self.share();
         let holds = share > 0.0 && share < 1.0;
         BadSetting::unless(holds, "share", share, "must lie between 0 and 1")?;
@@ -155,6 +173,7 @@ impl Operation {
         let [low, high] = self.speed_rpm;
         positive("speed_rpm[0]", low)?;
         positive("speed_rpm[1]", high)?;
+        within("speed_rpm[1]", high, [0.0, 1e7])?;
         let rule = "must be [low, high] with low <= high";
         BadSetting::unless(low <= high, "speed_rpm", format!("[{low}, {high}]"), rule)?;
         let some = !self.engine_orders.is_empty();
@@ -204,6 +223,10 @@ impl Requirements {
             let under = |bad: BadSetting| bad.under(&format!("criteria[{i}]"));
             criterion.validate().map_err(under)?;
             self.supports(criterion).map_err(under)?;
+            let names = self.criteria[..i].iter().map(|other| &other.name);
+            let new = !names.into_iter().any(|name| *name == criterion.name);
+            let rule = "must not be given twice";
+            BadSetting::unless(new, "name", &criterion.name, rule).map_err(under)?;
             let known = criterion.level.is_none_or(|level| levels.contains(&level));
             let value = criterion.level.unwrap_or_default();
             BadSetting::unless(known, "level", value, "must be one of levels").map_err(under)?;

@@ -32,6 +32,7 @@ pub struct SurrogateSettings {
     /// Kind of the surrogate.
     pub kind: SurrogateKind,
     /// Share of the samples that check it and do not shape it; 0.2 if absent.
+    #[schemars(range(min = 0.05, max = 0.5))]
     hold_out: Option<f64>,
 }
 

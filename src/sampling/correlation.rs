@@ -5,7 +5,7 @@
 
 use super::Input;
 use crate::setting::BadSetting;
-use statrs::distribution::{ContinuousCDF, Normal};
+use crate::special::{normal_cdf, normal_quantile};
 
 /// What the numbers of a [`CorrelationTable`] are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, schemars::JsonSchema)]
@@ -22,8 +22,11 @@ pub enum CorrelationKind {
 #[derive(Debug, Clone, Default, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CorrelationTable {
+    /// What the values are; `normal-scores` if absent.
     #[serde(default)]
     kind: CorrelationKind,
+    /// Pairs of inputs with their correlations.
+    #[schemars(length(min = 1))]
     pairs: Vec<CorrelatedPair>,
 }
 
@@ -31,7 +34,11 @@ pub struct CorrelationTable {
 #[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct CorrelatedPair {
+    /// Names of two inputs.
+    #[serde(deserialize_with = "crate::setting::exactly")]
     inputs: [String; 2],
+    /// Their correlation.
+    #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 1, "not" = { "const": 0 }))]
     value: f64,
 }
 
@@ -62,7 +69,9 @@ impl CorrelationTable {
             BadSetting::unless(inside, &format!("{key}.value"), pair.value, rule)?;
             let score = match self.kind {
                 CorrelationKind::NormalScores => pair.value,
-                CorrelationKind::Spearman => 2.0 * (std::f64::consts::PI * pair.value / 6.0).sin(),
+                CorrelationKind::Spearman => {
+                    2.0 * libm::sin(std::f64::consts::PI * pair.value / 6.0)
+                }
             };
             (matrix[i][j], matrix[j][i]) = (score, score);
         }
@@ -99,7 +108,6 @@ impl CorrelatedPair {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Copula {
     factor: Vec<Vec<f64>>,
-    normal: Normal,
 }
 
 impl Copula {
@@ -108,7 +116,6 @@ impl Copula {
     pub fn new(correlation: &[Vec<f64>]) -> Option<Self> {
         Some(Self {
             factor: cholesky(correlation).ok()?,
-            normal: Normal::standard(),
         })
     }
 
@@ -116,12 +123,12 @@ impl Copula {
     ///
     /// Shape: `u` `[inputs]`, in the order of the matrix.
     pub fn correlate(&self, u: &mut [f64]) {
-        let z: Vec<f64> = u.iter().map(|u| self.normal.inverse_cdf(*u)).collect();
+        let z: Vec<f64> = u.iter().map(|u| normal_quantile(*u)).collect();
         for (i, (u, row)) in u.iter_mut().zip(&self.factor).enumerate() {
             if row[..i].iter().any(|l| *l != 0.0) {
                 let score: f64 = row.iter().zip(&z).map(|(l, z)| l * z).sum();
                 let end = 0.5 * f64::EPSILON;
-                *u = self.normal.cdf(score).clamp(end, 1.0 - end);
+                *u = normal_cdf(score).clamp(end, 1.0 - end);
             }
         }
     }

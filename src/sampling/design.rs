@@ -468,7 +468,7 @@ impl DesignSettings {
 }
 
 /// Most samples of a study: beyond it the tables of the report do not fit into memory.
-const MOST_SAMPLES: u64 = 100_000_000;
+pub const MOST_SAMPLES: u64 = 100_000_000;
 
 fn number_of_samples(samples: u64) -> Result<u64, BadSetting> {
     let rule = format!("must be from 1 to {MOST_SAMPLES}");

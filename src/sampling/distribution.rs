@@ -1,10 +1,10 @@
 //! Distributions of one input, sampled by the inverse of the distribution function.
 
-use statrs::distribution::{
-    Beta, Continuous, ContinuousCDF, LogNormal, Normal, Triangular, Uniform,
+use crate::setting::{BadSetting, positive, within};
+use crate::special::{
+    beta_cdf, beta_density, beta_quantile, normal_cdf, normal_density, normal_quantile,
 };
-
-use crate::setting::{BadSetting, positive};
+use libm::{exp, log};
 use std::fmt;
 
 /// Family and parameters.
@@ -71,9 +71,8 @@ pub enum Shape {
 #[serde(try_from = "Stated", into = "Stated")]
 pub struct Distribution {
     shape: Shape,
-    law: Law,
     support: [f64; 2],
-    /// F of the uncut law at both ends of the support.
+    /// F of the uncut shape at both ends of the support.
     kept: [f64; 2],
 }
 
@@ -101,6 +100,11 @@ impl TryFrom<Stated> for Distribution {
         Self::new(stated.shape, stated.truncation)
     }
 }
+
+/// Exponents of a beta distribution for which its functions are accurate; a narrower one is a normal distribution.
+pub(super) const BETA_EXPONENT: [f64; 2] = [0.01, 1e6];
+/// Standard deviations of ln x that can be meant: at 10 one standard deviation is a factor of 22000.
+pub(super) const LOG_STANDARD_DEVIATION: [f64; 2] = [1e-9, 10.0];
 
 /// Least probability that a truncation must keep: below it the inverse loses digits to cancellation.
 const LEAST_KEPT: f64 = 1e-6;
@@ -177,7 +181,8 @@ impl Shape {
                 log_standard_deviation,
             } => {
                 positive("median", median)?;
-                positive("log_standard_deviation", log_standard_deviation)
+                let (key, value) = ("log_standard_deviation", log_standard_deviation);
+                within(key, value, LOG_STANDARD_DEVIATION)
             }
             Self::Triangular { low, mode, high } => {
                 ascending(low, high)?;
@@ -190,8 +195,8 @@ impl Shape {
                 low,
                 high,
             } => {
-                positive("alpha", alpha)?;
-                positive("beta", beta)?;
+                within("alpha", alpha, BETA_EXPONENT)?;
+                within("beta", beta, BETA_EXPONENT)?;
                 ascending(low, high)
             }
         }
@@ -210,97 +215,113 @@ impl Shape {
         }
     }
 
-    /// The library's law; it refuses only parameters that [`Shape::validate`] refuses, or an overflow of them.
-    fn law(&self) -> Result<Law, BadSetting> {
-        let law = match *self {
-            Self::Fixed { value } => Some(Law::Point(value)),
-            Self::Uniform { low, high } => Uniform::new(low, high).ok().map(Law::Uniform),
+    /// F(x).
+    fn cdf(&self, x: f64) -> f64 {
+        match *self {
+            Self::Fixed { value } => f64::from(u8::from(x >= value)),
+            Self::Uniform { low, high } => ((x - low) / (high - low)).clamp(0.0, 1.0),
             Self::LogUniform { low, high } => {
-                Uniform::new(low.ln(), high.ln()).ok().map(Law::LogUniform)
+                let from_low = log(x.clamp(low, high)) - log(low);
+                from_low / (log(high) - log(low))
             }
             Self::Normal {
                 mean,
                 standard_deviation,
-            } => Normal::new(mean, standard_deviation).ok().map(Law::Normal),
+            } => normal_cdf((x - mean) / standard_deviation),
+            Self::Lognormal { .. } if x <= 0.0 => 0.0,
             Self::Lognormal {
                 median,
                 log_standard_deviation,
-            } => LogNormal::new(median.ln(), log_standard_deviation)
-                .ok()
-                .map(Law::Lognormal),
+            } => normal_cdf((log(x) - log(median)) / log_standard_deviation),
             Self::Triangular { low, mode, high } => {
-                Triangular::new(low, high, mode).ok().map(Law::Triangular)
+                let [below, above] = triangle(low, mode, high);
+                let [t, u] = [x - low, high - x].map(|d| (d / (high - low)).clamp(0.0, 1.0));
+                match x < mode {
+                    true => t * t / below,
+                    false if u == 0.0 => 1.0,
+                    false => 1.0 - u * u / above,
+                }
             }
             Self::Beta {
                 alpha,
                 beta,
                 low,
                 high,
-            } => Beta::new(alpha, beta)
-                .ok()
-                .map(|law| Law::Beta(law, low, high - low)),
-        };
-        law.ok_or_else(|| BadSetting {
-            key: "distribution".to_owned(),
-            value: self.name().to_owned(),
-            rule: "must have parameters that the distribution allows".to_owned(),
-        })
-    }
-}
-
-/// The shape with its parameters checked, ready to be evaluated.
-#[derive(Debug, Clone, PartialEq)]
-enum Law {
-    Point(f64),
-    Uniform(Uniform),
-    /// On ln x.
-    LogUniform(Uniform),
-    Normal(Normal),
-    Lognormal(LogNormal),
-    Triangular(Triangular),
-    /// With the lower end and the width of its interval.
-    Beta(Beta, f64, f64),
-}
-
-impl Law {
-    /// F(x).
-    fn cdf(&self, x: f64) -> f64 {
-        match self {
-            Self::Point(value) => f64::from(u8::from(x >= *value)),
-            Self::Uniform(law) => law.cdf(x),
-            Self::LogUniform(law) => law.cdf(x.ln()),
-            Self::Normal(law) => law.cdf(x),
-            Self::Lognormal(law) => law.cdf(x),
-            Self::Triangular(law) => law.cdf(x),
-            Self::Beta(law, low, width) => law.cdf((x - low) / width),
+            } => beta_cdf(alpha, beta, (x - low) / (high - low)),
         }
     }
 
     /// dF/dx inside the support; 0 for a single value, which has none.
     fn density(&self, x: f64) -> f64 {
-        match self {
-            Self::Point(_) => 0.0,
-            Self::Uniform(law) => law.pdf(x),
-            Self::LogUniform(law) => law.pdf(x.ln()) / x,
-            Self::Normal(law) => law.pdf(x),
-            Self::Lognormal(law) => law.pdf(x),
-            Self::Triangular(law) => law.pdf(x),
-            Self::Beta(law, low, width) => law.pdf((x - low) / width) / width,
+        match *self {
+            Self::Fixed { .. } => 0.0,
+            Self::Uniform { low, high } => 1.0 / (high - low),
+            Self::LogUniform { low, high } => 1.0 / (x * (log(high) - log(low))),
+            Self::Normal {
+                mean,
+                standard_deviation,
+            } => normal_density((x - mean) / standard_deviation) / standard_deviation,
+            Self::Lognormal { .. } if x <= 0.0 => 0.0,
+            Self::Lognormal {
+                median,
+                log_standard_deviation,
+            } => {
+                let score = (log(x) - log(median)) / log_standard_deviation;
+                normal_density(score) / (x * log_standard_deviation)
+            }
+            Self::Triangular { low, mode, high } => {
+                let [below, above] = triangle(low, mode, high);
+                let [t, u] = [x - low, high - x].map(|d| d / (high - low));
+                let height = match x < mode {
+                    true => t / below,
+                    false if above == 0.0 => 1.0,
+                    false => u / above,
+                };
+                2.0 / (high - low) * height
+            }
+            Self::Beta {
+                alpha,
+                beta,
+                low,
+                high,
+            } => beta_density(alpha, beta, (x - low) / (high - low)) / (high - low),
         }
     }
 
     /// F⁻¹(p), 0 < p < 1.
     fn quantile(&self, p: f64) -> f64 {
-        match self {
-            Self::Point(value) => *value,
-            Self::Uniform(law) => law.inverse_cdf(p),
-            Self::LogUniform(law) => law.inverse_cdf(p).exp(),
-            Self::Normal(law) => law.inverse_cdf(p),
-            Self::Lognormal(law) => law.inverse_cdf(p),
-            Self::Triangular(law) => law.inverse_cdf(p),
-            Self::Beta(law, low, width) => low + width * law.inverse_cdf(p),
+        match *self {
+            Self::Fixed { value } => value,
+            Self::Uniform { low, high } => low + p * (high - low),
+            Self::LogUniform { low, high } => exp(log(low) + p * (log(high) - log(low))),
+            Self::Normal {
+                mean,
+                standard_deviation,
+            } => mean + standard_deviation * normal_quantile(p),
+            Self::Lognormal {
+                median,
+                log_standard_deviation,
+            } => median * exp(log_standard_deviation * normal_quantile(p)),
+            Self::Triangular { low, mode, high } => {
+                let [below, above] = triangle(low, mode, high);
+                match p < below {
+                    true => low + (high - low) * (p * below).sqrt(),
+                    false => high - (high - low) * ((1.0 - p) * above).sqrt(),
+                }
+            }
+            Self::Beta {
+                alpha,
+                beta,
+                low,
+                high,
+            } => low + (high - low) * beta_quantile(alpha, beta, p),
         }
     }
+}
+
+/// Probabilities below and above the mode.
+fn triangle(low: f64, mode: f64, high: f64) -> [f64; 2] {
+    [mode - low, high - mode].map(|d| d / (high - low))
 }
 
 /// `uniform: low 0.1, high 0.8`
@@ -322,17 +343,15 @@ impl Distribution {
     /// at least a millionth of the probability.
     pub fn new(shape: Shape, truncation: Option<[f64; 2]>) -> Result<Self, BadSetting> {
         shape.validate()?;
-        let law = shape.law()?;
         let support = shape.support();
         let Some([low, high]) = truncation else {
             return Ok(Self {
                 shape,
-                law,
                 support,
                 kept: [0.0, 1.0],
             });
         };
-        let kept = [law.cdf(low), law.cdf(high)];
+        let kept = [shape.cdf(low), shape.cdf(high)];
         let written = format!("[{low}, {high}]");
         let rule = |holds, rule| BadSetting::unless(holds, "truncation", &written, rule);
         rule(low < high, "must be [low, high] with low < high")?;
@@ -346,7 +365,6 @@ impl Distribution {
         )?;
         Ok(Self {
             shape,
-            law,
             support: [low, high],
             kept,
         })
@@ -390,17 +408,19 @@ impl Distribution {
     #[must_use]
     pub fn quantile(&self, u: f64) -> f64 {
         let p = self.kept[0] + u * (self.kept[1] - self.kept[0]);
-        self.law.quantile(p).clamp(self.support[0], self.support[1])
+        self.shape
+            .quantile(p)
+            .clamp(self.support[0], self.support[1])
     }
 
     /// dF/dx: density at x, 0 outside of the support; for the weights of samples under another distribution. A fixed value has none.
     #[must_use]
     pub fn density(&self, x: f64) -> Option<f64> {
         let [low, high] = self.support;
-        match self.law {
-            Law::Point(_) => None,
+        match self.shape {
+            Shape::Fixed { .. } => None,
             _ if x < low || x > high => Some(0.0),
-            _ => Some(self.law.density(x) / (self.kept[1] - self.kept[0])),
+            _ => Some(self.shape.density(x) / (self.kept[1] - self.kept[0])),
         }
     }
 
@@ -413,7 +433,7 @@ impl Distribution {
         if x < self.support[0] {
             return 0.0;
         }
-        (self.law.cdf(x) - self.kept[0]) / (self.kept[1] - self.kept[0])
+        (self.shape.cdf(x) - self.kept[0]) / (self.kept[1] - self.kept[0])
     }
 }
 
@@ -424,5 +444,7 @@ fn finite(key: &str, value: f64) -> Result<(), BadSetting> {
 fn ascending(low: f64, high: f64) -> Result<(), BadSetting> {
     finite("low", low)?;
     finite("high", high)?;
-    BadSetting::unless(low < high, "high", high, "must be greater than low")
+    BadSetting::unless(low < high, "high", high, "must be greater than low")?;
+    let rule = "must leave a range that a number can hold";
+    BadSetting::unless((high - low).is_finite(), "high", high, rule)
 }

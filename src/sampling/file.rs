@@ -1,35 +1,10 @@
 //! Samples from a file: one column per input, one row per sample.
 
 use super::Input;
-use parquet::errors::ParquetError;
-use parquet::file::reader::{FileReader, SerializedFileReader};
+use crate::file::{Fault, FileError, read_parquet, read_text};
+use parquet::file::reader::FileReader;
 use parquet::record::Field;
-use std::fs::File;
-use std::path::{Path, PathBuf};
-
-/// Why a file gives no samples.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum SampleFileError {
-    /// The file cannot be opened or read.
-    #[error("{}: {message}", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// What the operating system or the library said.
-        message: String,
-    },
-    /// A line breaks a rule.
-    #[error("{}:{line}: {message}", path.display())]
-    Line {
-        /// The file.
-        path: PathBuf,
-        /// 1-based line, or row of a Parquet file.
-        line: u64,
-        /// Column, value and rule.
-        message: String,
-    },
-}
+use std::path::Path;
 
 /// Values of some inputs, one row per sample.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,8 +21,8 @@ impl SampleTable {
     /// Names are those of [`Input::name`], values as in the tables of a study: a column with a unit has it in its name.
     ///
     /// # Errors
-    /// [`SampleFileError`] on the first column or value that cannot be taken, with its line.
-    pub fn read(path: &Path) -> Result<Self, SampleFileError> {
+    /// [`FileError`] on the first column or value that cannot be taken, with its line.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
         let reader = Reader { path };
         let table = match path.extension().and_then(|e| e.to_str()) {
             Some("csv") => reader.csv()?,
@@ -66,91 +41,53 @@ struct Reader<'p> {
 }
 
 impl Reader<'_> {
-    fn csv(&self) -> Result<SampleTable, SampleFileError> {
-        let text = std::fs::read_to_string(self.path)
-            .map_err(|error| self.unreadable(&error.to_string()))?;
+    fn csv(&self) -> Result<SampleTable, FileError> {
+        let text = read_text(self.path)?;
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .comment(Some(b'#'))
             .from_reader(text.as_bytes());
         let header = reader.headers().map_err(|error| self.csv_error(&error))?;
         let line = line_of(&text, header.position());
-        let inputs = self.columns(header.iter(), line)?;
+        let inputs = columns(header.iter()).map_err(|rule| self.at(line, rule))?;
         let mut rows = Vec::new();
         for record in reader.records() {
             let record = record.map_err(|error| self.csv_error(&error))?;
             let line = line_of(&text, record.position());
-            let row = record.iter().zip(&inputs).map(|(text, input)| {
-                let value = text.parse().map_err(|_| {
-                    self.at(
-                        line,
-                        format!("{} = {text:?}: must be a number", input.name()),
-                    )
-                })?;
-                self.accepted(*input, value, line)
+            let values = record.iter().zip(&inputs).map(|(text, input)| {
+                let value = text
+                    .parse()
+                    .map_err(|_| not_a_number(*input, &format!("{text:?}")));
+                value.and_then(|value| accepted(*input, value))
             });
-            rows.push(row.collect::<Result<_, _>>()?);
+            let values: Result<_, _> = values.collect();
+            rows.push(values.map_err(|rule| self.at(line, rule))?);
         }
         Ok(SampleTable { inputs, rows })
     }
 
-    fn parquet(&self) -> Result<SampleTable, SampleFileError> {
-        let failed = |error: ParquetError| self.unreadable(&error.to_string());
-        let file = File::open(self.path).map_err(|error| self.unreadable(&error.to_string()))?;
-        let reader = SerializedFileReader::new(file).map_err(failed)?;
-        let schema = reader.metadata().file_metadata().schema().get_fields();
-        let inputs = self.columns(schema.iter().map(|field| field.name()), 1)?;
-        let mut rows = Vec::new();
-        for (line, row) in (1..).zip(reader.get_row_iter(None).map_err(failed)?) {
-            let row = row.map_err(failed)?;
-            let values = row
-                .get_column_iter()
-                .zip(&inputs)
-                .map(|((_, field), input)| {
-                    let value = number(field).ok_or_else(|| {
-                        self.at(
-                            line,
-                            format!("{} = {field}: must be a number", input.name()),
-                        )
-                    })?;
-                    self.accepted(*input, value, line)
-                });
-            rows.push(values.collect::<Result<_, _>>()?);
-        }
-        Ok(SampleTable { inputs, rows })
-    }
-
-    fn columns<'n>(
-        &self,
-        names: impl Iterator<Item = &'n str>,
-        line: u64,
-    ) -> Result<Vec<Input>, SampleFileError> {
-        let mut inputs = Vec::new();
-        for name in names {
-            let known: Vec<_> = Input::ALL.iter().map(|input| input.name()).collect();
-            let Some(input) = Input::from_name(name) else {
-                let known = known.join(", ");
-                return Err(self.at(
-                    line,
-                    format!("column {name:?}: unknown input; known are {known}"),
-                ));
-            };
-            if inputs.contains(&input) {
-                return Err(self.at(line, format!("column {name:?}: must be there once")));
+    fn parquet(&self) -> Result<SampleTable, FileError> {
+        read_parquet(self.path, |reader| {
+            let schema = reader.metadata().file_metadata().schema().get_fields();
+            let inputs = columns(schema.iter().map(|field| field.name())).map_err(Fault::new)?;
+            let mut rows = Vec::new();
+            for (line, row) in (1..).zip(reader.get_row_iter(None)?) {
+                let row = row?;
+                let values = row
+                    .get_column_iter()
+                    .zip(&inputs)
+                    .map(|((_, field), input)| {
+                        let value = number(field).ok_or_else(|| not_a_number(*input, field));
+                        value.and_then(|value| accepted(*input, value))
+                    });
+                let values: Result<_, _> = values.collect();
+                rows.push(values.map_err(|rule| Fault::at(line, rule))?);
             }
-            inputs.push(input);
-        }
-        Ok(inputs)
+            Ok(SampleTable { inputs, rows })
+        })
     }
 
-    fn accepted(&self, input: Input, value: f64, line: u64) -> Result<f64, SampleFileError> {
-        match input.accepts_value(input.name(), value) {
-            Ok(()) => Ok(value),
-            Err(bad) => Err(self.at(line, bad.to_string())),
-        }
-    }
-
-    fn csv_error(&self, error: &csv::Error) -> SampleFileError {
+    fn csv_error(&self, error: &csv::Error) -> FileError {
         match error.kind() {
             csv::ErrorKind::UnequalLengths {
                 pos: Some(pos),
@@ -164,20 +101,38 @@ impl Reader<'_> {
         }
     }
 
-    fn unreadable(&self, message: &str) -> SampleFileError {
-        SampleFileError::Unreadable {
-            path: self.path.to_owned(),
-            message: message.to_owned(),
-        }
+    fn unreadable(&self, message: &str) -> FileError {
+        FileError::content(self.path, None, message)
     }
 
-    fn at(&self, line: u64, message: String) -> SampleFileError {
-        SampleFileError::Line {
-            path: self.path.to_owned(),
-            line,
-            message,
-        }
+    fn at(&self, line: u64, message: String) -> FileError {
+        FileError::content(self.path, Some(line), message)
     }
+}
+
+/// The inputs that the columns name.
+fn columns<'n>(names: impl Iterator<Item = &'n str>) -> Result<Vec<Input>, String> {
+    let mut inputs = Vec::new();
+    for name in names {
+        let Some(input) = Input::from_name(name) else {
+            let known = Input::ALL.map(Input::name).join(", ");
+            return Err(format!("column {name:?}: unknown input; known are {known}"));
+        };
+        if inputs.contains(&input) {
+            return Err(format!("column {name:?}: must be there once"));
+        }
+        inputs.push(input);
+    }
+    Ok(inputs)
+}
+
+fn accepted(input: Input, value: f64) -> Result<f64, String> {
+    let valid = input.accepts_value(input.name(), value);
+    valid.map(|()| value).map_err(|bad| bad.to_string())
+}
+
+fn not_a_number(input: Input, written: &dyn std::fmt::Display) -> String {
+    format!("{} = {written}: must be a number", input.name())
 }
 
 /// Line of a record; the library counts from where it began to look for one, before empty lines and comments.

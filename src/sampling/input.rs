@@ -1,7 +1,7 @@
 //! The quantities of a study that may be random.
 
 use super::distribution::Distribution;
-use crate::setting::BadSetting;
+use crate::setting::{BadSetting, FRICTION, USUAL_FRICTION, unusual};
 
 /// A quantity that may be random. The order is the order of the sampled values everywhere.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -57,6 +57,9 @@ const PRESSURE_NAMES: [&str; 16] = [
     "pressure_mode_16",
 ];
 
+/// Probability of values beyond those that a study is expected to meet.
+const SELDOM: f64 = 1e-6;
+
 impl Input {
     /// Every input that `[inputs]` can name, in order; the modes of the pressure field come after them.
     pub const ALL: [Self; 13] = [
@@ -75,36 +78,86 @@ impl Input {
         Self::StripThickness,
     ];
 
-    /// Refuses a value without physical meaning (negative or not finite; a factor of 0).
+    /// Refuses a value that cannot be meant (negative, not finite, beyond any use; a factor of 0).
     ///
     /// # Errors
     /// [`BadSetting`] on `key`.
     pub fn accepts_value(self, key: &str, value: f64) -> Result<(), BadSetting> {
-        let zero_allowed = matches!(
+        let zero_allowed = self.zero_allowed();
+        let above = value > 0.0 || (zero_allowed && value == 0.0);
+        let rule = match zero_allowed {
+            true => "must be >= 0",
+            false => "must be > 0",
+        };
+        BadSetting::unless(above, key, value, rule)?;
+        let most = self.largest();
+        let rule = format!("must be at most {most}: {}", self.meaning());
+        BadSetting::unless(value <= most, key, value, &rule)
+    }
+
+    /// Whether 0 has a meaning.
+    #[must_use]
+    pub fn zero_allowed(self) -> bool {
+        matches!(
             self,
             Self::FrictionCoefficient
                 | Self::LeftFrictionCoefficient
                 | Self::RightFrictionCoefficient
                 | Self::StaticLoadScale
                 | Self::EdgePressure
-        );
-        let most = self.largest();
-        let above = value > 0.0 || (zero_allowed && value == 0.0);
-        let rule = match zero_allowed {
-            _ if most.is_finite() => "must be from 0 to 1",
-            true => "must be >= 0",
-            false => "must be > 0",
-        };
-        let holds = value.is_finite() && above && value <= most;
-        BadSetting::unless(holds, key, value, rule)
+        )
     }
 
-    /// Largest value with a physical meaning.
-    fn largest(self) -> f64 {
+    /// Largest value that can be meant.
+    #[must_use]
+    pub fn largest(self) -> f64 {
         match self {
             Self::EdgePressure => 1.0,
-            _ => f64::INFINITY,
+            Self::FrictionCoefficient
+            | Self::LeftFrictionCoefficient
+            | Self::RightFrictionCoefficient => FRICTION[1],
+            Self::StripThickness => 1e3,
+            _ => 1e6,
         }
+    }
+
+    /// What its numbers are.
+    #[must_use]
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::EdgePressure => "1 is the pressure of a rigid punch",
+            Self::FrictionCoefficient
+            | Self::LeftFrictionCoefficient
+            | Self::RightFrictionCoefficient => "a friction coefficient, no percentage",
+            Self::StripThickness => "a thickness in mm",
+            Self::PressureMode(_) => "a standard normal number",
+            _ => "a factor on the nominal value",
+        }
+    }
+
+    /// Values that are usual; `None` where any that is accepted is.
+    fn usual(self) -> Option<[f64; 2]> {
+        match self {
+            Self::FrictionCoefficient
+            | Self::LeftFrictionCoefficient
+            | Self::RightFrictionCoefficient => Some(USUAL_FRICTION),
+            Self::StiffnessScale
+            | Self::NormalStiffnessScale
+            | Self::TangentialStiffnessScale
+            | Self::LeftStiffnessScale
+            | Self::RightStiffnessScale => Some([1e-3, 1e3]),
+            Self::StaticLoadScale | Self::DampingScale | Self::ExcitationScale => Some([1e-2, 1e2]),
+            Self::EdgePressure | Self::StripThickness | Self::PressureMode(_) => None,
+        }
+    }
+
+    /// What may be meant but is unusual: values that one sample in a hundred lies below or above.
+    #[must_use]
+    pub fn unusual(self, distribution: &Distribution) -> Option<BadSetting> {
+        let usual = self.usual()?;
+        let ends = [0.01, 0.99].map(|p| distribution.quantile(p));
+        ends.iter()
+            .find_map(|end| unusual(self.name(), *end, usual))
     }
 
     /// Name in study files, tables and reports.
@@ -196,12 +249,18 @@ impl Input {
             "must not give negative values: raise low or add truncation = [low, high]",
         )?;
         let most = self.largest();
+        // a tail that no sample comes near needs no truncation
+        let reach = match high.is_finite() || self == Self::EdgePressure {
+            true => high,
+            false => distribution.quantile(1.0 - SELDOM),
+        };
         BadSetting::unless(
-            high <= most,
+            reach <= most,
             "distribution",
             format!("{} on (..., {high})", distribution.shape().name()),
             &format!(
-                "must not give values above {most}: lower high or add truncation = [low, high]"
+                "must not give values above {most} ({}): lower high or add truncation = [low, high]",
+                self.meaning()
             ),
         )
     }

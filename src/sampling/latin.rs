@@ -6,7 +6,7 @@
 
 use super::correlation::cholesky;
 use super::stream::{JITTER, uniform};
-use statrs::distribution::{ContinuousCDF, Normal};
+use crate::special::normal_quantile;
 
 /// Times that the correlation is corrected.
 const PASSES: usize = 3;
@@ -79,11 +79,10 @@ fn ranks(values: &[f64]) -> Vec<u32> {
 
 /// Φ⁻¹ of the middle of each stratum (van der Waerden's scores).
 fn normal_scores(strata: &[u32]) -> Vec<f64> {
-    let normal = Normal::standard();
     let n = strata.len() as f64;
     strata
         .iter()
-        .map(|&stratum| normal.inverse_cdf((f64::from(stratum) + 0.5) / n))
+        .map(|&stratum| normal_quantile((f64::from(stratum) + 0.5) / n))
         .collect()
 }
 

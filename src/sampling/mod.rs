@@ -22,7 +22,7 @@ pub mod table;
 pub use correlation::CorrelationTable;
 pub use design::{Design, DesignSettings, SampleGroup};
 pub use distribution::{Distribution, Shape};
-pub use file::{SampleFileError, SampleTable};
+pub use file::SampleTable;
 pub use input::Input;
 pub use outer::{EpistemicInterval, EpistemicTable};
 pub use plan::{DesignKind, DesignTable, Growth};

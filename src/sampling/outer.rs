@@ -69,8 +69,11 @@ impl EpistemicInterval {
 #[derive(Debug, Clone, Default, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EpistemicTable {
+    /// How the box of the intervals is covered; `corners` if absent.
     #[serde(default)]
     kind: OuterKind,
+    /// Space-filling points beside the corners (8 if absent), or points of a grid per input (3 if absent).
+    #[schemars(range(max = MOST_POINTS))]
     points: Option<u64>,
 }
 

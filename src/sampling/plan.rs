@@ -47,11 +47,32 @@ impl DesignKind {
 /// `[design]` of a study file; each kind takes its own keys and refuses the others.
 #[derive(Debug, Clone, Default, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("oneOf" = [
+    {
+        "properties": {
+            "kind": { "enum": ["monte-carlo", "latin-hypercube", "pick-freeze"] },
+            "replicates": false, "points": false, "path": false
+        }
+    },
+    { "properties": { "kind": { "const": "sobol" }, "points": false, "path": false } },
+    {
+        "properties": { "kind": { "const": "grid" }, "replicates": false, "path": false },
+        "required": ["points"]
+    },
+    {
+        "properties": { "kind": { "const": "file" }, "replicates": false, "points": false },
+        "required": ["path"]
+    }
+]))]
 pub struct DesignTable {
     /// Kind of the design.
     pub kind: DesignKind,
+    /// Independent scramblings of Sobol' points; 1 if absent.
+    #[schemars(range(min = 1, max = MOST_REPLICATES))]
     replicates: Option<u64>,
+    /// Points of a grid.
     points: Option<Points>,
+    /// File of a design of rows, `.csv` or `.parquet`, relative to the study file.
     path: Option<PathBuf>,
 }
 
@@ -62,7 +83,9 @@ pub struct DesignTable {
     expecting = "expected a number of points, or a table of input = points"
 )]
 enum Points {
-    Each(u64),
+    /// So many for each input.
+    Each(#[schemars(range(min = 1))] u64),
+    /// By input.
     PerInput(BTreeMap<String, u64>),
 }
 

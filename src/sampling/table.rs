@@ -1,8 +1,9 @@
 //! The table that states what is known of an input in a study file.
 
-use super::distribution::{Distribution, Shape};
+use super::distribution::{BETA_EXPONENT, Distribution, LOG_STANDARD_DEVIATION, Shape};
 use super::outer::{EpistemicInterval, Scale};
 use crate::setting::BadSetting;
+use serde_json::json;
 
 /// Family of a distribution, as written in a study file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, schemars::JsonSchema)]
@@ -49,24 +50,88 @@ pub enum UncertaintyKind {
 /// One flat table and not one variant per family: so a reader of the file can name the line of every mistake.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(transform = by_family)]
 pub struct DistributionTable {
+    /// Whether the input varies or has one unknown value; `aleatory` if absent.
     #[serde(default)]
     kind: UncertaintyKind,
+    /// Lower end of an interval without a distribution.
     lower: Option<f64>,
+    /// Its upper end.
     upper: Option<f64>,
+    /// How outer points are spaced over the interval; by its ends if absent.
     scale: Option<Scale>,
+    /// Family of the distribution.
     distribution: Option<Family>,
+    /// The value of `fixed`.
     value: Option<f64>,
+    /// Lower end of `uniform`, `log-uniform`, `triangular` and `beta`.
     low: Option<f64>,
+    /// Their upper end.
     high: Option<f64>,
+    /// Mean of `normal`.
     mean: Option<f64>,
+    /// Standard deviation of `normal`.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     standard_deviation: Option<f64>,
+    /// Median of `lognormal`.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     median: Option<f64>,
+    /// Standard deviation of the logarithm of `lognormal`.
+    #[schemars(range(min = LOG_STANDARD_DEVIATION[0], max = LOG_STANDARD_DEVIATION[1]))]
     log_standard_deviation: Option<f64>,
+    /// Most likely value of `triangular`.
     mode: Option<f64>,
+    /// First exponent of `beta`.
+    #[schemars(range(min = BETA_EXPONENT[0], max = BETA_EXPONENT[1]))]
     alpha: Option<f64>,
+    /// Second exponent of `beta`.
+    #[schemars(range(min = BETA_EXPONENT[0], max = BETA_EXPONENT[1]))]
     beta: Option<f64>,
+    /// [low, high] that cuts the distribution.
+    #[serde(default, deserialize_with = "crate::setting::exactly_if_given")]
     truncation: Option<[f64; 2]>,
+}
+
+/// Every family with its parameters.
+const FAMILIES: [(&str, &[&str]); 7] = [
+    ("fixed", &["value"]),
+    ("uniform", &["low", "high"]),
+    ("log-uniform", &["low", "high"]),
+    ("normal", &["mean", "standard_deviation"]),
+    ("lognormal", &["median", "log_standard_deviation"]),
+    ("triangular", &["low", "mode", "high"]),
+    ("beta", &["alpha", "beta", "low", "high"]),
+];
+
+/// JSON Schema: each family takes its parameters and no others, an interval its ends.
+fn by_family(schema: &mut schemars::Schema) {
+    let every = FAMILIES.iter().flat_map(|(_, keys)| *keys);
+    let absent = |but: &[&str]| {
+        let others = every.clone().filter(|key| !but.contains(key));
+        let absent = others.map(|key| ((*key).to_owned(), false.into()));
+        absent.collect::<serde_json::Map<_, _>>()
+    };
+    let mut alternatives = Vec::new();
+    for (family, keys) in FAMILIES {
+        let mut properties = absent(keys);
+        properties.insert("kind".to_owned(), json!({ "const": "aleatory" }));
+        properties.insert("distribution".to_owned(), json!({ "const": family }));
+        properties.extend(["lower", "upper"].map(|key| (key.to_owned(), false.into())));
+        match family {
+            "fixed" => properties.insert("truncation".to_owned(), false.into()),
+            "log-uniform" => properties.insert("low".to_owned(), json!({ "exclusiveMinimum": 0 })),
+            _ => None,
+        };
+        let required: Vec<&str> = ["distribution"].iter().chain(keys).copied().collect();
+        alternatives.push(json!({ "properties": properties, "required": required }));
+    }
+    let mut properties = absent(&[]);
+    properties.insert("kind".to_owned(), json!({ "const": "epistemic" }));
+    properties.extend(["distribution", "truncation"].map(|key| (key.to_owned(), false.into())));
+    let required = ["kind", "lower", "upper"];
+    alternatives.push(json!({ "properties": properties, "required": required }));
+    schema.insert("oneOf".to_owned(), alternatives.into());
 }
 
 impl DistributionTable {

@@ -6,7 +6,7 @@ use super::output::OutputFolder;
 use crate::Error;
 use crate::report::StoredRun;
 use crate::report::comparison::DesignComparison;
-use crate::report::record::TABLES;
+use crate::report::record::CHANGED;
 
 /// Compares the runs in `folders` sample by sample, and writes `comparison.json` and `comparison.html` into `output`.
 ///
@@ -17,6 +17,16 @@ use crate::report::record::TABLES;
 /// [`Error::Report`] if a folder holds no results; [`Error::Command`] on the first run that cannot be paired with the
 /// first of them, or with fewer than two runs; [`Error::File`] or [`Error::Report`] if the results cannot be written.
 pub fn compare(folders: &[&Path], output: &OutputFolder) -> Result<DesignComparison, Error> {
+    for (i, folder) in folders.iter().enumerate() {
+        let same = |other: &&&Path| other.canonicalize().ok() == folder.canonicalize().ok();
+        if folder.exists() && folders[..i].iter().any(|other| same(&other)) {
+            return Err(Error::Command {
+                path: folder.to_path_buf(),
+                message: "is given twice: a comparison needs the results of different runs"
+                    .to_owned(),
+            });
+        }
+    }
     let runs: Vec<StoredRun> = (folders.iter())
         .map(|folder| StoredRun::read(folder))
         .collect::<Result<_, _>>()?;
@@ -46,6 +56,9 @@ fn too_few(output: &OutputFolder) -> Error {
 
 /// Whether the samples of `run` pair with those of `first` by index.
 fn check(run: &StoredRun, first: &StoredRun) -> Result<(), String> {
+    if let Some(name) = run.changed.first() {
+        return Err(format!("{name} {CHANGED}"));
+    }
     let (this, that) = (&run.record, &first.record);
     let same = |what: &str, this: String, that: String| match this == that {
         true => Ok(()),
@@ -70,9 +83,6 @@ fn check(run: &StoredRun, first: &StoredRun) -> Result<(), String> {
         names.join(", ")
     };
     same("list of random inputs", names(run), names(first))?;
-    if run.changed.contains(&TABLES[0].to_owned()) {
-        return Err(format!("{} is not the file that the run wrote", TABLES[0]));
-    }
     same(
         "number of samples",
         run.outcomes.len().to_string(),

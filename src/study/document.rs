@@ -141,7 +141,7 @@ impl<'t> Document<'t> {
         T::deserialize(ValueDeserializer::from(value)).map_err(|error| {
             let span = error.span().unwrap_or(whole);
             let key = self.key_around(&span).unwrap_or_default();
-            let message = one_line(error.message());
+            let message = in_words(&one_line(error.message()));
             Error::Study {
                 path: self.path.clone(),
                 line: line_at(self.text, span.start),
@@ -214,4 +214,33 @@ fn line_at(text: &str, byte: usize) -> usize {
 
 fn one_line(message: &str) -> String {
     message.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// What serde expects, and what a reader of the file calls it.
+const EXPECTED: [(&str, &str); 11] = [
+    ("expected u64", "expected a whole number >= 0"),
+    ("expected u32", "expected a whole number >= 0"),
+    ("expected usize", "expected a whole number >= 0"),
+    ("expected f64", "expected a number"),
+    ("expected a boolean", "expected true or false"),
+    ("expected a string", "expected a text in quotes"),
+    ("expected path string", "expected a file name in quotes"),
+    ("expected a sequence", "expected a list in brackets"),
+    ("expected a map", "expected a table"),
+    ("invalid type: map", "invalid type: table"),
+    ("invalid type: sequence", "invalid type: list"),
+];
+
+/// A message of serde in the words of TOML.
+fn in_words(message: &str) -> String {
+    let plain = EXPECTED
+        .iter()
+        .fold(message.to_owned(), |text, (name, words)| {
+            text.replace(name, words)
+        });
+    match plain.split_once("expected struct ") {
+        // the name of the type says nothing to the reader
+        Some((before, _)) => format!("{before}expected a table"),
+        None => plain,
+    }
 }

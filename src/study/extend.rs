@@ -11,7 +11,8 @@ use crate::Error;
 use crate::ensemble::Solved;
 use crate::ensemble::backend::BackendSettings;
 use crate::ensemble::kept::{ATLAS_FILE, read_solved, read_study};
-use crate::ensemble::store::StoreError;
+use crate::file::FileError;
+use crate::report::record::require_unchanged;
 use crate::sampling::Growth;
 
 /// Solves the samples that `folder`, the results of a run, lacks of `samples`, and writes all result files anew.
@@ -20,7 +21,7 @@ use crate::sampling::Growth;
 /// study is the one that the run was made from, whatever its file says now.
 ///
 /// # Errors
-/// [`Error::Command`] if the folder holds no results of `run`, the design cannot grow, there are not more samples than
+/// [`Error::Command`] if the folder holds no results of `run` or one of its files was changed, the design cannot grow, there are not more samples than
 /// before, or the kept samples are not what this program would give; and those of [`super::run()`].
 pub fn extend(
     folder: &Path,
@@ -32,12 +33,13 @@ pub fn extend(
         message,
     };
     let unreadable =
-        |error: StoreError| refused(format!("no results that can be extended: {error}"));
+        |error: FileError| refused(format!("no results that can be extended: {error}"));
     if !folder.join(ATLAS_FILE).is_file() {
         return Err(refused(format!(
             "holds no {ATLAS_FILE}: no results of `run`"
         )));
     }
+    require_unchanged(folder).map_err(unreadable)?;
     let kept = read_study(folder).map_err(unreadable)?;
     let path = folder.join(&kept.path);
     let old = Study::parse(&path, &kept.text)?;

@@ -1,7 +1,7 @@
 //! Frequencies of a study: the band of the resonance search, and where `solve` evaluates the response.
 
 use crate::hb::sweep::SweepDirection;
-use crate::setting::{BadSetting, positive};
+use crate::setting::{BadSetting, positive, within};
 use crate::units::{hz_to_rad_s, rad_s_to_hz};
 
 /// Unit in which a study states and reports frequencies.
@@ -110,21 +110,50 @@ enum NamedPeak {
     All,
 }
 
-/// `[frequency]` of a study file.
+/// `[frequency]` of a study file: one band, and at most one of `points` and values in its unit.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend(
+    "oneOf" = [
+        { "required": ["band_hz"], "properties": { "values_rad_s": false } },
+        { "required": ["band_rad_s"], "properties": { "values_hz": false } }
+    ],
+    "dependentSchemas" = {
+        "points": { "properties": { "values_hz": false, "values_rad_s": false } },
+        "sweep": { "anyOf": [
+            { "required": ["points"] },
+            { "required": ["values_hz"] },
+            { "required": ["values_rad_s"] }
+        ] }
+    }
+))]
 pub struct FrequencyTable {
+    /// Band of the resonance search, [low, high] (Hz).
+    #[serde(default, deserialize_with = "crate::setting::exactly_if_given")]
+    #[schemars(inner(range(min = FREQUENCY[0], max = FREQUENCY[1])))]
     band_hz: Option<[f64; 2]>,
+    /// The same of a non-dimensional model (rad/s).
+    #[serde(default, deserialize_with = "crate::setting::exactly_if_given")]
+    #[schemars(inner(range(min = FREQUENCY[0], max = FREQUENCY[1])))]
     band_rad_s: Option<[f64; 2]>,
+    /// Frequencies at which `solve` evaluates the response (Hz), ascending.
+    #[schemars(length(min = 1), transform = crate::setting::positive_items)]
     values_hz: Option<Vec<f64>>,
+    /// The same in rad/s.
+    #[schemars(length(min = 1), transform = crate::setting::positive_items)]
     values_rad_s: Option<Vec<f64>>,
+    /// Number of frequencies over the band.
+    #[schemars(range(min = 2, max = MOST_POINTS))]
     points: Option<usize>,
+    /// Which way the frequencies are swept; `upward` if absent.
     sweep: Option<SweepDirection>,
     peak: Option<PeakTable>,
 }
 
+/// Frequencies that can be meant, in either unit.
+pub(super) const FREQUENCY: [f64; 2] = [1e-6, 1e9];
 /// Most points that `points` may ask for.
-const MOST_POINTS: usize = 1_000_000;
+pub(super) const MOST_POINTS: usize = 1_000_000;
 
 impl FrequencyTable {
     /// The settings that the table states.
@@ -138,6 +167,9 @@ impl FrequencyTable {
         let written = format!("[{}, {}]", band[0], band[1]);
         positive(&key, band[0])?;
         positive(&key, band[1])?;
+        for end in band {
+            within(&key, end, FREQUENCY)?;
+        }
         let rule = "must be [low, high] with low < high";
         BadSetting::unless(band[0] < band[1], &key, written, rule)?;
         Ok(FrequencySettings {

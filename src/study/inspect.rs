@@ -151,6 +151,7 @@ fn warnings(study: &Study, flexible: Option<f64>) -> Vec<String> {
         Some(_) => {}
         None => warnings.push("the structure has no flexible mode".to_owned()),
     }
+    warnings.extend(study.warnings.iter().cloned());
     warnings.extend(study.unfolded());
     if study.samples > 1 && study.design.inputs().is_empty() {
         warnings.push("no [inputs]: every sample will be the same".to_owned());

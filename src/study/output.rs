@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::Error;
 use crate::ensemble::arrow::write_arrow;
-use crate::ensemble::store::replace_file;
-use crate::report::ReportError;
+use crate::file;
 use crate::report::record::{Bands, TABLES};
 use crate::setting::BadSetting;
 
@@ -15,6 +14,7 @@ use crate::setting::BadSetting;
 #[serde(deny_unknown_fields, default)]
 pub struct OutputSettings {
     /// Folder of the results, relative to the study file.
+    #[schemars(length(min = 1))]
     pub folder: PathBuf,
     /// Samples whose forced response is computed for the bands of the report: the first so many.
     pub curve_samples: u64,
@@ -54,12 +54,12 @@ impl OutputSettings {
 /// If they are not `wanted`, only those that are there already: else they would stay those of other samples.
 ///
 /// # Errors
-/// [`Error::Report`] with the Arrow file that cannot be written, or whose table cannot be read.
+/// [`Error::File`] with the Arrow file that cannot be written, or whose table cannot be read.
 pub fn write_arrow_tables(folder: &Path, wanted: bool) -> Result<(), Error> {
     for table in TABLES.map(|name| folder.join(name)) {
         let path = table.with_extension("arrow");
         if wanted || path.exists() {
-            write_arrow(&table, &path).map_err(|source| ReportError::Stored { path, source })?;
+            write_arrow(&table, &path)?;
         }
     }
     Ok(())
@@ -96,15 +96,12 @@ impl OutputFolder {
         content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> Result<PathBuf, Error> {
         let path = self.0.join(name);
-        let written = replace_file(&path, |file| {
+        file::replace(&path, |file| {
             let mut buffer = BufWriter::new(file);
             content(&mut buffer)?;
             buffer.flush()
-        });
-        match written {
-            Ok(()) => Ok(path),
-            Err(source) => Err(Error::file(&path, source)),
-        }
+        })?;
+        Ok(path)
     }
 }
 

@@ -25,7 +25,7 @@ use crate::sampling::{
     CorrelationTable, Design, DesignSettings, DesignTable, Distribution, DistributionTable,
     EpistemicTable, Input, SampleTable, Shape, Uncertainty,
 };
-use crate::setting::BadSetting;
+use crate::setting::{BadSetting, within};
 
 /// Top-level keys of a study file.
 pub(super) const KEYS: [&str; 18] = [
@@ -48,6 +48,11 @@ pub(super) const KEYS: [&str; 18] = [
     "criteria",
     "surrogate",
 ];
+
+/// Excitation levels that can be meant, in whatever unit.
+pub(super) const LEVEL: [f64; 2] = [1e-12, 1e12];
+/// Levels at most: each is a study of its own.
+pub(super) const MOST_LEVELS: usize = 1000;
 
 /// Why a pressure cannot be shaped.
 const NO_POSITIONS: &str = "a model of kind \"matrices\" has no positions of its contacts";
@@ -104,6 +109,8 @@ pub struct Study {
     pub requirements: Requirements,
     /// The surrogate that is wanted, if any.
     pub surrogate: Option<SurrogateSettings>,
+    /// What may be meant but is unusual, with file, line, key and the usual range.
+    pub warnings: Vec<String>,
 }
 
 /// The nominal model of a study.
@@ -133,7 +140,7 @@ impl Study {
     /// # Errors
     /// [`Error::File`] if it cannot be read, [`Error::Study`] with line, key, value and rule otherwise.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::file(path, source))?;
+        let text = crate::file::read_text(path)?;
         Self::parse(path, &text)
     }
 
@@ -166,19 +173,30 @@ impl Study {
         output.validate().map_err(|bad| at(bad.under("output")))?;
         let frequency = frequency.settings();
         let frequency = frequency.map_err(|bad| at(bad.under("frequency")))?;
+        if let ModelSettings::TwoBladeStrip { blades, .. } = &model {
+            let highest_hz = crate::units::rad_s_to_hz(frequency.band[1]);
+            let checked = blades.check_band(highest_hz);
+            checked.map_err(|bad| at(bad.under("model")))?;
+        }
         check_requirements(&requirements, frequency.unit, &levels).map_err(at)?;
         if let Some(settings) = &surrogate {
             check_surrogate(settings, &design).map_err(at)?;
         }
+        let solver_settings = solver.settings(&contact).map_err(at)?;
+        let unusual = unusual(&model, &design, &solver_settings);
         Ok(Self {
             path: path.to_owned(),
             text: text.to_owned(),
+            warnings: unusual
+                .iter()
+                .map(|bad| at(bad.clone()).to_string())
+                .collect(),
             name,
             samples: design.samples(),
             levels,
             model,
             design,
-            solver: solver.settings(&contact).map_err(at)?,
+            solver: solver_settings,
             sample_solver,
             mirror: solver.mirror(),
             frequency,
@@ -384,7 +402,31 @@ fn required<T: serde::de::DeserializeOwned>(
 fn validate_head(name: &str, levels: &[f64]) -> Result<(), BadSetting> {
     let rule = "must not be empty";
     BadSetting::unless(!name.trim().is_empty(), "name", "\"\"", rule)?;
-    ascending_positive("levels", levels)
+    let rule = format!("must be at most {MOST_LEVELS} levels");
+    let written = format!("[{} levels]", levels.len());
+    BadSetting::unless(levels.len() <= MOST_LEVELS, "levels", written, &rule)?;
+    ascending_positive("levels", levels)?;
+    let ends = [levels.first(), levels.last()].into_iter().flatten();
+    ends.copied()
+        .try_for_each(|level| within("levels", level, LEVEL))
+}
+
+/// What may be meant but is unusual, in the order of the file.
+fn unusual(model: &ModelSettings, design: &Design, solver: &HbSettings) -> Vec<BadSetting> {
+    let mut found = Vec::new();
+    match model {
+        ModelSettings::TwoBladeStrip { interface, .. } => {
+            found.extend(interface.unusual().into_iter().map(|b| b.under("contact")));
+        }
+        ModelSettings::Matrices(settings) => {
+            found.extend(settings.unusual().into_iter().map(|b| b.under("model")));
+        }
+    }
+    let inputs = design.inputs().iter();
+    let of_inputs = inputs.filter_map(|(input, distribution)| input.unusual(distribution));
+    found.extend(of_inputs.map(|bad| bad.under("inputs")));
+    found.extend(solver.unusual().map(|bad| bad.under("solver")));
+    found
 }
 
 /// Reads `[model]` by its `kind`.

@@ -8,6 +8,7 @@ use super::output::OutputFolder;
 use crate::Error;
 use crate::ensemble::kept::{KeptStudy, read_study};
 use crate::report::StoredRun;
+use crate::report::record::require_unchanged;
 use crate::report::reweighting::{LEAST_EFFECTIVE_SAMPLES, ReweightedInput, Reweighting};
 use crate::sampling::{CorrelationTable, Distribution, DistributionTable, Input, Uncertainty};
 
@@ -38,9 +39,10 @@ pub fn reweight(folder: &Path, prior: &Path, output: &OutputFolder) -> Result<Re
         path: folder.to_owned(),
         message,
     };
+    require_unchanged(folder)?;
     let run = StoredRun::read(folder)?;
     let kept = read_study(folder).map_err(|error| refused(error.to_string()))?;
-    let text = std::fs::read_to_string(prior).map_err(|source| Error::file(prior, source))?;
+    let text = crate::file::read_text(prior)?;
     let changes = changes(&run, &kept, prior, &text)?;
     let density = |of: fn(&Change) -> &Distribution| -> Vec<f64> {
         let product = |inputs: &[f64]| -> f64 {

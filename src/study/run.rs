@@ -1,6 +1,6 @@
 //! All samples of a study: what `run` computes and writes.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::time::Instant;
 
 use super::output::{OutputFolder, write_arrow_tables};
@@ -18,7 +18,7 @@ use crate::hb::resonance::{Band, linear_resonance, linear_response};
 use crate::hb::{LinearModel, Problem};
 use crate::model::two_blade::ComponentSummary;
 use crate::report::record::{
-    ComponentRecord, DesignRecord, FileRecord, InputRecord, LinearRecord, RECORD, TABLES,
+    ComponentRecord, DesignRecord, FileRecord, InputRecord, LinearRecord, TABLES,
 };
 use crate::report::{self, RunRecord, Summary};
 use crate::sampling::DesignKind;
@@ -98,16 +98,13 @@ pub(super) fn run_after(
     let inputs = input_records(study);
     let input_names: Vec<String> = inputs.iter().map(|input| input.name.clone()).collect();
     let [samples_name, curves_name] = TABLES;
-    write_samples(
-        &folder.path().join(samples_name),
-        &provenance,
-        &input_names,
-        &outcomes,
-    )?;
-    write_curves(&folder.path().join(curves_name), &provenance, &outcomes)?;
+    let path = |name: &str| folder.path().join(name);
+    let tables = vec![
+        write_samples(&path(samples_name), &provenance, &input_names, &outcomes)?,
+        write_curves(&path(curves_name), &provenance, &outcomes)?,
+        write_anchors(&path(ATLAS_FILE), &kept_study(study, folder)?, &anchors)?,
+    ];
     write_arrow_tables(folder.path(), study.output.arrow)?;
-    let atlas_path = folder.path().join(ATLAS_FILE);
-    write_anchors(&atlas_path, &kept_study(study, folder)?, &anchors)?;
     let record = RunRecord {
         provenance,
         backend: backend.report(),
@@ -132,11 +129,10 @@ pub(super) fn run_after(
         requirements: study.requirements.clone(),
         surrogate: study.surrogate,
         study_file: FileRecord::of(&study.file_name(), study.text.as_bytes()),
-        tables: hashes(folder, &TABLES)?,
+        tables,
         wall_time_s: clock.elapsed().as_secs_f64(),
     };
-    let record_path = folder.path().join(RECORD);
-    (record.write(folder.path())).map_err(|source| Error::file(&record_path, source))?;
+    record.write(folder.path())?;
     // From the files alone, so that `report` gives the same bytes.
     let (summary, _) = report::render(folder.path())?;
     Ok(RunResult {
@@ -168,7 +164,8 @@ fn refuse_other_results(study: &Study, ensemble: &Ensemble, kept: &Solved) -> Re
     })
 }
 
-/// The study as an extension will need it. Its path is relative where the results lie below it, so that both can move.
+/// The study as an extension will need it. Its path is relative to the results wherever there is such a path, so that both
+/// can move together.
 fn kept_study(study: &Study, folder: &OutputFolder) -> Result<KeptStudy, Error> {
     let whole = |path: &Path| {
         let path = if path == Path::new("") {
@@ -179,11 +176,7 @@ fn kept_study(study: &Study, folder: &OutputFolder) -> Result<KeptStudy, Error> 
         path.canonicalize()
             .map_err(|source| Error::file(path, source))
     };
-    let (of_study, of_results) = (whole(study.folder())?, whole(folder.path())?);
-    let from = match of_results.strip_prefix(&of_study) {
-        Ok(below) => below.iter().map(|_| "..").collect::<PathBuf>(),
-        Err(_) => of_study,
-    };
+    let from = relative(&whole(study.folder())?, &whole(folder.path())?);
     let path = from.join(study.path.file_name().unwrap_or_default());
     Ok(KeptStudy {
         text: study.text.clone(),
@@ -191,12 +184,15 @@ fn kept_study(study: &Study, folder: &OutputFolder) -> Result<KeptStudy, Error> 
     })
 }
 
-fn hashes(folder: &OutputFolder, names: &[&str]) -> Result<Vec<FileRecord>, Error> {
-    let hash = |name: &&str| {
-        FileRecord::in_folder(folder.path(), name)
-            .map_err(|source| Error::file(&folder.path().join(name), source))
-    };
-    names.iter().map(hash).collect()
+/// The way from `start` to `path`, both without symbolic links; `path` itself where they have no root in common.
+fn relative(path: &Path, start: &Path) -> PathBuf {
+    let common = path.components().zip(start.components());
+    let n = common.take_while(|(a, b)| a == b).count();
+    if n == 0 {
+        return path.to_owned();
+    }
+    let up = start.components().skip(n).map(|_| Component::ParentDir);
+    up.chain(path.components().skip(n)).collect()
 }
 
 fn component_records(components: &[(&'static str, ComponentSummary)]) -> Vec<ComponentRecord> {

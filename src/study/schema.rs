@@ -6,47 +6,127 @@ use serde_json::{Map, Value, json};
 
 use super::frequency::FrequencyTable;
 use super::output::OutputSettings;
-use super::read::KEYS;
+use super::read::{KEYS, LEVEL, MOST_LEVELS};
 use super::tables::{ContactSection, SolverSection};
 use crate::model::matrices::MatricesSettings;
 use crate::model::two_blade::{PressureField, TwoBladeSettings};
 use crate::report::requirement::{Criterion, Operation, Stress};
 use crate::report::surrogate::SurrogateSettings;
+use crate::sampling::design::MOST_SAMPLES;
 use crate::sampling::{CorrelationTable, DesignTable, DistributionTable, EpistemicTable, Input};
+use crate::setting::NOT_BLANK;
 
 /// The schema (JSON Schema, draft 2020-12) of a study file, for editors and programs.
 ///
-/// It knows names, shapes and units. Ranges and rules between keys are checked by reading the file.
+/// It knows names, shapes, units, ranges and which keys need or exclude each other. What compares values with each other
+/// (ascending levels, a level that is one of `levels`) or with other files is checked by reading the file.
 #[must_use]
 pub fn schema() -> Value {
     let mut generator = SchemaSettings::draft2020_12().into_generator();
     let sections = KEYS.map(|key| (key.to_owned(), section(key, &mut generator)));
     let properties: Map<String, Value> = sections.into_iter().collect();
-    json!({
+    let mut schema = json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Microslip study",
         "type": "object",
         "properties": properties,
         "required": ["name", "levels", "model", "frequency"],
         "additionalProperties": false,
+        "allOf": [
+            { "if": of_kind("matrices"), "then": { "properties": without_interface() } },
+            needs("frequency-margin-percent", "operation"),
+            needs("reserve-factor", "stress"),
+            needs("probability-of-exceedance", "stress"),
+        ],
         "$defs": generator.take_definitions(true),
-    })
+    });
+    without_null(&mut schema);
+    schema
+}
+
+/// A study whose model is of this kind.
+fn of_kind(kind: &str) -> Value {
+    let model = json!({ "properties": { "kind": { "const": kind } }, "required": ["kind"] });
+    json!({ "properties": { "model": model }, "required": ["model"] })
+}
+
+/// What a model with its own contacts has no use for.
+fn without_interface() -> Value {
+    let keys = [
+        "normal_stiffness_n_per_um",
+        "tangential_stiffness_n_per_um",
+        "friction_coefficient",
+        "share",
+    ];
+    let absent: Map<String, Value> = keys
+        .map(|key| (key.to_owned(), Value::Bool(false)))
+        .into_iter()
+        .collect();
+    json!({ "pressure_field": false, "contact": { "properties": absent } })
+}
+
+/// A criterion on `quantity` needs a table.
+fn needs(quantity: &str, table: &str) -> Value {
+    let criterion =
+        json!({ "properties": { "quantity": { "const": quantity } }, "required": ["quantity"] });
+    let criteria = json!({ "properties": { "criteria": { "contains": criterion } }, "required": ["criteria"] });
+    json!({ "if": criteria, "then": { "required": [table] } })
+}
+
+/// TOML has no null: an optional key is absent, and what is no number (`nan`) is null in JSON.
+fn without_null(schema: &mut Value) {
+    match schema {
+        Value::Object(object) => {
+            object.retain(|key, value| !(key == "default" && value.is_null()));
+            if let Some(Value::Array(types)) = object.get_mut("type") {
+                types.retain(|name| name != "null");
+                if let [single] = types.as_slice() {
+                    let single = single.clone();
+                    object.insert("type".to_owned(), single);
+                }
+            }
+            if let Some(Value::Array(options)) = object.get_mut("anyOf") {
+                options.retain(|option| *option != json!({ "type": "null" }));
+            }
+            object.values_mut().for_each(without_null);
+        }
+        Value::Array(values) => values.iter_mut().for_each(without_null),
+        _ => {}
+    }
 }
 
 /// Schema of one top-level key; `false` (nothing is valid) for a key that it does not know.
 fn section(key: &str, generator: &mut SchemaGenerator) -> Value {
     match key {
-        "name" => json!({ "type": "string", "minLength": 1 }),
-        "seed" => json!({ "type": "integer", "minimum": 0 }),
-        "samples" => json!({ "type": "integer", "minimum": 1 }),
-        "levels" => {
-            let level = json!({ "type": "number", "exclusiveMinimum": 0 });
-            json!({ "type": "array", "items": level, "minItems": 1 })
+        "name" => {
+            json!({ "type": "string", "pattern": NOT_BLANK, "description": "Title of the study." })
         }
-        "model" => json!({ "oneOf": [
-            model::<TwoBladeSettings>("two-blade-strip", generator),
-            model::<MatricesSettings>("matrices", generator),
-        ] }),
+        "seed" => json!({
+            "type": "integer",
+            "minimum": 0,
+            "description": "Sample i depends on the seed and i alone; 0 if absent.",
+        }),
+        "samples" => json!({
+            "type": "integer",
+            "minimum": 1,
+            "maximum": MOST_SAMPLES,
+            "description": "Number of samples; 1 if absent.",
+        }),
+        "levels" => json!({
+            "type": "array",
+            "items": { "type": "number", "minimum": LEVEL[0], "maximum": LEVEL[1] },
+            "minItems": 1,
+            "maxItems": MOST_LEVELS,
+            "uniqueItems": true,
+            "description": "Excitation levels, ascending (N for the built-in model).",
+        }),
+        "model" => json!({
+            "description": "The structure: built in, or the user's own matrices.",
+            "oneOf": [
+                model::<TwoBladeSettings>("two-blade-strip", generator),
+                model::<MatricesSettings>("matrices", generator),
+            ],
+        }),
         "contact" => of::<ContactSection>(generator),
         "inputs" => inputs(generator),
         "design" => of::<DesignTable>(generator),
@@ -58,7 +138,11 @@ fn section(key: &str, generator: &mut SchemaGenerator) -> Value {
         "output" => of::<OutputSettings>(generator),
         "operation" => of::<Operation>(generator),
         "stress" => of::<Stress>(generator),
-        "criteria" => json!({ "type": "array", "items": of::<Criterion>(generator) }),
+        "criteria" => json!({
+            "type": "array",
+            "items": of::<Criterion>(generator),
+            "description": "What is judged.",
+        }),
         "surrogate" => of::<SurrogateSettings>(generator),
         _ => Value::Bool(false),
     }
@@ -77,7 +161,8 @@ fn model<T: JsonSchema>(kind: &str, generator: &mut SchemaGenerator) -> Value {
         }
     };
     if let Some(properties) = schema.get_mut("properties") {
-        entry(properties, "kind", json!({ "const": kind }));
+        let chosen = json!({ "const": kind, "description": "Kind of the model." });
+        entry(properties, "kind", chosen);
     }
     let mut required = vec![json!("kind")];
     let more = schema.get("required").and_then(Value::as_array);
@@ -86,17 +171,79 @@ fn model<T: JsonSchema>(kind: &str, generator: &mut SchemaGenerator) -> Value {
     schema
 }
 
-/// `[inputs.NAME]`: the same table under every name.
+/// `[inputs.NAME]`: the same table under every name, with the values that the input accepts.
 fn inputs(generator: &mut SchemaGenerator) -> Value {
     let table = of::<DistributionTable>(generator);
-    let names = Input::ALL.map(|input| (input.name().to_owned(), table.clone()));
-    let properties: Map<String, Value> = names.into_iter().collect();
-    json!({ "type": "object", "properties": properties, "additionalProperties": false })
+    let of_input = |input: Input| {
+        let (largest, value) = (
+            input.largest(),
+            json!({ "minimum": 0, "maximum": input.largest() }),
+        );
+        let single = match input.zero_allowed() {
+            true => value.clone(),
+            false => json!({ "exclusiveMinimum": 0, "maximum": largest }),
+        };
+        let uncut = json!({ "low": { "minimum": 0 }, "high": { "maximum": largest } });
+        json!({
+            "description": format!("What is known of {}: {}.", input.name(), input.meaning()),
+            "allOf": [
+                table,
+                { "properties": { "value": single, "lower": single, "upper": single } },
+                { "if": { "required": ["truncation"] },
+                  "then": { "properties": { "truncation": { "items": { "minimum": 0 } } } },
+                  "else": { "properties": uncut } },
+            ],
+        })
+    };
+    let tables = Input::ALL.map(|input| (input.name().to_owned(), of_input(input)));
+    let properties: Map<String, Value> = tables.into_iter().collect();
+    json!({
+        "type": "object",
+        "properties": properties,
+        "additionalProperties": false,
+        "description": "The uncertain inputs.",
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Keys without a description, as dotted paths.
+    fn undescribed(path: &str, schema: &Value, definitions: &Value, found: &mut Vec<String>) {
+        for (key, property) in schema["properties"].as_object().into_iter().flatten() {
+            let at = format!("{path}.{key}");
+            let definition = property["$ref"]
+                .as_str()
+                .and_then(|r| r.strip_prefix("#/$defs/"));
+            let target = definition.map_or(property, |name| &definitions[name]);
+            let described = |schema: &Value| schema["description"].is_string();
+            let silent = !property.is_boolean() && !described(property) && !described(target);
+            found.extend(silent.then(|| at.clone()));
+            if definition.is_none() {
+                undescribed(&at, property, definitions, found);
+            }
+        }
+        for alternative in ["oneOf", "anyOf"] {
+            for option in schema[alternative].as_array().into_iter().flatten() {
+                if option["type"] == "object" {
+                    undescribed(path, option, definitions, found);
+                }
+            }
+        }
+    }
+
+    /// Seen to fail with the keys of `[solver]` without doc comments.
+    #[test]
+    fn every_key_has_a_description() {
+        let schema = schema();
+        let mut found = Vec::new();
+        undescribed("", &schema, &schema["$defs"], &mut found);
+        for (name, definition) in schema["$defs"].as_object().into_iter().flatten() {
+            undescribed(name, definition, &schema["$defs"], &mut found);
+        }
+        assert!(found.is_empty(), "{found:?}");
+    }
 
     /// Seen to fail with `stress` left out of [`section`].
     #[test]

@@ -1,24 +1,37 @@
 //! Sections `[contact]` and `[solver]` of a study file and the settings that they state.
 
+use crate::aft::settings::{MOST_LAPS, MOST_TIME_POINTS};
 use crate::aft::{AftSettings, Laps};
 use crate::contact::{Events, FrictionLaw};
 use crate::harmonics::HarmonicSet;
-use crate::hb::settings::highest_harmonic;
+use crate::hb::settings::{
+    HIGHEST_HARMONIC, MOST_BUDGET, MOST_ITERATIONS, THRESHOLD, TOLERANCE, highest_harmonic,
+};
 use crate::hb::{AlertSettings, HbSettings, NewtonSettings, SliderAnchor};
-use crate::model::interface::{InterfaceSettings, Share};
-use crate::setting::BadSetting;
+use crate::model::interface::{InterfaceSettings, STIFFNESS_N_PER_UM, Share};
+use crate::setting::{BadSetting, FRICTION};
 use crate::units::n_per_um_to_n_per_m;
 
 /// `[contact]`. Stiffness, friction and share belong to the built-in model; a user's own model has them per pair.
 #[derive(Debug, Clone, Default, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactSection {
+    /// Normal stiffness of an interface of the built-in model (N/µm).
+    #[schemars(range(min = STIFFNESS_N_PER_UM[0], max = STIFFNESS_N_PER_UM[1]))]
     normal_stiffness_n_per_um: Option<f64>,
+    /// Its tangential stiffness in each direction (N/µm).
+    #[schemars(range(min = STIFFNESS_N_PER_UM[0], max = STIFFNESS_N_PER_UM[1]))]
     tangential_stiffness_n_per_um: Option<f64>,
+    /// Its friction coefficient.
+    #[schemars(range(min = FRICTION[0], max = FRICTION[1]))]
     friction_coefficient: Option<f64>,
+    /// How its pairs share the stiffness.
     share: Option<Share>,
+    /// Friction law of every contact; `box` if absent.
     law: Option<FrictionLaw>,
+    /// How events between two samples are resolved; `located` if absent.
     events: Option<Events>,
+    /// Where the sliders start; `unloaded` if absent.
     anchor: Option<SliderAnchor>,
 }
 
@@ -79,13 +92,25 @@ fn number(value: Option<f64>) -> Option<String> {
 #[derive(Debug, Clone, Default, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SolverSection {
+    /// Harmonics of the first solution; 5 if absent.
     harmonics: Option<Harmonics>,
+    /// Samples per period of the contact evaluation; 128 if absent.
+    #[schemars(range(min = 5, max = MOST_TIME_POINTS))]
     time_points: Option<usize>,
+    /// Passes over the period; `periodic` if absent.
     laps: Option<LapsTable>,
+    /// Largest residual over the static displacement of the contacts; 1e-8 if absent.
+    #[schemars(range(min = TOLERANCE[0], max = TOLERANCE[1]))]
     tolerance: Option<f64>,
+    /// Iterations of Newton's method; 40 if absent.
+    #[schemars(range(min = 1, max = MOST_ITERATIONS))]
     max_iterations: Option<usize>,
+    /// Newton iterations of one search or curve; the default of the solver if absent.
+    #[schemars(range(min = 1, max = MOST_BUDGET))]
     budget: Option<usize>,
+    /// When harmonics are added; `false` never adds any.
     alert: Option<Alert>,
+    /// Whether a mirror-symmetric model is solved on one half of its contacts; true if absent.
     mirror: Option<bool>,
 }
 
@@ -96,15 +121,26 @@ pub struct SolverSection {
     expecting = "expected the highest harmonic (5) or a list of harmonics ([0, 1, 3, 5])"
 )]
 enum Harmonics {
-    UpTo(usize),
-    List(Vec<usize>),
+    /// 0, 1, ... up to this one.
+    UpTo(#[schemars(range(min = 1, max = HIGHEST_HARMONIC))] usize),
+    /// These, ascending, 0 and 1 among them.
+    List(
+        #[schemars(
+            length(min = 2),
+            inner(range(max = HIGHEST_HARMONIC)),
+            extend("uniqueItems" = true, "prefixItems" = [{ "const": 0 }, { "const": 1 }])
+        )]
+        Vec<usize>,
+    ),
 }
 
 /// Passes over the period.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(untagged, expecting = "expected \"periodic\" or a number of passes")]
 enum LapsTable {
-    Fixed(usize),
+    /// So many.
+    Fixed(#[schemars(range(min = 1, max = MOST_LAPS))] usize),
+    /// Until the sliders are periodic.
     Named(NamedLaps),
 }
 
@@ -128,7 +164,11 @@ enum Alert {
 #[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct AlertTable {
+    /// Truncation error above which harmonics are added, over the amplitude.
+    #[schemars(range(min = THRESHOLD[0], max = THRESHOLD[1]))]
     threshold: Option<f64>,
+    /// They are raised up to this order.
+    #[schemars(range(min = 1, max = HIGHEST_HARMONIC))]
     highest_harmonic: Option<usize>,
 }
 

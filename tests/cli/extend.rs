@@ -154,3 +154,77 @@ fn what_cannot_be_extended_is_refused() {
     std::fs::write(path.join("x.csv"), csv.replacen("0.1\n", "0.11\n", 1)).unwrap();
     refused(&extend("12"), "sample 1 has other inputs now");
 }
+
+/// Tables, anchors and record that the run did not write are refused by whatever computes from them.
+///
+/// Seen to fail without the hash of `atlas.parquet`, and in `extend` and `reweight` without any look at the hashes.
+#[test]
+fn changed_files_are_refused() {
+    let study_folder = folder("study.toml", "two masses", "two masses");
+    let path = study_folder.path();
+    for (seed, output) in [("8", "other"), ("7", "results"), ("7", "same")] {
+        let text = super::STUDY.replace("seed = 7", &format!("seed = {seed}"));
+        let text = text.replace("samples = 10", "samples = 4") + "curve_samples = 1\n";
+        std::fs::write(path.join("study.toml"), text).unwrap();
+        succeed(path, &["run", "study.toml", "--quiet", "--output", output]);
+    }
+    std::fs::write(path.join("prior.toml"), PRIOR).unwrap();
+    let run_json = std::fs::read_to_string(path.join("results/run.json")).unwrap();
+    let edited = run_json.replacen("\"curve_samples\": 1", "\"curve_samples\": 2", 1);
+    assert_ne!(run_json, edited, "no such number");
+    std::fs::write(path.join("other/run.json"), edited).unwrap();
+    for name in [
+        "samples.parquet",
+        "curves.parquet",
+        "atlas.parquet",
+        "run.json",
+    ] {
+        let file = path.join("results").join(name);
+        let own = std::fs::read(&file).unwrap();
+        std::fs::copy(path.join("other").join(name), &file).unwrap();
+        let expected = format!("results/{name}: is not the file that the run wrote");
+        refused(
+            &microslip(path, &["extend", "results", "--samples", "6"]),
+            &expected,
+        );
+        let reweight = ["reweight", "results", "--prior", "prior.toml"];
+        refused(&microslip(path, &reweight), &expected);
+        let expected = format!("{name} is not the file that the run wrote");
+        refused(&microslip(path, &["compare", "same", "results"]), &expected);
+        std::fs::write(&file, own).unwrap();
+    }
+    succeed(path, &["compare", "same", "results"]);
+    refused(
+        &microslip(path, &["compare", "results", "./results"]),
+        "./results: is given twice",
+    );
+    succeed(path, &["extend", "results", "--samples", "6", "--quiet"]);
+}
+
+const PRIOR: &str =
+    "[inputs.friction_coefficient]\ndistribution = \"uniform\"\nlow = 0.1\nhigh = 0.7\n";
+
+/// The results and the study can move together, wherever the results lie. Seen to fail with the absolute path that
+/// `atlas.parquet` held where the results lay outside of the study's folder.
+#[test]
+fn results_beside_the_study_move_with_it() {
+    let root = tempfile::tempdir().unwrap();
+    let study_folder = folder("study.toml", "samples = 10", "samples = 3");
+    let (old, new) = (root.path().join("old"), root.path().join("new"));
+    std::fs::create_dir_all(old.join("study")).unwrap();
+    for name in ["study.toml", "mass.mtx", "stiffness.mtx"] {
+        std::fs::copy(study_folder.path().join(name), old.join("study").join(name)).unwrap();
+    }
+    succeed(
+        &old,
+        &["run", "study/study.toml", "--quiet", "--output", "results"],
+    );
+    let atlas = std::fs::read(old.join("results/atlas.parquet")).unwrap();
+    let place = root.path().file_name().unwrap().to_str().unwrap();
+    let found = atlas
+        .windows(place.len())
+        .any(|part| part == place.as_bytes());
+    assert!(!found, "atlas.parquet names the folder {place}");
+    std::fs::rename(&old, &new).unwrap();
+    succeed(&new, &["extend", "results", "--samples", "5", "--quiet"]);
+}

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use super::bad_input::cases::{BEYOND_SCHEMA, REFUSED, RIG, RIG_BEYOND_SCHEMA, RIG_REFUSED};
 use super::{STUDY, microslip};
 
 fn validator() -> jsonschema::Validator {
@@ -62,4 +63,34 @@ fn bad_keys_and_shapes_are_invalid() {
         let study = STUDY.replacen(old, new, 1);
         assert!(!valid(&validator, &study), "{new} is valid");
     }
+}
+
+/// The schema refuses what the program refuses wherever it can say it, and nothing else: the lists of `bad_input`.
+///
+/// Seen to fail without minima, maxima and the rules between keys.
+#[test]
+fn the_schema_refuses_what_the_program_refuses() {
+    let validator = validator();
+    let lists = [
+        (STUDY, REFUSED, false),
+        (STUDY, BEYOND_SCHEMA, true),
+        (RIG, RIG_REFUSED, false),
+        (RIG, RIG_BEYOND_SCHEMA, true),
+    ];
+    let mut wrong = Vec::new();
+    for (study, cases, expected) in lists {
+        assert!(valid(&validator, study), "the study of these cases");
+        for (old, new, _) in cases {
+            assert!(study.contains(old), "{old}");
+            let text = study.replacen(old, new, 1);
+            // what is no TOML never comes to a schema
+            let Ok(json) = toml::from_str::<Value>(&text) else {
+                continue;
+            };
+            if validator.is_valid(&json) != expected {
+                wrong.push(format!("{old} -> {new}: valid = {}", !expected));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }

@@ -2,7 +2,7 @@
 
 use crate::synthetic::SyntheticStudy;
 use microslip::ensemble::outcome::CurvePoint;
-use microslip::report::{self, ReportError};
+use microslip::report::{self, ReportError, record::require_unchanged};
 use std::path::Path;
 
 const FILES: [&str; 3] = ["summary.json", "report.json", "report.html"];
@@ -88,7 +88,7 @@ fn missing_and_broken_files_are_named() {
         SyntheticStudy::new(5).store(folder.path());
         std::fs::write(folder.path().join(name), "{\"broken\": 1").unwrap();
         let error = report::render(folder.path()).unwrap_err();
-        assert!(matches!(error, ReportError::Stored { .. }), "{error}");
+        assert!(matches!(error, ReportError::File(_)), "{error}");
         assert!(error.to_string().contains(name), "{error}");
         std::fs::remove_file(folder.path().join(name)).unwrap();
         let error = report::render(folder.path()).unwrap_err();
@@ -105,4 +105,41 @@ fn a_record_of_another_run_is_refused() {
     study.record.levels.pop();
     study.record.write(folder.path()).unwrap();
     assert!(report::render(folder.path()).is_err());
+}
+
+/// One digit of `run.json`: the report names the file, and what computes from it refuses.
+///
+/// Seen to fail without the hash in the second line.
+#[test]
+fn a_changed_record_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    SyntheticStudy::new(40).store(folder.path());
+    require_unchanged(folder.path()).unwrap();
+    let path = folder.path().join("run.json");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let changed = text.replacen("\"curve_samples\": ", "\"curve_samples\": 1", 1);
+    assert_ne!(text, changed, "no such number");
+    std::fs::write(&path, changed).unwrap();
+    let error = require_unchanged(folder.path()).unwrap_err().to_string();
+    let expected = "run.json: is not the file that the run wrote";
+    assert!(error.ends_with(expected), "{error}");
+    report::render(folder.path()).unwrap();
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("run.json is not the file that the run wrote"));
+}
+
+/// The hash is of the bytes that were written, and standard tools can tell: `tail -n +3 run.json | b3sum`.
+#[test]
+fn the_hash_of_a_record_is_of_the_lines_below_it() {
+    let folder = tempfile::tempdir().unwrap();
+    SyntheticStudy::new(5).store(folder.path());
+    let text = std::fs::read_to_string(folder.path().join("run.json")).unwrap();
+    let (head, body) = text.split_at(text.match_indices('\n').nth(1).unwrap().0 + 1);
+    let hash = microslip::file::FileRecord::of("", body.as_bytes()).blake3;
+    assert_eq!(
+        head,
+        format!("{{\n  \"blake3_of_the_lines_below\": \"{hash}\",\n")
+    );
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert!(json["provenance"].is_object(), "one JSON value");
 }

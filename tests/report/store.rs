@@ -6,9 +6,8 @@ use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_ipc::reader::FileReader as ArrowReader;
 use microslip::ensemble::arrow::write_arrow;
-use microslip::ensemble::store::{
-    StoreError, read_samples, replace_file, write_curves, write_samples,
-};
+use microslip::ensemble::store::{StoreError, read_samples, write_curves, write_samples};
+use microslip::file::{FileRecord, replace};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use std::collections::BTreeMap;
@@ -116,12 +115,14 @@ fn inputs_named_like_columns_are_refused() {
 fn a_broken_write_leaves_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("summary.json");
-    replace_file(&path, |file| file.write_all(b"old")).unwrap();
-    let broken = replace_file(&path, |file| {
+    replace(&path, |file| file.write_all(b"old")).unwrap();
+    let broken = replace(&path, |file| {
         file.write_all(b"new, but")?;
         Err(std::io::Error::other("the disk is full"))
     });
-    assert!(broken.is_err());
+    let message = broken.unwrap_err().to_string();
+    let expected = format!("{}: the disk is full", path.display());
+    assert_eq!(message, expected, "the message names the file");
     assert_eq!(std::fs::read(&path).unwrap(), b"old");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
@@ -200,4 +201,15 @@ fn arrow_files_hold_the_same_tables() {
     assert!(samples.1 > 0, "the study must contain failures");
     assert!(samples.0 > 16_384 * 20, "the study must fill a batch");
     assert!(curves.0 > 0, "the study must contain curves");
+}
+
+/// The record of a file is of the bytes that went to it. Seen to fail with the hash of an empty file.
+#[test]
+fn a_record_is_of_the_bytes_as_written() {
+    let study = SyntheticStudy::new(50);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("curves.parquet");
+    let written = write_curves(&path, &study.record.provenance, &study.outcomes).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    assert_eq!(written, FileRecord::of("curves.parquet", &bytes));
 }

@@ -96,7 +96,7 @@ impl Layout {
         let (first, last) = (-0.5 * self.strip[0], -0.5 * self.gap);
         let width = last - first;
         let left_of =
-            |x: f64| 0.5 + (2.0 * ((x - first) / width - 0.5)).clamp(-1.0, 1.0).asin() / PI;
+            |x: f64| 0.5 + libm::asin((2.0 * ((x - first) / width - 0.5)).clamp(-1.0, 1.0)) / PI;
         let deviation = |cell: &Cell| {
             let [from, to] = cell.span;
             (left_of(to) - left_of(from)) * width / (to - from) - 1.0

@@ -27,11 +27,14 @@ use faer::Mat;
 pub struct PressureField {
     /// σ: standard deviation of the load of a node over its nominal one; its square is the mean variance over the
     /// interface, weighed by load.
+    #[schemars(range(max = 0.3), extend("exclusiveMinimum" = 0))]
     pub standard_deviation: f64,
     /// ℓ (mm).
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub correlation_length_mm: f64,
     /// Modes per interface; each is a random input.
     #[serde(default = "default_modes")]
+    #[schemars(range(min = 1, max = Self::MOST_MODES))]
     pub modes: usize,
 }
 
@@ -210,7 +213,7 @@ impl PressureField {
         let places: Vec<[f64; 2]> = nodes.iter().map(|node| node.patch.centre()).collect();
         let correlation = |i: usize, j: usize| {
             let (dx, dy) = (places[i][0] - places[j][0], places[i][1] - places[j][1]);
-            (-0.5 * (dx * dx + dy * dy) / (length * length)).exp()
+            libm::exp(-0.5 * (dx * dx + dy * dy) / (length * length))
         };
         let weighed = |j: usize| root[j] * root[j];
         let with_mean = |i: usize| (0..n).map(|j| weighed(j) * correlation(i, j)).sum();

@@ -1,6 +1,13 @@
 //! Geometry, material, damping and loads of the rig, as a user writes them.
 
-use crate::setting::{BadSetting, non_negative, positive};
+use crate::setting::{BadSetting, non_negative, positive, within};
+
+/// Highest cut-off (Hz): above it no mesh of a blade has a mode.
+const HIGHEST_CUT_OFF_HZ: f64 = 1e9;
+/// Contact nodes in one direction at most.
+const MOST_CONTACT_NODES: usize = 50;
+/// Elements of a component at most: some gigabytes of memory.
+const MOST_ELEMENTS: f64 = 1e5;
 
 /// Relative sign of the two excitation forces.
 #[derive(
@@ -25,55 +32,82 @@ pub enum Phase {
 #[serde(default, deny_unknown_fields)]
 pub struct TwoBladeSettings {
     /// Neck, x × y × z (mm); clamped at its foot.
+    #[serde(deserialize_with = "crate::setting::exactly")]
+    #[schemars(transform = crate::setting::positive_items)]
     pub neck_mm: [f64; 3],
     /// Platform on top of the neck, x × y × z (mm).
+    #[serde(deserialize_with = "crate::setting::exactly")]
+    #[schemars(transform = crate::setting::positive_items)]
     pub platform_mm: [f64; 3],
     /// Airfoil on top of the platform, x × y × z (mm).
+    #[serde(deserialize_with = "crate::setting::exactly")]
+    #[schemars(transform = crate::setting::positive_items)]
     pub airfoil_mm: [f64; 3],
     /// Offset of the airfoil in y (mm); couples bending and torsion.
     pub airfoil_offset_mm: f64,
     /// Gap between the platforms (mm).
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub gap_mm: f64,
     /// Strip, x × y × z (mm), centred under the gap.
+    #[serde(deserialize_with = "crate::setting::exactly")]
+    #[schemars(transform = crate::setting::positive_items)]
     pub strip_mm: [f64; 3],
     /// Young's modulus of blades and strip (GPa).
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub youngs_modulus_gpa: f64,
     /// Poisson's ratio.
+    #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
     pub poisson_ratio: f64,
     /// Density (kg/m³).
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub density_kg_m3: f64,
     /// Contact nodes per interface, [across the gap, along it]: points of Gauss' rule, each with a patch around it.
+    #[serde(deserialize_with = "crate::setting::exactly")]
+    #[schemars(inner(range(min = 2, max = MOST_CONTACT_NODES)))]
     pub contact_nodes: [usize; 2],
     /// Longest element edges in the blades along x, y, z (mm).
+    #[serde(deserialize_with = "crate::setting::exactly")]
+    #[schemars(transform = crate::setting::positive_items)]
     pub blade_element_mm: [f64; 3],
     /// Longest element edge in the strip (mm); one layer through its thickness. Edges and middles of the contact patches
     /// are grid lines besides, so that across the gap the mesh is finer than the contact grid.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub strip_element_mm: f64,
     /// Fixed-interface modes of a blade are kept below this frequency (Hz).
+    #[schemars(range(max = HIGHEST_CUT_OFF_HZ), extend("exclusiveMinimum" = 0))]
     pub blade_cut_off_hz: f64,
     /// Fixed-interface modes of the strip are kept below this frequency (Hz); the mean displacement of every contact patch
     /// is at rest in them.
+    #[schemars(range(max = HIGHEST_CUT_OFF_HZ), extend("exclusiveMinimum" = 0))]
     pub strip_cut_off_hz: f64,
     /// Damping ratio of every blade mode.
+    #[schemars(range(min = 0))]
     pub blade_damping_ratio: f64,
     /// Damping ratio of the strip at 1 kHz; grows with frequency (stiffness-proportional). The default is between steel
     /// (Q of 3000 to 10000) and joints (Q of 15 to 250), Q = 1/(2 ratio) as Gastaldi, Berruti & Gola 2018 have them.
+    #[schemars(range(min = 0))]
     pub strip_damping_ratio: f64,
     /// Centrifugal load on the strip (N), towards +z; of a strip as thick as `strip_mm` says.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub centrifugal_load_n: f64,
     /// Share of the load of each contact node (any scale), in the order of the contact pairs; without it the load is
     /// a uniform body force.
+    #[schemars(inner(range(min = 0)))]
     pub pressure_weights: Option<Vec<f64>>,
     /// Stiffness that holds the mean in-plane motion of the strip, harmonic 0 only (N/m). It decides nothing but
     /// the position at which a strip in gross slip settles.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub retention_n_per_m: f64,
     /// Height of the excited point over the airfoil's root, as a fraction of the airfoil.
+    #[schemars(range(min = 0, max = 1))]
     pub excitation_height: f64,
     /// Direction of the force on blade 1.
+    #[serde(deserialize_with = "crate::setting::exactly")]
     pub excitation_direction: [f64; 3],
     /// Sign of the force on blade 2.
     pub excitation_phase: Phase,
     /// Height of the response point over the airfoil's root, as a fraction of the airfoil.
+    #[schemars(range(min = 0, max = 1))]
     pub response_height: f64,
 }
 
@@ -183,14 +217,19 @@ impl TwoBladeSettings {
             positive("blade_element_mm", edge)?;
         }
         positive("strip_element_mm", self.strip_element_mm)?;
-        positive("blade_cut_off_hz", self.blade_cut_off_hz)?;
-        positive("strip_cut_off_hz", self.strip_cut_off_hz)?;
+        for (key, cut_off) in self.cut_offs() {
+            positive(key, cut_off)?;
+            within(key, cut_off, [0.0, HIGHEST_CUT_OFF_HZ])?;
+        }
         BadSetting::unless(
-            self.contact_nodes.iter().all(|&n| n >= 2),
+            self.contact_nodes
+                .iter()
+                .all(|n| (2..=MOST_CONTACT_NODES).contains(n)),
             "contact_nodes",
             format!("{:?}", self.contact_nodes),
-            "needs at least 2 nodes in each direction",
+            &format!("needs 2 to {MOST_CONTACT_NODES} nodes in each direction"),
         )?;
+        self.validate_elements()?;
         for (key, height) in [
             ("excitation_height", self.excitation_height),
             ("response_height", self.response_height),
@@ -203,6 +242,45 @@ impl TwoBladeSettings {
             )?;
         }
         Ok(())
+    }
+
+    /// Bounds the meshes before they are made.
+    fn validate_elements(&self) -> Result<(), BadSetting> {
+        let elements = |solid: [f64; 3], edges: [f64; 3]| -> f64 {
+            (0..3).map(|i| (solid[i] / edges[i]).ceil()).product()
+        };
+        let blade = [self.neck_mm, self.platform_mm, self.airfoil_mm];
+        let of_blade = blade.map(|solid| elements(solid, self.blade_element_mm));
+        let [x, y, z] = self.strip_mm;
+        let edge = self.strip_element_mm;
+        let of_strip = elements([x, y, z], [edge, edge, z]);
+        let meshes = [
+            ("blade_element_mm", of_blade.iter().sum::<f64>()),
+            ("strip_element_mm", of_strip),
+        ];
+        for (key, count) in meshes {
+            let rule = format!("must be longer: they give more than {MOST_ELEMENTS:e} elements");
+            let written = format!("edges for {count:.0} elements");
+            BadSetting::unless(count <= MOST_ELEMENTS, key, written, &rule)?;
+        }
+        Ok(())
+    }
+
+    fn cut_offs(&self) -> [(&'static str, f64); 2] {
+        [
+            ("blade_cut_off_hz", self.blade_cut_off_hz),
+            ("strip_cut_off_hz", self.strip_cut_off_hz),
+        ]
+    }
+
+    /// Refuses a cut-off of the blades inside the band up to `highest_hz` (Hz), where modes would be missing.
+    ///
+    /// # Errors
+    /// [`BadSetting`] with a key relative to `[model]`.
+    pub fn check_band(&self, highest_hz: f64) -> Result<(), BadSetting> {
+        let rule = format!("must be above the band of [frequency], which ends at {highest_hz} Hz");
+        let value = self.blade_cut_off_hz;
+        BadSetting::unless(value > highest_hz, "blade_cut_off_hz", value, &rule)
     }
 
     fn validate_physics(&self) -> Result<(), BadSetting> {

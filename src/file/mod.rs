@@ -1,0 +1,122 @@
+//! Files read within bounds and written as a whole: a device that never ends, a pipe that never answers, a damaged table
+//! and a text in another encoding are messages, not a full memory, a wait or a panic.
+
+pub mod parquet;
+pub mod written;
+
+pub use parquet::{Fault, read_parquet};
+pub use written::{FileRecord, Written, replace};
+
+use std::fs::File;
+use std::io::{Error as IoError, Read};
+use std::path::{Path, PathBuf};
+
+/// Why a file cannot be taken.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FileError {
+    /// The operating system refused.
+    #[error("{}: {source}", path.display())]
+    System {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: IoError,
+    },
+    /// The file, or a line of it, breaks a rule.
+    #[error("{}{}: {rule}", path.display(), line.map_or_else(String::new, |line| format!(":{line}")))]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// 1-based line where there is one; row of a Parquet file.
+        line: Option<u64>,
+        /// What is wrong and the rule.
+        rule: String,
+    },
+}
+
+impl FileError {
+    /// `source` happened on `path`.
+    #[must_use]
+    pub fn system(path: &Path, source: IoError) -> Self {
+        Self::System {
+            path: path.to_owned(),
+            source,
+        }
+    }
+
+    /// The content of `path`, or its line, breaks `rule`.
+    #[must_use]
+    pub fn content(path: &Path, line: Option<u64>, rule: impl Into<String>) -> Self {
+        Self::Content {
+            path: path.to_owned(),
+            line,
+            rule: rule.into(),
+        }
+    }
+}
+
+/// Bytes of a text that is held in memory at most: no study, list or record comes near it.
+const LONGEST_TEXT: u64 = 256 << 20;
+
+/// Opens a file for reading. Folders, pipes and devices are refused before they are opened: a pipe without a writer never
+/// answers, and a device such as `/dev/zero` never ends.
+///
+/// # Errors
+/// [`FileError`] if it is none or the operating system refuses.
+pub fn open(path: &Path) -> Result<File, FileError> {
+    let system = |source| FileError::system(path, source);
+    let kind = std::fs::metadata(path).map_err(system)?.file_type();
+    if kind.is_dir() {
+        return Err(FileError::content(path, None, "is a folder, not a file"));
+    }
+    if !kind.is_file() {
+        let rule = "is a pipe or a device: must be a regular file, which has an end";
+        return Err(FileError::content(path, None, rule));
+    }
+    File::open(path).map_err(system)
+}
+
+/// The text of a file in UTF-8, at most 256 MiB.
+///
+/// # Errors
+/// [`FileError`] if it cannot be read, is longer, or is no UTF-8; then with the line and the encoding that it may have.
+pub fn read_text(path: &Path) -> Result<String, FileError> {
+    let mut bytes = Vec::new();
+    let system = |source| FileError::system(path, source);
+    let mut bounded = open(path)?.take(LONGEST_TEXT + 1);
+    bounded.read_to_end(&mut bytes).map_err(system)?;
+    if bytes.len() as u64 > LONGEST_TEXT {
+        let rule = format!("is longer than {} MiB", LONGEST_TEXT >> 20);
+        return Err(FileError::content(path, None, rule));
+    }
+    let found = text(bytes);
+    found.map_err(|(line, rule)| FileError::content(path, Some(line), rule))
+}
+
+/// `bytes` as text, or the line that is none and why.
+///
+/// # Errors
+/// 1-based line and rule.
+pub fn text(bytes: Vec<u8>) -> Result<String, (u64, String)> {
+    let line = |end: usize| 1 + bytes[..end].iter().filter(|b| **b == b'\n').count() as u64;
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return Err((1, "is UTF-16 text: save the file as UTF-8".to_owned()));
+    }
+    if let Some(at) = bytes.iter().position(|b| *b == 0) {
+        let rule = "has a null byte: must be text; if an editor shows text, it is UTF-16: save the file as UTF-8";
+        return Err((line(at), rule.to_owned()));
+    }
+    match std::str::from_utf8(&bytes) {
+        Ok(_) => {}
+        Err(error) => {
+            let at = error.valid_up_to();
+            let rule = format!(
+                "byte 0x{:02X} is no UTF-8: save the file as UTF-8 (it may be Latin-1 or Windows-1252)",
+                bytes[at]
+            );
+            return Err((line(at), rule));
+        }
+    }
+    String::from_utf8(bytes).map_err(|error| (1, error.to_string()))
+}

@@ -1,0 +1,463 @@
+//! Study files that the program refuses, and what JSON Schema can say of them: one list for both.
+
+/// What is replaced in the study of these tests, by what, and what the message must name.
+pub(crate) type Case = (&'static str, &'static str, &'static [&'static str]);
+
+/// Refused by the program and by the schema.
+pub(crate) const REFUSED: &[Case] = &[
+    (
+        "time_points = 128",
+        "alert = { highest_harmonic = 1000000000 }",
+        &[
+            ":34: solver.alert.highest_harmonic = 1000000000: ",
+            "from 1 to 200",
+        ],
+    ),
+    (
+        "harmonics = 5",
+        "harmonics = 1000000000",
+        &[":33: solver.harmonics = 1000000000: ", "from 1 to 200"],
+    ),
+    (
+        "samples = 10",
+        "samples = 0",
+        &[":3: samples = 0: must be from 1"],
+    ),
+    ("samples = 10", "samples = -4", &[":3: samples: ", "-4"]),
+    (
+        "samples = 10",
+        "samples = 1.5",
+        &[
+            ":3: samples: ",
+            "floating point `1.5`, expected a whole number >= 0",
+        ],
+    ),
+    ("seed = 7", "seed = -7", &[":2: seed: "]),
+    (
+        "\"two masses\"",
+        "\"\"",
+        &[":1: name = \"\": must not be empty"],
+    ),
+    ("[1.0, 2.0]", "[]", &[":4: levels = []: must not be empty"]),
+    (
+        "[1.0, 2.0]",
+        "[\n0.0]",
+        &[":5: levels[0] = 0: must be a finite number > 0"],
+    ),
+    (
+        "[1.0, 2.0]",
+        "[inf]",
+        &[":4: levels[0] = inf: must be a finite"],
+    ),
+    ("[1.0, 2.0]", "1.0", &[":4: levels: "]),
+    (
+        "0.01",
+        "-0.01",
+        &[":10: model.modal_damping_ratio = -0.01: must be"],
+    ),
+    (
+        "0.01",
+        "1.5",
+        &[":10: model.modal_damping_ratio = 1.5: must be below 1"],
+    ),
+    (
+        "k_n = 1e6",
+        "k_n = -1e6",
+        &[":21: model.contact[0].k_n = -1e6: must be from 0"],
+    ),
+    (
+        "k_n = 1e6",
+        "k_n = nan",
+        &[":21: model.contact[0].k_n = NaN: must be from 0"],
+    ),
+    (
+        "mu = 0.3",
+        "mu = -0.1",
+        &[":22: model.contact[0].mu = -0.1: must be from 0 to 10"],
+    ),
+    (
+        "mu = 0.3",
+        "mu = 0.3\ngap = -1e-6",
+        &[":23: model.contact[0].gap"],
+    ),
+    (
+        "mu = 0.3",
+        "mu = 0.3\ngap = 0\nn_0 = 3",
+        &[":23: model.contact[0].gap", "n_0"],
+    ),
+    (
+        "law = \"box\"",
+        "law = \"ball\"",
+        &[":25: contact.law: ", "box", "circle"],
+    ),
+    (
+        "low = 0.1",
+        "low = -0.1",
+        &[":28: inputs.friction_coefficient", "negative"],
+    ),
+    (
+        "low = 0.1",
+        "low = nan",
+        &[":29: inputs.friction_coefficient.low = NaN"],
+    ),
+    (
+        "\"uniform\"",
+        "\"log-uniform\"\nvalue = 3",
+        &[":29: ", ".value = 3: must be absent"],
+    ),
+    (
+        "\"uniform\"",
+        "\"gauss\"",
+        &[":28: inputs.friction_coefficient.distribution: ", "normal"],
+    ),
+    (
+        "high = 0.8",
+        "",
+        &[":27: inputs.friction_coefficient.high = (absent): must be given"],
+    ),
+    (
+        "harmonics = 5",
+        "harmonics = 0",
+        &[":33: solver.harmonics = 0"],
+    ),
+    (
+        "harmonics = 5",
+        "harmonics = [1, 3]",
+        &[":33: solver.harmonics = [1, 3]", "0 and 1"],
+    ),
+    (
+        "harmonics = 5",
+        "harmonics = \"x\"",
+        &[":33: solver.harmonics: expected"],
+    ),
+    (
+        "harmonics = 5",
+        "tolerance = 0.0",
+        &[":33: solver.tolerance = 0: must be from 1e-14 to 0.001"],
+    ),
+    (
+        "harmonics = 5",
+        "laps = 0",
+        &[":33: solver.laps = 0: must be from 1 to 10000"],
+    ),
+    (
+        "time_points = 128",
+        "alert = { threshold = -1.0 }",
+        &[":34: solver.alert.threshold = -1"],
+    ),
+    (
+        "[100, 200]",
+        "[100, 200]\npoints = 1",
+        &[":38: frequency.points = 1: must be from 2"],
+    ),
+    (
+        "[100, 200]",
+        "[100, 200]\nsweep = \"upward\"",
+        &[":38: frequency.sweep = upward: must be absent for a continuous"],
+    ),
+    ("[100, 200]", "[100]", &[":37: frequency.band_hz: "]),
+    (
+        "band_hz = [100, 200]",
+        "",
+        &[":36: frequency.band_hz = (absent): must be given"],
+    ),
+    (
+        "samples = 10",
+        "samples = \"ten\"",
+        &[":3: samples: ", "expected a whole number >= 0"],
+    ),
+    (
+        "samples = 10",
+        "samples = 1000000000000",
+        &[":3: samples = 1000000000000: must be from 1 to 100000000"],
+    ),
+    (
+        "[1.0, 2.0]",
+        "[1e308]",
+        &[":4: levels = 1e308: must be from 1e-12 to 1e12"],
+    ),
+    (
+        "mu = 0.3",
+        "mu = 1e308",
+        &[
+            ":22: ",
+            ".mu = 1e308: must be from 0 to 10: a friction coefficient, no percentage",
+        ],
+    ),
+    (
+        "k_n = 1e6",
+        "k_n = 1e300",
+        &[":21: ", ".k_n = 1e300: must be from 0 to 1e30"],
+    ),
+    (
+        "[\"x1\", \"x2\"]",
+        "[\"x1\", \" \"]",
+        &[":11: model.dof_names = \"\": must not be empty"],
+    ),
+    (
+        "name = \"c1\"",
+        "name = \"\"",
+        &[":17: model.contact[0].name = \"\": must not be empty"],
+    ),
+    (
+        "low = 0.1\nhigh = 0.8",
+        "low = 20\nhigh = 40",
+        &[
+            ":28: ",
+            "must not give values above 10 (a friction coefficient, no percentage)",
+        ],
+    ),
+    (
+        "\"uniform\"\nlow = 0.1",
+        "\"beta\"\nalpha = 2\nbeta = 3e7\nlow = 0.1",
+        &[":30: ", ".beta = 3e7: must be from 0.01 to 1e6"],
+    ),
+    (
+        "\"uniform\"\nlow = 0.1\nhigh = 0.8",
+        "\"lognormal\"\nmedian = 0.3\nlog_standard_deviation = 1e3",
+        &[
+            ":30: ",
+            ".log_standard_deviation = 1000: must be from 1e-9 to 10",
+        ],
+    ),
+    (
+        "high = 0.8",
+        "high = 0.8\ntruncation = [0.1, 0.2, 0.3]",
+        &[":31: inputs.friction_coefficient.truncation: expected a list of 2 values, not of 3"],
+    ),
+    (
+        "harmonics = 5",
+        "laps = 1000000000000000",
+        &[":33: solver.laps = 1000000000000000: must be from 1 to 10000"],
+    ),
+    (
+        "harmonics = 5",
+        "tolerance = 1",
+        &[":33: solver.tolerance = 1: must be from 1e-14 to 0.001"],
+    ),
+    (
+        "harmonics = 5",
+        "max_iterations = 1000000000",
+        &[":33: solver.max_iterations = 1000000000: must be from 1 to 10000"],
+    ),
+    (
+        "time_points = 128",
+        "alert = { threshold = 5 }",
+        &[":34: solver.alert.threshold = 5: must be from 1e-9 to 1"],
+    ),
+    (
+        "[100, 200]",
+        "[100, 200, 300]",
+        &[":37: frequency.band_hz: expected a list of 2 values, not of 3"],
+    ),
+    (
+        "[100, 200]",
+        "[100, 1e300]",
+        &[":37: frequency.band_hz = 1e300: must be from 1e-6 to 1e9"],
+    ),
+    (
+        "[output]",
+        "[operation]\nspeed_rpm = [3000, 3600, 4000]\nengine_orders = [4]\n[output]",
+        &[":40: operation.speed_rpm: expected a list of 2 values, not of 3"],
+    ),
+    (
+        "[output]",
+        "[design]\nkind = \"grid\"\n[output]",
+        &[":39: design.points = (absent): must be given"],
+    ),
+    (
+        "[output]",
+        "[[criteria]]\nname = \"a\"\nquantity = \"reserve-factor\"\nlimit = 1\n[output]",
+        &[":41: criteria[0].quantity = ", "needs the table [stress]"],
+    ),
+    ("seed = 7", "sed = 7", &[":2: sed: unknown key", "seed"]),
+    (
+        "mu = 0.3",
+        "mue = 0.3",
+        &[":22: model.contact[0].mue: unknown field `mue`"],
+    ),
+    (
+        "law = \"box\"",
+        "lav = \"box\"",
+        &[":25: contact.lav: unknown field"],
+    ),
+    ("mass = \"mass.mtx\"", "", &["model: missing field `mass`"]),
+    ("kind = \"matrices\"", "", &["model.kind: must be given"]),
+    (
+        "\"matrices\"",
+        "\"disk\"",
+        &[":7: model.kind = disk: must be \"two-blade-strip\""],
+    ),
+    (
+        "\"matrices\"",
+        "3",
+        &[":7: model.kind: invalid type: integer `3`"],
+    ),
+    ("name = \"two masses\"", "", &[":1: name: must be given"]),
+    (
+        "[inputs.friction_coefficient]",
+        "[inputs.friction]",
+        &[":27: inputs.friction: unknown input"],
+    ),
+    (
+        "seed = 7",
+        "seed = 7\nseed = 8",
+        &[":3: not valid TOML: duplicate key"],
+    ),
+    ("samples = 10", "samples = ", &[":3: not valid TOML: "]),
+    ("[frequency]", "[frequency", &[":36: not valid TOML: "]),
+    (
+        "law = \"box\"",
+        "share = \"equal\"",
+        &[":25: contact.share", "[[model.contact]]"],
+    ),
+    (
+        "responses = [\"x1\"]",
+        "responses = []",
+        &[":14: model.responses = []"],
+    ),
+    (
+        "[\"x1\", \"x2\"]",
+        "[\"x1\", \"x1\"]",
+        &[":11: model.dof_names = x1: must not be given twice"],
+    ),
+    (
+        "k_t1 = 2e5",
+        "",
+        &[":16: model.contact[0].k_t1 = (absent): must be given"],
+    ),
+    (
+        "modal_damping_ratio = 0.01",
+        "",
+        &[":6: model.damping = (absent): must be given"],
+    ),
+];
+
+/// Refused by the program alone: values that are compared with each other, or with files.
+pub(crate) const BEYOND_SCHEMA: &[Case] = &[
+    (
+        "time_points = 128",
+        "time_points = 65536\nalert = { highest_harmonic = 200 }",
+        &[
+            ":34: solver.time_points = 65536: times the highest",
+            "8388608",
+        ],
+    ),
+    (
+        "[1.0, 2.0]",
+        "[1.0, 0.5]",
+        &[":4: levels[1] = 0.5: must be greater"],
+    ),
+    (
+        "low = 0.1",
+        "low = 0.9",
+        &[":30: inputs.friction_coefficient.high = 0.8: must be"],
+    ),
+    (
+        "high = 0.8",
+        "high = 0.8\ntruncation = [0, 1]",
+        &[":31: ", ".truncation = [0, 1]: must lie"],
+    ),
+    (
+        "time_points = 128",
+        "time_points = 20",
+        &[":34: solver.time_points = 20: must be more"],
+    ),
+    (
+        "[100, 200]",
+        "[200, 100]",
+        &[":37: frequency.band_hz = [200, 100]: must be [low"],
+    ),
+    (
+        "t1 = { x1 = 1.0 }",
+        "t1 = { x3 = 1.0 }",
+        &[":18: model.contact[0].t1.x3 = 1: must name a degree"],
+    ),
+    (
+        "cosine_force = { x1",
+        "cosine_force = { y",
+        &[":13: model.cosine_force.y"],
+    ),
+    (
+        "{ x1 = 1.0 }\nresp",
+        "{ x1 = 0.0 }\nresp",
+        &[":13: model.cosine_force", "zero"],
+    ),
+    (
+        "responses = [\"x1\"]",
+        "responses = [\"x9\"]",
+        &[":14: model.responses[0].x9", "degree"],
+    ),
+    (
+        "[\"x1\", \"x2\"]",
+        "[\"x1\"]",
+        &[":11: model.dof_names = 1 names: must be 2"],
+    ),
+    (
+        "[output]",
+        "[[criteria]]\nname = \"a\"\nquantity = \"amplitude-um\"\nlimit = 1\n[[criteria]]\n\
+             name = \"a\"\nquantity = \"amplitude-um\"\nlimit = 2\n[output]",
+        &[":44: criteria[1].name = a: must not be given twice"],
+    ),
+];
+
+/// A study of the built-in model.
+pub(crate) const RIG: &str = "\
+name = \"rig\"
+levels = [1.0]
+
+[model]
+kind = \"two-blade-strip\"
+contact_nodes = [3, 5]
+
+[contact]
+friction_coefficient = 0.6
+
+[frequency]
+band_hz = [2605, 2635]
+";
+
+/// As [`REFUSED`], of [`RIG`].
+pub(crate) const RIG_REFUSED: &[Case] = &[
+    (
+        "contact_nodes = [3, 5]",
+        "contact_nodes = [1000000, 1000000]",
+        &[":6: model.contact_nodes = [1000000, 1000000]: needs 2 to 50"],
+    ),
+    (
+        "contact_nodes = [3, 5]",
+        "strip_mm = [10.0, 50.0, 0.4, 1.0]",
+        &[":6: model.strip_mm: expected a list of 3 values, not of 4"],
+    ),
+    (
+        "contact_nodes = [3, 5]",
+        "blade_cut_off_hz = 1e12",
+        &[":6: model.blade_cut_off_hz = 1e12: must be from 0 to 1e9"],
+    ),
+    (
+        "friction_coefficient = 0.6",
+        "friction_coefficient = 20",
+        &[":9: contact.friction_coefficient = 20: must be from 0 to 10"],
+    ),
+    (
+        "friction_coefficient = 0.6",
+        "normal_stiffness_n_per_um = 1e9",
+        &[":9: contact.normal_stiffness_n_per_um = 1e9: must be from 1e-6 to 1e6"],
+    ),
+];
+
+/// As [`BEYOND_SCHEMA`], of [`RIG`].
+pub(crate) const RIG_BEYOND_SCHEMA: &[Case] = &[
+    (
+        "contact_nodes = [3, 5]",
+        "blade_cut_off_hz = 1",
+        &[
+            ":6: model.blade_cut_off_hz = 1: must be above the band of [frequency], which ends at 2635 Hz",
+        ],
+    ),
+    (
+        "contact_nodes = [3, 5]",
+        "blade_element_mm = [1e-6, 1e-6, 1e-6]",
+        &[":6: model.blade_element_mm = edges for ", "must be longer"],
+    ),
+];
