@@ -253,8 +253,8 @@ impl Real for Counted {
         counted(self.0.sqrt())
     }
 
-    fn sin_cos(self) -> (Self, Self) {
-        let (sin, cos) = self.0.sin_cos();
+    fn sine_cosine(self) -> (Self, Self) {
+        let (sin, cos) = self.0.sine_cosine();
         (Self(sin), Self(cos))
     }
 

@@ -35,7 +35,7 @@ use microslip::model::two_blade::{TwoBladeSettings, build};
 use microslip::report::record::{Bands, DesignRecord, FileRecord, InputRecord, LinearRecord};
 use microslip::report::requirement::Requirements;
 use microslip::report::{self, ReportInput, RunRecord};
-use microslip::sampling::{Design, Distribution, Growth, Input, Shape};
+use microslip::sampling::{Design, DesignKind, Distribution, Growth, Input, Shape};
 use microslip::study::Study;
 use microslip::units::{hz_to_rad_s, rad_s_to_hz};
 use rayon::prelude::*;
@@ -578,6 +578,7 @@ fn record(provenance: Provenance, names: &[String]) -> RunRecord {
         backend: BackendReport::default(),
         inputs: names.iter().map(input).collect(),
         design: DesignRecord {
+            kind: DesignKind::MonteCarlo,
             description: "monte-carlo".to_owned(),
             independent: true,
             growth: Growth::Any,

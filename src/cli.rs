@@ -328,20 +328,21 @@ fn show_result(result: &RunResult, folder: &Path, quiet: bool) -> Result<(), Err
     })
 }
 
-/// Means with their standard errors, where there are replicates; by outer point, where the samples belong to such.
+/// Means with their intervals, where there are replicates; by outer point, where the samples belong to such.
 fn show_replicates(out: &mut dyn Write, summary: &Summary) -> std::io::Result<()> {
     for (i, outer, means) in summary.replicate_means() {
         let level = summary.levels[i].level;
         let point = at_point(outer);
         let (frequency, amplitude) = (means.frequency_hz, means.amplitude_m);
+        let hertz = frequency.interval.in_words(" .. ", |v| format!("{v:.4}"));
+        let metres = amplitude.interval.in_words(" .. ", |v| format!("{v:.4e}"));
         writeln!(
             out,
-            "level {level}{point}, mean of {} replicates and its standard error: {:.4} +- {:.1e} Hz, {:.4e} +- {:.1e} m ({} failed samples not in it)",
+            "level {level}{point}, mean of {} replicates and its {:.0} % interval: {:.4} Hz ({hertz}), {:.4e} m ({metres}) ({} failed samples not in it)",
             frequency.replicates,
+            100.0 * summary.confidence,
             frequency.mean,
-            frequency.standard_error,
             amplitude.mean,
-            amplitude.standard_error,
             amplitude.failed
         )?;
     }

@@ -68,7 +68,7 @@ fn surrogate(summary: &Summary, levels: &[LevelAssessment]) -> ErrorLine {
         };
     }
     // one level without is unknown
-    let rms = |result: &SurrogateResult| Some(result.surrogate()?.hold_out.rms_error);
+    let rms = |result: &SurrogateResult| Some(result.surrogate()?.held_out.rms);
     let worst = |errors: Vec<Option<f64>>| {
         let errors: Option<Vec<f64>> = errors.into_iter().collect();
         errors?.into_iter().reduce(f64::max)

@@ -9,7 +9,7 @@ use crate::ensemble::outcome::{CurvePoint, SampleOutcome, number};
 use crate::ensemble::store::{Provenance, read_curves, read_samples};
 pub use crate::file::FileRecord;
 use crate::file::{self, FileError};
-use crate::sampling::{Distribution, Growth};
+use crate::sampling::{DesignKind, Distribution, Growth};
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::Path;
@@ -92,6 +92,8 @@ pub struct InputRecord {
 /// How the samples were chosen.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DesignRecord {
+    /// Kind.
+    pub kind: DesignKind,
     /// In words.
     pub description: String,
     /// Whether the samples are independent draws of one population, as confidence intervals presume.

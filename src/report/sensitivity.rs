@@ -4,9 +4,10 @@ use super::ReportInput;
 use super::assessment::values;
 use super::epistemic::{BoxRange, box_range, chosen, nested, outer_groups};
 use super::summary::CONFIDENCE;
-use crate::ensemble::outcome::PeakRecord;
+use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
+use crate::sampling::DesignKind;
 use crate::statistics::{
-    Bootstrap, ConditionalMean, GivenDataIndex, Interval, SobolIndex, conditional_means,
+    Bootstrap, ConditionalMean, GivenData, GivenDataIndex, Interval, SobolIndex, conditional_means,
     first_order_index, sobol_indices,
 };
 use serde::Serialize;
@@ -90,12 +91,20 @@ fn indices(input: &ReportInput, i: usize, value: Results) -> Vec<IndexResult> {
         return pick_freeze(input, i, value, &bootstrap);
     }
     let results = values(input.outcomes, i, value);
+    let replicates = replicates(input);
     let pooled = nested(input.outcomes);
     let index = |j| {
         let x = column(input, j);
+        let data = GivenData {
+            inputs: &x,
+            results: &results,
+            replicates: replicates.as_deref(),
+            seed: input.record.provenance.seed,
+            confidence: CONFIDENCE,
+        };
         match pooled {
-            true => by_point(input, &x, &results, &bootstrap),
-            false => match first_order_index(&x, &results, &bootstrap) {
+            true => by_point(input, &data),
+            false => match first_order_index(&data) {
                 Ok(index) => IndexResult::Index(index),
                 Err(refusal) => IndexResult::Refused(refusal.to_string()),
             },
@@ -104,17 +113,30 @@ fn indices(input: &ReportInput, i: usize, value: Results) -> Vec<IndexResult> {
     (0..input.record.inputs.len()).map(index).collect()
 }
 
+/// Replicate of every sample of a design of quasi-random points, 0 where these are one sequence; absent for any other.
+fn replicates(input: &ReportInput) -> Option<Vec<u64>> {
+    let quasi_random = input.record.design.kind == DesignKind::Sobol;
+    let replicate = |o: &SampleOutcome| o.group.replicate.unwrap_or(0);
+    quasi_random.then(|| input.outcomes.iter().map(replicate).collect())
+}
+
 /// Range of the index of one input over the outer points. An interval has no variance to explain a share of.
-fn by_point(input: &ReportInput, x: &[f64], results: &[f64], bootstrap: &Bootstrap) -> IndexResult {
+fn by_point(input: &ReportInput, data: &GivenData) -> IndexResult {
     let mut found = Vec::new();
     for (outer, members) in outer_groups(input.outcomes) {
         let outer = outer.unwrap_or_default();
-        let (x, results) = (chosen(x, &members), chosen(results, &members));
-        if x.iter().all(|v| *v == x[0]) {
+        let replicates = data.replicates.map(|all| chosen(all, &members));
+        let of_point = GivenData {
+            inputs: &chosen(data.inputs, &members),
+            results: &chosen(data.results, &members),
+            replicates: replicates.as_deref(),
+            ..*data
+        };
+        if of_point.inputs.iter().all(|v| *v == of_point.inputs[0]) {
             let reason = "one value at every outer point: it has no variance there";
             return IndexResult::Refused(reason.to_owned());
         }
-        match first_order_index(&x, &results, bootstrap) {
+        match first_order_index(&of_point) {
             Ok(GivenDataIndex { index, .. }) => found.push((
                 outer,
                 Interval::between(index.estimate, index.estimate),

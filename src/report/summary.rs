@@ -9,8 +9,9 @@ use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
 use crate::ensemble::store::Provenance;
 use crate::hb::{ContactFractions, Status};
 use crate::statistics::{
-    Moments, Observed, Proportion, QuantileEstimate, ReplicateMean, Sorted, moments, proportion,
-    quantile, quantile_estimate, rank_correlation, replicate_mean,
+    Moments, Observed, Proportion, QuantileEstimate, ReplicateMean, ReplicateQuantile, Sorted,
+    moments, proportion, quantile, quantile_estimate, rank_correlation, replicate_mean,
+    replicate_quantile,
 };
 use std::collections::BTreeMap;
 
@@ -118,13 +119,17 @@ pub struct Distribution {
     pub quantiles: Vec<QuantileEstimate>,
 }
 
-/// Means over the replicates of a quasi-random design, with the standard errors that their scatter shows.
+/// Means over the replicates of a quasi-random design, with the errors that their scatter shows.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct ReplicateMeans {
     /// Resonance frequency (Hz).
     pub frequency_hz: ReplicateMean,
     /// Amplitude (m).
     pub amplitude_m: ReplicateMean,
+    /// Intervals of the quantiles of the resonance frequency (Hz), one per probability.
+    pub frequency_quantiles_hz: [ReplicateQuantile; PROBABILITIES.len()],
+    /// The same of the amplitude (m).
+    pub amplitude_quantiles_m: [ReplicateQuantile; PROBABILITIES.len()],
 }
 
 /// Work of the solver per sample.
@@ -274,21 +279,30 @@ impl Distribution {
 }
 
 impl ReplicateMeans {
-    /// Means at level `i` over the samples of one population; `None` with fewer than two replicates.
+    /// Means and quantiles at level `i` of the samples of one population; `None` with fewer than two replicates.
     pub(super) fn of<'a>(
         outcomes: impl Iterator<Item = &'a SampleOutcome> + Clone,
         i: usize,
     ) -> Option<Self> {
-        let mean = |value: fn(&PeakRecord) -> f64| {
-            let of = |o: &SampleOutcome| {
+        let of = |value: fn(&PeakRecord) -> f64| -> Vec<(u64, f64)> {
+            let one = |o: &SampleOutcome| {
                 let peak = usable_peak(&o.levels[i]);
                 Some((o.group.replicate?, peak.map_or(f64::NAN, |p| value(&p))))
             };
-            replicate_mean(outcomes.clone().filter_map(of))
+            outcomes.clone().filter_map(one).collect()
+        };
+        let (frequency, amplitude) = (of(|p| p.frequency_hz), of(|p| p.amplitude_m));
+        let mean = |values: &Vec<(u64, f64)>| replicate_mean(values.iter().copied(), CONFIDENCE);
+        let quantiles = |values: &Vec<(u64, f64)>| {
+            let at = |p| replicate_quantile(values.iter().copied(), p, CONFIDENCE);
+            let [low, middle, high] = PROBABILITIES.map(at);
+            Some([low?, middle?, high?])
         };
         Some(Self {
-            frequency_hz: mean(|p| p.frequency_hz)?,
-            amplitude_m: mean(|p| p.amplitude_m)?,
+            frequency_hz: mean(&frequency)?,
+            amplitude_m: mean(&amplitude)?,
+            frequency_quantiles_hz: quantiles(&frequency)?,
+            amplitude_quantiles_m: quantiles(&amplitude)?,
         })
     }
 }

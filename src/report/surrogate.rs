@@ -1,5 +1,5 @@
-//! A surrogate of the results over the inputs, checked against samples that did not shape it. Whatever it says is
-//! labelled "surrogate": no other number of a report comes from it.
+//! A surrogate of the results over the inputs, corrected by samples that did not shape it (`statistics::cross_fit`).
+//! Whatever it says is labelled "surrogate": no other number of a report comes from it.
 
 use super::ReportInput;
 use super::assessment::values;
@@ -11,8 +11,8 @@ use crate::sampling::Distribution;
 use crate::sampling::stream::{SURROGATE, uniform};
 use crate::setting::BadSetting;
 use crate::statistics::{
-    Bootstrap, Chaos, ChaosSettings, Exceedance, Observed, SurrogateExceedance, exceedance,
-    fit_chaos,
+    ChaosSettings, Exceedance, HoldOutSettings, Index, Observed, Polynomials, PredictionError,
+    SurrogateExceedance, SurrogateSamples, cross_fit, exceedance,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -31,13 +31,13 @@ pub enum SurrogateKind {
 pub struct SurrogateSettings {
     /// Kind of the surrogate.
     pub kind: SurrogateKind,
-    /// Share of the samples that check it and do not shape it; 0.2 if absent.
+    /// Share of the samples that are held out at a time: predicted by a fit to the others; 0.2 if absent.
     #[schemars(range(min = 0.05, max = 0.5))]
     hold_out: Option<f64>,
 }
 
 impl SurrogateSettings {
-    /// Share of the samples that check it.
+    /// Share of the samples that are held out at a time.
     #[must_use]
     pub fn hold_out(&self) -> f64 {
         self.hold_out.unwrap_or(0.2)
@@ -83,10 +83,8 @@ pub enum SurrogateResult {
 /// What a surrogate is worth and what it says.
 #[derive(Debug, Clone, Serialize)]
 pub struct Surrogate {
-    /// Share of the variance that it predicts, by leave-one-out cross-validation; 1 = exact, 0 = no better than the mean.
-    pub q2: f64,
-    /// Root mean square of the leave-one-out error, in the unit of the result.
-    pub cross_validation_error: f64,
+    /// Its errors at samples that did not shape it.
+    pub held_out: PredictionError,
     /// Highest degree of its polynomials.
     pub degree: usize,
     /// Number of its terms.
@@ -95,34 +93,21 @@ pub struct Surrogate {
     pub fitted: usize,
     /// Samples without a solution, of all: where they lie it extrapolates.
     pub failed: usize,
-    /// Its errors at samples that did not shape it.
-    pub hold_out: HoldOut,
-    /// Sobol' indices of its own, one per random input.
+    /// Sobol' indices, one per random input.
     pub indices: Vec<SurrogateIndex>,
     /// Probabilities of exceeding the limits that the study states; empty without, and for the frequency.
     pub exceedances: Vec<ExceedanceBoth>,
 }
 
-/// Solver against surrogate at samples that did not shape it.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub struct HoldOut {
-    /// Solved samples.
-    pub samples: usize,
-    /// Root mean square difference, in the unit of the result.
-    pub rms_error: f64,
-    /// Largest difference, in the unit of the result.
-    pub largest_error: f64,
-}
-
-/// Shares of a surrogate's variance by one input.
+/// Shares of the variance by one input.
 #[derive(Debug, Clone, Serialize)]
 pub struct SurrogateIndex {
     /// Name of the input.
     pub input: String,
     /// By the input alone.
-    pub first: f64,
+    pub first: Index,
     /// By the input and all its interactions.
-    pub total: f64,
+    pub total: Index,
 }
 
 /// An exceedance probability of the surrogate beside that of the samples.
@@ -189,43 +174,33 @@ fn surrogate(
         ));
     }
     let seed = input.record.provenance.seed;
+    let basis: Vec<Polynomials> = random.iter().map(|(_, _, law)| polynomials(law)).collect();
     let points: Vec<Vec<f64>> = input
         .outcomes
         .iter()
-        .map(|o| unit_point(random, &o.inputs))
+        .map(|o| coordinates(&basis, unit_point(random, &o.inputs)))
         .collect();
-    let held = (settings.hold_out() * n as f64).ceil() as usize;
-    let fitted = (n - held).min(MOST_FITTED);
-    // drawn, not every k-th: a grid would lose whole planes
-    let draw = Bootstrap {
+    let samples = SurrogateSamples {
+        basis: &basis,
+        inputs: &points,
+        results,
+    };
+    let hold_out = HoldOutSettings {
+        parts: (1.0 / settings.hold_out()).round() as usize,
+        most_fitted: MOST_FITTED,
         seed,
-        replicates: 1,
-        confidence: CONFIDENCE,
     };
-    let mut shapes = vec![false; n];
-    (draw.subsample(0, n, fitted))
-        .into_iter()
-        .for_each(|k| shapes[k] = true);
-    let part = |chosen: bool| -> (Vec<Vec<f64>>, Vec<f64>) {
-        let members = (0..n).filter(|&k| shapes[k] == chosen);
-        members.map(|k| (points[k].clone(), results[k])).unzip()
-    };
-    let (shaping, shaping_results) = part(true);
-    let chaos = fit_chaos(&shaping, &shaping_results, &ChaosSettings::default());
-    let chaos = chaos.map_err(|refusal| refusal.to_string())?;
-    let (checking, checking_results) = part(false);
+    let fit = cross_fit(&samples, &hold_out, &ChaosSettings::default());
+    let fit = fit.map_err(|refusal| refusal.to_string())?;
     let names = random.iter().map(|(_, input, _)| input.name.clone());
     let observed = Observed::of(results.iter().copied());
     Ok(Surrogate {
-        q2: chaos.q2,
-        cross_validation_error: chaos.error,
-        degree: chaos.degree,
-        terms: chaos.terms.len(),
-        fitted: chaos.valid,
+        held_out: fit.error(),
+        degree: fit.whole.degree,
+        terms: fit.whole.terms.len(),
+        fitted: fit.whole.valid,
         failed,
-        hold_out: HoldOut::of(&chaos, &checking, &checking_results)
-            .ok_or("no sample that was held out has a solution")?,
-        indices: (names.zip(chaos.indices()))
+        indices: (names.zip(fit.indices(CONFIDENCE)))
             .map(|(input, index)| SurrogateIndex {
                 input,
                 first: index.first,
@@ -234,14 +209,28 @@ fn surrogate(
             .collect(),
         exceedances: (limits.iter())
             .filter_map(|&limit| {
-                let points = (0..POINTS).map(|i| fresh_point(seed, i, random.len()));
+                let fresh = |i| coordinates(&basis, fresh_point(seed, i, random.len()));
                 Some(ExceedanceBoth {
-                    surrogate: chaos.exceedance(points, limit, CONFIDENCE)?,
+                    surrogate: fit.exceedance((0..POINTS).map(fresh), limit, CONFIDENCE)?,
                     samples: exceedance(&observed, limit, CONFIDENCE),
                 })
             })
             .collect(),
     })
+}
+
+/// Polynomials that are orthogonal under an input's law, or that of its distribution function.
+fn polynomials(law: &Distribution) -> Polynomials {
+    match law.is_gaussian() {
+        true => Polynomials::Hermite,
+        false => Polynomials::Legendre,
+    }
+}
+
+/// Coordinates of a point of the unit cube.
+fn coordinates(basis: &[Polynomials], point: Vec<f64>) -> Vec<f64> {
+    let pairs = basis.iter().zip(point);
+    pairs.map(|(basis, u)| basis.coordinate(u)).collect()
 }
 
 /// Where the random inputs of a sample lie in the unit cube.
@@ -256,19 +245,4 @@ fn fresh_point(seed: u64, i: u64, inputs: usize) -> Vec<f64> {
         .take(inputs)
         .map(|j| uniform(seed, i, j))
         .collect()
-}
-
-impl HoldOut {
-    /// `None` where no result is solved.
-    fn of(chaos: &Chaos, points: &[Vec<f64>], results: &[f64]) -> Option<Self> {
-        let solved = points.iter().zip(results).filter(|(_, y)| y.is_finite());
-        let errors: Vec<f64> = solved.map(|(u, y)| (chaos.predict(u) - y).abs()).collect();
-        let n = errors.len();
-        let squares: f64 = errors.iter().map(|e| e * e).sum();
-        (n > 0).then(|| Self {
-            samples: n,
-            rms_error: (squares / n as f64).sqrt(),
-            largest_error: errors.into_iter().fold(0.0, f64::max),
-        })
-    }
 }

@@ -404,6 +404,13 @@ impl Distribution {
         }
     }
 
+    /// Whether the value, or its logarithm, is Gaussian but for a cut of less than a hundredth.
+    #[must_use]
+    pub fn is_gaussian(&self) -> bool {
+        let shape = matches!(self.shape, Shape::Normal { .. } | Shape::Lognormal { .. });
+        shape && self.kept[1] - self.kept[0] > 0.99
+    }
+
     /// F⁻¹(u): the value at the uniform number u in (0, 1); never outside [`Distribution::support`].
     #[must_use]
     pub fn quantile(&self, u: f64) -> f64 {

@@ -11,7 +11,17 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Kind of a design, as written in a study file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, schemars::JsonSchema)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Default,
+    serde::Serialize,
+    serde::Deserialize,
+    schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum DesignKind {
     /// Independent samples.

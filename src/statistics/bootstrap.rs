@@ -32,6 +32,18 @@ impl Bootstrap {
         (0..n).map(|_| below(&mut generator, n)).collect()
     }
 
+    /// The numbers below n in random order.
+    #[must_use]
+    pub fn permutation(&self, replicate: u32, n: usize) -> Vec<usize> {
+        let mut generator = self.generator(replicate);
+        let mut indices: Vec<usize> = (0..n).collect();
+        for i in 0..n {
+            let j = i + below(&mut generator, n - i);
+            indices.swap(i, j);
+        }
+        indices
+    }
+
     /// m distinct indices below n, ascending.
     #[must_use]
     pub fn subsample(&self, replicate: u32, n: usize, m: usize) -> Vec<usize> {

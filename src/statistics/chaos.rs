@@ -1,27 +1,43 @@
-//! Sparse polynomial chaos: a surrogate of a result over its inputs, always with its cross-validation error.
+//! Sparse polynomial chaos: a surrogate of a result over its inputs.
 //!
 //! Result ≈ Σ c_α Π_j ψ_{α_j}(input j) with orthonormal polynomials: Legendre over u in (0, 1), Hermite over standard
 //! normal z. Terms are picked by orthogonal least squares, their number and the degree by the corrected leave-one-out
-//! error, the coefficients follow by QR. Sources: Blatman & Sudret, J. Comput. Phys. 230 (2011)
+//! error, the coefficients follow by QR. That error chose the terms and is therefore no estimate of what the expansion is
+//! worth: [`super::cross_fit`] gives that. Sources: Blatman & Sudret, J. Comput. Phys. 230 (2011)
 //! 2345–2367; Sudret, Reliab. Eng. Syst. Saf. 93 (2008) 964–979 (Sobol' indices from the coefficients); Chen, Billings &
 //! Luo, Int. J. Control 50 (1989) 1873–1896 (orthogonal least squares).
 
-use super::proportion::{Proportion, proportion};
-use super::sensitivity::mean_and_variance;
+use super::sensitivity::varies;
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
+use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Polynomials of one input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Polynomials {
-    /// Legendre: inputs are uniform numbers u in [0, 1].
+    /// Legendre: the input is a uniform number u in [0, 1].
     Legendre,
-    /// Hermite: inputs are standard normal numbers z.
+    /// Hermite: the input is a standard normal number z.
     Hermite,
 }
 
+/// Least distance of a probability from 0 and 1 in the coordinate of Hermite polynomials.
+const LEAST_PROBABILITY: f64 = 1e-15;
+
 impl Polynomials {
+    /// The input's coordinate where its distribution function is `u`, from 0 to 1.
+    #[must_use]
+    pub fn coordinate(self, u: f64) -> f64 {
+        match self {
+            Self::Legendre => u,
+            Self::Hermite => {
+                let u = u.clamp(LEAST_PROBABILITY, 1.0 - LEAST_PROBABILITY);
+                Normal::standard().inverse_cdf(u)
+            }
+        }
+    }
+
     /// ψ_0 … ψ_degree at x, orthonormal under the inputs' law.
     fn values(self, x: f64, degree: usize) -> Vec<f64> {
         let mut values = vec![1.0; degree + 1];
@@ -60,8 +76,6 @@ impl Polynomials {
 /// How far a fit looks for terms.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct ChaosSettings {
-    /// Polynomials, the same for every input.
-    pub polynomials: Polynomials,
     /// Highest degree tried.
     pub max_degree: usize,
     /// Most inputs in one term.
@@ -75,7 +89,6 @@ pub struct ChaosSettings {
 impl Default for ChaosSettings {
     fn default() -> Self {
         Self {
-            polynomials: Polynomials::Legendre,
             max_degree: 10,
             max_interaction: 3,
             hyperbolic: 0.75,
@@ -96,44 +109,25 @@ pub struct Term {
 /// A fitted expansion.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Chaos {
-    /// Polynomials.
-    pub polynomials: Polynomials,
+    /// Polynomials of each input.
+    pub polynomials: Vec<Polynomials>,
     /// Terms, the constant one first.
     pub terms: Vec<Term>,
     /// Degree chosen.
     pub degree: usize,
-    /// 1 − leave-one-out error / variance; 1 = exact, 0 or less = no better than the mean. The label of every use.
-    pub q2: f64,
-    /// Root mean square of the leave-one-out error, in the unit of the result.
-    pub error: f64,
     /// Samples fitted.
     pub valid: usize,
     /// Failed samples: where they lie the expansion extrapolates.
     pub failed: usize,
 }
 
-/// Shares of an expansion's variance by one input.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct ChaosIndex {
+/// What one input does in an expansion: alone, and with all its interactions.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Effect {
     /// By the input alone.
     pub first: f64,
     /// By the input and all its interactions.
     pub total: f64,
-    /// Q² of the expansion: the indices describe that share of the result.
-    pub q2: f64,
-}
-
-/// An exceedance probability of an expansion.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct SurrogateExceedance {
-    /// Threshold.
-    pub threshold: f64,
-    /// Share of the points above, with the interval of their number alone.
-    pub probability: Proportion,
-    /// Shares above threshold + error and above threshold − error: what the expansion's own error leaves open.
-    pub by_error: (f64, f64),
-    /// Q² of the expansion.
-    pub q2: f64,
 }
 
 /// Why there is no expansion.
@@ -161,17 +155,22 @@ pub enum ChaosRefusal {
     /// No degree has few enough terms.
     #[error("no degree has at least one and at most the allowed number of candidate terms")]
     NoCandidates,
+    /// Parts to hold out that are fewer than two or more than the solved samples.
+    #[error("samples are held out in 2 parts at least")]
+    Parts,
 }
 
 /// Fewest samples of an expansion.
 const FEWEST: usize = 16;
 
-/// Fits an expansion to samples. Shape: one row of inputs and one result per sample, not finite = failed sample.
+/// Fits an expansion to samples. Shape: `basis` one entry per input, one row of inputs and one result per sample, not
+/// finite = failed sample.
 ///
 /// # Errors
 ///
 /// Fewer than 16 solved samples, a result that does not vary, inputs outside the domain, settings without any term.
 pub fn fit_chaos(
+    basis: &[Polynomials],
     inputs: &[Vec<f64>],
     results: &[f64],
     settings: &ChaosSettings,
@@ -188,28 +187,27 @@ pub fn fit_chaos(
         });
     }
     for &sample in &solved {
-        let outside = |&x: &f64| !settings.polynomials.holds(x);
-        if let Some(input) = inputs[sample].iter().position(outside) {
+        let mut held = inputs[sample].iter().zip(basis).map(|(&x, b)| b.holds(x));
+        if let Some(input) = held.position(|held| !held) {
             return Err(ChaosRefusal::Domain { sample, input });
         }
     }
     let values: Vec<f64> = solved.iter().map(|&i| results[i]).collect();
-    let (mean, variance) = mean_and_variance(values.iter().copied());
-    if variance <= (1e-14 * mean).powi(2) {
+    if !varies(values.iter().copied()) {
         return Err(ChaosRefusal::Constant);
     }
     let rows: Vec<&[f64]> = solved.iter().map(|&i| inputs[i].as_slice()).collect();
     let (degree, picked) =
-        best_degree(&rows, &values, settings).ok_or(ChaosRefusal::NoCandidates)?;
+        best_degree(basis, &rows, &values, settings).ok_or(ChaosRefusal::NoCandidates)?;
     let columns: Vec<Vec<f64>> = picked
         .terms
         .iter()
-        .map(|term| column(&rows, term, settings.polynomials))
+        .map(|term| column(&rows, term, basis))
         .collect();
     let coefficients = least_squares(&columns, &values);
     let terms = picked.terms.into_iter().zip(coefficients);
     Ok(Chaos {
-        polynomials: settings.polynomials,
+        polynomials: basis.to_vec(),
         terms: terms
             .map(|(degrees, coefficient)| Term {
                 degrees,
@@ -217,8 +215,6 @@ pub fn fit_chaos(
             })
             .collect(),
         degree,
-        q2: 1.0 - picked.error / variance,
-        error: picked.error.sqrt(),
         valid,
         failed: results.len() - valid,
     })
@@ -232,6 +228,7 @@ struct Picked {
 
 /// The degree of least error; the search ends after two degrees without gain.
 fn best_degree(
+    basis: &[Polynomials],
     rows: &[&[f64]],
     values: &[f64],
     settings: &ChaosSettings,
@@ -242,7 +239,7 @@ fn best_degree(
         if candidates.len() > settings.max_candidates {
             break;
         }
-        let picked = pick_terms(rows, values, candidates, settings.polynomials);
+        let picked = pick_terms(rows, values, candidates, basis);
         match &best {
             Some((_, least)) if picked.error >= least.error => {}
             _ => best = Some((degree, picked)),
@@ -278,12 +275,12 @@ fn candidates(inputs: usize, degree: usize, settings: &ChaosSettings) -> Vec<Vec
 }
 
 /// Values of one term at all rows.
-fn column(rows: &[&[f64]], term: &[usize], basis: Polynomials) -> Vec<f64> {
-    let factor = |(&x, &k): (&f64, &usize)| match k {
+fn column(rows: &[&[f64]], term: &[usize], basis: &[Polynomials]) -> Vec<f64> {
+    let factor = |((&x, &k), basis): ((&f64, &usize), &Polynomials)| match k {
         0 => 1.0,
         _ => basis.values(x, k)[k],
     };
-    let value = |row: &&[f64]| row.iter().zip(term).map(factor).product();
+    let value = |row: &&[f64]| row.iter().zip(term).zip(basis).map(factor).product();
     rows.iter().map(value).collect()
 }
 
@@ -295,7 +292,7 @@ fn pick_terms(
     rows: &[&[f64]],
     values: &[f64],
     candidates: Vec<Vec<usize>>,
-    basis: Polynomials,
+    basis: &[Polynomials],
 ) -> Picked {
     let n = values.len();
     let mut columns: Vec<Vec<f64>> = candidates.iter().map(|t| column(rows, t, basis)).collect();
@@ -379,76 +376,71 @@ fn least_squares(columns: &[Vec<f64>], values: &[f64]) -> Vec<f64> {
 }
 
 impl Chaos {
-    /// Value of the expansion. Shape: one number per input, in the domain of the polynomials.
+    /// Value of the expansion. Shape: one number per input, in the domain of its polynomials.
     #[must_use]
     pub fn predict(&self, inputs: &[f64]) -> f64 {
+        self.values(inputs).iter().sum()
+    }
+
+    /// Value of each term.
+    fn values(&self, inputs: &[f64]) -> Vec<f64> {
         let highest = |j: usize| self.terms.iter().map(|t| t.degrees[j]).max().unwrap_or(0);
-        let values = inputs.iter().enumerate();
-        let values: Vec<Vec<f64>> = values
-            .map(|(j, &x)| self.polynomials.values(x, highest(j)))
+        let powers = inputs.iter().zip(&self.polynomials).enumerate();
+        let powers: Vec<Vec<f64>> = powers
+            .map(|(j, (&x, basis))| basis.values(x, highest(j)))
             .collect();
         let term = |term: &Term| {
-            let factors = term.degrees.iter().zip(&values).map(|(&k, v)| v[k]);
+            let factors = term.degrees.iter().zip(&powers).map(|(&k, v)| v[k]);
             term.coefficient * factors.product::<f64>()
         };
-        self.terms.iter().map(term).sum()
+        self.terms.iter().map(term).collect()
+    }
+
+    /// Mean of the expansion under the inputs' law.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        let constant = self
+            .terms
+            .iter()
+            .filter(|t| t.degrees.iter().all(|k| *k == 0));
+        constant.map(|t| t.coefficient).sum()
     }
 
     /// Variance of the expansion under the inputs' law.
     #[must_use]
     pub fn variance(&self) -> f64 {
-        self.squares(|degrees| degrees.iter().any(|&k| k > 0))
+        let varying = self
+            .terms
+            .iter()
+            .filter(|t| t.degrees.iter().any(|k| *k > 0));
+        varying.map(|t| t.coefficient.powi(2)).sum()
     }
 
-    /// First and total Sobol' index of each input, read from the coefficients; empty if the expansion is constant.
+    /// Variance by each input, read from the coefficients.
     #[must_use]
-    pub fn indices(&self) -> Vec<ChaosIndex> {
-        let variance = self.variance();
-        let inputs = self.terms.first().map_or(0, |t| t.degrees.len());
-        if variance <= 0.0 {
-            return Vec::new();
-        }
-        let alone = |degrees: &[usize], j: usize| {
-            degrees
-                .iter()
-                .enumerate()
-                .all(|(i, &k)| (k > 0) == (i == j))
-        };
-        let index = |j: usize| ChaosIndex {
-            first: self.squares(|degrees| alone(degrees, j)) / variance,
-            total: self.squares(|degrees| degrees[j] > 0) / variance,
-            q2: self.q2,
-        };
-        (0..inputs).map(index).collect()
+    pub fn variances(&self) -> Vec<Effect> {
+        self.effects(|i| self.terms[i].coefficient.powi(2))
     }
 
-    /// P(expansion > threshold) over given points; `None` without points or with confidence outside (0, 1).
+    /// Value of the terms with each input at a point.
     #[must_use]
-    pub fn exceedance(
-        &self,
-        points: impl IntoIterator<Item = Vec<f64>>,
-        threshold: f64,
-        confidence: f64,
-    ) -> Option<SurrogateExceedance> {
-        let (mut n, mut above, mut surely, mut possibly) = (0, 0, 0, 0);
-        for point in points {
-            let value = self.predict(&point);
-            n += 1;
-            above += usize::from(value > threshold);
-            surely += usize::from(value > threshold + self.error);
-            possibly += usize::from(value > threshold - self.error);
-        }
-        Some(SurrogateExceedance {
-            threshold,
-            probability: proportion(above, n, confidence)?,
-            by_error: (surely as f64 / n as f64, possibly as f64 / n as f64),
-            q2: self.q2,
-        })
+    pub fn parts(&self, inputs: &[f64]) -> Vec<Effect> {
+        let values = self.values(inputs);
+        self.effects(|i| values[i])
     }
 
-    /// Sum of the squared coefficients of some terms.
-    fn squares(&self, counts: impl Fn(&[usize]) -> bool) -> f64 {
-        let kept = self.terms.iter().filter(|t| counts(&t.degrees));
-        kept.map(|t| t.coefficient.powi(2)).sum()
+    /// Sums of a number of each term, per input.
+    fn effects(&self, number: impl Fn(usize) -> f64) -> Vec<Effect> {
+        let mut effects = vec![Effect::default(); self.polynomials.len()];
+        for (i, term) in self.terms.iter().enumerate() {
+            let active = term.degrees.iter().filter(|k| **k > 0).count();
+            for (effect, k) in effects.iter_mut().zip(&term.degrees) {
+                if *k > 0 {
+                    effect.total += number(i);
+                    effect.first += if active == 1 { number(i) } else { 0.0 };
+                }
+            }
+        }
+        effects
     }
 }

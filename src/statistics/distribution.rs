@@ -2,6 +2,7 @@
 
 use super::observed::Sorted;
 use super::order_statistic::quantile;
+use super::sensitivity::varies;
 
 /// Corners (x, F(x)) of the empirical distribution function: one per distinct value, F just after the step.
 #[must_use]
@@ -65,7 +66,7 @@ pub fn histogram(sorted: &Sorted, max_bins: usize) -> Vec<Bin> {
     bins
 }
 
-/// Spearman's rank correlation of pairs, ties at their mean rank; `None` unless both sides vary.
+/// Spearman's rank correlation of pairs, ties at their mean rank; `None` unless both sides vary by more than rounding.
 ///
 /// Pairs with a non-finite member are left out.
 #[must_use]
@@ -74,6 +75,9 @@ pub fn rank_correlation(pairs: &[(f64, f64)]) -> Option<f64> {
         .iter()
         .filter(|(x, y)| x.is_finite() && y.is_finite())
         .collect();
+    if !varies(kept.iter().map(|p| p.0)) || !varies(kept.iter().map(|p| p.1)) {
+        return None;
+    }
     let x = centred_ranks(&kept.iter().map(|p| p.0).collect::<Vec<_>>());
     let y = centred_ranks(&kept.iter().map(|p| p.1).collect::<Vec<_>>());
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
@@ -143,5 +147,8 @@ mod tests {
         assert!((rank_correlation(&tied).unwrap() - 0.8_f64.sqrt()).abs() < 1e-12);
         assert_eq!(rank_correlation(&[(1.0, 2.0), (1.0, 3.0)]), None);
         assert_eq!(rank_correlation(&[]), None);
+        let noise = |i: i32| 2618.0 * (1.0 + 1e-15 * f64::from(i));
+        let rounded: Vec<(f64, f64)> = (0..5).map(|i| (f64::from(i), noise(i))).collect();
+        assert_eq!(rank_correlation(&rounded), None, "a spread of rounding");
     }
 }

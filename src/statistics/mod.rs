@@ -12,6 +12,7 @@ pub mod bootstrap;
 pub mod chaos;
 pub mod comparison;
 pub mod convergence;
+pub mod cross_fit;
 pub mod curve;
 pub mod depth;
 pub mod distribution;
@@ -39,17 +40,21 @@ pub use band::{
 };
 pub use bin::{Group, equal_count};
 pub use bootstrap::Bootstrap;
-pub use chaos::{
-    Chaos, ChaosIndex, ChaosRefusal, ChaosSettings, Polynomials, SurrogateExceedance, fit_chaos,
-};
+pub use chaos::{Chaos, ChaosRefusal, ChaosSettings, Effect, Polynomials, fit_chaos};
 pub use comparison::{Better, Comparison, Ranking, compare, rank_designs};
 pub use convergence::{Prefix, convergence, nested_prefixes};
+pub use cross_fit::{
+    CrossFit, HoldOutSettings, PredictionError, SurrogateExceedance, SurrogateIndices,
+    SurrogateSamples, cross_fit,
+};
 pub use curve::{Curve, CurveSet};
 pub use depth::{depth_band, modified_band_depth};
 pub use distribution::{Bin, empirical_cdf, histogram, rank_correlation};
 pub use exceedance::{Exceedance, exceedance};
 pub use failure::{FailureBin, FailurePattern, failure_pattern};
-pub use given_data::{ConditionalMean, GivenDataIndex, conditional_means, first_order_index};
+pub use given_data::{
+    ConditionalMean, GivenData, GivenDataIndex, conditional_means, first_order_index,
+};
 pub use joint::{JointRegion, joint_region};
 pub use limit::{Interval, Limit};
 pub use margin::{
@@ -62,9 +67,9 @@ pub use order_statistic::{
     QuantileEstimate, order_statistic_interval, quantile, quantile_estimate, quantile_rank,
 };
 pub use proportion::{Proportion, Share, proportion, share};
-pub use replicates::{ReplicateMean, replicate_mean};
+pub use replicates::{ReplicateMean, ReplicateQuantile, replicate_mean, replicate_quantile};
 pub use reweight::Weights;
-pub use sensitivity::{Index, Influence, SensitivityRefusal};
+pub use sensitivity::{Index, Influence, SensitivityRefusal, varies};
 pub use sobol_index::{SobolIndex, sobol_indices};
 pub use tolerance::{
     Side, ToleranceBound, tolerance_bound, tolerance_confidence, tolerance_order, wilks_sample_size,

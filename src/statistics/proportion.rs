@@ -22,26 +22,18 @@ pub fn proportion(count: usize, n: usize, confidence: f64) -> Option<Proportion>
     if n == 0 || count > n || confidence <= 0.0 || confidence >= 1.0 {
         return None;
     }
-    let (lower, upper) = share_limits(count as f64, (n - count) as f64, confidence)?;
+    let (yes, no, tail) = (count as f64, (n - count) as f64, (1.0 - confidence) / 2.0);
     Some(Proportion {
-        estimate: count as f64 / n as f64,
-        lower,
-        upper,
+        estimate: yes / n as f64,
+        lower: match count == 0 {
+            true => 0.0,
+            false => Beta::new(yes, no + 1.0).ok()?.inverse_cdf(tail),
+        },
+        upper: match count == n {
+            true => 1.0,
+            false => Beta::new(yes + 1.0, no).ok()?.inverse_cdf(1.0 - tail),
+        },
     })
-}
-
-/// Clopper–Pearson limits for `yes` against `no`, which need not be whole numbers (effective sample sizes).
-pub(super) fn share_limits(yes: f64, no: f64, confidence: f64) -> Option<(f64, f64)> {
-    let tail = (1.0 - confidence) / 2.0;
-    let lower = match yes <= 0.0 {
-        true => 0.0,
-        false => Beta::new(yes, no + 1.0).ok()?.inverse_cdf(tail),
-    };
-    let upper = match no <= 0.0 {
-        true => 1.0,
-        false => Beta::new(yes + 1.0, no).ok()?.inverse_cdf(1.0 - tail),
-    };
-    Some((lower, upper))
 }
 
 /// A share of samples of which some do not tell, because they failed.

@@ -68,9 +68,18 @@ pub enum SensitivityRefusal {
         /// Evaluations in all.
         total: usize,
     },
-    /// The result does not vary.
+    /// The result does not vary, by more than rounding.
     #[error("the result does not vary")]
     Constant,
+    /// The input has one value.
+    #[error("the input does not vary")]
+    FixedInput,
+    /// Samples whose neighbours in one input are not random in the others.
+    #[error(
+        "not available for one sequence of quasi-random points: neighbours in one input are not random in the others; \
+         use replicates, a pick-freeze design or independent samples"
+    )]
+    OneSequence,
     /// Too few samples.
     #[error("{found} samples are too few, {needed} are needed")]
     TooFew {
@@ -90,6 +99,18 @@ pub enum SensitivityRefusal {
     /// A resampling interval needs replicates and a confidence in (0, 1).
     #[error("a resampling interval needs 20 replicates and a confidence between 0 and 1")]
     Bootstrap,
+}
+
+/// Largest spread, relative to the largest value, that counts as rounding: a solution is located to a billionth, and what
+/// is computed in another order from the same numbers differs by some 1e-15.
+const ROUNDING: f64 = 1e-12;
+
+/// Whether finite values differ by more than rounding. What does not vary has no index, no correlation and no fit.
+#[must_use]
+pub fn varies(values: impl Iterator<Item = f64>) -> bool {
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = values.fold(none, |(low, high), v| (low.min(v), high.max(v)));
+    high - low > ROUNDING * high.abs().max(low.abs())
 }
 
 /// Refuses results that hold a failed one, or fewer than `needed`.

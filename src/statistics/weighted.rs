@@ -1,11 +1,12 @@
 //! Quantiles and exceedance probabilities of weighted samples, as re-weighting to another input law needs them.
 //!
-//! Weights are normalised by their sum. An interval takes the effective sample size (Kish, Survey Sampling 1965) for n,
-//! so it is asymptotic and worth little where few samples carry the weight: read it beside that size.
+//! Weights are normalised by their sum. An interval takes for n what the share itself shows: p (1 − p) over its linearised
+//! variance, so that a tail that carries the weight counts for the few samples that it has (Korn & Graubard 1998). The
+//! sample that was not drawn is the danger: for each limit one observation more with the heaviest weight counts against
+//! it (as in Fay & Feuer 1997 for weighted Poisson counts). With equal weights these are the limits of Clopper & Pearson.
 
-use super::limit::{Interval, Limit};
-use super::order_statistic::order_statistic_interval;
-use super::proportion::share_limits;
+use super::limit::Interval;
+use statrs::distribution::{Beta, ContinuousCDF};
 
 /// n_e = (Σw)² / Σw²; 0 unless the weights are finite, not negative and not all zero.
 #[must_use]
@@ -27,8 +28,7 @@ pub struct WeightedQuantile {
     pub probability: f64,
     /// Smallest valid value that the share p of the valid weight does not exceed.
     pub estimate: f64,
-    /// Woodruff's interval: quantiles at the confidence limits of p, the weight of failed samples at ±∞. A side that so
-    /// many unweighted samples would not bound is open.
+    /// Values at which the interval of P(result ≤ value) holds p, the weight of failed samples at ±∞.
     pub interval: Interval,
     /// Effective sample size n_e, failed samples included.
     pub effective_samples: f64,
@@ -49,14 +49,65 @@ pub struct WeightedExceedance {
     pub effective_samples: f64,
 }
 
-/// Valid values in ascending order with their share of the whole weight, and the share of the failed samples.
-struct Shares {
-    valid: Vec<(f64, f64)>,
-    failed: f64,
+/// Weight of the samples that a share counts, within the weight of all.
+#[derive(Debug, Clone, Copy)]
+struct Share {
+    /// Counted weight and the sum of its squares.
+    yes: [f64; 2],
+    /// The same of all samples.
+    all: [f64; 2],
+    /// Heaviest weight.
+    heaviest: f64,
+}
+
+/// Shares of the weight below which rounding hides a sample.
+const ROUNDING: f64 = 1e-12;
+
+impl Share {
+    /// Parameters of the beta law of the share with one more observation of the heaviest weight, counted or not.
+    fn with_one_more(&self, counted: bool) -> [f64; 2] {
+        let (h, [yes, yes_squares], [all, squares]) = (self.heaviest, self.yes, self.all);
+        let more = |counts: bool| f64::from(u8::from(counts));
+        let p = (yes + h * more(counted)) / (all + h);
+        let counted_squares = yes_squares + h * h * more(counted);
+        let others = (squares - yes_squares).max(0.0) + h * h * more(!counted);
+        let variance = (counted_squares * (1.0 - p).powi(2) + others * p * p) / (all + h).powi(2);
+        let n = p * (1.0 - p) / variance;
+        [p * n, (1.0 - p) * n]
+    }
+
+    /// Quantile of the beta law; `None` where it has none.
+    fn quantile([yes, no]: [f64; 2], probability: f64) -> Option<f64> {
+        Some(Beta::new(yes, no).ok()?.inverse_cdf(probability))
+    }
+
+    fn lower(&self, tail: f64) -> Option<f64> {
+        match self.yes[0] <= ROUNDING * self.all[0] {
+            true => Some(0.0),
+            false => Self::quantile(self.with_one_more(false), tail),
+        }
+    }
+
+    fn upper(&self, tail: f64) -> Option<f64> {
+        match self.all[0] - self.yes[0] <= ROUNDING * self.all[0] {
+            true => Some(1.0),
+            false => Self::quantile(self.with_one_more(true), 1.0 - tail),
+        }
+    }
+}
+
+/// Valid values in ascending order with the weight up to each.
+struct Weighted {
+    valid: Vec<f64>,
+    /// Weight and sum of squares of the first so many valid values. Shape: valid + 1.
+    sums: Vec<[f64; 2]>,
+    /// The same of the failed samples.
+    failed: [f64; 2],
+    heaviest: f64,
     effective_samples: f64,
 }
 
-impl Shares {
+impl Weighted {
     /// `None` for weights without an effective sample.
     fn of(values: &[f64], weights: &[f64]) -> Option<Self> {
         assert_eq!(values.len(), weights.len(), "one weight per sample");
@@ -68,31 +119,50 @@ impl Shares {
         let pairs = values.iter().zip(weights).map(|(&v, &w)| (v, w / sum));
         let (mut valid, failed): (Vec<_>, Vec<_>) = pairs.partition(|(v, _)| v.is_finite());
         valid.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        let add = |sum: [f64; 2], w: f64| [sum[0] + w, sum[1] + w * w];
+        let mut sums = vec![[0.0, 0.0]];
+        for (i, (_, w)) in valid.iter().enumerate() {
+            sums.push(add(sums[i], *w));
+        }
         Some(Self {
-            valid,
-            failed: failed.iter().map(|(_, w)| w).sum(),
+            valid: valid.into_iter().map(|(v, _)| v).collect(),
+            sums,
+            failed: failed.iter().fold([0.0, 0.0], |sum, (_, w)| add(sum, *w)),
+            heaviest: weights.iter().fold(0.0, |most: f64, w| most.max(w / sum)),
             effective_samples,
         })
     }
 
-    /// Smallest valid value whose cumulative share reaches `level`; `None` outside (0, valid share].
+    /// Weight of the valid samples.
+    fn valid_weight(&self) -> f64 {
+        self.sums[self.valid.len()][0]
+    }
+
+    /// Share of the first `k` valid samples; with the failed ones, or without.
+    fn up_to(&self, k: usize, with_failed: bool) -> Share {
+        let plus = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a + c, b + d];
+        let yes = self.sums[k];
+        Share {
+            yes: match with_failed {
+                true => plus(yes, self.failed),
+                false => yes,
+            },
+            all: plus(self.sums[self.valid.len()], self.failed),
+            heaviest: self.heaviest,
+        }
+    }
+
+    /// Smallest valid value up to which the weight reaches `level`; `None` for a level beyond it.
     fn at(&self, level: f64) -> Option<f64> {
-        let mut cumulative = 0.0;
-        let slack = 1e-12;
-        let reaches = |&&(_, w): &&(f64, f64)| {
-            cumulative += w;
-            cumulative >= level - slack
-        };
-        (level > 0.0)
-            .then(|| self.valid.iter().find(reaches).map(|(v, _)| *v))
-            .flatten()
+        let reached = self.sums.partition_point(|sum| sum[0] < level - ROUNDING);
+        self.valid.get(reached.checked_sub(1)?).copied()
     }
 }
 
 /// The p-quantile of weighted samples; a value that is not finite is a failed sample.
 ///
-/// Shape: one weight per value. `None` without valid weight, for weights that are negative or not finite, or unless both
-/// probabilities lie in (0, 1). Source: Woodruff, J. Amer. Statist. Assoc. 47 (1952) 635–646.
+/// Shape: one weight per value. The interval inverts that of P(result ≤ value). `None` without valid weight, for weights
+/// that are negative or not finite, or unless both probabilities lie in (0, 1).
 #[must_use]
 pub fn weighted_quantile(
     values: &[f64],
@@ -104,32 +174,36 @@ pub fn weighted_quantile(
     if !inside(probability) || !inside(confidence) {
         return None;
     }
-    let shares = Shares::of(values, weights)?;
-    let n = shares.effective_samples;
-    let (low, high) = share_limits(probability * n, (1.0 - probability) * n, confidence)?;
-    // The limits of p alone would let the first and the last sample bound anything.
-    let whole = (n + 1e-9).floor() as usize;
-    let ((first, last), _) = order_statistic_interval(whole, probability, confidence)?;
-    let bounded = |holds: bool, value: Option<f64>| match holds {
-        true => value.into(),
-        false => Limit::Unbounded,
+    let weighted = Weighted::of(values, weights)?;
+    let tail = (1.0 - confidence) / 2.0;
+    let steps: Vec<usize> = (0..=weighted.valid.len()).collect();
+    // Between value k and the next, P(result <= value) is the share of the first k.
+    let below = |k: &usize| {
+        let upper = weighted.up_to(*k, true).upper(tail);
+        upper.is_some_and(|upper| upper < probability)
     };
+    let not_above = |k: &usize| {
+        let lower = weighted.up_to(*k, false).lower(tail);
+        lower.is_none_or(|lower| lower <= probability)
+    };
+    let first = steps.partition_point(below);
+    let last = steps.partition_point(not_above);
+    let value = |rank: usize| weighted.valid.get(rank.checked_sub(1)?).copied();
     Some(WeightedQuantile {
         probability,
-        estimate: shares.at(probability * (1.0 - shares.failed))?,
+        estimate: weighted.at(probability * weighted.valid_weight())?,
         interval: Interval {
-            lower: bounded(first > 0, shares.at(low - shares.failed)),
-            upper: bounded(last <= whole, shares.at(high)),
+            lower: value(first).into(),
+            upper: value(last).into(),
         },
-        effective_samples: n,
+        effective_samples: weighted.effective_samples,
     })
 }
 
-/// P(value > threshold) of weighted samples, Clopper–Pearson with the effective sample size; a value that is not finite
-/// is a failed sample.
+/// P(value > threshold) of weighted samples with its interval; a value that is not finite is a failed sample.
 ///
 /// Shape: one weight per value. `None` for weights that are negative, not finite or all zero, or with confidence outside
-/// (0, 1). Source: Korn & Graubard, Survey Methodology 24 (1998) 193–201.
+/// (0, 1). Sources: Korn & Graubard, Survey Methodology 24 (1998) 193–201; Fay & Feuer, Stat. Med. 16 (1997) 791–801.
 #[must_use]
 pub fn weighted_exceedance(
     values: &[f64],
@@ -140,40 +214,54 @@ pub fn weighted_exceedance(
     if threshold.is_nan() || confidence <= 0.0 || confidence >= 1.0 {
         return None;
     }
-    let shares = Shares::of(values, weights)?;
-    let n = shares.effective_samples;
-    let above = shares.valid.iter().filter(|(v, _)| *v > threshold);
-    let above: f64 = above.map(|(_, w)| w).sum();
-    let limits = |p: f64| share_limits(p * n, (1.0 - p).max(0.0) * n, confidence);
-    let valid = 1.0 - shares.failed;
+    let weighted = Weighted::of(values, weights)?;
+    let below = weighted.valid.partition_point(|v| *v <= threshold);
+    let tail = (1.0 - confidence) / 2.0;
+    let valid = weighted.valid_weight();
+    let above = valid - weighted.sums[below][0];
     Some(WeightedExceedance {
         threshold,
-        estimate: (valid > 0.0).then(|| above / valid),
-        lower: limits(above)?.0,
-        upper: limits((above + shares.failed).min(1.0))?.1,
-        effective_samples: n,
+        estimate: (valid > 0.0).then(|| (above / valid).clamp(0.0, 1.0)),
+        lower: 1.0 - weighted.up_to(below, true).upper(tail)?,
+        upper: 1.0 - weighted.up_to(below, false).lower(tail)?,
+        effective_samples: weighted.effective_samples,
     })
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::observed::Observed;
+    use super::super::order_statistic::quantile_estimate;
+    use super::super::proportion::proportion;
     use super::*;
 
-    /// 50 equal weights bound the median on both sides, the 5 % quantile from above only and the 95 % one from below
-    /// only, as 50 samples do. Seen to fail with the first sample as the lower limit of the 5 % quantile.
+    /// Equal weights are samples without weights: the intervals are those of order statistics and of Clopper & Pearson,
+    /// open sides and failed samples included. Seen to fail with the heaviest weight on the side of its limit.
     #[test]
-    fn sides_that_the_samples_do_not_bound_are_open() {
-        let values: Vec<f64> = (0..50).map(f64::from).collect();
-        for (p, sides) in [
-            (0.05, [false, true]),
-            (0.5, [true, true]),
-            (0.95, [true, false]),
-        ] {
-            let interval = weighted_quantile(&values, &[0.02; 50], p, 0.95)
-                .unwrap()
-                .interval;
-            let found = [interval.lower, interval.upper].map(|limit| limit.value().is_some());
-            assert_eq!(found, sides, "{p}");
+    fn equal_weights_give_the_intervals_without_weights() {
+        for (n, failed) in [(50, 0), (200, 0), (200, 3)] {
+            let values: Vec<f64> = (0..n).map(|i| f64::from((i * 37) % n)).collect();
+            let holed = |i: usize, v: f64| if i < failed { f64::NAN } else { v };
+            let values: Vec<f64> = (0..).zip(values).map(|(i, v)| holed(i, v)).collect();
+            let (observed, weights) = (Observed::of(values.clone()), vec![0.3; values.len()]);
+            for p in [0.05, 0.5, 0.95] {
+                let found = weighted_quantile(&values, &weights, p, 0.95).unwrap();
+                let plain = quantile_estimate(&observed, p, 0.95).unwrap();
+                assert_eq!(found.interval, plain.interval, "{n} {failed} {p}");
+            }
+            for limit in [-1.0, 20.0, 190.0, 1e3] {
+                let found = weighted_exceedance(&values, &weights, limit, 0.95).unwrap();
+                let yes = values.iter().filter(|v| **v > limit).count();
+                let plain = |yes: usize| proportion(yes, values.len(), 0.95).unwrap();
+                let differs = [
+                    found.lower - plain(yes).lower,
+                    found.upper - plain(yes + failed).upper,
+                ];
+                assert!(
+                    differs.iter().all(|d| d.abs() < 1e-9),
+                    "{limit} {differs:?}"
+                );
+            }
         }
     }
 }

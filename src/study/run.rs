@@ -110,6 +110,7 @@ pub(super) fn run_after(
         backend: backend.report(),
         inputs,
         design: DesignRecord {
+            kind: study.design.kind(),
             description: study.design.description(),
             independent: study.design.kind() == DesignKind::MonteCarlo,
             growth: study.design.growth(),

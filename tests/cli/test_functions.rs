@@ -244,13 +244,13 @@ fn surrogate_of_ishigami() {
     );
     let surrogate = &with.report["levels"][0]["surrogates"]["frequency"]["surrogate"];
     let number = |value: &Value| value.as_f64().unwrap();
-    assert!(number(&surrogate["q2"]) > 0.99, "{surrogate}");
-    let held = &surrogate["hold_out"];
+    let held = &surrogate["held_out"];
+    assert!(number(&held["q2"]) > 0.99, "{surrogate}");
     assert_eq!(
         (&held["samples"], &surrogate["fitted"]),
-        (&120.into(), &480.into())
+        (&600.into(), &600.into())
     );
-    let (rms, largest) = (number(&held["rms_error"]), number(&held["largest_error"]));
+    let (rms, largest) = (number(&held["rms"]), number(&held["largest"]));
     assert!(
         0.0 < rms && rms < largest && largest < 13.8 && rms < 0.3,
         "{held}"
@@ -263,8 +263,12 @@ fn surrogate_of_ishigami() {
     for (j, (first, total)) in exact.into_iter().enumerate() {
         let index = &surrogate["indices"][j];
         assert_eq!(index["input"], INPUTS[j]);
-        assert!((number(&index["first"]) - first).abs() < 0.02, "{index}");
-        assert!((number(&index["total"]) - total).abs() < 0.02, "{index}");
+        for (kind, exact) in [("first", first), ("total", total)] {
+            let side = |side: &str| number(&index[kind][side]);
+            assert!((side("estimate") - exact).abs() < 0.02, "{index}");
+            let holds = side("lower") <= exact && exact <= side("upper");
+            assert!(holds && side("upper") - side("lower") < 0.05, "{index}");
+        }
     }
     let budget = with.report["error_budget"].as_array().unwrap();
     let line = budget
@@ -272,11 +276,7 @@ fn surrogate_of_ishigami() {
         .find(|line| line["source"] == "Surrogate")
         .unwrap();
     assert_eq!(number(&line["frequency_hz"]), rms);
-    for words in [
-        "Surrogate: what it is worth",
-        "120 held out",
-        "Surrogate: Sobol",
-    ] {
+    for words in ["Surrogate: what it is worth", "Surrogate: Sobol"] {
         assert!(with.page.contains(words), "{words:?} is not in the page");
     }
     let without = run("ishigami", &[UNIFORM; 3], design, samples, "");
@@ -289,8 +289,8 @@ fn surrogate_of_ishigami() {
     );
 }
 
-/// The rare exceedance by the surrogate of a linear function, from a tenth of the samples that would bound it as closely.
-/// Seen to fail with a load that is larger by 1.
+/// The rare exceedance by the surrogate of a linear function of normal inputs, which it puts on the right side at every
+/// sample: a narrower interval than that of the samples. Seen to fail with a load that is larger by 1.
 #[test]
 fn surrogate_of_the_limit_state() {
     let more =
@@ -298,13 +298,17 @@ fn surrogate_of_the_limit_state() {
     let run = run("limit-state", &LIMIT_STATE, "monte-carlo", 1000, &more);
     let both = &run.report["levels"][0]["surrogates"]["amplitude"]["surrogate"]["exceedances"][0];
     let exact = 0.012_673_659;
-    let share = both["surrogate"]["by_error"].as_array().unwrap();
-    let [surely, possibly] = [0, 1].map(|k| share[k].as_f64().unwrap());
-    assert!(surely <= exact && exact <= possibly, "{both}");
-    assert!(possibly - surely < 0.003, "{both}");
-    let samples = &both["samples"]["probability"];
-    assert!(samples["lower"].as_f64().unwrap() <= exact, "{both}");
-    assert!(exact <= samples["upper"].as_f64().unwrap(), "{both}");
+    assert_eq!(both["surrogate"]["missed"], 0, "{both}");
+    let width = |share: &Value| {
+        let [lower, upper] = ["lower", "upper"].map(|side| share[side].as_f64().unwrap());
+        assert!(lower <= exact && exact <= upper, "{both}");
+        upper - lower
+    };
+    let by_surrogate = width(&both["surrogate"]["probability"]);
+    assert!(
+        by_surrogate < width(&both["samples"]["probability"]),
+        "{both}"
+    );
     assert!(
         run.page
             .contains("Surrogate: probability that the amplitude exceeds a limit")

@@ -7,7 +7,7 @@ use microslip::report::population::{Bound, Quantiles};
 use microslip::report::sensitivity::IndexResult;
 use microslip::report::{self, Assessment, Summary};
 use microslip::statistics::{
-    Bootstrap, Index, Judgement, Limit, Observed, Side, first_order_index, quantile_estimate,
+    GivenData, Index, Judgement, Limit, Observed, Side, first_order_index, quantile_estimate,
     rank_correlation, tolerance_bound,
 };
 
@@ -321,14 +321,16 @@ fn influence_is_that_of_the_points() {
         let pair = |o: &SampleOutcome| (o.inputs[1], o.levels[i].peak.unwrap().amplitude_m);
         outcomes.map(pair).collect()
     };
-    let bootstrap = Bootstrap {
-        seed: study.record.provenance.seed,
-        replicates: 200,
-        confidence: 0.95,
-    };
     let indices = [0, 1, 2].map(|outer| {
         let (x, y): (Vec<f64>, Vec<f64>) = of_point(outer).into_iter().unzip();
-        first_order_index(&x, &y, &bootstrap).unwrap().index
+        let data = GivenData {
+            inputs: &x,
+            results: &y,
+            replicates: None,
+            seed: study.record.provenance.seed,
+            confidence: 0.95,
+        };
+        first_order_index(&data).unwrap().index
     });
     let level = &assessment.levels[i];
     let IndexResult::Points(range) = &level.influences[1].amplitude else {

@@ -12,7 +12,7 @@ use microslip::report::requirement::{
     Criterion, MarginBase, Operation, Quantity, Requirements, Stress,
 };
 use microslip::report::{ReportInput, RunRecord};
-use microslip::sampling::{Growth, SampleGroup};
+use microslip::sampling::{DesignKind, Growth, SampleGroup};
 
 pub(crate) const LEVELS: [f64; 8] = [0.1, 1.0, 5.0, 10.0, 20.0, 50.0, 100.0, 300.0];
 const FREE: f64 = 2967.03;
@@ -40,6 +40,7 @@ impl SyntheticStudy {
     /// A pick-freeze design of both inputs: rows of four samples.
     pub(crate) fn pick_freeze(rows: u64) -> Self {
         let mut study = Self::new(0);
+        study.record.design.kind = DesignKind::PickFreeze;
         study.record.design.mixed_inputs = vec![0, 1];
         study.record.design.independent = false;
         for row in 0..rows {
@@ -125,6 +126,7 @@ fn record() -> RunRecord {
             input("mu", "uniform: low 0.1, high 0.8"),
         ],
         design: DesignRecord {
+            kind: DesignKind::MonteCarlo,
             description: "monte-carlo".to_owned(),
             independent: true,
             growth: Growth::Any,

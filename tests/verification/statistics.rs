@@ -7,56 +7,12 @@ mod failed;
 mod sensitivity;
 mod values;
 
+#[path = "../../benches/coverage/functions.rs"]
+mod functions;
+
+use functions::Numbers;
 use microslip::ensemble::test_function::TestFunction;
 use microslip::sampling::pick_freeze::at_place;
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-use std::f64::consts::TAU;
-
-/// Repetitions of a coverage measurement; its standard error at 95 % is 0.7 points.
-const REPETITIONS: u64 = 1000;
-
-/// Random numbers of one repetition.
-struct Numbers(ChaCha8Rng);
-
-impl Numbers {
-    fn of(seed: u64) -> Self {
-        Self(ChaCha8Rng::seed_from_u64(seed))
-    }
-
-    /// Uniform in (0, 1).
-    fn uniform(&mut self) -> f64 {
-        ((self.0.next_u64() >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
-    }
-
-    /// Standard normal (Box & Muller).
-    fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * self.uniform().ln()).sqrt();
-        radius * (TAU * self.uniform()).cos()
-    }
-
-    fn uniforms(&mut self, n: usize) -> Vec<f64> {
-        (0..n).map(|_| self.uniform()).collect()
-    }
-
-    fn normals(&mut self, n: usize) -> Vec<f64> {
-        (0..n).map(|_| self.normal()).collect()
-    }
-}
-
-/// Share of the repetitions that a test covers.
-fn coverage(covers: impl Fn(&mut Numbers) -> bool) -> f64 {
-    let hits = (0..REPETITIONS).filter(|&r| covers(&mut Numbers::of(r)));
-    hits.count() as f64 / REPETITIONS as f64
-}
-
-/// The measured coverage must lie within 1.5 points of the stated one.
-fn assert_coverage(name: &str, measured: f64, stated: f64) {
-    assert!(
-        (measured - stated).abs() <= 0.015,
-        "{name}: measured {measured:.4}, stated {stated:.4}"
-    );
-}
 
 /// Ishigami's function of three uniform numbers, with a = 7 and b = 0.1.
 fn ishigami(u: &[f64]) -> f64 {

@@ -2,10 +2,10 @@
 
 use super::super::axis::Axis;
 use super::super::block::{Block, Cell, Figure, Section, Table};
-use super::super::display::{significant, with_digits};
+use super::super::display::significant;
 use super::super::figure::{Panel, Size};
 use super::super::view::View;
-use crate::statistics::{Prefix, QuantileEstimate, ReplicateMean};
+use crate::statistics::{Interval, Prefix, QuantileEstimate, ReplicateMean};
 
 /// Absent without prefixes or replicates to compare.
 pub(super) fn section(view: &View) -> Option<Section> {
@@ -69,45 +69,71 @@ fn replicates(view: &View) -> Option<[Block; 2]> {
             ("Replicates", &["replicates"] as &'static [_]),
             (
                 "Mean frequency (Hz)",
-                &["frequency_mean_hz", "frequency_standard_error_hz"],
+                &[
+                    "frequency_mean_hz",
+                    "frequency_mean_lower_hz",
+                    "frequency_mean_upper_hz",
+                ],
+            ),
+            (
+                "Its 95 % quantile (Hz)",
+                &["frequency_q95_lower_hz", "frequency_q95_upper_hz"],
             ),
             (
                 "Mean amplitude",
-                &["amplitude_mean_m", "amplitude_standard_error_m"],
+                &[
+                    "amplitude_mean_m",
+                    "amplitude_mean_lower_m",
+                    "amplitude_mean_upper_m",
+                ],
+            ),
+            (
+                "Its 95 % quantile",
+                &["amplitude_q95_lower_m", "amplitude_q95_upper_m"],
             ),
             ("Failed, not in it", &["failed"]),
         ])
         .map(|(head, fields)| (head.to_owned(), fields));
     let mut table = Table::new("Means over the replicates", "replicates", columns);
     let count = |n: u64| Cell::number(n.to_string(), Some(n as f64));
-    let cell = |mean: ReplicateMean, shown: String, scale: f64, unit: &str| {
-        let error = with_digits(mean.standard_error * scale, 2);
-        Cell::number(format!("{shown}{unit}"), Some(mean.mean))
-            .with_raw([Some(mean.standard_error)])
-            .with_small(format!("± {error}{unit}"))
+    let hertz = |v: f64| format!("{v:.4}");
+    let length = |v: f64| {
+        let shown = significant(v * view.unit.per_metre);
+        format!("{shown} {}", view.unit.symbol)
     };
-    let length = format!(" {}", view.unit.symbol);
     for (i, outer, means) in means {
         let (frequency, amplitude) = (means.frequency_hz, means.amplitude_m);
-        let scale = view.unit.per_metre;
+        let [.., frequency_q95] = means.frequency_quantiles_hz;
+        let [.., amplitude_q95] = means.amplitude_quantiles_m;
         let numbers = [
             count(frequency.replicates as u64),
-            cell(frequency, format!("{:.4}", frequency.mean), 1.0, ""),
-            cell(
-                amplitude,
-                significant(amplitude.mean * scale),
-                scale,
-                &length,
-            ),
+            mean_cell(&frequency, hertz),
+            interval_cell(frequency_q95.interval, hertz),
+            mean_cell(&amplitude, length),
+            interval_cell(amplitude_q95.interval, length),
             count(frequency.failed as u64),
         ];
         let head = [view.level_cell(i)].into_iter().chain(outer.map(count));
         table.row(head.chain(numbers).collect());
     }
     let hint = "Points of one replicate depend on each other, so their scatter says nothing about the error; that of the \
-                replicates’ means does. Small figures: its standard error, the standard deviation of these means over the \
-                root of their number. It knows nothing of failed samples.";
+                replicates does. Small figures and quantiles: 95 % intervals by Student’s factor for so many replicates. \
+                The means know nothing of failed samples; these lie on either side of the quantiles.";
     Some([table.block(), Block::Hint(hint.to_owned())])
+}
+
+/// A mean with its interval.
+fn mean_cell(mean: &ReplicateMean, show: impl Fn(f64) -> String) -> Cell {
+    let Interval { lower, upper } = mean.interval;
+    Cell::number(show(mean.mean), Some(mean.mean))
+        .with_raw([lower.value(), upper.value()])
+        .with_small(mean.interval.in_words(" … ", show))
+}
+
+/// An interval alone.
+fn interval_cell(interval: Interval, show: impl Fn(f64) -> String) -> Cell {
+    let Interval { lower, upper } = interval;
+    Cell::number(interval.in_words(" … ", show), lower.value()).with_raw([upper.value()])
 }
 
 /// Number of samples, estimate and its interval.

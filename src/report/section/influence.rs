@@ -71,8 +71,7 @@ fn explanation(view: &View) -> String {
         ),
         false => (
             "",
-            "estimated by ranks from the samples at hand, with a 95 % interval from tenths of the samples. It describes \
-             the samples with a solution",
+            "estimated by ranks from the samples at hand, with a 95 % interval. It describes the samples with a solution",
         ),
     };
     let range = match view.nested() {
@@ -240,7 +239,8 @@ fn index_cells(view: &View, result: &IndexResult) -> Vec<Cell> {
     }
 }
 
-fn index_cell(index: Index) -> Cell {
+/// An index with its interval and the verdict on it.
+pub(super) fn index_cell(index: Index) -> Cell {
     let number = |v: f64| minus_sign(&format!("{v:.2}"));
     let cell = Cell::number(number(index.estimate), Some(index.estimate))
         .with_raw([Some(index.lower), Some(index.upper)])

@@ -4,6 +4,7 @@ use super::super::block::{Block, Cell, Section, Table};
 use super::super::display::{DASH, minus_sign, percent, significant};
 use super::super::surrogate::{LevelSurrogates, Surrogate, SurrogateResult};
 use super::super::view::{Shown, View};
+use super::influence::index_cell;
 use super::share_cell;
 
 /// Absent where the study wants none.
@@ -11,8 +12,9 @@ pub(super) fn section(view: &View) -> Option<Section> {
     view.input.record.surrogate?;
     let mut blocks = vec![
         Block::Hint(
-            "A polynomial chaos expansion stands for the solver in this section, and nowhere else on this page. It knows \
-             smooth dependence only; its worth is its error at samples that did not shape it (held out)."
+            "A polynomial chaos expansion stands for the solver in this section, and nowhere else on this page. Every sample \
+             is predicted by an expansion that it did not shape (held out); these errors say what the surrogate is worth, \
+             correct its numbers, and give their 95 % intervals."
                 .to_owned(),
         ),
         worth(view),
@@ -21,9 +23,9 @@ pub(super) fn section(view: &View) -> Option<Section> {
     if let Some(table) = exceedances(view) {
         blocks.push(table);
         blocks.push(Block::Hint(
-            "Surrogate: share of 100000 points, with the 95 % interval of that share alone; below it the shares with the \
-             limit moved by its cross-validation error to either side. Samples: share of the solved ones with its 95 % \
-             interval, failed ones on either side."
+            "Surrogate: share of 100000 points above the limit, corrected by the samples that it puts on the wrong side, with \
+             its 95 % interval. Samples: share of the solved ones with its 95 % interval, failed ones on either side. The \
+             surrogate narrows the interval only where it is right at almost every sample."
                 .to_owned(),
         ));
     }
@@ -55,10 +57,9 @@ fn worth(view: &View) -> Block {
             ("Level", &["level"]),
             ("Result", &["result"]),
             ("Variance predicted", &["q2"]),
-            ("Cross-validation error", &["cross_validation_error"]),
-            ("Error where held out", &["hold_out_rms_error"]),
-            ("Largest there", &["hold_out_largest_error"]),
-            ("Samples", &["fitted", "held_out", "failed"]),
+            ("Error where held out", &["held_out_rms_error"]),
+            ("Largest there", &["held_out_largest_error"]),
+            ("Samples", &["fitted", "failed"]),
             ("Terms", &["terms", "degree"]),
         ],
     );
@@ -84,8 +85,7 @@ fn refused(reason: &str) -> Vec<Cell> {
         none().with_small(format!("not available: {reason}")),
         none(),
         none(),
-        none(),
-        none().with_raw([None, None]),
+        none().with_raw([None]),
         none().with_raw([None]),
     ]
 }
@@ -105,22 +105,14 @@ fn worth_cells(view: &View, shown: Shown, surrogate: &Surrogate) -> Vec<Cell> {
         };
         Cell::number(text, Some(v))
     };
-    let held = &surrogate.hold_out;
-    let samples = [held.samples, surrogate.failed].map(|n| Some(n as f64));
+    let held = &surrogate.held_out;
     vec![
-        Cell::number(
-            minus_sign(&format!("{:.4}", surrogate.q2)),
-            Some(surrogate.q2),
-        ),
-        error(surrogate.cross_validation_error),
-        error(held.rms_error),
-        error(held.largest_error),
+        Cell::number(minus_sign(&format!("{:.4}", held.q2)), Some(held.q2)),
+        error(held.rms),
+        error(held.largest),
         Cell::number(surrogate.fitted.to_string(), Some(surrogate.fitted as f64))
-            .with_raw(samples)
-            .with_small(format!(
-                "{} held out, {} failed",
-                held.samples, surrogate.failed
-            )),
+            .with_raw([Some(surrogate.failed as f64)])
+            .with_small(format!("{} failed", surrogate.failed)),
         Cell::number(surrogate.terms.to_string(), Some(surrogate.terms as f64))
             .with_raw([Some(surrogate.degree as f64)])
             .with_small(format!("degree {}", surrogate.degree)),
@@ -135,11 +127,13 @@ fn indices(view: &View) -> Block {
             ("Level", &["level"]),
             ("Result", &["result"]),
             ("Input", &["input"]),
-            ("First-order index", &["first"]),
-            ("Total index", &["total"]),
+            (
+                "First-order index",
+                &["first", "first_lower", "first_upper"],
+            ),
+            ("Total index", &["total", "total_lower", "total_upper"]),
         ],
     );
-    let share = |v: f64| Cell::number(format!("{v:.3}"), Some(v));
     for (i, level) in levels(view) {
         for shown in Shown::ALL {
             let found = of(level, shown).surrogate();
@@ -148,8 +142,8 @@ fn indices(view: &View) -> Block {
                     view.level_cell(i),
                     Cell::text(shown.word()).with_class("text"),
                     Cell::text(&index.input).with_class("text"),
-                    share(index.first),
-                    share(index.total),
+                    index_cell(index.first),
+                    index_cell(index.total),
                 ]);
             }
         }
@@ -171,8 +165,9 @@ fn exceedances(view: &View) -> Option<Block> {
                     "surrogate",
                     "surrogate_lower",
                     "surrogate_upper",
-                    "limit_up",
-                    "limit_down",
+                    "surrogate_alone",
+                    "missed",
+                    "false_alarms",
                 ],
             ),
             ("Samples", &["samples", "samples_lower", "samples_upper"]),
@@ -190,7 +185,6 @@ fn exceedances(view: &View) -> Option<Block> {
             let found = &both.surrogate;
             let limit = significant(found.threshold * view.unit.per_metre);
             let share = found.probability;
-            let (surely, possibly) = found.by_error;
             let samples = both.samples.map(|s| s.probability);
             table.row(vec![
                 view.level_cell(i),
@@ -199,16 +193,24 @@ fn exceedances(view: &View) -> Option<Block> {
                     Some(found.threshold),
                 ),
                 Cell::number(percent(share.estimate), Some(share.estimate))
-                    .with_raw([share.lower, share.upper, surely, possibly].map(Some))
+                    .with_raw(
+                        [
+                            share.lower,
+                            share.upper,
+                            found.surrogate_alone,
+                            found.missed as f64,
+                            found.false_alarms as f64,
+                        ]
+                        .map(Some),
+                    )
                     .with_small(format!(
                         "{} … {}",
                         percent(share.lower),
                         percent(share.upper)
                     ))
                     .with_small(format!(
-                        "{} … {} by its error",
-                        percent(surely),
-                        percent(possibly)
+                        "wrong at {} samples",
+                        found.missed + found.false_alarms
                     )),
                 share_cell(samples.as_ref()),
             ]);

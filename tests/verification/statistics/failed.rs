@@ -2,7 +2,7 @@
 
 use super::{Numbers, ishigami, pick_freeze_points};
 use microslip::statistics::{
-    Better, Bootstrap, Interval, Limit, Observed, SensitivityRefusal, Side, compare,
+    Better, Bootstrap, GivenData, Interval, Limit, Observed, SensitivityRefusal, Side, compare,
     conditional_means, exceedance, failure_pattern, first_order_index, joint_region,
     moment_estimate, quantile_estimate, sobol_indices, tolerance_bound, weighted_exceedance,
     weighted_quantile,
@@ -162,10 +162,19 @@ fn given_data_counts_failures() {
     let inputs: Vec<Vec<f64>> = (0..1000).map(|_| numbers.uniforms(3)).collect();
     let mut results: Vec<f64> = inputs.iter().map(|u| ishigami(u)).collect();
     let x2: Vec<f64> = inputs.iter().map(|u| u[1]).collect();
-    let complete = first_order_index(&x2, &results, &BOOTSTRAP).unwrap();
+    let index = |results: &[f64]| {
+        first_order_index(&GivenData {
+            inputs: &x2,
+            results,
+            replicates: None,
+            seed: 1,
+            confidence: 0.95,
+        })
+    };
+    let complete = index(&results).unwrap();
     results[17] = f64::NAN;
     results[170] = f64::INFINITY;
-    let holed = first_order_index(&x2, &results, &BOOTSTRAP).unwrap();
+    let holed = index(&results).unwrap();
     assert_eq!((holed.valid, holed.failed), (998, 2));
     assert!((holed.index.estimate - complete.index.estimate).abs() < 0.02);
     assert!(holed.index.estimate > 0.3);
