@@ -38,6 +38,7 @@ mod audit;
 mod campbell;
 mod convergence;
 mod curve_bands;
+mod decision;
 mod distribution;
 mod envelope;
 mod epistemic;

@@ -8,6 +8,7 @@ use super::super::requirement::{Criterion, Quantity};
 use super::super::sentence::{power, reasons, shown};
 use super::super::summary::Summary;
 use super::super::view::View;
+use super::decision;
 use super::envelope::{bound_cell, limits};
 use crate::hb::Status;
 use crate::statistics::Judgement;
@@ -20,6 +21,7 @@ pub(super) fn section(view: &View) -> Section {
         blocks.push(Block::Verdicts(
             view.assessment.criteria.iter().map(verdict).collect(),
         ));
+        blocks.push(Block::pairs(decision::figures(view)));
         blocks.push(criteria(view));
         blocks.push(Block::Hint(
             "PASS or FAIL: the whole confidence interval lies on that side of the limit, each side with the stated \
