@@ -55,7 +55,7 @@ impl EpistemicInterval {
         let (lower, upper) = (self.lower, self.upper);
         let between = match self.scale {
             Scale::Linear => (1.0 - t) * lower + t * upper,
-            Scale::Log => ((1.0 - t) * lower.ln() + t * upper.ln()).exp(),
+            Scale::Log => libm::exp((1.0 - t) * libm::log(lower) + t * libm::log(upper)),
         };
         match t {
             0.0 => lower,

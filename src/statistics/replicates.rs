@@ -127,6 +127,11 @@ pub fn replicate_quantile(
             with[place] += 1.0;
             without[place] += 1.0;
         }
+        // Within equal values there is no such place.
+        let tied = k > 0 && valid.get(k).is_some_and(|next| next.0 == valid[k - 1].0);
+        if tied {
+            continue;
+        }
         if first.is_none() && level.reached(&with) {
             first = Some(k);
         }

@@ -147,6 +147,7 @@ pub struct FrequencyTable {
     points: Option<usize>,
     /// Which way the frequencies are swept; `upward` if absent.
     sweep: Option<SweepDirection>,
+    /// Which maximum of the band `run` takes as the peak: `highest` (if absent), `all`, or that of one mode by its number.
     peak: Option<PeakTable>,
 }
 

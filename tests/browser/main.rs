@@ -191,5 +191,5 @@ fn it_prints_and_figures_stand_alone() {
     let dom = String::from_utf8(dom).unwrap();
     let title = dom.split("<title>").nth(1).unwrap();
     let title = title.split("</title>").next().unwrap();
-    assert_eq!(title, "860x610 styled");
+    assert_eq!(title, "860x548 styled");
 }

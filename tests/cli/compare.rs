@@ -88,7 +88,8 @@ fn a_distribution_may_be_the_design() {
     let text = format!("{STUDY}{STIFFNESS}");
     run(path, "a", &text);
     run(path, "b", &text.replace("low = 0.1", "low = 0.5"));
-    let output = microslip(path, &["compare", "a", "b", "a"]);
+    run(path, "again", &text);
+    let output = microslip(path, &["compare", "a", "b", "again"]);
     assert!(output.status.success(), "{output:?}");
     let found = json(&path.join("comparison/comparison.json"));
     assert_eq!(
@@ -185,7 +186,10 @@ fn what_cannot_be_paired_is_refused() {
         path.join("a/samples.parquet"),
     )
     .unwrap();
-    refuse("a", &["samples.parquet is not the file that the run wrote"]);
+    refuse(
+        "correlated",
+        &["samples.parquet is not the file that the run wrote"],
+    );
     refuse("nowhere", &["nowhere/run.json"]);
     let output = microslip(path, &["compare", "a"]);
     assert_eq!(output.status.code(), Some(2), "{output:?}");

@@ -121,8 +121,10 @@ fn equal_sides_are_the_folded_model() {
     );
     assert!(close(found[0][0].frequency_hz, folded[0][0].frequency_hz));
     assert!(close(found[0][0].amplitude_m, folded[0][0].amplitude_m));
-    // the first blade answers differently to the stiffer side, the frequency does not
-    assert!(close(found[1][0].frequency_hz, found[2][0].frequency_hz));
+    // The first blade answers differently to the stiffer side. The resonance is that of one mode; the other mode of the two
+    // blades, close by, shifts the maximum of the first blade by 1e-5.
+    let [stiff_left, stiff_right] = [1, 2].map(|sample| found[sample][0].frequency_hz);
+    assert!((stiff_left - stiff_right).abs() < 2e-5 * stiff_right);
     assert!(!close(found[1][0].frequency_hz, found[0][0].frequency_hz));
 }
 

@@ -15,7 +15,7 @@ use super::microslip;
 
 const STUDY: &str = r#"name = "stick limit"
 seed = 11
-samples = 128
+samples = 256
 levels = [0.1]
 
 [model]

@@ -23,7 +23,7 @@ law = "box"
 harmonics = 1
 alert = false
 [frequency]
-band_hz = [2600, 2900]
+band_hz = [2600, 3100]
 [output]
 curve_samples = 0
 "#;
@@ -205,11 +205,11 @@ fn impossible_strips_and_pressures_are_refused() {
     );
     refused(
         &study("", "", &edge.replace("upper = 1", "upper = 2")),
-        ":22: inputs.edge_pressure.upper = 2: must be from 0 to 1",
+        ":22: inputs.edge_pressure.upper = 2: must be at most 1: 1 is the pressure of a rigid punch",
     );
     refused(
         &study("", "", &FIELD.replace("modes = 2", "modes = 7")),
-        ":22: pressure_field.modes = 7: must be from 1 to 6",
+        ":22: pressure_field.modes = 7: must be from 1 to 5",
     );
     // a study on matrices has no strip
     let matrices = super::folder("study.toml", "[solver]", &format!("{INPUT}[solver]"));

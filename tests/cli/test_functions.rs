@@ -16,9 +16,9 @@ const INPUTS: [&str; 8] = [
     "stiffness_scale",
     "normal_stiffness_scale",
     "tangential_stiffness_scale",
-    "friction_coefficient",
     "static_load_scale",
     "left_stiffness_scale",
+    "right_stiffness_scale",
     "damping_scale",
     "excitation_scale",
 ];

@@ -128,8 +128,8 @@ fn interfaces_of_the_rig_answer_as_mirror_images() {
     let problem = Problem::new(&linear, contacts, 1.0, anchor).expect("held");
     let peak = PeakSettings {
         band: Band {
-            low: 2920.0 * TAU,
-            high: 2980.0 * TAU,
+            low: 2605.0 * TAU,
+            high: 2635.0 * TAU,
         },
         frequency_tolerance: 1e-7,
     };

@@ -330,8 +330,8 @@ fn time_integration_of_the_rig_agrees() {
     settings.newton = NewtonSettings::default();
     let peak = PeakSettings {
         band: Band {
-            low: 2900.0 * TAU,
-            high: 2990.0 * TAU,
+            low: 2600.0 * TAU,
+            high: 2640.0 * TAU,
         },
         frequency_tolerance: 1e-6,
     };
