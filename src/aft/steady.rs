@@ -215,7 +215,7 @@ impl<I: Copy, T: Real> Search<I, T> {
             return self.found(Origin::Anchor, Periodicity::NotPeriodic);
         }
         self.stage = Stage::Plain(laps);
-        if laps % PATIENCE == 0
+        if laps.is_multiple_of(PATIENCE)
             && (laps / PATIENCE).is_power_of_two()
             && let Some(hold) = held(lap.end)
         {

@@ -110,7 +110,7 @@ pub(super) fn damping_ratio(record: &RunRecord) -> Option<f64> {
     let crossing = |[inner, outer]: [&CurvePoint; 2]| {
         let share = (inner.amplitude_m - level) / (inner.amplitude_m - outer.amplitude_m);
         (outer.amplitude_m < level)
-            .then(|| inner.frequency_hz + share * (outer.frequency_hz - inner.frequency_hz))
+            .then_some(inner.frequency_hz + share * (outer.frequency_hz - inner.frequency_hz))
     };
     let pair = |i: usize, j: usize| crossing([&curve[i], &curve[j]]);
     let below = (0..top).rev().find_map(|i| pair(i + 1, i))?;

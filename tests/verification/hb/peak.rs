@@ -2,7 +2,6 @@
 
 use super::invariants::{Draw, settings, solved};
 use super::models::{Case, plane, short};
-use crate::two_blade::folded;
 use faer::prelude::c64;
 use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
@@ -16,7 +15,7 @@ use microslip::hb::resonance::Band;
 use microslip::hb::sweep::SweepDirection;
 use microslip::hb::track::{stuck_point, track_peaks};
 use microslip::hb::{
-    AlertSettings, Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Status,
+    AlertSettings, Balance, HbSettings, LinearModel, Problem, SliderAnchor, Status,
 };
 use std::f64::consts::TAU;
 
