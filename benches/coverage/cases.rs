@@ -1,4 +1,8 @@
 //! One case per interval, law and number of samples: does the interval of a repetition hold the truth?
+#![expect(
+    clippy::unwrap_used,
+    reason = "a case without an interval is a broken case and must end the count"
+)]
 
 use super::functions::{Function, G, ISHIGAMI, KINK, LOGNORMAL, Numbers, ONE, SUM, z};
 use microslip::sampling::pick_freeze::PickFreeze;

@@ -108,7 +108,7 @@ impl<'m> Problem<'m> {
 /// slip through, their mean tractions do not depend on its mean position, which nothing else determines: the static
 /// equations are singular there, Newton's method throws the part metres away and loses all digits. So weak springs
 /// along the contacts hold the 0th harmonic of a structure that floats and has no retention of its own.
-const HELD: f64 = 1e-11;
+const HELD: f64 = 1e-9;
 
 /// Stiffness (N/m) that the static structure has at its contacts while they stick, with what holds it when they slip.
 fn held_stiffness(model: &LinearModel, k_c: &[f64]) -> Vec<f64> {

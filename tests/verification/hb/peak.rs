@@ -206,15 +206,6 @@ fn a_newton_step_sees_large_truncation_errors() {
     );
 }
 
-/// Search of the default rig's peaks.
-const RIG: PeakSettings = PeakSettings {
-    band: Band {
-        low: 2605.0 * TAU,
-        high: 2635.0 * TAU,
-    },
-    frequency_tolerance: 5e-8,
-};
-
 /// Solutions on the flanks are no peaks: from there the maximum is found, or nothing. Seen to fail with the first
 /// solution near the predicted phase accepted.
 #[test]
