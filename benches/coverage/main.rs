@@ -3,8 +3,6 @@
 //! 1000 repetitions of every case of `cases.rs`, each on fresh samples of a function with a known answer. The standard
 //! error of a measured 95 % is 0.7 points. The table of README.md is what this prints.
 
-#![expect(clippy::unwrap_used, reason = "a benchmark without its interval fails")]
-
 mod cases;
 mod functions;
 

@@ -332,8 +332,10 @@ mod tests {
     /// Seen to fail with the load left of s linear in s.
     #[test]
     fn a_punch_presses_at_the_edges() {
-        let mut settings = TwoBladeSettings::default();
-        settings.contact_nodes = [3, 5];
+        let mut settings = TwoBladeSettings {
+            contact_nodes: [3, 5],
+            ..Default::default()
+        };
         let three = Layout::new(&settings).unwrap().punch_deviation();
         let outer = 0.5 - (4.0f64 / 9.0).asin() / PI;
         let loads = [outer, 1.0 - 2.0 * outer, outer, outer];

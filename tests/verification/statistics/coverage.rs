@@ -31,7 +31,8 @@ fn assert_covers_where(chosen: impl Fn(&cases::Statement) -> bool) {
         let found: Vec<Vec<bool>> = seeds.map(|seed| case.covers(seed)).collect();
         for (place, statement) in case.statements.iter().enumerate() {
             let hits = found.iter().filter(|holds| holds[place]).count() as u64;
-            let least = Binomial::new(statement.stated - ALLOWED, REPETITIONS).unwrap();
+            let least =
+                Binomial::new(statement.stated - ALLOWED, REPETITIONS).expect("a probability");
             let least = least.inverse_cdf(RISK);
             assert!(
                 hits >= least,

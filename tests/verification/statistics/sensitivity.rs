@@ -294,7 +294,7 @@ fn cross_fit_of_ishigami(n: usize) -> CrossFit {
         most_fitted: 2000,
         seed: 1,
     };
-    cross_fit(&samples, &hold_out, &ChaosSettings::default()).unwrap()
+    cross_fit(&samples, &hold_out, &ChaosSettings::default()).expect("a fit")
 }
 
 /// An expansion of Ishigami from 400 random samples: its error, indices and predictions. The error at samples held out is
