@@ -1,5 +1,6 @@
 //! Every interval that the program states covers as often as it says: the cases of `cargo bench --bench coverage`, with
 //! fewer repetitions.
+#![expect(clippy::expect_used, reason = "a test without its numbers fails")]
 
 #[path = "../../../benches/coverage/cases.rs"]
 mod cases;

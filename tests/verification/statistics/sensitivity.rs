@@ -1,4 +1,5 @@
 //! Sensitivity indices against closed forms.
+#![expect(clippy::expect_used, reason = "a test without its numbers fails")]
 
 use super::{Numbers, borehole, g_function, ishigami, pick_freeze_points};
 use microslip::statistics::{
