@@ -3,7 +3,7 @@
 //! Result ≈ Σ c_α Π_j ψ_{α_j}(input j) with orthonormal polynomials: Legendre over u in (0, 1), Hermite over standard
 //! normal z. Terms are picked by orthogonal least squares, their number and the degree by the corrected leave-one-out
 //! error, the coefficients follow by QR. That error chose the terms and is therefore no estimate of what the expansion is
-//! worth: [`super::cross_fit`] gives that. Sources: Blatman & Sudret, J. Comput. Phys. 230 (2011)
+//! worth: [`super::cross_fit()`] gives that. Sources: Blatman & Sudret, J. Comput. Phys. 230 (2011)
 //! 2345–2367; Sudret, Reliab. Eng. Syst. Saf. 93 (2008) 964–979 (Sobol' indices from the coefficients); Chen, Billings &
 //! Luo, Int. J. Control 50 (1989) 1873–1896 (orthogonal least squares).
 
