@@ -583,6 +583,7 @@ fn record(provenance: Provenance, names: &[String]) -> RunRecord {
             independent: true,
             growth: Growth::Any,
             outer_points: 1,
+            further_points: 0,
             mixed_inputs: Vec::new(),
         },
         frequency_tolerance: 3e-7,

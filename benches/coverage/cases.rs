@@ -5,14 +5,16 @@
 )]
 
 use super::functions::{Function, G, ISHIGAMI, KINK, LOGNORMAL, Numbers, ONE, SUM, z};
+use microslip::report::requirement::{Criterion, Quantity};
 use microslip::sampling::pick_freeze::PickFreeze;
+use microslip::sampling::rectangles::seek_largest;
 use microslip::sampling::sobol::Sobol;
 use microslip::statistics::{
     Better, Bootstrap, ChaosSettings, CurveSet, GivenData, HoldOutSettings, Index, Interval,
-    MissingPoints, Observed, Polynomials, Side, SobolIndex, SurrogateSamples, compare, cross_fit,
-    depth_band, exceedance, first_order_index, joint_region, moment_estimate, quantile_estimate,
-    replicate_mean, replicate_quantile, simultaneous_band, sobol_indices, tolerance_bound,
-    weighted_exceedance, weighted_quantile,
+    MissingPoints, Observed, Polynomials, Side, SobolIndex, Sorted, SurrogateSamples, compare,
+    cross_fit, depth_band, exceedance, first_order_index, joint_region, moment_estimate, quantile,
+    quantile_estimate, replicate_mean, replicate_quantile, simultaneous_band, sobol_indices,
+    tolerance_bound, weighted_exceedance, weighted_quantile,
 };
 use std::f64::consts::TAU;
 
@@ -101,7 +103,41 @@ pub(crate) fn all() -> Vec<Case> {
     given_data(&mut cases);
     pick_freeze(&mut cases);
     surrogates(&mut cases);
+    verdicts_over_a_box(&mut cases);
     cases.0
+}
+
+/// Verdicts on a number that keeps its limit at every place of a box, and no better than it must: false FAILs at the points of
+/// a search. Each place has the samples u of all, turned by `turns` times its distance from 0.
+fn verdicts_over_a_box(cases: &mut Cases) {
+    for turns in [0.5, 7.3] {
+        let samples = format!("100 independent at the points of a search, {turns} turns");
+        cases.add("no false FAIL over a box", samples, move |numbers, _| {
+            let u = numbers.uniforms(100);
+            let mut broken = Vec::new();
+            seek_largest(1, 9, |points| {
+                let at = |point: &Vec<f64>| {
+                    let turned = u.iter().map(|u| (u + turns * point[0]).fract());
+                    let sorted = Sorted::finite(turned);
+                    broken.push(sorted.values().iter().filter(|v| **v > 0.95).count());
+                    quantile(&sorted, 0.95).unwrap()
+                };
+                points.iter().map(at).collect()
+            });
+            let criterion = Criterion {
+                name: "turned".to_owned(),
+                standard: None,
+                clause: None,
+                quantity: Quantity::AmplitudeUm,
+                limit: 0.95,
+                level: None,
+                share: None,
+                confidence: None,
+            };
+            let least = criterion.demonstration(broken.len()).rejection(u.len());
+            broken.iter().all(|&broken| broken < least)
+        });
+    }
 }
 
 /// A skewed law with mean and standard deviation 1.

@@ -62,6 +62,13 @@ pub(super) fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<(
         levels.len(),
         levels.join(", ")
     )?;
+    if facts.further_samples > 0 {
+        writeln!(
+            out,
+            "worst-case search   up to {} samples more",
+            facts.further_samples
+        )?;
+    }
     show_cost(out, facts)?;
     for warning in &facts.warnings {
         writeln!(out, "warning: {warning}")?;

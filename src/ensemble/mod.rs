@@ -4,6 +4,7 @@ mod applied;
 pub mod arrow;
 pub mod atlas;
 pub mod backend;
+pub mod further_points;
 pub mod kept;
 pub mod one_at_a_time;
 pub mod outcome;

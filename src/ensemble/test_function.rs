@@ -18,6 +18,9 @@ pub enum TestFunction {
     Borehole,
     /// 100 + load − resistance, of resistance and load: above 100 the structure fails.
     LimitState,
+    /// u + 6 exp(−((x − 0.37)/0.03)²) of an epistemic x in (0, 1) and u uniform there: worse by up to 6 in a twentieth of the
+    /// interval.
+    NarrowWorstCase,
 }
 
 impl TestFunction {
@@ -27,7 +30,7 @@ impl TestFunction {
         match self {
             Self::Ishigami => 3,
             Self::GFunction | Self::Borehole => 8,
-            Self::LimitState => 2,
+            Self::LimitState | Self::NarrowWorstCase => 2,
         }
     }
 
@@ -51,6 +54,7 @@ impl TestFunction {
                 TAU * t_u * (h_u - h_l) / (log * resistance)
             }
             (Self::LimitState, [resistance, load]) => 100.0 + load - resistance,
+            (Self::NarrowWorstCase, [x, u]) => u + 6.0 * (-((x - 0.37) / 0.03).powi(2)).exp(),
             _ => f64::NAN,
         }
     }

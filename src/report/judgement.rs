@@ -50,8 +50,9 @@ pub struct LevelResult {
     /// Number that is judged, from the samples with a trusted solution: the quantile that leaves out 1 − share, or the
     /// probability; in the unit of the limit. Absent without samples.
     pub estimate: Option<f64>,
-    /// Where it lies: each side holds with the confidence of the criterion, whatever samples without a trusted solution
-    /// would have given, and wherever the others lie within their numerical errors.
+    /// Where it lies: the side that passes holds with the confidence of the criterion, the side that fails with it at all
+    /// levels and outer points together; whatever samples without a trusted solution would have given, and wherever the
+    /// others lie within their numerical errors.
     pub interval: Interval,
     /// Judgement.
     pub judgement: Judgement,
@@ -121,15 +122,13 @@ pub(super) fn judge_all(input: &ReportInput, budget: &[ErrorLine]) -> Vec<Criter
 }
 
 fn result(input: &ReportInput, criterion: &Criterion, errors: &NumericalErrors) -> CriterionResult {
-    let levels = input.record.levels.iter().enumerate();
-    let chosen = levels.filter(|(_, level)| criterion.level.is_none_or(|l| l == **level));
-    let judged = |(level, _)| Judged {
-        input: *input,
-        criterion,
-        errors,
-        level,
+    let levels = criterion.levels(&input.record.levels);
+    let populations = levels.len() * outer_groups(input.outcomes).len();
+    let judged = |&level: &usize| Judged {
+        populations,
+        ..Judged::new(*input, criterion, errors, level)
     };
-    let judged: Vec<Judged> = chosen.map(judged).collect();
+    let judged: Vec<Judged> = levels.iter().map(judged).collect();
     let levels: Vec<LevelResult> = judged.iter().map(Judged::worst_point).collect();
     let any = |judgement| levels.iter().any(|l| l.judgement == judgement);
     let judgement = match (any(Judgement::Fail), any(Judgement::Undecided)) {
@@ -177,6 +176,26 @@ pub(super) struct Judged<'a> {
     errors: &'a NumericalErrors,
     /// Number of the level.
     level: usize,
+    /// Populations that the criterion is judged on: levels times outer points.
+    populations: usize,
+}
+
+impl<'a> Judged<'a> {
+    /// The samples of one population at level number `level`.
+    pub(super) fn new(
+        input: ReportInput<'a>,
+        criterion: &'a Criterion,
+        errors: &'a NumericalErrors,
+        level: usize,
+    ) -> Self {
+        Self {
+            input,
+            criterion,
+            errors,
+            level,
+            populations: 1,
+        }
+    }
 }
 
 impl Judged<'_> {
@@ -229,7 +248,7 @@ impl Judged<'_> {
         let (_, without_error) = self.estimate(&exact);
         let judgement = judge(interval, self.rule(self.criterion.limit));
         let counted = self.counted(&observed);
-        let demonstration = self.criterion.demonstration();
+        let demonstration = self.criterion.demonstration(self.populations);
         LevelResult {
             level: self.input.record.levels[self.level],
             estimate,
@@ -314,10 +333,28 @@ impl Judged<'_> {
         }
     }
 
-    /// The number that is judged, with its interval.
+    /// The number that is judged, with its interval: the side that passes has the confidence of PASS, the other one that
+    /// of FAIL.
     fn estimate(&self, observed: &Observed) -> (Option<f64>, Interval) {
-        // each side of the interval has the confidence of the criterion
-        let two_sided = 2.0 * self.criterion.confidence() - 1.0;
+        let demonstration = self.criterion.demonstration(self.populations);
+        let (estimate, of_pass) = self.estimate_at(observed, demonstration.confidence);
+        let (_, of_fail) = self.estimate_at(observed, demonstration.confidence_of_fail);
+        let interval = match self.criterion.quantity.at_least() {
+            true => Interval {
+                lower: of_pass.lower,
+                upper: of_fail.upper,
+            },
+            false => Interval {
+                lower: of_fail.lower,
+                upper: of_pass.upper,
+            },
+        };
+        (estimate, interval)
+    }
+
+    /// The number with an interval each side of which has the given confidence.
+    fn estimate_at(&self, observed: &Observed, confidence: f64) -> (Option<f64>, Interval) {
+        let two_sided = 2.0 * confidence - 1.0;
         let none = (None, Interval::UNBOUNDED);
         if self.criterion.quantity == Quantity::ProbabilityOfExceedance {
             let found = exceedance(observed, self.limit_of_samples(), two_sided);

@@ -30,6 +30,7 @@ pub mod sentence;
 pub mod summary;
 pub mod surrogate;
 mod view;
+pub mod worst_case;
 
 pub use assessment::Assessment;
 pub use record::{RunRecord, StoredRun};

@@ -19,6 +19,9 @@ pub const RECORD: &str = "run.json";
 /// Names of the tables in a result folder: samples, curves.
 pub const TABLES: [&str; 2] = ["samples.parquet", "curves.parquet"];
 
+/// Name of the table of samples beyond the outer points, where a study has such.
+pub const FURTHER_POINTS: &str = "further_points.parquet";
+
 /// Everything of a run that its tables do not hold.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -102,6 +105,8 @@ pub struct DesignRecord {
     pub growth: Growth,
     /// Outer points of a nested design, 1 of any other.
     pub outer_points: u64,
+    /// Further points of the box that the search for worst cases has met; their samples stand in [`FURTHER_POINTS`].
+    pub further_points: u64,
     /// Inputs, by their number, that the mixed samples of a pick-freeze design take from B, in the order of their places;
     /// empty for any other design.
     pub mixed_inputs: Vec<usize>,
@@ -224,6 +229,14 @@ impl StoredRun {
         }
     }
 
+    /// The same without the points that a search has met: they are others in each study, so that nothing pairs with them.
+    #[must_use]
+    pub fn without_search(mut self) -> Self {
+        let of_design = |o: &SampleOutcome| o.group.outer < Some(self.record.design.outer_points);
+        self.outcomes.retain(of_design);
+        self
+    }
+
     /// Reads what a run left in `folder`.
     ///
     /// # Errors
@@ -233,6 +246,10 @@ impl StoredRun {
         let [samples, curves] = TABLES.map(|name| folder.join(name));
         let mut stored = read_samples(&samples)?;
         read_curves(&curves, &mut stored.outcomes)?;
+        if record.design.further_points > 0 {
+            let further = read_samples(&folder.join(FURTHER_POINTS))?;
+            stored.outcomes.extend(further.outcomes);
+        }
         let own = (!intact).then(|| RECORD.to_owned());
         let changed = own.into_iter().chain(record.changed(folder)).collect();
         let shape = |o: &SampleOutcome| {

@@ -121,6 +121,13 @@ impl Quantity {
 }
 
 impl Criterion {
+    /// Numbers of those of the study's levels that it holds for.
+    #[must_use]
+    pub fn levels(&self, levels: &[f64]) -> Vec<usize> {
+        let chosen = |&i: &usize| self.level.is_none_or(|level| level == levels[i]);
+        (0..levels.len()).filter(chosen).collect()
+    }
+
     /// Share of the population that must keep the limit.
     #[must_use]
     pub fn share(&self) -> f64 {
@@ -133,15 +140,20 @@ impl Criterion {
         self.confidence.unwrap_or(0.95)
     }
 
-    /// What the samples must demonstrate. A probability of breaking a limit is a share that keeps it.
+    /// What the samples of each of so many populations must demonstrate: all must PASS, one that FAILs is enough. A false FAIL
+    /// of one of them is as improbable as stated for the criterion (Bonferroni), whatever they have in common.
+    ///
+    /// A probability of breaking a limit is a share that keeps it.
     #[must_use]
-    pub fn demonstration(&self) -> Demonstration {
+    pub fn demonstration(&self, populations: usize) -> Demonstration {
+        let risk = (1.0 - self.confidence()) / populations.max(1) as f64;
         Demonstration {
             content: match self.quantity {
                 Quantity::ProbabilityOfExceedance => 1.0 - self.limit,
                 _ => self.share(),
             },
             confidence: self.confidence(),
+            confidence_of_fail: 1.0 - risk,
         }
     }
 

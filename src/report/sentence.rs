@@ -47,7 +47,13 @@ pub(super) fn sentence(record: &RunRecord, result: &CriterionResult) -> String {
         .map_or_else(String::new, |over_box| {
             let points = over_box.points.len();
             let words = over_box.in_words();
-            format!(" Over the box: {words}. Shown at {points} points, not between them.")
+            let seen = match record.design.further_points {
+                0 => format!("Shown at {points} points, not between them"),
+                n => format!(
+                    "Searched for the worst case: {n} of the {points} points; what lies between them is not proved"
+                ),
+            };
+            format!(" Over the box: {words}. {seen}.")
         });
     format!("{found} {place} ({interval}; {asked}).{end}{over_box}")
 }

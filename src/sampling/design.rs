@@ -133,7 +133,16 @@ impl Design {
     #[must_use]
     pub fn sample(&self, i: u64) -> Vec<f64> {
         let n_outer = self.outer_points();
-        let (inner, at) = (i / n_outer, in_memory(i % n_outer));
+        let place = in_memory(i % n_outer);
+        let point = self.outer().map(|points| points.values[place].as_slice());
+        self.at_point(i / n_outer, point.unwrap_or_default())
+    }
+
+    /// Values of inner sample `inner` where the epistemic inputs have the values `point`: the same random numbers at any.
+    ///
+    /// Shape: `point` has one value per epistemic input.
+    #[must_use]
+    pub fn at_point(&self, inner: u64, point: &[f64]) -> Vec<f64> {
         let mut values: Vec<f64> = (self.inputs.iter())
             .map(|(_, distribution)| distribution.fixed_value().unwrap_or(0.0))
             .collect();
@@ -150,10 +159,16 @@ impl Design {
         if let Some((columns, rows)) = &self.file {
             set(&mut values, columns, &rows[in_memory(inner)]);
         }
-        if let Some((columns, points)) = &self.outer {
-            set(&mut values, columns, &points.values[at]);
+        if let Some((columns, _)) = &self.outer {
+            set(&mut values, columns, point);
         }
         values
+    }
+
+    /// The outer points with the intervals that they cover; absent without epistemic inputs.
+    #[must_use]
+    pub fn outer(&self) -> Option<&OuterPoints> {
+        self.outer.as_ref().map(|(_, points)| points)
     }
 
     /// What is assumed of input `j`, in words.
@@ -231,9 +246,7 @@ impl Design {
     /// Number of outer points; 1 without epistemic inputs.
     #[must_use]
     pub fn outer_points(&self) -> u64 {
-        self.outer
-            .as_ref()
-            .map_or(1, |(_, points)| points.values.len() as u64)
+        self.outer().map_or(1, |points| points.values.len() as u64)
     }
 
     /// To which numbers of samples, at each outer point, more samples leave the first ones as they are.

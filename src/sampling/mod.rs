@@ -15,6 +15,7 @@ pub mod latin;
 pub mod outer;
 pub mod pick_freeze;
 pub mod plan;
+pub mod rectangles;
 pub mod sobol;
 pub mod stream;
 pub mod table;

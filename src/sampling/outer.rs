@@ -75,12 +75,20 @@ pub struct EpistemicTable {
     /// Space-filling points beside the corners (8 if absent), or points of a grid per input (3 if absent).
     #[schemars(range(max = MOST_POINTS))]
     points: Option<u64>,
+    /// Points that a search for the worst case may look at, for each number that a criterion judges; 9 per epistemic input if
+    /// absent, none with 0.
+    #[schemars(range(max = MOST_SEARCH))]
+    search: Option<u64>,
 }
 
 /// Space-filling points if the study does not say.
 const SPACE_FILLING: u64 = 8;
 /// Grid points per input if the study does not say.
 const GRID: u64 = 3;
+/// Points of a search for the worst case, per epistemic input, if the study does not say.
+const SEARCH: u64 = 9;
+/// Points of a search at most.
+const MOST_SEARCH: u64 = 10_000;
 /// Outer points at most: each is a study of its own.
 const MOST_POINTS: u64 = 100_000;
 
@@ -89,6 +97,19 @@ const MOST_POINTS: u64 = 100_000;
 pub struct OuterPoints {
     /// Shape: points × epistemic inputs.
     pub values: Vec<Vec<f64>>,
+    /// The intervals that they cover. Shape: `[epistemic inputs]`.
+    pub intervals: Vec<EpistemicInterval>,
+    /// Points that a search for the worst case may look at, for each number that is judged.
+    pub search: usize,
+}
+
+impl OuterPoints {
+    /// Values at a point of the unit cube. Shape: `[epistemic inputs]`.
+    #[must_use]
+    pub fn at(&self, unit: &[f64]) -> Vec<f64> {
+        let pairs = unit.iter().zip(&self.intervals);
+        pairs.map(|(t, interval)| interval.at(*t)).collect()
+    }
 }
 
 impl EpistemicTable {
@@ -122,14 +143,16 @@ impl EpistemicTable {
             }
             OuterKind::Grid => grid(intervals.len(), self.points.unwrap_or(GRID)),
         };
-        let place = |point: Vec<f64>| -> Vec<f64> {
-            (point.iter().zip(intervals))
-                .map(|(t, interval)| interval.at(*t))
-                .collect()
+        let search = self.search.unwrap_or(SEARCH * u64::from(inputs));
+        let rule = format!("must be at most {MOST_SEARCH}");
+        BadSetting::unless(search <= MOST_SEARCH, "search", search, &rule)?;
+        let mut outer = OuterPoints {
+            values: Vec::new(),
+            intervals: intervals.to_vec(),
+            search: search as usize,
         };
-        Ok(OuterPoints {
-            values: unit.into_iter().map(place).collect(),
-        })
+        outer.values = unit.iter().map(|point| outer.at(point)).collect();
+        Ok(outer)
     }
 }
 
@@ -176,6 +199,7 @@ mod tests {
         let table = EpistemicTable {
             kind: OuterKind::Grid,
             points: Some(9),
+            search: None,
         };
         let values = |of: EpistemicInterval| -> Vec<f64> {
             let points = table.cover(1, &[of]).unwrap();

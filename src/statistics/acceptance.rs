@@ -16,8 +16,10 @@ const MOST_SAMPLES: usize = 1_000_000;
 pub struct Demonstration {
     /// Share of the population that must keep the limit.
     pub content: f64,
-    /// Confidence of PASS, and of FAIL.
+    /// Confidence of PASS.
     pub confidence: f64,
+    /// Confidence of FAIL: higher where each of several populations may fail.
+    pub confidence_of_fail: f64,
 }
 
 /// Samples by what they say about a limit.
@@ -54,7 +56,7 @@ impl Demonstration {
     #[must_use]
     pub fn rejection(&self, n: usize) -> usize {
         // so many break by a probability of at most 1 − confidence as long as the share is kept
-        n + 1 - tolerance_order(n, 1.0 - self.content, self.confidence)
+        n + 1 - tolerance_order(n, 1.0 - self.content, self.confidence_of_fail)
     }
 
     /// Probability of PASS with n samples that are all known, if the share `kept` of the population keeps the limit.
@@ -130,6 +132,7 @@ mod tests {
     const USUAL: Demonstration = Demonstration {
         content: 0.95,
         confidence: 0.95,
+        confidence_of_fail: 0.95,
     };
 
     /// The textbook numbers: 59 samples of which none, 93 of which one may break the limit (0.95/0.95); 299 without one

@@ -28,7 +28,7 @@ pub fn compare(folders: &[&Path], output: &OutputFolder) -> Result<DesignCompari
         }
     }
     let runs: Vec<StoredRun> = (folders.iter())
-        .map(|folder| StoredRun::read(folder))
+        .map(|folder| StoredRun::read(folder).map(StoredRun::without_search))
         .collect::<Result<_, _>>()?;
     let [first, others @ ..] = runs.as_slice() else {
         return Err(too_few(output));

@@ -42,13 +42,15 @@ pub struct Inspection {
     pub pressure_field: Option<String>,
     /// Number of samples.
     pub samples: u64,
+    /// Further samples of the search for worst cases over the epistemic inputs, at most.
+    pub further_samples: u64,
     /// Excitation levels.
     pub levels: Vec<f64>,
     /// Unknowns of one nonlinear solve at the first and at the highest harmonics.
     pub unknowns: [usize; 2],
     /// Memory of one solve at the highest harmonics (bytes): Jacobian and its factors.
     pub memory_bytes: f64,
-    /// Time of the whole study on one core (s), within about a factor of five.
+    /// Time of the whole study on one core (s), all further samples with it, within about a factor of five.
     pub time_s: f64,
     /// What looks like a mistake.
     pub warnings: Vec<String>,
@@ -98,6 +100,7 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         design: study.design.description(),
         pressure_field: rig.and_then(|rig| pressure_field(rig.pressure())),
         samples: study.samples,
+        further_samples: further_samples(study),
         levels: study.levels.clone(),
         unknowns,
         memory_bytes: 3.0 * 8.0 * (unknowns[1] as f64).powi(2),
@@ -132,11 +135,24 @@ const FLOPS: f64 = 5e9;
 /// Time of everything but the factorisation, per unknown (s).
 const ASSEMBLY_PER_UNKNOWN: f64 = 1e-5;
 
+/// Samples at the points of a search for each number that a criterion judges.
+fn further_samples(study: &Study) -> u64 {
+    let design = &study.design;
+    let criteria = study.requirements.criteria.iter();
+    let judged: usize = criteria.map(|c| c.levels(&study.levels).len()).sum();
+    let points = design.outer().map_or(0, |outer| outer.search);
+    let inner = study.samples / design.outer_points();
+    (points as u64)
+        .saturating_mul(judged as u64)
+        .saturating_mul(inner)
+}
+
 /// ⅔ n³ operations per factorisation and a linear part.
 fn time(study: &Study, unknowns: usize) -> f64 {
     let n = unknowns as f64;
     let solve = 2.0 / 3.0 * n.powi(3) / FLOPS + ASSEMBLY_PER_UNKNOWN * n;
-    study.samples as f64 * study.levels.len() as f64 * FACTORIZATIONS_PER_PEAK * solve
+    let samples = study.samples.saturating_add(further_samples(study));
+    samples as f64 * study.levels.len() as f64 * FACTORIZATIONS_PER_PEAK * solve
 }
 
 fn warnings(study: &Study, flexible: Option<f64>) -> Vec<String> {

@@ -16,6 +16,7 @@ mod requirements;
 pub mod reweight;
 pub mod run;
 pub mod schema;
+mod search;
 pub mod solve;
 pub mod tables;
 

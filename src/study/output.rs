@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::Error;
 use crate::ensemble::arrow::write_arrow;
 use crate::file;
-use crate::report::record::{Bands, TABLES};
+use crate::report::record::{Bands, FURTHER_POINTS, TABLES};
 use crate::setting::BadSetting;
 
 /// `[output]` of a study file.
@@ -49,14 +49,20 @@ impl OutputSettings {
     }
 }
 
-/// Writes the tables of the results in `folder` as Arrow files, too: `samples.arrow` and `curves.arrow`.
+/// Writes the tables of the results in `folder` as Arrow files, too: `samples.arrow`, `curves.arrow` and, where there are
+/// such, `further_points.arrow`.
 ///
 /// If they are not `wanted`, only those that are there already: else they would stay those of other samples.
 ///
 /// # Errors
 /// [`Error::File`] with the Arrow file that cannot be written, or whose table cannot be read.
 pub fn write_arrow_tables(folder: &Path, wanted: bool) -> Result<(), Error> {
-    for table in TABLES.map(|name| folder.join(name)) {
+    let further = folder.join(FURTHER_POINTS);
+    let tables = TABLES.map(|name| folder.join(name));
+    for table in tables
+        .into_iter()
+        .chain(further.exists().then_some(further))
+    {
         let path = table.with_extension("arrow");
         if wanted || path.exists() {
             write_arrow(&table, &path)?;

@@ -1,12 +1,14 @@
 //! All samples of a study: what `run` computes and writes.
 
+use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 use std::time::Instant;
 
 use super::output::{OutputFolder, write_arrow_tables};
 use super::prepared::FREQUENCY_TOLERANCE;
 use super::read::{ModelSettings, Study};
-use super::solve::Progress;
+use super::search::worst_cases;
+use super::solve::{Meter, Progress};
 use crate::Error;
 use crate::ensemble::atlas::Atlas;
 use crate::ensemble::backend::{BackendSettings, OpenBackend};
@@ -18,12 +20,11 @@ use crate::hb::resonance::{Band, linear_resonance, linear_response};
 use crate::hb::{LinearModel, Problem};
 use crate::model::two_blade::ComponentSummary;
 use crate::report::record::{
-    ComponentRecord, DesignRecord, FileRecord, InputRecord, LinearRecord, TABLES,
+    ComponentRecord, DesignRecord, FURTHER_POINTS, FileRecord, InputRecord, LinearRecord, TABLES,
 };
 use crate::report::{self, RunRecord, Summary};
 use crate::sampling::DesignKind;
 use crate::units::rad_s_to_hz;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Points of the linear curves in the report.
 const LINEAR_POINTS: usize = 600;
@@ -40,7 +41,8 @@ pub struct RunResult {
 }
 
 /// Computes every sample and writes `samples.parquet`, `curves.parquet` (as Arrow files too, where the study wants them),
-/// `atlas.parquet` (for an extension), `run.json`, and the report made from these.
+/// `atlas.parquet` (for an extension), `further_points.parquet` where worst cases are searched, `run.json`, and the report
+/// made from these.
 ///
 /// `backend` evaluates the contacts; what it fails to do the processor does.
 /// Runs on the current rayon thread pool; `progress` is called before the first sample and after each.
@@ -78,34 +80,24 @@ pub(super) fn run_after(
     let free = linear_record(study, linear, &vec![0.0; linear.n_relative()], band)?;
     let ensemble = prepared.ensemble(backend.backend());
     refuse_other_results(study, &ensemble, &kept)?;
-    let (total, n_kept) = (study.samples, kept.outcomes.len() as u64);
-    let done = AtomicU64::new(n_kept);
-    let start = Progress {
-        done: n_kept,
-        total,
-    };
-    progress(start);
-    let one_more = || {
-        let done = 1 + done.fetch_add(1, Ordering::Relaxed);
-        progress(Progress { done, total });
-    };
-    let Solved { outcomes, anchors } = (backend.extend(&ensemble, kept, total, one_more))
+    let meter = Meter::start(kept.outcomes.len() as u64, study.samples, progress);
+    let solved = (backend.extend(&ensemble, kept, study.samples, || meter.one_more()))
         .map_err(|error| Error::Threads(error.to_string()))?;
+    let Solved { outcomes, anchors } = &solved;
     let nominal = ensemble.nominal();
     let alone = study.output.one_at_a_time;
-    let one_at_a_time = alone.then(|| ensemble.one_at_a_time(&anchors));
+    let one_at_a_time = alone.then(|| ensemble.one_at_a_time(anchors));
     let provenance = provenance(study, prepared.folded());
     let inputs = input_records(study);
     let input_names: Vec<String> = inputs.iter().map(|input| input.name.clone()).collect();
     let [samples_name, curves_name] = TABLES;
     let path = |name: &str| folder.path().join(name);
     let tables = vec![
-        write_samples(&path(samples_name), &provenance, &input_names, &outcomes)?,
-        write_curves(&path(curves_name), &provenance, &outcomes)?,
-        write_anchors(&path(ATLAS_FILE), &kept_study(study, folder)?, &anchors)?,
+        write_samples(&path(samples_name), &provenance, &input_names, outcomes)?,
+        write_curves(&path(curves_name), &provenance, outcomes)?,
+        write_anchors(&path(ATLAS_FILE), &kept_study(study, folder)?, anchors)?,
     ];
-    write_arrow_tables(folder.path(), study.output.arrow)?;
-    let record = RunRecord {
+    let mut record = RunRecord {
         provenance,
         backend: backend.report(),
         inputs,
@@ -115,6 +107,7 @@ pub(super) fn run_after(
             independent: study.design.kind() == DesignKind::MonteCarlo,
             growth: study.design.growth(),
             outer_points: study.design.outer_points(),
+            further_points: 0,
             mixed_inputs: study.design.mixed_inputs().to_vec(),
         },
         frequency_tolerance: FREQUENCY_TOLERANCE,
@@ -133,14 +126,46 @@ pub(super) fn run_after(
         tables,
         wall_time_s: clock.elapsed().as_secs_f64(),
     };
+    let further = worst_cases(&ensemble, &record, &solved, &meter);
+    write_further_points(folder, &input_names, &further, &mut record)?;
+    write_arrow_tables(folder.path(), study.output.arrow)?;
+    record.wall_time_s = clock.elapsed().as_secs_f64();
     record.write(folder.path())?;
     // From the files alone, so that `report` gives the same bytes.
     let (summary, _) = report::render(folder.path())?;
     Ok(RunResult {
-        outcomes,
+        outcomes: solved.outcomes,
         summary,
         unfolded: study.unfolded(),
     })
+}
+
+/// Writes the samples of further points and notes them in the record; a file of other ones does not stay.
+fn write_further_points(
+    folder: &OutputFolder,
+    input_names: &[String],
+    further: &[SampleOutcome],
+    record: &mut RunRecord,
+) -> Result<(), Error> {
+    let path = folder.path().join(FURTHER_POINTS);
+    if further.is_empty() {
+        remove_if_there(&path)?;
+        return remove_if_there(&path.with_extension("arrow"));
+    }
+    let table = write_samples(&path, &record.provenance, input_names, further)?;
+    record.tables.push(table);
+    let points: BTreeSet<Option<u64>> = further.iter().map(|o| o.group.outer).collect();
+    record.design.further_points = points.len() as u64;
+    Ok(())
+}
+
+fn remove_if_there(path: &Path) -> Result<(), Error> {
+    match std::fs::remove_file(path) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+            Err(Error::file(path, source))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Refuses kept samples that this program and this model would not give again: the first one is solved anew.

@@ -4,6 +4,7 @@
 
 use std::collections::BTreeMap;
 use std::io::Write;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde::Serialize;
 
@@ -23,6 +24,37 @@ pub struct Progress {
     pub done: u64,
     /// All parts.
     pub total: u64,
+}
+
+/// Counts the parts of a command from any thread; more parts may turn up on the way.
+pub(super) struct Meter<F> {
+    done: AtomicU64,
+    total: AtomicU64,
+    progress: F,
+}
+
+impl<F: Fn(Progress) + Sync> Meter<F> {
+    /// Says how far the command has come at its start.
+    pub(super) fn start(done: u64, total: u64, progress: F) -> Self {
+        progress(Progress { done, total });
+        Self {
+            done: AtomicU64::new(done),
+            total: AtomicU64::new(total),
+            progress,
+        }
+    }
+
+    /// So many parts more.
+    pub(super) fn expect(&self, more: u64) {
+        self.total.fetch_add(more, Ordering::Relaxed);
+    }
+
+    /// One more part is done.
+    pub(super) fn one_more(&self) {
+        let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
+        let total = self.total.load(Ordering::Relaxed);
+        (self.progress)(Progress { done, total });
+    }
 }
 
 /// Computes the nominal forced response level by level and writes it.

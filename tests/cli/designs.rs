@@ -255,6 +255,11 @@ fn bad_designs_name_line_key_and_rule() {
         ),
         (
             ten,
+            epistemic(1.0, "[epistemic]\nsearch = 10001"),
+            ":46: epistemic.search = 10001: must be at most 10000",
+        ),
+        (
+            ten,
             format!("{SURROGATE}hold_out = 0.9"),
             ":43: surrogate.hold_out = 0.9: must be from 0.05 to 0.5",
         ),

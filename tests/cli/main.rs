@@ -17,6 +17,7 @@ mod solve;
 mod stick_limit;
 mod strip;
 mod test_functions;
+mod worst_case;
 
 use std::path::Path;
 use std::process::Output;

@@ -22,7 +22,7 @@ const INPUTS: [&str; 8] = [
     "damping_scale",
     "excitation_scale",
 ];
-const UNIFORM: &str = "distribution = \"uniform\"\nlow = 0\nhigh = 1";
+pub(crate) const UNIFORM: &str = "distribution = \"uniform\"\nlow = 0\nhigh = 1";
 /// Quantities of the borehole as in uqtestfuns; the truncation of the radius leaves out less than 1e-9.
 const BOREHOLE: [&str; 8] = [
     "distribution = \"normal\"\nmean = 0.1\nstandard_deviation = 0.0161812\ntruncation = [0.0, 0.2]",
@@ -63,7 +63,13 @@ struct Run {
 }
 
 /// A folder with the study of a function.
-fn study(function: &str, inputs: &[&str], design: &str, samples: u64, more: &str) -> TempDir {
+pub(crate) fn study(
+    function: &str,
+    inputs: &[&str],
+    design: &str,
+    samples: u64,
+    more: &str,
+) -> TempDir {
     let folder = folder("study.toml", "samples = 10", "samples = 10");
     let (head, tail) = STUDY.split_once("[inputs.friction_coefficient]").unwrap();
     let (_, tail) = tail.split_once("high = 0.8\n").unwrap();

@@ -131,6 +131,7 @@ fn record() -> RunRecord {
             independent: true,
             growth: Growth::Any,
             outer_points: 1,
+            further_points: 0,
             mixed_inputs: Vec::new(),
         },
         frequency_tolerance: 3e-7,

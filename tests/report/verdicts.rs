@@ -324,3 +324,28 @@ fn verdicts_over_a_box_name_their_points() {
     let words = "59 samples needed at each outer point: `microslip extend results --samples 177`";
     assert!(few.sentence.contains(words), "{}", few.sentence);
 }
+
+/// 10 of 100 samples break the limit at one of three outer points: for that point alone 95 % of the prior surely do not keep
+/// it (more than 9 in 2.8 % of all studies), but one of three falls so in up to 8 %; 11 (1.2 %) decide. Seen to fail (FAIL)
+/// with the confidence of each point alone.
+#[test]
+fn a_fail_at_one_of_several_points_has_the_confidence_of_all() {
+    for (points, broken, expected) in [
+        (1, 10, Judgement::Fail),
+        (3, 10, Judgement::Undecided),
+        (3, 11, Judgement::Fail),
+    ] {
+        let mut study = study(100 * points, 250.0);
+        study.record.design.outer_points = points;
+        for (k, outcome) in study.outcomes.iter_mut().enumerate() {
+            let k = k as u64;
+            outcome.group.outer = Some(k % points);
+            outcome.inputs[0] = (k % points) as f64;
+            let breaks = k % points == 0 && k / points < broken;
+            let amplitude = if breaks { 300e-6 } else { 200e-6 };
+            outcome.levels[LEVEL].peak.as_mut().unwrap().amplitude_m = amplitude;
+        }
+        let found = judged(&study).judgement;
+        assert_eq!(found, expected, "{broken} at one of {points} points");
+    }
+}

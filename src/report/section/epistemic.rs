@@ -22,8 +22,17 @@ pub(super) fn section(view: &View) -> Option<Section> {
     let hint = "Each cell: lowest and highest value of the statistic over the outer points and where they are, failed \
                 samples at their worst; small figures: from the lowest lower to the highest upper 95 % confidence limit. \
                 Nothing is computed between the outer points. “Open” means that some outer point does not bound the side.";
+    let design = &view.input.record.design;
+    let searched = match design.further_points {
+        0 => String::new(),
+        n => format!(
+            " The last {n} points, from number {} on, are those of the search for the worst case of each number that a \
+             criterion judges.",
+            design.outer_points
+        ),
+    };
     let mut blocks = vec![
-        Block::Hint(hint.to_owned()),
+        Block::Hint(format!("{hint}{searched}")),
         points(epistemic),
         quantiles(
             view,

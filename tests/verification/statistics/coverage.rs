@@ -74,6 +74,12 @@ fn bands_cover() {
     assert_covers("band");
 }
 
+/// Seen to fail (694 and 771 of 1000) with the confidence of each point alone.
+#[test]
+fn verdicts_over_a_box_cover() {
+    assert_covers("over a box");
+}
+
 #[test]
 fn comparisons_cover() {
     assert_covers("median difference");

@@ -1,0 +1,56 @@
+//! Samples at further points of the box of the epistemic inputs: the same random inputs as at its outer points.
+
+use super::Ensemble;
+use super::atlas::{Anchor, Atlas};
+use super::outcome::SampleOutcome;
+use crate::aft::Backend;
+use rayon::prelude::*;
+
+/// A point of the box beside the outer points of the design.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FurtherPoint {
+    /// Its number, after those of the outer points.
+    pub outer: u64,
+    /// Values of the epistemic inputs.
+    pub values: Vec<f64>,
+}
+
+impl Ensemble<'_> {
+    /// Every inner sample at each of `points`, started from all `anchors`: they depend neither on threads nor on the backend.
+    /// `done` is called after each, from any thread.
+    ///
+    /// Sample numbers follow those of the design's samples, point after point.
+    #[must_use]
+    pub fn at_further_points(
+        &self,
+        points: &[FurtherPoint],
+        anchors: &[Anchor],
+        done: impl Fn() + Sync,
+    ) -> Vec<SampleOutcome> {
+        let on_processor = Ensemble {
+            backend: Backend::Cpu,
+            ..*self
+        };
+        let mut atlas = Atlas::default();
+        atlas.extend(anchors.iter().cloned());
+        let design = self.design;
+        let inner = design.samples() / design.outer_points();
+        let sample = |(point, i): (&FurtherPoint, u64)| {
+            let inputs = design.at_point(i, &point.values);
+            let levels = on_processor.levels(&inputs, &atlas);
+            done();
+            let mut group = design.group(i * design.outer_points());
+            group.outer = Some(point.outer);
+            SampleOutcome {
+                index: point.outer * inner + i,
+                group,
+                inputs,
+                levels,
+            }
+        };
+        let all: Vec<(&FurtherPoint, u64)> = (points.iter())
+            .flat_map(|point| (0..inner).map(move |i| (point, i)))
+            .collect();
+        all.into_par_iter().map(sample).collect()
+    }
+}
