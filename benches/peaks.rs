@@ -597,6 +597,7 @@ fn record(provenance: Provenance, names: &[String]) -> RunRecord {
         one_at_a_time: None,
         components: Vec::new(),
         requirements: Requirements::default(),
+        stopping: None,
         surrogate: None,
         study_file: FileRecord::of("study.toml", b""),
         tables: Vec::new(),

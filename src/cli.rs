@@ -320,6 +320,9 @@ fn show_result(result: &RunResult, folder: &Path, quiet: bool) -> Result<(), Err
         if let Some(reason) = &result.unfolded {
             writeln!(out, "{reason}")?;
         }
+        if let Some(stopping) = &result.stopping {
+            writeln!(out, "{}", stopping.in_words())?;
+        }
         writeln!(
             out,
             "samples.parquet, curves.parquet, run.json, summary.json, report.json and report.html are in {}",

@@ -12,9 +12,9 @@ use microslip::sampling::sobol::Sobol;
 use microslip::statistics::{
     Better, Bootstrap, ChaosSettings, CurveSet, GivenData, HoldOutSettings, Index, Interval,
     MissingPoints, Observed, Polynomials, Side, SobolIndex, Sorted, SurrogateSamples, compare,
-    cross_fit, depth_band, exceedance, first_order_index, joint_region, moment_estimate, quantile,
-    quantile_estimate, replicate_mean, replicate_quantile, simultaneous_band, sobol_indices,
-    tolerance_bound, weighted_exceedance, weighted_quantile,
+    confidence_at, cross_fit, depth_band, exceedance, first_order_index, joint_region, looks,
+    moment_estimate, quantile, quantile_estimate, replicate_mean, replicate_quantile,
+    simultaneous_band, sobol_indices, tolerance_bound, weighted_exceedance, weighted_quantile,
 };
 use std::f64::consts::TAU;
 
@@ -104,6 +104,7 @@ pub(crate) fn all() -> Vec<Case> {
     pick_freeze(&mut cases);
     surrogates(&mut cases);
     verdicts_over_a_box(&mut cases);
+    stopped_studies(&mut cases);
     cases.0
 }
 
@@ -124,20 +125,86 @@ fn verdicts_over_a_box(cases: &mut Cases) {
                 };
                 points.iter().map(at).collect()
             });
-            let criterion = Criterion {
-                name: "turned".to_owned(),
-                standard: None,
-                clause: None,
-                quantity: Quantity::AmplitudeUm,
-                limit: 0.95,
-                level: None,
-                share: None,
-                confidence: None,
-            };
-            let least = criterion.demonstration(broken.len()).rejection(u.len());
+            let demonstration = below_95_percent().demonstration(broken.len(), 0);
+            let least = demonstration.rejection(u.len());
             broken.iter().all(|&broken| broken < least)
         });
     }
+}
+
+/// 95 % of uniform numbers stay below the limit, and no more.
+fn below_95_percent() -> Criterion {
+    Criterion {
+        name: "uniform".to_owned(),
+        standard: None,
+        clause: None,
+        quantity: Quantity::AmplitudeUm,
+        limit: 0.95,
+        level: None,
+        share: None,
+        confidence: None,
+    }
+}
+
+/// Studies that stop at a look: at the first interval without the truth, which is the worst that a rule can do; at a PASS or
+/// a FAIL of a limit that is kept, just so; and at an interval that is narrow enough.
+fn stopped_studies(cases: &mut Cases) {
+    for p in [0.5, 0.95] {
+        let samples = format!("at most 4096 independent, p = {p}");
+        let interval = "quantile, study stops where it misses the truth";
+        cases.add(interval, samples, move |numbers, _| {
+            let mut values = Vec::new();
+            looks(32, 4096).into_iter().zip(1..).all(|(n, look)| {
+                values.resize_with(n as usize, || numbers.uniform());
+                let all = Observed::of(values.iter().copied());
+                let found = quantile_estimate(&all, p, confidence_at(look, CONFIDENCE));
+                found.unwrap().interval.contains(p)
+            })
+        });
+    }
+    let samples = || "at most 4096 independent, limit at the quantile".to_owned();
+    for (verdict, pass) in [
+        ("no false PASS where a study stops", true),
+        ("no false FAIL where a study stops", false),
+    ] {
+        cases.add(verdict, samples(), move |numbers, _| {
+            let (mut broken, mut drawn) = (0, 0);
+            looks(32, 4096).into_iter().zip(1..).all(|(n, look)| {
+                let new = numbers.uniforms(n as usize - drawn);
+                drawn = n as usize;
+                broken += new.iter().filter(|u| **u > 0.95).count();
+                let demonstration = below_95_percent().demonstration(1, look);
+                match pass {
+                    true => broken >= demonstration.acceptance(drawn),
+                    false => broken < demonstration.rejection(drawn),
+                }
+            })
+        });
+    }
+    let samples = "at most 4096 independent, exponential, median to 20 %".to_owned();
+    cases.add(
+        "quantile, study stops where it is narrow",
+        samples,
+        |numbers, _| {
+            let mut values = Vec::new();
+            let mut last = Interval::UNBOUNDED;
+            for (n, look) in looks(32, 4096).into_iter().zip(1..) {
+                values.resize_with(n as usize, || exponential(numbers));
+                let all = Observed::of(values.iter().copied());
+                let found = quantile_estimate(&all, 0.5, confidence_at(look, CONFIDENCE)).unwrap();
+                last = found.interval;
+                let width = last
+                    .upper
+                    .value()
+                    .zip(last.lower.value())
+                    .map(|(b, a)| b - a);
+                if width.is_some_and(|width| width <= 0.2 * found.estimate) {
+                    break;
+                }
+            }
+            last.contains(2_f64.ln())
+        },
+    );
 }
 
 /// A skewed law with mean and standard deviation 1.

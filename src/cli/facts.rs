@@ -55,13 +55,22 @@ pub(super) fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<(
         writeln!(out, "pressure field      {field}")?;
     }
     let levels: Vec<_> = facts.levels.iter().map(f64::to_string).collect();
+    let most = match &facts.stopping {
+        Some(_) => "at most ",
+        None => "",
+    };
     writeln!(
         out,
-        "samples x levels    {} x {} ({})",
+        "samples x levels    {most}{} x {} ({})",
         facts.samples,
         levels.len(),
         levels.join(", ")
     )?;
+    if let Some(stopping) = &facts.stopping {
+        let looks: Vec<_> = stopping.looks.iter().map(u64::to_string).collect();
+        let (looks, goal) = (looks.join(", "), stopping.goal());
+        writeln!(out, "judged at           {looks} samples, until {goal}")?;
+    }
     if facts.further_samples > 0 {
         writeln!(
             out,

@@ -10,6 +10,7 @@ use super::margins::{OrderMargin, Reserve, order_margins, reserve};
 use super::population::{Bound, Populations};
 use super::record::{FileRecord, InputRecord, RunRecord};
 use super::sensitivity::{InputInfluence, influences};
+use super::stopping::Stopping;
 use super::summary::{CONFIDENCE, Summary};
 use super::surrogate::{LevelSurrogates, surrogates};
 use super::{ReportInput, usable_peak};
@@ -35,6 +36,9 @@ pub struct Assessment {
     pub provenance: Provenance,
     /// What every probability, quantile and bound depends on.
     pub condition: String,
+    /// How the number of samples came out of the results; absent where it was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stopping: Option<Stopping>,
     /// The distributions of the inputs, as assumed.
     pub inputs: Vec<InputRecord>,
     /// Number of samples, failed ones included.
@@ -112,6 +116,7 @@ impl Assessment {
         Self {
             provenance: record.provenance.clone(),
             condition: condition(record, summary.epistemic.as_ref()),
+            stopping: record.stopping.clone(),
             inputs: record.inputs.clone(),
             samples: input.outcomes.len(),
             content: CONTENT,
@@ -181,7 +186,7 @@ impl LevelAssessment {
         let prefixes = |values: &[f64], p: f64| match pooled {
             true => Vec::new(),
             false => convergence(values, FIRST_PREFIX, |o| {
-                quantile_estimate(o, p, CONFIDENCE)
+                quantile_estimate(o, p, input.record.confidence())
             }),
         };
         let requirements = &input.record.requirements;
@@ -189,7 +194,8 @@ impl LevelAssessment {
             level: input.record.levels[i],
             frequency_bounds_hz: [Side::Lower, Side::Upper].map(|side| frequencies.bound(side)),
             amplitude_bound_m: amplitudes.bound(Side::Upper),
-            joint_region: (!pooled).then(|| joint_region(&pairs, CONTENT, CONFIDENCE)),
+            joint_region: (!pooled)
+                .then(|| joint_region(&pairs, CONTENT, input.record.confidence())),
             margins: (requirements.operation.as_ref())
                 .map_or_else(Vec::new, |operation| order_margins(input, i, operation)),
             reserve: (requirements.stress.as_ref()).map(|stress| reserve(input, i, stress)),
@@ -209,7 +215,7 @@ fn failures(input: &ReportInput) -> Vec<InputFailures> {
         let x: Vec<f64> = input.outcomes.iter().map(|o| o.inputs[j]).collect();
         Some(InputFailures {
             input: record.name.clone(),
-            pattern: failure_pattern(&x, &lost, GROUPS, CONFIDENCE)?,
+            pattern: failure_pattern(&x, &lost, GROUPS, input.record.confidence())?,
         })
     };
     inputs.filter_map(of_input).collect()

@@ -10,6 +10,7 @@ use super::figure::{Panel, Size};
 use super::page::page;
 use super::record::StoredRun;
 use super::section::{confidence_band, limits, share_cell};
+use super::summary::CONFIDENCE;
 use super::view::{figure_style, level_name, thinned};
 use crate::statistics::{Sorted, empirical_cdf};
 
@@ -382,7 +383,7 @@ fn difference_figure(view: &View, quantity: Compared, b: usize, i: usize) -> Fig
         let here = Sorted::finite(chosen(&values, &members));
         panel.band(
             &format!("outer l{i}"),
-            &confidence_band(&here, members.len()),
+            &confidence_band(&here, members.len(), CONFIDENCE),
         );
         // From the last corner back, so that thinned steps still end at 1.
         let kept = empirical_cdf(&here).into_iter().rev().collect();

@@ -10,8 +10,7 @@ use super::margins::allowable_amplitude_m;
 use super::record::RunRecord;
 use super::requirement::Quantity;
 use super::summary::{
-    CONFIDENCE, Distribution, InputCorrelation, PROBABILITIES, ReplicateMeans, correlations,
-    mean_fractions,
+    Distribution, InputCorrelation, PROBABILITIES, ReplicateMeans, correlations, mean_fractions,
 };
 use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
 use crate::hb::ContactFractions;
@@ -234,16 +233,17 @@ impl EpistemicLevel {
         let frequency = observed_by_point(input, i, |p| p.frequency_hz);
         let amplitude = observed_by_point(input, i, |p| p.amplitude_m);
         let limits = amplitude_limits_m(input.record, i);
+        let confidence = input.record.confidence();
         Self {
             level: input.record.levels[i],
-            frequency_hz: quantile_ranges(&frequency),
-            amplitude_m: quantile_ranges(&amplitude),
+            frequency_hz: quantile_ranges(&frequency, confidence),
+            amplitude_m: quantile_ranges(&amplitude, confidence),
             frequency_bounds_hz: [Side::Lower, Side::Upper]
-                .map(|side| outermost_bound(&frequency, side)),
-            amplitude_bound_m: outermost_bound(&amplitude, Side::Upper),
+                .map(|side| outermost_bound(&frequency, side, confidence)),
+            amplitude_bound_m: outermost_bound(&amplitude, Side::Upper, confidence),
             exceedances: limits
                 .into_iter()
-                .filter_map(|limit| exceedance_range(&amplitude, limit))
+                .filter_map(|limit| exceedance_range(&amplitude, limit, confidence))
                 .collect(),
             points: (groups.iter().zip(frequency.iter().zip(&amplitude)))
                 .map(|((outer, members), ((_, frequency), (_, amplitude)))| {
@@ -252,9 +252,9 @@ impl EpistemicLevel {
                     PointStatistics {
                         outer: *outer,
                         failed,
-                        failure_rate: proportion(failed, members.len(), CONFIDENCE),
-                        frequency_hz: Distribution::of_observed(frequency),
-                        amplitude_m: Distribution::of_observed(amplitude),
+                        failure_rate: proportion(failed, members.len(), confidence),
+                        frequency_hz: Distribution::of_observed(frequency, confidence),
+                        amplitude_m: Distribution::of_observed(amplitude, confidence),
                         replicate_means: ReplicateMeans::of(samples.clone(), i),
                         mean_contact_fractions: mean_fractions(samples.clone(), i),
                         rank_correlations: correlations(input.record, samples, i),
@@ -300,12 +300,12 @@ pub(super) fn box_range(points: &[(u64, Interval, Interval)]) -> BoxRange {
     }
 }
 
-pub(super) fn quantile_ranges(points: &[(u64, Observed)]) -> Vec<QuantileRange> {
+pub(super) fn quantile_ranges(points: &[(u64, Observed)], confidence: f64) -> Vec<QuantileRange> {
     let range = |&probability: &f64| {
         let at = |(outer, observed): &(u64, Observed)| match quantile_estimate(
             observed,
             probability,
-            CONFIDENCE,
+            confidence,
         ) {
             Some(q) => (*outer, q.failure_bounds, q.interval),
             None => (*outer, Interval::UNBOUNDED, Interval::UNBOUNDED),
@@ -319,9 +319,9 @@ pub(super) fn quantile_ranges(points: &[(u64, Observed)]) -> Vec<QuantileRange> 
 }
 
 /// The outermost tolerance bound: whichever outer point is true, its own bound lies inside, with its confidence.
-pub(super) fn outermost_bound(points: &[(u64, Observed)], side: Side) -> Extreme {
+pub(super) fn outermost_bound(points: &[(u64, Observed)], side: Side, confidence: f64) -> Extreme {
     let limit = |(outer, observed): &(u64, Observed)| {
-        let bound = tolerance_bound(observed, side, CONTENT, CONFIDENCE);
+        let bound = tolerance_bound(observed, side, CONTENT, confidence);
         (*outer, bound.limit)
     };
     extreme(points.iter().map(limit), side)
@@ -330,9 +330,10 @@ pub(super) fn outermost_bound(points: &[(u64, Observed)], side: Side) -> Extreme
 pub(super) fn exceedance_range(
     points: &[(u64, Observed)],
     threshold_m: f64,
+    confidence: f64,
 ) -> Option<ExceedanceRange> {
     let at = |(outer, observed): &(u64, Observed)| {
-        let share = exceedance(observed, threshold_m, CONFIDENCE)?.probability;
+        let share = exceedance(observed, threshold_m, confidence)?.probability;
         let of_all = |count: usize| count as f64 / share.total() as f64;
         let estimate = Interval::between(of_all(share.yes), of_all(share.yes + share.unknown));
         Some((
@@ -350,6 +351,7 @@ pub(super) fn exceedance_range(
 
 #[cfg(test)]
 mod tests {
+    use super::super::summary::CONFIDENCE;
     use super::*;
 
     fn of(values: &[f64]) -> Observed {
@@ -361,7 +363,7 @@ mod tests {
     #[test]
     fn a_range_holds_every_point_and_names_its_ends() {
         let points = [(3, of(&[1.0, 2.0, 3.0])), (7, of(&[4.0, 5.0, 6.0]))];
-        let median = quantile_ranges(&points)[1].range;
+        let median = quantile_ranges(&points, CONFIDENCE)[1].range;
         assert_eq!(
             (median.lowest.value, median.lowest.outer),
             (Limit::Value(2.0), 3)
@@ -370,7 +372,7 @@ mod tests {
             (median.highest.value, median.highest.outer),
             (Limit::Value(5.0), 7)
         );
-        let above = exceedance_range(&points, 2.5).unwrap().range;
+        let above = exceedance_range(&points, 2.5, CONFIDENCE).unwrap().range;
         assert_eq!(above.lowest.value, Limit::Value(1.0 / 3.0));
         assert_eq!(
             (above.highest.value, above.highest.outer),
@@ -385,22 +387,26 @@ mod tests {
     fn failures_widen_the_range() {
         let nan = f64::NAN;
         let points = [(0, of(&[1.0, 2.0, 3.0, 4.0, nan])), (1, of(&[2.5; 5]))];
-        let median = quantile_ranges(&points)[1].range;
+        let median = quantile_ranges(&points, CONFIDENCE)[1].range;
         assert_eq!(median.lowest.value, Limit::Value(2.0));
         assert_eq!(
             (median.highest.value, median.highest.outer),
             (Limit::Value(3.0), 0)
         );
-        let above = exceedance_range(&points, 3.5).unwrap().range;
+        let above = exceedance_range(&points, 3.5, CONFIDENCE).unwrap().range;
         assert_eq!(above.highest.value, Limit::Value(0.4));
         let lost = [(0, of(&[1.0])), (1, of(&[nan, nan]))];
-        let median = quantile_ranges(&lost)[1].range;
+        let median = quantile_ranges(&lost, CONFIDENCE)[1].range;
         assert_eq!(
             (median.lowest.value, median.lowest.outer),
             (Limit::Unbounded, 1)
         );
         assert_eq!(
-            exceedance_range(&lost, 3.5).unwrap().range.highest.value,
+            exceedance_range(&lost, 3.5, CONFIDENCE)
+                .unwrap()
+                .range
+                .highest
+                .value,
             Limit::Value(1.0)
         );
     }

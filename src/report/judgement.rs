@@ -248,7 +248,7 @@ impl Judged<'_> {
         let (_, without_error) = self.estimate(&exact);
         let judgement = judge(interval, self.rule(self.criterion.limit));
         let counted = self.counted(&observed);
-        let demonstration = self.criterion.demonstration(self.populations);
+        let demonstration = self.demonstration();
         LevelResult {
             level: self.input.record.levels[self.level],
             estimate,
@@ -333,10 +333,15 @@ impl Judged<'_> {
         }
     }
 
+    fn demonstration(&self) -> Demonstration {
+        let look = self.input.record.look();
+        self.criterion.demonstration(self.populations, look)
+    }
+
     /// The number that is judged, with its interval: the side that passes has the confidence of PASS, the other one that
     /// of FAIL.
     fn estimate(&self, observed: &Observed) -> (Option<f64>, Interval) {
-        let demonstration = self.criterion.demonstration(self.populations);
+        let demonstration = self.demonstration();
         let (estimate, of_pass) = self.estimate_at(observed, demonstration.confidence);
         let (_, of_fail) = self.estimate_at(observed, demonstration.confidence_of_fail);
         let interval = match self.criterion.quantity.at_least() {

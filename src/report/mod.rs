@@ -27,6 +27,7 @@ pub mod reweighting;
 mod section;
 pub mod sensitivity;
 pub mod sentence;
+pub mod stopping;
 pub mod summary;
 pub mod surrogate;
 mod view;

@@ -8,7 +8,7 @@ use super::epistemic::{
     ExceedanceRange, Extreme, QuantileRange, exceedance_range, observed_by_point, outermost_bound,
     quantile_ranges,
 };
-use super::summary::{CONFIDENCE, PROBABILITIES};
+use super::summary::PROBABILITIES;
 use crate::ensemble::outcome::PeakRecord;
 use crate::statistics::{
     Exceedance, Observed, QuantileEstimate, Side, ToleranceBound, exceedance, quantile,
@@ -22,9 +22,15 @@ pub(super) fn hull(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
 }
 
-/// Values of a result, failed samples among them.
+/// Values of a result, failed samples among them, and the confidence that its intervals and bounds have.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Populations {
+pub(super) struct Populations {
+    members: Members,
+    confidence: f64,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Members {
     /// Of all samples.
     One(Observed),
     /// Of each outer point, with its number.
@@ -76,43 +82,50 @@ impl Populations {
     /// A number of the peaks at level `i`.
     pub(super) fn of(input: &ReportInput, i: usize, value: impl Fn(&PeakRecord) -> f64) -> Self {
         let points = observed_by_point(input, i, &value);
-        match points.is_empty() {
-            true => Self::One(Observed::of(values(input.outcomes, i, value))),
-            false => Self::Points(points),
+        Self {
+            members: match points.is_empty() {
+                true => Members::One(Observed::of(values(input.outcomes, i, value))),
+                false => Members::Points(points),
+            },
+            confidence: input.record.confidence(),
         }
     }
 
     /// Each population.
     pub(super) fn each(&self) -> Vec<&Observed> {
-        match self {
-            Self::One(all) => vec![all],
-            Self::Points(points) => points.iter().map(|(_, observed)| observed).collect(),
+        match &self.members {
+            Members::One(all) => vec![all],
+            Members::Points(points) => points.iter().map(|(_, observed)| observed).collect(),
         }
     }
 
     pub(super) fn quantiles(&self) -> Quantiles {
-        let estimate = |all: &Observed, p: &f64| quantile_estimate(all, *p, CONFIDENCE);
-        match self {
-            Self::One(all) => {
+        let estimate = |all: &Observed, p: &f64| quantile_estimate(all, *p, self.confidence);
+        match &self.members {
+            Members::One(all) => {
                 let all = PROBABILITIES.iter().filter_map(|p| estimate(all, p));
                 Quantiles::One(all.collect())
             }
-            Self::Points(points) => Quantiles::Points(quantile_ranges(points)),
+            Members::Points(points) => Quantiles::Points(quantile_ranges(points, self.confidence)),
         }
     }
 
     pub(super) fn bound(&self, side: Side) -> Bound {
-        match self {
-            Self::One(all) => Bound::One(tolerance_bound(all, side, CONTENT, CONFIDENCE)),
-            Self::Points(points) => Bound::Points(outermost_bound(points, side)),
+        match &self.members {
+            Members::One(all) => Bound::One(tolerance_bound(all, side, CONTENT, self.confidence)),
+            Members::Points(points) => {
+                Bound::Points(outermost_bound(points, side, self.confidence))
+            }
         }
     }
 
     /// `None` without samples.
     pub(super) fn exceedance(&self, limit: f64) -> Option<Exceeded> {
-        match self {
-            Self::One(all) => exceedance(all, limit, CONFIDENCE).map(Exceeded::One),
-            Self::Points(points) => exceedance_range(points, limit).map(Exceeded::Points),
+        match &self.members {
+            Members::One(all) => exceedance(all, limit, self.confidence).map(Exceeded::One),
+            Members::Points(points) => {
+                exceedance_range(points, limit, self.confidence).map(Exceeded::Points)
+            }
         }
     }
 

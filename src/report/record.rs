@@ -2,6 +2,8 @@
 
 use super::ReportInput;
 use super::requirement::Requirements;
+use super::stopping::Stopping;
+use super::summary::CONFIDENCE;
 use super::surrogate::SurrogateSettings;
 use crate::ensemble::backend::BackendReport;
 use crate::ensemble::one_at_a_time::OneAtATime;
@@ -10,6 +12,7 @@ use crate::ensemble::store::{Provenance, read_curves, read_samples};
 pub use crate::file::FileRecord;
 use crate::file::{self, FileError};
 use crate::sampling::{DesignKind, Distribution, Growth};
+use crate::statistics::confidence_at;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::Path;
@@ -56,6 +59,8 @@ pub struct RunRecord {
     pub components: Vec<ComponentRecord>,
     /// What the designer asks for.
     pub requirements: Requirements,
+    /// How the number of samples came out of the results; absent where it was given.
+    pub stopping: Option<Stopping>,
     /// The surrogate that is wanted, if any.
     pub surrogate: Option<SurrogateSettings>,
     /// The study file.
@@ -147,6 +152,18 @@ pub struct StoredRun {
 }
 
 impl RunRecord {
+    /// Number of the look at which the run ended, from 1; 0 where the number of samples was given.
+    #[must_use]
+    pub fn look(&self) -> usize {
+        self.stopping.as_ref().map_or(0, |s| s.looks.len())
+    }
+
+    /// Confidence with which the samples at hand are judged, so that what is stated has [`CONFIDENCE`] over all looks.
+    #[must_use]
+    pub fn confidence(&self) -> f64 {
+        confidence_at(self.look(), CONFIDENCE)
+    }
+
     /// Writes `run.json`, whole or not at all. Its second line holds the hash of the bytes below.
     ///
     /// # Errors
@@ -161,6 +178,14 @@ impl RunRecord {
             write!(file, "{OPENING}{HASH_KEY}{hash}{HASH_END}{body}")
         })?;
         Ok(())
+    }
+
+    /// The record in a result folder, whether or not it is what the run wrote.
+    ///
+    /// # Errors
+    /// [`FileError`] if it cannot be read.
+    pub fn of_folder(folder: &Path) -> Result<Self, FileError> {
+        Self::read(folder).map(|(record, _)| record)
     }
 
     /// Reads `run.json`, and whether it is what the run wrote.

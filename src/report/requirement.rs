@@ -3,7 +3,7 @@
 //! No number here is a standard's: every limit is the user's, who names the document that it comes from.
 
 use crate::setting::{BadSetting, LARGEST, NOT_BLANK, non_negative, positive, within};
-use crate::statistics::Demonstration;
+use crate::statistics::{Demonstration, confidence_at};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -141,18 +141,20 @@ impl Criterion {
     }
 
     /// What the samples of each of so many populations must demonstrate: all must PASS, one that FAILs is enough. A false FAIL
-    /// of one of them is as improbable as stated for the criterion (Bonferroni), whatever they have in common.
+    /// of one of them is as improbable as stated for the criterion (Bonferroni), whatever they have in common; and each is so
+    /// over all looks at a growing number of samples, of which this is number `look`, or 0 where the number was given.
     ///
     /// A probability of breaking a limit is a share that keeps it.
     #[must_use]
-    pub fn demonstration(&self, populations: usize) -> Demonstration {
-        let risk = (1.0 - self.confidence()) / populations.max(1) as f64;
+    pub fn demonstration(&self, populations: usize, look: usize) -> Demonstration {
+        let confidence = confidence_at(look, self.confidence());
+        let risk = (1.0 - confidence) / populations.max(1) as f64;
         Demonstration {
             content: match self.quantity {
                 Quantity::ProbabilityOfExceedance => 1.0 - self.limit,
                 _ => self.share(),
             },
-            confidence: self.confidence(),
+            confidence,
             confidence_of_fail: 1.0 - risk,
         }
     }

@@ -149,27 +149,28 @@ fn point(
     let frequency = chosen(&values(&run.outcomes, i, |p| p.frequency_hz), members);
     let amplitude = chosen(&values(&run.outcomes, i, |p| p.amplitude_m), members);
     let observed = Observed::of(amplitude.iter().copied());
+    let confidence = run.record.confidence();
     let exceeded = |&limit: &f64| {
         Some(ReweightedExceedance {
-            sampled: exceedance(&observed, limit, CONFIDENCE)?,
-            reweighted: weighted_exceedance(&amplitude, weights.values(), limit, CONFIDENCE)?,
+            sampled: exceedance(&observed, limit, confidence)?,
+            reweighted: weighted_exceedance(&amplitude, weights.values(), limit, confidence)?,
         })
     };
     let limits = amplitude_limits_m(&run.record, i);
     ReweightedPoint {
         outer,
-        frequency_hz: quantiles(&frequency, weights),
-        amplitude_m: quantiles(&amplitude, weights),
+        frequency_hz: quantiles(&frequency, weights, confidence),
+        amplitude_m: quantiles(&amplitude, weights, confidence),
         exceedances: limits.iter().filter_map(exceeded).collect(),
     }
 }
 
-fn quantiles(values: &[f64], weights: &Weights) -> Vec<ReweightedQuantile> {
+fn quantiles(values: &[f64], weights: &Weights, confidence: f64) -> Vec<ReweightedQuantile> {
     let observed = Observed::of(values.iter().copied());
     let both = |&p: &f64| {
         Some(ReweightedQuantile {
-            sampled: quantile_estimate(&observed, p, CONFIDENCE)?,
-            reweighted: weighted_quantile(values, weights.values(), p, CONFIDENCE)?,
+            sampled: quantile_estimate(&observed, p, confidence)?,
+            reweighted: weighted_quantile(values, weights.values(), p, confidence)?,
         })
     };
     PROBABILITIES.iter().filter_map(both).collect()

@@ -3,7 +3,6 @@
 use super::ReportInput;
 use super::assessment::values;
 use super::epistemic::{BoxRange, box_range, chosen, nested, outer_groups};
-use super::summary::CONFIDENCE;
 use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
 use crate::sampling::DesignKind;
 use crate::statistics::{
@@ -59,7 +58,7 @@ pub(super) fn influences(input: &ReportInput, i: usize) -> Vec<InputInfluence> {
             let (x, open) = (column(input, j), Interval::UNBOUNDED);
             let means = |results: &[f64]| match pooled {
                 true => Vec::new(),
-                false => conditional_means(&x, results, GROUPS, open, CONFIDENCE),
+                false => conditional_means(&x, results, GROUPS, open, input.record.confidence()),
             };
             InputInfluence {
                 input: record.name.clone(),
@@ -85,7 +84,7 @@ fn indices(input: &ReportInput, i: usize, value: Results) -> Vec<IndexResult> {
     let bootstrap = Bootstrap {
         seed: input.record.provenance.seed,
         replicates: REPLICATES,
-        confidence: CONFIDENCE,
+        confidence: input.record.confidence(),
     };
     if !input.record.design.mixed_inputs.is_empty() {
         return pick_freeze(input, i, value, &bootstrap);
@@ -100,7 +99,7 @@ fn indices(input: &ReportInput, i: usize, value: Results) -> Vec<IndexResult> {
             results: &results,
             replicates: replicates.as_deref(),
             seed: input.record.provenance.seed,
-            confidence: CONFIDENCE,
+            confidence: input.record.confidence(),
         };
         match pooled {
             true => by_point(input, &data),

@@ -132,7 +132,10 @@ fn more_samples(record: &RunRecord, n: usize) -> String {
         1 => "",
         _ => " at each outer point",
     };
-    let total = record.design.growth.total(n as u64);
+    let total = match &record.stopping {
+        Some(stopping) => stopping.growth(n as u64),
+        None => record.design.growth.total(n as u64),
+    };
     match total.and_then(|total| total.checked_mul(outer)) {
         Some(total) => format!("{each}: `microslip extend results --samples {total}`"),
         None => format!("{each}: this design cannot be extended, `run` one of so many"),

@@ -208,7 +208,11 @@ impl LevelSummary {
         let peaks: Vec<PeakRecord> = records.iter().filter_map(|r| usable_peak(r)).collect();
         let failed = records.len() - peaks.len();
         let distribution = |value: &dyn Fn(&PeakRecord) -> Option<f64>| {
-            Distribution::of(peaks.iter().filter_map(value), failed)
+            Distribution::of(
+                peaks.iter().filter_map(value),
+                failed,
+                input.record.confidence(),
+            )
         };
         let pooled = nested(input.outcomes);
         let population = if pooled { &[] } else { input.outcomes };
@@ -227,7 +231,7 @@ impl LevelSummary {
             level,
             statuses: count_statuses(&records),
             failed,
-            failure_rate: proportion(failed, population.len(), CONFIDENCE),
+            failure_rate: proportion(failed, population.len(), input.record.confidence()),
             nominal: input
                 .record
                 .nominal
@@ -263,13 +267,14 @@ impl MixedSummary {
 }
 
 impl Distribution {
-    fn of(values: impl Iterator<Item = f64>, failed: usize) -> Self {
-        Self::of_observed(&Observed::with_failed(Sorted::finite(values), failed))
+    fn of(values: impl Iterator<Item = f64>, failed: usize, confidence: f64) -> Self {
+        let all = Observed::with_failed(Sorted::finite(values), failed);
+        Self::of_observed(&all, confidence)
     }
 
     /// Statistics of the samples of one population.
-    pub(super) fn of_observed(all: &Observed) -> Self {
-        let estimate = |&p: &f64| quantile_estimate(all, p, CONFIDENCE);
+    pub(super) fn of_observed(all: &Observed, confidence: f64) -> Self {
+        let estimate = |&p: &f64| quantile_estimate(all, p, confidence);
         Self {
             valid: all.valid().values().len(),
             moments: moments(all.valid()),

@@ -5,7 +5,6 @@ use super::ReportInput;
 use super::assessment::values;
 use super::epistemic::amplitude_limits_m;
 use super::record::{InputRecord, RunRecord};
-use super::summary::CONFIDENCE;
 use crate::ensemble::outcome::PeakRecord;
 use crate::sampling::Distribution;
 use crate::sampling::stream::{SURROGATE, uniform};
@@ -194,13 +193,14 @@ fn surrogate(
     let fit = fit.map_err(|refusal| refusal.to_string())?;
     let names = random.iter().map(|(_, input, _)| input.name.clone());
     let observed = Observed::of(results.iter().copied());
+    let confidence = input.record.confidence();
     Ok(Surrogate {
         held_out: fit.error(),
         degree: fit.whole.degree,
         terms: fit.whole.terms.len(),
         fitted: fit.whole.valid,
         failed,
-        indices: (names.zip(fit.indices(CONFIDENCE)))
+        indices: (names.zip(fit.indices(confidence)))
             .map(|(input, index)| SurrogateIndex {
                 input,
                 first: index.first,
@@ -211,8 +211,8 @@ fn surrogate(
             .filter_map(|&limit| {
                 let fresh = |i| coordinates(&basis, fresh_point(seed, i, random.len()));
                 Some(ExceedanceBoth {
-                    surrogate: fit.exceedance((0..POINTS).map(fresh), limit, CONFIDENCE)?,
-                    samples: exceedance(&observed, limit, CONFIDENCE),
+                    surrogate: fit.exceedance((0..POINTS).map(fresh), limit, confidence)?,
+                    samples: exceedance(&observed, limit, confidence),
                 })
             })
             .collect(),

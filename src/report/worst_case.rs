@@ -29,7 +29,7 @@ pub fn badness(
     let errors = NumericalErrors::of(&input, &[]);
     let judged = Judged::new(input, criterion, &errors, level);
     let observed = Observed::enclosed(&judged.results());
-    let content = criterion.demonstration(1).content;
+    let content = criterion.demonstration(1, 0).content;
     let rank = |p| quantile_rank(observed.total(), p);
     match criterion.quantity.at_least() {
         true => observed.lowest(rank(1.0 - content)).value().map(|v| -v),

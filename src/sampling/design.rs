@@ -171,6 +171,15 @@ impl Design {
         self.outer.as_ref().map(|(_, points)| points)
     }
 
+    /// The same design with its first samples alone; for one whose samples do not depend on their number.
+    #[must_use]
+    pub fn first(&self, samples: u64) -> Self {
+        Self {
+            samples,
+            ..self.clone()
+        }
+    }
+
     /// What is assumed of input `j`, in words.
     #[must_use]
     pub fn assumption(&self, j: usize) -> String {

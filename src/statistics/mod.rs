@@ -21,6 +21,7 @@ pub mod failure;
 pub mod given_data;
 pub mod joint;
 pub mod limit;
+pub mod looks;
 pub mod margin;
 pub mod moment;
 pub mod observed;
@@ -57,6 +58,7 @@ pub use given_data::{
 };
 pub use joint::{JointRegion, joint_region};
 pub use limit::{Interval, Limit};
+pub use looks::{confidence_at, looks};
 pub use margin::{
     Criterion, Denominator, FrequencyMargin, Judgement, frequency_margin, goodman_allowable, judge,
     reserve_factor,

@@ -60,6 +60,12 @@ impl<'t> Document<'t> {
         }
     }
 
+    /// Whether a top-level value is a table.
+    pub fn is_table(&self, key: &str) -> bool {
+        let value = self.root.get(key).map(Spanned::get_ref);
+        matches!(value, Some(DeValue::Table(_)))
+    }
+
     /// Takes a string out of a section, such as the `kind` that decides how the rest is read.
     ///
     /// # Errors
@@ -78,7 +84,7 @@ impl<'t> Document<'t> {
         }
     }
 
-    /// The text with the top-level number `key` set to `value`; in a line of its own where the key is absent.
+    /// The text with the number at the dotted `key` set to `value`; a top-level one in a line of its own where the key is absent.
     #[must_use]
     pub fn with_number(&self, key: &str, value: u64) -> String {
         match self.places.iter().find(|place| place.key == key) {

@@ -4,6 +4,7 @@ use super::frequency::FrequencyUnit;
 use super::read::{Study, StudyModel};
 use crate::Error;
 use crate::model::two_blade::{ComponentSummary, PressureInputs};
+use crate::report::stopping::Stopping;
 use crate::sampling::Input;
 
 /// Number of frequencies that are shown.
@@ -40,8 +41,10 @@ pub struct Inspection {
     pub design: String,
     /// The random field of the contact pressure in words, if there is one.
     pub pressure_field: Option<String>,
-    /// Number of samples.
+    /// Number of samples, at most.
     pub samples: u64,
+    /// When fewer are enough.
+    pub stopping: Option<Stopping>,
     /// Further samples of the search for worst cases over the epistemic inputs, at most.
     pub further_samples: u64,
     /// Excitation levels.
@@ -100,6 +103,7 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         design: study.design.description(),
         pressure_field: rig.and_then(|rig| pressure_field(rig.pressure())),
         samples: study.samples,
+        stopping: study.stopping.clone(),
         further_samples: further_samples(study),
         levels: study.levels.clone(),
         unknowns,

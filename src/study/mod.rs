@@ -15,6 +15,7 @@ pub mod read;
 mod requirements;
 pub mod reweight;
 pub mod run;
+mod samples;
 pub mod schema;
 mod search;
 pub mod solve;

@@ -7,6 +7,7 @@ use super::document::Document;
 use super::frequency::{FrequencySettings, FrequencyTable, ascending_positive};
 use super::output::OutputSettings;
 use super::requirements::{check_requirements, check_surrogate, requirements};
+use super::samples::Samples;
 use super::tables::{ContactSection, SolverSection};
 use crate::Error;
 use crate::contact::ContactParameters;
@@ -19,6 +20,7 @@ use crate::model::two_blade::{
 };
 use crate::model::{ModelError, ReducedModel};
 use crate::report::requirement::Requirements;
+use crate::report::stopping::Stopping;
 use crate::report::surrogate::SurrogateSettings;
 use crate::sampling::input::PRESSURE_MODES;
 use crate::sampling::{
@@ -87,8 +89,10 @@ pub struct Study {
     pub text: String,
     /// Name, for reports.
     pub name: String,
-    /// Number of samples.
+    /// Number of samples, at most.
     pub samples: u64,
+    /// When fewer are enough; absent where their number is given.
+    pub stopping: Option<Stopping>,
     /// Excitation levels, ascending (N for the built-in model).
     pub levels: Vec<f64>,
     /// Structure.
@@ -152,7 +156,7 @@ impl Study {
         let mut document = Document::parse(path, text)?;
         let name: String = required(&mut document, "name")?;
         let seed: u64 = document.take("seed")?.unwrap_or(0);
-        let samples: Option<u64> = document.take("samples")?;
+        let samples = Samples::take(&mut document)?;
         let levels: Vec<f64> = required(&mut document, "levels")?;
         let contact: ContactSection = document.take("contact")?.unwrap_or_default();
         let model = model(&mut document, &contact)?;
@@ -160,7 +164,13 @@ impl Study {
             ModelSettings::TwoBladeStrip { pressure, .. } => *pressure,
             ModelSettings::Matrices(_) => None,
         };
-        let design = design(&mut document, pressure, folder_of(path), seed, samples)?;
+        let design = design(
+            &mut document,
+            pressure,
+            folder_of(path),
+            seed,
+            samples.most(),
+        )?;
         let solver: SolverSection = document.take("solver")?.unwrap_or_default();
         let frequency: FrequencyTable = required(&mut document, "frequency")?;
         let output: OutputSettings = document.take("output")?.unwrap_or_default();
@@ -179,6 +189,7 @@ impl Study {
             checked.map_err(|bad| at(bad.under("model")))?;
         }
         check_requirements(&requirements, frequency.unit, &levels).map_err(at)?;
+        let stopping = samples.plan(&requirements, &design).map_err(at)?;
         if let Some(settings) = &surrogate {
             check_surrogate(settings, &design).map_err(at)?;
         }
@@ -193,6 +204,7 @@ impl Study {
                 .collect(),
             name,
             samples: design.samples(),
+            stopping,
             levels,
             model,
             design,

@@ -5,13 +5,13 @@ use std::path::{Component, Path, PathBuf};
 use std::time::Instant;
 
 use super::output::{OutputFolder, write_arrow_tables};
-use super::prepared::FREQUENCY_TOLERANCE;
+use super::prepared::{FREQUENCY_TOLERANCE, PreparedStudy};
 use super::read::{ModelSettings, Study};
 use super::search::worst_cases;
 use super::solve::{Meter, Progress};
 use crate::Error;
 use crate::ensemble::atlas::Atlas;
-use crate::ensemble::backend::{BackendSettings, OpenBackend};
+use crate::ensemble::backend::{BackendReport, BackendSettings, OpenBackend};
 use crate::ensemble::kept::{ATLAS_FILE, KeptStudy, write_anchors};
 use crate::ensemble::outcome::{CurvePoint, LevelOutcome, SampleOutcome};
 use crate::ensemble::store::{Provenance, write_curves, write_samples};
@@ -22,6 +22,7 @@ use crate::model::two_blade::ComponentSummary;
 use crate::report::record::{
     ComponentRecord, DesignRecord, FURTHER_POINTS, FileRecord, InputRecord, LinearRecord, TABLES,
 };
+use crate::report::stopping::Stopping;
 use crate::report::{self, RunRecord, Summary};
 use crate::sampling::DesignKind;
 use crate::units::rad_s_to_hz;
@@ -38,6 +39,8 @@ pub struct RunResult {
     pub summary: Summary,
     /// Why the model was not folded although `mirror` allows it.
     pub unfolded: Option<String>,
+    /// How the number of samples came out of the results; absent where it was given.
+    pub stopping: Option<Stopping>,
 }
 
 /// Computes every sample and writes `samples.parquet`, `curves.parquet` (as Arrow files too, where the study wants them),
@@ -74,61 +77,27 @@ pub(super) fn run_after(
     let clock = Instant::now();
     let backend = OpenBackend::open(backend, &study.solver);
     let prepared = study.prepared()?;
-    let (linear, band) = (&prepared.linear, prepared.band());
-    let nominal = Problem::new(linear, prepared.contacts.clone(), 1.0, study.solver.anchor)?;
-    let stuck = linear_record(study, linear, &nominal.stuck_stiffness, band)?;
-    let free = linear_record(study, linear, &vec![0.0; linear.n_relative()], band)?;
     let ensemble = prepared.ensemble(backend.backend());
+    let mut record = first_record(&prepared, &ensemble)?;
     refuse_other_results(study, &ensemble, &kept)?;
     let meter = Meter::start(kept.outcomes.len() as u64, study.samples, progress);
-    let solved = (backend.extend(&ensemble, kept, study.samples, || meter.one_more()))
-        .map_err(|error| Error::Threads(error.to_string()))?;
+    let solved = look_by_look(study, &ensemble, &backend, kept, &meter, &mut record)?;
     let Solved { outcomes, anchors } = &solved;
-    let nominal = ensemble.nominal();
     let alone = study.output.one_at_a_time;
-    let one_at_a_time = alone.then(|| ensemble.one_at_a_time(anchors));
-    let provenance = provenance(study, prepared.folded());
-    let inputs = input_records(study);
-    let input_names: Vec<String> = inputs.iter().map(|input| input.name.clone()).collect();
+    record.one_at_a_time = alone.then(|| ensemble.one_at_a_time(anchors));
+    let input_names: Vec<String> = record.inputs.iter().map(|i| i.name.clone()).collect();
     let [samples_name, curves_name] = TABLES;
     let path = |name: &str| folder.path().join(name);
-    let tables = vec![
-        write_samples(&path(samples_name), &provenance, &input_names, outcomes)?,
-        write_curves(&path(curves_name), &provenance, outcomes)?,
+    let provenance = &record.provenance;
+    record.tables = vec![
+        write_samples(&path(samples_name), provenance, &input_names, outcomes)?,
+        write_curves(&path(curves_name), provenance, outcomes)?,
         write_anchors(&path(ATLAS_FILE), &kept_study(study, folder)?, anchors)?,
     ];
-    let mut record = RunRecord {
-        provenance,
-        backend: backend.report(),
-        inputs,
-        design: DesignRecord {
-            kind: study.design.kind(),
-            description: study.design.description(),
-            independent: study.design.kind() == DesignKind::MonteCarlo,
-            growth: study.design.growth(),
-            outer_points: study.design.outer_points(),
-            further_points: 0,
-            mixed_inputs: study.design.mixed_inputs().to_vec(),
-        },
-        frequency_tolerance: FREQUENCY_TOLERANCE,
-        levels: study.levels.clone(),
-        curve_samples: study.output.curve_samples,
-        bands: study.output.bands,
-        level_unit: level_unit(study).to_owned(),
-        free,
-        stuck,
-        nominal: Some(nominal),
-        one_at_a_time,
-        components: component_records(&prepared.components),
-        requirements: study.requirements.clone(),
-        surrogate: study.surrogate,
-        study_file: FileRecord::of(&study.file_name(), study.text.as_bytes()),
-        tables,
-        wall_time_s: clock.elapsed().as_secs_f64(),
-    };
     let further = worst_cases(&ensemble, &record, &solved, &meter);
     write_further_points(folder, &input_names, &further, &mut record)?;
     write_arrow_tables(folder.path(), study.output.arrow)?;
+    record.backend = backend.report();
     record.wall_time_s = clock.elapsed().as_secs_f64();
     record.write(folder.path())?;
     // From the files alone, so that `report` gives the same bytes.
@@ -137,6 +106,82 @@ pub(super) fn run_after(
         outcomes: solved.outcomes,
         summary,
         unfolded: study.unfolded(),
+        stopping: record.stopping,
+    })
+}
+
+/// Solves the samples of a study: all, or as many as its rule takes, judged at one look after the other. Then the record
+/// says how many these are.
+fn look_by_look(
+    study: &Study,
+    ensemble: &Ensemble,
+    backend: &OpenBackend,
+    kept: Solved,
+    meter: &Meter<impl Fn(Progress) + Sync>,
+    record: &mut RunRecord,
+) -> Result<Solved, Error> {
+    let more = |kept: Solved, samples: u64| {
+        let solved = backend.extend(ensemble, kept, samples, || meter.one_more());
+        solved.map_err(|error| Error::Threads(error.to_string()))
+    };
+    let Some(plan) = &study.stopping else {
+        return more(kept, study.samples);
+    };
+    let n_kept = kept.outcomes.len() as u64;
+    let mut solved = kept;
+    for (&samples, look) in plan.looks.iter().zip(1..) {
+        // an extension goes on where the rule was not met
+        if samples < n_kept {
+            continue;
+        }
+        solved = more(solved, samples)?;
+        record.backend = backend.report();
+        let stopping = plan.at_look(look, record, &solved.outcomes);
+        let met = stopping.met;
+        record.stopping = Some(stopping);
+        record.design.description = study.design.first(samples).description();
+        if met {
+            break;
+        }
+    }
+    Ok(solved)
+}
+
+/// The record of a study before its samples: no tables, and no part of the backend.
+fn first_record(prepared: &PreparedStudy, ensemble: &Ensemble) -> Result<RunRecord, Error> {
+    let study = prepared.study;
+    let (linear, band) = (&prepared.linear, prepared.band());
+    let nominal = Problem::new(linear, prepared.contacts.clone(), 1.0, study.solver.anchor)?;
+    let design = &study.design;
+    Ok(RunRecord {
+        provenance: provenance(study, prepared.folded()),
+        backend: BackendReport::default(),
+        inputs: input_records(study),
+        design: DesignRecord {
+            kind: design.kind(),
+            description: design.description(),
+            independent: design.kind() == DesignKind::MonteCarlo,
+            growth: design.growth(),
+            outer_points: design.outer_points(),
+            further_points: 0,
+            mixed_inputs: design.mixed_inputs().to_vec(),
+        },
+        frequency_tolerance: FREQUENCY_TOLERANCE,
+        levels: study.levels.clone(),
+        curve_samples: study.output.curve_samples,
+        bands: study.output.bands,
+        level_unit: level_unit(study).to_owned(),
+        stuck: linear_record(study, linear, &nominal.stuck_stiffness, band)?,
+        free: linear_record(study, linear, &vec![0.0; linear.n_relative()], band)?,
+        nominal: Some(ensemble.nominal()),
+        one_at_a_time: None,
+        components: component_records(&prepared.components),
+        requirements: study.requirements.clone(),
+        stopping: None,
+        surrogate: study.surrogate,
+        study_file: FileRecord::of(&study.file_name(), study.text.as_bytes()),
+        tables: Vec::new(),
+        wall_time_s: 0.0,
     })
 }
 

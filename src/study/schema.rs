@@ -11,6 +11,7 @@ use super::tables::{ContactSection, SolverSection};
 use crate::model::matrices::MatricesSettings;
 use crate::model::two_blade::{PressureField, TwoBladeSettings};
 use crate::report::requirement::{Criterion, Operation, Stress};
+use crate::report::stopping::StoppingTable;
 use crate::report::surrogate::SurrogateSettings;
 use crate::sampling::design::MOST_SAMPLES;
 use crate::sampling::{CorrelationTable, DesignTable, DistributionTable, EpistemicTable, Input};
@@ -37,6 +38,8 @@ pub fn schema() -> Value {
             needs("frequency-margin-percent", "operation"),
             needs("reserve-factor", "stress"),
             needs("probability-of-exceedance", "stress"),
+            by_rule(),
+            until_decided(),
         ],
         "$defs": generator.take_definitions(true),
     });
@@ -73,6 +76,22 @@ fn needs(quantity: &str, table: &str) -> Value {
     json!({ "if": criteria, "then": { "required": [table] } })
 }
 
+/// A rule for the number of samples needs independent ones.
+fn by_rule() -> Value {
+    let table =
+        json!({ "properties": { "samples": { "type": "object" } }, "required": ["samples"] });
+    let independent = json!({ "properties": { "kind": { "const": "monte-carlo" } } });
+    json!({ "if": table, "then": { "properties": { "design": independent } } })
+}
+
+/// Criteria are decided where there are such.
+fn until_decided() -> Value {
+    let decided = json!({ "properties": { "until": { "const": "decided" } }, "required": ["until"], "type": "object" });
+    let samples = json!({ "properties": { "samples": decided }, "required": ["samples"] });
+    let some = json!({ "properties": { "criteria": { "minItems": 1 } }, "required": ["criteria"] });
+    json!({ "if": samples, "then": some })
+}
+
 /// TOML has no null: an optional key is absent, and what is no number (`nan`) is null in JSON.
 fn without_null(schema: &mut Value) {
     match schema {
@@ -107,10 +126,11 @@ fn section(key: &str, generator: &mut SchemaGenerator) -> Value {
             "description": "Sample i depends on the seed and i alone; 0 if absent.",
         }),
         "samples" => json!({
-            "type": "integer",
-            "minimum": 1,
-            "maximum": MOST_SAMPLES,
-            "description": "Number of samples; 1 if absent.",
+            "description": "Number of samples, 1 if absent; or the rule by which there are enough.",
+            "oneOf": [
+                { "type": "integer", "minimum": 1, "maximum": MOST_SAMPLES },
+                of::<StoppingTable>(generator),
+            ],
         }),
         "levels" => json!({
             "type": "array",

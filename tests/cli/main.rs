@@ -15,6 +15,7 @@ mod run;
 mod schema;
 mod solve;
 mod stick_limit;
+mod stopping;
 mod strip;
 mod test_functions;
 mod worst_case;

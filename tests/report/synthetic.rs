@@ -151,6 +151,7 @@ fn record() -> RunRecord {
         one_at_a_time: None,
         components: Vec::new(),
         requirements: requirements(),
+        stopping: None,
         surrogate: None,
         study_file: FileRecord::of("study.toml", b"name = \"synthetic\""),
         tables: Vec::new(),

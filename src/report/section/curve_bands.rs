@@ -10,8 +10,8 @@ use super::super::display::{percent, significant};
 use super::super::epistemic::outer_groups;
 use super::super::figure::{Panel, Size};
 use super::super::population::{Populations, hull};
-use super::super::record::Bands;
-use super::super::summary::{CONFIDENCE, PROBABILITIES};
+use super::super::record::{Bands, RunRecord};
+use super::super::summary::PROBABILITIES;
 use super::super::usable_peak;
 use super::super::view::{Shown, View};
 use super::response_frame::{
@@ -188,7 +188,7 @@ impl LevelBands {
         let grid = window.grid();
         let bands = |(outer, members): &(Option<u64>, Vec<usize>)| {
             let set = CurveSet::of(&curves(view, i, members, window), &grid);
-            CurveBands::of(*outer, &set, view.input.record.bands)
+            CurveBands::of(*outer, &set, view.input.record)
         };
         let populations: Vec<CurveBands> = groups.iter().map(bands).collect();
         let strips = (0..GRID).map(|k| Strip::of(&populations, k)).collect();
@@ -218,15 +218,16 @@ pub(super) fn bands(view: &View) -> Vec<Figure> {
 }
 
 impl CurveBands {
-    fn of(outer: Option<u64>, set: &CurveSet, bands: Bands) -> Self {
-        let whole_band = match bands {
+    fn of(outer: Option<u64>, set: &CurveSet, record: &RunRecord) -> Self {
+        let confidence = record.confidence();
+        let whole_band = match record.bands {
             Bands::Simultaneous | Bands::PeakAligned => simultaneous_band,
             Bands::Depth => depth_band,
         };
         Self {
             outer,
-            pointwise: pointwise_band(set, &PROBABILITIES, CONFIDENCE),
-            whole: whole_band(set, CONTENT, CONFIDENCE, MissingPoints::NotJudged),
+            pointwise: pointwise_band(set, &PROBABILITIES, confidence),
+            whole: whole_band(set, CONTENT, confidence, MissingPoints::NotJudged),
             curves: set.total() - set.failed(),
         }
     }

@@ -3,7 +3,7 @@
 use super::super::axis::Axis;
 use super::super::block::{Block, Columns, Figure, Key, Mark, Row, Section};
 use super::super::figure::{Panel, Size};
-use super::super::summary::{CONFIDENCE, PROBABILITIES};
+use super::super::summary::PROBABILITIES;
 use super::super::view::{Shown, View, thinned};
 use crate::statistics::{Sorted, empirical_cdf, histogram, quantile, share};
 
@@ -88,7 +88,11 @@ fn cdf(view: &View, shown: Shown) -> Figure {
         let sorted = Sorted::finite(view.values(shown, i));
         panel.band(
             &format!("outer l{i}"),
-            &confidence_band(&sorted, view.input.outcomes.len()),
+            &confidence_band(
+                &sorted,
+                view.input.outcomes.len(),
+                view.input.record.confidence(),
+            ),
         );
         let corners = empirical_cdf(&sorted);
         // From the last corner back, so that thinned steps still end at 1.
@@ -102,8 +106,12 @@ fn cdf(view: &View, shown: Shown) -> Figure {
     view.figure(&panel, format!("distribution-{}", shown.word()), caption)
 }
 
-/// Interval of the distribution function at some of the known values of so many samples.
-pub(in crate::report) fn confidence_band(sorted: &Sorted, total: usize) -> Vec<(f64, f64, f64)> {
+/// Interval of the distribution function, with this confidence, at some of the known values of so many samples.
+pub(in crate::report) fn confidence_band(
+    sorted: &Sorted,
+    total: usize,
+    confidence: f64,
+) -> Vec<(f64, f64, f64)> {
     let n = sorted.values().len();
     let failed = total - n;
     let stride = n.div_ceil(INTERVALS).max(1);
@@ -111,7 +119,7 @@ pub(in crate::report) fn confidence_band(sorted: &Sorted, total: usize) -> Vec<(
     let at = |i: usize| {
         let value = *sorted.values().get(i)?;
         let below = sorted.values().partition_point(|v| *v <= value);
-        let share = share(below, n - below, failed, CONFIDENCE)?;
+        let share = share(below, n - below, failed, confidence)?;
         Some((value, share.lower, share.upper))
     };
     ranks.filter_map(at).collect()

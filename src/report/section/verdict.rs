@@ -42,6 +42,8 @@ pub(super) fn section(view: &View) -> Section {
         blocks.push(bounds(view));
     }
     blocks.push(Block::Hint(view.assessment.condition.clone()));
+    let stopping = view.assessment.stopping.iter();
+    blocks.extend(stopping.map(|s| Block::Hint(s.in_words())));
     Section {
         id: "verdict",
         title: "Verdict".to_owned(),

@@ -32,6 +32,80 @@ pub(crate) const REFUSED: &[Case] = &[
             "floating point `1.5`, expected a whole number >= 0",
         ],
     ),
+    (
+        "samples = 10",
+        "samples = { until = \"decided\", at_most = 0 }",
+        &[":3: ", "samples.at_most = 0: must be from 1 to"],
+    ),
+    (
+        "samples = 10",
+        "samples = { until = \"decided\", at_most = 10 }",
+        &[
+            ":3: ",
+            "samples.until = \"decided\": needs a criterion to decide",
+        ],
+    ),
+    (
+        "samples = 10",
+        "samples = { until = \"decided\" }",
+        &[":3: ", "samples: missing field `at_most`"],
+    ),
+    (
+        "samples = 10",
+        "samples = { until = \"bored\", at_most = 10 }",
+        &[
+            ":3: ",
+            "unknown variant `bored`, expected `decided` or `width`",
+        ],
+    ),
+    (
+        "samples = 10",
+        "samples = { at_most = 10 }",
+        &[":3: ", "samples: missing field `until`"],
+    ),
+    (
+        "samples = 10",
+        "samples = { until = \"decided\", at_most = 10, relative = 0.1 }",
+        &[":3: ", "samples.relative = (given): must be absent"],
+    ),
+    (
+        "samples = 10",
+        "samples = { until = \"width\", at_most = 10, of = \"amplitude\" }",
+        &[":3: ", "samples.relative = (absent): must be given"],
+    ),
+    (
+        "samples = 10",
+        "samples = { until = \"width\", at_most = 10, relative = 0.1 }",
+        &[":3: ", "samples.of = (absent): must be given"],
+    ),
+    (
+        "samples = 10",
+        "samples = { until = \"width\", at_most = 10, of = \"amplitude\", relative = 0.0 }",
+        &[":3: ", "samples.relative = 0: must be a finite number > 0"],
+    ),
+    (
+        "samples = 10",
+        "samples = { until = \"width\", at_most = 10, of = \"amplitude\", relative = 2.0 }",
+        &[":3: ", "samples.relative = 2: must be from 0 to 1"],
+    ),
+    (
+        "samples = 10",
+        "samples = { until = \"width\", at_most = 10, of = \"amplitude\", relative = nan }",
+        &[
+            ":3: ",
+            "samples.relative = NaN: must be a finite number > 0",
+        ],
+    ),
+    (
+        "samples = 10",
+        "samples = { until = \"width\", at_most = 10, of = \"amplitude\", relative = 0.1, quantile = 1.0 }",
+        &[":3: ", "samples.quantile = 1: must lie between 0 and 1"],
+    ),
+    (
+        "samples = 10",
+        "samples = { until = \"decided\", at_most = 10, more = 1 }",
+        &[":3: ", "unknown field `more`"],
+    ),
     ("seed = 7", "seed = -7", &[":2: seed: "]),
     (
         "\"two masses\"",

@@ -80,6 +80,12 @@ fn verdicts_over_a_box_cover() {
     assert_covers("over a box");
 }
 
+/// Seen to fail with the whole risk at every look.
+#[test]
+fn stopped_studies_cover() {
+    assert_covers("study stops");
+}
+
 #[test]
 fn comparisons_cover() {
     assert_covers("median difference");
