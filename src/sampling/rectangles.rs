@@ -95,13 +95,12 @@ fn divide(
         .flat_map(|&side| [moved(side, -third), moved(side, third)])
         .collect();
     let found = values(&points);
+    // two points per side: their places and values
     let pairs = points.chunks(2).zip(found.chunks(2));
-    let mut pairs: Vec<(usize, &[Vec<f64>], &[f64])> = (sides.iter().zip(pairs))
-        .map(|(&side, (points, found))| (side, points, found))
-        .collect();
+    let mut pairs: Vec<_> = sides.iter().zip(pairs).collect();
     let best = |found: &[f64]| found.iter().copied().map(sought).fold(f64::MIN, f64::max);
-    pairs.sort_by(|a, b| best(b.2).total_cmp(&best(a.2)));
-    for (side, points, found) in pairs {
+    pairs.sort_by(|(_, (_, a)), (_, (_, b))| best(b).total_cmp(&best(a)));
+    for (&side, (points, found)) in pairs {
         rectangles[place].divisions[side] += 1;
         for (centre, value) in points.iter().zip(found) {
             let divisions = rectangles[place].divisions.clone();

@@ -57,7 +57,12 @@ fn report(folder: &Path) -> Value {
 fn looks(report: &Value) -> Vec<u64> {
     let looks = report["stopping"]["looks"].as_array().unwrap();
     let looks: Vec<u64> = looks.iter().map(|n| n.as_u64().unwrap()).collect();
-    assert_eq!(looks.last(), report["samples"].as_u64().as_ref());
+    let samples = report["samples"].as_u64();
+    assert_eq!(
+        looks.last(),
+        samples.as_ref(),
+        "the last look is that of the run"
+    );
     looks
 }
 

@@ -35,7 +35,7 @@ fn write(points: u64, samples: u64, epistemic: &str) -> TempDir {
 fn replace(folder: &Path, old: &str, new: &str) {
     let path = folder.join("study.toml");
     let text = std::fs::read_to_string(&path).unwrap();
-    assert!(text.contains(old));
+    assert!(text.contains(old), "{old}");
     std::fs::write(&path, text.replace(old, new)).unwrap();
 }
 

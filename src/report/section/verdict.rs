@@ -305,6 +305,7 @@ fn notices(view: &View) -> Vec<String> {
     for status in Status::ALL.into_iter().filter(|&s| s != Status::Converged) {
         notices.extend(status_notice(view, status));
     }
+    notices.extend(untrusted_notice(summary));
     for (i, level) in summary.levels.iter().enumerate() {
         if level.frequency_hz.valid == 0 {
             let name = view.level_name(i);
@@ -325,6 +326,27 @@ fn mixed_notice(view: &View) -> Option<String> {
         "{samples} further samples share inputs with these and serve the sensitivity indices alone; {failed} of their \
          {solves} solves have no solution. No other number of this page counts them."
     ))
+}
+
+/// How many solutions the verdicts do not trust and every other number counts; absent without such.
+fn untrusted_notice(summary: &Summary) -> Option<String> {
+    let untrusted = Status::ALL.into_iter();
+    let untrusted = untrusted.filter(|status| status.has_solution() && !status.is_trusted());
+    let count: usize = untrusted
+        .flat_map(|status| {
+            summary
+                .levels
+                .iter()
+                .map(move |l| l.statuses[status.name()])
+        })
+        .sum();
+    let solves = summary.samples * summary.levels.len();
+    (count > 0).then(|| {
+        format!(
+            "{count} of {solves} solves have a solution that is not to be trusted. Verdicts count it as unknown; every other \
+             number of this page (quantiles, bounds, bands, indices) counts it with the value that it has."
+        )
+    })
 }
 
 /// How many solves ended so, and where most of them; absent if none did.
