@@ -84,6 +84,13 @@ pub struct LoadRate<'a> {
     pub level: f64,
 }
 
+/// Springs that hold the mean position of a floating part during a Newton step, over the stiffness of its contacts. Where
+/// all contacts of a part slip through, their mean tractions do not depend on its mean position, which nothing else
+/// determines: the static equations are singular there, and a step would throw the part metres away. The springs are in
+/// the derivatives alone, so that no solution knows of them (proximal point method).
+/// Source: Rockafellar 1976, SIAM J. Control Optim. 14, 877–898.
+const HELD: f64 = 1e-9;
+
 impl<'p> Balance<'p> {
     /// Discretises `problem`.
     #[must_use]
@@ -155,6 +162,9 @@ impl<'p> Balance<'p> {
             if row == column {
                 let k = self.problem.stuck_stiffness[row * n_c + pair];
                 (0..m).for_each(|a| values[a * m + a] -= k);
+                if row < 2 {
+                    values[0] += self.holding_stiffness(row * n_c + pair);
+                }
             }
             (row, column, values)
         };
@@ -170,6 +180,16 @@ impl<'p> Balance<'p> {
                 }
             })
             .collect()
+    }
+
+    /// Stiffness (N/m) of the spring that the derivatives have at the mean of a tangential displacement, 0 ≤ `row` < 2·n_contacts,
+    /// of a pair that does not stick all the time.
+    #[must_use]
+    pub fn holding_stiffness(&self, row: usize) -> f64 {
+        match self.problem.model.floats {
+            true => HELD * self.problem.stuck_stiffness[row],
+            false => 0.0,
+        }
     }
 
     /// g = F − K_c r.

@@ -104,23 +104,6 @@ impl<'m> Problem<'m> {
     }
 }
 
-/// Stiffness that holds the mean position of a part in gross slip, over that of its contacts. Where all contacts of a part
-/// slip through, their mean tractions do not depend on its mean position, which nothing else determines: the static
-/// equations are singular there, Newton's method throws the part metres away and loses all digits. So weak springs
-/// along the contacts hold the 0th harmonic of a structure that floats and has no retention of its own.
-const HELD: f64 = 1e-9;
-
-/// Stiffness (N/m) that the static structure has at its contacts while they stick, with what holds it when they slip.
-fn held_stiffness(model: &LinearModel, k_c: &[f64]) -> Vec<f64> {
-    let n_tangential = 2 * model.n_contacts();
-    let holds = model.floats && model.part(0).retention.is_none();
-    let factor = |i: usize| match holds && i < n_tangential {
-        true => 1.0 + HELD,
-        false => 1.0,
-    };
-    k_c.iter().enumerate().map(|(i, k)| factor(i) * k).collect()
-}
-
 /// Stiffness of the stuck contacts (N/m). Shape: `[3·n_contacts]`, t1 of every pair, t2, n.
 #[must_use]
 pub fn stuck_stiffness(contacts: &[ContactParameters<f64>]) -> Vec<f64> {
@@ -133,7 +116,7 @@ pub fn stuck_stiffness(contacts: &[ContactParameters<f64>]) -> Vec<f64> {
 impl StuckStatic {
     fn new(model: &LinearModel, k_c: &[f64], load_scale: f64) -> Result<Self, ProblemError> {
         let part = model.part(0);
-        let factor = static_factor(part, &held_stiffness(model, k_c))?;
+        let factor = static_factor(part, k_c)?;
         let eta: Vec<f64> = solve(&factor, &part.static_force)
             .iter()
             .map(|x| x * load_scale)

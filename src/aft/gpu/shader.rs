@@ -89,6 +89,10 @@ pub struct Shape {
 /// 65 535 in all.
 const MOST_ITERATIONS: usize = 60_000;
 
+/// Highest harmonic for which kernels are compiled for a software adapter: each set of harmonics takes it about 10 s, and the
+/// larger sets of the error alert are evaluated a few times only.
+const HIGHEST_ON_SOFTWARE: u32 = 21;
+
 /// Laps after which the shader of the circle law gives up.
 const MOST_CIRCLE_LAPS: usize = 40;
 
@@ -206,7 +210,8 @@ impl Shape {
         ]
     }
 
-    /// Whether no invocation can need more loop iterations than a software adapter counts, silently. Box law: the march with
+    /// Whether the kernels are worth compiling for a software adapter, and no invocation can need more loop iterations than it
+    /// counts, silently. Box law: the march with
     /// all its room for events used, series and root searches at every one of them. Circle law: all laps, and the sums of
     /// the last one; with located events the shader counts what it spends, and leaves what would be too much undecided.
     #[must_use]
@@ -223,7 +228,7 @@ impl Shape {
             }
             March::LocatedCircle => n_time * (MOST_CIRCLE_LAPS + m + 2),
         };
-        iterations <= MOST_ITERATIONS
+        self.highest() <= HIGHEST_ON_SOFTWARE && iterations <= MOST_ITERATIONS
     }
 
     /// Blocks of a derivative in the order of the shaders.
