@@ -210,7 +210,7 @@ mod tests {
     }
 
     /// A search that may look at more points than there are places ends; the best place is known to a thousandth of the
-    /// interval. Seen to hang without the end, and to leave 2e-3 with 4 divisions.
+    /// interval. Seen to leave 2e-3 with 4 divisions.
     #[test]
     fn a_search_ends_when_all_is_seen() {
         let seen = searched(1, 10_000, |x| -(x[0] - 0.4321).abs());

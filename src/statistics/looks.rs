@@ -36,8 +36,8 @@ mod tests {
     use super::*;
 
     /// The shares never sum to more than the whole risk, and looks stay where they are when the most is doubled, so that an
-    /// extension has spent what a run to its number would have spent. Seen to fail with shares of 1/(j + 1), and with halves
-    /// rounded down.
+    /// extension has spent what a run to its number would have spent. Seen to fail with the whole risk at
+    /// every look.
     #[test]
     fn an_extension_looks_where_the_whole_run_does() {
         let spent: f64 = (1..100_000).map(share_of_risk).sum();

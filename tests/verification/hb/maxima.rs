@@ -213,8 +213,8 @@ fn the_highest_of_two_near_maxima_is_the_peak() {
     );
 }
 
-/// The strip is held by its contacts alone: where they all slip, nothing but the weak springs of the problem determines
-/// its mean position. Seen to fail without them: 15 of 24 samples are solved at level 50, 22 at level 1, the others end with
+/// The strip is held by its contacts alone: where they all slip, nothing determines its mean position, and weak
+/// springs hold it in the derivatives. Seen to fail without them: 15 of 24 samples are solved at level 50, 22 at level 1, the others end with
 /// `non-finite` or `step-too-small`.
 #[test]
 fn a_strip_that_only_slipping_contacts_hold_is_solved() {
