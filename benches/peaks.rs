@@ -18,7 +18,7 @@ use microslip::ensemble::store::{Provenance, write_samples};
 use microslip::ensemble::{Ensemble, SampleSolver, Solved, Strips};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::alert::on;
-use microslip::hb::forced_response::at_frequencies;
+use microslip::hb::forced_response::{SlowSweep, at_frequencies};
 use microslip::hb::maxima::PeakChoice;
 use microslip::hb::newton::{Iterate, WorkCount};
 use microslip::hb::peak::PeakSettings;
@@ -336,13 +336,15 @@ fn sweep() {
                 .map(|i| solution.omega + reach * (f64::from(i) / 29.5 - 1.0))
                 .collect();
             let (spent, _) = processor_time(|| {
-                at_frequencies(
-                    &problem,
-                    &settings,
-                    solution.level,
-                    &omega,
-                    SweepDirection::Upward,
-                )
+                let sweep = SlowSweep {
+                    band: Band {
+                        low: omega[0],
+                        high: omega[omega.len() - 1],
+                    },
+                    direction: SweepDirection::Upward,
+                    omega: &omega,
+                };
+                at_frequencies(&problem, &settings, solution.level, sweep, |_| ())
             });
             points += omega.len();
             peaks += 1;

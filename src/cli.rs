@@ -1,6 +1,7 @@
 //! Arguments, messages and exit codes: 0 = done, 2 = bad input or a file that cannot be read or written.
 
 mod compare;
+mod curve;
 mod devices;
 mod facts;
 
@@ -20,7 +21,7 @@ use microslip::file::FileError;
 use microslip::report::epistemic::EpistemicSummary;
 use microslip::report::{Summary, render};
 use microslip::study::{
-    LevelCurve, OutputFolder, Progress, RunResult, Study, extend, inspect, run, schema, solve,
+    OutputFolder, Progress, RunResult, Study, extend, inspect, run, schema, solve,
     write_arrow_tables,
 };
 use reweight::ReweightArguments;
@@ -265,7 +266,7 @@ fn execute(command: &Command) -> Result<(), Error> {
             }
             print(|out| {
                 for curve in &curves {
-                    show_curve(out, &study, curve)?;
+                    curve::show(out, curve, study.frequency.unit)?;
                 }
                 writeln!(
                     out,
@@ -429,30 +430,6 @@ fn show_ranges(out: &mut dyn Write, epistemic: &EpistemicSummary) -> std::io::Re
     Ok(())
 }
 
-/// Level, number of points and largest amplitude of the first response.
-fn show_curve(out: &mut dyn Write, study: &Study, curve: &LevelCurve) -> std::io::Result<()> {
-    let solved = curve.solutions.iter().filter(|s| s.status.has_solution());
-    let n_solved = solved.clone().count();
-    let peak = solved.max_by(|a, b| a.amplitude(0).total_cmp(&b.amplitude(0)));
-    write!(
-        out,
-        "level {}: {n_solved} of {} points solved",
-        curve.level,
-        curve.solutions.len()
-    )?;
-    if let Some(peak) = peak {
-        let unit = study.frequency.unit;
-        let frequency = unit.of_rad_s(peak.omega);
-        write!(
-            out,
-            ", largest amplitude {:.6e} at {frequency:.6} {}",
-            peak.amplitude(0),
-            unit.name()
-        )?;
-    }
-    writeln!(out)
-}
-
 /// Progress on standard error: a bar on a terminal, else one line per twentieth.
 struct Bar {
     bar: indicatif::ProgressBar,
@@ -475,10 +452,11 @@ impl Bar {
     }
 
     fn show(&self, Progress { done, total }: Progress) {
+        let before = self.bar.position();
         self.bar.set_length(total);
         self.bar.set_position(done);
         let twentieth = |n: u64| 20 * n / total.max(1);
-        let step = done > 0 && twentieth(done) > twentieth(done - 1);
+        let step = twentieth(done) > twentieth(before);
         if !self.quiet && self.bar.is_hidden() && step {
             let eta = self.bar.eta().as_secs();
             // Progress that cannot be shown is no reason to stop.

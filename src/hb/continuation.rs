@@ -3,7 +3,7 @@
 //! Source: Seydel, Practical Bifurcation and Stability Analysis, 3rd ed. 2010, ch. 4.
 
 use super::balance::Balance;
-use super::newton::{Condition, Direction, Iterate, Metric, WorkCount, solve};
+use super::newton::{Condition, Direction, Iterate, Metric, Point, WorkCount, solve};
 use super::settings::NewtonSettings;
 use super::status::Status;
 use faer::prelude::c64;
@@ -154,8 +154,19 @@ impl<'p> BranchPoint<'p> {
         step: f64,
         newton: NewtonSettings,
     ) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
+        let predicted = self.iterate.point.moved(&self.tangent, step);
+        self.step_to(balance, predicted, step, newton)
+    }
+
+    /// The same, started at `predicted`.
+    fn step_to(
+        &self,
+        balance: &Balance<'p>,
+        predicted: Point,
+        step: f64,
+        newton: NewtonSettings,
+    ) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
         let base = &self.iterate.point;
-        let predicted = base.moved(&self.tangent, step);
         let condition = Condition::ArcLength {
             base,
             tangent: &self.tangent,
@@ -163,6 +174,27 @@ impl<'p> BranchPoint<'p> {
             metric: self.metric,
         };
         solve(balance, predicted, condition, newton)
+    }
+
+    /// The point at the distance `step` along the tangent, with its tangent turning less than 90°; none if it cannot be
+    /// solved for.
+    pub fn beside(
+        &self,
+        balance: &Balance<'p>,
+        step: f64,
+        newton: NewtonSettings,
+        count: &mut WorkCount,
+    ) -> Option<Self> {
+        let iterate = count.tally(self.step(balance, step, newton)).ok()?;
+        let (point, work) = Self::new(
+            balance,
+            iterate,
+            self.metric.omega_scale(),
+            None,
+            Some(&self.tangent),
+        );
+        *count += work;
+        Some(point)
     }
 
     /// Length that the unit tangent of `other` has in the metric of this point.
@@ -173,6 +205,15 @@ impl<'p> BranchPoint<'p> {
         square.sqrt()
     }
 
+    /// The same point, walked to higher frequencies if `sign` is positive, else to lower ones.
+    #[must_use]
+    pub fn towards(self, sign: f64) -> Self {
+        match self.tangent.omega * sign < 0.0 {
+            true => self.reversed(),
+            false => self,
+        }
+    }
+
     /// The same point, walked in the opposite direction.
     #[must_use]
     pub fn reversed(mut self) -> Self {
@@ -181,6 +222,51 @@ impl<'p> BranchPoint<'p> {
         self.response_rate = -self.response_rate;
         self
     }
+}
+
+/// The step that led to a point, as its parabola continues it.
+struct Behind {
+    /// Change of the tangent over the step, per step.
+    turn: Direction,
+    /// Length as the point that it led to measures it.
+    length: f64,
+}
+
+impl Behind {
+    /// The step of the length `length` from `from` to `to`.
+    fn new(
+        balance: &Balance<'_>,
+        from: &BranchPoint<'_>,
+        to: &BranchPoint<'_>,
+        length: f64,
+    ) -> Self {
+        let stretch = length / from.scale_of(balance, to);
+        let turn = |a: f64, b: f64| stretch * b - length * a;
+        let (a, b) = (&from.tangent, &to.tangent);
+        Self {
+            turn: Direction {
+                r: a.r.iter().zip(&b.r).map(|(a, b)| turn(*a, *b)).collect(),
+                omega: turn(a.omega, b.omega),
+            },
+            length: stretch,
+        }
+    }
+
+    /// Where a step of the length `step` from `at` leads.
+    fn predicted(&self, at: &BranchPoint<'_>, step: f64) -> Point {
+        let share = step / self.length;
+        let straight = at.iterate.point.moved(&at.tangent, step);
+        straight.moved(&self.turn, 0.5 * share * share)
+    }
+}
+
+/// A step of a walk that led to a solution.
+#[derive(Debug, Clone, Copy)]
+pub struct Step {
+    /// Length, as the point left behind measures it.
+    pub length: f64,
+    /// Work since the last such step, failed ones included.
+    pub count: WorkCount,
 }
 
 /// Why a walk along a branch ended, with the work done.
@@ -194,7 +280,7 @@ pub struct WalkEnd<'p> {
     pub count: WorkCount,
 }
 
-/// Walks along the branch from `start`; `visit` is given every point left behind, the new one and the length of the
+/// Walks along the branch from `start`; `visit` is given every point left behind, the new one and the
 /// step between them, and says whether to go on and how long the next step may be. A walk on the spot ends as one whose
 /// steps become too small.
 pub fn walk<'p>(
@@ -202,14 +288,19 @@ pub fn walk<'p>(
     start: BranchPoint<'p>,
     newton: NewtonSettings,
     steps: StepSettings,
-    mut visit: impl FnMut(BranchPoint<'p>, &BranchPoint<'p>, f64) -> ControlFlow<(), f64>,
+    mut visit: impl FnMut(BranchPoint<'p>, &BranchPoint<'p>, Step) -> ControlFlow<(), f64>,
 ) -> WalkEnd<'p> {
-    let mut count = WorkCount::default();
+    let (mut count, mut seen) = (WorkCount::default(), WorkCount::default());
     let mut point = start;
     let mut length = steps.first;
     let mut pace = Pace::default();
+    let mut behind: Option<Behind> = None;
     for _ in 0..steps.max_steps {
-        match point.step(balance, length, newton) {
+        let predicted = match &behind {
+            Some(behind) => behind.predicted(&point, length),
+            None => point.iterate.point.moved(&point.tangent, length),
+        };
+        match point.step_to(balance, predicted, length, newton) {
             Ok((iterate, work)) => {
                 count += work;
                 let tangent = Some(&point.tangent);
@@ -222,7 +313,13 @@ pub fn walk<'p>(
                     continue;
                 }
                 let before = std::mem::replace(&mut point, next);
-                let longest = match visit(before, &point, length) {
+                behind = Some(Behind::new(balance, &before, &point, length));
+                let step = Step {
+                    length,
+                    count: count.since(seen),
+                };
+                seen = count;
+                let longest = match visit(before, &point, step) {
                     ControlFlow::Continue(longest) => longest,
                     ControlFlow::Break(()) => return end(Status::Converged, point, count),
                 };

@@ -44,7 +44,7 @@ const SPACING: f64 = 0.04;
 const MOST_POINTS: f64 = 24.0;
 /// Residual over the largest dynamic displacement at the peak. The picture needs no more; the peak itself is solved to
 /// the study's tolerance.
-const TOLERANCE: f64 = 1e-5;
+const TOLERANCE: f64 = 1e-4;
 
 /// The forced response through `peak` inside `band`, ascending in frequency. Where the walk fails the curve ends.
 #[must_use]
@@ -107,7 +107,8 @@ impl<'b, 'p> March<'b, 'p> {
         let start = if upwards { start } else { start.reversed() };
         let (mut points, mut lengths) = (Vec::new(), Vec::new());
         let mut before: Option<Leg> = None;
-        let end = walk(balance, start, newton, steps, |from, to, length| {
+        let end = walk(balance, start, newton, steps, |from, to, step| {
+            let length = step.length;
             let mut longest = f64::INFINITY;
             if let Some(leg) = &before {
                 let share = leg.error(&picture, length, to) / ESTIMATES[0];

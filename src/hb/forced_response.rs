@@ -1,111 +1,524 @@
 //! Forced response at one level: at given frequencies, or as a continuous curve over a band.
+//!
+//! Both follow the branch from one end of the band (see [`super::sweep`]). Where it cannot be followed further, the other
+//! part of the band is walked from the other end; what lies between is named as a gap.
 
 use super::alert::AlertSets;
 use super::balance::Balance;
-use super::continuation::{BranchPoint, StepSettings, on_if, walk};
+use super::continuation::BranchPoint;
 use super::ladder::Ladder;
-use super::newton::{Condition, Iterate, WorkCount};
+use super::newton::{Condition, Iterate, Point, WorkCount, polish};
+use super::peak::{PeakSettings, find_peak};
 use super::problem::Problem;
 use super::refine::{Kept, refined};
 use super::resonance::Band;
+use super::run_in::first_solution;
 use super::settings::HbSettings;
 use super::solution::Solution;
+pub use super::stations::PICTURE_ERROR;
+use super::stations::Stations;
 use super::status::Status;
-use super::sweep::{Sweep, SweepDirection};
+use super::sweep::{Route, Stretch, SweepDirection, follow};
 use super::track::stuck_point;
+use std::ops::ControlFlow;
 
-/// Largest step of a curve: 2 % of the amplitude, or 4 % of the band.
-const CURVE_STEP: f64 = 0.02;
-/// Points of a curve before giving up.
-const MOST_STEPS: usize = 20_000;
-/// Part of the band's lower end down to which an overhanging branch is followed.
-const LOWEST: f64 = 0.5;
+/// Largest relative change of the displacements between two solutions of a curve.
+const PICTURE_STEP: f64 = 0.15;
+/// Largest change of the frequency between two solutions of a curve, over the band.
+const CURVE_ADVANCE: f64 = 0.025;
+/// The same of a sweep, where nothing but the branch is to be kept.
+const SWEEP_STEP: f64 = 0.3;
+const SWEEP_ADVANCE: f64 = 0.1;
+/// Relative change of frequency at which a maximum of a curve counts as located.
+const PEAK_TOLERANCE: f64 = 1e-9;
 
-/// Solutions at the ascending frequencies `omega` (rad/s), in that order.
+/// What was found at one level.
+#[derive(Debug, Clone)]
+pub struct Response {
+    /// Solutions, and what was not solved with its status.
+    pub solutions: Vec<Solution>,
+    /// Whether they are a curve, not those at prescribed frequencies.
+    pub is_curve: bool,
+    /// Where the branch could not be followed.
+    pub gap: Option<Gap>,
+}
+
+/// A part of the band into which the branch could not be followed from either side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gap {
+    /// Where the way from the lower end of the band ended, and why; [`Status::Converged`] where nothing further was asked
+    /// for.
+    pub below: Stop,
+    /// The same of the way from the upper end.
+    pub above: Stop,
+}
+
+/// The end of a way through the band.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stop {
+    /// Frequency that was reached (rad/s).
+    pub omega: f64,
+    /// Why it was the last one.
+    pub status: Status,
+}
+
+/// Frequencies at which the response is wanted, as a slow sweep through a band meets it.
+#[derive(Debug, Clone, Copy)]
+pub struct SlowSweep<'a> {
+    /// The band: the sweep begins at one of its ends, whatever the frequencies are.
+    pub band: Band,
+    /// Which way it goes.
+    pub direction: SweepDirection,
+    /// Frequencies in the band, ascending (rad/s).
+    pub omega: &'a [f64],
+}
+
+/// How a curve is walked.
+#[derive(Debug, Clone, Copy)]
+pub struct CurveSettings {
+    /// From its lower to its upper end.
+    pub band: Band,
+    /// Largest relative change of the displacements between two solutions.
+    pub step: f64,
+}
+
+impl CurveSettings {
+    /// As close together as a picture with straight lines between the solutions needs.
+    #[must_use]
+    pub fn picture(band: Band) -> Self {
+        Self {
+            band,
+            step: PICTURE_STEP,
+        }
+    }
+}
+
+/// What the largest amplitude of a response is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Largest {
+    /// A maximum: the amplitude is smaller on both sides.
+    Maximum,
+    /// The largest of the values asked for, between smaller ones.
+    OfValues,
+    /// Found at an end of the band, or of the values, beyond which it may grow on.
+    AtEdge,
+    /// That of a response with a gap, in which it may be larger.
+    OfPart,
+}
+
+/// Solutions at the frequencies of `sweep`, ascending.
 ///
-/// Where several solutions exist, the one that a slow sweep in the given direction meets; see [`super::sweep`]. With
-/// an error alert every solution gets more harmonics until the truncation error is below the threshold.
+/// Where several solutions exist, the one that a slow sweep meets: what else is listed in the band does not matter.
+/// Frequencies outside the band extend it. With an error alert every solution gets more harmonics until the truncation error
+/// is below the threshold. Frequencies beyond the place where the sweep stopped are met by the opposite sweep.
 #[must_use]
 pub fn at_frequencies(
     problem: &Problem<'_>,
     settings: &HbSettings,
     level: f64,
-    omega: &[f64],
-    direction: SweepDirection,
-) -> Vec<Solution> {
+    sweep: SlowSweep<'_>,
+    progress: impl Fn(f64),
+) -> Response {
     let ladder = Ladder::new(problem, settings);
-    let balance = ladder.full();
-    let sets = AlertSets::new(problem, &settings.harmonics, settings);
-    let kept = (Kept::Frequency, settings.newton);
-    let mut sweep = Sweep::new(&ladder, settings.newton, level, direction);
-    let solution = |&omega: &f64| match sweep.next(omega) {
-        Ok((iterate, count)) => refined(balance, iterate.into(), sets.as_ref(), kept, count),
-        Err((status, count)) => {
-            let stuck = stuck_point(balance, omega, level);
-            Solution::new(balance, &Iterate::new(balance, stuck), status, count)
-        }
-    };
-    match direction {
-        SweepDirection::Upward => omega.iter().map(solution).collect(),
-        SweepDirection::Downward => {
-            let mut solutions: Vec<Solution> = omega.iter().rev().map(solution).collect();
-            solutions.reverse();
-            solutions
-        }
+    let level = Level::new(problem, &ladder, settings, level);
+    let mut answers = Answers::new(sweep);
+    let stop = level.sweep(sweep.direction, &mut answers, &progress);
+    let mut gap = None;
+    if let Some(stop) = stop {
+        let opposite = sweep.direction.opposite();
+        let other = (level.sweep(opposite, &mut answers, &progress)).unwrap_or(Stop {
+            omega: answers.nearest_to(stop.omega, opposite),
+            status: Status::Converged,
+        });
+        gap = Some(match sweep.direction {
+            SweepDirection::Upward => Gap {
+                below: stop,
+                above: other,
+            },
+            SweepDirection::Downward => Gap {
+                below: other,
+                above: stop,
+            },
+        });
+    }
+    // a frequency that is no number is never met
+    let status = stop.map_or(Status::NonFinite, |stop| stop.status);
+    let solutions = (answers.found.into_iter().zip(sweep.omega))
+        .map(|(found, &omega)| found.unwrap_or_else(|| level.unsolved(omega, status)))
+        .collect();
+    Response {
+        solutions,
+        is_curve: false,
+        gap,
     }
 }
 
-/// Solutions along the branch from the lower to the upper end of `band`; overhanging parts are included, also where
-/// they leave the band at its lower end.
+/// Solutions along the branch from the lower to the upper end of the band, with the maxima of the amplitude of response 0
+/// among them; overhanging parts are included, also where they leave the band.
 ///
 /// All on the harmonics of the settings; the truncation error is estimated, not reduced. If the branch cannot be
-/// followed to its end, the last point has the status that says why.
+/// followed to its end, a point with the status that says why ends the first part, and the second part, from the upper end
+/// of the band, begins with such a point. `progress` is given the share of the band that is done.
 #[must_use]
 pub fn over_band(
     problem: &Problem<'_>,
     settings: &HbSettings,
     level: f64,
+    curve: CurveSettings,
+    progress: impl Fn(f64),
+) -> Response {
+    let ladder = Ladder::new(problem, settings);
+    let level = Level::new(problem, &ladder, settings, level);
+    let upward = level.part(curve, SweepDirection::Upward, None, &progress);
+    let mut solutions = upward.solutions;
+    let Some(below) = upward.stop else {
+        return Response {
+            solutions,
+            is_curve: true,
+            gap: None,
+        };
+    };
+    let downward = level.part(
+        curve,
+        SweepDirection::Downward,
+        upward.last.as_ref(),
+        &progress,
+    );
+    if downward.met {
+        // the point without a solution
+        solutions.pop();
+    } else if downward.stop.is_none() {
+        // the way down has passed the whole band
+        solutions.clear();
+    }
+    solutions.extend(downward.solutions.into_iter().rev());
+    Response {
+        solutions,
+        is_curve: true,
+        gap: downward.stop.map(|above| Gap { below, above }),
+    }
+}
+
+impl Response {
+    /// The largest amplitude of response 0 in `band`, and what it is.
+    #[must_use]
+    pub fn largest(&self, band: Band) -> Option<(&Solution, Largest)> {
+        let amplitude = |i: usize| {
+            let solution = self.solutions.get(i)?;
+            (solution.status.has_solution()).then(|| solution.amplitude(0))
+        };
+        // a curve may overhang the band; values lie where they were asked for
+        let counts = |i: &usize| !self.is_curve || band.contains(self.solutions[*i].omega);
+        let highest = (0..self.solutions.len())
+            .filter(counts)
+            .filter_map(|i| Some((i, amplitude(i)?)))
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        let (i, top) = highest?;
+        let below = |j: Option<usize>| j.and_then(amplitude).is_some_and(|a| a <= top);
+        let is_inside = below(i.checked_sub(1)) && below(Some(i + 1));
+        let what = match self.gap {
+            Some(_) => Largest::OfPart,
+            None if !is_inside => Largest::AtEdge,
+            None if self.is_curve => Largest::Maximum,
+            None => Largest::OfValues,
+        };
+        Some((&self.solutions[i], what))
+    }
+}
+
+/// Frequencies that a sweep has still to meet, and the solutions at those that it has met.
+struct Answers<'a> {
     band: Band,
-) -> Vec<Solution> {
-    let balance = Balance::new(problem, settings.harmonics.clone(), settings.aft);
-    let sets = AlertSets::new(problem, &settings.harmonics, settings);
-    let report = |iterate: &Iterate<'_>, count| {
-        let solution = Solution::new(&balance, iterate, Status::Converged, count);
-        let Some(sets) = &sets else {
+    omega: &'a [f64],
+    found: Vec<Option<Solution>>,
+}
+
+impl<'a> Answers<'a> {
+    fn new(sweep: SlowSweep<'a>) -> Self {
+        let [low, high] = [sweep.band.low, sweep.band.high];
+        Self {
+            band: Band {
+                low: sweep.omega.iter().fold(low, |a, b| a.min(*b)),
+                high: sweep.omega.iter().fold(high, |a, b| a.max(*b)),
+            },
+            omega: sweep.omega,
+            found: vec![None; sweep.omega.len()],
+        }
+    }
+
+    /// What a sweep has still to meet, the next one last.
+    fn open(&self, direction: SweepDirection) -> Vec<usize> {
+        let open = (0..self.omega.len()).filter(|&i| self.found[i].is_none());
+        match direction {
+            SweepDirection::Upward => open.rev().collect(),
+            SweepDirection::Downward => open.collect(),
+        }
+    }
+
+    /// The last frequency met by a sweep in `direction` that came towards `end`.
+    fn nearest_to(&self, end: f64, direction: SweepDirection) -> f64 {
+        let sign = direction.sign();
+        (self.omega.iter().copied())
+            .filter(|omega| sign * (end - omega) > 0.0)
+            .max_by(|a, b| (sign * a).total_cmp(&(sign * b)))
+            .unwrap_or(end)
+    }
+}
+
+/// A problem at one level on its way through the band.
+struct Level<'a, 'p> {
+    ladder: &'a Ladder<'p>,
+    settings: &'a HbSettings,
+    sets: Option<AlertSets<'a, 'p>>,
+    level: f64,
+}
+
+/// The solutions of one way through the band, in the order of the way.
+struct Part {
+    solutions: Vec<Solution>,
+    /// Where it ended, unless at the other end of the band or where it met the other part.
+    stop: Option<Stop>,
+    met: bool,
+    /// The last solution.
+    last: Option<Point>,
+}
+
+impl<'a, 'p> Level<'a, 'p> {
+    fn new(
+        problem: &'p Problem<'p>,
+        ladder: &'a Ladder<'p>,
+        settings: &'a HbSettings,
+        level: f64,
+    ) -> Self {
+        Self {
+            ladder,
+            settings,
+            sets: AlertSets::new(problem, &settings.harmonics, settings),
+            level,
+        }
+    }
+
+    fn balance(&self) -> &'a Balance<'p> {
+        self.ladder.full()
+    }
+
+    /// A frequency without solution.
+    fn unsolved(&self, omega: f64, status: Status) -> Solution {
+        let stuck = stuck_point(self.balance(), omega, self.level);
+        let iterate = Iterate::new(self.balance(), stuck);
+        Solution::new(self.balance(), &iterate, status, WorkCount::default())
+    }
+
+    /// The solution at the end of `band` where a way in `direction` begins.
+    fn first(
+        &self,
+        band: Band,
+        direction: SweepDirection,
+    ) -> Result<(Iterate<'p>, WorkCount), (Stop, WorkCount)> {
+        let [omega, _] = direction.ends(band);
+        let newton = self.settings.newton;
+        self.balance().problem.budget.grant(newton.budget);
+        match first_solution(self.ladder, newton, self.level, (omega, direction)) {
+            Ok((first, mut count)) => {
+                let (first, work) = polish(self.balance(), first);
+                count += work;
+                Ok((first, count))
+            }
+            Err((status, count)) => Err((Stop { omega, status }, count)),
+        }
+    }
+
+    /// Answers what a sweep in `direction` meets of the open frequencies; says where it stopped, if it did before the last.
+    fn sweep(
+        &self,
+        direction: SweepDirection,
+        answers: &mut Answers<'_>,
+        progress: &impl Fn(f64),
+    ) -> Option<Stop> {
+        let mut open = answers.open(direction);
+        if open.is_empty() {
+            return None;
+        }
+        let (band, sign) = (answers.band, direction.sign());
+        let (first, mut count) = match self.first(band, direction) {
+            Ok(first) => first,
+            Err((stop, _)) => return Some(stop),
+        };
+        let mut front = first.point.omega;
+        if let Some(i) = open.pop_if(|i| answers.omega[*i] == front) {
+            let again = Iterate::new(self.balance(), first.point.clone());
+            answers.found[i] = Some(self.raised(again, std::mem::take(&mut count)));
+        }
+        if open.is_empty() {
+            return None;
+        }
+        let route = Route {
+            band,
+            direction,
+            largest_step: SWEEP_STEP,
+            largest_advance: SWEEP_ADVANCE,
+        };
+        let newton = self.settings.newton;
+        let all = answers.omega.len() as f64;
+        let end = follow(self.balance(), first, route, newton, |taken, work| {
+            count += work;
+            let reached = self.answer(&taken.stretch(), (sign, &mut open), answers, &mut count);
+            front = sign * f64::max(sign * front, sign * reached);
+            progress(1.0 - open.len() as f64 / all);
+            match open.is_empty() {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            }
+        });
+        let status = end.status;
+        (status != Status::Converged).then_some(Stop {
+            omega: front,
+            status,
+        })
+    }
+
+    /// Answers the `open` frequencies on a step of a sweep in the direction `sign`; gives the frequency reached by it.
+    fn answer(
+        &self,
+        taken: &Stretch<'_, 'p>,
+        (sign, open): (f64, &mut Vec<usize>),
+        answers: &mut Answers<'_>,
+        count: &mut WorkCount,
+    ) -> f64 {
+        let (balance, newton) = (self.balance(), self.settings.newton);
+        let tip = match taken.turns_back(sign) {
+            true => taken.tip(balance, newton, count),
+            false => None,
+        };
+        let (to, length) = match &tip {
+            Some((tip, length)) => (tip, *length),
+            None => (taken.to, taken.length),
+        };
+        let stretch = Stretch {
+            from: taken.from,
+            to,
+            length,
+        };
+        let reached = to.iterate.point.omega;
+        while let Some(i) = open.pop_if(|i| sign * (answers.omega[*i] - reached) <= 0.0) {
+            let met = stretch.crossing(balance, answers.omega[i], newton, count);
+            let work = std::mem::take(count);
+            answers.found[i] = Some(match met {
+                Ok(iterate) => self.raised(iterate, work),
+                Err(status) => self.unsolved(answers.omega[i], status),
+            });
+        }
+        reached
+    }
+
+    /// The solution to round-off, with as many harmonics as the alert asks for.
+    fn raised(&self, iterate: Iterate<'p>, mut count: WorkCount) -> Solution {
+        let (iterate, work) = polish(self.balance(), iterate);
+        count += work;
+        let kept = (Kept::Frequency, self.settings.newton);
+        refined(
+            self.balance(),
+            iterate.into(),
+            self.sets.as_ref(),
+            kept,
+            count,
+        )
+    }
+
+    /// The solution with its truncation error.
+    fn judged(&self, iterate: &Iterate<'_>, solution: Solution) -> Solution {
+        let Some(sets) = &self.sets else {
             return solution;
         };
+        if iterate.contact.active.is_empty() {
+            // a linear structure answers one harmonic with one
+            return sets.judged(solution, 0.0);
+        }
         let fixed = Condition::FixedFrequency;
         let outlook = sets.outlook(0, iterate, fixed);
         let outlook = sets.decided(0, iterate, outlook, fixed);
         sets.judged(solution, outlook.error)
-    };
-    let ladder = Ladder::new(problem, settings);
-    let mut sweep = Sweep::new(&ladder, settings.newton, level, SweepDirection::Upward);
-    let (first, count) = match sweep.next(band.low) {
-        Ok(solved) => solved,
-        Err((status, count)) => {
-            let start = stuck_point(&balance, band.low, level);
-            let iterate = Iterate::new(&balance, start);
-            return vec![Solution::new(&balance, &iterate, status, count)];
-        }
-    };
-    let mut solutions = vec![report(&first, count)];
-    let steps = StepSettings {
-        first: CURVE_STEP,
-        largest: CURVE_STEP,
-        max_steps: MOST_STEPS,
-        ..StepSettings::for_band(band.width())
-    };
-    let (branch, _) = BranchPoint::new(&balance, first, steps.omega_scale, None, None);
-    let end = walk(&balance, branch, settings.newton, steps, |_, point, _| {
-        solutions.push(report(&point.iterate, WorkCount::default()));
-        // An overhanging branch may leave the band at its lower end and come back.
-        let omega = point.iterate.point.omega;
-        on_if(LOWEST * band.low < omega && omega < band.high)
-    });
-    if end.status != Status::Converged {
-        let last = &end.last.iterate;
-        solutions.push(Solution::new(&balance, last, end.status, end.count));
     }
-    solutions
+
+    /// One way through the band, to its far end or to where it meets `other`.
+    fn part(
+        &self,
+        curve: CurveSettings,
+        direction: SweepDirection,
+        other: Option<&Point>,
+        progress: &impl Fn(f64),
+    ) -> Part {
+        let balance = self.balance();
+        let (first, count) = match self.first(curve.band, direction) {
+            Ok(first) => first,
+            Err((stop, _)) => {
+                return Part {
+                    solutions: vec![self.unsolved(stop.omega, stop.status)],
+                    stop: Some(stop),
+                    met: false,
+                    last: None,
+                };
+            }
+        };
+        let route = Route {
+            band: curve.band,
+            direction,
+            largest_step: curve.step,
+            largest_advance: CURVE_ADVANCE,
+        };
+        let newton = self.settings.newton;
+        let (mut stations, end) =
+            Stations::walked(balance, (first, count), route, newton, (other, progress));
+        stations.refine();
+        let solved = |(point, count): &(BranchPoint<'_>, WorkCount)| {
+            let solution = Solution::new(balance, &point.iterate, Status::Converged, *count);
+            self.judged(&point.iterate, solution)
+        };
+        let mut solutions: Vec<Solution> =
+            stations.points.first().map(solved).into_iter().collect();
+        for (stretch, to) in stations.stretches().zip(&stations.points[1..]) {
+            solutions.extend(self.maximum(&stretch, curve.band));
+            solutions.push(solved(to));
+        }
+        let last = stations.points.pop().map(|(point, _)| point.iterate);
+        let stop = (last.as_ref())
+            .filter(|_| end.status != Status::Converged)
+            .map(|last| Stop {
+                omega: last.point.omega,
+                status: end.status,
+            });
+        if let (Some(last), true) = (&last, stop.is_some()) {
+            solutions.push(Solution::new(balance, last, end.status, end.count));
+        }
+        Part {
+            solutions,
+            stop,
+            met: end.met,
+            last: last.map(|last| last.point),
+        }
+    }
+
+    /// The maximum of the amplitude on a step of the curve, if there is one and it can be located.
+    fn maximum(&self, stretch: &Stretch<'_, 'p>, band: Band) -> Option<Solution> {
+        let (from, to) = (stretch.from, stretch.to);
+        if from.growth() <= 0.0 || to.growth() > 0.0 {
+            return None;
+        }
+        let balance = self.balance();
+        let higher = match from.response.norm() > to.response.norm() {
+            true => from,
+            false => to,
+        };
+        let search = PeakSettings {
+            band,
+            frequency_tolerance: PEAK_TOLERANCE,
+        };
+        let start = Iterate::new(balance, higher.iterate.point.clone());
+        let (found, count) = find_peak(balance, start, search, self.settings.newton).ok()?;
+        let top = found.iterate.response(balance).norm();
+        let is_on_it = stretch.passes(balance, &found.iterate.point)
+            && top >= f64::max(from.response.norm(), to.response.norm());
+        is_on_it.then(|| self.judged(&found.iterate, found.solution(balance, count)))
+    }
 }

@@ -77,6 +77,15 @@ impl WorkCount {
         *self += work;
         value
     }
+
+    /// The work since it was `before`.
+    #[must_use]
+    pub fn since(self, before: Self) -> Self {
+        Self {
+            iterations: self.iterations - before.iterations,
+            factorizations: self.factorizations - before.factorizations,
+        }
+    }
 }
 
 impl std::ops::AddAssign for WorkCount {
@@ -120,6 +129,12 @@ impl Metric {
             displacement: 1.0 / size.max(floor * floor),
             frequency: 1.0 / (omega_scale * omega_scale),
         }
+    }
+
+    /// Change of frequency that counts as much as a relative change of 1 of the displacements (rad/s).
+    #[must_use]
+    pub fn omega_scale(&self) -> f64 {
+        self.frequency.sqrt().recip()
     }
 
     /// ⟨a, b⟩ for unknowns whose 0th harmonic has `n_relative` entries.

@@ -23,6 +23,8 @@ pub enum Status {
     NonFinite,
     /// The amplitude has no maximum inside the frequency band.
     NoPeakInBand,
+    /// The branch left the band at the end where the walk had begun, and went far away.
+    LeftBand,
     /// Even with all contacts stuck the structure is not held: there is nothing to solve.
     NotHeld,
 }
@@ -39,6 +41,7 @@ impl Status {
         Self::NoSteadyCycle,
         Self::NonFinite,
         Self::NoPeakInBand,
+        Self::LeftBand,
         Self::NotHeld,
     ];
 
@@ -70,6 +73,7 @@ impl Status {
             Self::NoSteadyCycle => "no-steady-cycle",
             Self::NonFinite => "non-finite",
             Self::NoPeakInBand => "no-peak-in-band",
+            Self::LeftBand => "left-band",
             Self::NotHeld => "not-held",
         }
     }
@@ -96,6 +100,9 @@ impl Status {
             Self::NonFinite => "a number overflowed or was undefined",
             Self::NoPeakInBand => {
                 "the amplitude has no maximum inside the frequency band of the study"
+            }
+            Self::LeftBand => {
+                "the branch left the frequency band at the end where the walk had begun, and did not come back"
             }
             Self::NotHeld => {
                 "contact stiffness and static load leave the structure with a free rigid-body motion"

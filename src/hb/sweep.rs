@@ -1,36 +1,29 @@
-//! Solutions at prescribed frequencies, found as a slow frequency sweep would find them.
+//! A slow frequency sweep: the branch is followed through a band from the end where the sweep begins.
 //!
-//! Between two frequencies the branch is followed: by tangent steps where they predict the next solution well, else
-//! by continuation to the first point with the wanted frequency. So where several solutions exist the one met first on
-//! the branch is reported, past a fold the one beyond it. The first frequency is reached in the same way, with few
-//! harmonics, from a frequency well off it, where the level is raised from stick.
+//! Steps along the branch depend on the branch alone, so what is asked for never changes what is found. At a frequency the
+//! sweep meets the first point of the branch that has it. Past a fold in the direction of the sweep the branch runs back;
+//! the next frequency is met where it has come forward again, which is where a slow sweep jumps to.
 
-use super::alert::pad;
 use super::balance::Balance;
-use super::continuation::{BranchPoint, StepSettings, on_if, walk};
-use super::ladder::Ladder;
-use super::newton::{Condition, Direction, Iterate, Metric, Point, WorkCount, polish, solve};
+use super::continuation::{BranchPoint, StepSettings, WalkEnd, on_if, walk};
+use super::newton::{Condition, Direction, Iterate, Point, WorkCount, solve};
+use super::resonance::Band;
+use super::run_in::distance;
 use super::settings::NewtonSettings;
 use super::status::Status;
-use super::track::stuck_point;
+use std::ops::ControlFlow;
 
-/// Largest distance between a start and its solution, relative to the displacements, that leaves no doubt that both
-/// lie on one branch.
-const CLOSE: f64 = 0.2;
-/// Tangent steps into which the way to the next frequency may be cut.
-const MOST_PARTS: u32 = 16;
-/// Distance of the run-in from the first frequency, relative.
-const RUN_IN: f64 = 0.4;
-/// Largest steps of a walk, and of its repetition if the frequency could not be hit.
-const LARGEST_STEPS: [f64; 2] = [0.3, 0.05];
-/// Steps of a walk before giving up.
-const MOST_STEPS: usize = 1500;
-/// Level, relative to the wanted one, at which it starts to be raised.
-const LOWEST_LEVEL: f64 = 1e-4;
-/// First ratio between two levels.
-const LEVEL_RATIO: f64 = 3.0;
-/// Ratios below this end the raising of the level.
-const SMALLEST_RATIO: f64 = 1.005;
+/// Distance between a prediction and its solution, over the length of the step that it lies on, that leaves no doubt that
+/// both lie on one branch; the floor is what tolerances leave.
+const CLOSE: f64 = 0.5;
+const FLOOR: f64 = 1e-3;
+/// Halvings of a step before a frequency on it is given up.
+const MOST_HALVINGS: usize = 7;
+/// Length, over that of the step, to which the tip of a fold is located, and the solutions spent on it.
+const TIP: f64 = 1e-4;
+const MOST_TIPS: usize = 12;
+/// Share of the band's frequencies by which a branch that overhangs the end where the sweep began may leave the band.
+const OVERHANG: f64 = 0.5;
 
 /// Which way the frequencies go, and so which solution is met where there are several.
 #[derive(
@@ -62,270 +55,302 @@ impl SweepDirection {
             Self::Downward => "downward",
         }
     }
-}
 
-type Solved<'p> = Result<Iterate<'p>, Status>;
-
-/// The state of a sweep.
-#[derive(Debug)]
-pub struct Sweep<'a, 'p> {
-    ladder: &'a Ladder<'p>,
-    newton: NewtonSettings,
-    level: f64,
-    direction: SweepDirection,
-    /// The solution at the last frequency.
-    at: Option<Point>,
-    count: WorkCount,
-}
-
-impl<'a, 'p> Sweep<'a, 'p> {
-    /// A sweep at `level` that has not begun.
+    /// 1 upward, −1 downward.
     #[must_use]
-    pub fn new(
-        ladder: &'a Ladder<'p>,
-        newton: NewtonSettings,
-        level: f64,
-        direction: SweepDirection,
-    ) -> Self {
-        Self {
-            ladder,
-            newton,
-            level,
-            direction,
-            at: None,
-            count: WorkCount::default(),
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Upward => 1.0,
+            Self::Downward => -1.0,
         }
     }
 
-    /// The solution at the next frequency (rad/s) on the full set of harmonics, accurate to round-off.
+    /// The other one.
+    #[must_use]
+    pub fn opposite(self) -> Self {
+        match self {
+            Self::Upward => Self::Downward,
+            Self::Downward => Self::Upward,
+        }
+    }
+
+    /// The ends of `band` where a sweep begins and where it ends (rad/s).
+    #[must_use]
+    pub fn ends(self, band: Band) -> [f64; 2] {
+        match self {
+            Self::Upward => [band.low, band.high],
+            Self::Downward => [band.high, band.low],
+        }
+    }
+}
+
+/// The way of a sweep through a band.
+#[derive(Debug, Clone, Copy)]
+pub struct Route {
+    /// The band.
+    pub band: Band,
+    /// Where it begins, and which way it goes.
+    pub direction: SweepDirection,
+    /// Largest relative change of the displacements per step.
+    pub largest_step: f64,
+    /// Largest change of the frequency per step, over the band.
+    pub largest_advance: f64,
+}
+
+impl Route {
+    fn steps(self) -> StepSettings {
+        let width = self.band.width();
+        StepSettings {
+            first: self.largest_step.min(0.05),
+            largest: self.largest_step,
+            omega_scale: width * self.largest_advance / self.largest_step,
+            max_steps: usize::MAX,
+            ..StepSettings::for_band(width)
+        }
+    }
+}
+
+/// A step along the branch.
+#[derive(Debug)]
+pub struct Stretch<'s, 'p> {
+    /// Where it begins.
+    pub from: &'s BranchPoint<'p>,
+    /// Where it ends.
+    pub to: &'s BranchPoint<'p>,
+    /// Length as `from` measures it.
+    pub length: f64,
+}
+
+/// A step of a sweep, its start given away.
+#[derive(Debug)]
+pub struct Taken<'s, 'p> {
+    /// Where it begins.
+    pub from: BranchPoint<'p>,
+    /// Where it ends.
+    pub to: &'s BranchPoint<'p>,
+    /// Length as `from` measures it.
+    pub length: f64,
+}
+
+impl<'p> Taken<'_, 'p> {
+    /// The step itself.
+    #[must_use]
+    pub fn stretch(&self) -> Stretch<'_, 'p> {
+        Stretch {
+            from: &self.from,
+            to: self.to,
+            length: self.length,
+        }
+    }
+}
+
+/// Follows the branch from `start` along `route` until it leaves the band at its far end, or `visit` breaks; it is given
+/// every step and the work of it.
+///
+/// The status of the end is [`Status::Converged`] if the far end was reached or `visit` has ended the walk,
+/// [`Status::LeftBand`] if the branch went far back behind the end where it began.
+pub fn follow<'p>(
+    balance: &Balance<'p>,
+    start: Iterate<'p>,
+    route: Route,
+    newton: NewtonSettings,
+    mut visit: impl FnMut(Taken<'_, 'p>, WorkCount) -> ControlFlow<()>,
+) -> WalkEnd<'p> {
+    let steps = route.steps();
+    let sign = route.direction.sign();
+    let [begin, far_end] = route.direction.ends(route.band);
+    let (first, work) = BranchPoint::new(balance, start, steps.omega_scale, None, None);
+    let first = first.towards(sign);
+    let mut left = false;
+    let mut end = walk(balance, first, newton, steps, |from, to, step| {
+        let taken = Taken {
+            from,
+            to,
+            length: step.length,
+        };
+        let wanted = visit(taken, step.count).is_continue();
+        let omega = to.iterate.point.omega;
+        left = wanted && sign * (omega - begin) < -OVERHANG * begin;
+        on_if(wanted && !left && sign * (far_end - omega) > 0.0)
+    });
+    if left {
+        end.status = Status::LeftBand;
+    }
+    end.count += work;
+    end
+}
+
+impl<'p> Stretch<'_, 'p> {
+    /// Whether the frequency turns back on the way, seen in the direction `sign`.
+    #[must_use]
+    pub fn turns_back(&self, sign: f64) -> bool {
+        sign * self.from.tangent.omega > 0.0 && sign * self.to.tangent.omega < 0.0
+    }
+
+    /// The last solution found before the fold of a stretch that turns back, with its distance from the start.
+    pub fn tip(
+        &self,
+        balance: &Balance<'p>,
+        newton: NewtonSettings,
+        count: &mut WorkCount,
+    ) -> Option<(BranchPoint<'p>, f64)> {
+        let sign = self.from.tangent.omega.signum();
+        let (mut before, mut after) = (0.0, self.length);
+        let mut rates = [self.from.tangent.omega, self.to.tangent.omega].map(|rate| sign * rate);
+        let mut tip = None;
+        for _ in 0..MOST_TIPS {
+            if after - before <= TIP * self.length {
+                break;
+            }
+            let share = (rates[0] / (rates[0] - rates[1])).clamp(0.1, 0.9);
+            let at = before + share * (after - before);
+            let point = self.from.beside(balance, at, newton, count)?;
+            let rate = sign * point.tangent.omega;
+            if rate > 0.0 {
+                (before, rates[0]) = (at, rate);
+                tip = Some((point, at));
+            } else {
+                (after, rates[1]) = (at, rate);
+            }
+        }
+        tip
+    }
+
+    /// Whether the branch has the solution `other` on the way.
+    #[must_use]
+    pub fn passes(&self, balance: &Balance<'_>, other: &Point) -> bool {
+        let [along, beside] = self.along(balance, other);
+        let slack = FLOOR * self.length;
+        (-slack..=self.length + slack).contains(&along) && beside <= CLOSE * self.length
+    }
+
+    /// The solution at `omega`, where the band ends on the way, with its distance from the start.
+    pub fn clipped(
+        &self,
+        balance: &Balance<'p>,
+        omega: f64,
+        newton: NewtonSettings,
+        count: &mut WorkCount,
+    ) -> Option<(BranchPoint<'p>, f64)> {
+        let iterate = self.crossing(balance, omega, newton, count).ok()?;
+        let length = self.along(balance, &iterate.point)[0];
+        let scale = self.from.metric.omega_scale();
+        let forward = Some(&self.from.tangent);
+        let (point, work) = BranchPoint::new(balance, iterate, scale, None, forward);
+        *count += work;
+        Some((point, length))
+    }
+
+    /// Distance of a point from the start, along the tangent there and beside it.
+    fn along(&self, balance: &Balance<'_>, other: &Point) -> [f64; 2] {
+        let base = &self.from.iterate.point;
+        let gone = Direction {
+            r: (other.r.iter().zip(&base.r)).map(|(a, b)| a - b).collect(),
+            omega: other.omega - base.omega,
+        };
+        let n_relative = balance.layout.n_relative();
+        let (metric, tangent) = (self.from.metric, &self.from.tangent);
+        let along = metric.dot(n_relative, &gone, tangent);
+        let beside = metric.dot(n_relative, &gone, &gone) - along * along;
+        [along, beside.max(0.0).sqrt()]
+    }
+
+    /// The solution at a frequency `omega` between those of the ends, between which the frequency has no fold.
     ///
     /// # Errors
-    /// The status of the last attempt, and the work of all.
-    pub fn next(&mut self, omega: f64) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
-        self.count = WorkCount::default();
-        let solved = match self.at.take() {
-            Some(point) => self.follow_branch(point, omega),
-            None => self.run_in(omega),
-        };
-        match solved {
-            Ok(iterate) => {
-                let (iterate, work) = polish(self.ladder.full(), iterate);
-                self.count += work;
-                self.at = Some(iterate.point.clone());
-                Ok((iterate, self.count))
+    /// The status of the last attempt.
+    pub fn crossing(
+        &self,
+        balance: &Balance<'p>,
+        omega: f64,
+        newton: NewtonSettings,
+        count: &mut WorkCount,
+    ) -> Result<Iterate<'p>, Status> {
+        self.crossing_within(balance, omega, (newton, MOST_HALVINGS), count)
+    }
+
+    fn crossing_within(
+        &self,
+        balance: &Balance<'p>,
+        omega: f64,
+        (newton, halvings): (NewtonSettings, usize),
+        count: &mut WorkCount,
+    ) -> Result<Iterate<'p>, Status> {
+        let predicted = self.at_frequency(balance, omega);
+        let fixed = Condition::FixedFrequency;
+        let solved = count.tally(solve(balance, predicted.clone(), fixed, newton));
+        let failure = match solved {
+            Ok(found) => {
+                let apart = distance(balance, &found.point, &predicted);
+                if apart <= FLOOR.max(CLOSE * self.length) {
+                    return Ok(found);
+                }
+                Status::StepTooSmall
             }
-            Err(status) => Err((status, self.count)),
-        }
-    }
-
-    /// Follows the branch from the last solution: by tangent steps in the frequency, shorter where the prediction is
-    /// poor; where that ends, at a fold, by continuation with few harmonics, then with all.
-    fn follow_branch(&mut self, from: Point, omega: f64) -> Solved<'p> {
-        let full = self.ladder.full();
-        let shortest = (omega - from.omega).abs() / f64::from(MOST_PARTS);
-        let mut at = from;
-        let mut step = omega - at.omega;
-        while step.abs() >= shortest {
-            let target = if (omega - at.omega).abs() <= step.abs() {
-                omega
-            } else {
-                at.omega + step
-            };
-            let (branch, work) = self.branch(full, Iterate::new(full, at.clone()));
-            self.count += work;
-            let length = (target - at.omega) / branch.tangent.omega;
-            let predicted = Point {
-                r: moved(&at.r, length, &branch.tangent.r),
-                omega: target,
-                level: at.level,
-            };
-            match self.close_to(full, predicted) {
-                (Ok(solved), true) if target == omega => return Ok(solved),
-                (Ok(solved), true) => {
-                    at = solved.point;
-                    step *= 2.0;
-                }
-                _ => step *= 0.5,
-            }
-        }
-        self.walk_with_few(&at, omega)
-            .or_else(|_| self.walk(full, &at, omega))
-            .or_else(|_| self.run_in(omega))
-    }
-
-    /// Continuation with few harmonics, the others added at the end.
-    fn walk_with_few(&mut self, from: &Point, omega: f64) -> Solved<'p> {
-        let first = self.ladder.first();
-        let few = pad(self.ladder.full(), from, first);
-        let (start, _) = self.close_to(first, few);
-        let start = self.walk(first, &start?.point, omega)?;
-        self.climb(start)
-    }
-
-    /// Finds a first solution.
-    fn run_in(&mut self, omega: f64) -> Solved<'p> {
-        let ladder = self.ladder;
-        let full = ladder.full();
-        let away = match self.direction {
-            SweepDirection::Upward => omega * (1.0 - RUN_IN),
-            SweepDirection::Downward => omega * (1.0 + RUN_IN),
+            Err(status) => status,
         };
-        let first = ladder.first();
-        let reached = (self.raised(first, away))
-            .and_then(|start| self.walk(first, &start.point, omega))
-            .and_then(|start| self.climb(start));
-        reached
-            .or_else(|_| {
-                let start = self.raised(first, omega)?;
-                self.climb(start)
-            })
-            .or_else(|_| {
-                let start = self.raised(full, away)?;
-                self.walk(full, &start.point, omega)
-            })
-            .or_else(|_| {
-                let (direct, _) = self.close_to(full, stuck_point(full, omega, self.level));
-                direct
-            })
-    }
-
-    fn climb(&mut self, start: Iterate<'p>) -> Solved<'p> {
-        let condition = Condition::FixedFrequency;
-        let climbed = self.ladder.climb(start.point, condition, self.newton);
-        self.tally(climbed)
-    }
-
-    /// Solves at the frequency of `start`, and says whether the solution is close to it.
-    fn close_to(&mut self, balance: &Balance<'p>, start: Point) -> (Solved<'p>, bool) {
-        let solved = solve(
-            balance,
-            start.clone(),
-            Condition::FixedFrequency,
-            self.newton,
-        );
-        let solved = self.tally(solved);
-        let close = solved.as_ref().is_ok_and(|iterate| {
-            let metric = Metric::at(balance, &iterate.point, 1.0);
-            let gone = Direction {
-                r: moved(&iterate.point.r, -1.0, &start.r),
-                omega: 0.0,
-            };
-            metric.dot(balance.layout.n_relative(), &gone, &gone) <= CLOSE * CLOSE
-        });
-        (solved, close)
-    }
-
-    /// Raises the level at the frequency `omega` from where the structure sticks.
-    fn raised(&mut self, balance: &Balance<'p>, omega: f64) -> Solved<'p> {
-        let (direct, close) = self.close_to(balance, stuck_point(balance, omega, self.level));
-        if close {
-            return direct;
+        if halvings == 0 {
+            return Err(failure);
         }
-        let lowest = stuck_point(balance, omega, LOWEST_LEVEL * self.level);
-        let (start, _) = self.close_to(balance, lowest);
-        let mut at = start?;
-        let mut ratio = LEVEL_RATIO;
-        while at.point.level < self.level {
-            let level = self.level.min(at.point.level * ratio);
-            let predicted = by_level(balance, &at, level);
-            match self.close_to(balance, predicted) {
-                (Ok(next), true) => {
-                    at = next;
-                    ratio = (ratio * 1.3).min(LEVEL_RATIO);
-                }
-                _ => {
-                    ratio = ratio.sqrt();
-                    if ratio < SMALLEST_RATIO {
-                        return direct.map_err(|_| Status::StepTooSmall);
-                    }
-                }
+        let half = 0.5 * self.length;
+        let middle = self.from.beside(balance, half, newton, count);
+        let middle = middle.ok_or(failure)?;
+        let at = middle.iterate.point.omega;
+        let is_first = (self.from.iterate.point.omega - omega) * (at - omega) <= 0.0;
+        let half = match is_first {
+            true => Stretch {
+                from: self.from,
+                to: &middle,
+                length: half,
+            },
+            false => Stretch {
+                from: &middle,
+                to: self.to,
+                length: half / self.from.scale_of(balance, &middle),
+            },
+        };
+        half.crossing_within(balance, omega, (newton, halvings - 1), count)
+    }
+
+    /// The point with the frequency `omega` on the cubic through both ends with their tangents.
+    fn at_frequency(&self, balance: &Balance<'_>, omega: f64) -> Point {
+        let (a, b) = (&self.from.iterate.point, &self.to.iterate.point);
+        let stretch = self.length / self.from.scale_of(balance, self.to);
+        let (ta, tb) = (&self.from.tangent, &self.to.tangent);
+        let at = |weights: [f64; 4], a: f64, da: f64, b: f64, db: f64| {
+            weights[0] * a
+                + weights[1] * self.length * da
+                + weights[2] * b
+                + weights[3] * stretch * db
+        };
+        let above = |t: f64| at(hermite(t), a.omega, ta.omega, b.omega, tb.omega) - omega;
+        let (mut low, mut high) = (0.0, 1.0);
+        let sign = (b.omega - a.omega).signum();
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            match sign * above(middle) < 0.0 {
+                true => low = middle,
+                false => high = middle,
             }
         }
-        Ok(at)
-    }
-
-    /// Continuation from `from`, in the direction of the sweep, to the first point with the frequency `omega`.
-    fn walk(&mut self, balance: &Balance<'p>, from: &Point, omega: f64) -> Solved<'p> {
-        let mut failure = Status::StepTooSmall;
-        for largest in LARGEST_STEPS {
-            let (start, work) = self.branch(balance, Iterate::new(balance, from.clone()));
-            self.count += work;
-            let steps = StepSettings {
-                largest,
-                first: largest.min(0.05),
-                max_steps: MOST_STEPS,
-                ..StepSettings::for_band((omega - from.omega).abs())
-            };
-            let mut crossing = None;
-            let end = walk(balance, start, self.newton, steps, |before, after, _| {
-                let (a, b) = (before.iterate.point.omega, after.iterate.point.omega);
-                if (a - omega) * (b - omega) <= 0.0 {
-                    crossing = Some(between(&before.iterate.point, &after.iterate.point, omega));
-                }
-                let reach = 2.0 * (omega - from.omega).abs();
-                on_if(crossing.is_none() && (b - from.omega).abs() < reach)
-            });
-            self.count += end.count;
-            failure = match (end.status, crossing) {
-                (_, Some(start)) => match self.close_to(balance, start) {
-                    (solved, true) => return solved,
-                    (solved, false) => solved.err().unwrap_or(Status::StepTooSmall),
-                },
-                (Status::Converged, None) => return Err(Status::StepTooSmall),
-                (status, None) => status,
-            };
+        let weights = hermite(0.5 * (low + high));
+        Point {
+            r: (0..a.r.len())
+                .map(|i| at(weights, a.r[i], ta.r[i], b.r[i], tb.r[i]))
+                .collect(),
+            omega,
+            level: a.level,
         }
-        Err(failure)
-    }
-
-    /// The tangent at `iterate` in the direction of the sweep.
-    fn branch(&self, balance: &Balance<'p>, iterate: Iterate<'p>) -> (BranchPoint<'p>, WorkCount) {
-        let scale = iterate.point.omega;
-        let (branch, work) = BranchPoint::new(balance, iterate, scale, None, None);
-        let branch = match self.direction {
-            SweepDirection::Upward => branch,
-            SweepDirection::Downward => branch.reversed(),
-        };
-        (branch, work)
-    }
-
-    fn tally(
-        &mut self,
-        result: Result<(Iterate<'p>, WorkCount), (Status, WorkCount)>,
-    ) -> Solved<'p> {
-        let (result, work) = match result {
-            Ok((iterate, work)) => (Ok(iterate), work),
-            Err((status, work)) => (Err(status), work),
-        };
-        self.count += work;
-        result
     }
 }
 
-/// Tangent predictor in the level at a fixed frequency.
-fn by_level(balance: &Balance<'_>, at: &Iterate<'_>, level: f64) -> Point {
-    let slope = at
-        .jacobian(balance)
-        .solve(&balance.level_slope(&at.compliance));
-    Point {
-        r: moved(&at.point.r, at.point.level - level, &slope),
-        omega: at.point.omega,
-        level,
-    }
-}
-
-/// The point with the frequency `omega` on the straight line from `a` to `b`.
-fn between(a: &Point, b: &Point, omega: f64) -> Point {
-    let share = (omega - a.omega) / (b.omega - a.omega);
-    let gone = moved(&b.r, -1.0, &a.r);
-    Point {
-        r: moved(&a.r, share, &gone),
-        omega,
-        level: a.level,
-    }
-}
-
-/// `from + step · along`.
-fn moved(from: &[f64], step: f64, along: &[f64]) -> Vec<f64> {
-    from.iter().zip(along).map(|(x, d)| x + step * d).collect()
+/// Weights of value and slope at 0, value and slope at 1, of the cubic at `t`.
+pub(super) fn hermite(t: f64) -> [f64; 4] {
+    let u = 1.0 - t;
+    [
+        u * u * (1.0 + 2.0 * t),
+        t * u * u,
+        t * t * (3.0 - 2.0 * t),
+        -t * t * u,
+    ]
 }

@@ -10,11 +10,13 @@ use serde::Serialize;
 
 use super::frequency::{FrequencyUnit, Points};
 use super::output::OutputFolder;
-use super::read::{Study, StudyModel};
+use super::read::Study;
 use crate::Error;
-use crate::hb::forced_response::{at_frequencies, over_band};
+use crate::hb::forced_response::{
+    CurveSettings, Gap, Largest, Response, SlowSweep, Stop, at_frequencies, over_band,
+};
 use crate::hb::resonance::Band;
-use crate::hb::{ContactFractions, CycleWork, LinearModel, Problem, Solution, Status};
+use crate::hb::{ContactFractions, CycleWork, Problem, Solution, Status};
 use crate::model::ReducedModel;
 
 /// How far a command has come.
@@ -57,10 +59,13 @@ impl<F: Fn(Progress) + Sync> Meter<F> {
     }
 }
 
+/// Parts of the progress of one level.
+const PARTS: u64 = 100;
+
 /// Computes the nominal forced response level by level and writes it.
 ///
-/// By continuation over the band or at the prescribed frequencies, as `study.frequency.points` says. `progress` is
-/// called before the first level and after each.
+/// By continuation over the band or at the prescribed frequencies, as `study.frequency.points` says; on one half of a
+/// mirror-symmetric model where the study lets it. `progress` is called before the first level and on the way.
 ///
 /// # Errors
 /// Whatever building the model refuses; [`Error::Problem`] if it is no harmonic balance problem; [`Error::File`] if
@@ -70,28 +75,40 @@ pub fn solve(
     folder: &OutputFolder,
     progress: impl Fn(Progress),
 ) -> Result<Vec<LevelCurve>, Error> {
-    let StudyModel {
-        reduced: model,
-        contacts,
-        ..
-    } = study.build_model()?;
-    let linear = LinearModel::new(&model)?;
-    let problem = Problem::new(&linear, contacts, 1.0, study.solver.anchor)?;
-    let [low, high] = study.frequency.band;
-    let total = study.levels.len() as u64;
+    let prepared = study.prepared()?;
+    let contacts = prepared.contacts.clone();
+    let problem = Problem::new(&prepared.linear, contacts, 1.0, study.solver.anchor)?;
+    let band = prepared.band();
+    let total = PARTS * study.levels.len() as u64;
     let mut curves = Vec::new();
     progress(Progress { done: 0, total });
-    for (&level, done) in study.levels.iter().zip(1..) {
-        let solutions = match &study.frequency.points {
-            Points::Continuation => over_band(&problem, &study.solver, level, Band { low, high }),
+    for (&level, before) in study.levels.iter().zip(0..) {
+        let progress = |share: f64| {
+            let done = PARTS * before + (share * PARTS as f64) as u64;
+            progress(Progress { done, total });
+        };
+        let response = match &study.frequency.points {
+            Points::Continuation => {
+                let curve = CurveSettings::picture(band);
+                over_band(&problem, &study.solver, level, curve, progress)
+            }
             Points::Prescribed { omega, sweep } => {
-                at_frequencies(&problem, &study.solver, level, omega, *sweep)
+                let sweep = SlowSweep {
+                    band,
+                    direction: *sweep,
+                    omega,
+                };
+                at_frequencies(&problem, &study.solver, level, sweep, progress)
             }
         };
-        curves.push(LevelCurve { level, solutions });
-        progress(Progress { done, total });
+        progress(1.0);
+        curves.push(LevelCurve {
+            level,
+            band,
+            response,
+        });
     }
-    write_curves(folder, study, &model, &curves)?;
+    write_curves(folder, study, &prepared.reduced, &curves)?;
     Ok(curves)
 }
 
@@ -100,8 +117,18 @@ pub fn solve(
 pub struct LevelCurve {
     /// Excitation level.
     pub level: f64,
-    /// Points in the order of the curve; failed ones included.
-    pub solutions: Vec<Solution>,
+    /// Band of the study.
+    pub band: Band,
+    /// Points in the order of the curve, failed ones included, and what of the band they leave out.
+    pub response: Response,
+}
+
+impl LevelCurve {
+    /// The largest amplitude of the first response in the band, and what it is.
+    #[must_use]
+    pub fn largest(&self) -> Option<(&Solution, Largest)> {
+        self.response.largest(self.band)
+    }
 }
 
 /// Writes `curve.csv` and `solution.json`.
@@ -125,14 +152,7 @@ pub fn write_curves(
         coefficient_order: "q(t) = q0 + sum ck cos(k w t) + sk sin(k w t): q0, c1, s1, ... over `harmonics`",
         levels: curves
             .iter()
-            .map(|curve| LevelRecord {
-                level: curve.level,
-                points: curve
-                    .solutions
-                    .iter()
-                    .map(|solution| PointRecord::new(solution, unit, &names))
-                    .collect(),
-            })
+            .map(|curve| LevelRecord::new(curve, unit, &names))
             .collect(),
     };
     folder.write("solution.json", |out| {
@@ -154,15 +174,45 @@ struct SolutionRecord<'a> {
 #[derive(Serialize)]
 struct LevelRecord<'a> {
     level: f64,
+    gap: Option<GapRecord>,
+    largest_amplitude: Option<LargestRecord>,
     points: Vec<PointRecord<'a>>,
 }
 
+/// A frequency under the key of its unit.
 #[derive(Serialize)]
-struct PointRecord<'a> {
+struct FrequencyRecord {
     #[serde(skip_serializing_if = "Option::is_none")]
     frequency_hz: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     frequency_rad_s: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct GapRecord {
+    below: StopRecord,
+    above: StopRecord,
+}
+
+#[derive(Serialize)]
+struct StopRecord {
+    #[serde(flatten)]
+    frequency: FrequencyRecord,
+    status: Status,
+}
+
+#[derive(Serialize)]
+struct LargestRecord {
+    #[serde(flatten)]
+    frequency: FrequencyRecord,
+    amplitude: f64,
+    is: Largest,
+}
+
+#[derive(Serialize)]
+struct PointRecord<'a> {
+    #[serde(flatten)]
+    frequency: FrequencyRecord,
     status: Status,
     harmonics: &'a [usize],
     responses: Option<BTreeMap<&'a str, Vec<f64>>>,
@@ -174,9 +224,43 @@ struct PointRecord<'a> {
     factorizations: usize,
 }
 
+impl FrequencyRecord {
+    fn new(omega: f64, unit: FrequencyUnit) -> Self {
+        let frequency = |u| (unit == u).then(|| unit.of_rad_s(omega));
+        Self {
+            frequency_hz: frequency(FrequencyUnit::Hertz),
+            frequency_rad_s: frequency(FrequencyUnit::RadiansPerSecond),
+        }
+    }
+}
+
+impl<'a> LevelRecord<'a> {
+    fn new(curve: &'a LevelCurve, unit: FrequencyUnit, names: &[&'a str]) -> Self {
+        let stop = |stop: Stop| StopRecord {
+            frequency: FrequencyRecord::new(stop.omega, unit),
+            status: stop.status,
+        };
+        let points = curve.response.solutions.iter();
+        Self {
+            level: curve.level,
+            gap: curve.response.gap.map(|Gap { below, above }| GapRecord {
+                below: stop(below),
+                above: stop(above),
+            }),
+            largest_amplitude: curve.largest().map(|(solution, is)| LargestRecord {
+                frequency: FrequencyRecord::new(solution.omega, unit),
+                amplitude: solution.amplitude(0),
+                is,
+            }),
+            points: points
+                .map(|solution| PointRecord::new(solution, unit, names))
+                .collect(),
+        }
+    }
+}
+
 impl<'a> PointRecord<'a> {
     fn new(solution: &'a Solution, unit: FrequencyUnit, names: &[&'a str]) -> Self {
-        let frequency = |u| (unit == u).then(|| unit.of_rad_s(solution.omega));
         let coefficients = |i: usize| {
             let rows = solution.responses.chunks_exact(names.len());
             rows.map(|row| row[i]).collect()
@@ -184,8 +268,7 @@ impl<'a> PointRecord<'a> {
         let named = names.iter().enumerate();
         let solved = solution.status.has_solution();
         Self {
-            frequency_hz: frequency(FrequencyUnit::Hertz),
-            frequency_rad_s: frequency(FrequencyUnit::RadiansPerSecond),
+            frequency: FrequencyRecord::new(solution.omega, unit),
             status: solution.status,
             harmonics: solution.harmonics.orders(),
             responses: solved.then(|| named.map(|(i, name)| (*name, coefficients(i))).collect()),
@@ -218,7 +301,7 @@ fn write_csv(
         ",stick_fraction,slip_fraction,separated_fraction,truncation_error,residual,newton_iterations,factorizations"
     )?;
     for curve in curves {
-        for solution in &curve.solutions {
+        for solution in &curve.response.solutions {
             let frequency = unit.of_rad_s(solution.omega);
             write!(
                 out,
@@ -253,10 +336,11 @@ fn write_numbers(
         write!(out, ",{}", if_solved(fraction))?;
     }
     let truncation_error = optional(solution.truncation_error.filter(|_| solved));
+    let residual = optional(Some(solution.residual).filter(|r| r.is_finite()));
     writeln!(
         out,
-        ",{truncation_error},{},{},{}",
-        solution.residual, solution.work_count.iterations, solution.work_count.factorizations
+        ",{truncation_error},{residual},{},{}",
+        solution.work_count.iterations, solution.work_count.factorizations
     )
 }
 
@@ -297,13 +381,34 @@ mod tests {
         }
     }
 
-    /// Seen to fail with the amplitude written whatever the status.
+    fn curve(solutions: Vec<Solution>) -> LevelCurve {
+        LevelCurve {
+            level: 2.0,
+            band: Band {
+                low: 1.0,
+                high: 1000.0,
+            },
+            response: Response {
+                solutions,
+                is_curve: true,
+                gap: None,
+            },
+        }
+    }
+
+    /// Seen to fail with the amplitude written whatever the status, and with residuals that are no numbers.
     #[test]
     fn rows_hold_amplitudes_of_solved_points_only() {
-        let curves = [LevelCurve {
-            level: 2.0,
-            solutions: vec![solution(Status::Converged), solution(Status::MaxIterations)],
-        }];
+        let overflown = Solution {
+            residual: f64::NAN,
+            ..solution(Status::NonFinite)
+        };
+        let solved = solution(Status::Converged);
+        let curves = [curve(vec![
+            solved,
+            solution(Status::MaxIterations),
+            overflown,
+        ])];
         let mut text = Vec::new();
         write_csv(&mut text, FrequencyUnit::Hertz, &["tip", "a,b"], &curves).unwrap();
         let text = String::from_utf8(text).unwrap();
@@ -319,6 +424,7 @@ mod tests {
         );
         let columns = |line: &str| line.matches(',').count();
         assert_eq!(columns(lines[1]), columns(lines[2]));
+        assert_eq!(lines[3], "2,50,non-finite,,,,,,,,3,2");
     }
 
     #[test]
@@ -328,6 +434,6 @@ mod tests {
         let responses = record.responses.unwrap();
         assert_eq!(responses["x"], [0.0, 3.0, 4.0]);
         assert_eq!(responses["y"], [7.0, 0.0, 1.0]);
-        assert!(record.frequency_hz.is_none());
+        assert!(record.frequency.frequency_hz.is_none());
     }
 }

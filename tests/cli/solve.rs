@@ -117,3 +117,59 @@ fn every_degree_of_freedom_is_a_response_by_default() {
         assert_eq!(names, ["x1", "x2"]);
     }
 }
+
+/// Runs `solve` on the two masses with the line `old` of the study replaced; gives its text, `curve.csv` and
+/// `solution.json`.
+fn solved(old: &str, new: &str) -> (String, String, serde_json::Value) {
+    let folder = crate::folder("study.toml", old, new);
+    let output = microslip(folder.path(), &["solve", "study.toml"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let read = |file: &str| std::fs::read_to_string(folder.path().join("results").join(file));
+    let json = serde_json::from_str(&read("solution.json").unwrap()).unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    (text, read("curve.csv").unwrap(), json)
+}
+
+/// A peak is called so where the curve has one; at the edge of a band that misses it the text says that.
+///
+/// Seen to fail with the largest amplitude of any curve called a peak.
+#[test]
+fn a_band_without_the_resonance_says_so() {
+    let (text, _, json) = solved("", "");
+    assert!(text.contains(", peak "), "{text}");
+    let largest = &json["levels"][0]["largest_amplitude"];
+    assert_eq!(largest["is"], "maximum");
+    let (text, _, json) = solved("band_hz = [100, 200]", "band_hz = [100, 150]");
+    let first = text.lines().next().unwrap();
+    assert!(
+        first.contains("the band ends before the resonance"),
+        "{text}"
+    );
+    assert!(!first.contains(", peak "), "{text}");
+    let level = &json["levels"][0];
+    assert_eq!(level["largest_amplitude"]["is"], "at-edge");
+    assert!(level["gap"].is_null());
+    let edge = level["largest_amplitude"]["frequency_hz"].as_f64().unwrap();
+    assert!((edge - 150.0).abs() < 1e-9, "{edge}");
+}
+
+/// A walk that cannot go on (its budget is 60 Newton iterations) is no success: text, table and record say where and why.
+///
+/// Seen to fail with the walk's end told by a status in the last row alone.
+#[test]
+fn a_curve_that_stops_says_where_and_why() {
+    let (text, csv, json) = solved("time_points = 128", "time_points = 128\nbudget = 60");
+    println!("{text}");
+    assert!(text.contains("STOPPED: from below at "), "{text}");
+    assert!(text.contains("budget-spent"), "{text}");
+    assert!(!text.contains(", peak "), "{text}");
+    assert!(csv.contains(",budget-spent,,"), "{csv}");
+    assert!(!csv.contains("NaN"), "{csv}");
+    let level = (json["levels"].as_array().unwrap().iter())
+        .find(|level| !level["gap"].is_null())
+        .unwrap();
+    let end = |side: &str| level["gap"][side]["frequency_hz"].as_f64().unwrap();
+    assert!(100.0 <= end("below") && end("below") < end("above") && end("above") <= 200.0);
+    assert_eq!(level["gap"]["below"]["status"], "budget-spent");
+    assert_eq!(level["largest_amplitude"]["is"], "of-part");
+}

@@ -16,5 +16,6 @@ mod maxima;
 mod models;
 mod peak;
 mod status;
+mod sweep;
 mod symmetry;
 mod time_integration;

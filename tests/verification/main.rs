@@ -5,6 +5,7 @@ mod contact;
 mod fe;
 mod hb;
 mod reference;
+mod response;
 mod sampling;
 mod statistics;
 mod two_blade;

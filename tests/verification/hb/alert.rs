@@ -5,7 +5,7 @@ use super::models::{Case, plane};
 use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::alert::{AlertSets, on, pad, step_on};
-use microslip::hb::forced_response::at_frequencies;
+use crate::response::at_frequencies;
 use microslip::hb::newton::{Condition, Iterate, solve};
 use microslip::hb::sweep::SweepDirection;
 use microslip::hb::{AlertSettings, LinearModel, Problem, Status};

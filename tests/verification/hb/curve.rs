@@ -2,10 +2,10 @@
 
 use super::invariants::settings;
 use super::models::plane;
+use crate::response::over_band;
 use crate::two_blade::folded;
 use microslip::contact::{Events, FrictionLaw};
 use microslip::hb::curve::{CURVE_ERROR, CurvePoint, response_curve};
-use microslip::hb::forced_response::over_band;
 use microslip::hb::peak::PeakSettings;
 use microslip::hb::resonance::Band;
 use microslip::hb::track::track_peaks;

@@ -1,10 +1,10 @@
 //! What every solution must satisfy, on random problems, and its linear limits.
 
 use super::models::{Case, LOAD, aft, plane, short, space};
+use crate::response::at_frequencies;
 use faer::prelude::*;
 use microslip::contact::{ContactParameters, FrictionLaw};
 use microslip::harmonics::{HarmonicSet, phases};
-use microslip::hb::forced_response::at_frequencies;
 use microslip::hb::newton::{Iterate, Point};
 use microslip::hb::sweep::SweepDirection;
 use microslip::hb::{

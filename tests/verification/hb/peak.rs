@@ -2,11 +2,11 @@
 
 use super::invariants::{Draw, settings, solved};
 use super::models::{Case, plane, short};
+use crate::response::{at_frequencies, over_band};
 use faer::prelude::c64;
 use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::alert::{AlertSets, pad, step_on};
-use microslip::hb::forced_response::{at_frequencies, over_band};
 use microslip::hb::newton::{Condition, Iterate, WorkCount, solve};
 use microslip::hb::peak::PeakSettings;
 use microslip::hb::predicted::{PeakPrediction, correct, phase_locked};

@@ -2,12 +2,12 @@
 
 use super::invariants::{Draw, settings, solved};
 use super::models::{Case, plane, space};
+use crate::response::at_frequencies;
 use crate::two_blade::{RIG, contacts};
 use faer::prelude::*;
 use microslip::aft::{AftBatch, AftForces, AftPlan, Periodicity, Want, evaluate};
 use microslip::contact::FrictionLaw;
 use microslip::harmonics::HarmonicSet;
-use microslip::hb::forced_response::at_frequencies;
 use microslip::hb::peak::PeakSettings;
 use microslip::hb::resonance::Band;
 use microslip::hb::sweep::SweepDirection;

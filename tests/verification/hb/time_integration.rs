@@ -6,12 +6,12 @@
 
 use super::invariants::settings;
 use super::models::plane;
+use crate::response::over_band;
 use crate::two_blade::{RIG, contacts};
 use faer::prelude::*;
 use microslip::contact::FrictionLaw;
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::alert::pad;
-use microslip::hb::forced_response::over_band;
 use microslip::hb::linear::{Part, Structure};
 use microslip::hb::newton::{Condition, Iterate, Point, solve};
 use microslip::hb::peak::PeakSettings;
