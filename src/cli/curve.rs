@@ -23,40 +23,53 @@ pub(super) fn show(
         curve.level,
         solutions.len()
     )?;
-    if let Some(Gap { below, above }) = curve.response.gap {
-        let stop = |stop: Stop| match stop.status {
-            Status::Converged => hertz(stop.omega),
-            status => format!(
-                "{} ({}: {})",
-                hertz(stop.omega),
-                status.name(),
-                status.explanation()
-            ),
-        };
-        write!(
-            out,
-            ", STOPPED: from below at {}, from above at {}; nothing is known between",
-            stop(below),
-            stop(above)
-        )?;
+    if let Some(gap) = curve.response.gap {
+        write!(out, "{}", where_it_ended(gap, &hertz))?;
     }
     if let Some((solution, largest)) = curve.largest() {
         let place = hertz(solution.omega);
-        write!(out, "{}", in_words(solution, largest, &place))?;
+        let is_curve = curve.response.is_curve;
+        write!(out, "{}", in_words(solution, (largest, is_curve), &place))?;
     }
     writeln!(out)
 }
 
-fn in_words(solution: &Solution, largest: Largest, place: &str) -> String {
+fn where_it_ended(gap: Gap, hertz: &impl Fn(f64) -> String) -> String {
+    let stop = |stop: Stop| {
+        let (status, place) = (stop.status, hertz(stop.omega));
+        format!("{place} ({}: {})", status.name(), status.explanation())
+    };
+    let Gap { below, above } = gap;
+    match (below.status, above.status) {
+        (_, Status::Converged) => format!(
+            ", the upward sweep ended at {}; the values above are those of a downward sweep",
+            stop(below)
+        ),
+        (Status::Converged, _) => format!(
+            ", the downward sweep ended at {}; the values below are those of an upward sweep",
+            stop(above)
+        ),
+        _ => format!(
+            ", STOPPED: from below at {}, from above at {}; the branch between is not known",
+            stop(below),
+            stop(above)
+        ),
+    }
+}
+
+fn in_words(solution: &Solution, (largest, is_curve): (Largest, bool), place: &str) -> String {
     let amplitude = format!("{:.6e}", solution.amplitude(0));
     match largest {
         Largest::Maximum => format!(", peak {amplitude} at {place}"),
         Largest::OfValues => format!(", largest amplitude {amplitude} at {place}"),
+        Largest::AtEdge if !is_curve => format!(
+            ", largest amplitude {amplitude} at {place}, an end of the values: no peak, it may grow on beyond"
+        ),
         Largest::AtEdge => format!(
             ", no peak: the amplitude is largest, {amplitude}, at the edge, {place}; the band ends before the resonance"
         ),
         Largest::OfPart => format!(
-            ", largest amplitude found {amplitude} at {place}: no peak, it may be larger where nothing is known"
+            ", largest amplitude found {amplitude} at {place}: no peak, it may be larger on the part not found"
         ),
     }
 }

@@ -15,7 +15,6 @@ use super::resonance::Band;
 use super::run_in::first_solution;
 use super::settings::HbSettings;
 use super::solution::Solution;
-pub use super::stations::PICTURE_ERROR;
 use super::stations::Stations;
 use super::status::Status;
 use super::sweep::{Route, Stretch, SweepDirection, follow};
@@ -39,11 +38,11 @@ pub struct Response {
     pub solutions: Vec<Solution>,
     /// Whether they are a curve, not those at prescribed frequencies.
     pub is_curve: bool,
-    /// Where the branch could not be followed.
+    /// Where the branch could not be followed from one end of the band to the other, or to the last frequency asked for.
     pub gap: Option<Gap>,
 }
 
-/// A part of the band into which the branch could not be followed from either side.
+/// The part of the band between the ends of the ways from both sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gap {
     /// Where the way from the lower end of the band ended, and why; [`Status::Converged`] where nothing further was asked
@@ -51,6 +50,16 @@ pub struct Gap {
     pub below: Stop,
     /// The same of the way from the upper end.
     pub above: Stop,
+}
+
+impl Gap {
+    /// Whether every frequency asked for was met from one side or from the other.
+    #[must_use]
+    pub fn is_answered(self) -> bool {
+        [self.below, self.above]
+            .map(|stop| stop.status)
+            .contains(&Status::Converged)
+    }
 }
 
 /// The end of a way through the band.
@@ -83,7 +92,7 @@ pub struct CurveSettings {
 }
 
 impl CurveSettings {
-    /// As close together as a picture with straight lines between the solutions needs.
+    /// As a picture with straight lines between the solutions needs.
     #[must_use]
     pub fn picture(band: Band) -> Self {
         Self {
@@ -103,7 +112,7 @@ pub enum Largest {
     OfValues,
     /// Found at an end of the band, or of the values, beyond which it may grow on.
     AtEdge,
-    /// That of a response with a gap, in which it may be larger.
+    /// That of a response with frequencies where nothing was found, and where it may be larger.
     OfPart,
 }
 
@@ -217,11 +226,13 @@ impl Response {
         let (i, top) = highest?;
         let below = |j: Option<usize>| j.and_then(amplitude).is_some_and(|a| a <= top);
         let is_inside = below(i.checked_sub(1)) && below(Some(i + 1));
-        let what = match self.gap {
-            Some(_) => Largest::OfPart,
-            None if !is_inside => Largest::AtEdge,
-            None if self.is_curve => Largest::Maximum,
-            None => Largest::OfValues,
+        let is_part = self.gap.is_some_and(|gap| !gap.is_answered())
+            || self.solutions.iter().any(|s| !s.status.has_solution());
+        let what = match (is_part, is_inside) {
+            (true, _) => Largest::OfPart,
+            (false, false) => Largest::AtEdge,
+            (false, true) if self.is_curve => Largest::Maximum,
+            (false, true) => Largest::OfValues,
         };
         Some((&self.solutions[i], what))
     }

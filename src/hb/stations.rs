@@ -2,7 +2,7 @@
 //!
 //! A walk with steps of limited length keeps to the branch; where pairs begin to slip or to lift off the curve bends sharply
 //! between two of its solutions. So solutions are added where the tangents at both ends of a line leave room for more than
-//! [`PICTURE_ERROR`] beside it.
+//! `PICTURE_ERROR` beside it.
 
 use super::balance::Balance;
 use super::continuation::{BranchPoint, WalkEnd};
@@ -10,13 +10,14 @@ use super::newton::{Iterate, Point, WorkCount};
 use super::settings::NewtonSettings;
 use super::status::Status;
 use super::sweep::{Route, Stretch, follow};
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::ops::ControlFlow;
 
-/// Distance at most between the curve and the straight lines, over the largest amplitude; along the frequency axis over
-/// the half-power half-width of an oscillator with the phase rate there.
-pub const PICTURE_ERROR: f64 = 3e-3;
+/// Distance aimed at between the curve and the straight lines (corners where pairs begin to slip may miss it), over the largest amplitude; along the frequency axis over
+/// the half-power half-width of the peak.
+const PICTURE_ERROR: f64 = 3e-3;
 /// Rounds in which solutions are added between those of the walk.
-const MOST_ROUNDS: usize = 5;
+const MOST_ROUNDS: usize = 10;
 
 /// The solutions of one way through the band, in the order of the way.
 #[derive(Debug)]
@@ -140,16 +141,31 @@ struct Picture {
 
 impl Picture {
     fn of(points: &[(BranchPoint<'_>, WorkCount)]) -> Option<Self> {
-        let height = |p: &BranchPoint<'_>| p.response.norm();
-        let highest = (points.iter().map(|(point, _)| point))
-            .max_by(|a, b| height(a).total_cmp(&height(b)))?;
+        let height = |i: usize| points[i].0.response.norm();
+        let top = (0..points.len()).max_by(|&i, &j| height(i).total_cmp(&height(j)))?;
+        // friction cuts tops off: the phase turns slowly there, and an oscillator with its rate would be too wide
+        let flank = height(top) * FRAC_1_SQRT_2;
+        let omega = |i: usize| points[i].0.iterate.point.omega;
+        let is_above = |i: &usize| height(*i) > flank;
+        let above =
+            ((0..=top).rev().take_while(is_above)).chain((top..points.len()).take_while(is_above));
+        let (low, high) = above.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), i| {
+            (low.min(omega(i)), high.max(omega(i)))
+        });
+        let highest = &points[top].0;
+        let of_oscillator = (highest.tangent.omega / highest.phase_rate()).abs();
+        let half = 0.5 * (high - low);
         Some(Self {
-            width: (highest.tangent.omega / highest.phase_rate()).abs(),
-            height: height(highest),
+            width: match half > 0.0 {
+                true => half.min(of_oscillator),
+                false => of_oscillator,
+            },
+            height: height(top),
         })
     }
 
-    /// Distance from the straight line to where the tangents at its ends meet: a curve that bends one way stays within.
+    /// Distance from the straight line to where the tangents at its ends meet: a curve that bends one way stays within. For
+    /// one that bends both ways, what two corners would leave.
     fn room(&self, stretch: &Stretch<'_, '_>) -> f64 {
         let [a, b] = [stretch.from, stretch.to].map(|p| {
             [
@@ -175,8 +191,7 @@ impl Picture {
         }
         match first * last < 0.0 {
             true => length * first.abs() * last.abs() / (first.abs() + last.abs()),
-            // it bends both ways: the cubic through both ends
-            false => length * 4.0 / 27.0 * first.abs().max(last.abs()),
+            false => length * 0.25 * first.abs().max(last.abs()),
         }
     }
 }

@@ -31,7 +31,7 @@ pub enum Status {
 
 impl Status {
     /// Every status, in the order of reports.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Converged,
         Self::TruncationAboveThreshold,
         Self::BouncingContact,

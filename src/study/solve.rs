@@ -396,7 +396,7 @@ mod tests {
         }
     }
 
-    /// Seen to fail with the amplitude written whatever the status, and with residuals that are no numbers.
+    /// Seen to fail with the amplitude written whatever the status.
     #[test]
     fn rows_hold_amplitudes_of_solved_points_only() {
         let overflown = Solution {

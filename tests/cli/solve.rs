@@ -131,8 +131,6 @@ fn solved(old: &str, new: &str) -> (String, String, serde_json::Value) {
 }
 
 /// A peak is called so where the curve has one; at the edge of a band that misses it the text says that.
-///
-/// Seen to fail with the largest amplitude of any curve called a peak.
 #[test]
 fn a_band_without_the_resonance_says_so() {
     let (text, _, json) = solved("", "");
@@ -154,8 +152,6 @@ fn a_band_without_the_resonance_says_so() {
 }
 
 /// A walk that cannot go on (its budget is 60 Newton iterations) is no success: text, table and record say where and why.
-///
-/// Seen to fail with the walk's end told by a status in the last row alone.
 #[test]
 fn a_curve_that_stops_says_where_and_why() {
     let (text, csv, json) = solved("time_points = 128", "time_points = 128\nbudget = 60");

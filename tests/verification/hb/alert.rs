@@ -2,10 +2,10 @@
 
 use super::invariants::settings;
 use super::models::{Case, plane};
+use crate::response::at_frequencies;
 use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::alert::{AlertSets, on, pad, step_on};
-use crate::response::at_frequencies;
 use microslip::hb::newton::{Condition, Iterate, solve};
 use microslip::hb::sweep::SweepDirection;
 use microslip::hb::{AlertSettings, LinearModel, Problem, Status};
