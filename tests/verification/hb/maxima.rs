@@ -1,5 +1,6 @@
 //! Several maxima in one band: the highest is the peak.
 
+use crate::response::over_band;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use faer::prelude::c64;
@@ -7,7 +8,6 @@ use microslip::aft::Backend;
 use microslip::contact::ContactParameters;
 use microslip::ensemble::Ensemble;
 use microslip::ensemble::outcome::SampleOutcome;
-use microslip::hb::forced_response::over_band;
 use microslip::hb::maxima::PeakChoice;
 use microslip::hb::track::track_peaks;
 use microslip::hb::{Problem, SliderAnchor};
