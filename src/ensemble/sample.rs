@@ -14,7 +14,7 @@ use crate::hb::curve::response_curve;
 use crate::hb::maxima::{Maxima, ModeSearch, search_maxima};
 use crate::hb::newton::WorkCount;
 use crate::hb::peak::PeakSettings;
-use crate::hb::predicted::{PeakPrediction, correct, phase_locked};
+use crate::hb::predicted::{PeakPrediction, correct, maximum_near, phase_locked};
 use crate::hb::refine::refined_near;
 use crate::hb::resonance::{Candidate, candidates};
 use crate::hb::track::{LevelPeak, track_mode};
@@ -332,10 +332,15 @@ impl Ensemble<'_> {
         let mut prediction = PeakPrediction::of(solution);
         prediction.point.r =
             (solution.harmonics).convert(&prediction.point.r, n_relative, harmonics);
-        // a picture may start beside the maximum, where the peak on more harmonics has its phase
         let start = match solution.harmonics == *harmonics {
             true => Ok(prediction.point),
-            false => phase_locked(&balance, prediction, newton, count).map(|found| found.point),
+            false => {
+                let maximum = maximum_near(&balance, prediction.clone(), self.peak, newton, count);
+                // a picture may start beside the maximum
+                (maximum.map(|peak| peak.iterate))
+                    .or_else(|_| phase_locked(&balance, prediction, newton, count))
+                    .map(|found| found.point)
+            }
         };
         let Ok(start) = start else {
             return Vec::new();

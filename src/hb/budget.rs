@@ -26,6 +26,14 @@ impl Budget {
         self.left.store(iterations, Ordering::Relaxed);
     }
 
+    /// Runs a search within one that has a budget, on `iterations` of its own.
+    pub fn apart<T>(&self, iterations: usize, search: impl FnOnce() -> T) -> T {
+        let left = self.left.swap(iterations, Ordering::Relaxed);
+        let found = search();
+        self.left.store(left, Ordering::Relaxed);
+        found
+    }
+
     /// Takes one iteration, or nothing where none is left.
     pub(super) fn spend(&self) {
         let left = self.left.load(Ordering::Relaxed);

@@ -37,6 +37,9 @@ pub struct StepSettings {
     pub omega_scale: f64,
     /// Steps before giving up.
     pub max_steps: usize,
+    /// Distance between a prediction and its solution, over the length of the step, above which a step is repeated with
+    /// half its length: it may have jumped to another part of the branch.
+    pub closeness: f64,
 }
 
 impl StepSettings {
@@ -49,6 +52,7 @@ impl StepSettings {
             smallest: 1e-6,
             omega_scale: 2.0 * band,
             max_steps: 2000,
+            closeness: f64::INFINITY,
         }
     }
 }
@@ -58,6 +62,8 @@ const WANTED_ITERATIONS: f64 = 4.0;
 
 /// Longest step over a fold of the frequency: a longer one may have jumped across the resonance instead.
 const FOLD_STEP: f64 = 0.1;
+/// Steps so short that they do not jump, whatever a corner makes of their prediction.
+const SURE_STEP: f64 = 0.02;
 /// Steps after which the pace of a walk is judged.
 const PACE_STEPS: usize = 200;
 /// Share of failed steps, and mean step over the largest one, of a walk on the spot: both must be met. A walk without
@@ -159,7 +165,7 @@ impl<'p> BranchPoint<'p> {
     }
 
     /// The same, started at `predicted`.
-    fn step_to(
+    pub(super) fn step_to(
         &self,
         balance: &Balance<'p>,
         predicted: Point,
@@ -176,25 +182,18 @@ impl<'p> BranchPoint<'p> {
         solve(balance, predicted, condition, newton)
     }
 
-    /// The point at the distance `step` along the tangent, with its tangent turning less than 90°; none if it cannot be
-    /// solved for.
-    pub fn beside(
-        &self,
-        balance: &Balance<'p>,
-        step: f64,
-        newton: NewtonSettings,
-        count: &mut WorkCount,
-    ) -> Option<Self> {
-        let iterate = count.tally(self.step(balance, step, newton)).ok()?;
-        let (point, work) = Self::new(
-            balance,
-            iterate,
-            self.metric.omega_scale(),
-            None,
-            Some(&self.tangent),
-        );
-        *count += work;
-        Some(point)
+    /// Distance of another point from this one, along the tangent and beside it.
+    #[must_use]
+    pub fn distances(&self, balance: &Balance<'_>, other: &Point) -> [f64; 2] {
+        let base = &self.iterate.point;
+        let gone = Direction {
+            r: (other.r.iter().zip(&base.r)).map(|(a, b)| a - b).collect(),
+            omega: other.omega - base.omega,
+        };
+        let n = balance.layout.n_relative();
+        let along = self.metric.dot(n, &gone, &self.tangent);
+        let beside = self.metric.dot(n, &gone, &gone) - along * along;
+        [along, beside.max(0.0).sqrt()]
     }
 
     /// Length that the unit tangent of `other` has in the metric of this point.
@@ -300,9 +299,14 @@ pub fn walk<'p>(
             Some(behind) => behind.predicted(&point, length),
             None => point.iterate.point.moved(&point.tangent, length),
         };
-        match point.step_to(balance, predicted, length, newton) {
+        match point.step_to(balance, predicted.clone(), length, newton) {
             Ok((iterate, work)) => {
                 count += work;
+                let apart = distance(balance, &iterate.point, &predicted);
+                if length > SURE_STEP && apart > steps.closeness * length {
+                    length *= 0.5;
+                    continue;
+                }
                 let tangent = Some(&point.tangent);
                 let (next, work_tangent) =
                     BranchPoint::new(balance, iterate, steps.omega_scale, None, tangent);
@@ -346,6 +350,16 @@ pub fn walk<'p>(
         }
     }
     end(Status::MaxIterations, point, count)
+}
+
+/// Distance of two points relative to the dynamic displacements at `a`.
+pub(super) fn distance(balance: &Balance<'_>, a: &Point, b: &Point) -> f64 {
+    let metric = Metric::at(balance, a, 1.0);
+    let gone = Direction {
+        r: a.r.iter().zip(&b.r).map(|(a, b)| a - b).collect(),
+        omega: 0.0,
+    };
+    metric.dot(balance.layout.n_relative(), &gone, &gone).sqrt()
 }
 
 /// On with steps of any length, or the end of the walk.

@@ -180,7 +180,11 @@ impl<'b, 'p> March<'b, 'p> {
         let (middle, work) =
             BranchPoint::new(self.balance, iterate, self.omega_scale, None, tangent);
         self.count += work;
-        let rest = half * from.scale_of(self.balance, &middle).recip();
+        // past a corner the branch is longer than the step over it
+        let [rest, _] = middle.distances(self.balance, &self.points[i + 1].iterate.point);
+        if rest <= 0.0 {
+            return false;
+        }
         self.lengths.splice(i..=i, [half, rest]);
         self.points.insert(i + 1, middle);
         true

@@ -15,6 +15,7 @@ use super::resonance::Band;
 use super::run_in::first_solution;
 use super::settings::HbSettings;
 use super::solution::Solution;
+pub use super::stations::PICTURE_ERROR;
 use super::stations::Stations;
 use super::status::Status;
 use super::sweep::{Route, Stretch, SweepDirection, follow};
@@ -213,28 +214,28 @@ impl Response {
     /// The largest amplitude of response 0 in `band`, and what it is.
     #[must_use]
     pub fn largest(&self, band: Band) -> Option<(&Solution, Largest)> {
-        let amplitude = |i: usize| {
-            let solution = self.solutions.get(i)?;
-            (solution.status.has_solution()).then(|| solution.amplitude(0))
-        };
+        let solved: Vec<&Solution> = (self.solutions.iter())
+            .filter(|solution| solution.status.has_solution())
+            .collect();
+        let amplitude = |i: usize| solved.get(i).map(|solution| solution.amplitude(0));
         // a curve may overhang the band; values lie where they were asked for
-        let counts = |i: &usize| !self.is_curve || band.contains(self.solutions[*i].omega);
-        let highest = (0..self.solutions.len())
+        let counts = |i: &usize| !self.is_curve || band.contains(solved[*i].omega);
+        let highest = (0..solved.len())
             .filter(counts)
             .filter_map(|i| Some((i, amplitude(i)?)))
             .max_by(|a, b| a.1.total_cmp(&b.1));
         let (i, top) = highest?;
         let below = |j: Option<usize>| j.and_then(amplitude).is_some_and(|a| a <= top);
         let is_inside = below(i.checked_sub(1)) && below(Some(i + 1));
-        let is_part = self.gap.is_some_and(|gap| !gap.is_answered())
-            || self.solutions.iter().any(|s| !s.status.has_solution());
+        let lacks_values = !self.is_curve && solved.len() < self.solutions.len();
+        let is_part = lacks_values || self.gap.is_some_and(|gap| !gap.is_answered());
         let what = match (is_part, is_inside) {
             (true, _) => Largest::OfPart,
             (false, false) => Largest::AtEdge,
             (false, true) if self.is_curve => Largest::Maximum,
             (false, true) => Largest::OfValues,
         };
-        Some((&self.solutions[i], what))
+        Some((solved[i], what))
     }
 }
 
@@ -314,6 +315,12 @@ impl<'a, 'p> Level<'a, 'p> {
         self.ladder.full()
     }
 
+    /// A search on a budget of its own: what it takes does not depend on what was searched before, nor on what is listed.
+    fn apart<T>(&self, search: impl FnOnce() -> T) -> T {
+        let budget = &self.balance().problem.budget;
+        budget.apart(self.settings.newton.budget, search)
+    }
+
     /// A frequency without solution.
     fn unsolved(&self, omega: f64, status: Status) -> Solution {
         let stuck = stuck_point(self.balance(), omega, self.level);
@@ -359,7 +366,8 @@ impl<'a, 'p> Level<'a, 'p> {
         let mut front = first.point.omega;
         if let Some(i) = open.pop_if(|i| answers.omega[*i] == front) {
             let again = Iterate::new(self.balance(), first.point.clone());
-            answers.found[i] = Some(self.raised(again, std::mem::take(&mut count)));
+            let work = std::mem::take(&mut count);
+            answers.found[i] = Some(self.apart(|| self.raised(again, work)));
         }
         if open.is_empty() {
             return None;
@@ -372,9 +380,10 @@ impl<'a, 'p> Level<'a, 'p> {
         };
         let newton = self.settings.newton;
         let all = answers.omega.len() as f64;
-        let end = follow(self.balance(), first, route, newton, |taken, work| {
+        let end = follow(self.balance(), first, route, newton, |from, to, work| {
             count += work;
-            let reached = self.answer(&taken.stretch(), (sign, &mut open), answers, &mut count);
+            let stretch = Stretch::new(self.balance(), &from, to);
+            let reached = self.answer(&stretch, (sign, &mut open), answers, &mut count);
             front = sign * f64::max(sign * front, sign * reached);
             progress(1.0 - open.len() as f64 / all);
             match open.is_empty() {
@@ -402,23 +411,19 @@ impl<'a, 'p> Level<'a, 'p> {
             true => taken.tip(balance, newton, count),
             false => None,
         };
-        let (to, length) = match &tip {
-            Some((tip, length)) => (tip, *length),
-            None => (taken.to, taken.length),
-        };
-        let stretch = Stretch {
-            from: taken.from,
-            to,
-            length,
-        };
+        let to = tip.as_ref().unwrap_or(taken.to);
+        let stretch = Stretch::new(balance, taken.from, to);
         let reached = to.iterate.point.omega;
         while let Some(i) = open.pop_if(|i| sign * (answers.omega[*i] - reached) <= 0.0) {
-            let met = stretch.crossing(balance, answers.omega[i], newton, count);
-            let work = std::mem::take(count);
-            answers.found[i] = Some(match met {
-                Ok(iterate) => self.raised(iterate, work),
-                Err(status) => self.unsolved(answers.omega[i], status),
-            });
+            let mut work = std::mem::take(count);
+            let omega = answers.omega[i];
+            answers.found[i] =
+                Some(self.apart(
+                    || match stretch.crossing(balance, omega, newton, &mut work) {
+                        Ok(iterate) => self.raised(iterate, work),
+                        Err(status) => self.unsolved(omega, status),
+                    },
+                ));
         }
         reached
     }
@@ -481,15 +486,19 @@ impl<'a, 'p> Level<'a, 'p> {
         let newton = self.settings.newton;
         let (mut stations, end) =
             Stations::walked(balance, (first, count), route, newton, (other, progress));
-        stations.refine();
+        self.apart(|| stations.refine());
         let solved = |(point, count): &(BranchPoint<'_>, WorkCount)| {
             let solution = Solution::new(balance, &point.iterate, Status::Converged, *count);
-            self.judged(&point.iterate, solution)
+            self.apart(|| self.judged(&point.iterate, solution))
         };
         let mut solutions: Vec<Solution> =
             stations.points.first().map(solved).into_iter().collect();
-        for (stretch, to) in stations.stretches().zip(&stations.points[1..]) {
-            solutions.extend(self.maximum(&stretch, curve.band));
+        for ((stretch, failure), to) in stations.stretches().zip(&stations.points[1..]) {
+            solutions.extend(failure.map(|status| {
+                let ends = [stretch.from, stretch.to].map(|p| p.iterate.point.omega);
+                self.unsolved(0.5 * (ends[0] + ends[1]), status)
+            }));
+            solutions.extend(self.apart(|| self.maximum(&stretch, curve.band)));
             solutions.push(solved(to));
         }
         let last = stations.points.pop().map(|(point, _)| point.iterate);

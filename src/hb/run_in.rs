@@ -4,9 +4,9 @@
 //! the branch is followed to the end of the band, and the other harmonics are added there.
 
 use super::balance::Balance;
-use super::continuation::{BranchPoint, StepSettings, on_if, walk};
+use super::continuation::{BranchPoint, StepSettings, distance, on_if, walk};
 use super::ladder::Ladder;
-use super::newton::{Condition, Direction, Iterate, Metric, Point, WorkCount, solve};
+use super::newton::{Condition, Iterate, Point, WorkCount, solve};
 use super::settings::NewtonSettings;
 use super::status::Status;
 use super::sweep::SweepDirection;
@@ -168,16 +168,6 @@ impl<'p> RunIn<'_, 'p> {
         }
         Err(failure)
     }
-}
-
-/// Distance of two points relative to the dynamic displacements at `a`.
-pub(super) fn distance(balance: &Balance<'_>, a: &Point, b: &Point) -> f64 {
-    let metric = Metric::at(balance, a, 1.0);
-    let gone = Direction {
-        r: moved(&a.r, -1.0, &b.r),
-        omega: 0.0,
-    };
-    metric.dot(balance.layout.n_relative(), &gone, &gone).sqrt()
 }
 
 /// Tangent predictor in the level at a fixed frequency.

@@ -2,7 +2,7 @@
 //!
 //! A walk with steps of limited length keeps to the branch; where pairs begin to slip or to lift off the curve bends sharply
 //! between two of its solutions. So solutions are added where the tangents at both ends of a line leave room for more than
-//! `PICTURE_ERROR` beside it.
+//! [`PICTURE_ERROR`] beside it. A solution that was added shows whether the tangents knew what lies between; if not, more are added.
 
 use super::balance::Balance;
 use super::continuation::{BranchPoint, WalkEnd};
@@ -13,11 +13,13 @@ use super::sweep::{Route, Stretch, follow};
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::ops::ControlFlow;
 
-/// Distance aimed at between the curve and the straight lines (corners where pairs begin to slip may miss it), over the largest amplitude; along the frequency axis over
+/// Distance at most between the curve and the straight lines, over the largest amplitude; along the frequency axis over
 /// the half-power half-width of the peak.
-const PICTURE_ERROR: f64 = 3e-3;
-/// Rounds in which solutions are added between those of the walk.
-const MOST_ROUNDS: usize = 10;
+pub const PICTURE_ERROR: f64 = 3e-3;
+/// How often a step of the walk is divided.
+const MOST_DIVISIONS: usize = 10;
+/// Shares of a step where a solution is looked for that divides it.
+const SHARES: [f64; 4] = [0.5, 0.35, 0.65, 0.2];
 
 /// The solutions of one way through the band, in the order of the way.
 #[derive(Debug)]
@@ -26,8 +28,28 @@ pub(super) struct Stations<'b, 'p> {
     newton: NewtonSettings,
     /// Solutions with the work of each.
     pub(super) points: Vec<(BranchPoint<'p>, WorkCount)>,
-    /// Lengths of the steps between them. Shape: `[points - 1]`.
-    lengths: Vec<f64>,
+    /// The steps between them. Shape: `[points - 1]`.
+    steps: Vec<Step>,
+}
+
+/// A step between two solutions.
+#[derive(Debug, Clone, Copy, Default)]
+struct Step {
+    line: Line,
+    /// How often the step of the walk was divided.
+    divisions: usize,
+}
+
+/// What is known of the straight line between two solutions.
+#[derive(Debug, Clone, Copy, Default)]
+enum Line {
+    /// The tangents at its ends say how far the curve may leave it.
+    #[default]
+    Seen,
+    /// They do not: the solution that divided the step was farther away.
+    Off,
+    /// No solution that divides it was found.
+    Unsolved(Status),
 }
 
 /// How a way ended.
@@ -55,21 +77,21 @@ impl<'b, 'p> Stations<'b, 'p> {
             balance,
             newton,
             points: Vec::new(),
-            lengths: Vec::new(),
+            steps: Vec::new(),
         };
         let (mut met, mut done, mut spent) = (false, 0.0f64, start.1);
         let mut clipped = None;
-        let end = follow(balance, start.0, route, newton, |taken, work| {
-            let reached = taken.to.iterate.point.omega;
+        let end = follow(balance, start.0, route, newton, |from, to, work| {
+            let stretch = Stretch::new(balance, &from, to);
+            let reached = to.iterate.point.omega;
             done = done.max(sign * (reached - begin) / (sign * (far_end - begin)));
             progress(done.min(1.0));
-            met = other.is_some_and(|other| taken.stretch().passes(balance, other));
+            met = other.is_some_and(|other| stretch.passes(balance, other));
             if sign * (reached - far_end) > 0.0 {
-                let stretch = taken.stretch();
                 clipped = stretch.clipped(balance, far_end, newton, &mut spent);
             }
-            stations.lengths.push(taken.length);
-            stations.points.push((taken.from, spent));
+            stations.steps.push(Step::default());
+            stations.points.push((from, spent));
             spent = work;
             match met {
                 true => ControlFlow::Break(()),
@@ -78,28 +100,29 @@ impl<'b, 'p> Stations<'b, 'p> {
         });
         let WalkEnd {
             status,
-            mut last,
+            last,
             count,
         } = end;
-        if let (Some((point, length)), Some(before)) = (clipped, stations.lengths.last_mut()) {
-            (last, *before) = (point, length);
-        }
         if met {
             // what lies beyond the other way's end is known from that way
-            stations.lengths.pop();
+            stations.steps.pop();
         } else {
-            stations.points.push((last, spent));
+            stations.points.push((clipped.unwrap_or(last), spent));
         }
         (stations, End { status, met, count })
     }
 
-    /// The steps, in their order.
-    pub(super) fn stretches(&self) -> impl Iterator<Item = Stretch<'_, 'p>> {
-        (self.points.windows(2).zip(&self.lengths)).map(|(ends, &length)| Stretch {
-            from: &ends[0].0,
-            to: &ends[1].0,
-            length,
+    /// The steps, in their order, each with the status of what was to be added and could not be solved for.
+    pub(super) fn stretches(&self) -> impl Iterator<Item = (Stretch<'_, 'p>, Option<Status>)> {
+        (0..self.steps.len()).map(|i| match self.steps[i].line {
+            Line::Unsolved(status) => (self.stretch(i), Some(status)),
+            _ => (self.stretch(i), None),
         })
+    }
+
+    fn stretch(&self, i: usize) -> Stretch<'_, 'p> {
+        let [from, to] = [i, i + 1].map(|i| &self.points[i].0);
+        Stretch::new(self.balance, from, to)
     }
 
     /// Adds solutions where straight lines are not exact enough.
@@ -107,28 +130,50 @@ impl<'b, 'p> Stations<'b, 'p> {
         let Some(picture) = Picture::of(&self.points) else {
             return;
         };
-        for _ in 0..MOST_ROUNDS {
-            let bent: Vec<usize> = (self.stretches().enumerate())
-                .filter(|(_, stretch)| picture.room(stretch) > PICTURE_ERROR)
-                .map(|(i, _)| i)
-                .collect();
-            let added = bent.iter().rev().filter(|&&i| self.halve(i)).count();
-            if added == 0 {
-                return;
+        let mut i = 0;
+        while i < self.steps.len() {
+            // the first part of a divided step comes next
+            if !(self.is_coarse(i, &picture) && self.divide(i, &picture)) {
+                i += 1;
             }
         }
     }
 
-    /// Whether a solution could be added in the middle of step i.
-    fn halve(&mut self, i: usize) -> bool {
-        let (from, half) = (&self.points[i].0, 0.5 * self.lengths[i]);
+    /// Whether the straight line over step i may miss the curve.
+    fn is_coarse(&self, i: usize, picture: &Picture) -> bool {
+        let Step { line, divisions } = self.steps[i];
+        let misses = match line {
+            Line::Seen => picture.room(&self.stretch(i)) > PICTURE_ERROR,
+            Line::Off => true,
+            Line::Unsolved(_) => false,
+        };
+        misses && divisions < MOST_DIVISIONS
+    }
+
+    /// Adds a solution on step i and sees how far it lies from the straight line; whether there was one.
+    fn divide(&mut self, i: usize, picture: &Picture) -> bool {
+        let (balance, newton) = (self.balance, self.newton);
+        let (stretch, divisions) = (self.stretch(i), self.steps[i].divisions + 1);
         let mut count = WorkCount::default();
-        let Some(middle) = from.beside(self.balance, half, self.newton, &mut count) else {
+        let mut failure = Status::StepTooSmall;
+        let added = SHARES.iter().find_map(|share| {
+            let found = stretch.inside(balance, share * stretch.length, newton, &mut count);
+            failure = found.as_ref().err().copied().unwrap_or(failure);
+            found.ok()
+        });
+        let Some(point) = added else {
+            self.steps[i].line = Line::Unsolved(failure);
+            self.points[i + 1].1 += count;
             return false;
         };
-        let rest = half / from.scale_of(self.balance, &middle);
-        self.lengths.splice(i..=i, [half, rest]);
-        self.points.insert(i + 1, (middle, count));
+        // tangents that leave less room than the curve takes know nothing of what lies between
+        let missed = picture.distance(&stretch, &point);
+        let line = match missed > PICTURE_ERROR.max(picture.room(&stretch)) {
+            true => Line::Off,
+            false => Line::Seen,
+        };
+        self.steps.splice(i..=i, [Step { line, divisions }; 2]);
+        self.points.insert(i + 1, (point, count));
         true
     }
 }
@@ -164,15 +209,25 @@ impl Picture {
         })
     }
 
+    fn place(&self, p: &BranchPoint<'_>) -> [f64; 2] {
+        [
+            p.iterate.point.omega / self.width,
+            p.response.norm() / self.height,
+        ]
+    }
+
+    /// Distance of a solution from the straight line between the ends of a step.
+    fn distance(&self, stretch: &Stretch<'_, '_>, point: &BranchPoint<'_>) -> f64 {
+        let [a, b, p] = [stretch.from, stretch.to, point].map(|p| self.place(p));
+        let [chord, away] = [b, p].map(|to| [to[0] - a[0], to[1] - a[1]]);
+        let across = chord[0] * away[1] - chord[1] * away[0];
+        across.abs() / f64::hypot(chord[0], chord[1])
+    }
+
     /// Distance from the straight line to where the tangents at its ends meet: a curve that bends one way stays within. For
     /// one that bends both ways, what two corners would leave.
     fn room(&self, stretch: &Stretch<'_, '_>) -> f64 {
-        let [a, b] = [stretch.from, stretch.to].map(|p| {
-            [
-                p.iterate.point.omega / self.width,
-                p.response.norm() / self.height,
-            ]
-        });
+        let [a, b] = [stretch.from, stretch.to].map(|p| self.place(p));
         let tangent = |p: &BranchPoint<'_>| {
             let rise = p.response.norm() * p.growth();
             [p.tangent.omega / self.width, rise / self.height]

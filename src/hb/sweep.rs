@@ -5,10 +5,9 @@
 //! the next frequency is met where it has come forward again, which is where a slow sweep jumps to.
 
 use super::balance::Balance;
-use super::continuation::{BranchPoint, StepSettings, WalkEnd, on_if, walk};
-use super::newton::{Condition, Direction, Iterate, Point, WorkCount, solve};
+use super::continuation::{BranchPoint, StepSettings, WalkEnd, distance, on_if, walk};
+use super::newton::{Condition, Iterate, Point, WorkCount, solve};
 use super::resonance::Band;
-use super::run_in::distance;
 use super::settings::NewtonSettings;
 use super::status::Status;
 use std::ops::ControlFlow;
@@ -105,6 +104,7 @@ impl Route {
             largest: self.largest_step,
             omega_scale: width * self.largest_advance / self.largest_step,
             max_steps: usize::MAX,
+            closeness: CLOSE,
             ..StepSettings::for_band(width)
         }
     }
@@ -117,35 +117,12 @@ pub struct Stretch<'s, 'p> {
     pub from: &'s BranchPoint<'p>,
     /// Where it ends.
     pub to: &'s BranchPoint<'p>,
-    /// Length as `from` measures it.
+    /// Length along the tangent of `from`. Parts of a step with a corner may be longer than the step.
     pub length: f64,
-}
-
-/// A step of a sweep, its start given away.
-#[derive(Debug)]
-pub struct Taken<'s, 'p> {
-    /// Where it begins.
-    pub from: BranchPoint<'p>,
-    /// Where it ends.
-    pub to: &'s BranchPoint<'p>,
-    /// Length as `from` measures it.
-    pub length: f64,
-}
-
-impl<'p> Taken<'_, 'p> {
-    /// The step itself.
-    #[must_use]
-    pub fn stretch(&self) -> Stretch<'_, 'p> {
-        Stretch {
-            from: &self.from,
-            to: self.to,
-            length: self.length,
-        }
-    }
 }
 
 /// Follows the branch from `start` along `route` until it leaves the band at its far end, or `visit` breaks; it is given
-/// every step and the work of it.
+/// the ends of every step and the work of it.
 ///
 /// The status of the end is [`Status::Converged`] if the far end was reached or `visit` has ended the walk,
 /// [`Status::LeftBand`] if the branch went far back behind the end where it began.
@@ -154,7 +131,7 @@ pub fn follow<'p>(
     start: Iterate<'p>,
     route: Route,
     newton: NewtonSettings,
-    mut visit: impl FnMut(Taken<'_, 'p>, WorkCount) -> ControlFlow<()>,
+    mut visit: impl FnMut(BranchPoint<'p>, &BranchPoint<'p>, WorkCount) -> ControlFlow<()>,
 ) -> WalkEnd<'p> {
     let steps = route.steps();
     let sign = route.direction.sign();
@@ -163,12 +140,7 @@ pub fn follow<'p>(
     let first = first.towards(sign);
     let mut left = false;
     let mut end = walk(balance, first, newton, steps, |from, to, step| {
-        let taken = Taken {
-            from,
-            to,
-            length: step.length,
-        };
-        let wanted = visit(taken, step.count).is_continue();
+        let wanted = visit(from, to, step.count).is_continue();
         let omega = to.iterate.point.omega;
         left = wanted && sign * (omega - begin) < -OVERHANG * begin;
         on_if(wanted && !left && sign * (far_end - omega) > 0.0)
@@ -180,20 +152,27 @@ pub fn follow<'p>(
     end
 }
 
-impl<'p> Stretch<'_, 'p> {
+impl<'s, 'p> Stretch<'s, 'p> {
+    /// The step between two points of a branch.
+    #[must_use]
+    pub fn new(balance: &Balance<'_>, from: &'s BranchPoint<'p>, to: &'s BranchPoint<'p>) -> Self {
+        let [length, _] = from.distances(balance, &to.iterate.point);
+        Self { from, to, length }
+    }
+
     /// Whether the frequency turns back on the way, seen in the direction `sign`.
     #[must_use]
     pub fn turns_back(&self, sign: f64) -> bool {
         sign * self.from.tangent.omega > 0.0 && sign * self.to.tangent.omega < 0.0
     }
 
-    /// The last solution found before the fold of a stretch that turns back, with its distance from the start.
+    /// The last solution found before the fold of a stretch that turns back.
     pub fn tip(
         &self,
         balance: &Balance<'p>,
         newton: NewtonSettings,
         count: &mut WorkCount,
-    ) -> Option<(BranchPoint<'p>, f64)> {
+    ) -> Option<BranchPoint<'p>> {
         let sign = self.from.tangent.omega.signum();
         let (mut before, mut after) = (0.0, self.length);
         let mut rates = [self.from.tangent.omega, self.to.tangent.omega].map(|rate| sign * rate);
@@ -204,11 +183,11 @@ impl<'p> Stretch<'_, 'p> {
             }
             let share = (rates[0] / (rates[0] - rates[1])).clamp(0.1, 0.9);
             let at = before + share * (after - before);
-            let point = self.from.beside(balance, at, newton, count)?;
+            let point = self.inside(balance, at, newton, count).ok()?;
             let rate = sign * point.tangent.omega;
             if rate > 0.0 {
                 (before, rates[0]) = (at, rate);
-                tip = Some((point, at));
+                tip = Some(point);
             } else {
                 (after, rates[1]) = (at, rate);
             }
@@ -219,40 +198,25 @@ impl<'p> Stretch<'_, 'p> {
     /// Whether the branch has the solution `other` on the way.
     #[must_use]
     pub fn passes(&self, balance: &Balance<'_>, other: &Point) -> bool {
-        let [along, beside] = self.along(balance, other);
+        let [along, beside] = self.from.distances(balance, other);
         let slack = FLOOR * self.length;
         (-slack..=self.length + slack).contains(&along) && beside <= CLOSE * self.length
     }
 
-    /// The solution at `omega`, where the band ends on the way, with its distance from the start.
+    /// The solution at `omega`, where the band ends on the way.
     pub fn clipped(
         &self,
         balance: &Balance<'p>,
         omega: f64,
         newton: NewtonSettings,
         count: &mut WorkCount,
-    ) -> Option<(BranchPoint<'p>, f64)> {
+    ) -> Option<BranchPoint<'p>> {
         let iterate = self.crossing(balance, omega, newton, count).ok()?;
-        let length = self.along(balance, &iterate.point)[0];
         let scale = self.from.metric.omega_scale();
         let forward = Some(&self.from.tangent);
         let (point, work) = BranchPoint::new(balance, iterate, scale, None, forward);
         *count += work;
-        Some((point, length))
-    }
-
-    /// Distance of a point from the start, along the tangent there and beside it.
-    fn along(&self, balance: &Balance<'_>, other: &Point) -> [f64; 2] {
-        let base = &self.from.iterate.point;
-        let gone = Direction {
-            r: (other.r.iter().zip(&base.r)).map(|(a, b)| a - b).collect(),
-            omega: other.omega - base.omega,
-        };
-        let n_relative = balance.layout.n_relative();
-        let (metric, tangent) = (self.from.metric, &self.from.tangent);
-        let along = metric.dot(n_relative, &gone, tangent);
-        let beside = metric.dot(n_relative, &gone, &gone) - along * along;
-        [along, beside.max(0.0).sqrt()]
+        Some(point)
     }
 
     /// The solution at a frequency `omega` between those of the ends, between which the frequency has no fold.
@@ -292,54 +256,91 @@ impl<'p> Stretch<'_, 'p> {
         if halvings == 0 {
             return Err(failure);
         }
-        let half = 0.5 * self.length;
-        let middle = self.from.beside(balance, half, newton, count);
-        let middle = middle.ok_or(failure)?;
+        let middle = self.inside(balance, 0.5 * self.length, newton, count);
+        let middle = middle.map_err(|_| failure)?;
         let at = middle.iterate.point.omega;
         let is_first = (self.from.iterate.point.omega - omega) * (at - omega) <= 0.0;
         let half = match is_first {
-            true => Stretch {
-                from: self.from,
-                to: &middle,
-                length: half,
-            },
-            false => Stretch {
-                from: &middle,
-                to: self.to,
-                length: half / self.from.scale_of(balance, &middle),
-            },
+            true => Stretch::new(balance, self.from, &middle),
+            false => Stretch::new(balance, &middle, self.to),
         };
         half.crossing_within(balance, omega, (newton, halvings - 1), count)
     }
 
-    /// The point with the frequency `omega` on the cubic through both ends with their tangents.
+    /// The solution at the distance `at` from the start, as that measures it, with its tangent turning less than 90°.
+    ///
+    /// # Errors
+    /// The status of the solve, or [`Status::StepTooSmall`] if it led to another branch.
+    pub fn inside(
+        &self,
+        balance: &Balance<'p>,
+        at: f64,
+        newton: NewtonSettings,
+        count: &mut WorkCount,
+    ) -> Result<BranchPoint<'p>, Status> {
+        let from = self.from;
+        let on_cubic = self.cubic(balance, at / self.length);
+        let [along, _] = from.distances(balance, &on_cubic);
+        let predicted = on_cubic.moved(&from.tangent, at - along);
+        let found = count.tally(from.step_to(balance, predicted.clone(), at, newton))?;
+        if distance(balance, &found.point, &predicted) > FLOOR.max(CLOSE * self.length) {
+            return Err(Status::StepTooSmall);
+        }
+        let scale = from.metric.omega_scale();
+        let (point, work) = BranchPoint::new(balance, found, scale, None, Some(&from.tangent));
+        *count += work;
+        match Stretch::new(balance, &point, self.to).length > 0.0 {
+            true => Ok(point),
+            false => Err(Status::StepTooSmall),
+        }
+    }
+
+    /// The point at the share `t` of the way on the cubic through both ends with their tangents.
+    fn cubic(&self, balance: &Balance<'_>, t: f64) -> Point {
+        let (a, b) = (&self.from.iterate.point, &self.to.iterate.point);
+        let (ta, tb) = (&self.from.tangent, &self.to.tangent);
+        let weights = self.weights(balance, t);
+        let at = |values: [f64; 4]| weights.iter().zip(values).map(|(w, v)| w * v).sum::<f64>();
+        Point {
+            r: (0..a.r.len())
+                .map(|i| at([a.r[i], ta.r[i], b.r[i], tb.r[i]]))
+                .collect(),
+            omega: at([a.omega, ta.omega, b.omega, tb.omega]),
+            level: a.level,
+        }
+    }
+
+    /// Weights of value and tangent at the start, value and tangent at the end, of the cubic at the share `t`.
+    fn weights(&self, balance: &Balance<'_>, t: f64) -> [f64; 4] {
+        // tangents are of unit length where they stand
+        let stretch = self.length / self.from.scale_of(balance, self.to);
+        let [a, ta, b, tb] = hermite(t);
+        [a, ta * self.length, b, tb * stretch]
+    }
+
+    /// The point with the frequency `omega` on the cubic.
     fn at_frequency(&self, balance: &Balance<'_>, omega: f64) -> Point {
         let (a, b) = (&self.from.iterate.point, &self.to.iterate.point);
-        let stretch = self.length / self.from.scale_of(balance, self.to);
-        let (ta, tb) = (&self.from.tangent, &self.to.tangent);
-        let at = |weights: [f64; 4], a: f64, da: f64, b: f64, db: f64| {
-            weights[0] * a
-                + weights[1] * self.length * da
-                + weights[2] * b
-                + weights[3] * stretch * db
-        };
-        let above = |t: f64| at(hermite(t), a.omega, ta.omega, b.omega, tb.omega) - omega;
-        let (mut low, mut high) = (0.0, 1.0);
+        let ends = [
+            a.omega,
+            self.from.tangent.omega,
+            b.omega,
+            self.to.tangent.omega,
+        ];
         let sign = (b.omega - a.omega).signum();
+        let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..50 {
             let middle = 0.5 * (low + high);
-            match sign * above(middle) < 0.0 {
+            let weights = self.weights(balance, middle);
+            let at: f64 = weights.iter().zip(ends).map(|(w, v)| w * v).sum();
+            match sign * (at - omega) < 0.0 {
                 true => low = middle,
                 false => high = middle,
             }
         }
-        let weights = hermite(0.5 * (low + high));
         Point {
-            r: (0..a.r.len())
-                .map(|i| at(weights, a.r[i], ta.r[i], b.r[i], tb.r[i]))
-                .collect(),
             omega,
-            level: a.level,
+            ..self.cubic(balance, 0.5 * (low + high))
         }
     }
 }

@@ -3,8 +3,10 @@
 use super::invariants::settings;
 use super::models::plane;
 use crate::response::over_band;
-use microslip::contact::FrictionLaw;
-use microslip::hb::forced_response::{self, CurveSettings, Largest, SlowSweep, at_frequencies};
+use microslip::contact::{Events, FrictionLaw};
+use microslip::hb::forced_response::{
+    self, CurveSettings, Largest, PICTURE_ERROR, Response, SlowSweep, at_frequencies,
+};
 use microslip::hb::resonance::Band;
 use microslip::hb::sweep::SweepDirection;
 use microslip::hb::{HbSettings, LinearModel, Problem, SliderAnchor, Solution, Status};
@@ -116,6 +118,71 @@ fn what_is_listed_does_not_change_what_a_sweep_meets() {
     });
 }
 
+/// Straight lines between the solutions of a curve miss a dense curve by no more than promised, with two fifths of its
+/// solutions, and its largest amplitude is the top. Seen to fail at 1 N, where the pairs begin to slip: without added
+/// solutions by 2.2e-2, and by 1.07e-2 with half of a step's length given to its second half, which a corner makes longer;
+/// and at 2 N by 0.48 with steps that may lead far from their prediction: one jumped over the resonance.
+#[test]
+fn curves_are_as_close_together_as_a_picture_needs() {
+    with_plane(|problem, mut settings| {
+        for events in [Events::Interpolated, Events::Located] {
+            settings.aft.events = events;
+            for level in [1.0, 2.0, 20.0, 40.0] {
+                let band = band(320.0, 450.0);
+                let picture = CurveSettings::picture(band);
+                let thin = forced_response::over_band(problem, &settings, level, picture, |_| ());
+                let dense = over_band(problem, &settings, level, band);
+                let solved = thin.solutions.iter().all(|s| s.status.has_solution());
+                assert!(solved && thin.gap.is_none(), "{level} N");
+                let (peak, what) = thin.largest(band).expect("solved");
+                assert_eq!(what, Largest::Maximum, "{level} N");
+                let top = peak.amplitude(0);
+                let missed = missed(&dense, &thin, top);
+                let [n, many] = [thin.solutions.len(), dense.len()];
+                println!("{events:?}, {level} N: {n} of {many} points, {missed:.1e} away");
+                assert!(missed < PICTURE_ERROR, "{level} N: {missed:e}");
+                assert!(5 * n < 2 * many, "{n} of {many}");
+                let highest = dense.iter().map(|s| s.amplitude(0)).fold(0.0, f64::max);
+                // the amplitude is ragged unless events are located
+                let below = if events == Events::Located {
+                    1e-9
+                } else {
+                    1e-3
+                };
+                let over = top / highest - 1.0;
+                assert!((-below..1e-4).contains(&over), "{level} N: {over:e}");
+            }
+        }
+    });
+}
+
+/// Largest distance of the solutions `dense` from the straight lines of a curve with the peak `top`, over half width and
+/// height of the peak.
+fn missed(dense: &[Solution], curve: &Response, top: f64) -> f64 {
+    let high = dense.iter().filter(|s| s.amplitude(0) > 0.7 * top);
+    let (low, high) = high.fold((f64::INFINITY, 0.0f64), |(l, h), s| {
+        (l.min(s.omega), h.max(s.omega))
+    });
+    let scale = [0.5 * (high - low), top];
+    (dense.iter()).fold(0.0, |m: f64, s| m.max(away(s, curve, scale)))
+}
+
+/// Distance of a solution from the straight lines between others, over half width and height of the peak.
+fn away(solution: &Solution, curve: &Response, [width, height]: [f64; 2]) -> f64 {
+    let place = |s: &Solution| [s.omega / width, s.amplitude(0) / height];
+    let p = place(solution);
+    (curve.solutions.windows(2))
+        .map(|w| {
+            let [a, b] = [place(&w[0]), place(&w[1])];
+            let ab = [b[0] - a[0], b[1] - a[1]];
+            let ap = [p[0] - a[0], p[1] - a[1]];
+            let share = (ab[0] * ap[0] + ab[1] * ap[1]) / (ab[0] * ab[0] + ab[1] * ab[1]);
+            let share = share.clamp(0.0, 1.0);
+            f64::hypot(ap[0] - share * ab[0], ap[1] - share * ab[1])
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
 /// With a budget of 70 Newton iterations no walk gets through: the response says from where to where nothing is known, and no
 /// amplitude of it passes for a peak. A value that the opposite sweep answers leaves nothing open.
 #[test]
@@ -144,14 +211,21 @@ fn a_response_with_a_gap_says_so() {
             let (_, what) = response.largest(band).expect("both ends are solved");
             assert_eq!(what, Largest::OfPart);
         }
-        // a curve may have come back over a fold; a sweep's stop is where it was furthest
-        let gap = values.gap.expect("a gap");
+        // the way up had passed the fold at 360.3 Hz when it stopped at 356.3 Hz; a sweep stops where it was furthest
+        let [by_curve, gap] = [&curve, &values].map(|response| response.gap.expect("a gap"));
+        let way_up = (curve.solutions.iter()).take_while(|s| s.status.has_solution());
+        let furthest = way_up.map(|s| s.omega).fold(0.0, f64::max);
+        assert!(furthest > by_curve.below.omega, "{furthest}");
+        assert!((gap.below.omega / furthest - 1.0).abs() < 1e-3);
+        for solution in &curve.solutions {
+            let inside = furthest < solution.omega && solution.omega < by_curve.above.omega;
+            assert!(!inside || !solution.status.has_solution(), "in the gap");
+        }
         for solution in &values.solutions {
             let inside = gap.below.omega < solution.omega && solution.omega < gap.above.omega;
             assert!(!inside || !solution.status.has_solution(), "in the gap");
         }
-        let reached = values.gap.expect("a gap").below.omega;
-        let near = [0.5 * (band.low + reached)];
+        let near = [0.5 * (band.low + gap.below.omega)];
         let sweep = SlowSweep {
             omega: &near,
             ..sweep
