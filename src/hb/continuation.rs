@@ -294,62 +294,79 @@ pub fn walk<'p>(
     let mut length = steps.first;
     let mut pace = Pace::default();
     let mut behind: Option<Behind> = None;
+    // a solution far from its prediction: taken after all where no shorter step is solved
+    let mut aside: Option<(Iterate<'p>, f64)> = None;
     for _ in 0..steps.max_steps {
         let predicted = match &behind {
             Some(behind) => behind.predicted(&point, length),
             None => point.iterate.point.moved(&point.tangent, length),
         };
-        match point.step_to(balance, predicted.clone(), length, newton) {
+        let (iterate, iterations) = match point.step_to(balance, predicted.clone(), length, newton)
+        {
             Ok((iterate, work)) => {
                 count += work;
                 let apart = distance(balance, &iterate.point, &predicted);
                 if length > SURE_STEP && apart > steps.closeness * length {
+                    aside = Some((iterate, length));
                     length *= 0.5;
                     continue;
                 }
-                let tangent = Some(&point.tangent);
-                let (next, work_tangent) =
-                    BranchPoint::new(balance, iterate, steps.omega_scale, None, tangent);
-                count += work_tangent;
-                let folds = next.tangent.omega * point.tangent.omega < 0.0;
-                if folds && length > FOLD_STEP {
-                    length *= 0.5;
-                    continue;
-                }
-                let before = std::mem::replace(&mut point, next);
-                behind = Some(Behind::new(balance, &before, &point, length));
-                let step = Step {
-                    length,
-                    count: count.since(seen),
-                };
-                seen = count;
-                let longest = match visit(before, &point, step) {
-                    ControlFlow::Continue(longest) => longest,
-                    ControlFlow::Break(()) => return end(Status::Converged, point, count),
-                };
-                if pace.is_hopeless(Some(length), steps.largest) {
-                    return end(Status::StepTooSmall, point, count);
-                }
-                let ease = WANTED_ITERATIONS / work.iterations.max(1) as f64;
-                length = (length * ease.clamp(0.5, 2.0))
-                    .min(steps.largest)
-                    .min(longest.max(steps.smallest));
+                (iterate, work.iterations)
             }
             Err((status, work)) => {
                 count += work;
-                length *= 0.5;
-                let gives_up = status == Status::BudgetSpent || length < steps.smallest;
-                if gives_up || pace.is_hopeless(None, steps.largest) {
-                    let status = match status {
-                        Status::NonFinite | Status::BudgetSpent | Status::NoSteadyCycle => status,
-                        _ => Status::StepTooSmall,
-                    };
-                    return end(status, point, count);
+                let spent = status == Status::BudgetSpent;
+                if let (Some((iterate, longer)), false) = (aside.take(), spent) {
+                    length = longer;
+                    (iterate, newton.max_iterations)
+                } else {
+                    length *= 0.5;
+                    let gives_up = spent || length < steps.smallest;
+                    if gives_up || pace.is_hopeless(None, steps.largest) {
+                        return end(of_failed_step(status), point, count);
+                    }
+                    continue;
                 }
             }
+        };
+        let tangent = Some(&point.tangent);
+        let (next, work_tangent) =
+            BranchPoint::new(balance, iterate, steps.omega_scale, None, tangent);
+        count += work_tangent;
+        let folds = next.tangent.omega * point.tangent.omega < 0.0;
+        if folds && length > FOLD_STEP {
+            length *= 0.5;
+            continue;
         }
+        aside = None;
+        let before = std::mem::replace(&mut point, next);
+        behind = Some(Behind::new(balance, &before, &point, length));
+        let step = Step {
+            length,
+            count: count.since(seen),
+        };
+        seen = count;
+        let longest = match visit(before, &point, step) {
+            ControlFlow::Continue(longest) => longest,
+            ControlFlow::Break(()) => return end(Status::Converged, point, count),
+        };
+        if pace.is_hopeless(Some(length), steps.largest) {
+            return end(Status::StepTooSmall, point, count);
+        }
+        let ease = WANTED_ITERATIONS / iterations.max(1) as f64;
+        length = (length * ease.clamp(0.5, 2.0))
+            .min(steps.largest)
+            .min(longest.max(steps.smallest));
     }
     end(Status::MaxIterations, point, count)
+}
+
+/// The status of a walk whose last step failed with `status`.
+fn of_failed_step(status: Status) -> Status {
+    match status {
+        Status::NonFinite | Status::BudgetSpent | Status::NoSteadyCycle => status,
+        _ => Status::StepTooSmall,
+    }
 }
 
 /// Distance of two points relative to the dynamic displacements at `a`.

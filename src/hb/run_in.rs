@@ -10,7 +10,7 @@ use super::newton::{Condition, Iterate, Point, WorkCount, solve};
 use super::settings::NewtonSettings;
 use super::status::Status;
 use super::sweep::SweepDirection;
-use super::track::stuck_point;
+use super::track::{START_BELOW_ONSET, slip_onset, stuck_point};
 
 /// Largest distance between a start and its solution, relative to the displacements, that leaves no doubt that both
 /// lie on one branch.
@@ -21,7 +21,7 @@ const RUN_IN: f64 = 0.4;
 const LARGEST_STEPS: [f64; 2] = [0.3, 0.05];
 /// Steps of a walk before giving up.
 const MOST_STEPS: usize = 1500;
-/// Level, relative to the wanted one, at which it starts to be raised.
+/// Level, relative to the wanted one, at which it starts to be raised, unless the contacts slip there.
 const LOWEST_LEVEL: f64 = 1e-4;
 /// First ratio between two levels.
 const LEVEL_RATIO: f64 = 3.0;
@@ -109,8 +109,9 @@ impl<'p> RunIn<'_, 'p> {
         if close {
             return direct;
         }
-        let lowest = stuck_point(balance, omega, LOWEST_LEVEL * self.level);
-        let (start, _) = self.close_to(balance, lowest);
+        let onset = START_BELOW_ONSET * slip_onset(balance, &stuck_point(balance, omega, 1.0));
+        let lowest = onset.min(LOWEST_LEVEL * self.level);
+        let (start, _) = self.close_to(balance, stuck_point(balance, omega, lowest));
         let mut at = start?;
         let mut ratio = LEVEL_RATIO;
         while at.point.level < self.level {

@@ -40,7 +40,7 @@ pub struct LevelPeak {
 }
 
 /// Share of the slip onset at which the track starts.
-const START_BELOW_ONSET: f64 = 0.5;
+pub(super) const START_BELOW_ONSET: f64 = 0.5;
 /// First and largest ratio between two amplitudes of the track.
 const RATIOS: [f64; 2] = [2.0, 4.0];
 /// Ratios below this end the track.
@@ -440,7 +440,7 @@ pub fn stuck_point(balance: &Balance<'_>, omega: f64, level: f64) -> Point {
 }
 
 /// Level at which the stuck solution, given per unit level, first breaks the Coulomb limit or opens a pair.
-fn slip_onset(balance: &Balance<'_>, unit: &Point) -> f64 {
+pub(super) fn slip_onset(balance: &Balance<'_>, unit: &Point) -> f64 {
     let n_c = balance.layout.n_pairs;
     let n = balance.layout.n_relative();
     let dynamic = |i: usize| libm::hypot(unit.r[n + i], unit.r[2 * n + i]);
