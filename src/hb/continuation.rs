@@ -40,6 +40,17 @@ pub struct StepSettings {
     /// Distance between a prediction and its solution, over the length of the step, above which a step is repeated with
     /// half its length: it may have jumped to another part of the branch.
     pub closeness: f64,
+    /// Where a step is predicted to lead.
+    pub predictor: Predictor,
+}
+
+/// How a step continues a branch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Predictor {
+    /// Along the tangent.
+    Tangent,
+    /// Along the parabola through the step before: fewer iterations where steps are short against the bends of the branch.
+    Parabola,
 }
 
 impl StepSettings {
@@ -53,6 +64,7 @@ impl StepSettings {
             omega_scale: 2.0 * band,
             max_steps: 2000,
             closeness: f64::INFINITY,
+            predictor: Predictor::Tangent,
         }
     }
 }
@@ -279,9 +291,8 @@ pub struct WalkEnd<'p> {
     pub count: WorkCount,
 }
 
-/// Walks along the branch from `start`; `visit` is given every point left behind, the new one and the
-/// step between them, and says whether to go on and how long the next step may be. A walk on the spot ends as one whose
-/// steps become too small.
+/// Walks along the branch from `start`; `visit` is given every point left behind, the new one and the step between them, and says
+/// whether to go on and how long the next step may be. A walk on the spot ends as one whose steps become too small.
 pub fn walk<'p>(
     balance: &Balance<'p>,
     start: BranchPoint<'p>,
@@ -315,17 +326,17 @@ pub fn walk<'p>(
             }
             Err((status, work)) => {
                 count += work;
+                length *= 0.5;
                 let spent = status == Status::BudgetSpent;
-                if let (Some((iterate, longer)), false) = (aside.take(), spent) {
-                    length = longer;
-                    (iterate, newton.max_iterations)
-                } else {
-                    length *= 0.5;
-                    let gives_up = spent || length < steps.smallest;
-                    if gives_up || pace.is_hopeless(None, steps.largest) {
-                        return end(of_failed_step(status), point, count);
+                let gives_up =
+                    spent || length < steps.smallest || pace.is_hopeless(None, steps.largest);
+                match aside.take_if(|_| gives_up && !spent) {
+                    Some((iterate, longer)) => {
+                        length = longer;
+                        (iterate, newton.max_iterations)
                     }
-                    continue;
+                    None if gives_up => return end(of_failed_step(status), point, count),
+                    None => continue,
                 }
             }
         };
@@ -340,7 +351,10 @@ pub fn walk<'p>(
         }
         aside = None;
         let before = std::mem::replace(&mut point, next);
-        behind = Some(Behind::new(balance, &before, &point, length));
+        behind = match steps.predictor {
+            Predictor::Tangent => None,
+            Predictor::Parabola => Some(Behind::new(balance, &before, &point, length)),
+        };
         let step = Step {
             length,
             count: count.since(seen),

@@ -64,6 +64,9 @@ pub(super) fn first_solution<'p>(
 
 impl<'p> RunIn<'_, 'p> {
     fn at(&mut self, omega: f64) -> Solved<'p> {
+        if !(omega.is_finite() && self.level.is_finite()) {
+            return Err(Status::NonFinite);
+        }
         let ladder = self.ladder;
         let full = ladder.full();
         let away = omega * (1.0 - RUN_IN * self.direction.sign());

@@ -5,7 +5,7 @@
 //! the next frequency is met where it has come forward again, which is where a slow sweep jumps to.
 
 use super::balance::Balance;
-use super::continuation::{BranchPoint, StepSettings, WalkEnd, distance, on_if, walk};
+use super::continuation::{BranchPoint, Predictor, StepSettings, WalkEnd, distance, on_if, walk};
 use super::newton::{Condition, Iterate, Point, WorkCount, solve};
 use super::resonance::Band;
 use super::settings::NewtonSettings;
@@ -105,6 +105,7 @@ impl Route {
             omega_scale: width * self.largest_advance / self.largest_step,
             max_steps: usize::MAX,
             closeness: CLOSE,
+            predictor: Predictor::Parabola,
             ..StepSettings::for_band(width)
         }
     }
