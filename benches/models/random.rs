@@ -74,7 +74,7 @@ impl RandomModel {
             })
             .unzip();
         let mut static_force = vec![0.0; n];
-        for (pair, contact) in Iterator::zip(pairs.iter(), &contacts) {
+        for (pair, contact) in pairs.iter().zip(&contacts) {
             balance_preload(pair, contact, &mut static_force);
         }
         let unit = |at: usize| (0..n).map(|i| f64::from(u8::from(i == at))).collect();

@@ -1,9 +1,8 @@
 //! Samples at further points of the box of the epistemic inputs: the same random inputs as at its outer points.
 
 use super::Ensemble;
-use super::atlas::{Anchor, Atlas};
+use super::atlas::Anchor;
 use super::outcome::SampleOutcome;
-use crate::aft::Backend;
 use rayon::prelude::*;
 
 /// A point of the box beside the outer points of the design.
@@ -27,17 +26,12 @@ impl Ensemble<'_> {
         anchors: &[Anchor],
         done: impl Fn() + Sync,
     ) -> Vec<SampleOutcome> {
-        let on_processor = Ensemble {
-            backend: Backend::Cpu,
-            ..*self
-        };
-        let mut atlas = Atlas::default();
-        atlas.extend(anchors.iter().cloned());
+        let solved = self.solver_from(anchors);
         let design = self.design;
         let inner = design.samples() / design.outer_points();
         let sample = |(point, i): (&FurtherPoint, u64)| {
             let inputs = design.at_point(i, &point.values);
-            let levels = on_processor.levels(&inputs, &atlas);
+            let levels = solved(&inputs);
             done();
             let mut group = design.group(i * design.outer_points());
             group.outer = Some(point.outer);

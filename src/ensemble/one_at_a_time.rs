@@ -4,10 +4,9 @@
 //! missed.
 
 use super::Ensemble;
-use super::atlas::{Anchor, Atlas};
+use super::atlas::Anchor;
 use super::outcome::LevelOutcome;
 use super::runner::FIRST_ANCHORS;
-use crate::aft::Backend;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -39,16 +38,10 @@ impl Ensemble<'_> {
     /// the number of samples nor on the backend. An epistemic input stands in the middle of its interval.
     #[must_use]
     pub fn one_at_a_time(&self, anchors: &[Anchor]) -> OneAtATime {
-        let on_processor = Ensemble {
-            backend: Backend::Cpu,
-            ..*self
-        };
         let first = anchors.len().min(FIRST_ANCHORS as usize);
-        let mut atlas = Atlas::default();
-        atlas.extend(anchors[..first].iter().cloned());
+        let solved = self.solver_from(&anchors[..first]);
         let laws = self.design.inputs();
         let medians: Vec<f64> = laws.iter().map(|(_, law)| law.quantile(0.5)).collect();
-        let solved = |inputs: &[f64]| on_processor.levels(inputs, &atlas);
         let swing = |&input: &usize| {
             let values = ENDS.map(|p| laws[input].1.quantile(p));
             let ends = values.map(|value| {

@@ -4,7 +4,7 @@
 //! from is decided by their numbers, so the number of threads and the order of solving change no bit.
 
 use super::atlas::{Anchor, Atlas};
-use super::outcome::SampleOutcome;
+use super::outcome::{LevelOutcome, SampleOutcome};
 use super::strips::Strips;
 use crate::aft::Backend;
 use crate::contact::ContactParameters;
@@ -75,6 +75,21 @@ impl Ensemble<'_> {
     #[must_use]
     pub fn run(&self, samples: u64, done: impl Fn() + Sync) -> Vec<SampleOutcome> {
         self.extend(Solved::default(), samples, done).outcomes
+    }
+
+    /// Solves inputs beside the samples of the design, on the processor, started from `anchors`: the results depend on
+    /// these alone, neither on threads nor on the backend. Shape of a result: `[levels]`.
+    pub(super) fn solver_from(
+        &self,
+        anchors: &[Anchor],
+    ) -> impl Fn(&[f64]) -> Vec<LevelOutcome> + Sync {
+        let on_processor = Ensemble {
+            backend: Backend::Cpu,
+            ..*self
+        };
+        let mut atlas = Atlas::default();
+        atlas.extend(anchors.iter().cloned());
+        move |inputs| on_processor.levels(inputs, &atlas)
     }
 
     /// The samples 0 … `samples` − 1, of which `kept` has the first ones; `done` is called after each of the others.

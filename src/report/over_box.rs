@@ -1,6 +1,7 @@
 //! Where over the box of the epistemic inputs a criterion is kept and where not.
 //!
-//! The box is known at its outer points alone: a PASS is shown there and not between them.
+//! The box is known at its outer points and at those that the search for the worst case has met: a PASS is shown there and
+//! not between them.
 
 use super::ReportInput;
 use super::display::{from_to, short};

@@ -146,21 +146,21 @@ impl StoppingTable {
 impl StoppingRule {
     /// Numbers of samples at which the rule is judged: from the first one on that could meet it.
     fn looks(&self, criteria: &[Criterion], at_most: u64) -> Vec<u64> {
+        let bounded = |content: f64, confidence: f64| {
+            wilks_sample_size(content, confidence, 1).map_or(u64::MAX, |n| n as u64)
+        };
         let least = match *self {
             Self::Decided => {
                 let passes = |criterion: &Criterion| {
                     let content = criterion.demonstration(1, 1).content;
-                    let confidence = confidence_at(1, criterion.confidence());
-                    wilks_sample_size(content, confidence, 1).map_or(u64::MAX, |n| n as u64)
+                    bounded(content, confidence_at(1, criterion.confidence()))
                 };
                 criteria.iter().map(passes).max().unwrap_or(0)
             }
             Self::Width { quantile, .. } => {
-                let tail = quantile.min(1.0 - quantile);
-                let confidence = confidence_at(1, CONFIDENCE);
-                // the limits are there once the smallest value lies below the quantile
-                let n = (0.5 * (1.0 - confidence)).ln() / (-tail).ln_1p();
-                n.ceil() as u64
+                // both limits are there once each takes its half of the risk
+                let one_sided = 0.5 * (1.0 + confidence_at(1, CONFIDENCE));
+                bounded(quantile.max(1.0 - quantile), one_sided)
             }
         };
         looks(least.max(FIRST_LOOK), at_most)
