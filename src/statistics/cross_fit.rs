@@ -8,9 +8,9 @@
 
 use super::bootstrap::Bootstrap;
 use super::chaos::{Chaos, ChaosRefusal, ChaosSettings, Effect, Polynomials, fit_chaos};
+use super::mean::student;
 use super::proportion::{Proportion, proportion};
 use super::sensitivity::{Index, mean_and_variance};
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Samples of a surrogate. Shape: `basis` one entry per input, one row of coordinates
 /// ([`Polynomials::coordinate`]) and one result per sample; a result that is not finite is a failed sample.
@@ -310,10 +310,4 @@ fn ratio(pairs: impl Iterator<Item = (f64, f64)> + Clone, confidence: f64) -> (f
     let squares: f64 = pairs.map(|(x, y)| (x - ratio * y).powi(2)).sum();
     let error = (squares / (n - 1.0) / n).sqrt() * n / b;
     (ratio, student(n - 1.0, confidence) * error)
-}
-
-/// Student's factor for a number of degrees of freedom.
-fn student(freedom: f64, confidence: f64) -> f64 {
-    let student = StudentsT::new(0.0, 1.0, freedom);
-    student.map_or(f64::INFINITY, |t| t.inverse_cdf((1.0 + confidence) / 2.0))
 }

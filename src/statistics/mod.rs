@@ -23,6 +23,7 @@ pub mod joint;
 pub mod limit;
 pub mod looks;
 pub mod margin;
+mod mean;
 pub mod moment;
 pub mod observed;
 pub mod order_statistic;

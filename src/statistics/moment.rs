@@ -1,8 +1,9 @@
 //! Mean and standard deviation with intervals.
 
 use super::limit::{Interval, Limit};
+use super::mean::SampleMean;
 use super::observed::{Observed, Sorted};
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Mean, standard deviation and range.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -46,14 +47,15 @@ pub struct MomentEstimate {
 
 /// Moments with confidence intervals for all values in `possible` that the failed samples could have had.
 ///
-/// Mean: x̄ ± t s/√n, failed samples at the lower (upper) end of `possible` for the lower (upper) limit. Standard
-/// deviation: Bonett's interval, failed samples at the valid mean for the lower limit and at the two ends of
+/// Mean: the hull of Student's interval and of Hall's for skewed laws, failed samples at the lower (upper) end of `possible`
+/// for the lower (upper) limit. Standard deviation: the hull of Bonett's interval and of Hall's for the mean of the squared
+/// deviations, of at least 40 samples, failed ones at the valid mean for the lower limit and at the two ends of
 /// `possible`, split so that the variance is largest, for the upper one. A side of `possible` that is open leaves the
 /// limit unbounded as soon as one sample failed. Both intervals are asymptotic: their coverage approaches `confidence`
-/// for laws with four moments, unlike that of quantiles, which holds for every n and law.
+/// for laws with four moments, unlike that of quantiles, which holds for every n and law (`cargo bench --bench coverage`).
 /// `None` unless two samples are valid and confidence lies in (0, 1).
 ///
-/// Source: Bonett, Comput. Statist. Data Anal. 50 (2006) 775–782.
+/// Sources: Bonett, Comput. Statist. Data Anal. 50 (2006) 775–782; Hall, J. R. Statist. Soc. B 54 (1992) 221–228.
 #[must_use]
 pub fn moment_estimate(
     observed: &Observed,
@@ -117,45 +119,61 @@ fn widest_split(observed: &Observed, valid: &Moments, possible: Interval) -> usi
         .unwrap_or(0)
 }
 
-/// Student's interval of the mean of at least two values.
+/// Interval of the mean of at least two values.
 fn mean_limits(values: &[f64], confidence: f64) -> (f64, f64) {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    let t = StudentsT::new(0.0, 1.0, n - 1.0)
-        .map_or(f64::INFINITY, |t| t.inverse_cdf((1.0 + confidence) / 2.0));
-    let half = t * (squares / (n - 1.0) / n).sqrt();
-    (mean - half, mean + half)
+    SampleMean::of(values).interval(confidence)
 }
 
-/// Bonett's interval of the standard deviation; `None` for fewer than five values.
+/// Fewest values of an interval of the standard deviation: of 20 with an exponential law it left out the truth in 8 % of the cases.
+const FEWEST_OF_A_DEVIATION: usize = 40;
+/// The skewness of squared deviations is taken as larger by this many n-ths, since few values do not show it: measured.
+const UNSEEN_SKEWNESS: f64 = 15.0;
+
+/// Interval of the standard deviation; `None` for fewer than 40 values.
 ///
-/// ln s² ± z c √((γ − (n − 3)/n)/(n − 1)) + ln c with c = n/(n − z) and γ the kurtosis about a trimmed mean.
+/// The hull of Bonett's interval, which is too short for skewed laws (exponential: 88.8 % of the stated 95 % with 40 values), and
+/// of Hall's of the mean square deviation. For normal values it is 1.2 times as wide as Bonett's with 40 of them and 1.01 times
+/// with 200.
 fn deviation_limits(values: &[f64], confidence: f64) -> Option<(f64, f64)> {
-    let n = values.len() as f64;
-    if values.len() < 5 {
+    if values.len() < FEWEST_OF_A_DEVIATION {
         return None;
     }
+    let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
-    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    if squares == 0.0 {
+    let square = |v: &f64| (v - mean).powi(2) * n / (n - 1.0);
+    let squares: Vec<f64> = values.iter().map(square).collect();
+    let variance = SampleMean::of(&squares);
+    if variance.mean <= 0.0 {
         return Some((0.0, 0.0));
     }
+    let (low, high) = variance.skewed_interval(1.0 + UNSEEN_SKEWNESS / n, confidence);
+    let (lower, upper) = bonett(values, variance.mean, confidence)?;
+    Some((lower.min(low.max(0.0).sqrt()), upper.max(high.sqrt())))
+}
+
+/// Bonett's interval of the standard deviation.
+///
+/// ln s² ± z c √((γ − (n − 3)/n)/(n − 1)) + ln c with c = n/(n − z) and γ the kurtosis about a trimmed mean.
+fn bonett(values: &[f64], variance: f64, confidence: f64) -> Option<(f64, f64)> {
+    let n = values.len() as f64;
     let sorted = Sorted::finite(values.iter().copied());
     let cut = (n / (2.0 * (n - 4.0).sqrt())) as usize;
     let kept = &sorted.values()[cut.min((values.len() - 1) / 2)..];
     let kept = &kept[..kept.len() - cut.min(kept.len() - 1)];
     let trimmed = kept.iter().sum::<f64>() / kept.len() as f64;
-    let fourth: f64 = values.iter().map(|v| (v - trimmed).powi(4)).sum();
-    let kurtosis = n * fourth / (squares * squares);
+    let deviation = variance.sqrt();
+    let fourth: f64 = values
+        .iter()
+        .map(|v| ((v - trimmed) / deviation).powi(4))
+        .sum();
+    let kurtosis = n * fourth / (n - 1.0).powi(2);
     let z = Normal::standard().inverse_cdf((1.0 + confidence) / 2.0);
     if n <= z {
         return None;
     }
     let c = n / (n - z);
     let error = ((kurtosis - (n - 3.0) / n).max(0.0) / (n - 1.0)).sqrt();
-    let variance = c * squares / (n - 1.0);
-    let limit = |side: f64| (variance * (side * z * c * error).exp()).sqrt();
+    let limit = |side: f64| deviation * (c * (side * z * c * error).exp()).sqrt();
     Some((limit(-1.0), limit(1.0)))
 }
 

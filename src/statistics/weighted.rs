@@ -2,8 +2,9 @@
 //!
 //! Weights are normalised by their sum. An interval takes for n what the share itself shows: p (1 − p) over its linearised
 //! variance, so that a tail that carries the weight counts for the few samples that it has (Korn & Graubard 1998). The
-//! sample that was not drawn is the danger: for each limit one observation more with the heaviest weight counts against
-//! it (as in Fay & Feuer 1997 for weighted Poisson counts). With equal weights these are the limits of Clopper & Pearson.
+//! sample that was not drawn is the danger: for each limit one observation more counts against it (as in Fay & Feuer 1997
+//! for weighted Poisson counts), with the heaviest weight that twice as many samples would show, by the Pareto tail of the
+//! weights (Hill 1975). With equal weights these are the limits of Clopper & Pearson.
 
 use super::limit::Interval;
 use statrs::distribution::{Beta, ContinuousCDF};
@@ -56,17 +57,17 @@ struct Share {
     yes: [f64; 2],
     /// The same of all samples.
     all: [f64; 2],
-    /// Heaviest weight.
-    heaviest: f64,
+    /// Weight of an observation that is missing.
+    missing: f64,
 }
 
 /// Shares of the weight below which rounding hides a sample.
 const ROUNDING: f64 = 1e-12;
 
 impl Share {
-    /// Parameters of the beta law of the share with one more observation of the heaviest weight, counted or not.
+    /// Parameters of the beta law of the share with the missing observation, counted or not.
     fn with_one_more(&self, counted: bool) -> [f64; 2] {
-        let (h, [yes, yes_squares], [all, squares]) = (self.heaviest, self.yes, self.all);
+        let (h, [yes, yes_squares], [all, squares]) = (self.missing, self.yes, self.all);
         let more = |counts: bool| f64::from(u8::from(counts));
         let p = (yes + h * more(counted)) / (all + h);
         let counted_squares = yes_squares + h * h * more(counted);
@@ -96,6 +97,22 @@ impl Share {
     }
 }
 
+/// Heaviest weight to be expected among twice as many samples: the heaviest of these times 2^ξ, with Hill's exponent ξ of
+/// the tail of the weights, at most 1 (beyond, weights have no mean). With the heaviest weight itself the limits held the
+/// truth in 87 to 92 % of the cases where a tail of the new law had hardly a sample.
+fn heaviest_of_twice(weights: &[f64]) -> f64 {
+    let mut positive: Vec<f64> = weights.iter().copied().filter(|w| *w > 0.0).collect();
+    positive.sort_by(|a, b| b.total_cmp(a));
+    let n = positive.len() as f64;
+    // As many as for Pareto smoothed importance sampling: Vehtari et al., J. Mach. Learn. Res. 25 (2024) 72.
+    let tail = (n / 5.0).min(3.0 * n.sqrt()) as usize;
+    let (Some(heaviest), Some(start)) = (positive.first(), positive.get(tail)) else {
+        return 0.0;
+    };
+    let above: f64 = positive[..tail].iter().map(|w| (w / start).ln()).sum();
+    heaviest * (above / tail.max(1) as f64).min(1.0).exp2()
+}
+
 /// Valid values in ascending order with the weight up to each.
 struct Weighted {
     valid: Vec<f64>,
@@ -103,7 +120,7 @@ struct Weighted {
     sums: Vec<[f64; 2]>,
     /// The same of the failed samples.
     failed: [f64; 2],
-    heaviest: f64,
+    missing: f64,
     effective_samples: f64,
 }
 
@@ -128,7 +145,7 @@ impl Weighted {
             valid: valid.into_iter().map(|(v, _)| v).collect(),
             sums,
             failed: failed.iter().fold([0.0, 0.0], |sum, (_, w)| add(sum, *w)),
-            heaviest: weights.iter().fold(0.0, |most: f64, w| most.max(w / sum)),
+            missing: heaviest_of_twice(weights) / sum,
             effective_samples,
         })
     }
@@ -148,7 +165,7 @@ impl Weighted {
                 false => yes,
             },
             all: plus(self.sums[self.valid.len()], self.failed),
-            heaviest: self.heaviest,
+            missing: self.missing,
         }
     }
 
@@ -235,8 +252,21 @@ mod tests {
     use super::super::proportion::proportion;
     use super::*;
 
+    /// Of ten weights the largest two are the tail: 2 and 1 over 1 have ξ = ln 2/2; a weight of 100 would have 2.3, taken as 1.
+    /// Weights of 0 are no part of it. Seen to fail with all weights as the tail, without the bound of ξ,
+    /// and with the heaviest weight itself.
+    #[test]
+    fn missing_weight_by_hand() {
+        let with = |first: f64| [vec![first], vec![1.0; 9], vec![0.0; 30]].concat();
+        let two = heaviest_of_twice(&with(2.0));
+        assert!((two - 2.0 * (2_f64.ln() / 2.0).exp2()).abs() < 1e-14);
+        assert_eq!(heaviest_of_twice(&with(1.0)), 1.0);
+        assert_eq!(heaviest_of_twice(&with(100.0)), 200.0);
+        assert_eq!(heaviest_of_twice(&[0.0, 3.0]), 3.0);
+    }
+
     /// Equal weights are samples without weights: the intervals are those of order statistics and of Clopper & Pearson,
-    /// open sides and failed samples included. Seen to fail with the heaviest weight on the side of its limit.
+    /// open sides and failed samples included. Seen to fail with the missing observation on the side of its limit.
     #[test]
     fn equal_weights_give_the_intervals_without_weights() {
         for (n, failed) in [(50, 0), (200, 0), (200, 3)] {

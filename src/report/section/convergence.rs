@@ -117,7 +117,7 @@ fn replicates(view: &View) -> Option<[Block; 2]> {
         table.row(head.chain(numbers).collect());
     }
     let hint = "Points of one replicate depend on each other, so their scatter says nothing about the error; that of the \
-                replicates does. Small figures and quantiles: 95 % intervals by Student’s factor for so many replicates. \
+                replicates does. Small figures and quantiles: 95 % intervals from the scatter of so many replicates. \
                 The means know nothing of failed samples; these lie on either side of the quantiles.";
     Some([table.block(), Block::Hint(hint.to_owned())])
 }

@@ -11,6 +11,8 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 
 /// Repetitions; their seeds are not those of the benchmark, and always the same.
 const REPETITIONS: u64 = 200;
+/// Repetitions of cases that are cheap.
+const MANY: u64 = 1000;
 const FIRST_SEED: u64 = 10_000;
 /// What the true coverage may lack of the stated one.
 const ALLOWED: f64 = 0.015;
@@ -19,25 +21,25 @@ const RISK: f64 = 1e-5;
 
 /// Cases of intervals whose name holds `part`.
 fn assert_covers(part: &str) {
-    assert_covers_where(|s| s.interval.contains(part));
+    assert_covers_where(REPETITIONS, |s| s.interval.contains(part));
 }
 
 /// Cases with a chosen interval.
-fn assert_covers_where(chosen: impl Fn(&cases::Statement) -> bool) {
+fn assert_covers_where(repetitions: u64, chosen: impl Fn(&cases::Statement) -> bool) {
     let mut cases = cases::all();
     cases.retain(|case| case.statements.iter().any(&chosen));
     assert!(!cases.is_empty(), "no such interval");
     for case in cases {
-        let seeds = (FIRST_SEED..FIRST_SEED + REPETITIONS).into_par_iter();
+        let seeds = (FIRST_SEED..FIRST_SEED + repetitions).into_par_iter();
         let found: Vec<Vec<bool>> = seeds.map(|seed| case.covers(seed)).collect();
         for (place, statement) in case.statements.iter().enumerate() {
             let hits = found.iter().filter(|holds| holds[place]).count() as u64;
             let least =
-                Binomial::new(statement.stated - ALLOWED, REPETITIONS).expect("a probability");
+                Binomial::new(statement.stated - ALLOWED, repetitions).expect("a probability");
             let least = least.inverse_cdf(RISK);
             assert!(
                 hits >= least,
-                "{statement:?}: holds the truth {hits} times of {REPETITIONS}, less than {least}"
+                "{statement:?}: holds the truth {hits} times of {repetitions}, less than {least}"
             );
         }
     }
@@ -62,11 +64,28 @@ fn exceedances_cover() {
     assert_covers("re-weighted exceedance");
 }
 
-/// Seen to fail with two thirds of Student's factor.
+/// Where a tail of the new law has hardly a sample. Seen to fail with the heaviest weight drawn as that of the missing
+/// observation (869 of 1000).
+#[test]
+fn reweighted_tails_cover() {
+    assert_covers_where(MANY, |s| {
+        s.interval.contains("re-weighted") && s.samples.contains("shift 1.8, p = 0.1")
+    });
+}
+
+/// Seen to fail with Student's interval of a mean (895 of 1000 with 8 lognormal samples) and with Bonett's of a standard deviation
+/// (894 with 40 exponential ones).
 #[test]
 fn moments_cover() {
-    assert_covers("mean");
-    assert_covers("standard deviation");
+    assert_covers_where(MANY, |s| {
+        ["mean", "standard deviation"].contains(&s.interval)
+    });
+}
+
+/// Seen to fail with two thirds of Student's factor.
+#[test]
+fn means_of_replicates_cover() {
+    assert_covers("mean of replicates");
 }
 
 #[test]
@@ -107,5 +126,7 @@ fn indices_of_rows_cover() {
 /// Seen to fail without the scatter over the parts (lognormal result, 120 of 200).
 #[test]
 fn surrogates_cover() {
-    assert_covers_where(|s| s.interval.contains("by surrogate") && s.samples.starts_with("60 "));
+    assert_covers_where(REPETITIONS, |s| {
+        s.interval.contains("by surrogate") && s.samples.starts_with("60 ")
+    });
 }
