@@ -278,19 +278,18 @@ impl Table {
 
     /// RFC 4180, one line per row, numbers in full.
     fn csv(&self) -> String {
-        let mut text = self.fields.join(",");
+        let mut table = csv::WriterBuilder::new()
+            .terminator(csv::Terminator::CRLF)
+            .flexible(true)
+            .from_writer(Vec::new());
+        // writing to memory does not fail
+        let _ = table.write_record(&self.fields);
         for row in &self.rows {
-            let fields: Vec<String> = row
-                .cells
-                .iter()
-                .flat_map(|c| &c.raw)
-                .map(|f| quoted(f))
-                .collect();
-            text.push_str("\r\n");
-            text.push_str(&fields.join(","));
+            let fields = row.cells.iter().flat_map(|c| &c.raw);
+            let _ = table.write_record(fields.map(|f| no_formula(f)));
         }
-        text.push_str("\r\n");
-        text
+        let text = table.into_inner().unwrap_or_default();
+        String::from_utf8(text).unwrap_or_default()
     }
 }
 
@@ -369,17 +368,12 @@ fn full(value: Option<f64>) -> String {
         .map_or_else(String::new, |v| v.to_string())
 }
 
-/// A field of a CSV line. A text that a spreadsheet would take for a formula gets an apostrophe, which makes it a text.
-fn quoted(field: &str) -> String {
+/// A text that a spreadsheet would take for a formula with an apostrophe, which makes it a text.
+fn no_formula(field: &str) -> String {
     let formula = field.starts_with(['=', '+', '-', '@']) && field.parse::<f64>().is_err();
-    let field = match formula {
-        true => &format!("'{field}"),
-        false => field,
-    };
-    if field.contains(['"', ',', '\n', '\r']) {
-        format!("\"{}\"", field.replace('"', "\"\""))
-    } else {
-        field.to_owned()
+    match formula {
+        true => format!("'{field}"),
+        false => field.to_owned(),
     }
 }
 
@@ -405,7 +399,7 @@ fn data_link(media_type: &str, content: &str) -> String {
 mod tests {
     use super::*;
 
-    /// Seen to fail with the quotes of a field not doubled.
+    /// Seen to fail without the apostrophe, and with a line end of one character.
     #[test]
     fn tables_are_csv() {
         let columns: [(String, &'static [&'static str]); 2] = [
@@ -415,19 +409,20 @@ mod tests {
         let mut table = Table::new("t", "t", columns);
         let number = Cell::number("1.23", Some(1.234_567_890_123)).with_raw([Some(f64::NAN)]);
         table.row(vec![Cell::text("a, \"b\""), number]);
-        let expected = "name,value_hz,lower_hz\r\n\"a, \"\"b\"\"\",1.234567890123,\r\n";
+        table.row(vec![Cell::text("=f(1,2)"), Cell::number("", None)]);
+        let expected =
+            "name,value_hz,lower_hz\r\n\"a, \"\"b\"\"\",1.234567890123,\r\n\"'=f(1,2)\",\r\n";
         assert_eq!(table.csv(), expected);
     }
 
     /// A name is never a formula; numbers stay numbers. Seen to fail without the look at the first character.
     #[test]
     fn texts_are_no_formulas() {
-        for formula in ["=1+1", "+1+1", "-a1", "@sum(a1)"] {
-            assert_eq!(quoted(formula), format!("'{formula}"));
+        for formula in ["=1+1", "+1+1", "-a1", "@sum(a1)", "=cmd(1,2)"] {
+            assert_eq!(no_formula(formula), format!("'{formula}"));
         }
-        assert_eq!(quoted("=cmd(1,2)"), "\"'=cmd(1,2)\"");
         for other in ["-1.5e-3", "+2", "a=b", "", "margin -5 %"] {
-            assert_eq!(quoted(other), other);
+            assert_eq!(no_formula(other), other);
         }
     }
 

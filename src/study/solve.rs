@@ -292,65 +292,58 @@ fn write_csv(
         FrequencyUnit::Hertz => "_m",
         FrequencyUnit::RadiansPerSecond => "",
     };
-    write!(out, "level,frequency_{},status", unit.suffix())?;
-    for name in names {
-        write!(out, ",{}", csv_field(&format!("amplitude_{name}{length}")))?;
-    }
-    writeln!(
-        out,
-        ",stick_fraction,slip_fraction,separated_fraction,truncation_error,residual,newton_iterations,factorizations"
-    )?;
+    let amplitude = |name: &&str| format!("amplitude_{name}{length}");
+    let head = [
+        vec![
+            "level".to_owned(),
+            format!("frequency_{}", unit.suffix()),
+            "status".to_owned(),
+        ],
+        names.iter().map(amplitude).collect(),
+        LAST_COLUMNS.map(str::to_owned).to_vec(),
+    ];
+    let mut table = csv::Writer::from_writer(out);
+    table.write_record(head.concat())?;
     for curve in curves {
         for solution in &curve.response.solutions {
             let frequency = unit.of_rad_s(solution.omega);
-            write!(
-                out,
-                "{},{frequency},{}",
-                curve.level,
-                solution.status.name()
-            )?;
-            write_numbers(out, solution, names.len())?;
+            let place = [curve.level.to_string(), frequency.to_string()];
+            table.write_record(row(place, solution, names.len()))?;
         }
     }
-    Ok(())
+    table.flush()
 }
 
-/// The rest of a row: what a failed solve does not have stays empty.
-fn write_numbers(
-    out: &mut dyn Write,
-    solution: &Solution,
-    n_responses: usize,
-) -> std::io::Result<()> {
+/// Columns of `curve.csv` after the amplitudes.
+const LAST_COLUMNS: [&str; 7] = [
+    "stick_fraction",
+    "slip_fraction",
+    "separated_fraction",
+    "truncation_error",
+    "residual",
+    "newton_iterations",
+    "factorizations",
+];
+
+/// A row at a level and frequency: what a failed solve does not have stays empty.
+fn row(place: [String; 2], solution: &Solution, n_responses: usize) -> Vec<String> {
     let solved = solution.status.has_solution();
     let optional = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
     let if_solved = |value: f64| optional(solved.then_some(value));
-    for i in 0..n_responses {
-        write!(out, ",{}", if_solved(solution.amplitude(i)))?;
-    }
     let ContactFractions {
         stick,
         slip,
         separated,
     } = solution.contact;
-    for fraction in [stick, slip, separated] {
-        write!(out, ",{}", if_solved(fraction))?;
-    }
-    let truncation_error = optional(solution.truncation_error.filter(|_| solved));
-    let residual = optional(Some(solution.residual).filter(|r| r.is_finite()));
-    writeln!(
-        out,
-        ",{truncation_error},{residual},{},{}",
-        solution.work_count.iterations, solution.work_count.factorizations
-    )
-}
-
-/// Quoted where a comma, a quote or a line break would end the field (RFC 4180).
-fn csv_field(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
-    }
+    let mut row = place.to_vec();
+    row.push(solution.status.name().to_owned());
+    row.extend((0..n_responses).map(|i| if_solved(solution.amplitude(i))));
+    row.extend([stick, slip, separated].map(if_solved));
+    row.push(optional(solution.truncation_error.filter(|_| solved)));
+    row.push(optional(Some(solution.residual).filter(|r| r.is_finite())));
+    let count = &solution.work_count;
+    row.extend([count.iterations, count.factorizations].map(|n| n.to_string()));
+    row
 }
 
 #[cfg(test)]
@@ -410,11 +403,19 @@ mod tests {
             overflown,
         ])];
         let mut text = Vec::new();
-        write_csv(&mut text, FrequencyUnit::Hertz, &["tip", "a,b"], &curves).unwrap();
+        write_csv(
+            &mut text,
+            FrequencyUnit::Hertz,
+            &["tip", "a,\"b\""],
+            &curves,
+        )
+        .unwrap();
         let text = String::from_utf8(text).unwrap();
         let lines: Vec<_> = text.lines().collect();
         assert!(
-            lines[0].starts_with("level,frequency_hz,status,amplitude_tip_m,\"amplitude_a,b_m\",")
+            lines[0].starts_with(
+                "level,frequency_hz,status,amplitude_tip_m,\"amplitude_a,\"\"b\"\"_m\","
+            )
         );
         assert!(lines[1].starts_with("2,50,converged,5,1,"), "{}", lines[1]);
         assert!(
