@@ -598,6 +598,7 @@ fn record(provenance: Provenance, names: &[String]) -> RunRecord {
         nominal: None,
         one_at_a_time: None,
         components: Vec::new(),
+        contact_grid: None,
         requirements: Requirements::default(),
         stopping: None,
         surrogate: None,

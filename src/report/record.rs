@@ -57,6 +57,8 @@ pub struct RunRecord {
     pub one_at_a_time: Option<OneAtATime>,
     /// Components that the model was reduced from; none for the user's own matrices.
     pub components: Vec<ComponentRecord>,
+    /// What the contact grid of the built-in rig changes; absent where nobody estimated it.
+    pub contact_grid: Option<ContactGridRecord>,
     /// What the designer asks for.
     pub requirements: Requirements,
     /// How the number of samples came out of the results; absent where it was given.
@@ -136,6 +138,19 @@ pub struct ComponentRecord {
     pub modes: usize,
     /// First one left out (Hz); absent if none was.
     pub first_left_out_hz: Option<f64>,
+}
+
+/// Shift of a frequency by stuck contacts on the study's contact grid, and where it goes on finer ones.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ContactGridRecord {
+    /// Contact nodes per interface, across the gap and along it.
+    pub contact_nodes: [usize; 2],
+    /// Shift on this grid, at nominal stiffness (Hz).
+    pub shift_hz: f64,
+    /// Shift extrapolated from this grid and one twice as fine (Hz).
+    pub limit_hz: f64,
+    /// Error over the shift, without sign.
+    pub relative: f64,
 }
 
 /// A run read back from its folder.

@@ -20,7 +20,8 @@ use crate::hb::resonance::{Band, linear_resonance, linear_response};
 use crate::hb::{LinearModel, Problem};
 use crate::model::two_blade::ComponentSummary;
 use crate::report::record::{
-    ComponentRecord, DesignRecord, FURTHER_POINTS, FileRecord, InputRecord, LinearRecord, TABLES,
+    ComponentRecord, ContactGridRecord, DesignRecord, FURTHER_POINTS, FileRecord, InputRecord,
+    LinearRecord, TABLES,
 };
 use crate::report::stopping::Stopping;
 use crate::report::{self, RunRecord, Summary};
@@ -176,6 +177,7 @@ fn first_record(prepared: &PreparedStudy, ensemble: &Ensemble) -> Result<RunReco
         nominal: Some(ensemble.nominal()),
         one_at_a_time: None,
         components: component_records(&prepared.components),
+        contact_grid: contact_grid(study),
         requirements: study.requirements.clone(),
         stopping: None,
         surrogate: study.surrogate,
@@ -264,6 +266,23 @@ fn relative(path: &Path, start: &Path) -> PathBuf {
     }
     let up = start.components().skip(n).map(|_| Component::ParentDir);
     up.chain(path.components().skip(n)).collect()
+}
+
+/// What the contact grid of the built-in rig changes.
+fn contact_grid(study: &Study) -> Option<ContactGridRecord> {
+    let ModelSettings::TwoBladeStrip {
+        blades, interface, ..
+    } = &study.model
+    else {
+        return None;
+    };
+    let found = blades.grid_error(interface)?;
+    Some(ContactGridRecord {
+        contact_nodes: found.contact_nodes,
+        shift_hz: found.shift_hz,
+        limit_hz: found.limit_hz(),
+        relative: found.relative(),
+    })
 }
 
 fn component_records(components: &[(&'static str, ComponentSummary)]) -> Vec<ComponentRecord> {

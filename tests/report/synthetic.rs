@@ -150,6 +150,7 @@ fn record() -> RunRecord {
         nominal: Some(nominal),
         one_at_a_time: None,
         components: Vec::new(),
+        contact_grid: None,
         requirements: requirements(),
         stopping: None,
         surrogate: None,

@@ -5,6 +5,7 @@
     reason = "functions shared by tests fail like tests"
 )]
 
+mod grid_error;
 mod strip;
 
 use faer::Mat;

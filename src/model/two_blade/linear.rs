@@ -1,6 +1,6 @@
 //! Linear limits of the rig: no contact and all contacts stuck.
 
-use super::{TwoBladeModel, frequencies};
+use super::{Phase, TwoBladeModel, frequencies};
 use crate::linalg::{LinalgError, symmetric_generalized_eigen};
 use crate::model::SparseRow;
 use faer::Mat;
@@ -90,7 +90,12 @@ impl TwoBladeModel {
     /// The mode most like in-phase neck bending of the free blades.
     #[must_use]
     pub fn neck_bending_in(&self, modes: &LinearModes) -> TrackedMode {
-        let free = self.in_phase_shape(self.first_blade.x_bending[1]);
+        let mode = self.first_blade.x_bending[1];
+        self.most_like(modes, self.shape(mode, Phase::InPhase))
+    }
+
+    /// The mode that is most like a mass-normalised shape.
+    pub(super) fn most_like(&self, modes: &LinearModes, free: Mat<f64>) -> TrackedMode {
         let projections = (&self.reduced.mass * free).transpose() * &modes.shapes;
         let correlation = |k: usize| projections[(0, k)].powi(2);
         let index = (0..modes.frequencies.len())
@@ -111,7 +116,7 @@ impl TwoBladeModel {
         let parts = self.area_shares();
         let parts = &parts[..parts.len() / 2];
         self.first_blade.x_bending.map(|mode| {
-            let shape = self.in_phase_shape(mode);
+            let shape = self.shape(mode, Phase::InPhase);
             let response = &self.reduced.responses[0].row;
             let reference: f64 = response.iter().map(|&(dof, w)| w * shape[(dof, 0)]).sum();
             std::array::from_fn(|axis| {
@@ -125,14 +130,18 @@ impl TwoBladeModel {
         })
     }
 
-    /// Mass-normalised shape in which both blades have mode `mode` with equal motion in x, the strip at rest.
-    fn in_phase_shape(&self, mode: usize) -> Mat<f64> {
+    /// Mass-normalised shape in which both blades have mode `mode`, in x with equal or with mirrored motion, the strip at rest.
+    pub(super) fn shape(&self, mode: usize, phase: Phase) -> Mat<f64> {
+        let sign = match phase {
+            Phase::InPhase => -1.0,
+            Phase::OutOfPhase => 1.0,
+        };
         let blade = self.first_blade.shapes.col(mode);
         let n = self.first_blade.mirror.len();
         let mut shape = Mat::zeros(self.reduced.n_dofs(), 1);
         for q in 0..n {
             shape[(q, 0)] = blade[q] / 2f64.sqrt();
-            shape[(n + q, 0)] = -self.first_blade.mirror[q] * blade[q] / 2f64.sqrt();
+            shape[(n + q, 0)] = sign * self.first_blade.mirror[q] * blade[q] / 2f64.sqrt();
         }
         shape
     }

@@ -9,10 +9,12 @@
 
 mod assembly;
 mod components;
+mod grid_error;
 mod linear;
 mod pressure;
 mod settings;
 
+pub use grid_error::GridError;
 pub use linear::{LinearModes, TrackedMode};
 pub use pressure::{PressureField, PressureInputs};
 pub use settings::{Phase, TwoBladeSettings};
