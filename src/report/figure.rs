@@ -289,6 +289,14 @@ impl Panel {
         }
     }
 
+    /// Words that show while the pointer is on a mark.
+    pub(super) fn readout_mark(&mut self, point: (f64, f64), lines: &[String]) {
+        if let Some((x, y)) = self.place(point) {
+            let room = 0.5 * REACH;
+            self.readout([x - room, x + room], [y - room, y + room], lines);
+        }
+    }
+
     /// Words that show while the pointer is on the upright line from `low` to `high` at `x`.
     pub(super) fn readout_upright(&mut self, x: f64, [low, high]: [f64; 2], lines: &[String]) {
         if let (Some((x, top)), Some((_, bottom))) = (self.place((x, high)), self.place((x, low))) {

@@ -4,6 +4,7 @@ use crate::synthetic::SyntheticStudy;
 use microslip::ensemble::outcome::SampleOutcome;
 use microslip::report::epistemic::Extreme;
 use microslip::report::population::{Bound, Quantiles};
+use microslip::report::record::ContactGridRecord;
 use microslip::report::sensitivity::IndexResult;
 use microslip::report::{self, Assessment, Summary};
 use microslip::statistics::{
@@ -380,4 +381,57 @@ fn the_error_budget_knows_the_points() {
     let line = &assessment.error_budget[0];
     assert_eq!(line.frequency_hz, widths.reduce(f64::max));
     assert!(line.frequency_hz.is_some() && line.amplitude_relative.is_some());
+}
+
+/// What a criterion judges stands over each epistemic input: a ring per outer point of the study, a cross per point of the search,
+/// and one worst point. Seen to fail with all points as rings, and without the mark of the worst.
+#[test]
+fn the_worst_case_is_drawn_at_the_points() {
+    let mut study = nested(180);
+    study.record.design.outer_points = 2;
+    study.record.design.further_points = 1;
+    let page = page(&study);
+    let section = section(&page, "epistemic");
+    let mut figures = section.split("<figure>");
+    let figure = figures.find(|f| f.contains("\"worst-case-0-0.svg\""));
+    let figure = figure.unwrap().split("<figcaption>").next().unwrap();
+    let count = |what: &str| figure.matches(what).count();
+    assert_eq!(count("<circle class=\"ring"), 2);
+    let crosses = figure.split("class=\"cross ").nth(1).unwrap();
+    assert_eq!(
+        crosses.split("/>").next().unwrap().matches('M').count(),
+        1,
+        "{crosses}"
+    );
+    assert_eq!(count("class=\"mark "), 1);
+    assert!(section.contains("the search for the worst case has met"));
+}
+
+/// The row of the contact grid is its share of the largest shift of a sample, and it is in the verdicts on frequencies. Seen to
+/// fail with the share of the frequency.
+#[test]
+fn the_contact_grid_is_in_the_budget() {
+    let mut study = SyntheticStudy::new(90);
+    let row = |study: &SyntheticStudy| {
+        let input = study.input();
+        let summary = Summary::of(&input);
+        let assessment = Assessment::of(&input, &summary);
+        let mut budget = assessment.error_budget.into_iter();
+        let line = budget.find(|l| l.source == "Contact grid");
+        let levels = summary.levels.iter();
+        let highest = levels.map(|l| l.frequency_hz.moments.unwrap().maximum);
+        (line.unwrap(), highest.fold(0.0, f64::max))
+    };
+    assert_eq!(row(&study).0.frequency_hz, None);
+    study.record.contact_grid = Some(ContactGridRecord {
+        contact_nodes: [5, 3],
+        shift_hz: 7.0,
+        limit_hz: 7.7,
+        relative: 0.1,
+    });
+    let (line, highest) = row(&study);
+    let shift = highest - study.record.free.frequency_hz;
+    let found = line.frequency_hz.unwrap();
+    assert!((found - 0.1 * shift).abs() < 1e-12, "{found}");
+    assert_eq!(line.amplitude_relative, None);
 }

@@ -64,13 +64,14 @@ fn figure(view: &View, k: usize, result: &CriterionResult) -> Figure {
 }
 
 /// Place and name of the level of a result.
-fn level_of(view: &View, result: &LevelResult) -> (usize, String) {
+pub(super) fn level_of(view: &View, result: &LevelResult) -> (usize, String) {
     let mut levels = view.input.record.levels.iter();
     let i = levels.position(|l| *l == result.level).unwrap_or(0);
     (i, view.level_name(i))
 }
 
-fn label(quantity: Quantity) -> &'static str {
+/// Axis label of what a criterion judges.
+pub(super) fn label(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::FrequencyMarginPercent => "Frequency margin (%)",
         Quantity::AmplitudeUm => "Amplitude (µm)",

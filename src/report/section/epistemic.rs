@@ -8,6 +8,7 @@ use super::super::figure::{Panel, Size};
 use super::super::population::Populations;
 use super::super::view::{Shown, View};
 use super::envelope::limits;
+use super::worst_case;
 use crate::statistics::{Interval, Limit, Observed, Sorted};
 
 /// Values at which a p-box is drawn.
@@ -51,6 +52,7 @@ pub(super) fn section(view: &View) -> Option<Section> {
         bounds(view, epistemic, &length),
     ];
     blocks.extend(exceedances(view, epistemic, &length));
+    blocks.extend(worst_case::blocks(view));
     let keys = [
         Key::new(
             Mark::Band,
@@ -217,27 +219,7 @@ fn p_box(view: &View, shown: Shown, i: usize) -> Figure {
     let x = Axis::around(view.label(shown), all.values().iter().copied());
     let y = Axis::linear("Share of samples below", 0.0, 1.0);
     let mut panel = Panel::new(Size::Large, view.level_name(i), x, y);
-    let below = |point: &Observed, x: f64, failed: usize| {
-        let known = point.valid().values().partition_point(|v| *v <= x);
-        (known + failed) as f64 / point.total().max(1) as f64
-    };
-    let stride = all.values().len().div_ceil(PLACES).max(1);
-    let places = all
-        .values()
-        .iter()
-        .step_by(stride)
-        .chain(all.values().last());
-    let band: Vec<(f64, f64, f64)> = places
-        .map(|&x| {
-            let least = points.iter().map(|p| below(p, x, 0)).fold(1.0, f64::min);
-            let most = points
-                .iter()
-                .map(|p| below(p, x, p.failed()))
-                .fold(0.0, f64::max);
-            (x, least, most)
-        })
-        .collect();
-    panel.band(&format!("l{i}"), &band);
+    panel.band(&format!("l{i}"), &between(&points, all.values()));
     for point in &points {
         let corners = crate::statistics::empirical_cdf(point.valid());
         panel.steps(&format!("quartile l{i}"), &corners, 0.0);
@@ -246,4 +228,56 @@ fn p_box(view: &View, shown: Shown, i: usize) -> Figure {
         panel.note("no sample has a solution");
     }
     view.figure(&panel, format!("p-box-{}-{i}", shown.word()), "")
+}
+
+/// The steps (value, lowest share, highest share) that hold the distribution functions of all points, drawn at some of the
+/// ascending `values`: the lowest share at the start of a step, the highest at its end, failed samples on either side.
+fn between(points: &[&Observed], values: &[f64]) -> Vec<(f64, f64, f64)> {
+    let below = |point: &Observed, x: f64, failed: usize| {
+        let known = point.valid().values().partition_point(|v| *v <= x);
+        (known + failed) as f64 / point.total().max(1) as f64
+    };
+    let least = |x: f64| points.iter().map(|p| below(p, x, 0)).fold(1.0, f64::min);
+    let most = |x: f64| {
+        let shares = points.iter().map(|p| below(p, x, p.failed()));
+        shares.fold(0.0, f64::max)
+    };
+    let stride = values.len().div_ceil(PLACES).max(1);
+    let mut band = Vec::new();
+    for start in (0..values.len()).step_by(stride) {
+        let end = (start + stride).min(values.len());
+        let [low, high] = [least(values[start]), most(values[end - 1])];
+        band.push((values[start], low, high));
+        band.push((values[end.min(values.len() - 1)], low, high));
+    }
+    band
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// No distribution function leaves the band, at its steps and between them. Seen to fail with straight lines between the
+    /// values.
+    #[test]
+    fn the_band_holds_every_distribution_function() {
+        let drawn = |shift: f64| (0..300).map(move |i| (f64::from(i) * 0.37).sin() + shift);
+        let [a, b] = [0.0, 0.5].map(|shift| Observed::of(drawn(shift)));
+        let points = [&a, &b];
+        let all = Sorted::finite(drawn(0.0).chain(drawn(0.5)));
+        let band = between(&points, all.values());
+        for point in points {
+            for (i, x) in all.values().iter().enumerate() {
+                let next = all.values().get(i + 1).copied().unwrap_or(*x);
+                let middle = 0.5 * (x + next);
+                let step = band.chunks(2).rfind(|s| s[0].0 <= middle).unwrap();
+                assert_eq!((step[0].1, step[0].2), (step[1].1, step[1].2));
+                let known = point.valid().values().partition_point(|v| *v <= middle);
+                let share = known as f64 / 300.0;
+                assert!(step[0].1 <= share && share <= step[0].2, "{x}: {share}");
+            }
+        }
+        let ends: Vec<f64> = band.iter().map(|s| s.0).collect();
+        assert!(ends.windows(2).all(|w| w[0] <= w[1]));
+    }
 }

@@ -52,6 +52,7 @@ mod response_frame;
 mod stress;
 mod surrogate;
 mod verdict;
+mod worst_case;
 
 pub(super) use distribution::confidence_band;
 pub(super) use envelope::{limits, share_cell};

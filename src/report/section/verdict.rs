@@ -129,8 +129,8 @@ fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> 
             .map_or_else(|| Cell::text(DASH), |i| view.level_cell(i))
             .with_small(extent)
             .with_small(outer)
-            .with_class("text"),
-        Cell::text(requirement(criterion)).with_class("text"),
+            .with_class("text brief"),
+        Cell::text(requirement(criterion)).with_class("text brief"),
         Cell::number(found, level.estimate)
             .with_raw(sides)
             .with_small(limits(level.interval, &show)),
@@ -139,7 +139,8 @@ fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> 
             Some(criterion.confidence()),
         )
         .with_small(share)
-        .with_small(power(&level.power)),
+        .with_small(power(&level.power))
+        .with_class("text prose"),
         trust_cell(level, show),
         as_intervals_cell(result),
     ]
@@ -156,14 +157,24 @@ fn requirement(criterion: &Criterion) -> String {
     }
 }
 
+/// The word of a judgement.
+pub(super) fn word(judgement: Judgement) -> &'static str {
+    match judgement {
+        Judgement::Pass => "PASS",
+        Judgement::Fail => "FAIL",
+        Judgement::Undecided => "UNDECIDED",
+    }
+}
+
 /// The word of a judgement and its class. The word says itself what a PASS rests on: outer points, and samples that are
 /// no independent draws.
 fn badge(judgement: Judgement, points: Option<usize>, indication: bool) -> (String, &'static str) {
-    let (word, class) = match judgement {
-        Judgement::Pass => ("PASS", "pass"),
-        Judgement::Fail => ("FAIL", "fail"),
-        Judgement::Undecided => ("UNDECIDED", "undecided"),
+    let class = match judgement {
+        Judgement::Pass => "pass",
+        Judgement::Fail => "fail",
+        Judgement::Undecided => "undecided",
     };
+    let word = word(judgement);
     let at = match points.filter(|_| judgement == Judgement::Pass) {
         Some(n) => format!(" at {n} points"),
         None => String::new(),
@@ -180,14 +191,14 @@ fn outer_points(level: Option<&LevelResult>) -> Option<usize> {
 /// The judgement with inputs of flat distributions as intervals, its inputs and its basis.
 fn as_intervals_cell(result: &CriterionResult) -> Cell {
     match &result.as_intervals {
-        None => Cell::text(DASH).with_class("text"),
+        None => Cell::text(DASH).with_class("text prose"),
         Some(found) => {
             let (word, class) = badge(found.judgement, None, result.indication);
             Cell::text(word)
                 .with_badge(class)
                 .with_small(format!("{} as intervals", found.inputs.join(", ")))
                 .with_small(found.basis.clone())
-                .with_class("text")
+                .with_class("text prose")
         }
     }
 }
@@ -221,7 +232,7 @@ fn trust_cell(level: &LevelResult, show: fn(f64) -> String) -> Cell {
         moved[0], moved[1]
     ))
     .with_small(not_in_it)
-    .with_class("text")
+    .with_class("text prose")
 }
 
 /// Bounds that hold for 95 % of the assumed prior with 95 % confidence.
