@@ -88,6 +88,7 @@ fn means_of_replicates_cover() {
     assert_covers("mean of replicates");
 }
 
+/// Seen to fail with 0.2 less of the level.
 #[test]
 fn bands_cover() {
     assert_covers("band");
@@ -105,6 +106,7 @@ fn stopped_studies_cover() {
     assert_covers("study stops");
 }
 
+/// Seen to fail with 0.4 less of the confidence, of either interval.
 #[test]
 fn comparisons_cover() {
     assert_covers("median difference");
