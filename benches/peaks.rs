@@ -18,7 +18,6 @@ use microslip::ensemble::store::{Provenance, write_samples};
 use microslip::ensemble::{Ensemble, SampleSolver, Solved, Strips};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::alert::on;
-use microslip::hb::forced_response::{SlowSweep, at_frequencies};
 use microslip::hb::maxima::PeakChoice;
 use microslip::hb::newton::{Iterate, WorkCount};
 use microslip::hb::peak::PeakSettings;
@@ -26,6 +25,7 @@ use microslip::hb::predicted::maximum_near;
 use microslip::hb::resonance::{Band, linear_resonance};
 use microslip::hb::sweep::SweepDirection;
 use microslip::hb::track::track_peaks;
+use microslip::hb::values::{SlowSweep, at_frequencies};
 use microslip::hb::{
     AlertSettings, Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor,
     Solution, Status,

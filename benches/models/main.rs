@@ -1,12 +1,12 @@
 //! Small random models, parameters over six decades: how many peaks are found, and how the others end.
 //!
-//! `cargo bench --bench models [-- seeds [first seed [harmonics]]]`
+//! `cargo bench --bench models [-- seeds [first seed [harmonics [budget]]]]`
 
 #![allow(clippy::expect_used, reason = "a benchmark that cannot be set up ends")]
 
 mod random;
 
-use microslip::hb::Status;
+use microslip::hb::{NewtonSettings, Status};
 use random::RandomModel;
 use rayon::prelude::*;
 
@@ -22,11 +22,12 @@ fn main() {
     let arguments: Vec<u64> = arguments.collect();
     let or = |at: usize, default: u64| arguments.get(at).copied().unwrap_or(default);
     let (seeds, first, harmonics) = (or(0, 200), or(1, 0), or(2, 5));
+    let budget = or(3, NewtonSettings::default().budget as u64);
     let outcomes: Vec<Outcome> = (first..first + seeds)
         .into_par_iter()
         .map(|seed| {
             let model = RandomModel::of_seed(seed);
-            let found = model.peak(harmonics as usize);
+            let found = model.peak(harmonics as usize, budget as usize);
             Outcome {
                 text: model.text,
                 status: found.status,

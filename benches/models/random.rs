@@ -107,8 +107,12 @@ impl RandomModel {
         }
     }
 
-    /// The peak with `highest` harmonics in the band that holds all modes, free and stuck.
-    pub(crate) fn peak(&self, highest: usize) -> LevelPeak {
+    /// The peak with `highest` harmonics in the band that holds all modes, free and stuck, with `budget` iterations per search.
+    pub(crate) fn peak(&self, highest: usize, budget: usize) -> LevelPeak {
+        let newton = NewtonSettings {
+            budget,
+            ..NewtonSettings::default()
+        };
         let settings = HbSettings {
             harmonics: HarmonicSet::up_to(highest),
             aft: AftSettings {
@@ -118,7 +122,7 @@ impl RandomModel {
                 laps: Laps::Periodic,
             },
             anchor: SliderAnchor::Unloaded,
-            newton: NewtonSettings::default(),
+            newton,
             alert: None,
         };
         let linear = LinearModel::new(&self.reduced).expect("modes");

@@ -24,7 +24,8 @@ pub(super) fn show(
         solutions.len()
     )?;
     if let Some(gap) = curve.response.gap {
-        write!(out, "{}", where_it_ended(gap, &hertz))?;
+        let answered = !curve.response.is_curve && n_solved == solutions.len();
+        write!(out, "{}", where_it_ended((gap, answered), &hertz))?;
     }
     if let Some((solution, largest)) = curve.largest() {
         let place = hertz(solution.omega);
@@ -34,7 +35,7 @@ pub(super) fn show(
     writeln!(out)
 }
 
-fn where_it_ended(gap: Gap, hertz: &impl Fn(f64) -> String) -> String {
+fn where_it_ended((gap, answered): (Gap, bool), hertz: &impl Fn(f64) -> String) -> String {
     let stop = |stop: Stop| {
         let (status, place) = (stop.status, hertz(stop.omega));
         format!("{place} ({}: {})", status.name(), status.explanation())
@@ -47,6 +48,11 @@ fn where_it_ended(gap: Gap, hertz: &impl Fn(f64) -> String) -> String {
         ),
         (Status::Converged, _) => format!(
             ", the downward sweep ended at {}; the values below are those of an upward sweep",
+            stop(above)
+        ),
+        _ if answered => format!(
+            ", no sweep passes from {} to {}; the values between are solved one by one, each from its neighbour",
+            stop(below),
             stop(above)
         ),
         _ => format!(

@@ -17,6 +17,7 @@ use crate::hb::peak::PeakSettings;
 use crate::hb::predicted::{PeakPrediction, correct, maximum_near, phase_locked};
 use crate::hb::refine::refined_near;
 use crate::hb::resonance::{Candidate, candidates};
+use crate::hb::rest::stiffness_at_rest;
 use crate::hb::track::{LevelPeak, track_mode};
 use crate::hb::{Balance, NewtonSettings, Problem, ProblemError, Solution, Status};
 use crate::units::rad_s_to_hz;
@@ -155,7 +156,8 @@ impl Ensemble<'_> {
         place: &[f64],
         atlas: &Atlas,
     ) -> Result<Vec<Maxima>, ProblemError> {
-        let modes = candidates(problem.model, &problem.stuck_stiffness, self.peak.band)?;
+        let stiffness = stiffness_at_rest(problem, self.settings.aft, self.peak.band.low);
+        let modes = candidates(problem.model, &stiffness, self.peak.band)?;
         let search = |mode: &Candidate, wanted: &[usize], known: &[Maxima]| {
             let of_mode = ModeOfSample {
                 problem,

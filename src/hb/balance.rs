@@ -11,6 +11,7 @@ use crate::aft::{
     Accuracy, AftBatch, AftForces, AftPlan, AftSettings, Block, Laps, Periodicity, StateSummary,
     Tangent, Want,
 };
+use crate::contact::Events;
 use crate::harmonics::HarmonicSet;
 use faer::prelude::*;
 
@@ -112,6 +113,12 @@ impl<'p> Balance<'p> {
     #[must_use]
     pub fn n_time(&self) -> usize {
         self.plan.settings().n_time
+    }
+
+    /// How changes of the contact states are placed in time.
+    #[must_use]
+    pub fn events(&self) -> Events {
+        self.plan.settings().events
     }
 
     /// Compliances at the frequency `omega` (rad/s).

@@ -6,6 +6,7 @@ use super::balance::Balance;
 use super::newton::{Condition, Direction, Iterate, Metric, Point, WorkCount, solve};
 use super::settings::NewtonSettings;
 use super::status::Status;
+use crate::contact::Events;
 use faer::prelude::c64;
 use std::ops::ControlFlow;
 
@@ -76,6 +77,12 @@ const WANTED_ITERATIONS: f64 = 4.0;
 const FOLD_STEP: f64 = 0.1;
 /// Steps so short that they do not jump, whatever a corner makes of their prediction.
 const SURE_STEP: f64 = 0.02;
+/// Length of the step over a corner of the branch, tried where longer ones failed, and distance from the tangents of both
+/// legs, over it, up to which a solution lies on a leg.
+const CORNER: f64 = 1e-4;
+const LEG: f64 = 0.2;
+/// Residual over the length of a step: what a short step around a sharp bend of the branch must not lose in it.
+const STEP_SHARE: f64 = 1e-3;
 /// Steps after which the pace of a walk is judged.
 const PACE_STEPS: usize = 200;
 /// Share of failed steps, and mean step over the largest one, of a walk on the spot: both must be met. A walk without
@@ -305,6 +312,8 @@ pub fn walk<'p>(
     let mut length = steps.first;
     let mut pace = Pace::default();
     let mut behind: Option<Behind> = None;
+    // elsewhere what the time points make ragged would pass for corners
+    let has_corners = balance.events() == Events::Located;
     // a solution far from its prediction: taken after all where no shorter step is solved
     let mut aside: Option<(Iterate<'p>, f64)> = None;
     for _ in 0..steps.max_steps {
@@ -312,6 +321,13 @@ pub fn walk<'p>(
             Some(behind) => behind.predicted(&point, length),
             None => point.iterate.point.moved(&point.tangent, length),
         };
+        let from = &point.iterate.point;
+        let sharp = STEP_SHARE * length * from.dynamic_share(balance);
+        let newton = NewtonSettings {
+            tolerance: newton.tolerance.min(sharp),
+            ..newton
+        };
+        let mut forward = point.tangent.clone();
         let (iterate, iterations) = match point.step_to(balance, predicted.clone(), length, newton)
         {
             Ok((iterate, work)) => {
@@ -326,23 +342,32 @@ pub fn walk<'p>(
             }
             Err((status, work)) => {
                 count += work;
+                let is_spent = status == Status::BudgetSpent;
+                let may_turn =
+                    length >= CORNER && 0.5 * length < CORNER && !is_spent && has_corners;
                 length *= 0.5;
-                let spent = status == Status::BudgetSpent;
+                let turned = match may_turn {
+                    true => past_corner(balance, &point, newton, &mut count),
+                    false => None,
+                };
                 let gives_up =
-                    spent || length < steps.smallest || pace.is_hopeless(None, steps.largest);
-                match aside.take_if(|_| gives_up && !spent) {
-                    Some((iterate, longer)) => {
-                        length = longer;
-                        (iterate, newton.max_iterations)
-                    }
-                    None if gives_up => return end(of_failed_step(status), point, count),
-                    None => continue,
+                    is_spent || length < steps.smallest || pace.is_hopeless(None, steps.largest);
+                let far = aside.take_if(|_| gives_up && !is_spent);
+                if let Some((iterate, direction)) = turned {
+                    forward = direction;
+                    (iterate, WANTED_ITERATIONS as usize)
+                } else if let Some((iterate, longer)) = far {
+                    length = longer;
+                    (iterate, newton.max_iterations)
+                } else if gives_up {
+                    return end(of_failed_step(status), point, count);
+                } else {
+                    continue;
                 }
             }
         };
-        let tangent = Some(&point.tangent);
         let (next, work_tangent) =
-            BranchPoint::new(balance, iterate, steps.omega_scale, None, tangent);
+            BranchPoint::new(balance, iterate, steps.omega_scale, None, Some(&forward));
         count += work_tangent;
         let folds = next.tangent.omega * point.tangent.omega < 0.0;
         if folds && length > FOLD_STEP {
@@ -373,6 +398,37 @@ pub fn walk<'p>(
             .min(longest.max(steps.smallest));
     }
     end(Status::MaxIterations, point, count)
+}
+
+/// A solution past a corner of the branch at `at`, and the direction that leads to it. Where a contact begins or ceases to
+/// slip the branch may turn by more than 90°: then no step along the tangent has a solution. The tangent of the other leg
+/// is that of the equations a little further on, where the contact has its new state.
+fn past_corner<'p>(
+    balance: &Balance<'p>,
+    at: &BranchPoint<'p>,
+    newton: NewtonSettings,
+    count: &mut WorkCount,
+) -> Option<(Iterate<'p>, Direction)> {
+    let base = &at.iterate.point;
+    let beyond = Iterate::new(balance, base.moved(&at.tangent, CORNER));
+    let (beyond, work) = BranchPoint::new(balance, beyond, 1.0, Some(at.metric), None);
+    *count += work;
+    let back = base.moved(&at.tangent, -CORNER);
+    [1.0, -1.0].into_iter().find_map(|sign| {
+        let tangent = beyond.tangent.scaled(sign);
+        let predicted = base.moved(&tangent, CORNER);
+        let condition = Condition::ArcLength {
+            base,
+            tangent: &tangent,
+            step: CORNER,
+            metric: at.metric,
+        };
+        let found = count.tally(solve(balance, predicted.clone(), condition, newton));
+        let found = found.ok()?;
+        let is_leg = distance(balance, &found.point, &predicted) <= LEG * CORNER
+            && distance(balance, &found.point, &back) > LEG * CORNER;
+        is_leg.then_some((found, tangent))
+    })
 }
 
 /// The status of a walk whose last step failed with `status`.

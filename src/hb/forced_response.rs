@@ -8,9 +8,8 @@ use super::balance::Balance;
 use super::continuation::BranchPoint;
 use super::ladder::Ladder;
 use super::newton::{Condition, Iterate, Point, WorkCount, polish};
-use super::peak::{PeakSettings, find_peak};
+use super::peak::PeakSettings;
 use super::problem::Problem;
-use super::refine::{Kept, refined};
 use super::resonance::Band;
 use super::run_in::first_solution;
 use super::settings::HbSettings;
@@ -18,17 +17,13 @@ use super::solution::Solution;
 pub use super::stations::PICTURE_ERROR;
 use super::stations::Stations;
 use super::status::Status;
-use super::sweep::{Route, Stretch, SweepDirection, follow};
+use super::sweep::{Route, Stretch, SweepDirection};
 use super::track::stuck_point;
-use std::ops::ControlFlow;
 
 /// Largest relative change of the displacements between two solutions of a curve.
 const PICTURE_STEP: f64 = 0.15;
 /// Largest change of the frequency between two solutions of a curve, over the band.
 const CURVE_ADVANCE: f64 = 0.025;
-/// The same of a sweep, where nothing but the branch is to be kept.
-const SWEEP_STEP: f64 = 0.3;
-const SWEEP_ADVANCE: f64 = 0.1;
 /// Relative change of frequency at which a maximum of a curve counts as located.
 const PEAK_TOLERANCE: f64 = 1e-9;
 
@@ -54,7 +49,12 @@ pub struct Gap {
 }
 
 impl Gap {
-    /// Whether every frequency asked for was met from one side or from the other.
+    pub(super) fn has_spent_budget(self) -> bool {
+        let stops = [self.below, self.above].map(|stop| stop.status);
+        stops.contains(&Status::BudgetSpent)
+    }
+
+    /// Whether every frequency asked for was met by a sweep, from one side or from the other.
     #[must_use]
     pub fn is_answered(self) -> bool {
         [self.below, self.above]
@@ -70,17 +70,6 @@ pub struct Stop {
     pub omega: f64,
     /// Why it was the last one.
     pub status: Status,
-}
-
-/// Frequencies at which the response is wanted, as a slow sweep through a band meets it.
-#[derive(Debug, Clone, Copy)]
-pub struct SlowSweep<'a> {
-    /// The band: the sweep begins at one of its ends, whatever the frequencies are.
-    pub band: Band,
-    /// Which way it goes.
-    pub direction: SweepDirection,
-    /// Frequencies in the band, ascending (rad/s).
-    pub omega: &'a [f64],
 }
 
 /// How a curve is walked.
@@ -115,53 +104,6 @@ pub enum Largest {
     AtEdge,
     /// That of a response with frequencies where nothing was found, and where it may be larger.
     OfPart,
-}
-
-/// Solutions at the frequencies of `sweep`, ascending.
-///
-/// Where several solutions exist, the one that a slow sweep meets: what else is listed in the band does not matter.
-/// Frequencies outside the band extend it. With an error alert every solution gets more harmonics until the truncation error
-/// is below the threshold. Frequencies beyond the place where the sweep stopped are met by the opposite sweep.
-#[must_use]
-pub fn at_frequencies(
-    problem: &Problem<'_>,
-    settings: &HbSettings,
-    level: f64,
-    sweep: SlowSweep<'_>,
-    progress: impl Fn(f64),
-) -> Response {
-    let ladder = Ladder::new(problem, settings);
-    let level = Level::new(problem, &ladder, settings, level);
-    let mut answers = Answers::new(sweep);
-    let stop = level.sweep(sweep.direction, &mut answers, &progress);
-    let mut gap = None;
-    if let Some(stop) = stop {
-        let opposite = sweep.direction.opposite();
-        let other = (level.sweep(opposite, &mut answers, &progress)).unwrap_or(Stop {
-            omega: answers.nearest_to(stop.omega, opposite),
-            status: Status::Converged,
-        });
-        gap = Some(match sweep.direction {
-            SweepDirection::Upward => Gap {
-                below: stop,
-                above: other,
-            },
-            SweepDirection::Downward => Gap {
-                below: other,
-                above: stop,
-            },
-        });
-    }
-    // a frequency that is no number is never met
-    let status = stop.map_or(Status::NonFinite, |stop| stop.status);
-    let solutions = (answers.found.into_iter().zip(sweep.omega))
-        .map(|(found, &omega)| found.unwrap_or_else(|| level.unsolved(omega, status)))
-        .collect();
-    Response {
-        solutions,
-        is_curve: false,
-        gap,
-    }
 }
 
 /// Solutions along the branch from the lower to the upper end of the band, with the maxima of the amplitude of response 0
@@ -227,8 +169,10 @@ impl Response {
         let (i, top) = highest?;
         let below = |j: Option<usize>| j.and_then(amplitude).is_some_and(|a| a <= top);
         let is_inside = below(i.checked_sub(1)) && below(Some(i + 1));
-        let lacks_values = !self.is_curve && solved.len() < self.solutions.len();
-        let is_part = lacks_values || self.gap.is_some_and(|gap| !gap.is_answered());
+        let is_part = match self.is_curve {
+            true => self.gap.is_some(),
+            false => solved.len() < self.solutions.len(),
+        };
         let what = match (is_part, is_inside) {
             (true, _) => Largest::OfPart,
             (false, false) => Largest::AtEdge,
@@ -239,50 +183,11 @@ impl Response {
     }
 }
 
-/// Frequencies that a sweep has still to meet, and the solutions at those that it has met.
-struct Answers<'a> {
-    band: Band,
-    omega: &'a [f64],
-    found: Vec<Option<Solution>>,
-}
-
-impl<'a> Answers<'a> {
-    fn new(sweep: SlowSweep<'a>) -> Self {
-        let [low, high] = [sweep.band.low, sweep.band.high];
-        Self {
-            band: Band {
-                low: sweep.omega.iter().fold(low, |a, b| a.min(*b)),
-                high: sweep.omega.iter().fold(high, |a, b| a.max(*b)),
-            },
-            omega: sweep.omega,
-            found: vec![None; sweep.omega.len()],
-        }
-    }
-
-    /// What a sweep has still to meet, the next one last.
-    fn open(&self, direction: SweepDirection) -> Vec<usize> {
-        let open = (0..self.omega.len()).filter(|&i| self.found[i].is_none());
-        match direction {
-            SweepDirection::Upward => open.rev().collect(),
-            SweepDirection::Downward => open.collect(),
-        }
-    }
-
-    /// The last frequency met by a sweep in `direction` that came towards `end`.
-    fn nearest_to(&self, end: f64, direction: SweepDirection) -> f64 {
-        let sign = direction.sign();
-        (self.omega.iter().copied())
-            .filter(|omega| sign * (end - omega) > 0.0)
-            .max_by(|a, b| (sign * a).total_cmp(&(sign * b)))
-            .unwrap_or(end)
-    }
-}
-
 /// A problem at one level on its way through the band.
-struct Level<'a, 'p> {
+pub(super) struct Level<'a, 'p> {
     ladder: &'a Ladder<'p>,
-    settings: &'a HbSettings,
-    sets: Option<AlertSets<'a, 'p>>,
+    pub(super) settings: &'a HbSettings,
+    pub(super) sets: Option<AlertSets<'a, 'p>>,
     level: f64,
 }
 
@@ -297,7 +202,7 @@ struct Part {
 }
 
 impl<'a, 'p> Level<'a, 'p> {
-    fn new(
+    pub(super) fn new(
         problem: &'p Problem<'p>,
         ladder: &'a Ladder<'p>,
         settings: &'a HbSettings,
@@ -311,25 +216,25 @@ impl<'a, 'p> Level<'a, 'p> {
         }
     }
 
-    fn balance(&self) -> &'a Balance<'p> {
+    pub(super) fn balance(&self) -> &'a Balance<'p> {
         self.ladder.full()
     }
 
     /// A search on a budget of its own: what it takes does not depend on what was searched before, nor on what is listed.
-    fn apart<T>(&self, search: impl FnOnce() -> T) -> T {
+    pub(super) fn apart<T>(&self, search: impl FnOnce() -> T) -> T {
         let budget = &self.balance().problem.budget;
         budget.apart(self.settings.newton.budget, search)
     }
 
     /// A frequency without solution.
-    fn unsolved(&self, omega: f64, status: Status) -> Solution {
+    pub(super) fn unsolved(&self, omega: f64, status: Status) -> Solution {
         let stuck = stuck_point(self.balance(), omega, self.level);
         let iterate = Iterate::new(self.balance(), stuck);
         Solution::new(self.balance(), &iterate, status, WorkCount::default())
     }
 
     /// The solution at the end of `band` where a way in `direction` begins.
-    fn first(
+    pub(super) fn first(
         &self,
         band: Band,
         direction: SweepDirection,
@@ -337,7 +242,7 @@ impl<'a, 'p> Level<'a, 'p> {
         let [omega, _] = direction.ends(band);
         let newton = self.settings.newton;
         self.balance().problem.budget.grant(newton.budget);
-        match first_solution(self.ladder, newton, self.level, (omega, direction)) {
+        match first_solution(self.ladder.rungs(), newton, self.level, (omega, direction)) {
             Ok((first, mut count)) => {
                 let (first, work) = polish(self.balance(), first);
                 count += work;
@@ -345,101 +250,6 @@ impl<'a, 'p> Level<'a, 'p> {
             }
             Err((status, count)) => Err((Stop { omega, status }, count)),
         }
-    }
-
-    /// Answers what a sweep in `direction` meets of the open frequencies; says where it stopped, if it did before the last.
-    fn sweep(
-        &self,
-        direction: SweepDirection,
-        answers: &mut Answers<'_>,
-        progress: &impl Fn(f64),
-    ) -> Option<Stop> {
-        let mut open = answers.open(direction);
-        if open.is_empty() {
-            return None;
-        }
-        let (band, sign) = (answers.band, direction.sign());
-        let (first, mut count) = match self.first(band, direction) {
-            Ok(first) => first,
-            Err((stop, _)) => return Some(stop),
-        };
-        let mut front = first.point.omega;
-        if let Some(i) = open.pop_if(|i| answers.omega[*i] == front) {
-            let again = Iterate::new(self.balance(), first.point.clone());
-            let work = std::mem::take(&mut count);
-            answers.found[i] = Some(self.apart(|| self.raised(again, work)));
-        }
-        if open.is_empty() {
-            return None;
-        }
-        let route = Route {
-            band,
-            direction,
-            largest_step: SWEEP_STEP,
-            largest_advance: SWEEP_ADVANCE,
-        };
-        let newton = self.settings.newton;
-        let all = answers.omega.len() as f64;
-        let end = follow(self.balance(), first, route, newton, |from, to, work| {
-            count += work;
-            let stretch = Stretch::new(self.balance(), &from, to);
-            let reached = self.answer(&stretch, (sign, &mut open), answers, &mut count);
-            front = sign * f64::max(sign * front, sign * reached);
-            progress(1.0 - open.len() as f64 / all);
-            match open.is_empty() {
-                true => ControlFlow::Break(()),
-                false => ControlFlow::Continue(()),
-            }
-        });
-        let status = end.status;
-        (status != Status::Converged).then_some(Stop {
-            omega: front,
-            status,
-        })
-    }
-
-    /// Answers the `open` frequencies on a step of a sweep in the direction `sign`; gives the frequency reached by it.
-    fn answer(
-        &self,
-        taken: &Stretch<'_, 'p>,
-        (sign, open): (f64, &mut Vec<usize>),
-        answers: &mut Answers<'_>,
-        count: &mut WorkCount,
-    ) -> f64 {
-        let (balance, newton) = (self.balance(), self.settings.newton);
-        let tip = match taken.turns_back(sign) {
-            true => taken.tip(balance, newton, count),
-            false => None,
-        };
-        let to = tip.as_ref().unwrap_or(taken.to);
-        let stretch = Stretch::new(balance, taken.from, to);
-        let reached = to.iterate.point.omega;
-        while let Some(i) = open.pop_if(|i| sign * (answers.omega[*i] - reached) <= 0.0) {
-            let mut work = std::mem::take(count);
-            let omega = answers.omega[i];
-            answers.found[i] =
-                Some(self.apart(
-                    || match stretch.crossing(balance, omega, newton, &mut work) {
-                        Ok(iterate) => self.raised(iterate, work),
-                        Err(status) => self.unsolved(omega, status),
-                    },
-                ));
-        }
-        reached
-    }
-
-    /// The solution to round-off, with as many harmonics as the alert asks for.
-    fn raised(&self, iterate: Iterate<'p>, mut count: WorkCount) -> Solution {
-        let (iterate, work) = polish(self.balance(), iterate);
-        count += work;
-        let kept = (Kept::Frequency, self.settings.newton);
-        refined(
-            self.balance(),
-            iterate.into(),
-            self.sets.as_ref(),
-            kept,
-            count,
-        )
     }
 
     /// The solution with its truncation error.
@@ -521,24 +331,12 @@ impl<'a, 'p> Level<'a, 'p> {
 
     /// The maximum of the amplitude on a step of the curve, if there is one and it can be located.
     fn maximum(&self, stretch: &Stretch<'_, 'p>, band: Band) -> Option<Solution> {
-        let (from, to) = (stretch.from, stretch.to);
-        if from.growth() <= 0.0 || to.growth() > 0.0 {
-            return None;
-        }
-        let balance = self.balance();
-        let higher = match from.response.norm() > to.response.norm() {
-            true => from,
-            false => to,
-        };
         let search = PeakSettings {
             band,
             frequency_tolerance: PEAK_TOLERANCE,
         };
-        let start = Iterate::new(balance, higher.iterate.point.clone());
-        let (found, count) = find_peak(balance, start, search, self.settings.newton).ok()?;
-        let top = found.iterate.response(balance).norm();
-        let is_on_it = stretch.passes(balance, &found.iterate.point)
-            && top >= f64::max(from.response.norm(), to.response.norm());
-        is_on_it.then(|| self.judged(&found.iterate, found.solution(balance, count)))
+        let (balance, mut count) = (self.balance(), WorkCount::default());
+        let found = stretch.maximum(balance, search, self.settings.newton, &mut count)?;
+        Some(self.judged(&found.iterate, found.solution(balance, count)))
     }
 }

@@ -48,32 +48,32 @@ impl<'p> Ladder<'p> {
     pub fn full(&self) -> &Balance<'p> {
         &self.rungs[self.rungs.len() - 1]
     }
+}
 
-    /// Takes a solution on the first rung to the full set, solving under `condition` on each rung.
-    ///
-    /// # Errors
-    /// The status of the rung that failed, and the work of all.
-    pub fn climb(
-        &self,
-        start: Point,
-        condition: Condition<'_>,
-        newton: NewtonSettings,
-    ) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
-        let mut count = WorkCount::default();
-        let mut iterate = Iterate::new(self.first(), start);
-        for pair in self.rungs.windows(2) {
-            let padded = pad(&pair[0], &iterate.point, &pair[1]);
-            match solve(&pair[1], padded, condition, newton) {
-                Ok((solved, work)) => {
-                    count += work;
-                    iterate = solved;
-                }
-                Err((status, work)) => {
-                    count += work;
-                    return Err((status, count));
-                }
+/// Takes a solution on the first of `rungs` to the last, solving under `condition` on each.
+///
+/// # Errors
+/// The status of the rung that failed, and the work of all.
+pub fn climb<'p>(
+    rungs: &[Balance<'p>],
+    start: Point,
+    condition: Condition<'_>,
+    newton: NewtonSettings,
+) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
+    let mut count = WorkCount::default();
+    let mut iterate = Iterate::new(&rungs[0], start);
+    for pair in rungs.windows(2) {
+        let padded = pad(&pair[0], &iterate.point, &pair[1]);
+        match solve(&pair[1], padded, condition, newton) {
+            Ok((solved, work)) => {
+                count += work;
+                iterate = solved;
+            }
+            Err((status, work)) => {
+                count += work;
+                return Err((status, count));
             }
         }
-        Ok((iterate, count))
     }
+    Ok((iterate, count))
 }

@@ -23,6 +23,7 @@ pub mod predicted;
 pub mod problem;
 pub mod refine;
 pub mod resonance;
+pub mod rest;
 mod run_in;
 pub mod settings;
 pub mod solution;
@@ -31,6 +32,7 @@ mod stations;
 pub mod status;
 pub mod sweep;
 pub mod track;
+pub mod values;
 
 pub use balance::Balance;
 pub use error::ProblemError;

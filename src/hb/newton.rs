@@ -20,6 +20,17 @@ pub struct Direction {
     pub omega: f64,
 }
 
+impl Direction {
+    /// `factor` times this direction.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            r: self.r.iter().map(|r| factor * r).collect(),
+            omega: factor * self.omega,
+        }
+    }
+}
+
 /// Inner product of directions. The 0th harmonic is left out: the mean position of a strip is so soft that it would
 /// swallow every step.
 #[derive(Debug, Clone, Copy)]
@@ -163,6 +174,7 @@ pub fn solve<'p>(
     let mut iterate = Iterate::new(balance, start);
     let mut progress = Progress::default();
     let mut damping = 1.0;
+    let tolerance = (settings.tolerance).max(balance.problem.round_off(iterate.point.level));
     loop {
         let size = iterate.relative_residual(balance);
         if !size.is_finite() {
@@ -172,7 +184,7 @@ pub fn solve<'p>(
             .values(balance, &iterate)
             .iter()
             .any(|c| c.abs() > condition.tolerance());
-        if size <= settings.tolerance && !open {
+        if size <= tolerance && !open {
             return match iterate.contact.steady {
                 true => Ok((iterate, count)),
                 false => Err((Status::NoSteadyCycle, count)),
@@ -186,7 +198,7 @@ pub fn solve<'p>(
             return Err((Status::BudgetSpent, count));
         }
         if count.iterations == settings.max_iterations
-            || (size > settings.tolerance && progress.stalls(size))
+            || (size > tolerance && progress.stalls(size))
         {
             return Err((Status::MaxIterations, count));
         }

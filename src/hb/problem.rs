@@ -37,6 +37,8 @@ pub struct StuckStatic {
     pub eta_per_force: Mat<f64>,
     /// Relative displacements under the static load (m). Shape: `[3·n_contacts]`.
     pub relative: Vec<f64>,
+    /// The same while the preloads n₀ push the surfaces apart, too (m). Shape: `[3·n_contacts]`.
+    pub preloaded: Vec<f64>,
     /// G₀ (m/N). Shape: 3·n_contacts square.
     pub compliance: Mat<f64>,
     /// Largest relative displacement under the unit excitation applied statically (m).
@@ -79,7 +81,7 @@ impl<'m> Problem<'m> {
             contact.anchor = anchor;
         }
         let stuck_stiffness = stuck_stiffness(&contacts);
-        let stuck_static = StuckStatic::new(model, &stuck_stiffness, static_load_scale)?;
+        let stuck_static = StuckStatic::new(model, &contacts, &stuck_stiffness, static_load_scale)?;
         Ok(Self {
             model,
             contacts,
@@ -95,13 +97,21 @@ impl<'m> Problem<'m> {
     /// that flies off would pass for converged.
     #[must_use]
     pub fn displacement_scale(&self, level: f64) -> f64 {
-        let at_rest = self
-            .stuck_static
-            .relative
-            .iter()
-            .fold(0.0, |m: f64, r| m.max(r.abs()));
-        at_rest + level * self.stuck_static.excitation_scale
+        largest(&self.stuck_static.preloaded) + level * self.stuck_static.excitation_scale
     }
+
+    /// Residual over that scale that round-off of the static load leaves, which preloads may balance.
+    #[must_use]
+    pub fn round_off(&self, level: f64) -> f64 {
+        ROUND_OFF * largest(&self.stuck_static.relative) / self.displacement_scale(level)
+    }
+}
+
+/// Residual over the displacement by the static load that is round-off.
+const ROUND_OFF: f64 = 1e-14;
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |m, x| m.max(x.abs()))
 }
 
 /// Stiffness of the stuck contacts (N/m). Shape: `[3·n_contacts]`, t1 of every pair, t2, n.
@@ -114,7 +124,12 @@ pub fn stuck_stiffness(contacts: &[ContactParameters<f64>]) -> Vec<f64> {
 }
 
 impl StuckStatic {
-    fn new(model: &LinearModel, k_c: &[f64], load_scale: f64) -> Result<Self, ProblemError> {
+    fn new(
+        model: &LinearModel,
+        contacts: &[ContactParameters<f64>],
+        k_c: &[f64],
+        load_scale: f64,
+    ) -> Result<Self, ProblemError> {
         let part = model.part(0);
         let factor = static_factor(part, k_c)?;
         let eta: Vec<f64> = solve(&factor, &part.static_force)
@@ -132,9 +147,19 @@ impl StuckStatic {
         if excitation_scale == 0.0 && model.n_contacts() > 0 {
             return Err(ProblemError::NoLoad);
         }
+        let (relative, compliance) = (relative(part, &eta), &part.contact * &eta_per_force);
+        let n_t = 2 * contacts.len();
+        let preload = Col::from_fn(3 * contacts.len(), |i| match i.checked_sub(n_t) {
+            Some(pair) => contacts[pair].n_0.max(0.0), // a gap pulls nothing
+            None => 0.0,
+        });
+        let pushed = &compliance * preload;
         Ok(Self {
-            relative: relative(part, &eta),
-            compliance: &part.contact * &eta_per_force,
+            preloaded: (relative.iter().zip(pushed.iter()))
+                .map(|(r, p)| r - p)
+                .collect(),
+            relative,
+            compliance,
             eta,
             eta_per_force,
             excitation_scale,

@@ -5,12 +5,13 @@
 
 use super::balance::Balance;
 use super::continuation::{BranchPoint, StepSettings, distance, on_if, walk};
-use super::ladder::Ladder;
+use super::ladder::climb;
 use super::newton::{Condition, Iterate, Point, WorkCount, solve};
+use super::rest::Rest;
 use super::settings::NewtonSettings;
 use super::status::Status;
 use super::sweep::SweepDirection;
-use super::track::{START_BELOW_ONSET, slip_onset, stuck_point};
+use super::track::START_BELOW_ONSET;
 
 /// Largest distance between a start and its solution, relative to the displacements, that leaves no doubt that both
 /// lie on one branch.
@@ -32,25 +33,25 @@ type Solved<'p> = Result<Iterate<'p>, Status>;
 
 /// What is looked for, and the work so far.
 struct RunIn<'a, 'p> {
-    ladder: &'a Ladder<'p>,
+    rungs: &'a [Balance<'p>],
     newton: NewtonSettings,
     level: f64,
     direction: SweepDirection,
     count: WorkCount,
 }
 
-/// The solution on all harmonics of `ladder` at the frequency `omega` (rad/s), where a sweep in `direction` begins.
+/// The solution on all harmonics of `rungs` at the frequency `omega` (rad/s), where a sweep in `direction` begins.
 ///
 /// # Errors
 /// The status of the last attempt, and the work of all.
 pub(super) fn first_solution<'p>(
-    ladder: &Ladder<'p>,
+    rungs: &[Balance<'p>],
     newton: NewtonSettings,
     level: f64,
     (omega, direction): (f64, SweepDirection),
 ) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
     let mut run_in = RunIn {
-        ladder,
+        rungs,
         newton,
         level,
         direction,
@@ -67,10 +68,8 @@ impl<'p> RunIn<'_, 'p> {
         if !(omega.is_finite() && self.level.is_finite()) {
             return Err(Status::NonFinite);
         }
-        let ladder = self.ladder;
-        let full = ladder.full();
+        let (first, full) = (&self.rungs[0], &self.rungs[self.rungs.len() - 1]);
         let away = omega * (1.0 - RUN_IN * self.direction.sign());
-        let first = ladder.first();
         let reached = (self.raised(first, away))
             .and_then(|start| self.walk(first, &start.point, omega))
             .and_then(|start| self.climb(start));
@@ -83,15 +82,12 @@ impl<'p> RunIn<'_, 'p> {
                 let start = self.raised(full, away)?;
                 self.walk(full, &start.point, omega)
             })
-            .or_else(|_| {
-                let (direct, _) = self.close_to(full, stuck_point(full, omega, self.level));
-                direct
-            })
+            .or_else(|_| self.raised(full, omega))
     }
 
     fn climb(&mut self, start: Iterate<'p>) -> Solved<'p> {
         let condition = Condition::FixedFrequency;
-        let climbed = self.ladder.climb(start.point, condition, self.newton);
+        let climbed = climb(self.rungs, start.point, condition, self.newton);
         self.count.tally(climbed)
     }
 
@@ -108,13 +104,14 @@ impl<'p> RunIn<'_, 'p> {
 
     /// Raises the level at the frequency `omega` from where the structure sticks.
     fn raised(&mut self, balance: &Balance<'p>, omega: f64) -> Solved<'p> {
-        let (direct, close) = self.close_to(balance, stuck_point(balance, omega, self.level));
+        let rest = self.count.tally(Rest::new(balance, omega))?;
+        let (direct, close) = self.close_to(balance, rest.excited(self.level));
         if close {
             return direct;
         }
-        let onset = START_BELOW_ONSET * slip_onset(balance, &stuck_point(balance, omega, 1.0));
+        let onset = START_BELOW_ONSET * rest.slip_onset(balance.problem);
         let lowest = onset.min(LOWEST_LEVEL * self.level);
-        let (start, _) = self.close_to(balance, stuck_point(balance, omega, lowest));
+        let (start, _) = self.close_to(balance, rest.excited(lowest));
         let mut at = start?;
         let mut ratio = LEVEL_RATIO;
         while at.point.level < self.level {

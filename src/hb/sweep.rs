@@ -7,15 +7,20 @@
 use super::balance::Balance;
 use super::continuation::{BranchPoint, Predictor, StepSettings, WalkEnd, distance, on_if, walk};
 use super::newton::{Condition, Iterate, Point, WorkCount, solve};
+use super::peak::{Located, PeakSettings, find_peak};
 use super::resonance::Band;
 use super::settings::NewtonSettings;
 use super::status::Status;
+use crate::contact::Events;
 use std::ops::ControlFlow;
 
 /// Distance between a prediction and its solution, over the length of the step that it lies on, that leaves no doubt that
 /// both lie on one branch; the floor is what tolerances leave.
 const CLOSE: f64 = 0.5;
 const FLOOR: f64 = 1e-3;
+/// Shortest steps: around a sharp bend where a gap begins to close in every period, and where events are not located.
+const SMALLEST: f64 = 1e-9;
+const SMALLEST_RAGGED: f64 = 1e-6;
 /// Halvings of a step before a frequency on it is given up.
 const MOST_HALVINGS: usize = 7;
 /// Length, over that of the step, to which the tip of a fold is located, and the solutions spent on it.
@@ -97,9 +102,14 @@ pub struct Route {
 }
 
 impl Route {
-    fn steps(self) -> StepSettings {
+    fn steps(self, events: Events) -> StepSettings {
         let width = self.band.width();
         StepSettings {
+            smallest: match events {
+                Events::Located => SMALLEST,
+                // shorter steps would follow what the time points make ragged
+                Events::Sampled | Events::Interpolated => SMALLEST_RAGGED,
+            },
             first: self.largest_step.min(0.05),
             largest: self.largest_step,
             omega_scale: width * self.largest_advance / self.largest_step,
@@ -134,7 +144,7 @@ pub fn follow<'p>(
     newton: NewtonSettings,
     mut visit: impl FnMut(BranchPoint<'p>, &BranchPoint<'p>, WorkCount) -> ControlFlow<()>,
 ) -> WalkEnd<'p> {
-    let steps = route.steps();
+    let steps = route.steps(balance.events());
     let sign = route.direction.sign();
     let [begin, far_end] = route.direction.ends(route.band);
     let (first, work) = BranchPoint::new(balance, start, steps.omega_scale, None, None);
@@ -202,6 +212,32 @@ impl<'s, 'p> Stretch<'s, 'p> {
         let [along, beside] = self.from.distances(balance, other);
         let slack = FLOOR * self.length;
         (-slack..=self.length + slack).contains(&along) && beside <= CLOSE * self.length
+    }
+
+    /// The maximum of the amplitude on the way, if there is one and it can be located.
+    pub fn maximum(
+        &self,
+        balance: &Balance<'p>,
+        search: PeakSettings,
+        newton: NewtonSettings,
+        count: &mut WorkCount,
+    ) -> Option<Located<'p>> {
+        let (from, to) = (self.from, self.to);
+        if from.growth() <= 0.0 || to.growth() > 0.0 {
+            return None;
+        }
+        let higher = match from.response.norm() > to.response.norm() {
+            true => from,
+            false => to,
+        };
+        let start = Iterate::new(balance, higher.iterate.point.clone());
+        let found = count
+            .tally(find_peak(balance, start, search, newton))
+            .ok()?;
+        let top = found.iterate.response(balance).norm();
+        let is_on_it = self.passes(balance, &found.iterate.point)
+            && top >= f64::max(from.response.norm(), to.response.norm());
+        is_on_it.then_some(found)
     }
 
     /// The solution at `omega`, where the band ends on the way.

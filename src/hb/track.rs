@@ -10,7 +10,6 @@
 
 use super::alert::{AlertSets, pad};
 use super::balance::Balance;
-use super::continuation::{BranchPoint, StepSettings, on_if, walk};
 use super::ladder::Ladder;
 use super::maxima::{Maxima, ModeSearch, PeakChoice, search_maxima};
 use super::newton::{Condition, Iterate, Point, WorkCount, solve};
@@ -19,12 +18,16 @@ use super::predicted::{PeakPrediction, correct, maximum_near};
 use super::problem::Problem;
 use super::refine::{Kept, refined};
 use super::resonance::{Band, Candidate, candidates, linear_response};
+use super::rest::{Rest, stiffness_at_rest};
+use super::run_in::first_solution;
 use super::settings::{HbSettings, NewtonSettings};
 use super::solution::Solution;
 use super::status::Status;
+use super::sweep::{Route, Stretch, SweepDirection, follow};
 use crate::contact::Events;
 use crate::linalg::LinalgError;
 use faer::prelude::c64;
+use std::ops::ControlFlow;
 
 /// Peak at one level.
 #[derive(Debug)]
@@ -56,8 +59,10 @@ const TRACK_ITERATIONS: usize = 30;
 /// Residual accepted on the way to a level; the solution there, from which the maximum is searched, is solved to the
 /// study's tolerance.
 const TRACK_TOLERANCE: f64 = 1e-5;
-/// Steps of the sweep that replaces a failed track.
-const SWEEP_STEPS: usize = 1000;
+/// Largest relative change of the displacements, and of the frequency over the band, per step of the sweep that replaces a
+/// failed track.
+const SWEEP_STEP: f64 = 0.3;
+const SWEEP_ADVANCE: f64 = 0.025;
 /// Most harmonics (0 included) on which the maximum is searched.
 const FEW_HARMONICS: usize = 8;
 
@@ -89,7 +94,8 @@ pub fn track_peaks(
     peak: PeakSettings,
     levels: &[f64],
 ) -> Result<Vec<LevelPeak>, LinalgError> {
-    let modes = candidates(problem.model, &problem.stuck_stiffness, peak.band)?;
+    let stiffness = stiffness_at_rest(problem, settings.aft, peak.band.low);
+    let modes = candidates(problem.model, &stiffness, peak.band)?;
     let search = |mode: &Candidate, at: &[usize], _: &[_]| {
         let levels: Vec<f64> = at.iter().map(|&i| levels[i]).collect();
         let found = track_mode(problem, settings, peak, mode, &levels);
@@ -110,7 +116,12 @@ pub fn track_mode(
 ) -> Vec<LevelPeak> {
     let ladder = Ladder::new(problem, settings);
     let are_few = |rung: &Balance<'_>| rung.harmonics.orders().len() <= FEW_HARMONICS;
-    let response = linear_response(problem.model, &problem.stuck_stiffness, mode.omega);
+    let rest = Rest::new(ladder.first(), mode.omega);
+    let stiffness = match &rest {
+        Ok((rest, _)) => &rest.stiffness,
+        Err(_) => &problem.stuck_stiffness,
+    };
+    let response = linear_response(problem.model, stiffness, mode.omega);
     let mut track = Track {
         ladder: ladder.rungs(),
         few: ladder.rungs().iter().rposition(are_few).unwrap_or(0),
@@ -123,7 +134,10 @@ pub fn track_mode(
         count: WorkCount::default(),
     };
     problem.budget.grant(settings.newton.budget);
-    track.start(mode.omega, levels.first().copied().unwrap_or(1.0));
+    track.at = rest.ok().and_then(|(rest, work)| {
+        track.count += work;
+        track.start(&rest, levels.first().copied().unwrap_or(1.0))
+    });
     levels.iter().map(|&level| track.level(level)).collect()
 }
 
@@ -162,20 +176,17 @@ impl LevelPeak {
 }
 
 impl<'a, 'p> Track<'a, 'p> {
-    /// Solves at or below the first level, where the stuck solution is a good start.
-    fn start(&mut self, omega: f64, first_level: f64) {
+    /// Solves at or below the first level, where the response that is linear about the rest is a good start.
+    fn start(&mut self, rest: &Rest, first_level: f64) -> Option<Iterate<'p>> {
         let balance = &self.ladder[0];
-        let stuck = |level: f64| stuck_point(balance, omega, level);
-        let onset = slip_onset(balance, &stuck(1.0));
-        let level = first_level.min(START_BELOW_ONSET * onset);
+        let level = first_level.min(START_BELOW_ONSET * rest.slip_onset(balance.problem));
         let newton = self.settings.newton;
-        let held = solve(balance, stuck(level), Condition::FixedFrequency, newton);
-        let locked = self.count.tally(held).and_then(|iterate| {
-            let phase = Condition::PhaseLocked(self.phasor);
-            let locked = solve(balance, iterate.point, phase, newton);
-            self.count.tally(locked)
-        });
-        self.at = locked.ok();
+        let excited = rest.excited(level);
+        let held = solve(balance, excited, Condition::FixedFrequency, newton);
+        let held = self.count.tally(held).ok()?;
+        let phase = Condition::PhaseLocked(self.phasor);
+        let locked = solve(balance, held.point, phase, newton);
+        self.count.tally(locked).ok()
     }
 
     /// Follows the phase resonance to `level` and returns the peak there.
@@ -192,14 +203,18 @@ impl<'a, 'p> Track<'a, 'p> {
         let with_more = |status| if few < last { Ok(()) } else { Err(status) };
         let found = self
             .located(level, few)
-            .and_then(|found| self.raised(found))
+            .and_then(|found| self.raised(few, found))
             .or_else(|status| {
                 with_more(status)?;
                 self.located(level, last)
             })
             .or_else(|_| {
+                let found = self.sweep(level, 0)?;
+                self.raised(0, found)
+            })
+            .or_else(|_| {
                 let found = self.sweep(level, few)?;
-                self.raised(found)
+                self.raised(few, found)
             })
             .or_else(|status| {
                 with_more(status)?;
@@ -252,11 +267,11 @@ impl<'a, 'p> Track<'a, 'p> {
         }
     }
 
-    /// The maximum on the harmonics of the study that belongs to the maximum `found` on few.
-    fn raised(&mut self, found: Located<'p>) -> Result<Located<'p>, Status> {
+    /// The maximum on the harmonics of the study that belongs to the maximum `found` on those of `rung`.
+    fn raised(&mut self, rung: usize, found: Located<'p>) -> Result<Located<'p>, Status> {
         let newton = self.settings.newton;
         let mut found = found;
-        for pair in self.ladder[self.few..].windows(2) {
+        for pair in self.ladder[rung..].windows(2) {
             let prediction = PeakPrediction::on_other_harmonics(&pair[0], &found, &pair[1]);
             found = maximum_near(&pair[1], prediction, self.peak, newton, &mut self.count)?;
         }
@@ -383,44 +398,52 @@ impl<'a, 'p> Track<'a, 'p> {
         self.count.tally(solved)
     }
 
-    /// Walks through the whole band at `level` on the harmonics of `rung` and locates the maximum next to the highest
-    /// point met.
+    /// The highest maximum on the branch through the whole band at `level`, on the harmonics of `rung`.
     fn sweep(&mut self, level: f64, rung: usize) -> Result<Located<'p>, Status> {
+        let highest = self
+            .highest_of_way(level, rung, SweepDirection::Upward)
+            .or_else(|_| self.highest_of_way(level, rung, SweepDirection::Downward))?;
+        highest.ok_or(Status::NoPeakInBand)
+    }
+
+    /// The highest maximum on the way through the band.
+    fn highest_of_way(
+        &mut self,
+        level: f64,
+        rung: usize,
+        direction: SweepDirection,
+    ) -> Result<Option<Located<'p>>, Status> {
+        let (balance, newton) = (&self.ladder[rung], self.settings.newton);
         let band = self.peak.band;
-        let newton = self.settings.newton;
-        let balance = &self.ladder[rung];
-        let start = stuck_point(balance, band.low, level);
-        let start = self
-            .count
-            .tally(solve(balance, start, Condition::FixedFrequency, newton))?;
-        let steps = StepSettings {
-            max_steps: SWEEP_STEPS,
-            ..StepSettings::for_band(band.width())
+        let [omega, _] = direction.ends(band);
+        let rungs = &self.ladder[..=rung];
+        let first = first_solution(rungs, newton, level, (omega, direction));
+        let first = self.count.tally(first)?;
+        let route = Route {
+            band,
+            direction,
+            largest_step: SWEEP_STEP,
+            largest_advance: SWEEP_ADVANCE,
         };
-        let (first, work) = BranchPoint::new(balance, start, steps.omega_scale, None, None);
-        self.count += work;
-        let mut best: Option<(f64, Point)> = None;
-        let end = walk(balance, first, newton, steps, |_, point, _| {
-            let amplitude = point.response.norm();
-            let omega = point.iterate.point.omega;
-            if band.contains(omega)
-                && best
-                    .as_ref()
-                    .is_none_or(|(highest, _)| amplitude > *highest)
-            {
-                best = Some((amplitude, point.iterate.point.clone()));
-            }
-            on_if(omega < band.high && omega > 0.5 * band.low)
+        let height = |found: &Located<'_>| found.iterate.response(balance).norm();
+        let (mut best, mut count): (Option<Located<'p>>, _) = (None, WorkCount::default());
+        let end = follow(balance, first, route, newton, |from, to, _| {
+            let stretch = Stretch::new(balance, &from, to);
+            let higher =
+                (stretch.maximum(balance, self.peak, newton, &mut count)).filter(|found| {
+                    best.as_ref()
+                        .is_none_or(|best| height(found) > height(best))
+                });
+            best = higher.or(best.take());
+            ControlFlow::Continue(())
         });
+        self.count += count;
         self.count += end.count;
-        let point = match (end.status, best) {
-            (Status::Converged, Some((_, point))) => point,
-            (Status::Converged, None) => return Err(Status::NoPeakInBand),
+        match end.status {
+            Status::Converged => Ok(best),
             // a walk that stopped inside the band says nothing about the part it has not seen
-            (status, _) => return Err(status),
-        };
-        let start = Iterate::new(balance, point);
-        (self.count).tally(find_peak(balance, start, self.peak, newton))
+            status => Err(status),
+        }
     }
 }
 
@@ -437,20 +460,4 @@ pub fn stuck_point(balance: &Balance<'_>, omega: f64, level: f64) -> Point {
         omega,
         level,
     }
-}
-
-/// Level at which the stuck solution, given per unit level, first breaks the Coulomb limit or opens a pair.
-pub(super) fn slip_onset(balance: &Balance<'_>, unit: &Point) -> f64 {
-    let n_c = balance.layout.n_pairs;
-    let n = balance.layout.n_relative();
-    let dynamic = |i: usize| libm::hypot(unit.r[n + i], unit.r[2 * n + i]);
-    (balance.problem.contacts.iter().enumerate())
-        .map(|(pair, c)| {
-            let preload = c.n_0 + c.k_n * unit.r[2 * n_c + pair];
-            let [t1, t2] = [0, 1].map(|axis| c.k_t[axis] * dynamic(axis * n_c + pair));
-            let normal = c.k_n * dynamic(2 * n_c + pair);
-            preload.max(0.0) * (c.mu / (libm::hypot(t1, t2) + c.mu * normal)).min(1.0 / normal)
-        })
-        .filter(|level| *level > 0.0)
-        .fold(f64::INFINITY, f64::min)
 }

@@ -15,6 +15,7 @@ mod jacobian;
 mod maxima;
 mod models;
 mod peak;
+mod random_models;
 mod status;
 mod sweep;
 mod symmetry;

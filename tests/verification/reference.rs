@@ -11,12 +11,12 @@ use crate::response::at_frequencies;
 use microslip::aft::Laps;
 use microslip::contact::FrictionLaw;
 use microslip::harmonics::HarmonicSet;
-use microslip::hb::forced_response::{self, SlowSweep};
 use microslip::hb::newton::{Condition, Point, solve};
 use microslip::hb::peak::{PeakSettings, find_peak};
 use microslip::hb::resonance::Band;
 use microslip::hb::sweep::SweepDirection;
 use microslip::hb::track::track_peaks;
+use microslip::hb::values::{self, SlowSweep};
 use microslip::hb::{Balance, HbSettings, LinearModel, Problem, Solution, Status};
 use microslip::study::{FrequencyUnit, Study};
 
@@ -352,7 +352,7 @@ fn two_lumped_blades_agree_at_every_operating_point() {
                 omega: &omega,
             };
             let (settings, level) = (&case.study.solver, row.level_n);
-            forced_response::at_frequencies(&problem, settings, level, sweep, |_| ()).solutions
+            values::at_frequencies(&problem, settings, level, sweep, |_| ()).solutions
         });
         row.check(&found[1][0]);
         let bistable = row.phase == "in-phase" && row.level_n == 1.0;

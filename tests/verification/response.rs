@@ -1,8 +1,9 @@
 //! Forced responses as most tests want them: solutions alone.
 
-use microslip::hb::forced_response::{self, CurveSettings, SlowSweep};
+use microslip::hb::forced_response::{self, CurveSettings};
 use microslip::hb::resonance::Band;
 use microslip::hb::sweep::SweepDirection;
+use microslip::hb::values::{self, SlowSweep};
 use microslip::hb::{HbSettings, Problem, Solution};
 
 /// Step of a dense curve.
@@ -27,7 +28,7 @@ pub(crate) fn at_frequencies(
         direction,
         omega: &ascending,
     };
-    let found = forced_response::at_frequencies(problem, settings, level, sweep, |_| ());
+    let found = values::at_frequencies(problem, settings, level, sweep, |_| ());
     let place = |i| order.iter().position(|&j| j == i);
     let solution = |i| place(i).map(|at| found.solutions[at].clone());
     (0..omega.len()).filter_map(solution).collect()
