@@ -26,20 +26,6 @@ fn with_problem<T>(case: &Case, visit: impl FnOnce(&Problem<'_>) -> T) -> T {
     visit(&problem)
 }
 
-/// Place and height of the highest of the points by the parabola through it and its neighbours.
-fn top(curve: &[(f64, f64)]) -> (f64, f64) {
-    let best = (1..curve.len() - 1)
-        .max_by(|&a, &b| curve[a].1.total_cmp(&curve[b].1))
-        .expect("three points");
-    let [a, b, c] = [curve[best - 1], curve[best], curve[best + 1]];
-    let (x, z) = (a.0 - b.0, c.0 - b.0);
-    let (p, q) = ((a.1 - b.1) / x, (c.1 - b.1) / z);
-    let curvature = (q - p) / (z - x);
-    let slope = p - curvature * x;
-    let at = -slope / (2.0 * curvature);
-    (b.0 + at, b.1 + at * (slope + curvature * at))
-}
-
 /// Tracked peaks against the top of a finely walked curve in a narrow band around them.
 /// Seen to fail with: the maximum of ω|ŷ| in place of |ŷ|.
 #[test]
@@ -66,7 +52,8 @@ fn tracked_peaks_are_the_tops_of_the_curves() {
                 .iter()
                 .map(|s| (s.omega, s.amplitude(0)))
                 .collect();
-            let (omega, amplitude) = top(&curve);
+            let highest = curve.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1));
+            let (omega, amplitude) = highest.expect("points");
             let errors = [
                 solution.omega / omega - 1.0,
                 solution.amplitude(0) / amplitude - 1.0,
