@@ -116,7 +116,6 @@ impl Route {
             max_steps: usize::MAX,
             closeness: CLOSE,
             predictor: Predictor::Parabola,
-            ..StepSettings::for_band(width)
         }
     }
 }
