@@ -34,6 +34,42 @@ fn solve_reproduces_the_reference_solutions_of_three_problems() {
     }
 }
 
+/// The way to the frictionless limit: the amplitude of the default study near its peak falls short of it in proportion to a
+/// small friction coefficient. Seen to fail with sweeps that start from the stuck structure: no answer at 1e-3 within a minute.
+#[test]
+fn small_friction_coefficients_are_solved() {
+    let study = std::fs::read_to_string("studies/two-blade-strip/study.toml").unwrap();
+    let inputs = study.find("[inputs.friction_coefficient]").unwrap();
+    let solver = study.find("[solver]").unwrap();
+    let study = format!("{}{}", &study[..inputs], &study[solver..]);
+    let amplitude = |mu: &str| {
+        let lines = study.lines().map(|line| match line.split(" = ").next() {
+            Some("levels") => "levels = [5.0]".to_owned(),
+            Some("friction_coefficient") => format!("friction_coefficient = {mu}"),
+            Some("band_hz") => format!("{line}\nvalues_hz = [2622]"),
+            _ => line.to_owned(),
+        });
+        let folder = tempfile::tempdir().unwrap();
+        let text = lines.collect::<Vec<_>>().join("\n");
+        std::fs::write(folder.path().join("study.toml"), text).unwrap();
+        let output = microslip(folder.path(), &["solve", "study.toml", "--output", "out"]);
+        assert_eq!(output.status.code(), Some(0), "{mu}: {output:?}");
+        let json = std::fs::read_to_string(folder.path().join("out/solution.json")).unwrap();
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let point = &json["levels"][0]["points"][0];
+        assert_eq!(point["status"], "converged", "{mu}");
+        json["levels"][0]["largest_amplitude"]["amplitude"]
+            .as_f64()
+            .unwrap()
+    };
+    let [small, smaller, none] = ["1e-3", "1e-4", "0"].map(amplitude);
+    let losses = [small, smaller].map(|amplitude| 1.0 - amplitude / none);
+    println!("{none:e} m without friction, losses {losses:?}");
+    assert!((0.005..0.02).contains(&losses[0]), "{losses:?}");
+    let ratio = losses[0] / losses[1];
+    assert!((8.0..11.0).contains(&ratio), "{ratio}");
+}
+
 /// One entry of `fixed.json`.
 #[derive(serde::Deserialize)]
 struct Fixed {
