@@ -64,7 +64,7 @@ pub fn at_frequencies(
             },
         });
     }
-    if !gap.is_some_and(Gap::has_spent_budget) {
+    if gap.is_some_and(|gap| !gap.is_answered() && !gap.has_spent_budget()) {
         level.solve_from_neighbours(sweep.direction, &mut answers);
     }
     // a frequency that is no number is never met
@@ -106,19 +106,6 @@ impl<'a> Answers<'a> {
             },
             omega: sweep.omega,
             found: sweep.omega.iter().map(|_| None).collect(),
-        }
-    }
-
-    /// What has no solution, in the order of a sweep.
-    fn unsolved(&self, direction: SweepDirection) -> Vec<usize> {
-        let is_open = |i: &usize| {
-            let point = self.found[*i].as_ref().and_then(|a| a.point.as_ref());
-            point.is_none()
-        };
-        let unsolved = (0..self.omega.len()).filter(is_open);
-        match direction {
-            SweepDirection::Upward => unsolved.collect(),
-            SweepDirection::Downward => unsolved.rev().collect(),
         }
     }
 
@@ -226,11 +213,11 @@ impl<'p> Level<'_, 'p> {
         reached
     }
 
-    /// Solves at the frequencies that no sweep has met and solved, one after the other in `direction`, from the solution
-    /// before: a ragged branch may have solutions at frequencies between which it cannot be followed.
+    /// Solves at the frequencies that no sweep has met, one after the other in `direction`, from the solution before: a ragged
+    /// branch may have solutions at frequencies between which it cannot be followed.
     fn solve_from_neighbours(&self, direction: SweepDirection, answers: &mut Answers<'_>) {
         let (balance, fixed) = (self.balance(), Condition::FixedFrequency);
-        for i in answers.unsolved(direction) {
+        for i in answers.open(direction).into_iter().rev() {
             let before = match direction {
                 SweepDirection::Upward => i.checked_sub(1),
                 SweepDirection::Downward => Some(i + 1),
@@ -241,11 +228,10 @@ impl<'p> Level<'_, 'p> {
             };
             let omega = answers.omega[i];
             let start = Point { omega, ..point };
-            let solved = self.apart(|| {
+            answers.found[i] = self.apart(|| {
                 let (iterate, work) = solve(balance, start, fixed, self.settings.newton).ok()?;
                 Some(self.raised(iterate, work))
             });
-            answers.found[i] = solved.or(answers.found[i].take());
         }
     }
 
