@@ -108,8 +108,12 @@ impl Ensemble<'_> {
                 _ => samples,
             };
             let end = end.min(samples);
-            let new: Vec<(SampleOutcome, Option<Anchor>)> = (solved.outcomes.len() as u64..end)
+            let missing = solved.outcomes.len()..end as usize;
+            let new: Vec<(SampleOutcome, Option<Anchor>)> = missing
                 .into_par_iter()
+                // one sample may take as long as a hundred others
+                .with_max_len(1)
+                .map(|index| index as u64)
                 .map(|index| {
                     let (outcome, anchor) = self.sample(index, &atlas);
                     done();

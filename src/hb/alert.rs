@@ -1,6 +1,8 @@
 //! Error alert: how much would the harmonics left out change the amplitude?
 //!
-//! The solution is repeated with twice its harmonics, and [`CAUTION`] times the change of the amplitude is the error stated.
+//! The solution is repeated with twice its harmonics, and twice the change of the amplitude is the error stated: harmonics
+//! beyond change it as much again where the error falls at least as the inverse of the harmonics. Amplitudes on other sets, where
+//! they are known, tell it by the same law.
 //! One Newton step onto them, as in the Jacobian Alert Algorithm of Gastaldi & Berruti 2017, is no substitute: it misses what a
 //! resonance of the strip adds and alarms too much where the strip lifts off far. It is the first iteration of that solve,
 //! and decides alone where it asks for many more harmonics.
@@ -8,7 +10,7 @@
 use super::balance::Balance;
 use super::newton::{Condition, Iterate, Point, WorkCount, newton_step, solve};
 use super::problem::Problem;
-use super::settings::{AlertSettings, HbSettings};
+use super::settings::{AlertSettings, HbSettings, NewtonSettings};
 use super::solution::Solution;
 use super::status::Status;
 use crate::aft::AftSettings;
@@ -16,15 +18,18 @@ use crate::harmonics::HarmonicSet;
 use std::cell::OnceCell;
 use std::collections::BTreeSet;
 
-/// The error stated over the change of the amplitude by twice the harmonics: these leave out the ones beyond, whose part is
-/// at most as large where the error falls at least as the inverse of the harmonics.
-pub const CAUTION: f64 = 2.0;
+/// Newton iterations onto twice the harmonics; those that lead there take 4 to 9.
+const MOST_ITERATIONS: usize = 10;
 
 /// Errors by one Newton step, over the threshold, from which more harmonics are needed whatever a solve would say.
 const LOUD: f64 = 4.0;
 
 /// Errors fall at least as this power of the highest harmonic: for the choice of the next set alone.
 const DECAY: f64 = 2.0;
+
+/// Residual on twice the harmonics over the dynamic displacement, per threshold: a hundred times what it leaves in the
+/// amplitude is far below the threshold still.
+const EXACT_ENOUGH: f64 = 1e-4;
 
 /// The next larger set: 1.4 times the highest harmonic, so that twice the harmonics are two sets on, without gaps.
 fn enlarged(highest: usize) -> usize {
@@ -89,6 +94,8 @@ pub struct Outlook {
     pub decided: bool,
     /// Where the step or the solve leads on twice the harmonics.
     pub point: Point,
+    /// |ŷ| there (m), by a solve.
+    pub amplitude: Option<f64>,
     /// Work spent.
     pub count: WorkCount,
 }
@@ -138,12 +145,17 @@ impl<'s, 'p> AlertSets<'s, 'p> {
         self.sets.partition_point(|(set, _)| set.highest() < wanted)
     }
 
-    /// Sets up to twice the harmonics on which a solution of set `i` with this error may be repeated, the one first that
-    /// should do, then larger and at last smaller ones.
+    /// Sets up to twice the harmonics on which a solution of set `i` may be repeated, the smallest first.
+    #[must_use]
+    pub fn larger(&self, i: usize) -> Vec<usize> {
+        let allowed = |j: &usize| self.rungs.contains(&self.highest(*j));
+        (i + 1..=self.twice(i)).filter(allowed).collect()
+    }
+
+    /// The same, the one first that should do for a solution with this error, then larger and at last smaller ones.
     #[must_use]
     pub fn above(&self, i: usize, error: f64) -> Vec<usize> {
-        let allowed = |j: &usize| self.rungs.contains(&self.highest(*j));
-        let sets: Vec<usize> = (i + 1..=self.twice(i)).filter(allowed).collect();
+        let sets = self.larger(i);
         let growth = libm::pow(error / self.alert.threshold, 1.0 / DECAY);
         let wanted = growth * self.highest(i) as f64;
         let enough = |&j: &usize| self.highest(j) as f64 >= wanted;
@@ -152,15 +164,19 @@ impl<'s, 'p> AlertSets<'s, 'p> {
         larger.iter().chain(smaller.iter().rev()).copied().collect()
     }
 
-    /// The outlook of `solution` on set `i`, with steps under `condition`: by a solve, unless one Newton step asks for more
-    /// harmonics and there are some.
+    /// The outlook that starts with one Newton `step`: by a solve, unless the step asks for more harmonics and there are some.
     #[must_use]
-    pub fn outlook(&self, i: usize, solution: &Iterate<'_>, condition: Condition<'_>) -> Outlook {
-        let look = self.look(i, solution, condition);
-        let loud = look.error > LOUD * self.alert.threshold;
-        match loud && !self.above(i, look.error).is_empty() {
-            true => look,
-            false => self.decided(i, solution, look, condition),
+    pub fn outlook(
+        &self,
+        i: usize,
+        solution: &Iterate<'_>,
+        step: Outlook,
+        condition: Condition<'_>,
+    ) -> Outlook {
+        let loud = step.error > LOUD * self.alert.threshold;
+        match loud && !self.above(i, step.error).is_empty() {
+            true => step,
+            false => self.decided(i, solution, step, condition),
         }
     }
 
@@ -178,34 +194,54 @@ impl<'s, 'p> AlertSets<'s, 'p> {
         }
         let (from, to) = (self.balance(i), self.balance(self.twice(i)));
         let starts = [outlook.point.clone(), pad(from, &solution.point, to)];
+        let share = solution.point.dynamic_share(from).min(1.0);
+        let enough = EXACT_ENOUGH * self.alert.threshold * share;
+        let newton = self.settings.newton;
+        let newton = NewtonSettings {
+            tolerance: newton.tolerance.max(enough),
+            max_iterations: newton.max_iterations.min(MOST_ITERATIONS),
+            ..newton
+        };
         let solved = starts.into_iter().find_map(|start| {
-            let solved = solve(to, start, condition, self.settings.newton);
+            let solved = solve(to, start, condition, newton);
             outlook.count.tally(solved).ok()
         });
         outlook.decided = true;
         outlook.error = f64::INFINITY;
         if let Some(solved) = solved {
-            let ratio = solved.response(to).norm() / solution.response(from).norm();
-            outlook.error = CAUTION * (ratio - 1.0).abs();
+            let amplitude = solved.response(to).norm();
+            let change = amplitude / solution.response(from).norm() - 1.0;
+            outlook.error = self.error_by(i, self.twice(i), change);
+            outlook.amplitude = Some(amplitude);
             outlook.point = solved.point;
         }
         outlook
     }
 
-    /// One Newton step from `solution` on set `i` onto twice its harmonics.
-    fn look(&self, i: usize, solution: &Iterate<'_>, condition: Condition<'_>) -> Outlook {
+    /// The outlook of `solution` on set `i` by one Newton step onto twice its harmonics, under `condition`.
+    #[must_use]
+    pub fn step(&self, i: usize, solution: &Iterate<'_>, condition: Condition<'_>) -> Outlook {
         let twice = self.balance(self.twice(i));
         let (change, point) = step_on(self.balance(i), solution, twice, condition);
-        let error = CAUTION * change.abs();
+        let error = self.error_by(i, self.twice(i), change);
         Outlook {
             error: if error.is_nan() { f64::INFINITY } else { error },
             decided: false,
             point,
+            amplitude: None,
             count: WorkCount {
                 iterations: 1,
                 factorizations: 1,
             },
         }
+    }
+
+    /// Stated relative error of |ŷ| on set `i` where the one on set `other` differs by `change`: errors fall at least as
+    /// the inverse of the harmonics.
+    #[must_use]
+    pub fn error_by(&self, i: usize, other: usize, change: f64) -> f64 {
+        let [here, other] = [i, other].map(|i| self.highest(i) as f64);
+        change.abs() * other / (other - here).abs()
     }
 
     /// Whether an estimated error is no alarm.

@@ -215,12 +215,11 @@ impl<'p> BranchPoint<'p> {
         [along, beside.max(0.0).sqrt()]
     }
 
-    /// Length that the unit tangent of `other` has in the metric of this point.
+    /// The length `length` of this point as `other` measures it.
     #[must_use]
-    pub fn scale_of(&self, balance: &Balance<'_>, other: &Self) -> f64 {
+    pub fn length_at(&self, balance: &Balance<'_>, other: &Self, length: f64) -> f64 {
         let n = balance.layout.n_relative();
-        let square = self.metric.dot(n, &other.tangent, &other.tangent);
-        square.sqrt()
+        length / self.metric.dot(n, &other.tangent, &other.tangent).sqrt()
     }
 
     /// The same point, walked to higher frequencies if `sign` is positive, else to lower ones.
@@ -258,7 +257,7 @@ impl Behind {
         to: &BranchPoint<'_>,
         length: f64,
     ) -> Self {
-        let stretch = length / from.scale_of(balance, to);
+        let stretch = from.length_at(balance, to, length);
         let turn = |a: f64, b: f64| stretch * b - length * a;
         let (a, b) = (&from.tangent, &to.tangent);
         Self {
@@ -307,97 +306,195 @@ pub fn walk<'p>(
     steps: StepSettings,
     mut visit: impl FnMut(BranchPoint<'p>, &BranchPoint<'p>, Step) -> ControlFlow<(), f64>,
 ) -> WalkEnd<'p> {
-    let (mut count, mut seen) = (WorkCount::default(), WorkCount::default());
-    let mut point = start;
-    let mut length = steps.first;
-    let mut pace = Pace::default();
-    let mut behind: Option<Behind> = None;
-    // elsewhere what the time points make ragged would pass for corners
-    let has_corners = balance.events() == Events::Located;
-    // a solution far from its prediction: taken after all where no shorter step is solved
-    let mut aside: Option<(Iterate<'p>, f64)> = None;
+    let mut walk = Walk::new(balance, start, newton, steps);
+    let mut seen = WorkCount::default();
     for _ in 0..steps.max_steps {
-        let predicted = match &behind {
-            Some(behind) => behind.predicted(&point, length),
-            None => point.iterate.point.moved(&point.tangent, length),
+        let landing = match walk.attempt() {
+            Ok(Some(landing)) => landing,
+            Ok(None) => continue,
+            Err(status) => return walk.end(status),
         };
-        let from = &point.iterate.point;
-        let sharp = STEP_SHARE * length * from.dynamic_share(balance);
-        let newton = NewtonSettings {
-            tolerance: newton.tolerance.min(sharp),
-            ..newton
-        };
-        let mut forward = point.tangent.clone();
-        let (iterate, iterations) = match point.step_to(balance, predicted.clone(), length, newton)
-        {
-            Ok((iterate, work)) => {
-                count += work;
-                let apart = distance(balance, &iterate.point, &predicted);
-                if length > SURE_STEP && apart > steps.closeness * length {
-                    aside = Some((iterate, length));
-                    length *= 0.5;
-                    continue;
-                }
-                (iterate, work.iterations)
-            }
-            Err((status, work)) => {
-                count += work;
-                let is_spent = status == Status::BudgetSpent;
-                let may_turn =
-                    length >= CORNER && 0.5 * length < CORNER && !is_spent && has_corners;
-                length *= 0.5;
-                let turned = match may_turn {
-                    true => past_corner(balance, &point, newton, &mut count),
-                    false => None,
-                };
-                let gives_up =
-                    is_spent || length < steps.smallest || pace.is_hopeless(None, steps.largest);
-                let far = aside.take_if(|_| gives_up && !is_spent);
-                if let Some((iterate, direction)) = turned {
-                    forward = direction;
-                    (iterate, WANTED_ITERATIONS as usize)
-                } else if let Some((iterate, longer)) = far {
-                    length = longer;
-                    (iterate, newton.max_iterations)
-                } else if gives_up {
-                    return end(of_failed_step(status), point, count);
-                } else {
-                    continue;
-                }
-            }
-        };
-        let (next, work_tangent) =
-            BranchPoint::new(balance, iterate, steps.omega_scale, None, Some(&forward));
-        count += work_tangent;
-        let folds = next.tangent.omega * point.tangent.omega < 0.0;
-        if folds && length > FOLD_STEP {
-            length *= 0.5;
+        let (length, iterations) = (landing.length, landing.iterations);
+        let Some(before) = walk.advance(landing) else {
             continue;
-        }
-        aside = None;
-        let before = std::mem::replace(&mut point, next);
-        behind = match steps.predictor {
-            Predictor::Tangent => None,
-            Predictor::Parabola => Some(Behind::new(balance, &before, &point, length)),
         };
         let step = Step {
             length,
-            count: count.since(seen),
+            count: walk.count.since(seen),
         };
-        seen = count;
-        let longest = match visit(before, &point, step) {
+        seen = walk.count;
+        let longest = match visit(before, &walk.point, step) {
             ControlFlow::Continue(longest) => longest,
-            ControlFlow::Break(()) => return end(Status::Converged, point, count),
+            ControlFlow::Break(()) => return walk.end(Status::Converged),
         };
-        if pace.is_hopeless(Some(length), steps.largest) {
-            return end(Status::StepTooSmall, point, count);
+        if walk.pace.is_hopeless(Some(length), steps.largest) {
+            return walk.end(Status::StepTooSmall);
         }
         let ease = WANTED_ITERATIONS / iterations.max(1) as f64;
-        length = (length * ease.clamp(0.5, 2.0))
+        walk.length = (length * ease.clamp(0.5, 2.0))
             .min(steps.largest)
             .min(longest.max(steps.smallest));
     }
-    end(Status::MaxIterations, point, count)
+    walk.end(Status::MaxIterations)
+}
+
+/// A walk under way.
+struct Walk<'b, 'p> {
+    balance: &'b Balance<'p>,
+    newton: NewtonSettings,
+    steps: StepSettings,
+    /// Where it is, and the length of the next step.
+    point: BranchPoint<'p>,
+    length: f64,
+    /// The step that led there, where the next one continues it.
+    behind: Option<Behind>,
+    /// A solution far from its prediction: taken after all where no shorter step is solved.
+    aside: Option<Landing<'p>>,
+    pace: Pace,
+    count: WorkCount,
+}
+
+/// Where a step leads.
+struct Landing<'p> {
+    iterate: Iterate<'p>,
+    /// Length of the step.
+    length: f64,
+    /// Newton iterations, as those of the next step.
+    iterations: usize,
+    /// Direction past a corner; along the tangent without.
+    turned: Option<Direction>,
+}
+
+impl<'b, 'p> Walk<'b, 'p> {
+    fn new(
+        balance: &'b Balance<'p>,
+        point: BranchPoint<'p>,
+        newton: NewtonSettings,
+        steps: StepSettings,
+    ) -> Self {
+        Self {
+            balance,
+            newton,
+            steps,
+            point,
+            length: steps.first,
+            behind: None,
+            aside: None,
+            pace: Pace::default(),
+            count: WorkCount::default(),
+        }
+    }
+
+    /// Newton's method for a step of today's length.
+    fn sharp_newton(&self) -> NewtonSettings {
+        let share = self.point.iterate.point.dynamic_share(self.balance);
+        let sharp = STEP_SHARE * self.length * share;
+        NewtonSettings {
+            tolerance: self.newton.tolerance.min(sharp),
+            ..self.newton
+        }
+    }
+
+    /// Tries a step; none if it is to be repeated with a shorter length.
+    ///
+    /// # Errors
+    /// Why the walk ends.
+    fn attempt(&mut self) -> Result<Option<Landing<'p>>, Status> {
+        let (balance, length) = (self.balance, self.length);
+        let predicted = match &self.behind {
+            Some(behind) => behind.predicted(&self.point, length),
+            None => self.point.iterate.point.moved(&self.point.tangent, length),
+        };
+        let newton = self.sharp_newton();
+        let solved = (self.point).step_to(balance, predicted.clone(), length, newton);
+        let (iterate, work) = match solved {
+            Ok((iterate, work)) => (iterate, work),
+            Err((status, work)) => {
+                self.count += work;
+                return self.after_failure(status);
+            }
+        };
+        self.count += work;
+        let apart = distance(balance, &iterate.point, &predicted);
+        let landing = Landing {
+            iterate,
+            length,
+            iterations: work.iterations,
+            turned: None,
+        };
+        if length > SURE_STEP && apart > self.steps.closeness * length {
+            self.aside = Some(landing);
+            self.length *= 0.5;
+            return Ok(None);
+        }
+        Ok(Some(landing))
+    }
+
+    /// What is left where a step was not solved, as [`Self::attempt`] gives it.
+    fn after_failure(&mut self, status: Status) -> Result<Option<Landing<'p>>, Status> {
+        let is_spent = status == Status::BudgetSpent;
+        self.length *= 0.5;
+        // elsewhere what the time points make ragged would pass for corners
+        let has_corners = self.balance.events() == Events::Located;
+        let may_turn = (0.5 * CORNER..CORNER).contains(&self.length) && has_corners;
+        if may_turn && !is_spent {
+            let newton = self.sharp_newton();
+            let turned = past_corner(self.balance, &self.point, newton, &mut self.count);
+            if let Some((iterate, direction)) = turned {
+                return Ok(Some(Landing {
+                    iterate,
+                    length: CORNER,
+                    iterations: WANTED_ITERATIONS as usize,
+                    turned: Some(direction),
+                }));
+            }
+        }
+        let is_hopeless = self.pace.is_hopeless(None, self.steps.largest);
+        if !(is_spent || is_hopeless || self.length < self.steps.smallest) {
+            return Ok(None);
+        }
+        match self.aside.take_if(|_| !is_spent) {
+            // the next step is to be a short one
+            Some(far) => Ok(Some(Landing {
+                iterations: self.newton.max_iterations,
+                ..far
+            })),
+            None => Err(of_failed_step(status)),
+        }
+    }
+
+    /// Goes to where a step has led and gives the point before, unless the step is to be repeated with half its length: a
+    /// long one over a fold.
+    fn advance(&mut self, landing: Landing<'p>) -> Option<BranchPoint<'p>> {
+        let (balance, length) = (self.balance, landing.length);
+        let forward = landing.turned.as_ref().unwrap_or(&self.point.tangent);
+        let scale = self.steps.omega_scale;
+        let (next, work) = BranchPoint::new(balance, landing.iterate, scale, None, Some(forward));
+        self.count += work;
+        let folds = next.tangent.omega * self.point.tangent.omega < 0.0;
+        if folds && length > FOLD_STEP {
+            self.length = 0.5 * length;
+            return None;
+        }
+        self.aside = None;
+        let before = std::mem::replace(&mut self.point, next);
+        self.behind = match self.steps.predictor {
+            // no parabola leads around a corner
+            Predictor::Parabola if landing.turned.is_none() => {
+                Some(Behind::new(balance, &before, &self.point, length))
+            }
+            Predictor::Parabola | Predictor::Tangent => None,
+        };
+        Some(before)
+    }
+
+    fn end(self, status: Status) -> WalkEnd<'p> {
+        WalkEnd {
+            status,
+            last: self.point,
+            count: self.count,
+        }
+    }
 }
 
 /// A solution past a corner of the branch at `at`, and the direction that leads to it. Where a contact begins or ceases to
@@ -454,13 +551,5 @@ pub fn on_if(go_on: bool) -> ControlFlow<(), f64> {
     match go_on {
         true => ControlFlow::Continue(f64::INFINITY),
         false => ControlFlow::Break(()),
-    }
-}
-
-fn end(status: Status, last: BranchPoint<'_>, count: WorkCount) -> WalkEnd<'_> {
-    WalkEnd {
-        status,
-        last,
-        count,
     }
 }

@@ -276,7 +276,7 @@ impl Leg {
         length: f64,
     ) -> Self {
         // tangents are of unit length where they stand; both ends must speak of the same arclength
-        let stretch = length / from.scale_of(balance, to);
+        let stretch = from.length_at(balance, to, length);
         let rate = |p: &BranchPoint<'_>, length: f64| {
             -p.response_rate / (p.response * p.response) * length
         };

@@ -262,8 +262,8 @@ impl<'a, 'p> Level<'a, 'p> {
             return sets.judged(solution, 0.0);
         }
         let fixed = Condition::FixedFrequency;
-        let outlook = sets.outlook(0, iterate, fixed);
-        let outlook = sets.decided(0, iterate, outlook, fixed);
+        let step = sets.step(0, iterate, fixed);
+        let outlook = sets.decided(0, iterate, step, fixed);
         sets.judged(solution, outlook.error)
     }
 

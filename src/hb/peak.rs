@@ -4,9 +4,10 @@
 //! oscillator; that gives the first step, secants the next ones, and a bracket makes an end of it. Walking along the
 //! arc instead of the frequency axis keeps overhanging peaks harmless.
 
+use super::alert::pad;
 use super::balance::Balance;
 use super::continuation::BranchPoint;
-use super::newton::{Iterate, Point, WorkCount};
+use super::newton::{Condition, Iterate, Point, WorkCount, solve};
 use super::resonance::Band;
 use super::settings::NewtonSettings;
 use super::solution::Solution;
@@ -62,8 +63,9 @@ const GROWTH_SHARE: f64 = 1e-2;
 const SHARPEST: f64 = 1e-13;
 /// Points visited before giving up.
 const MAX_POINTS: usize = 40;
-/// Where [`highest_nearby`] starts its searches (relative change of the displacements).
-const LOOKS: [f64; 4] = [-3e-3, -1.5e-3, 1.5e-3, 3e-3];
+/// Where [`highest_nearby`] and [`highest_aside`] start their searches (relative change of the displacements).
+const NEARBY: [f64; 4] = [-3e-3, -1.5e-3, 1.5e-3, 3e-3];
+const ASIDE: [f64; 3] = [0.05, 0.1, 0.2];
 /// Halvings of one step before giving up.
 const MAX_HALVINGS: usize = 8;
 
@@ -144,29 +146,67 @@ pub fn highest_nearby<'p>(
     newton: NewtonSettings,
     count: &mut WorkCount,
 ) -> Located<'p> {
-    let omega_scale = 2.0 * settings.band.width();
-    let (first, work) = BranchPoint::new(balance, found.iterate, omega_scale, None, None);
-    *count += work;
-    let others: Vec<Located<'p>> = LOOKS
-        .iter()
-        .filter_map(|&step| {
-            let aside = count.tally(first.step(balance, step, newton)).ok()?;
-            count
-                .tally(find_peak(balance, aside, settings, newton))
-                .ok()
-        })
-        .collect();
+    let first = along_branch(balance, found.iterate, settings, count);
+    let others = NEARBY.iter().filter_map(|&step| {
+        let aside = count.tally(first.step(balance, step, newton)).ok()?;
+        let search = find_peak(balance, aside, settings, newton);
+        count.tally(search).ok()
+    });
+    let others: Vec<Located<'p>> = others.collect();
     let found = Located {
         iterate: first.iterate,
         ..found
     };
+    highest_of(balance, found, others)
+}
+
+/// The highest maximum on `larger` harmonics next to the maximum `found` on those of `balance`, searched from both sides:
+/// more harmonics may split a maximum, so that there is none where it was.
+pub fn highest_aside<'p>(
+    (balance, found): (&Balance<'p>, &Iterate<'p>),
+    larger: &Balance<'p>,
+    settings: PeakSettings,
+    newton: NewtonSettings,
+    count: &mut WorkCount,
+) -> Option<Located<'p>> {
+    let found = Iterate::new(balance, found.point.clone());
+    let first = along_branch(balance, found, settings, count);
+    let mut search = |step: f64| {
+        let aside = count.tally(first.step(balance, step, newton)).ok()?;
+        let start = pad(balance, &aside.point, larger);
+        let start = solve(larger, start, Condition::FixedFrequency, newton);
+        let start = count.tally(start).ok()?;
+        count.tally(find_peak(larger, start, settings, newton)).ok()
+    };
+    let sides = [-1.0, 1.0].into_iter();
+    let mut maxima = sides.filter_map(|side| ASIDE.iter().find_map(|step| search(side * step)));
+    let one = maxima.next()?;
+    Some(highest_of(larger, one, maxima))
+}
+
+fn along_branch<'p>(
+    balance: &Balance<'p>,
+    iterate: Iterate<'p>,
+    settings: PeakSettings,
+    count: &mut WorkCount,
+) -> BranchPoint<'p> {
+    let omega_scale = 2.0 * settings.band.width();
+    let (point, work) = BranchPoint::new(balance, iterate, omega_scale, None, None);
+    *count += work;
+    point
+}
+
+/// The highest of maxima, the first of equals.
+fn highest_of<'p>(
+    balance: &Balance<'_>,
+    first: Located<'p>,
+    others: impl IntoIterator<Item = Located<'p>>,
+) -> Located<'p> {
     let height = |peak: &Located<'_>| peak.iterate.response(balance).norm();
-    others
-        .into_iter()
-        .fold(found, |best, other| match height(&other) > height(&best) {
-            true => other,
-            false => best,
-        })
+    (others.into_iter()).fold(first, |best, other| match height(&other) > height(&best) {
+        true => other,
+        false => best,
+    })
 }
 
 /// Residual that leaves the growth of the amplitude exact enough for the frequency asked for: a flat top moves far for

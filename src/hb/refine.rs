@@ -2,8 +2,8 @@
 
 use super::alert::{AlertSets, on, pad};
 use super::balance::Balance;
-use super::newton::{Condition, WorkCount, solve};
-use super::peak::{Located, PeakSettings};
+use super::newton::{Condition, Iterate, WorkCount, solve};
+use super::peak::{Located, PeakSettings, highest_aside};
 use super::predicted::{PeakPrediction, correct, maximum_near};
 use super::problem::Problem;
 use super::settings::{HbSettings, NewtonSettings};
@@ -47,6 +47,20 @@ impl Kept {
             Self::Maximum(peak) => maximum_near(balance, start, peak, newton, count),
         }
     }
+
+    /// The solution on `larger` beside one on fewer harmonics, where none was found next to it.
+    fn aside<'p>(
+        self,
+        from: (&Balance<'p>, &Iterate<'p>),
+        larger: &Balance<'p>,
+        newton: NewtonSettings,
+        count: &mut WorkCount,
+    ) -> Option<Located<'p>> {
+        match self {
+            Self::Frequency => None,
+            Self::Maximum(peak) => highest_aside(from, larger, peak, newton, count),
+        }
+    }
 }
 
 /// Raises the harmonics of the solution `found` of `balance` as far as the alert of `sets` asks, which begin with those
@@ -66,16 +80,31 @@ pub fn refined<'p>(
         return found.solution(balance, count);
     };
     let (mut at, mut found) = (0, found);
+    // another set and the amplitude on it
+    let mut seen: Option<(usize, f64)> = None;
     loop {
         let balance = sets.balance(at);
         let Located { iterate, sharpness } = &found;
         let response = iterate.response(balance);
         let phasor = response / response.norm();
         let condition = kept.condition(phasor);
-        let outlook = sets.outlook(at, iterate, condition);
+        let by_seen = seen.map(|(other, amplitude)| {
+            let change = amplitude / response.norm() - 1.0;
+            (other, sets.error_by(at, other, change))
+        });
+        let step = sets.step(at, iterate, condition);
+        // one alone may be small by accident; a solve with twice the harmonics costs more than all before
+        if let Some((other, error)) = by_seen
+            && other > at
+            && sets.is_silent(error.max(step.error))
+        {
+            count += step.count;
+            return sets.judged(found.solution(balance, count), error.max(step.error));
+        }
+        let outlook = sets.outlook(at, iterate, step, condition);
         let twice = sets.balance(sets.twice(at));
         let starts = [(twice, &outlook.point), (balance, &iterate.point)];
-        let mut raised = |to: usize| {
+        let raised = |to: usize| {
             let larger = sets.balance(to);
             starts.into_iter().find_map(|(from, point)| {
                 let start = PeakPrediction {
@@ -87,18 +116,35 @@ pub fn refined<'p>(
                 Some((to, solved.ok()?))
             })
         };
-        let next = match sets.is_silent(outlook.error) {
-            true => None,
-            false => (sets.above(at, outlook.error).into_iter()).find_map(&mut raised),
+        let next = if sets.is_silent(outlook.error) {
+            None
+        } else if outlook.error.is_finite() {
+            sets.above(at, outlook.error).into_iter().find_map(raised)
+        } else {
+            // the smallest set is the least work, and the alert judges it again
+            sets.larger(at).into_iter().find_map(|to| {
+                let from = (balance, iterate);
+                let found = kept.aside(from, sets.balance(to), newton, &mut count)?;
+                Some((to, found))
+            })
         };
         if let Some(larger) = next {
             count += outlook.count;
+            let (twice, to) = (sets.twice(at), larger.0);
+            seen = match outlook.amplitude {
+                Some(amplitude) if twice > to => Some((twice, amplitude)),
+                _ => Some((at, response.norm())),
+            };
             (at, found) = larger;
             continue;
         }
         let outlook = sets.decided(at, iterate, outlook, condition);
         count += outlook.count;
-        return sets.judged(found.solution(balance, count), outlook.error);
+        let error = match by_seen {
+            Some((_, error)) if outlook.error.is_infinite() => error,
+            _ => outlook.error,
+        };
+        return sets.judged(found.solution(balance, count), error);
     }
 }
 

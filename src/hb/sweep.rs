@@ -349,7 +349,7 @@ impl<'s, 'p> Stretch<'s, 'p> {
     /// Weights of value and tangent at the start, value and tangent at the end, of the cubic at the share `t`.
     fn weights(&self, balance: &Balance<'_>, t: f64) -> [f64; 4] {
         // tangents are of unit length where they stand
-        let stretch = self.length / self.from.scale_of(balance, self.to);
+        let stretch = self.from.length_at(balance, self.to, self.length);
         let [a, ta, b, tb] = hermite(t);
         [a, ta * self.length, b, tb * stretch]
     }

@@ -14,6 +14,10 @@ use std::ops::Range;
 /// harmonics), by a twentieth.
 const BLOCK_UNKNOWNS: usize = 130;
 
+/// Slots that a block may have whatever their unknowns: neighbours apart make the iterations grow with the harmonics. Of 1, 2,
+/// 3, 4, 6, 8 and 15 slots (all) 6 made peaks of the two-blade rig with 28 to 80 harmonics cheapest.
+const BLOCK_SLOTS: usize = 6;
+
 /// C = I + e G' in single precision, with the factors of its diagonal blocks.
 #[derive(Debug)]
 pub(super) struct Sweep {
@@ -144,7 +148,7 @@ impl Sweep {
 
 /// Blocks of neighbouring slots of one force component.
 fn blocks(exact: &Capacitance) -> Vec<Block> {
-    let most = (BLOCK_UNKNOWNS / exact.layout.n_coefficients).max(1);
+    let most = (BLOCK_UNKNOWNS / exact.layout.n_coefficients).max(BLOCK_SLOTS);
     let mut blocks = Vec::new();
     let mut start = 0;
     for same in (exact.slots).chunk_by(|a, b| a.component == b.component) {

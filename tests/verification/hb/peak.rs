@@ -8,7 +8,7 @@ use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::alert::{AlertSets, pad, step_on};
 use microslip::hb::newton::{Condition, Iterate, WorkCount, solve};
-use microslip::hb::peak::PeakSettings;
+use microslip::hb::peak::{PeakSettings, highest_aside};
 use microslip::hb::predicted::{PeakPrediction, correct, phase_locked};
 use microslip::hb::refine::{Kept, refined};
 use microslip::hb::resonance::Band;
@@ -364,6 +364,34 @@ fn raised_peaks_are_tops() {
                 );
             }
         }
+    });
+}
+
+/// A search from both sides of a peak on few harmonics finds the one on many. Seen to fail with the lowest of what it finds, and
+/// with a start on the harmonics of the peak.
+#[test]
+fn peaks_on_more_harmonics_are_found_from_aside() {
+    let case = plane(-1.0);
+    with_problem(&case, |problem| {
+        let [few, many] = [1, 9].map(located);
+        let top = |settings: &HbSettings| {
+            let found = track_peaks(problem, settings, SEARCH, &[20.0]).expect("modes");
+            let solution = found.into_iter().next().and_then(|peak| peak.solution);
+            solution.expect("a peak")
+        };
+        let (start, expected) = (top(&few), top(&many));
+        let [from, to] = [&few, &many]
+            .map(|settings| Balance::new(problem, settings.harmonics.clone(), settings.aft));
+        let start = Iterate::new(&from, start.point());
+        let mut count = WorkCount::default();
+        let found = highest_aside((&from, &start), &to, SEARCH, few.newton, &mut count);
+        let found = found.expect("a peak").iterate;
+        let [frequency, amplitude] = [
+            found.point.omega / expected.omega - 1.0,
+            found.response(&to).norm() / expected.amplitude(0) - 1.0,
+        ];
+        println!("{frequency:e} {amplitude:e} {count:?}");
+        assert!(frequency.abs() < 1e-7 && amplitude.abs() < 1e-10);
     });
 }
 
