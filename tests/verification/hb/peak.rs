@@ -367,8 +367,7 @@ fn raised_peaks_are_tops() {
     });
 }
 
-/// A search from both sides of a peak on few harmonics finds the one on many. Seen to fail with the lowest of what it finds, and
-/// with a start on the harmonics of the peak.
+/// A search from both sides of a peak on few harmonics finds the one on many.
 #[test]
 fn peaks_on_more_harmonics_are_found_from_aside() {
     let case = plane(-1.0);
