@@ -367,7 +367,8 @@ fn raised_peaks_are_tops() {
     });
 }
 
-/// A search from both sides of a peak on few harmonics finds the one on many.
+/// A search from both sides of a peak on few harmonics finds the one on many. Seen to fail with the solutions aside in place of
+/// the maxima next to them.
 #[test]
 fn peaks_on_more_harmonics_are_found_from_aside() {
     let case = plane(-1.0);
