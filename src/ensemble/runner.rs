@@ -113,8 +113,8 @@ impl Ensemble<'_> {
                 .into_par_iter()
                 // one sample may take as long as a hundred others
                 .with_max_len(1)
-                .map(|index| index as u64)
                 .map(|index| {
+                    let index = index as u64;
                     let (outcome, anchor) = self.sample(index, &atlas);
                     done();
                     (outcome, (index < MOST_ANCHORS).then_some(anchor))

@@ -6,7 +6,8 @@
 //! away from the peak meets: where the branch folds back, the part behind the fold is left out.
 
 use super::balance::Balance;
-use super::continuation::{BranchPoint, StepSettings, walk};
+use super::branch_point::BranchPoint;
+use super::continuation::{StepSettings, walk};
 use super::newton::{Iterate, Point, WorkCount};
 use super::resonance::Band;
 use super::settings::NewtonSettings;

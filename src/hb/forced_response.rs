@@ -5,7 +5,7 @@
 
 use super::alert::AlertSets;
 use super::balance::Balance;
-use super::continuation::BranchPoint;
+use super::branch_point::BranchPoint;
 use super::ladder::Ladder;
 use super::newton::{Condition, Iterate, Point, WorkCount, polish};
 use super::peak::PeakSettings;

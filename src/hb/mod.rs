@@ -5,6 +5,7 @@
 
 pub mod alert;
 pub mod balance;
+pub mod branch_point;
 pub mod budget;
 pub mod compliance;
 pub mod continuation;

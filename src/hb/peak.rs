@@ -6,7 +6,7 @@
 
 use super::alert::pad;
 use super::balance::Balance;
-use super::continuation::BranchPoint;
+use super::branch_point::BranchPoint;
 use super::newton::{Condition, Iterate, Point, WorkCount, solve};
 use super::resonance::Band;
 use super::settings::NewtonSettings;

@@ -4,7 +4,8 @@
 //! the branch is followed to the end of the band, and the other harmonics are added there.
 
 use super::balance::Balance;
-use super::continuation::{BranchPoint, StepSettings, distance, on_if, walk};
+use super::branch_point::{BranchPoint, distance};
+use super::continuation::{StepSettings, on_if, walk};
 use super::ladder::climb;
 use super::newton::{Condition, Iterate, Point, WorkCount, solve};
 use super::rest::Rest;

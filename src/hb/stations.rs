@@ -5,7 +5,8 @@
 //! [`PICTURE_ERROR`] beside it. A solution that was added shows whether the tangents knew what lies between; if not, more are added.
 
 use super::balance::Balance;
-use super::continuation::{BranchPoint, WalkEnd};
+use super::branch_point::BranchPoint;
+use super::continuation::WalkEnd;
 use super::newton::{Iterate, Point, WorkCount};
 use super::settings::NewtonSettings;
 use super::status::Status;

@@ -5,7 +5,8 @@
 //! the next frequency is met where it has come forward again, which is where a slow sweep jumps to.
 
 use super::balance::Balance;
-use super::continuation::{BranchPoint, Predictor, StepSettings, WalkEnd, distance, on_if, walk};
+use super::branch_point::{BranchPoint, distance};
+use super::continuation::{Predictor, StepSettings, WalkEnd, on_if, walk};
 use super::newton::{Condition, Iterate, Point, WorkCount, solve};
 use super::peak::{Located, PeakSettings, find_peak};
 use super::resonance::Band;

@@ -4,7 +4,7 @@ use super::models::{aft, short, space};
 use faer::prelude::c64;
 use microslip::contact::FrictionLaw;
 use microslip::harmonics::HarmonicSet;
-use microslip::hb::continuation::BranchPoint;
+use microslip::hb::branch_point::BranchPoint;
 use microslip::hb::jacobian::EXACT;
 use microslip::hb::linear::LinearModel;
 use microslip::hb::newton::{Condition, Direction, Iterate, Metric, Point, newton_step, solve};
