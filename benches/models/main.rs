@@ -1,9 +1,12 @@
-//! Small random models, parameters over six decades: how many peaks are found, and how the others end.
+//! Small random models, parameters over six decades: how many peaks are found, how the others end, and whether those
+//! structures vibrate with the period of the excitation at all, by time integration.
 //!
-//! `cargo bench --bench models [-- seeds [first seed [harmonics [budget]]]]`
+//! `cargo bench --bench models [-- seeds [first seed [harmonics [budget]]] [control]]`; with `control` those with a peak are
+//! integrated, too.
 
 #![allow(clippy::expect_used, reason = "a benchmark that cannot be set up ends")]
 
+mod march;
 mod random;
 
 use microslip::hb::{NewtonSettings, Status};
@@ -12,29 +15,48 @@ use rayon::prelude::*;
 
 /// How the search for the peak of one model ended.
 struct Outcome {
-    text: String,
     status: Status,
     iterations: usize,
+    /// Where the structure was integrated: whether it vibrates with the period of the excitation.
+    periodic: Option<bool>,
 }
 
 fn main() {
-    let arguments = std::env::args().filter_map(|a| a.parse::<u64>().ok());
-    let arguments: Vec<u64> = arguments.collect();
-    let or = |at: usize, default: u64| arguments.get(at).copied().unwrap_or(default);
+    let numbers = std::env::args().filter_map(|a| a.parse::<u64>().ok());
+    let numbers: Vec<u64> = numbers.collect();
+    let or = |at: usize, default: u64| numbers.get(at).copied().unwrap_or(default);
     let (seeds, first, harmonics) = (or(0, 200), or(1, 0), or(2, 5));
     let budget = or(3, NewtonSettings::default().budget as u64);
-    let outcomes: Vec<Outcome> = (first..first + seeds)
-        .into_par_iter()
-        .map(|seed| {
-            let model = RandomModel::of_seed(seed);
-            let found = model.peak(harmonics as usize, budget as usize);
-            Outcome {
-                text: model.text,
-                status: found.status,
-                iterations: found.count.iterations,
-            }
-        })
-        .collect();
+    let control = std::env::args().any(|a| a == "control");
+    let outcome = |seed: u64| {
+        let model = RandomModel::of_seed(seed);
+        let found = model.peak(harmonics as usize, budget as usize);
+        let (status, iterations) = (found.status, found.count.iterations);
+        let wanted = control || !status.has_solution();
+        let vibration = wanted.then(|| march::not_periodic(&model));
+        if let Some(vibration) = vibration {
+            let vibration = match vibration {
+                Some((omega, change)) => {
+                    format!("not periodic at {omega:.3} rad/s, change {change:.1e}")
+                }
+                None => "periodic".to_owned(),
+            };
+            let status = status.name();
+            println!(
+                "{status}, {iterations} iterations, {vibration}: {}",
+                model.text
+            );
+        }
+        Outcome {
+            status,
+            iterations,
+            periodic: vibration.map(|found| found.is_none()),
+        }
+    };
+    let seeds: Vec<u64> = (first..first + seeds).collect();
+    // one at a time, so that no thread waits with models behind another's slow one
+    let seeds = seeds.into_par_iter().with_max_len(1);
+    let outcomes: Vec<Outcome> = seeds.map(outcome).collect();
     for status in Status::ALL {
         let ended = outcomes.iter().filter(|o| o.status == status);
         match ended.count() {
@@ -51,12 +73,15 @@ fn main() {
         quantile(0.99),
         quantile(1.0)
     );
-    for outcome in outcomes.iter().filter(|o| !o.status.has_solution()) {
-        let Outcome {
-            text,
-            status,
-            iterations,
-        } = outcome;
-        println!("{}, {iterations} iterations: {text}", status.name());
+    for (with_peak, ended) in [(true, "with"), (false, "without")] {
+        let ended_so = outcomes
+            .iter()
+            .filter(|o| o.status.has_solution() == with_peak);
+        let integrated: Vec<bool> = ended_so.filter_map(|o| o.periodic).collect();
+        let periodic = integrated.iter().filter(|periodic| **periodic).count();
+        println!(
+            "{ended} a peak: {} integrated in time, {periodic} of them periodic",
+            integrated.len()
+        );
     }
 }

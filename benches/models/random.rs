@@ -107,6 +107,13 @@ impl RandomModel {
         }
     }
 
+    /// Ascending natural frequencies of the free and of the stuck structure (rad/s).
+    pub(crate) fn frequencies(&self) -> [Vec<f64>; 2] {
+        let free = self.reduced.free_frequencies();
+        let stuck = self.reduced.stuck_frequencies(&self.contacts);
+        [free, stuck].map(|frequencies| frequencies.expect("modes"))
+    }
+
     /// The peak with `highest` harmonics in the band that holds all modes, free and stuck, with `budget` iterations per search.
     pub(crate) fn peak(&self, highest: usize, budget: usize) -> LevelPeak {
         let newton = NewtonSettings {
@@ -126,9 +133,7 @@ impl RandomModel {
             alert: None,
         };
         let linear = LinearModel::new(&self.reduced).expect("modes");
-        let stuck = self.reduced.stuck_frequencies(&self.contacts);
-        let highest_stuck = stuck.expect("modes").pop().expect("a mode");
-        let free = self.reduced.free_frequencies().expect("modes");
+        let [free, stuck] = self.frequencies();
         let contacts = self.contacts.clone();
         let problem =
             Problem::new(&linear, contacts, 1.0, SliderAnchor::Unloaded).expect("a held structure");
@@ -136,7 +141,7 @@ impl RandomModel {
         let peak = PeakSettings {
             band: Band {
                 low: 0.5 * free[0],
-                high: 1.2 * highest_stuck,
+                high: 1.2 * stuck[stuck.len() - 1],
             },
             frequency_tolerance: 1e-9,
         };
