@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::ensemble::store::StoreError;
+use crate::ensemble::table::TableError;
 use crate::file::FileError;
 use crate::hb::ProblemError;
 use crate::model::ModelError;
@@ -40,7 +40,7 @@ pub enum Error {
     Threads(String),
     /// Outcomes could not be stored.
     #[error(transparent)]
-    Store(#[from] StoreError),
+    Store(#[from] TableError),
     /// The report could not be written.
     #[error(transparent)]
     Report(#[from] ReportError),

@@ -5,9 +5,8 @@
 
 use super::atlas::{Anchor, AnchorPeak, ModePeaks};
 use super::runner::Solved;
-use super::store::{
-    Column, Record, StoreError, Table, metadata, missing, read_curves, read_samples, write_table,
-};
+use super::store::{read_curves, read_samples};
+use super::table::{Column, Record, Table, TableError, metadata, missing, write_table};
 use crate::file::{Fault, FileError, FileRecord, read_parquet};
 use crate::harmonics::HarmonicSet;
 use crate::hb::newton::Point;
@@ -37,12 +36,12 @@ pub struct KeptStudy {
 /// `response_imaginary`, `sharpness` (null where unknown), `displacements` (f64); the numbers of a list are bytes, little-endian.
 ///
 /// # Errors
-/// [`StoreError`]; then `path` is as it was.
+/// [`TableError`]; then `path` is as it was.
 pub fn write_anchors(
     path: &Path,
     study: &KeptStudy,
     anchors: &[Anchor],
-) -> Result<FileRecord, StoreError> {
+) -> Result<FileRecord, TableError> {
     let pairs = [(STUDY_TEXT, &study.text), (STUDY_PATH, &study.path)];
     let metadata = pairs.map(|(key, value)| KeyValue::new(key.to_owned(), value.clone()));
     let rows: Vec<Row> = (anchors.iter().enumerate())

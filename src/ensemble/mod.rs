@@ -12,6 +12,7 @@ pub mod runner;
 mod sample;
 pub mod store;
 pub mod strips;
+pub mod table;
 #[cfg(feature = "test-functions")]
 pub mod test_function;
 

@@ -26,6 +26,8 @@ pub struct LevelOutcome {
     pub status: Status,
     /// The resonance peak, if found.
     pub peak: Option<PeakRecord>,
+    /// Lower maxima of the amplitude that were found, highest first: of other modes that compete, or met on the way.
+    pub others: Vec<OtherMaximum>,
     /// Forced response around the peak, ascending in frequency, single-valued; may be empty.
     pub curve: Vec<CurvePoint>,
     /// Newton iterations spent on this level.
@@ -69,10 +71,6 @@ pub struct PeakRecord {
     /// Largest component of the residual over the fixed displacement scale.
     #[serde(deserialize_with = "number")]
     pub residual: f64,
-    /// Other, lower maxima of the amplitude that were found: of other modes that compete, or met on the way.
-    pub other_maxima: usize,
-    /// The highest of them.
-    pub next: Option<OtherMaximum>,
 }
 
 /// A maximum that is not the highest.

@@ -133,6 +133,7 @@ impl Ensemble<'_> {
             level,
             status: Status::Converged,
             peak: Some(peak),
+            others: Vec::new(),
             curve: Vec::new(),
             newton_iterations: 0,
             factorizations: 0,
@@ -312,7 +313,8 @@ impl Ensemble<'_> {
         LevelOutcome {
             level,
             status: maxima.status(),
-            peak: peak.map(|solution| record(solution, maxima)),
+            peak: peak.map(record),
+            others: peak.map_or_else(Vec::new, |_| others(maxima)),
             curve,
             newton_iterations: count.iterations,
             factorizations: count.factorizations,
@@ -364,6 +366,7 @@ impl Ensemble<'_> {
                 level,
                 status,
                 peak: None,
+                others: Vec::new(),
                 curve: Vec::new(),
                 newton_iterations: 0,
                 factorizations: 0,
@@ -423,8 +426,18 @@ fn surprising(found: f64, predicted: f64) -> bool {
     (found / predicted - 1.0).abs() >= SURPRISE
 }
 
-fn record(solution: &Solution, maxima: &Maxima) -> PeakRecord {
-    let others: Vec<&Solution> = maxima.distinct().into_iter().skip(1).collect();
+/// The maxima below the highest one.
+fn others(maxima: &Maxima) -> Vec<OtherMaximum> {
+    let others = maxima.distinct().into_iter().skip(1);
+    others
+        .map(|other| OtherMaximum {
+            frequency_hz: rad_s_to_hz(other.omega),
+            amplitude_m: other.amplitude(0),
+        })
+        .collect()
+}
+
+fn record(solution: &Solution) -> PeakRecord {
     PeakRecord {
         frequency_hz: rad_s_to_hz(solution.omega),
         amplitude_m: solution.amplitude(0),
@@ -437,10 +450,5 @@ fn record(solution: &Solution, maxima: &Maxima) -> PeakRecord {
         work_viscous_j: solution.work.viscous,
         work_friction_j: solution.work.friction,
         residual: solution.residual,
-        other_maxima: others.len(),
-        next: others.first().map(|other| OtherMaximum {
-            frequency_hz: rad_s_to_hz(other.omega),
-            amplitude_m: other.amplitude(0),
-        }),
     }
 }

@@ -4,25 +4,15 @@
 //! No column ever holds NaN. Files appear whole or not at all.
 
 use super::outcome::{CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome};
+use super::table::{Column, Record, Table, TableError, count, metadata, missing, write_table};
 use crate::contact::{Events, FrictionLaw};
 use crate::file::{self, Fault, FileError, FileRecord};
 use crate::hb::{SliderAnchor, Status};
 use crate::sampling::SampleGroup;
-use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
-use parquet::column::writer::ColumnWriter;
-use parquet::data_type::ByteArray;
-use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
-use parquet::file::reader::{FileReader, SerializedFileReader};
-use parquet::file::writer::SerializedFileWriter;
-use parquet::record::{Field, Row};
-use parquet::schema::types::{Type, TypePtr};
-use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
-use std::io::Error as IoError;
+use parquet::file::reader::FileReader;
+use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::Arc;
 
 /// What a result must carry to be understood and repeated.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -55,18 +45,6 @@ pub struct Provenance {
     pub highest_harmonic: Option<usize>,
 }
 
-/// Why outcomes could not be stored.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum StoreError {
-    /// A file cannot be written.
-    #[error(transparent)]
-    File(#[from] FileError),
-    /// An input bears the name of another column.
-    #[error("input {0:?}: the name is already a column of the result file")]
-    DuplicateColumn(String),
-}
-
 /// Samples read back from `samples.parquet`.
 #[derive(Debug, Clone)]
 pub struct StoredSamples {
@@ -78,8 +56,6 @@ pub struct StoredSamples {
     pub outcomes: Vec<SampleOutcome>,
 }
 
-/// Samples per row group: bounds the memory of a write to a few megabytes.
-const ROW_GROUP: usize = 4096;
 const INPUTS_KEY: &str = "inputs";
 /// Columns of what a sample belongs to.
 type GroupColumn = (&'static str, fn(&SampleGroup) -> Option<u64>);
@@ -89,19 +65,27 @@ const GROUP_COLUMNS: [GroupColumn; 3] = [
     ("place", |group| group.place),
 ];
 
+/// Columns of the lower maxima: lists, highest maximum first.
+type OtherColumn = (&'static str, fn(&OtherMaximum) -> f64);
+const OTHER_COLUMNS: [OtherColumn; 2] = [
+    ("other_frequencies_hz", |other| other.frequency_hz),
+    ("other_amplitudes_m", |other| other.amplitude_m),
+];
+
 /// Writes one row per sample and level.
 ///
 /// Columns: `sample`, those of [`SampleGroup`] that the design has, the inputs by name, `level`, `status`, then the fields
-/// of [`PeakRecord`] (null without a solution), `newton_iterations`, `factorizations`. Units are those of [`PeakRecord`].
+/// of [`PeakRecord`] (null without a solution), `other_frequencies_hz` and `other_amplitudes_m` (lists of the lower maxima,
+/// highest first, empty without a solution), `newton_iterations`, `factorizations`. Units are those of [`PeakRecord`].
 ///
 /// # Errors
-/// [`StoreError`]; then `path` is as it was.
+/// [`TableError`]; then `path` is as it was.
 pub fn write_samples(
     path: &Path,
     provenance: &Provenance,
     input_names: &[String],
     outcomes: &[SampleOutcome],
-) -> Result<FileRecord, StoreError> {
+) -> Result<FileRecord, TableError> {
     let system = |error: serde_json::Error| FileError::system(path, error.into());
     let mut metadata = key_values(provenance).map_err(system)?;
     let names = serde_json::to_string(input_names).map_err(system)?;
@@ -116,12 +100,12 @@ pub fn write_samples(
 /// Writes the forced response curves: `sample`, `level`, `frequency_hz`, `amplitude_m`.
 ///
 /// # Errors
-/// [`StoreError`]; then `path` is as it was.
+/// [`TableError`]; then `path` is as it was.
 pub fn write_curves(
     path: &Path,
     provenance: &Provenance,
     outcomes: &[SampleOutcome],
-) -> Result<FileRecord, StoreError> {
+) -> Result<FileRecord, TableError> {
     let system = |error: serde_json::Error| FileError::system(path, error.into());
     let metadata = key_values(provenance).map_err(system)?;
     write_table(path, metadata, outcomes, curve_columns)
@@ -146,13 +130,13 @@ pub fn read_samples(path: &Path) -> Result<StoredSamples, FileError> {
                 let inputs: Result<_, _> = input_names.iter().map(|name| row.real(name)).collect();
                 outcomes.push(SampleOutcome {
                     index,
-                    group: row.group(),
+                    group: group(&row),
                     inputs: inputs?,
                     levels: Vec::new(),
                 });
             }
             if let Some(outcome) = outcomes.last_mut() {
-                outcome.levels.push(row.level_outcome()?);
+                outcome.levels.push(level_outcome(&row)?);
             }
         }
         Ok(StoredSamples {
@@ -183,80 +167,6 @@ pub fn read_curves(path: &Path, outcomes: &mut [SampleOutcome]) -> Result<(), Fi
         }
         Ok(())
     })
-}
-
-/// Key-value metadata of a file.
-pub(super) fn metadata(reader: &SerializedFileReader<File>) -> BTreeMap<String, String> {
-    let stored = reader.metadata().file_metadata().key_value_metadata();
-    stored
-        .into_iter()
-        .flatten()
-        .filter_map(|pair| Some((pair.key.clone(), pair.value.clone()?)))
-        .collect()
-}
-
-/// One column of a table, nullable where its kind says so.
-pub(super) enum Column {
-    Count(Vec<Option<i64>>),
-    Real(Vec<Option<f64>>),
-    Text(Vec<&'static str>),
-    Bytes(Vec<Vec<u8>>),
-}
-
-impl Column {
-    fn schema(&self, name: &str) -> Result<TypePtr, ParquetError> {
-        let (physical, logical, repetition) = match self {
-            Self::Count(_) => (Physical::INT64, None, Repetition::OPTIONAL),
-            Self::Real(_) => (Physical::DOUBLE, None, Repetition::OPTIONAL),
-            Self::Text(_) => (
-                Physical::BYTE_ARRAY,
-                Some(LogicalType::String),
-                Repetition::REQUIRED,
-            ),
-            Self::Bytes(_) => (Physical::BYTE_ARRAY, None, Repetition::REQUIRED),
-        };
-        let field = Type::primitive_type_builder(name, physical)
-            .with_logical_type(logical)
-            .with_repetition(repetition)
-            .build()?;
-        Ok(Arc::new(field))
-    }
-
-    fn write(&self, writer: &mut ColumnWriter<'_>) -> Result<(), ParquetError> {
-        match (self, writer) {
-            (Self::Count(values), ColumnWriter::Int64ColumnWriter(w)) => {
-                let (present, levels) = split(values);
-                w.write_batch(&present, Some(&levels), None)?;
-            }
-            (Self::Real(values), ColumnWriter::DoubleColumnWriter(w)) => {
-                let (present, levels) = split(values);
-                w.write_batch(&present, Some(&levels), None)?;
-            }
-            (Self::Text(values), ColumnWriter::ByteArrayColumnWriter(w)) => {
-                let bytes: Vec<ByteArray> = values.iter().map(|&text| text.into()).collect();
-                w.write_batch(&bytes, None, None)?;
-            }
-            (Self::Bytes(values), ColumnWriter::ByteArrayColumnWriter(w)) => {
-                let bytes: Vec<ByteArray> = values.iter().map(|v| v.clone().into()).collect();
-                w.write_batch(&bytes, None, None)?;
-            }
-            _ => return Err(ParquetError::General("column of another type".to_owned())),
-        }
-        Ok(())
-    }
-}
-
-/// Present values and the definition level of every row (1 = present), as Parquet wants them.
-fn split<T: Copy>(values: &[Option<T>]) -> (Vec<T>, Vec<i16>) {
-    let present = values.iter().flatten().copied().collect();
-    let levels = values.iter().map(|v| i16::from(v.is_some())).collect();
-    (present, levels)
-}
-
-pub(super) type Table = Vec<(String, Column)>;
-
-fn count(value: usize) -> Option<i64> {
-    i64::try_from(value).ok()
 }
 
 /// `group` tells which of its columns there are.
@@ -317,16 +227,13 @@ fn sample_columns(input_names: &[String], group: SampleGroup, outcomes: &[Sample
     add("work_viscous_j", real(|p| Some(p.work_viscous_j)));
     add("work_friction_j", real(|p| Some(p.work_friction_j)));
     add("residual", real(|p| Some(p.residual)));
-    let others = |l: &LevelOutcome| peak(l).and_then(|p| count(p.other_maxima));
-    add(
-        "other_maxima",
-        Column::Count(rows.iter().map(|(_, l)| others(l)).collect()),
-    );
-    add(
-        "next_frequency_hz",
-        real(|p| p.next.map(|n| n.frequency_hz)),
-    );
-    add("next_amplitude_m", real(|p| p.next.map(|n| n.amplitude_m)));
+    for (name, of) in OTHER_COLUMNS {
+        let others = |(_, l): &(_, &LevelOutcome)| match peak(l) {
+            Some(_) => l.others.iter().map(of).collect(),
+            None => Vec::new(),
+        };
+        add(name, Column::Reals(rows.iter().map(others).collect()));
+    }
     let newton = rows.iter().map(|(_, l)| count(l.newton_iterations));
     add("newton_iterations", Column::Count(newton.collect()));
     let factorizations = rows.iter().map(|(_, l)| count(l.factorizations));
@@ -369,160 +276,60 @@ fn key_values(provenance: &Provenance) -> Result<Vec<KeyValue>, serde_json::Erro
         .collect())
 }
 
-/// Writes `rows`, as the columns that `table` makes of a part of them.
-pub(super) fn write_table<T>(
-    path: &Path,
-    metadata: Vec<KeyValue>,
-    rows: &[T],
-    table: impl Fn(&[T]) -> Table,
-) -> Result<FileRecord, StoreError> {
-    let columns = table(&[]);
-    let mut names = BTreeSet::new();
-    if let Some((name, _)) = columns.iter().find(|(name, _)| !names.insert(name)) {
-        return Err(StoreError::DuplicateColumn(name.clone()));
+fn group(row: &Record) -> SampleGroup {
+    let number = |name: &str| Some(row.count(name).ok()? as u64);
+    let [outer, replicate, place] = GROUP_COLUMNS.map(|(name, _)| number(name));
+    SampleGroup {
+        outer,
+        replicate,
+        place,
     }
-    let properties = WriterProperties::builder()
-        .set_compression(Compression::SNAPPY)
-        .set_key_value_metadata(Some(metadata))
-        .build();
-    let written = file::replace(path, |file| {
-        let fill = || {
-            let schema = schema(&columns)?;
-            let mut writer = SerializedFileWriter::new(file, schema, Arc::new(properties))?;
-            for part in rows.chunks(ROW_GROUP) {
-                let mut group = writer.next_row_group()?;
-                for (_, column) in table(part) {
-                    if let Some(mut target) = group.next_column()? {
-                        column.write(target.untyped())?;
-                        target.close()?;
-                    }
-                }
-                group.close()?;
-            }
-            writer.close()
-        };
-        fill().map(drop).map_err(plain)
+}
+
+fn status(row: &Record) -> Result<Status, Fault> {
+    let name = row.text("status")?;
+    let known = Status::ALL.into_iter().find(|status| status.name() == name);
+    known.ok_or_else(|| missing("status"))
+}
+
+fn level_outcome(row: &Record) -> Result<LevelOutcome, Fault> {
+    Ok(LevelOutcome {
+        level: row.real("level")?,
+        status: status(row)?,
+        peak: peak(row)?,
+        others: others(row)?,
+        curve: Vec::new(),
+        newton_iterations: row.count("newton_iterations")?,
+        factorizations: row.count("factorizations")?,
+    })
+}
+
+fn others(row: &Record) -> Result<Vec<OtherMaximum>, Fault> {
+    let [(frequencies, _), (amplitudes, _)] = OTHER_COLUMNS;
+    let places = (row.reals(frequencies)?.into_iter()).zip(row.reals(amplitudes)?);
+    let others = places.map(|(frequency_hz, amplitude_m)| OtherMaximum {
+        frequency_hz,
+        amplitude_m,
     });
-    Ok(written?)
+    Ok(others.collect())
 }
 
-fn schema(columns: &Table) -> Result<TypePtr, ParquetError> {
-    let fields: Result<Vec<TypePtr>, _> = columns.iter().map(|(name, c)| c.schema(name)).collect();
-    let schema = Type::group_type_builder("schema").with_fields(fields?);
-    Ok(Arc::new(schema.build()?))
-}
-
-/// What the operating system said, where the library wraps that.
-fn plain(error: ParquetError) -> IoError {
-    match error {
-        ParquetError::External(source) => match source.downcast::<IoError>() {
-            Ok(source) => *source,
-            Err(other) => IoError::other(other),
-        },
-        other => IoError::other(other),
-    }
-}
-
-/// A column or key that this program writes is absent.
-pub(super) fn missing(name: &str) -> Fault {
-    Fault::new(format!("{name} is missing or of another type"))
-}
-
-/// A row by column name.
-pub(super) struct Record(BTreeMap<String, Field>);
-
-impl Record {
-    pub(super) fn of(row: Row) -> Self {
-        Self(row.into_columns().into_iter().collect())
-    }
-
-    pub(super) fn optional(&self, name: &str) -> Result<Option<f64>, Fault> {
-        match self.0.get(name) {
-            Some(Field::Double(value)) => Ok(Some(*value)),
-            Some(Field::Null) => Ok(None),
-            _ => Err(missing(name)),
-        }
-    }
-
-    pub(super) fn real(&self, name: &str) -> Result<f64, Fault> {
-        self.optional(name)?.ok_or_else(|| missing(name))
-    }
-
-    /// A number that was not finite when it was written is NaN again.
-    fn number(&self, name: &str) -> Result<f64, Fault> {
-        Ok(self.optional(name)?.unwrap_or(f64::NAN))
-    }
-
-    pub(super) fn count(&self, name: &str) -> Result<usize, Fault> {
-        match self.0.get(name) {
-            Some(Field::Long(value)) => usize::try_from(*value).map_err(|_| missing(name)),
-            _ => Err(missing(name)),
-        }
-    }
-
-    pub(super) fn bytes(&self, name: &str) -> Result<&[u8], Fault> {
-        match self.0.get(name) {
-            Some(Field::Bytes(value)) => Ok(value.data()),
-            _ => Err(missing(name)),
-        }
-    }
-
-    fn group(&self) -> SampleGroup {
-        let number = |name: &str| Some(self.count(name).ok()? as u64);
-        let [outer, replicate, place] = GROUP_COLUMNS.map(|(name, _)| number(name));
-        SampleGroup {
-            outer,
-            replicate,
-            place,
-        }
-    }
-
-    fn status(&self) -> Result<Status, Fault> {
-        let Some(Field::Str(name)) = self.0.get("status") else {
-            return Err(missing("status"));
-        };
-        let known = Status::ALL.into_iter().find(|status| status.name() == name);
-        known.ok_or_else(|| missing("status"))
-    }
-
-    fn level_outcome(&self) -> Result<LevelOutcome, Fault> {
-        Ok(LevelOutcome {
-            level: self.real("level")?,
-            status: self.status()?,
-            peak: self.peak()?,
-            curve: Vec::new(),
-            newton_iterations: self.count("newton_iterations")?,
-            factorizations: self.count("factorizations")?,
-        })
-    }
-
-    fn peak(&self) -> Result<Option<PeakRecord>, Fault> {
-        let place = (
-            self.optional("frequency_hz")?,
-            self.optional("amplitude_m")?,
-        );
-        let (Some(frequency_hz), Some(amplitude_m)) = place else {
-            return Ok(None);
-        };
-        Ok(Some(PeakRecord {
-            frequency_hz,
-            amplitude_m,
-            truncation_error: self.optional("truncation_error")?,
-            highest_harmonic: self.count("highest_harmonic")?,
-            stick_fraction: self.number("stick_fraction")?,
-            slip_fraction: self.number("slip_fraction")?,
-            separated_fraction: self.number("separated_fraction")?,
-            work_input_j: self.number("work_input_j")?,
-            work_viscous_j: self.number("work_viscous_j")?,
-            work_friction_j: self.number("work_friction_j")?,
-            residual: self.number("residual")?,
-            other_maxima: self.count("other_maxima")?,
-            next: (self.optional("next_frequency_hz")?)
-                .zip(self.optional("next_amplitude_m")?)
-                .map(|(frequency_hz, amplitude_m)| OtherMaximum {
-                    frequency_hz,
-                    amplitude_m,
-                }),
-        }))
-    }
+fn peak(row: &Record) -> Result<Option<PeakRecord>, Fault> {
+    let place = (row.optional("frequency_hz")?, row.optional("amplitude_m")?);
+    let (Some(frequency_hz), Some(amplitude_m)) = place else {
+        return Ok(None);
+    };
+    Ok(Some(PeakRecord {
+        frequency_hz,
+        amplitude_m,
+        truncation_error: row.optional("truncation_error")?,
+        highest_harmonic: row.count("highest_harmonic")?,
+        stick_fraction: row.number("stick_fraction")?,
+        slip_fraction: row.number("slip_fraction")?,
+        separated_fraction: row.number("separated_fraction")?,
+        work_input_j: row.number("work_input_j")?,
+        work_viscous_j: row.number("work_viscous_j")?,
+        work_friction_j: row.number("work_friction_j")?,
+        residual: row.number("residual")?,
+    }))
 }

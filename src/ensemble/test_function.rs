@@ -74,8 +74,6 @@ impl TestFunction {
             work_viscous_j: 0.0,
             work_friction_j: 0.0,
             residual: 0.0,
-            other_maxima: 0,
-            next: None,
         }
     }
 }

@@ -243,7 +243,9 @@ impl LevelSummary {
             replicate_means: ReplicateMeans::of(population.iter(), i),
             truncation_error: distribution(&|p| p.truncation_error),
             highest_harmonics,
-            several_maxima: peaks.iter().filter(|p| p.other_maxima > 0).count(),
+            several_maxima: (records.iter())
+                .filter(|r| usable_peak(r).is_some() && !r.others.is_empty())
+                .count(),
             mean_contact_fractions: mean_fractions(population.iter(), i),
             worst_work_balance: worst_work_balance(&peaks),
             newton_iterations: WorkCount::of(records.iter().map(|r| r.newton_iterations)),

@@ -6,7 +6,8 @@ use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_ipc::reader::FileReader as ArrowReader;
 use microslip::ensemble::arrow::write_arrow;
-use microslip::ensemble::store::{StoreError, read_samples, write_curves, write_samples};
+use microslip::ensemble::store::{read_samples, write_curves, write_samples};
+use microslip::ensemble::table::TableError;
 use microslip::file::{FileRecord, replace};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
@@ -16,7 +17,7 @@ use std::io::Write;
 use std::path::Path;
 
 /// Inputs, statuses, peaks and counts come back bit by bit, over more than one row group; failed samples have
-/// nulls. Seen to fail with the definition levels swapped (1 for absent).
+/// nulls. Seen to fail with the definition levels swapped (1 for absent), and with lists that all begin anew at each value.
 #[test]
 fn samples_survive_the_round_trip() {
     let mut study = SyntheticStudy::new(4200);
@@ -47,6 +48,7 @@ fn samples_survive_the_round_trip() {
         for (read, written) in read.levels.iter().zip(&written.levels) {
             assert_eq!((read.level, read.status), (written.level, written.status));
             assert_eq!(read.peak, written.peak);
+            assert_eq!(read.others, written.others);
             assert_eq!(read.newton_iterations, written.newton_iterations);
             assert_eq!(read.factorizations, written.factorizations);
             failed += usize::from(read.peak.is_none());
@@ -106,7 +108,7 @@ fn inputs_named_like_columns_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("samples.parquet");
     let refused = write_samples(&path, &provenance(), &names, &study.outcomes);
-    assert!(matches!(refused, Err(StoreError::DuplicateColumn(name)) if name == "level"));
+    assert!(matches!(refused, Err(TableError::DuplicateColumn(name)) if name == "level"));
     assert!(!path.exists(), "a refused write must leave nothing");
 }
 
@@ -142,8 +144,14 @@ fn cell(batch: &RecordBatch, column: usize, row: usize) -> Field {
     Field::Str(column.as_string::<i32>().value(row).to_owned())
 }
 
-/// Compares the Arrow file with the Parquet file it is made from; returns the number of cells and of nulls.
-fn assert_same_table(table: &Path, arrow: &Path) -> (usize, usize) {
+/// A list of an Arrow table.
+fn numbers(batch: &RecordBatch, column: usize, row: usize) -> Vec<f64> {
+    let list = batch.column(column).as_list::<i32>().value(row);
+    list.as_primitive::<Float64Type>().values().to_vec()
+}
+
+/// Compares the Arrow file with the Parquet file it is made from; returns the number of cells, of nulls and of values in lists.
+fn assert_same_table(table: &Path, arrow: &Path) -> (usize, usize, usize) {
     let parquet = SerializedFileReader::new(File::open(table).unwrap()).unwrap();
     let found = ArrowReader::try_new(File::open(arrow).unwrap(), None).unwrap();
     let stored = parquet.metadata().file_metadata();
@@ -160,7 +168,7 @@ fn assert_same_table(table: &Path, arrow: &Path) -> (usize, usize) {
         expected,
         "metadata"
     );
-    let (mut cells, mut nulls) = (0, 0);
+    let (mut cells, mut nulls, mut listed) = (0, 0, 0);
     let mut rows = parquet.get_row_iter(None).unwrap();
     for batch in found {
         let batch = batch.unwrap();
@@ -169,14 +177,21 @@ fn assert_same_table(table: &Path, arrow: &Path) -> (usize, usize) {
             assert_eq!(row.len(), batch.num_columns(), "columns");
             for (j, (name, value)) in row.get_column_iter().enumerate() {
                 assert_eq!(schema.field(j).name(), name, "order of the columns");
-                assert_eq!(&cell(&batch, j, i), value, "{name}, row {i}");
+                match value {
+                    Field::ListInternal(list) => {
+                        let found = numbers(&batch, j, i).into_iter().map(Field::Double);
+                        assert!(found.eq(list.elements().iter().cloned()), "{name}, row {i}");
+                        listed += list.elements().len();
+                    }
+                    value => assert_eq!(&cell(&batch, j, i), value, "{name}, row {i}"),
+                }
                 cells += 1;
                 nulls += usize::from(*value == Field::Null);
             }
         }
     }
     assert!(rows.next().is_none(), "the Arrow file has fewer rows");
-    (cells, nulls)
+    (cells, nulls, listed)
 }
 
 /// Every cell of both tables, over several row groups and record batches, failed samples (null) and outer points among
@@ -199,6 +214,7 @@ fn arrow_files_hold_the_same_tables() {
         assert_same_table(&table, &arrow)
     });
     assert!(samples.1 > 0, "the study must contain failures");
+    assert!(samples.2 > 0, "the study must contain lower maxima");
     assert!(samples.0 > 16_384 * 20, "the study must fill a batch");
     assert!(curves.0 > 0, "the study must contain curves");
 }

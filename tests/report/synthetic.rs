@@ -2,7 +2,9 @@
 
 use microslip::contact::{Events, FrictionLaw};
 use microslip::ensemble::backend::BackendReport;
-use microslip::ensemble::outcome::{CurvePoint, LevelOutcome, PeakRecord, SampleOutcome};
+use microslip::ensemble::outcome::{
+    CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome,
+};
 use microslip::ensemble::store::{Provenance, write_curves, write_samples};
 use microslip::hb::{SliderAnchor, Status};
 use microslip::report::record::{
@@ -256,6 +258,10 @@ fn level(index: u64, [scale, mu]: [f64; 2], i: usize) -> LevelOutcome {
         level: force,
         status,
         peak: (!failed).then(|| peak(force, frequency, amplitude * force, stick, noise)),
+        others: match failed {
+            true => Vec::new(),
+            false => others(index, frequency, amplitude),
+        },
         curve: if failed {
             Vec::new()
         } else {
@@ -264,6 +270,15 @@ fn level(index: u64, [scale, mu]: [f64; 2], i: usize) -> LevelOutcome {
         newton_iterations: 8 + (noise * 20.0) as usize + if failed { 60 } else { 0 },
         factorizations: 4 + (noise * 9.0) as usize,
     }
+}
+
+/// None, one or two lower maxima.
+fn others(index: u64, frequency_hz: f64, amplitude_m: f64) -> Vec<OtherMaximum> {
+    let other = |j| OtherMaximum {
+        frequency_hz: frequency_hz - 10.0 * j as f64,
+        amplitude_m: amplitude_m / (1.0 + j as f64),
+    };
+    (1..=index % 3).map(other).collect()
 }
 
 fn peak(force: f64, frequency_hz: f64, amplitude_m: f64, stick: f64, noise: f64) -> PeakRecord {
@@ -281,8 +296,6 @@ fn peak(force: f64, frequency_hz: f64, amplitude_m: f64, stick: f64, noise: f64)
         work_viscous_j: 0.6 * work,
         work_friction_j: 0.4 * work * (1.0 - 1e-9 * noise),
         residual: 1e-11,
-        other_maxima: 0,
-        next: None,
     }
 }
 
