@@ -11,9 +11,9 @@ use microslip::ensemble::atlas::{AnchorPeak, ModePeaks};
 use microslip::ensemble::outcome::LevelOutcome;
 use microslip::ensemble::{Ensemble, Solved};
 use microslip::harmonics::HarmonicSet;
-use microslip::hb::alert::on;
+use microslip::hb::equations::balance::balance_on;
 use microslip::hb::newton::WorkCount;
-use microslip::hb::predicted::maximum_near;
+use microslip::hb::peak::predicted::maximum_near;
 use microslip::hb::{Problem, Status};
 use microslip::study::Study;
 use rayon::prelude::*;
@@ -113,7 +113,7 @@ fn true_error(
     highest: usize,
 ) -> Option<f64> {
     let settings = ensemble.settings;
-    let balance = on(problem, HarmonicSet::up_to(highest), settings);
+    let balance = balance_on(problem, HarmonicSet::up_to(highest), settings);
     let start = peak.as_prediction();
     let mut prediction = start.peak;
     let n_relative = balance.layout.n_relative();

@@ -12,12 +12,12 @@ use faer::prelude::*;
 use microslip::aft::{AftSettings, Laps};
 use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
-use microslip::hb::alert::{pad, time_points};
-use microslip::hb::jacobian::{EXACT, Jacobian};
+use microslip::hb::equations::balance::time_points;
+use microslip::hb::equations::jacobian::{EXACT, Jacobian};
 use microslip::hb::newton::{Iterate, Point};
-use microslip::hb::peak::PeakSettings;
-use microslip::hb::resonance::Band;
-use microslip::hb::track::track_peaks;
+use microslip::hb::peak::search::PeakSettings;
+use microslip::hb::peak::track::track_peaks;
+use microslip::hb::structure::resonance::Band;
 use microslip::hb::{Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor};
 use microslip::linalg::gcr::{GcrSettings, SearchSpace};
 use microslip::model::interface::{InterfaceSettings, Share};
@@ -102,7 +102,7 @@ impl State {
         solve: impl Fn(&Iterate<'_>, &Balance<'_>, &[Vec<f64>; 2]),
     ) {
         let balance = self.balance(highest);
-        let start = pad(&self.balance(3), &self.point, &balance);
+        let start = self.point.padded(&self.balance(3), &balance);
         let iterate = Iterate::new(&balance, start);
         let slope = balance.frequency_slope(&iterate.compliance, &iterate.motion);
         let sides = [iterate.residual.clone(), slope];

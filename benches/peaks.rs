@@ -17,15 +17,15 @@ use microslip::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use microslip::ensemble::store::{Provenance, write_samples};
 use microslip::ensemble::{Ensemble, SampleSolver, Solved, Strips};
 use microslip::harmonics::HarmonicSet;
-use microslip::hb::alert::on;
-use microslip::hb::maxima::PeakChoice;
+use microslip::hb::branch::sweep::SweepDirection;
+use microslip::hb::equations::balance::balance_on;
 use microslip::hb::newton::{Iterate, WorkCount};
-use microslip::hb::peak::PeakSettings;
-use microslip::hb::predicted::maximum_near;
-use microslip::hb::resonance::{Band, linear_resonance};
-use microslip::hb::sweep::SweepDirection;
-use microslip::hb::track::track_peaks;
-use microslip::hb::values::{SlowSweep, at_frequencies};
+use microslip::hb::peak::maxima::PeakChoice;
+use microslip::hb::peak::predicted::maximum_near;
+use microslip::hb::peak::search::PeakSettings;
+use microslip::hb::peak::track::track_peaks;
+use microslip::hb::response::values::{SlowSweep, at_frequencies};
+use microslip::hb::structure::resonance::{Band, linear_resonance};
 use microslip::hb::{
     AlertSettings, Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor,
     Solution, Status,
@@ -494,7 +494,7 @@ fn on_31_harmonics(
     anchor: &Anchor,
 ) -> Vec<f64> {
     let problem = rig.problem(outcome.inputs[0], outcome.inputs[1]);
-    let balance = on(&problem, HarmonicSet::up_to(31), settings);
+    let balance = balance_on(&problem, HarmonicSet::up_to(31), settings);
     let change = |(level, peaks): (&LevelOutcome, &ModePeaks)| {
         let mut peaks = peaks.iter();
         let peak = peaks.next().filter(|_| level.status == Status::Converged)?;

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use microslip::hb::forced_response::{Gap, Largest, Stop};
+use microslip::hb::response::forced_response::{Gap, Largest, Stop};
 use microslip::hb::{Solution, Status};
 use microslip::study::{FrequencyUnit, LevelCurve};
 

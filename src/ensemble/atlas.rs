@@ -6,9 +6,9 @@
 
 use crate::harmonics::HarmonicSet;
 use crate::hb::Solution;
-use crate::hb::maxima::Maxima;
 use crate::hb::newton::Point;
-use crate::hb::predicted::PeakPrediction;
+use crate::hb::peak::maxima::Maxima;
+use crate::hb::peak::predicted::PeakPrediction;
 use faer::prelude::c64;
 use nalgebra::{DMatrix, DVector};
 

@@ -8,8 +8,8 @@ use super::outcome::{LevelOutcome, SampleOutcome};
 use super::strips::Strips;
 use crate::aft::Backend;
 use crate::contact::ContactParameters;
-use crate::hb::maxima::PeakChoice;
-use crate::hb::peak::PeakSettings;
+use crate::hb::peak::maxima::PeakChoice;
+use crate::hb::peak::search::PeakSettings;
 use crate::hb::{HbSettings, LinearModel};
 use crate::sampling::{Design, Input};
 use rayon::prelude::*;
@@ -25,7 +25,7 @@ pub struct Ensemble<'a> {
     pub contacts: &'a [ContactParameters<f64>],
     /// Interface of each contact pair: 0 = left, 1 = right. Shape as `contacts`; read for inputs of one side only.
     pub interfaces: &'a [usize],
-    /// Inputs that are static loads, in the order of [`crate::hb::linear::Part::loads`].
+    /// Inputs that are static loads, in the order of [`crate::hb::structure::linear::Part::loads`].
     pub loads: &'a [Input],
     /// Random inputs.
     pub design: &'a Design,

@@ -1,7 +1,7 @@
 //! One sample: from its inputs to its peaks, curves and record.
 //!
 //! The peak is the highest maximum in the band, of those that grow from the modes of the stuck and the free structure
-//! ([`crate::hb::maxima`]). The maximum of a mode is predicted from the atlas and corrected, by damped steps where undamped ones fail. Where that fails it is
+//! ([`crate::hb::peak::maxima`]). The maximum of a mode is predicted from the atlas and corrected, by damped steps where undamped ones fail. Where that fails it is
 //! followed from the nearest anchor along the straight line between the inputs, and where that fails too the sample's own
 //! track from the stuck state decides.
 
@@ -9,16 +9,17 @@ use super::applied::Applied;
 use super::atlas::{Anchor, AnchorPeak, Atlas, AtlasPrediction, ModePeaks, Place};
 use super::outcome::{CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome};
 use super::{Ensemble, SampleSolver};
-use crate::hb::alert::on;
-use crate::hb::curve::response_curve;
-use crate::hb::maxima::{Maxima, ModeSearch, search_maxima};
+use crate::hb::equations::balance::balance_on;
 use crate::hb::newton::WorkCount;
-use crate::hb::peak::PeakSettings;
-use crate::hb::predicted::{PeakPrediction, correct, maximum_near, phase_locked};
-use crate::hb::refine::refined_near;
-use crate::hb::resonance::{Candidate, candidates};
-use crate::hb::rest::stiffness_at_rest;
-use crate::hb::track::{LevelPeak, track_mode};
+use crate::hb::newton::rest::stiffness_at_rest;
+use crate::hb::peak::level_peak::LevelPeak;
+use crate::hb::peak::maxima::{Maxima, ModeSearch, search_maxima};
+use crate::hb::peak::predicted::{PeakPrediction, correct, maximum_near, phase_locked};
+use crate::hb::peak::refine::refined_near;
+use crate::hb::peak::search::PeakSettings;
+use crate::hb::peak::track::track_mode;
+use crate::hb::response::curve::response_curve;
+use crate::hb::structure::resonance::{Candidate, candidates};
 use crate::hb::{Balance, NewtonSettings, Problem, ProblemError, Solution, Status};
 use crate::units::rad_s_to_hz;
 
@@ -281,7 +282,7 @@ impl Ensemble<'_> {
         let applied = self.applied(&inputs).ok()?;
         let prediction = prediction.at_level(self.applied_levels(&applied)[level]);
         let problem = applied.problem(self.settings.anchor).ok()?;
-        let balance = on(&problem, prediction.harmonics, self.settings);
+        let balance = balance_on(&problem, prediction.harmonics, self.settings);
         let amplitude = prediction.amplitude;
         let peak = PeakSettings {
             frequency_tolerance: self.peak.frequency_tolerance.max(WAYPOINT_TOLERANCE),

@@ -1,9 +1,9 @@
 //! What one nonlinear solve returns.
 
-use super::balance::Balance;
-use super::newton::{Iterate, Point, WorkCount};
 use super::status::Status;
 use crate::harmonics::{HarmonicSet, phases};
+use crate::hb::equations::balance::Balance;
+use crate::hb::newton::{Iterate, Point, WorkCount};
 use faer::prelude::c64;
 use std::f64::consts::PI;
 
@@ -55,9 +55,9 @@ pub struct Solution {
     /// Energy balance.
     pub work: CycleWork,
     /// Stated error of the amplitude by the harmonics left out: relative, not below the change by twice the harmonics
-    /// ([`super::alert`]). `None` without an alert, or where no solution was found with twice the harmonics.
+    /// ([`super::peak::alert`]). `None` without an alert, or where no solution was found with twice the harmonics.
     pub truncation_error: Option<f64>,
-    /// Sharpness of a peak (see [`super::peak::Located`]).
+    /// Sharpness of a peak (see [`crate::hb::peak::search::Located`]).
     pub sharpness: Option<f64>,
     /// Newton iterations and factorisations spent.
     pub work_count: WorkCount,

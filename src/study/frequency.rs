@@ -1,6 +1,6 @@
 //! Frequencies of a study: the band of the resonance search, and where `solve` evaluates the response.
 
-use crate::hb::sweep::SweepDirection;
+use crate::hb::branch::sweep::SweepDirection;
 use crate::setting::{BadSetting, positive, within};
 use crate::units::{hz_to_rad_s, rad_s_to_hz};
 

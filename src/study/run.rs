@@ -16,7 +16,7 @@ use crate::ensemble::kept::{ATLAS_FILE, KeptStudy, write_anchors};
 use crate::ensemble::outcome::{CurvePoint, LevelOutcome, SampleOutcome};
 use crate::ensemble::store::{Provenance, write_curves, write_samples};
 use crate::ensemble::{Ensemble, Solved};
-use crate::hb::resonance::{Band, linear_resonance, linear_response};
+use crate::hb::structure::resonance::{Band, linear_resonance, linear_response};
 use crate::hb::{LinearModel, Problem};
 use crate::model::two_blade::ComponentSummary;
 use crate::report::record::{

@@ -12,9 +12,11 @@ use super::frequency::{FrequencyUnit, Points};
 use super::output::OutputFolder;
 use super::read::Study;
 use crate::Error;
-use crate::hb::forced_response::{CurveSettings, Gap, Largest, Response, Stop, over_band};
-use crate::hb::resonance::Band;
-use crate::hb::values::{SlowSweep, at_frequencies};
+use crate::hb::response::forced_response::{
+    CurveSettings, Gap, Largest, Response, Stop, over_band,
+};
+use crate::hb::response::values::{SlowSweep, at_frequencies};
+use crate::hb::structure::resonance::Band;
 use crate::hb::{ContactFractions, CycleWork, Problem, Solution, Status};
 use crate::model::ReducedModel;
 

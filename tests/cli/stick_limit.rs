@@ -5,7 +5,7 @@ use std::path::Path;
 
 use microslip::ensemble::store::read_samples;
 use microslip::hb::Problem;
-use microslip::hb::resonance::{linear_resonance, linear_response};
+use microslip::hb::structure::resonance::{linear_resonance, linear_response};
 use microslip::statistics::{Observed, quantile_estimate};
 use microslip::study::Study;
 use microslip::units::rad_s_to_hz;

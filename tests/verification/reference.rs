@@ -11,12 +11,12 @@ use crate::response::at_frequencies;
 use microslip::aft::Laps;
 use microslip::contact::FrictionLaw;
 use microslip::harmonics::HarmonicSet;
+use microslip::hb::branch::sweep::SweepDirection;
 use microslip::hb::newton::{Condition, Point, solve};
-use microslip::hb::peak::{PeakSettings, find_peak};
-use microslip::hb::resonance::Band;
-use microslip::hb::sweep::SweepDirection;
-use microslip::hb::track::track_peaks;
-use microslip::hb::values::{self, SlowSweep};
+use microslip::hb::peak::search::{PeakSettings, find_peak};
+use microslip::hb::peak::track::track_peaks;
+use microslip::hb::response::values::{self, SlowSweep};
+use microslip::hb::structure::resonance::Band;
 use microslip::hb::{Balance, HbSettings, LinearModel, Problem, Solution, Status};
 use microslip::study::{FrequencyUnit, Study};
 

@@ -1,9 +1,9 @@
 //! Forced responses as most tests want them: solutions alone.
 
-use microslip::hb::forced_response::{self, CurveSettings};
-use microslip::hb::resonance::Band;
-use microslip::hb::sweep::SweepDirection;
-use microslip::hb::values::{self, SlowSweep};
+use microslip::hb::branch::sweep::SweepDirection;
+use microslip::hb::response::forced_response::{self, CurveSettings};
+use microslip::hb::response::values::{self, SlowSweep};
+use microslip::hb::structure::resonance::Band;
 use microslip::hb::{HbSettings, Problem, Solution};
 
 /// Step of a dense curve.

@@ -5,9 +5,10 @@ use super::models::{Case, plane};
 use crate::response::at_frequencies;
 use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
-use microslip::hb::alert::{AlertSets, on, pad, step_on};
+use microslip::hb::branch::sweep::SweepDirection;
+use microslip::hb::equations::balance::balance_on;
 use microslip::hb::newton::{Condition, Iterate, solve};
-use microslip::hb::sweep::SweepDirection;
+use microslip::hb::peak::alert::{AlertSets, step_on};
 use microslip::hb::{AlertSettings, LinearModel, Problem, Status};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -54,13 +55,13 @@ fn stated(rng: &mut ChaCha8Rng) -> Option<Stated> {
     if !found.status.has_solution() || found.contact.separated == 0.0 {
         return None;
     }
-    let few = on(&problem, found.harmonics.clone(), &settings);
+    let few = balance_on(&problem, found.harmonics.clone(), &settings);
     let twice = HarmonicSet::up_to(2 * found.harmonics.highest());
-    let twice = on(&problem, twice, &settings);
+    let twice = balance_on(&problem, twice, &settings);
     let fixed = Condition::FixedFrequency;
     let iterate = Iterate::new(&few, found.point());
     let (step, _) = step_on(&few, &iterate, &twice, fixed);
-    let start = pad(&few, &found.point(), &twice);
+    let start = found.point().padded(&few, &twice);
     let (best, _) = solve(&twice, start, fixed, settings.newton).ok()?;
     Some(Stated {
         status: found.status,

@@ -5,9 +5,9 @@ use faer::prelude::c64;
 use microslip::contact::FrictionLaw;
 use microslip::harmonics::{HarmonicSet, phases};
 use microslip::hb::newton::{Condition, Iterate, Point, solve};
-use microslip::hb::peak::{PeakSettings, find_peak};
-use microslip::hb::resonance::Band;
-use microslip::hb::track::stuck_point;
+use microslip::hb::peak::search::{PeakSettings, find_peak};
+use microslip::hb::peak::track::stuck_point;
+use microslip::hb::structure::resonance::Band;
 use microslip::hb::{Balance, LinearModel, NewtonSettings, Problem, SliderAnchor};
 use std::f64::consts::PI;
 

@@ -5,7 +5,7 @@ use crate::two_blade::folded;
 use faer::prelude::c64;
 use microslip::contact::ContactParameters;
 use microslip::hb::LinearModel;
-use microslip::hb::compliance::{Compliance, HarmonicCompliance};
+use microslip::hb::structure::compliance::{Compliance, HarmonicCompliance};
 use microslip::study::Study;
 use std::path::Path;
 

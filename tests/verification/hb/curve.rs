@@ -5,10 +5,10 @@ use super::models::plane;
 use crate::response::over_band;
 use crate::two_blade::folded;
 use microslip::contact::{Events, FrictionLaw};
-use microslip::hb::curve::{CURVE_ERROR, CurvePoint, response_curve};
-use microslip::hb::peak::PeakSettings;
-use microslip::hb::resonance::Band;
-use microslip::hb::track::track_peaks;
+use microslip::hb::peak::search::PeakSettings;
+use microslip::hb::peak::track::track_peaks;
+use microslip::hb::response::curve::{CURVE_ERROR, CurvePoint, response_curve};
+use microslip::hb::structure::resonance::Band;
 use microslip::hb::{Balance, LinearModel, Problem, SliderAnchor, Solution};
 use std::f64::consts::TAU;
 

@@ -3,10 +3,11 @@
 use super::invariants::settings;
 use crate::two_blade::{RIG, contacts};
 use microslip::contact::{ContactParameters, Events, FrictionLaw};
-use microslip::hb::peak::PeakSettings;
-use microslip::hb::predicted::{PeakPrediction, correct};
-use microslip::hb::resonance::Band;
-use microslip::hb::track::{LevelPeak, track_peaks};
+use microslip::hb::peak::level_peak::LevelPeak;
+use microslip::hb::peak::predicted::{PeakPrediction, correct};
+use microslip::hb::peak::search::PeakSettings;
+use microslip::hb::peak::track::track_peaks;
+use microslip::hb::structure::resonance::Band;
 use microslip::hb::{Balance, HbSettings, LinearModel, Problem, SliderAnchor, Solution};
 use microslip::model::ReducedModel;
 use std::f64::consts::TAU;

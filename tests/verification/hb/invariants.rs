@@ -5,8 +5,8 @@ use crate::response::at_frequencies;
 use faer::prelude::*;
 use microslip::contact::{ContactParameters, FrictionLaw};
 use microslip::harmonics::{HarmonicSet, phases};
+use microslip::hb::branch::sweep::SweepDirection;
 use microslip::hb::newton::{Iterate, Point};
-use microslip::hb::sweep::SweepDirection;
 use microslip::hb::{
     Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Solution, Status,
 };

@@ -6,14 +6,14 @@ use crate::response::{at_frequencies, over_band};
 use faer::prelude::c64;
 use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
-use microslip::hb::alert::{AlertSets, pad, step_on};
+use microslip::hb::branch::sweep::SweepDirection;
 use microslip::hb::newton::{Condition, Iterate, WorkCount, solve};
-use microslip::hb::peak::{PeakSettings, highest_aside};
-use microslip::hb::predicted::{PeakPrediction, correct, phase_locked};
-use microslip::hb::refine::{Kept, refined};
-use microslip::hb::resonance::Band;
-use microslip::hb::sweep::SweepDirection;
-use microslip::hb::track::{stuck_point, track_peaks};
+use microslip::hb::peak::alert::{AlertSets, step_on};
+use microslip::hb::peak::predicted::{PeakPrediction, correct, phase_locked};
+use microslip::hb::peak::refine::{Kept, refined};
+use microslip::hb::peak::search::{PeakSettings, highest_aside};
+use microslip::hb::peak::track::{stuck_point, track_peaks};
+use microslip::hb::structure::resonance::Band;
 use microslip::hb::{
     AlertSettings, Balance, HbSettings, LinearModel, Problem, SliderAnchor, Status,
 };
@@ -140,7 +140,7 @@ fn truncation(draw: &Draw, highest: usize) -> Option<(f64, f64, bool)> {
         let start = stuck_point(&balance, draw.omega, draw.level);
         let (iterate, _) = solve(&balance, start, fixed, newton).ok()?;
         let (estimate, _) = step_on(&balance, &iterate, &larger, fixed);
-        let padded = pad(&balance, &iterate.point, &larger);
+        let padded = iterate.point.padded(&balance, &larger);
         let (better, _) = solve(&larger, padded, fixed, newton).ok()?;
         let ratio = better.response(&larger).norm() / iterate.response(&balance).norm();
         let separated = iterate.contact.samples.iter().any(|s| s[2] > 0);

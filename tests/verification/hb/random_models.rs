@@ -3,8 +3,8 @@
 #[path = "../../../benches/models/random.rs"]
 mod random;
 
-use microslip::hb::problem::stuck_stiffness;
-use microslip::hb::resonance::linear_response;
+use microslip::hb::equations::problem::stuck_stiffness;
+use microslip::hb::structure::resonance::linear_response;
 use microslip::hb::{LinearModel, Status};
 use random::RandomModel;
 use rayon::prelude::*;

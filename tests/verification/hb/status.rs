@@ -4,11 +4,11 @@ use super::invariants::settings;
 use super::models::plane;
 use crate::response::{at_frequencies, over_band};
 use microslip::contact::FrictionLaw;
+use microslip::hb::branch::sweep::SweepDirection;
 use microslip::hb::newton::{Condition, solve};
-use microslip::hb::peak::{PeakSettings, find_peak};
-use microslip::hb::resonance::Band;
-use microslip::hb::sweep::SweepDirection;
-use microslip::hb::track::{stuck_point, track_peaks};
+use microslip::hb::peak::search::{PeakSettings, find_peak};
+use microslip::hb::peak::track::{stuck_point, track_peaks};
+use microslip::hb::structure::resonance::Band;
 use microslip::hb::{
     Balance, HbSettings, LinearModel, Problem, ProblemError, SliderAnchor, Status,
 };

@@ -4,10 +4,12 @@ use super::invariants::settings;
 use super::models::plane;
 use crate::response::over_band;
 use microslip::contact::{Events, FrictionLaw};
-use microslip::hb::forced_response::{self, CurveSettings, Largest, PICTURE_ERROR, Response};
-use microslip::hb::resonance::Band;
-use microslip::hb::sweep::SweepDirection;
-use microslip::hb::values::{SlowSweep, at_frequencies};
+use microslip::hb::branch::sweep::SweepDirection;
+use microslip::hb::response::forced_response::{
+    self, CurveSettings, Largest, PICTURE_ERROR, Response,
+};
+use microslip::hb::response::values::{SlowSweep, at_frequencies};
+use microslip::hb::structure::resonance::Band;
 use microslip::hb::{HbSettings, LinearModel, Problem, SliderAnchor, Solution, Status};
 use microslip::study::Study;
 use std::f64::consts::TAU;

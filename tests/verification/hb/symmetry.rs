@@ -8,10 +8,10 @@ use faer::prelude::*;
 use microslip::aft::{AftBatch, AftForces, AftPlan, Periodicity, Want, evaluate};
 use microslip::contact::FrictionLaw;
 use microslip::harmonics::HarmonicSet;
-use microslip::hb::peak::PeakSettings;
-use microslip::hb::resonance::Band;
-use microslip::hb::sweep::SweepDirection;
-use microslip::hb::track::track_peaks;
+use microslip::hb::branch::sweep::SweepDirection;
+use microslip::hb::peak::search::PeakSettings;
+use microslip::hb::peak::track::track_peaks;
+use microslip::hb::structure::resonance::Band;
 use microslip::hb::{LinearModel, Problem, SliderAnchor, Solution, Status};
 use std::f64::consts::TAU;
 

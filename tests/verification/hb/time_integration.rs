@@ -11,12 +11,11 @@ use crate::two_blade::{RIG, contacts};
 use faer::prelude::*;
 use microslip::contact::FrictionLaw;
 use microslip::harmonics::HarmonicSet;
-use microslip::hb::alert::pad;
-use microslip::hb::linear::{Part, Structure};
 use microslip::hb::newton::{Condition, Iterate, Point, solve};
-use microslip::hb::peak::PeakSettings;
-use microslip::hb::resonance::Band;
-use microslip::hb::track::track_peaks;
+use microslip::hb::peak::search::PeakSettings;
+use microslip::hb::peak::track::track_peaks;
+use microslip::hb::structure::linear::{Part, Structure};
+use microslip::hb::structure::resonance::Band;
 use microslip::hb::{Balance, LinearModel, NewtonSettings, Problem, SliderAnchor};
 use std::f64::consts::TAU;
 
@@ -265,7 +264,7 @@ fn time_integration_of_the_lumped_blades_agrees() {
         let (mut iterate, _) = solve(&balance, start, fixed, settings.newton).expect("a solution");
         for highest in [9, 15, 24, 36, 48] {
             let larger = Balance::new(&problem, HarmonicSet::up_to(highest), settings.aft);
-            let padded = pad(&balance, &iterate.point, &larger);
+            let padded = iterate.point.padded(&balance, &larger);
             (iterate, _) = solve(&larger, padded, fixed, settings.newton).expect("a solution");
             balance = larger;
         }
@@ -344,7 +343,7 @@ fn time_integration_of_the_rig_agrees() {
         level: solution.level,
     };
     let balance = Balance::new(&problem, HarmonicSet::up_to(12), settings.aft);
-    let padded = pad(&first, &start, &balance);
+    let padded = start.padded(&first, &balance);
     let fixed = Condition::FixedFrequency;
     let (iterate, _) = solve(&balance, padded, fixed, settings.newton).expect("a solution");
     let end = run(March::new(&problem, &iterate, 2000), 700);

@@ -1,0 +1,198 @@
+//! The first solution of a sweep, where none is known yet.
+//!
+//! A sweep has come from far off the band: the level is raised from stick at a frequency well outside, with few harmonics,
+//! the branch is followed to the end of the band, and the other harmonics are added there.
+
+use super::branch_point::{BranchPoint, distance};
+use super::continuation::{StepSettings, on_if, walk};
+use super::sweep::SweepDirection;
+use crate::hb::equations::balance::Balance;
+use crate::hb::newton::ladder::climb;
+use crate::hb::newton::rest::Rest;
+use crate::hb::newton::{Condition, Iterate, Point, WorkCount, solve};
+use crate::hb::settings::NewtonSettings;
+use crate::hb::status::Status;
+
+/// Largest distance between a start and its solution, relative to the displacements, that leaves no doubt that both
+/// lie on one branch.
+const CLOSE: f64 = 0.2;
+/// Distance of the run-in from the first frequency, relative.
+const RUN_IN: f64 = 0.4;
+/// Largest steps of a walk, and of its repetition if the frequency could not be hit.
+const LARGEST_STEPS: [f64; 2] = [0.3, 0.05];
+/// Steps of a walk before giving up.
+const MOST_STEPS: usize = 1500;
+/// Level, relative to the wanted one, at which it starts to be raised, unless the contacts slip there.
+const LOWEST_LEVEL: f64 = 1e-4;
+/// First ratio between two levels.
+const LEVEL_RATIO: f64 = 3.0;
+/// Ratios below this end the raising of the level.
+const SMALLEST_RATIO: f64 = 1.005;
+
+type Solved<'p> = Result<Iterate<'p>, Status>;
+
+/// What is looked for, and the work so far.
+struct RunIn<'a, 'p> {
+    rungs: &'a [Balance<'p>],
+    newton: NewtonSettings,
+    level: f64,
+    direction: SweepDirection,
+    count: WorkCount,
+}
+
+/// The solution on all harmonics of `rungs` at the frequency `omega` (rad/s), where a sweep in `direction` begins.
+///
+/// # Errors
+/// The status of the last attempt, and the work of all.
+pub(in crate::hb) fn first_solution<'p>(
+    rungs: &[Balance<'p>],
+    newton: NewtonSettings,
+    level: f64,
+    (omega, direction): (f64, SweepDirection),
+) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
+    let mut run_in = RunIn {
+        rungs,
+        newton,
+        level,
+        direction,
+        count: WorkCount::default(),
+    };
+    match run_in.at(omega) {
+        Ok(iterate) => Ok((iterate, run_in.count)),
+        Err(status) => Err((status, run_in.count)),
+    }
+}
+
+impl<'p> RunIn<'_, 'p> {
+    fn at(&mut self, omega: f64) -> Solved<'p> {
+        if !(omega.is_finite() && self.level.is_finite()) {
+            return Err(Status::NonFinite);
+        }
+        let (first, full) = (&self.rungs[0], &self.rungs[self.rungs.len() - 1]);
+        let away = omega * (1.0 - RUN_IN * self.direction.sign());
+        let reached = (self.raised(first, away))
+            .and_then(|start| self.walk(first, &start.point, omega))
+            .and_then(|start| self.climb(start));
+        reached
+            .or_else(|_| {
+                let start = self.raised(first, omega)?;
+                self.climb(start)
+            })
+            .or_else(|_| {
+                let start = self.raised(full, away)?;
+                self.walk(full, &start.point, omega)
+            })
+            .or_else(|_| self.raised(full, omega))
+    }
+
+    fn climb(&mut self, start: Iterate<'p>) -> Solved<'p> {
+        let condition = Condition::FixedFrequency;
+        let climbed = climb(self.rungs, start.point, condition, self.newton);
+        self.count.tally(climbed)
+    }
+
+    /// Solves at the frequency of `start`, and says whether the solution is close to it.
+    fn close_to(&mut self, balance: &Balance<'p>, start: Point) -> (Solved<'p>, bool) {
+        let fixed = Condition::FixedFrequency;
+        let solved = self
+            .count
+            .tally(solve(balance, start.clone(), fixed, self.newton));
+        let close =
+            (solved.as_ref()).is_ok_and(|found| distance(balance, &found.point, &start) <= CLOSE);
+        (solved, close)
+    }
+
+    /// Raises the level at the frequency `omega` from where the structure sticks.
+    fn raised(&mut self, balance: &Balance<'p>, omega: f64) -> Solved<'p> {
+        let rest = self.count.tally(Rest::new(balance, omega))?;
+        let (direct, close) = self.close_to(balance, rest.excited(self.level));
+        if close {
+            return direct;
+        }
+        let stuck = rest.stuck_level(balance.problem);
+        let lowest = stuck.min(LOWEST_LEVEL * self.level);
+        let (start, _) = self.close_to(balance, rest.excited(lowest));
+        let mut at = start?;
+        let mut ratio = LEVEL_RATIO;
+        while at.point.level < self.level {
+            let level = self.level.min(at.point.level * ratio);
+            let predicted = by_level(balance, &at, level);
+            match self.close_to(balance, predicted) {
+                (Ok(next), true) => {
+                    at = next;
+                    ratio = (ratio * 1.3).min(LEVEL_RATIO);
+                }
+                _ => {
+                    ratio = ratio.sqrt();
+                    if ratio < SMALLEST_RATIO {
+                        return direct.map_err(|_| Status::StepTooSmall);
+                    }
+                }
+            }
+        }
+        Ok(at)
+    }
+
+    /// Continuation from `from`, in the direction of the sweep, to the first point with the frequency `omega`.
+    fn walk(&mut self, balance: &Balance<'p>, from: &Point, omega: f64) -> Solved<'p> {
+        let mut failure = Status::StepTooSmall;
+        for largest in LARGEST_STEPS {
+            let start = Iterate::new(balance, from.clone());
+            let scale = start.point.omega;
+            let (start, work) = BranchPoint::new(balance, start, scale, None, None);
+            self.count += work;
+            let steps = StepSettings {
+                largest,
+                first: largest.min(0.05),
+                max_steps: MOST_STEPS,
+                ..StepSettings::for_band((omega - from.omega).abs())
+            };
+            let mut crossing = None;
+            let start = start.towards(self.direction.sign());
+            let end = walk(balance, start, self.newton, steps, |before, after, _| {
+                let (a, b) = (before.iterate.point.omega, after.iterate.point.omega);
+                if (a - omega) * (b - omega) <= 0.0 {
+                    crossing = Some(between(&before.iterate.point, &after.iterate.point, omega));
+                }
+                let reach = 2.0 * (omega - from.omega).abs();
+                on_if(crossing.is_none() && (b - from.omega).abs() < reach)
+            });
+            self.count += end.count;
+            failure = match (end.status, crossing) {
+                (_, Some(start)) => match self.close_to(balance, start) {
+                    (solved, true) => return solved,
+                    (solved, false) => solved.err().unwrap_or(Status::StepTooSmall),
+                },
+                (Status::Converged, None) => return Err(Status::StepTooSmall),
+                (status, None) => status,
+            };
+        }
+        Err(failure)
+    }
+}
+
+/// Tangent predictor in the level at a fixed frequency.
+fn by_level(balance: &Balance<'_>, at: &Iterate<'_>, level: f64) -> Point {
+    let rate = at.level_rate(balance, &at.jacobian(balance));
+    Point {
+        r: moved(&at.point.r, level - at.point.level, &rate),
+        omega: at.point.omega,
+        level,
+    }
+}
+
+/// The point with the frequency `omega` on the straight line from `a` to `b`.
+fn between(a: &Point, b: &Point, omega: f64) -> Point {
+    let share = (omega - a.omega) / (b.omega - a.omega);
+    let gone = moved(&b.r, -1.0, &a.r);
+    Point {
+        r: moved(&a.r, share, &gone),
+        omega,
+        level: a.level,
+    }
+}
+
+/// `from + step · along`.
+fn moved(from: &[f64], step: f64, along: &[f64]) -> Vec<f64> {
+    from.iter().zip(along).map(|(x, d)| x + step * d).collect()
+}

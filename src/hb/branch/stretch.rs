@@ -1,0 +1,232 @@
+//! A step along the branch as a cubic, and solutions on it: at a frequency, at a distance, at the tip of a fold.
+
+use super::branch_point::{BranchPoint, distance};
+use crate::hb::equations::balance::Balance;
+use crate::hb::newton::{Condition, Iterate, Point, WorkCount, solve};
+use crate::hb::settings::NewtonSettings;
+use crate::hb::status::Status;
+
+/// Distance between a prediction and its solution, over the length of the step that it lies on, that leaves no doubt that
+/// both lie on one branch; the floor is what tolerances leave.
+pub(in crate::hb) const CLOSE: f64 = 0.5;
+const FLOOR: f64 = 1e-3;
+/// Halvings of a step before a frequency on it is given up.
+const MOST_HALVINGS: usize = 7;
+/// Length, over that of the step, to which the tip of a fold is located, and the solutions spent on it.
+const TIP: f64 = 1e-4;
+const MOST_TIPS: usize = 12;
+
+/// A step along the branch.
+#[derive(Debug)]
+pub struct Stretch<'s, 'p> {
+    /// Where it begins.
+    pub from: &'s BranchPoint<'p>,
+    /// Where it ends.
+    pub to: &'s BranchPoint<'p>,
+    /// Length along the tangent of `from`. Parts of a step with a corner may be longer than the step.
+    pub length: f64,
+}
+
+impl<'s, 'p> Stretch<'s, 'p> {
+    /// The step between two points of a branch.
+    #[must_use]
+    pub fn new(balance: &Balance<'_>, from: &'s BranchPoint<'p>, to: &'s BranchPoint<'p>) -> Self {
+        let [length, _] = from.distances(balance, &to.iterate.point);
+        Self { from, to, length }
+    }
+
+    /// Whether the frequency turns back on the way, seen in the direction `sign`.
+    #[must_use]
+    pub fn turns_back(&self, sign: f64) -> bool {
+        sign * self.from.tangent.omega > 0.0 && sign * self.to.tangent.omega < 0.0
+    }
+
+    /// The last solution found before the fold of a stretch that turns back.
+    pub fn tip(
+        &self,
+        balance: &Balance<'p>,
+        newton: NewtonSettings,
+        count: &mut WorkCount,
+    ) -> Option<BranchPoint<'p>> {
+        let sign = self.from.tangent.omega.signum();
+        let (mut before, mut after) = (0.0, self.length);
+        let mut rates = [self.from.tangent.omega, self.to.tangent.omega].map(|rate| sign * rate);
+        let mut tip = None;
+        for _ in 0..MOST_TIPS {
+            if after - before <= TIP * self.length {
+                break;
+            }
+            let share = (rates[0] / (rates[0] - rates[1])).clamp(0.1, 0.9);
+            let at = before + share * (after - before);
+            let point = self.inside(balance, at, newton, count).ok()?;
+            let rate = sign * point.tangent.omega;
+            if rate > 0.0 {
+                (before, rates[0]) = (at, rate);
+                tip = Some(point);
+            } else {
+                (after, rates[1]) = (at, rate);
+            }
+        }
+        tip
+    }
+
+    /// Whether the branch has the solution `other` on the way.
+    #[must_use]
+    pub fn passes(&self, balance: &Balance<'_>, other: &Point) -> bool {
+        let [along, beside] = self.from.distances(balance, other);
+        let slack = FLOOR * self.length;
+        (-slack..=self.length + slack).contains(&along) && beside <= CLOSE * self.length
+    }
+
+    /// The solution at `omega`, where the band ends on the way.
+    pub fn clipped(
+        &self,
+        balance: &Balance<'p>,
+        omega: f64,
+        newton: NewtonSettings,
+        count: &mut WorkCount,
+    ) -> Option<BranchPoint<'p>> {
+        let iterate = self.crossing(balance, omega, newton, count).ok()?;
+        let scale = self.from.metric.omega_scale();
+        let forward = Some(&self.from.tangent);
+        let (point, work) = BranchPoint::new(balance, iterate, scale, None, forward);
+        *count += work;
+        Some(point)
+    }
+
+    /// The solution at a frequency `omega` between those of the ends, between which the frequency has no fold.
+    ///
+    /// # Errors
+    /// The status of the last attempt.
+    pub fn crossing(
+        &self,
+        balance: &Balance<'p>,
+        omega: f64,
+        newton: NewtonSettings,
+        count: &mut WorkCount,
+    ) -> Result<Iterate<'p>, Status> {
+        self.crossing_within(balance, omega, (newton, MOST_HALVINGS), count)
+    }
+
+    fn crossing_within(
+        &self,
+        balance: &Balance<'p>,
+        omega: f64,
+        (newton, halvings): (NewtonSettings, usize),
+        count: &mut WorkCount,
+    ) -> Result<Iterate<'p>, Status> {
+        let predicted = self.at_frequency(balance, omega);
+        let fixed = Condition::FixedFrequency;
+        let solved = count.tally(solve(balance, predicted.clone(), fixed, newton));
+        let failure = match solved {
+            Ok(found) => {
+                let apart = distance(balance, &found.point, &predicted);
+                if apart <= FLOOR.max(CLOSE * self.length) {
+                    return Ok(found);
+                }
+                Status::StepTooSmall
+            }
+            Err(status) => status,
+        };
+        if halvings == 0 {
+            return Err(failure);
+        }
+        let middle = self.inside(balance, 0.5 * self.length, newton, count);
+        let middle = middle.map_err(|_| failure)?;
+        let at = middle.iterate.point.omega;
+        let is_first = (self.from.iterate.point.omega - omega) * (at - omega) <= 0.0;
+        let half = match is_first {
+            true => Stretch::new(balance, self.from, &middle),
+            false => Stretch::new(balance, &middle, self.to),
+        };
+        half.crossing_within(balance, omega, (newton, halvings - 1), count)
+    }
+
+    /// The solution at the distance `at` from the start, as that measures it, with its tangent turning less than 90°.
+    ///
+    /// # Errors
+    /// The status of the solve, or [`Status::StepTooSmall`] if it led to another branch.
+    pub fn inside(
+        &self,
+        balance: &Balance<'p>,
+        at: f64,
+        newton: NewtonSettings,
+        count: &mut WorkCount,
+    ) -> Result<BranchPoint<'p>, Status> {
+        let from = self.from;
+        let on_cubic = self.cubic(balance, at / self.length);
+        let [along, _] = from.distances(balance, &on_cubic);
+        let predicted = on_cubic.moved(&from.tangent, at - along);
+        let found = count.tally(from.step_to(balance, predicted.clone(), at, newton))?;
+        if distance(balance, &found.point, &predicted) > FLOOR.max(CLOSE * self.length) {
+            return Err(Status::StepTooSmall);
+        }
+        let scale = from.metric.omega_scale();
+        let (point, work) = BranchPoint::new(balance, found, scale, None, Some(&from.tangent));
+        *count += work;
+        match Stretch::new(balance, &point, self.to).length > 0.0 {
+            true => Ok(point),
+            false => Err(Status::StepTooSmall),
+        }
+    }
+
+    /// The point at the share `t` of the way on the cubic through both ends with their tangents.
+    fn cubic(&self, balance: &Balance<'_>, t: f64) -> Point {
+        let (a, b) = (&self.from.iterate.point, &self.to.iterate.point);
+        let (ta, tb) = (&self.from.tangent, &self.to.tangent);
+        let weights = self.weights(balance, t);
+        let at = |values: [f64; 4]| weights.iter().zip(values).map(|(w, v)| w * v).sum::<f64>();
+        Point {
+            r: (0..a.r.len())
+                .map(|i| at([a.r[i], ta.r[i], b.r[i], tb.r[i]]))
+                .collect(),
+            omega: at([a.omega, ta.omega, b.omega, tb.omega]),
+            level: a.level,
+        }
+    }
+
+    /// Weights of value and tangent at the start, value and tangent at the end, of the cubic at the share `t`.
+    fn weights(&self, balance: &Balance<'_>, t: f64) -> [f64; 4] {
+        // tangents are of unit length where they stand
+        let stretch = self.from.length_at(balance, self.to, self.length);
+        let [a, ta, b, tb] = hermite(t);
+        [a, ta * self.length, b, tb * stretch]
+    }
+
+    /// The point with the frequency `omega` on the cubic.
+    fn at_frequency(&self, balance: &Balance<'_>, omega: f64) -> Point {
+        let (a, b) = (&self.from.iterate.point, &self.to.iterate.point);
+        let ends = [
+            a.omega,
+            self.from.tangent.omega,
+            b.omega,
+            self.to.tangent.omega,
+        ];
+        let sign = (b.omega - a.omega).signum();
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            let weights = self.weights(balance, middle);
+            let at: f64 = weights.iter().zip(ends).map(|(w, v)| w * v).sum();
+            match sign * (at - omega) < 0.0 {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        Point {
+            omega,
+            ..self.cubic(balance, 0.5 * (low + high))
+        }
+    }
+}
+
+/// Weights of value and slope at 0, value and slope at 1, of the cubic at `t`.
+pub(in crate::hb) fn hermite(t: f64) -> [f64; 4] {
+    let u = 1.0 - t;
+    [
+        u * u * (1.0 + 2.0 * t),
+        t * u * u,
+        t * t * (3.0 - 2.0 * t),
+        -t * t * u,
+    ]
+}

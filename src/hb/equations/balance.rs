@@ -1,0 +1,346 @@
+//! The balance equations of one problem on one harmonic set.
+//!
+//! Unknown: r, the relative displacements at the contacts, coefficient-major, `[n_coefficients][3·n_contacts]`.
+//! R₀ = r₀ − r₀^stuck + G₀ g₀ and R̂ₖ = r̂ₖ − BΦ η̂ₖ = r̂ₖ − r̂ₖ^stuck + Gₖ ĝₖ with g = F(r) − K_c r
+//! (see [`crate::hb::structure::compliance`]).
+
+use super::layout::{Layout, PairTangent};
+use super::problem::Problem;
+use crate::aft::{
+    Accuracy, AftBatch, AftForces, AftPlan, AftSettings, Block, Laps, Periodicity, StateSummary,
+    Tangent, Want,
+};
+use crate::contact::Events;
+use crate::harmonics::HarmonicSet;
+use crate::hb::settings::HbSettings;
+use crate::hb::structure::compliance::{Compliance, HarmonicCompliance};
+use faer::prelude::*;
+
+/// A problem discretised on a harmonic set and a time grid.
+#[derive(Debug)]
+pub struct Balance<'p> {
+    /// The problem.
+    pub problem: &'p Problem<'p>,
+    /// Harmonics of the unknowns.
+    pub harmonics: HarmonicSet,
+    /// Order of the unknowns.
+    pub layout: Layout,
+    plan: AftPlan<f64>,
+}
+
+/// Contact forces at one iterate.
+#[derive(Debug)]
+pub struct ContactResponse {
+    /// F, total contact forces (N). Shape as the unknowns.
+    pub force: Vec<f64>,
+    /// dF − K_c of the pairs that do not stick all the time; empty unless asked for.
+    pub active: Vec<PairTangent>,
+    /// Per pair: samples that stick, slip, are separated; coarse in a draft.
+    pub samples: Vec<[u32; 3]>,
+    /// Whether every slider has the steady cycle that was asked for; a given number of laps asks for none.
+    pub steady: bool,
+    /// Whether this may decide a result.
+    pub accuracy: Accuracy,
+}
+
+/// Motion of the whole structure in modal coordinates.
+#[derive(Debug)]
+pub struct Motion {
+    /// η₀. Shape: `[n]`.
+    pub rest: Vec<f64>,
+    /// η̂ₖ of the dynamic harmonics in order. Shape: `[n_harmonics][n]`.
+    pub dynamic: Vec<Vec<c64>>,
+}
+
+/// Rates of what drives the structure along some path.
+#[derive(Debug, Clone, Copy)]
+pub struct LoadRate<'a> {
+    /// Rate of the force deviation g. Shape as the unknowns.
+    pub deviation: &'a [f64],
+    /// Rate of the frequency.
+    pub omega: f64,
+    /// Rate of the excitation level.
+    pub level: f64,
+}
+
+/// Springs that hold the mean position of a floating part during a Newton step, over the stiffness of its contacts. Where
+/// all contacts of a part slip through, their mean tractions do not depend on its mean position, which nothing else
+/// determines: the static equations are singular there, and a step would throw the part metres away. The springs are in
+/// the derivatives alone, so that no solution knows of them (proximal point method).
+/// Source: Rockafellar 1976, SIAM J. Control Optim. 14, 877–898.
+const HELD: f64 = 1e-9;
+
+impl<'p> Balance<'p> {
+    /// Discretises `problem`.
+    #[must_use]
+    pub fn new(problem: &'p Problem<'p>, harmonics: HarmonicSet, aft: AftSettings) -> Self {
+        let layout = Layout {
+            n_pairs: problem.contacts.len(),
+            n_coefficients: harmonics.n_coefficients(),
+        };
+        let plan = AftPlan::new(&harmonics, aft);
+        Self {
+            problem,
+            harmonics,
+            layout,
+            plan,
+        }
+    }
+
+    /// Time points per period.
+    #[must_use]
+    pub fn n_time(&self) -> usize {
+        self.plan.settings().n_time
+    }
+
+    /// How changes of the contact states are placed in time.
+    #[must_use]
+    pub fn events(&self) -> Events {
+        self.plan.settings().events
+    }
+
+    /// Compliances at the frequency `omega` (rad/s).
+    #[must_use]
+    pub fn compliance(&self, omega: f64) -> Compliance<'p> {
+        let problem = self.problem;
+        Compliance::new(
+            problem.model,
+            &problem.stuck_stiffness,
+            self.harmonics.orders(),
+            omega,
+        )
+    }
+
+    /// Contact forces at `r`, with tangents if wanted, no less accurate than asked for.
+    #[must_use]
+    pub fn contact(&self, r: &[f64], want: Want, accuracy: Accuracy) -> ContactResponse {
+        let (n_c, m) = (self.layout.n_pairs, self.layout.n_coefficients);
+        let batch = AftBatch {
+            n_states: n_c,
+            displacement: transpose_blocks(r, m, 3, n_c),
+            parameters: self.problem.contacts.clone(),
+        };
+        let mut forces = AftForces::default();
+        let backend = self.problem.backend;
+        let accuracy = backend.evaluate(&self.plan, &batch, (want, accuracy), &mut forces);
+        let searched = self.plan.settings().laps == Laps::Periodic;
+        let lost = |s: &StateSummary| s.periodicity == Periodicity::NotPeriodic;
+        ContactResponse {
+            force: transpose_blocks(&forces.forces, 3, m, n_c),
+            active: self.active_pairs(&forces),
+            samples: forces
+                .summaries
+                .iter()
+                .map(|s| [s.stick, s.slip, s.separated])
+                .collect(),
+            steady: !(searched && forces.summaries.iter().any(lost)),
+            accuracy,
+        }
+    }
+
+    /// dF − K_c of the pairs that are not stuck all the time.
+    fn active_pairs(&self, forces: &AftForces<f64>) -> Vec<PairTangent> {
+        let (n_c, m) = (self.layout.n_pairs, self.layout.n_coefficients);
+        let deviation = |pair: usize, offset: usize, block: Block| {
+            let (row, column) = (block.row_component(), block.column_component());
+            let mut values = forces.block(offset, block).to_vec();
+            if row == column {
+                let k = self.problem.stuck_stiffness[row * n_c + pair];
+                (0..m).for_each(|a| values[a * m + a] -= k);
+                if row < 2 {
+                    values[0] += self.holding_stiffness(row * n_c + pair);
+                }
+            }
+            (row, column, values)
+        };
+        (forces.tangents.iter().enumerate())
+            .filter_map(|(pair, tangent)| match *tangent {
+                Tangent::Stuck => None,
+                Tangent::Blocks(offset) => {
+                    let blocks = (Block::ALL.into_iter())
+                        .map(|block| deviation(pair, offset, block))
+                        .filter(|(.., values)| values.iter().any(|v| *v != 0.0))
+                        .collect();
+                    Some(PairTangent { pair, blocks })
+                }
+            })
+            .collect()
+    }
+
+    /// Stiffness (N/m) of the spring that the derivatives have at the mean of a tangential displacement, 0 ≤ `row` < 2·n_contacts,
+    /// of a pair that does not stick all the time.
+    #[must_use]
+    pub fn holding_stiffness(&self, row: usize) -> f64 {
+        match self.problem.model.floats {
+            true => HELD * self.problem.stuck_stiffness[row],
+            false => 0.0,
+        }
+    }
+
+    /// g = F − K_c r.
+    #[must_use]
+    pub fn deviation(&self, r: &[f64], force: &[f64]) -> Vec<f64> {
+        let k_c = self.problem.stuck_stiffness.iter().cycle();
+        (force.iter().zip(r).zip(k_c))
+            .map(|((f, r), k)| f - k * r)
+            .collect()
+    }
+
+    /// R(r) for the contact forces `force` = F(r) and the motion under them. Units: m.
+    #[must_use]
+    pub fn residual(&self, motion: &Motion, r: &[f64], force: &[f64]) -> Vec<f64> {
+        let n = self.layout.n_relative();
+        let g = self.deviation(r, force);
+        let mut out = r.to_vec();
+        let rest = &self.problem.stuck_static;
+        (out.iter_mut().zip(&rest.relative)).for_each(|(r, stuck)| *r -= stuck);
+        for (j, g) in g[..n].iter().enumerate() {
+            (out.iter_mut().zip(rest.compliance.col(j).iter())).for_each(|(r, c)| *r += c * g);
+        }
+        let orders = self.harmonics.orders().iter().filter(|&&k| k > 0);
+        for ((i, &k), eta) in orders.enumerate().zip(&motion.dynamic) {
+            let (r_c, r_s) = out[(2 * i + 1) * n..(2 * i + 3) * n].split_at_mut(n);
+            let moved = self.problem.model.part(k).relative(eta);
+            for ((c, s), z) in r_c.iter_mut().zip(r_s).zip(moved) {
+                *c -= z.re;
+                *s += z.im;
+            }
+        }
+        out
+    }
+
+    /// ∂R/∂level at fixed r.
+    #[must_use]
+    pub fn level_slope(&self, at: &Compliance<'_>) -> Vec<f64> {
+        let mut out = vec![0.0; self.layout.n_unknowns()];
+        if let Some(first) = at.harmonics.first() {
+            self.store(0, &self.stuck_relative(first, 1.0), -1.0, &mut out);
+        }
+        out
+    }
+
+    /// ∂R/∂ω at fixed r: BΦ Z_s⁻¹ (dZ/dω) η, harmonic by harmonic. Units: m/(rad/s).
+    #[must_use]
+    pub fn frequency_slope(&self, at: &Compliance<'_>, motion: &Motion) -> Vec<f64> {
+        let mut out = vec![0.0; self.layout.n_unknowns()];
+        for (i, (h, eta)) in at.harmonics.iter().zip(&motion.dynamic).enumerate() {
+            let load = h.part.impedance_slope(h.order, at.omega, eta);
+            self.store(i, &h.part.relative(&h.solve_rate(&load)), 1.0, &mut out);
+        }
+        out
+    }
+
+    /// Motion of the structure under the excitation and the contact forces.
+    #[must_use]
+    pub fn motion(&self, at: &Compliance<'_>, level: f64, r: &[f64], force: &[f64]) -> Motion {
+        let n = self.layout.n_relative();
+        let rest = &self.problem.stuck_static;
+        let g = self.deviation(r, force);
+        let pushed = &rest.eta_per_force * Col::from_fn(n, |i| g[i]);
+        let dynamic = (at.harmonics.iter().enumerate())
+            .map(|(i, h)| {
+                let mut load = h.part.contact_load(&self.complex(i, &g));
+                load.iter_mut().for_each(|f| *f = -*f);
+                if h.order == 1 {
+                    (load.iter_mut().zip(&h.part.force)).for_each(|(l, f)| *l += f * level);
+                }
+                h.solve(&load)
+            })
+            .collect();
+        Motion {
+            rest: rest
+                .eta
+                .iter()
+                .zip(pushed.iter())
+                .map(|(a, b)| a - b)
+                .collect(),
+            dynamic,
+        }
+    }
+
+    /// Rate of the first harmonic of response 0 that goes with the rates of force deviation, frequency and level.
+    #[must_use]
+    pub fn response_rate(&self, at: &Compliance<'_>, motion: &Motion, rate: &LoadRate<'_>) -> c64 {
+        let (first, eta) = (&at.harmonics[0], &motion.dynamic[0]);
+        let part = first.part;
+        let mut load = part.contact_load(&self.complex(0, rate.deviation));
+        let inertia = part.impedance_slope(first.order, at.omega, eta);
+        for ((load, inertia), force) in load.iter_mut().zip(&inertia).zip(&part.force) {
+            *load = force * rate.level - *load - inertia * rate.omega;
+        }
+        part.responses(&first.solve_rate(&load))[0]
+    }
+
+    /// Largest displacement (m) of the stuck structure, static or dynamic.
+    #[must_use]
+    pub fn stuck_size(&self, at: &Compliance<'_>, level: f64) -> f64 {
+        let rest = self.problem.stuck_static.relative.iter().map(|r| r.abs());
+        let moving = at
+            .harmonics
+            .first()
+            .map(|first| self.stuck_relative(first, level));
+        let moving = moving.iter().flatten().map(|z| z.norm());
+        rest.chain(moving).fold(0.0, f64::max)
+    }
+
+    /// r̂₁ of the stuck structure.
+    fn stuck_relative(&self, first: &HarmonicCompliance<'_>, level: f64) -> Vec<c64> {
+        let load: Vec<c64> = first.part.force.iter().map(|f| f * level).collect();
+        first.part.relative(&first.solve_rate(&load))
+    }
+
+    /// Complex amplitudes of the i-th dynamic harmonic of a coefficient-major vector.
+    #[must_use]
+    pub fn complex(&self, i: usize, x: &[f64]) -> Vec<c64> {
+        let n = self.layout.n_relative();
+        let (c, s) = (
+            &x[(2 * i + 1) * n..(2 * i + 2) * n],
+            &x[(2 * i + 2) * n..(2 * i + 3) * n],
+        );
+        c.iter().zip(s).map(|(&c, &s)| c64::new(c, -s)).collect()
+    }
+
+    fn store(&self, i: usize, z: &[c64], factor: f64, out: &mut [f64]) {
+        let n = self.layout.n_relative();
+        for (j, z) in z.iter().enumerate() {
+            out[(2 * i + 1) * n + j] = factor * z.re;
+            out[(2 * i + 2) * n + j] = -factor * z.im;
+        }
+    }
+}
+
+/// `problem` on the harmonics of the study, or on others with time points to match.
+#[must_use]
+pub fn balance_on<'p>(
+    problem: &'p Problem<'p>,
+    harmonics: HarmonicSet,
+    settings: &HbSettings,
+) -> Balance<'p> {
+    let aft = match harmonics == settings.harmonics {
+        true => settings.aft,
+        false => time_points(settings.aft, &harmonics),
+    };
+    Balance::new(problem, harmonics, aft)
+}
+
+/// Time points that keep the sampling error of `harmonics` below the truncation error: at least 12 per period of the
+/// highest harmonic, and never fewer than asked for.
+#[must_use]
+pub fn time_points(aft: AftSettings, harmonics: &HarmonicSet) -> AftSettings {
+    let wanted = (12 * harmonics.highest()).next_power_of_two();
+    AftSettings {
+        n_time: aft.n_time.max(wanted),
+        ..aft
+    }
+}
+
+/// `[a][b][width]` → `[b][a][width]`.
+fn transpose_blocks(x: &[f64], a: usize, b: usize, width: usize) -> Vec<f64> {
+    let mut out = Vec::with_capacity(x.len());
+    for j in 0..b {
+        for i in 0..a {
+            out.extend_from_slice(&x[(i * b + j) * width..(i * b + j + 1) * width]);
+        }
+    }
+    out
+}

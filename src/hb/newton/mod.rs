@@ -1,0 +1,14 @@
+//! Newton's method for the balance equations: points, what is evaluated there, steps; the static equilibrium; few
+//! harmonics first.
+
+mod iterate;
+pub mod ladder;
+mod point;
+pub mod rest;
+mod solve;
+mod work;
+
+pub use iterate::{DRAFT_RESIDUAL, Iterate};
+pub use point::{Direction, Metric, Point};
+pub use solve::{Condition, newton_step, polish, solve};
+pub use work::WorkCount;

@@ -1,0 +1,109 @@
+//! A point in the space of unknowns, and directions between points.
+
+use crate::hb::equations::balance::Balance;
+
+/// A point in the space of unknowns, frequency and level.
+#[derive(Debug, Clone)]
+pub struct Point {
+    /// Relative displacements (m), order of [`crate::hb::equations::layout::Layout`].
+    pub r: Vec<f64>,
+    /// Excitation frequency (rad/s).
+    pub omega: f64,
+    /// Excitation level.
+    pub level: f64,
+}
+
+impl Point {
+    /// The point after a step of `length` along `direction`, at the same level.
+    #[must_use]
+    pub fn moved(&self, direction: &Direction, length: f64) -> Self {
+        Self {
+            r: (self.r.iter().zip(&direction.r))
+                .map(|(r, d)| r + length * d)
+                .collect(),
+            omega: self.omega + length * direction.omega,
+            level: self.level,
+        }
+    }
+
+    /// The same motion on the harmonics of another balance.
+    #[must_use]
+    pub fn padded(&self, from: &Balance<'_>, to: &Balance<'_>) -> Self {
+        let n_relative = from.layout.n_relative();
+        Self {
+            r: from.harmonics.convert(&self.r, n_relative, &to.harmonics),
+            omega: self.omega,
+            level: self.level,
+        }
+    }
+
+    /// Largest dynamic displacement over the scale of the residual: a small excitation moves the contacts little
+    /// compared with what the static load does.
+    #[must_use]
+    pub fn dynamic_share(&self, balance: &Balance<'_>) -> f64 {
+        let dynamic = &self.r[balance.layout.n_relative()..];
+        let largest = dynamic.iter().map(|r| r.abs()).fold(0.0, f64::max);
+        largest / balance.problem.displacement_scale(self.level)
+    }
+}
+
+/// Rate of change of a point along a path.
+#[derive(Debug, Clone)]
+pub struct Direction {
+    /// Rate of the relative displacements.
+    pub r: Vec<f64>,
+    /// Rate of the frequency.
+    pub omega: f64,
+}
+
+impl Direction {
+    /// `factor` times this direction.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            r: self.r.iter().map(|r| factor * r).collect(),
+            omega: factor * self.omega,
+        }
+    }
+}
+
+/// Inner product of directions. The 0th harmonic is left out: the mean position of a strip is so soft that it would
+/// swallow every step.
+#[derive(Debug, Clone, Copy)]
+pub struct Metric {
+    /// Weight of the dynamic displacements (1/m²).
+    pub displacement: f64,
+    /// Weight of the frequency (s²/rad²).
+    pub frequency: f64,
+}
+
+impl Metric {
+    /// Relative to the dynamic displacements at `point` and to `omega_scale` (rad/s).
+    #[must_use]
+    pub fn at(balance: &Balance<'_>, point: &Point, omega_scale: f64) -> Self {
+        let n = balance.layout.n_relative();
+        let size: f64 = point.r[n..].iter().map(|r| r * r).sum();
+        let floor = balance.problem.displacement_scale(point.level) * 1e-6;
+        Self {
+            displacement: 1.0 / size.max(floor * floor),
+            frequency: 1.0 / (omega_scale * omega_scale),
+        }
+    }
+
+    /// Change of frequency that counts as much as a relative change of 1 of the displacements (rad/s).
+    #[must_use]
+    pub fn omega_scale(&self) -> f64 {
+        self.frequency.sqrt().recip()
+    }
+
+    /// ⟨a, b⟩ for unknowns whose 0th harmonic has `n_relative` entries.
+    #[must_use]
+    pub fn dot(&self, n_relative: usize, a: &Direction, b: &Direction) -> f64 {
+        let r: f64 = a.r[n_relative..]
+            .iter()
+            .zip(&b.r[n_relative..])
+            .map(|(a, b)| a * b)
+            .sum();
+        self.displacement * r + self.frequency * a.omega * b.omega
+    }
+}

@@ -1,0 +1,169 @@
+//! The structure at rest: static equilibrium under loads, preloads and friction, and its linear response about it.
+//!
+//! Contacts may be open or have slipped under the static load, so the stuck structure is only a start.
+
+use super::iterate::{Iterate, negated};
+use super::point::{Direction, Point};
+use super::work::WorkCount;
+use crate::aft::AftSettings;
+use crate::harmonics::HarmonicSet;
+use crate::hb::equations::balance::Balance;
+use crate::hb::equations::jacobian::EXACT;
+use crate::hb::equations::problem::Problem;
+use crate::hb::status::Status;
+use crate::linalg::vector::norm;
+
+/// Newton iterations; 400 random models took at most 23.
+const MOST_ITERATIONS: usize = 200;
+/// Last step over the largest displacement.
+const TOLERANCE: f64 = 1e-10;
+/// The same over the displacement by the load without preloads.
+const ROUND_OFF: f64 = 1e-14;
+/// Smallest damping factor, taken whatever it gives.
+const MIN_DAMPING: f64 = 1e-3;
+/// Level over the slip onset at which pairs stick for sure.
+const BELOW_ONSET: f64 = 0.5;
+/// Share of the Coulomb limit below which a pair at rest has slipped.
+const NO_MARGIN: f64 = 1e-9;
+/// First damping factor that a step tries, over that of the step before.
+const RECOVERY: f64 = 4.0;
+
+/// Static equilibrium, and how it answers a small excitation at one frequency.
+pub(in crate::hb) struct Rest {
+    at: Point,
+    /// Rate of the displacements with the level (m).
+    by_level: Vec<f64>,
+    /// Stiffness of the contacts for small vibrations (N/m): stuck where closed, else 0. Shape as K_c.
+    pub(in crate::hb) stiffness: Vec<f64>,
+}
+
+/// Stiffness of the contacts at rest (N/m), of the stuck ones if no equilibrium is found. Shape: `[3·n_contacts]`.
+#[must_use]
+pub fn stiffness_at_rest(problem: &Problem<'_>, aft: AftSettings, omega: f64) -> Vec<f64> {
+    let balance = Balance::new(problem, HarmonicSet::up_to(1), aft);
+    match Rest::new(&balance, omega) {
+        Ok((rest, _)) => rest.stiffness,
+        Err(_) => problem.stuck_stiffness.clone(),
+    }
+}
+
+impl Rest {
+    /// Solves for the equilibrium by Newton's method, damped until the step that would follow with the same Jacobian is
+    /// shorter (Deuflhard 2004, Newton Methods for Nonlinear Problems, section 3.3).
+    ///
+    /// # Errors
+    /// The status that says why not, and the work spent.
+    pub(in crate::hb) fn new(
+        balance: &Balance<'_>,
+        omega: f64,
+    ) -> Result<(Self, WorkCount), (Status, WorkCount)> {
+        let n = balance.layout.n_relative();
+        let mut r = vec![0.0; balance.layout.n_unknowns()];
+        r[..n].copy_from_slice(&balance.problem.stuck_static.preloaded);
+        let level = 0.0;
+        let mut iterate = Iterate::new(balance, Point { r, omega, level });
+        // where preloads balance the load, nothing is displaced
+        let round_off = ROUND_OFF * norm(&balance.problem.stuck_static.relative);
+        let mut count = WorkCount::default();
+        let mut damping = 1.0;
+        let budget = &balance.problem.budget;
+        while count.iterations < MOST_ITERATIONS {
+            if budget.is_spent() {
+                return Err((Status::BudgetSpent, count));
+            }
+            let next = {
+                let jacobian = iterate.jacobian_within(balance, EXACT);
+                budget.spend();
+                count += WorkCount {
+                    iterations: 1,
+                    factorizations: jacobian.factorizations(),
+                };
+                let step = Direction {
+                    r: negated(&jacobian.solve(&iterate.residual)),
+                    omega: 0.0,
+                };
+                let length = norm(&step.r);
+                if !length.is_finite() {
+                    return Err((Status::NonFinite, count));
+                }
+                if length <= f64::max(TOLERANCE * norm(&iterate.point.r), round_off) {
+                    let rest = Self {
+                        at: iterate.point.clone(),
+                        by_level: iterate.level_rate(balance, &jacobian),
+                        stiffness: closed_stiffness(balance, &iterate),
+                    };
+                    return Ok((rest, count));
+                }
+                let shorter = |trial: &Iterate<'_>, damping: f64| {
+                    norm(&jacobian.solve(&trial.residual)) <= (1.0 - 0.25 * damping) * length
+                };
+                damped(balance, &iterate, &step, &mut damping, shorter)
+            };
+            iterate = next;
+        }
+        Err((Status::MaxIterations, count))
+    }
+
+    /// Level at which every pair that sticks at rest still does.
+    pub(in crate::hb) fn stuck_level(&self, problem: &Problem<'_>) -> f64 {
+        BELOW_ONSET * self.slip_onset(problem)
+    }
+
+    /// Level at which a pair that sticks at rest first breaks the Coulomb limit or opens, while the response is linear. Pairs
+    /// that are open or slip at rest never stick.
+    fn slip_onset(&self, problem: &Problem<'_>) -> f64 {
+        let n_c = problem.contacts.len();
+        let n = 3 * n_c;
+        let (at, rate) = (&self.at.r, &self.by_level);
+        let dynamic = |i: usize| libm::hypot(rate[n + i], rate[2 * n + i]);
+        (problem.contacts.iter().enumerate())
+            .map(|(pair, c)| {
+                let preload = (c.n_0 + c.k_n * at[2 * n_c + pair]).max(0.0);
+                let traction = |axis: usize| c.k_t[axis] * (at[axis * n_c + pair] - c.anchor[axis]);
+                let limit = c.mu * preload;
+                let margin = limit - libm::hypot(traction(0), traction(1));
+                if margin <= NO_MARGIN * limit {
+                    return f64::INFINITY;
+                }
+                let [t1, t2] = [0, 1].map(|axis| c.k_t[axis] * dynamic(axis * n_c + pair));
+                let normal = c.k_n * dynamic(2 * n_c + pair);
+                (margin / (libm::hypot(t1, t2) + c.mu * normal)).min(preload / normal)
+            })
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The response at `level`, linear about the rest.
+    pub(in crate::hb) fn excited(&self, level: f64) -> Point {
+        let mut point = self.at.clone();
+        (point.r.iter_mut().zip(&self.by_level)).for_each(|(r, rate)| *r += level * rate);
+        point.level = level;
+        point
+    }
+}
+
+fn closed_stiffness(balance: &Balance<'_>, rest: &Iterate<'_>) -> Vec<f64> {
+    let n_pairs = balance.layout.n_pairs;
+    let is_open = |pair: usize| rest.contact.samples[pair][2] > 0;
+    (balance.problem.stuck_stiffness.iter().enumerate())
+        .map(|(i, k)| if is_open(i % n_pairs) { 0.0 } else { *k })
+        .collect()
+}
+
+/// The first iterate that is accepted along `step`, with shorter and shorter steps; changes the factor to the one that the
+/// next step tries.
+fn damped<'p>(
+    balance: &Balance<'p>,
+    from: &Iterate<'p>,
+    step: &Direction,
+    damping: &mut f64,
+    is_accepted: impl Fn(&Iterate<'_>, f64) -> bool,
+) -> Iterate<'p> {
+    loop {
+        let trial = Iterate::new(balance, from.point.moved(step, *damping));
+        if *damping <= MIN_DAMPING || is_accepted(&trial, *damping) {
+            *damping = (RECOVERY * *damping).min(1.0);
+            return trial;
+        }
+        *damping *= 0.5;
+    }
+}

@@ -1,0 +1,407 @@
+//! Newton's method for the balance equations, at a fixed frequency or with the frequency as an unknown.
+//!
+//! The bordered system [J R_ω; c_r c_ω] is solved by block elimination with the two right-hand sides R and R_ω.
+
+use super::iterate::Iterate;
+use super::iterate::negated;
+use super::point::{Direction, Metric, Point};
+use super::work::WorkCount;
+use crate::hb::equations::balance::Balance;
+use crate::hb::equations::jacobian::Jacobian;
+use crate::hb::settings::NewtonSettings;
+use crate::hb::status::Status;
+use faer::prelude::c64;
+use std::sync::Arc;
+
+/// What closes the system when the frequency is unknown.
+#[derive(Debug, Clone, Copy)]
+pub enum Condition<'a> {
+    /// The frequency is given.
+    FixedFrequency,
+    /// Response 0 is in phase with this unit phasor (phase resonance).
+    PhaseLocked(c64),
+    /// Response 0 is `amplitude` times this unit phasor; the excitation level follows. A resonance is single-valued in its
+    /// amplitude also where it is not in its level.
+    Amplitude {
+        /// Unit phasor.
+        phasor: c64,
+        /// Amplitude (m).
+        amplitude: f64,
+    },
+    /// The step from `base` has the length `step` along `tangent` (pseudo-arclength).
+    ArcLength {
+        /// Start of the step.
+        base: &'a Point,
+        /// Unit tangent there.
+        tangent: &'a Direction,
+        /// Length of the step.
+        step: f64,
+        /// Inner product.
+        metric: Metric,
+    },
+}
+
+/// Phase error (rad) accepted at a phase resonance; it only starts the search of the maximum.
+const PHASE_TOLERANCE: f64 = 1e-6;
+
+/// Largest relative change of the frequency in one iteration.
+const MAX_FREQUENCY_STEP: f64 = 0.02;
+
+/// Largest relative change of the level in one iteration.
+const MAX_LEVEL_STEP: f64 = 0.5;
+
+/// Iterations within which the smallest residual must halve; a start that does not manage that never converged.
+const PATIENCE: usize = 12;
+
+/// Smallest damping factor, taken whatever it gives.
+const MIN_DAMPING: f64 = 1.0 / 64.0;
+
+/// First damping factor that a step tries, over the one that the step before took as it was tried.
+const RECOVERY: f64 = 16.0;
+/// The same where the step before had to be shortened, which says what the next one needs.
+const CAUTION: f64 = 2.0;
+
+/// Residuals below this need no damping: the condition alone may still be open.
+const NEAR: f64 = 1e-2;
+
+/// Solves the balance equations under `condition`, starting at `start`.
+///
+/// # Errors
+/// The status that says why not, and the work spent.
+pub fn solve<'p>(
+    balance: &Balance<'p>,
+    start: Point,
+    condition: Condition<'_>,
+    settings: NewtonSettings,
+) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
+    let mut count = WorkCount::default();
+    let mut iterate = Iterate::new(balance, start);
+    let mut progress = Progress::default();
+    let mut damping = 1.0;
+    let tolerance = (settings.tolerance).max(balance.problem.round_off(iterate.point.level));
+    loop {
+        let size = iterate.relative_residual(balance);
+        if !size.is_finite() {
+            return Err((Status::NonFinite, count));
+        }
+        let open = condition
+            .values(balance, &iterate)
+            .iter()
+            .any(|c| c.abs() > condition.tolerance());
+        if size <= tolerance && !open {
+            return match iterate.contact.steady {
+                true => Ok((iterate, count)),
+                false => Err((Status::NoSteadyCycle, count)),
+            };
+        }
+        if iterate.point.omega <= 0.0 {
+            // a step of a walk that was too long
+            return Err((Status::StepTooSmall, count));
+        }
+        if balance.problem.budget.is_spent() {
+            return Err((Status::BudgetSpent, count));
+        }
+        if count.iterations == settings.max_iterations
+            || (size > tolerance && progress.stalls(size))
+        {
+            return Err((Status::MaxIterations, count));
+        }
+        (iterate, damping) = {
+            let jacobian = iterate.jacobian(balance);
+            balance.problem.budget.spend();
+            count += WorkCount {
+                iterations: 1,
+                factorizations: jacobian.factorizations(),
+            };
+            let linear = Linearized::new(balance, &iterate, &jacobian, condition);
+            advance(&linear, damping)
+        };
+    }
+}
+
+/// Newton steps at the fixed frequency of a solved iterate for as long as each at least halves the residual: to
+/// round-off, whatever the tolerance of the solve was.
+#[must_use]
+pub fn polish<'p>(balance: &Balance<'p>, solved: Iterate<'p>) -> (Iterate<'p>, WorkCount) {
+    let mut iterate = solved;
+    let mut count = WorkCount::default();
+    loop {
+        let jacobian = iterate.jacobian(balance);
+        let step = newton_step(balance, &iterate, &jacobian, Condition::FixedFrequency);
+        balance.problem.budget.spend();
+        count += WorkCount {
+            iterations: 1,
+            factorizations: jacobian.factorizations(),
+        };
+        let point = iterate.point.moved(&step, 1.0);
+        let compliance = Arc::clone(&iterate.compliance);
+        let trial = Iterate::with_compliance(balance, point, compliance);
+        let (before, after) = (
+            iterate.relative_residual(balance),
+            trial.relative_residual(balance),
+        );
+        // A residual of exactly 0 ends it too.
+        if after.is_nan() || after >= 0.5 * before {
+            return (iterate, count);
+        }
+        drop(jacobian);
+        iterate = trial;
+    }
+}
+
+/// The full Newton step of the (bordered) system at a fixed level.
+#[must_use]
+pub fn newton_step(
+    balance: &Balance<'_>,
+    iterate: &Iterate<'_>,
+    jacobian: &Jacobian<'_>,
+    condition: Condition<'_>,
+) -> Direction {
+    let linear = Linearized::new(balance, iterate, jacobian, condition);
+    let values = condition.values(balance, iterate);
+    linear.step(&iterate.residual, values).direction
+}
+
+/// A Newton step with the change of the level.
+struct Step {
+    direction: Direction,
+    level: f64,
+}
+
+impl Step {
+    fn add(&mut self, factor: f64, other: &Self) {
+        for (a, b) in self.direction.r.iter_mut().zip(&other.direction.r) {
+            *a += factor * b;
+        }
+        self.direction.omega += factor * other.direction.omega;
+        self.level += factor * other.level;
+    }
+}
+
+/// The balance equations and their condition, linearised at one iterate.
+struct Linearized<'a, 'p> {
+    balance: &'a Balance<'p>,
+    iterate: &'a Iterate<'p>,
+    jacobian: &'a Jacobian<'a>,
+    condition: Condition<'a>,
+    /// Solutions of the linearised balance per change of the frequency and of the level, each with the rates of the
+    /// condition, where the condition sets them free.
+    free: Vec<(Step, [f64; 2])>,
+}
+
+impl<'a, 'p> Linearized<'a, 'p> {
+    fn new(
+        balance: &'a Balance<'p>,
+        iterate: &'a Iterate<'p>,
+        jacobian: &'a Jacobian<'a>,
+        condition: Condition<'a>,
+    ) -> Self {
+        let by_omega = || Step {
+            direction: Direction {
+                r: iterate.frequency_rate(balance, jacobian),
+                omega: 1.0,
+            },
+            level: 0.0,
+        };
+        let by_level = || Step {
+            direction: Direction {
+                r: iterate.level_rate(balance, jacobian),
+                omega: 0.0,
+            },
+            level: 1.0,
+        };
+        let free = match condition {
+            Condition::FixedFrequency => Vec::new(),
+            Condition::Amplitude { .. } => vec![by_omega(), by_level()],
+            Condition::PhaseLocked(_) | Condition::ArcLength { .. } => vec![by_omega()],
+        };
+        let mut linear = Self {
+            balance,
+            iterate,
+            jacobian,
+            condition,
+            free: Vec::new(),
+        };
+        linear.free = (free.into_iter())
+            .map(|step| {
+                let rates = linear.rates(&step);
+                (step, rates)
+            })
+            .collect();
+        linear
+    }
+
+    fn rates(&self, step: &Step) -> [f64; 2] {
+        let (direction, level) = (&step.direction, step.level);
+        (self.condition).rates(self.balance, self.iterate, self.jacobian, direction, level)
+    }
+
+    /// The step that takes `residual` and the values `c` of the condition away.
+    fn step(&self, residual: &[f64], [c1, c2]: [f64; 2]) -> Step {
+        let mut step = Step {
+            direction: Direction {
+                r: negated(&self.jacobian.solve(residual)),
+                omega: 0.0,
+            },
+            level: 0.0,
+        };
+        let [t1, t2] = self.rates(&step);
+        let point = &self.iterate.point;
+        let limit = MAX_FREQUENCY_STEP * point.omega;
+        match &self.free[..] {
+            [(by_omega, [a1, _])] => {
+                step.add((-(c1 + t1) / a1).clamp(-limit, limit), by_omega);
+            }
+            [(by_omega, [a1, a2]), (by_level, [b1, b2])] => {
+                let determinant = a1 * b2 - a2 * b1;
+                let (e1, e2) = (-(c1 + t1), -(c2 + t2));
+                let omega = (e1 * b2 - e2 * b1) / determinant;
+                let level = (a1 * e2 - a2 * e1) / determinant;
+                // the level must stay positive
+                let largest = MAX_LEVEL_STEP * point.level;
+                step.add(omega.clamp(-limit, limit), by_omega);
+                step.add(level.clamp(-largest, largest), by_level);
+            }
+            _ => {}
+        }
+        step
+    }
+}
+
+/// The smallest residuals of the running and the previous window of iterations.
+struct Progress {
+    iterations: usize,
+    best: f64,
+    best_before: f64,
+}
+
+impl Default for Progress {
+    fn default() -> Self {
+        Self {
+            iterations: 0,
+            best: f64::INFINITY,
+            best_before: f64::INFINITY,
+        }
+    }
+}
+
+impl Progress {
+    /// Whether the residual has not halved within the last window.
+    fn stalls(&mut self, size: f64) -> bool {
+        if self.iterations == 0 {
+            self.best_before = size;
+        }
+        self.best = self.best.min(size);
+        self.iterations += 1;
+        if !self.iterations.is_multiple_of(PATIENCE) {
+            return false;
+        }
+        let stalled = self.best > 0.5 * self.best_before;
+        self.best_before = self.best;
+        stalled
+    }
+}
+
+/// Takes the Newton step times `damping` or less, damped until the step that would follow with the same Jacobian is shorter
+/// ("natural monotonicity"); returns the factor to try next, too. The residual is no measure far from the solution: stiff
+/// contacts can make it ten times larger on the best way there.
+///
+/// Source: Deuflhard 2004, Newton Methods for Nonlinear Problems, section 3.3.
+fn advance<'p>(linear: &Linearized<'_, 'p>, mut damping: f64) -> (Iterate<'p>, f64) {
+    let (balance, from) = (linear.balance, linear.iterate);
+    let step = linear.step(&from.residual, linear.condition.values(balance, from));
+    let moving = step.direction.omega != 0.0;
+    let metric = Metric::at(balance, &from.point, from.point.omega);
+    let n_relative = balance.layout.n_relative();
+    let length = |step: &Step| (metric.dot(n_relative, &step.direction, &step.direction)).sqrt();
+    let mut growth = RECOVERY;
+    loop {
+        let mut point = from.point.moved(&step.direction, damping);
+        point.level += damping * step.level;
+        let trial = if moving {
+            Iterate::new(balance, point)
+        } else {
+            Iterate::with_compliance(balance, point, Arc::clone(&from.compliance))
+        };
+        let shorter = || {
+            let values = linear.condition.values(balance, &trial);
+            let next = linear.step(&trial.residual, values);
+            length(&next) <= (1.0 - 0.25 * damping) * length(&step)
+        };
+        let near = trial.relative_residual(balance) <= NEAR;
+        if damping <= MIN_DAMPING || near || shorter() {
+            return (trial, (growth * damping).min(1.0));
+        }
+        (damping, growth) = (0.5 * damping, CAUTION);
+    }
+}
+
+impl Condition<'_> {
+    fn tolerance(self) -> f64 {
+        match self {
+            Self::FixedFrequency => f64::INFINITY,
+            Self::PhaseLocked(_) | Self::Amplitude { .. } => PHASE_TOLERANCE,
+            Self::ArcLength { step, .. } => 1e-6 * step.abs(),
+        }
+    }
+
+    /// What must vanish; the second entry is used by [`Condition::Amplitude`] alone.
+    fn values(self, balance: &Balance<'_>, iterate: &Iterate) -> [f64; 2] {
+        match self {
+            Self::FixedFrequency => [0.0; 2],
+            Self::PhaseLocked(phasor) => {
+                let y = iterate.response(balance);
+                [(y * phasor.conj()).im / y.norm(), 0.0]
+            }
+            Self::Amplitude { phasor, amplitude } => {
+                let y = iterate.response(balance) * phasor.conj() / amplitude;
+                [y.im, y.re - 1.0]
+            }
+            Self::ArcLength {
+                base,
+                tangent,
+                step,
+                metric,
+            } => {
+                let gone = Direction {
+                    r: (iterate.point.r.iter().zip(&base.r))
+                        .map(|(a, b)| a - b)
+                        .collect(),
+                    omega: iterate.point.omega - base.omega,
+                };
+                [
+                    metric.dot(balance.layout.n_relative(), &gone, tangent) - step,
+                    0.0,
+                ]
+            }
+        }
+    }
+
+    fn rates(
+        self,
+        balance: &Balance<'_>,
+        iterate: &Iterate<'_>,
+        jacobian: &Jacobian<'_>,
+        direction: &Direction,
+        level: f64,
+    ) -> [f64; 2] {
+        let response_rate = || iterate.response_rate(balance, jacobian, direction, level);
+        match self {
+            Self::FixedFrequency => [0.0; 2],
+            Self::PhaseLocked(phasor) => {
+                let rate = response_rate() * phasor.conj();
+                [rate.im / iterate.response(balance).norm(), 0.0]
+            }
+            Self::Amplitude { phasor, amplitude } => {
+                let rate = response_rate() * phasor.conj() / amplitude;
+                [rate.im, rate.re]
+            }
+            Self::ArcLength {
+                tangent, metric, ..
+            } => [
+                metric.dot(balance.layout.n_relative(), direction, tangent),
+                0.0,
+            ],
+        }
+    }
+}

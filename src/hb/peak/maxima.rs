@@ -1,0 +1,326 @@
+//! The maxima of one problem at one level after the other, and which of them is the peak.
+//!
+//! The peak is the highest maximum of the amplitude in the band. Maxima grow from the modes of the stuck and of the free
+//! structure ([`crate::hb::structure::resonance::candidates`]). Each mode has a reach: the largest amplitude that it has in the linear
+//! structures, stuck or free, between which friction damps it. The modes are searched in the order of their reach, each
+//! only where it could be higher than what was found before it.
+
+use super::level_peak::LevelPeak;
+use crate::hb::newton::WorkCount;
+use crate::hb::solution::Solution;
+use crate::hb::status::Status;
+use crate::hb::structure::resonance::Candidate;
+
+/// A mode is searched where its reach is at least this part of the highest maximum found.
+pub const COMPETES: f64 = 0.5;
+/// Relative distances of frequency and amplitude up to which two solutions are one maximum.
+const SAME: [f64; 2] = [1e-6, 1e-5];
+/// The same for solutions on different harmonics, which the truncation sets apart.
+const SAME_ON_OTHER_HARMONICS: [f64; 2] = [1e-4, 2e-2];
+
+/// Which maximum of the band is the peak.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum PeakChoice {
+    /// The highest one; a mode is searched where it competes.
+    #[default]
+    Highest,
+    /// The highest one; every mode is searched.
+    All,
+    /// The one that grows from a mode of the stuck structure that the first harmonic sees, 0 for the lowest.
+    Mode(usize),
+}
+
+/// What the search for the maximum of one mode gave.
+#[derive(Debug)]
+pub struct ModeSearch {
+    /// The maximum, or why there is none.
+    pub peak: LevelPeak,
+    /// Other maxima that were met on the way.
+    pub aside: Vec<Solution>,
+}
+
+impl From<LevelPeak> for ModeSearch {
+    /// Nothing was met on the way.
+    fn from(peak: LevelPeak) -> Self {
+        let aside = Vec::new();
+        Self { peak, aside }
+    }
+}
+
+/// The maxima at one level.
+#[derive(Debug)]
+pub struct Maxima {
+    /// Excitation level.
+    pub level: f64,
+    /// What was found, each with the mode in whose search; one maximum may stand here for several modes.
+    found: Vec<(usize, Solution)>,
+    /// Searches that failed: largest amplitude that the mode can have (m), and how they ended.
+    failed: Vec<(f64, Status)>,
+    /// Work of all searches.
+    pub count: WorkCount,
+}
+
+/// Searches the maxima at `levels`. `search` gives the maxima of one mode at some of the levels, by their numbers, and is
+/// told what was found of other modes there.
+///
+/// # Errors
+/// Those of `search`.
+pub fn search_maxima<E>(
+    candidates: &[Candidate],
+    choice: PeakChoice,
+    levels: &[f64],
+    mut search: impl FnMut(&Candidate, &[usize], &[Maxima]) -> Result<Vec<ModeSearch>, E>,
+) -> Result<Vec<Maxima>, E> {
+    let mut maxima: Vec<Maxima> = levels.iter().map(|&level| Maxima::none(level)).collect();
+    for candidate in candidates {
+        let wanted: Vec<usize> = (maxima.iter().enumerate())
+            .filter(|(_, at)| at.wants(candidate, choice))
+            .map(|(i, _)| i)
+            .collect();
+        if wanted.is_empty() {
+            continue;
+        }
+        let found = search(candidate, &wanted, &maxima)?;
+        for (i, search) in wanted.into_iter().zip(found) {
+            maxima[i].add(candidate, search);
+        }
+    }
+    Ok(maxima)
+}
+
+impl Maxima {
+    /// Nothing found yet.
+    fn none(level: f64) -> Self {
+        Self {
+            level,
+            found: Vec::new(),
+            failed: Vec::new(),
+            count: WorkCount::default(),
+        }
+    }
+
+    /// Whether the maximum of a mode is to be searched.
+    fn wants(&self, candidate: &Candidate, choice: PeakChoice) -> bool {
+        match choice {
+            PeakChoice::All => true,
+            PeakChoice::Mode(mode) => candidate.mode == mode,
+            PeakChoice::Highest => match self.highest() {
+                Some(highest) => candidate.reach * self.level >= COMPETES * highest.amplitude(0),
+                None => self
+                    .failed
+                    .iter()
+                    .all(|(_, status)| *status == Status::NoPeakInBand),
+            },
+        }
+    }
+
+    fn add(&mut self, candidate: &Candidate, search: ModeSearch) {
+        let ModeSearch { peak, aside } = search;
+        self.count += peak.count;
+        if peak.solution.is_none() && aside.is_empty() {
+            self.failed
+                .push((candidate.reach * self.level, peak.status));
+        }
+        let found = peak.solution.into_iter().chain(aside);
+        self.found
+            .extend(found.map(|solution| (candidate.mode, solution)));
+    }
+
+    /// The highest maximum found; the first of equals, so that it depends on nothing but the problem and its starts.
+    #[must_use]
+    pub fn highest(&self) -> Option<&Solution> {
+        self.distinct().into_iter().next()
+    }
+
+    /// The different maxima found, highest first.
+    #[must_use]
+    pub fn distinct(&self) -> Vec<&Solution> {
+        let mut distinct: Vec<&Solution> = Vec::new();
+        for (_, solution) in &self.found {
+            if !distinct
+                .iter()
+                .any(|known| is_same_maximum(known, solution))
+            {
+                distinct.push(solution);
+            }
+        }
+        distinct.sort_by(|a, b| b.amplitude(0).total_cmp(&a.amplitude(0)));
+        distinct
+    }
+
+    /// The highest maximum that was found in the search of each mode, as starts for others.
+    #[must_use]
+    pub fn by_mode(&self) -> Vec<(usize, &Solution)> {
+        let mut best: Vec<(usize, &Solution)> = Vec::new();
+        for (mode, solution) in &self.found {
+            match best.iter_mut().find(|(other, _)| other == mode) {
+                Some((_, known)) if solution.amplitude(0) > known.amplitude(0) => *known = solution,
+                Some(_) => {}
+                None => best.push((*mode, solution)),
+            }
+        }
+        best
+    }
+
+    /// Whether `solution` is the maximum of another mode than `mode`.
+    #[must_use]
+    pub fn is_of_another(&self, mode: usize, solution: &Solution) -> bool {
+        let mut others = self
+            .by_mode()
+            .into_iter()
+            .filter(|(other, _)| *other != mode);
+        others.any(|(_, known)| is_same_maximum(known, solution))
+    }
+
+    /// How the search for the peak ended. Where a search failed whose mode could be higher than what was found, the
+    /// highest maximum is not known.
+    #[must_use]
+    pub fn status(&self) -> Status {
+        let highest = self.highest();
+        let known = highest.map_or(0.0, |highest| highest.amplitude(0));
+        let mut failed = (self.failed.iter()).filter(|(_, status)| *status != Status::NoPeakInBand);
+        match highest {
+            Some(highest) => failed
+                .find(|(reach, _)| *reach > known)
+                .map_or(highest.status, |(_, status)| *status),
+            None => failed
+                .next()
+                .map_or(Status::NoPeakInBand, |(_, status)| *status),
+        }
+    }
+
+    /// The peak: the highest maximum, unless it is not known.
+    #[must_use]
+    pub fn peak(&self) -> Option<&Solution> {
+        self.highest().filter(|_| self.status().has_solution())
+    }
+}
+
+impl From<Maxima> for LevelPeak {
+    /// The highest maximum.
+    fn from(maxima: Maxima) -> Self {
+        Self {
+            level: maxima.level,
+            status: maxima.status(),
+            count: maxima.count,
+            solution: maxima.peak().cloned(),
+        }
+    }
+}
+
+/// Whether two solutions of one problem are the same maximum, perhaps on other harmonics.
+fn is_same_maximum(a: &Solution, b: &Solution) -> bool {
+    let apart = |a: f64, b: f64| (a / b - 1.0).abs();
+    let [frequency, amplitude] = match a.harmonics == b.harmonics {
+        true => SAME,
+        false => SAME_ON_OTHER_HARMONICS,
+    };
+    apart(a.omega, b.omega) <= frequency && apart(a.amplitude(0), b.amplitude(0)) <= amplitude
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::harmonics::HarmonicSet;
+    use crate::hb::newton::WorkCount;
+    use crate::hb::solution::{ContactFractions, CycleWork};
+    use crate::hb::structure::resonance::Band;
+
+    /// A solution of one response, told apart by frequency and amplitude.
+    fn maximum(omega: f64, amplitude: f64, highest: usize) -> Solution {
+        let harmonics = HarmonicSet::up_to(highest);
+        let mut responses = vec![0.0; harmonics.n_coefficients()];
+        responses[1] = amplitude;
+        Solution {
+            status: Status::Converged,
+            omega,
+            level: 1.0,
+            harmonics,
+            relative: Vec::new(),
+            force: Vec::new(),
+            responses,
+            residual: 0.0,
+            contact: ContactFractions::default(),
+            flight_fraction: 0.0,
+            work: CycleWork::default(),
+            truncation_error: None,
+            sharpness: None,
+            work_count: WorkCount::default(),
+        }
+    }
+
+    fn mode(mode: usize, reach: f64) -> Candidate {
+        let band = Band {
+            low: 90.0,
+            high: 110.0,
+        };
+        Candidate {
+            mode,
+            omega: 100.0,
+            reach,
+            path: band,
+        }
+    }
+
+    fn search(solution: Solution, aside: Vec<Solution>) -> ModeSearch {
+        let peak = LevelPeak::found(solution);
+        ModeSearch { peak, aside }
+    }
+
+    fn failed(status: Status) -> ModeSearch {
+        ModeSearch::from(LevelPeak {
+            level: 1.0,
+            status,
+            solution: None,
+            count: WorkCount::default(),
+        })
+    }
+
+    /// Seen to fail with the lowest of the maxima, and with maxima on other harmonics counted apart.
+    #[test]
+    fn the_highest_maximum_is_reported_and_the_others_are_counted() {
+        let end = |aside: Vec<Solution>| {
+            let mut at = Maxima::none(1.0);
+            at.add(&mode(0, 3.0), search(maximum(100.0, 2.0, 3), aside));
+            (at.peak().unwrap().omega, at.distinct().len() - 1)
+        };
+        assert_eq!(end(vec![]), (100.0, 0));
+        assert_eq!(end(vec![maximum(100.0, 2.0, 3)]), (100.0, 0));
+        let other = maximum(100.001, 2.01, 5);
+        assert_eq!(end(vec![other]), (100.0, 0), "harmonics");
+        assert_eq!(end(vec![maximum(100.001, 1.9, 3)]), (100.0, 1), "lower");
+        let [lower, higher] = [maximum(99.0, 1.0, 3), maximum(101.0, 3.0, 3)];
+        assert_eq!(end(vec![lower, higher.clone(), higher]), (101.0, 2));
+    }
+
+    /// Modes are searched where they may be higher than what is known, and a failed search hides the peak where its mode
+    /// may be higher.
+    #[test]
+    fn modes_compete_by_their_reach() {
+        let modes = [mode(4, 3.0), mode(7, 2.0), mode(1, 0.9)];
+        let run = |choice, first: fn() -> ModeSearch| {
+            let mut asked = Vec::new();
+            let found = search_maxima(&modes, choice, &[1.0], |mode, _, _| {
+                asked.push(mode.mode);
+                Ok::<_, ()>(vec![match mode.mode {
+                    4 => first(),
+                    7 => search(maximum(103.0, 2.1, 3), Vec::new()),
+                    _ => search(maximum(105.0, 0.1, 3), Vec::new()),
+                }])
+            });
+            let found = &found.unwrap()[0];
+            (asked, found.status(), found.peak().map(|peak| peak.omega))
+        };
+        let lower = || search(maximum(100.0, 2.0, 3), Vec::new());
+        let converged = Status::Converged;
+        let highest = run(PeakChoice::Highest, lower);
+        assert_eq!(highest, (vec![4, 7], converged, Some(103.0)));
+        assert_eq!(run(PeakChoice::All, lower).0, [4, 7, 1]);
+        let one = run(PeakChoice::Mode(1), lower);
+        assert_eq!(one, (vec![1], converged, Some(105.0)));
+        let lost = || failed(Status::StepTooSmall);
+        assert_eq!(run(PeakChoice::All, lost).1, Status::StepTooSmall);
+        let outside = run(PeakChoice::Highest, || failed(Status::NoPeakInBand));
+        assert_eq!(outside, (vec![4, 7], converged, Some(103.0)));
+    }
+}

@@ -1,0 +1,9 @@
+//! The resonance peak: which maximum it is, how it is located, and how many harmonics it needs.
+
+pub mod alert;
+pub mod level_peak;
+pub mod maxima;
+pub mod predicted;
+pub mod refine;
+pub mod search;
+pub mod track;

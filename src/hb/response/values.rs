@@ -1,0 +1,251 @@
+//! Solutions at given frequencies, as a slow sweep meets them.
+
+use super::forced_response::{Gap, Level, Response, Stop};
+use crate::hb::branch::stretch::Stretch;
+use crate::hb::branch::sweep::{Route, SweepDirection, follow};
+use crate::hb::equations::problem::Problem;
+use crate::hb::newton::ladder::Ladder;
+use crate::hb::newton::{Condition, Iterate, Point, WorkCount, polish, solve};
+use crate::hb::peak::refine::{Kept, refined};
+use crate::hb::settings::HbSettings;
+use crate::hb::solution::Solution;
+use crate::hb::status::Status;
+use crate::hb::structure::resonance::Band;
+use std::ops::ControlFlow;
+
+/// Largest relative change of the displacements, and of the frequency over the band, per step of a sweep, where nothing but
+/// the branch is to be kept.
+const SWEEP_STEP: f64 = 0.3;
+const SWEEP_ADVANCE: f64 = 0.1;
+
+/// Frequencies at which the response is wanted, as a slow sweep through a band meets it.
+#[derive(Debug, Clone, Copy)]
+pub struct SlowSweep<'a> {
+    /// The band: the sweep begins at one of its ends, whatever the frequencies are.
+    pub band: Band,
+    /// Which way it goes.
+    pub direction: SweepDirection,
+    /// Frequencies in the band, ascending (rad/s).
+    pub omega: &'a [f64],
+}
+
+/// Solutions at the frequencies of `sweep`, ascending.
+///
+/// Where several solutions exist, the one that a slow sweep meets: what else is listed in the band does not matter.
+/// Frequencies outside the band extend it. With an error alert every solution gets more harmonics until the truncation error
+/// is below the threshold. Frequencies beyond the place where the sweep stopped are met by the opposite sweep, and those that
+/// neither meets are solved one by one, each from its neighbour.
+#[must_use]
+pub fn at_frequencies(
+    problem: &Problem<'_>,
+    settings: &HbSettings,
+    level: f64,
+    sweep: SlowSweep<'_>,
+    progress: impl Fn(f64),
+) -> Response {
+    let ladder = Ladder::new(problem, settings);
+    let level = Level::new(problem, &ladder, settings, level);
+    let mut answers = Answers::new(sweep);
+    let stop = level.sweep(sweep.direction, &mut answers, &progress);
+    let mut gap = None;
+    if let Some(stop) = stop {
+        let opposite = sweep.direction.opposite();
+        let other = (level.sweep(opposite, &mut answers, &progress)).unwrap_or(Stop {
+            omega: answers.nearest_to(stop.omega, opposite),
+            status: Status::Converged,
+        });
+        gap = Some(match sweep.direction {
+            SweepDirection::Upward => Gap {
+                below: stop,
+                above: other,
+            },
+            SweepDirection::Downward => Gap {
+                below: other,
+                above: stop,
+            },
+        });
+    }
+    if gap.is_some_and(|gap| !gap.is_answered() && !gap.has_spent_budget()) {
+        level.solve_from_neighbours(sweep.direction, &mut answers);
+    }
+    // a frequency that is no number is never met
+    let status = stop.map_or(Status::NonFinite, |stop| stop.status);
+    let solutions = (answers.found.into_iter().zip(sweep.omega))
+        .map(|(found, &omega)| match found {
+            Some(answer) => answer.solution,
+            None => level.unsolved(omega, status),
+        })
+        .collect();
+    Response {
+        solutions,
+        is_curve: false,
+        gap,
+    }
+}
+
+/// Frequencies that a sweep has still to meet, and the solutions at those that it has met.
+struct Answers<'a> {
+    band: Band,
+    omega: &'a [f64],
+    found: Vec<Option<Answer>>,
+}
+
+/// What was found at a frequency.
+struct Answer {
+    solution: Solution,
+    /// The solution on the harmonics of the settings, if there is one.
+    point: Option<Point>,
+}
+
+impl<'a> Answers<'a> {
+    fn new(sweep: SlowSweep<'a>) -> Self {
+        let [low, high] = [sweep.band.low, sweep.band.high];
+        Self {
+            band: Band {
+                low: sweep.omega.iter().fold(low, |a, b| a.min(*b)),
+                high: sweep.omega.iter().fold(high, |a, b| a.max(*b)),
+            },
+            omega: sweep.omega,
+            found: sweep.omega.iter().map(|_| None).collect(),
+        }
+    }
+
+    /// What a sweep has still to meet, the next one last.
+    fn open(&self, direction: SweepDirection) -> Vec<usize> {
+        let open = (0..self.omega.len()).filter(|&i| self.found[i].is_none());
+        match direction {
+            SweepDirection::Upward => open.rev().collect(),
+            SweepDirection::Downward => open.collect(),
+        }
+    }
+
+    /// The last frequency met by a sweep in `direction` that came towards `end`.
+    fn nearest_to(&self, end: f64, direction: SweepDirection) -> f64 {
+        let sign = direction.sign();
+        (self.omega.iter().copied())
+            .filter(|omega| sign * (end - omega) > 0.0)
+            .max_by(|a, b| (sign * a).total_cmp(&(sign * b)))
+            .unwrap_or(end)
+    }
+}
+
+impl<'p> Level<'_, 'p> {
+    /// Answers what a sweep in `direction` meets of the open frequencies; says where it stopped, if it did before the last.
+    fn sweep(
+        &self,
+        direction: SweepDirection,
+        answers: &mut Answers<'_>,
+        progress: &impl Fn(f64),
+    ) -> Option<Stop> {
+        let mut open = answers.open(direction);
+        if open.is_empty() {
+            return None;
+        }
+        let (band, sign) = (answers.band, direction.sign());
+        let (first, mut count) = match self.first(band, direction) {
+            Ok(first) => first,
+            Err((stop, _)) => return Some(stop),
+        };
+        let mut front = first.point.omega;
+        if let Some(i) = open.pop_if(|i| answers.omega[*i] == front) {
+            let again = Iterate::new(self.balance(), first.point.clone());
+            let work = std::mem::take(&mut count);
+            answers.found[i] = Some(self.apart(|| self.raised(again, work)));
+        }
+        if open.is_empty() {
+            return None;
+        }
+        let route = Route {
+            band,
+            direction,
+            largest_step: SWEEP_STEP,
+            largest_advance: SWEEP_ADVANCE,
+        };
+        let newton = self.settings.newton;
+        let all = answers.omega.len() as f64;
+        let end = follow(self.balance(), first, route, newton, |from, to, work| {
+            count += work;
+            let stretch = Stretch::new(self.balance(), &from, to);
+            let reached = self.answer(&stretch, (sign, &mut open), answers, &mut count);
+            front = sign * f64::max(sign * front, sign * reached);
+            progress(1.0 - open.len() as f64 / all);
+            match open.is_empty() {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            }
+        });
+        let status = end.status;
+        (status != Status::Converged).then_some(Stop {
+            omega: front,
+            status,
+        })
+    }
+
+    /// Answers the `open` frequencies on a step of a sweep in the direction `sign`; gives the frequency reached by it.
+    fn answer(
+        &self,
+        taken: &Stretch<'_, 'p>,
+        (sign, open): (f64, &mut Vec<usize>),
+        answers: &mut Answers<'_>,
+        count: &mut WorkCount,
+    ) -> f64 {
+        let (balance, newton) = (self.balance(), self.settings.newton);
+        let tip = match taken.turns_back(sign) {
+            true => taken.tip(balance, newton, count),
+            false => None,
+        };
+        let to = tip.as_ref().unwrap_or(taken.to);
+        let stretch = Stretch::new(balance, taken.from, to);
+        let reached = to.iterate.point.omega;
+        while let Some(i) = open.pop_if(|i| sign * (answers.omega[*i] - reached) <= 0.0) {
+            let mut work = std::mem::take(count);
+            let omega = answers.omega[i];
+            answers.found[i] =
+                Some(self.apart(
+                    || match stretch.crossing(balance, omega, newton, &mut work) {
+                        Ok(iterate) => self.raised(iterate, work),
+                        Err(status) => Answer {
+                            solution: self.unsolved(omega, status),
+                            point: None,
+                        },
+                    },
+                ));
+        }
+        reached
+    }
+
+    /// Solves at the frequencies that no sweep has met, one after the other in `direction`, from the solution before: a ragged
+    /// branch may have solutions at frequencies between which it cannot be followed.
+    fn solve_from_neighbours(&self, direction: SweepDirection, answers: &mut Answers<'_>) {
+        let (balance, fixed) = (self.balance(), Condition::FixedFrequency);
+        for i in answers.open(direction).into_iter().rev() {
+            let before = match direction {
+                SweepDirection::Upward => i.checked_sub(1),
+                SweepDirection::Downward => Some(i + 1),
+            };
+            let known = before.and_then(|j| answers.found.get(j)?.as_ref());
+            let Some(point) = known.and_then(|answer| answer.point.clone()) else {
+                continue;
+            };
+            let omega = answers.omega[i];
+            let start = Point { omega, ..point };
+            answers.found[i] = self.apart(|| {
+                let (iterate, work) = solve(balance, start, fixed, self.settings.newton).ok()?;
+                Some(self.raised(iterate, work))
+            });
+        }
+    }
+
+    /// The solution to round-off, and with as many harmonics as the alert asks for.
+    fn raised(&self, iterate: Iterate<'p>, mut count: WorkCount) -> Answer {
+        let (iterate, work) = polish(self.balance(), iterate);
+        count += work;
+        let point = Some(iterate.point.clone());
+        let kept = (Kept::Frequency, self.settings.newton);
+        let sets = self.sets.as_ref();
+        Answer {
+            solution: refined(self.balance(), iterate.into(), sets, kept, count),
+            point,
+        }
+    }
+}

@@ -1,0 +1,301 @@
+//! The linear model in the coordinates in which its dynamic stiffness is cheapest to invert.
+//!
+//! With q = Φ η, Φᵀ M Φ = I and Φᵀ K Φ = Λ the free structure (contacts open) obeys
+//! η̈ + Ĉ η̇ + Λ η = Φᵀ f; no mode is left out. Where Ĉ is diagonal, as for components with modal or proportional damping,
+//! Z = Λ − Ω² + iΩĈ costs nothing to invert; other damping couples some modes.
+
+use crate::hb::ProblemError;
+use crate::linalg::symmetric_generalized_eigen;
+use crate::linalg::vector::dot;
+use crate::model::{ReducedModel, SparseRow};
+use faer::prelude::*;
+use pulp::{Arch, Simd, WithSimd};
+
+/// Off-diagonal damping below this share of its diagonal neighbours is round-off.
+const ROUND_OFF: f64 = 1e-8;
+
+/// A [`ReducedModel`] as harmonic balance sees it: one [`Part`] per class of harmonics.
+#[derive(Debug, Clone)]
+pub struct LinearModel {
+    /// Harmonic k sees part k mod length: one part, or two where a mirror parts even from odd harmonics
+    /// (see [`super::fold`]).
+    pub parts: Vec<Part>,
+    /// Contact pairs of the [`ReducedModel`] that are unknowns; the mirror images of the others follow.
+    pub pairs: Vec<usize>,
+    /// Whether a part of the free structure has a rigid-body motion, such as a strip held by its contacts alone.
+    pub floats: bool,
+}
+
+/// The linear structure in coordinates η, with its contact, load and response vectors.
+#[derive(Debug, Clone)]
+pub struct Part {
+    /// Stiffness and damping of the free structure.
+    pub structure: Structure,
+    /// Φᵀ K₀ Φ, stiffness of the 0th harmonic only.
+    pub retention: Option<Mat<f64>>,
+    /// B Φ: η → relative contact displacements. Shape: 3·n_contacts × n, rows ordered t1 of every pair, t2, n.
+    pub contact: Mat<f64>,
+    /// Number of contacts that each pair stands for: 2 where its mirror image acts along, else 1.
+    pub images: f64,
+    /// η → response coordinates. Shape: n_responses × n.
+    pub response: Mat<f64>,
+    /// Φᵀ f₀. Shape: `[n]`.
+    pub static_force: Vec<f64>,
+    /// Φᵀ of each of the model's further loads. Shape: loads × n.
+    pub loads: Vec<Vec<f64>>,
+    /// Φᵀ (f_c − i f_s) per unit level. Shape: `[n]`.
+    pub force: Vec<c64>,
+}
+
+/// The free structure in its modes.
+#[derive(Debug, Clone)]
+pub struct Structure {
+    /// Λ, squared natural frequencies ((rad/s)²), ascending. Shape: `[n]`.
+    pub lambda: Vec<f64>,
+    /// Diagonal of Ĉ (1/s). Shape: `[n]`.
+    pub damping: Vec<f64>,
+    /// The rest of Ĉ.
+    pub coupling: Coupling,
+}
+
+/// Damping beside the diagonal.
+#[derive(Debug, Clone)]
+pub struct Coupling {
+    /// Modes that are coupled to any other, ascending; none for classical damping.
+    pub modes: Vec<usize>,
+    /// Ĉ among them (1/s) with zeros on the diagonal. Shape: modes × modes.
+    pub damping: Mat<f64>,
+}
+
+impl LinearModel {
+    /// All pairs as unknowns.
+    ///
+    /// # Errors
+    /// [`ProblemError::Linalg`] if M is not positive definite or the eigensolver fails.
+    pub fn new(model: &ReducedModel) -> Result<Self, ProblemError> {
+        let (part, floats) = Part::new(model, 1.0)?;
+        Ok(Self {
+            parts: vec![part],
+            pairs: (0..model.n_contacts()).collect(),
+            floats,
+        })
+    }
+
+    /// Multiplies the damping matrix by `factor`.
+    pub fn scale_damping(&mut self, factor: f64) {
+        for part in &mut self.parts {
+            (part.structure.damping.iter_mut()).for_each(|c| *c *= factor);
+            part.structure.coupling.damping *= Scale(factor);
+        }
+    }
+
+    /// What harmonic k sees.
+    #[must_use]
+    pub fn part(&self, k: usize) -> &Part {
+        &self.parts[k % self.parts.len()]
+    }
+
+    /// Whether the other half of the contacts follows half a period later, instead of at once or not at all.
+    #[must_use]
+    pub fn alternates(&self) -> bool {
+        self.parts.len() > 1
+    }
+
+    /// Number of contact pairs that are unknowns.
+    #[must_use]
+    pub fn n_contacts(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Number of relative displacements, 3 per contact pair.
+    #[must_use]
+    pub fn n_relative(&self) -> usize {
+        3 * self.n_contacts()
+    }
+}
+
+impl Part {
+    /// Transforms everything to the modes; also says whether the free structure floats.
+    ///
+    /// # Errors
+    /// [`ProblemError::Linalg`] if M is not positive definite or the eigensolver fails.
+    pub(in crate::hb) fn new(
+        model: &ReducedModel,
+        images: f64,
+    ) -> Result<(Self, bool), ProblemError> {
+        let (lambda, modes) =
+            symmetric_generalized_eigen(model.stiffness.as_ref(), model.mass.as_ref())?;
+        let damping = modes.transpose() * &model.damping * &modes;
+        // G is written for symmetric matrices, and small entries are all round-off of large ones
+        let damping = Scale(0.5) * (damping.transpose() + &damping);
+        let round_off = 10.0 * f64::EPSILON * lambda.len() as f64;
+        let floats = lambda.first() <= lambda.last().map(|l| round_off * l).as_ref();
+        let structure = Structure {
+            damping: (0..lambda.len()).map(|i| damping[(i, i)]).collect(),
+            coupling: Coupling::of(&damping),
+            lambda,
+        };
+        Ok((Self::in_modes(model, structure, &modes, images), floats))
+    }
+
+    fn in_modes(model: &ReducedModel, structure: Structure, phi: &Mat<f64>, images: f64) -> Self {
+        let pairs = &model.contacts;
+        let rows: Vec<&SparseRow> = (pairs.iter().map(|p| &p.t1))
+            .chain(pairs.iter().map(|p| &p.t2))
+            .chain(pairs.iter().map(|p| &p.n))
+            .collect();
+        let responses: Vec<&SparseRow> = model.responses.iter().map(|r| &r.row).collect();
+        let project = |f: &[f64]| -> Vec<f64> {
+            let f = Col::from_fn(f.len(), |i| f[i]);
+            (phi.transpose() * f).iter().copied().collect()
+        };
+        let (cosine, sine) = (project(&model.cosine_force), project(&model.sine_force));
+        Self {
+            structure,
+            retention: model.retention.as_ref().map(|k| phi.transpose() * k * phi),
+            contact: rows_times(&rows, phi),
+            images,
+            response: rows_times(&responses, phi),
+            static_force: project(&model.static_force),
+            loads: model.loads.iter().map(|load| project(load)).collect(),
+            force: cosine
+                .iter()
+                .zip(&sine)
+                .map(|(&c, &s)| c64::new(c, -s))
+                .collect(),
+        }
+    }
+
+    /// Number n of coordinates η.
+    #[must_use]
+    pub fn n_coordinates(&self) -> usize {
+        self.force.len()
+    }
+
+    /// Static stiffness of the free structure. Shape: n × n.
+    #[must_use]
+    pub fn stiffness(&self) -> Mat<f64> {
+        let (lambda, n) = (&self.structure.lambda, self.n_coordinates());
+        Mat::from_fn(n, n, |i, j| if i == j { lambda[i] } else { 0.0 })
+    }
+
+    /// Stiffness of the structure with springs `k` (N/m, shape `[3·n_contacts]`) between the contacts.
+    #[must_use]
+    pub fn stiffness_with_springs(&self, k: &[f64]) -> Mat<f64> {
+        let springs = Mat::from_fn(k.len(), self.n_coordinates(), |i, j| {
+            self.images * k[i] * self.contact[(i, j)]
+        });
+        self.stiffness() + self.contact.transpose() * springs
+    }
+
+    /// (dZ/dω) η for harmonic k at ω: (−2k²ω + ik Ĉ) η.
+    #[must_use]
+    pub fn impedance_slope(&self, k: usize, omega: f64, eta: &[c64]) -> Vec<c64> {
+        let k = k as f64;
+        (self.structure.damp(eta).iter().zip(eta))
+            .map(|(c_eta, eta)| eta * (-2.0 * k * k * omega) + c64::new(0.0, k) * c_eta)
+            .collect()
+    }
+
+    /// B Φ η. Shape: `[n]` → `[3·n_contacts]`.
+    #[must_use]
+    #[inline(always)]
+    pub fn relative(&self, eta: &[c64]) -> Vec<c64> {
+        times(&self.contact, eta)
+    }
+
+    /// Response coordinates of η. Shape: `[n]` → `[n_responses]`.
+    #[must_use]
+    pub fn responses(&self, eta: &[c64]) -> Vec<c64> {
+        times(&self.response, eta)
+    }
+
+    /// Φᵀ Bᵀ f, the load of the contacts and their images. Shape: `[3·n_contacts]` → `[n]`.
+    #[must_use]
+    pub fn contact_load(&self, force: &[c64]) -> Vec<c64> {
+        Arch::new().dispatch(ContactLoad { part: self, force })
+    }
+}
+
+/// The arguments of [`Part::contact_load`], for the instruction set that is found at run time.
+struct ContactLoad<'a> {
+    part: &'a Part,
+    force: &'a [c64],
+}
+
+impl WithSimd for ContactLoad<'_> {
+    type Output = Vec<c64>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Vec<c64> {
+        let Self { part, force } = self;
+        let [real, imaginary] =
+            [|f: &c64| f.re, |f: &c64| f.im].map(|of| force.iter().map(of).collect::<Vec<f64>>());
+        // a closure would not be compiled for the instruction set
+        let mut load = Vec::with_capacity(part.n_coordinates());
+        for j in 0..part.n_coordinates() {
+            let moved = part.contact.col_as_slice(j);
+            load.push(c64::new(dot(moved, &real), dot(moved, &imaginary)) * part.images);
+        }
+        load
+    }
+}
+
+impl Structure {
+    /// Ĉ η.
+    #[must_use]
+    pub fn damp(&self, eta: &[c64]) -> Vec<c64> {
+        let diagonal = eta.iter().zip(&self.damping);
+        let mut damped: Vec<c64> = diagonal.map(|(eta, c)| eta * *c).collect();
+        (self.coupling).add_product(c64::new(1.0, 0.0), eta, &mut damped);
+        damped
+    }
+}
+
+impl Coupling {
+    /// What of Ĉ beside the diagonal is more than round-off.
+    fn of(full: &Mat<f64>) -> Self {
+        let n = full.nrows();
+        let largest = (0..n).map(|i| full[(i, i)]).fold(0.0, f64::max);
+        let floor = largest * f64::EPSILON * n as f64;
+        let counts = |i: usize, j: usize| {
+            let neighbours = (full[(i, i)].abs() * full[(j, j)].abs()).sqrt();
+            i != j && full[(i, j)].abs() > ROUND_OFF * neighbours + floor
+        };
+        let modes: Vec<usize> = (0..n).filter(|&i| (0..n).any(|j| counts(i, j))).collect();
+        let damping = Mat::from_fn(modes.len(), modes.len(), |a, b| match a == b {
+            true => 0.0,
+            false => full[(modes[a], modes[b])],
+        });
+        Self { modes, damping }
+    }
+
+    /// y += factor Ĉ η with what is beside the diagonal of Ĉ.
+    pub(in crate::hb) fn add_product(&self, factor: c64, eta: &[c64], y: &mut [c64]) {
+        let coupled: Vec<c64> = self.modes.iter().map(|&j| eta[j]).collect();
+        for (&i, c_eta) in self.modes.iter().zip(times(&self.damping, &coupled)) {
+            y[i] += factor * c_eta;
+        }
+    }
+}
+
+fn rows_times(rows: &[&SparseRow], phi: &Mat<f64>) -> Mat<f64> {
+    Mat::from_fn(rows.len(), phi.ncols(), |i, j| {
+        rows[i]
+            .iter()
+            .map(|&(dof, weight)| weight * phi[(dof, j)])
+            .sum()
+    })
+}
+
+/// A x of a real matrix and a complex vector, column by column.
+#[inline(always)]
+pub(in crate::hb) fn times(a: &Mat<f64>, x: &[c64]) -> Vec<c64> {
+    let mut y = vec![c64::new(0.0, 0.0); a.nrows()];
+    for (j, x) in x.iter().enumerate() {
+        for (y, a) in y.iter_mut().zip(a.col(j).iter()) {
+            *y += x * *a;
+        }
+    }
+    y
+}

@@ -1,0 +1,7 @@
+//! The linear structure: coordinates, symmetry, modes, response at one frequency.
+
+pub mod compliance;
+pub mod fold;
+pub mod linear;
+pub mod resonance;
+pub(in crate::hb) mod springs;
