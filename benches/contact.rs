@@ -12,7 +12,7 @@
 
 mod states;
 
-use microslip::aft::{AftBatch, AftForces, AftPlan, AftSettings, Laps, Want, evaluate};
+use microslip::aft::{AftBatch, AftForces, AftPlan, AftScratch, AftSettings, Laps, Want, evaluate};
 use microslip::contact::{Events, FrictionLaw, Real};
 use microslip::harmonics::HarmonicSet;
 use pulp::{Arch, Simd, WithSimd};
@@ -103,10 +103,11 @@ fn single_precision() {
 fn rate<T: Real>(set: &HarmonicSet, settings: AftSettings, want: Want) -> f64 {
     let plan = AftPlan::<T>::new(set, settings);
     let batch = batch::<T>(set, N_STATES);
-    let mut out = AftForces::default();
+    let (mut scratch, mut out) = (AftScratch::default(), AftForces::default());
     let time = |first: usize| {
         let part = part(&batch, first);
-        fastest(|| evaluate(black_box(&plan), black_box(&part), want, &mut out))
+        let (plan, part) = (black_box(&plan), black_box(&part));
+        fastest(|| evaluate(plan, part, want, &mut scratch, &mut out))
     };
     N_STATES as f64 / (0..N_STATES).step_by(PART).map(time).sum::<f64>()
 }
@@ -188,7 +189,7 @@ fn operations(set: &HarmonicSet, settings: AftSettings, want: Want) -> f64 {
     let batch = batch::<Counted>(set, N);
     let mut out = AftForces::default();
     OPERATIONS.set(0);
-    evaluate(&plan, &batch, want, &mut out);
+    evaluate(&plan, &batch, want, &mut AftScratch::default(), &mut out);
     OPERATIONS.get() as f64 / N as f64
 }
 

@@ -1,7 +1,8 @@
 //! Where contact states are evaluated.
 
-use super::batch::{AftBatch, AftForces, Want};
-use super::evaluate::evaluate;
+use super::batch::{AftBatch, Want};
+use super::evaluate::{AftScratch, evaluate};
+use super::forces::AftForces;
 use super::gpu::{Gpu, Turn};
 use super::plan::AftPlan;
 
@@ -40,7 +41,7 @@ impl<'a> Backend<'a> {
         {
             return Accuracy::Draft;
         }
-        evaluate(plan, batch, want, out);
+        evaluate(plan, batch, want, &mut AftScratch::default(), out);
         Accuracy::Full
     }
 

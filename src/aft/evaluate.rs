@@ -1,24 +1,29 @@
 //! Evaluation of a batch on the processor.
 
-use super::batch::{AftBatch, AftForces, Block, Periodicity, StateSummary, Tangent, Want};
-use super::circle::{self, Cycle};
-use super::circle_tangent::{CircleScratch, circle_tangent};
-use super::located::{Located, Place};
-use super::located_circle::LocatedCircle;
-use super::march::{LANES, Workspace};
-use super::motions::Event;
+use super::batch::{AftBatch, Want};
+use super::forces::{AftForces, Block, Periodicity, StateSummary, Tangent};
 use super::plan::AftPlan;
 use super::settings::Laps;
-use super::steady::{Origin, size};
-use super::tangent::{SegmentScratch, View, box_tangent};
+use super::vector::size;
+use crate::aft::box_law::located::{Located, Place};
+use crate::aft::box_law::tangent::{SegmentScratch, box_tangent};
+use crate::aft::circle_law::located::LocatedCircle;
+use crate::aft::circle_law::march::{Cycle, march_circle};
+use crate::aft::circle_law::steady_cycle::Origin;
+use crate::aft::circle_law::tangent::{CircleScratch, circle_tangent};
+use crate::aft::lanes::lane::LANES;
+use crate::aft::lanes::masks::{MaskScratch, View};
+use crate::aft::lanes::motions::Event;
+use crate::aft::lanes::workspace::Workspace;
 use crate::contact::{Events, FrictionLaw, Real};
 use pulp::{Simd, WithSimd};
 
-/// Buffers of an evaluation.
+/// Buffers of an evaluation, kept from one to the next.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Scratch<T> {
+pub struct AftScratch<T> {
     work: Workspace<T>,
     segments: SegmentScratch<T>,
+    masks: MaskScratch<T>,
     circle: CircleScratch<T>,
     located: Located<T>,
     located_circle: LocatedCircle<T>,
@@ -32,15 +37,16 @@ type LastEvents = [[Option<Event>; 2]; LANES];
 /// The result of a state does not depend on the others, bit for bit. Neither does it depend on the processor's
 /// instruction set, which is found at run time: every operation rounds once and correctly, fused multiply-adds too
 /// (without an instruction for them they are slow). Only sines and cosines come from the platform's library. Buffers of
-/// `out` are reused.
+/// `scratch` and `out` are reused.
 pub fn evaluate<T: Real>(
     plan: &AftPlan<T>,
     batch: &AftBatch<T>,
     want: Want,
+    scratch: &mut AftScratch<T>,
     out: &mut AftForces<T>,
 ) {
     out.reset(plan, batch);
-    let arguments = (plan, batch, want, out);
+    let arguments = (plan, batch, want, scratch, out);
     match (plan.settings().law, plan.settings().events) {
         (FrictionLaw::Box, Events::Located) => dispatch::<T, false, true>(arguments),
         (FrictionLaw::Box, _) => dispatch::<T, false, false>(arguments),
@@ -51,12 +57,19 @@ pub fn evaluate<T: Real>(
 
 /// Calls the function for the instruction set that is found at run time.
 fn dispatch<T: Real, const CIRCLE: bool, const LOCATED: bool>(
-    (plan, batch, want, out): (&AftPlan<T>, &AftBatch<T>, Want, &mut AftForces<T>),
+    (plan, batch, want, scratch, out): (
+        &AftPlan<T>,
+        &AftBatch<T>,
+        Want,
+        &mut AftScratch<T>,
+        &mut AftForces<T>,
+    ),
 ) {
     let evaluation = Evaluation::<T, CIRCLE, LOCATED> {
         plan,
         batch,
         want,
+        scratch,
         out,
     };
     plan.arch.dispatch(evaluation);
@@ -68,6 +81,7 @@ struct Evaluation<'a, T, const CIRCLE: bool, const LOCATED: bool> {
     plan: &'a AftPlan<T>,
     batch: &'a AftBatch<T>,
     want: Want,
+    scratch: &'a mut AftScratch<T>,
     out: &'a mut AftForces<T>,
 }
 
@@ -82,6 +96,7 @@ impl<T: Real, const CIRCLE: bool, const LOCATED: bool> WithSimd
             plan,
             batch,
             want,
+            scratch,
             out,
         } = self;
         let law = if CIRCLE {
@@ -89,17 +104,16 @@ impl<T: Real, const CIRCLE: bool, const LOCATED: bool> WithSimd
         } else {
             FrictionLaw::Box
         };
-        let mut scratch = std::mem::take(&mut out.scratch);
         for first in (0..batch.n_states).step_by(LANES) {
             scratch.work.load(simd, plan, batch, first);
             if LOCATED {
-                locate(simd, (plan, law), batch, first, &mut scratch, (want, out));
+                locate(simd, (plan, law), batch, first, scratch, (want, out));
                 continue;
             }
             let (cycle, events) = match law {
                 FrictionLaw::Box => march_box(plan, &mut scratch.work, want),
                 FrictionLaw::Circle => {
-                    let cycle = circle::march(plan, &mut scratch.work);
+                    let cycle = march_circle(plan, &mut scratch.work);
                     (cycle, LastEvents::default())
                 }
             };
@@ -108,11 +122,10 @@ impl<T: Real, const CIRCLE: bool, const LOCATED: bool> WithSimd
                 out.summaries
                     .push(summary(plan, &scratch.work, &cycle, lane));
                 if want == Want::ForcesAndTangents {
-                    store_tangent((plan, law), &mut scratch, (&cycle, events), lane, out);
+                    store_tangent((plan, law), scratch, (&cycle, events), lane, out);
                 }
             }
         }
-        out.scratch = scratch;
     }
 }
 
@@ -123,10 +136,10 @@ fn locate<S: Simd, T: Real>(
     (plan, law): (&AftPlan<T>, FrictionLaw),
     batch: &AftBatch<T>,
     first: usize,
-    scratch: &mut Scratch<T>,
+    scratch: &mut AftScratch<T>,
     (want, out): (Want, &mut AftForces<T>),
 ) {
-    let Scratch {
+    let AftScratch {
         work,
         located,
         located_circle,
@@ -285,7 +298,7 @@ fn summary<T: Real>(
 #[inline(always)]
 fn store_tangent<T: Real>(
     (plan, law): (&AftPlan<T>, FrictionLaw),
-    scratch: &mut Scratch<T>,
+    scratch: &mut AftScratch<T>,
     (cycle, events): (&Cycle<T>, [Option<Event>; 2]),
     lane: usize,
     out: &mut AftForces<T>,
@@ -306,13 +319,9 @@ fn store_tangent<T: Real>(
     };
     match law {
         FrictionLaw::Box => box_tangent(view, events, &mut scratch.segments, blocks),
-        FrictionLaw::Circle => circle_tangent(
-            view,
-            cycle,
-            &mut scratch.circle,
-            &mut scratch.segments,
-            blocks,
-        ),
+        FrictionLaw::Circle => {
+            circle_tangent(view, cycle, &mut scratch.circle, &mut scratch.masks, blocks)
+        }
     }
 }
 
@@ -363,7 +372,8 @@ mod tests {
             plain.arch = pulp::Arch::Scalar;
             let [best, plain] = [best, plain].map(|plan| {
                 let mut out = AftForces::default();
-                evaluate(&plan, &batch, Want::ForcesAndTangents, &mut out);
+                let scratch = &mut AftScratch::default();
+                evaluate(&plan, &batch, Want::ForcesAndTangents, scratch, &mut out);
                 out
             });
             assert_eq!(best.forces, plain.forces, "forces, {settings:?}");

@@ -2,27 +2,20 @@
 
 mod backend;
 mod batch;
-mod breakpoints;
-mod circle;
-mod circle_tangent;
-mod course;
+mod box_law;
+mod circle_law;
 mod evaluate;
+mod forces;
 pub mod gpu;
-mod lap;
-mod located;
-mod located_circle;
-mod march;
-mod motions;
+mod lanes;
 mod plan;
-mod roots;
-mod sensitivity;
 pub mod settings;
-mod slip;
-mod steady;
-mod tangent;
+mod signals;
+mod vector;
 
 pub use backend::{Accuracy, Backend};
-pub use batch::{AftBatch, AftForces, Block, Periodicity, StateSummary, Tangent, Want};
-pub use evaluate::evaluate;
+pub use batch::{AftBatch, Want};
+pub use evaluate::{AftScratch, evaluate};
+pub use forces::{AftForces, Block, Periodicity, StateSummary, Tangent};
 pub use plan::AftPlan;
 pub use settings::{AftSettings, Laps};

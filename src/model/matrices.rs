@@ -7,14 +7,15 @@ use std::path::{Path, PathBuf};
 
 use faer::Mat;
 
+use super::dof_index::DofIndex;
 use super::matrix_checks::{positive_definite, positive_semidefinite, symmetric};
 use super::matrix_contacts::ContactTable;
 use super::matrix_market::read_matrix;
-use super::{ReducedModel, Response, SparseRow};
+use super::{ReducedModel, Response};
 use crate::contact::ContactParameters;
 use crate::file::{self, FileError};
 use crate::linalg::symmetric_generalized_eigen;
-use crate::setting::{BadSetting, LARGEST, NOT_BLANK, non_negative, unusual, within};
+use crate::setting::{BadSetting, NOT_BLANK, non_negative, unusual};
 
 /// Why a model cannot be built from the user's files.
 #[derive(Debug, thiserror::Error)]
@@ -112,37 +113,6 @@ pub enum ResponseTable {
         /// Name of the degree of freedom → weight.
         row: BTreeMap<String, f64>,
     },
-}
-
-/// Names of the degrees of freedom with their indices.
-pub(super) struct DofIndex(BTreeMap<String, usize>);
-
-impl DofIndex {
-    /// The sparse row that a table states. `key` is the table's place in the file.
-    pub(super) fn row(
-        &self,
-        key: &str,
-        table: &BTreeMap<String, f64>,
-    ) -> Result<SparseRow, BadSetting> {
-        let mut row = SparseRow::new();
-        for (dof, &weight) in table {
-            let key = format!("{key}.{dof}");
-            let rule = "must name a degree of freedom of the model";
-            let Some(&i) = self.0.get(dof) else {
-                return Err(BadSetting {
-                    key,
-                    value: weight.to_string(),
-                    rule: rule.to_owned(),
-                });
-            };
-            within(&key, weight, [-LARGEST, LARGEST])?;
-            if weight != 0.0 {
-                row.push((i, weight));
-            }
-        }
-        row.sort_by_key(|&(i, _)| i);
-        Ok(row)
-    }
 }
 
 impl MatricesSettings {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::matrices::DofIndex;
+use super::dof_index::DofIndex;
 use super::{ContactPair, SparseRow};
 use crate::contact::ContactParameters;
 use crate::setting::{

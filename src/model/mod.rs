@@ -11,6 +11,7 @@ pub mod mirror;
 pub mod modes;
 
 mod craig_bampton;
+mod dof_index;
 pub mod two_blade;
 
 pub use craig_bampton::{CraigBampton, ReductionError};

@@ -3,7 +3,7 @@
 use crate::device;
 use crate::states::{plan, random};
 use microslip::aft::gpu::{Device, Kernels, Precision, ScaledForces, ScaledStates, Shape};
-use microslip::aft::{AftBatch, AftForces, AftPlan, Block, Tangent, Want, evaluate};
+use microslip::aft::{AftBatch, AftForces, AftPlan, AftScratch, Block, Tangent, Want, evaluate};
 use microslip::contact::{ContactParameters, Events, FrictionLaw, Real};
 use microslip::harmonics::HarmonicSet;
 
@@ -174,14 +174,26 @@ fn compare(
     let raw = on_device(device, &double, precision, &scaled);
     let (mut found, mut expected) = (AftForces::default(), AftForces::default());
     scaled.unscale(&double, &batch, &raw, &mut found);
-    evaluate(&double, &batch, Want::ForcesAndTangents, &mut expected);
+    evaluate(
+        &double,
+        &batch,
+        Want::ForcesAndTangents,
+        &mut AftScratch::default(),
+        &mut expected,
+    );
     let found = answers(&found, &batch);
     let exact = differences(&found, &answers(&expected, &batch), &raw.undecided);
     // the same numbers, rounded once, for both sides
     let unit = unit_states::<f32>(&scaled);
     let single = plan::<f32>(&set, n_time, law, events);
     let mut expected = AftForces::default();
-    evaluate(&single, &unit, Want::ForcesAndTangents, &mut expected);
+    evaluate(
+        &single,
+        &unit,
+        Want::ForcesAndTangents,
+        &mut AftScratch::default(),
+        &mut expected,
+    );
     let expected = answers(&expected, &unit);
     // their scale is 1: the largest force of a scaled state is between 1/2 and 1
     let unit = unit_states::<f64>(&scaled);
@@ -271,7 +283,13 @@ fn crossings_at_samples_stay_there() {
     let raw = on_device(&device, &plan, Precision::F32, &scaled);
     let (mut found, mut expected) = (AftForces::default(), AftForces::default());
     scaled.unscale(&plan, &batch, &raw, &mut found);
-    evaluate(&plan, &batch, Want::ForcesAndTangents, &mut expected);
+    evaluate(
+        &plan,
+        &batch,
+        Want::ForcesAndTangents,
+        &mut AftScratch::default(),
+        &mut expected,
+    );
     let (found, expected) = (answers(&found, &batch), answers(&expected, &batch));
     let [forces, _] = differences(&found, &expected, &raw.undecided);
     assert_below(&forces, [3e-7, 1e-5, 1e-3], "forces");

@@ -3,7 +3,7 @@
 use crate::device;
 use crate::states::{located, random};
 use microslip::aft::gpu::{Fault, Gpu, GpuError, GpuSettings, Precision};
-use microslip::aft::{AftForces, Want, evaluate};
+use microslip::aft::{AftForces, AftScratch, Want, evaluate};
 use microslip::contact::{Events, FrictionLaw};
 use microslip::ensemble::backend::{BackendChoice, BackendSettings, OpenBackend};
 use microslip::harmonics::HarmonicSet;
@@ -37,7 +37,13 @@ fn drafts(gpu: &Gpu, states: usize, seed: u64) -> bool {
     let (mut out, mut exact) = (AftForces::default(), AftForces::default());
     let answered = gpu.draft(&plan, &batch, &mut out);
     if answered {
-        evaluate(&plan, &batch, Want::ForcesAndTangents, &mut exact);
+        evaluate(
+            &plan,
+            &batch,
+            Want::ForcesAndTangents,
+            &mut AftScratch::default(),
+            &mut exact,
+        );
         let largest = exact.forces.iter().fold(0.0f64, |a, f| a.max(f.abs()));
         for (a, b) in out.forces.iter().zip(&exact.forces) {
             assert!((a - b).abs() < 1e-5 * largest, "{a} {b}");

@@ -6,8 +6,8 @@ mod located_circle;
 mod steady;
 
 use microslip::aft::{
-    AftBatch, AftForces, AftPlan, AftSettings, Block, Laps, Periodicity, StateSummary, Tangent,
-    Want, evaluate,
+    AftBatch, AftForces, AftPlan, AftScratch, AftSettings, Block, Laps, Periodicity, StateSummary,
+    Tangent, Want, evaluate,
 };
 use microslip::contact::{ContactParameters, Events, FrictionLaw, Real};
 use microslip::harmonics::{HarmonicSet, phases};
@@ -59,7 +59,13 @@ pub(crate) fn batch<T: Real>(states: &[State]) -> AftBatch<T> {
 
 pub(crate) fn run<T: Real>(plan: &AftPlan<T>, states: &[State], want: Want) -> AftForces<T> {
     let mut out = AftForces::default();
-    evaluate(plan, &batch(states), want, &mut out);
+    evaluate(
+        plan,
+        &batch(states),
+        want,
+        &mut AftScratch::default(),
+        &mut out,
+    );
     out
 }
 

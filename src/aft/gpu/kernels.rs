@@ -2,7 +2,7 @@
 
 use super::GpuError;
 use super::adapter::Device;
-use super::readback::{Moving, RETURNED, read, seconds, u32s};
+use super::readback::{Moving, PassSeconds, RETURNED, read, seconds, u32s};
 use super::scaled::{ScaledForces, ScaledStates};
 use super::shader::{Access, Pass, Precision, Reflection, Shape};
 use crate::aft::batch::Want;
@@ -39,9 +39,6 @@ struct Timer {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
 }
-
-/// Time (s) on the device by pass.
-pub type PassSeconds = Vec<(&'static str, f64)>;
 
 /// What one batch gave.
 #[derive(Debug)]

@@ -14,14 +14,16 @@ mod shader;
 mod tally;
 
 pub use adapter::{AdapterFacts, Device, adapters};
-pub use kernels::{BatchResult, Buffers, Kernels, PassSeconds};
+pub use kernels::{BatchResult, Buffers, Kernels};
+pub use readback::PassSeconds;
 pub use scaled::{ScaledForces, ScaledStates};
 pub use self_test::{examined, self_test};
 pub use shader::{Access, Binding, Precision, Reflection, Shape};
 pub use tally::GpuReport;
 
-use super::batch::{AftBatch, AftForces, Tangent, Want};
-use super::evaluate::evaluate;
+use super::batch::{AftBatch, Want};
+use super::evaluate::{AftScratch, evaluate};
+use super::forces::{AftForces, Tangent};
 use super::plan::AftPlan;
 use crate::contact::{Events, FrictionLaw};
 use queue::{Lane, Queue};
@@ -198,7 +200,8 @@ impl Gpu {
     /// Repeats a draft on the processor, whose result takes its place where they differ too much.
     fn audit(&self, plan: &AftPlan<f64>, batch: &AftBatch<f64>, out: &mut AftForces<f64>) {
         let mut exact = AftForces::default();
-        evaluate(plan, batch, Want::ForcesAndTangents, &mut exact);
+        let scratch = &mut AftScratch::default();
+        evaluate(plan, batch, Want::ForcesAndTangents, scratch, &mut exact);
         let found = differences(batch, out, &exact);
         let beyond = found[0].is_nan() || found[0] > AUDIT_LIMIT;
         self.queue.tally.audit(found, beyond);
@@ -278,7 +281,8 @@ fn decide(plan: &AftPlan<f64>, batch: &AftBatch<f64>, states: &[usize], out: &mu
         parameters: states.iter().map(|&i| batch.parameters[i]).collect(),
     };
     let mut decided = AftForces::default();
-    evaluate(plan, &few, Want::ForcesAndTangents, &mut decided);
+    let scratch = &mut AftScratch::default();
+    evaluate(plan, &few, Want::ForcesAndTangents, scratch, &mut decided);
     let rows = decided.forces.chunks_exact(states.len());
     for (row, values) in out.forces.chunks_exact_mut(n).zip(rows) {
         states.iter().zip(values).for_each(|(&i, &f)| row[i] = f);

@@ -10,13 +10,13 @@ use super::kernels::{BatchResult, Buffers, Kernels};
 use super::scaled::{ScaledForces, ScaledStates};
 use super::self_test::self_test;
 use super::shader::Shape;
-use super::tally::Tally;
+use super::tally::{Tally, lock};
 use super::{Fault, GpuError, GpuSettings};
 use crate::aft::batch::Want;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{SyncSender, sync_channel};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Longest dispatch that is aimed at: drivers with a watchdog reset the device after about two seconds.
@@ -65,11 +65,6 @@ struct Holder {
     device: Result<Arc<Device>, GpuError>,
     kernels: HashMap<Shape, Arc<Kernels>>,
     reopened: usize,
-}
-
-/// Locks; a thread that panicked while it held the lock has left nothing half done that others read.
-pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl std::fmt::Debug for Queue {

@@ -2,16 +2,18 @@
 
 use super::GpuError;
 use super::adapter::Device;
-use super::kernels::PassSeconds;
 use super::scaled::ScaledForces;
 use super::shader::Pass;
-use crate::aft::batch::Block;
+use crate::aft::forces::Block;
 use std::time::Duration;
 
 /// Flags of a state, as the shaders set them.
 const MOVED: u32 = 1;
 /// A device that takes longer than this for one batch hangs; the first one waits for the driver's compiler.
 const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Time (s) on the device by pass.
+pub type PassSeconds = Vec<(&'static str, f64)>;
 
 /// Buffers that come back whole, in the order of the staging buffer.
 pub(super) const RETURNED: [&str; 4] = ["n_moving", "flags", "slots", "deviations"];

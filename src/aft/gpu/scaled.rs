@@ -5,7 +5,8 @@
 //! double precision, so that small vibrations around large static loads lose nothing. Back come deviations from the
 //! stuck contact, exactly zero for a pair that never moves but for its mean traction.
 
-use crate::aft::batch::{AftBatch, AftForces, Block, Periodicity, StateSummary, Tangent};
+use crate::aft::batch::AftBatch;
+use crate::aft::forces::{AftForces, Block, Periodicity, StateSummary, Tangent};
 use crate::aft::plan::AftPlan;
 
 /// States in the units of the shaders.

@@ -5,8 +5,9 @@ use super::kernels::Kernels;
 use super::scaled::ScaledStates;
 use super::shader::{Precision, Shape};
 use super::{Fault, GpuError, GpuSettings, decide, differences};
-use crate::aft::batch::{AftBatch, AftForces, Want};
-use crate::aft::evaluate::evaluate;
+use crate::aft::batch::{AftBatch, Want};
+use crate::aft::evaluate::{AftScratch, evaluate};
+use crate::aft::forces::AftForces;
 use crate::aft::plan::AftPlan;
 use crate::aft::settings::{AftSettings, Laps};
 use crate::contact::{ContactParameters, FrictionLaw};
@@ -60,7 +61,8 @@ pub fn self_test(device: &Device, settings: &GpuSettings) -> Result<[f64; 2], Gp
     if settings.fault == Some(Fault::WrongSelfTest) {
         found.forces[STATES / 2] *= 1.01;
     }
-    evaluate(&plan, &batch, Want::ForcesAndTangents, &mut exact);
+    let scratch = &mut AftScratch::default();
+    evaluate(&plan, &batch, Want::ForcesAndTangents, scratch, &mut exact);
     let differences = differences(&batch, &found, &exact);
     let limits = limits(settings.law);
     match differences.iter().zip(limits).all(|(d, limit)| *d <= limit) {

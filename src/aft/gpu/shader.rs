@@ -4,7 +4,7 @@
 //! elements per state and workgroup sizes are read from the parsed text: nothing of it is written a second time here.
 
 use super::GpuError;
-use crate::aft::batch::Block;
+use crate::aft::forces::Block;
 use crate::aft::plan::AftPlan;
 use crate::aft::settings::Laps;
 use crate::contact::{Events, FrictionLaw, Real};

@@ -2,10 +2,9 @@
 
 use super::GpuError;
 use super::adapter::AdapterFacts;
-use super::queue::lock;
 use super::shader::Precision;
 use std::collections::BTreeMap;
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Notes that are kept; a device that fails more often than that has said enough.
 const MOST_NOTES: usize = 20;
@@ -122,4 +121,9 @@ impl Tally {
             report.notes.push(note);
         }
     }
+}
+
+/// Locks; a thread that panicked while it held the lock has left nothing half done that others read.
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

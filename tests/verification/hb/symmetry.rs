@@ -5,7 +5,7 @@ use super::models::{Case, plane, space};
 use crate::response::at_frequencies;
 use crate::two_blade::{RIG, contacts};
 use faer::prelude::*;
-use microslip::aft::{AftBatch, AftForces, AftPlan, Periodicity, Want, evaluate};
+use microslip::aft::{AftBatch, AftForces, AftPlan, AftScratch, Periodicity, Want, evaluate};
 use microslip::contact::FrictionLaw;
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::branch::sweep::SweepDirection;
@@ -96,7 +96,13 @@ fn forgets_the_start(draw: &Draw, solution: &Solution) -> bool {
         parameters: contacts.clone(),
     };
     let mut out = AftForces::default();
-    evaluate(&plan, &batch, Want::Forces, &mut out);
+    evaluate(
+        &plan,
+        &batch,
+        Want::Forces,
+        &mut AftScratch::default(),
+        &mut out,
+    );
     (out.summaries.iter()).all(|s| s.periodicity == Periodicity::Unique || s.laps == 1)
 }
 

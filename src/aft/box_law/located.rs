@@ -7,16 +7,19 @@
 //! where the contact closed, w = u(θ_c) with dθ_c = −dg/g'. Transition rules: Petrov and Ewins (J. Turbomach. 125,
 //! 2003).
 
-use super::batch::{AftBatch, AftForces, Block, Periodicity, StateSummary, Tangent, Want};
-use super::breakpoints::{Breakpoint, Intervals, Signals, basis_row, first_sample_from, rate};
-use super::march::Workspace;
-use super::motions::Motion;
-use super::plan::AftPlan;
-use super::settings::Laps;
-use super::steady::size;
-use super::tangent::{
+use crate::aft::batch::{AftBatch, Want};
+use crate::aft::forces::{AftForces, Block, Periodicity, StateSummary, Tangent};
+use crate::aft::lanes::masks::{
     add_masked_gram, add_masked_product, add_scaled, clear, subtract_product, sums_of_run,
 };
+use crate::aft::lanes::motions::Motion;
+use crate::aft::lanes::workspace::Workspace;
+use crate::aft::plan::AftPlan;
+use crate::aft::settings::Laps;
+use crate::aft::signals::breakpoints::{
+    Breakpoint, Intervals, Signals, basis_row, first_sample_from, rate,
+};
+use crate::aft::vector::size;
 use crate::contact::law::normal_force;
 use crate::contact::{ContactParameters, Real};
 use pulp::Simd;
@@ -24,14 +27,14 @@ use std::f64::consts::TAU;
 
 /// Scratch of the located evaluation.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Located<T> {
+pub(in crate::aft) struct Located<T> {
     intervals: Intervals<T>,
     lane: LaneScratch<T>,
 }
 
 /// Scratch of one state.
 #[derive(Debug, Clone, Default)]
-pub(super) struct LaneScratch<T> {
+pub(in crate::aft) struct LaneScratch<T> {
     pub signals: Signals<T>,
     pub points: Vec<Breakpoint<T>>,
     /// Stretches of one direction in the last lap.
@@ -80,7 +83,7 @@ struct Play<T> {
 
 /// One state of a group.
 #[derive(Clone, Copy)]
-pub(super) struct Place<'a, T> {
+pub(in crate::aft) struct Place<'a, T> {
     pub plan: &'a AftPlan<T>,
     pub batch: &'a AftBatch<T>,
     pub work: &'a Workspace<T>,
@@ -90,7 +93,7 @@ pub(super) struct Place<'a, T> {
 
 impl<'a, T> Place<'a, T> {
     /// The state of a lane of the group that starts at `first`.
-    pub(super) fn new(
+    pub(in crate::aft) fn new(
         plan: &'a AftPlan<T>,
         batch: &'a AftBatch<T>,
         work: &'a Workspace<T>,
@@ -109,13 +112,18 @@ impl<'a, T> Place<'a, T> {
 impl<T: Real> Located<T> {
     /// Finds the intervals of a group that hold events; the displacement coefficients in `work` are lost.
     #[inline(always)]
-    pub(super) fn mark<S: Simd>(&mut self, simd: S, plan: &AftPlan<T>, work: &mut Workspace<T>) {
+    pub(in crate::aft) fn mark<S: Simd>(
+        &mut self,
+        simd: S,
+        plan: &AftPlan<T>,
+        work: &mut Workspace<T>,
+    ) {
         self.intervals.mark(simd, plan, work);
     }
 
     /// Forces, summary, and tangent if wanted, of one state after `mark`.
     #[inline(always)]
-    pub(super) fn evaluate(&mut self, at: Place<T>, want: Want, out: &mut AftForces<T>) {
+    pub(in crate::aft) fn evaluate(&mut self, at: Place<T>, want: Want, out: &mut AftForces<T>) {
         let (plan, m) = (at.plan, at.plan.m);
         let p = at.batch.parameters[at.state];
         let scratch = &mut self.lane;
@@ -363,7 +371,7 @@ impl<T: Real> LaneScratch<T> {
 
     /// Normal force coefficients into `force`, and their block if wanted.
     #[inline(always)]
-    pub(super) fn normal(
+    pub(in crate::aft) fn normal(
         &mut self,
         plan: &AftPlan<T>,
         p: &ContactParameters<T>,

@@ -1,14 +1,14 @@
 //! What the samples of a period do, as bits: 64 samples of one state fit into a word, so that a stretch of one motion is
 //! found by its first bit that differs.
 
-use super::march::{LANES, Lane};
+use super::lane::{LANES, Lane};
 
 /// Samples of a word.
-pub(super) const WORD: usize = u64::BITS as usize;
+pub(in crate::aft) const WORD: usize = u64::BITS as usize;
 
 /// What a direction does at a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Motion {
+pub(in crate::aft) enum Motion {
     Stick,
     /// T = mu N.
     SlipUp,
@@ -32,14 +32,14 @@ impl Motion {
 
 /// Last sample without stick: where the slider was set last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Event {
+pub(in crate::aft) struct Event {
     pub sample: usize,
     pub motion: Motion,
 }
 
 /// [`WORD`] samples; bit i of a lane is sample i. No two of the three motions share a bit, and stick has none.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Word {
+pub(in crate::aft) struct Word {
     pub separated: Lane<u64>,
     /// Per direction (box law only).
     pub up: [Lane<u64>; 2],
@@ -50,7 +50,7 @@ pub(super) struct Word {
 impl Word {
     /// Motions from the samples at the upper and at the lower limit: the first that holds of separated, up and down.
     #[inline(always)]
-    pub(super) fn set_limits(&mut self, upper: [Lane<u64>; 2], lower: [Lane<u64>; 2]) {
+    pub(in crate::aft) fn set_limits(&mut self, upper: [Lane<u64>; 2], lower: [Lane<u64>; 2]) {
         for d in 0..2 {
             for l in 0..LANES {
                 self.up[d][l] = upper[d][l] & !self.separated[l];
@@ -61,7 +61,7 @@ impl Word {
 
     /// Samples of a lane that slip in at least one direction.
     #[inline(always)]
-    pub(super) fn slips(&self, lane: usize) -> u32 {
+    pub(in crate::aft) fn slips(&self, lane: usize) -> u32 {
         let [first, second] = [0, 1].map(|d| self.up[d][lane] | self.down[d][lane]);
         (first | second).count_ones()
     }
@@ -75,7 +75,7 @@ impl Word {
 
 /// A stretch of samples of one motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Run {
+pub(in crate::aft) struct Run {
     pub start: usize,
     pub end: usize,
     pub motion: Motion,
@@ -84,7 +84,7 @@ pub(super) struct Run {
 impl Run {
     /// Where the slider was set last, if it was.
     #[inline(always)]
-    pub(super) fn event(&self) -> Option<Event> {
+    pub(in crate::aft) fn event(&self) -> Option<Event> {
         (self.motion != Motion::Stick).then_some(Event {
             sample: self.end - 1,
             motion: self.motion,
@@ -94,7 +94,12 @@ impl Run {
 
 /// The stretches of one lane and direction over `n` samples, in order.
 #[inline(always)]
-pub(super) fn runs(words: &[Word], n: usize, lane: usize, d: usize) -> impl Iterator<Item = Run> {
+pub(in crate::aft) fn runs(
+    words: &[Word],
+    n: usize,
+    lane: usize,
+    d: usize,
+) -> impl Iterator<Item = Run> {
     stretches(n, move |w| words[w].bits(lane, d)).map(|(start, end, bits)| Run {
         start,
         end,
@@ -104,7 +109,7 @@ pub(super) fn runs(words: &[Word], n: usize, lane: usize, d: usize) -> impl Iter
 
 /// The stretches in contact of one lane over `n` samples, in order, as (start, end).
 #[inline(always)]
-pub(super) fn contacts(
+pub(in crate::aft) fn contacts(
     words: &[Word],
     n: usize,
     lane: usize,
@@ -148,7 +153,7 @@ fn stretches<const K: usize>(
 
 /// Last event of one lane and direction.
 #[inline(always)]
-pub(super) fn last_event(words: &[Word], lane: usize, d: usize) -> Option<Event> {
+pub(in crate::aft) fn last_event(words: &[Word], lane: usize, d: usize) -> Option<Event> {
     words.iter().enumerate().rev().find_map(|(w, word)| {
         let bits = word.bits(lane, d);
         let bit = (bits[0] | bits[1] | bits[2]).checked_ilog2()?;

@@ -7,9 +7,10 @@
 //! The signals are trigonometric polynomials: samples of them and of their rates bracket the breakpoints, Halley's
 //! method locates them to rounding.
 
-use super::march::{Components, LANES, Lane, Workspace, flag};
-use super::plan::AftPlan;
 use super::roots::{crossing_share, dips, linear_share, turn_share, turns_twice, zero};
+use crate::aft::lanes::lane::{Components, LANES, Lane};
+use crate::aft::lanes::workspace::{Workspace, flag};
+use crate::aft::plan::AftPlan;
 use crate::contact::{ContactParameters, FrictionLaw, Real};
 use pulp::Simd;
 use std::f64::consts::TAU;
@@ -23,7 +24,7 @@ const TURN_PAIR: u32 = 64;
 
 /// An instant and the signals there.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Breakpoint<T> {
+pub(in crate::aft) struct Breakpoint<T> {
     /// Phase in [0, 2π].
     pub theta: T,
     /// Tangential displacements (m).
@@ -36,7 +37,7 @@ pub(super) struct Breakpoint<T> {
 
 /// Signals of one state as trigonometric polynomials. Shape of each: `[m]`.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Signals<T> {
+pub(in crate::aft) struct Signals<T> {
     /// Tangential displacements (m).
     pub u: [Vec<T>; 2],
     /// Gap function n_0 + k_n v (N).
@@ -49,7 +50,7 @@ pub(super) struct Signals<T> {
 
 /// Rates of the signals at the samples, and what the samples tell of the intervals after them.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Intervals<T> {
+pub(in crate::aft) struct Intervals<T> {
     /// Derivatives of u₁, u₂ and v by the phase. Shape: `[time]`.
     pub rates: Vec<Components<T>>,
     /// Sum of marks. Shape: `[time]`.
@@ -59,7 +60,7 @@ pub(super) struct Intervals<T> {
 impl<T: Real> Signals<T> {
     /// The signals of one lane of `work`.
     #[inline(always)]
-    pub(super) fn set(
+    pub(in crate::aft) fn set(
         &mut self,
         plan: &AftPlan<T>,
         q: impl Fn(usize, usize) -> T,
@@ -99,7 +100,7 @@ impl<T: Real> Signals<T> {
 
 /// Basis row b(θ). Shape: `[m]`.
 #[inline(always)]
-pub(super) fn basis_row<T: Real>(plan: &AftPlan<T>, theta: T, row: &mut [T]) {
+pub(in crate::aft) fn basis_row<T: Real>(plan: &AftPlan<T>, theta: T, row: &mut [T]) {
     let (sin, cos) = theta.sine_cosine();
     let (mut c, mut s) = (T::ONE, T::ZERO);
     let mut order = 0;
@@ -142,13 +143,13 @@ fn value<T: Real>(row: &[T], q: &[T]) -> T {
 
 /// The polynomial with coefficients `q` where the basis row is `row`, and its first two derivatives by the phase.
 #[inline(always)]
-pub(super) fn signal_rates<T: Real>(plan: &AftPlan<T>, row: &[T], q: &[T]) -> [T; 3] {
+pub(in crate::aft) fn signal_rates<T: Real>(plan: &AftPlan<T>, row: &[T], q: &[T]) -> [T; 3] {
     derivatives::<0, T>(plan, row, q)
 }
 
 /// Its derivative by the phase.
 #[inline(always)]
-pub(super) fn rate<T: Real>(plan: &AftPlan<T>, row: &[T], q: &[T]) -> T {
+pub(in crate::aft) fn rate<T: Real>(plan: &AftPlan<T>, row: &[T], q: &[T]) -> T {
     derivatives::<0, T>(plan, row, q)[1]
 }
 
@@ -178,7 +179,12 @@ impl<T: Real> Intervals<T> {
     /// Looks at all intervals between the samples of `work`, whose rates are computed here; at the bounds of the box
     /// law only.
     #[inline(always)]
-    pub(super) fn mark<S: Simd>(&mut self, simd: S, plan: &AftPlan<T>, work: &mut Workspace<T>) {
+    pub(in crate::aft) fn mark<S: Simd>(
+        &mut self,
+        simd: S,
+        plan: &AftPlan<T>,
+        work: &mut Workspace<T>,
+    ) {
         let bounds = plan.settings().law == FrictionLaw::Box;
         let n = plan.n_time();
         self.rates.resize(n, [T::ZERO; 3 * LANES]);
@@ -221,7 +227,7 @@ impl<T: Real> Intervals<T> {
 
     /// Breakpoints of one lane, ascending from phase 0, which is always one.
     #[inline(always)]
-    pub(super) fn breakpoints(
+    pub(in crate::aft) fn breakpoints(
         &self,
         plan: &AftPlan<T>,
         work: &Workspace<T>,
@@ -334,7 +340,7 @@ impl<T: Real> Intervals<T> {
 
     /// Value and rate of a bound at a sample.
     #[inline(always)]
-    pub(super) fn bound_at(
+    pub(in crate::aft) fn bound_at(
         &self,
         work: &Workspace<T>,
         (i, lane): (usize, usize),
@@ -437,7 +443,7 @@ impl<T: Real> Signals<T> {
     /// Phase at which a bound that is monotone from breakpoint `a` to `b` reaches `level`. The samples between them,
     /// value and rate, narrow the bracket.
     #[inline(always)]
-    pub(super) fn reaches(
+    pub(in crate::aft) fn reaches(
         &mut self,
         plan: &AftPlan<T>,
         (d, side): (usize, usize),
@@ -486,7 +492,7 @@ impl<T: Real> Signals<T> {
     reason = "a phase in one period"
 )]
 #[inline(always)]
-pub(super) fn first_sample_from(theta: f64, n: f64) -> usize {
+pub(in crate::aft) fn first_sample_from(theta: f64, n: f64) -> usize {
     (theta * (n / TAU)).ceil().clamp(0.0, n) as usize
 }
 

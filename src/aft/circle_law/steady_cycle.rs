@@ -7,14 +7,15 @@
 //! the anchor. Plain laps get there soon, or they creep towards the point where two instants of the period hold the
 //! slider. That point is solved for ([`hold`]).
 
-use super::batch::Periodicity;
-use super::slip::dot;
+use crate::aft::forces::Periodicity;
+use crate::aft::vector::dot;
+use crate::aft::vector::size;
 use crate::contact::Real;
 
 /// Laps with Newton steps before the search goes on with plain laps.
 const NEWTON_LAPS: u32 = 40;
 /// Laps after which a cycle counts as not found.
-pub(super) const MAX_LAPS: u32 = 200;
+pub(in crate::aft) const MAX_LAPS: u32 = 200;
 /// Laps from the anchor after which the slider is asked for the first time whether it creeps, and then at every
 /// doubling.
 const PATIENCE: u32 = 6;
@@ -25,7 +26,7 @@ const HOLD_STEPS: usize = 80;
 
 /// What the search learns from a lap. Sliders k_t w and tolerances in N.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct LapEnd<T> {
+pub(in crate::aft) struct LapEnd<T> {
     pub start: [T; 2],
     pub end: [T; 2],
     /// Derivative of the end by the start, row-major.
@@ -49,14 +50,14 @@ impl<T: Real> LapEnd<T> {
     }
 
     #[inline(always)]
-    pub(super) fn closes(&self) -> bool {
+    pub(in crate::aft) fn closes(&self) -> bool {
         size(self.change()) <= self.tolerance
     }
 }
 
 /// Two instants of the period that hold a resting slider, and where it rests.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Hold<I, T> {
+pub(in crate::aft) struct Hold<I, T> {
     pub slider: [T; 2],
     pub instants: [I; 2],
     /// Directions of the traction there.
@@ -65,7 +66,7 @@ pub(super) struct Hold<I, T> {
 
 impl<I: Copy, T: Real> Hold<I, T> {
     /// Change of the slider where the excess of the traction over its limit changes at the two instants.
-    pub(super) fn moved(&self, excess: [T; 2]) -> Option<[T; 2]> {
+    pub(in crate::aft) fn moved(&self, excess: [T; 2]) -> Option<[T; 2]> {
         let [a, b] = self.directions;
         let determinant = a[0] * b[1] - a[1] * b[0];
         let least = T::from_f64(SINGULAR) * T::EPSILON;
@@ -81,7 +82,7 @@ impl<I: Copy, T: Real> Hold<I, T> {
 
 /// What the search wants next.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Next<T> {
+pub(in crate::aft) enum Next<T> {
     /// A lap that goes on where the last one ended.
     Plain,
     /// A lap from another slider.
@@ -92,7 +93,7 @@ pub(super) enum Next<T> {
 
 /// How the slider came to its steady cycle, which says what that depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Origin<I, T> {
+pub(in crate::aft) enum Origin<I, T> {
     /// By laps from the anchor, the last one included.
     Anchor,
     /// It is the only cycle.
@@ -103,7 +104,7 @@ pub(super) enum Origin<I, T> {
 
 /// Search of one state, from the end of its first lap.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Search<I, T> {
+pub(in crate::aft) struct Search<I, T> {
     stage: Stage<I, T>,
     /// Laps marched.
     pub laps: u32,
@@ -130,7 +131,7 @@ enum Stage<I, T> {
 
 impl<I: Copy, T: Real> Search<I, T> {
     /// From the slider after the first lap.
-    pub(super) fn new(first: [T; 2]) -> Self {
+    pub(in crate::aft) fn new(first: [T; 2]) -> Self {
         Self {
             stage: Stage::Newton,
             laps: 1,
@@ -144,7 +145,7 @@ impl<I: Copy, T: Real> Search<I, T> {
     }
 
     /// Takes a lap; `held` looks for the point towards which a slider creeps that ended a lap there.
-    pub(super) fn take(
+    pub(in crate::aft) fn take(
         &mut self,
         lap: LapEnd<T>,
         held: impl FnOnce([T; 2]) -> Option<Hold<I, T>>,
@@ -233,7 +234,7 @@ impl<I: Copy, T: Real> Search<I, T> {
 
 /// Traction of a resting slider over its limit at an instant of the period.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Touch<I, T> {
+pub(in crate::aft) struct Touch<I, T> {
     pub instant: I,
     /// |s − z| − L (N).
     pub excess: T,
@@ -243,7 +244,7 @@ pub(super) struct Touch<I, T> {
 impl<I, T: Real> Touch<I, T> {
     /// Of the traction `t` of a slider that rests.
     #[inline(always)]
-    pub(super) fn of(instant: I, t: [T; 2], limit: T) -> Self {
+    pub(in crate::aft) fn of(instant: I, t: [T; 2], limit: T) -> Self {
         let length = size(t);
         let inverse = if length > T::ZERO {
             T::ONE / length
@@ -262,7 +263,7 @@ impl<I, T: Real> Touch<I, T> {
 /// which comes from outside since discs are convex; where another instant holds the slider, it takes the place of the
 /// one whose direction is nearer. `near` looks at where the excess is largest near an instant, `peaks` at all such
 /// instants of the period.
-pub(super) fn hold<I: Copy, T: Real>(
+pub(in crate::aft) fn hold<I: Copy, T: Real>(
     mut slider: [T; 2],
     tolerance: T,
     near: impl Fn(I, [T; 2]) -> Touch<I, T>,
@@ -303,7 +304,7 @@ pub(super) fn hold<I: Copy, T: Real>(
 }
 
 /// The samples at which a number of a period is at least that of their neighbours.
-pub(super) fn tops<T: Real>(samples: usize, value: impl Fn(usize) -> T) -> Vec<usize> {
+pub(in crate::aft) fn tops<T: Real>(samples: usize, value: impl Fn(usize) -> T) -> Vec<usize> {
     let around = |i: usize| [(i + samples - 1) % samples, (i + 1) % samples].map(&value);
     let is_top = |&i: &usize| {
         let (here, [before, after]) = (value(i), around(i));
@@ -314,7 +315,7 @@ pub(super) fn tops<T: Real>(samples: usize, value: impl Fn(usize) -> T) -> Vec<u
 
 /// x of (I − M) x = b.
 #[inline(always)]
-pub(super) fn solve_identity_minus<T: Real>(m: [T; 4], b: [T; 2]) -> [T; 2] {
+pub(in crate::aft) fn solve_identity_minus<T: Real>(m: [T; 4], b: [T; 2]) -> [T; 2] {
     let determinant = determinant_of_identity_minus(m);
     let (a, d) = (T::ONE - m[0], T::ONE - m[3]);
     [
@@ -329,21 +330,16 @@ fn determinant_of_identity_minus<T: Real>(m: [T; 4]) -> T {
 }
 
 #[inline(always)]
-pub(super) fn is_singular<T: Real>(m: [T; 4]) -> bool {
+pub(in crate::aft) fn is_singular<T: Real>(m: [T; 4]) -> bool {
     determinant_of_identity_minus(m) <= T::from_f64(SINGULAR) * T::EPSILON
 }
 
 /// Of a given number of laps.
 #[inline(always)]
-pub(super) fn classify<T: Real>(periodic: bool, monodromy: [T; 4]) -> Periodicity {
+pub(in crate::aft) fn classify<T: Real>(periodic: bool, monodromy: [T; 4]) -> Periodicity {
     match (periodic, is_singular(monodromy)) {
         (false, _) => Periodicity::NotPeriodic,
         (true, true) => Periodicity::DependsOnAnchor,
         (true, false) => Periodicity::Unique,
     }
-}
-
-#[inline(always)]
-pub(super) fn size<T: Real>(x: [T; 2]) -> T {
-    dot(x, x).sqrt()
 }

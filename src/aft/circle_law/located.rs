@@ -3,26 +3,28 @@
 //! [`super::steady`] searches for the steady cycle; with tangents, a lap of the cycle that it found carries the
 //! derivatives, so that the forces are the same with and without. The normal force is exact, as in [`super::located`].
 
-use super::batch::{AftForces, Block, Periodicity, StateSummary, Tangent, Want};
-use super::breakpoints::Intervals;
 use super::course::{Course, Node};
 use super::lap::{Lap, Walk};
-use super::located::{LaneScratch, Place};
-use super::march::{LANES, Lane, Workspace};
-use super::plan::{AftPlan, CHUNK};
 use super::sensitivity::{Base, Basis, Blocks, Mix, Rows, add_mix};
-use super::settings::Laps;
 use super::slip::SlipStep;
-use super::steady::{
+use super::steady_cycle::{
     Hold, LapEnd, Next, Origin, Search, classify, is_singular, solve_identity_minus,
 };
+use crate::aft::batch::Want;
+use crate::aft::box_law::located::{LaneScratch, Place};
+use crate::aft::forces::{AftForces, Block, Periodicity, StateSummary, Tangent};
+use crate::aft::lanes::lane::{LANES, Lane};
+use crate::aft::lanes::workspace::Workspace;
+use crate::aft::plan::{AftPlan, CHUNK};
+use crate::aft::settings::Laps;
+use crate::aft::signals::breakpoints::Intervals;
 use crate::contact::{ContactParameters, Real};
 use pulp::Simd;
 use std::f64::consts::TAU;
 
 /// Scratch of the evaluation.
 #[derive(Debug, Clone, Default)]
-pub(super) struct LocatedCircle<T> {
+pub(in crate::aft) struct LocatedCircle<T> {
     intervals: Intervals<T>,
     /// Slip from each sample to the next one, row-major. Shape: `[time]`.
     maps: Vec<[Lane<T>; 4]>,
@@ -64,7 +66,12 @@ enum Stage<T> {
 impl<T: Real> LocatedCircle<T> {
     /// Finds the openings and closings of a group; the displacement coefficients in `work` are lost.
     #[inline(always)]
-    pub(super) fn mark<S: Simd>(&mut self, simd: S, plan: &AftPlan<T>, work: &mut Workspace<T>) {
+    pub(in crate::aft) fn mark<S: Simd>(
+        &mut self,
+        simd: S,
+        plan: &AftPlan<T>,
+        work: &mut Workspace<T>,
+    ) {
         self.intervals.mark(simd, plan, work);
         let n = plan.n_time();
         self.maps.resize(n, [[T::ZERO; LANES]; 4]);
@@ -95,7 +102,7 @@ impl<T: Real> LocatedCircle<T> {
 
     /// Summary, and tangent if wanted, of one state after `mark`; its tractions go to [`Self::put_tractions`].
     #[inline(always)]
-    pub(super) fn evaluate<S: Simd>(
+    pub(in crate::aft) fn evaluate<S: Simd>(
         &mut self,
         simd: S,
         at: Place<T>,
@@ -180,7 +187,7 @@ impl<T: Real> LocatedCircle<T> {
 
     /// Tractions of the state that was evaluated last.
     #[inline(always)]
-    pub(super) fn put_tractions(&self, work: &mut Workspace<T>, lane: usize) {
+    pub(in crate::aft) fn put_tractions(&self, work: &mut Workspace<T>, lane: usize) {
         for (sample, t) in work.samples.iter_mut().zip(&self.lap.tractions) {
             (sample.traction[0][lane], sample.traction[1][lane]) = (t[0], t[1]);
         }
@@ -188,7 +195,7 @@ impl<T: Real> LocatedCircle<T> {
 
     /// Completes the forces from the sums over the samples: the kinks of the tractions, and the exact normal force.
     #[inline(always)]
-    pub(super) fn complete(&self, lane: usize, state: usize, out: &mut AftForces<T>) {
+    pub(in crate::aft) fn complete(&self, lane: usize, state: usize, out: &mut AftForces<T>) {
         let (n, m) = (out.n_states, out.n_coefficients);
         let column = out.forces[state..].iter_mut().step_by(n);
         let forces = &self.forces[lane * 3 * m..][..3 * m];

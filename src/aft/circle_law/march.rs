@@ -2,16 +2,18 @@
 //!
 //! Lanes march together; [`super::steady`] searches for the cycle of each.
 
-use super::batch::Periodicity;
-use super::march::{LANES, Lane, LapCount, Workspace};
-use super::plan::AftPlan;
-use super::settings::Laps;
-use super::steady::{Hold, LapEnd, Next, Origin, Search, Touch, classify, hold, tops};
+use super::steady_cycle::{Hold, LapEnd, Next, Origin, Search, Touch, classify, hold, tops};
+use crate::aft::forces::Periodicity;
+use crate::aft::lanes::lane::{LANES, Lane};
+use crate::aft::lanes::workspace::{LapCount, Workspace, flag};
+use crate::aft::plan::AftPlan;
+use crate::aft::settings::Laps;
 use crate::contact::Real;
+use crate::contact::law::{anchored_at_closing, circle_step};
 
 /// How the lanes were marched.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Cycle<T> {
+pub(in crate::aft) struct Cycle<T> {
     /// Counts of the last lap.
     pub count: LapCount<T>,
     /// Sliders at the start of the last lap (m).
@@ -28,7 +30,7 @@ pub(super) struct Cycle<T> {
 
 /// 2 × 2 identity for every lane.
 #[inline(always)]
-pub(super) fn identity<T: Real>() -> [Lane<T>; 4] {
+pub(in crate::aft) fn identity<T: Real>() -> [Lane<T>; 4] {
     [
         [T::ONE; LANES],
         [T::ZERO; LANES],
@@ -39,7 +41,10 @@ pub(super) fn identity<T: Real>() -> [Lane<T>; 4] {
 
 /// Marches the lanes of `work`; their tractions are then those of the last lap.
 #[inline(always)]
-pub(super) fn march<T: Real>(plan: &AftPlan<T>, work: &mut Workspace<T>) -> Cycle<T> {
+pub(in crate::aft) fn march_circle<T: Real>(
+    plan: &AftPlan<T>,
+    work: &mut Workspace<T>,
+) -> Cycle<T> {
     let mut w = work.parameters.anchor;
     let mut monodromy = identity();
     let count = work.circle_lap(&mut w, &mut monodromy, true);
@@ -141,7 +146,7 @@ impl<T: Real> Cycle<T> {
 }
 
 #[inline(always)]
-pub(super) fn lane2<T: Copy>(x: &[Lane<T>; 2], l: usize) -> [T; 2] {
+pub(in crate::aft) fn lane2<T: Copy>(x: &[Lane<T>; 2], l: usize) -> [T; 2] {
     [x[0][l], x[1][l]]
 }
 
@@ -163,4 +168,77 @@ fn held<T: Real>(work: &Workspace<T>, l: usize, slider: [T; 2]) -> Option<Hold<u
         tops.into_iter().map(|i| touch(i, slider)).collect()
     };
     hold(slider, work.tolerance[l], touch, peaks)
+}
+
+impl<T: Real> Workspace<T> {
+    /// One lap of the circle law from the sliders `w`, which end where the lap ends. `monodromy` (2 × 2, row-major) is
+    /// multiplied by the derivative of the end traction by the start traction.
+    #[inline(always)]
+    pub(in crate::aft) fn circle_lap(
+        &mut self,
+        w: &mut [Lane<T>; 2],
+        monodromy: &mut [Lane<T>; 4],
+        first: bool,
+    ) -> LapCount<T> {
+        let margin: Lane<T> = std::array::from_fn(|l| self.touch_margin(l));
+        let p = &self.parameters;
+        let mut count = LapCount::<T>::default();
+        for i in 0..self.samples.len() {
+            let closing: Option<Lane<T>> = self
+                .closes(i, first)
+                .then(|| std::array::from_fn(|l| self.closing(i, l, first)));
+            let s = &mut self.samples[i];
+            for l in 0..LANES {
+                let u = [s.u[0][l], s.u[1][l]];
+                let start = match closing {
+                    Some(instant) => [
+                        anchored_at_closing(w[0][l], u[0], instant[l]),
+                        anchored_at_closing(w[1][l], u[1], instant[l]),
+                    ],
+                    None => [w[0][l], w[1][l]],
+                };
+                let k_t = [p.k_t[0][l], p.k_t[1][l]];
+                let flexibility = [p.flexibility[0][l], p.flexibility[1][l]];
+                let limit = p.mu[l] * s.normal(l);
+                let step = circle_step(k_t, flexibility, (limit, margin[l]), u, start);
+                [s.traction[0][l], s.traction[1][l]] = step.traction;
+                [w[0][l], w[1][l]] = step.slider;
+                let contact = s.gap[l] > T::ZERO;
+                count.slip[l] += flag(step.slips & contact);
+                let missing = T::ONE - step.ratio;
+                let square = step.trial[0] * step.trial[0] + step.trial[1] * step.trial[1];
+                count.way[l] = count.way[l].or_larger(missing * missing * square);
+                // entry by entry: with a closure this loop is no vector code
+                let factor = [
+                    monodromy[0][l],
+                    monodromy[1][l],
+                    monodromy[2][l],
+                    monodromy[3][l],
+                ];
+                let turned = slip_monodromy(step.trial, step.ratio, factor);
+                for (entry, (&old, new)) in monodromy.iter_mut().zip(factor.iter().zip(turned)) {
+                    let sliding = if step.touches { new } else { old };
+                    entry[l] = if contact { sliding } else { T::ZERO };
+                }
+            }
+        }
+        count
+    }
+}
+
+/// Derivative of a slip step, a p pᵀ, times the 2 × 2 matrix `factor`; p is normal to the trial traction.
+#[inline(always)]
+pub(in crate::aft) fn slip_monodromy<T: Real>(trial: [T; 2], ratio: T, factor: [T; 4]) -> [T; 4] {
+    let scale = ratio / (trial[0] * trial[0] + trial[1] * trial[1]);
+    let normal = [-trial[1], trial[0]];
+    let row = [
+        scale * (normal[0] * factor[0] + normal[1] * factor[2]),
+        scale * (normal[0] * factor[1] + normal[1] * factor[3]),
+    ];
+    [
+        normal[0] * row[0],
+        normal[0] * row[1],
+        normal[1] * row[0],
+        normal[1] * row[1],
+    ]
 }

@@ -4,19 +4,19 @@
 //! all displacement coefficients. Three numbers carry the state: the slider z = k_t w in stick, the angle of the
 //! traction in slip, the phase of an event while it is near.
 
-use super::batch::Block;
-use super::plan::{AftPlan, CHUNK, Chunk};
-use super::tangent::{SegmentScratch, add_masked_gram, add_scaled, clear};
+use crate::aft::forces::Block;
+use crate::aft::lanes::masks::{MaskScratch, add_masked_gram, add_scaled, clear};
+use crate::aft::plan::{AftPlan, CHUNK, Chunk};
 use crate::contact::{ContactParameters, Real};
 use pulp::{Simd, WithSimd};
 
 /// Derivatives of one number: the first two of the first chunk by the start tractions, the others by the displacement
 /// coefficients, component by component in whole chunks. What pads a chunk stays 0.
-pub(super) type Row<T> = Vec<Chunk<T>>;
+pub(in crate::aft) type Row<T> = Vec<Chunk<T>>;
 
 /// A number as a sum of the signals at one phase: factors of s = k_t u (N), s', L = mu N and L'.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Mix<T> {
+pub(in crate::aft) struct Mix<T> {
     pub path: [T; 2],
     pub rate: [T; 2],
     pub limit: T,
@@ -24,7 +24,7 @@ pub(super) struct Mix<T> {
 }
 
 impl<T: Real> Mix<T> {
-    pub(super) const NONE: Self = Self {
+    pub(in crate::aft) const NONE: Self = Self {
         path: [T::ZERO; 2],
         rate: [T::ZERO; 2],
         limit: T::ZERO,
@@ -34,21 +34,21 @@ impl<T: Real> Mix<T> {
 
 /// What rows depend on.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Base<'a, T> {
+pub(in crate::aft) struct Base<'a, T> {
     pub plan: &'a AftPlan<T>,
     pub p: &'a ContactParameters<T>,
 }
 
 /// Where a basis row is: at a sample, or at an event.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Basis<'a, T> {
+pub(in crate::aft) enum Basis<'a, T> {
     Sample(usize),
     Event(&'a [T]),
 }
 
 /// The rows of the present state.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Rows<T> {
+pub(in crate::aft) struct Rows<T> {
     /// Whether the displacement coefficients have columns.
     pub full: bool,
     pub slider: [Row<T>; 2],
@@ -59,7 +59,7 @@ pub(super) struct Rows<T> {
 impl<T: Real> Rows<T> {
     /// Rows of a lap from a slider that depends on nothing but the start tractions.
     #[inline(always)]
-    pub(super) fn start(&mut self, plan: &AftPlan<T>, full: bool) {
+    pub(in crate::aft) fn start(&mut self, plan: &AftPlan<T>, full: bool) {
         self.full = full;
         let width = if full { width(plan) } else { 1 };
         let [first, second] = &mut self.slider;
@@ -73,7 +73,7 @@ impl<T: Real> Rows<T> {
 
     /// Derivative of the sliders by the start tractions, row-major.
     #[inline(always)]
-    pub(super) fn monodromy(&self) -> [T; 4] {
+    pub(in crate::aft) fn monodromy(&self) -> [T; 4] {
         let [a, b] = &self.slider;
         [a[0][0], a[0][1], b[0][0], b[0][1]]
     }
@@ -86,7 +86,12 @@ fn width<T: Real>(plan: &AftPlan<T>) -> usize {
 
 /// Adds a mix of the signals where the basis row is `at`.
 #[inline(always)]
-pub(super) fn add_mix<T: Real>(base: Base<T>, row: &mut [Chunk<T>], at: Basis<T>, mix: Mix<T>) {
+pub(in crate::aft) fn add_mix<T: Real>(
+    base: Base<T>,
+    row: &mut [Chunk<T>],
+    at: Basis<T>,
+    mix: Mix<T>,
+) {
     let k = base.p.k_t;
     let friction = base.p.mu * base.p.k_n;
     let factors = [
@@ -109,7 +114,7 @@ pub(super) fn add_mix<T: Real>(base: Base<T>, row: &mut [Chunk<T>], at: Basis<T>
 
 /// Adds what a step of slip between two samples depends on: the change of s, s' at the end, half the sum of L.
 #[inline(always)]
-pub(super) fn add_step<T: Real>(
+pub(in crate::aft) fn add_step<T: Real>(
     base: Base<T>,
     row: &mut [Chunk<T>],
     [here, next]: [usize; 2],
@@ -145,7 +150,7 @@ fn add_signal<T: Real>(plan: &AftPlan<T>, row: &mut [T], b: &[T], value: T, rate
 
 /// Every number of `row` becomes a function of itself and those of two rows.
 #[inline(always)]
-pub(super) fn set_rows<T: Real>(
+pub(in crate::aft) fn set_rows<T: Real>(
     row: &mut [Chunk<T>],
     [a, b]: [&[Chunk<T>]; 2],
     f: impl Fn(T, T, T) -> T,
@@ -161,13 +166,13 @@ pub(super) fn set_rows<T: Real>(
 
 /// `row` += `factor` `x`.
 #[inline(always)]
-pub(super) fn add_row<T: Real>(row: &mut [Chunk<T>], factor: T, x: &[Chunk<T>]) {
+pub(in crate::aft) fn add_row<T: Real>(row: &mut [Chunk<T>], factor: T, x: &[Chunk<T>]) {
     set_rows(row, [x, x], |row, x, _| row + factor * x);
 }
 
 /// `row` = `factor` `row`.
 #[inline(always)]
-pub(super) fn scale<T: Real>(row: &mut [Chunk<T>], factor: T) {
+pub(in crate::aft) fn scale<T: Real>(row: &mut [Chunk<T>], factor: T) {
     for value in row.as_flattened_mut() {
         *value = factor * *value;
     }
@@ -181,8 +186,8 @@ type Pair<T> = [T; 2 * CHUNK];
 
 /// Derivative blocks under construction.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Blocks<T> {
-    segments: SegmentScratch<T>,
+pub(in crate::aft) struct Blocks<T> {
+    segments: MaskScratch<T>,
     /// Spectrum of the samples that stick. Shape: `[2][2H + 1]`.
     stick: Vec<T>,
     /// Weight of the next product. Shape: `[m]`.
@@ -201,7 +206,7 @@ pub(super) struct Blocks<T> {
 
 impl<T: Real> Blocks<T> {
     #[inline(always)]
-    pub(super) fn start(&mut self, plan: &AftPlan<T>) {
+    pub(in crate::aft) fn start(&mut self, plan: &AftPlan<T>) {
         let zero = [T::ZERO; 2 * CHUNK];
         clear(&mut self.stick, 2 * plan.n_mask_orders());
         self.weights.resize(RANK * plan.m, T::ZERO);
@@ -218,7 +223,7 @@ impl<T: Real> Blocks<T> {
 
     /// Stick of the samples `range`: dT = k_t b − dz.
     #[inline(always)]
-    pub(super) fn stick<S: Simd>(
+    pub(in crate::aft) fn stick<S: Simd>(
         &mut self,
         simd: S,
         plan: &AftPlan<T>,
@@ -238,7 +243,7 @@ impl<T: Real> Blocks<T> {
 
     /// Slip at sample i: dT = `turned` dφ + e dL.
     #[inline(always)]
-    pub(super) fn slip<S: Simd>(
+    pub(in crate::aft) fn slip<S: Simd>(
         &mut self,
         simd: S,
         base: Base<T>,
@@ -274,7 +279,7 @@ impl<T: Real> Blocks<T> {
 
     /// Adds (w ∘ (`value` b + `rate` b')) ⊗ `traction`.
     #[inline(always)]
-    pub(super) fn weigh<S: Simd>(
+    pub(in crate::aft) fn weigh<S: Simd>(
         &mut self,
         simd: S,
         plan: &AftPlan<T>,
@@ -316,14 +321,14 @@ impl<T: Real> Blocks<T> {
 
     /// Adds the waiting products to the sums.
     #[inline(always)]
-    pub(super) fn flush<S: Simd>(&mut self, simd: S, plan: &AftPlan<T>) {
+    pub(in crate::aft) fn flush<S: Simd>(&mut self, simd: S, plan: &AftPlan<T>) {
         // Callers may be functions of their own, which are compiled for any processor.
         simd.vectorize(Flush { blocks: self, plan });
     }
 
     /// Adds what the start tractions contribute, whose derivatives by the displacement coefficients are `rows`.
     #[inline(always)]
-    pub(super) fn add_starts(&mut self, plan: &AftPlan<T>, [first, second]: &[Row<T>; 2]) {
+    pub(in crate::aft) fn add_starts(&mut self, plan: &AftPlan<T>, [first, second]: &[Row<T>; 2]) {
         let (starts, sums) = self.sums.split_at_mut(plan.m);
         let rows = first[1..].iter().zip(&second[1..]);
         for (sums, (first, second)) in sums.chunks_exact_mut(plan.m).zip(rows) {
@@ -340,7 +345,7 @@ impl<T: Real> Blocks<T> {
 
     /// Adds the sums and the samples that stick to the blocks.
     #[inline(always)]
-    pub(super) fn store(&self, base: Base<T>, out: &mut [T]) {
+    pub(in crate::aft) fn store(&self, base: Base<T>, out: &mut [T]) {
         let (m, n) = (base.plan.m, base.plan.n_chunks());
         let blocks = out
             .chunks_exact_mut(m * m)

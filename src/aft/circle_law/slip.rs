@@ -7,25 +7,15 @@
 //! commutator of Magnus' series (Blanes et al., Phys. Rep. 470, 2009), for long ones, in which the direction forgets
 //! its start, the lag behind the velocity. e^{-y} is 1/(1 + y + ... + y⁵/120), which vanishes for long steps as well.
 
+use crate::aft::vector::dot;
 use crate::contact::Real;
 
 /// Largest y = |Δs|/L̄ of a step; the direction then forgets its start but for e^{-y} ~ 1e-13.
 const LONGEST: f64 = 1e3;
 
-#[inline(always)]
-pub(super) fn dot<T: Real>(a: [T; 2], b: [T; 2]) -> T {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-/// The unit vector a quarter turn ahead of `e`.
-#[inline(always)]
-pub(super) fn normal<T: Real>(e: [T; 2]) -> [T; 2] {
-    [-e[1], e[0]]
-}
-
 /// What a step of slip depends on, besides the direction before it; or the derivatives of a number by all that.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct SlipStep<T> {
+pub(in crate::aft) struct SlipStep<T> {
     /// Change of s = k_t u (N).
     pub path: [T; 2],
     /// s' at the end (N per radian).
@@ -116,7 +106,7 @@ impl<T: Real> SlipStep<T> {
 
     /// The matrix that ψ is multiplied by, row-major; of norm about 1 or less.
     #[inline(always)]
-    pub(super) fn map(&self) -> [T; 4] {
+    pub(in crate::aft) fn map(&self) -> [T; 4] {
         let parts = self.parts();
         let factor = parts.odd * parts.flexibility;
         let [c, s] = self.path.map(|path| factor * path);
@@ -132,7 +122,7 @@ impl<T: Real> SlipStep<T> {
 
     /// Derivatives of the angle after the step from the direction `before` by what the step depends on.
     #[inline(always)]
-    pub(super) fn angle_rates(&self, before: HalfAngle<T>) -> Self {
+    pub(in crate::aft) fn angle_rates(&self, before: HalfAngle<T>) -> Self {
         let number = T::from_f64;
         let parts = self.parts();
         let Parts {
@@ -202,7 +192,7 @@ impl<T: Real> SlipStep<T> {
 
 /// The direction of the traction.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct HalfAngle<T> {
+pub(in crate::aft) struct HalfAngle<T> {
     /// ψ.
     psi: [T; 2],
     /// The unit vector e.
@@ -212,7 +202,7 @@ pub(super) struct HalfAngle<T> {
 impl<T: Real> HalfAngle<T> {
     /// Of the unit vector `e`.
     #[inline(always)]
-    pub(super) fn of(e: [T; 2]) -> Self {
+    pub(in crate::aft) fn of(e: [T; 2]) -> Self {
         let psi = if e[0] > T::ZERO {
             [T::ONE + e[0], e[1]]
         } else {
@@ -223,7 +213,7 @@ impl<T: Real> HalfAngle<T> {
 
     /// After a step.
     #[inline(always)]
-    pub(super) fn after(self, map: [T; 4]) -> Self {
+    pub(in crate::aft) fn after(self, map: [T; 4]) -> Self {
         let [c, s] = self.psi;
         let [c, s] = [map[0] * c + map[1] * s, map[2] * c + map[3] * s];
         let inverse = T::ONE / (c * c + s * s);
@@ -235,7 +225,7 @@ impl<T: Real> HalfAngle<T> {
 
     /// Derivative of the angle after a step by that before it.
     #[inline(always)]
-    pub(super) fn angle_rate(self, map: [T; 4], after: Self) -> T {
+    pub(in crate::aft) fn angle_rate(self, map: [T; 4], after: Self) -> T {
         let determinant = map[0] * map[3] - map[1] * map[2];
         determinant * dot(self.psi, self.psi) / dot(after.psi, after.psi)
     }

@@ -9,7 +9,7 @@ const MAX_STEPS: usize = 60;
 /// `high` if `rising`, else at `low`. Halley's method from `guess`, with bisection where it would leave the bracket. Ends
 /// where the error after the step, a multiple of its cube, is within `tolerance`.
 #[inline(always)]
-pub(super) fn zero<T: Real>(
+pub(in crate::aft) fn zero<T: Real>(
     [mut low, mut high]: [T; 2],
     rising: bool,
     guess: T,
@@ -53,7 +53,7 @@ pub(super) fn zero<T: Real>(
 /// Where a monotone function with these values and rates (times the step) at both ends passes zero, as a share of the
 /// interval: by the cubic of the phase over the value, or by the straight line where that leaves the interval.
 #[inline(always)]
-pub(super) fn crossing_share<T: Real>(value: [T; 2], rate: [T; 2]) -> T {
+pub(in crate::aft) fn crossing_share<T: Real>(value: [T; 2], rate: [T; 2]) -> T {
     let line = linear_share(value[0], value[1]);
     let (rest, rise) = (T::ONE - line, value[1] - value[0]);
     let share = line * line * (T::ONE + rest + rest)
@@ -67,14 +67,14 @@ pub(super) fn crossing_share<T: Real>(value: [T; 2], rate: [T; 2]) -> T {
 
 /// Where a straight line between two values of different sign passes zero, as a share of the interval.
 #[inline(always)]
-pub(super) fn linear_share<T: Real>(before: T, after: T) -> T {
+pub(in crate::aft) fn linear_share<T: Real>(before: T, after: T) -> T {
     before / (before - after)
 }
 
 /// Where the rate of a cubic with these rates (times the step) at both ends passes zero between them, as a share of the
 /// interval; see [`turns_twice`].
 #[inline(always)]
-pub(super) fn turn_share<T: Real>(rise: T, rate: [T; 2]) -> T {
+pub(in crate::aft) fn turn_share<T: Real>(rise: T, rate: [T; 2]) -> T {
     let two = T::ONE + T::ONE;
     let sign = if rate[0] > T::ZERO { T::ONE } else { -T::ONE };
     let curvature = T::from_f64(3.0) * (rate[0] + rate[1]) - T::from_f64(6.0) * rise;
@@ -85,7 +85,7 @@ pub(super) fn turn_share<T: Real>(rise: T, rate: [T; 2]) -> T {
 
 /// Whether a function of this value and rate (times the step) at both ends dips towards zero and comes back.
 #[inline(always)]
-pub(super) fn dips<T: Real>(value: [T; 2], rate: [T; 2]) -> bool {
+pub(in crate::aft) fn dips<T: Real>(value: [T; 2], rate: [T; 2]) -> bool {
     (value[0] * value[1] > T::ZERO)
         & (value[0] * rate[0] < T::ZERO)
         & (value[1] * rate[1] > T::ZERO)
@@ -94,7 +94,7 @@ pub(super) fn dips<T: Real>(value: [T; 2], rate: [T; 2]) -> bool {
 /// Whether the cubic of these values and rates (times the step) at both ends turns twice between them. Its rate is
 /// r₀ (1 − s) + r₁ s − c s (1 − s) with c = 3 (r₀ + r₁) − 6 Δ, which has roots if c exceeds (√r₀ + √r₁)².
 #[inline(always)]
-pub(super) fn turns_twice<T: Real>(rise: T, rate: [T; 2]) -> bool {
+pub(in crate::aft) fn turns_twice<T: Real>(rise: T, rate: [T; 2]) -> bool {
     let sum = rate[0] + rate[1];
     let excess = sum + sum - T::from_f64(6.0) * rise;
     let product = rate[0] * rate[1];

@@ -4,17 +4,20 @@
 //! k_t b_i − B (one masked sum and one rank-1 product); a slip sample returns the predicted derivative to the disc,
 //! dT = (L/|T*|) p pᵀ dT* + mu k_n e b_i with e = T*/|T*| and p normal to e, and adds one rank-1 product.
 
-use super::batch::Block;
-use super::circle::{Cycle, lane2};
 use super::march::slip_monodromy;
-use super::steady::{Hold, Origin, is_singular, size, solve_identity_minus};
-use super::tangent::{RANK, SegmentScratch, View, add_masked_gram, add_products, add_scaled};
+use super::march::{Cycle, lane2};
+use super::steady_cycle::{Hold, Origin, is_singular, solve_identity_minus};
+use crate::aft::forces::Block;
+use crate::aft::lanes::masks::{
+    MaskScratch, RANK, View, add_masked_gram, add_products, add_scaled,
+};
+use crate::aft::vector::size;
 use crate::contact::Real;
 use crate::contact::law::{CircleStep, anchored_at_closing, circle_step};
 
 /// Scratch of the derivative of the circle law.
 #[derive(Debug, Clone, Default)]
-pub(super) struct CircleScratch<T> {
+pub(in crate::aft) struct CircleScratch<T> {
     /// Slider (m) and its derivative times k_t. Shape: `[2]`, `[2][3m]`.
     slider: [T; 2],
     by: [Vec<T>; 2],
@@ -30,7 +33,7 @@ pub(super) struct CircleScratch<T> {
 
 /// Where the derivative of one lap goes.
 struct Target<'a, T> {
-    segments: &'a mut SegmentScratch<T>,
+    segments: &'a mut MaskScratch<T>,
     out: &'a mut [T],
 }
 
@@ -38,11 +41,11 @@ struct Target<'a, T> {
 ///
 /// Shape: `out` `[block][m][m]`, zero on entry.
 #[inline(always)]
-pub(super) fn circle_tangent<T: Real>(
+pub(in crate::aft) fn circle_tangent<T: Real>(
     view: View<T>,
     cycle: &Cycle<T>,
     scratch: &mut CircleScratch<T>,
-    segments: &mut SegmentScratch<T>,
+    segments: &mut MaskScratch<T>,
     out: &mut [T],
 ) {
     let size = view.plan.m * view.plan.m;

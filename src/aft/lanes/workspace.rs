@@ -1,26 +1,16 @@
-//! The march around the period, for a handful of states at a time (vector lanes).
+//! Signals, motions and tractions of a group of lanes around the period.
 
-use super::batch::AftBatch;
+use super::lane::{Components, LANES, Lane};
 use super::motions::{WORD, Word};
-use super::plan::{AftPlan, POINTS};
-use crate::contact::law::{
-    anchored_at_closing, box_slider, box_step, circle_step, closing_instant, normal_force,
-};
-use crate::contact::{ContactParameters, Events, Real};
+use super::sample::{LaneParameters, Sample};
+use crate::aft::batch::AftBatch;
+use crate::aft::plan::{AftPlan, POINTS};
+use crate::contact::law::closing_instant;
+use crate::contact::{Events, Real};
 use pulp::Simd;
-use std::ops::Range;
 
 /// Traction that counts as rounding, in rounding errors of the largest |k_t u| + mu N of the period.
 const TOLERANCE: f64 = 256.0;
-
-/// States marched together.
-pub(super) const LANES: usize = 8;
-
-/// One number per state.
-pub(super) type Lane<T> = [T; LANES];
-
-/// One number per component and state, component by component.
-pub(super) type Components<T> = [T; 3 * LANES];
 
 /// Even or odd part of signals at a few points of the first half period, which stay in the first cache.
 #[derive(Clone, Copy)]
@@ -34,95 +24,9 @@ impl<T: Real> Default for Points<T> {
     }
 }
 
-/// Everything known of one time point.
-///
-/// Aligned to the lines of the cache: a vector that crosses them takes two accesses.
-#[derive(Debug, Clone, Copy, Default)]
-#[repr(align(64))]
-pub(super) struct Sample<T> {
-    /// Tangential displacements (m).
-    pub u: [Lane<T>; 2],
-    /// Gap function n_0 + k_n v (N).
-    pub gap: Lane<T>,
-    /// Tractions (N).
-    pub traction: [Lane<T>; 2],
-}
-
-impl<T: Real> Sample<T> {
-    /// Normal force of one lane (N).
-    #[inline(always)]
-    pub(super) fn normal(&self, lane: usize) -> T {
-        normal_force(self.gap[lane])
-    }
-
-    /// Displacements; the approach goes into `gap`.
-    #[inline(always)]
-    fn set_signals(&mut self, signals: Components<T>) {
-        for l in 0..LANES {
-            self.u[0][l] = signals[l];
-            self.u[1][l] = signals[LANES + l];
-            self.gap[l] = signals[2 * LANES + l];
-        }
-    }
-
-    /// Tractions and normal force.
-    #[inline(always)]
-    fn forces(&self) -> Components<T> {
-        let mut forces = [T::ZERO; 3 * LANES];
-        for l in 0..LANES {
-            forces[l] = self.traction[0][l];
-            forces[LANES + l] = self.traction[1][l];
-            forces[2 * LANES + l] = self.normal(l);
-        }
-        forces
-    }
-}
-
-/// Contact parameters of the lanes.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct LaneParameters<T> {
-    pub k_n: Lane<T>,
-    pub n_0: Lane<T>,
-    pub mu: Lane<T>,
-    pub k_t: [Lane<T>; 2],
-    /// 1/k_t, or 0 for an absent spring.
-    pub flexibility: [Lane<T>; 2],
-    pub anchor: [Lane<T>; 2],
-}
-
-impl<T: Real> LaneParameters<T> {
-    /// Parameters of one lane.
-    #[inline(always)]
-    pub(super) fn of(&self, lane: usize) -> ContactParameters<T> {
-        ContactParameters {
-            k_n: self.k_n[lane],
-            k_t: [self.k_t[0][lane], self.k_t[1][lane]],
-            mu: self.mu[lane],
-            n_0: self.n_0[lane],
-            anchor: [self.anchor[0][lane], self.anchor[1][lane]],
-        }
-    }
-
-    #[inline(always)]
-    fn set(&mut self, lane: usize, p: &ContactParameters<T>) {
-        self.k_n[lane] = p.k_n;
-        self.n_0[lane] = p.n_0;
-        self.mu[lane] = p.mu;
-        for d in 0..2 {
-            self.k_t[d][lane] = p.k_t[d];
-            self.flexibility[d][lane] = if p.k_t[d] > T::ZERO {
-                T::ONE / p.k_t[d]
-            } else {
-                T::ZERO
-            };
-            self.anchor[d][lane] = p.anchor[d];
-        }
-    }
-}
-
 /// What one lap counts, per state, as floating-point numbers (exact: at most 65536).
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct LapCount<T> {
+pub(in crate::aft) struct LapCount<T> {
     /// Samples that slip in at least one direction.
     pub slip: Lane<T>,
     /// 1 if a sample is at the upper or at the lower limit of a direction, else 0 (box law only).
@@ -135,7 +39,7 @@ pub(super) struct LapCount<T> {
 
 /// Buffers of one group of lanes.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Workspace<T> {
+pub(in crate::aft) struct Workspace<T> {
     /// Cosine coefficients (mean included) and sine coefficients. Shape: `[cosine]`, `[sine]`.
     cosines: Vec<Components<T>>,
     sines: Vec<Components<T>>,
@@ -155,7 +59,7 @@ pub(super) struct Workspace<T> {
 impl<T: Real> Workspace<T> {
     /// Reads the states from `first` on; lanes past the end repeat the last state.
     #[inline(always)]
-    pub(super) fn load<S: Simd>(
+    pub(in crate::aft) fn load<S: Simd>(
         &mut self,
         simd: S,
         plan: &AftPlan<T>,
@@ -204,7 +108,7 @@ impl<T: Real> Workspace<T> {
     /// Derivatives of the displacements by the phase at all time points, handed on as (point, values). The
     /// coefficients of the displacements are replaced.
     #[inline(always)]
-    pub(super) fn synthesize_rates<S: Simd>(
+    pub(in crate::aft) fn synthesize_rates<S: Simd>(
         &mut self,
         simd: S,
         plan: &AftPlan<T>,
@@ -269,19 +173,19 @@ impl<T: Real> Workspace<T> {
 
     /// Samples of a word before which a contact of the lanes closes; in the first lap none does before the first one.
     #[inline(always)]
-    fn closings_of(&self, word: usize, first: bool) -> u64 {
+    pub(in crate::aft) fn closings_of(&self, word: usize, first: bool) -> u64 {
         self.closings[word] & !u64::from(first && word == 0)
     }
 
     /// Whether a contact of the lanes closes just before the sample.
     #[inline(always)]
-    fn closes(&self, sample: usize, first: bool) -> bool {
+    pub(in crate::aft) fn closes(&self, sample: usize, first: bool) -> bool {
         self.closings_of(sample / WORD, first) >> (sample % WORD) & 1 == 1
     }
 
     /// Instant of closing since the sample before; 0 if the contact does not close, and for events at samples.
     #[inline(always)]
-    pub(super) fn closing(&self, sample: usize, lane: usize, first: bool) -> T {
+    pub(in crate::aft) fn closing(&self, sample: usize, lane: usize, first: bool) -> T {
         if self.closes(sample, first) {
             closing_instant(
                 self.before(sample).gap[lane],
@@ -294,176 +198,20 @@ impl<T: Real> Workspace<T> {
 
     /// The sample before.
     #[inline(always)]
-    fn before(&self, sample: usize) -> &Sample<T> {
+    pub(in crate::aft) fn before(&self, sample: usize) -> &Sample<T> {
         &self.samples[sample.checked_sub(1).unwrap_or(self.samples.len() - 1)]
-    }
-
-    /// One lap of the box law from the sliders `z` = k_t w (N), which end where the lap ends. Unless it is recorded, it
-    /// leaves neither tractions nor motions, and of the counts `slip` tells only whether there is any.
-    #[inline(always)]
-    pub(super) fn box_lap<const RECORD: bool>(
-        &mut self,
-        z: &mut [Lane<T>; 2],
-        first: bool,
-    ) -> LapCount<T> {
-        let mut slip = [0; LANES];
-        let (mut upper, mut lower) = ([[0; LANES]; 2], [[0; LANES]; 2]);
-        for w in 0..self.words.len() {
-            // samples at the upper and at the lower limit
-            let (mut above, mut below) = ([[0; LANES]; 2], [[0; LANES]; 2]);
-            let mut closings = self.closings_of(w, first);
-            // The sliders stay in registers over a stretch without closing.
-            let mut start = w * WORD;
-            let end = (start + WORD).min(self.samples.len());
-            loop {
-                let stop = (w * WORD + closings.trailing_zeros() as usize).min(end);
-                self.box_stretch::<RECORD>(start..stop, z, &mut above, &mut below);
-                if stop == end {
-                    break;
-                }
-                self.anchor(stop, z);
-                closings &= closings - 1;
-                start = stop;
-            }
-            let word = &mut self.words[w];
-            word.set_limits(above, below);
-            for l in 0..LANES {
-                slip[l] += word.slips(l);
-                for d in 0..2 {
-                    upper[d][l] |= above[d][l];
-                    lower[d][l] |= below[d][l];
-                }
-            }
-        }
-        let some = |bits: [Lane<u64>; 2]| bits.map(|b| b.map(|b| flag(b != 0)));
-        LapCount {
-            slip: slip.map(whole),
-            upper: some(upper),
-            lower: some(lower),
-            ..LapCount::default()
-        }
-    }
-
-    /// The samples `stretch` of one word, between which no contact closes.
-    #[allow(
-        clippy::needless_range_loop,
-        reason = "a plain loop over lanes becomes vector code"
-    )]
-    #[inline(always)]
-    fn box_stretch<const RECORD: bool>(
-        &mut self,
-        stretch: Range<usize>,
-        z: &mut [Lane<T>; 2],
-        above: &mut [Lane<u64>; 2],
-        below: &mut [Lane<u64>; 2],
-    ) {
-        let p = &self.parameters;
-        let first = stretch.start % WORD;
-        for (i, s) in self.samples[stretch].iter_mut().enumerate() {
-            let limit: Lane<T> = std::array::from_fn(|l| p.mu[l] * s.normal(l));
-            for d in 0..2 {
-                let mut traction = [T::ZERO; LANES];
-                for l in 0..LANES {
-                    let path = p.k_t[d][l] * s.u[d][l];
-                    (traction[l], z[d][l]) = if RECORD {
-                        box_step(limit[l], path, z[d][l])
-                    } else {
-                        // not clipped, which the lap need not know
-                        (path - z[d][l], box_slider(limit[l], path, z[d][l]))
-                    };
-                }
-                if RECORD {
-                    s.traction[d] = traction;
-                    mark(&mut above[d], first + i, |l| traction[l] >= limit[l]);
-                    mark(&mut below[d], first + i, |l| traction[l] <= -limit[l]);
-                } else {
-                    mark(&mut above[d], first + i, |l| traction[l].abs() >= limit[l]);
-                }
-            }
-        }
-    }
-
-    /// Sliders `z` (N) of the contacts that close just before the sample.
-    #[allow(
-        clippy::needless_range_loop,
-        reason = "a plain loop over lanes becomes vector code"
-    )]
-    #[inline(always)]
-    fn anchor(&self, sample: usize, z: &mut [Lane<T>; 2]) {
-        let (before, s) = (self.before(sample), &self.samples[sample]);
-        for l in 0..LANES {
-            let instant = closing_instant(before.gap[l], s.gap[l]);
-            for d in 0..2 {
-                let path = self.parameters.k_t[d][l] * s.u[d][l];
-                z[d][l] = anchored_at_closing(z[d][l], path, instant);
-            }
-        }
     }
 
     /// Distance from the limit (N) within which a slider of the circle law touches it: a steady cycle is found to
     /// within the tolerance, so that its slider may stand off a limit that holds it by that much.
     #[inline(always)]
-    pub(super) fn touch_margin(&self, lane: usize) -> T {
+    pub(in crate::aft) fn touch_margin(&self, lane: usize) -> T {
         self.tolerance[lane] + self.tolerance[lane]
-    }
-
-    /// One lap of the circle law from the sliders `w`, which end where the lap ends. `monodromy` (2 × 2, row-major) is
-    /// multiplied by the derivative of the end traction by the start traction.
-    #[inline(always)]
-    pub(super) fn circle_lap(
-        &mut self,
-        w: &mut [Lane<T>; 2],
-        monodromy: &mut [Lane<T>; 4],
-        first: bool,
-    ) -> LapCount<T> {
-        let margin: Lane<T> = std::array::from_fn(|l| self.touch_margin(l));
-        let p = &self.parameters;
-        let mut count = LapCount::<T>::default();
-        for i in 0..self.samples.len() {
-            let closing: Option<Lane<T>> = self
-                .closes(i, first)
-                .then(|| std::array::from_fn(|l| self.closing(i, l, first)));
-            let s = &mut self.samples[i];
-            for l in 0..LANES {
-                let u = [s.u[0][l], s.u[1][l]];
-                let start = match closing {
-                    Some(instant) => [
-                        anchored_at_closing(w[0][l], u[0], instant[l]),
-                        anchored_at_closing(w[1][l], u[1], instant[l]),
-                    ],
-                    None => [w[0][l], w[1][l]],
-                };
-                let k_t = [p.k_t[0][l], p.k_t[1][l]];
-                let flexibility = [p.flexibility[0][l], p.flexibility[1][l]];
-                let limit = p.mu[l] * s.normal(l);
-                let step = circle_step(k_t, flexibility, (limit, margin[l]), u, start);
-                [s.traction[0][l], s.traction[1][l]] = step.traction;
-                [w[0][l], w[1][l]] = step.slider;
-                let contact = s.gap[l] > T::ZERO;
-                count.slip[l] += flag(step.slips & contact);
-                let missing = T::ONE - step.ratio;
-                let square = step.trial[0] * step.trial[0] + step.trial[1] * step.trial[1];
-                count.way[l] = count.way[l].or_larger(missing * missing * square);
-                // entry by entry: with a closure this loop is no vector code
-                let factor = [
-                    monodromy[0][l],
-                    monodromy[1][l],
-                    monodromy[2][l],
-                    monodromy[3][l],
-                ];
-                let turned = slip_monodromy(step.trial, step.ratio, factor);
-                for (entry, (&old, new)) in monodromy.iter_mut().zip(factor.iter().zip(turned)) {
-                    let sliding = if step.touches { new } else { old };
-                    entry[l] = if contact { sliding } else { T::ZERO };
-                }
-            }
-        }
-        count
     }
 
     /// Force coefficients, handed on as (component, coefficient, lanes); they replace those of the displacement.
     #[inline(always)]
-    pub(super) fn analyse<S: Simd>(
+    pub(in crate::aft) fn analyse<S: Simd>(
         &mut self,
         simd: S,
         plan: &AftPlan<T>,
@@ -542,7 +290,7 @@ fn points<S: Simd, T: Real>(
 
 /// Sets bit `i` of the lanes of which something holds.
 #[inline(always)]
-fn mark(bits: &mut Lane<u64>, i: usize, holds: impl Fn(usize) -> bool) {
+pub(in crate::aft) fn mark(bits: &mut Lane<u64>, i: usize, holds: impl Fn(usize) -> bool) {
     let bit = 1 << i;
     for (l, bits) in bits.iter_mut().enumerate() {
         *bits |= if holds(l) { bit } else { 0 };
@@ -551,29 +299,12 @@ fn mark(bits: &mut Lane<u64>, i: usize, holds: impl Fn(usize) -> bool) {
 
 /// A number of samples.
 #[inline(always)]
-fn whole<T: Real>(count: u32) -> T {
+pub(in crate::aft) fn whole<T: Real>(count: u32) -> T {
     T::from_f64(f64::from(count))
 }
 
 /// 1 if `holds`, else 0.
 #[inline(always)]
-pub(super) fn flag<T: Real>(holds: bool) -> T {
+pub(in crate::aft) fn flag<T: Real>(holds: bool) -> T {
     if holds { T::ONE } else { T::ZERO }
-}
-
-/// Derivative of a slip step, a p pᵀ, times the 2 × 2 matrix `factor`; p is normal to the trial traction.
-#[inline(always)]
-pub(super) fn slip_monodromy<T: Real>(trial: [T; 2], ratio: T, factor: [T; 4]) -> [T; 4] {
-    let scale = ratio / (trial[0] * trial[0] + trial[1] * trial[1]);
-    let normal = [-trial[1], trial[0]];
-    let row = [
-        scale * (normal[0] * factor[0] + normal[1] * factor[2]),
-        scale * (normal[0] * factor[1] + normal[1] * factor[3]),
-    ];
-    [
-        normal[0] * row[0],
-        normal[0] * row[1],
-        normal[1] * row[0],
-        normal[1] * row[1],
-    ]
 }

@@ -3,13 +3,14 @@
 //! The tractions at the samples make up the forces, with one term per event: a sum over samples misses of a kink of the
 //! integrand, by J in its slope at the share x of a step h, −½ h² B₂(x) J (Euler and Maclaurin; B₂ = x² − x + 1/6).
 
-use super::breakpoints::{basis_row, first_sample_from};
 use super::course::{Course, Node, slip_step};
-use super::plan::{AftPlan, CHUNK};
 use super::sensitivity::{
     Base, Basis, Blocks, Mix, Row, Rows, add_mix, add_row, add_step, scale, set_rows,
 };
-use super::slip::{HalfAngle, dot, normal};
+use super::slip::HalfAngle;
+use crate::aft::plan::{AftPlan, CHUNK};
+use crate::aft::signals::breakpoints::{basis_row, first_sample_from};
+use crate::aft::vector::{dot, normal};
 use crate::contact::Real;
 use pulp::Simd;
 use std::f64::consts::TAU;
@@ -31,7 +32,7 @@ struct Kink<T> {
 
 /// What a lap leaves behind.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Lap<T> {
+pub(in crate::aft) struct Lap<T> {
     /// Tractions at the samples (N). Shape: `[time]`.
     pub tractions: Vec<[T; 2]>,
     kinks: Vec<Kink<T>>,
@@ -54,7 +55,7 @@ pub(super) struct Lap<T> {
 }
 
 /// A lap in progress; `target` takes the derivatives.
-pub(super) struct Walk<'a, S, T> {
+pub(in crate::aft) struct Walk<'a, S, T> {
     pub simd: S,
     pub course: Course<'a, T>,
     pub lap: &'a mut Lap<T>,
@@ -63,7 +64,7 @@ pub(super) struct Walk<'a, S, T> {
 
 impl<T: Real> Lap<T> {
     /// Adds what the kinks contribute to the traction coefficients. Shape: `force` `[2][m]`.
-    pub(super) fn add_kinks(&mut self, plan: &AftPlan<T>, force: &mut [T]) {
+    pub(in crate::aft) fn add_kinks(&mut self, plan: &AftPlan<T>, force: &mut [T]) {
         for kink in &self.kinks {
             let weight = kink_weights(plan, kink.theta)[0];
             self.row.resize(plan.m, T::ONE);
@@ -101,7 +102,7 @@ fn basis_at<'a, T: Real>(plan: &AftPlan<T>, node: &Node<T>, row: &'a [T]) -> Bas
 impl<'a, S: Simd, T: Real> Walk<'a, S, T> {
     /// The lap from the slider k_t w (N); returns where it ends.
     #[inline(always)]
-    pub(super) fn go(mut self, slider: [T; 2]) -> [T; 2] {
+    pub(in crate::aft) fn go(mut self, slider: [T; 2]) -> [T; 2] {
         let n = self.course.plan.n_time();
         let lap = &mut *self.lap;
         lap.tractions.clear();

@@ -3,12 +3,14 @@
 //! In stick the slider z = k_t w rests until |s − z| reaches L, with s = k_t u and L = mu N; in slip the traction turns
 //! as [`super::slip`] says until its slider would move backwards: λ = e·s' − L' falls to 0.
 
-use super::breakpoints::{Breakpoint, Signals, basis_row, signal_rates};
-use super::march::{Components, LANES, Lane, Workspace};
-use super::plan::AftPlan;
-use super::roots::{crossing_share, linear_share, turn_share, zero};
-use super::slip::{HalfAngle, SlipStep, dot, normal};
-use super::steady::{Hold, Touch, hold, tops};
+use super::slip::{HalfAngle, SlipStep};
+use super::steady_cycle::{Hold, Touch, hold, tops};
+use crate::aft::lanes::lane::{Components, LANES, Lane};
+use crate::aft::lanes::workspace::Workspace;
+use crate::aft::plan::AftPlan;
+use crate::aft::signals::breakpoints::{Breakpoint, Signals, basis_row, signal_rates};
+use crate::aft::signals::roots::{crossing_share, linear_share, turn_share, zero};
+use crate::aft::vector::{dot, normal};
 use crate::contact::ContactParameters;
 use crate::contact::Real;
 use std::f64::consts::TAU;
@@ -18,7 +20,7 @@ const TOP_STEPS: usize = 3;
 
 /// The signals at one phase.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Node<T> {
+pub(in crate::aft) struct Node<T> {
     /// The sample that this is; none for an event.
     pub sample: Option<usize>,
     pub theta: T,
@@ -35,7 +37,7 @@ pub(super) struct Node<T> {
 impl<T: Real> Node<T> {
     /// Sample i of a state of the group, for i up to Nt.
     #[inline(always)]
-    pub(super) fn sampled(
+    pub(in crate::aft) fn sampled(
         (work, rates): (&Workspace<T>, &[Components<T>]),
         p: &ContactParameters<T>,
         lane: usize,
@@ -58,19 +60,19 @@ impl<T: Real> Node<T> {
 
     /// Rate at which the slider moves along `e`.
     #[inline(always)]
-    pub(super) fn sliding(&self, e: [T; 2]) -> T {
+    pub(in crate::aft) fn sliding(&self, e: [T; 2]) -> T {
         dot(e, self.rate) - self.limit_rate
     }
 
     /// Its change with the phase where `e` turns at the rate `turning`; for events only.
     #[inline(always)]
-    pub(super) fn sliding_rate(&self, e: [T; 2], turning: T) -> T {
+    pub(in crate::aft) fn sliding_rate(&self, e: [T; 2], turning: T) -> T {
         dot(normal(e), self.rate) * turning + dot(e, self.bend) - self.limit_bend
     }
 
     /// Change with the phase of this node of a number with these derivatives by the step that ends here.
     #[inline(always)]
-    pub(super) fn turning(&self, by: &SlipStep<T>) -> T {
+    pub(in crate::aft) fn turning(&self, by: &SlipStep<T>) -> T {
         let limit_rate = T::from_f64(0.5) * self.limit_rate;
         dot(by.path, self.rate) + dot(by.rate, self.bend) + by.limit * limit_rate + by.length
     }
@@ -98,7 +100,7 @@ impl<T: Real> Node<T> {
 
 /// One state of a group.
 #[derive(Clone, Copy)]
-pub(super) struct Course<'a, T> {
+pub(in crate::aft) struct Course<'a, T> {
     pub plan: &'a AftPlan<T>,
     pub work: &'a Workspace<T>,
     /// The samples. Shape: `[time + 1]`.
@@ -114,18 +116,18 @@ pub(super) struct Course<'a, T> {
 impl<T: Real> Course<'_, T> {
     /// The sample i; i = Nt is sample 0 a period later.
     #[inline(always)]
-    pub(super) fn sample(&self, i: usize) -> Node<T> {
+    pub(in crate::aft) fn sample(&self, i: usize) -> Node<T> {
         self.nodes[i]
     }
 
     #[inline(always)]
-    pub(super) fn phase(&self, i: usize) -> T {
+    pub(in crate::aft) fn phase(&self, i: usize) -> T {
         self.nodes[i].theta
     }
 
     /// The signals at a phase, and the basis row there.
     #[inline(never)]
-    pub(super) fn instant(&self, theta: T, row: &mut Vec<T>) -> Node<T> {
+    pub(in crate::aft) fn instant(&self, theta: T, row: &mut Vec<T>) -> Node<T> {
         let (plan, p) = (self.plan, self.p);
         row.resize(plan.m, T::ONE);
         basis_row(plan, theta, row);
@@ -148,7 +150,7 @@ impl<T: Real> Course<'_, T> {
 
     /// A root of the gap function.
     #[inline(always)]
-    pub(super) fn gap_root(&self, theta: T, row: &mut Vec<T>) -> Node<T> {
+    pub(in crate::aft) fn gap_root(&self, theta: T, row: &mut Vec<T>) -> Node<T> {
         Node {
             limit: T::ZERO,
             ..self.instant(theta, row)
@@ -157,7 +159,7 @@ impl<T: Real> Course<'_, T> {
 
     /// Where a slider that rests from `here` on begins to slip before `next`.
     #[inline(always)]
-    pub(super) fn slip_start(
+    pub(in crate::aft) fn slip_start(
         &self,
         [here, next]: [&Node<T>; 2],
         slider: [T; 2],
@@ -232,7 +234,7 @@ impl<T: Real> Course<'_, T> {
     }
 
     /// Where slip from `here` in the direction `half` ends before `next`, where it would be negative.
-    pub(super) fn slip_end(
+    pub(in crate::aft) fn slip_end(
         &self,
         [here, next]: [&Node<T>; 2],
         half: HalfAngle<T>,
@@ -255,7 +257,7 @@ impl<T: Real> Course<'_, T> {
 
     /// The point towards which the slider creeps, from where it is.
     #[inline(never)]
-    pub(super) fn held(&self, slider: [T; 2]) -> Option<Hold<T, T>> {
+    pub(in crate::aft) fn held(&self, slider: [T; 2]) -> Option<Hold<T, T>> {
         let step = T::from_f64(TAU / self.plan.n_time() as f64);
         let near = |theta: T, slider: [T; 2]| {
             let mut row = Vec::new();
@@ -280,7 +282,7 @@ impl<T: Real> Course<'_, T> {
 
     /// Matrix of the slip from `here` to `next`.
     #[inline(always)]
-    pub(super) fn map(&self, here: &Node<T>, next: &Node<T>) -> [T; 4] {
+    pub(in crate::aft) fn map(&self, here: &Node<T>, next: &Node<T>) -> [T; 4] {
         match (here.sample, next.sample) {
             (Some(i), Some(_)) => std::array::from_fn(|k| self.maps[i][k][self.lane]),
             _ => slip_step(here, next).map(),
@@ -290,7 +292,7 @@ impl<T: Real> Course<'_, T> {
 
 /// The step between two nodes.
 #[inline(always)]
-pub(super) fn slip_step<T: Real>(here: &Node<T>, next: &Node<T>) -> SlipStep<T> {
+pub(in crate::aft) fn slip_step<T: Real>(here: &Node<T>, next: &Node<T>) -> SlipStep<T> {
     SlipStep {
         path: [0, 1].map(|d| next.path[d] - here.path[d]),
         rate: next.rate,

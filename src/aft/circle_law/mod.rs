@@ -1,0 +1,10 @@
+//! The circle law: one slider for both directions of slip, and its steady cycle.
+
+pub(super) mod course;
+pub(super) mod lap;
+pub(super) mod located;
+pub(super) mod march;
+pub(super) mod sensitivity;
+pub(super) mod slip;
+pub(super) mod steady_cycle;
+pub(super) mod tangent;

@@ -1,0 +1,4 @@
+//! Trigonometric signals between their samples: where they turn, cross and touch.
+
+pub(super) mod breakpoints;
+pub(super) mod roots;
