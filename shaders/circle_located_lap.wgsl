@@ -358,7 +358,7 @@ fn event_between(here: Node, next: Node, after: HalfAngle, state: u32) -> Found 
         if here.event && start.z < zero {
             // slip ended at `here`, or the contact closed: a double zero, and a cubic beyond it
             let fall = real(-0.5) * start.z * width * width;
-            guess = fall / (end.x + fall);
+            guess = sqrt(fall / (end.x + fall));
         } else if start.x >= -held && start.y < zero {
             // at the limit at the start of the lap: a zero, and a parabola beyond it
             guess = rates.x / (rates.x - end.x);

@@ -193,9 +193,11 @@ impl<T: Real> Course<'_, T> {
             let half = T::from_f64(0.5);
             let held = margin * (here.limit + here.limit + margin);
             if here.sample.is_none() && start_bend < T::ZERO {
-                // Slip ended at `here`, or the contact closed: a double zero, and a cubic beyond it.
+                // Slip ended at `here`, or the contact closed: a double zero, and a cubic beyond it, or a quartic where the
+                // motion goes straight back. The quartic's guess is the larger one: from there the search comes down and
+                // never meets the rounding around the double zero.
                 let fall = -(half * start_bend) * width * width;
-                fall / (end + fall)
+                (fall / (end + fall)).sqrt()
             } else if start >= -held && start_rate < T::ZERO {
                 // At the limit at the start of the lap: a zero, and a parabola beyond it.
                 rates[0] / (rates[0] - end)

@@ -15,6 +15,9 @@ use crate::contact::Real;
 use pulp::Simd;
 use std::f64::consts::TAU;
 
+/// Events between two samples at the most; more are round-off, which lets slip begin and end at one instant for ever.
+const MOST_EVENTS: usize = 16;
+
 /// What a closed contact does.
 #[derive(Debug, Clone, Copy)]
 enum Motion<T> {
@@ -209,6 +212,7 @@ impl<'a, S: Simd, T: Real> Walk<'a, S, T> {
             || first_sample_from(here.theta.to_f64(), n as f64),
             |sample| sample + 1,
         );
+        let mut events = 0;
         loop {
             let here = at.map_or(&event, |sample| &course.nodes[sample]);
             let inside = end.is_none_or(|end| i < n && course.phase(i) < end);
@@ -227,16 +231,18 @@ impl<'a, S: Simd, T: Real> Walk<'a, S, T> {
                         self.end_stick(i);
                         motion = self.start_slip(&start, slider);
                         (event, at) = (start, None);
+                        events += 1;
                         continue;
                     }
                 }
                 Motion::Slip(half) => {
                     let after = half.after(course.map(here, next));
-                    if inside && next.sliding(after.e) <= T::ZERO {
+                    if inside && events < MOST_EVENTS && next.sliding(after.e) <= T::ZERO {
                         let row = &mut self.lap.next_row;
                         let stop = course.slip_end([here, next], half, after, row);
                         motion = self.end_slip([here, &stop], half);
                         (event, at) = (stop, None);
+                        events += 1;
                         continue;
                     }
                     let turning = self.slide([here, next], half, after);
@@ -253,6 +259,7 @@ impl<'a, S: Simd, T: Real> Walk<'a, S, T> {
             self.keep(i, next, motion);
             at = Some(i);
             i += 1;
+            events = 0;
         }
     }
 
