@@ -1,4 +1,4 @@
-// Steady cycle of the circle law, the twin of the search in aft/steady.rs: one thread per state. Newton's method on the
+// Steady cycle of the circle law, the twin of the search in aft/circle_law/steady_cycle.rs: one thread per state. Newton's method on the
 // end tractions of a lap finds it; where it does not within a few laps, or finds one that is not unique, the state
 // counts as an overflow and the processor decides. `lap_from` is that of the kind of events.
 

@@ -1,4 +1,4 @@
-// Lap of the circle law with located events, the twin of aft/course.rs and aft/lap.rs, where the formulas are explained:
+// Lap of the circle law with located events, the twin of course.rs and lap.rs of aft/circle_law, where the formulas are explained:
 // with the derivatives by the start tractions and by one coefficient of one signal. Time counts in intervals between
 // samples.
 
@@ -253,7 +253,7 @@ fn step_between(here: Node, next: Node) -> SlipStep {
     return SlipStep(next.path - here.path, next.rate, real(0.5) * (here.limit + next.limit), length);
 }
 
-// Search of a zero, the twin of aft/roots.rs.
+// Search of a zero, the twin of aft/signals/roots.rs.
 struct Search {
     low: real,
     high: real,

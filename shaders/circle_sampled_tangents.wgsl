@@ -1,4 +1,4 @@
-// Derivatives of the circle law, the twin of aft/circle_tangent.rs: one thread per state that moves and column. The
+// Derivatives of the circle law, the twin of aft/circle_law/tangent.rs: one thread per state that moves and column. The
 // slider carries its derivative by one coefficient of one signal around the laps.
 
 @compute @workgroup_size(GROUP)

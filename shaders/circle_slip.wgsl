@@ -1,4 +1,4 @@
-// Slip of the circle law between two instants, the twin of aft/slip.rs, where the formulas are explained. Time counts in
+// Slip of the circle law between two instants, the twin of aft/circle_law/slip.rs, where the formulas are explained. Time counts in
 // intervals between samples.
 
 // |path| over the mean limit in the longest step.
