@@ -11,7 +11,9 @@ use crate::hb::equations::balance::Balance;
 use crate::hb::equations::jacobian::EXACT;
 use crate::hb::equations::problem::Problem;
 use crate::hb::status::Status;
+use crate::hb::structure::compliance::Compliance;
 use crate::linalg::vector::norm;
+use faer::prelude::c64;
 
 /// Newton iterations; 400 random models took at most 23.
 const MOST_ITERATIONS: usize = 200;
@@ -130,6 +132,29 @@ impl Rest {
                 (margin / (libm::hypot(t1, t2) + c.mu * normal)).min(preload / normal)
             })
             .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Stiffness of the contacts (N/m) where those that are closed slide without friction. Shape as K_c.
+    pub(in crate::hb) fn sliding_stiffness(&self) -> Vec<f64> {
+        let mut stiffness = self.stiffness.clone();
+        let n_tangential = stiffness.len() / 3 * 2;
+        stiffness[..n_tangential].fill(0.0);
+        stiffness
+    }
+
+    /// The response at `level` and the frequency `omega` (rad/s) of the structure with that stiffness.
+    pub(in crate::hb) fn sliding(&self, balance: &Balance<'_>, omega: f64, level: f64) -> Point {
+        let stiffness = self.sliding_stiffness();
+        let at = Compliance::new(balance.problem.model, &stiffness, &[0, 1], omega);
+        let first = &at.harmonics[0];
+        let load: Vec<c64> = first.part.force.iter().map(|f| f * level).collect();
+        let n = balance.layout.n_relative();
+        let mut r = vec![0.0; balance.layout.n_unknowns()];
+        r[..n].copy_from_slice(&self.at.r[..n]);
+        for (j, z) in first.part.relative(&first.solve(&load)).iter().enumerate() {
+            (r[n + j], r[2 * n + j]) = (z.re, -z.im);
+        }
+        Point { r, omega, level }
     }
 
     /// The response at `level`, linear about the rest.

@@ -5,12 +5,13 @@
 //! amplitude that a level gives is not. At each level asked for, a few harmonics are added step by step and the maximum
 //! next to the phase resonance is located. More harmonics are added to the located maximum, first those of the study, then
 //! until the error alert is silent. Where that fails the phase resonance is taken to the harmonics of the study before
-//! the maximum is located, and where that fails too the whole band is swept by continuation, on few harmonics and at last
+//! the maximum is located; then the maxima of the structure that slides without friction are tried, which friction far below
+//! the level hardly moves; and where that fails too the whole band is swept by continuation, on few harmonics and at last
 //! on those of the study, whose maximum may be too far from that on few.
 
 use super::alert::AlertSets;
 use super::level_peak::LevelPeak;
-use super::maxima::{ModeSearch, PeakChoice, search_maxima};
+use super::maxima::{COMPETES, ModeSearch, PeakChoice, search_maxima};
 use super::predicted::{PeakPrediction, correct, maximum_near};
 use super::refine::{Kept, refined};
 use super::search::{Located, PeakSettings, find_peak, highest_nearby, maximum_on};
@@ -25,7 +26,9 @@ use crate::hb::newton::rest::{Rest, stiffness_at_rest};
 use crate::hb::newton::{Condition, Iterate, Point, WorkCount, solve};
 use crate::hb::settings::{HbSettings, NewtonSettings};
 use crate::hb::status::Status;
-use crate::hb::structure::resonance::{Band, Candidate, candidates, linear_response};
+use crate::hb::structure::resonance::{
+    Band, Candidate, candidates, linear_resonances, linear_response,
+};
 use crate::linalg::LinalgError;
 use faer::prelude::c64;
 use std::ops::ControlFlow;
@@ -64,6 +67,10 @@ struct Track<'a, 'p> {
     path: Band,
     /// Direction of the first harmonic of response 0 at resonance.
     phasor: c64,
+    /// The structure at rest, if there is an equilibrium.
+    rest: Option<Rest>,
+    /// Largest amplitude of the mode per unit level (m).
+    reach: f64,
     at: Option<Iterate<'p>>,
     ratio: f64,
     count: WorkCount,
@@ -115,15 +122,18 @@ pub fn track_mode(
         peak,
         path: mode.path,
         phasor: response / response.norm(),
+        rest: None,
+        reach: mode.reach,
         at: None,
         ratio: RATIOS[0],
         count: WorkCount::default(),
     };
     problem.budget.grant(settings.newton.budget);
-    track.at = rest.ok().and_then(|(rest, work)| {
+    if let Ok((rest, work)) = rest {
         track.count += work;
-        track.start(&rest, levels.first().copied().unwrap_or(1.0))
-    });
+        track.at = track.start(&rest, levels.first().copied().unwrap_or(1.0));
+        track.rest = Some(rest);
+    }
     levels.iter().map(|&level| track.level(level)).collect()
 }
 
@@ -159,6 +169,10 @@ impl<'a, 'p> Track<'a, 'p> {
             .or_else(|status| {
                 with_more(status)?;
                 self.located(level, last)
+            })
+            .or_else(|_| {
+                let found = self.sliding(level)?;
+                self.raised(0, found)
             })
             .or_else(|_| {
                 let found = self.sweep(level, 0)?;
@@ -348,6 +362,33 @@ impl<'a, 'p> Track<'a, 'p> {
             self.settings.newton,
         );
         self.count.tally(solved)
+    }
+
+    /// The highest maximum next to the resonances of the structure that slides without friction, on few harmonics, where it
+    /// comes near what the mode can reach: friction far below the level hardly moves it.
+    fn sliding(&mut self, level: f64) -> Result<Located<'p>, Status> {
+        let (balance, newton) = (&self.ladder[0], self.settings.newton);
+        let rest = self.rest.as_ref().ok_or(Status::NoPeakInBand)?;
+        let least = COMPETES * self.reach;
+        let stiffness = rest.sliding_stiffness();
+        let model = balance.problem.model;
+        let resonances = linear_resonances(model, &stiffness, self.peak.band, least);
+        let height = |found: &Located<'_>| found.iterate.response(balance).norm();
+        let mut best: Option<Located<'p>> = None;
+        for resonance in resonances.map_err(|_| Status::NonFinite)? {
+            let start = rest.sliding(balance, resonance.omega, level);
+            let start = solve(balance, start, Condition::FixedFrequency, newton);
+            let found = (self.count.tally(start)).and_then(|start| {
+                self.count
+                    .tally(find_peak(balance, start, self.peak, newton))
+            });
+            let higher = found.ok().filter(|found| {
+                let least = best.as_ref().map_or(least * level, height);
+                height(found) > least
+            });
+            best = higher.or(best);
+        }
+        best.ok_or(Status::NoPeakInBand)
     }
 
     /// The highest maximum on the branch through the whole band at `level`, on the harmonics of `rung`.

@@ -68,12 +68,23 @@ pub fn linear_resonance(
     k: &[f64],
     band: Band,
 ) -> Result<Option<LinearResonance>, LinalgError> {
-    let part = model.part(1);
-    let modes = LinearMode::all(part, k)?;
-    let strongest = (modes.iter())
-        .filter(|mode| band.contains(mode.omega))
-        .max_by(|a, b| a.amplitude.total_cmp(&b.amplitude));
+    let strongest = LinearMode::strongest(model, k, band)?.into_iter().next();
     Ok(strongest.map(|mode| mode.resonance(model, k)))
+}
+
+/// The same for all whose amplitude is at least `least` (m per unit level), largest first.
+///
+/// # Errors
+/// [`LinalgError`] if the eigensolver fails.
+pub(in crate::hb) fn linear_resonances(
+    model: &LinearModel,
+    k: &[f64],
+    band: Band,
+    least: f64,
+) -> Result<Vec<LinearResonance>, LinalgError> {
+    let modes = LinearMode::strongest(model, k, band)?.into_iter();
+    let large = modes.filter(|mode| mode.amplitude >= least);
+    Ok(large.map(|mode| mode.resonance(model, k)).collect())
 }
 
 /// An undamped mode of a linear structure with its damping.
@@ -101,6 +112,15 @@ impl LinearMode {
             Self::new(part, l.max(0.0).sqrt(), modes.col_as_slice(j).to_vec())
         };
         Ok(lambda.iter().enumerate().map(mode).collect())
+    }
+
+    /// The modes inside `band` with springs `k`, largest amplitude first.
+    fn strongest(model: &LinearModel, k: &[f64], band: Band) -> Result<Vec<Self>, LinalgError> {
+        let mut modes = Self::all(model.part(1), k)?;
+        modes.retain(|mode| band.contains(mode.omega));
+        modes.sort_by(|a, b| a.amplitude.total_cmp(&b.amplitude));
+        modes.reverse();
+        Ok(modes)
     }
 
     /// The free modes of `part`.

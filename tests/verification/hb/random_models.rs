@@ -12,9 +12,9 @@ use rayon::prelude::*;
 const MODELS: u64 = 40;
 /// Newton iterations per search, far fewer than a study has.
 const BUDGET: usize = 4000;
-/// Models that may end without a peak: contacts a hundred times stiffer than the structure that hammer, whose branches are
-/// longer than the budget, and circle laws at the border of stick (`cargo bench --bench models` names them).
-const MAY_FAIL: usize = 5;
+/// Models that may end without a peak: contacts a hundred times stiffer than the structure that hammer. The structure does not
+/// vibrate with the period of the excitation there (`cargo bench --bench models` integrates them in time).
+const MAY_FAIL: usize = 4;
 
 /// Seen to fail (13 without a peak, on five times the budget) with searches that start from the stuck structure instead of the
 /// static equilibrium, and that sweep the band from the stuck solution at its end where a track fails.
@@ -34,6 +34,18 @@ fn peaks_of_most_small_models_are_found() {
         .collect();
     println!("{}", failed.join("\n"));
     assert!(failed.len() <= MAY_FAIL, "{} failed", failed.len());
+}
+
+/// Friction far below the level: five contacts up to 180 times as stiff as the structure, limits of 0.1 to 0.4 N, level 100 N. The
+/// peak is next to that of the structure that slides without friction, and the one that a walk through the band finds in
+/// five times as many iterations. Seen to fail without the start from the sliding structure: budget-spent.
+#[test]
+fn friction_far_below_the_level_hardly_moves_the_peak() {
+    let model = RandomModel::of_seed(28);
+    let found = model.peak(5, BUDGET).solution.expect("a peak");
+    println!("{} {} {}", model.text, found.omega, found.amplitude(0));
+    assert!((found.omega / 0.960_960_69 - 1.0).abs() < 1e-6);
+    assert!((found.amplitude(0) / 1_715.019_39 - 1.0).abs() < 1e-6);
 }
 
 /// Preloads that balance the static load leave contacts stuck, so that a small level is a linear problem. Seen to fail with
