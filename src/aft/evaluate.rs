@@ -36,8 +36,7 @@ type LastEvents = [[Option<Event>; 2]; LANES];
 ///
 /// The result of a state does not depend on the others, bit for bit. Neither does it depend on the processor's
 /// instruction set, which is found at run time: every operation rounds once and correctly, fused multiply-adds too
-/// (without an instruction for them they are slow). Only sines and cosines come from the platform's library. Buffers of
-/// `scratch` and `out` are reused.
+/// (without an instruction for them they are slow). Buffers of `scratch` and `out` are reused.
 pub fn evaluate<T: Real>(
     plan: &AftPlan<T>,
     batch: &AftBatch<T>,
