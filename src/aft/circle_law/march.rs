@@ -8,6 +8,7 @@ use crate::aft::lanes::lane::{LANES, Lane};
 use crate::aft::lanes::workspace::{LapCount, Workspace, flag};
 use crate::aft::plan::AftPlan;
 use crate::aft::settings::Laps;
+use crate::aft::vector::{dot, normal};
 use crate::contact::Real;
 use crate::contact::law::{anchored_at_closing, circle_step};
 
@@ -229,8 +230,8 @@ impl<T: Real> Workspace<T> {
 /// Derivative of a slip step, a p pᵀ, times the 2 × 2 matrix `factor`; p is normal to the trial traction.
 #[inline(always)]
 pub(in crate::aft) fn slip_monodromy<T: Real>(trial: [T; 2], ratio: T, factor: [T; 4]) -> [T; 4] {
-    let scale = ratio / (trial[0] * trial[0] + trial[1] * trial[1]);
-    let normal = [-trial[1], trial[0]];
+    let scale = ratio / dot(trial, trial);
+    let normal = normal(trial);
     let row = [
         scale * (normal[0] * factor[0] + normal[1] * factor[2]),
         scale * (normal[0] * factor[1] + normal[1] * factor[3]),

@@ -187,7 +187,7 @@ type Pair<T> = [T; 2 * CHUNK];
 /// Derivative blocks under construction.
 #[derive(Debug, Clone, Default)]
 pub(in crate::aft) struct Blocks<T> {
-    segments: MaskScratch<T>,
+    masks: MaskScratch<T>,
     /// Spectrum of the samples that stick. Shape: `[2][2H + 1]`.
     stick: Vec<T>,
     /// Weight of the next product. Shape: `[m]`.
@@ -230,14 +230,13 @@ impl<T: Real> Blocks<T> {
         range: std::ops::Range<usize>,
         slider: &[Row<T>; 2],
     ) {
-        let run = self.segments.run(plan, range.start, range.end);
+        let run = self.masks.run(plan, range.start, range.end);
         add_scaled(&mut self.stick, T::ONE, run);
         for (row, z) in self.traction.iter_mut().zip(slider) {
             set_rows(row, [z, z], |_, z, _| -z);
         }
         self.weight.clear();
-        self.weight
-            .extend_from_slice(self.segments.sums_of_run(plan));
+        self.weight.extend_from_slice(self.masks.sums_of_run(plan));
         self.queue_traction(simd, plan);
     }
 

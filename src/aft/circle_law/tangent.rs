@@ -33,7 +33,7 @@ pub(in crate::aft) struct CircleScratch<T> {
 
 /// Where the derivative of one lap goes.
 struct Target<'a, T> {
-    segments: &'a mut MaskScratch<T>,
+    masks: &'a mut MaskScratch<T>,
     out: &'a mut [T],
 }
 
@@ -45,7 +45,7 @@ pub(in crate::aft) fn circle_tangent<T: Real>(
     view: View<T>,
     cycle: &Cycle<T>,
     scratch: &mut CircleScratch<T>,
-    segments: &mut MaskScratch<T>,
+    masks: &mut MaskScratch<T>,
     out: &mut [T],
 ) {
     let size = view.plan.m * view.plan.m;
@@ -70,14 +70,14 @@ pub(in crate::aft) fn circle_tangent<T: Real>(
             scratch.slider = lane2(&cycle.start, view.lane);
         }
         let target = (lap == laps).then_some(Target {
-            segments: &mut *segments,
+            masks: &mut *masks,
             out: &mut *out,
         });
         scratch.lap(view, origin == Origin::Anchor && lap == 1, target);
     }
-    segments.contact_spectrum(view);
+    masks.contact_spectrum(view);
     let nn = &mut out[Block::NN as usize * size..][..size];
-    segments.add_contact(view.plan, p.k_n, nn);
+    masks.add_contact(view.plan, p.k_n, nn);
 }
 
 impl<T: Real> CircleScratch<T> {
@@ -232,14 +232,14 @@ impl<T: Real> CircleScratch<T> {
     fn stick_segment(&mut self, view: View<T>, start: usize, end: usize, target: &mut Target<T>) {
         let (plan, k_t) = (view.plan, view.parameters().k_t);
         let (m, size) = (plan.m, plan.m * plan.m);
-        let run = target.segments.run(plan, start, end);
+        let run = target.masks.run(plan, start, end);
         for (block, k) in [(Block::T1T1, k_t[0]), (Block::T2T2, k_t[1])] {
             let block = &mut target.out[block as usize * size..][..size];
             add_masked_gram(plan, run, k, block);
         }
         let at = self.waiting;
         let weights = &mut self.weights[at * m..][..m];
-        weights.copy_from_slice(target.segments.sums_of_run(plan));
+        weights.copy_from_slice(target.masks.sums_of_run(plan));
         for d in 0..2 {
             let row = &mut self.rows[(2 * at + d) * 3 * m..][..3 * m];
             for (value, &b) in row.iter_mut().zip(&self.by[d]) {

@@ -300,7 +300,8 @@ impl<'p> Balance<'p> {
         c.iter().zip(s).map(|(&c, &s)| c64::new(c, -s)).collect()
     }
 
-    fn store(&self, i: usize, z: &[c64], factor: f64, out: &mut [f64]) {
+    /// Writes `factor` times the complex amplitudes `z` as the i-th dynamic harmonic of a coefficient-major vector.
+    pub(in crate::hb) fn store(&self, i: usize, z: &[c64], factor: f64, out: &mut [f64]) {
         let n = self.layout.n_relative();
         for (j, z) in z.iter().enumerate() {
             out[(2 * i + 1) * n + j] = factor * z.re;

@@ -148,12 +148,9 @@ impl Rest {
         let at = Compliance::new(balance.problem.model, &stiffness, &[0, 1], omega);
         let first = &at.harmonics[0];
         let load: Vec<c64> = first.part.force.iter().map(|f| f * level).collect();
-        let n = balance.layout.n_relative();
-        let mut r = vec![0.0; balance.layout.n_unknowns()];
-        r[..n].copy_from_slice(&self.at.r[..n]);
-        for (j, z) in first.part.relative(&first.solve(&load)).iter().enumerate() {
-            (r[n + j], r[2 * n + j]) = (z.re, -z.im);
-        }
+        let moved = first.part.relative(&first.solve(&load));
+        let mut r = self.at.r.clone();
+        balance.store(0, &moved, 1.0, &mut r);
         Point { r, omega, level }
     }
 
