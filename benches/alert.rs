@@ -12,7 +12,6 @@ use microslip::ensemble::outcome::LevelOutcome;
 use microslip::ensemble::{Ensemble, Solved};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::equations::balance::balance_on;
-use microslip::hb::newton::WorkCount;
 use microslip::hb::peak::predicted::maximum_near;
 use microslip::hb::{Problem, Status};
 use microslip::study::Study;
@@ -119,9 +118,8 @@ fn true_error(
     let n_relative = balance.layout.n_relative();
     prediction.point.r =
         (start.harmonics).convert(&prediction.point.r, n_relative, &balance.harmonics);
-    let mut count = WorkCount::default();
     let newton = settings.newton;
-    let best = maximum_near(&balance, prediction, ensemble.peak, newton, &mut count).ok()?;
+    let best = maximum_near(&balance, prediction, ensemble.peak, newton).ok()?;
     Some((best.iterate.response(&balance).norm() / start.amplitude - 1.0).abs())
 }
 

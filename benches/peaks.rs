@@ -19,7 +19,7 @@ use microslip::ensemble::{Ensemble, SampleSolver, Solved, Strips};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::branch::sweep::SweepDirection;
 use microslip::hb::equations::balance::balance_on;
-use microslip::hb::newton::{Iterate, WorkCount};
+use microslip::hb::newton::Iterate;
 use microslip::hb::peak::maxima::PeakChoice;
 use microslip::hb::peak::predicted::maximum_near;
 use microslip::hb::peak::search::PeakSettings;
@@ -505,8 +505,7 @@ fn on_31_harmonics(
         } = peak.as_prediction();
         let n_relative = balance.layout.n_relative();
         peak.point.r = harmonics.convert(&peak.point.r, n_relative, &balance.harmonics);
-        let mut count = WorkCount::default();
-        match maximum_near(&balance, peak, search(), settings.newton, &mut count) {
+        match maximum_near(&balance, peak, search(), settings.newton) {
             Ok(best) => Some((best.iterate.response(&balance).norm() / amplitude - 1.0).abs()),
             Err(status) => {
                 println!("{} N: {status:?} on 31 harmonics", level.level);

@@ -138,7 +138,7 @@ impl RandomModel {
         let contacts = self.contacts.clone();
         let problem =
             Problem::new(&linear, contacts, 1.0, SliderAnchor::Unloaded).expect("a held structure");
-        problem.budget.grant(settings.newton.budget);
+        problem.effort.grant(settings.newton.budget);
         let peak = PeakSettings {
             band: Band {
                 low: 0.5 * free[0],

@@ -6,6 +6,7 @@ pub mod atlas;
 pub mod backend;
 pub mod further_points;
 pub mod kept;
+mod mode_search;
 pub mod one_at_a_time;
 pub mod outcome;
 pub mod runner;

@@ -1,6 +1,6 @@
 //! What one sample gives: inputs, and one record per excitation level.
 
-use crate::hb::Status;
+use crate::hb::{PeakRoute, Status};
 use crate::sampling::SampleGroup;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -45,6 +45,8 @@ pub struct PeakRecord {
     /// Amplitude |q̂₁| of the first response coordinate (m).
     #[serde(deserialize_with = "number")]
     pub amplitude_m: f64,
+    /// How it was found; absent where no solver did.
+    pub route: Option<PeakRoute>,
     /// Stated relative error of the amplitude by the harmonics left out; absent without an alert, or where nothing was found
     /// with twice the harmonics.
     pub truncation_error: Option<f64>,

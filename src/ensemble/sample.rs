@@ -1,35 +1,20 @@
 //! One sample: from its inputs to its peaks, curves and record.
 //!
 //! The peak is the highest maximum in the band, of those that grow from the modes of the stuck and the free structure
-//! ([`crate::hb::peak::maxima`]). The maximum of a mode is predicted from the atlas and corrected, by damped steps where undamped ones fail. Where that fails it is
-//! followed from the nearest anchor along the straight line between the inputs, and where that fails too the sample's own
-//! track from the stuck state decides.
+//! ([`crate::hb::peak::maxima`]); `mode_search` looks for that of one mode.
 
 use super::applied::Applied;
-use super::atlas::{Anchor, AnchorPeak, Atlas, AtlasPrediction, ModePeaks, Place};
+use super::atlas::{Anchor, Atlas, ModePeaks};
+use super::mode_search::ModeOfSample;
 use super::outcome::{CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome};
 use super::{Ensemble, SampleSolver};
-use crate::hb::equations::balance::balance_on;
-use crate::hb::newton::WorkCount;
 use crate::hb::newton::rest::stiffness_at_rest;
-use crate::hb::peak::level_peak::LevelPeak;
-use crate::hb::peak::maxima::{Maxima, ModeSearch, search_maxima};
-use crate::hb::peak::predicted::{PeakPrediction, correct, maximum_near, phase_locked};
-use crate::hb::peak::refine::refined_near;
-use crate::hb::peak::search::PeakSettings;
-use crate::hb::peak::track::track_mode;
+use crate::hb::peak::maxima::{Maxima, search_maxima};
+use crate::hb::peak::predicted::{PeakPrediction, maximum_near, phase_locked};
 use crate::hb::response::curve::response_curve;
 use crate::hb::structure::resonance::{Candidate, candidates};
-use crate::hb::{Balance, NewtonSettings, Problem, ProblemError, Solution, Status};
+use crate::hb::{Balance, Problem, ProblemError, Solution, Status};
 use crate::units::rad_s_to_hz;
-
-/// Relative distance between the predicted and the found amplitude from which the prediction is not trusted to have
-/// led to the same branch.
-const SURPRISE: f64 = 0.2;
-/// First and smallest share of the way from an anchor to a sample in one step.
-const STEPS: [f64; 2] = [0.5, 1.0 / 64.0];
-/// Relative tolerance of frequency and residual at the peaks between an anchor and a sample: they only lead on.
-const WAYPOINT_TOLERANCE: f64 = 1e-3;
 
 impl Ensemble<'_> {
     /// Outcome of sample `index` and what it is to others, started from `atlas`.
@@ -40,7 +25,7 @@ impl Ensemble<'_> {
         self.outcome(index, inputs, place, atlas)
     }
 
-    /// Outcome at the nominal constants of the study. Inputs are NaN-free but meaningless: none was sampled.
+    /// Outcome at the nominal constants of the study. `inputs` is empty: none was sampled.
     #[must_use]
     pub fn nominal(&self) -> SampleOutcome {
         let alone = Atlas::default();
@@ -144,7 +129,7 @@ impl Ensemble<'_> {
     }
 
     /// Excitation levels of a sample. Shape: `[levels]`.
-    fn applied_levels(&self, applied: &Applied) -> Vec<f64> {
+    pub(super) fn applied_levels(&self, applied: &Applied) -> Vec<f64> {
         (self.levels.iter())
             .map(|level| level * applied.excitation_scale)
             .collect()
@@ -173,131 +158,6 @@ impl Ensemble<'_> {
         search_maxima(&modes, self.choice, levels, search)
     }
 
-    /// Maxima of one mode at the `wanted` levels: from the atlas where that leads to what it promised, the others by the
-    /// track of the mode.
-    fn of_mode(&self, of: &ModeOfSample<'_>, wanted: &[usize], atlas: &Atlas) -> Vec<ModeSearch> {
-        let mut searches: Vec<Search> = wanted.iter().map(|_| Search::default()).collect();
-        let mut peaks: Vec<Option<LevelPeak>> = (wanted.iter().zip(&mut searches))
-            .map(|(&level, search)| {
-                of.problem.budget.grant(self.settings.newton.budget);
-                let at = of.at(level);
-                let prediction = atlas.predict(&at)?.at_level(of.levels[level]);
-                let predicted = self.predicted(of, level, prediction, search);
-                predicted.or_else(|| self.followed(of, level, atlas.nearest(&at)?, search))
-            })
-            .collect();
-        let missing: Vec<usize> = (0..peaks.len()).filter(|&i| peaks[i].is_none()).collect();
-        if !missing.is_empty() {
-            let levels: Vec<f64> = (missing.iter()).map(|&i| of.levels[wanted[i]]).collect();
-            let tracked = track_mode(of.problem, self.settings, self.peak, of.mode, &levels);
-            missing
-                .into_iter()
-                .zip(tracked)
-                .for_each(|(i, peak)| peaks[i] = Some(peak));
-        }
-        let found = peaks.into_iter().flatten().zip(searches);
-        found.map(|(peak, search)| search.end(peak)).collect()
-    }
-
-    /// The peak that a prediction leads to, unless that is not what it promised, or the maximum of another mode.
-    fn predicted(
-        &self,
-        of: &ModeOfSample<'_>,
-        level: usize,
-        prediction: AtlasPrediction,
-        search: &mut Search,
-    ) -> Option<LevelPeak> {
-        let AtlasPrediction {
-            harmonics,
-            peak,
-            amplitude,
-        } = prediction;
-        let expected = |solution: &Solution| {
-            !surprising(solution.amplitude(0), amplitude)
-                && !of.known[level].is_of_another(of.mode.mode, solution)
-        };
-        match refined_near(of.problem, &harmonics, peak, self.settings, self.peak) {
-            Ok(solution) if expected(&solution) => Some(LevelPeak::found(solution)),
-            Ok(solution) => {
-                search.spent += solution.work_count;
-                search.aside.push(solution);
-                None
-            }
-            Err((_, work)) => {
-                search.spent += work;
-                None
-            }
-        }
-    }
-
-    /// The peak at a level (its number), reached from an anchor by steps along the straight line between their places.
-    fn followed(
-        &self,
-        of: &ModeOfSample<'_>,
-        level: usize,
-        (start, anchor): (&[f64], &AnchorPeak),
-        search: &mut Search,
-    ) -> Option<LevelPeak> {
-        let (mut before, mut at) = (None, (0.0, anchor.clone()));
-        let mut step = STEPS[0];
-        loop {
-            let share = 1.0f64.min(at.0 + step);
-            let prediction = match &before {
-                Some(before) => AnchorPeak::extrapolated(before, &at, share),
-                None => at.1.as_prediction(),
-            };
-            if share == 1.0 {
-                let prediction = prediction.at_level(of.levels[level]);
-                if let Some(peak) = self.predicted(of, level, prediction, search) {
-                    return Some(peak);
-                }
-            } else if let Some(next) = self.waypoint(
-                level,
-                (start, of.place, share),
-                prediction,
-                &mut search.spent,
-            ) {
-                before = Some(std::mem::replace(&mut at, (share, next)));
-                step *= 2.0;
-                continue;
-            }
-            step = 0.5 * (share - at.0);
-            if step < STEPS[1] {
-                return None;
-            }
-        }
-    }
-
-    /// The peak at level number `level` at a share of the way between two places, on the harmonics of the prediction.
-    fn waypoint(
-        &self,
-        level: usize,
-        (start, end, share): (&[f64], &[f64], f64),
-        prediction: AtlasPrediction,
-        spent: &mut WorkCount,
-    ) -> Option<AnchorPeak> {
-        let inputs: Vec<f64> = (self.design.inputs().iter().zip(start.iter().zip(end)))
-            .map(|((_, distribution), (a, b))| distribution.quantile(a + share * (b - a)))
-            .collect();
-        let applied = self.applied(&inputs).ok()?;
-        let prediction = prediction.at_level(self.applied_levels(&applied)[level]);
-        let problem = applied.problem(self.settings.anchor).ok()?;
-        let balance = balance_on(&problem, prediction.harmonics, self.settings);
-        let amplitude = prediction.amplitude;
-        let peak = PeakSettings {
-            frequency_tolerance: self.peak.frequency_tolerance.max(WAYPOINT_TOLERANCE),
-            ..self.peak
-        };
-        let newton = NewtonSettings {
-            tolerance: self.settings.newton.tolerance.max(WAYPOINT_TOLERANCE),
-            ..self.settings.newton
-        };
-        let corrected = correct(&balance, prediction.peak, peak, newton);
-        let located = spent.tally(corrected).ok()?;
-        let found = located.solution(&balance, WorkCount::default());
-        (!surprising(found.amplitude(0), amplitude)).then(|| AnchorPeak::new(&found))
-    }
-
     /// Record of the nominal level `level`, with the forced response through its peak if wanted.
     fn level(
         &self,
@@ -307,10 +167,11 @@ impl Ensemble<'_> {
         with_curve: bool,
     ) -> LevelOutcome {
         let mut count = maxima.count;
+        let before = problem.effort.count();
         let peak = maxima.peak();
-        let curve = (peak.filter(|_| with_curve)).map_or_else(Vec::new, |solution| {
-            self.curve(problem, solution, &mut count)
-        });
+        let curve = (peak.filter(|_| with_curve))
+            .map_or_else(Vec::new, |solution| self.curve(problem, solution));
+        count += problem.effort.count().since(before);
         LevelOutcome {
             level,
             status: maxima.status(),
@@ -323,16 +184,11 @@ impl Ensemble<'_> {
     }
 
     /// The forced response through a peak, on the study's own harmonics: the picture needs no more, the peak may have.
-    fn curve(
-        &self,
-        problem: &Problem<'_>,
-        solution: &Solution,
-        count: &mut WorkCount,
-    ) -> Vec<CurvePoint> {
+    fn curve(&self, problem: &Problem<'_>, solution: &Solution) -> Vec<CurvePoint> {
         let newton = self.settings.newton;
         let harmonics = &self.settings.harmonics;
         let balance = Balance::new(problem, harmonics.clone(), self.settings.aft);
-        problem.budget.grant(self.settings.newton.budget);
+        problem.effort.grant(self.settings.newton.budget);
         let n_relative = balance.layout.n_relative();
         let mut prediction = PeakPrediction::of(solution);
         prediction.point.r =
@@ -340,18 +196,17 @@ impl Ensemble<'_> {
         let start = match solution.harmonics == *harmonics {
             true => Ok(prediction.point),
             false => {
-                let maximum = maximum_near(&balance, prediction.clone(), self.peak, newton, count);
+                let maximum = maximum_near(&balance, prediction.clone(), self.peak, newton);
                 // a picture may start beside the maximum
                 (maximum.map(|peak| peak.iterate))
-                    .or_else(|_| phase_locked(&balance, prediction, newton, count))
+                    .or_else(|_| phase_locked(&balance, prediction, newton))
                     .map(|found| found.point)
             }
         };
         let Ok(start) = start else {
             return Vec::new();
         };
-        let (curve, work) = response_curve(&balance, &start, self.peak.band, newton);
-        *count += work;
+        let curve = response_curve(&balance, &start, self.peak.band, newton);
         (curve.iter())
             .map(|point| CurvePoint {
                 frequency_hz: rad_s_to_hz(point.omega),
@@ -384,49 +239,6 @@ fn status_of(error: ProblemError) -> Status {
     }
 }
 
-/// One mode of a sample.
-struct ModeOfSample<'a> {
-    problem: &'a Problem<'a>,
-    mode: &'a Candidate,
-    /// The sample's own levels, and its place among the others.
-    levels: &'a [f64],
-    place: &'a [f64],
-    /// What was found of other modes. Shape: `[levels]`.
-    known: &'a [Maxima],
-}
-
-impl ModeOfSample<'_> {
-    /// Where the atlas is asked for level number `level`.
-    fn at(&self, level: usize) -> Place<'_> {
-        Place {
-            inputs: self.place,
-            level,
-            mode: self.mode.mode,
-        }
-    }
-}
-
-/// What the search for one peak has spent and met on the way.
-#[derive(Default)]
-struct Search {
-    spent: WorkCount,
-    /// Maxima that were not those that a prediction had promised.
-    aside: Vec<Solution>,
-}
-
-impl Search {
-    fn end(self, mut peak: LevelPeak) -> ModeSearch {
-        peak.count += self.spent;
-        let aside = self.aside;
-        ModeSearch { peak, aside }
-    }
-}
-
-/// Whether an amplitude is too far from the predicted one to lie on the same branch.
-fn surprising(found: f64, predicted: f64) -> bool {
-    (found / predicted - 1.0).abs() >= SURPRISE
-}
-
 /// The maxima below the highest one.
 fn others(maxima: &Maxima) -> Vec<OtherMaximum> {
     let others = maxima.distinct().into_iter().skip(1);
@@ -442,6 +254,7 @@ fn record(solution: &Solution) -> PeakRecord {
     PeakRecord {
         frequency_hz: rad_s_to_hz(solution.omega),
         amplitude_m: solution.amplitude(0),
+        route: solution.route,
         truncation_error: solution.truncation_error,
         highest_harmonic: solution.harmonics.highest(),
         stick_fraction: solution.contact.stick,

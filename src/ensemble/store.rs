@@ -7,7 +7,7 @@ use super::outcome::{CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleO
 use super::table::{Column, Record, Table, TableError, count, metadata, missing, write_table};
 use crate::contact::{Events, FrictionLaw};
 use crate::file::{self, Fault, FileError, FileRecord};
-use crate::hb::{SliderAnchor, Status};
+use crate::hb::{PeakRoute, SliderAnchor, Status};
 use crate::sampling::SampleGroup;
 use parquet::file::metadata::KeyValue;
 use parquet::file::reader::FileReader;
@@ -210,10 +210,15 @@ fn sample_columns(input_names: &[String], group: SampleGroup, outcomes: &[Sample
     );
     add(
         "status",
-        Column::Text(rows.iter().map(|(_, l)| l.status.name()).collect()),
+        Column::Text(rows.iter().map(|(_, l)| Some(l.status.name())).collect()),
     );
     add("frequency_hz", real(|p| Some(p.frequency_hz)));
     add("amplitude_m", real(|p| Some(p.amplitude_m)));
+    let route = |l: &LevelOutcome| peak(l).and_then(|p| p.route).map(PeakRoute::name);
+    add(
+        "route",
+        Column::Text(rows.iter().map(|(_, l)| route(l)).collect()),
+    );
     add("truncation_error", real(|p| p.truncation_error));
     let highest = |l: &LevelOutcome| peak(l).and_then(|p| count(p.highest_harmonic));
     add(
@@ -287,8 +292,7 @@ fn group(row: &Record) -> SampleGroup {
 }
 
 fn status(row: &Record) -> Result<Status, Fault> {
-    let name = row.text("status")?;
-    let known = Status::ALL.into_iter().find(|status| status.name() == name);
+    let known = row.named("status", &Status::ALL, Status::name)?;
     known.ok_or_else(|| missing("status"))
 }
 
@@ -322,6 +326,7 @@ fn peak(row: &Record) -> Result<Option<PeakRecord>, Fault> {
     Ok(Some(PeakRecord {
         frequency_hz,
         amplitude_m,
+        route: row.named("route", &PeakRoute::ALL, PeakRoute::name)?,
         truncation_error: row.optional("truncation_error")?,
         highest_harmonic: row.count("highest_harmonic")?,
         stick_fraction: row.number("stick_fraction")?,

@@ -41,7 +41,7 @@ pub(super) enum Column {
     Real(Vec<Option<f64>>),
     /// A list per row.
     Reals(Vec<Vec<f64>>),
-    Text(Vec<&'static str>),
+    Text(Vec<Option<&'static str>>),
     Bytes(Vec<Vec<u8>>),
 }
 
@@ -54,7 +54,7 @@ impl Column {
             Self::Text(_) => (
                 Physical::BYTE_ARRAY,
                 Some(LogicalType::String),
-                Repetition::REQUIRED,
+                Repetition::OPTIONAL,
             ),
             Self::Bytes(_) => (Physical::BYTE_ARRAY, None, Repetition::REQUIRED),
         };
@@ -80,8 +80,9 @@ impl Column {
                 w.write_batch(&present, Some(&levels), Some(&repetitions))?;
             }
             (Self::Text(values), ColumnWriter::ByteArrayColumnWriter(w)) => {
-                let bytes: Vec<ByteArray> = values.iter().map(|&text| text.into()).collect();
-                w.write_batch(&bytes, None, None)?;
+                let (present, levels) = split(values);
+                let bytes: Vec<ByteArray> = present.into_iter().map(ByteArray::from).collect();
+                w.write_batch(&bytes, Some(&levels), None)?;
             }
             (Self::Bytes(values), ColumnWriter::ByteArrayColumnWriter(w)) => {
                 let bytes: Vec<ByteArray> = values.iter().map(|v| v.clone().into()).collect();
@@ -248,11 +249,20 @@ impl Record {
         }
     }
 
-    pub(super) fn text(&self, name: &str) -> Result<&str, Fault> {
-        match self.0.get(name) {
-            Some(Field::Str(value)) => Ok(value),
-            _ => Err(missing(name)),
-        }
+    /// One of `all`, by the name that it bears in files; none where there is no text.
+    pub(super) fn named<T: Copy>(
+        &self,
+        name: &str,
+        all: &[T],
+        name_of: fn(T) -> &'static str,
+    ) -> Result<Option<T>, Fault> {
+        let text = match self.0.get(name) {
+            Some(Field::Str(text)) => text,
+            Some(Field::Null) => return Ok(None),
+            _ => return Err(missing(name)),
+        };
+        let known = all.iter().find(|&&one| name_of(one) == text);
+        known.copied().map(Some).ok_or_else(|| missing(name))
     }
 
     pub(super) fn bytes(&self, name: &str) -> Result<&[u8], Fault> {

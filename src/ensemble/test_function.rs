@@ -65,6 +65,7 @@ impl TestFunction {
         PeakRecord {
             frequency_hz: value,
             amplitude_m: 1e-6 * value,
+            route: None,
             truncation_error: None,
             highest_harmonic: 1,
             stick_fraction: 1.0,

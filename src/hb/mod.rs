@@ -9,14 +9,17 @@ pub mod error;
 pub mod newton;
 pub mod peak;
 pub mod response;
+pub mod route;
 pub mod settings;
 pub mod solution;
 pub mod status;
 pub mod structure;
 
 pub use equations::balance::Balance;
+pub use equations::effort::WorkCount;
 pub use equations::problem::Problem;
 pub use error::ProblemError;
+pub use route::PeakRoute;
 pub use settings::{AlertSettings, HbSettings, NewtonSettings, SliderAnchor};
 pub use solution::{ContactFractions, CycleWork, Solution};
 pub use status::Status;

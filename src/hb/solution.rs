@@ -1,9 +1,11 @@
 //! What one nonlinear solve returns.
 
+use super::route::PeakRoute;
 use super::status::Status;
 use crate::harmonics::{HarmonicSet, phases};
 use crate::hb::equations::balance::Balance;
-use crate::hb::newton::{Iterate, Point, WorkCount};
+use crate::hb::equations::effort::WorkCount;
+use crate::hb::newton::{Iterate, Point};
 use faer::prelude::c64;
 use std::f64::consts::PI;
 
@@ -59,7 +61,9 @@ pub struct Solution {
     pub truncation_error: Option<f64>,
     /// Sharpness of a peak (see [`crate::hb::peak::search::Located`]).
     pub sharpness: Option<f64>,
-    /// Newton iterations and factorisations spent.
+    /// How a peak was found; `None` where the frequency was given.
+    pub route: Option<PeakRoute>,
+    /// Newton iterations and factorisations spent on it: set by who has searched for it.
     pub work_count: WorkCount,
 }
 
@@ -69,12 +73,7 @@ const MOST_SEPARATED: f64 = 0.6;
 impl Solution {
     /// Everything reported of a solved iterate (or of the last iterate of a failed solve).
     #[must_use]
-    pub fn new(
-        balance: &Balance<'_>,
-        iterate: &Iterate<'_>,
-        status: Status,
-        work_count: WorkCount,
-    ) -> Self {
+    pub fn new(balance: &Balance<'_>, iterate: &Iterate<'_>, status: Status) -> Self {
         let model = balance.problem.model;
         let rest: Vec<c64> = iterate
             .motion
@@ -109,7 +108,8 @@ impl Solution {
             work: CycleWork::new(balance, iterate),
             truncation_error: None,
             sharpness: None,
-            work_count,
+            route: None,
+            work_count: WorkCount::default(),
         };
         if status.has_solution() && model.floats && solution.bounces() {
             solution.status = Status::BouncingContact;

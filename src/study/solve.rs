@@ -351,7 +351,7 @@ fn row(place: [String; 2], solution: &Solution, n_responses: usize) -> Vec<Strin
 mod tests {
     use super::*;
     use crate::harmonics::HarmonicSet;
-    use crate::hb::newton::WorkCount;
+    use crate::hb::WorkCount;
 
     fn solution(status: Status) -> Solution {
         Solution {
@@ -367,6 +367,7 @@ mod tests {
             work: CycleWork::default(),
             truncation_error: None,
             sharpness: None,
+            route: None,
             force: Vec::new(),
             work_count: WorkCount {
                 iterations: 3,

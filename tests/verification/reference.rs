@@ -260,8 +260,8 @@ fn blades_and_strip_peaks_are_the_maxima_of_the_curves() {
             level: solution.level,
         };
         let fixed = Condition::FixedFrequency;
-        let (beside, _) = solve(&balance, beside, fixed, settings.newton).unwrap();
-        let (nearest, _) = find_peak(&balance, beside, search, settings.newton).unwrap();
+        let beside = solve(&balance, beside, fixed, settings.newton).unwrap();
+        let nearest = find_peak(&balance, beside, search, settings.newton).unwrap();
         let nearest = (
             nearest.iterate.point.omega,
             nearest.iterate.response(&balance).norm(),

@@ -1,7 +1,8 @@
 //! A point of the forced response's branch with its tangent: where the branch leads.
 
 use crate::hb::equations::balance::Balance;
-use crate::hb::newton::{Condition, Direction, Iterate, Metric, Point, WorkCount, solve};
+use crate::hb::equations::effort::WorkCount;
+use crate::hb::newton::{Condition, Direction, Iterate, Metric, Point, solve};
 use crate::hb::settings::NewtonSettings;
 use crate::hb::status::Status;
 use faer::prelude::c64;
@@ -32,7 +33,7 @@ impl<'p> BranchPoint<'p> {
         omega_scale: f64,
         metric: Option<Metric>,
         previous: Option<&Direction>,
-    ) -> (Self, WorkCount) {
+    ) -> Self {
         let n = balance.layout.n_relative();
         let metric = metric.unwrap_or_else(|| Metric::at(balance, &iterate.point, omega_scale));
         let jacobian = iterate.jacobian(balance);
@@ -47,22 +48,19 @@ impl<'p> BranchPoint<'p> {
         tangent.r.iter_mut().for_each(|r| *r *= scale);
         tangent.omega *= scale;
         let response_rate = iterate.response_rate(balance, &jacobian, &tangent, 0.0);
-        let count = WorkCount {
+        balance.problem.effort.add(WorkCount {
             iterations: 0,
             factorizations: jacobian.factorizations(),
-        };
+        });
         drop(jacobian);
         let response = iterate.response(balance);
-        (
-            Self {
-                iterate,
-                tangent,
-                metric,
-                response,
-                response_rate,
-            },
-            count,
-        )
+        Self {
+            iterate,
+            tangent,
+            metric,
+            response,
+            response_rate,
+        }
     }
 
     /// d ln|ŷ| / ds.
@@ -86,7 +84,7 @@ impl<'p> BranchPoint<'p> {
         balance: &Balance<'p>,
         step: f64,
         newton: NewtonSettings,
-    ) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
+    ) -> Result<Iterate<'p>, Status> {
         let predicted = self.iterate.point.moved(&self.tangent, step);
         self.step_to(balance, predicted, step, newton)
     }
@@ -98,7 +96,7 @@ impl<'p> BranchPoint<'p> {
         predicted: Point,
         step: f64,
         newton: NewtonSettings,
-    ) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
+    ) -> Result<Iterate<'p>, Status> {
         let base = &self.iterate.point;
         let condition = Condition::ArcLength {
             base,

@@ -5,7 +5,8 @@
 use super::branch_point::{BranchPoint, distance};
 use crate::contact::Events;
 use crate::hb::equations::balance::Balance;
-use crate::hb::newton::{Condition, Direction, Iterate, Point, WorkCount, solve};
+use crate::hb::equations::effort::Meter;
+use crate::hb::newton::{Condition, Direction, Iterate, Point, solve};
 use crate::hb::settings::NewtonSettings;
 use crate::hb::status::Status;
 use std::ops::ControlFlow;
@@ -134,37 +135,25 @@ impl Behind {
     }
 }
 
-/// A step of a walk that led to a solution.
-#[derive(Debug, Clone, Copy)]
-pub struct Step {
-    /// Length, as the point left behind measures it.
-    pub length: f64,
-    /// Work since the last such step, failed ones included.
-    pub count: WorkCount,
-}
-
-/// Why a walk along a branch ended, with the work done.
+/// Why a walk along a branch ended.
 #[derive(Debug)]
 pub struct WalkEnd<'p> {
     /// `Converged` if the visitor ended it.
     pub status: Status,
     /// Where it ended.
     pub last: BranchPoint<'p>,
-    /// Work of all steps.
-    pub count: WorkCount,
 }
 
-/// Walks along the branch from `start`; `visit` is given every point left behind, the new one and the step between them, and says
-/// whether to go on and how long the next step may be. A walk on the spot ends as one whose steps become too small.
+/// Walks along the branch from `start`; `visit` is given every point left behind, the new one and the length
+/// of the step between them as the point left behind measures it, and says whether to go on and how long the next step may be. A walk on the spot ends as one whose steps become too small.
 pub fn walk<'p>(
     balance: &Balance<'p>,
     start: BranchPoint<'p>,
     newton: NewtonSettings,
     steps: StepSettings,
-    mut visit: impl FnMut(BranchPoint<'p>, &BranchPoint<'p>, Step) -> ControlFlow<(), f64>,
+    mut visit: impl FnMut(BranchPoint<'p>, &BranchPoint<'p>, f64) -> ControlFlow<(), f64>,
 ) -> WalkEnd<'p> {
     let mut walk = Walk::new(balance, start, newton, steps);
-    let mut seen = WorkCount::default();
     for _ in 0..steps.max_steps {
         let landing = match walk.attempt() {
             Ok(Some(landing)) => landing,
@@ -175,12 +164,7 @@ pub fn walk<'p>(
         let Some(before) = walk.advance(landing) else {
             continue;
         };
-        let step = Step {
-            length,
-            count: walk.count.since(seen),
-        };
-        seen = walk.count;
-        let longest = match visit(before, &walk.point, step) {
+        let longest = match visit(before, &walk.point, length) {
             ControlFlow::Continue(longest) => longest,
             ControlFlow::Break(()) => return walk.end(Status::Converged),
         };
@@ -208,7 +192,6 @@ struct Walk<'b, 'p> {
     /// A solution far from its prediction: taken after all where no shorter step is solved.
     aside: Option<Landing<'p>>,
     pace: Pace,
-    count: WorkCount,
 }
 
 /// Where a step leads.
@@ -238,7 +221,6 @@ impl<'b, 'p> Walk<'b, 'p> {
             behind: None,
             aside: None,
             pace: Pace::default(),
-            count: WorkCount::default(),
         }
     }
 
@@ -263,20 +245,17 @@ impl<'b, 'p> Walk<'b, 'p> {
             None => self.point.iterate.point.moved(&self.point.tangent, length),
         };
         let newton = self.sharp_newton();
+        let meter = Meter::new(&balance.problem.effort);
         let solved = (self.point).step_to(balance, predicted.clone(), length, newton);
-        let (iterate, work) = match solved {
-            Ok((iterate, work)) => (iterate, work),
-            Err((status, work)) => {
-                self.count += work;
-                return self.after_failure(status);
-            }
+        let iterate = match solved {
+            Ok(iterate) => iterate,
+            Err(status) => return self.after_failure(status),
         };
-        self.count += work;
         let apart = distance(balance, &iterate.point, &predicted);
         let landing = Landing {
             iterate,
             length,
-            iterations: work.iterations,
+            iterations: meter.read().iterations,
             turned: None,
         };
         if length > SURE_STEP && apart > self.steps.closeness * length {
@@ -296,7 +275,7 @@ impl<'b, 'p> Walk<'b, 'p> {
         let may_turn = (0.5 * CORNER..CORNER).contains(&self.length) && has_corners;
         if may_turn && !is_spent {
             let newton = self.sharp_newton();
-            let turned = past_corner(self.balance, &self.point, newton, &mut self.count);
+            let turned = past_corner(self.balance, &self.point, newton);
             if let Some((iterate, direction)) = turned {
                 return Ok(Some(Landing {
                     iterate,
@@ -326,8 +305,7 @@ impl<'b, 'p> Walk<'b, 'p> {
         let (balance, length) = (self.balance, landing.length);
         let forward = landing.turned.as_ref().unwrap_or(&self.point.tangent);
         let scale = self.steps.omega_scale;
-        let (next, work) = BranchPoint::new(balance, landing.iterate, scale, None, Some(forward));
-        self.count += work;
+        let next = BranchPoint::new(balance, landing.iterate, scale, None, Some(forward));
         let folds = next.tangent.omega * self.point.tangent.omega < 0.0;
         if folds && length > FOLD_STEP {
             self.length = 0.5 * length;
@@ -349,7 +327,6 @@ impl<'b, 'p> Walk<'b, 'p> {
         WalkEnd {
             status,
             last: self.point,
-            count: self.count,
         }
     }
 }
@@ -361,12 +338,10 @@ fn past_corner<'p>(
     balance: &Balance<'p>,
     at: &BranchPoint<'p>,
     newton: NewtonSettings,
-    count: &mut WorkCount,
 ) -> Option<(Iterate<'p>, Direction)> {
     let base = &at.iterate.point;
     let beyond = Iterate::new(balance, base.moved(&at.tangent, CORNER));
-    let (beyond, work) = BranchPoint::new(balance, beyond, 1.0, Some(at.metric), None);
-    *count += work;
+    let beyond = BranchPoint::new(balance, beyond, 1.0, Some(at.metric), None);
     let back = base.moved(&at.tangent, -CORNER);
     [1.0, -1.0].into_iter().find_map(|sign| {
         let tangent = beyond.tangent.scaled(sign);
@@ -377,8 +352,7 @@ fn past_corner<'p>(
             step: CORNER,
             metric: at.metric,
         };
-        let found = count.tally(solve(balance, predicted.clone(), condition, newton));
-        let found = found.ok()?;
+        let found = solve(balance, predicted.clone(), condition, newton).ok()?;
         let is_leg = distance(balance, &found.point, &predicted) <= LEG * CORNER
             && distance(balance, &found.point, &back) > LEG * CORNER;
         is_leg.then_some((found, tangent))

@@ -9,7 +9,7 @@ use super::sweep::SweepDirection;
 use crate::hb::equations::balance::Balance;
 use crate::hb::newton::ladder::climb;
 use crate::hb::newton::rest::Rest;
-use crate::hb::newton::{Condition, Iterate, Point, WorkCount, solve};
+use crate::hb::newton::{Condition, Iterate, Point, solve};
 use crate::hb::settings::NewtonSettings;
 use crate::hb::status::Status;
 
@@ -31,40 +31,35 @@ const SMALLEST_RATIO: f64 = 1.005;
 
 type Solved<'p> = Result<Iterate<'p>, Status>;
 
-/// What is looked for, and the work so far.
+/// What is looked for.
 struct RunIn<'a, 'p> {
     rungs: &'a [Balance<'p>],
     newton: NewtonSettings,
     level: f64,
     direction: SweepDirection,
-    count: WorkCount,
 }
 
 /// The solution on all harmonics of `rungs` at the frequency `omega` (rad/s), where a sweep in `direction` begins.
 ///
 /// # Errors
-/// The status of the last attempt, and the work of all.
+/// The status of the last attempt.
 pub(in crate::hb) fn first_solution<'p>(
     rungs: &[Balance<'p>],
     newton: NewtonSettings,
     level: f64,
     (omega, direction): (f64, SweepDirection),
-) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
-    let mut run_in = RunIn {
+) -> Result<Iterate<'p>, Status> {
+    let run_in = RunIn {
         rungs,
         newton,
         level,
         direction,
-        count: WorkCount::default(),
     };
-    match run_in.at(omega) {
-        Ok(iterate) => Ok((iterate, run_in.count)),
-        Err(status) => Err((status, run_in.count)),
-    }
+    run_in.at(omega)
 }
 
 impl<'p> RunIn<'_, 'p> {
-    fn at(&mut self, omega: f64) -> Solved<'p> {
+    fn at(&self, omega: f64) -> Solved<'p> {
         if !(omega.is_finite() && self.level.is_finite()) {
             return Err(Status::NonFinite);
         }
@@ -85,26 +80,23 @@ impl<'p> RunIn<'_, 'p> {
             .or_else(|_| self.raised(full, omega))
     }
 
-    fn climb(&mut self, start: Iterate<'p>) -> Solved<'p> {
+    fn climb(&self, start: Iterate<'p>) -> Solved<'p> {
         let condition = Condition::FixedFrequency;
-        let climbed = climb(self.rungs, start.point, condition, self.newton);
-        self.count.tally(climbed)
+        climb(self.rungs, start.point, condition, self.newton)
     }
 
     /// Solves at the frequency of `start`, and says whether the solution is close to it.
-    fn close_to(&mut self, balance: &Balance<'p>, start: Point) -> (Solved<'p>, bool) {
+    fn close_to(&self, balance: &Balance<'p>, start: Point) -> (Solved<'p>, bool) {
         let fixed = Condition::FixedFrequency;
-        let solved = self
-            .count
-            .tally(solve(balance, start.clone(), fixed, self.newton));
+        let solved = solve(balance, start.clone(), fixed, self.newton);
         let close =
             (solved.as_ref()).is_ok_and(|found| distance(balance, &found.point, &start) <= CLOSE);
         (solved, close)
     }
 
     /// Raises the level at the frequency `omega` from where the structure sticks.
-    fn raised(&mut self, balance: &Balance<'p>, omega: f64) -> Solved<'p> {
-        let rest = self.count.tally(Rest::new(balance, omega))?;
+    fn raised(&self, balance: &Balance<'p>, omega: f64) -> Solved<'p> {
+        let rest = Rest::new(balance, omega)?;
         let (direct, close) = self.close_to(balance, rest.excited(self.level));
         if close {
             return direct;
@@ -134,13 +126,12 @@ impl<'p> RunIn<'_, 'p> {
     }
 
     /// Continuation from `from`, in the direction of the sweep, to the first point with the frequency `omega`.
-    fn walk(&mut self, balance: &Balance<'p>, from: &Point, omega: f64) -> Solved<'p> {
+    fn walk(&self, balance: &Balance<'p>, from: &Point, omega: f64) -> Solved<'p> {
         let mut failure = Status::StepTooSmall;
         for largest in LARGEST_STEPS {
             let start = Iterate::new(balance, from.clone());
             let scale = start.point.omega;
-            let (start, work) = BranchPoint::new(balance, start, scale, None, None);
-            self.count += work;
+            let start = BranchPoint::new(balance, start, scale, None, None);
             let steps = StepSettings {
                 largest,
                 first: largest.min(0.05),
@@ -157,7 +148,6 @@ impl<'p> RunIn<'_, 'p> {
                 let reach = 2.0 * (omega - from.omega).abs();
                 on_if(crossing.is_none() && (b - from.omega).abs() < reach)
             });
-            self.count += end.count;
             failure = match (end.status, crossing) {
                 (_, Some(start)) => match self.close_to(balance, start) {
                     (solved, true) => return solved,

@@ -2,7 +2,7 @@
 
 use super::branch_point::{BranchPoint, distance};
 use crate::hb::equations::balance::Balance;
-use crate::hb::newton::{Condition, Iterate, Point, WorkCount, solve};
+use crate::hb::newton::{Condition, Iterate, Point, solve};
 use crate::hb::settings::NewtonSettings;
 use crate::hb::status::Status;
 
@@ -42,12 +42,7 @@ impl<'s, 'p> Stretch<'s, 'p> {
     }
 
     /// The last solution found before the fold of a stretch that turns back.
-    pub fn tip(
-        &self,
-        balance: &Balance<'p>,
-        newton: NewtonSettings,
-        count: &mut WorkCount,
-    ) -> Option<BranchPoint<'p>> {
+    pub fn tip(&self, balance: &Balance<'p>, newton: NewtonSettings) -> Option<BranchPoint<'p>> {
         let sign = self.from.tangent.omega.signum();
         let (mut before, mut after) = (0.0, self.length);
         let mut rates = [self.from.tangent.omega, self.to.tangent.omega].map(|rate| sign * rate);
@@ -58,7 +53,7 @@ impl<'s, 'p> Stretch<'s, 'p> {
             }
             let share = (rates[0] / (rates[0] - rates[1])).clamp(0.1, 0.9);
             let at = before + share * (after - before);
-            let point = self.inside(balance, at, newton, count).ok()?;
+            let point = self.inside(balance, at, newton).ok()?;
             let rate = sign * point.tangent.omega;
             if rate > 0.0 {
                 (before, rates[0]) = (at, rate);
@@ -84,14 +79,11 @@ impl<'s, 'p> Stretch<'s, 'p> {
         balance: &Balance<'p>,
         omega: f64,
         newton: NewtonSettings,
-        count: &mut WorkCount,
     ) -> Option<BranchPoint<'p>> {
-        let iterate = self.crossing(balance, omega, newton, count).ok()?;
+        let iterate = self.crossing(balance, omega, newton).ok()?;
         let scale = self.from.metric.omega_scale();
         let forward = Some(&self.from.tangent);
-        let (point, work) = BranchPoint::new(balance, iterate, scale, None, forward);
-        *count += work;
-        Some(point)
+        Some(BranchPoint::new(balance, iterate, scale, None, forward))
     }
 
     /// The solution at a frequency `omega` between those of the ends, between which the frequency has no fold.
@@ -103,9 +95,8 @@ impl<'s, 'p> Stretch<'s, 'p> {
         balance: &Balance<'p>,
         omega: f64,
         newton: NewtonSettings,
-        count: &mut WorkCount,
     ) -> Result<Iterate<'p>, Status> {
-        self.crossing_within(balance, omega, (newton, MOST_HALVINGS), count)
+        self.crossing_within(balance, omega, (newton, MOST_HALVINGS))
     }
 
     fn crossing_within(
@@ -113,12 +104,10 @@ impl<'s, 'p> Stretch<'s, 'p> {
         balance: &Balance<'p>,
         omega: f64,
         (newton, halvings): (NewtonSettings, usize),
-        count: &mut WorkCount,
     ) -> Result<Iterate<'p>, Status> {
         let predicted = self.at_frequency(balance, omega);
         let fixed = Condition::FixedFrequency;
-        let solved = count.tally(solve(balance, predicted.clone(), fixed, newton));
-        let failure = match solved {
+        let failure = match solve(balance, predicted.clone(), fixed, newton) {
             Ok(found) => {
                 let apart = distance(balance, &found.point, &predicted);
                 if apart <= FLOOR.max(CLOSE * self.length) {
@@ -131,7 +120,7 @@ impl<'s, 'p> Stretch<'s, 'p> {
         if halvings == 0 {
             return Err(failure);
         }
-        let middle = self.inside(balance, 0.5 * self.length, newton, count);
+        let middle = self.inside(balance, 0.5 * self.length, newton);
         let middle = middle.map_err(|_| failure)?;
         let at = middle.iterate.point.omega;
         let is_first = (self.from.iterate.point.omega - omega) * (at - omega) <= 0.0;
@@ -139,7 +128,7 @@ impl<'s, 'p> Stretch<'s, 'p> {
             true => Stretch::new(balance, self.from, &middle),
             false => Stretch::new(balance, &middle, self.to),
         };
-        half.crossing_within(balance, omega, (newton, halvings - 1), count)
+        half.crossing_within(balance, omega, (newton, halvings - 1))
     }
 
     /// The solution at the distance `at` from the start, as that measures it, with its tangent turning less than 90°.
@@ -151,19 +140,17 @@ impl<'s, 'p> Stretch<'s, 'p> {
         balance: &Balance<'p>,
         at: f64,
         newton: NewtonSettings,
-        count: &mut WorkCount,
     ) -> Result<BranchPoint<'p>, Status> {
         let from = self.from;
         let on_cubic = self.cubic(balance, at / self.length);
         let [along, _] = from.distances(balance, &on_cubic);
         let predicted = on_cubic.moved(&from.tangent, at - along);
-        let found = count.tally(from.step_to(balance, predicted.clone(), at, newton))?;
+        let found = from.step_to(balance, predicted.clone(), at, newton)?;
         if distance(balance, &found.point, &predicted) > FLOOR.max(CLOSE * self.length) {
             return Err(Status::StepTooSmall);
         }
         let scale = from.metric.omega_scale();
-        let (point, work) = BranchPoint::new(balance, found, scale, None, Some(&from.tangent));
-        *count += work;
+        let point = BranchPoint::new(balance, found, scale, None, Some(&from.tangent));
         match Stretch::new(balance, &point, self.to).length > 0.0 {
             true => Ok(point),
             false => Err(Status::StepTooSmall),

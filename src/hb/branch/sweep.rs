@@ -9,7 +9,7 @@ use super::continuation::{Predictor, StepSettings, WalkEnd, on_if, walk};
 use super::stretch::CLOSE;
 use crate::contact::Events;
 use crate::hb::equations::balance::Balance;
-use crate::hb::newton::{Iterate, WorkCount};
+use crate::hb::newton::Iterate;
 use crate::hb::settings::NewtonSettings;
 use crate::hb::status::Status;
 use crate::hb::structure::resonance::Band;
@@ -113,7 +113,7 @@ impl Route {
 }
 
 /// Follows the branch from `start` along `route` until it leaves the band at its far end, or `visit` breaks; it is given
-/// the ends of every step and the work of it.
+/// the ends of every step.
 ///
 /// The status of the end is [`Status::Converged`] if the far end was reached or `visit` has ended the walk,
 /// [`Status::LeftBand`] if the branch went far back behind the end where it began.
@@ -122,16 +122,15 @@ pub fn follow<'p>(
     start: Iterate<'p>,
     route: Route,
     newton: NewtonSettings,
-    mut visit: impl FnMut(BranchPoint<'p>, &BranchPoint<'p>, WorkCount) -> ControlFlow<()>,
+    mut visit: impl FnMut(BranchPoint<'p>, &BranchPoint<'p>) -> ControlFlow<()>,
 ) -> WalkEnd<'p> {
     let steps = route.steps(balance.events());
     let sign = route.direction.sign();
     let [begin, far_end] = route.direction.ends(route.band);
-    let (first, work) = BranchPoint::new(balance, start, steps.omega_scale, None, None);
-    let first = first.towards(sign);
+    let first = BranchPoint::new(balance, start, steps.omega_scale, None, None).towards(sign);
     let mut left = false;
-    let mut end = walk(balance, first, newton, steps, |from, to, step| {
-        let wanted = visit(from, to, step.count).is_continue();
+    let mut end = walk(balance, first, newton, steps, |from, to, _| {
+        let wanted = visit(from, to).is_continue();
         let omega = to.iterate.point.omega;
         left = wanted && sign * (omega - begin) < -OVERHANG * begin;
         on_if(wanted && !left && sign * (far_end - omega) > 0.0)
@@ -139,6 +138,5 @@ pub fn follow<'p>(
     if left {
         end.status = Status::LeftBand;
     }
-    end.count += work;
     end
 }

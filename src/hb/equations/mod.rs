@@ -1,7 +1,7 @@
 //! The balance equations of one problem on one harmonic set, and their Jacobian.
 
 pub mod balance;
-pub mod budget;
+pub mod effort;
 pub mod jacobian;
 pub mod layout;
 pub mod problem;

@@ -1,6 +1,6 @@
 //! The nonlinear problem of one sample: a linear model, contact parameters and the static load.
 
-use super::budget::Budget;
+use super::effort::Effort;
 use crate::aft::Backend;
 use crate::contact::ContactParameters;
 use crate::hb::ProblemError;
@@ -24,8 +24,8 @@ pub struct Problem<'m> {
     pub static_load_scale: f64,
     /// Who evaluates the contacts: the processor, unless it is set otherwise.
     pub backend: Backend<'m>,
-    /// Newton iterations left to the search that runs; unbounded until one is granted.
-    pub budget: Budget,
+    /// Work so far, and Newton iterations left to the search that runs; unbounded until some are granted.
+    pub effort: Effort,
 }
 
 /// Stuck structure at rest: η₀ = `eta` − `eta_per_force` g₀, r₀ = `relative` − `compliance` g₀.
@@ -89,7 +89,7 @@ impl<'m> Problem<'m> {
             stuck_static,
             static_load_scale,
             backend: Backend::Cpu,
-            budget: Budget::default(),
+            effort: Effort::default(),
         })
     }
 

@@ -3,7 +3,6 @@
 use super::iterate::Iterate;
 use super::point::Point;
 use super::solve::{Condition, solve};
-use super::work::WorkCount;
 use crate::harmonics::HarmonicSet;
 use crate::hb::equations::balance::Balance;
 use crate::hb::equations::problem::Problem;
@@ -55,27 +54,17 @@ impl<'p> Ladder<'p> {
 /// Takes a solution on the first of `rungs` to the last, solving under `condition` on each.
 ///
 /// # Errors
-/// The status of the rung that failed, and the work of all.
+/// The status of the rung that failed.
 pub fn climb<'p>(
     rungs: &[Balance<'p>],
     start: Point,
     condition: Condition<'_>,
     newton: NewtonSettings,
-) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
-    let mut count = WorkCount::default();
+) -> Result<Iterate<'p>, Status> {
     let mut iterate = Iterate::new(&rungs[0], start);
     for pair in rungs.windows(2) {
         let padded = iterate.point.padded(&pair[0], &pair[1]);
-        match solve(&pair[1], padded, condition, newton) {
-            Ok((solved, work)) => {
-                count += work;
-                iterate = solved;
-            }
-            Err((status, work)) => {
-                count += work;
-                return Err((status, count));
-            }
-        }
+        iterate = solve(&pair[1], padded, condition, newton)?;
     }
-    Ok((iterate, count))
+    Ok(iterate)
 }

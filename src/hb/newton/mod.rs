@@ -6,9 +6,7 @@ pub mod ladder;
 mod point;
 pub mod rest;
 mod solve;
-mod work;
 
 pub use iterate::{DRAFT_RESIDUAL, Iterate};
 pub use point::{Direction, Metric, Point};
 pub use solve::{Condition, newton_step, polish, solve};
-pub use work::WorkCount;

@@ -4,7 +4,6 @@
 
 use super::iterate::{Iterate, negated};
 use super::point::{Direction, Point};
-use super::work::WorkCount;
 use crate::aft::AftSettings;
 use crate::harmonics::HarmonicSet;
 use crate::hb::equations::balance::Balance;
@@ -44,7 +43,7 @@ pub(in crate::hb) struct Rest {
 pub fn stiffness_at_rest(problem: &Problem<'_>, aft: AftSettings, omega: f64) -> Vec<f64> {
     let balance = Balance::new(problem, HarmonicSet::up_to(1), aft);
     match Rest::new(&balance, omega) {
-        Ok((rest, _)) => rest.stiffness,
+        Ok(rest) => rest.stiffness,
         Err(_) => problem.stuck_stiffness.clone(),
     }
 }
@@ -54,11 +53,8 @@ impl Rest {
     /// shorter (Deuflhard 2004, Newton Methods for Nonlinear Problems, section 3.3).
     ///
     /// # Errors
-    /// The status that says why not, and the work spent.
-    pub(in crate::hb) fn new(
-        balance: &Balance<'_>,
-        omega: f64,
-    ) -> Result<(Self, WorkCount), (Status, WorkCount)> {
+    /// The status that says why not.
+    pub(in crate::hb) fn new(balance: &Balance<'_>, omega: f64) -> Result<Self, Status> {
         let n = balance.layout.n_relative();
         let mut r = vec![0.0; balance.layout.n_unknowns()];
         r[..n].copy_from_slice(&balance.problem.stuck_static.preloaded);
@@ -66,27 +62,22 @@ impl Rest {
         let mut iterate = Iterate::new(balance, Point { r, omega, level });
         // where preloads balance the load, nothing is displaced
         let round_off = ROUND_OFF * norm(&balance.problem.stuck_static.relative);
-        let mut count = WorkCount::default();
         let mut damping = 1.0;
-        let budget = &balance.problem.budget;
-        while count.iterations < MOST_ITERATIONS {
-            if budget.is_spent() {
-                return Err((Status::BudgetSpent, count));
+        let effort = &balance.problem.effort;
+        for _ in 0..MOST_ITERATIONS {
+            if effort.is_spent() {
+                return Err(Status::BudgetSpent);
             }
             let next = {
                 let jacobian = iterate.jacobian_within(balance, EXACT);
-                budget.spend();
-                count += WorkCount {
-                    iterations: 1,
-                    factorizations: jacobian.factorizations(),
-                };
+                effort.spend(jacobian.factorizations());
                 let step = Direction {
                     r: negated(&jacobian.solve(&iterate.residual)),
                     omega: 0.0,
                 };
                 let length = norm(&step.r);
                 if !length.is_finite() {
-                    return Err((Status::NonFinite, count));
+                    return Err(Status::NonFinite);
                 }
                 if length <= f64::max(TOLERANCE * norm(&iterate.point.r), round_off) {
                     let rest = Self {
@@ -94,7 +85,7 @@ impl Rest {
                         by_level: iterate.level_rate(balance, &jacobian),
                         stiffness: closed_stiffness(balance, &iterate),
                     };
-                    return Ok((rest, count));
+                    return Ok(rest);
                 }
                 let shorter = |trial: &Iterate<'_>, damping: f64| {
                     norm(&jacobian.solve(&trial.residual)) <= (1.0 - 0.25 * damping) * length
@@ -103,7 +94,7 @@ impl Rest {
             };
             iterate = next;
         }
-        Err((Status::MaxIterations, count))
+        Err(Status::MaxIterations)
     }
 
     /// Level at which every pair that sticks at rest still does.

@@ -5,7 +5,6 @@
 use super::iterate::Iterate;
 use super::iterate::negated;
 use super::point::{Direction, Metric, Point};
-use super::work::WorkCount;
 use crate::hb::equations::balance::Balance;
 use crate::hb::equations::jacobian::Jacobian;
 use crate::hb::settings::NewtonSettings;
@@ -67,14 +66,15 @@ const NEAR: f64 = 1e-2;
 /// Solves the balance equations under `condition`, starting at `start`.
 ///
 /// # Errors
-/// The status that says why not, and the work spent.
+/// The status that says why not.
 pub fn solve<'p>(
     balance: &Balance<'p>,
     start: Point,
     condition: Condition<'_>,
     settings: NewtonSettings,
-) -> Result<(Iterate<'p>, WorkCount), (Status, WorkCount)> {
-    let mut count = WorkCount::default();
+) -> Result<Iterate<'p>, Status> {
+    let effort = &balance.problem.effort;
+    let mut iterations = 0;
     let mut iterate = Iterate::new(balance, start);
     let mut progress = Progress::default();
     let mut damping = 1.0;
@@ -82,7 +82,7 @@ pub fn solve<'p>(
     loop {
         let size = iterate.relative_residual(balance);
         if !size.is_finite() {
-            return Err((Status::NonFinite, count));
+            return Err(Status::NonFinite);
         }
         let open = condition
             .values(balance, &iterate)
@@ -90,29 +90,24 @@ pub fn solve<'p>(
             .any(|c| c.abs() > condition.tolerance());
         if size <= tolerance && !open {
             return match iterate.contact.steady {
-                true => Ok((iterate, count)),
-                false => Err((Status::NoSteadyCycle, count)),
+                true => Ok(iterate),
+                false => Err(Status::NoSteadyCycle),
             };
         }
         if iterate.point.omega <= 0.0 {
             // a step of a walk that was too long
-            return Err((Status::StepTooSmall, count));
+            return Err(Status::StepTooSmall);
         }
-        if balance.problem.budget.is_spent() {
-            return Err((Status::BudgetSpent, count));
+        if effort.is_spent() {
+            return Err(Status::BudgetSpent);
         }
-        if count.iterations == settings.max_iterations
-            || (size > tolerance && progress.stalls(size))
-        {
-            return Err((Status::MaxIterations, count));
+        if iterations == settings.max_iterations || (size > tolerance && progress.stalls(size)) {
+            return Err(Status::MaxIterations);
         }
         (iterate, damping) = {
             let jacobian = iterate.jacobian(balance);
-            balance.problem.budget.spend();
-            count += WorkCount {
-                iterations: 1,
-                factorizations: jacobian.factorizations(),
-            };
+            effort.spend(jacobian.factorizations());
+            iterations += 1;
             let linear = Linearized::new(balance, &iterate, &jacobian, condition);
             advance(&linear, damping)
         };
@@ -122,17 +117,12 @@ pub fn solve<'p>(
 /// Newton steps at the fixed frequency of a solved iterate for as long as each at least halves the residual: to
 /// round-off, whatever the tolerance of the solve was.
 #[must_use]
-pub fn polish<'p>(balance: &Balance<'p>, solved: Iterate<'p>) -> (Iterate<'p>, WorkCount) {
+pub fn polish<'p>(balance: &Balance<'p>, solved: Iterate<'p>) -> Iterate<'p> {
     let mut iterate = solved;
-    let mut count = WorkCount::default();
     loop {
         let jacobian = iterate.jacobian(balance);
         let step = newton_step(balance, &iterate, &jacobian, Condition::FixedFrequency);
-        balance.problem.budget.spend();
-        count += WorkCount {
-            iterations: 1,
-            factorizations: jacobian.factorizations(),
-        };
+        balance.problem.effort.spend(jacobian.factorizations());
         let point = iterate.point.moved(&step, 1.0);
         let compliance = Arc::clone(&iterate.compliance);
         let trial = Iterate::with_compliance(balance, point, compliance);
@@ -142,7 +132,7 @@ pub fn polish<'p>(balance: &Balance<'p>, solved: Iterate<'p>) -> (Iterate<'p>, W
         );
         // A residual of exactly 0 ends it too.
         if after.is_nan() || after >= 0.5 * before {
-            return (iterate, count);
+            return iterate;
         }
         drop(jacobian);
         iterate = trial;

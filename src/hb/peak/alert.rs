@@ -9,8 +9,9 @@
 
 use crate::harmonics::HarmonicSet;
 use crate::hb::equations::balance::{Balance, balance_on};
+use crate::hb::equations::effort::WorkCount;
 use crate::hb::equations::problem::Problem;
-use crate::hb::newton::{Condition, Iterate, Point, WorkCount, newton_step, solve};
+use crate::hb::newton::{Condition, Iterate, Point, newton_step, solve};
 use crate::hb::settings::{AlertSettings, HbSettings, NewtonSettings};
 use crate::hb::solution::Solution;
 use crate::hb::status::Status;
@@ -58,8 +59,6 @@ pub struct Outlook {
     pub point: Point,
     /// |ŷ| there (m), by a solve.
     pub amplitude: Option<f64>,
-    /// Work spent.
-    pub count: WorkCount,
 }
 
 impl<'s, 'p> AlertSets<'s, 'p> {
@@ -164,10 +163,8 @@ impl<'s, 'p> AlertSets<'s, 'p> {
             max_iterations: newton.max_iterations.min(MOST_ITERATIONS),
             ..newton
         };
-        let solved = starts.into_iter().find_map(|start| {
-            let solved = solve(to, start, condition, newton);
-            outlook.count.tally(solved).ok()
-        });
+        let mut starts = starts.into_iter();
+        let solved = starts.find_map(|start| solve(to, start, condition, newton).ok());
         outlook.decided = true;
         outlook.error = f64::INFINITY;
         if let Some(solved) = solved {
@@ -185,16 +182,16 @@ impl<'s, 'p> AlertSets<'s, 'p> {
     pub fn step(&self, i: usize, solution: &Iterate<'_>, condition: Condition<'_>) -> Outlook {
         let twice = self.balance(self.twice(i));
         let (change, point) = step_on(self.balance(i), solution, twice, condition);
+        self.problem.effort.add(WorkCount {
+            iterations: 1,
+            factorizations: 1,
+        });
         let error = self.error_by(i, self.twice(i), change);
         Outlook {
             error: if error.is_nan() { f64::INFINITY } else { error },
             decided: false,
             point,
             amplitude: None,
-            count: WorkCount {
-                iterations: 1,
-                factorizations: 1,
-            },
         }
     }
 

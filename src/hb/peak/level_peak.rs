@@ -1,6 +1,6 @@
 //! How the search for the peak at one level ended.
 
-use crate::hb::newton::WorkCount;
+use crate::hb::equations::effort::WorkCount;
 use crate::hb::solution::Solution;
 use crate::hb::status::Status;
 
@@ -20,16 +20,18 @@ pub struct LevelPeak {
 impl LevelPeak {
     /// A located peak.
     #[must_use]
-    pub fn found(solution: Solution) -> Self {
+    pub fn found(solution: Solution, count: WorkCount) -> Self {
         Self {
             level: solution.level,
             status: solution.status,
-            count: solution.work_count,
+            count,
             solution: Some(solution),
         }
     }
 
-    pub(in crate::hb) fn failed(level: f64, status: Status, count: WorkCount) -> Self {
+    /// No peak, and why.
+    #[must_use]
+    pub fn failed(level: f64, status: Status, count: WorkCount) -> Self {
         Self {
             level,
             status,

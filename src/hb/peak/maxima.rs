@@ -6,7 +6,7 @@
 //! only where it could be higher than what was found before it.
 
 use super::level_peak::LevelPeak;
-use crate::hb::newton::WorkCount;
+use crate::hb::equations::effort::WorkCount;
 use crate::hb::solution::Solution;
 use crate::hb::status::Status;
 use crate::hb::structure::resonance::Candidate;
@@ -222,7 +222,7 @@ fn is_same_maximum(a: &Solution, b: &Solution) -> bool {
 mod tests {
     use super::*;
     use crate::harmonics::HarmonicSet;
-    use crate::hb::newton::WorkCount;
+    use crate::hb::equations::effort::WorkCount;
     use crate::hb::solution::{ContactFractions, CycleWork};
     use crate::hb::structure::resonance::Band;
 
@@ -245,6 +245,7 @@ mod tests {
             work: CycleWork::default(),
             truncation_error: None,
             sharpness: None,
+            route: None,
             work_count: WorkCount::default(),
         }
     }
@@ -263,7 +264,7 @@ mod tests {
     }
 
     fn search(solution: Solution, aside: Vec<Solution>) -> ModeSearch {
-        let peak = LevelPeak::found(solution);
+        let peak = LevelPeak::found(solution, WorkCount::default());
         ModeSearch { peak, aside }
     }
 

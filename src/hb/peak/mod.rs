@@ -1,6 +1,7 @@
 //! The resonance peak: which maximum it is, how it is located, and how many harmonics it needs.
 
 pub mod alert;
+mod band;
 pub mod level_peak;
 pub mod maxima;
 pub mod predicted;

@@ -9,7 +9,7 @@
 use super::search::{Located, PeakSettings, find_peak, sharp_enough};
 use crate::aft::{Accuracy, Backend};
 use crate::hb::equations::balance::Balance;
-use crate::hb::newton::{Condition, Direction, Iterate, Point, WorkCount, newton_step, solve};
+use crate::hb::newton::{Condition, Direction, Iterate, Point, newton_step, solve};
 use crate::hb::settings::NewtonSettings;
 use crate::hb::solution::Solution;
 use crate::hb::status::Status;
@@ -89,28 +89,13 @@ pub fn correct<'p>(
     prediction: PeakPrediction,
     settings: PeakSettings,
     newton: NewtonSettings,
-) -> Result<(Located<'p>, WorkCount), (Status, WorkCount)> {
+) -> Result<Located<'p>, Status> {
     if matches!(balance.problem.backend, Backend::Cpu) {
         return searched(balance, prediction, (settings, newton), Iterate::new);
     }
-    match searched(
-        balance,
-        prediction.clone(),
-        (settings, newton),
-        Iterate::draft,
-    ) {
-        Ok(found) => Ok(found),
-        Err((_, spent)) => {
-            let again = searched(balance, prediction, (settings, newton), Iterate::new);
-            let add = |mut count: WorkCount| {
-                count += spent;
-                count
-            };
-            again
-                .map(|(found, count)| (found, add(count)))
-                .map_err(|(status, count)| (status, add(count)))
-        }
-    }
+    let draft = prediction.clone();
+    searched(balance, draft, (settings, newton), Iterate::draft)
+        .or_else(|_| searched(balance, prediction, (settings, newton), Iterate::new))
 }
 
 /// The search behind [`correct`]; `evaluate` makes the iterates until one was evaluated in full.
@@ -119,8 +104,7 @@ fn searched<'p>(
     prediction: PeakPrediction,
     (settings, newton): (PeakSettings, NewtonSettings),
     evaluate: fn(&Balance<'p>, Point) -> Iterate<'p>,
-) -> Result<(Located<'p>, WorkCount), (Status, WorkCount)> {
-    let mut count = WorkCount::default();
+) -> Result<Located<'p>, Status> {
     let phasor = prediction.phasor;
     let mut iterate = evaluate(balance, prediction.point);
     let tolerance = newton
@@ -136,23 +120,23 @@ fn searched<'p>(
     for _ in 0..MAX_ITERATIONS {
         let size = iterate.relative_residual(balance);
         if !size.is_finite() {
-            return Err((Status::NonFinite, count));
+            return Err(Status::NonFinite);
         }
         let solved = size <= tolerance;
         if solved && !iterate.contact.steady {
-            return Err((Status::NoSteadyCycle, count));
+            return Err(Status::NoSteadyCycle);
         }
         let closing = solved && search.located;
         if closing && search.closed {
-            return match search.is_maximum(balance, &iterate, &mut count) {
-                true => Ok((search.ended(iterate), count)),
-                false => Err((Status::MaxIterations, count)),
+            return match search.is_maximum(balance, &iterate) {
+                true => Ok(search.ended(iterate)),
+                false => Err(Status::MaxIterations),
             };
         }
-        if balance.problem.budget.is_spent() {
-            return Err((Status::BudgetSpent, count));
+        if balance.problem.effort.is_spent() {
+            return Err(Status::BudgetSpent);
         }
-        let mut local = Local::new(balance, &iterate, &mut count);
+        let mut local = Local::new(balance, &iterate);
         // the growth is as exact as the displacements that it was taken at
         local.growth_error = GROWTH_ERROR * (size / share);
         let trusted = 0.5 * local.growth.abs().max(enough(&local));
@@ -176,7 +160,7 @@ fn searched<'p>(
             search.last = Some(local);
         }
         if !settings.band.contains(point.omega) {
-            return Err((Status::NoPeakInBand, count));
+            return Err(Status::NoPeakInBand);
         }
         iterate = match iterate.contact.accuracy {
             Accuracy::Draft => evaluate(balance, point),
@@ -186,7 +170,7 @@ fn searched<'p>(
             Accuracy::Full => Iterate::new(balance, point),
         };
     }
-    Err((Status::MaxIterations, count))
+    Err(Status::MaxIterations)
 }
 
 /// Newton step and tangent at one iterate.
@@ -204,13 +188,9 @@ struct Local {
 }
 
 impl Local {
-    fn new(balance: &Balance<'_>, iterate: &Iterate<'_>, count: &mut WorkCount) -> Self {
+    fn new(balance: &Balance<'_>, iterate: &Iterate<'_>) -> Self {
         let jacobian = iterate.jacobian(balance);
-        balance.problem.budget.spend();
-        *count += WorkCount {
-            iterations: 1,
-            factorizations: jacobian.factorizations(),
-        };
+        balance.problem.effort.spend(jacobian.factorizations());
         let correction = newton_step(balance, iterate, &jacobian, Condition::FixedFrequency);
         let tangent = Direction {
             r: iterate.frequency_rate(balance, &jacobian),
@@ -299,7 +279,7 @@ impl Search {
     }
 
     /// Whether the peak `at` is a maximum: by the growth seen on the way, else by the growth a little further on.
-    fn is_maximum(&self, balance: &Balance<'_>, at: &Iterate<'_>, count: &mut WorkCount) -> bool {
+    fn is_maximum(&self, balance: &Balance<'_>, at: &Iterate<'_>) -> bool {
         let Some(here) = &self.last else {
             return false;
         };
@@ -309,7 +289,7 @@ impl Search {
         let mut point = here.along(&at.point, ASIDE / here.phase_rate.abs());
         for _ in 0..CORRECTIONS {
             let aside = Iterate::new(balance, point);
-            let there = Local::new(balance, &aside, count);
+            let there = Local::new(balance, &aside);
             if usable(&((here.growth - there.growth) / there.ahead_of(here))) {
                 return true;
             }
@@ -356,18 +336,14 @@ pub fn maximum_near<'p>(
     prediction: PeakPrediction,
     settings: PeakSettings,
     newton: NewtonSettings,
-    count: &mut WorkCount,
 ) -> Result<Located<'p>, Status> {
-    let locked = phase_locked(balance, prediction.clone(), newton, count)?;
+    let locked = phase_locked(balance, prediction.clone(), newton)?;
     let start = PeakPrediction {
         point: locked.point.clone(),
         ..prediction
     };
-    let direct = correct(balance, start, settings, newton);
-    if let Ok(found) = count.tally(direct) {
-        return Ok(found);
-    }
-    count.tally(find_peak(balance, locked, settings, newton))
+    correct(balance, start, settings, newton)
+        .or_else(|_| find_peak(balance, locked, settings, newton))
 }
 
 /// The solution with the predicted phase.
@@ -378,8 +354,7 @@ pub fn phase_locked<'p>(
     balance: &Balance<'p>,
     prediction: PeakPrediction,
     newton: NewtonSettings,
-    count: &mut WorkCount,
 ) -> Result<Iterate<'p>, Status> {
     let phase = Condition::PhaseLocked(prediction.phasor);
-    count.tally(solve(balance, prediction.point, phase, newton))
+    solve(balance, prediction.point, phase, newton)
 }

@@ -7,7 +7,8 @@ use crate::harmonics::HarmonicSet;
 use crate::hb::equations::balance::Balance;
 use crate::hb::equations::balance::balance_on;
 use crate::hb::equations::problem::Problem;
-use crate::hb::newton::{Condition, Iterate, WorkCount, solve};
+use crate::hb::newton::{Condition, Iterate, solve};
+use crate::hb::route::PeakRoute;
 use crate::hb::settings::{HbSettings, NewtonSettings};
 use crate::hb::solution::Solution;
 use crate::hb::status::Status;
@@ -37,15 +38,14 @@ impl Kept {
         balance: &Balance<'p>,
         start: PeakPrediction,
         newton: NewtonSettings,
-        count: &mut WorkCount,
     ) -> Result<Located<'p>, Status> {
         match self {
             Self::Frequency => {
                 let fixed = Condition::FixedFrequency;
-                let iterate = count.tally(solve(balance, start.point, fixed, newton))?;
+                let iterate = solve(balance, start.point, fixed, newton)?;
                 Ok(iterate.into())
             }
-            Self::Maximum(peak) => maximum_near(balance, start, peak, newton, count),
+            Self::Maximum(peak) => maximum_near(balance, start, peak, newton),
         }
     }
 
@@ -55,17 +55,16 @@ impl Kept {
         from: (&Balance<'p>, &Iterate<'p>),
         larger: &Balance<'p>,
         newton: NewtonSettings,
-        count: &mut WorkCount,
     ) -> Option<Located<'p>> {
         match self {
             Self::Frequency => None,
-            Self::Maximum(peak) => highest_aside(from, larger, peak, newton, count),
+            Self::Maximum(peak) => highest_aside(from, larger, peak, newton),
         }
     }
 }
 
 /// Raises the harmonics of the solution `found` of `balance` as far as the alert of `sets` asks, which begin with those
-/// of `balance`; `count` is the work before.
+/// of `balance`.
 ///
 /// A solution that cannot be found on larger sets stays on the smaller one, with
 /// [`Status::TruncationAboveThreshold`].
@@ -75,10 +74,9 @@ pub fn refined<'p>(
     found: Located<'p>,
     sets: Option<&AlertSets<'_, 'p>>,
     (kept, newton): (Kept, NewtonSettings),
-    mut count: WorkCount,
 ) -> Solution {
     let Some(sets) = sets else {
-        return found.solution(balance, count);
+        return found.solution(balance);
     };
     let (mut at, mut found) = (0, found);
     // another set and the amplitude on it
@@ -99,8 +97,7 @@ pub fn refined<'p>(
             && other > at
             && sets.is_silent(error.max(step.error))
         {
-            count += step.count;
-            return sets.judged(found.solution(balance, count), error.max(step.error));
+            return sets.judged(found.solution(balance), error.max(step.error));
         }
         let outlook = sets.outlook(at, iterate, step, condition);
         let twice = sets.balance(sets.twice(at));
@@ -113,7 +110,7 @@ pub fn refined<'p>(
                     phasor,
                     sharpness: *sharpness,
                 };
-                let solved = kept.solved(larger, start, newton, &mut count);
+                let solved = kept.solved(larger, start, newton);
                 Some((to, solved.ok()?))
             })
         };
@@ -125,12 +122,11 @@ pub fn refined<'p>(
             // the smallest set is the least work, and the alert judges it again
             sets.larger(at).into_iter().find_map(|to| {
                 let from = (balance, iterate);
-                let found = kept.aside(from, sets.balance(to), newton, &mut count)?;
+                let found = kept.aside(from, sets.balance(to), newton)?;
                 Some((to, found))
             })
         };
         if let Some(larger) = next {
-            count += outlook.count;
             let (twice, to) = (sets.twice(at), larger.0);
             seen = match outlook.amplitude {
                 Some(amplitude) if twice > to => Some((twice, amplitude)),
@@ -140,33 +136,38 @@ pub fn refined<'p>(
             continue;
         }
         let outlook = sets.decided(at, iterate, outlook, condition);
-        count += outlook.count;
         let error = match by_seen {
             Some((_, error)) if outlook.error.is_infinite() => error,
             _ => outlook.error,
         };
-        return sets.judged(found.solution(balance, count), error);
+        return sets.judged(found.solution(balance), error);
     }
 }
 
 /// The peak next to a prediction on `harmonics`, reached by undamped steps or else by damped ones, refined from there.
 ///
 /// # Errors
-/// How the solve at the prediction ended; its work comes with either.
+/// How the solve at the prediction ended.
 pub fn refined_near(
     problem: &Problem<'_>,
     harmonics: &HarmonicSet,
     prediction: PeakPrediction,
     settings: &HbSettings,
     peak: PeakSettings,
-) -> Result<Solution, (Status, WorkCount)> {
+) -> Result<Solution, Status> {
     let balance = balance_on(problem, harmonics.clone(), settings);
     let newton = settings.newton;
-    let mut count = WorkCount::default();
-    let undamped = count.tally(correct(&balance, prediction.clone(), peak, newton));
-    let found = undamped.or_else(|_| maximum_near(&balance, prediction, peak, newton, &mut count));
-    let found = found.map_err(|status| (status, count))?;
+    let (route, found) = match correct(&balance, prediction.clone(), peak, newton) {
+        Ok(found) => (PeakRoute::Predicted, found),
+        Err(_) => (
+            PeakRoute::Damped,
+            maximum_near(&balance, prediction, peak, newton)?,
+        ),
+    };
     let sets = AlertSets::new(problem, harmonics, settings);
     let kept = (Kept::Maximum(peak), newton);
-    Ok(refined(&balance, found, sets.as_ref(), kept, count))
+    Ok(Solution {
+        route: Some(route),
+        ..refined(&balance, found, sets.as_ref(), kept)
+    })
 }

@@ -7,7 +7,7 @@
 use crate::hb::branch::branch_point::BranchPoint;
 use crate::hb::branch::stretch::Stretch;
 use crate::hb::equations::balance::Balance;
-use crate::hb::newton::{Condition, Iterate, Point, WorkCount, solve};
+use crate::hb::newton::{Condition, Iterate, Point, solve};
 use crate::hb::settings::NewtonSettings;
 use crate::hb::solution::Solution;
 use crate::hb::status::Status;
@@ -32,13 +32,12 @@ pub struct Located<'p> {
 }
 
 impl Located<'_> {
-    /// Everything reported of it; `count` is all work.
+    /// Everything reported of it.
     #[must_use]
-    pub fn solution(&self, balance: &Balance<'_>, count: WorkCount) -> Solution {
-        let solution = Solution::new(balance, &self.iterate, Status::Converged, count);
+    pub fn solution(&self, balance: &Balance<'_>) -> Solution {
         Solution {
             sharpness: self.sharpness,
-            ..solution
+            ..Solution::new(balance, &self.iterate, Status::Converged)
         }
     }
 }
@@ -84,7 +83,7 @@ pub fn find_peak<'p>(
     start: Iterate<'p>,
     settings: PeakSettings,
     newton: NewtonSettings,
-) -> Result<(Located<'p>, WorkCount), (Status, WorkCount)> {
+) -> Result<Located<'p>, Status> {
     let newton = NewtonSettings {
         tolerance: newton
             .tolerance
@@ -92,7 +91,7 @@ pub fn find_peak<'p>(
         ..newton
     };
     let omega_scale = 2.0 * settings.band.width();
-    let (first, mut count) = BranchPoint::new(balance, start, omega_scale, None, None);
+    let first = BranchPoint::new(balance, start, omega_scale, None, None);
     let metric = first.metric;
     let mut step = first.growth() / first.phase_rate().powi(2);
     step = step
@@ -105,19 +104,17 @@ pub fn find_peak<'p>(
     });
     for _ in 0..MAX_POINTS {
         let from = search.nearest(step);
-        let (iterate, length) =
-            halving_step(balance, &from.point, step - from.s, newton, &mut count)?;
-        let (point, work) = BranchPoint::new(
+        let (iterate, length) = halving_step(balance, &from.point, step - from.s, newton)?;
+        let point = BranchPoint::new(
             balance,
             iterate,
             omega_scale,
             Some(metric),
             Some(&from.point.tangent),
         );
-        count += work;
         let omega = point.iterate.point.omega;
         if !settings.band.contains(omega) {
-            return Err((Status::NoPeakInBand, count));
+            return Err(Status::NoPeakInBand);
         }
         let s = from.s + length;
         let moved = (omega - from.point.iterate.point.omega).abs() / omega;
@@ -125,14 +122,14 @@ pub fn find_peak<'p>(
         // the last point must have been solved where the secant wanted it: a kink makes a liar of a prediction
         let tolerance = settings.frequency_tolerance;
         if search.is_maximum() && (moved <= tolerance || search.bracket_width() <= tolerance) {
-            return Ok((search.ended(), count));
+            return Ok(search.ended());
         }
         step = search.next();
     }
     if search.is_maximum() && search.bracket_width() <= 10.0 * settings.frequency_tolerance {
-        return Ok((search.ended(), count));
+        return Ok(search.ended());
     }
-    Err((Status::MaxIterations, count))
+    Err(Status::MaxIterations)
 }
 
 /// The maximum of the amplitude on a step along the branch, if there is one and it can be located.
@@ -141,7 +138,6 @@ pub fn maximum_on<'p>(
     balance: &Balance<'p>,
     settings: PeakSettings,
     newton: NewtonSettings,
-    count: &mut WorkCount,
 ) -> Option<Located<'p>> {
     let (from, to) = (stretch.from, stretch.to);
     if from.growth() <= 0.0 || to.growth() > 0.0 {
@@ -152,9 +148,7 @@ pub fn maximum_on<'p>(
         false => to,
     };
     let start = Iterate::new(balance, higher.iterate.point.clone());
-    let found = count
-        .tally(find_peak(balance, start, settings, newton))
-        .ok()?;
+    let found = find_peak(balance, start, settings, newton).ok()?;
     let top = found.iterate.response(balance).norm();
     let is_on_it = stretch.passes(balance, &found.iterate.point)
         && top >= f64::max(from.response.norm(), to.response.norm());
@@ -170,20 +164,18 @@ pub fn highest_nearby<'p>(
     found: Located<'p>,
     settings: PeakSettings,
     newton: NewtonSettings,
-    count: &mut WorkCount,
 ) -> Located<'p> {
-    let first = along_branch(balance, found.iterate, settings, count);
+    let first = along_branch(balance, found.iterate, settings);
     let others = NEARBY.iter().filter_map(|&step| {
-        let aside = count.tally(first.step(balance, step, newton)).ok()?;
-        let search = find_peak(balance, aside, settings, newton);
-        count.tally(search).ok()
+        let aside = first.step(balance, step, newton).ok()?;
+        find_peak(balance, aside, settings, newton).ok()
     });
     let others: Vec<Located<'p>> = others.collect();
     let found = Located {
         iterate: first.iterate,
         ..found
     };
-    highest_of(balance, found, others)
+    (others.into_iter()).fold(found, |best, other| higher(balance, best, other))
 }
 
 /// The highest maximum on `larger` harmonics next to the maximum `found` on those of `balance`, searched from both sides:
@@ -193,46 +185,40 @@ pub fn highest_aside<'p>(
     larger: &Balance<'p>,
     settings: PeakSettings,
     newton: NewtonSettings,
-    count: &mut WorkCount,
 ) -> Option<Located<'p>> {
     let found = Iterate::new(balance, found.point.clone());
-    let first = along_branch(balance, found, settings, count);
-    let mut search = |step: f64| {
-        let aside = count.tally(first.step(balance, step, newton)).ok()?;
+    let first = along_branch(balance, found, settings);
+    let search = |step: f64| {
+        let aside = first.step(balance, step, newton).ok()?;
         let start = aside.point.padded(balance, larger);
-        let start = solve(larger, start, Condition::FixedFrequency, newton);
-        let start = count.tally(start).ok()?;
-        count.tally(find_peak(larger, start, settings, newton)).ok()
+        let start = solve(larger, start, Condition::FixedFrequency, newton).ok()?;
+        find_peak(larger, start, settings, newton).ok()
     };
     let sides = [-1.0, 1.0].into_iter();
-    let mut maxima = sides.filter_map(|side| ASIDE.iter().find_map(|step| search(side * step)));
-    let one = maxima.next()?;
-    Some(highest_of(larger, one, maxima))
+    let maxima = sides.filter_map(|side| ASIDE.iter().find_map(|step| search(side * step)));
+    maxima.reduce(|best, other| higher(larger, best, other))
 }
 
 fn along_branch<'p>(
     balance: &Balance<'p>,
     iterate: Iterate<'p>,
     settings: PeakSettings,
-    count: &mut WorkCount,
 ) -> BranchPoint<'p> {
     let omega_scale = 2.0 * settings.band.width();
-    let (point, work) = BranchPoint::new(balance, iterate, omega_scale, None, None);
-    *count += work;
-    point
+    BranchPoint::new(balance, iterate, omega_scale, None, None)
 }
 
-/// The highest of maxima, the first of equals.
-fn highest_of<'p>(
+/// The higher of two maxima, the first of equals.
+pub(super) fn higher<'p>(
     balance: &Balance<'_>,
     first: Located<'p>,
-    others: impl IntoIterator<Item = Located<'p>>,
+    second: Located<'p>,
 ) -> Located<'p> {
     let height = |peak: &Located<'_>| peak.iterate.response(balance).norm();
-    (others.into_iter()).fold(first, |best, other| match height(&other) > height(&best) {
-        true => other,
-        false => best,
-    })
+    match height(&second) > height(&first) {
+        true => second,
+        false => first,
+    }
 }
 
 /// Residual that leaves the growth of the amplitude exact enough for the frequency asked for: a flat top moves far for
@@ -252,23 +238,18 @@ fn halving_step<'p>(
     from: &BranchPoint<'p>,
     mut length: f64,
     newton: NewtonSettings,
-    count: &mut WorkCount,
-) -> Result<(Iterate<'p>, f64), (Status, WorkCount)> {
+) -> Result<(Iterate<'p>, f64), Status> {
     let mut last = Status::StepTooSmall;
     for _ in 0..MAX_HALVINGS {
         match from.step(balance, length, newton) {
-            Ok((iterate, work)) => {
-                *count += work;
-                return Ok((iterate, length));
-            }
-            Err((status, work)) => {
-                *count += work;
+            Ok(iterate) => return Ok((iterate, length)),
+            Err(status) => {
                 last = status;
                 length *= 0.5;
             }
         }
     }
-    Err((last, *count))
+    Err(last)
 }
 
 /// The last two stations, or the two that bracket the maximum.

@@ -4,34 +4,29 @@
 //! harmonic, which is cheap and smooth, by steps of its amplitude: the level that an amplitude needs is unique where the
 //! amplitude that a level gives is not. At each level asked for, a few harmonics are added step by step and the maximum
 //! next to the phase resonance is located. More harmonics are added to the located maximum, first those of the study, then
-//! until the error alert is silent. Where that fails the phase resonance is taken to the harmonics of the study before
-//! the maximum is located; then the maxima of the structure that slides without friction are tried, which friction far below
-//! the level hardly moves; and where that fails too the whole band is swept by continuation, on few harmonics and at last
-//! on those of the study, whose maximum may be too far from that on few.
+//! until the error alert is silent. Where that fails the other routes of [`PeakRoute`] are tried.
 
 use super::alert::AlertSets;
+use super::band::{sliding_maximum, swept_maximum};
 use super::level_peak::LevelPeak;
 use super::maxima::{COMPETES, ModeSearch, PeakChoice, search_maxima};
 use super::predicted::{PeakPrediction, correct, maximum_near};
 use super::refine::{Kept, refined};
-use super::search::{Located, PeakSettings, find_peak, highest_nearby, maximum_on};
+use super::search::{Located, PeakSettings, find_peak, highest_nearby};
 use crate::contact::Events;
-use crate::hb::branch::run_in::first_solution;
-use crate::hb::branch::stretch::Stretch;
-use crate::hb::branch::sweep::{Route, SweepDirection, follow};
 use crate::hb::equations::balance::Balance;
+use crate::hb::equations::effort::Meter;
 use crate::hb::equations::problem::Problem;
 use crate::hb::newton::ladder::Ladder;
 use crate::hb::newton::rest::{Rest, stiffness_at_rest};
-use crate::hb::newton::{Condition, Iterate, Point, WorkCount, solve};
+use crate::hb::newton::{Condition, Iterate, Point, solve};
+use crate::hb::route::PeakRoute;
 use crate::hb::settings::{HbSettings, NewtonSettings};
+use crate::hb::solution::Solution;
 use crate::hb::status::Status;
-use crate::hb::structure::resonance::{
-    Band, Candidate, candidates, linear_resonances, linear_response,
-};
+use crate::hb::structure::resonance::{Band, Candidate, candidates, linear_response};
 use crate::linalg::LinalgError;
 use faer::prelude::c64;
-use std::ops::ControlFlow;
 
 /// First and largest ratio between two amplitudes of the track.
 const RATIOS: [f64; 2] = [2.0, 4.0];
@@ -48,10 +43,6 @@ const TRACK_ITERATIONS: usize = 30;
 /// Residual accepted on the way to a level; the solution there, from which the maximum is searched, is solved to the
 /// study's tolerance.
 const TRACK_TOLERANCE: f64 = 1e-5;
-/// Largest relative change of the displacements, and of the frequency over the band, per step of the sweep that replaces a
-/// failed track.
-const SWEEP_STEP: f64 = 0.3;
-const SWEEP_ADVANCE: f64 = 0.025;
 /// Most harmonics (0 included) on which the maximum is searched.
 const FEW_HARMONICS: usize = 8;
 
@@ -73,8 +64,12 @@ struct Track<'a, 'p> {
     reach: f64,
     at: Option<Iterate<'p>>,
     ratio: f64,
-    count: WorkCount,
+    /// Work since the peak before.
+    meter: Meter<'p>,
 }
+
+/// How the maximum at a level is looked for.
+type Search<'a, 'p> = fn(&mut Track<'a, 'p>, f64) -> Result<Located<'p>, Status>;
 
 /// Peaks of `problem` at the ascending, positive `levels`: the highest of the maxima that grow from its modes. A level
 /// that is not a positive number gives [`Status::NonFinite`].
@@ -107,11 +102,13 @@ pub fn track_mode(
     mode: &Candidate,
     levels: &[f64],
 ) -> Vec<LevelPeak> {
+    problem.effort.grant(settings.newton.budget);
+    let meter = Meter::new(&problem.effort);
     let ladder = Ladder::new(problem, settings);
     let are_few = |rung: &Balance<'_>| rung.harmonics.orders().len() <= FEW_HARMONICS;
     let rest = Rest::new(ladder.first(), mode.omega);
     let stiffness = match &rest {
-        Ok((rest, _)) => &rest.stiffness,
+        Ok(rest) => &rest.stiffness,
         Err(_) => &problem.stuck_stiffness,
     };
     let response = linear_response(problem.model, stiffness, mode.omega);
@@ -126,11 +123,9 @@ pub fn track_mode(
         reach: mode.reach,
         at: None,
         ratio: RATIOS[0],
-        count: WorkCount::default(),
+        meter,
     };
-    problem.budget.grant(settings.newton.budget);
-    if let Ok((rest, work)) = rest {
-        track.count += work;
+    if let Ok(rest) = rest {
         track.at = track.start(&rest, levels.first().copied().unwrap_or(1.0));
         track.rest = Some(rest);
     }
@@ -139,74 +134,91 @@ pub fn track_mode(
 
 impl<'a, 'p> Track<'a, 'p> {
     /// Solves at or below the first level, where the response that is linear about the rest is a good start.
-    fn start(&mut self, rest: &Rest, first_level: f64) -> Option<Iterate<'p>> {
+    fn start(&self, rest: &Rest, first_level: f64) -> Option<Iterate<'p>> {
         let balance = &self.ladder[0];
         let level = first_level.min(rest.stuck_level(balance.problem));
         let newton = self.settings.newton;
         let excited = rest.excited(level);
-        let held = solve(balance, excited, Condition::FixedFrequency, newton);
-        let held = self.count.tally(held).ok()?;
+        let held = solve(balance, excited, Condition::FixedFrequency, newton).ok()?;
         let phase = Condition::PhaseLocked(self.phasor);
-        let locked = solve(balance, held.point, phase, newton);
-        self.count.tally(locked).ok()
+        solve(balance, held.point, phase, newton).ok()
     }
 
-    /// Follows the phase resonance to `level` and returns the peak there.
+    /// The peak at `level`.
     fn level(&mut self, level: f64) -> LevelPeak {
-        self.count = WorkCount::default();
-        let budget = &self.ladder[0].problem.budget;
-        budget.grant(self.settings.newton.budget);
+        let effort = &self.full().problem.effort;
+        effort.grant(self.settings.newton.budget);
         // Ratios of such levels are no numbers, and the track would never give up on them.
         if !(level.is_finite() && level > 0.0) {
-            return LevelPeak::failed(level, Status::NonFinite, self.count);
+            return LevelPeak::failed(level, Status::NonFinite, self.meter.read());
         }
-        let (few, last) = (self.few, self.ladder.len() - 1);
-        // on all harmonics there is something left to try only where the search was on few
-        let with_more = |status| if few < last { Ok(()) } else { Err(status) };
-        let found = self
-            .located(level, few)
-            .and_then(|found| self.raised(few, found))
-            .or_else(|status| {
-                with_more(status)?;
-                self.located(level, last)
-            })
-            .or_else(|_| {
-                let found = self.sliding(level)?;
-                self.raised(0, found)
-            })
-            .or_else(|_| {
-                let found = self.sweep(level, 0)?;
-                self.raised(0, found)
-            })
-            .or_else(|_| {
-                let found = self.sweep(level, few)?;
-                self.raised(few, found)
-            })
-            .or_else(|status| {
-                with_more(status)?;
-                self.sweep(level, last)
-            });
-        match found {
-            Ok(found) => {
-                let full = &self.ladder[last];
-                let found = match self.settings.aft.events {
-                    Events::Located => found,
-                    _ => {
-                        let newton = self.settings.newton;
-                        highest_nearby(full, found, self.peak, newton, &mut self.count)
-                    }
-                };
-                let settings = self.settings;
-                let sets = AlertSets::new(full.problem, &settings.harmonics, settings);
-                let kept = (Kept::Maximum(self.peak), settings.newton);
-                let solution = refined(full, found, sets.as_ref(), kept, self.count);
-                LevelPeak::found(solution)
+        let mut end = Status::StepTooSmall;
+        for (route, search) in self.searches() {
+            match search(self, level) {
+                Ok(found) => {
+                    let solution = Solution {
+                        route: Some(route),
+                        ..self.peak(found)
+                    };
+                    return LevelPeak::found(solution, self.meter.read());
+                }
+                Err(status) => end = status,
             }
-            Err(_) if budget.is_spent() => {
-                LevelPeak::failed(level, Status::BudgetSpent, self.count)
-            }
-            Err(status) => LevelPeak::failed(level, status, self.count),
         }
+        if effort.is_spent() {
+            end = Status::BudgetSpent;
+        }
+        LevelPeak::failed(level, end, self.meter.read())
+    }
+
+    /// The routes to the maximum at a level, in the order in which they are tried.
+    fn searches(&self) -> Vec<(PeakRoute, Search<'a, 'p>)> {
+        let mut searches: Vec<(PeakRoute, Search<'a, 'p>)> = vec![
+            (PeakRoute::Tracked, |track, level| {
+                let found = track.located(level, track.few)?;
+                track.raised(track.few, found)
+            }),
+            (PeakRoute::TrackedOnAll, |track, level| {
+                track.located(level, track.last())
+            }),
+            (PeakRoute::Sliding, |track, level| {
+                let found = track.sliding(level)?;
+                track.raised(0, found)
+            }),
+            (PeakRoute::SweptOnOne, |track, level| track.swept(level, 0)),
+            (PeakRoute::SweptOnFew, |track, level| {
+                track.swept(level, track.few)
+            }),
+            (PeakRoute::SweptOnAll, |track, level| {
+                track.swept(level, track.last())
+            }),
+        ];
+        let on_all = [PeakRoute::TrackedOnAll, PeakRoute::SweptOnAll];
+        let few_are_all = self.few == self.last();
+        searches.retain(|(route, _)| !(few_are_all && on_all.contains(route)));
+        searches
+    }
+
+    /// Number of the set of the study.
+    fn last(&self) -> usize {
+        self.ladder.len() - 1
+    }
+
+    /// The problem on the harmonics of the study.
+    fn full(&self) -> &'a Balance<'p> {
+        &self.ladder[self.last()]
+    }
+
+    /// What is reported of the maximum `found` on the harmonics of the study, with as many more as the alert asks for.
+    fn peak(&self, found: Located<'p>) -> Solution {
+        let (full, settings) = (self.full(), self.settings);
+        let found = match settings.aft.events {
+            Events::Located => found,
+            _ => highest_nearby(full, found, self.peak, settings.newton),
+        };
+        let sets = AlertSets::new(full.problem, &settings.harmonics, settings);
+        let kept = (Kept::Maximum(self.peak), settings.newton);
+        refined(full, found, sets.as_ref(), kept)
     }
 
     /// The maximum on the harmonics of `rung` next to the phase resonance at `level`.
@@ -217,29 +229,24 @@ impl<'a, 'p> Track<'a, 'p> {
     }
 
     /// The maximum next to the phase resonance `start`: directly, else by a search along the branch.
-    fn maximum(&mut self, start: Iterate<'p>, rung: usize) -> Result<Located<'p>, Status> {
+    fn maximum(&self, start: Iterate<'p>, rung: usize) -> Result<Located<'p>, Status> {
         let (balance, newton) = (&self.ladder[rung], self.settings.newton);
         let prediction = PeakPrediction {
             point: start.point.clone(),
             phasor: self.phasor,
             sharpness: None,
         };
-        let direct = self
-            .count
-            .tally(correct(balance, prediction, self.peak, newton));
-        match direct {
-            Ok(found) => Ok(found),
-            Err(_) => (self.count).tally(find_peak(balance, start, self.peak, newton)),
-        }
+        correct(balance, prediction, self.peak, newton)
+            .or_else(|_| find_peak(balance, start, self.peak, newton))
     }
 
     /// The maximum on the harmonics of the study that belongs to the maximum `found` on those of `rung`.
-    fn raised(&mut self, rung: usize, found: Located<'p>) -> Result<Located<'p>, Status> {
+    fn raised(&self, rung: usize, found: Located<'p>) -> Result<Located<'p>, Status> {
         let newton = self.settings.newton;
         let mut found = found;
         for pair in self.ladder[rung..].windows(2) {
             let prediction = PeakPrediction::on_other_harmonics(&pair[0], &found, &pair[1]);
-            found = maximum_near(&pair[1], prediction, self.peak, newton, &mut self.count)?;
+            found = maximum_near(&pair[1], prediction, self.peak, newton)?;
         }
         Ok(found)
     }
@@ -255,7 +262,7 @@ impl<'a, 'p> Track<'a, 'p> {
 
     /// Adds the harmonics up to those of `last` to a phase-resonant solution, rung by rung at its amplitude, then
     /// returns to its level.
-    fn climb(&mut self, start: Iterate<'p>, last: usize) -> Result<Iterate<'p>, Status> {
+    fn climb(&self, start: Iterate<'p>, last: usize) -> Result<Iterate<'p>, Status> {
         let level = start.point.level;
         let newton = self.on_the_way();
         let mut iterate = start;
@@ -266,9 +273,7 @@ impl<'a, 'p> Track<'a, 'p> {
                 phasor: self.phasor,
                 amplitude,
             };
-            iterate =
-                self.count
-                    .tally(solve(to, iterate.point.padded(from, to), condition, newton))?;
+            iterate = solve(to, iterate.point.padded(from, to), condition, newton)?;
         }
         self.bring_to_level(last, iterate, level)
     }
@@ -307,7 +312,7 @@ impl<'a, 'p> Track<'a, 'p> {
 
     /// The phase resonance on rung `rung` whose amplitude is `ratio` times the `amplitude` at `point`.
     fn scaled(
-        &mut self,
+        &self,
         rung: usize,
         point: &Point,
         amplitude: f64,
@@ -324,12 +329,12 @@ impl<'a, 'p> Track<'a, 'p> {
             phasor: self.phasor,
             amplitude: ratio * amplitude,
         };
-        self.count.tally(solve(balance, start, condition, newton))
+        solve(balance, start, condition, newton)
     }
 
     /// Corrects a phase resonance to exactly `level`: by secants in the amplitude until near, then at the fixed level.
     fn bring_to_level(
-        &mut self,
+        &self,
         rung: usize,
         start: Iterate<'p>,
         level: f64,
@@ -355,88 +360,24 @@ impl<'a, 'p> Track<'a, 'p> {
             }
         }
         let point = Point { level, ..at.point };
-        let solved = solve(
-            balance,
-            point,
-            Condition::PhaseLocked(self.phasor),
-            self.settings.newton,
-        );
-        self.count.tally(solved)
+        let phase = Condition::PhaseLocked(self.phasor);
+        solve(balance, point, phase, self.settings.newton)
     }
 
-    /// The highest maximum next to the resonances of the structure that slides without friction, on few harmonics, where it
-    /// comes near what the mode can reach: friction far below the level hardly moves it.
-    fn sliding(&mut self, level: f64) -> Result<Located<'p>, Status> {
-        let (balance, newton) = (&self.ladder[0], self.settings.newton);
+    /// The highest maximum next to the resonances of the structure that slides without friction, on one harmonic, where it
+    /// comes near what the mode can reach.
+    fn sliding(&self, level: f64) -> Result<Located<'p>, Status> {
         let rest = self.rest.as_ref().ok_or(Status::NoPeakInBand)?;
         let least = COMPETES * self.reach;
-        let stiffness = rest.sliding_stiffness();
-        let model = balance.problem.model;
-        let resonances = linear_resonances(model, &stiffness, self.peak.band, least);
-        let height = |found: &Located<'_>| found.iterate.response(balance).norm();
-        let mut best: Option<Located<'p>> = None;
-        for resonance in resonances.map_err(|_| Status::NonFinite)? {
-            let start = rest.sliding(balance, resonance.omega, level);
-            let start = solve(balance, start, Condition::FixedFrequency, newton);
-            let found = (self.count.tally(start)).and_then(|start| {
-                self.count
-                    .tally(find_peak(balance, start, self.peak, newton))
-            });
-            let higher = found.ok().filter(|found| {
-                let least = best.as_ref().map_or(least * level, height);
-                height(found) > least
-            });
-            best = higher.or(best);
-        }
-        best.ok_or(Status::NoPeakInBand)
+        let newton = self.settings.newton;
+        sliding_maximum(&self.ladder[0], rest, least, level, self.peak, newton)
     }
 
-    /// The highest maximum on the branch through the whole band at `level`, on the harmonics of `rung`.
-    fn sweep(&mut self, level: f64, rung: usize) -> Result<Located<'p>, Status> {
-        let highest = self
-            .highest_of_way(level, rung, SweepDirection::Upward)
-            .or_else(|_| self.highest_of_way(level, rung, SweepDirection::Downward))?;
-        highest.ok_or(Status::NoPeakInBand)
-    }
-
-    /// The highest maximum on the way through the band.
-    fn highest_of_way(
-        &mut self,
-        level: f64,
-        rung: usize,
-        direction: SweepDirection,
-    ) -> Result<Option<Located<'p>>, Status> {
-        let (balance, newton) = (&self.ladder[rung], self.settings.newton);
-        let band = self.peak.band;
-        let [omega, _] = direction.ends(band);
-        let rungs = &self.ladder[..=rung];
-        let first = first_solution(rungs, newton, level, (omega, direction));
-        let first = self.count.tally(first)?;
-        let route = Route {
-            band,
-            direction,
-            largest_step: SWEEP_STEP,
-            largest_advance: SWEEP_ADVANCE,
-        };
-        let height = |found: &Located<'_>| found.iterate.response(balance).norm();
-        let (mut best, mut count): (Option<Located<'p>>, _) = (None, WorkCount::default());
-        let end = follow(balance, first, route, newton, |from, to, _| {
-            let stretch = Stretch::new(balance, &from, to);
-            let higher =
-                (maximum_on(&stretch, balance, self.peak, newton, &mut count)).filter(|found| {
-                    best.as_ref()
-                        .is_none_or(|best| height(found) > height(best))
-                });
-            best = higher.or(best.take());
-            ControlFlow::Continue(())
-        });
-        self.count += count;
-        self.count += end.count;
-        match end.status {
-            Status::Converged => Ok(best),
-            // a walk that stopped inside the band says nothing about the part it has not seen
-            status => Err(status),
-        }
+    /// The maximum that belongs to the highest one on the branch through the band on the harmonics of `rung`.
+    fn swept(&self, level: f64, rung: usize) -> Result<Located<'p>, Status> {
+        let newton = self.settings.newton;
+        let found = swept_maximum(&self.ladder[..=rung], level, self.peak, newton)?;
+        self.raised(rung, found)
     }
 }
 

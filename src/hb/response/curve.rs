@@ -8,7 +8,7 @@
 use crate::hb::branch::branch_point::BranchPoint;
 use crate::hb::branch::continuation::{StepSettings, walk};
 use crate::hb::equations::balance::Balance;
-use crate::hb::newton::{Iterate, Point, WorkCount};
+use crate::hb::newton::{Iterate, Point};
 use crate::hb::settings::NewtonSettings;
 use crate::hb::structure::resonance::Band;
 use faer::prelude::c64;
@@ -54,25 +54,23 @@ pub fn response_curve(
     peak: &Point,
     band: Band,
     newton: NewtonSettings,
-) -> (Vec<CurvePoint>, WorkCount) {
+) -> Vec<CurvePoint> {
     let newton = NewtonSettings {
         tolerance: newton
             .tolerance
             .max(TOLERANCE * peak.dynamic_share(balance).min(1.0)),
         ..newton
     };
-    let mut count = WorkCount::default();
-    let mut side = |upwards: bool| {
+    let side = |upwards: bool| {
         let mut march = March::outwards(balance, peak, upwards, (band, newton));
         march.refine();
-        count += march.count;
         march.points(band)
     };
     let mut curve = side(false);
     curve.reverse();
     curve.pop();
     curve.extend(side(true));
-    (curve, count)
+    curve
 }
 
 /// The solutions of one side, in the order of the walk.
@@ -84,7 +82,6 @@ struct March<'b, 'p> {
     points: Vec<BranchPoint<'p>>,
     /// Lengths of the steps between the points. Shape: `[points - 1]`.
     lengths: Vec<f64>,
-    count: WorkCount,
 }
 
 impl<'b, 'p> March<'b, 'p> {
@@ -103,13 +100,12 @@ impl<'b, 'p> March<'b, 'p> {
         };
         let omega_scale = steps.omega_scale;
         let iterate = Iterate::new(balance, peak.clone());
-        let (start, mut count) = BranchPoint::new(balance, iterate, omega_scale, None, None);
+        let start = BranchPoint::new(balance, iterate, omega_scale, None, None);
         let picture = Picture::of(&start, band);
         let start = if upwards { start } else { start.reversed() };
         let (mut points, mut lengths) = (Vec::new(), Vec::new());
         let mut before: Option<Leg> = None;
-        let end = walk(balance, start, newton, steps, |from, to, step| {
-            let length = step.length;
+        let end = walk(balance, start, newton, steps, |from, to, length| {
             let mut longest = f64::INFINITY;
             if let Some(leg) = &before {
                 let share = leg.error(&picture, length, to) / ESTIMATES[0];
@@ -123,7 +119,6 @@ impl<'b, 'p> March<'b, 'p> {
                 false => ControlFlow::Break(()),
             }
         });
-        count += end.count;
         points.push(end.last);
         Self {
             balance,
@@ -132,7 +127,6 @@ impl<'b, 'p> March<'b, 'p> {
             picture,
             points,
             lengths,
-            count,
         }
     }
 
@@ -174,13 +168,11 @@ impl<'b, 'p> March<'b, 'p> {
     fn halve(&mut self, i: usize) -> bool {
         let (from, half) = (&self.points[i], 0.5 * self.lengths[i]);
         let solved = from.step(self.balance, half, self.newton);
-        let Ok(iterate) = self.count.tally(solved) else {
+        let Ok(iterate) = solved else {
             return false;
         };
         let tangent = Some(&from.tangent);
-        let (middle, work) =
-            BranchPoint::new(self.balance, iterate, self.omega_scale, None, tangent);
-        self.count += work;
+        let middle = BranchPoint::new(self.balance, iterate, self.omega_scale, None, tangent);
         // past a corner the branch is longer than the step over it
         let [rest, _] = middle.distances(self.balance, &self.points[i + 1].iterate.point);
         if rest <= 0.0 {

@@ -10,9 +10,10 @@ use crate::hb::branch::run_in::first_solution;
 use crate::hb::branch::stretch::Stretch;
 use crate::hb::branch::sweep::{Route, SweepDirection};
 use crate::hb::equations::balance::Balance;
+use crate::hb::equations::effort::{Meter, WorkCount};
 use crate::hb::equations::problem::Problem;
 use crate::hb::newton::ladder::Ladder;
-use crate::hb::newton::{Condition, Iterate, Point, WorkCount, polish};
+use crate::hb::newton::{Condition, Iterate, Point, polish};
 use crate::hb::peak::alert::AlertSets;
 use crate::hb::peak::search::{PeakSettings, maximum_on};
 use crate::hb::peak::track::stuck_point;
@@ -190,6 +191,7 @@ pub(in crate::hb) struct Level<'a, 'p> {
     pub(in crate::hb) settings: &'a HbSettings,
     pub(in crate::hb) sets: Option<AlertSets<'a, 'p>>,
     level: f64,
+    pub(in crate::hb) meter: Meter<'p>,
 }
 
 /// The solutions of one way through the band, in the order of the way.
@@ -214,6 +216,7 @@ impl<'a, 'p> Level<'a, 'p> {
             settings,
             sets: AlertSets::new(problem, &settings.harmonics, settings),
             level,
+            meter: Meter::new(&problem.effort),
         }
     }
 
@@ -223,15 +226,15 @@ impl<'a, 'p> Level<'a, 'p> {
 
     /// A search on a budget of its own: what it takes does not depend on what was searched before, nor on what is listed.
     pub(in crate::hb) fn apart<T>(&self, search: impl FnOnce() -> T) -> T {
-        let budget = &self.balance().problem.budget;
-        budget.apart(self.settings.newton.budget, search)
+        let effort = &self.balance().problem.effort;
+        effort.apart(self.settings.newton.budget, search)
     }
 
     /// A frequency without solution.
     pub(in crate::hb) fn unsolved(&self, omega: f64, status: Status) -> Solution {
         let stuck = stuck_point(self.balance(), omega, self.level);
         let iterate = Iterate::new(self.balance(), stuck);
-        Solution::new(self.balance(), &iterate, status, WorkCount::default())
+        Solution::new(self.balance(), &iterate, status)
     }
 
     /// The solution at the end of `band` where a way in `direction` begins.
@@ -239,18 +242,13 @@ impl<'a, 'p> Level<'a, 'p> {
         &self,
         band: Band,
         direction: SweepDirection,
-    ) -> Result<(Iterate<'p>, WorkCount), (Stop, WorkCount)> {
+    ) -> Result<Iterate<'p>, Stop> {
         let [omega, _] = direction.ends(band);
         let newton = self.settings.newton;
-        self.balance().problem.budget.grant(newton.budget);
-        match first_solution(self.ladder.rungs(), newton, self.level, (omega, direction)) {
-            Ok((first, mut count)) => {
-                let (first, work) = polish(self.balance(), first);
-                count += work;
-                Ok((first, count))
-            }
-            Err((status, count)) => Err((Stop { omega, status }, count)),
-        }
+        self.balance().problem.effort.grant(newton.budget);
+        first_solution(self.ladder.rungs(), newton, self.level, (omega, direction))
+            .map(|first| polish(self.balance(), first))
+            .map_err(|status| Stop { omega, status })
     }
 
     /// The solution with its truncation error.
@@ -277,9 +275,9 @@ impl<'a, 'p> Level<'a, 'p> {
         progress: &impl Fn(f64),
     ) -> Part {
         let balance = self.balance();
-        let (first, count) = match self.first(curve.band, direction) {
-            Ok(first) => first,
-            Err((stop, _)) => {
+        let first = match self.first(curve.band, direction) {
+            Ok(first) => (first, self.meter.read()),
+            Err(stop) => {
                 return Part {
                     solutions: vec![self.unsolved(stop.omega, stop.status)],
                     stop: Some(stop),
@@ -296,10 +294,13 @@ impl<'a, 'p> Level<'a, 'p> {
         };
         let newton = self.settings.newton;
         let (mut stations, end) =
-            Stations::walked(balance, (first, count), route, newton, (other, progress));
+            Stations::walked(balance, first, route, newton, (other, progress));
         self.apart(|| stations.refine());
         let solved = |(point, count): &(BranchPoint<'_>, WorkCount)| {
-            let solution = Solution::new(balance, &point.iterate, Status::Converged, *count);
+            let solution = Solution {
+                work_count: *count,
+                ..Solution::new(balance, &point.iterate, Status::Converged)
+            };
             self.apart(|| self.judged(&point.iterate, solution))
         };
         let mut solutions: Vec<Solution> =
@@ -320,7 +321,10 @@ impl<'a, 'p> Level<'a, 'p> {
                 status: end.status,
             });
         if let (Some(last), true) = (&last, stop.is_some()) {
-            solutions.push(Solution::new(balance, last, end.status, end.count));
+            solutions.push(Solution {
+                work_count: end.count,
+                ..Solution::new(balance, last, end.status)
+            });
         }
         Part {
             solutions,
@@ -336,9 +340,13 @@ impl<'a, 'p> Level<'a, 'p> {
             band,
             frequency_tolerance: PEAK_TOLERANCE,
         };
-        let (balance, mut count) = (self.balance(), WorkCount::default());
-        let newton = self.settings.newton;
-        let found = maximum_on(stretch, balance, search, newton, &mut count)?;
-        Some(self.judged(&found.iterate, found.solution(balance, count)))
+        let (balance, newton) = (self.balance(), self.settings.newton);
+        let meter = Meter::new(&balance.problem.effort);
+        let found = maximum_on(stretch, balance, search, newton)?;
+        let solution = Solution {
+            work_count: meter.read(),
+            ..found.solution(balance)
+        };
+        Some(self.judged(&found.iterate, solution))
     }
 }

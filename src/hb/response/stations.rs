@@ -9,7 +9,8 @@ use crate::hb::branch::continuation::WalkEnd;
 use crate::hb::branch::stretch::Stretch;
 use crate::hb::branch::sweep::{Route, follow};
 use crate::hb::equations::balance::Balance;
-use crate::hb::newton::{Iterate, Point, WorkCount};
+use crate::hb::equations::effort::{Meter, WorkCount};
+use crate::hb::newton::{Iterate, Point};
 use crate::hb::settings::NewtonSettings;
 use crate::hb::status::Status;
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -82,15 +83,17 @@ impl<'b, 'p> Stations<'b, 'p> {
             steps: Vec::new(),
         };
         let (mut met, mut done, mut spent) = (false, 0.0f64, start.1);
+        let meter = Meter::new(&balance.problem.effort);
         let mut clipped = None;
-        let end = follow(balance, start.0, route, newton, |from, to, work| {
+        let end = follow(balance, start.0, route, newton, |from, to| {
+            let work = meter.read();
             let stretch = Stretch::new(balance, &from, to);
             let reached = to.iterate.point.omega;
             done = done.max(sign * (reached - begin) / (sign * (far_end - begin)));
             progress(done.min(1.0));
             met = other.is_some_and(|other| stretch.passes(balance, other));
             if sign * (reached - far_end) > 0.0 {
-                clipped = stretch.clipped(balance, far_end, newton, &mut spent);
+                clipped = stretch.clipped(balance, far_end, newton);
             }
             stations.steps.push(Step::default());
             stations.points.push((from, spent));
@@ -100,11 +103,7 @@ impl<'b, 'p> Stations<'b, 'p> {
                 false => ControlFlow::Continue(()),
             }
         });
-        let WalkEnd {
-            status,
-            last,
-            count,
-        } = end;
+        let (WalkEnd { status, last }, count) = (end, meter.read());
         if met {
             // what lies beyond the other way's end is known from that way
             stations.steps.pop();
@@ -158,16 +157,16 @@ impl<'b, 'p> Stations<'b, 'p> {
     fn divide(&mut self, i: usize, picture: &Picture) -> bool {
         let (balance, newton) = (self.balance, self.newton);
         let (stretch, divisions) = (self.stretch(i), self.steps[i].divisions + 1);
-        let mut count = WorkCount::default();
+        let meter = Meter::new(&balance.problem.effort);
         let mut failure = Status::StepTooSmall;
         let added = SHARES.iter().find_map(|share| {
-            let found = stretch.inside(balance, share * stretch.length, newton, &mut count);
+            let found = stretch.inside(balance, share * stretch.length, newton);
             failure = found.as_ref().err().copied().unwrap_or(failure);
             found.ok()
         });
         let Some(point) = added else {
             self.steps[i].line = Line::Unsolved(failure);
-            self.points[i + 1].1 += count;
+            self.points[i + 1].1 += meter.read();
             return false;
         };
         // tangents that leave less room than the curve takes know nothing of what lies between
@@ -177,7 +176,7 @@ impl<'b, 'p> Stations<'b, 'p> {
             false => Line::Seen,
         };
         self.steps.splice(i..=i, [Step { line, divisions }; 2]);
-        self.points.insert(i + 1, (point, count));
+        self.points.insert(i + 1, (point, meter.read()));
         true
     }
 }

@@ -5,7 +5,7 @@ use crate::hb::branch::stretch::Stretch;
 use crate::hb::branch::sweep::{Route, SweepDirection, follow};
 use crate::hb::equations::problem::Problem;
 use crate::hb::newton::ladder::Ladder;
-use crate::hb::newton::{Condition, Iterate, Point, WorkCount, polish, solve};
+use crate::hb::newton::{Condition, Iterate, Point, polish, solve};
 use crate::hb::peak::refine::{Kept, refined};
 use crate::hb::settings::HbSettings;
 use crate::hb::solution::Solution;
@@ -142,15 +142,14 @@ impl<'p> Level<'_, 'p> {
             return None;
         }
         let (band, sign) = (answers.band, direction.sign());
-        let (first, mut count) = match self.first(band, direction) {
+        let first = match self.first(band, direction) {
             Ok(first) => first,
-            Err((stop, _)) => return Some(stop),
+            Err(stop) => return Some(stop),
         };
         let mut front = first.point.omega;
         if let Some(i) = open.pop_if(|i| answers.omega[*i] == front) {
             let again = Iterate::new(self.balance(), first.point.clone());
-            let work = std::mem::take(&mut count);
-            answers.found[i] = Some(self.apart(|| self.raised(again, work)));
+            answers.found[i] = Some(self.apart(|| self.raised(again)));
         }
         if open.is_empty() {
             return None;
@@ -163,10 +162,9 @@ impl<'p> Level<'_, 'p> {
         };
         let newton = self.settings.newton;
         let all = answers.omega.len() as f64;
-        let end = follow(self.balance(), first, route, newton, |from, to, work| {
-            count += work;
+        let end = follow(self.balance(), first, route, newton, |from, to| {
             let stretch = Stretch::new(self.balance(), &from, to);
-            let reached = self.answer(&stretch, (sign, &mut open), answers, &mut count);
+            let reached = self.answer(&stretch, (sign, &mut open), answers);
             front = sign * f64::max(sign * front, sign * reached);
             progress(1.0 - open.len() as f64 / all);
             match open.is_empty() {
@@ -187,29 +185,26 @@ impl<'p> Level<'_, 'p> {
         taken: &Stretch<'_, 'p>,
         (sign, open): (f64, &mut Vec<usize>),
         answers: &mut Answers<'_>,
-        count: &mut WorkCount,
     ) -> f64 {
         let (balance, newton) = (self.balance(), self.settings.newton);
         let tip = match taken.turns_back(sign) {
-            true => taken.tip(balance, newton, count),
+            true => taken.tip(balance, newton),
             false => None,
         };
         let to = tip.as_ref().unwrap_or(taken.to);
         let stretch = Stretch::new(balance, taken.from, to);
         let reached = to.iterate.point.omega;
         while let Some(i) = open.pop_if(|i| sign * (answers.omega[*i] - reached) <= 0.0) {
-            let mut work = std::mem::take(count);
             let omega = answers.omega[i];
-            answers.found[i] =
-                Some(self.apart(
-                    || match stretch.crossing(balance, omega, newton, &mut work) {
-                        Ok(iterate) => self.raised(iterate, work),
-                        Err(status) => Answer {
-                            solution: self.unsolved(omega, status),
-                            point: None,
-                        },
+            answers.found[i] = Some(self.apart(
+                || match stretch.crossing(balance, omega, newton) {
+                    Ok(iterate) => self.raised(iterate),
+                    Err(status) => Answer {
+                        solution: self.unsolved(omega, status),
+                        point: None,
                     },
-                ));
+                },
+            ));
         }
         reached
     }
@@ -230,21 +225,24 @@ impl<'p> Level<'_, 'p> {
             let omega = answers.omega[i];
             let start = Point { omega, ..point };
             answers.found[i] = self.apart(|| {
-                let (iterate, work) = solve(balance, start, fixed, self.settings.newton).ok()?;
-                Some(self.raised(iterate, work))
+                let iterate = solve(balance, start, fixed, self.settings.newton).ok()?;
+                Some(self.raised(iterate))
             });
         }
     }
 
     /// The solution to round-off, and with as many harmonics as the alert asks for.
-    fn raised(&self, iterate: Iterate<'p>, mut count: WorkCount) -> Answer {
-        let (iterate, work) = polish(self.balance(), iterate);
-        count += work;
+    fn raised(&self, iterate: Iterate<'p>) -> Answer {
+        let iterate = polish(self.balance(), iterate);
         let point = Some(iterate.point.clone());
         let kept = (Kept::Frequency, self.settings.newton);
         let sets = self.sets.as_ref();
+        let solution = refined(self.balance(), iterate.into(), sets, kept);
         Answer {
-            solution: refined(self.balance(), iterate.into(), sets, kept, count),
+            solution: Solution {
+                work_count: self.meter.read(),
+                ..solution
+            },
             point,
         }
     }

@@ -62,7 +62,7 @@ fn stated(rng: &mut ChaCha8Rng) -> Option<Stated> {
     let iterate = Iterate::new(&few, found.point());
     let (step, _) = step_on(&few, &iterate, &twice, fixed);
     let start = found.point().padded(&few, &twice);
-    let (best, _) = solve(&twice, start, fixed, settings.newton).ok()?;
+    let best = solve(&twice, start, fixed, settings.newton).ok()?;
     Some(Stated {
         status: found.status,
         error: found.truncation_error.unwrap_or(f64::INFINITY),

@@ -46,7 +46,7 @@ impl Oscillator {
 fn at<'p>(balance: &Balance<'p>, omega: f64, level: f64) -> Iterate<'p> {
     let start = stuck_point(balance, omega, level);
     let solved = solve(balance, start, Condition::FixedFrequency, NEWTON);
-    solved.expect("a solution").0
+    solved.expect("a solution")
 }
 
 /// Frequency and amplitude of the peak next to the phase resonance near `omega` and `amplitude`.
@@ -55,7 +55,7 @@ fn peak(balance: &Balance<'_>, [omega, amplitude]: [f64; 2], level: f64) -> (f64
     r[2 * balance.layout.n_relative()] = amplitude;
     let start = Point { r, omega, level };
     let quarter = Condition::PhaseLocked(c64::new(0.0, -1.0));
-    let (locked, _) = solve(balance, start, quarter, NEWTON).expect("phase resonance");
+    let locked = solve(balance, start, quarter, NEWTON).expect("phase resonance");
     let settings = PeakSettings {
         band: Band {
             low: 0.5,
@@ -63,7 +63,7 @@ fn peak(balance: &Balance<'_>, [omega, amplitude]: [f64; 2], level: f64) -> (f64
         },
         frequency_tolerance: 1e-8,
     };
-    let (found, _) = find_peak(balance, locked, settings, NEWTON).expect("a peak");
+    let found = find_peak(balance, locked, settings, NEWTON).expect("a peak");
     (
         found.iterate.point.omega,
         found.iterate.response(balance).norm(),
@@ -215,7 +215,7 @@ fn stiff_limit(friction: f64, omega: f64, k_t: f64) -> f64 {
                 level: 1.0,
             });
             let solved = solve(balance, start, Condition::FixedFrequency, NEWTON);
-            let r = solved.expect("a solution").0.point.r;
+            let r = solved.expect("a solution").point.r;
             let n = balance.layout.n_relative();
             let motion = |t: f64| -> f64 {
                 let basis = balance.harmonics.basis(t);

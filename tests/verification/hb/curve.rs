@@ -55,7 +55,9 @@ fn check(problem: &Problem<'_>, band: Band, levels: &[f64]) {
         let dense = over_band(problem, &settings, found.level, band);
         let top = peak.amplitude(0);
         let width = half_width(&dense, top);
-        let (curve, count) = response_curve(&balance, &peak.point(), band, settings.newton);
+        let before = problem.effort.count();
+        let curve = response_curve(&balance, &peak.point(), band, settings.newton);
+        let count = problem.effort.count().since(before);
         let error = distance(&curve, &dense, [width, top]);
         println!(
             "{} N: {} points, {count:?}, error {error:.1e}",

@@ -149,10 +149,12 @@ fn peaks_of_neighbours_are_corrected_to_the_maximum() {
         let solution = neighbour.solution.as_ref().expect("a peak");
         let expected = expected.solution.as_ref().expect("a peak");
         let prediction = PeakPrediction::of(solution);
-        let Ok((top, count)) = correct(&balance, prediction, search, settings.newton) else {
+        let before = problem.effort.count();
+        let Ok(top) = correct(&balance, prediction, search, settings.newton) else {
             println!("{} N: not from here", solution.level);
             continue;
         };
+        let count = problem.effort.count().since(before);
         corrected += 1;
         let errors = [
             relative(top.iterate.point.omega, expected.omega),

@@ -303,13 +303,13 @@ fn bordered_steps_agree_with_differences() {
         for (level, hertz) in NEAR_SOLUTIONS {
             let start = stuck_point(balance, hertz * TAU, level);
             let newton = NewtonSettings::default();
-            let Ok((solved, _)) = solve(balance, start, Condition::FixedFrequency, newton) else {
+            let Ok(solved) = solve(balance, start, Condition::FixedFrequency, newton) else {
                 continue;
             };
             let base = solved.point.clone();
             let y = solved.response(balance);
             let phasor = y / y.norm() * c64::new(1e-3f64.cos(), 1e-3f64.sin());
-            let (branch, _) = BranchPoint::new(balance, solved, 300.0 * TAU, None, None);
+            let branch = BranchPoint::new(balance, solved, 300.0 * TAU, None, None);
             let arc = Condition::ArcLength {
                 base: &base,
                 tangent: &branch.tangent,

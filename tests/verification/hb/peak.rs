@@ -7,7 +7,7 @@ use faer::prelude::c64;
 use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::branch::sweep::SweepDirection;
-use microslip::hb::newton::{Condition, Iterate, WorkCount, solve};
+use microslip::hb::newton::{Condition, Iterate, solve};
 use microslip::hb::peak::alert::{AlertSets, step_on};
 use microslip::hb::peak::predicted::{PeakPrediction, correct, phase_locked};
 use microslip::hb::peak::refine::{Kept, refined};
@@ -138,10 +138,10 @@ fn truncation(draw: &Draw, highest: usize) -> Option<(f64, f64, bool)> {
         let larger = Balance::new(problem, HarmonicSet::up_to(15), aft);
         let fixed = Condition::FixedFrequency;
         let start = stuck_point(&balance, draw.omega, draw.level);
-        let (iterate, _) = solve(&balance, start, fixed, newton).ok()?;
+        let iterate = solve(&balance, start, fixed, newton).ok()?;
         let (estimate, _) = step_on(&balance, &iterate, &larger, fixed);
         let padded = iterate.point.padded(&balance, &larger);
-        let (better, _) = solve(&larger, padded, fixed, newton).ok()?;
+        let better = solve(&larger, padded, fixed, newton).ok()?;
         let ratio = better.response(&larger).norm() / iterate.response(&balance).norm();
         let separated = iterate.contact.samples.iter().any(|s| s[2] > 0);
         Some((estimate.abs(), (ratio - 1.0).abs(), separated))
@@ -219,7 +219,7 @@ fn flanks_are_not_taken_for_peaks() {
         for solution in at_frequencies(problem, &settings, level, &omega, SweepDirection::Upward) {
             lower += usize::from(solution.amplitude(0) < 0.9 * top);
             let prediction = PeakPrediction::of(&solution);
-            if let Ok((found, _)) = correct(&balance, prediction, peak, settings.newton) {
+            if let Ok(found) = correct(&balance, prediction, peak, settings.newton) {
                 let height = found.iterate.response(&balance).norm() / top;
                 println!("from {} Hz: {height}", solution.omega / TAU);
                 assert!((height - 1.0).abs() < 1e-6, "{height}");
@@ -262,7 +262,7 @@ fn poor_starts_lead_to_the_same_top() {
             for (k, r) in prediction.point.r.iter_mut().enumerate() {
                 *r *= 1.0 + 0.01 * across * (k as f64).cos();
             }
-            if let Ok((found, _)) = correct(&balance, prediction, SEARCH, settings.newton) {
+            if let Ok(found) = correct(&balance, prediction, SEARCH, settings.newton) {
                 let error = found.iterate.point.omega / top.omega - 1.0;
                 assert!(error.abs() < 2e-7, "start {i}: {error:e}");
                 near += 1;
@@ -288,8 +288,7 @@ fn sharpness_is_the_curvature_of_the_top() {
             let height = |phase: f64| {
                 let mut beside = PeakPrediction::of(&peak);
                 beside.phasor *= c64::from_polar(1.0, phase);
-                let mut count = WorkCount::default();
-                let locked = phase_locked(&balance, beside, settings.newton, &mut count);
+                let locked = phase_locked(&balance, beside, settings.newton);
                 locked.expect("close by").response(&balance).norm().ln()
             };
             let step = 0.02;
@@ -305,8 +304,9 @@ fn sharpness_is_the_curvature_of_the_top() {
                     let mut start = PeakPrediction::of(&peak);
                     start.point.omega *= 1.0 + shift;
                     start.sharpness = sharpness;
-                    let found = correct(&balance, start, SEARCH, settings.newton);
-                    found.expect("close by").1.iterations
+                    let before = problem.effort.count();
+                    correct(&balance, start, SEARCH, settings.newton).expect("close by");
+                    problem.effort.count().since(before).iterations
                 };
                 informed += work(peak.sharpness);
                 ignorant += work(None);
@@ -331,8 +331,9 @@ fn exact_steps_are_the_last() {
         for shift in [-2e-5, -1e-5, -5e-6, 5e-6, 1e-5, 2e-5] {
             let mut start = PeakPrediction::of(top);
             start.point.omega *= 1.0 + shift;
-            let found = correct(&balance, start, SEARCH, settings.newton);
-            let (found, count) = found.expect("close by");
+            let before = problem.effort.count();
+            let found = correct(&balance, start, SEARCH, settings.newton).expect("close by");
+            let count = problem.effort.count().since(before);
             let error = found.iterate.point.omega / top.omega - 1.0;
             println!("{shift:e}: {count:?} {error:e}");
             assert!(error.abs() < 2e-8, "{shift:e}: {error:e}");
@@ -383,8 +384,9 @@ fn peaks_on_more_harmonics_are_found_from_aside() {
         let [from, to] = [&few, &many]
             .map(|settings| Balance::new(problem, settings.harmonics.clone(), settings.aft));
         let start = Iterate::new(&from, start.point());
-        let mut count = WorkCount::default();
-        let found = highest_aside((&from, &start), &to, SEARCH, few.newton, &mut count);
+        let before = problem.effort.count();
+        let found = highest_aside((&from, &start), &to, SEARCH, few.newton);
+        let count = problem.effort.count().since(before);
         let found = found.expect("a peak").iterate;
         let [frequency, amplitude] = [
             found.point.omega / expected.omega - 1.0,
@@ -418,13 +420,7 @@ fn peaks_not_located_on_more_harmonics_stay_on_fewer() {
             let iterate = Iterate::new(&balance, few.point());
             let sets = AlertSets::new(problem, &settings.harmonics, &settings);
             let kept = (Kept::Maximum(search), settings.newton);
-            refined(
-                &balance,
-                iterate.into(),
-                sets.as_ref(),
-                kept,
-                WorkCount::default(),
-            )
+            refined(&balance, iterate.into(), sets.as_ref(), kept)
         };
         let narrow = refine(Band {
             low: few.omega * (1.0 - 1e-7),

@@ -48,10 +48,8 @@ fn too_few_iterations_are_a_status() {
             solve(&balance, start, Condition::FixedFrequency, settings.newton)
         };
         let slipping = one(20.0).expect_err("one iteration from the stuck solution");
-        assert_eq!(
-            (slipping.0, slipping.1.iterations),
-            (Status::MaxIterations, 1)
-        );
+        let iterations = problem.effort.count().iterations;
+        assert_eq!((slipping, iterations), (Status::MaxIterations, 1));
         assert!(one(0.1).is_ok(), "nothing slips");
     });
 }
@@ -122,11 +120,7 @@ fn numbers_that_are_none_are_a_status() {
                 Condition::FixedFrequency,
                 settings.newton,
             );
-            assert_eq!(
-                end.expect_err("no number").0,
-                Status::NonFinite,
-                "entry {i}"
-            );
+            assert_eq!(end.expect_err("no number"), Status::NonFinite, "entry {i}");
         }
         let levels = [nan, -1.0, 0.0, f64::INFINITY, 10.0];
         let peaks = track_peaks(problem, &settings, peak(band(300.0, 450.0)), &levels);
@@ -172,9 +166,9 @@ fn bands_without_peak_are_a_status() {
         let balance = Balance::new(problem, settings.harmonics.clone(), settings.aft);
         let start = stuck_point(&balance, 390.0 * TAU, 1.0);
         let fixed = Condition::FixedFrequency;
-        let (iterate, _) = solve(&balance, start, fixed, settings.newton).expect("stuck");
+        let iterate = solve(&balance, start, fixed, settings.newton).expect("stuck");
         let narrow = peak(band(385.0, 395.0));
         let end = find_peak(&balance, iterate, narrow, settings.newton);
-        assert_eq!(end.err().map(|e| e.0), Some(Status::NoPeakInBand));
+        assert_eq!(end.err(), Some(Status::NoPeakInBand));
     });
 }

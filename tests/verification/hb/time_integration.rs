@@ -261,11 +261,11 @@ fn time_integration_of_the_lumped_blades_agrees() {
             level,
         };
         let mut balance = Balance::new(&problem, settings.harmonics.clone(), settings.aft);
-        let (mut iterate, _) = solve(&balance, start, fixed, settings.newton).expect("a solution");
+        let mut iterate = solve(&balance, start, fixed, settings.newton).expect("a solution");
         for highest in [9, 15, 24, 36, 48] {
             let larger = Balance::new(&problem, HarmonicSet::up_to(highest), settings.aft);
             let padded = iterate.point.padded(&balance, &larger);
-            (iterate, _) = solve(&larger, padded, fixed, settings.newton).expect("a solution");
+            iterate = solve(&larger, padded, fixed, settings.newton).expect("a solution");
             balance = larger;
         }
         for rest in [false, true] {
@@ -345,7 +345,7 @@ fn time_integration_of_the_rig_agrees() {
     let balance = Balance::new(&problem, HarmonicSet::up_to(12), settings.aft);
     let padded = start.padded(&first, &balance);
     let fixed = Condition::FixedFrequency;
-    let (iterate, _) = solve(&balance, padded, fixed, settings.newton).expect("a solution");
+    let iterate = solve(&balance, padded, fixed, settings.newton).expect("a solution");
     let end = run(March::new(&problem, &iterate, 2000), 700);
     compare(0.01, &balance, &end, &iterate);
 }

@@ -1,0 +1,123 @@
+//! The work of the solves on one problem, and the bound on it.
+//!
+//! Both lie with the problem, so that every solve counts and spends, whoever asks for it: each attempt of a search is bounded
+//! on its own, but a search has many, and without a common bound one sample can take minutes.
+
+use std::cell::Cell;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Work done by solves.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct WorkCount {
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Linear factorisations.
+    pub factorizations: usize,
+}
+
+impl WorkCount {
+    /// The work since it was `before`.
+    #[must_use]
+    pub fn since(self, before: Self) -> Self {
+        Self {
+            iterations: self.iterations - before.iterations,
+            factorizations: self.factorizations - before.factorizations,
+        }
+    }
+}
+
+impl std::ops::AddAssign for WorkCount {
+    fn add_assign(&mut self, other: Self) {
+        self.iterations += other.iterations;
+        self.factorizations += other.factorizations;
+    }
+}
+
+/// Work done on a problem, and Newton iterations left to the search that runs: one at a time.
+#[derive(Debug)]
+pub struct Effort {
+    left: AtomicUsize,
+    iterations: AtomicUsize,
+    factorizations: AtomicUsize,
+}
+
+impl Default for Effort {
+    /// No work yet, and no bound.
+    fn default() -> Self {
+        Self {
+            left: AtomicUsize::new(usize::MAX),
+            iterations: AtomicUsize::new(0),
+            factorizations: AtomicUsize::new(0),
+        }
+    }
+}
+
+impl Effort {
+    /// Begins a search of at most `iterations` Newton iterations.
+    pub fn grant(&self, iterations: usize) {
+        self.left.store(iterations, Ordering::Relaxed);
+    }
+
+    /// Runs a search within one that has a bound, on `iterations` of its own.
+    pub fn apart<T>(&self, iterations: usize, search: impl FnOnce() -> T) -> T {
+        let left = self.left.swap(iterations, Ordering::Relaxed);
+        let found = search();
+        self.left.store(left, Ordering::Relaxed);
+        found
+    }
+
+    /// Whether the search must end with [`crate::hb::Status::BudgetSpent`].
+    #[must_use]
+    pub fn is_spent(&self) -> bool {
+        self.left.load(Ordering::Relaxed) == 0
+    }
+
+    /// All work so far; [`WorkCount::since`] gives that of a part.
+    #[must_use]
+    pub fn count(&self) -> WorkCount {
+        WorkCount {
+            iterations: self.iterations.load(Ordering::Relaxed),
+            factorizations: self.factorizations.load(Ordering::Relaxed),
+        }
+    }
+
+    /// Counts a Newton iteration with its factorisations, and takes it from what is left.
+    pub(in crate::hb) fn spend(&self, factorizations: usize) {
+        let left = self.left.load(Ordering::Relaxed);
+        self.left.store(left.saturating_sub(1), Ordering::Relaxed);
+        self.add(WorkCount {
+            iterations: 1,
+            factorizations,
+        });
+    }
+
+    /// Counts work that takes nothing from what is left.
+    pub fn add(&self, work: WorkCount) {
+        self.iterations
+            .fetch_add(work.iterations, Ordering::Relaxed);
+        self.factorizations
+            .fetch_add(work.factorizations, Ordering::Relaxed);
+    }
+}
+
+/// Tells the work on a problem from reading to reading.
+#[derive(Debug)]
+pub(in crate::hb) struct Meter<'e> {
+    effort: &'e Effort,
+    read: Cell<WorkCount>,
+}
+
+impl<'e> Meter<'e> {
+    pub(in crate::hb) fn new(effort: &'e Effort) -> Self {
+        Self {
+            effort,
+            read: Cell::new(effort.count()),
+        }
+    }
+
+    /// The work since the last reading, or since the start.
+    pub(in crate::hb) fn read(&self) -> WorkCount {
+        let now = self.effort.count();
+        now.since(self.read.replace(now))
+    }
+}
