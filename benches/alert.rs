@@ -5,7 +5,6 @@
 
 #![expect(clippy::expect_used, reason = "a benchmark without its state fails")]
 
-use microslip::aft::Backend;
 use microslip::contact::ContactParameters;
 use microslip::ensemble::atlas::{AnchorPeak, ModePeaks};
 use microslip::ensemble::outcome::LevelOutcome;
@@ -41,7 +40,7 @@ fn main() {
     study.levels = LEVELS.to_vec();
     study.output.curve_samples = 0;
     let prepared = study.prepared().expect("the default rig");
-    let ensemble = prepared.ensemble(Backend::Cpu);
+    let ensemble = prepared.ensemble(None);
     let clock = Instant::now();
     let solved = ensemble.extend(Solved::default(), samples, || {});
     println!(

@@ -12,14 +12,14 @@
 
 mod states;
 
-use microslip::aft::gpu::{
-    Buffers, Device, GpuReport, GpuSettings, Kernels, Precision, ScaledStates, Shape,
-};
 use microslip::aft::{AftBatch, AftForces, AftPlan, AftScratch, AftSettings, Laps, Want, evaluate};
 use microslip::contact::{Events, FrictionLaw};
 use microslip::ensemble::Ensemble;
 use microslip::ensemble::backend::{BackendChoice, BackendSettings, OpenBackend};
 use microslip::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
+use microslip::gpu::{
+    Buffers, Device, GpuReport, GpuSettings, Kernels, Precision, ScaledStates, Shape,
+};
 use microslip::harmonics::HarmonicSet;
 use microslip::study::Study;
 use states::batch;
@@ -204,7 +204,7 @@ fn study(
     let backend = OpenBackend::open(&backend, &study.solver);
     let ensemble = Ensemble {
         curve_samples: 0,
-        ..prepared.ensemble(backend.backend())
+        ..prepared.ensemble(backend.gpu())
     };
     let clock = Instant::now();
     let outcomes = backend.run(&ensemble, samples, || {}).expect("threads");

@@ -9,7 +9,7 @@
 
 #![expect(clippy::expect_used, reason = "a benchmark without its state fails")]
 
-use microslip::aft::{Accuracy, AftSettings, Backend, Laps, Want};
+use microslip::aft::{Accuracy, AftSettings, Laps, Want};
 use microslip::contact::{ContactParameters, Events, FrictionLaw};
 use microslip::ensemble::atlas::{Anchor, Atlas, AtlasPrediction, ModePeaks};
 use microslip::ensemble::backend::BackendReport;
@@ -156,7 +156,7 @@ impl Rig {
             peak: search(),
             choice: PeakChoice::Highest,
             curve_samples: 0,
-            backend: Backend::Cpu,
+            gpu: None,
             solver: SampleSolver::HarmonicBalance,
         }
     }
@@ -673,7 +673,7 @@ fn peers() {
         },
         choice: PeakChoice::Highest,
         curve_samples: 0,
-        backend: Backend::Cpu,
+        gpu: None,
         solver: SampleSolver::HarmonicBalance,
     };
     println!("pairs  H    compliance  contact  motion  Jacobian and two solves (ms, fastest of 5)");

@@ -15,9 +15,9 @@ use clap::{Args, Parser, Subcommand};
 use compare::CompareArguments;
 use devices::{show_devices, show_gpu};
 use microslip::Error;
-use microslip::aft::gpu::{GpuSettings, Precision};
 use microslip::ensemble::backend::{BackendChoice, BackendSettings};
 use microslip::file::FileError;
+use microslip::gpu::{GpuSettings, Precision};
 use microslip::report::epistemic::EpistemicSummary;
 use microslip::report::{Summary, render};
 use microslip::study::{

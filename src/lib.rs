@@ -9,6 +9,7 @@ pub mod ensemble;
 pub mod error;
 pub mod fe;
 pub mod file;
+pub mod gpu;
 pub mod harmonics;
 pub mod hb;
 pub mod linalg;

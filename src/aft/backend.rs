@@ -3,7 +3,6 @@
 use super::batch::{AftBatch, Want};
 use super::evaluate::{AftScratch, evaluate};
 use super::forces::AftForces;
-use super::gpu::{Gpu, Turn};
 use super::plan::AftPlan;
 
 /// What an evaluation is good for.
@@ -15,20 +14,27 @@ pub enum Accuracy {
     Full,
 }
 
+/// A device that drafts contact forces.
+pub trait Drafts: std::fmt::Debug + Sync {
+    /// A draft of forces and tangents into `out`; `false`, and `out` as it was, if the device has none to give.
+    #[must_use]
+    fn draft(&self, plan: &AftPlan<f64>, batch: &AftBatch<f64>, out: &mut AftForces<f64>) -> bool;
+}
+
 /// Who evaluates.
 #[derive(Debug, Clone, Copy, Default)]
 pub enum Backend<'a> {
     /// The processor alone.
     #[default]
     Cpu,
-    /// A GPU for drafts, the processor for the rest.
-    Gpu(&'a Gpu),
+    /// A device for drafts, the processor for the rest.
+    Device(&'a dyn Drafts),
 }
 
-impl<'a> Backend<'a> {
+impl Backend<'_> {
     /// Contact forces, and tangents if wanted, of every state of the batch; says how accurate they are.
     ///
-    /// Drafts come with tangents, on the GPU; forces alone are always evaluated here.
+    /// Drafts come with tangents, from the device; forces alone are always evaluated here.
     pub fn evaluate(
         &self,
         plan: &AftPlan<f64>,
@@ -36,21 +42,13 @@ impl<'a> Backend<'a> {
         (want, accuracy): (Want, Accuracy),
         out: &mut AftForces<f64>,
     ) -> Accuracy {
-        if let (Self::Gpu(gpu), Accuracy::Draft, Want::ForcesAndTangents) = (self, accuracy, want)
-            && gpu.draft(plan, batch, out)
+        if let (Self::Device(device), Accuracy::Draft, Want::ForcesAndTangents) =
+            (self, accuracy, want)
+            && device.draft(plan, batch, out)
         {
             return Accuracy::Draft;
         }
         evaluate(plan, batch, want, &mut AftScratch::default(), out);
         Accuracy::Full
-    }
-
-    /// A sample begins on this thread; hold the result until it ends.
-    #[must_use]
-    pub fn turn(&self) -> Option<Turn<'a>> {
-        match self {
-            Self::Cpu => None,
-            Self::Gpu(gpu) => Some(gpu.turn()),
-        }
     }
 }

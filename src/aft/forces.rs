@@ -159,7 +159,7 @@ impl<T: Real> AftForces<T> {
     }
 
     /// Sets the sizes for a batch and forgets the tangents.
-    pub(in crate::aft) fn reset(&mut self, plan: &AftPlan<T>, batch: &AftBatch<T>) {
+    pub(crate) fn reset(&mut self, plan: &AftPlan<T>, batch: &AftBatch<T>) {
         let (n, m) = (batch.n_states, plan.n_coefficients());
         assert_eq!(
             batch.displacement.len(),

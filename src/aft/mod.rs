@@ -6,14 +6,13 @@ mod box_law;
 mod circle_law;
 mod evaluate;
 mod forces;
-pub mod gpu;
 mod lanes;
 mod plan;
 pub mod settings;
 mod signals;
 mod vector;
 
-pub use backend::{Accuracy, Backend};
+pub use backend::{Accuracy, Backend, Drafts};
 pub use batch::{AftBatch, Want};
 pub use evaluate::{AftScratch, evaluate};
 pub use forces::{AftForces, Block, Periodicity, StateSummary, Tangent};

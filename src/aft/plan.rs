@@ -23,7 +23,7 @@ pub struct AftPlan<T> {
     /// Number m of coefficients of one displacement.
     pub(super) m: usize,
     /// Harmonic orders, ascending from 0.
-    pub(super) orders: Vec<usize>,
+    pub(crate) orders: Vec<usize>,
     /// The same as numbers, without 0.
     pub(super) order_numbers: Vec<T>,
     /// b: values of the basis functions. Shape: `[time][coefficient]`.
@@ -143,7 +143,7 @@ impl<T: Real> AftPlan<T> {
     }
 
     /// Points per period.
-    pub(super) fn n_time(&self) -> usize {
+    pub(crate) fn n_time(&self) -> usize {
         self.settings.n_time
     }
 

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use microslip::aft::gpu::{adapters, examined};
+use microslip::gpu::{adapters, examined};
 use microslip::report::Summary;
 
 /// What the GPU did, with the time of its passes if wanted.

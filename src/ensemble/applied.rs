@@ -3,6 +3,7 @@
 use super::{Ensemble, Strips};
 use crate::aft::Backend;
 use crate::contact::ContactParameters;
+use crate::gpu::Gpu;
 use crate::hb::{LinearModel, Problem, ProblemError, SliderAnchor, Status};
 use crate::sampling::Input;
 use std::borrow::Cow;
@@ -13,7 +14,7 @@ pub(super) struct Applied<'m> {
     linear: Cow<'m, LinearModel>,
     contacts: Vec<ContactParameters<f64>>,
     load_scale: f64,
-    backend: Backend<'m>,
+    gpu: Option<&'m Gpu>,
     /// Factor on the excitation levels.
     pub(super) excitation_scale: f64,
 }
@@ -32,7 +33,7 @@ impl Ensemble<'_> {
             },
             contacts: self.contacts.to_vec(),
             load_scale: 1.0,
-            backend: self.backend,
+            gpu: self.gpu,
             excitation_scale: 1.0,
         };
         for ((input, _), value) in self.design.inputs().iter().zip(inputs) {
@@ -56,7 +57,7 @@ impl Applied<'_> {
     pub(super) fn problem(&self, anchor: SliderAnchor) -> Result<Problem<'_>, ProblemError> {
         let mut problem =
             Problem::new(&self.linear, self.contacts.clone(), self.load_scale, anchor)?;
-        problem.backend = self.backend;
+        problem.backend = self.gpu.map_or(Backend::Cpu, |gpu| Backend::Device(gpu));
         Ok(problem)
     }
 

@@ -2,9 +2,8 @@
 
 use super::outcome::SampleOutcome;
 use super::{Ensemble, Solved};
-use crate::aft::Backend;
-pub use crate::aft::gpu::GpuReport;
-use crate::aft::gpu::{Gpu, GpuSettings};
+pub use crate::gpu::GpuReport;
+use crate::gpu::{Gpu, GpuSettings};
 use crate::hb::HbSettings;
 use crate::hb::newton::DRAFT_RESIDUAL;
 
@@ -119,10 +118,10 @@ impl OpenBackend {
         open
     }
 
-    /// What evaluates the contacts.
+    /// The device that drafts contact forces, if any.
     #[must_use]
-    pub fn backend(&self) -> Backend<'_> {
-        self.gpu.as_ref().map_or(Backend::Cpu, Backend::Gpu)
+    pub fn gpu(&self) -> Option<&Gpu> {
+        self.gpu.as_ref()
     }
 
     /// Runs the ensemble: with a GPU on a thread per sample in flight, of which only as many compute as the pool has

@@ -6,8 +6,8 @@
 use super::atlas::{Anchor, Atlas};
 use super::outcome::{LevelOutcome, SampleOutcome};
 use super::strips::Strips;
-use crate::aft::Backend;
 use crate::contact::ContactParameters;
+use crate::gpu::Gpu;
 use crate::hb::peak::maxima::PeakChoice;
 use crate::hb::peak::search::PeakSettings;
 use crate::hb::{HbSettings, LinearModel};
@@ -39,8 +39,8 @@ pub struct Ensemble<'a> {
     pub choice: PeakChoice,
     /// Samples with a forced response curve: 0 … this − 1.
     pub curve_samples: u64,
-    /// Who evaluates the contacts.
-    pub backend: Backend<'a>,
+    /// A device that drafts contact forces, if any; the processor does the rest.
+    pub gpu: Option<&'a Gpu>,
     /// What gives the peaks of a sample.
     pub solver: SampleSolver,
 }
@@ -83,10 +83,7 @@ impl Ensemble<'_> {
         &self,
         anchors: &[Anchor],
     ) -> impl Fn(&[f64]) -> Vec<LevelOutcome> + Sync {
-        let on_processor = Ensemble {
-            backend: Backend::Cpu,
-            ..*self
-        };
+        let on_processor = Ensemble { gpu: None, ..*self };
         let mut atlas = Atlas::default();
         atlas.extend(anchors.iter().cloned());
         move |inputs| on_processor.levels(inputs, &atlas)

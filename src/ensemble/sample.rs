@@ -8,6 +8,7 @@ use super::atlas::{Anchor, Atlas, ModePeaks};
 use super::mode_search::ModeOfSample;
 use super::outcome::{CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome};
 use super::{Ensemble, SampleSolver};
+use crate::gpu::Gpu;
 use crate::hb::newton::rest::stiffness_at_rest;
 use crate::hb::peak::maxima::{Maxima, search_maxima};
 use crate::hb::peak::predicted::{PeakPrediction, maximum_near, phase_locked};
@@ -40,7 +41,7 @@ impl Ensemble<'_> {
         place: Vec<f64>,
         atlas: &Atlas,
     ) -> (SampleOutcome, Anchor) {
-        let _turn = self.backend.turn();
+        let _turn = self.gpu.map(Gpu::turn);
         // bands are of the population
         let group = self.design.group(index);
         let curve = index < self.curve_samples && group.of_population();

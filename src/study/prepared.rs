@@ -3,9 +3,9 @@
 use super::frequency::PeakSetting;
 use super::read::{Study, StudyModel};
 use crate::Error;
-use crate::aft::Backend;
 use crate::contact::ContactParameters;
 use crate::ensemble::{Ensemble, Strips};
+use crate::gpu::Gpu;
 use crate::hb::LinearModel;
 use crate::hb::equations::problem::stuck_stiffness;
 use crate::hb::peak::maxima::PeakChoice;
@@ -144,9 +144,9 @@ impl PreparedStudy<'_> {
         Band { low, high }
     }
 
-    /// Its samples, the contacts evaluated by `backend`.
+    /// Its samples, contact forces drafted by `gpu` if there is one.
     #[must_use]
-    pub fn ensemble<'a>(&'a self, backend: Backend<'a>) -> Ensemble<'a> {
+    pub fn ensemble<'a>(&'a self, gpu: Option<&'a Gpu>) -> Ensemble<'a> {
         Ensemble {
             linear: &self.linear,
             strips: self.strips.as_ref(),
@@ -162,7 +162,7 @@ impl PreparedStudy<'_> {
             },
             choice: self.choice,
             curve_samples: self.study.output.curve_samples,
-            backend,
+            gpu,
             solver: self.study.sample_solver,
         }
     }

@@ -78,7 +78,7 @@ pub(super) fn run_after(
     let clock = Instant::now();
     let backend = OpenBackend::open(backend, &study.solver);
     let prepared = study.prepared()?;
-    let ensemble = prepared.ensemble(backend.backend());
+    let ensemble = prepared.ensemble(backend.gpu());
     let mut record = first_record(&prepared, &ensemble)?;
     refuse_other_results(study, &ensemble, &kept)?;
     let meter = Meter::start(kept.outcomes.len() as u64, study.samples, progress);

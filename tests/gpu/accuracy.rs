@@ -2,9 +2,9 @@
 
 use crate::device;
 use crate::states::{plan, random};
-use microslip::aft::gpu::{Device, Kernels, Precision, ScaledForces, ScaledStates, Shape};
 use microslip::aft::{AftBatch, AftForces, AftPlan, AftScratch, Block, Tangent, Want, evaluate};
 use microslip::contact::{ContactParameters, Events, FrictionLaw, Real};
+use microslip::gpu::{Device, Kernels, Precision, ScaledForces, ScaledStates, Shape};
 use microslip::harmonics::HarmonicSet;
 
 /// States of a comparison.

@@ -1,11 +1,11 @@
 //! Is it the same answer? A part of the default study on both backends, and what a failing device leaves of it.
 
 use crate::device;
-use microslip::aft::gpu::{Fault, GpuReport, GpuSettings, Precision};
 use microslip::contact::FrictionLaw;
 use microslip::ensemble::Ensemble;
 use microslip::ensemble::backend::{BackendChoice, BackendSettings, OpenBackend};
 use microslip::ensemble::outcome::SampleOutcome;
+use microslip::gpu::{Fault, GpuReport, GpuSettings, Precision};
 use microslip::study::Study;
 
 /// Largest relative difference of frequency and amplitude between the backends.
@@ -31,7 +31,7 @@ fn outcomes(
     let backend = OpenBackend::open(&backend, &study.solver);
     let ensemble = Ensemble {
         curve_samples: 0,
-        ..prepared.ensemble(backend.backend())
+        ..prepared.ensemble(backend.gpu())
     };
     let outcomes = backend.run(&ensemble, samples, || {}).unwrap();
     (outcomes, backend.report().gpu)

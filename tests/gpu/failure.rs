@@ -2,10 +2,10 @@
 
 use crate::device;
 use crate::states::{located, random};
-use microslip::aft::gpu::{Fault, Gpu, GpuError, GpuSettings, Precision};
-use microslip::aft::{AftForces, AftScratch, Want, evaluate};
+use microslip::aft::{AftForces, AftScratch, Drafts, Want, evaluate};
 use microslip::contact::{Events, FrictionLaw};
 use microslip::ensemble::backend::{BackendChoice, BackendSettings, OpenBackend};
+use microslip::gpu::{Fault, Gpu, GpuError, GpuSettings, Precision};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::HbSettings;
 use microslip::study::Study;

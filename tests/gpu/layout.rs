@@ -1,8 +1,8 @@
 //! Do host and shaders agree on the layout, and is every text valid? Needs no adapter.
 
 use crate::states::{located, plan};
-use microslip::aft::gpu::{Access, Precision, Reflection, Shape};
 use microslip::contact::{Events, FrictionLaw};
+use microslip::gpu::{Access, Precision, Reflection, Shape};
 use microslip::harmonics::HarmonicSet;
 
 const PRECISIONS: [(Precision, u64); 2] = [(Precision::F32, 4), (Precision::F64, 8)];

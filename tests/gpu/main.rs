@@ -14,7 +14,7 @@ mod failure;
 mod layout;
 mod states;
 
-use microslip::aft::gpu::{Device, Precision, adapters};
+use microslip::gpu::{Device, Precision, adapters};
 
 /// A device for a test, or `None` after saying that the test is skipped.
 fn device(test: &str, precision: Precision) -> Option<Device> {

@@ -4,7 +4,6 @@ use crate::response::over_band;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use faer::prelude::c64;
-use microslip::aft::Backend;
 use microslip::contact::ContactParameters;
 use microslip::ensemble::Ensemble;
 use microslip::ensemble::outcome::SampleOutcome;
@@ -153,7 +152,7 @@ fn the_highest_of_two_near_maxima_is_the_peak() {
             ("seed = 1", &format!("seed = {seed}")),
         ]);
         let prepared = study.prepared().expect("a model");
-        let ensemble = prepared.ensemble(Backend::Cpu);
+        let ensemble = prepared.ensemble(None);
         let outcomes = ensemble.run(24, || {});
         for outcome in &outcomes {
             let linear = Receptance::new(&prepared.reduced, &prepared.contacts, outcome.inputs[0]);
@@ -224,7 +223,7 @@ fn a_strip_that_only_slipping_contacts_hold_is_solved() {
     let prepared = study.prepared().expect("a model");
     let ensemble = Ensemble {
         curve_samples: 0,
-        ..prepared.ensemble(Backend::Cpu)
+        ..prepared.ensemble(None)
     };
     for outcome in ensemble.run(24, || {}) {
         for level in &outcome.levels {
@@ -238,7 +237,7 @@ fn a_strip_that_only_slipping_contacts_hold_is_solved() {
 fn the_peak_of_slipping_blades_is_the_top_of_the_curve() {
     let study = study(&[]);
     let prepared = study.prepared().expect("a model");
-    let peak = prepared.ensemble(Backend::Cpu).peak;
+    let peak = prepared.ensemble(None).peak;
     let mut slips = 0;
     for (scale, level) in [(0.4, 8.0), (1.0, 50.0)] {
         let contacts = prepared.contacts.iter().map(|c| ContactParameters {
@@ -289,7 +288,7 @@ fn a_named_mode_is_followed() {
             .reduced
             .stuck_frequencies(&contacts)
             .expect("modes");
-        let ensemble: Ensemble<'_> = prepared.ensemble(Backend::Cpu);
+        let ensemble: Ensemble<'_> = prepared.ensemble(None);
         let found = ensemble.nominal().levels.remove(0);
         let peak = found.peak.expect("a peak");
         Ok::<_, String>((ensemble.choice, (peak, found.others), frequencies))

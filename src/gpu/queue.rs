@@ -12,7 +12,7 @@ use super::self_test::self_test;
 use super::shader::Shape;
 use super::tally::{Tally, lock};
 use super::{Fault, GpuError, GpuSettings};
-use crate::aft::batch::Want;
+use crate::aft::Want;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{SyncSender, sync_channel};

@@ -4,9 +4,9 @@
 //! elements per state and workgroup sizes are read from the parsed text: nothing of it is written a second time here.
 
 use super::GpuError;
-use crate::aft::forces::Block;
-use crate::aft::plan::AftPlan;
-use crate::aft::settings::Laps;
+use crate::aft::AftPlan;
+use crate::aft::Block;
+use crate::aft::Laps;
 use crate::contact::{Events, FrictionLaw, Real};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -283,32 +283,32 @@ impl Shape {
         }
         let interpolated = self.march == March::SampledCircle { interpolated: true };
         let _ = writeln!(text, "const INTERPOLATED: bool = {interpolated};");
-        text.push_str(include_str!("../../../shaders/shared.wgsl"));
-        text.push_str(include_str!("../../../shaders/transform.wgsl"));
-        text.push_str(include_str!("../../../shaders/forces.wgsl"));
+        text.push_str(include_str!("../../shaders/shared.wgsl"));
+        text.push_str(include_str!("../../shaders/transform.wgsl"));
+        text.push_str(include_str!("../../shaders/forces.wgsl"));
         let parts: &[&str] = match self.march {
             March::Box => &[
-                include_str!("../../../shaders/polynomial.wgsl"),
-                include_str!("../../../shaders/masks.wgsl"),
-                include_str!("../../../shaders/box_march.wgsl"),
-                include_str!("../../../shaders/box_spectra.wgsl"),
-                include_str!("../../../shaders/box_forces.wgsl"),
-                include_str!("../../../shaders/box_tangents.wgsl"),
+                include_str!("../../shaders/polynomial.wgsl"),
+                include_str!("../../shaders/masks.wgsl"),
+                include_str!("../../shaders/box_march.wgsl"),
+                include_str!("../../shaders/box_spectra.wgsl"),
+                include_str!("../../shaders/box_forces.wgsl"),
+                include_str!("../../shaders/box_tangents.wgsl"),
             ],
             March::SampledCircle { .. } => &[
-                include_str!("../../../shaders/circle.wgsl"),
-                include_str!("../../../shaders/circle_sampled_lap.wgsl"),
-                include_str!("../../../shaders/circle_sampled_forces.wgsl"),
-                include_str!("../../../shaders/circle_sampled_tangents.wgsl"),
+                include_str!("../../shaders/circle.wgsl"),
+                include_str!("../../shaders/circle_sampled_lap.wgsl"),
+                include_str!("../../shaders/circle_sampled_forces.wgsl"),
+                include_str!("../../shaders/circle_sampled_tangents.wgsl"),
             ],
             March::LocatedCircle => &[
-                include_str!("../../../shaders/polynomial.wgsl"),
-                include_str!("../../../shaders/masks.wgsl"),
-                include_str!("../../../shaders/circle.wgsl"),
-                include_str!("../../../shaders/circle_slip.wgsl"),
-                include_str!("../../../shaders/circle_located_lap.wgsl"),
-                include_str!("../../../shaders/circle_located_forces.wgsl"),
-                include_str!("../../../shaders/circle_located_tangents.wgsl"),
+                include_str!("../../shaders/polynomial.wgsl"),
+                include_str!("../../shaders/masks.wgsl"),
+                include_str!("../../shaders/circle.wgsl"),
+                include_str!("../../shaders/circle_slip.wgsl"),
+                include_str!("../../shaders/circle_located_lap.wgsl"),
+                include_str!("../../shaders/circle_located_forces.wgsl"),
+                include_str!("../../shaders/circle_located_tangents.wgsl"),
             ],
         };
         parts.iter().for_each(|part| text.push_str(part));

@@ -5,7 +5,7 @@ use super::adapter::Device;
 use super::readback::{Moving, PassSeconds, RETURNED, read, seconds, u32s};
 use super::scaled::{ScaledForces, ScaledStates};
 use super::shader::{Access, Pass, Precision, Reflection, Shape};
-use crate::aft::batch::Want;
+use crate::aft::Want;
 use std::collections::BTreeMap;
 use wgpu::BufferUsages as Usage;
 

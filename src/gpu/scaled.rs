@@ -5,9 +5,9 @@
 //! double precision, so that small vibrations around large static loads lose nothing. Back come deviations from the
 //! stuck contact, exactly zero for a pair that never moves but for its mean traction.
 
-use crate::aft::batch::AftBatch;
-use crate::aft::forces::{AftForces, Block, Periodicity, StateSummary, Tangent};
-use crate::aft::plan::AftPlan;
+use crate::aft::AftBatch;
+use crate::aft::AftPlan;
+use crate::aft::{AftForces, Block, Periodicity, StateSummary, Tangent};
 
 /// States in the units of the shaders.
 #[derive(Debug, Clone)]

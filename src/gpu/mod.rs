@@ -21,10 +21,9 @@ pub use self_test::{examined, self_test};
 pub use shader::{Access, Binding, Precision, Reflection, Shape};
 pub use tally::GpuReport;
 
-use super::batch::{AftBatch, Want};
-use super::evaluate::{AftScratch, evaluate};
-use super::forces::{AftForces, Tangent};
-use super::plan::AftPlan;
+use crate::aft::{
+    AftBatch, AftForces, AftPlan, AftScratch, Block, Drafts, Tangent, Want, evaluate,
+};
 use crate::contact::{Events, FrictionLaw};
 use queue::{Lane, Queue};
 use std::cell::Cell;
@@ -166,37 +165,6 @@ impl Gpu {
         })
     }
 
-    /// A draft of forces and tangents into `out`; `false`, and `out` as it was, if the device has none to give.
-    #[must_use]
-    pub fn draft(
-        &self,
-        plan: &AftPlan<f64>,
-        batch: &AftBatch<f64>,
-        out: &mut AftForces<f64>,
-    ) -> bool {
-        let Some(shape) = Shape::of(plan, self.settings.precision) else {
-            return false;
-        };
-        if !self.adapter.is_hardware() && !shape.suits_software() {
-            return false;
-        }
-        let Some(states) = ScaledStates::new(batch) else {
-            return false;
-        };
-        let Some(forces) = self.queue.ask(shape, states.clone(), HAS_TURN.get()) else {
-            return false;
-        };
-        states.unscale(plan, batch, &forces, out);
-        decide(plan, batch, &forces.undecided, out);
-        if self.settings.fault == Some(Fault::WrongDrafts) {
-            out.forces.iter_mut().for_each(|force| *force *= 1.01);
-        }
-        if chosen(batch, self.settings.audit) {
-            self.audit(plan, batch, out);
-        }
-        true
-    }
-
     /// Repeats a draft on the processor, whose result takes its place where they differ too much.
     fn audit(&self, plan: &AftPlan<f64>, batch: &AftBatch<f64>, out: &mut AftForces<f64>) {
         let mut exact = AftForces::default();
@@ -253,6 +221,32 @@ thread_local! {
     static HAS_TURN: Cell<bool> = const { Cell::new(false) };
 }
 
+impl Drafts for Gpu {
+    fn draft(&self, plan: &AftPlan<f64>, batch: &AftBatch<f64>, out: &mut AftForces<f64>) -> bool {
+        let Some(shape) = Shape::of(plan, self.settings.precision) else {
+            return false;
+        };
+        if !self.adapter.is_hardware() && !shape.suits_software() {
+            return false;
+        }
+        let Some(states) = ScaledStates::new(batch) else {
+            return false;
+        };
+        let Some(forces) = self.queue.ask(shape, states.clone(), HAS_TURN.get()) else {
+            return false;
+        };
+        states.unscale(plan, batch, &forces, out);
+        decide(plan, batch, &forces.undecided, out);
+        if self.settings.fault == Some(Fault::WrongDrafts) {
+            out.forces.iter_mut().for_each(|force| *force *= 1.01);
+        }
+        if chosen(batch, self.settings.audit) {
+            self.audit(plan, batch, out);
+        }
+        true
+    }
+}
+
 /// The right of a sample to compute on the processor.
 #[derive(Debug)]
 pub struct Turn<'a> {
@@ -287,7 +281,7 @@ fn decide(plan: &AftPlan<f64>, batch: &AftBatch<f64>, states: &[usize], out: &mu
     for (row, values) in out.forces.chunks_exact_mut(n).zip(rows) {
         states.iter().zip(values).for_each(|(&i, &f)| row[i] = f);
     }
-    let size = super::Block::COUNT * plan.n_coefficients() * plan.n_coefficients();
+    let size = Block::COUNT * plan.n_coefficients() * plan.n_coefficients();
     for (k, &i) in states.iter().enumerate() {
         out.summaries[i] = decided.summaries[k];
         out.tangents[i] = match decided.tangents[k] {
@@ -341,8 +335,7 @@ fn tangent_difference(
     k: [f64; 3],
 ) -> f64 {
     let m = exact.n_coefficients;
-    let entry = |of: &AftForces<f64>, block: super::Block, a: usize, b: usize| match of.tangents[i]
-    {
+    let entry = |of: &AftForces<f64>, block: Block, a: usize, b: usize| match of.tangents[i] {
         Tangent::Blocks(offset) => of.block(offset, block)[a * m + b],
         Tangent::Stuck if a == b && block.row_component() == block.column_component() => {
             k[block.row_component()]
@@ -350,7 +343,7 @@ fn tangent_difference(
         Tangent::Stuck => 0.0,
     };
     let mut most = 0.0f64;
-    for block in super::Block::ALL {
+    for block in Block::ALL {
         for (a, b) in (0..m).flat_map(|a| (0..m).map(move |b| (a, b))) {
             most = most.max((entry(found, block, a, b) - entry(exact, block, a, b)).abs());
         }

@@ -5,11 +5,11 @@ use super::kernels::Kernels;
 use super::scaled::ScaledStates;
 use super::shader::{Precision, Shape};
 use super::{Fault, GpuError, GpuSettings, decide, differences};
-use crate::aft::batch::{AftBatch, Want};
-use crate::aft::evaluate::{AftScratch, evaluate};
-use crate::aft::forces::AftForces;
-use crate::aft::plan::AftPlan;
-use crate::aft::settings::{AftSettings, Laps};
+use crate::aft::AftForces;
+use crate::aft::AftPlan;
+use crate::aft::{AftBatch, Want};
+use crate::aft::{AftScratch, evaluate};
+use crate::aft::{AftSettings, Laps};
 use crate::contact::{ContactParameters, FrictionLaw};
 use crate::harmonics::HarmonicSet;
 

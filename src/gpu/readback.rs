@@ -4,7 +4,7 @@ use super::GpuError;
 use super::adapter::Device;
 use super::scaled::ScaledForces;
 use super::shader::Pass;
-use crate::aft::forces::Block;
+use crate::aft::Block;
 use std::time::Duration;
 
 /// Flags of a state, as the shaders set them.
