@@ -3,7 +3,8 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::{INDICATIONS, at_point};
+use super::levels::{INDICATIONS, at_point};
+use super::terminal::print;
 use clap::Args;
 use microslip::Error;
 use microslip::report::comparison::{Compared, DesignComparison, Pair, PointRanking};
@@ -22,18 +23,20 @@ pub(super) struct CompareArguments {
     quiet: bool,
 }
 
-pub(super) fn execute(arguments: &CompareArguments) -> Result<(), Error> {
-    let folders: Vec<&Path> = arguments.folders.iter().map(PathBuf::as_path).collect();
-    let output = OutputFolder::open(&arguments.output)?;
-    let comparison = compare(&folders, &output)?;
-    if arguments.quiet {
-        return Ok(());
+impl CompareArguments {
+    pub(super) fn execute(&self) -> Result<(), Error> {
+        let folders: Vec<&Path> = self.folders.iter().map(PathBuf::as_path).collect();
+        let output = OutputFolder::open(&self.output)?;
+        let comparison = compare(&folders, &output)?;
+        if self.quiet {
+            return Ok(());
+        }
+        print(|out| {
+            show(out, &comparison)?;
+            let path = output.path().display();
+            writeln!(out, "comparison.json and comparison.html are in {path}")
+        })
     }
-    super::print(|out| {
-        show(out, &comparison)?;
-        let path = output.path().display();
-        writeln!(out, "comparison.json and comparison.html are in {path}")
-    })
 }
 
 fn show(out: &mut dyn Write, comparison: &DesignComparison) -> std::io::Result<()> {

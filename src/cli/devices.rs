@@ -1,34 +1,17 @@
-//! What GPUs there are, and what one did in a run.
+//! `devices`: the adapters that a run can use.
 
 use std::io::Write;
 
+use super::terminal::print;
+use microslip::Error;
 use microslip::gpu::{adapters, examined};
-use microslip::report::Summary;
 
-/// What the GPU did, with the time of its passes if wanted.
-pub(super) fn show_gpu(
-    out: &mut dyn Write,
-    summary: &Summary,
-    profile: bool,
-) -> std::io::Result<()> {
-    let Some(gpu) = &summary.backend.gpu else {
-        return Ok(());
-    };
-    writeln!(
-        out,
-        "{}: {} evaluations in {} batches, {} audited, largest difference {:.1e} of a force",
-        gpu.adapter.name, gpu.evaluations, gpu.batches, gpu.audited, gpu.largest_force_difference
-    )?;
-    if profile {
-        for (pass, seconds) in &gpu.pass_seconds {
-            writeln!(out, "{pass:20} {seconds:.3} s on the device")?;
-        }
-    }
-    Ok(())
+pub(super) fn execute() -> Result<(), Error> {
+    print(show)
 }
 
 /// One block per adapter.
-pub(super) fn show_devices(out: &mut dyn Write) -> std::io::Result<()> {
+fn show(out: &mut dyn Write) -> std::io::Result<()> {
     let all = adapters();
     if all.is_empty() {
         writeln!(out, "no adapter: the processor evaluates the contacts")?;

@@ -3,7 +3,8 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::{INDICATIONS, at_point};
+use super::levels::{INDICATIONS, at_point};
+use super::terminal::print;
 use clap::Args;
 use microslip::Error;
 use microslip::report::reweighting::{ReweightedPoint, Reweighting};
@@ -24,16 +25,18 @@ pub(super) struct ReweightArguments {
     quiet: bool,
 }
 
-pub(super) fn execute(arguments: &ReweightArguments) -> Result<(), Error> {
-    let output = OutputFolder::open(arguments.output.as_ref().unwrap_or(&arguments.folder))?;
-    let found = reweight(&arguments.folder, &arguments.prior, &output)?;
-    if arguments.quiet {
-        return Ok(());
+impl ReweightArguments {
+    pub(super) fn execute(&self) -> Result<(), Error> {
+        let output = OutputFolder::open(self.output.as_ref().unwrap_or(&self.folder))?;
+        let found = reweight(&self.folder, &self.prior, &output)?;
+        if self.quiet {
+            return Ok(());
+        }
+        print(|out| {
+            show(out, &found)?;
+            writeln!(out, "reweighted.json is in {}", output.path().display())
+        })
     }
-    super::print(|out| {
-        show(out, &found)?;
-        writeln!(out, "reweighted.json is in {}", output.path().display())
-    })
 }
 
 fn show(out: &mut dyn Write, found: &Reweighting) -> std::io::Result<()> {

@@ -13,6 +13,7 @@ mod report;
 mod reweight;
 mod run;
 mod schema;
+mod shell;
 mod solve;
 mod stick_limit;
 mod stopping;

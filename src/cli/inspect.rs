@@ -1,11 +1,20 @@
-//! Facts about a study in words.
+//! `inspect`: what a study would compute.
 
-use super::duration;
 use std::io::Write;
 
-use microslip::study::Inspection;
+use super::study_arguments::StudyArguments;
+use super::terminal::print;
+use microslip::Error;
+use microslip::study::{Inspection, Study, inspect};
 
-pub(super) fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
+pub(super) fn execute(arguments: &StudyArguments) -> Result<(), Error> {
+    arguments.threads.start()?;
+    let study = Study::read(&arguments.study)?;
+    let facts = inspect(&study)?;
+    print(|out| show(out, &facts))
+}
+
+fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
     let list = |names: &[String]| abbreviated(names);
     let numbers = |values: &[f64]| {
         let words: Vec<_> = values.iter().map(|f| format!("{f:.6}")).collect();
@@ -113,4 +122,13 @@ fn abbreviated(names: &[String]) -> String {
         text.push_str(&format!(", and {} more", names.len() - SHOWN));
     }
     text
+}
+
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 1.0 => "a second".to_owned(),
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
 }

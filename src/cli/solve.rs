@@ -1,17 +1,36 @@
-//! The nominal forced response of one level in words.
+//! `solve`: the nominal forced response at every level.
 
 use std::io::Write;
 
+use super::study_arguments::StudyArguments;
+use super::terminal::{Bar, print, show_warnings};
+use microslip::Error;
 use microslip::hb::response::forced_response::{Gap, Largest, Stop};
 use microslip::hb::{Solution, Status};
-use microslip::study::{FrequencyUnit, LevelCurve};
+use microslip::study::{FrequencyUnit, LevelCurve, Study, solve};
+
+pub(super) fn execute(arguments: &StudyArguments) -> Result<(), Error> {
+    arguments.threads.start()?;
+    let study = Study::read(&arguments.study)?;
+    show_warnings(&study.warnings);
+    let folder = arguments.output_folder(&study)?;
+    let bar = Bar::new(arguments.quiet);
+    let curves = solve(&study, &folder, |progress| bar.show(progress))?;
+    bar.clear();
+    if arguments.quiet {
+        return Ok(());
+    }
+    print(|out| {
+        for curve in &curves {
+            show(out, curve, study.frequency.unit)?;
+        }
+        let path = folder.path().display();
+        writeln!(out, "curve.csv and solution.json are in {path}")
+    })
+}
 
 /// Number of points, where the response could not be followed, and the largest amplitude of the first response.
-pub(super) fn show(
-    out: &mut dyn Write,
-    curve: &LevelCurve,
-    unit: FrequencyUnit,
-) -> std::io::Result<()> {
+fn show(out: &mut dyn Write, curve: &LevelCurve, unit: FrequencyUnit) -> std::io::Result<()> {
     let hertz = |omega: f64| format!("{:.6} {}", unit.of_rad_s(omega), unit.name());
     let solutions = &curve.response.solutions;
     let n_solved = (solutions.iter())

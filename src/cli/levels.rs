@@ -1,0 +1,134 @@
+//! What the samples say, level by level.
+
+use std::io::Write;
+use std::path::Path;
+
+use super::terminal::print;
+use microslip::Error;
+use microslip::report::Summary;
+use microslip::report::epistemic::EpistemicSummary;
+use microslip::study::RunResult;
+
+/// What the intervals of a design without independent samples are.
+pub(super) const INDICATIONS: &str = "no independent samples: intervals are indications";
+
+/// ` at outer point 3`, where there are such.
+pub(super) fn at_point(outer: Option<u64>) -> String {
+    outer.map_or_else(String::new, |outer| format!(" at outer point {outer}"))
+}
+
+/// What the samples say, and where the files are.
+pub(super) fn show_result(result: &RunResult, folder: &Path) -> Result<(), Error> {
+    print(|out| {
+        show_levels(out, &result.summary)?;
+        if let Some(reason) = &result.unfolded {
+            writeln!(out, "{reason}")?;
+        }
+        if let Some(stopping) = &result.stopping {
+            writeln!(out, "{}", stopping.in_words())?;
+        }
+        writeln!(
+            out,
+            "samples.parquet, curves.parquet, run.json, summary.json, report.json and report.html are in {}",
+            folder.display()
+        )
+    })
+}
+
+/// Samples solved, and the 5, 50 and 95 % quantiles of frequency and amplitude, one line per level; then what outer
+/// points and replicates say.
+pub(super) fn show_levels(out: &mut dyn Write, summary: &Summary) -> std::io::Result<()> {
+    for level in &summary.levels {
+        let solved = summary.samples - level.failed;
+        let (value, unit) = (level.level, &summary.level_unit);
+        write!(
+            out,
+            "level {value} {unit}: {solved} of {} samples solved",
+            summary.samples
+        )?;
+        let quantiles = level
+            .frequency_hz
+            .quantiles
+            .iter()
+            .zip(&level.amplitude_m.quantiles);
+        for (frequency, amplitude) in quantiles {
+            write!(
+                out,
+                "; {:.0} %: {:.3} Hz, {:.4e} m",
+                100.0 * frequency.probability,
+                frequency.estimate,
+                amplitude.estimate
+            )?;
+        }
+        writeln!(out)?;
+    }
+    if let Some(epistemic) = &summary.epistemic {
+        show_ranges(out, epistemic)?;
+    }
+    show_replicates(out, summary)
+}
+
+/// Ranges of the quantiles over the outer points, with the point of each end.
+fn show_ranges(out: &mut dyn Write, epistemic: &EpistemicSummary) -> std::io::Result<()> {
+    let (inputs, n) = (epistemic.inputs.join(", "), epistemic.points.len());
+    writeln!(
+        out,
+        "lowest and highest over {n} outer points of {inputs} (these have no probability):"
+    )?;
+    for level in &epistemic.levels {
+        let quantities: [(_, _, &dyn Fn(f64) -> String); 2] = [
+            (&level.frequency_hz, "Hz", &|v| format!("{v:.3}")),
+            (&level.amplitude_m, "m", &|v| format!("{v:.4e}")),
+        ];
+        for (ranges, unit, show) in quantities {
+            for quantile in ranges {
+                let ends = [quantile.range.lowest, quantile.range.highest].map(|end| {
+                    let value = end.value.in_words(show);
+                    format!("{value} (point {})", end.outer)
+                });
+                writeln!(
+                    out,
+                    "level {}, {:.0} %: {} .. {} {unit}",
+                    level.level,
+                    100.0 * quantile.probability,
+                    ends[0],
+                    ends[1]
+                )?;
+            }
+        }
+        for exceedance in &level.exceedances {
+            let limit = exceedance.threshold_m;
+            let ends = [exceedance.range.lowest, exceedance.range.highest].map(|end| {
+                let value = end.value.value().unwrap_or(f64::NAN);
+                format!("{value:.3} (point {})", end.outer)
+            });
+            writeln!(
+                out,
+                "level {}, P(amplitude > {limit:.4e} m): {} .. {}",
+                level.level, ends[0], ends[1]
+            )?;
+        }
+    }
+    Ok(())
+}
+
+/// Means with their intervals, where there are replicates; by outer point, where the samples belong to such.
+fn show_replicates(out: &mut dyn Write, summary: &Summary) -> std::io::Result<()> {
+    for (i, outer, means) in summary.replicate_means() {
+        let level = summary.levels[i].level;
+        let point = at_point(outer);
+        let (frequency, amplitude) = (means.frequency_hz, means.amplitude_m);
+        let hertz = frequency.interval.in_words(" .. ", |v| format!("{v:.4}"));
+        let metres = amplitude.interval.in_words(" .. ", |v| format!("{v:.4e}"));
+        writeln!(
+            out,
+            "level {level}{point}, mean of {} replicates and its {:.0} % interval: {:.4} Hz ({hertz}), {:.4e} m ({metres}) ({} failed samples not in it)",
+            frequency.replicates,
+            100.0 * summary.confidence,
+            frequency.mean,
+            amplitude.mean,
+            amplitude.failed
+        )?;
+    }
+    Ok(())
+}

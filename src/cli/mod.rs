@@ -1,0 +1,132 @@
+//! Arguments, messages and exit codes: 0 = done, 2 = bad input or a file that cannot be read or written.
+//!
+//! Each command is a file: its arguments, what it calls of the library, and what it shows.
+
+mod compare;
+mod completions;
+mod devices;
+mod extend;
+mod inspect;
+mod levels;
+mod man;
+mod report;
+mod reweight;
+mod run;
+mod schema;
+mod solve;
+mod study_arguments;
+mod terminal;
+mod threads;
+
+use std::io::{ErrorKind, Write};
+use std::process::ExitCode;
+use std::sync::LazyLock;
+
+use clap::{Parser, Subcommand};
+use compare::CompareArguments;
+use completions::CompletionsArguments;
+use extend::ExtendArguments;
+use man::ManArguments;
+use microslip::Error;
+use microslip::file::FileError;
+use report::ReportArguments;
+use reweight::ReweightArguments;
+use run::RunArguments;
+use study_arguments::StudyArguments;
+
+/// Exit code of every failure.
+const FAILURE: u8 = 2;
+
+/// Version, with the commit where the build was told it (`MICROSLIP_COMMIT` in its environment).
+static VERSION: LazyLock<String> = LazyLock::new(|| {
+    let version = env!("CARGO_PKG_VERSION");
+    match option_env!("MICROSLIP_COMMIT") {
+        Some(commit) => format!("{version} ({commit})"),
+        None => version.to_owned(),
+    }
+});
+
+const EXAMPLES: &str = "\
+Examples:
+  microslip inspect study.toml              what would be computed: sizes, frequencies, time
+  microslip solve study.toml                nominal forced response at every level
+  microslip run study.toml --threads 8      all samples, statistics and report
+  microslip run study.toml --output other/  the same into another folder
+  microslip report results                  the report again, from the stored samples
+  microslip schema > study.schema.json      what editors need to check a study file
+  microslip compare strip-a strip-b         designs on the same samples, from their results
+  microslip reweight results --prior p.toml the same samples under other distributions of the inputs
+  microslip extend results --samples 800    more samples for these results; the old ones are kept
+
+Exit codes: 0 done, 2 bad input or a file that cannot be read or written.";
+
+#[derive(Parser)]
+#[command(version = VERSION.as_str(), about, after_help = EXAMPLES)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Compute every sample of a study and write tables and report.
+    Run(RunArguments),
+    /// Solve more samples for the results of a run; the files are then those of a run with so many.
+    Extend(ExtendArguments),
+    /// Compute the nominal forced response at every level: curve.csv and solution.json.
+    Solve(StudyArguments),
+    /// Render the report of a run again from its stored samples, without solving.
+    Report(ReportArguments),
+    /// Compare designs sample by sample, from the results of their runs: comparison.json and comparison.html.
+    Compare(CompareArguments),
+    /// Quantiles of the same samples under other distributions of the inputs, without solving: reweighted.json.
+    Reweight(ReweightArguments),
+    /// Print the JSON Schema of the study file, for editors and programs.
+    Schema,
+    /// Show what a study would compute: degrees of freedom, frequencies, contact pairs, memory and time.
+    Inspect(StudyArguments),
+    /// List the adapters that `run --backend gpu` can use, with a self-test of each.
+    Devices,
+    /// Print what a shell needs to complete commands and options.
+    Completions(CompletionsArguments),
+    /// Write a manual page for each command.
+    Man(ManArguments),
+}
+
+impl Command {
+    fn execute(&self) -> Result<(), Error> {
+        match self {
+            Self::Run(arguments) => arguments.execute(),
+            Self::Extend(arguments) => arguments.execute(),
+            Self::Solve(arguments) => solve::execute(arguments),
+            Self::Report(arguments) => arguments.execute(),
+            Self::Compare(arguments) => arguments.execute(),
+            Self::Reweight(arguments) => arguments.execute(),
+            Self::Schema => schema::execute(),
+            Self::Inspect(arguments) => inspect::execute(arguments),
+            Self::Devices => devices::execute(),
+            Self::Completions(arguments) => arguments.execute(),
+            Self::Man(arguments) => arguments.execute(),
+        }
+    }
+}
+
+/// Runs the command of the process's arguments.
+pub(crate) fn main() -> ExitCode {
+    // Help and version end here with 0; wrong arguments with clap's own message and 2.
+    let arguments = Arguments::parse();
+    match arguments.command.execute() {
+        Ok(()) => ExitCode::SUCCESS,
+        // A reader such as `head` that has seen enough is no failure of ours.
+        Err(Error::File(FileError::System { source, .. }))
+            if source.kind() == ErrorKind::BrokenPipe =>
+        {
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            // Nothing is left to be done if even the message cannot be written.
+            let _ = writeln!(std::io::stderr(), "error: {error}");
+            ExitCode::from(FAILURE)
+        }
+    }
+}

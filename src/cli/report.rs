@@ -1,0 +1,46 @@
+//! `report`: the report of a run again, from what is stored.
+
+use std::path::PathBuf;
+
+use super::levels::show_levels;
+use super::terminal::print;
+use clap::Args;
+use microslip::Error;
+use microslip::report::render;
+use microslip::study::write_arrow_tables;
+
+#[derive(Args)]
+pub(super) struct ReportArguments {
+    /// Folder of the results of a run.
+    folder: PathBuf,
+    /// Write the tables as Arrow files, too: samples.arrow and curves.arrow.
+    #[arg(long)]
+    arrow: bool,
+    /// No summary.
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl ReportArguments {
+    pub(super) fn execute(&self) -> Result<(), Error> {
+        let (summary, _) = render(&self.folder)?;
+        if self.arrow {
+            write_arrow_tables(&self.folder, true)?;
+        }
+        if self.quiet {
+            return Ok(());
+        }
+        print(|out| {
+            show_levels(out, &summary)?;
+            let tables = match self.arrow {
+                true => "samples.arrow, curves.arrow, ",
+                false => "",
+            };
+            let path = self.folder.display();
+            writeln!(
+                out,
+                "{tables}summary.json, report.json and report.html are in {path}"
+            )
+        })
+    }
+}

@@ -1,0 +1,114 @@
+//! `run`: all samples, statistics and report.
+
+use std::io::Write;
+
+use super::levels::show_result;
+use super::study_arguments::StudyArguments;
+use super::terminal::{Bar, print, show_warnings};
+use clap::Args;
+use microslip::Error;
+use microslip::ensemble::backend::{BackendChoice, BackendSettings};
+use microslip::gpu::{GpuSettings, Precision};
+use microslip::report::Summary;
+use microslip::study::{Study, run};
+
+#[derive(Args)]
+pub(super) struct RunArguments {
+    #[command(flatten)]
+    study: StudyArguments,
+    /// Who drafts contact forces; the results do not depend on it. `auto` takes a GPU that is hardware, if there is one.
+    #[arg(long, value_enum, default_value = "cpu")]
+    backend: BackendName,
+    /// Adapter of the GPU: index, PCI address or part of its name, as `devices` lists them. One that is software must be
+    /// named.
+    #[arg(long)]
+    adapter: Option<String>,
+    /// Share of the GPU's evaluations that the processor repeats in double precision.
+    #[arg(long, default_value_t = 0.01, value_parser = share)]
+    audit: f64,
+    /// Numbers of the shaders; f64 where the adapter has it.
+    #[arg(long, value_enum, default_value = "f32")]
+    precision: PrecisionName,
+    /// Show the time of every pass on the GPU.
+    #[arg(long)]
+    profile: bool,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum BackendName {
+    Cpu,
+    Gpu,
+    Auto,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum PrecisionName {
+    F32,
+    F64,
+}
+
+impl RunArguments {
+    pub(super) fn execute(&self) -> Result<(), Error> {
+        let Self { study: common, .. } = self;
+        common.threads.start()?;
+        let study = Study::read(&common.study)?;
+        show_warnings(&study.warnings);
+        let folder = common.output_folder(&study)?;
+        let bar = Bar::new(common.quiet);
+        let result = run(&study, &folder, &self.backend(), |progress| {
+            bar.show(progress);
+        })?;
+        bar.clear();
+        show_warnings(&result.summary.backend.messages());
+        if common.quiet {
+            return Ok(());
+        }
+        show_result(&result, folder.path())?;
+        print(|out| show_gpu(out, &result.summary, self.profile))
+    }
+
+    fn backend(&self) -> BackendSettings {
+        BackendSettings {
+            choice: match self.backend {
+                BackendName::Cpu => BackendChoice::Cpu,
+                BackendName::Gpu => BackendChoice::Gpu,
+                BackendName::Auto => BackendChoice::Auto,
+            },
+            gpu: GpuSettings {
+                adapter: self.adapter.clone(),
+                precision: match self.precision {
+                    PrecisionName::F32 => Precision::F32,
+                    PrecisionName::F64 => Precision::F64,
+                },
+                audit: self.audit,
+                ..GpuSettings::default()
+            },
+        }
+    }
+}
+
+/// A number from 0 to 1.
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(share) if (0.0..=1.0).contains(&share) => Ok(share),
+        _ => Err("must be from 0 to 1".to_owned()),
+    }
+}
+
+/// What the GPU did, with the time of its passes if wanted.
+fn show_gpu(out: &mut dyn Write, summary: &Summary, profile: bool) -> std::io::Result<()> {
+    let Some(gpu) = &summary.backend.gpu else {
+        return Ok(());
+    };
+    writeln!(
+        out,
+        "{}: {} evaluations in {} batches, {} audited, largest difference {:.1e} of a force",
+        gpu.adapter.name, gpu.evaluations, gpu.batches, gpu.audited, gpu.largest_force_difference
+    )?;
+    if profile {
+        for (pass, seconds) in &gpu.pass_seconds {
+            writeln!(out, "{pass:20} {seconds:.3} s on the device")?;
+        }
+    }
+    Ok(())
+}
