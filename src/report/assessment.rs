@@ -3,18 +3,20 @@
 //! Statements of the kind "95 % of the assumed prior with 95 % confidence" hold for the distributions of the inputs that the
 //! study assumes; [`Assessment::condition`] says so wherever they go.
 
+use super::convention::{CONFIDENCE, CONTENT};
 use super::epistemic::{EpistemicSummary, nested};
 use super::error_budget::{ErrorLine, error_budget};
+use super::input::ReportInput;
 use super::judgement::{CriterionResult, judge_all};
 use super::margins::{OrderMargin, Reserve, order_margins, reserve};
+use super::peaks::{usable_peak, values};
 use super::population::{Bound, Populations};
 use super::record::{FileRecord, InputRecord, RunRecord};
 use super::sensitivity::{InputInfluence, influences};
 use super::stopping::Stopping;
-use super::summary::{CONFIDENCE, Summary};
+use super::summary::Summary;
 use super::surrogate::{LevelSurrogates, surrogates};
-use super::{ReportInput, usable_peak};
-use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
+use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::store::Provenance;
 use crate::statistics::{
     FailurePattern, JointRegion, Prefix, QuantileEstimate, Side, convergence, failure_pattern,
@@ -22,8 +24,6 @@ use crate::statistics::{
 };
 use serde::Serialize;
 
-/// Share of the population in every tolerance bound of a report.
-pub const CONTENT: f64 = 0.95;
 /// First prefix of a convergence table.
 const FIRST_PREFIX: usize = 16;
 /// Groups of a failure rate.
@@ -162,16 +162,6 @@ pub(super) fn pooling(epistemic: &EpistemicSummary) -> String {
         },
         epistemic.points.len(),
     )
-}
-
-/// One value per sample at level `i`, NaN where it failed.
-pub(super) fn values(
-    outcomes: &[SampleOutcome],
-    i: usize,
-    value: impl Fn(&PeakRecord) -> f64,
-) -> Vec<f64> {
-    let of = |o: &SampleOutcome| usable_peak(&o.levels[i]).map_or(f64::NAN, |p| value(&p));
-    outcomes.iter().map(of).collect()
 }
 
 impl LevelAssessment {

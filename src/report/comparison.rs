@@ -4,13 +4,15 @@
 //! of which one failed is unknown, never dropped. With epistemic inputs the samples of each outer point are compared
 //! apart: together they are no population.
 
-use super::assessment::values;
+use super::convention::CONFIDENCE;
 use super::epistemic::{chosen, outer_groups};
+use super::error::ReportError;
 use super::margins::{factor, smallest_margin};
-use super::record::{InputRecord, StoredRun};
-use super::summary::CONFIDENCE;
-use super::{ReportError, comparison_page};
+use super::peaks::values;
+use super::record::InputRecord;
+use super::stored_run::StoredRun;
 use crate::file;
+use crate::report::comparison_page;
 use crate::statistics::{Better, Bootstrap, Comparison, Ranking, compare, rank_designs};
 use serde::Serialize;
 use std::io::Write;

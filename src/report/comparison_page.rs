@@ -1,16 +1,16 @@
 //! `comparison.html`: designs compared on the same samples, as a page of its own.
 
-use super::ReportError;
 use super::axis::Axis;
 use super::block::{Block, Cell, Figure, Key, Mark, Section, Table};
 use super::comparison::{Compared, ComparedQuantity, DesignComparison, Pair, PointRanking};
+use super::convention::CONFIDENCE;
 use super::display::{DASH, LengthUnit, from_to, percent, with_digits};
 use super::epistemic::{chosen, outer_groups};
+use super::error::ReportError;
 use super::figure::{Panel, Size};
 use super::page::page;
-use super::record::StoredRun;
 use super::section::{confidence_band, limits, share_cell};
-use super::summary::CONFIDENCE;
+use super::stored_run::StoredRun;
 use super::view::{figure_style, level_name, thinned};
 use crate::statistics::{Sorted, empirical_cdf};
 

@@ -4,13 +4,14 @@
 //! a study means nothing. The samples of one outer point are a population; what can be said over the box is the range of
 //! its statistics (a p-box: Ferson et al., SAND2002-4015). The box is seen at its outer points alone.
 
-use super::ReportInput;
-use super::assessment::{CONTENT, values};
+use super::convention::{CONTENT, PROBABILITIES};
+use super::input::ReportInput;
 use super::margins::allowable_amplitude_m;
+use super::peaks::values;
 use super::record::RunRecord;
 use super::requirement::Quantity;
 use super::summary::{
-    Distribution, InputCorrelation, PROBABILITIES, ReplicateMeans, correlations, mean_fractions,
+    Distribution, InputCorrelation, ReplicateMeans, correlations, mean_fractions,
 };
 use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
 use crate::hb::ContactFractions;
@@ -351,7 +352,7 @@ pub(super) fn exceedance_range(
 
 #[cfg(test)]
 mod tests {
-    use super::super::summary::CONFIDENCE;
+    use super::super::convention::CONFIDENCE;
     use super::*;
 
     fn of(values: &[f64]) -> Observed {

@@ -2,11 +2,12 @@
 
 use super::assessment::LevelAssessment;
 use super::display::significant;
+use super::input::ReportInput;
 use super::numerical_error::{damping_ratio, harmonics_shift};
+use super::peaks::usable_peak;
 use super::record::RunRecord;
 use super::summary::{Distribution, LevelSummary, Summary};
 use super::surrogate::{LevelSurrogates, SurrogateResult};
-use super::{ReportInput, usable_peak};
 use crate::contact::{Events, FrictionLaw};
 use crate::statistics::{Sorted, quantile};
 use serde::Serialize;

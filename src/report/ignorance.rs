@@ -5,6 +5,7 @@
 //! wherever in the interval the value is. Samples of a prior can show that it does not: if each value kept it, so would
 //! their mixture. That it does takes a worst case over the interval, so `kind = "epistemic"`.
 
+use super::display::short;
 use super::epistemic::outer_groups;
 use super::judgement::Judged;
 use super::record::RunRecord;
@@ -85,7 +86,7 @@ fn breaking(levels: &[Judged], flat: &[usize]) -> Option<String> {
     let sample = &outcomes[broken];
     let values = flat.iter().map(|&j| {
         let name = &record.inputs[j].name;
-        format!("{name} = {}", super::display::short(sample.inputs[j]))
+        format!("{name} = {}", short(sample.inputs[j]))
     });
     let values: Vec<String> = values.collect();
     Some(format!(

@@ -6,12 +6,13 @@
 use super::epistemic::{nested, outer_groups};
 use super::error_budget::ErrorLine;
 use super::ignorance::{IgnoranceResult, as_intervals};
+use super::input::ReportInput;
 use super::margins::{allowable_amplitude_m, factor, smallest_margin};
 use super::numerical_error::{NumericalErrors, Solved};
 use super::over_box::OverBox;
+use super::peaks::usable_peak;
 use super::requirement::{Criterion, Operation, Quantity, Stress};
 use super::sentence::sentence;
-use super::{ReportInput, usable_peak};
 use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
 use crate::statistics::{
     Counted, Criterion as Rule, Demonstration, Enclosed, Interval, Judgement, Limit, Observed,

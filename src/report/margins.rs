@@ -1,6 +1,6 @@
 //! Distance of the resonance from the engine orders, and of the stress from the allowable one.
 
-use super::ReportInput;
+use super::input::ReportInput;
 use super::population::{Bound, Exceeded, Populations, Quantiles};
 use super::requirement::{MarginBase, Operation, Stress};
 use crate::statistics::{Denominator, Side, frequency_margin, goodman_allowable, reserve_factor};

@@ -6,8 +6,8 @@
 //! the half-power half-width, that is by e ζ of the frequency. ζ is that of the linear structure times input over viscous
 //! work. Further lines of the error budget enter as they stand there; what nobody estimated is named, never 0.
 
-use super::ReportInput;
 use super::error_budget::{self, ErrorLine};
+use super::input::ReportInput;
 use super::record::RunRecord;
 use crate::ensemble::outcome::{CurvePoint, PeakRecord};
 use crate::statistics::Enclosed;

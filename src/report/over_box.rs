@@ -3,10 +3,11 @@
 //! The box is known at its outer points and at those that the search for the worst case has met: a PASS is shown there and
 //! not between them.
 
-use super::ReportInput;
 use super::display::{from_to, short};
 use super::epistemic::{chosen, epistemic_columns, outer_groups};
+use super::input::ReportInput;
 use super::judgement::LevelResult;
+use super::population::hull;
 use crate::statistics::Judgement;
 use serde::Serialize;
 
@@ -102,7 +103,7 @@ impl OverBox {
     fn ranges(&self, judgement: Judgement) -> String {
         let inputs = self.inputs.iter().enumerate().filter_map(|(k, input)| {
             let points = self.points.iter().filter(|p| p.judgement == judgement);
-            let ends = super::population::hull(points.map(|p| p.values[k]))?;
+            let ends = hull(points.map(|p| p.values[k]))?;
             Some(format!("{input} {}", from_to(ends, short)))
         });
         inputs.collect::<Vec<_>>().join(", ")

@@ -2,16 +2,17 @@
 
 use super::assessment::Assessment;
 use super::block::Section;
+use super::error::ReportError;
+use super::input::ReportInput;
 use super::level_mark::{Ground, colours};
 use super::section::sections;
 use super::summary::Summary;
 use super::view::{View, figure_style};
-use super::{ReportError, ReportInput};
 use minijinja::value::Serde;
 use minijinja::{Environment, context};
 
 /// Renders the page of a study.
-pub(super) fn render(
+pub(super) fn study_page(
     input: &ReportInput,
     summary: &Summary,
     assessment: &Assessment,

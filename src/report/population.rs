@@ -2,13 +2,13 @@
 //!
 //! Samples of different outer points are no population together, so a statistic is then its range over the points.
 
-use super::ReportInput;
-use super::assessment::{CONTENT, values};
+use super::convention::{CONTENT, PROBABILITIES};
 use super::epistemic::{
     ExceedanceRange, Extreme, QuantileRange, exceedance_range, observed_by_point, outermost_bound,
     quantile_ranges,
 };
-use super::summary::PROBABILITIES;
+use super::input::ReportInput;
+use super::peaks::values;
 use crate::ensemble::outcome::PeakRecord;
 use crate::statistics::{
     Exceedance, Observed, QuantileEstimate, Side, ToleranceBound, exceedance, quantile,

@@ -3,10 +3,10 @@
 //! A sample stands for new over old density of its inputs (importance weights); nothing is solved. With epistemic inputs
 //! the samples of each outer point are weighted apart.
 
-use super::assessment::values;
+use super::convention::{CONFIDENCE, PROBABILITIES};
 use super::epistemic::{amplitude_limits_m, chosen, outer_groups};
-use super::record::StoredRun;
-use super::summary::{CONFIDENCE, PROBABILITIES};
+use super::peaks::values;
+use super::stored_run::StoredRun;
 use crate::statistics::{
     Exceedance, Observed, QuantileEstimate, WeightedExceedance, WeightedQuantile, Weights,
     exceedance, quantile_estimate, weighted_exceedance, weighted_quantile,

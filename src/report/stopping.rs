@@ -1,10 +1,13 @@
 //! When a study has enough samples: `samples = { until = ..., at_most = ... }`.
 
+use super::convention::CONFIDENCE;
+use super::input::ReportInput;
+use super::peaks::values;
 use super::record::RunRecord;
 use super::requirement::Criterion;
-use super::summary::{CONFIDENCE, Summary};
-use super::{Assessment, ReportInput, assessment::values};
+use super::summary::Summary;
 use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
+use crate::report::Assessment;
 use crate::setting::{BadSetting, positive, within};
 use crate::statistics::{
     Judgement, Observed, confidence_at, looks, quantile_estimate, wilks_sample_size,

@@ -1,9 +1,11 @@
 //! The numbers of a study: `summary.json`.
 
+use super::convention::{CONFIDENCE, PROBABILITIES};
 use super::epistemic::{EpistemicSummary, PointStatistics, nested};
+use super::input::ReportInput;
 use super::numerical_error::work_imbalance;
+use super::peaks::{counted_status, usable_peak};
 use super::record::RunRecord;
-use super::{ReportInput, counted_status, usable_peak};
 use crate::ensemble::backend::BackendReport;
 use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
 use crate::ensemble::store::Provenance;
@@ -14,11 +16,6 @@ use crate::statistics::{
     replicate_quantile,
 };
 use std::collections::BTreeMap;
-
-/// Probabilities of the quantiles in a report.
-pub const PROBABILITIES: [f64; 3] = [0.05, 0.5, 0.95];
-/// Confidence of every interval in a report.
-pub const CONFIDENCE: f64 = 0.95;
 
 /// All numbers of a study. Field names are stable and end in their unit.
 #[derive(Debug, Clone, serde::Serialize)]

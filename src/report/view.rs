@@ -6,9 +6,10 @@ use super::block::{Block, Cell, Figure, Key};
 use super::display::{LengthUnit, short};
 use super::epistemic::PointStatistics;
 use super::figure::Panel;
+use super::input::ReportInput;
 use super::level_mark::{Ground, colours};
+use super::peaks::usable_peak;
 use super::summary::Summary;
-use super::{ReportInput, usable_peak};
 use crate::ensemble::outcome::{CurvePoint, PeakRecord, SampleOutcome};
 
 /// Dots per level and panel; more are thinned evenly.

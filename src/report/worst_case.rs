@@ -3,7 +3,7 @@
 //! For a quantile it is the quantile itself, with unknown samples and numerical errors at their worst. A probability of
 //! breaking a limit is 0 over most of a box and gives a search no direction; the quantile that it bounds does.
 
-use super::ReportInput;
+use super::input::ReportInput;
 use super::judgement::Judged;
 use super::numerical_error::NumericalErrors;
 use super::record::RunRecord;

@@ -1,10 +1,10 @@
 //! Audit: what produced the numbers, and what they depend on.
 
-use super::super::block::{Block, Cell, Section, Table};
-use super::super::display::{percent, short};
-use super::super::record::FileRecord;
-use super::super::view::View;
 use crate::ensemble::backend::GpuReport;
+use crate::report::block::{Block, Cell, Section, Table};
+use crate::report::display::{percent, short};
+use crate::report::record::FileRecord;
+use crate::report::view::View;
 
 pub(super) fn section(view: &View) -> Section {
     let hint = "The same study file, seed, program and precision give the same samples, bit by bit, for any number of \

@@ -1,15 +1,15 @@
 //! Campbell diagram: where engine orders cross the scattered resonance, and how far they stay away.
 
-use super::super::axis::Axis;
-use super::super::block::{Block, Cell, Figure, Key, Mark, Section, Table};
-use super::super::display::{hertz, percent, short};
-use super::super::figure::{Panel, Size};
-use super::super::margins::OrderMargin;
-use super::super::population::{Populations, hull};
-use super::super::requirement::{MarginBase, Operation};
-use super::super::view::View;
-use super::BOUND_FIELDS;
 use super::envelope::{bound_cell, quantile_cell};
+use crate::report::axis::Axis;
+use crate::report::block::{Block, Cell, Figure, Key, Mark, Section, Table};
+use crate::report::display::{hertz, percent, short};
+use crate::report::figure::{Panel, Size};
+use crate::report::margins::OrderMargin;
+use crate::report::population::{Populations, hull};
+use crate::report::requirement::{MarginBase, Operation};
+use crate::report::section::BOUND_FIELDS;
+use crate::report::view::View;
 
 /// Probabilities of a scatter bar.
 const BAR: [f64; 2] = [0.01, 0.99];

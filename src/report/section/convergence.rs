@@ -1,10 +1,10 @@
 //! How far the number of samples leaves the estimates open: over the first 16, 32, 64, … samples, and between replicates.
 
-use super::super::axis::Axis;
-use super::super::block::{Block, Cell, Figure, Section, Table};
-use super::super::display::significant;
-use super::super::figure::{Panel, Size};
-use super::super::view::View;
+use crate::report::axis::Axis;
+use crate::report::block::{Block, Cell, Figure, Section, Table};
+use crate::report::display::significant;
+use crate::report::figure::{Panel, Size};
+use crate::report::view::View;
 use crate::statistics::{Interval, Prefix, QuantileEstimate, ReplicateMean};
 
 /// Absent without prefixes or replicates to compare.

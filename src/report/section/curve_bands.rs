@@ -3,21 +3,20 @@
 //! Where the resonances of a level scatter over many widths of a peak, quantiles at a frequency say nothing of the curves;
 //! the curves then stand over the frequency divided by that of their own peak.
 
-use super::super::assessment::CONTENT;
-use super::super::axis::Axis;
-use super::super::block::Figure;
-use super::super::display::{percent, significant};
-use super::super::epistemic::outer_groups;
-use super::super::figure::{Panel, Size};
-use super::super::population::{Populations, hull};
-use super::super::record::{Bands, RunRecord};
-use super::super::summary::PROBABILITIES;
-use super::super::usable_peak;
-use super::super::view::{Shown, View};
 use super::response_frame::{
     FREQUENCY, add_linear_curves, amplitude_axis, largest_linear_amplitude, window,
 };
 use crate::ensemble::outcome::{LevelOutcome, SampleOutcome};
+use crate::report::axis::Axis;
+use crate::report::block::Figure;
+use crate::report::convention::{CONTENT, PROBABILITIES};
+use crate::report::display::{percent, significant};
+use crate::report::epistemic::outer_groups;
+use crate::report::figure::{Panel, Size};
+use crate::report::peaks::usable_peak;
+use crate::report::population::{Populations, hull};
+use crate::report::record::{Bands, RunRecord};
+use crate::report::view::{Shown, View};
 use crate::statistics::{
     Band, Curve, CurveSet, Envelope, EnvelopeRefusal, MissingPoints, Sorted, depth_band,
     pointwise_band, quantile, simultaneous_band,

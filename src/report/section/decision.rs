@@ -1,13 +1,13 @@
 //! The figure that decides a criterion: what was found at every level, beside the limit.
 
-use super::super::axis::Axis;
-use super::super::block::Figure;
-use super::super::figure::{Panel, Size};
-use super::super::judgement::{CriterionResult, LevelResult};
-use super::super::requirement::{Criterion, Quantity};
-use super::super::sentence::shown;
-use super::super::view::View;
 use super::envelope::limits;
+use crate::report::axis::Axis;
+use crate::report::block::Figure;
+use crate::report::figure::{Panel, Size};
+use crate::report::judgement::{CriterionResult, LevelResult};
+use crate::report::requirement::{Criterion, Quantity};
+use crate::report::sentence::shown;
+use crate::report::view::View;
 
 /// One figure per criterion that is judged at some level.
 pub(super) fn figures(view: &View) -> Vec<Figure> {

@@ -1,10 +1,10 @@
 //! Distribution functions and histograms.
 
-use super::super::axis::Axis;
-use super::super::block::{Block, Columns, Figure, Key, Mark, Row, Section};
-use super::super::figure::{Panel, Size};
-use super::super::summary::PROBABILITIES;
-use super::super::view::{Shown, View, thinned};
+use crate::report::axis::Axis;
+use crate::report::block::{Block, Columns, Figure, Key, Mark, Row, Section};
+use crate::report::convention::PROBABILITIES;
+use crate::report::figure::{Panel, Size};
+use crate::report::view::{Shown, View, thinned};
 use crate::statistics::{Sorted, empirical_cdf, histogram, quantile, share};
 
 /// Values at which the confidence interval of a distribution function is drawn.

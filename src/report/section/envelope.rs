@@ -1,11 +1,12 @@
 //! Quantiles of frequency and amplitude, level by level, as tables.
 
-use super::super::block::{Block, Cell, Section, Table};
-use super::super::display::{DASH, hertz, percent, significant, with_digits};
-use super::super::population::{Bound, Quantiles};
-use super::super::summary::{Distribution, LevelSummary, PROBABILITIES};
-use super::super::view::View;
 use super::epistemic::{extreme_cell, range_cell};
+use crate::report::block::{Block, Cell, Section, Table};
+use crate::report::convention::PROBABILITIES;
+use crate::report::display::{DASH, hertz, percent, significant, with_digits};
+use crate::report::population::{Bound, Quantiles};
+use crate::report::summary::{Distribution, LevelSummary};
+use crate::report::view::View;
 use crate::statistics::{Interval, QuantileEstimate, Share, ToleranceBound, wilks_sample_size};
 
 /// A quantity of the tables and how it is shown.

@@ -1,14 +1,16 @@
 //! Ranges over the outer points of the epistemic inputs, as tables and as p-boxes.
 
-use super::super::axis::Axis;
-use super::super::block::{Block, Cell, Figure, Key, Mark, Section, Table};
-use super::super::display::{hertz, percent, short, significant};
-use super::super::epistemic::{BoxRange, EpistemicLevel, EpistemicSummary, Extreme, QuantileRange};
-use super::super::figure::{Panel, Size};
-use super::super::population::Populations;
-use super::super::view::{Shown, View};
 use super::envelope::limits;
-use super::worst_case;
+use crate::report::axis::Axis;
+use crate::report::block::{Block, Cell, Figure, Key, Mark, Section, Table};
+use crate::report::display::{hertz, percent, short, significant};
+use crate::report::epistemic::{
+    BoxRange, EpistemicLevel, EpistemicSummary, Extreme, QuantileRange,
+};
+use crate::report::figure::{Panel, Size};
+use crate::report::population::Populations;
+use crate::report::section::worst_case;
+use crate::report::view::{Shown, View};
 use crate::statistics::{Interval, Limit, Observed, Sorted};
 
 /// Values at which a p-box is drawn.

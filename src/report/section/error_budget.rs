@@ -1,8 +1,8 @@
 //! Error budget: what each approximation can change, in one table, so that none hides behind another.
 
-use super::super::block::{Block, Cell, Section, Table};
-use super::super::display::{percent, significant};
-use super::super::view::View;
+use crate::report::block::{Block, Cell, Section, Table};
+use crate::report::display::{percent, significant};
+use crate::report::view::View;
 
 pub(super) fn section(view: &View) -> Section {
     let mut table = Table::of(

@@ -1,15 +1,15 @@
 //! Failures and error alerts: how many, and where they lie.
 
-use super::super::assessment::InputFailures;
-use super::super::axis::Axis;
-use super::super::block::{Block, Cell, Figure, Section, Table};
-use super::super::display::{DASH, from_to, percent, short, significant};
-use super::super::figure::{Panel, Size};
-use super::super::population::hull;
-use super::super::usable_peak;
-use super::super::view::{View, thinned};
 use crate::ensemble::outcome::SampleOutcome;
 use crate::hb::{ContactFractions, Status};
+use crate::report::assessment::InputFailures;
+use crate::report::axis::Axis;
+use crate::report::block::{Block, Cell, Figure, Section, Table};
+use crate::report::display::{DASH, from_to, percent, short, significant};
+use crate::report::figure::{Panel, Size};
+use crate::report::peaks::usable_peak;
+use crate::report::population::hull;
+use crate::report::view::{View, thinned};
 use crate::statistics::{FailurePattern, Proportion, Sorted, histogram};
 
 pub(super) fn section(view: &View) -> Section {

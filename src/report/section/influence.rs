@@ -1,14 +1,14 @@
 //! Which input moves what.
 
-use super::super::axis::Axis;
-use super::super::block::{Block, Cell, Figure, Section, Table};
-use super::super::display::{DASH, from_to, minus_sign, percent, significant};
-use super::super::figure::{Panel, Size};
-use super::super::population::hull;
-use super::super::sensitivity::{IndexResult, InputInfluence};
-use super::super::summary::{InputCorrelation, LevelSummary};
-use super::super::view::{Shown, View, thinned};
 use super::epistemic::range_cell;
+use crate::report::axis::Axis;
+use crate::report::block::{Block, Cell, Figure, Section, Table};
+use crate::report::display::{DASH, from_to, minus_sign, percent, significant};
+use crate::report::figure::{Panel, Size};
+use crate::report::population::hull;
+use crate::report::sensitivity::{IndexResult, InputInfluence};
+use crate::report::summary::{InputCorrelation, LevelSummary};
+use crate::report::view::{Shown, View, thinned};
 use crate::statistics::{ConditionalMean, Index, Influence};
 
 /// Inputs that get a scatter panel, those with the strongest rank correlations.

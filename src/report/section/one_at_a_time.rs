@@ -1,12 +1,12 @@
 //! One input at a time: how far the results go when an input alone goes from its low to its high value.
 
-use super::super::block::{Block, Cell, Figure, Section, Table};
-use super::super::display::{minus_sign, short};
-use super::super::usable_peak;
-use super::super::view::{Shown, View};
 use super::influence::{Leg, legs};
 use crate::ensemble::one_at_a_time::{ENDS, OneAtATime};
 use crate::ensemble::outcome::LevelOutcome;
+use crate::report::block::{Block, Cell, Figure, Section, Table};
+use crate::report::display::{minus_sign, short};
+use crate::report::peaks::usable_peak;
+use crate::report::view::{Shown, View};
 
 /// Absent where the study does not ask for it.
 pub(super) fn section(view: &View) -> Option<Section> {

@@ -1,11 +1,11 @@
 //! Performance curves: frequency and amplitude over the excitation, with fans.
 
-use super::super::axis::Axis;
-use super::super::block::{Block, Figure, Key, Mark, Section};
-use super::super::figure::{Panel, Size};
-use super::super::population::Populations;
-use super::super::record::LinearRecord;
-use super::super::view::{RANGES, Shown, View};
+use crate::report::axis::Axis;
+use crate::report::block::{Block, Figure, Key, Mark, Section};
+use crate::report::figure::{Panel, Size};
+use crate::report::population::Populations;
+use crate::report::record::LinearRecord;
+use crate::report::view::{RANGES, Shown, View};
 
 /// The fan at one level.
 struct Fan {

@@ -1,13 +1,13 @@
 //! Forced response: nominal curves, the cloud of peaks, and the band of the curves level by level.
 
-use super::super::axis::Axis;
-use super::super::block::{Block, Figure, Key, Mark, Section};
-use super::super::figure::{Panel, Size};
-use super::super::view::{RANGES, Shown, View, thinned};
 use super::curve_bands::{bands, meaning};
 use super::response_frame::{
     FREQUENCY, add_linear_curves, amplitude_axis, largest_linear_amplitude, window,
 };
+use crate::report::axis::Axis;
+use crate::report::block::{Block, Figure, Key, Mark, Section};
+use crate::report::figure::{Panel, Size};
+use crate::report::view::{RANGES, Shown, View, thinned};
 use crate::statistics::{Interval, Limit};
 
 pub(super) fn section(view: &View) -> Section {

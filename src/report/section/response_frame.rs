@@ -1,11 +1,12 @@
 //! What the panels of forced responses share: their window, their amplitude axis and the linear limits.
 
-use super::super::axis::Axis;
-use super::super::epistemic::outer_groups;
-use super::super::figure::Panel;
-use super::super::population::hull;
-use super::super::view::{Shown, View};
-use super::super::{ReportInput, usable_peak};
+use crate::report::axis::Axis;
+use crate::report::epistemic::outer_groups;
+use crate::report::figure::Panel;
+use crate::report::input::ReportInput;
+use crate::report::peaks::usable_peak;
+use crate::report::population::hull;
+use crate::report::view::{Shown, View};
 use crate::statistics::{Sorted, quantile};
 
 /// Label of the abscissa.

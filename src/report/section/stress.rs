@@ -1,16 +1,16 @@
 //! Alternating stress against the allowable one: Haigh diagram and reserve factors.
 
-use super::super::axis::Axis;
-use super::super::block::{Block, Cell, Figure, Key, Mark, Section, Table};
-use super::super::display::{DASH, percent, significant, with_digits};
-use super::super::figure::{Panel, Size};
-use super::super::margins::{Reserve, allowable_mpa, factor};
-use super::super::population::{Exceeded, Populations};
-use super::super::requirement::Stress;
-use super::super::view::View;
-use super::BOUND_FIELDS;
 use super::envelope::{bound_cell, quantile_cell, share_cell};
 use super::epistemic::range_cell;
+use crate::report::axis::Axis;
+use crate::report::block::{Block, Cell, Figure, Key, Mark, Section, Table};
+use crate::report::display::{DASH, percent, significant, with_digits};
+use crate::report::figure::{Panel, Size};
+use crate::report::margins::{Reserve, allowable_mpa, factor};
+use crate::report::population::{Exceeded, Populations};
+use crate::report::requirement::Stress;
+use crate::report::section::BOUND_FIELDS;
+use crate::report::view::View;
 
 /// m → µm.
 const UM_PER_M: f64 = 1e6;

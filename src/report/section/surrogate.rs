@@ -1,11 +1,11 @@
 //! What a surrogate says beyond the samples, and what it is worth.
 
-use super::super::block::{Block, Cell, Section, Table};
-use super::super::display::{DASH, minus_sign, percent, significant};
-use super::super::surrogate::{LevelSurrogates, Surrogate, SurrogateResult};
-use super::super::view::{Shown, View};
 use super::influence::index_cell;
-use super::share_cell;
+use crate::report::block::{Block, Cell, Section, Table};
+use crate::report::display::{DASH, minus_sign, percent, significant};
+use crate::report::section::share_cell;
+use crate::report::surrogate::{LevelSurrogates, Surrogate, SurrogateResult};
+use crate::report::view::{Shown, View};
 
 /// Absent where the study wants none.
 pub(super) fn section(view: &View) -> Option<Section> {

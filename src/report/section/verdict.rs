@@ -1,16 +1,16 @@
 //! The first section: what must be known before any number is used, and the numbers that matter most.
 
-use super::super::assessment::pooling;
-use super::super::block::{Block, Cell, Section, Table, Verdict};
-use super::super::display::{DASH, duration, hertz, percent, significant};
-use super::super::judgement::{CriterionResult, LevelResult};
-use super::super::requirement::{Criterion, Quantity};
-use super::super::sentence::{power, reasons, shown};
-use super::super::summary::Summary;
-use super::super::view::View;
-use super::decision;
 use super::envelope::{bound_cell, limits};
 use crate::hb::Status;
+use crate::report::assessment::pooling;
+use crate::report::block::{Block, Cell, Section, Table, Verdict};
+use crate::report::display::{DASH, duration, hertz, percent, significant};
+use crate::report::judgement::{CriterionResult, LevelResult};
+use crate::report::requirement::{Criterion, Quantity};
+use crate::report::section::decision;
+use crate::report::sentence::{power, reasons, shown};
+use crate::report::summary::Summary;
+use crate::report::view::View;
 use crate::statistics::Judgement;
 
 pub(super) fn section(view: &View) -> Section {

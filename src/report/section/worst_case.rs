@@ -1,15 +1,15 @@
 //! The number that a criterion judges along each epistemic input, at the points where it is known.
 
-use super::super::axis::Axis;
-use super::super::block::{Block, Figure, Key, Mark};
-use super::super::display::short;
-use super::super::figure::{Panel, Size};
-use super::super::judgement::{CriterionResult, LevelResult};
-use super::super::over_box::{OverBox, PointJudgement};
-use super::super::sentence::shown;
-use super::super::view::View;
 use super::decision::{label, level_of};
 use super::verdict::word;
+use crate::report::axis::Axis;
+use crate::report::block::{Block, Figure, Key, Mark};
+use crate::report::display::short;
+use crate::report::figure::{Panel, Size};
+use crate::report::judgement::{CriterionResult, LevelResult};
+use crate::report::over_box::{OverBox, PointJudgement};
+use crate::report::sentence::shown;
+use crate::report::view::View;
 
 /// Legend and figures, one per criterion and epistemic input; nothing without criteria.
 pub(super) fn blocks(view: &View) -> Vec<Block> {
