@@ -6,11 +6,13 @@
 
 pub mod assessment;
 mod axis;
+pub mod bands;
 mod block;
 pub mod comparison;
 mod comparison_page;
 pub mod convention;
 mod display;
+mod enough;
 pub mod epistemic;
 mod error;
 pub mod error_budget;
@@ -35,11 +37,13 @@ pub mod stopping;
 pub mod stored_run;
 pub mod summary;
 pub mod surrogate;
+pub mod surrogate_settings;
 mod view;
 pub mod worst_case;
 mod write;
 
 pub use assessment::Assessment;
+pub use enough::at_look;
 pub use error::ReportError;
 pub use input::ReportInput;
 pub use record::RunRecord;

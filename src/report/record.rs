@@ -1,9 +1,10 @@
 //! `run.json`: all of a run that its tables do not hold, so that a report needs no solver.
 
+use super::bands::Bands;
 use super::convention::CONFIDENCE;
 use super::requirement::Requirements;
 use super::stopping::Stopping;
-use super::surrogate::SurrogateSettings;
+use super::surrogate_settings::SurrogateSettings;
 use crate::ensemble::backend::BackendReport;
 use crate::ensemble::one_at_a_time::OneAtATime;
 use crate::ensemble::outcome::{CurvePoint, SampleOutcome, number};
@@ -71,21 +72,6 @@ pub struct RunRecord {
     pub tables: Vec<FileRecord>,
     /// Wall time of the run (s).
     pub wall_time_s: f64,
-}
-
-/// How the bands of whole curves are formed.
-#[derive(
-    Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
-)]
-#[serde(rename_all = "kebab-case")]
-pub enum Bands {
-    /// Pointwise quantiles, stretched by one factor until they hold the stated share of whole curves.
-    #[default]
-    Simultaneous,
-    /// What the deepest curves span, of as many as hold that share.
-    Depth,
-    /// As `Simultaneous`, each curve over its frequency divided by that of its peak.
-    PeakAligned,
 }
 
 /// A sampled input.

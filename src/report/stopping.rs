@@ -1,17 +1,9 @@
 //! When a study has enough samples: `samples = { until = ..., at_most = ... }`.
 
 use super::convention::CONFIDENCE;
-use super::input::ReportInput;
-use super::peaks::values;
-use super::record::RunRecord;
 use super::requirement::Criterion;
-use super::summary::Summary;
-use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
-use crate::report::Assessment;
 use crate::setting::{BadSetting, positive, within};
-use crate::statistics::{
-    Judgement, Observed, confidence_at, looks, quantile_estimate, wilks_sample_size,
-};
+use crate::statistics::{confidence_at, looks, wilks_sample_size};
 use serde::{Deserialize, Serialize};
 
 /// What a study goes on for.
@@ -168,61 +160,9 @@ impl StoppingRule {
         };
         looks(least.max(FIRST_LOOK), at_most)
     }
-
-    /// Whether the samples so far meet the rule; the record knows at which look.
-    fn is_met(&self, record: &RunRecord, outcomes: &[SampleOutcome]) -> bool {
-        let input = ReportInput {
-            record,
-            outcomes,
-            mixed: &[],
-            changed: &[],
-        };
-        match *self {
-            Self::Decided => {
-                let criteria = Assessment::of(&input, &Summary::of(&input)).criteria;
-                let decided = |judgement| judgement != Judgement::Undecided;
-                criteria.iter().all(|c| decided(c.judgement))
-            }
-            Self::Width {
-                of,
-                quantile,
-                relative,
-            } => (0..record.levels.len()).all(|level| {
-                let value = |peak: &PeakRecord| match of {
-                    ResultOfSample::Frequency => peak.frequency_hz,
-                    ResultOfSample::Amplitude => peak.amplitude_m,
-                };
-                let observed = Observed::of(values(outcomes, level, value));
-                let found = quantile_estimate(&observed, quantile, record.confidence());
-                let width = found.and_then(|found| {
-                    let (lower, upper) = (found.interval.lower, found.interval.upper);
-                    Some((upper.value()? - lower.value()?) / found.estimate.abs())
-                });
-                width.is_some_and(|width| width <= relative)
-            }),
-        }
-    }
 }
 
 impl Stopping {
-    /// The same after its first `looks` looks, of which the last one judges the samples so far.
-    #[must_use]
-    pub fn at_look(&self, looks: usize, record: &RunRecord, outcomes: &[SampleOutcome]) -> Self {
-        let so_far = Self {
-            looks: self.looks[..looks].to_vec(),
-            met: false,
-            ..self.clone()
-        };
-        let record = RunRecord {
-            stopping: Some(so_far.clone()),
-            ..record.clone()
-        };
-        Self {
-            met: self.rule.is_met(&record, outcomes),
-            ..so_far
-        }
-    }
-
     /// Samples to which an extension can go that must reach `least`: its looks are those of the run to so many, too.
     #[must_use]
     pub fn growth(&self, least: u64) -> Option<u64> {

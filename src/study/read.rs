@@ -21,7 +21,7 @@ use crate::model::two_blade::{
 use crate::model::{ModelError, ReducedModel};
 use crate::report::requirement::Requirements;
 use crate::report::stopping::Stopping;
-use crate::report::surrogate::SurrogateSettings;
+use crate::report::surrogate_settings::SurrogateSettings;
 use crate::sampling::input::PRESSURE_MODES;
 use crate::sampling::{
     CorrelationTable, Design, DesignSettings, DesignTable, Distribution, DistributionTable,

@@ -4,7 +4,7 @@ use super::document::Document;
 use super::frequency::FrequencyUnit;
 use crate::Error;
 use crate::report::requirement::Requirements;
-use crate::report::surrogate::SurrogateSettings;
+use crate::report::surrogate_settings::SurrogateSettings;
 use crate::sampling::Design;
 use crate::setting::BadSetting;
 

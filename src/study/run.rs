@@ -137,7 +137,7 @@ fn look_by_look(
         }
         solved = more(solved, samples)?;
         record.backend = backend.report();
-        let stopping = plan.at_look(look, record, &solved.outcomes);
+        let stopping = report::at_look(plan, look, record, &solved.outcomes);
         let met = stopping.met;
         record.stopping = Some(stopping);
         record.design.description = study.design.first(samples).description();

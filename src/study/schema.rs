@@ -12,7 +12,7 @@ use crate::model::matrices::MatricesSettings;
 use crate::model::two_blade::{PressureField, TwoBladeSettings};
 use crate::report::requirement::{Criterion, Operation, Stress};
 use crate::report::stopping::StoppingTable;
-use crate::report::surrogate::SurrogateSettings;
+use crate::report::surrogate_settings::SurrogateSettings;
 use crate::sampling::design::MOST_SAMPLES;
 use crate::sampling::{CorrelationTable, DesignTable, DistributionTable, EpistemicTable, Input};
 use crate::setting::NOT_BLANK;

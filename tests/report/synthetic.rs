@@ -7,9 +7,8 @@ use microslip::ensemble::outcome::{
 };
 use microslip::ensemble::store::{Provenance, write_curves, write_samples};
 use microslip::hb::{SliderAnchor, Status};
-use microslip::report::record::{
-    Bands, DesignRecord, FileRecord, InputRecord, LinearRecord, TABLES,
-};
+use microslip::report::bands::Bands;
+use microslip::report::record::{DesignRecord, FileRecord, InputRecord, LinearRecord, TABLES};
 use microslip::report::requirement::{
     Criterion, MarginBase, Operation, Quantity, Requirements, Stress,
 };

@@ -8,6 +8,7 @@ use super::response_frame::{
 };
 use crate::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use crate::report::axis::Axis;
+use crate::report::bands::Bands;
 use crate::report::block::Figure;
 use crate::report::convention::{CONTENT, PROBABILITIES};
 use crate::report::display::{percent, significant};
@@ -15,7 +16,7 @@ use crate::report::epistemic::outer_groups;
 use crate::report::figure::{Panel, Size};
 use crate::report::peaks::usable_peak;
 use crate::report::population::{Populations, hull};
-use crate::report::record::{Bands, RunRecord};
+use crate::report::record::RunRecord;
 use crate::report::view::{Shown, View};
 use crate::statistics::{
     Band, Curve, CurveSet, Envelope, EnvelopeRefusal, MissingPoints, Sorted, depth_band,
