@@ -4,11 +4,12 @@
 //! study assumes; [`Assessment::condition`] says so wherever they go.
 
 use super::convention::{CONFIDENCE, CONTENT};
-use super::epistemic::{EpistemicSummary, nested};
+use super::epistemic::EpistemicSummary;
 use super::error_budget::{ErrorLine, error_budget};
 use super::input::ReportInput;
 use super::judgement::{CriterionResult, judge_all};
 use super::margins::{OrderMargin, Reserve, order_margins, reserve};
+use super::outer_points::nested;
 use super::peaks::{usable_peak, values};
 use super::population::{Bound, Populations};
 use super::record::{FileRecord, InputRecord, RunRecord};
@@ -112,7 +113,8 @@ impl Assessment {
         let levels: Vec<LevelAssessment> = (0..record.levels.len())
             .map(|i| LevelAssessment::of(input, i))
             .collect();
-        let error_budget = error_budget(input, summary, &levels);
+        let surrogates = levels.iter().filter_map(|l| l.surrogates.as_ref());
+        let error_budget = error_budget(input, summary, &surrogates.collect::<Vec<_>>());
         Self {
             provenance: record.provenance.clone(),
             condition: condition(record, summary.epistemic.as_ref()),

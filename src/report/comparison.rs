@@ -4,10 +4,11 @@
 //! of which one failed is unknown, never dropped. With epistemic inputs the samples of each outer point are compared
 //! apart: together they are no population.
 
+use super::allowable::factor;
 use super::convention::CONFIDENCE;
-use super::epistemic::{chosen, outer_groups};
 use super::error::ReportError;
-use super::margins::{factor, smallest_margin};
+use super::margins::smallest_margin;
+use super::outer_points::{chosen, outer_groups};
 use super::peaks::values;
 use super::record::InputRecord;
 use super::stored_run::StoredRun;

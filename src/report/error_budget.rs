@@ -1,12 +1,12 @@
 //! What each approximation can change; the ignorance of the inputs is not among them.
 
-use super::assessment::LevelAssessment;
 use super::display::significant;
+use super::distribution::Distribution;
 use super::input::ReportInput;
-use super::numerical_error::{damping_ratio, harmonics_shift};
+use super::peak_error::{damping_ratio, harmonics_shift};
 use super::peaks::usable_peak;
 use super::record::RunRecord;
-use super::summary::{Distribution, LevelSummary, Summary};
+use super::summary::{LevelSummary, Summary};
 use super::surrogate::{LevelSurrogates, SurrogateResult};
 use crate::contact::{Events, FrictionLaw};
 use crate::statistics::{Sorted, quantile};
@@ -36,11 +36,11 @@ pub(super) const NO_NUMERICAL_ERROR: [&str; 2] = [SAMPLING, SURROGATE];
 /// Lines that verdicts take from each peak instead of at their worst.
 pub(super) const OF_EACH_PEAK: [&str; 3] = [HARMONICS, PLACE, PRECISION];
 
-/// The lines of the budget.
+/// The lines of the budget; the surrogates are those of the levels, empty where the study wants none.
 pub(super) fn error_budget(
     input: &ReportInput,
     summary: &Summary,
-    levels: &[LevelAssessment],
+    surrogates: &[&LevelSurrogates],
 ) -> Vec<ErrorLine> {
     let record = input.record;
     vec![
@@ -51,16 +51,12 @@ pub(super) fn error_budget(
         precision(record, summary),
         reduction(record),
         contact_grid(record, summary),
-        surrogate(summary, levels),
+        surrogate(summary, surrogates),
     ]
 }
 
-fn surrogate(summary: &Summary, levels: &[LevelAssessment]) -> ErrorLine {
+fn surrogate(summary: &Summary, wanted: &[&LevelSurrogates]) -> ErrorLine {
     let source = SURROGATE;
-    let wanted: Vec<_> = levels
-        .iter()
-        .filter_map(|l| l.surrogates.as_ref())
-        .collect();
     if wanted.is_empty() {
         return ErrorLine {
             source,

@@ -6,8 +6,8 @@
 //! their mixture. That it does takes a worst case over the interval, so `kind = "epistemic"`.
 
 use super::display::short;
-use super::epistemic::outer_groups;
 use super::judgement::Judged;
+use super::outer_points::outer_groups;
 use super::record::RunRecord;
 use crate::sampling::Shape;
 use crate::statistics::Judgement;

@@ -3,12 +3,13 @@
 //! A verdict counts a sample without a trusted solution as one that may keep the limit or break it, and takes every other
 //! sample within its own numerical error. What would decide, and how often a study of this size passes, goes with it.
 
-use super::epistemic::{nested, outer_groups};
+use super::allowable::{allowable_amplitude_m, factor};
 use super::error_budget::ErrorLine;
 use super::ignorance::{IgnoranceResult, as_intervals};
 use super::input::ReportInput;
-use super::margins::{allowable_amplitude_m, factor, smallest_margin};
+use super::margins::smallest_margin;
 use super::numerical_error::{NumericalErrors, Solved};
+use super::outer_points::{nested, outer_groups};
 use super::over_box::OverBox;
 use super::peaks::usable_peak;
 use super::requirement::{Criterion, Operation, Quantity, Stress};

@@ -1,13 +1,11 @@
 //! Distance of the resonance from the engine orders, and of the stress from the allowable one.
 
+use super::allowable::{allowable_amplitude_m, allowable_mpa, factor};
 use super::input::ReportInput;
 use super::population::{Bound, Exceeded, Populations, Quantiles};
 use super::requirement::{MarginBase, Operation, Stress};
-use crate::statistics::{Denominator, Side, frequency_margin, goodman_allowable, reserve_factor};
+use crate::statistics::{Denominator, Side, frequency_margin};
 use serde::Serialize;
-
-/// m → µm.
-const UM_PER_M: f64 = 1e6;
 
 /// Margin of the resonance to one engine order.
 #[derive(Debug, Clone, Serialize)]
@@ -99,27 +97,6 @@ pub(super) fn order_margins(
         }
     };
     operation.engine_orders.iter().map(margin).collect()
-}
-
-/// Allowable alternating stress (MPa); the settings are checked, so it exists.
-pub(super) fn allowable_mpa(stress: &Stress) -> f64 {
-    let allowable = goodman_allowable(
-        stress.endurance_limit_mpa,
-        stress.mean_stress_mpa,
-        stress.ultimate_strength_mpa,
-    );
-    allowable.unwrap_or(f64::NAN)
-}
-
-/// Amplitude at which the allowable stress is reached (m).
-pub(super) fn allowable_amplitude_m(stress: &Stress) -> f64 {
-    allowable_mpa(stress) / stress.modal_stress_mpa_per_um / UM_PER_M
-}
-
-/// Reserve factor of an amplitude (m); NaN for a failed sample.
-pub(super) fn factor(amplitude_m: f64, stress: &Stress) -> f64 {
-    let applied = amplitude_m * UM_PER_M * stress.modal_stress_mpa_per_um;
-    reserve_factor(allowable_mpa(stress), applied).unwrap_or(f64::NAN)
 }
 
 /// Reserve at level `i`.

@@ -4,14 +4,18 @@
 //! and bounded, never dropped in silence. The page is one file: no network, no script.
 //! Knows how results look, not how they were computed. Start reading in [`mod@summary`].
 
+mod allowable;
 pub mod assessment;
 mod axis;
 pub mod bands;
 mod block;
+pub mod box_range;
 pub mod comparison;
 mod comparison_page;
 pub mod convention;
+pub mod correlation;
 mod display;
+pub mod distribution;
 mod enough;
 pub mod epistemic;
 mod error;
@@ -23,11 +27,14 @@ pub mod judgement;
 mod level_mark;
 pub mod margins;
 mod numerical_error;
+pub mod outer_points;
 pub mod over_box;
 mod page;
+mod peak_error;
 mod peaks;
 pub mod population;
 pub mod record;
+pub mod replicate_means;
 pub mod requirement;
 pub mod reweighting;
 mod section;

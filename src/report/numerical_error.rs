@@ -1,15 +1,13 @@
-//! What the solver may have wrong in the result of one sample: the enclosures that verdicts are judged on.
+//! The enclosures of the results that verdicts are judged on: what the solver may have wrong in each sample.
 //!
 //! Amplitude: the estimate of the harmonics left out, and the part of the work that the balance misses. Frequency: the place
-//! of the peak, and the harmonics left out again. A force that is missing changes the amplitude at resonance by the share e
-//! if it acts in phase with the velocity; acting in phase with the displacement it moves the resonance by about e times
-//! the half-power half-width, that is by e ζ of the frequency. ζ is that of the linear structure times input over viscous
-//! work. Further lines of the error budget enter as they stand there; what nobody estimated is named, never 0.
+//! of the peak, and the harmonics left out again (`peak_error`). Further lines of the error budget enter as they stand there;
+//! what nobody estimated is named, never 0.
 
 use super::error_budget::{self, ErrorLine};
 use super::input::ReportInput;
-use super::record::RunRecord;
-use crate::ensemble::outcome::{CurvePoint, PeakRecord};
+use super::peak_error::{damping_ratio, harmonics_shift, work_imbalance};
+use crate::ensemble::outcome::PeakRecord;
 use crate::statistics::Enclosed;
 
 /// Errors of the peaks of a study.
@@ -84,37 +82,4 @@ impl NumericalErrors {
             upper: peak.amplitude_m * (1.0 + relative),
         }
     }
-}
-
-/// Share of the input work that the balance misses; absent where there is no work.
-pub(super) fn work_imbalance(peak: &PeakRecord) -> Option<f64> {
-    let dissipated = peak.work_viscous_j + peak.work_friction_j;
-    let imbalance = (peak.work_input_j - dissipated).abs() / peak.work_input_j.abs();
-    imbalance.is_finite().then_some(imbalance)
-}
-
-/// Relative change of the frequency of a peak by the harmonics left out; absent where it cannot be estimated.
-pub(super) fn harmonics_shift(damping_ratio: Option<f64>, peak: &PeakRecord) -> Option<f64> {
-    let losses = peak.work_input_j / peak.work_viscous_j;
-    let shift = peak.truncation_error? * damping_ratio? * losses;
-    (shift.is_finite() && shift >= 0.0).then_some(shift)
-}
-
-/// Damping ratio of the linear structure without contacts: half-power half-width of its resonance over the frequency;
-/// absent where the stored curve does not show both flanks.
-pub(super) fn damping_ratio(record: &RunRecord) -> Option<f64> {
-    let curve = &record.free.curve;
-    let higher = |a: &usize, b: &usize| curve[*a].amplitude_m.total_cmp(&curve[*b].amplitude_m);
-    let top = (0..curve.len()).max_by(higher)?;
-    let level = curve[top].amplitude_m / 2f64.sqrt();
-    let crossing = |[inner, outer]: [&CurvePoint; 2]| {
-        let share = (inner.amplitude_m - level) / (inner.amplitude_m - outer.amplitude_m);
-        (outer.amplitude_m < level)
-            .then_some(inner.frequency_hz + share * (outer.frequency_hz - inner.frequency_hz))
-    };
-    let pair = |i: usize, j: usize| crossing([&curve[i], &curve[j]]);
-    let below = (0..top).rev().find_map(|i| pair(i + 1, i))?;
-    let above = (top + 1..curve.len()).find_map(|i| pair(i - 1, i))?;
-    let ratio = 0.5 * (above - below) / curve[top].frequency_hz;
-    (ratio.is_finite() && ratio > 0.0).then_some(ratio)
 }

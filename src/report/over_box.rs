@@ -4,9 +4,9 @@
 //! not between them.
 
 use super::display::{from_to, short};
-use super::epistemic::{chosen, epistemic_columns, outer_groups};
 use super::input::ReportInput;
 use super::judgement::LevelResult;
+use super::outer_points::{chosen, epistemic_columns, outer_groups};
 use super::population::hull;
 use crate::statistics::Judgement;
 use serde::Serialize;

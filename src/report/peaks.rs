@@ -1,7 +1,8 @@
 //! The peaks of the samples that count as solutions.
 
 use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
-use crate::hb::Status;
+use crate::hb::{ContactFractions, Status};
+use crate::statistics::{Sorted, moments};
 
 /// The peak of a level if it solves the balance equations and its numbers are finite.
 pub(super) fn usable_peak(level: &LevelOutcome) -> Option<PeakRecord> {
@@ -27,4 +28,20 @@ pub(super) fn values(
 ) -> Vec<f64> {
     let of = |o: &SampleOutcome| usable_peak(&o.levels[i]).map_or(f64::NAN, |p| value(&p));
     outcomes.iter().map(of).collect()
+}
+
+/// Mean shares of the contact states at level `i` over the samples of one population; `None` without a solution.
+pub(super) fn mean_fractions<'a>(
+    outcomes: impl Iterator<Item = &'a SampleOutcome> + Clone,
+    i: usize,
+) -> Option<ContactFractions> {
+    let mean = |value: fn(&PeakRecord) -> f64| {
+        let of = |o: &SampleOutcome| Some(value(&usable_peak(&o.levels[i])?));
+        moments(&Sorted::finite(outcomes.clone().filter_map(of))).map(|m| m.mean)
+    };
+    Some(ContactFractions {
+        stick: mean(|p| p.stick_fraction)?,
+        slip: mean(|p| p.slip_fraction)?,
+        separated: mean(|p| p.separated_fraction)?,
+    })
 }

@@ -2,12 +2,12 @@
 //!
 //! Samples of different outer points are no population together, so a statistic is then its range over the points.
 
-use super::convention::{CONTENT, PROBABILITIES};
-use super::epistemic::{
-    ExceedanceRange, Extreme, QuantileRange, exceedance_range, observed_by_point, outermost_bound,
-    quantile_ranges,
+use super::box_range::{
+    ExceedanceRange, Extreme, QuantileRange, exceedance_range, outermost_bound, quantile_ranges,
 };
+use super::convention::{CONTENT, PROBABILITIES};
 use super::input::ReportInput;
+use super::outer_points::observed_by_point;
 use super::peaks::values;
 use crate::ensemble::outcome::PeakRecord;
 use crate::statistics::{

@@ -3,8 +3,9 @@
 //! A sample stands for new over old density of its inputs (importance weights); nothing is solved. With epistemic inputs
 //! the samples of each outer point are weighted apart.
 
+use super::allowable::amplitude_limits_m;
 use super::convention::{CONFIDENCE, PROBABILITIES};
-use super::epistemic::{amplitude_limits_m, chosen, outer_groups};
+use super::outer_points::{chosen, outer_groups};
 use super::peaks::values;
 use super::stored_run::StoredRun;
 use crate::statistics::{

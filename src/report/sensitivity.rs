@@ -1,7 +1,8 @@
 //! How much each input moves the results: first and total indices of a pick-freeze design, first-order indices of any other.
 
-use super::epistemic::{BoxRange, box_range, chosen, nested, outer_groups};
+use super::box_range::{BoxRange, box_range};
 use super::input::ReportInput;
+use super::outer_points::{chosen, nested, outer_groups};
 use super::peaks::values;
 use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
 use crate::sampling::DesignKind;

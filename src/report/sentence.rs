@@ -1,10 +1,9 @@
 //! A judgement in plain words: what was found, what was asked, and what would decide.
 
-use super::display::{percent, significant, with_digits};
+use super::display::{level_name, percent, significant, with_digits};
 use super::judgement::{CriterionResult, LevelResult, Power};
 use super::record::RunRecord;
 use super::requirement::{Criterion, Quantity};
-use super::view::level_name;
 use crate::statistics::{Interval, Judgement, Remedy};
 
 /// How a number of the criterion is written.

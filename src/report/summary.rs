@@ -1,20 +1,19 @@
 //! The numbers of a study: `summary.json`.
 
-use super::convention::{CONFIDENCE, PROBABILITIES};
-use super::epistemic::{EpistemicSummary, PointStatistics, nested};
+use super::convention::CONFIDENCE;
+use super::correlation::{InputCorrelation, correlations};
+use super::distribution::Distribution;
+use super::epistemic::{EpistemicSummary, PointStatistics};
 use super::input::ReportInput;
-use super::numerical_error::work_imbalance;
-use super::peaks::{counted_status, usable_peak};
-use super::record::RunRecord;
+use super::outer_points::nested;
+use super::peak_error::work_imbalance;
+use super::peaks::{counted_status, mean_fractions, usable_peak};
+use super::replicate_means::ReplicateMeans;
 use crate::ensemble::backend::BackendReport;
 use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
 use crate::ensemble::store::Provenance;
 use crate::hb::{ContactFractions, Status};
-use crate::statistics::{
-    Moments, Observed, Proportion, QuantileEstimate, ReplicateMean, ReplicateQuantile, Sorted,
-    moments, proportion, quantile, quantile_estimate, rank_correlation, replicate_mean,
-    replicate_quantile,
-};
+use crate::statistics::{Proportion, Sorted, proportion, quantile};
 use std::collections::BTreeMap;
 
 /// All numbers of a study. Field names are stable and end in their unit.
@@ -104,31 +103,6 @@ pub struct MixedSummary {
     pub failed: usize,
 }
 
-/// What is known of one result: from the samples with a solution, and what the others leave open.
-#[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
-pub struct Distribution {
-    /// Number of samples that count.
-    pub valid: usize,
-    /// Mean, standard deviation and range; absent without samples. Those of frequency and amplitude over all samples are
-    /// absent too where these belong to outer points, and so are their quantiles.
-    pub moments: Option<Moments>,
-    /// One entry per probability; empty without samples.
-    pub quantiles: Vec<QuantileEstimate>,
-}
-
-/// Means over the replicates of a quasi-random design, with the errors that their scatter shows.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct ReplicateMeans {
-    /// Resonance frequency (Hz).
-    pub frequency_hz: ReplicateMean,
-    /// Amplitude (m).
-    pub amplitude_m: ReplicateMean,
-    /// Intervals of the quantiles of the resonance frequency (Hz), one per probability.
-    pub frequency_quantiles_hz: [ReplicateQuantile; PROBABILITIES.len()],
-    /// The same of the amplitude (m).
-    pub amplitude_quantiles_m: [ReplicateQuantile; PROBABILITIES.len()],
-}
-
 /// Work of the solver per sample.
 #[derive(Debug, Clone, Copy, serde::Serialize)]
 pub struct WorkCount {
@@ -138,18 +112,6 @@ pub struct WorkCount {
     pub q95: Option<f64>,
     /// Sum over all samples.
     pub total: usize,
-}
-
-/// Spearman's rank correlation of one input with the results; absent where either does not vary, and over samples that belong
-/// to outer points.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct InputCorrelation {
-    /// Name of the input.
-    pub input: String,
-    /// With the resonance frequency.
-    pub frequency: Option<f64>,
-    /// With the amplitude.
-    pub amplitude: Option<f64>,
 }
 
 impl Summary {
@@ -265,52 +227,6 @@ impl MixedSummary {
     }
 }
 
-impl Distribution {
-    fn of(values: impl Iterator<Item = f64>, failed: usize, confidence: f64) -> Self {
-        let all = Observed::with_failed(Sorted::finite(values), failed);
-        Self::of_observed(&all, confidence)
-    }
-
-    /// Statistics of the samples of one population.
-    pub(super) fn of_observed(all: &Observed, confidence: f64) -> Self {
-        let estimate = |&p: &f64| quantile_estimate(all, p, confidence);
-        Self {
-            valid: all.valid().values().len(),
-            moments: moments(all.valid()),
-            quantiles: PROBABILITIES.iter().filter_map(estimate).collect(),
-        }
-    }
-}
-
-impl ReplicateMeans {
-    /// Means and quantiles at level `i` of the samples of one population; `None` with fewer than two replicates.
-    pub(super) fn of<'a>(
-        outcomes: impl Iterator<Item = &'a SampleOutcome> + Clone,
-        i: usize,
-    ) -> Option<Self> {
-        let of = |value: fn(&PeakRecord) -> f64| -> Vec<(u64, f64)> {
-            let one = |o: &SampleOutcome| {
-                let peak = usable_peak(&o.levels[i]);
-                Some((o.group.replicate?, peak.map_or(f64::NAN, |p| value(&p))))
-            };
-            outcomes.clone().filter_map(one).collect()
-        };
-        let (frequency, amplitude) = (of(|p| p.frequency_hz), of(|p| p.amplitude_m));
-        let mean = |values: &Vec<(u64, f64)>| replicate_mean(values.iter().copied(), CONFIDENCE);
-        let quantiles = |values: &Vec<(u64, f64)>| {
-            let at = |p| replicate_quantile(values.iter().copied(), p, CONFIDENCE);
-            let [low, middle, high] = PROBABILITIES.map(at);
-            Some([low?, middle?, high?])
-        };
-        Some(Self {
-            frequency_hz: mean(&frequency)?,
-            amplitude_m: mean(&amplitude)?,
-            frequency_quantiles_hz: quantiles(&frequency)?,
-            amplitude_quantiles_m: quantiles(&amplitude)?,
-        })
-    }
-}
-
 impl WorkCount {
     fn of(counts: impl Iterator<Item = usize> + Clone) -> Self {
         let sorted = Sorted::finite(counts.clone().map(|c| c as f64));
@@ -330,43 +246,6 @@ fn count_statuses(records: &[&LevelOutcome]) -> BTreeMap<&'static str, usize> {
     counts
 }
 
-/// Mean shares of the contact states at level `i` over the samples of one population; `None` without a solution.
-pub(super) fn mean_fractions<'a>(
-    outcomes: impl Iterator<Item = &'a SampleOutcome> + Clone,
-    i: usize,
-) -> Option<ContactFractions> {
-    let mean = |value: fn(&PeakRecord) -> f64| {
-        let of = |o: &SampleOutcome| Some(value(&usable_peak(&o.levels[i])?));
-        moments(&Sorted::finite(outcomes.clone().filter_map(of))).map(|m| m.mean)
-    };
-    Some(ContactFractions {
-        stick: mean(|p| p.stick_fraction)?,
-        slip: mean(|p| p.slip_fraction)?,
-        separated: mean(|p| p.separated_fraction)?,
-    })
-}
-
 fn worst_work_balance(peaks: &[PeakRecord]) -> Option<f64> {
     peaks.iter().filter_map(work_imbalance).reduce(f64::max)
-}
-
-/// Correlations at level `i` over the samples of one population.
-pub(super) fn correlations<'a>(
-    record: &RunRecord,
-    outcomes: impl Iterator<Item = &'a SampleOutcome> + Clone,
-    i: usize,
-) -> Vec<InputCorrelation> {
-    let with = |j: usize, value: fn(&PeakRecord) -> f64| {
-        let pair =
-            |o: &SampleOutcome| Some((*o.inputs.get(j)?, value(&usable_peak(&o.levels[i])?)));
-        rank_correlation(&outcomes.clone().filter_map(pair).collect::<Vec<_>>())
-    };
-    let names = record.inputs.iter().enumerate();
-    names
-        .map(|(j, input)| InputCorrelation {
-            input: input.name.clone(),
-            frequency: with(j, |p| p.frequency_hz),
-            amplitude: with(j, |p| p.amplitude_m),
-        })
-        .collect()
 }

@@ -1,7 +1,7 @@
 //! A surrogate of the results over the inputs, corrected by samples that did not shape it (`statistics::cross_fit`).
 //! Whatever it says is labelled "surrogate": no other number of a report comes from it.
 
-use super::epistemic::amplitude_limits_m;
+use super::allowable::amplitude_limits_m;
 use super::input::ReportInput;
 use super::peaks::values;
 use super::record::{InputRecord, RunRecord};

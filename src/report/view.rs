@@ -3,7 +3,7 @@
 use super::assessment::Assessment;
 use super::axis::Axis;
 use super::block::{Block, Cell, Figure, Key};
-use super::display::{LengthUnit, short};
+use super::display::{LengthUnit, level_name};
 use super::epistemic::PointStatistics;
 use super::figure::Panel;
 use super::input::ReportInput;
@@ -225,15 +225,6 @@ impl<'a> View<'a> {
         if self.is_empty() {
             panel.note("no sample has a solution");
         }
-    }
-}
-
-/// `10 N`; `level 10` where the unit is a sentence.
-pub(super) fn level_name(level: f64, unit: &str) -> String {
-    let level = short(level);
-    match unit.contains(' ') {
-        true => format!("level {level}"),
-        false => format!("{level} {unit}"),
     }
 }
 

@@ -9,7 +9,7 @@ use crate::ensemble::further_points::FurtherPoint;
 use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::{Ensemble, Solved};
 use crate::report::RunRecord;
-use crate::report::epistemic::outer_groups;
+use crate::report::outer_points::outer_groups;
 use crate::report::worst_case::badness;
 use crate::sampling::rectangles::seek_largest;
 

@@ -2,7 +2,7 @@
 
 use crate::synthetic::SyntheticStudy;
 use microslip::ensemble::outcome::SampleOutcome;
-use microslip::report::epistemic::Extreme;
+use microslip::report::box_range::Extreme;
 use microslip::report::population::{Bound, Quantiles};
 use microslip::report::record::ContactGridRecord;
 use microslip::report::sensitivity::IndexResult;

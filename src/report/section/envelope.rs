@@ -4,8 +4,9 @@ use super::epistemic::{extreme_cell, range_cell};
 use crate::report::block::{Block, Cell, Section, Table};
 use crate::report::convention::PROBABILITIES;
 use crate::report::display::{DASH, hertz, percent, significant, with_digits};
+use crate::report::distribution::Distribution;
 use crate::report::population::{Bound, Quantiles};
-use crate::report::summary::{Distribution, LevelSummary};
+use crate::report::summary::LevelSummary;
 use crate::report::view::View;
 use crate::statistics::{Interval, QuantileEstimate, Share, ToleranceBound, wilks_sample_size};
 

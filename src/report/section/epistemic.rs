@@ -3,10 +3,9 @@
 use super::envelope::limits;
 use crate::report::axis::Axis;
 use crate::report::block::{Block, Cell, Figure, Key, Mark, Section, Table};
+use crate::report::box_range::{BoxRange, Extreme, QuantileRange};
 use crate::report::display::{hertz, percent, short, significant};
-use crate::report::epistemic::{
-    BoxRange, EpistemicLevel, EpistemicSummary, Extreme, QuantileRange,
-};
+use crate::report::epistemic::{EpistemicLevel, EpistemicSummary};
 use crate::report::figure::{Panel, Size};
 use crate::report::population::Populations;
 use crate::report::section::worst_case;

@@ -3,11 +3,12 @@
 use super::epistemic::range_cell;
 use crate::report::axis::Axis;
 use crate::report::block::{Block, Cell, Figure, Section, Table};
+use crate::report::correlation::InputCorrelation;
 use crate::report::display::{DASH, from_to, minus_sign, percent, significant};
 use crate::report::figure::{Panel, Size};
 use crate::report::population::hull;
 use crate::report::sensitivity::{IndexResult, InputInfluence};
-use crate::report::summary::{InputCorrelation, LevelSummary};
+use crate::report::summary::LevelSummary;
 use crate::report::view::{Shown, View, thinned};
 use crate::statistics::{ConditionalMean, Index, Influence};
 

@@ -1,9 +1,9 @@
 //! What the panels of forced responses share: their window, their amplitude axis and the linear limits.
 
 use crate::report::axis::Axis;
-use crate::report::epistemic::outer_groups;
 use crate::report::figure::Panel;
 use crate::report::input::ReportInput;
+use crate::report::outer_points::outer_groups;
 use crate::report::peaks::usable_peak;
 use crate::report::population::hull;
 use crate::report::view::{Shown, View};

@@ -2,11 +2,12 @@
 
 use super::envelope::{bound_cell, quantile_cell, share_cell};
 use super::epistemic::range_cell;
+use crate::report::allowable::{allowable_mpa, factor};
 use crate::report::axis::Axis;
 use crate::report::block::{Block, Cell, Figure, Key, Mark, Section, Table};
 use crate::report::display::{DASH, percent, significant, with_digits};
 use crate::report::figure::{Panel, Size};
-use crate::report::margins::{Reserve, allowable_mpa, factor};
+use crate::report::margins::Reserve;
 use crate::report::population::{Exceeded, Populations};
 use crate::report::requirement::Stress;
 use crate::report::section::BOUND_FIELDS;
