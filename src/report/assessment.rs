@@ -4,10 +4,11 @@
 //! study assumes; [`Assessment::condition`] says so wherever they go.
 
 use super::convention::{CONFIDENCE, CONTENT};
+use super::criterion_result::CriterionResult;
 use super::epistemic::EpistemicSummary;
 use super::error_budget::{ErrorLine, error_budget};
 use super::input::ReportInput;
-use super::judgement::{CriterionResult, judge_all};
+use super::judgement::judge_all;
 use super::margins::{OrderMargin, Reserve, order_margins, reserve};
 use super::outer_points::nested;
 use super::peaks::{usable_peak, values};

@@ -5,24 +5,13 @@
 //! wherever in the interval the value is. Samples of a prior can show that it does not: if each value kept it, so would
 //! their mixture. That it does takes a worst case over the interval, so `kind = "epistemic"`.
 
+use super::criterion_result::IgnoranceResult;
 use super::display::short;
-use super::judgement::Judged;
+use super::judged::Judged;
 use super::outer_points::outer_groups;
 use super::record::RunRecord;
 use crate::sampling::Shape;
 use crate::statistics::Judgement;
-use serde::Serialize;
-
-/// A judgement with inputs taken as known to an interval only.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct IgnoranceResult {
-    /// The inputs with uniform and log-uniform distributions.
-    pub inputs: Vec<String>,
-    /// FAIL, or UNDECIDED: samples of a prior never show that a limit holds everywhere.
-    pub judgement: Judgement,
-    /// What it rests on, or what would decide.
-    pub basis: String,
-}
 
 /// Judges with inputs of flat distributions as intervals, after `judgement` on the prior; absent without such inputs.
 pub(super) fn as_intervals(judgement: Judgement, levels: &[Judged]) -> Option<IgnoranceResult> {

@@ -4,9 +4,6 @@
 //! not between them.
 
 use super::display::{from_to, short};
-use super::input::ReportInput;
-use super::judgement::LevelResult;
-use super::outer_points::{chosen, epistemic_columns, outer_groups};
 use super::population::hull;
 use crate::statistics::Judgement;
 use serde::Serialize;
@@ -34,26 +31,6 @@ pub struct PointJudgement {
 }
 
 impl OverBox {
-    /// From the results of the outer points, in the order of their numbers.
-    pub(super) fn of(input: &ReportInput, results: &[LevelResult]) -> Self {
-        let groups = outer_groups(input.outcomes);
-        let columns = epistemic_columns(input.outcomes, &groups);
-        let point = |((outer, members), result): (&(Option<u64>, Vec<usize>), &LevelResult)| {
-            let first = &input.outcomes[members[0]];
-            PointJudgement {
-                outer: *outer,
-                values: chosen(&first.inputs, &columns),
-                estimate: result.estimate,
-                judgement: result.judgement,
-            }
-        };
-        let names = columns.iter().map(|&j| input.record.inputs[j].name.clone());
-        Self {
-            inputs: names.collect(),
-            points: groups.iter().zip(results).map(point).collect(),
-        }
-    }
-
     /// `fails from mu = 0.1 to 0.3; passes from mu = 0.5 to 0.8`: by stretches of points where there is one input, by the
     /// range of each input where there are more.
     #[must_use]

@@ -1,7 +1,7 @@
 //! A judgement in plain words: what was found, what was asked, and what would decide.
 
+use super::criterion_result::{CriterionResult, LevelResult, Power};
 use super::display::{level_name, percent, significant, with_digits};
-use super::judgement::{CriterionResult, LevelResult, Power};
 use super::record::RunRecord;
 use super::requirement::{Criterion, Quantity};
 use crate::statistics::{Interval, Judgement, Remedy};

@@ -4,7 +4,7 @@
 //! breaking a limit is 0 over most of a box and gives a search no direction; the quantile that it bounds does.
 
 use super::input::ReportInput;
-use super::judgement::Judged;
+use super::judged::Judged;
 use super::numerical_error::NumericalErrors;
 use super::record::RunRecord;
 use super::requirement::Criterion;

@@ -2,7 +2,7 @@
 
 use crate::synthetic::SyntheticStudy;
 use microslip::hb::Status;
-use microslip::report::judgement::CriterionResult;
+use microslip::report::criterion_result::CriterionResult;
 use microslip::report::population::{Exceeded, Quantiles};
 use microslip::report::requirement::{MarginBase, Quantity};
 use microslip::report::{Assessment, Summary};

@@ -3,8 +3,8 @@
 use super::envelope::limits;
 use crate::report::axis::Axis;
 use crate::report::block::Figure;
+use crate::report::criterion_result::{CriterionResult, LevelResult};
 use crate::report::figure::{Panel, Size};
-use crate::report::judgement::{CriterionResult, LevelResult};
 use crate::report::requirement::{Criterion, Quantity};
 use crate::report::sentence::shown;
 use crate::report::view::View;
