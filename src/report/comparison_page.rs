@@ -3,13 +3,14 @@
 use super::axis::Axis;
 use super::block::{Block, Cell, Figure, Key, Mark, Section, Table};
 use super::comparison::{Compared, ComparedQuantity, DesignComparison, Pair, PointRanking};
+use super::confidence_band::confidence_band;
 use super::convention::CONFIDENCE;
 use super::display::{DASH, LengthUnit, from_to, level_name, percent, with_digits};
 use super::error::ReportError;
 use super::figure::{Panel, Size};
 use super::outer_points::{chosen, outer_groups};
 use super::page::page;
-use super::section::{confidence_band, limits, share_cell};
+use super::statistic_cell::{limits, share_cell};
 use super::stored_run::StoredRun;
 use super::view::{figure_style, thinned};
 use crate::statistics::{Sorted, empirical_cdf};

@@ -169,3 +169,12 @@ pub(super) fn power(power: &Power) -> String {
         percent(power.probability)
     )
 }
+
+/// The word of a judgement.
+pub(super) fn word(judgement: Judgement) -> &'static str {
+    match judgement {
+        Judgement::Pass => "PASS",
+        Judgement::Fail => "FAIL",
+        Judgement::Undecided => "UNDECIDED",
+    }
+}

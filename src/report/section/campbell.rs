@@ -1,6 +1,5 @@
 //! Campbell diagram: where engine orders cross the scattered resonance, and how far they stay away.
 
-use super::envelope::{bound_cell, quantile_cell};
 use crate::report::axis::Axis;
 use crate::report::block::{Block, Cell, Figure, Key, Mark, Section, Table};
 use crate::report::display::{hertz, percent, short};
@@ -8,7 +7,7 @@ use crate::report::figure::{Panel, Size};
 use crate::report::margins::OrderMargin;
 use crate::report::population::{Populations, hull};
 use crate::report::requirement::{MarginBase, Operation};
-use crate::report::section::BOUND_FIELDS;
+use crate::report::statistic_cell::{BOUND_FIELDS, bound_cell, interval_fields, quantile_cell};
 use crate::report::view::View;
 
 /// Probabilities of a scatter bar.

@@ -1,12 +1,12 @@
 //! The figure that decides a criterion: what was found at every level, beside the limit.
 
-use super::envelope::limits;
 use crate::report::axis::Axis;
 use crate::report::block::Figure;
 use crate::report::criterion_result::{CriterionResult, LevelResult};
 use crate::report::figure::{Panel, Size};
 use crate::report::requirement::{Criterion, Quantity};
 use crate::report::sentence::shown;
+use crate::report::statistic_cell::limits;
 use crate::report::view::View;
 
 /// One figure per criterion that is judged at some level.

@@ -2,13 +2,11 @@
 
 use crate::report::axis::Axis;
 use crate::report::block::{Block, Columns, Figure, Key, Mark, Row, Section};
+use crate::report::confidence_band::confidence_band;
 use crate::report::convention::PROBABILITIES;
 use crate::report::figure::{Panel, Size};
 use crate::report::view::{Shown, View, thinned};
-use crate::statistics::{Sorted, empirical_cdf, histogram, quantile, share};
-
-/// Values at which the confidence interval of a distribution function is drawn.
-const INTERVALS: usize = 100;
+use crate::statistics::{Sorted, empirical_cdf, histogram, quantile};
 
 /// Absent with epistemic inputs: their section has the tables and figures by outer point.
 pub(super) fn section(view: &View) -> Option<Section> {
@@ -104,23 +102,4 @@ fn cdf(view: &View, shown: Shown) -> Figure {
     view.note_if_empty(&mut panel);
     let caption = "Filled: 95 % confidence interval at each value (Clopper and Pearson), failed samples on either side.";
     view.figure(&panel, format!("distribution-{}", shown.word()), caption)
-}
-
-/// Interval of the distribution function, with this confidence, at some of the known values of so many samples.
-pub(in crate::report) fn confidence_band(
-    sorted: &Sorted,
-    total: usize,
-    confidence: f64,
-) -> Vec<(f64, f64, f64)> {
-    let n = sorted.values().len();
-    let failed = total - n;
-    let stride = n.div_ceil(INTERVALS).max(1);
-    let ranks = (0..n).step_by(stride).chain(n.checked_sub(1));
-    let at = |i: usize| {
-        let value = *sorted.values().get(i)?;
-        let below = sorted.values().partition_point(|v| *v <= value);
-        let share = share(below, n - below, failed, confidence)?;
-        Some((value, share.lower, share.upper))
-    };
-    ranks.filter_map(at).collect()
 }

@@ -1,14 +1,13 @@
 //! Quantiles of frequency and amplitude, level by level, as tables.
 
-use super::epistemic::{extreme_cell, range_cell};
 use crate::report::block::{Block, Cell, Section, Table};
 use crate::report::convention::PROBABILITIES;
-use crate::report::display::{DASH, hertz, percent, significant, with_digits};
+use crate::report::display::{DASH, hertz, significant, with_digits};
 use crate::report::distribution::Distribution;
-use crate::report::population::{Bound, Quantiles};
+use crate::report::statistic_cell::limits;
 use crate::report::summary::LevelSummary;
 use crate::report::view::View;
-use crate::statistics::{Interval, QuantileEstimate, Share, ToleranceBound, wilks_sample_size};
+use crate::statistics::QuantileEstimate;
 
 /// A quantity of the tables and how it is shown.
 struct Quantity<'a> {
@@ -92,63 +91,6 @@ fn table(view: &View, quantity: &Quantity) -> Block {
         table.row(cells);
     }
     table.block()
-}
-
-/// `a … b`, where a side may be open.
-pub(in crate::report) fn limits(interval: Interval, show: &dyn Fn(f64) -> String) -> String {
-    interval.in_words(" … ", show)
-}
-
-/// A share of the samples, and what it can be at least and at most.
-pub(in crate::report) fn share_cell(share: Option<&Share>) -> Cell {
-    let Some(share) = share else {
-        return Cell::number(DASH, None).with_raw([None, None]);
-    };
-    let known = share.known.map(|known| known.estimate);
-    let [lower, upper] = [share.lower, share.upper];
-    Cell::number(known.map_or_else(|| DASH.to_owned(), percent), known)
-        .with_raw([lower, upper].map(Some))
-        .with_small(format!("{} … {}", percent(lower), percent(upper)))
-}
-
-/// A quantile by its place among 5, 50, 95 %, or its range over the outer points.
-pub(super) fn quantile_cell(quantiles: &Quantiles, k: usize, show: &dyn Fn(f64) -> String) -> Cell {
-    match quantiles {
-        Quantiles::One(all) => match all.get(k) {
-            None => Cell::number(DASH, None).with_raw([None, None]),
-            Some(q) => Cell::number(show(q.estimate), Some(q.estimate))
-                .with_raw([q.interval.lower.value(), q.interval.upper.value()])
-                .with_small(limits(q.interval, show)),
-        },
-        Quantiles::Points(ranges) => match ranges.get(k) {
-            None => Cell::number(DASH, None).with_raw([None; 5]),
-            Some(quantile) => range_cell(&quantile.range, show),
-        },
-    }
-}
-
-/// A bound, and the value of the samples or the outer point that it comes from.
-pub(super) fn bound_cell(bound: &Bound, show: &dyn Fn(f64) -> String) -> Cell {
-    match bound {
-        Bound::One(bound) => tolerance_cell(bound, show),
-        Bound::Points(extreme) => extreme_cell(extreme, show),
-    }
-}
-
-fn tolerance_cell(bound: &ToleranceBound, show: &dyn Fn(f64) -> String) -> Cell {
-    let value = bound.limit.value();
-    let basis = match (bound.order, value) {
-        (0, _) => match wilks_sample_size(bound.content, bound.confidence, 1) {
-            Some(n) => format!("too few samples: {n} needed"),
-            None => "too few samples".to_owned(),
-        },
-        (_, None) => "failed samples may lie beyond".to_owned(),
-        // The place in the order and the confidence reached stand in the download.
-        _ => String::new(),
-    };
-    Cell::number(bound.limit.in_words(show), value)
-        .with_raw([Some(bound.order as f64), Some(bound.achieved_confidence)])
-        .with_small(basis)
 }
 
 fn quantile_cells(

@@ -1,16 +1,16 @@
 //! Ranges over the outer points of the epistemic inputs, as tables and as p-boxes.
 
-use super::envelope::limits;
+use super::worst_case;
 use crate::report::axis::Axis;
 use crate::report::block::{Block, Cell, Figure, Key, Mark, Section, Table};
-use crate::report::box_range::{BoxRange, Extreme, QuantileRange};
+use crate::report::box_range::QuantileRange;
 use crate::report::display::{hertz, percent, short, significant};
 use crate::report::epistemic::{EpistemicLevel, EpistemicSummary};
 use crate::report::figure::{Panel, Size};
 use crate::report::population::Populations;
-use crate::report::section::worst_case;
+use crate::report::statistic_cell::{extreme_cell, interval_fields, range_cell};
 use crate::report::view::{Shown, View};
-use crate::statistics::{Interval, Limit, Observed, Sorted};
+use crate::statistics::{Observed, Sorted};
 
 /// Values at which a p-box is drawn.
 const PLACES: usize = 200;
@@ -90,33 +90,6 @@ fn points(epistemic: &EpistemicSummary) -> Block {
         table.row([first].into_iter().chain(values).chain([last]).collect());
     }
     table.block()
-}
-
-/// `a … b`, where they are, and the hull of the confidence intervals.
-pub(super) fn range_cell(range: &BoxRange, show: &dyn Fn(f64) -> String) -> Cell {
-    let (lowest, highest) = (range.lowest, range.highest);
-    let ends = Interval {
-        lower: lowest.value,
-        upper: highest.value,
-    };
-    let interval = [range.interval.lower, range.interval.upper].map(Limit::value);
-    Cell::number(limits(ends, show), lowest.value.value())
-        .with_raw([highest.value.value(), interval[0], interval[1]])
-        .with_raw([lowest.outer, highest.outer].map(|outer| Some(outer as f64)))
-        .with_small(format!("at points {} and {}", lowest.outer, highest.outer))
-        .with_small(limits(range.interval, show))
-}
-
-/// The outermost value and the outer point that it comes from.
-pub(super) fn extreme_cell(extreme: &Extreme, show: &dyn Fn(f64) -> String) -> Cell {
-    let value = extreme.value.value();
-    let basis = match value {
-        Some(_) => format!("at point {}", extreme.outer),
-        None => "too few samples, or too many failed".to_owned(),
-    };
-    Cell::number(extreme.value.in_words(show), value)
-        .with_raw([Some(extreme.outer as f64)])
-        .with_small(basis)
 }
 
 fn quantiles(

@@ -9,6 +9,7 @@ use crate::report::display::{DASH, from_to, percent, short, significant};
 use crate::report::figure::{Panel, Size};
 use crate::report::peaks::usable_peak;
 use crate::report::population::hull;
+use crate::report::statistic_cell::range_fields;
 use crate::report::view::{View, thinned};
 use crate::statistics::{FailurePattern, Proportion, Sorted, histogram};
 

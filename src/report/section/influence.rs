@@ -1,6 +1,5 @@
 //! Which input moves what.
 
-use super::epistemic::range_cell;
 use crate::report::axis::Axis;
 use crate::report::block::{Block, Cell, Figure, Section, Table};
 use crate::report::correlation::InputCorrelation;
@@ -8,6 +7,7 @@ use crate::report::display::{DASH, from_to, minus_sign, percent, significant};
 use crate::report::figure::{Panel, Size};
 use crate::report::population::hull;
 use crate::report::sensitivity::{IndexResult, InputInfluence};
+use crate::report::statistic_cell::{interval_fields, range_cell, range_fields};
 use crate::report::summary::LevelSummary;
 use crate::report::view::{Shown, View, thinned};
 use crate::statistics::{ConditionalMean, Index, Influence};

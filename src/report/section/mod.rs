@@ -1,39 +1,5 @@
 //! The sections of the page, from what a designer signs to what an auditor asks.
 
-/// Fields of a statistic with its interval in a download: of all samples, and as a range over the outer points.
-macro_rules! interval_fields {
-    ($name:literal) => {
-        [
-            &[$name, concat!($name, "_lower"), concat!($name, "_upper")]
-                as &'static [&'static str],
-            &[
-                concat!($name, "_lowest"),
-                concat!($name, "_highest"),
-                concat!($name, "_lower"),
-                concat!($name, "_upper"),
-                concat!($name, "_lowest_at"),
-                concat!($name, "_highest_at"),
-            ],
-        ]
-    };
-}
-
-/// Fields of a number in a download: of all samples, and its range over the outer points.
-macro_rules! range_fields {
-    ($name:literal) => {
-        [
-            &[$name] as &'static [&'static str],
-            &[concat!($name, "_lowest"), concat!($name, "_highest")],
-        ]
-    };
-}
-
-/// Fields of a bound in a download: of all samples, and over the outer points.
-const BOUND_FIELDS: [&[&str]; 2] = [
-    &["bound", "order", "achieved_confidence"],
-    &["bound", "outer"],
-];
-
 mod audit;
 mod campbell;
 mod convergence;
@@ -53,9 +19,6 @@ mod stress;
 mod surrogate;
 mod verdict;
 mod worst_case;
-
-pub(super) use distribution::confidence_band;
-pub(super) use envelope::{limits, share_cell};
 
 use super::block::Section;
 use super::view::View;

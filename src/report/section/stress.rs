@@ -1,7 +1,5 @@
 //! Alternating stress against the allowable one: Haigh diagram and reserve factors.
 
-use super::envelope::{bound_cell, quantile_cell, share_cell};
-use super::epistemic::range_cell;
 use crate::report::allowable::{allowable_mpa, factor};
 use crate::report::axis::Axis;
 use crate::report::block::{Block, Cell, Figure, Key, Mark, Section, Table};
@@ -10,7 +8,9 @@ use crate::report::figure::{Panel, Size};
 use crate::report::margins::Reserve;
 use crate::report::population::{Exceeded, Populations};
 use crate::report::requirement::Stress;
-use crate::report::section::BOUND_FIELDS;
+use crate::report::statistic_cell::{
+    BOUND_FIELDS, bound_cell, interval_fields, quantile_cell, range_cell, share_cell,
+};
 use crate::report::view::View;
 
 /// m → µm.

@@ -3,7 +3,7 @@
 use super::influence::index_cell;
 use crate::report::block::{Block, Cell, Section, Table};
 use crate::report::display::{DASH, minus_sign, percent, significant};
-use crate::report::section::share_cell;
+use crate::report::statistic_cell::share_cell;
 use crate::report::surrogate::{LevelSurrogates, Surrogate, SurrogateResult};
 use crate::report::view::{Shown, View};
 

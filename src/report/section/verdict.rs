@@ -1,14 +1,14 @@
 //! The first section: what must be known before any number is used, and the numbers that matter most.
 
-use super::envelope::{bound_cell, limits};
+use super::decision;
 use crate::hb::Status;
 use crate::report::assessment::pooling;
 use crate::report::block::{Block, Cell, Section, Table, Verdict};
 use crate::report::criterion_result::{CriterionResult, LevelResult};
 use crate::report::display::{DASH, duration, hertz, percent, significant};
 use crate::report::requirement::{Criterion, Quantity};
-use crate::report::section::decision;
-use crate::report::sentence::{power, reasons, shown};
+use crate::report::sentence::{power, reasons, shown, word};
+use crate::report::statistic_cell::{bound_cell, limits};
 use crate::report::summary::Summary;
 use crate::report::view::View;
 use crate::statistics::Judgement;
@@ -154,15 +154,6 @@ fn requirement(criterion: &Criterion) -> String {
         Quantity::AmplitudeUm => format!("amplitude ≤ {limit}"),
         Quantity::ReserveFactor => format!("reserve factor ≥ {limit}"),
         Quantity::ProbabilityOfExceedance => format!("P(reserve factor < 1) ≤ {limit}"),
-    }
-}
-
-/// The word of a judgement.
-pub(super) fn word(judgement: Judgement) -> &'static str {
-    match judgement {
-        Judgement::Pass => "PASS",
-        Judgement::Fail => "FAIL",
-        Judgement::Undecided => "UNDECIDED",
     }
 }
 

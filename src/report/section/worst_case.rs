@@ -1,14 +1,13 @@
 //! The number that a criterion judges along each epistemic input, at the points where it is known.
 
 use super::decision::{label, level_of};
-use super::verdict::word;
 use crate::report::axis::Axis;
 use crate::report::block::{Block, Figure, Key, Mark};
 use crate::report::criterion_result::{CriterionResult, LevelResult};
 use crate::report::display::short;
 use crate::report::figure::{Panel, Size};
 use crate::report::over_box::{OverBox, PointJudgement};
-use crate::report::sentence::shown;
+use crate::report::sentence::{shown, word};
 use crate::report::view::View;
 
 /// Legend and figures, one per criterion and epistemic input; nothing without criteria.
