@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::{INDICATIONS, at_point};
 use clap::Args;
 use microslip::Error;
-use microslip::report::comparison::{Compared, DesignComparison, Pair, PointRanking};
+use microslip::report::compare::{Compared, DesignComparison, Pair, PointRanking};
 use microslip::study::{OutputFolder, compare};
 
 #[derive(Args)]

@@ -1,22 +1,18 @@
-//! Designs compared on the same samples of the random inputs: `comparison.json`.
+//! The numbers of a comparison: `comparison.json`.
 //!
 //! Sample i of every design has the same random numbers, so the difference of a pair is due to the designs alone. A pair
 //! of which one failed is unknown, never dropped. With epistemic inputs the samples of each outer point are compared
 //! apart: together they are no population.
 
-use super::allowable::factor;
-use super::convention::CONFIDENCE;
-use super::error::ReportError;
-use super::margins::smallest_margin;
-use super::outer_points::{chosen, outer_groups};
-use super::peaks::values;
-use super::record::InputRecord;
-use super::stored_run::StoredRun;
-use crate::file;
-use crate::report::comparison_page;
+use crate::report::allowable::factor;
+use crate::report::convention::CONFIDENCE;
+use crate::report::margins::smallest_margin;
+use crate::report::outer_points::{chosen, outer_groups};
+use crate::report::peaks::values;
+use crate::report::record::InputRecord;
+use crate::report::stored_run::StoredRun;
 use crate::statistics::{Better, Bootstrap, Comparison, Ranking, compare, rank_designs};
 use serde::Serialize;
-use std::io::Write;
 use std::path::Path;
 
 /// Relative resolution of a peak: what closer results differ by says nothing about the designs.
@@ -233,19 +229,6 @@ impl DesignComparison {
                 .map(|i| ComparedLevel::of(runs, i))
                 .collect(),
         }
-    }
-
-    /// Writes `comparison.json` and `comparison.html` into `folder`, each whole or not at all.
-    ///
-    /// # Errors
-    /// [`ReportError`] if a file cannot be written.
-    pub fn write(&self, folder: &Path, runs: &[StoredRun]) -> Result<(), ReportError> {
-        let json = serde_json::to_string_pretty(self)?;
-        let page = comparison_page::render(self, runs)?;
-        for (name, text) in [("comparison.json", json), ("comparison.html", page)] {
-            file::replace(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
-        }
-        Ok(())
     }
 }
 

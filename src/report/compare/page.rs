@@ -1,18 +1,18 @@
 //! `comparison.html`: designs compared on the same samples, as a page of its own.
 
-use super::axis::Axis;
-use super::block::{Block, Cell, Figure, Key, Mark, Section, Table};
 use super::comparison::{Compared, ComparedQuantity, DesignComparison, Pair, PointRanking};
-use super::confidence_band::confidence_band;
-use super::convention::CONFIDENCE;
-use super::display::{DASH, LengthUnit, from_to, level_name, percent, with_digits};
-use super::error::ReportError;
-use super::figure::{Panel, Size};
-use super::outer_points::{chosen, outer_groups};
-use super::page::page;
-use super::statistic_cell::{limits, share_cell};
-use super::stored_run::StoredRun;
-use super::view::{figure_style, thinned};
+use crate::report::axis::Axis;
+use crate::report::block::{Block, Cell, Figure, Key, Mark, Section, Table};
+use crate::report::confidence_band::confidence_band;
+use crate::report::convention::CONFIDENCE;
+use crate::report::display::{DASH, LengthUnit, from_to, level_name, percent, with_digits};
+use crate::report::error::ReportError;
+use crate::report::figure::{Panel, Size};
+use crate::report::outer_points::{chosen, outer_groups};
+use crate::report::page::page;
+use crate::report::statistic_cell::{limits, share_cell};
+use crate::report::stored_run::StoredRun;
+use crate::report::view::{figure_style, thinned};
 use crate::statistics::{Sorted, empirical_cdf};
 
 /// A comparison as the page shows it.
