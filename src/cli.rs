@@ -18,7 +18,7 @@ use microslip::Error;
 use microslip::aft::gpu::{GpuSettings, Precision};
 use microslip::ensemble::backend::{BackendChoice, BackendSettings};
 use microslip::file::FileError;
-use microslip::report::epistemic::EpistemicSummary;
+use microslip::report::numbers::EpistemicSummary;
 use microslip::report::{Summary, render};
 use microslip::study::{
     OutputFolder, Progress, RunResult, Study, extend, inspect, run, schema, solve,

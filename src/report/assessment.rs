@@ -4,22 +4,22 @@
 //! study assumes; [`Assessment::condition`] says so wherever they go.
 
 use super::convention::{CONFIDENCE, CONTENT};
-use super::criterion_result::CriterionResult;
-use super::epistemic::EpistemicSummary;
-use super::error_budget::{ErrorLine, error_budget};
-use super::input::ReportInput;
-use super::judgement::judge_all;
-use super::margins::{OrderMargin, Reserve, order_margins, reserve};
-use super::outer_points::nested;
-use super::peaks::{usable_peak, values};
-use super::population::{Bound, Populations};
-use super::record::{FileRecord, InputRecord, RunRecord};
-use super::sensitivity::{InputInfluence, influences};
-use super::stopping::Stopping;
-use super::summary::Summary;
-use super::surrogate::{LevelSurrogates, surrogates};
 use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::store::Provenance;
+use crate::report::asked::stopping::Stopping;
+use crate::report::numbers::epistemic::EpistemicSummary;
+use crate::report::numbers::error_budget::{ErrorLine, error_budget};
+use crate::report::numbers::margins::{OrderMargin, Reserve, order_margins, reserve};
+use crate::report::numbers::outer_points::nested;
+use crate::report::numbers::peaks::{usable_peak, values};
+use crate::report::numbers::population::{Bound, Populations};
+use crate::report::numbers::sensitivity::{InputInfluence, influences};
+use crate::report::numbers::summary::Summary;
+use crate::report::numbers::surrogate::{LevelSurrogates, surrogates};
+use crate::report::run::input::ReportInput;
+use crate::report::run::record::{FileRecord, InputRecord, RunRecord};
+use crate::report::verdict::criterion_result::CriterionResult;
+use crate::report::verdict::judgement::judge_all;
 use crate::statistics::{
     FailurePattern, JointRegion, Prefix, QuantileEstimate, Side, convergence, failure_pattern,
     joint_region, quantile_estimate,

@@ -1,12 +1,12 @@
 //! Whether the samples so far are enough: one look at a study that grows.
 
 use super::assessment::Assessment;
-use super::input::ReportInput;
-use super::peaks::values;
-use super::record::RunRecord;
-use super::stopping::{ResultOfSample, Stopping, StoppingRule};
-use super::summary::Summary;
 use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
+use crate::report::asked::stopping::{ResultOfSample, Stopping, StoppingRule};
+use crate::report::numbers::peaks::values;
+use crate::report::numbers::summary::Summary;
+use crate::report::run::input::ReportInput;
+use crate::report::run::record::RunRecord;
 use crate::statistics::{Judgement, Observed, quantile_estimate};
 
 /// What was planned, after its first `looks` looks, of which the last one judges the samples so far.

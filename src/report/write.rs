@@ -2,11 +2,11 @@
 
 use super::assessment::Assessment;
 use super::error::ReportError;
-use super::input::ReportInput;
-use super::page::study_page;
-use super::stored_run::StoredRun;
-use super::summary::Summary;
 use crate::file;
+use crate::report::numbers::summary::Summary;
+use crate::report::page::document::study_page;
+use crate::report::run::input::ReportInput;
+use crate::report::run::stored_run::StoredRun;
 use std::io::Write;
 use std::path::Path;
 

@@ -6,7 +6,7 @@ use super::output::OutputFolder;
 use crate::Error;
 use crate::report::StoredRun;
 use crate::report::compare::{self, DesignComparison};
-use crate::report::stored_run::CHANGED;
+use crate::report::run::CHANGED;
 
 /// Compares the runs in `folders` sample by sample, and writes `comparison.json` and `comparison.html` into `output`.
 ///

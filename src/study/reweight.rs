@@ -9,7 +9,7 @@ use crate::Error;
 use crate::ensemble::kept::{KeptStudy, read_study};
 use crate::report::StoredRun;
 use crate::report::reweighting::{LEAST_EFFECTIVE_SAMPLES, ReweightedInput, Reweighting};
-use crate::report::stored_run::require_unchanged;
+use crate::report::run::require_unchanged;
 use crate::sampling::{CorrelationTable, Distribution, DistributionTable, Input, Uncertainty};
 
 /// Name of the file that [`reweight`] writes.

@@ -19,11 +19,11 @@ use crate::ensemble::{Ensemble, Solved};
 use crate::hb::structure::resonance::{Band, linear_resonance, linear_response};
 use crate::hb::{LinearModel, Problem};
 use crate::model::two_blade::ComponentSummary;
-use crate::report::record::{
+use crate::report::asked::Stopping;
+use crate::report::run::{
     ComponentRecord, ContactGridRecord, DesignRecord, FURTHER_POINTS, FileRecord, InputRecord,
     LinearRecord, TABLES,
 };
-use crate::report::stopping::Stopping;
 use crate::report::{self, RunRecord, Summary};
 use crate::sampling::DesignKind;
 use crate::units::rad_s_to_hz;

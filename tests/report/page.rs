@@ -2,8 +2,8 @@
 
 use crate::synthetic::{LEVELS, SyntheticStudy};
 use microslip::ensemble::outcome::CurvePoint;
-use microslip::report::bands::Bands;
-use microslip::report::record::InputRecord;
+use microslip::report::asked::Bands;
+use microslip::report::run::InputRecord;
 use microslip::report::{self, ReportInput};
 
 /// The page of a study; every page must satisfy the rules checked here.

@@ -7,11 +7,9 @@ use microslip::ensemble::outcome::{
 };
 use microslip::ensemble::store::{Provenance, write_curves, write_samples};
 use microslip::hb::{SliderAnchor, Status};
-use microslip::report::bands::Bands;
-use microslip::report::record::{DesignRecord, FileRecord, InputRecord, LinearRecord, TABLES};
-use microslip::report::requirement::{
-    Criterion, MarginBase, Operation, Quantity, Requirements, Stress,
-};
+use microslip::report::asked::Bands;
+use microslip::report::asked::{Criterion, MarginBase, Operation, Quantity, Requirements, Stress};
+use microslip::report::run::{DesignRecord, FileRecord, InputRecord, LinearRecord, TABLES};
 use microslip::report::{ReportInput, RunRecord};
 use microslip::sampling::{DesignKind, Growth, SampleGroup};
 

@@ -4,13 +4,13 @@
 //! of which one failed is unknown, never dropped. With epistemic inputs the samples of each outer point are compared
 //! apart: together they are no population.
 
-use crate::report::allowable::factor;
 use crate::report::convention::CONFIDENCE;
-use crate::report::margins::smallest_margin;
-use crate::report::outer_points::{chosen, outer_groups};
-use crate::report::peaks::values;
-use crate::report::record::InputRecord;
-use crate::report::stored_run::StoredRun;
+use crate::report::numbers::allowable::factor;
+use crate::report::numbers::margins::smallest_margin;
+use crate::report::numbers::outer_points::{chosen, outer_groups};
+use crate::report::numbers::peaks::values;
+use crate::report::run::record::InputRecord;
+use crate::report::run::stored_run::StoredRun;
 use crate::statistics::{Better, Bootstrap, Comparison, Ranking, compare, rank_designs};
 use serde::Serialize;
 use std::path::Path;

@@ -4,7 +4,7 @@ use super::comparison::DesignComparison;
 use super::page::render;
 use crate::file;
 use crate::report::error::ReportError;
-use crate::report::stored_run::StoredRun;
+use crate::report::run::stored_run::StoredRun;
 use std::io::Write;
 use std::path::Path;
 
