@@ -128,12 +128,7 @@ fn surrogate(
 ) -> Result<Surrogate, String> {
     let n = results.len();
     let failed = results.iter().filter(|v| !v.is_finite()).count();
-    if failed as f64 > MOST_FAILED * n as f64 {
-        return Err(format!(
-            "{failed} of {n} samples have no solution: must be at most {:.0} %, because a surrogate only guesses there",
-            100.0 * MOST_FAILED
-        ));
-    }
+    require_few(failed, n)?;
     let seed = input.record.provenance.seed;
     let basis: Vec<Polynomials> = random.iter().map(|(_, _, law)| polynomials(law)).collect();
     let points: Vec<Vec<f64>> = input
@@ -179,6 +174,17 @@ fn surrogate(
             })
             .collect(),
     })
+}
+
+/// Refuses more failed samples of `n` than a surrogate can bear.
+fn require_few(failed: usize, n: usize) -> Result<(), String> {
+    match failed as f64 > MOST_FAILED * n as f64 {
+        false => Ok(()),
+        true => Err(format!(
+            "{failed} of {n} samples have no solution: must be at most {:.0} %, because a surrogate only guesses there",
+            100.0 * MOST_FAILED
+        )),
+    }
 }
 
 /// Polynomials that are orthogonal under an input's law, or that of its distribution function.

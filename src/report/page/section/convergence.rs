@@ -57,6 +57,36 @@ fn prefixes(view: &View) -> Option<[Block; 3]> {
     ])
 }
 
+/// Columns of the table of replicates after level and outer point.
+const OF_REPLICATES: [(&str, &[&str]); 6] = [
+    ("Replicates", &["replicates"]),
+    (
+        "Mean frequency (Hz)",
+        &[
+            "frequency_mean_hz",
+            "frequency_mean_lower_hz",
+            "frequency_mean_upper_hz",
+        ],
+    ),
+    (
+        "Its 95 % quantile (Hz)",
+        &["frequency_q95_lower_hz", "frequency_q95_upper_hz"],
+    ),
+    (
+        "Mean amplitude",
+        &[
+            "amplitude_mean_m",
+            "amplitude_mean_lower_m",
+            "amplitude_mean_upper_m",
+        ],
+    ),
+    (
+        "Its 95 % quantile",
+        &["amplitude_q95_lower_m", "amplitude_q95_upper_m"],
+    ),
+    ("Failed, not in it", &["failed"]),
+];
+
 /// Means over the replicates of a quasi-random design with the error that their scatter shows; absent without replicates.
 fn replicates(view: &View) -> Option<[Block; 2]> {
     let means = view.summary.replicate_means();
@@ -65,34 +95,7 @@ fn replicates(view: &View) -> Option<[Block; 2]> {
     let columns = [("Level", &["level"] as &'static [_])]
         .into_iter()
         .chain(outer)
-        .chain([
-            ("Replicates", &["replicates"] as &'static [_]),
-            (
-                "Mean frequency (Hz)",
-                &[
-                    "frequency_mean_hz",
-                    "frequency_mean_lower_hz",
-                    "frequency_mean_upper_hz",
-                ],
-            ),
-            (
-                "Its 95 % quantile (Hz)",
-                &["frequency_q95_lower_hz", "frequency_q95_upper_hz"],
-            ),
-            (
-                "Mean amplitude",
-                &[
-                    "amplitude_mean_m",
-                    "amplitude_mean_lower_m",
-                    "amplitude_mean_upper_m",
-                ],
-            ),
-            (
-                "Its 95 % quantile",
-                &["amplitude_q95_lower_m", "amplitude_q95_upper_m"],
-            ),
-            ("Failed, not in it", &["failed"]),
-        ])
+        .chain(OF_REPLICATES)
         .map(|(head, fields)| (head.to_owned(), fields));
     let mut table = Table::new("Means over the replicates", "replicates", columns);
     let count = |n: u64| Cell::number(n.to_string(), Some(n as f64));

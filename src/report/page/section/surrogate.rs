@@ -2,7 +2,9 @@
 
 use super::influence::index_cell;
 use crate::report::display::{DASH, minus_sign, percent, significant};
-use crate::report::numbers::surrogate::{LevelSurrogates, Surrogate, SurrogateResult};
+use crate::report::numbers::surrogate::{
+    ExceedanceBoth, LevelSurrogates, Surrogate, SurrogateResult,
+};
 use crate::report::page::block::{Block, Cell, Section, Table};
 use crate::report::page::statistic_cell::share_cell;
 use crate::report::page::view::{Shown, View};
@@ -182,39 +184,43 @@ fn exceedances(view: &View) -> Option<Block> {
             .flat_map(|s| &s.exceedances)
         {
             empty = false;
-            let found = &both.surrogate;
-            let limit = significant(found.threshold * view.unit.per_metre);
-            let share = found.probability;
-            let samples = both.samples.map(|s| s.probability);
-            table.row(vec![
-                view.level_cell(i),
-                Cell::number(
-                    format!("{limit} {}", view.unit.symbol),
-                    Some(found.threshold),
-                ),
-                Cell::number(percent(share.estimate), Some(share.estimate))
-                    .with_raw(
-                        [
-                            share.lower,
-                            share.upper,
-                            found.surrogate_alone,
-                            found.missed as f64,
-                            found.false_alarms as f64,
-                        ]
-                        .map(Some),
-                    )
-                    .with_small(format!(
-                        "{} … {}",
-                        percent(share.lower),
-                        percent(share.upper)
-                    ))
-                    .with_small(format!(
-                        "wrong at {} samples",
-                        found.missed + found.false_alarms
-                    )),
-                share_cell(samples.as_ref()),
-            ]);
+            table.row(exceedance_row(view, i, both));
         }
     }
     (!empty).then(|| table.block())
+}
+
+fn exceedance_row(view: &View, i: usize, both: &ExceedanceBoth) -> Vec<Cell> {
+    let found = &both.surrogate;
+    let limit = significant(found.threshold * view.unit.per_metre);
+    let share = found.probability;
+    let samples = both.samples.map(|s| s.probability);
+    vec![
+        view.level_cell(i),
+        Cell::number(
+            format!("{limit} {}", view.unit.symbol),
+            Some(found.threshold),
+        ),
+        Cell::number(percent(share.estimate), Some(share.estimate))
+            .with_raw(
+                [
+                    share.lower,
+                    share.upper,
+                    found.surrogate_alone,
+                    found.missed as f64,
+                    found.false_alarms as f64,
+                ]
+                .map(Some),
+            )
+            .with_small(format!(
+                "{} … {}",
+                percent(share.lower),
+                percent(share.upper)
+            ))
+            .with_small(format!(
+                "wrong at {} samples",
+                found.missed + found.false_alarms
+            )),
+        share_cell(samples.as_ref()),
+    ]
 }
