@@ -3,9 +3,10 @@
 //! The page shows the numbers of [`Summary`] and [`Assessment`] and adds figures. A sample without a solution is counted, shown
 //! and bounded, never dropped in silence. Knows how results look, not how they were computed.
 //!
-//! From the bottom up: [`asked`] (by the study file), [`run`] (what a report is made from), [`numbers`] (`summary.json`),
-//! [`verdict`] (criteria judged), [`mod@assessment`] (`report.json`), `page` (`report.html`). Beside the report of one run:
-//! [`compare`] and [`reweighting`]. Start reading in `write`, which makes the three files.
+//! From the bottom up: [`convention`] (what every statement holds with), `display` (numbers as text), [`asked`] (by the study
+//! file), [`run`] (what a report is made from), [`numbers`] (`summary.json`), [`verdict`] (criteria judged),
+//! [`mod@assessment`] (`report.json`), `page` (`report.html`). Beside the report of one run: [`compare`] and [`reweighting`].
+//! Start reading in `write`, which makes the three files.
 
 pub mod asked;
 pub mod assessment;

@@ -1,7 +1,8 @@
 //! What the samples say in numbers: quantiles, bounds, margins, ranges over the box, sensitivity, errors.
 //!
-//! A sample without a solution is counted and bounded, never dropped in silence. Knows no criterion and no page. Start reading
-//! in [`mod@summary`], which is `summary.json`; a quantile of all samples or by outer point is in [`mod@population`].
+//! A sample without a solution is counted and bounded, never dropped in silence. Judges nothing and knows no page. Start reading
+//! in [`mod@summary`], which is `summary.json`; quantiles and bounds of all samples or by outer point are in
+//! [`mod@population`].
 
 pub(super) mod allowable;
 pub mod box_range;

@@ -2,7 +2,7 @@
 //!
 //! All that knows HTML or SVG: sections say what is shown, blocks (figures, tables, sentences) are what they are made of,
 //! `look` is how it looks. Shows numbers and computes none that a program could want. Start reading in `document`, then
-//! `section`, whose files stand in the order of the page; a figure is a `figure::Panel`, a table a `block::Table`.
+//! `section`, which lists the sections in the order of the page; a figure is a `figure::Panel`, a table a `block::Table`.
 
 pub(super) mod axis;
 pub(super) mod block;
