@@ -32,8 +32,9 @@ use microslip::hb::{
 };
 use microslip::model::interface::InterfaceSettings;
 use microslip::model::two_blade::{TwoBladeSettings, build};
-use microslip::report::record::{Bands, DesignRecord, FileRecord, InputRecord, LinearRecord};
-use microslip::report::requirement::Requirements;
+use microslip::report::asked::Bands;
+use microslip::report::asked::Requirements;
+use microslip::report::run::{DesignRecord, FileRecord, InputRecord, LinearRecord};
 use microslip::report::{self, ReportInput, RunRecord};
 use microslip::sampling::{Design, DesignKind, Distribution, Growth, Input, Shape};
 use microslip::study::Study;

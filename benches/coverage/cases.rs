@@ -5,7 +5,7 @@
 )]
 
 use super::functions::{Function, G, ISHIGAMI, KINK, LOGNORMAL, Numbers, ONE, SUM, z};
-use microslip::report::requirement::{Criterion, Quantity};
+use microslip::report::asked::{Criterion, Quantity};
 use microslip::sampling::pick_freeze::PickFreeze;
 use microslip::sampling::rectangles::seek_largest;
 use microslip::sampling::sobol::Sobol;

@@ -1,4 +1,4 @@
-//! Small random models, parameters over six decades: how many peaks are found, how the others end, and whether those
+//! Small random models, parameters over six decades: how many peaks are found, by which route, how the others end, and whether those
 //! structures vibrate with the period of the excitation at all, by time integration.
 //!
 //! `cargo bench --bench models [-- seeds [first seed [harmonics [budget]]] [control]]`; with `control` those with a peak are
@@ -9,13 +9,14 @@
 mod march;
 mod random;
 
-use microslip::hb::{NewtonSettings, Status};
+use microslip::hb::{NewtonSettings, PeakRoute, Status};
 use random::RandomModel;
 use rayon::prelude::*;
 
 /// How the search for the peak of one model ended.
 struct Outcome {
     status: Status,
+    route: Option<PeakRoute>,
     iterations: usize,
     /// Where the structure was integrated: whether it vibrates with the period of the excitation.
     periodic: Option<bool>,
@@ -32,6 +33,7 @@ fn main() {
         let model = RandomModel::of_seed(seed);
         let found = model.peak(harmonics as usize, budget as usize);
         let (status, iterations) = (found.status, found.count.iterations);
+        let route = found.solution.as_ref().and_then(|peak| peak.route);
         let wanted = control || !status.has_solution();
         let vibration = wanted.then(|| march::not_periodic(&model));
         if let Some(vibration) = vibration {
@@ -49,6 +51,7 @@ fn main() {
         }
         Outcome {
             status,
+            route,
             iterations,
             periodic: vibration.map(|found| found.is_none()),
         }
@@ -62,6 +65,13 @@ fn main() {
         match ended.count() {
             0 => {}
             n => println!("{:<26} {n:>5}", status.name()),
+        }
+    }
+    for route in PeakRoute::ALL {
+        let by_it = outcomes.iter().filter(|o| o.route == Some(route));
+        match by_it.count() {
+            0 => {}
+            n => println!("found: {:<19} {n:>5}", route.name()),
         }
     }
     let mut iterations: Vec<usize> = outcomes.iter().map(|o| o.iterations).collect();

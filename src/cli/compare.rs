@@ -7,7 +7,7 @@ use super::levels::{INDICATIONS, at_point};
 use super::terminal::print;
 use clap::Args;
 use microslip::Error;
-use microslip::report::comparison::{Compared, DesignComparison, Pair, PointRanking};
+use microslip::report::compare::{Compared, DesignComparison, Pair, PointRanking};
 use microslip::study::{OutputFolder, compare};
 
 #[derive(Args)]

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::terminal::print;
 use microslip::Error;
 use microslip::report::Summary;
-use microslip::report::epistemic::EpistemicSummary;
+use microslip::report::numbers::EpistemicSummary;
 use microslip::study::RunResult;
 
 /// What the intervals of a design without independent samples are.

@@ -3,27 +3,29 @@
 //! Statements of the kind "95 % of the assumed prior with 95 % confidence" hold for the distributions of the inputs that the
 //! study assumes; [`Assessment::condition`] says so wherever they go.
 
-use super::epistemic::{EpistemicSummary, nested};
-use super::error_budget::{ErrorLine, error_budget};
-use super::judgement::{CriterionResult, judge_all};
-use super::margins::{OrderMargin, Reserve, order_margins, reserve};
-use super::population::{Bound, Populations};
-use super::record::{FileRecord, InputRecord, RunRecord};
-use super::sensitivity::{InputInfluence, influences};
-use super::stopping::Stopping;
-use super::summary::{CONFIDENCE, Summary};
-use super::surrogate::{LevelSurrogates, surrogates};
-use super::{ReportInput, usable_peak};
-use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
+use super::convention::{CONFIDENCE, CONTENT};
+use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::store::Provenance;
+use crate::report::asked::stopping::Stopping;
+use crate::report::numbers::epistemic::EpistemicSummary;
+use crate::report::numbers::error_budget::{ErrorLine, error_budget};
+use crate::report::numbers::margins::{OrderMargin, Reserve, order_margins, reserve};
+use crate::report::numbers::outer_points::nested;
+use crate::report::numbers::peaks::{usable_peak, values};
+use crate::report::numbers::population::{Bound, Populations};
+use crate::report::numbers::sensitivity::{InputInfluence, influences};
+use crate::report::numbers::summary::Summary;
+use crate::report::numbers::surrogate::{LevelSurrogates, surrogates};
+use crate::report::run::input::ReportInput;
+use crate::report::run::record::{FileRecord, InputRecord, RunRecord};
+use crate::report::verdict::criterion_result::CriterionResult;
+use crate::report::verdict::judgement::judge_all;
 use crate::statistics::{
     FailurePattern, JointRegion, Prefix, QuantileEstimate, Side, convergence, failure_pattern,
     joint_region, quantile_estimate,
 };
 use serde::Serialize;
 
-/// Share of the population in every tolerance bound of a report.
-pub const CONTENT: f64 = 0.95;
 /// First prefix of a convergence table.
 const FIRST_PREFIX: usize = 16;
 /// Groups of a failure rate.
@@ -112,7 +114,8 @@ impl Assessment {
         let levels: Vec<LevelAssessment> = (0..record.levels.len())
             .map(|i| LevelAssessment::of(input, i))
             .collect();
-        let error_budget = error_budget(input, summary, &levels);
+        let surrogates = levels.iter().filter_map(|l| l.surrogates.as_ref());
+        let error_budget = error_budget(input, summary, &surrogates.collect::<Vec<_>>());
         Self {
             provenance: record.provenance.clone(),
             condition: condition(record, summary.epistemic.as_ref()),
@@ -162,16 +165,6 @@ pub(super) fn pooling(epistemic: &EpistemicSummary) -> String {
         },
         epistemic.points.len(),
     )
-}
-
-/// One value per sample at level `i`, NaN where it failed.
-pub(super) fn values(
-    outcomes: &[SampleOutcome],
-    i: usize,
-    value: impl Fn(&PeakRecord) -> f64,
-) -> Vec<f64> {
-    let of = |o: &SampleOutcome| usable_peak(&o.levels[i]).map_or(f64::NAN, |p| value(&p));
-    outcomes.iter().map(of).collect()
 }
 
 impl LevelAssessment {

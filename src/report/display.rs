@@ -117,6 +117,15 @@ pub(super) fn from_to(ends: [f64; 2], show: impl Fn(f64) -> String) -> String {
     }
 }
 
+/// `10 N`; `level 10` where the unit is a sentence.
+pub(super) fn level_name(level: f64, unit: &str) -> String {
+    let level = short(level);
+    match unit.contains(' ') {
+        true => format!("level {level}"),
+        false => format!("{level} {unit}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

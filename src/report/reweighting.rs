@@ -3,10 +3,11 @@
 //! A sample stands for new over old density of its inputs (importance weights); nothing is solved. With epistemic inputs
 //! the samples of each outer point are weighted apart.
 
-use super::assessment::values;
-use super::epistemic::{amplitude_limits_m, chosen, outer_groups};
-use super::record::StoredRun;
-use super::summary::{CONFIDENCE, PROBABILITIES};
+use super::convention::{CONFIDENCE, PROBABILITIES};
+use crate::report::numbers::allowable::amplitude_limits_m;
+use crate::report::numbers::outer_points::{chosen, outer_groups};
+use crate::report::numbers::peaks::values;
+use crate::report::run::stored_run::StoredRun;
 use crate::statistics::{
     Exceedance, Observed, QuantileEstimate, WeightedExceedance, WeightedQuantile, Weights,
     exceedance, quantile_estimate, weighted_exceedance, weighted_quantile,

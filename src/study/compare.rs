@@ -5,8 +5,8 @@ use std::path::Path;
 use super::output::OutputFolder;
 use crate::Error;
 use crate::report::StoredRun;
-use crate::report::comparison::DesignComparison;
-use crate::report::record::CHANGED;
+use crate::report::compare::{self, DesignComparison};
+use crate::report::run::CHANGED;
 
 /// Compares the runs in `folders` sample by sample, and writes `comparison.json` and `comparison.html` into `output`.
 ///
@@ -43,7 +43,7 @@ pub fn compare(folders: &[&Path], output: &OutputFolder) -> Result<DesignCompari
         })?;
     }
     let comparison = DesignComparison::of(folders, &runs);
-    comparison.write(output.path(), &runs)?;
+    compare::write(output.path(), &comparison, &runs)?;
     Ok(comparison)
 }
 

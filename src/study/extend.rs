@@ -13,8 +13,8 @@ use crate::ensemble::backend::BackendSettings;
 use crate::ensemble::kept::{ATLAS_FILE, read_solved, read_study};
 use crate::file::FileError;
 use crate::report::RunRecord;
-use crate::report::record::require_unchanged;
-use crate::report::stopping::Stopping;
+use crate::report::asked::Stopping;
+use crate::report::run::require_unchanged;
 use crate::sampling::Growth;
 
 /// Solves the samples that `folder`, the results of a run, lacks of `samples`, and writes all result files anew.

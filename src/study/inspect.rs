@@ -4,7 +4,7 @@ use super::frequency::FrequencyUnit;
 use super::read::{Study, StudyModel};
 use crate::Error;
 use crate::model::two_blade::{ComponentSummary, PressureInputs};
-use crate::report::stopping::Stopping;
+use crate::report::asked::Stopping;
 use crate::sampling::Input;
 
 /// Number of frequencies that are shown.

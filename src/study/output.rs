@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use crate::Error;
 use crate::ensemble::arrow::write_arrow;
 use crate::file;
-use crate::report::record::{Bands, FURTHER_POINTS, TABLES};
+use crate::report::asked::Bands;
+use crate::report::run::{FURTHER_POINTS, TABLES};
 use crate::setting::BadSetting;
 
 /// `[output]` of a study file.

@@ -19,9 +19,9 @@ use crate::model::two_blade::{
     self, ComponentSummary, PressureField, PressureInputs, TwoBladeModel, TwoBladeSettings,
 };
 use crate::model::{ModelError, ReducedModel};
-use crate::report::requirement::Requirements;
-use crate::report::stopping::Stopping;
-use crate::report::surrogate::SurrogateSettings;
+use crate::report::asked::Requirements;
+use crate::report::asked::Stopping;
+use crate::report::asked::SurrogateSettings;
 use crate::sampling::input::PRESSURE_MODES;
 use crate::sampling::{
     CorrelationTable, Design, DesignSettings, DesignTable, Distribution, DistributionTable,

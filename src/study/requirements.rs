@@ -3,8 +3,8 @@
 use super::document::Document;
 use super::frequency::FrequencyUnit;
 use crate::Error;
-use crate::report::requirement::Requirements;
-use crate::report::surrogate::SurrogateSettings;
+use crate::report::asked::Requirements;
+use crate::report::asked::SurrogateSettings;
 use crate::sampling::Design;
 use crate::setting::BadSetting;
 

@@ -8,8 +8,8 @@ use super::output::OutputFolder;
 use crate::Error;
 use crate::ensemble::kept::{KeptStudy, read_study};
 use crate::report::StoredRun;
-use crate::report::record::require_unchanged;
 use crate::report::reweighting::{LEAST_EFFECTIVE_SAMPLES, ReweightedInput, Reweighting};
+use crate::report::run::require_unchanged;
 use crate::sampling::{CorrelationTable, Distribution, DistributionTable, Input, Uncertainty};
 
 /// Name of the file that [`reweight`] writes.

@@ -19,11 +19,11 @@ use crate::ensemble::{Ensemble, Solved};
 use crate::hb::structure::resonance::{Band, linear_resonance, linear_response};
 use crate::hb::{LinearModel, Problem};
 use crate::model::two_blade::ComponentSummary;
-use crate::report::record::{
+use crate::report::asked::Stopping;
+use crate::report::run::{
     ComponentRecord, ContactGridRecord, DesignRecord, FURTHER_POINTS, FileRecord, InputRecord,
     LinearRecord, TABLES,
 };
-use crate::report::stopping::Stopping;
 use crate::report::{self, RunRecord, Summary};
 use crate::sampling::DesignKind;
 use crate::units::rad_s_to_hz;
@@ -137,7 +137,7 @@ fn look_by_look(
         }
         solved = more(solved, samples)?;
         record.backend = backend.report();
-        let stopping = plan.at_look(look, record, &solved.outcomes);
+        let stopping = report::at_look(plan, look, record, &solved.outcomes);
         let met = stopping.met;
         record.stopping = Some(stopping);
         record.design.description = study.design.first(samples).description();

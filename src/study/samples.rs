@@ -2,8 +2,8 @@
 
 use super::document::Document;
 use crate::Error;
-use crate::report::requirement::Requirements;
-use crate::report::stopping::{Stopping, StoppingTable};
+use crate::report::asked::Requirements;
+use crate::report::asked::{Stopping, StoppingTable};
 use crate::sampling::design::MOST_SAMPLES;
 use crate::sampling::{Design, DesignKind};
 use crate::setting::BadSetting;

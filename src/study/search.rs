@@ -9,8 +9,8 @@ use crate::ensemble::further_points::FurtherPoint;
 use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::{Ensemble, Solved};
 use crate::report::RunRecord;
-use crate::report::epistemic::outer_groups;
-use crate::report::worst_case::badness;
+use crate::report::numbers::outer_groups;
+use crate::report::verdict::badness;
 use crate::sampling::rectangles::seek_largest;
 
 /// Samples at the points that the search meets beyond the outer points; none for a study without epistemic inputs or

@@ -2,9 +2,9 @@
 
 use crate::synthetic::SyntheticStudy;
 use microslip::hb::Status;
-use microslip::report::judgement::CriterionResult;
-use microslip::report::population::{Exceeded, Quantiles};
-use microslip::report::requirement::{MarginBase, Quantity};
+use microslip::report::asked::{MarginBase, Quantity};
+use microslip::report::numbers::{Exceeded, Quantiles};
+use microslip::report::verdict::CriterionResult;
 use microslip::report::{Assessment, Summary};
 use microslip::statistics::Judgement;
 

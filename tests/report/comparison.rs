@@ -3,7 +3,7 @@
 use crate::synthetic::{LEVELS, SyntheticStudy};
 use microslip::hb::Status;
 use microslip::report::StoredRun;
-use microslip::report::comparison::{Compared, DesignComparison};
+use microslip::report::compare::{self, Compared, DesignComparison};
 use std::path::Path;
 
 fn run(study: SyntheticStudy) -> StoredRun {
@@ -28,7 +28,7 @@ fn design(samples: u64, factor: f64) -> StoredRun {
 
 fn page(comparison: &DesignComparison, runs: &[StoredRun]) -> String {
     let folder = tempfile::tempdir().unwrap();
-    comparison.write(folder.path(), runs).unwrap();
+    compare::write(folder.path(), comparison, runs).unwrap();
     let page = std::fs::read_to_string(folder.path().join("comparison.html")).unwrap();
     for forbidden in [
         "NaN", ">inf", "-inf", "−inf", "None", "none</", "http:", "https:", "<script",

@@ -2,10 +2,10 @@
 
 use crate::synthetic::SyntheticStudy;
 use microslip::ensemble::outcome::SampleOutcome;
-use microslip::report::epistemic::Extreme;
-use microslip::report::population::{Bound, Quantiles};
-use microslip::report::record::ContactGridRecord;
-use microslip::report::sensitivity::IndexResult;
+use microslip::report::numbers::Extreme;
+use microslip::report::numbers::IndexResult;
+use microslip::report::numbers::{Bound, Quantiles};
+use microslip::report::run::ContactGridRecord;
 use microslip::report::{self, Assessment, Summary};
 use microslip::statistics::{
     GivenData, Index, Judgement, Limit, Observed, Side, first_order_index, quantile_estimate,

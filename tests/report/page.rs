@@ -2,7 +2,8 @@
 
 use crate::synthetic::{LEVELS, SyntheticStudy};
 use microslip::ensemble::outcome::CurvePoint;
-use microslip::report::record::{Bands, InputRecord};
+use microslip::report::asked::Bands;
+use microslip::report::run::InputRecord;
 use microslip::report::{self, ReportInput};
 
 /// The page of a study; every page must satisfy the rules checked here.

@@ -2,7 +2,8 @@
 
 use crate::synthetic::SyntheticStudy;
 use microslip::ensemble::outcome::CurvePoint;
-use microslip::report::{self, ReportError, record::require_unchanged};
+use microslip::report::run::require_unchanged;
+use microslip::report::{self, ReportError};
 use std::path::Path;
 
 const FILES: [&str; 3] = ["summary.json", "report.json", "report.html"];

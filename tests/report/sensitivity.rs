@@ -2,9 +2,10 @@
 
 use crate::synthetic::SyntheticStudy;
 use microslip::hb::Status;
-use microslip::report::requirement::Requirements;
-use microslip::report::sensitivity::IndexResult;
-use microslip::report::surrogate::{SurrogateResult, SurrogateSettings};
+use microslip::report::asked::Requirements;
+use microslip::report::asked::SurrogateSettings;
+use microslip::report::numbers::IndexResult;
+use microslip::report::numbers::SurrogateResult;
 use microslip::report::{self, Assessment, StoredRun, Summary};
 use microslip::sampling::{Distribution, Shape};
 use microslip::statistics::{Influence, SobolIndex};

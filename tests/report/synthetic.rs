@@ -7,12 +7,9 @@ use microslip::ensemble::outcome::{
 };
 use microslip::ensemble::store::{Provenance, write_curves, write_samples};
 use microslip::hb::{SliderAnchor, Status};
-use microslip::report::record::{
-    Bands, DesignRecord, FileRecord, InputRecord, LinearRecord, TABLES,
-};
-use microslip::report::requirement::{
-    Criterion, MarginBase, Operation, Quantity, Requirements, Stress,
-};
+use microslip::report::asked::Bands;
+use microslip::report::asked::{Criterion, MarginBase, Operation, Quantity, Requirements, Stress};
+use microslip::report::run::{DesignRecord, FileRecord, InputRecord, LinearRecord, TABLES};
 use microslip::report::{ReportInput, RunRecord};
 use microslip::sampling::{DesignKind, Growth, SampleGroup};
 

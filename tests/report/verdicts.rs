@@ -2,7 +2,7 @@
 
 use crate::synthetic::SyntheticStudy;
 use microslip::hb::Status;
-use microslip::report::judgement::{CriterionResult, LevelResult};
+use microslip::report::verdict::{CriterionResult, LevelResult};
 use microslip::report::{self, Assessment, Summary};
 use microslip::sampling::{Distribution, Growth, Shape};
 use microslip::statistics::{Judgement, Limit, Remedy};

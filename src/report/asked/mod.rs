@@ -1,0 +1,13 @@
+//! What the study file asks of a report: requirements, stopping rule, surrogate, bands.
+//!
+//! Settings that check themselves; knows no sample and no result. Start reading in [`mod@requirement`].
+
+pub mod bands;
+pub mod requirement;
+pub mod stopping;
+pub mod surrogate;
+
+pub use bands::Bands;
+pub use requirement::{Criterion, MarginBase, Operation, Quantity, Requirements, Stress};
+pub use stopping::{Stopping, StoppingTable};
+pub use surrogate::SurrogateSettings;

@@ -1,0 +1,44 @@
+//! The stress and the amplitude that a study allows.
+
+use crate::report::asked::requirement::{Quantity, Stress};
+use crate::report::run::record::RunRecord;
+use crate::statistics::{goodman_allowable, reserve_factor};
+
+/// m → µm.
+const UM_PER_M: f64 = 1e6;
+
+/// Allowable alternating stress (MPa); the settings are checked, so it exists.
+pub(in crate::report) fn allowable_mpa(stress: &Stress) -> f64 {
+    let allowable = goodman_allowable(
+        stress.endurance_limit_mpa,
+        stress.mean_stress_mpa,
+        stress.ultimate_strength_mpa,
+    );
+    allowable.unwrap_or(f64::NAN)
+}
+
+/// Amplitude at which the allowable stress is reached (m).
+pub(in crate::report) fn allowable_amplitude_m(stress: &Stress) -> f64 {
+    allowable_mpa(stress) / stress.modal_stress_mpa_per_um / UM_PER_M
+}
+
+/// Reserve factor of an amplitude (m); NaN for a failed sample.
+pub(in crate::report) fn factor(amplitude_m: f64, stress: &Stress) -> f64 {
+    let applied = amplitude_m * UM_PER_M * stress.modal_stress_mpa_per_um;
+    reserve_factor(allowable_mpa(stress), applied).unwrap_or(f64::NAN)
+}
+
+/// Limits of the amplitude (m) that the study states for level `i`, ascending: criteria and allowable stress.
+pub(in crate::report) fn amplitude_limits_m(record: &RunRecord, i: usize) -> Vec<f64> {
+    let requirements = &record.requirements;
+    let criteria = requirements.criteria.iter().filter(|criterion| {
+        let here = criterion.level.is_none_or(|l| l == record.levels[i]);
+        criterion.quantity == Quantity::AmplitudeUm && here
+    });
+    let stated = criteria.map(|criterion| criterion.limit * 1e-6);
+    let stress = requirements.stress.as_ref().map(allowable_amplitude_m);
+    let mut limits: Vec<f64> = stated.chain(stress).collect();
+    limits.sort_by(f64::total_cmp);
+    limits.dedup();
+    limits
+}

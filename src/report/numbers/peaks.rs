@@ -1,0 +1,47 @@
+//! The peaks of the samples that count as solutions.
+
+use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
+use crate::hb::{ContactFractions, Status};
+use crate::statistics::{Sorted, moments};
+
+/// The peak of a level if it solves the balance equations and its numbers are finite.
+pub(in crate::report) fn usable_peak(level: &LevelOutcome) -> Option<PeakRecord> {
+    let peak = level.peak.filter(|_| level.status.has_solution())?;
+    let finite = peak.frequency_hz.is_finite() && peak.amplitude_m.is_finite();
+    finite.then_some(peak)
+}
+
+/// The status under which a level is counted: a claimed solution without a usable peak is no solution.
+pub(super) fn counted_status(level: &LevelOutcome) -> Status {
+    if level.status.has_solution() && usable_peak(level).is_none() {
+        Status::NonFinite
+    } else {
+        level.status
+    }
+}
+
+/// One value per sample at level `i`, NaN where it failed.
+pub(in crate::report) fn values(
+    outcomes: &[SampleOutcome],
+    i: usize,
+    value: impl Fn(&PeakRecord) -> f64,
+) -> Vec<f64> {
+    let of = |o: &SampleOutcome| usable_peak(&o.levels[i]).map_or(f64::NAN, |p| value(&p));
+    outcomes.iter().map(of).collect()
+}
+
+/// Mean shares of the contact states at level `i` over the samples of one population; `None` without a solution.
+pub(super) fn mean_fractions<'a>(
+    outcomes: impl Iterator<Item = &'a SampleOutcome> + Clone,
+    i: usize,
+) -> Option<ContactFractions> {
+    let mean = |value: fn(&PeakRecord) -> f64| {
+        let of = |o: &SampleOutcome| Some(value(&usable_peak(&o.levels[i])?));
+        moments(&Sorted::finite(outcomes.clone().filter_map(of))).map(|m| m.mean)
+    };
+    Some(ContactFractions {
+        stick: mean(|p| p.stick_fraction)?,
+        slip: mean(|p| p.slip_fraction)?,
+        separated: mean(|p| p.separated_fraction)?,
+    })
+}

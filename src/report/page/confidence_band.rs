@@ -1,0 +1,25 @@
+//! Confidence interval of a distribution function, as a panel shows it.
+
+use crate::statistics::{Sorted, share};
+
+/// Values at which the confidence interval of a distribution function is drawn.
+const INTERVALS: usize = 100;
+
+/// Interval of the distribution function, with this confidence, at some of the known values of so many samples.
+pub(in crate::report) fn confidence_band(
+    sorted: &Sorted,
+    total: usize,
+    confidence: f64,
+) -> Vec<(f64, f64, f64)> {
+    let n = sorted.values().len();
+    let failed = total - n;
+    let stride = n.div_ceil(INTERVALS).max(1);
+    let ranks = (0..n).step_by(stride).chain(n.checked_sub(1));
+    let at = |i: usize| {
+        let value = *sorted.values().get(i)?;
+        let below = sorted.values().partition_point(|v| *v <= value);
+        let share = share(below, n - below, failed, confidence)?;
+        Some((value, share.lower, share.upper))
+    };
+    ranks.filter_map(at).collect()
+}

@@ -1,0 +1,134 @@
+//! Audit: what produced the numbers, and what they depend on.
+
+use crate::ensemble::backend::GpuReport;
+use crate::report::display::{percent, short};
+use crate::report::page::block::{Block, Cell, Section, Table};
+use crate::report::page::view::View;
+use crate::report::run::record::FileRecord;
+
+pub(super) fn section(view: &View) -> Section {
+    let hint = "The same study file, seed, program and precision give the same samples, bit by bit, for any number of \
+                threads. `microslip report` on the folder of the results renders this page again without solving.";
+    Section {
+        id: "audit",
+        title: "Audit".to_owned(),
+        blocks: vec![
+            priors(view),
+            provenance(view),
+            files(view),
+            Block::Hint(hint.replace('`', "")),
+        ],
+    }
+}
+
+fn sheet(title: &str, file: &str, rows: impl IntoIterator<Item = (String, String)>) -> Block {
+    let mut table = Table::of(title, file, &[("Name", &["name"]), ("Value", &["value"])]);
+    for (name, value) in rows {
+        table.row(vec![
+            Cell::text(name),
+            Cell::text(value).with_class("text wide"),
+        ]);
+    }
+    table.block()
+}
+
+fn priors(view: &View) -> Block {
+    let inputs = view.input.record.inputs.iter();
+    let title =
+        "Distributions of the inputs: every probability of this page is conditional on them";
+    sheet(
+        title,
+        "inputs",
+        inputs.map(|i| (i.name.clone(), i.prior.clone())),
+    )
+}
+
+/// The provenance under the names that it has in the files.
+fn provenance(view: &View) -> Block {
+    let record = view.input.record;
+    let value = serde_json::to_value(&record.provenance).unwrap_or_default();
+    let fields = value.as_object().into_iter().flatten();
+    let stated = fields.map(|(key, value)| (words(key), shown(value)));
+    let failed: usize = view.summary.levels.iter().map(|l| l.failed).sum();
+    let solves = view.summary.samples * view.summary.levels.len();
+    let absent = || "not used".to_owned();
+    let more = [
+        ("Design", record.design.description.clone()),
+        ("Backend", record.backend.description()),
+        ("Adapter", record.backend.adapter().unwrap_or_else(absent)),
+        (
+            "Audit of the GPU",
+            (record.backend.gpu.as_ref()).map_or_else(absent, gpu_audit),
+        ),
+        (
+            "Without a solution",
+            format!(
+                "{failed} of {solves} solves ({})",
+                percent(failed as f64 / solves.max(1) as f64)
+            ),
+        ),
+        ("Wall time", format!("{} s", short(record.wall_time_s))),
+    ];
+    let more = more.map(|(name, value)| (name.to_owned(), value));
+    sheet("Run", "run", stated.chain(more))
+}
+
+fn gpu_audit(gpu: &GpuReport) -> String {
+    format!(
+        "{} of {} evaluations repeated in double precision, largest difference {:.1e} of a force and {:.1e} of a derivative; {} taken over by the processor",
+        gpu.audited,
+        gpu.evaluations,
+        gpu.largest_force_difference,
+        gpu.largest_derivative_difference,
+        gpu.fallbacks + gpu.beyond_limit
+    )
+}
+
+/// `truncation_threshold` → `Truncation threshold`.
+fn words(key: &str) -> String {
+    let spaced = key.replace('_', " ");
+    let mut letters = spaced.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().collect::<String>() + letters.as_str()
+    })
+}
+
+fn shown(value: &serde_json::Value) -> String {
+    use serde_json::Value;
+    match value {
+        Value::Null => "not stated".to_owned(),
+        Value::Bool(yes) => if *yes { "yes" } else { "no" }.to_owned(),
+        Value::String(text) => text.clone(),
+        Value::Array(items) => {
+            let items: Vec<String> = items.iter().map(shown).collect();
+            items.join(", ")
+        }
+        other => other.to_string(),
+    }
+}
+
+fn files(view: &View) -> Block {
+    let record = view.input.record;
+    let mut table = Table::of(
+        "Files",
+        "files",
+        &[
+            ("File", &["file"]),
+            ("BLAKE3 of its content", &["blake3"]),
+            ("Now", &["state"]),
+        ],
+    );
+    let state = |file: &FileRecord| match view.input.changed.contains(&file.name) {
+        true => "changed",
+        false => "as written",
+    };
+    let tables = record.tables.iter().map(|file| (file, state(file)));
+    for (file, state) in [(&record.study_file, "as read")].into_iter().chain(tables) {
+        table.row(vec![
+            Cell::text(&file.name),
+            Cell::text(&file.blake3).with_class("text wide code"),
+            Cell::text(state),
+        ]);
+    }
+    table.block()
+}

@@ -1,0 +1,52 @@
+//! What the panels of forced responses share: their window, their amplitude axis and the linear limits.
+
+use crate::report::numbers::outer_points::outer_groups;
+use crate::report::numbers::peaks::usable_peak;
+use crate::report::numbers::population::hull;
+use crate::report::page::axis::Axis;
+use crate::report::page::figure::Panel;
+use crate::report::page::view::{Shown, View};
+use crate::report::run::input::ReportInput;
+use crate::statistics::{Sorted, quantile};
+
+/// Label of the abscissa.
+pub(super) const FREQUENCY: &str = "Excitation frequency (Hz)";
+
+/// Frequencies that hold nearly all resonances of every population, the free and the stuck one included, with room for the
+/// flanks.
+pub(super) fn window(view: &View) -> (f64, f64) {
+    let ReportInput {
+        record, outcomes, ..
+    } = *view.input;
+    let most = |(_, members): (_, Vec<usize>)| {
+        let levels = members.iter().flat_map(|&sample| &outcomes[sample].levels);
+        let sorted = Sorted::finite(levels.filter_map(|l| Some(usable_peak(l)?.frequency_hz)));
+        [quantile(&sorted, 0.02), quantile(&sorted, 0.98)]
+    };
+    let most = outer_groups(outcomes).into_iter().flat_map(most).flatten();
+    let nominal = (0..view.n_levels()).filter_map(|i| view.nominal(Shown::Frequency, i));
+    let linear = [record.free.frequency_hz, record.stuck.frequency_hz];
+    let [low, high] = hull(most.chain(linear).chain(nominal)).unwrap_or(linear);
+    let room = (0.15 * (high - low)).max(4e-4 * high);
+    (low - room, high + room)
+}
+
+pub(super) fn amplitude_axis(view: &View, top: f64) -> Axis {
+    Axis::linear(view.label(Shown::AmplitudePerLevel), 0.0, 1.06 * top)
+}
+
+/// The linear limits, the frequencies of each divided by `unit` of its resonance (Hz).
+pub(super) fn add_linear_curves(view: &View, panel: &mut Panel, unit: impl Fn(f64) -> f64) {
+    let record = view.input.record;
+    for (class, linear) in [("free", &record.free), ("stuck", &record.stuck)] {
+        let points = view.curve(&linear.curve, 1.0).into_iter();
+        let unit = unit(linear.frequency_hz);
+        panel.line(class, points.map(|(f, a)| (f / unit, a)));
+    }
+}
+
+pub(super) fn largest_linear_amplitude(view: &View) -> f64 {
+    let record = view.input.record;
+    let limits = [&record.free, &record.stuck].map(|linear| view.largest(&linear.curve, 1.0));
+    limits.into_iter().flatten().fold(0.0, f64::max)
+}

@@ -1,0 +1,240 @@
+//! What every section of the page needs: the samples, their statistics, and the units in which they are shown.
+
+use super::axis::Axis;
+use super::block::{Block, Cell, Figure, Key};
+use super::figure::Panel;
+use super::level_mark::{Ground, colours};
+use crate::ensemble::outcome::{CurvePoint, PeakRecord, SampleOutcome};
+use crate::report::assessment::Assessment;
+use crate::report::display::{LengthUnit, level_name};
+use crate::report::numbers::epistemic::PointStatistics;
+use crate::report::numbers::peaks::usable_peak;
+use crate::report::numbers::summary::Summary;
+use crate::report::run::input::ReportInput;
+
+/// Dots per level and panel; more are thinned evenly.
+const MAX_DOTS: usize = 1500;
+
+/// The samples of a study as the page shows them.
+pub(super) struct View<'a> {
+    /// Samples and record.
+    pub(super) input: &'a ReportInput<'a>,
+    /// Their statistics.
+    pub(super) summary: &'a Summary,
+    /// What they say about the requirements.
+    pub(super) assessment: &'a Assessment,
+    /// Unit of all displacements.
+    pub(super) unit: LengthUnit,
+    /// Style sheet of the figures, with the colours of the levels.
+    pub(super) style: String,
+}
+
+/// What an outer and an inner band show of the outer points.
+pub(super) const RANGES: [&str; 2] = [
+    "from the lowest 5 % to the highest 95 % quantile of the outer points",
+    "from their lowest to their highest median",
+];
+
+/// What a panel shows of a peak.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Shown {
+    /// Resonance frequency (Hz).
+    Frequency,
+    /// Amplitude over excitation level, in the view's unit.
+    AmplitudePerLevel,
+}
+
+impl Shown {
+    /// Both.
+    pub(super) const ALL: [Self; 2] = [Self::Frequency, Self::AmplitudePerLevel];
+
+    /// In sentences and titles.
+    pub(super) fn word(self) -> &'static str {
+        match self {
+            Self::Frequency => "frequency",
+            Self::AmplitudePerLevel => "amplitude",
+        }
+    }
+}
+
+impl<'a> View<'a> {
+    /// A view in the unit that suits the largest amplitude per unit level.
+    pub(super) fn new(
+        input: &'a ReportInput<'a>,
+        summary: &'a Summary,
+        assessment: &'a Assessment,
+    ) -> Self {
+        let levels = input.outcomes.iter().flat_map(|o| &o.levels);
+        let sampled = levels.filter_map(|l| Some(usable_peak(l)?.amplitude_m / l.level));
+        let linear = input.record.free.curve.iter().map(|p| p.amplitude_m);
+        let largest = sampled.chain(linear).fold(0.0, f64::max);
+        Self {
+            input,
+            summary,
+            assessment,
+            unit: LengthUnit::for_largest(largest),
+            style: figure_style(summary.levels.len()),
+        }
+    }
+
+    /// Number of excitation levels.
+    pub(super) fn n_levels(&self) -> usize {
+        self.input.record.levels.len()
+    }
+
+    /// `10 N`; `level 10` where the unit is a sentence.
+    pub(super) fn level_name(&self, i: usize) -> String {
+        let record = self.input.record;
+        level_name(record.levels[i], &record.level_unit)
+    }
+
+    fn unit_is_symbol(&self) -> bool {
+        !self.input.record.level_unit.contains(' ')
+    }
+
+    /// First cell of a row of level `i`.
+    pub(super) fn level_cell(&self, i: usize) -> Cell {
+        let level = self.input.record.levels[i];
+        Cell::number(self.level_name(i), Some(level)).with_chip(i)
+    }
+
+    /// One key per level.
+    pub(super) fn level_keys(&self) -> Vec<Key> {
+        let key = |i: usize| Key::level(i, self.level_name(i));
+        (0..self.n_levels()).map(key).collect()
+    }
+
+    /// The levels, then other marks.
+    pub(super) fn level_legend(&self, others: impl IntoIterator<Item = Key>) -> Block {
+        Block::Legend(self.level_keys().into_iter().chain(others).collect())
+    }
+
+    /// `µm/N`; `µm per level` where the unit is a sentence.
+    pub(super) fn amplitude_unit(&self) -> String {
+        match self.unit_is_symbol() {
+            true => format!("{}/{}", self.unit.symbol, self.input.record.level_unit),
+            false => format!("{} per level", self.unit.symbol),
+        }
+    }
+
+    /// Axis label.
+    pub(super) fn label(&self, shown: Shown) -> String {
+        match shown {
+            Shown::Frequency => "Resonance frequency (Hz)".to_owned(),
+            Shown::AmplitudePerLevel => format!("Amplitude ({})", self.amplitude_unit()),
+        }
+    }
+
+    /// A panel with its download.
+    pub(super) fn figure(
+        &self,
+        panel: &Panel,
+        file: impl Into<String>,
+        caption: impl Into<String>,
+    ) -> Figure {
+        Figure::new(panel, &self.style, file.into(), caption.into())
+    }
+
+    /// The number of a peak that a panel shows.
+    pub(super) fn value(&self, shown: Shown, level: f64, peak: &PeakRecord) -> f64 {
+        match shown {
+            Shown::Frequency => peak.frequency_hz,
+            Shown::AmplitudePerLevel => peak.amplitude_m / level * self.unit.per_metre,
+        }
+    }
+
+    /// Samples with a solution at level `i`.
+    pub(super) fn peaks(&self, i: usize) -> impl Iterator<Item = (&'a SampleOutcome, PeakRecord)> {
+        let outcomes = self.input.outcomes.iter();
+        outcomes.filter_map(move |o| Some((o, usable_peak(&o.levels[i])?)))
+    }
+
+    /// Values of the samples with a solution at level `i`.
+    pub(super) fn values(&self, shown: Shown, i: usize) -> impl Iterator<Item = f64> {
+        let level = self.input.record.levels[i];
+        self.peaks(i)
+            .map(move |(_, p)| self.value(shown, level, &p))
+    }
+
+    /// Values of all levels.
+    pub(super) fn all_values(&self, shown: Shown) -> impl Iterator<Item = f64> {
+        (0..self.n_levels()).flat_map(move |i| self.values(shown, i))
+    }
+
+    /// Value at the nominal inputs.
+    pub(super) fn nominal(&self, shown: Shown, i: usize) -> Option<f64> {
+        let peak = self.summary.levels[i].nominal?;
+        Some(self.value(shown, self.input.record.levels[i], &peak))
+    }
+
+    /// Points (Hz, amplitude per level in the view's unit).
+    pub(super) fn curve(&self, points: &[CurvePoint], level: f64) -> Vec<(f64, f64)> {
+        let scale = self.unit.per_metre / level;
+        let point = |p: &CurvePoint| (p.frequency_hz, p.amplitude_m * scale);
+        points.iter().map(point).collect()
+    }
+
+    /// Largest amplitude per level of a curve, in the view's unit; `None` without points.
+    pub(super) fn largest(&self, points: &[CurvePoint], level: f64) -> Option<f64> {
+        let amplitudes = self.curve(points, level).into_iter().map(|p| p.1);
+        amplitudes.reduce(f64::max)
+    }
+
+    /// Axis over the values of input `j`.
+    pub(super) fn input_axis(&self, j: usize) -> Axis {
+        let values = self.input.outcomes.iter().map(|o| o.inputs[j]);
+        Axis::around(self.input.record.inputs[j].name.clone(), values)
+    }
+
+    /// Whether the samples belong to outer points, so that all together they are no population.
+    pub(super) fn nested(&self) -> bool {
+        self.summary.epistemic.is_some()
+    }
+
+    /// Statistics of level `i` by outer point; empty without outer points.
+    pub(super) fn points(&self, i: usize) -> &[PointStatistics] {
+        let epistemic = self.summary.epistemic.as_ref();
+        epistemic.map_or(&[], |e| &e.levels[i].points)
+    }
+
+    /// Of fields for all samples and fields for outer points those that the study has.
+    pub(super) fn fields(&self, pair: [&'static [&'static str]; 2]) -> &'static [&'static str] {
+        pair[usize::from(self.nested())]
+    }
+
+    /// What a bar from the quantile `low` to the quantile `high` shows, in words (`5 %`).
+    pub(super) fn scatter_in_words(&self, low: &str, high: &str) -> String {
+        match self.nested() {
+            false => format!("{low} to {high} of the samples with their median"),
+            true => format!(
+                "from the lowest {low} to the highest {high} quantile of the outer points, with the middle of their medians"
+            ),
+        }
+    }
+
+    /// Whether no level has a solution.
+    pub(super) fn is_empty(&self) -> bool {
+        self.summary
+            .levels
+            .iter()
+            .all(|l| l.frequency_hz.valid == 0)
+    }
+
+    /// Says in the panel that there is nothing to draw, where that is so.
+    pub(super) fn note_if_empty(&self, panel: &mut Panel) {
+        if self.is_empty() {
+            panel.note("no sample has a solution");
+        }
+    }
+}
+
+/// Style sheet of the figures, with a colour for each of so many levels.
+pub(in crate::report) fn figure_style(n_levels: usize) -> String {
+    include_str!("look/figure.css").to_owned() + &colours(n_levels, Ground::White)
+}
+
+/// At most so many points as a panel can show.
+pub(in crate::report) fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let stride = points.len().div_ceil(MAX_DOTS).max(1);
+    points.into_iter().step_by(stride).collect()
+}

@@ -1,0 +1,17 @@
+//! What every number of a report is computed from.
+
+use super::record::RunRecord;
+use crate::ensemble::outcome::SampleOutcome;
+
+/// Everything a report is made from.
+#[derive(Debug, Clone, Copy)]
+pub struct ReportInput<'a> {
+    /// All of the run beside its samples.
+    pub record: &'a RunRecord,
+    /// The samples of the population, failed ones included.
+    pub outcomes: &'a [SampleOutcome],
+    /// The mixed samples of a pick-freeze design, for its indices alone.
+    pub mixed: &'a [SampleOutcome],
+    /// Tables of the run whose content has changed since.
+    pub changed: &'a [String],
+}

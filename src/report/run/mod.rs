@@ -1,0 +1,14 @@
+//! The run that a report is made from: its record `run.json`, its tables read back, and whether both are still its own.
+//!
+//! Computes no statistic. Start reading in [`mod@record`].
+
+pub mod input;
+pub mod record;
+pub mod stored_run;
+
+pub use input::ReportInput;
+pub use record::{
+    ComponentRecord, ContactGridRecord, DesignRecord, FURTHER_POINTS, FileRecord, InputRecord,
+    LinearRecord, RunRecord, TABLES,
+};
+pub use stored_run::{CHANGED, StoredRun, require_unchanged};

@@ -1,0 +1,215 @@
+//! `run.json`: all of a run that its tables do not hold, so that a report needs no solver.
+
+use crate::ensemble::backend::BackendReport;
+use crate::ensemble::one_at_a_time::OneAtATime;
+use crate::ensemble::outcome::{CurvePoint, SampleOutcome, number};
+use crate::ensemble::store::Provenance;
+use crate::file::{self, FileError};
+use crate::report::asked::bands::Bands;
+use crate::report::asked::requirement::Requirements;
+use crate::report::asked::stopping::Stopping;
+use crate::report::asked::surrogate::SurrogateSettings;
+use crate::report::convention::CONFIDENCE;
+use crate::sampling::{DesignKind, Distribution, Growth};
+use crate::statistics::confidence_at;
+use serde::{Deserialize, Serialize};
+use std::io::Write;
+use std::path::Path;
+
+pub use crate::file::FileRecord;
+
+/// Name of the record in a result folder.
+pub const RECORD: &str = "run.json";
+/// Names of the tables in a result folder: samples, curves.
+pub const TABLES: [&str; 2] = ["samples.parquet", "curves.parquet"];
+
+/// Name of the table of samples beyond the outer points, where a study has such.
+pub const FURTHER_POINTS: &str = "further_points.parquet";
+
+/// Everything of a run that its tables do not hold.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunRecord {
+    /// Study, seed, version, law and settings.
+    pub provenance: Provenance,
+    /// What evaluated the contacts.
+    pub backend: BackendReport,
+    /// Sampled inputs, in the order of [`SampleOutcome::inputs`].
+    pub inputs: Vec<InputRecord>,
+    /// How the samples were chosen.
+    pub design: DesignRecord,
+    /// Relative change of frequency at which a peak counts as located.
+    pub frequency_tolerance: f64,
+    /// Excitation levels, in the order of [`SampleOutcome::levels`].
+    pub levels: Vec<f64>,
+    /// Samples with a forced response curve: the first so many.
+    pub curve_samples: u64,
+    /// Which bands of these curves the page shows.
+    pub bands: Bands,
+    /// Unit of the excitation levels, such as `N`.
+    pub level_unit: String,
+    /// Structure without contact forces.
+    pub free: LinearRecord,
+    /// Structure with all contacts stuck, nominal inputs.
+    pub stuck: LinearRecord,
+    /// Outcome at the nominal inputs, if computed.
+    pub nominal: Option<SampleOutcome>,
+    /// Results along each input alone, if wanted.
+    pub one_at_a_time: Option<OneAtATime>,
+    /// Components that the model was reduced from; none for the user's own matrices.
+    pub components: Vec<ComponentRecord>,
+    /// What the contact grid of the built-in rig changes; absent where nobody estimated it.
+    pub contact_grid: Option<ContactGridRecord>,
+    /// What the designer asks for.
+    pub requirements: Requirements,
+    /// How the number of samples came out of the results; absent where it was given.
+    pub stopping: Option<Stopping>,
+    /// The surrogate that is wanted, if any.
+    pub surrogate: Option<SurrogateSettings>,
+    /// The study file.
+    pub study_file: FileRecord,
+    /// The tables of the run.
+    pub tables: Vec<FileRecord>,
+    /// Wall time of the run (s).
+    pub wall_time_s: f64,
+}
+
+/// A sampled input.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct InputRecord {
+    /// Name.
+    pub name: String,
+    /// Its distribution in words: what every probability of the report depends on.
+    pub prior: String,
+    /// The distribution that it is drawn from; absent where it is fixed, an interval or from a file.
+    pub distribution: Option<Distribution>,
+}
+
+/// How the samples were chosen.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DesignRecord {
+    /// Kind.
+    pub kind: DesignKind,
+    /// In words.
+    pub description: String,
+    /// Whether the samples are independent draws of one population, as confidence intervals presume.
+    pub independent: bool,
+    /// To which numbers of samples, at each outer point, `extend` can go.
+    pub growth: Growth,
+    /// Outer points of a nested design, 1 of any other.
+    pub outer_points: u64,
+    /// Further points of the box that the search for worst cases has met; their samples stand in [`FURTHER_POINTS`].
+    pub further_points: u64,
+    /// Inputs, by their number, that the mixed samples of a pick-freeze design take from B, in the order of their places;
+    /// empty for any other design.
+    pub mixed_inputs: Vec<usize>,
+}
+
+/// A linear limit of the structure.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct LinearRecord {
+    /// Resonance frequency (Hz).
+    #[serde(deserialize_with = "number")]
+    pub frequency_hz: f64,
+    /// Response; amplitude per unit level. May be empty.
+    pub curve: Vec<CurvePoint>,
+}
+
+/// A component that was reduced.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ComponentRecord {
+    /// Name.
+    pub name: String,
+    /// Fixed-interface modes that were kept.
+    pub modes: usize,
+    /// First one left out (Hz); absent if none was.
+    pub first_left_out_hz: Option<f64>,
+}
+
+/// Shift of a frequency by stuck contacts on the study's contact grid, and where it goes on finer ones.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ContactGridRecord {
+    /// Contact nodes per interface, across the gap and along it.
+    pub contact_nodes: [usize; 2],
+    /// Shift on this grid, at nominal stiffness (Hz).
+    pub shift_hz: f64,
+    /// Shift extrapolated from this grid and one twice as fine (Hz).
+    pub limit_hz: f64,
+    /// Error over the shift, without sign.
+    pub relative: f64,
+}
+
+impl RunRecord {
+    /// Number of the look at which the run ended, from 1; 0 where the number of samples was given.
+    #[must_use]
+    pub fn look(&self) -> usize {
+        self.stopping.as_ref().map_or(0, |s| s.looks.len())
+    }
+
+    /// Confidence with which the samples at hand are judged, so that what is stated has [`CONFIDENCE`] over all looks.
+    #[must_use]
+    pub fn confidence(&self) -> f64 {
+        confidence_at(self.look(), CONFIDENCE)
+    }
+
+    /// Writes `run.json`, whole or not at all. Its second line holds the hash of the bytes below.
+    ///
+    /// # Errors
+    /// [`FileError`].
+    pub fn write(&self, folder: &Path) -> Result<(), FileError> {
+        let path = folder.join(RECORD);
+        let json = serde_json::to_string_pretty(self);
+        let json = json.map_err(|error| FileError::system(&path, error.into()))?;
+        let body = json.strip_prefix(OPENING).unwrap_or(&json);
+        let hash = FileRecord::of(RECORD, body.as_bytes()).blake3;
+        file::replace(&path, |file| {
+            write!(file, "{OPENING}{HASH_KEY}{hash}{HASH_END}{body}")
+        })?;
+        Ok(())
+    }
+
+    /// The record in a result folder, whether or not it is what the run wrote.
+    ///
+    /// # Errors
+    /// [`FileError`] if it cannot be read.
+    pub fn of_folder(folder: &Path) -> Result<Self, FileError> {
+        Self::read(folder).map(|(record, _)| record)
+    }
+
+    /// Reads `run.json`, and whether it is what the run wrote.
+    pub(super) fn read(folder: &Path) -> Result<(Self, bool), FileError> {
+        let path = folder.join(RECORD);
+        let text = file::read_text(&path)?;
+        let hashed = text
+            .strip_prefix(OPENING)
+            .and_then(|rest| rest.strip_prefix(HASH_KEY)?.split_once(HASH_END));
+        let (json, intact) = match hashed {
+            // an empty line in place of the hash, so that errors name the lines of the file
+            Some((hash, body)) => (
+                format!("{OPENING}\n{body}"),
+                FileRecord::of(RECORD, body.as_bytes()).blake3 == hash,
+            ),
+            None => (text, false),
+        };
+        let record = serde_json::from_str(&json).map_err(|error| {
+            let line = error.line() as u64;
+            FileError::content(&path, Some(line), format!("is no record of a run: {error}"))
+        })?;
+        Ok((record, intact))
+    }
+
+    /// Names of the files in `folder` that are not those that the run wrote; absent ones among them.
+    pub(super) fn changed(&self, folder: &Path) -> Vec<String> {
+        let differs = |table: &&FileRecord| {
+            FileRecord::in_folder(folder, &table.name).ok().as_ref() != Some(*table)
+        };
+        let tables = self.tables.iter().filter(differs);
+        tables.map(|table| table.name.clone()).collect()
+    }
+}
+
+/// First bytes of `run.json`.
+const OPENING: &str = "{\n";
+/// What stands around the hash in its second line.
+const HASH_KEY: &str = "  \"blake3_of_the_lines_below\": \"";
+const HASH_END: &str = "\",\n";

@@ -1,0 +1,90 @@
+//! A run read back from its folder, and whether its files are still those that it wrote.
+
+use super::input::ReportInput;
+use super::record::{FURTHER_POINTS, RECORD, RunRecord, TABLES};
+use crate::ensemble::outcome::SampleOutcome;
+use crate::ensemble::store::{read_curves, read_samples};
+use crate::file::FileError;
+use std::path::Path;
+
+/// A run read back from its folder.
+#[derive(Debug, Clone)]
+pub struct StoredRun {
+    /// `run.json`.
+    pub record: RunRecord,
+    /// Outcomes of the population with their curves.
+    pub outcomes: Vec<SampleOutcome>,
+    /// Outcomes of the mixed samples of a pick-freeze design, which belong to no population.
+    pub mixed: Vec<SampleOutcome>,
+    /// Files whose content is not that of the run.
+    pub changed: Vec<String>,
+}
+
+/// Refuses a folder with files that are not those that the run wrote: what is computed from them would pass for its results.
+///
+/// # Errors
+/// [`FileError`] on the first such file.
+pub fn require_unchanged(folder: &Path) -> Result<(), FileError> {
+    let (record, intact) = RunRecord::read(folder)?;
+    let own = (!intact).then(|| RECORD.to_owned());
+    match own.into_iter().chain(record.changed(folder)).next() {
+        None => Ok(()),
+        Some(name) => Err(FileError::content(&folder.join(name), None, CHANGED)),
+    }
+}
+
+/// What is wrong with a changed file.
+pub const CHANGED: &str = "is not the file that the run wrote";
+
+impl StoredRun {
+    /// What a report is made from.
+    #[must_use]
+    pub fn input(&self) -> ReportInput<'_> {
+        ReportInput {
+            record: &self.record,
+            outcomes: &self.outcomes,
+            mixed: &self.mixed,
+            changed: &self.changed,
+        }
+    }
+
+    /// The same without the points that a search has met: they are others in each study, so that nothing pairs with them.
+    #[must_use]
+    pub fn without_search(mut self) -> Self {
+        let of_design = |o: &SampleOutcome| o.group.outer < Some(self.record.design.outer_points);
+        self.outcomes.retain(of_design);
+        self
+    }
+
+    /// Reads what a run left in `folder`.
+    ///
+    /// # Errors
+    /// [`FileError`] with the file that is absent or not what a run writes.
+    pub fn read(folder: &Path) -> Result<Self, FileError> {
+        let (record, intact) = RunRecord::read(folder)?;
+        let [samples, curves] = TABLES.map(|name| folder.join(name));
+        let mut stored = read_samples(&samples)?;
+        read_curves(&curves, &mut stored.outcomes)?;
+        if record.design.further_points > 0 {
+            let further = read_samples(&folder.join(FURTHER_POINTS))?;
+            stored.outcomes.extend(further.outcomes);
+        }
+        let own = (!intact).then(|| RECORD.to_owned());
+        let changed = own.into_iter().chain(record.changed(folder)).collect();
+        let shape = |o: &SampleOutcome| {
+            o.levels.len() == record.levels.len() && o.inputs.len() == record.inputs.len()
+        };
+        if !stored.outcomes.iter().all(shape) {
+            let rule = format!("must have the levels and inputs of {RECORD} in every sample");
+            return Err(FileError::content(&samples, None, rule));
+        }
+        let of_population = |outcome: &SampleOutcome| outcome.group.of_population();
+        let (outcomes, mixed) = stored.outcomes.into_iter().partition(of_population);
+        Ok(Self {
+            record,
+            outcomes,
+            mixed,
+            changed,
+        })
+    }
+}

@@ -1,0 +1,291 @@
+//! A criterion judged on the samples of one population at one excitation level.
+//!
+//! A sample without a trusted solution counts as one that may keep the limit or break it, and every other sample is taken
+//! within its own numerical error. What would decide, and how often a study of this size passes, goes with it.
+
+use super::criterion_result::{LevelResult, NumericalWidth, Power, Unknown};
+use super::numerical_error::{NumericalErrors, Solved};
+use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
+use crate::report::asked::requirement::{Criterion, Operation, Quantity, Stress};
+use crate::report::numbers::allowable::{allowable_amplitude_m, factor};
+use crate::report::numbers::margins::smallest_margin;
+use crate::report::numbers::peaks::usable_peak;
+use crate::report::run::input::ReportInput;
+use crate::statistics::{
+    Counted, Criterion as Rule, Demonstration, Enclosed, Interval, Judgement, Limit, Observed,
+    exceedance, judge, quantile_estimate,
+};
+
+/// m → µm.
+const UM_PER_M: f64 = 1e6;
+/// Power for which the number of samples is named.
+const HIGH_POWER: f64 = 0.9;
+
+/// What a criterion is judged by at one level.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Judged<'a> {
+    pub(super) input: ReportInput<'a>,
+    pub(super) criterion: &'a Criterion,
+    pub(super) errors: &'a NumericalErrors,
+    /// Number of the level.
+    pub(super) level: usize,
+    /// Populations that the criterion is judged on: levels times outer points.
+    pub(super) populations: usize,
+}
+
+impl<'a> Judged<'a> {
+    /// The samples of one population at level number `level`.
+    pub(super) fn new(
+        input: ReportInput<'a>,
+        criterion: &'a Criterion,
+        errors: &'a NumericalErrors,
+        level: usize,
+    ) -> Self {
+        Self {
+            input,
+            criterion,
+            errors,
+            level,
+            populations: 1,
+        }
+    }
+}
+
+impl Judged<'_> {
+    /// Judges the samples of one population.
+    pub(super) fn population(&self) -> LevelResult {
+        let results = self.results();
+        let observed = Observed::enclosed(&results);
+        let exact = Observed::of(results.iter().map(|r| r.value));
+        let (estimate, interval) = self.estimate(&observed);
+        let (_, without_error) = self.estimate(&exact);
+        let judgement = judge(interval, self.rule(self.criterion.limit));
+        let counted = self.counted(&observed);
+        let demonstration = self.demonstration();
+        LevelResult {
+            level: self.input.record.levels[self.level],
+            estimate,
+            interval,
+            judgement,
+            counted,
+            unknown_because: self.unknown(&counted),
+            numerical_error: NumericalWidth {
+                lower: distance(interval.lower, without_error.lower),
+                upper: distance(interval.upper, without_error.upper),
+                not_estimated: self.errors.not_estimated(self.solved()).to_vec(),
+            },
+            power: power(&demonstration, counted.samples),
+            remedy: (judgement == Judgement::Undecided).then(|| demonstration.remedy(&counted)),
+            engine_order: estimate.and_then(|estimate| self.engine_order(&results, estimate)),
+            outer: None,
+            over_box: None,
+        }
+    }
+
+    /// One result per sample, in the unit of the limit of each sample; NaN where none is to be trusted.
+    pub(super) fn results(&self) -> Vec<Enclosed> {
+        let lost = Enclosed {
+            lower: f64::NAN,
+            value: f64::NAN,
+            upper: f64::NAN,
+        };
+        let of = |o: &SampleOutcome| trusted_peak(&o.levels[self.level]).map(|p| self.enclosed(&p));
+        let outcomes = self.input.outcomes.iter();
+        outcomes.map(|o| of(o).unwrap_or(lost)).collect()
+    }
+
+    /// Whether a result breaks the limit wherever it lies.
+    pub(super) fn breaks(&self, result: &Enclosed) -> bool {
+        match self.rule(self.limit_of_samples()) {
+            Rule::AtLeast(limit) => result.upper < limit,
+            Rule::AtMost(limit) => result.lower > limit,
+        }
+    }
+
+    fn enclosed(&self, peak: &PeakRecord) -> Enclosed {
+        let frequency = self.errors.frequency(peak);
+        let amplitude = self.errors.amplitude(peak);
+        let requirements = &self.input.record.requirements;
+        match (
+            self.criterion.quantity,
+            &requirements.operation,
+            &requirements.stress,
+        ) {
+            (Quantity::FrequencyMarginPercent, Some(operation), _) => margin(frequency, operation),
+            (Quantity::ReserveFactor, _, Some(stress)) => reserve(amplitude, stress),
+            _ => Enclosed {
+                lower: amplitude.lower * UM_PER_M,
+                value: amplitude.value * UM_PER_M,
+                upper: amplitude.upper * UM_PER_M,
+            },
+        }
+    }
+
+    fn solved(&self) -> Solved {
+        match self.criterion.quantity {
+            Quantity::FrequencyMarginPercent => Solved::Frequency,
+            _ => Solved::Amplitude,
+        }
+    }
+
+    fn rule(&self, limit: f64) -> Rule {
+        match self.criterion.quantity.at_least() {
+            true => Rule::AtLeast(limit),
+            false => Rule::AtMost(limit),
+        }
+    }
+
+    /// The limit that each sample keeps or breaks: that of the criterion, or the amplitude (µm) of a reserve factor of 1.
+    fn limit_of_samples(&self) -> f64 {
+        let stress = self.input.record.requirements.stress.as_ref();
+        match (self.criterion.quantity, stress) {
+            (Quantity::ProbabilityOfExceedance, Some(stress)) => {
+                UM_PER_M * allowable_amplitude_m(stress)
+            }
+            _ => self.criterion.limit,
+        }
+    }
+
+    fn demonstration(&self) -> Demonstration {
+        let look = self.input.record.look();
+        self.criterion.demonstration(self.populations, look)
+    }
+
+    /// The number that is judged, with its interval: the side that passes has the confidence of PASS, the other one that
+    /// of FAIL.
+    fn estimate(&self, observed: &Observed) -> (Option<f64>, Interval) {
+        let demonstration = self.demonstration();
+        let (estimate, of_pass) = self.estimate_at(observed, demonstration.confidence);
+        let (_, of_fail) = self.estimate_at(observed, demonstration.confidence_of_fail);
+        let interval = match self.criterion.quantity.at_least() {
+            true => Interval {
+                lower: of_pass.lower,
+                upper: of_fail.upper,
+            },
+            false => Interval {
+                lower: of_fail.lower,
+                upper: of_pass.upper,
+            },
+        };
+        (estimate, interval)
+    }
+
+    /// The number with an interval each side of which has the given confidence.
+    fn estimate_at(&self, observed: &Observed, confidence: f64) -> (Option<f64>, Interval) {
+        let two_sided = 2.0 * confidence - 1.0;
+        let none = (None, Interval::UNBOUNDED);
+        if self.criterion.quantity == Quantity::ProbabilityOfExceedance {
+            let found = exceedance(observed, self.limit_of_samples(), two_sided);
+            return found.map_or(none, |found| {
+                let share = found.probability;
+                let known = exceedance_of_values(observed, self.limit_of_samples());
+                (known, Interval::between(share.lower, share.upper))
+            });
+        }
+        let probability = match self.criterion.quantity.at_least() {
+            true => 1.0 - self.criterion.share(),
+            false => self.criterion.share(),
+        };
+        let found = quantile_estimate(observed, probability, two_sided);
+        found.map_or(none, |q| (Some(q.estimate), q.interval))
+    }
+
+    fn counted(&self, observed: &Observed) -> Counted {
+        let below = |ends: &[f64], limit: f64| ends.partition_point(|&v| v < limit);
+        let above = |ends: &[f64], limit: f64| ends.len() - ends.partition_point(|&v| v <= limit);
+        let known = observed.valid().values().len();
+        let (broken, possible) = match self.rule(self.limit_of_samples()) {
+            Rule::AtLeast(limit) => (
+                below(observed.upper_ends(), limit),
+                below(observed.lower_ends(), limit),
+            ),
+            Rule::AtMost(limit) => (
+                above(observed.lower_ends(), limit),
+                above(observed.upper_ends(), limit),
+            ),
+        };
+        Counted {
+            samples: observed.total(),
+            broken,
+            unknown: possible - broken + observed.total() - known,
+        }
+    }
+
+    fn unknown(&self, counted: &Counted) -> Unknown {
+        let levels = self.input.outcomes.iter().map(|o| &o.levels[self.level]);
+        let solved = levels.clone().filter(|l| usable_peak(l).is_some()).count();
+        let trusted = levels.filter(|l| trusted_peak(l).is_some()).count();
+        let failed = counted.samples - solved;
+        Unknown {
+            failed,
+            untrusted: solved - trusted,
+            within_error: counted.unknown - (counted.samples - trusted),
+        }
+    }
+
+    /// The order with the smallest margin in the sample whose result is the estimate.
+    fn engine_order(&self, results: &[Enclosed], estimate: f64) -> Option<u32> {
+        let operation = self.input.record.requirements.operation.as_ref()?;
+        if self.criterion.quantity != Quantity::FrequencyMarginPercent {
+            return None;
+        }
+        let place = results.iter().position(|r| r.value == estimate)?;
+        let peak = trusted_peak(&self.input.outcomes[place].levels[self.level])?;
+        let size = |order: &u32| {
+            let alone = Operation {
+                engine_orders: vec![*order],
+                ..operation.clone()
+            };
+            smallest_margin(peak.frequency_hz, &alone)
+        };
+        let orders = operation.engine_orders.iter();
+        orders.min_by(|a, b| size(a).total_cmp(&size(b))).copied()
+    }
+}
+
+fn power(demonstration: &Demonstration, samples: usize) -> Power {
+    let kept = 0.5 * (1.0 + demonstration.content);
+    Power {
+        kept,
+        probability: demonstration.power(samples, kept),
+        samples_for_90_percent: demonstration.samples_for_power(kept, HIGH_POWER),
+    }
+}
+
+/// The peak of a level if it may stand for the blade.
+fn trusted_peak(level: &LevelOutcome) -> Option<PeakRecord> {
+    usable_peak(level).filter(|_| level.status.is_trusted())
+}
+
+/// Share of the known samples above `threshold`; absent without such.
+fn exceedance_of_values(observed: &Observed, threshold: f64) -> Option<f64> {
+    let values = observed.valid().values();
+    let above = values.len() - values.partition_point(|&v| v <= threshold);
+    (!values.is_empty()).then(|| above as f64 / values.len() as f64)
+}
+
+/// Distance of two limits; absent where one is open.
+fn distance(a: Limit, b: Limit) -> Option<f64> {
+    Some((a.value()? - b.value()?).abs())
+}
+
+/// The smallest margin (%). Between two lines it changes by (1 + margin) times the relative change of the frequency at most.
+fn margin(frequency: Enclosed, operation: &Operation) -> Enclosed {
+    let value = smallest_margin(frequency.value, operation);
+    let relative = (frequency.upper - frequency.value) / frequency.value;
+    let error = relative * (1.0 + value);
+    Enclosed {
+        lower: 100.0 * (value - error).max(0.0),
+        value: 100.0 * value,
+        upper: 100.0 * (value + error),
+    }
+}
+
+/// The reserve factor, largest where the amplitude is least; open above where the amplitude may be 0.
+fn reserve(amplitude: Enclosed, stress: &Stress) -> Enclosed {
+    Enclosed {
+        lower: factor(amplitude.upper, stress),
+        value: factor(amplitude.value, stress),
+        upper: factor(amplitude.lower, stress),
+    }
+}

@@ -1,0 +1,115 @@
+//! The user's criteria, judged: PASS, FAIL or UNDECIDED, over all their levels and outer points.
+//!
+//! What a judgement is (`criterion_result`), how one population is judged (`judged`) and how it is put into words (`sentence`)
+//! stand below.
+
+use super::criterion_result::{CriterionResult, LevelResult};
+use super::ignorance::as_intervals;
+use super::judged::Judged;
+use super::numerical_error::NumericalErrors;
+use super::over_box::{OverBox, PointJudgement};
+use super::sentence::sentence;
+use crate::report::asked::requirement::Criterion;
+use crate::report::numbers::error_budget::ErrorLine;
+use crate::report::numbers::outer_points::{chosen, epistemic_columns, nested, outer_groups};
+use crate::report::run::input::ReportInput;
+use crate::statistics::Judgement;
+
+/// Judges every criterion of the study.
+pub(in crate::report) fn judge_all(
+    input: &ReportInput,
+    budget: &[ErrorLine],
+) -> Vec<CriterionResult> {
+    let errors = NumericalErrors::of(input, budget);
+    let criteria = input.record.requirements.criteria.iter();
+    criteria
+        .map(|criterion| result(input, criterion, &errors))
+        .collect()
+}
+
+fn result(input: &ReportInput, criterion: &Criterion, errors: &NumericalErrors) -> CriterionResult {
+    let levels = criterion.levels(&input.record.levels);
+    let populations = levels.len() * outer_groups(input.outcomes).len();
+    let judged = |&level: &usize| Judged {
+        populations,
+        ..Judged::new(*input, criterion, errors, level)
+    };
+    let judged: Vec<Judged> = levels.iter().map(judged).collect();
+    let levels: Vec<LevelResult> = judged.iter().map(worst_point).collect();
+    let any = |judgement| levels.iter().any(|l| l.judgement == judgement);
+    let judgement = match (any(Judgement::Fail), any(Judgement::Undecided)) {
+        (true, _) => Judgement::Fail,
+        (false, true) => Judgement::Undecided,
+        (false, false) => Judgement::Pass,
+    };
+    let mut result = CriterionResult {
+        criterion: criterion.clone(),
+        judgement,
+        indication: !input.record.design.independent,
+        sentence: String::new(),
+        as_intervals: as_intervals(judgement, &judged),
+        levels,
+    };
+    result.sentence = sentence(input.record, &result);
+    result
+}
+
+/// The worst over the outer points, where there are such: their samples are no population together.
+fn worst_point(judged: &Judged) -> LevelResult {
+    if !nested(judged.input.outcomes) {
+        return judged.population();
+    }
+    let of_point = |(outer, members): (Option<u64>, Vec<usize>)| {
+        let outcomes: Vec<_> = (members.iter())
+            .map(|&m| judged.input.outcomes[m].clone())
+            .collect();
+        let input = ReportInput {
+            outcomes: &outcomes,
+            ..judged.input
+        };
+        LevelResult {
+            outer,
+            ..Judged { input, ..*judged }.population()
+        }
+    };
+    let groups = outer_groups(judged.input.outcomes);
+    let points: Vec<LevelResult> = groups.into_iter().map(of_point).collect();
+    let over_box = over_box(&judged.input, &points);
+    let severity = |result: &LevelResult| {
+        let word = match result.judgement {
+            Judgement::Pass => 0,
+            Judgement::Undecided => 1,
+            Judgement::Fail => 2,
+        };
+        (word, result.cost(judged.criterion))
+    };
+    let worse = |a: LevelResult, b: LevelResult| match severity(&b) > severity(&a) {
+        true => b,
+        false => a,
+    };
+    let worst = points.into_iter().reduce(worse);
+    LevelResult {
+        over_box: Some(over_box),
+        ..worst.unwrap_or_else(|| judged.population())
+    }
+}
+
+/// The judgements over the box, from the results of the outer points in the order of their numbers.
+fn over_box(input: &ReportInput, results: &[LevelResult]) -> OverBox {
+    let groups = outer_groups(input.outcomes);
+    let columns = epistemic_columns(input.outcomes, &groups);
+    let point = |((outer, members), result): (&(Option<u64>, Vec<usize>), &LevelResult)| {
+        let first = &input.outcomes[members[0]];
+        PointJudgement {
+            outer: *outer,
+            values: chosen(&first.inputs, &columns),
+            estimate: result.estimate,
+            judgement: result.judgement,
+        }
+    };
+    let names = columns.iter().map(|&j| input.record.inputs[j].name.clone());
+    OverBox {
+        inputs: names.collect(),
+        points: groups.iter().zip(results).map(point).collect(),
+    }
+}

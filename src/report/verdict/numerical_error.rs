@@ -1,0 +1,85 @@
+//! The enclosures of the results that verdicts are judged on: what the solver may have wrong in each sample.
+//!
+//! Amplitude: the estimate of the harmonics left out, and the part of the work that the balance misses. Frequency: the place
+//! of the peak, and the harmonics left out again (`peak_error`). Further lines of the error budget enter as they stand there;
+//! what nobody estimated is named, never 0.
+
+use crate::ensemble::outcome::PeakRecord;
+use crate::report::numbers::error_budget::{self, ErrorLine};
+use crate::report::numbers::peak_error::{damping_ratio, harmonics_shift, work_imbalance};
+use crate::report::run::input::ReportInput;
+use crate::statistics::Enclosed;
+
+/// Errors of the peaks of a study.
+#[derive(Debug, Clone)]
+pub(super) struct NumericalErrors {
+    frequency_tolerance: f64,
+    damping_ratio: Option<f64>,
+    /// Lines that are the same for all peaks: frequency (Hz), amplitude (relative).
+    common: [f64; 2],
+    not_estimated: [Vec<&'static str>; 2],
+}
+
+/// Results that a verdict may be about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Solved {
+    /// Resonance frequency.
+    Frequency,
+    /// Amplitude at resonance.
+    Amplitude,
+}
+
+impl NumericalErrors {
+    /// Errors of the peaks of a study with the given budget.
+    pub(super) fn of(input: &ReportInput, budget: &[ErrorLine]) -> Self {
+        let about_results =
+            |line: &&ErrorLine| !error_budget::NO_NUMERICAL_ERROR.contains(&line.source);
+        let lines: Vec<&ErrorLine> = budget.iter().filter(about_results).collect();
+        let columns: [fn(&ErrorLine) -> Option<f64>; 2] =
+            [|line| line.frequency_hz, |line| line.amplitude_relative];
+        let common = |of: fn(&ErrorLine) -> Option<f64>| {
+            let shared = lines
+                .iter()
+                .filter(|l| !error_budget::OF_EACH_PEAK.contains(&l.source));
+            shared.filter_map(|line| of(line)).sum()
+        };
+        let unknown = |of: fn(&ErrorLine) -> Option<f64>| {
+            let lines = lines.iter().filter(|line| of(line).is_none());
+            lines.map(|line| line.source).collect()
+        };
+        Self {
+            frequency_tolerance: input.record.frequency_tolerance,
+            damping_ratio: damping_ratio(input.record),
+            common: columns.map(common),
+            not_estimated: columns.map(unknown),
+        }
+    }
+
+    /// Sources of error that nobody estimated.
+    pub(super) fn not_estimated(&self, result: Solved) -> &[&'static str] {
+        &self.not_estimated[result as usize]
+    }
+
+    /// Ends of the frequency of a peak (Hz).
+    pub(super) fn frequency(&self, peak: &PeakRecord) -> Enclosed {
+        let harmonics = harmonics_shift(self.damping_ratio, peak).unwrap_or(0.0);
+        let relative = self.frequency_tolerance + harmonics;
+        let error = relative * peak.frequency_hz + self.common[0];
+        Enclosed {
+            lower: peak.frequency_hz - error,
+            value: peak.frequency_hz,
+            upper: peak.frequency_hz + error,
+        }
+    }
+
+    /// Ends of the amplitude of a peak (m).
+    pub(super) fn amplitude(&self, peak: &PeakRecord) -> Enclosed {
+        let known = [peak.truncation_error, work_imbalance(peak)];
+        let relative = known.into_iter().flatten().sum::<f64>() + self.common[1];
+        Enclosed {
+            lower: peak.amplitude_m * (1.0 - relative).max(0.0),
+            value: peak.amplitude_m,
+            upper: peak.amplitude_m * (1.0 + relative),
+        }
+    }
+}

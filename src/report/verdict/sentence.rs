@@ -1,0 +1,180 @@
+//! A judgement in plain words: what was found, what was asked, and what would decide.
+
+use super::criterion_result::{CriterionResult, LevelResult, Power};
+use crate::report::asked::requirement::{Criterion, Quantity};
+use crate::report::display::{level_name, percent, significant, with_digits};
+use crate::report::run::record::RunRecord;
+use crate::statistics::{Interval, Judgement, Remedy};
+
+/// How a number of the criterion is written.
+pub(in crate::report) fn shown(quantity: Quantity) -> fn(f64) -> String {
+    match quantity {
+        Quantity::FrequencyMarginPercent => |v| format!("{} %", with_digits(v, 3)),
+        Quantity::AmplitudeUm => |v| format!("{} µm", significant(v)),
+        Quantity::ReserveFactor => |v| with_digits(v, 3),
+        Quantity::ProbabilityOfExceedance => percent,
+    }
+}
+
+/// The judgement of a criterion in one or two sentences.
+pub(super) fn sentence(record: &RunRecord, result: &CriterionResult) -> String {
+    let Some(level) = result.deciding() else {
+        return "No level was judged.".to_owned();
+    };
+    let place = place(record, result, level);
+    let Some(estimate) = level.estimate else {
+        return format!("No sample has a solution to be trusted {place}.");
+    };
+    let criterion = &result.criterion;
+    let show = shown(criterion.quantity);
+    let found = found(criterion, level, &show(estimate));
+    let limit = show(criterion.limit);
+    let asked = match criterion.quantity.at_least() {
+        true => format!("at least {limit} is required"),
+        false => format!("at most {limit} is allowed"),
+    };
+    let interval = between(level.interval, show);
+    let end = match result.judgement {
+        Judgement::Pass => String::new(),
+        Judgement::Fail => " The limit is not kept.".to_owned(),
+        Judgement::Undecided => remedy(record, level)
+            .map_or_else(String::new, |remedy| format!(" Undecided: {remedy}.")),
+    };
+    let over_box = level
+        .over_box
+        .as_ref()
+        .map_or_else(String::new, |over_box| {
+            let points = over_box.points.len();
+            let words = over_box.in_words();
+            let seen = match record.design.further_points {
+                0 => format!("Shown at {points} points, not between them"),
+                n => format!(
+                    "Searched for the worst case: {n} of the {points} points; what lies between them is not proved"
+                ),
+            };
+            format!(" Over the box: {words}. {seen}.")
+        });
+    format!("{found} {place} ({interval}; {asked}).{end}{over_box}")
+}
+
+fn found(criterion: &Criterion, level: &LevelResult, number: &str) -> String {
+    let share = percent(criterion.share());
+    match criterion.quantity {
+        Quantity::FrequencyMarginPercent => {
+            let order = level.engine_order;
+            let what = order.map_or_else(
+                || "every engine order".to_owned(),
+                |order| format!("engine order {order}"),
+            );
+            format!("{share} of the assumed prior stays {number} away from {what}")
+        }
+        Quantity::AmplitudeUm => format!("{share} of the assumed prior stays below {number}"),
+        Quantity::ReserveFactor => {
+            format!("{share} of the assumed prior has a reserve factor of {number} or more")
+        }
+        Quantity::ProbabilityOfExceedance => {
+            format!("{number} of the assumed prior has a reserve factor below 1")
+        }
+    }
+}
+
+/// `at 5 N, the worst of 2 levels`.
+fn place(record: &RunRecord, result: &CriterionResult, level: &LevelResult) -> String {
+    let mut text = format!("at {}", level_name(level.level, &record.level_unit));
+    if result.levels.len() > 1 {
+        text.push_str(&format!(", the worst of {} levels", result.levels.len()));
+    }
+    if let Some(outer) = level.outer {
+        text.push_str(&format!(" and at outer point {outer}, the worst"));
+    }
+    text
+}
+
+fn between(interval: Interval, show: fn(f64) -> String) -> String {
+    match (interval.lower.value(), interval.upper.value()) {
+        (Some(lower), Some(upper)) => format!("{} to {}", show(lower), show(upper)),
+        (Some(lower), None) => format!("{} or more", show(lower)),
+        (None, Some(upper)) => format!("{} or less", show(upper)),
+        (None, None) => "the samples bound it on no side".to_owned(),
+    }
+}
+
+/// What would decide, with its number; absent where a level is decided.
+pub(super) fn remedy(record: &RunRecord, level: &LevelResult) -> Option<String> {
+    let counted = &level.counted;
+    Some(match level.remedy? {
+        Remedy::Samples(n) => {
+            let few = counted.broken + counted.unknown == 0;
+            let needed = match few {
+                true => format!("{n} samples needed"),
+                false => format!("about {n} samples needed"),
+            };
+            format!("{needed}{}", more_samples(record, n))
+        }
+        Remedy::FewerUnknown => format!(
+            "{} of {} samples are unknown ({}), and no number of samples decides as long as so large a share is",
+            counted.unknown,
+            counted.samples,
+            reasons(level)
+        ),
+        Remedy::TooClose => {
+            "the share that keeps the limit is too close to the one that must: more than a million samples needed"
+                .to_owned()
+        }
+    })
+}
+
+/// Where and how the samples come from.
+fn more_samples(record: &RunRecord, n: usize) -> String {
+    let outer = record.design.outer_points;
+    let each = match outer {
+        1 => "",
+        _ => " at each outer point",
+    };
+    let total = match &record.stopping {
+        Some(stopping) => stopping.growth(n as u64),
+        None => record.design.growth.total(n as u64),
+    };
+    match total.and_then(|total| total.checked_mul(outer)) {
+        Some(total) => format!("{each}: `microslip extend results --samples {total}`"),
+        None => format!("{each}: this design cannot be extended, `run` one of so many"),
+    }
+}
+
+/// Why samples are unknown: `3 failed, 12 not to be trusted`.
+pub(in crate::report) fn reasons(level: &LevelResult) -> String {
+    let because = &level.unknown_because;
+    let parts = [
+        (because.failed, "failed"),
+        (because.untrusted, "not to be trusted"),
+        (
+            because.within_error,
+            "with the limit inside their numerical error",
+        ),
+    ];
+    let parts = parts.into_iter().filter(|(count, _)| *count > 0);
+    let parts: Vec<String> = parts.map(|(count, why)| format!("{count} {why}")).collect();
+    parts.join(", ")
+}
+
+/// How often a study of this size passes: a PASS of a study that hardly ever gives one says more than its absence would.
+pub(in crate::report) fn power(power: &Power) -> String {
+    let kept = with_digits(100.0 * power.kept, 3);
+    let more = match power.samples_for_90_percent {
+        Some(n) => format!(", {n} samples in 90 %"),
+        None => String::new(),
+    };
+    format!(
+        "if {kept} % kept the limit, so many samples would pass in {} of all studies{more}",
+        percent(power.probability)
+    )
+}
+
+/// The word of a judgement.
+pub(in crate::report) fn word(judgement: Judgement) -> &'static str {
+    match judgement {
+        Judgement::Pass => "PASS",
+        Judgement::Fail => "FAIL",
+        Judgement::Undecided => "UNDECIDED",
+    }
+}

@@ -1,0 +1,44 @@
+//! The files of a report: `summary.json`, `report.json` and `report.html`.
+
+use super::assessment::Assessment;
+use super::error::ReportError;
+use crate::file;
+use crate::report::numbers::summary::Summary;
+use crate::report::page::document::study_page;
+use crate::report::run::input::ReportInput;
+use crate::report::run::stored_run::StoredRun;
+use std::io::Write;
+use std::path::Path;
+
+/// Writes the report of the run in `folder` from its files alone, and returns the summary with the samples.
+///
+/// # Errors
+/// [`ReportError`] if a file cannot be read or written.
+pub fn render(folder: &Path) -> Result<(Summary, StoredRun), ReportError> {
+    let run = StoredRun::read(folder)?;
+    let summary = write(folder, &run.input())?;
+    Ok((summary, run))
+}
+
+/// Writes `summary.json`, `report.json` and `report.html` into `folder`, each whole or not at all, and returns the summary.
+///
+/// Shape: every outcome, and the nominal one, has one record per level of the record.
+///
+/// # Errors
+/// [`ReportError`] if a file cannot be written.
+pub fn write(folder: &Path, input: &ReportInput) -> Result<Summary, ReportError> {
+    let summary = Summary::of(input);
+    let json = serde_json::to_string_pretty(&summary)?;
+    let assessment = Assessment::of(input, &summary);
+    let report = serde_json::to_string_pretty(&assessment)?;
+    let page = study_page(input, &summary, &assessment)?;
+    let files = [
+        ("summary.json", json),
+        ("report.json", report),
+        ("report.html", page),
+    ];
+    for (name, text) in files {
+        file::replace(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
+    }
+    Ok(summary)
+}
