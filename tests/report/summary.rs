@@ -30,7 +30,11 @@ fn field_names_are_stable() {
     key_paths("", &summary, &mut paths);
     let found: Vec<String> = paths
         .into_iter()
-        .filter(|p| !p.contains(".statuses.") && !p.contains(".highest_harmonics."))
+        .filter(|p| {
+            !p.contains(".statuses.")
+                && !p.contains(".routes.")
+                && !p.contains(".highest_harmonics.")
+        })
         .filter(|p| {
             !p.starts_with(".levels.amplitude") && !p.starts_with(".levels.truncation_error")
         })
@@ -48,6 +52,9 @@ fn statuses_add_up_to_the_samples() {
     for level in &summary.levels {
         assert_eq!(level.statuses.values().sum::<usize>(), 333);
         assert_eq!(level.statuses.len(), Status::ALL.len());
+        let found: usize = level.routes.values().sum();
+        assert_eq!(found, 333 - level.failed);
+        assert!(level.routes["predicted"] > level.routes["swept-on-one"]);
         assert_eq!(level.frequency_hz.valid + level.failed, 333);
         assert_eq!(
             level.highest_harmonics.values().sum::<usize>(),

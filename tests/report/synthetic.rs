@@ -6,7 +6,7 @@ use microslip::ensemble::outcome::{
     CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome,
 };
 use microslip::ensemble::store::{Provenance, write_curves, write_samples};
-use microslip::hb::{SliderAnchor, Status};
+use microslip::hb::{PeakRoute, SliderAnchor, Status};
 use microslip::report::asked::Bands;
 use microslip::report::asked::{Criterion, MarginBase, Operation, Quantity, Requirements, Stress};
 use microslip::report::run::{DesignRecord, FileRecord, InputRecord, LinearRecord, TABLES};
@@ -278,13 +278,22 @@ fn others(index: u64, frequency_hz: f64, amplitude_m: f64) -> Vec<OtherMaximum> 
     (1..=index % 3).map(other).collect()
 }
 
+/// Most peaks are predicted, some are tracked, few are met on the way through the band.
+fn route_of(noise: f64) -> PeakRoute {
+    match noise {
+        n if n > 0.95 => PeakRoute::SweptOnOne,
+        n if n > 0.8 => PeakRoute::Tracked,
+        _ => PeakRoute::Predicted,
+    }
+}
+
 fn peak(force: f64, frequency_hz: f64, amplitude_m: f64, stick: f64, noise: f64) -> PeakRecord {
     let separated = (1.0 - stick) * (0.3 + 0.6 * (force / 300.0).sqrt());
     let work = 1e-3 * force * amplitude_m;
     PeakRecord {
         frequency_hz,
         amplitude_m,
-        route: None,
+        route: Some(route_of(noise)),
         truncation_error: Some(1e-4 * 10f64.powf(1.9 * noise + 0.3 * (1.0 - stick))),
         highest_harmonic: if noise > 0.7 { 5 } else { 3 },
         stick_fraction: stick,

@@ -10,7 +10,7 @@ use super::replicate_means::ReplicateMeans;
 use crate::ensemble::backend::BackendReport;
 use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
 use crate::ensemble::store::Provenance;
-use crate::hb::{ContactFractions, Status};
+use crate::hb::{ContactFractions, PeakRoute, Status};
 use crate::report::convention::CONFIDENCE;
 use crate::report::run::input::ReportInput;
 use crate::statistics::{Proportion, Sorted, proportion, quantile};
@@ -54,6 +54,8 @@ pub struct LevelSummary {
     pub level: f64,
     /// Samples per status, every status listed; they add up to the number of samples.
     pub statuses: BTreeMap<&'static str, usize>,
+    /// Peaks per route on which they were found, every route listed; what did not come from the solver is not counted.
+    pub routes: BTreeMap<&'static str, usize>,
     /// Samples without a solution.
     pub failed: usize,
     /// Share of samples without a solution, with confidence limits; absent without samples, and where these belong to outer
@@ -82,9 +84,9 @@ pub struct LevelSummary {
     /// Largest |input − viscous − friction| work per cycle over the input work.
     pub worst_work_balance: Option<f64>,
     /// Newton iterations per sample, failed ones included.
-    pub newton_iterations: WorkCount,
+    pub newton_iterations: WorkPerSample,
     /// Linear factorisations per sample, failed ones included.
-    pub factorizations: WorkCount,
+    pub factorizations: WorkPerSample,
     /// How strongly each input orders the results.
     pub rank_correlations: Vec<InputCorrelation>,
     /// How the mixed samples of a pick-freeze design ended; absent for any other design.
@@ -105,7 +107,7 @@ pub struct MixedSummary {
 
 /// Work of the solver per sample.
 #[derive(Debug, Clone, Copy, serde::Serialize)]
-pub struct WorkCount {
+pub struct WorkPerSample {
     /// Median.
     pub median: Option<f64>,
     /// 95 % quantile.
@@ -189,6 +191,7 @@ impl LevelSummary {
         Self {
             level,
             statuses: count_statuses(&records),
+            routes: count_routes(&peaks),
             failed,
             failure_rate: proportion(failed, population.len(), input.record.confidence()),
             nominal: input
@@ -207,8 +210,8 @@ impl LevelSummary {
                 .count(),
             mean_contact_fractions: mean_fractions(population.iter(), i),
             worst_work_balance: worst_work_balance(&peaks),
-            newton_iterations: WorkCount::of(records.iter().map(|r| r.newton_iterations)),
-            factorizations: WorkCount::of(records.iter().map(|r| r.factorizations)),
+            newton_iterations: WorkPerSample::of(records.iter().map(|r| r.newton_iterations)),
+            factorizations: WorkPerSample::of(records.iter().map(|r| r.factorizations)),
             rank_correlations: correlations(input.record, population.iter(), i),
             mixed: MixedSummary::of(input.mixed, i),
         }
@@ -227,7 +230,7 @@ impl MixedSummary {
     }
 }
 
-impl WorkCount {
+impl WorkPerSample {
     fn of(counts: impl Iterator<Item = usize> + Clone) -> Self {
         let sorted = Sorted::finite(counts.clone().map(|c| c as f64));
         Self {
@@ -244,6 +247,12 @@ fn count_statuses(records: &[&LevelOutcome]) -> BTreeMap<&'static str, usize> {
         *counts.entry(counted_status(record).name()).or_insert(0) += 1;
     }
     counts
+}
+
+fn count_routes(peaks: &[PeakRecord]) -> BTreeMap<&'static str, usize> {
+    let by = |route: &PeakRoute| peaks.iter().filter(|p| p.route == Some(*route)).count();
+    let counts = PeakRoute::ALL.iter().map(|route| (route.name(), by(route)));
+    counts.collect()
 }
 
 fn worst_work_balance(peaks: &[PeakRecord]) -> Option<f64> {

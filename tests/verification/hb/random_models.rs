@@ -5,7 +5,7 @@ mod random;
 
 use microslip::hb::equations::problem::stuck_stiffness;
 use microslip::hb::structure::resonance::linear_response;
-use microslip::hb::{LinearModel, Status};
+use microslip::hb::{LinearModel, PeakRoute, Status};
 use random::RandomModel;
 use rayon::prelude::*;
 
@@ -60,4 +60,23 @@ fn balanced_preloads_leave_a_linear_problem() {
     println!("{} {:e} {expected:e}", model.text, found.amplitude(0));
     assert_eq!(found.contact.slip, 0.0);
     assert!((found.amplitude(0) / expected - 1.0).abs() < 1e-6);
+}
+
+/// Routes that are left when others fail each have a model that needs them (the number of harmonics is that of the search).
+/// Seen to fail without each of them in `hb::peak::track`: the model ends as `budget-spent`, or comes on a later route.
+#[test]
+fn every_route_has_a_model_that_needs_it() {
+    let needs = [
+        (1, 5, PeakRoute::Tracked),
+        (22, 13, PeakRoute::TrackedOnAll),
+        (35, 5, PeakRoute::Sliding),
+        (74, 5, PeakRoute::SweptOnOne),
+        (32, 5, PeakRoute::SweptOnFew),
+    ];
+    needs.into_par_iter().for_each(|(seed, harmonics, route)| {
+        let found = RandomModel::of_seed(seed).peak(harmonics, 3000);
+        println!("{seed}: {:?}", found.count);
+        let by = found.solution.as_ref().and_then(|peak| peak.route);
+        assert_eq!(by, Some(route), "model {seed}: {:?}", found.status);
+    });
 }

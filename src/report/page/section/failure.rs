@@ -1,7 +1,7 @@
 //! Failures and error alerts: how many, and where they lie.
 
 use crate::ensemble::outcome::SampleOutcome;
-use crate::hb::{ContactFractions, Status};
+use crate::hb::{ContactFractions, PeakRoute, Status};
 use crate::report::assessment::InputFailures;
 use crate::report::display::{DASH, from_to, percent, short, significant};
 use crate::report::numbers::peaks::usable_peak;
@@ -27,6 +27,7 @@ pub(super) fn section(view: &View) -> Section {
     blocks.extend([
         truncation_table(view),
         contact_table(view),
+        routes(view),
         work_table(view),
     ]);
     blocks.push(Block::Hint(
@@ -48,28 +49,18 @@ pub(super) fn section(view: &View) -> Section {
 }
 
 fn statuses(view: &View) -> Block {
-    let levels = (0..view.n_levels()).map(|i| {
-        let fields: &'static [&'static str] = &["samples"];
-        (view.level_name(i), fields)
-    });
-    let columns = [("Status".to_owned(), &["status"] as &'static [_])]
-        .into_iter()
-        .chain(levels)
-        .chain([("All".to_owned(), &["all"] as &'static [_])]);
-    let mut table = Table::new("Samples per status and level", "statuses", columns);
+    let mut table = counts_by_level(
+        view,
+        ("Status", &["status"]),
+        ("Samples per status and level", "statuses"),
+    );
     for status in Status::ALL {
-        let levels = view.summary.levels.iter();
-        let counts: Vec<usize> = levels.map(|l| l.statuses[status.name()]).collect();
-        let total: usize = counts.iter().sum();
-        let name = Cell::text(status.name())
-            .with_small(status.explanation())
-            .with_class("text strong");
-        let counts = counts.into_iter().chain([total]).map(count);
-        let cells = [name].into_iter().chain(counts).collect();
-        match total {
-            0 => table.quiet_row(cells),
-            _ => table.row(cells),
-        }
+        let counts = view
+            .summary
+            .levels
+            .iter()
+            .map(|l| l.statuses[status.name()]);
+        add_counts(&mut table, status.name(), status.explanation(), counts);
     }
     let share = match view.nested() {
         false => {
@@ -87,6 +78,55 @@ fn statuses(view: &View) -> Block {
     let cells = [name].into_iter().chain(rates).chain([Cell::text("")]);
     table.row(cells.collect());
     table.block()
+}
+
+fn routes(view: &View) -> Block {
+    let mut table = counts_by_level(
+        view,
+        ("Route", &["route"]),
+        ("How the peaks were found", "routes"),
+    );
+    for route in PeakRoute::ALL {
+        let counts = view.summary.levels.iter().map(|l| l.routes[route.name()]);
+        add_counts(&mut table, route.name(), route.explanation(), counts);
+    }
+    table.block()
+}
+
+/// A table with one column of counts per level and one of their sums.
+fn counts_by_level(
+    view: &View,
+    (of, field): (&str, &'static [&'static str]),
+    (title, file): (&str, &str),
+) -> Table {
+    let levels = (0..view.n_levels()).map(|i| {
+        let fields: &'static [&'static str] = &["samples"];
+        (view.level_name(i), fields)
+    });
+    let columns = [(of.to_owned(), field)]
+        .into_iter()
+        .chain(levels)
+        .chain([("All".to_owned(), &["all"] as &'static [_])]);
+    Table::new(title, file, columns)
+}
+
+fn add_counts(
+    table: &mut Table,
+    name: &str,
+    explanation: &str,
+    counts: impl Iterator<Item = usize>,
+) {
+    let counts: Vec<usize> = counts.collect();
+    let total: usize = counts.iter().sum();
+    let name = Cell::text(name)
+        .with_small(explanation)
+        .with_class("text strong");
+    let counts = counts.into_iter().chain([total]).map(count);
+    let cells = [name].into_iter().chain(counts).collect();
+    match total {
+        0 => table.quiet_row(cells),
+        _ => table.row(cells),
+    }
 }
 
 fn count(n: usize) -> Cell {
