@@ -21,7 +21,7 @@ use microslip::file::FileError;
 use microslip::report::epistemic::EpistemicSummary;
 use microslip::report::{Summary, render};
 use microslip::study::{
-    OutputFolder, Progress, RunResult, Study, extend, inspect, run, schema, solve,
+    OutputFolder, Progress, RunResult, Study, extend, inspect, key_reference, run, schema, solve,
     write_arrow_tables,
 };
 use reweight::ReweightArguments;
@@ -67,7 +67,11 @@ enum Command {
     /// Quantiles of the same samples under other distributions of the inputs, without solving: reweighted.json.
     Reweight(ReweightArguments),
     /// Print the JSON Schema of the study file, for editors and programs.
-    Schema,
+    Schema {
+        /// Print its keys as Markdown tables instead.
+        #[arg(long)]
+        markdown: bool,
+    },
     /// Show what a study would compute: degrees of freedom, frequencies, contact pairs, memory and time.
     Inspect(StudyArguments),
     /// List the adapters that `run --backend gpu` can use, with a self-test of each.
@@ -218,11 +222,12 @@ fn execute(command: &Command) -> Result<(), Error> {
         Command::Report(_)
         | Command::Compare(_)
         | Command::Reweight(_)
-        | Command::Schema
+        | Command::Schema { .. }
         | Command::Devices => {}
     }
     match command {
-        Command::Schema => print(|out| {
+        Command::Schema { markdown: true } => print(|out| write!(out, "{}", key_reference())),
+        Command::Schema { markdown: false } => print(|out| {
             serde_json::to_writer_pretty(&mut *out, &schema())?;
             writeln!(out)
         }),
