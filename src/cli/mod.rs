@@ -32,6 +32,7 @@ use microslip::file::FileError;
 use report::ReportArguments;
 use reweight::ReweightArguments;
 use run::RunArguments;
+use schema::SchemaArguments;
 use study_arguments::StudyArguments;
 
 /// Exit code of every failure.
@@ -82,7 +83,7 @@ enum Command {
     /// Quantiles of the same samples under other distributions of the inputs, without solving: reweighted.json.
     Reweight(ReweightArguments),
     /// Print the JSON Schema of the study file, for editors and programs.
-    Schema,
+    Schema(SchemaArguments),
     /// Show what a study would compute: degrees of freedom, frequencies, contact pairs, memory and time.
     Inspect(StudyArguments),
     /// List the adapters that `run --backend gpu` can use, with a self-test of each.
@@ -102,7 +103,7 @@ impl Command {
             Self::Report(arguments) => arguments.execute(),
             Self::Compare(arguments) => arguments.execute(),
             Self::Reweight(arguments) => arguments.execute(),
-            Self::Schema => schema::execute(),
+            Self::Schema(arguments) => arguments.execute(),
             Self::Inspect(arguments) => inspect::execute(arguments),
             Self::Devices => devices::execute(),
             Self::Completions(arguments) => arguments.execute(),

@@ -32,7 +32,8 @@ pub enum MatricesError {
 /// Damping ratios of blades with all that damps them.
 const USUAL_DAMPING: [f64; 2] = [1e-6, 0.1];
 
-/// `[model]` with `kind = "matrices"`. Files are relative to the study file's folder.
+/// The user's own reduced model with node-to-node contacts. Files are relative to the study file's folder. Either `damping`
+/// or `modal_damping_ratio` is required.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend(
@@ -40,26 +41,26 @@ const USUAL_DAMPING: [f64; 2] = [1e-6, 0.1];
     "required" = ["mass", "stiffness", "contact"]
 ))]
 pub struct MatricesSettings {
-    /// M: Matrix Market file.
+    /// M, positive definite: Matrix Market file.
     pub mass: PathBuf,
-    /// K: Matrix Market file.
+    /// K without contact springs: Matrix Market file. Rigid-body modes are allowed.
     pub stiffness: PathBuf,
-    /// C: Matrix Market file; either this or `modal_damping_ratio`.
+    /// C: Matrix Market file.
     pub damping: Option<PathBuf>,
     /// The same damping ratio in every mode of the free structure; rigid-body modes stay undamped.
     #[schemars(extend("minimum" = 0, "exclusiveMaximum" = 1))]
     pub modal_damping_ratio: Option<f64>,
-    /// Stiffness added in harmonic 0 only: Matrix Market file.
+    /// Stiffness that acts on the mean position (harmonic 0) only: Matrix Market file.
     pub retention: Option<PathBuf>,
-    /// Names of the degrees of freedom; "1", "2", … if absent.
+    /// Names of the degrees of freedom, in the order of the matrices; "1", "2", … if absent.
     pub dof_names: Option<DofNames>,
-    /// f₀.
+    /// Static force f₀.
     pub static_force: Option<Vector>,
-    /// f_c per unit level.
+    /// Cosine part f_c of the harmonic force, per unit level.
     pub cosine_force: Option<Vector>,
-    /// f_s per unit level.
+    /// Sine part f_s of the harmonic force, per unit level.
     pub sine_force: Option<Vector>,
-    /// Contact pairs.
+    /// Contact pairs, one table each.
     #[serde(default)]
     #[schemars(length(min = 1))]
     pub contact: Vec<ContactTable>,
@@ -75,12 +76,12 @@ pub struct MatricesSettings {
     expecting = "expected a list of names or the name of a text file"
 )]
 pub enum DofNames {
-    /// The names.
+    /// Names.
     List(
         #[schemars(length(min = 1), inner(regex(pattern = NOT_BLANK)), extend("uniqueItems" = true))]
          Vec<String>,
     ),
-    /// The file.
+    /// Name of a text file with one name per line.
     File(PathBuf),
 }
 

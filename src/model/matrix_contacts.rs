@@ -9,7 +9,7 @@ use crate::setting::{
     BadSetting, FRICTION, LARGEST, NOT_BLANK, USUAL_FRICTION, friction_coefficient, unusual, within,
 };
 
-/// `[[model.contact]]`: one pair. A direction without a table is absent.
+/// One contact pair. A direction without a table is absent; at least one of `t1`, `t2` and `n` is required.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend(
@@ -23,37 +23,37 @@ pub struct ContactTable {
     /// Name, unique in the model.
     #[schemars(regex(pattern = NOT_BLANK))]
     pub name: String,
-    /// First tangential relative displacement: dof → weight.
+    /// First tangential displacement of one side relative to the other: dof = weight.
     #[schemars(extend("minProperties" = 1))]
     pub t1: Option<BTreeMap<String, f64>>,
-    /// Second tangential relative displacement: dof → weight.
+    /// Second tangential relative displacement: dof = weight.
     #[schemars(extend("minProperties" = 1))]
     pub t2: Option<BTreeMap<String, f64>>,
-    /// Normal approach (compression positive): dof → weight.
+    /// Normal approach, positive in compression: dof = weight.
     #[schemars(extend("minProperties" = 1))]
     pub n: Option<BTreeMap<String, f64>>,
-    /// Normal stiffness (force/length); with `n` only.
+    /// Normal stiffness (force/length); with `n` only, and then required.
     #[schemars(range(min = 0, max = LARGEST))]
     pub k_n: Option<f64>,
-    /// Tangential stiffness of `t1` (force/length).
+    /// Tangential stiffness of `t1` (force/length); with `t1` only, and then required.
     #[schemars(range(min = 0, max = LARGEST))]
     pub k_t1: Option<f64>,
-    /// Tangential stiffness of `t2` (force/length).
+    /// Tangential stiffness of `t2` (force/length); with `t2` only, and then required.
     #[schemars(range(min = 0, max = LARGEST))]
     pub k_t2: Option<f64>,
     /// Friction coefficient.
     #[schemars(range(min = FRICTION[0], max = FRICTION[1]))]
     pub mu: f64,
-    /// Normal force at zero approach; without `n` the constant normal force. 0 if absent.
-    #[schemars(range(min = -LARGEST, max = LARGEST))]
+    /// Normal force at zero approach; without `n` the constant normal force.
+    #[schemars(range(min = -LARGEST, max = LARGEST), extend("default" = 0.0))]
     pub n_0: Option<f64>,
     /// Gap at zero approach (length) instead of `n_0`: n_0 = −k_n · gap.
     #[schemars(range(min = 0, max = LARGEST))]
     pub gap: Option<f64>,
-    /// Area that the pair stands for; 1 if absent.
-    #[schemars(range(max = LARGEST), extend("exclusiveMinimum" = 0))]
+    /// Area that the pair stands for; no result depends on it.
+    #[schemars(range(max = LARGEST), extend("exclusiveMinimum" = 0, "default" = 1.0))]
     pub area: Option<f64>,
-    /// Interface that the pair belongs to (0, 1, …), for reports.
+    /// Interface that the pair belongs to (0, 1, …): inputs of the left side act on interface 0, of the right side on 1.
     #[serde(default)]
     pub interface: usize,
 }

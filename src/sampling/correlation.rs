@@ -7,7 +7,7 @@ use super::Input;
 use crate::setting::BadSetting;
 use crate::special::{normal_cdf, normal_quantile};
 
-/// What the numbers of a [`CorrelationTable`] are.
+/// What the values of correlations are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum CorrelationKind {
@@ -18,12 +18,13 @@ pub enum CorrelationKind {
     Spearman,
 }
 
-/// `[correlation]` of a study file.
+/// Correlated inputs, by a Gaussian copula; without the table they are independent.
 #[derive(Debug, Clone, Default, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CorrelationTable {
-    /// What the values are; `normal-scores` if absent.
+    /// What the values are.
     #[serde(default)]
+    #[schemars(extend("default" = "normal-scores"))]
     kind: CorrelationKind,
     /// Pairs of inputs with their correlations.
     #[schemars(length(min = 1))]

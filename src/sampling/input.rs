@@ -4,35 +4,43 @@ use super::distribution::Distribution;
 use crate::setting::{BadSetting, FRICTION, USUAL_FRICTION, unusual};
 
 /// A quantity that may be random. The order is the order of the sampled values everywhere.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+///
+/// The JSON Schema takes the description of each input from here.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, schemars::JsonSchema)]
+#[schemars(rename_all = "snake_case")]
 pub enum Input {
-    /// Factor on the normal and the tangential contact stiffness.
+    /// Factor on the normal and the tangential contact stiffness together.
     StiffnessScale,
-    /// Factor on the normal contact stiffness, on top of [`Input::StiffnessScale`].
+    /// Factor on the normal contact stiffness, on top of `stiffness_scale`.
     NormalStiffnessScale,
-    /// Factor on the tangential contact stiffness, on top of [`Input::StiffnessScale`].
+    /// Factor on the tangential contact stiffness, on top of `stiffness_scale`.
     TangentialStiffnessScale,
-    /// Friction coefficient mu of every contact pair (absolute, not a factor).
+    /// Friction coefficient of every contact pair (absolute, not a factor).
     FrictionCoefficient,
-    /// Factor on the static load (the centrifugal force on the strip).
+    /// Factor on the static load: the centrifugal load on the strip, or `static_force`.
     StaticLoadScale,
-    /// Factor on both stiffnesses of interface 0, the left one, on top of the others.
+    /// Factor on both stiffnesses of interface 0, the left one, on top of the others. Ends the mirror symmetry.
     LeftStiffnessScale,
-    /// The same of interface 1, the right one.
+    /// Factor on both stiffnesses of interface 1, the right one, on top of the others. Ends the mirror symmetry.
     RightStiffnessScale,
-    /// Friction coefficient of interface 0, in place of the common one.
+    /// Friction coefficient of interface 0 (absolute), in place of the common one. Ends the mirror symmetry.
     LeftFrictionCoefficient,
-    /// The same of interface 1.
+    /// Friction coefficient of interface 1 (absolute), in place of the common one. Ends the mirror symmetry.
     RightFrictionCoefficient,
     /// Factor on the damping matrix: on the damping ratio of every mode.
     DampingScale,
-    /// Factor on every excitation level.
+    /// Factor on every excitation level; the results stand at the nominal level.
     ExcitationScale,
-    /// How far the contact load is that of a rigid flat punch: 0 = the model's, 1 = peaked at the edges like the punch's.
+    /// How far the load of each platform goes from the model's (0) to that of a rigid flat punch (1), which presses at the edges
+    /// of the contact width; the load is kept. Built-in model only.
     EdgePressure,
-    /// Thickness of the built-in model's strip (mm; absolute). Its mass and with it the centrifugal load grow in proportion.
+    /// Thickness of the strip (mm; absolute), in place of `strip_mm[2]`. The centrifugal load is that of the nominal strip and
+    /// grows with the mass, `static_load_scale` comes on top; every sample meshes and reduces the strip anew. Built-in model
+    /// only.
+    #[schemars(rename = "strip_thickness_mm")]
     StripThickness,
     /// Standard normal coefficient of a mode of the contact pressure's random field, below [`PRESSURE_MODES`].
+    #[schemars(skip)]
     PressureMode(u8),
 }
 

@@ -8,10 +8,10 @@ use crate::setting::BadSetting;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum OuterKind {
-    /// The corners, the centre and space-filling points.
+    /// The corners, the centre and `points` space-filling ones.
     #[default]
     Corners,
-    /// A full grid with the ends of every interval.
+    /// A full grid of `points` per input, the ends of every interval included.
     Grid,
 }
 
@@ -65,17 +65,18 @@ impl EpistemicInterval {
     }
 }
 
-/// `[epistemic]` of a study file.
+/// Outer points over the box of the inputs that are known to an interval only; the samples are repeated at each.
 #[derive(Debug, Clone, Default, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EpistemicTable {
-    /// How the box of the intervals is covered; `corners` if absent.
+    /// How the box of the intervals is covered.
     #[serde(default)]
+    #[schemars(extend("default" = "corners"))]
     kind: OuterKind,
     /// Space-filling points beside the corners (8 if absent), or points of a grid per input (3 if absent).
     #[schemars(range(max = MOST_POINTS))]
     points: Option<u64>,
-    /// Points that a search for the worst case may look at, for each number that a criterion judges; 9 per epistemic input if
+    /// Further points, at most, for each number that a criterion judges, where it could be worst; 9 per epistemic input if
     /// absent, none with 0.
     #[schemars(range(max = MOST_SEARCH))]
     search: Option<u64>,

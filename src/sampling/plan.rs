@@ -24,18 +24,20 @@ use std::path::{Path, PathBuf};
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum DesignKind {
-    /// Independent samples.
+    /// Independent samples, which depend neither on the other inputs nor on `samples`.
     #[default]
     MonteCarlo,
-    /// One sample in each stratum of each input.
+    /// One value in each of `samples` strata of each input, with controlled correlations; cannot be extended.
     LatinHypercube,
-    /// Scrambled Sobol' points in independent replicates.
+    /// Scrambled Sobol' points (Owen) in independent `replicates`, whose scatter shows the error; `samples` is a power of two
+    /// times these.
     Sobol,
-    /// Scrambled Sobol' points in rows that give Sobol' indices.
+    /// Scrambled Sobol' points in rows that give Sobol' indices; `samples` is a power of two times 2 and one per random input.
     PickFreeze,
-    /// Full grid in the probabilities of the inputs.
+    /// Full grid of the middles of cells of equal probability, `points` per input; `samples` follows.
     Grid,
-    /// Rows of a file.
+    /// Rows of the file `path`: a line of input names and one row per sample (`#` starts a comment). Inputs that it lacks are
+    /// drawn by Monte Carlo.
     File,
 }
 
@@ -54,7 +56,7 @@ impl DesignKind {
     }
 }
 
-/// `[design]` of a study file; each kind takes its own keys and refuses the others.
+/// How the samples are chosen. Each kind takes its own keys and refuses the others; without the table it is Monte Carlo.
 #[derive(Debug, Clone, Default, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend("oneOf" = [
@@ -77,10 +79,10 @@ impl DesignKind {
 pub struct DesignTable {
     /// Kind of the design.
     pub kind: DesignKind,
-    /// Independent scramblings of Sobol' points; 1 if absent.
-    #[schemars(range(min = 1, max = MOST_REPLICATES))]
+    /// Independent scramblings of Sobol' points.
+    #[schemars(range(min = 1, max = MOST_REPLICATES), extend("default" = 1))]
     replicates: Option<u64>,
-    /// Points of a grid.
+    /// Points of a grid: 5, or { NAME = 5, ... }.
     points: Option<Points>,
     /// File of a design of rows, `.csv` or `.parquet`, relative to the study file.
     path: Option<PathBuf>,

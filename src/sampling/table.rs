@@ -52,22 +52,24 @@ pub enum UncertaintyKind {
 #[serde(deny_unknown_fields)]
 #[schemars(transform = by_family)]
 pub struct DistributionTable {
-    /// Whether the input varies or has one unknown value; `aleatory` if absent.
+    /// Whether the input varies or has one unknown value.
     #[serde(default)]
+    #[schemars(extend("default" = "aleatory"))]
     kind: UncertaintyKind,
     /// Lower end of an interval without a distribution.
     lower: Option<f64>,
-    /// Its upper end.
+    /// Upper end of an interval without a distribution.
     upper: Option<f64>,
-    /// How outer points are spaced over the interval; by its ends if absent.
+    /// How outer points are spaced over the interval. If absent `log` where the interval is positive and spans a factor of
+    /// ten, else `linear`.
     scale: Option<Scale>,
-    /// Family of the distribution.
+    /// Family of the distribution, with its parameters.
     distribution: Option<Family>,
     /// The value of `fixed`.
     value: Option<f64>,
     /// Lower end of `uniform`, `log-uniform`, `triangular` and `beta`.
     low: Option<f64>,
-    /// Their upper end.
+    /// Upper end of `uniform`, `log-uniform`, `triangular` and `beta`.
     high: Option<f64>,
     /// Mean of `normal`.
     mean: Option<f64>,
@@ -88,7 +90,7 @@ pub struct DistributionTable {
     /// Second exponent of `beta`.
     #[schemars(range(min = BETA_EXPONENT[0], max = BETA_EXPONENT[1]))]
     beta: Option<f64>,
-    /// [low, high] that cuts the distribution.
+    /// [low, high] that cuts the distribution, of any family but `fixed`.
     #[serde(default, deserialize_with = "crate::setting::exactly_if_given")]
     truncation: Option<[f64; 2]>,
 }

@@ -110,7 +110,8 @@ enum NamedPeak {
     All,
 }
 
-/// `[frequency]` of a study file: one band, and at most one of `points` and values in its unit.
+/// The band, one of `band_hz` and `band_rad_s`, and where `solve` evaluates the response: at `points`, at values in the unit
+/// of the band, or, with neither, on a continuous curve over the band.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend(
@@ -128,26 +129,29 @@ enum NamedPeak {
     }
 ))]
 pub struct FrequencyTable {
-    /// Band of the resonance search, [low, high] (Hz).
+    /// Band of the resonance search, [low, high] (Hz); the model is in SI units then.
     #[serde(default, deserialize_with = "crate::setting::exactly_if_given")]
     #[schemars(inner(range(min = FREQUENCY[0], max = FREQUENCY[1])))]
     band_hz: Option<[f64; 2]>,
-    /// The same of a non-dimensional model (rad/s).
+    /// Band of the resonance search as angular frequencies (rad/s), for a model in any consistent set of units.
     #[serde(default, deserialize_with = "crate::setting::exactly_if_given")]
     #[schemars(inner(range(min = FREQUENCY[0], max = FREQUENCY[1])))]
     band_rad_s: Option<[f64; 2]>,
-    /// Frequencies at which `solve` evaluates the response (Hz), ascending.
+    /// Frequencies at which `solve` evaluates the response (Hz), ascending. Values outside the band extend it.
     #[schemars(length(min = 1), transform = crate::setting::positive_items)]
     values_hz: Option<Vec<f64>>,
-    /// The same in rad/s.
+    /// Frequencies at which `solve` evaluates the response (rad/s), ascending; with `band_rad_s`.
     #[schemars(length(min = 1), transform = crate::setting::positive_items)]
     values_rad_s: Option<Vec<f64>>,
-    /// Number of frequencies over the band.
+    /// Number of evenly spaced frequencies over the band at which `solve` evaluates the response.
     #[schemars(range(min = 2, max = MOST_POINTS))]
     points: Option<usize>,
-    /// Which way the frequencies are swept; `upward` if absent.
+    /// Which way `points` and values are swept, and so which solution they give where there are several.
+    #[schemars(extend("default" = SweepDirection::default()))]
     sweep: Option<SweepDirection>,
-    /// Which maximum of the band `run` takes as the peak: `highest` (if absent), `all`, or that of one mode by its number.
+    /// Which maximum in the band is the result of a sample of `run`: the `highest`, also the highest but with every mode in
+    /// the band searched (`all`), or that of one mode by its number among the stuck frequencies, 1 for the lowest.
+    #[schemars(extend("default" = "highest"))]
     peak: Option<PeakTable>,
 }
 

@@ -10,20 +10,20 @@ use crate::report::asked::Bands;
 use crate::report::run::{FURTHER_POINTS, TABLES};
 use crate::setting::BadSetting;
 
-/// `[output]` of a study file.
+/// What `run` and `solve` write.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct OutputSettings {
-    /// Folder of the results, relative to the study file.
+    /// Folder of the results, relative to the study file; `--output` overrides it.
     #[schemars(length(min = 1))]
     pub folder: PathBuf,
-    /// Samples whose forced response is computed for the bands of the report: the first so many.
+    /// Samples, the first so many, whose forced response curves are computed, for the bands of the report.
     pub curve_samples: u64,
     /// How the bands of whole curves in the report are formed.
     pub bands: Bands,
-    /// Whether each random input is also moved alone, from its 5 % to its 95 % value, the others at their medians.
+    /// Whether each random input is also solved alone at its 5 % and its 95 % value, the others at their medians.
     pub one_at_a_time: bool,
-    /// Whether the tables are written as Arrow files, too.
+    /// Whether the tables are written as uncompressed Arrow IPC files, too.
     pub arrow: bool,
 }
 

@@ -123,10 +123,12 @@ fn section(key: &str, generator: &mut SchemaGenerator) -> Value {
         "seed" => json!({
             "type": "integer",
             "minimum": 0,
-            "description": "Sample i depends on the seed and i alone; 0 if absent.",
+            "default": 0,
+            "description": "Seed of the random numbers: sample i depends on the seed and i alone.",
         }),
         "samples" => json!({
-            "description": "Number of samples, 1 if absent; or the rule by which there are enough.",
+            "default": 1,
+            "description": "Number of samples, or the rule by which there are enough. With epistemic inputs it counts the samples of all outer points.",
             "oneOf": [
                 { "type": "integer", "minimum": 1, "maximum": MOST_SAMPLES },
                 of::<StoppingTable>(generator),
@@ -138,7 +140,7 @@ fn section(key: &str, generator: &mut SchemaGenerator) -> Value {
             "minItems": 1,
             "maxItems": MOST_LEVELS,
             "uniqueItems": true,
-            "description": "Excitation levels, ascending (N for the built-in model).",
+            "description": "Excitation levels, ascending: N on each blade for the built-in model, else factors on the harmonic force.",
         }),
         "model" => json!({
             "description": "The structure: built in, or the user's own matrices.",
@@ -161,7 +163,7 @@ fn section(key: &str, generator: &mut SchemaGenerator) -> Value {
         "criteria" => json!({
             "type": "array",
             "items": of::<Criterion>(generator),
-            "description": "What is judged.",
+            "description": "What is judged; without any the report has no verdicts.",
         }),
         "surrogate" => of::<SurrogateSettings>(generator),
         _ => Value::Bool(false),
@@ -194,6 +196,7 @@ fn model<T: JsonSchema>(kind: &str, generator: &mut SchemaGenerator) -> Value {
 /// `[inputs.NAME]`: the same table under every name, with the values that the input accepts.
 fn inputs(generator: &mut SchemaGenerator) -> Value {
     let table = of::<DistributionTable>(generator);
+    let described = Input::json_schema(generator).to_value();
     let of_input = |input: Input| {
         let (largest, value) = (
             input.largest(),
@@ -205,7 +208,7 @@ fn inputs(generator: &mut SchemaGenerator) -> Value {
         };
         let uncut = json!({ "low": { "minimum": 0 }, "high": { "maximum": largest } });
         json!({
-            "description": format!("What is known of {}: {}.", input.name(), input.meaning()),
+            "description": description(&described, input.name()),
             "allOf": [
                 table,
                 { "properties": { "value": single, "lower": single, "upper": single } },
@@ -221,8 +224,15 @@ fn inputs(generator: &mut SchemaGenerator) -> Value {
         "type": "object",
         "properties": properties,
         "additionalProperties": false,
-        "description": "The uncertain inputs.",
+        "description": "The uncertain inputs, one table each; without any the samples do not scatter.",
     })
+}
+
+/// Description of the input `name` in the schema of [`Input`]; null where it has none.
+fn description(schema: &Value, name: &str) -> Value {
+    let options = schema["oneOf"].as_array().into_iter().flatten();
+    let named = options.into_iter().find(|option| option["const"] == name);
+    named.map_or(Value::Null, |option| option["description"].clone())
 }
 
 #[cfg(test)]

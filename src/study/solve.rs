@@ -134,7 +134,7 @@ impl LevelCurve {
 
 /// Writes `curve.csv` and `solution.json`.
 ///
-/// The README says field by field what they hold. Without a solution amplitudes and shares stay empty in `curve.csv`;
+/// `docs/src/outputs.md` says field by field what they hold. Without a solution amplitudes and shares stay empty in `curve.csv`;
 /// `responses`, `contact_fractions` and `work_j` are null in `solution.json`.
 ///
 /// # Errors

@@ -12,26 +12,41 @@ use crate::model::interface::{InterfaceSettings, STIFFNESS_N_PER_UM, Share};
 use crate::setting::{BadSetting, FRICTION};
 use crate::units::n_per_um_to_n_per_m;
 
-/// `[contact]`. Stiffness, friction and share belong to the built-in model; a user's own model has them per pair.
+/// The contacts. Stiffness, friction and share belong to the built-in model; a user's own model has them per pair, in
+/// `[[model.contact]]`.
 #[derive(Debug, Clone, Default, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactSection {
     /// Normal stiffness of an interface of the built-in model (N/µm).
-    #[schemars(range(min = STIFFNESS_N_PER_UM[0], max = STIFFNESS_N_PER_UM[1]))]
+    #[schemars(
+        range(min = STIFFNESS_N_PER_UM[0], max = STIFFNESS_N_PER_UM[1]),
+        extend("default" = in_n_per_um(InterfaceSettings::default().normal_stiffness))
+    )]
     normal_stiffness_n_per_um: Option<f64>,
-    /// Its tangential stiffness in each direction (N/µm).
-    #[schemars(range(min = STIFFNESS_N_PER_UM[0], max = STIFFNESS_N_PER_UM[1]))]
+    /// Tangential stiffness of an interface of the built-in model, in each direction (N/µm).
+    #[schemars(
+        range(min = STIFFNESS_N_PER_UM[0], max = STIFFNESS_N_PER_UM[1]),
+        extend("default" = in_n_per_um(InterfaceSettings::default().tangential_stiffness))
+    )]
     tangential_stiffness_n_per_um: Option<f64>,
-    /// Its friction coefficient.
-    #[schemars(range(min = FRICTION[0], max = FRICTION[1]))]
+    /// Friction coefficient of the interfaces of the built-in model.
+    #[schemars(
+        range(min = FRICTION[0], max = FRICTION[1]),
+        extend("default" = InterfaceSettings::default().friction_coefficient)
+    )]
     friction_coefficient: Option<f64>,
-    /// How its pairs share the stiffness.
+    /// How the pairs of an interface of the built-in model share its stiffness.
+    #[schemars(extend("default" = InterfaceSettings::default().share))]
     share: Option<Share>,
-    /// Friction law of every contact; `box` if absent.
+    /// Friction law of every contact. With one tangential direction both are the same.
+    #[schemars(extend("default" = DEFAULT_LAW))]
     law: Option<FrictionLaw>,
-    /// How events between two samples are resolved; `located` if absent.
+    /// How slip and separation that start or end between two samples of the period are resolved.
+    #[schemars(extend("default" = Events::default()))]
     events: Option<Events>,
-    /// Where the sliders start; `unloaded` if absent.
+    /// Where the sliders start, just before wt = 0 of the first pass. It decides the mean tractions of contacts that never
+    /// slip.
+    #[schemars(extend("default" = DEFAULT_ANCHOR))]
     anchor: Option<SliderAnchor>,
 }
 
@@ -84,33 +99,56 @@ impl ContactSection {
     }
 }
 
+/// A stiffness (N/m) in the unit of the study file.
+fn in_n_per_um(stiffness: f64) -> f64 {
+    stiffness / n_per_um_to_n_per_m(1.0)
+}
+
 fn number(value: Option<f64>) -> Option<String> {
     value.map(|value| value.to_string())
 }
 
-/// `[solver]`.
+/// How the equations are solved.
 #[derive(Debug, Clone, Default, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SolverSection {
-    /// Harmonics of the first solution; 5 if absent.
+    /// Harmonics of the first solution, before the alert adds any.
+    #[schemars(extend("default" = DEFAULT_HARMONIC))]
     harmonics: Option<Harmonics>,
-    /// Samples per period of the contact evaluation; 128 if absent.
-    #[schemars(range(min = 5, max = MOST_TIME_POINTS))]
+    /// Samples per period of the contact evaluation: more than 4 times the highest harmonic; times the highest harmonic, that
+    /// of the alert included, at most 8388608.
+    #[schemars(range(min = 5, max = MOST_TIME_POINTS), extend("default" = DEFAULT_TIME_POINTS))]
     time_points: Option<usize>,
-    /// Passes over the period; `periodic` if absent.
+    /// Passes over the period from the start of the sliders; the forces are those of the last. Two are exact for the box law
+    /// and for one tangential direction.
+    #[schemars(extend("default" = NamedLaps::Periodic))]
     laps: Option<LapsTable>,
-    /// Largest residual over the static displacement of the contacts; 1e-8 if absent.
-    #[schemars(range(min = TOLERANCE[0], max = TOLERANCE[1]))]
+    /// Largest residual over the static displacement of the contacts.
+    #[schemars(
+        range(min = TOLERANCE[0], max = TOLERANCE[1]),
+        extend("default" = NewtonSettings::default().tolerance)
+    )]
     tolerance: Option<f64>,
-    /// Iterations of Newton's method; 40 if absent.
-    #[schemars(range(min = 1, max = MOST_ITERATIONS))]
+    /// Iterations of Newton's method in one solve.
+    #[schemars(
+        range(min = 1, max = MOST_ITERATIONS),
+        extend("default" = NewtonSettings::default().max_iterations)
+    )]
     max_iterations: Option<usize>,
-    /// Newton iterations of one search or curve; the default of the solver if absent.
-    #[schemars(range(min = 1, max = MOST_BUDGET))]
+    /// Newton iterations of one search for a peak, of one curve of a sample, of one way of `solve` through the band, or of one
+    /// solution on it; more end it with the status `budget-spent`.
+    #[schemars(
+        range(min = 1, max = MOST_BUDGET),
+        extend("default" = NewtonSettings::default().budget)
+    )]
     budget: Option<usize>,
-    /// When harmonics are added; `false` never adds any.
+    /// Error alert: each solution is solved for again with twice its harmonics, and gets more where the stated truncation
+    /// error is above the threshold. `false` checks nothing and adds none; `true` takes the defaults.
+    #[schemars(extend("default" = true))]
     alert: Option<Alert>,
-    /// Whether a mirror-symmetric model is solved on one half of its contacts; true if absent.
+    /// Whether a mirror-symmetric model is solved on one half of its contacts. `false` solves both halves, and so also finds
+    /// solutions that break the symmetry.
+    #[schemars(extend("default" = true))]
     mirror: Option<bool>,
 }
 
@@ -144,7 +182,7 @@ enum LapsTable {
     Named(NamedLaps),
 }
 
-#[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, serde::Deserialize, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 enum NamedLaps {
     Periodic,
@@ -164,11 +202,17 @@ enum Alert {
 #[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct AlertTable {
-    /// Truncation error above which harmonics are added, over the amplitude.
-    #[schemars(range(min = THRESHOLD[0], max = THRESHOLD[1]))]
+    /// Truncation error over the amplitude above which harmonics are added.
+    #[schemars(
+        range(min = THRESHOLD[0], max = THRESHOLD[1]),
+        extend("default" = AlertSettings::default().threshold)
+    )]
     threshold: Option<f64>,
-    /// They are raised up to this order.
-    #[schemars(range(min = 1, max = HIGHEST_HARMONIC))]
+    /// Highest harmonic to which they are added; not below that of the first solution.
+    #[schemars(
+        range(min = 1, max = HIGHEST_HARMONIC),
+        extend("default" = AlertSettings::default().highest_harmonic)
+    )]
     highest_harmonic: Option<usize>,
 }
 
@@ -176,6 +220,10 @@ struct AlertTable {
 const DEFAULT_HARMONIC: usize = 5;
 /// Points per period if the study does not say.
 const DEFAULT_TIME_POINTS: usize = 128;
+/// Friction law if the study does not say.
+const DEFAULT_LAW: FrictionLaw = FrictionLaw::Box;
+/// Start of the sliders if the study does not say.
+const DEFAULT_ANCHOR: SliderAnchor = SliderAnchor::Unloaded;
 
 impl SolverSection {
     /// Settings of the harmonic balance solver.
@@ -184,7 +232,7 @@ impl SolverSection {
     /// [`BadSetting`] with a key relative to the file: `solver.…` or `contact.…`.
     pub fn settings(&self, contact: &ContactSection) -> Result<HbSettings, BadSetting> {
         let harmonics = self.harmonics()?;
-        let law = contact.law.unwrap_or(FrictionLaw::Box);
+        let law = contact.law.unwrap_or(DEFAULT_LAW);
         let settings = HbSettings {
             aft: AftSettings {
                 n_time: self.time_points.unwrap_or(DEFAULT_TIME_POINTS),
@@ -195,7 +243,7 @@ impl SolverSection {
                     Some(LapsTable::Named(NamedLaps::Periodic)) | None => Laps::Periodic,
                 },
             },
-            anchor: contact.anchor.unwrap_or(SliderAnchor::Unloaded),
+            anchor: contact.anchor.unwrap_or(DEFAULT_ANCHOR),
             newton: self.newton(),
             alert: self.alert(&harmonics),
             harmonics,

@@ -19,6 +19,7 @@ mod stick_limit;
 mod stopping;
 mod strip;
 mod test_functions;
+mod tutorial;
 mod worst_case;
 
 use std::path::Path;

@@ -35,10 +35,10 @@ const OVERHANG: f64 = 0.5;
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum SweepDirection {
-    /// From low to high frequencies.
+    /// From the lower end of the band upwards.
     #[default]
     Upward,
-    /// From high to low frequencies.
+    /// From the upper end of the band downwards.
     Downward,
 }
 

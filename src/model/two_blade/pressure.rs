@@ -21,18 +21,19 @@ use crate::setting::{BadSetting, positive};
 use crate::units::mm_to_m;
 use faer::Mat;
 
-/// `[pressure_field]` of a study file.
+/// Random field of the load on the contact nodes, of the built-in model only. Each mode is an input `pressure_mode_1`, ...:
+/// a standard normal number; each interface keeps its load.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressureField {
     /// σ: standard deviation of the load of a node over its nominal one; its square is the mean variance over the
-    /// interface, weighed by load.
+    /// interface, weighed by load, whatever its mean takes from the field and the modes leave out.
     #[schemars(range(max = 0.3), extend("exclusiveMinimum" = 0))]
     pub standard_deviation: f64,
-    /// ℓ (mm).
+    /// ℓ (mm) of the correlation exp(−d² / 2 ℓ²) of two nodes at the distance d.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub correlation_length_mm: f64,
-    /// Modes per interface; each is a random input.
+    /// Modes per interface, not more than its contact nodes; `inspect` shows how much of the field's shape they hold.
     #[serde(default = "default_modes")]
     #[schemars(range(min = 1, max = Self::MOST_MODES))]
     pub modes: usize,

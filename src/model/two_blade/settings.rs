@@ -73,11 +73,12 @@ pub struct TwoBladeSettings {
     /// are grid lines besides, so that across the gap the mesh is finer than the contact grid.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub strip_element_mm: f64,
-    /// Fixed-interface modes of a blade are kept below this frequency (Hz).
+    /// Craig-Bampton modes of a blade (contact patches, excited and response nodes held) are kept below this frequency (Hz);
+    /// above the band. 18 modes with the default; `inspect` shows how many and the first one left out.
     #[schemars(range(max = HIGHEST_CUT_OFF_HZ), extend("exclusiveMinimum" = 0))]
     pub blade_cut_off_hz: f64,
-    /// Fixed-interface modes of the strip are kept below this frequency (Hz); the mean displacement of every contact patch
-    /// is at rest in them.
+    /// Craig-Bampton modes of the strip are kept below this frequency (Hz); the mean displacement of every contact patch is at
+    /// rest in them. 18 modes with the default.
     #[schemars(range(max = HIGHEST_CUT_OFF_HZ), extend("exclusiveMinimum" = 0))]
     pub strip_cut_off_hz: f64,
     /// Damping ratio of every blade mode.

@@ -11,8 +11,9 @@ pub enum Bands {
     /// Pointwise quantiles, stretched by one factor until they hold the stated share of whole curves.
     #[default]
     Simultaneous,
-    /// What the deepest curves span, of as many as hold that share.
+    /// What the deepest curves span, of as many as hold that share; needs more samples.
     Depth,
-    /// As `Simultaneous`, each curve over its frequency divided by that of its peak.
+    /// As `simultaneous`, each curve over its frequency divided by that of its peak: the scatter of the shape without that of
+    /// the place.
     PeakAligned,
 }

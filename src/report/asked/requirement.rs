@@ -7,6 +7,11 @@ use crate::statistics::{Demonstration, confidence_at};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// Share of the assumed prior that must keep a limit if the study does not say.
+const DEFAULT_SHARE: f64 = 0.95;
+/// Confidence of a judgement if the study does not say.
+const DEFAULT_CONFIDENCE: f64 = 0.95;
+
 /// Requirements of a study; all may be absent.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Requirements {
@@ -18,7 +23,7 @@ pub struct Requirements {
     pub criteria: Vec<Criterion>,
 }
 
-/// `[operation]`: speeds and orders of the excitation.
+/// Speeds and orders of the excitation, for the frequency margin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Operation {
@@ -33,7 +38,7 @@ pub struct Operation {
     #[serde(default)]
     #[schemars(transform = crate::setting::positive_items)]
     pub dwell_rpm: Vec<f64>,
-    /// What a margin is a share of.
+    /// What a frequency margin is a share of.
     #[serde(default)]
     pub margin_relative_to: MarginBase,
 }
@@ -49,14 +54,14 @@ pub enum MarginBase {
     Resonance,
 }
 
-/// `[stress]`: from the amplitude of the first response coordinate to the life of the material.
+/// From the amplitude of the first response coordinate to the life of the material, by Goodman's line.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stress {
     /// Alternating stress at the critical place per amplitude of the first response coordinate (MPa/µm).
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub modal_stress_mpa_per_um: f64,
-    /// Mean stress there (MPa).
+    /// Mean stress at the critical place (MPa).
     #[schemars(range(min = 0))]
     pub mean_stress_mpa: f64,
     /// Alternating stress that the material bears for ever without mean stress (MPa).
@@ -71,17 +76,17 @@ pub struct Stress {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
-    /// Distance of the resonance from the excitation at every engine order and speed, at least `limit` (%).
+    /// Smallest distance of the resonance to any engine order over `speed_rpm`, at least `limit` (%); needs `[operation]`.
     FrequencyMarginPercent,
     /// Amplitude of the first response coordinate, at most `limit` (µm).
     AmplitudeUm,
-    /// Allowable over actual alternating stress, at least `limit`.
+    /// Goodman's allowable over actual alternating stress, at least `limit`; needs `[stress]`.
     ReserveFactor,
-    /// Probability that the reserve factor is below 1, at most `limit`.
+    /// Probability that the reserve factor is below 1, at most `limit`, without a `share`; needs `[stress]`.
     ProbabilityOfExceedance,
 }
 
-/// `[[criteria]]`: one judgement, PASS, FAIL or UNDECIDED.
+/// One requirement each, judged PASS, FAIL or UNDECIDED. No limit is built in.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend(
@@ -92,23 +97,23 @@ pub struct Criterion {
     /// Name in the report.
     #[schemars(regex(pattern = NOT_BLANK))]
     pub name: String,
-    /// Document that the limit comes from.
+    /// Document that the limit comes from: yours, since none is built in.
     pub standard: Option<String>,
-    /// Clause of that document.
+    /// Clause of the document that the limit comes from.
     pub clause: Option<String>,
     /// What is judged, with its unit.
     pub quantity: Quantity,
     /// The limit.
     #[schemars(range(max = LARGEST), extend("exclusiveMinimum" = 0))]
     pub limit: f64,
-    /// Excitation level; every level of the study must do if absent.
+    /// Excitation level at which it is judged; at every level of the study if absent.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub level: Option<f64>,
-    /// Share of the assumed prior that must keep the limit; 0.95 if absent. A probability has none.
-    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
+    /// Share of the assumed prior that must keep the limit. A probability has none.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1, "default" = DEFAULT_SHARE))]
     pub share: Option<f64>,
-    /// Confidence of the judgement in view of the number of samples; 0.95 if absent.
-    #[schemars(extend("exclusiveMinimum" = 0.5, "exclusiveMaximum" = 1))]
+    /// Confidence of the judgement in view of the number of samples.
+    #[schemars(extend("exclusiveMinimum" = 0.5, "exclusiveMaximum" = 1, "default" = DEFAULT_CONFIDENCE))]
     pub confidence: Option<f64>,
 }
 
@@ -131,13 +136,13 @@ impl Criterion {
     /// Share of the population that must keep the limit.
     #[must_use]
     pub fn share(&self) -> f64 {
-        self.share.unwrap_or(0.95)
+        self.share.unwrap_or(DEFAULT_SHARE)
     }
 
     /// Confidence of the judgement.
     #[must_use]
     pub fn confidence(&self) -> f64 {
-        self.confidence.unwrap_or(0.95)
+        self.confidence.unwrap_or(DEFAULT_CONFIDENCE)
     }
 
     /// What the samples of each of so many populations must demonstrate: all must PASS, one that FAILs is enough. A false FAIL

@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Until {
-    /// Every criterion is PASS or FAIL.
+    /// Until every criterion is PASS or FAIL.
     Decided,
-    /// The interval of a quantile is narrow enough at every level.
+    /// Until the 95 % interval of a quantile is narrow enough at every level.
     Width,
 }
 
@@ -26,7 +26,7 @@ pub enum ResultOfSample {
     Amplitude,
 }
 
-/// `samples` of a study file where it is a table.
+/// Rule by which there are enough samples.
 #[derive(Debug, Clone, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend("oneOf" = [
@@ -40,15 +40,15 @@ pub enum ResultOfSample {
 pub struct StoppingTable {
     /// What the study goes on for.
     pub until: Until,
-    /// Samples at most.
+    /// Samples at most. The rule is judged at this number, its half, its quarter, ...; `inspect` names the numbers.
     #[schemars(range(min = 1, max = crate::sampling::design::MOST_SAMPLES))]
     pub at_most: u64,
-    /// Result whose quantile is meant, for the width.
+    /// Result whose quantile is meant; with `width` only, and then required.
     pub of: Option<ResultOfSample>,
-    /// Probability of that quantile; 0.5, the median, if absent.
-    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
+    /// Probability of the quantile; with `width` only.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1, "default" = 0.5))]
     pub quantile: Option<f64>,
-    /// Width of its 95 % interval over the quantile itself, at most.
+    /// Width of the quantile's 95 % interval over the quantile itself, at most; with `width` only, and then required.
     #[schemars(range(max = WIDEST), extend("exclusiveMinimum" = 0))]
     pub relative: Option<f64>,
 }

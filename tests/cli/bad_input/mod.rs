@@ -241,11 +241,11 @@ fn a_full_disk_leaves_old_results_as_they_were() {
     assert_eq!(std::fs::read(out.join("solution.json")).unwrap(), b"old");
 }
 
-/// The study file under "Your own model" in the README works.
+/// The study file of the page "Your own model" works.
 #[test]
-fn the_example_of_the_readme_is_accepted() {
-    let readme = std::fs::read_to_string("README.md").unwrap();
-    let example = readme.split("```toml\n").nth(1).unwrap();
+fn the_example_of_the_book_is_accepted() {
+    let page = std::fs::read_to_string("docs/src/own-model.md").unwrap();
+    let example = page.split("```toml\n").nth(1).unwrap();
     let example = example.split("```").next().unwrap();
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("study.toml"), example).unwrap();
