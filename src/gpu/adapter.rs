@@ -1,7 +1,8 @@
 //! Adapters of this machine, and an open device on one of them. Headless: nothing here knows a window.
 
-use super::GpuError;
-use super::shader::Precision;
+use super::error::GpuError;
+use super::report::AdapterFacts;
+use super::settings::Precision;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use wgpu::{DeviceType, Features, Limits};
@@ -11,66 +12,28 @@ const STORAGE_BUFFERS: u32 = 16;
 /// Share of the device's memory (%) from which creating a buffer fails instead of losing the device.
 const MEMORY_THRESHOLD: u8 = 90;
 
-/// What is known of an adapter without opening it.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct AdapterFacts {
-    /// Place in the list of adapters, 0-based.
-    pub index: usize,
-    /// Name.
-    pub name: String,
-    /// `discrete`, `integrated`, `virtual`, `software` or `other`.
-    pub kind: String,
-    /// Programming interface, such as `vulkan`.
-    pub interface: String,
-    /// Driver and version.
-    pub driver: String,
-    /// PCI address, where the interface tells.
-    pub pci: String,
-    /// Largest buffer that a pass can bind (bytes).
-    pub largest_binding: u64,
-    /// Whether shaders may compute in double precision.
-    pub f64: bool,
-    /// Whether passes can be timed.
-    pub timestamps: bool,
-}
-
-impl AdapterFacts {
-    fn of(index: usize, adapter: &wgpu::Adapter) -> Self {
-        let info = adapter.get_info();
-        let features = adapter.features();
-        Self {
-            index,
-            kind: String::from(match info.device_type {
-                DeviceType::DiscreteGpu => "discrete",
-                DeviceType::IntegratedGpu => "integrated",
-                DeviceType::VirtualGpu => "virtual",
-                DeviceType::Cpu => "software",
-                DeviceType::Other => "other",
-            }),
-            interface: info.backend.to_str().to_owned(),
-            driver: format!("{} {}", info.driver, info.driver_info)
-                .trim()
-                .to_owned(),
-            name: info.name,
-            pci: info.device_pci_bus_id,
-            largest_binding: adapter.limits().max_storage_buffer_binding_size,
-            f64: features.contains(Features::SHADER_F64),
-            timestamps: features.contains(Features::TIMESTAMP_QUERY),
-        }
-    }
-
-    /// Whether it is a piece of hardware made for this; software that plays a GPU is slower than the processor's own code.
-    #[must_use]
-    pub fn is_hardware(&self) -> bool {
-        matches!(self.kind.as_str(), "discrete" | "integrated" | "virtual")
-    }
-
-    /// Whether `wanted` names it: its index, its PCI address, or a part of its name (case does not matter).
-    fn is_called(&self, wanted: &str) -> bool {
-        let name = self.name.to_lowercase();
-        self.index.to_string() == wanted
-            || (!self.pci.is_empty() && self.pci.eq_ignore_ascii_case(wanted))
-            || (wanted.parse::<usize>().is_err() && name.contains(&wanted.to_lowercase()))
+/// What is known of `adapter`.
+fn facts(index: usize, adapter: &wgpu::Adapter) -> AdapterFacts {
+    let info = adapter.get_info();
+    let features = adapter.features();
+    AdapterFacts {
+        index,
+        kind: String::from(match info.device_type {
+            DeviceType::DiscreteGpu => "discrete",
+            DeviceType::IntegratedGpu => "integrated",
+            DeviceType::VirtualGpu => "virtual",
+            DeviceType::Cpu => "software",
+            DeviceType::Other => "other",
+        }),
+        interface: info.backend.to_str().to_owned(),
+        driver: format!("{} {}", info.driver, info.driver_info)
+            .trim()
+            .to_owned(),
+        name: info.name,
+        pci: info.device_pci_bus_id,
+        largest_binding: adapter.limits().max_storage_buffer_binding_size,
+        f64: features.contains(Features::SHADER_F64),
+        timestamps: features.contains(Features::TIMESTAMP_QUERY),
     }
 }
 
@@ -79,7 +42,7 @@ impl AdapterFacts {
 pub fn adapters() -> Vec<AdapterFacts> {
     let (_, all) = enumerate();
     (all.iter().enumerate())
-        .map(|(index, adapter)| AdapterFacts::of(index, adapter))
+        .map(|(index, adapter)| facts(index, adapter))
         .collect()
 }
 
@@ -117,15 +80,15 @@ impl Device {
     /// [`GpuError::NoAdapter`], [`GpuError::Lacks`], [`GpuError::Lost`] if it cannot be opened.
     pub fn open(wanted: Option<&str>, precision: Precision) -> Result<Self, GpuError> {
         let (_instance, all) = enumerate();
-        let facts: Vec<_> = (all.iter().enumerate())
-            .map(|(index, adapter)| AdapterFacts::of(index, adapter))
+        let all_facts: Vec<_> = (all.iter().enumerate())
+            .map(|(index, adapter)| facts(index, adapter))
             .collect();
         let chosen = match wanted {
-            Some(wanted) => facts.iter().find(|f| f.is_called(wanted)),
-            None => (facts.iter().find(|f| f.kind == "discrete"))
-                .or_else(|| facts.iter().find(|f| f.is_hardware())),
+            Some(wanted) => all_facts.iter().find(|f| f.is_called(wanted)),
+            None => (all_facts.iter().find(|f| f.kind == "discrete"))
+                .or_else(|| all_facts.iter().find(|f| f.is_hardware())),
         };
-        let chosen = chosen.ok_or_else(|| no_adapter(wanted, &facts))?;
+        let chosen = chosen.ok_or_else(|| no_adapter(wanted, &all_facts))?;
         Self::on(&all[chosen.index], chosen.clone(), precision)
     }
 

@@ -1,10 +1,11 @@
 //! The passes over one batch: upload, dispatch, read back.
 
-use super::GpuError;
 use super::adapter::Device;
+use super::error::GpuError;
 use super::readback::{Moving, PassSeconds, RETURNED, read, seconds, u32s};
 use super::scaled::{ScaledForces, ScaledStates};
-use super::shader::{Access, Pass, Precision, Reflection, Shape};
+use super::settings::Precision;
+use super::shader::{Access, Pass, Reflection, Shape};
 use crate::aft::Want;
 use std::collections::BTreeMap;
 use wgpu::BufferUsages as Usage;

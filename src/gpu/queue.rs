@@ -6,12 +6,13 @@
 //! done ask no more: batches hold none but active ones. A state's answer does not depend on the rest of its batch.
 
 use super::adapter::Device;
+use super::error::GpuError;
 use super::kernels::{BatchResult, Buffers, Kernels};
 use super::scaled::{ScaledForces, ScaledStates};
 use super::self_test::self_test;
+use super::settings::{Fault, GpuSettings};
 use super::shader::Shape;
 use super::tally::{Tally, lock};
-use super::{Fault, GpuError, GpuSettings};
 use crate::aft::Want;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -1,7 +1,7 @@
 //! From staging buffers to the answers of a batch's parts.
 
-use super::GpuError;
 use super::adapter::Device;
+use super::error::GpuError;
 use super::scaled::ScaledForces;
 use super::shader::Pass;
 use crate::aft::Block;

@@ -1,10 +1,13 @@
 //! Does the device compute right? One known batch against the processor, before a run believes it.
 
 use super::adapter::Device;
+use super::audit::{decide, differences};
+use super::error::GpuError;
 use super::kernels::Kernels;
 use super::scaled::ScaledStates;
-use super::shader::{Precision, Shape};
-use super::{Fault, GpuError, GpuSettings, decide, differences};
+use super::settings::Precision;
+use super::settings::{Fault, GpuSettings};
+use super::shader::Shape;
 use crate::aft::AftForces;
 use crate::aft::AftPlan;
 use crate::aft::{AftBatch, Want};

@@ -3,7 +3,8 @@
 //! The texts are the files of `shaders/` behind a few generated constants. Binding numbers, sizes of elements, numbers of
 //! elements per state and workgroup sizes are read from the parsed text: nothing of it is written a second time here.
 
-use super::GpuError;
+use super::error::GpuError;
+use super::settings::Precision;
 use crate::aft::AftPlan;
 use crate::aft::Block;
 use crate::aft::Laps;
@@ -12,38 +13,6 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use wgpu::naga;
-
-/// Floating-point numbers of the shaders.
-#[derive(
-    Debug, Clone, Copy, PartialEq, Eq, Hash, Default, serde::Serialize, serde::Deserialize,
-)]
-#[serde(rename_all = "lowercase")]
-pub enum Precision {
-    /// Single, on every adapter.
-    #[default]
-    F32,
-    /// Double, where the adapter has `SHADER_F64`.
-    F64,
-}
-
-impl Precision {
-    /// Name in WGSL and on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::F32 => "f32",
-            Self::F64 => "f64",
-        }
-    }
-
-    /// Rounding error of 1.
-    fn epsilon(self) -> f64 {
-        match self {
-            Self::F32 => f64::from(f32::EPSILON),
-            Self::F64 => f64::EPSILON,
-        }
-    }
-}
 
 /// Which march a shader does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -1,47 +1,13 @@
 //! What the device did during a run: counts, audit, fallbacks.
 
-use super::GpuError;
-use super::adapter::AdapterFacts;
-use super::shader::Precision;
+use super::error::GpuError;
+use super::report::{AdapterFacts, GpuReport};
+use super::settings::Precision;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Notes that are kept; a device that fails more often than that has said enough.
 const MOST_NOTES: usize = 20;
-
-/// The device's part in a run, for summary and report.
-#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
-pub struct GpuReport {
-    /// The adapter.
-    pub adapter: AdapterFacts,
-    /// Numbers of the shaders.
-    pub precision: Precision,
-    /// Evaluations (all pairs of one sample at one iterate) that it was asked for.
-    pub evaluations: u64,
-    /// Contact states in them.
-    pub states: u64,
-    /// Batches that they went down in.
-    pub batches: u64,
-    /// Evaluations that were repeated by the processor in double precision.
-    pub audited: u64,
-    /// Largest difference of a force in them, over the state's largest force.
-    pub largest_force_difference: f64,
-    /// Largest difference of a derivative in them, over the state's largest derivative.
-    pub largest_derivative_difference: f64,
-    /// Audited evaluations beyond the limit on forces; the processor's result took their place.
-    pub beyond_limit: u64,
-    /// States that the processor took over: they had more events than there is room for, a cycle that is hard to find, or a
-    /// number that is not finite.
-    pub undecided: u64,
-    /// Evaluations that the processor took over because the device failed.
-    pub fallbacks: u64,
-    /// Batches that were halved.
-    pub halved: u64,
-    /// Time (s) per pass on the device, where it can tell.
-    pub pass_seconds: BTreeMap<String, f64>,
-    /// What failed.
-    pub notes: Vec<String>,
-}
 
 /// Counts while a run goes on.
 #[derive(Debug)]

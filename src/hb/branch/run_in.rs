@@ -78,6 +78,10 @@ impl<'p> RunIn<'_, 'p> {
                 self.walk(full, &start.point, omega)
             })
             .or_else(|_| self.raised(full, omega))
+            .or_else(|_| {
+                let start = self.sliding(first, omega)?;
+                self.climb(start)
+            })
     }
 
     fn climb(&self, start: Iterate<'p>) -> Solved<'p> {
@@ -92,6 +96,16 @@ impl<'p> RunIn<'_, 'p> {
         let close =
             (solved.as_ref()).is_ok_and(|found| distance(balance, &found.point, &start) <= CLOSE);
         (solved, close)
+    }
+
+    /// The solution close to that of the structure that slides without friction: friction far below the level hardly moves
+    /// it.
+    fn sliding(&self, balance: &Balance<'p>, omega: f64) -> Solved<'p> {
+        let rest = Rest::new(balance, omega)?;
+        match self.close_to(balance, rest.sliding(balance, omega, self.level)) {
+            (solved, true) => solved,
+            (solved, false) => Err(solved.err().unwrap_or(Status::StepTooSmall)),
+        }
     }
 
     /// Raises the level at the frequency `omega` from where the structure sticks.

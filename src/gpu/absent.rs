@@ -1,0 +1,57 @@
+//! In place of the device in a build without the feature `gpu`.
+
+use super::error::GpuError;
+use super::report::{AdapterFacts, GpuReport};
+use super::settings::GpuSettings;
+use crate::aft::{AftBatch, AftForces, AftPlan, Drafts};
+
+/// A device, of which there is none in this build.
+#[derive(Debug)]
+pub enum Gpu {}
+
+impl Gpu {
+    /// Refuses.
+    ///
+    /// # Errors
+    /// [`GpuError::NoAdapter`], always.
+    pub fn open(_: GpuSettings) -> Result<Self, GpuError> {
+        Err(GpuError::NoAdapter {
+            message: "this program was built without GPU support (feature gpu)".to_owned(),
+        })
+    }
+
+    /// The right of a sample to compute on the processor.
+    pub fn turn(&self) {
+        match *self {}
+    }
+
+    /// The adapter.
+    #[must_use]
+    pub fn adapter(&self) -> &AdapterFacts {
+        match *self {}
+    }
+
+    /// What the device has done so far.
+    #[must_use]
+    pub fn report(&self) -> GpuReport {
+        match *self {}
+    }
+}
+
+impl Drafts for Gpu {
+    fn draft(&self, _: &AftPlan<f64>, _: &AftBatch<f64>, _: &mut AftForces<f64>) -> bool {
+        match *self {}
+    }
+}
+
+/// Every adapter that this build can use: none.
+#[must_use]
+pub fn adapters() -> Vec<AdapterFacts> {
+    Vec::new()
+}
+
+/// The words of a self-test; there is no adapter to ask for one.
+#[must_use]
+pub fn examined(_: usize) -> String {
+    "not built in".to_owned()
+}

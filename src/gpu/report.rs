@@ -1,0 +1,78 @@
+//! What is known of an adapter, and what it did in a run.
+
+use super::settings::Precision;
+use std::collections::BTreeMap;
+
+/// What is known of an adapter without opening it.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct AdapterFacts {
+    /// Place in the list of adapters, 0-based.
+    pub index: usize,
+    /// Name.
+    pub name: String,
+    /// `discrete`, `integrated`, `virtual`, `software` or `other`.
+    pub kind: String,
+    /// Programming interface, such as `vulkan`.
+    pub interface: String,
+    /// Driver and version.
+    pub driver: String,
+    /// PCI address, where the interface tells.
+    pub pci: String,
+    /// Largest buffer that a pass can bind (bytes).
+    pub largest_binding: u64,
+    /// Whether shaders may compute in double precision.
+    pub f64: bool,
+    /// Whether passes can be timed.
+    pub timestamps: bool,
+}
+
+impl AdapterFacts {
+    /// Whether it is a piece of hardware made for this; software that plays a GPU is slower than the processor's own code.
+    #[must_use]
+    pub fn is_hardware(&self) -> bool {
+        matches!(self.kind.as_str(), "discrete" | "integrated" | "virtual")
+    }
+
+    /// Whether `wanted` names it: its index, its PCI address, or a part of its name (case does not matter).
+    #[cfg(feature = "gpu")]
+    pub(super) fn is_called(&self, wanted: &str) -> bool {
+        let name = self.name.to_lowercase();
+        self.index.to_string() == wanted
+            || (!self.pci.is_empty() && self.pci.eq_ignore_ascii_case(wanted))
+            || (wanted.parse::<usize>().is_err() && name.contains(&wanted.to_lowercase()))
+    }
+}
+
+/// The device's part in a run, for summary and report.
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
+pub struct GpuReport {
+    /// The adapter.
+    pub adapter: AdapterFacts,
+    /// Numbers of the shaders.
+    pub precision: Precision,
+    /// Evaluations (all pairs of one sample at one iterate) that it was asked for.
+    pub evaluations: u64,
+    /// Contact states in them.
+    pub states: u64,
+    /// Batches that they went down in.
+    pub batches: u64,
+    /// Evaluations that were repeated by the processor in double precision.
+    pub audited: u64,
+    /// Largest difference of a force in them, over the state's largest force.
+    pub largest_force_difference: f64,
+    /// Largest difference of a derivative in them, over the state's largest derivative.
+    pub largest_derivative_difference: f64,
+    /// Audited evaluations beyond the limit on forces; the processor's result took their place.
+    pub beyond_limit: u64,
+    /// States that the processor took over: they had more events than there is room for, a cycle that is hard to find, or a
+    /// number that is not finite.
+    pub undecided: u64,
+    /// Evaluations that the processor took over because the device failed.
+    pub fallbacks: u64,
+    /// Batches that were halved.
+    pub halved: u64,
+    /// Time (s) per pass on the device, where it can tell.
+    pub pass_seconds: BTreeMap<String, f64>,
+    /// What failed.
+    pub notes: Vec<String>,
+}
