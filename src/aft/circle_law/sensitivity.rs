@@ -16,14 +16,14 @@ pub(in crate::aft) type Row<T> = Vec<Chunk<T>>;
 
 /// A number as a sum of the signals at one phase: factors of s = k_t u (N), s', L = mu N and L'.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::aft) struct Mix<T> {
+pub(in crate::aft) struct SignalWeights<T> {
     pub path: [T; 2],
     pub rate: [T; 2],
     pub limit: T,
     pub limit_rate: T,
 }
 
-impl<T: Real> Mix<T> {
+impl<T: Real> SignalWeights<T> {
     pub(in crate::aft) const NONE: Self = Self {
         path: [T::ZERO; 2],
         rate: [T::ZERO; 2],
@@ -86,18 +86,18 @@ fn width<T: Real>(plan: &AftPlan<T>) -> usize {
 
 /// Adds a mix of the signals where the basis row is `at`.
 #[inline(always)]
-pub(in crate::aft) fn add_mix<T: Real>(
+pub(in crate::aft) fn add_signals<T: Real>(
     base: Base<T>,
     row: &mut [Chunk<T>],
     at: Basis<T>,
-    mix: Mix<T>,
+    weights: SignalWeights<T>,
 ) {
     let k = base.p.k_t;
     let friction = base.p.mu * base.p.k_n;
     let factors = [
-        (k[0] * mix.path[0], k[0] * mix.rate[0]),
-        (k[1] * mix.path[1], k[1] * mix.rate[1]),
-        (friction * mix.limit, friction * mix.limit_rate),
+        (k[0] * weights.path[0], k[0] * weights.rate[0]),
+        (k[1] * weights.path[1], k[1] * weights.rate[1]),
+        (friction * weights.limit, friction * weights.limit_rate),
     ];
     let components = row[1..].chunks_exact_mut(base.plan.n_chunks());
     for (row, (value, rate)) in components.zip(factors) {

@@ -55,6 +55,37 @@ struct Parts<T> {
     turn: T,
 }
 
+/// Derivatives of some of the parts by y.
+#[derive(Debug, Clone, Copy)]
+struct PartRates<T> {
+    even: T,
+    odd: T,
+    weight: T,
+}
+
+impl<T: Real> Parts<T> {
+    #[inline(always)]
+    fn rates_by_y(&self) -> PartRates<T> {
+        let number = T::from_f64;
+        let Parts {
+            y, growth, scale, ..
+        } = *self;
+        let growth_by_y =
+            ((number(1.0 / 30.0) * y + number(0.125)) * y + number(1.0 / 3.0)) * y + number(0.5);
+        let exponential_by_y = growth + growth_by_y * y;
+        let even_by_y = -(exponential_by_y + exponential_by_y) * scale * scale;
+        let odd_by_y = growth_by_y * scale + growth * even_by_y;
+        let polynomial_by_y = (number(0.025) * y + number(0.05)) * y + number(1.0 / 12.0);
+        let risen = (polynomial_by_y * y + self.polynomial + self.polynomial) * y;
+        let weight_by_y = (scale + scale) * (risen - self.weight * exponential_by_y);
+        PartRates {
+            even: even_by_y,
+            odd: odd_by_y,
+            weight: weight_by_y,
+        }
+    }
+}
+
 impl<T: Real> SlipStep<T> {
     #[inline(always)]
     fn parts(&self) -> Parts<T> {
@@ -125,19 +156,7 @@ impl<T: Real> SlipStep<T> {
     pub(in crate::aft) fn angle_rates(&self, before: HalfAngle<T>) -> Self {
         let number = T::from_f64;
         let parts = self.parts();
-        let Parts {
-            y, growth, scale, ..
-        } = parts;
-        // Derivatives of the parts by y.
-        let growth_by_y =
-            ((number(1.0 / 30.0) * y + number(0.125)) * y + number(1.0 / 3.0)) * y + number(0.5);
-        let exponential_by_y = growth + growth_by_y * y;
-        let even_by_y = -(exponential_by_y + exponential_by_y) * scale * scale;
-        let odd_by_y = growth_by_y * scale + growth * even_by_y;
-        let polynomial_by_y = (number(0.025) * y + number(0.05)) * y + number(1.0 / 12.0);
-        let risen = (polynomial_by_y * y + parts.polynomial + parts.polynomial) * y;
-        let weight_by_y = (scale + scale) * (risen - parts.weight * exponential_by_y);
-
+        let part_rates = parts.rates_by_y();
         // A ψ, ψ after the boost, and the angle by which a change of that turns it.
         let a = self.path.map(|path| path * parts.flexibility);
         let [c, s] = before.psi;
@@ -155,9 +174,9 @@ impl<T: Real> SlipStep<T> {
         let by_cross = by_share * parts.weight;
         let by_squares = -(by_cross * parts.cross * parts.inverse_of_squares);
         let twice = by_squares + by_squares;
-        let by_y = even_by_y * turned(c, s)
-            + odd_by_y * turned(image[0], image[1])
-            + by_share * weight_by_y * parts.cross;
+        let by_y = part_rates.even * turned(c, s)
+            + part_rates.odd * turned(image[0], image[1])
+            + by_share * part_rates.weight * parts.cross;
         let by_a = [parts.odd * turned(c, -s), parts.odd * turned(s, c)];
 
         let (ahead, flexibility) = (parts.ahead, parts.flexibility);
@@ -171,7 +190,8 @@ impl<T: Real> SlipStep<T> {
             flexibility * (by_a[0] + by_y * unit[0]) + by_cross * ahead[1] + twice * self.path[0],
             flexibility * (by_a[1] + by_y * unit[1]) - by_cross * ahead[0] + twice * self.path[1],
         ];
-        let mut limit = twice * T::EPSILON * parts.limit - flexibility * (by_y * y + dot(by_a, a));
+        let mut limit =
+            twice * T::EPSILON * parts.limit - flexibility * (by_y * parts.y + dot(by_a, a));
         if parts.limit > self.limit {
             let share = number(1.0 / LONGEST) * limit;
             path = [path[0] + share * unit[0], path[1] + share * unit[1]];
