@@ -1,10 +1,11 @@
-//! Instants between the samples at which the motion of a contact may change.
+//! Breakpoints: phases at which the motion of a contact may change.
 //!
-//! The slider of the box law is a play: z = k_t w stays where it is unless one of its bounds k_t u ∓ mu N pushes it.
-//! Breakpoints are the roots of the gap function and the points where a bound turns away from the slider. Between two of
-//! them the gap keeps its sign and a bound can push at their end only, so that the clip of the law at the breakpoints
-//! alone gives the exact slider.
-//! The signals are trigonometric polynomials: samples of them and of their rates bracket the breakpoints, Halley's
+//! The slider of the box law rests at z = k_t w unless one of its bounds k_t u ∓ mu N pushes it. Breakpoints are the roots of the gap
+//! function and the phases at which a bound turns away from the slider. Between two breakpoints the gap keeps its sign, and a bound
+//! that pushes the slider pushes up to the second one. Therefore it is enough to apply the law at the breakpoints: the slider there
+//! is exact.
+//!
+//! The signals are trigonometric polynomials. Their samples and the samples of their rates bracket the breakpoints; Halley's
 //! method locates them to rounding.
 
 use super::polynomial::{basis_row, derivatives, rate, root, value};
@@ -23,7 +24,7 @@ const DIP: u32 = 2;
 const TURN: u32 = 4;
 const TURN_PAIR: u32 = 64;
 
-/// An instant and the signals there.
+/// A phase and the signals there.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::aft) struct Breakpoint<T> {
     /// Phase in [0, 2π].
@@ -204,7 +205,7 @@ impl<T: Real> Intervals<T> {
         if gaps[0] <= T::ZERO && gaps[1] <= T::ZERO && points.len() == before {
             return;
         }
-        // A slider that the bound may touch without a push: closing just now, or at the start.
+        // A bound may touch the slider without a push: where the contact has just closed, and at the start of the period.
         let touches = points.len() > before || i == 0;
         self.turns(plan, work, (i, lane), (marks, touches), signals, points);
     }
@@ -285,7 +286,7 @@ impl<T: Real> Intervals<T> {
                     let theta = signals.turn(plan, (d, side), ends, rising, guess);
                     points.push(signals.at(plan, theta));
                 } else {
-                    // The bound turns towards the slider and is not at it: the sample before will do.
+                    // The bound turns towards the slider and does not touch it: the sample before is near enough.
                     points.push(sampled(work, i, lane, ends[0]));
                 }
             } else if marks & (TURN_PAIR << bound) != 0
