@@ -52,14 +52,8 @@ fn store_stick(run: Run, start_interval: u32, start_share: real, d: u32, stick: 
     sticks[stick_at(d, stick, 1u, M, state)] = by_gap;
 }
 
-@compute @workgroup_size(GROUP)
-fn spectra_of_runs(@builtin(global_invocation_id) id: vec3<u32>) {
-    let n = batch.n_states;
-    let state = id.x;
-    let d = id.y;
-    if state >= n || atomicLoad(&flags[state]) != MOVED {
-        return;
-    }
+// Sets the spectra of direction d to zero; that of the open contact, which has no direction, with the first one.
+fn clear_spectra(d: u32, state: u32) {
     let zero = real(0.0);
     for (var k = 0u; k < N_ORDERS; k++) {
         for (var trig = 0u; trig < 2u; trig++) {
@@ -71,6 +65,18 @@ fn spectra_of_runs(@builtin(global_invocation_id) id: vec3<u32>) {
             }
         }
     }
+}
+
+@compute @workgroup_size(GROUP)
+fn spectra_of_runs(@builtin(global_invocation_id) id: vec3<u32>) {
+    let n = batch.n_states;
+    let state = id.x;
+    let d = id.y;
+    if state >= n || atomicLoad(&flags[state]) != MOVED {
+        return;
+    }
+    let zero = real(0.0);
+    clear_spectra(d, state);
     var start_interval = 0u;
     var start_share = zero;
     var n_sticks = 0u;

@@ -1,4 +1,4 @@
-// Forces of the circle law with located events. A sum over the samples misses what `kink` in circle_located_lap.wgsl says;
+// Forces of the circle law with located events. A sum over the samples misses what `kink` in circle_located_kink.wgsl says;
 // the normal force is exact.
 
 fn missed(c: u32, a: u32, event: Event) -> real {

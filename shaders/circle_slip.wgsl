@@ -77,11 +77,16 @@ fn slip_map(step: SlipStep) -> vec4<real> {
     return vec4<real>(first.x, first.y, second.x, second.y);
 }
 
-// Derivatives of the angle after a step from the direction `before` by what the step depends on.
-fn angle_rates(step: SlipStep, before: HalfAngle) -> SlipStep {
+// Derivatives of the parts of a step by y.
+struct PartRates {
+    even: real,
+    odd: real,
+    weight: real,
+}
+
+fn rates_by_y(parts: SlipParts) -> PartRates {
     let one = real(1.0);
     let two = real(2.0);
-    let parts = slip_parts(step);
     let y = parts.y;
     let scale = parts.scale;
     let growth_by_y = ((y / real(30.0) + real(0.125)) * y + one / real(3.0)) * y + real(0.5);
@@ -91,7 +96,15 @@ fn angle_rates(step: SlipStep, before: HalfAngle) -> SlipStep {
     let polynomial_by_y = (y / real(40.0) + real(0.05)) * y + one / real(12.0);
     let risen = (polynomial_by_y * y + two * parts.polynomial) * y;
     let weight_by_y = two * scale * (risen - parts.weight * exponential_by_y);
+    return PartRates(even_by_y, odd_by_y, weight_by_y);
+}
 
+// Derivatives of the angle after a step from the direction `before` by what the step depends on.
+fn angle_rates(step: SlipStep, before: HalfAngle) -> SlipStep {
+    let one = real(1.0);
+    let two = real(2.0);
+    let parts = slip_parts(step);
+    let part_rates = rates_by_y(parts);
     let a = step.path * parts.flexibility;
     let c = before.psi.x;
     let s = before.psi.y;
@@ -104,8 +117,8 @@ fn angle_rates(step: SlipStep, before: HalfAngle) -> SlipStep {
     let by_share = by_turn * parts.inverse_of_squares;
     let by_cross = by_share * parts.weight;
     let twice = -two * by_cross * parts.cross_product * parts.inverse_of_squares;
-    let by_y = even_by_y * inner(turned, before.psi) + odd_by_y * inner(turned, image)
-        + by_share * weight_by_y * parts.cross_product;
+    let by_y = part_rates.even * inner(turned, before.psi) + part_rates.odd * inner(turned, image)
+        + by_share * part_rates.weight * parts.cross_product;
     let by_a = parts.odd * vec2<real>(inner(turned, vec2<real>(c, -s)), inner(turned, vec2<real>(s, c)));
 
     var unit = vec2<real>(real(0.0), real(0.0));
@@ -115,7 +128,7 @@ fn angle_rates(step: SlipStep, before: HalfAngle) -> SlipStep {
     let ahead = parts.ahead;
     var by = SlipStep();
     by.path = parts.flexibility * (by_a + by_y * unit) - by_cross * normal_to(ahead) + twice * step.path;
-    by.limit = twice * real(0.5) * RESOLUTION * parts.limit - parts.flexibility * (by_y * y + inner(by_a, a));
+    by.limit = twice * real(0.5) * RESOLUTION * parts.limit - parts.flexibility * (by_y * parts.y + inner(by_a, a));
     if parts.limit > step.limit {
         by.path += by.limit / LONGEST * unit;
         by.limit = real(0.0);

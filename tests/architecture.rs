@@ -1,4 +1,4 @@
-//! Imports follow the room table of ARCHITECTURE.md, and no source file outgrows its limit.
+//! Imports follow the room table of ARCHITECTURE.md, and no source file or function outgrows its limit.
 #![allow(
     clippy::unwrap_used,
     reason = "a test that cannot read the sources fails"
@@ -8,7 +8,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Most lines of a source file.
-const LONGEST_FILE: usize = 600;
+const LONGEST_FILE: usize = 500;
+/// Most lines of a function, from `fn` to the brace that closes it.
+const LONGEST_FUNCTION: usize = 60;
+/// Folders whose functions are not yet divided; to be removed.
+const LONGER_FUNCTIONS: [&str; 2] = ["src/hb", "src/ensemble"];
 /// Files that declare the rooms; they import none.
 const ROOTS: [&str; 2] = ["lib", "main"];
 
@@ -38,7 +42,7 @@ fn source_files(folder: &Path) -> Vec<PathBuf> {
         let path = entry.unwrap().path();
         if path.is_dir() {
             files.extend(source_files(&path));
-        } else if path.extension().is_some_and(|e| e == "rs") {
+        } else if path.extension().is_some_and(|e| e == "rs" || e == "wgsl") {
             files.push(path);
         }
     }
@@ -261,15 +265,77 @@ fn files_do_not_import_each_other_in_circles() {
     assert!(open.is_empty(), "circles among {open:#?}");
 }
 
-/// Seen to fail with the limit at 300.
+/// Seen to fail with a shader of 861 lines and with a benchmark of 692.
 #[test]
 fn no_source_file_is_too_long() {
-    for folder in ["src", "tests"] {
+    let mut long = Vec::new();
+    for folder in ["src", "tests", "benches", "shaders"] {
         for file in source_files(Path::new(folder)) {
             let lines = std::fs::read_to_string(&file).unwrap().lines().count();
-            assert!(lines <= LONGEST_FILE, "{}: {lines} lines", file.display());
+            if lines > LONGEST_FILE {
+                long.push(format!("{}: {lines} lines", file.display()));
+            }
         }
     }
+    assert!(long.is_empty(), "\n{}", long.join("\n"));
+}
+
+/// Name and length of each function of a formatted text: it ends at the first brace that stands as far to the right as `fn`'s
+/// line. A declaration without a body has no length.
+fn function_lengths(text: &str) -> Vec<(String, usize)> {
+    let indent = |line: &str| line.len() - line.trim_start().len();
+    let lines: Vec<&str> = text.lines().collect();
+    let starts = (0..lines.len()).filter_map(|at| Some((at, function_name(lines[at])?)));
+    let measured = starts.filter(|(at, _)| !lines[*at].ends_with([';', '}']));
+    let length = |(at, name): (usize, String)| {
+        let depth = indent(lines[at]);
+        let mut rest = (lines[at + 1..].iter()).filter(|line| !line.is_empty());
+        let end =
+            rest.find(|line| indent(line) == depth && (line.trim() == "}" || line.ends_with(';')))?;
+        let body = end.trim() == "}";
+        // both are parts of the same text
+        let last = lines.iter().position(|line| std::ptr::eq(line, end))?;
+        body.then(|| (name, last - at + 1))
+    };
+    measured.filter_map(length).collect()
+}
+
+/// Name of the function that a line declares.
+fn function_name(line: &str) -> Option<String> {
+    let (before, after) = line.split_once("fn ")?;
+    let word = |word: &str| {
+        let word = word.trim_end_matches(['(', ')']);
+        word.starts_with("pub")
+            || ["const", "async", "unsafe", "in"].contains(&word)
+            || word.starts_with("crate")
+    };
+    let declares = before.split_whitespace().all(word);
+    declares.then(|| first_word(after)).flatten()
+}
+
+/// Seen to fail with a benchmark's function of 79 lines and with a shader's of 83.
+#[test]
+fn no_function_is_too_long() {
+    let mut long = Vec::new();
+    for folder in ["src", "tests", "benches", "shaders"] {
+        for file in source_files(Path::new(folder)) {
+            if LONGER_FUNCTIONS.iter().any(|open| file.starts_with(open)) {
+                continue;
+            }
+            let lengths = function_lengths(&std::fs::read_to_string(&file).unwrap());
+            for (name, lines) in lengths.into_iter().filter(|(_, n)| *n > LONGEST_FUNCTION) {
+                long.push(format!("{}: {name} has {lines} lines", file.display()));
+            }
+        }
+    }
+    assert!(long.is_empty(), "\n{}", long.join("\n"));
+}
+
+#[test]
+fn lengths_are_those_from_the_name_to_the_closing_brace() {
+    let text = "pub(in crate::aft) const fn a(\n    x: T,\n) -> T {\n    x\n}\ntrait B {\n    fn c(\n        &self,\n    );\n    fn d() {\n\n        e();\n    }\n}\n// a fn f that is none {\nfn g() {}\n";
+    let found = function_lengths(text);
+    assert_eq!(found, [("a".to_owned(), 5), ("d".to_owned(), 4)]);
 }
 
 #[test]

@@ -29,37 +29,47 @@ fn main() {
     let (seeds, first, harmonics) = (or(0, 200), or(1, 0), or(2, 5));
     let budget = or(3, NewtonSettings::default().budget as u64);
     let control = std::env::args().any(|a| a == "control");
-    let outcome = |seed: u64| {
-        let model = RandomModel::of_seed(seed);
-        let found = model.peak(harmonics as usize, budget as usize);
-        let (status, iterations) = (found.status, found.count.iterations);
-        let route = found.solution.as_ref().and_then(|peak| peak.route);
-        let wanted = control || !status.has_solution();
-        let vibration = wanted.then(|| march::not_periodic(&model));
-        if let Some(vibration) = vibration {
-            let vibration = match vibration {
-                Some((omega, change)) => {
-                    format!("not periodic at {omega:.3} rad/s, change {change:.1e}")
-                }
-                None => "periodic".to_owned(),
-            };
-            let status = status.name();
-            println!(
-                "{status}, {iterations} iterations, {vibration}: {}",
-                model.text
-            );
-        }
-        Outcome {
-            status,
-            route,
-            iterations,
-            periodic: vibration.map(|found| found.is_none()),
-        }
-    };
+    let outcome = |seed: u64| outcome_of(seed, harmonics as usize, budget as usize, control);
     let seeds: Vec<u64> = (first..first + seeds).collect();
     // one at a time, so that no thread waits with models behind another's slow one
     let seeds = seeds.into_par_iter().with_max_len(1);
     let outcomes: Vec<Outcome> = seeds.map(outcome).collect();
+    print_ends(&outcomes);
+    print_iterations(&outcomes);
+    print_periodicity(&outcomes);
+}
+
+/// Searches for the peak of one model. One without a peak is integrated in time and printed, with `control` any.
+fn outcome_of(seed: u64, harmonics: usize, budget: usize, control: bool) -> Outcome {
+    let model = RandomModel::of_seed(seed);
+    let found = model.peak(harmonics, budget);
+    let (status, iterations) = (found.status, found.count.iterations);
+    let route = found.solution.as_ref().and_then(|peak| peak.route);
+    let wanted = control || !status.has_solution();
+    let vibration = wanted.then(|| march::not_periodic(&model));
+    if let Some(vibration) = vibration {
+        let vibration = match vibration {
+            Some((omega, change)) => {
+                format!("not periodic at {omega:.3} rad/s, change {change:.1e}")
+            }
+            None => "periodic".to_owned(),
+        };
+        let status = status.name();
+        println!(
+            "{status}, {iterations} iterations, {vibration}: {}",
+            model.text
+        );
+    }
+    Outcome {
+        status,
+        route,
+        iterations,
+        periodic: vibration.map(|found| found.is_none()),
+    }
+}
+
+/// How many searches ended with each status and found the peak by each route.
+fn print_ends(outcomes: &[Outcome]) {
     for status in Status::ALL {
         let ended = outcomes.iter().filter(|o| o.status == status);
         match ended.count() {
@@ -74,6 +84,9 @@ fn main() {
             n => println!("found: {:<19} {n:>5}", route.name()),
         }
     }
+}
+
+fn print_iterations(outcomes: &[Outcome]) {
     let mut iterations: Vec<usize> = outcomes.iter().map(|o| o.iterations).collect();
     iterations.sort_unstable();
     let quantile = |p: f64| iterations[(p * (iterations.len() - 1) as f64) as usize];
@@ -83,6 +96,10 @@ fn main() {
         quantile(0.99),
         quantile(1.0)
     );
+}
+
+/// How many structures vibrate with the period of the excitation, of those that were integrated.
+fn print_periodicity(outcomes: &[Outcome]) {
     for (with_peak, ended) in [(true, "with"), (false, "without")] {
         let ended_so = outcomes
             .iter()

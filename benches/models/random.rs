@@ -46,33 +46,9 @@ impl RandomModel {
         let [mass, stiffness] = chain(&mut rng, n);
         let zeta = rng.random_range(0.001..0.02);
         let damping = Mat::from_fn(n, n, |i, j| zeta * (mass[(i, j)] + stiffness[(i, j)]));
+        let scales = [ratio, preload, mu];
         let (pairs, contacts): (Vec<ContactPair>, Vec<_>) = (0..n_contacts)
-            .map(|number| {
-                let [both, varying] = [0.4, 0.5].map(|p| rng.random_bool(p));
-                let rows = [true, both, varying].map(|on| match on {
-                    true => between_points(&mut rng, n),
-                    false => SparseRow::new(),
-                });
-                let [t1, t2, normal] = rows;
-                let k_t = ratio * rng.random_range(0.3..3.0);
-                let k_n = k_t * rng.random_range(0.5..3.0);
-                let contact = ContactParameters {
-                    k_n: if varying { k_n } else { 0.0 },
-                    k_t: [k_t, if both { k_t } else { 0.0 }],
-                    mu,
-                    n_0: preload * rng.random_range(0.3..3.0),
-                    anchor: [0.0; 2],
-                };
-                let pair = ContactPair {
-                    name: number.to_string(),
-                    t1,
-                    t2,
-                    n: normal,
-                    area: 1.0,
-                    interface: 0,
-                };
-                (pair, contact)
-            })
+            .map(|number| random_contact(&mut rng, n, number, scales))
             .unzip();
         let mut static_force = vec![0.0; n];
         for (pair, contact) in pairs.iter().zip(&contacts) {
@@ -177,6 +153,39 @@ fn balance_preload(pair: &ContactPair, contact: &ContactParameters<f64>, force: 
     for &(i, a) in &pair.n {
         force[i] += a * contact.n_0;
     }
+}
+
+/// A contact on a chain of n masses, with stiffness, preload and friction coefficient around `scales`.
+fn random_contact(
+    rng: &mut ChaCha8Rng,
+    n: usize,
+    number: usize,
+    [ratio, preload, mu]: [f64; 3],
+) -> (ContactPair, ContactParameters<f64>) {
+    let [both, varying] = [0.4, 0.5].map(|p| rng.random_bool(p));
+    let rows = [true, both, varying].map(|on| match on {
+        true => between_points(rng, n),
+        false => SparseRow::new(),
+    });
+    let [t1, t2, normal] = rows;
+    let k_t = ratio * rng.random_range(0.3..3.0);
+    let k_n = k_t * rng.random_range(0.5..3.0);
+    let contact = ContactParameters {
+        k_n: if varying { k_n } else { 0.0 },
+        k_t: [k_t, if both { k_t } else { 0.0 }],
+        mu,
+        n_0: preload * rng.random_range(0.3..3.0),
+        anchor: [0.0; 2],
+    };
+    let pair = ContactPair {
+        name: number.to_string(),
+        t1,
+        t2,
+        n: normal,
+        area: 1.0,
+        interface: 0,
+    };
+    (pair, contact)
 }
 
 /// Relative displacement of two random points, or of one to the ground.

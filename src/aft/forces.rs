@@ -114,6 +114,18 @@ pub struct AftForces<T> {
 }
 
 impl<T: Real> AftForces<T> {
+    /// Adds the tangent of the next state, whose blocks start at `offset`; those of a stuck state are dropped.
+    pub(super) fn add_tangent(&mut self, offset: usize, stuck: bool) {
+        if stuck {
+            self.blocks.truncate(offset);
+        }
+        self.tangents.push(if stuck {
+            Tangent::Stuck
+        } else {
+            Tangent::Blocks(offset)
+        });
+    }
+
     /// One block of the tangent at `offset` (from [`Tangent::Blocks`]).
     ///
     /// Shape: `[force coefficient m][displacement coefficient m]`. Unit: N/m.

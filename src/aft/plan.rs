@@ -63,59 +63,23 @@ impl<T: Real> AftPlan<T> {
         let weight: Vec<f64> = (0..m)
             .map(|j| if j == 0 { 1.0 } else { 2.0 } / n_time as f64)
             .collect();
-        let (cos, sin) = circle_points(n_time);
-        let value = |j: usize, i: usize| {
-            let phase = orders[j.div_ceil(2)] * i % n_time;
-            if j % 2 == 1 || j == 0 {
-                cos[phase]
-            } else {
-                sin[phase]
-            }
-        };
+        let functions = BasisFunctions::new(&orders, n_time);
         let convert = |x: f64| T::from_f64(x);
+        let value = |j: usize, i: usize| convert(functions.value(j, i));
         let basis = (0..n_time).flat_map(|i| (0..m).map(move |j| (j, i)));
-        let cosine_rows = || std::iter::once(0).chain((1..m).step_by(2));
-        let sine_rows = || (2..m).step_by(2);
-        let rate = |j: usize, i: usize| match j {
-            0 => 0.0,
-            _ if j % 2 == 1 => -(orders[j.div_ceil(2)] as f64) * value(j + 1, i),
-            _ => orders[j / 2] as f64 * value(j - 1, i),
-        };
-        let mut waves = Vec::new();
-        for i in 0..n_time {
-            for f in [&value as &dyn Fn(usize, usize) -> f64, &rate] {
-                let padded = |j: usize| if j < m { convert(f(j, i)) } else { T::ZERO };
-                waves.extend(
-                    (0..m)
-                        .step_by(CHUNK)
-                        .map(|first| std::array::from_fn(|l| padded(first + l))),
-                );
-            }
-        }
-        let half = 0..=n_time / 2;
         let mut cosines = Vec::new();
         let mut sines = Vec::new();
-        for i in half.clone() {
-            cosines.extend(cosine_rows().map(|j| convert(value(j, i))));
-            sines.extend(sine_rows().map(|j| convert(value(j, i))));
+        for i in 0..=n_time / 2 {
+            cosines.extend(cosine_rows(m).map(|j| value(j, i)));
+            sines.extend(sine_rows(m).map(|j| value(j, i)));
         }
-        let mut cosine_weights = Vec::new();
-        let mut sine_weights = Vec::new();
-        for first in half.clone().step_by(POINTS) {
-            let points = first..(first + POINTS).min(half.end() + 1);
-            let weighted = |j: usize| {
-                let weight = weight[j];
-                points.clone().map(move |i| convert(weight * value(j, i)))
-            };
-            cosine_weights.extend(cosine_rows().flat_map(weighted));
-            sine_weights.extend(sine_rows().flat_map(weighted));
-        }
+        let [cosine_weights, sine_weights] = half_weights(&functions, &weight);
         Self {
             settings,
             arch: pulp::Arch::new(),
             m,
-            waves,
-            basis: basis.map(|(j, i)| convert(value(j, i))).collect(),
+            waves: padded_waves(&functions, m),
+            basis: basis.map(|(j, i)| value(j, i)).collect(),
             cosine_weights,
             sine_weights,
             cosines,
@@ -123,7 +87,7 @@ impl<T: Real> AftPlan<T> {
             per_order: (0..=2 * harmonics.highest())
                 .map(|k| convert(n_time as f64 / (TAU * k.max(1) as f64)))
                 .collect(),
-            prefix: prefix_sums(&cos, &sin, 2 * harmonics.highest() + 1),
+            prefix: prefix_sums(&functions.cos, &functions.sin, 2 * harmonics.highest() + 1),
             weight: weight.into_iter().map(convert).collect(),
             order_numbers: orders[1..].iter().map(|&k| convert(k as f64)).collect(),
             orders,
@@ -173,6 +137,91 @@ impl<T: Real> AftPlan<T> {
         let width = 2 * self.n_mask_orders();
         &self.prefix[i * width..][..width]
     }
+}
+
+/// The functions 1, cos kθ and sin kθ of a harmonic set at the samples.
+struct BasisFunctions {
+    orders: Vec<usize>,
+    /// Of the n-th parts of a turn.
+    cos: Vec<f64>,
+    sin: Vec<f64>,
+}
+
+impl BasisFunctions {
+    fn new(orders: &[usize], n_time: usize) -> Self {
+        let (cos, sin) = circle_points(n_time);
+        let orders = orders.to_vec();
+        Self { orders, cos, sin }
+    }
+
+    fn n_time(&self) -> usize {
+        self.cos.len()
+    }
+
+    /// Function j at sample i.
+    fn value(&self, j: usize, i: usize) -> f64 {
+        let phase = self.orders[j.div_ceil(2)] * i % self.n_time();
+        if j % 2 == 1 || j == 0 {
+            self.cos[phase]
+        } else {
+            self.sin[phase]
+        }
+    }
+
+    /// Its derivative by the phase.
+    fn rate(&self, j: usize, i: usize) -> f64 {
+        match j {
+            0 => 0.0,
+            _ if j % 2 == 1 => -(self.orders[j.div_ceil(2)] as f64) * self.value(j + 1, i),
+            _ => self.orders[j / 2] as f64 * self.value(j - 1, i),
+        }
+    }
+}
+
+/// Numbers of the even functions: the mean and the cosines.
+fn cosine_rows(m: usize) -> impl Iterator<Item = usize> {
+    std::iter::once(0).chain((1..m).step_by(2))
+}
+
+/// Numbers of the odd functions.
+fn sine_rows(m: usize) -> impl Iterator<Item = usize> {
+    (2..m).step_by(2)
+}
+
+/// All m functions and their derivatives, padded to whole chunks. Shape: `[time][2][chunk]`.
+fn padded_waves<T: Real>(functions: &BasisFunctions, m: usize) -> Vec<Chunk<T>> {
+    let value = |j: usize, i: usize| functions.value(j, i);
+    let rate = |j: usize, i: usize| functions.rate(j, i);
+    let mut waves = Vec::new();
+    for i in 0..functions.n_time() {
+        for f in [&value as &dyn Fn(usize, usize) -> f64, &rate] {
+            let padded = |j: usize| if j < m { T::from_f64(f(j, i)) } else { T::ZERO };
+            waves.extend(
+                (0..m)
+                    .step_by(CHUNK)
+                    .map(|first| std::array::from_fn(|l| padded(first + l))),
+            );
+        }
+    }
+    waves
+}
+
+/// Even and odd functions times their weights over the first half period, [`POINTS`] samples at a time.
+fn half_weights<T: Real>(functions: &BasisFunctions, weight: &[f64]) -> [Vec<T>; 2] {
+    let mut cosine_weights = Vec::new();
+    let mut sine_weights = Vec::new();
+    let half = 0..=functions.n_time() / 2;
+    for first in half.clone().step_by(POINTS) {
+        let points = first..(first + POINTS).min(half.end() + 1);
+        let weighted = |j: usize| {
+            let weight = weight[j];
+            let value = move |i| T::from_f64(weight * functions.value(j, i));
+            points.clone().map(value)
+        };
+        cosine_weights.extend(cosine_rows(weight.len()).flat_map(weighted));
+        sine_weights.extend(sine_rows(weight.len()).flat_map(weighted));
+    }
+    [cosine_weights, sine_weights]
 }
 
 /// Cosines and sines of the n-th part turns.

@@ -15,6 +15,17 @@ pub(super) fn execute(arguments: &StudyArguments) -> Result<(), Error> {
 }
 
 fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
+    show_structure(out, facts)?;
+    show_samples(out, facts)?;
+    show_cost(out, facts)?;
+    for warning in &facts.warnings {
+        writeln!(out, "warning: {warning}")?;
+    }
+    Ok(())
+}
+
+/// The model and its natural frequencies.
+fn show_structure(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
     let list = |names: &[String]| abbreviated(names);
     let numbers = |values: &[f64]| {
         let words: Vec<_> = values.iter().map(|f| format!("{f:.6}")).collect();
@@ -53,7 +64,11 @@ fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
         numbers(&facts.free),
         facts.n_rigid
     )?;
-    writeln!(out, "stuck frequencies   {} {unit}", numbers(&facts.stuck))?;
+    writeln!(out, "stuck frequencies   {} {unit}", numbers(&facts.stuck))
+}
+
+/// Random inputs, and how many samples are solved at which levels.
+fn show_samples(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
     let inputs = match facts.inputs.as_slice() {
         [] => "none".to_owned(),
         names => names.join(", "),
@@ -86,10 +101,6 @@ fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
             "worst-case search   up to {} samples more",
             facts.further_samples
         )?;
-    }
-    show_cost(out, facts)?;
-    for warning in &facts.warnings {
-        writeln!(out, "warning: {warning}")?;
     }
     Ok(())
 }

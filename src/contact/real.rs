@@ -74,10 +74,99 @@ pub trait Real:
 const ROWS: usize = 4;
 const VECTORS: usize = 3;
 
+/// Parts of [`Real::table_product`]; as there, `onto` goes on with the sums that `out` holds.
+trait TableRows: Sized {
+    /// The V vectors of R rows from the vector `first` on.
+    fn block<S: Simd, const W: usize, const R: usize, const V: usize>(
+        simd: S,
+        table: &[Self],
+        x: &[[Self; W]],
+        out: (usize, &mut [[Self; W]]),
+        onto: bool,
+    );
+
+    /// R whole rows.
+    fn rows<S: Simd, const W: usize, const R: usize>(
+        simd: S,
+        table: &[Self],
+        x: &[[Self; W]],
+        out: &mut [[Self; W]],
+        onto: bool,
+    );
+}
+
 macro_rules! real {
     (
         $type:ident, $sine_cosine:ident, $vector:ident, $lanes:ident, $vectors:ident, $vectors_mut:ident, $splat:ident, $mul_add:ident, $load:ident, $store:ident
     ) => {
+        impl TableRows for $type {
+            #[inline(always)]
+            fn block<S: Simd, const W: usize, const R: usize, const V: usize>(
+                simd: S,
+                table: &[Self],
+                x: &[[Self; W]],
+                (first, out): (usize, &mut [[Self; W]]),
+                onto: bool,
+            ) {
+                let depth = x.len();
+                let mut rows = [&table[..depth]; R];
+                for (r, row) in rows.iter_mut().enumerate() {
+                    *row = &table[r * depth..][..depth];
+                }
+                let load = |x: &[Self; W]| -> [S::$vector; V] {
+                    let (vectors, rest) = S::$vectors(x);
+                    std::array::from_fn(|v| match vectors.get(first + v) {
+                        Some(&vector) => vector,
+                        None => simd.$load(rest),
+                    })
+                };
+                let mut sums = [[simd.$splat(0.0); V]; R];
+                if onto {
+                    for (sums, out) in sums.iter_mut().zip(&*out) {
+                        *sums = load(out);
+                    }
+                }
+                for (k, x) in x.iter().enumerate() {
+                    let x = load(x);
+                    for (sums, row) in sums.iter_mut().zip(rows) {
+                        let factor = simd.$splat(row[k]);
+                        for (sum, x) in sums.iter_mut().zip(x) {
+                            *sum = simd.$mul_add(factor, x, *sum);
+                        }
+                    }
+                }
+                for (out, sums) in out.iter_mut().zip(sums) {
+                    let (vectors, rest) = S::$vectors_mut(out);
+                    for (v, sum) in sums.into_iter().enumerate() {
+                        match vectors.get_mut(first + v) {
+                            Some(vector) => *vector = sum,
+                            None => simd.$store(rest, sum),
+                        }
+                    }
+                }
+            }
+
+            #[inline(always)]
+            fn rows<S: Simd, const W: usize, const R: usize>(
+                simd: S,
+                table: &[Self],
+                x: &[[Self; W]],
+                out: &mut [[Self; W]],
+                onto: bool,
+            ) {
+                let vectors = W.div_ceil(S::$lanes);
+                let whole = vectors - vectors % VECTORS;
+                for first in (0..whole).step_by(VECTORS) {
+                    Self::block::<S, W, R, VECTORS>(simd, table, x, (first, &mut *out), onto);
+                }
+                match vectors - whole {
+                    2 => Self::block::<S, W, R, 2>(simd, table, x, (whole, out), onto),
+                    1 => Self::block::<S, W, R, 1>(simd, table, x, (whole, out), onto),
+                    _ => {}
+                }
+            }
+        }
+
         impl Real for $type {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -117,73 +206,6 @@ macro_rules! real {
                 out: &mut [[Self; W]],
                 onto: bool,
             ) {
-                /// The vectors of R rows from the vector `first` on.
-                #[inline(always)]
-                fn block<S: Simd, const W: usize, const R: usize, const V: usize>(
-                    simd: S,
-                    table: &[$type],
-                    x: &[[$type; W]],
-                    (first, out): (usize, &mut [[$type; W]]),
-                    onto: bool,
-                ) {
-                    let depth = x.len();
-                    let mut rows = [&table[..depth]; R];
-                    for (r, row) in rows.iter_mut().enumerate() {
-                        *row = &table[r * depth..][..depth];
-                    }
-                    let load = |x: &[$type; W]| -> [S::$vector; V] {
-                        let (vectors, rest) = S::$vectors(x);
-                        std::array::from_fn(|v| match vectors.get(first + v) {
-                            Some(&vector) => vector,
-                            None => simd.$load(rest),
-                        })
-                    };
-                    let mut sums = [[simd.$splat(0.0); V]; R];
-                    if onto {
-                        for (sums, out) in sums.iter_mut().zip(&*out) {
-                            *sums = load(out);
-                        }
-                    }
-                    for (k, x) in x.iter().enumerate() {
-                        let x = load(x);
-                        for (sums, row) in sums.iter_mut().zip(rows) {
-                            let factor = simd.$splat(row[k]);
-                            for (sum, x) in sums.iter_mut().zip(x) {
-                                *sum = simd.$mul_add(factor, x, *sum);
-                            }
-                        }
-                    }
-                    for (out, sums) in out.iter_mut().zip(sums) {
-                        let (vectors, rest) = S::$vectors_mut(out);
-                        for (v, sum) in sums.into_iter().enumerate() {
-                            match vectors.get_mut(first + v) {
-                                Some(vector) => *vector = sum,
-                                None => simd.$store(rest, sum),
-                            }
-                        }
-                    }
-                }
-
-                #[inline(always)]
-                fn rows<S: Simd, const W: usize, const R: usize>(
-                    simd: S,
-                    table: &[$type],
-                    x: &[[$type; W]],
-                    out: &mut [[$type; W]],
-                    onto: bool,
-                ) {
-                    let vectors = W.div_ceil(S::$lanes);
-                    let whole = vectors - vectors % VECTORS;
-                    for first in (0..whole).step_by(VECTORS) {
-                        block::<S, W, R, VECTORS>(simd, table, x, (first, &mut *out), onto);
-                    }
-                    match vectors - whole {
-                        2 => block::<S, W, R, 2>(simd, table, x, (whole, out), onto),
-                        1 => block::<S, W, R, 1>(simd, table, x, (whole, out), onto),
-                        _ => {}
-                    }
-                }
-
                 let depth = x.len();
                 assert_eq!(table.len(), out.len() * depth, "one row per output");
                 // Blocks of about the same size: few rows have too few sums.
@@ -192,10 +214,10 @@ macro_rules! real {
                 let tables = table.chunks(block * depth);
                 for (table, out) in tables.zip(out.chunks_mut(block)) {
                     match out.len() {
-                        ROWS => rows::<S, W, ROWS>(simd, table, x, out, onto),
-                        3 => rows::<S, W, 3>(simd, table, x, out, onto),
-                        2 => rows::<S, W, 2>(simd, table, x, out, onto),
-                        _ => rows::<S, W, 1>(simd, table, x, out, onto),
+                        ROWS => Self::rows::<S, W, ROWS>(simd, table, x, out, onto),
+                        3 => Self::rows::<S, W, 3>(simd, table, x, out, onto),
+                        2 => Self::rows::<S, W, 2>(simd, table, x, out, onto),
+                        _ => Self::rows::<S, W, 1>(simd, table, x, out, onto),
                     }
                 }
             }

@@ -220,6 +220,16 @@ impl Shape {
     /// The whole shader text, for `hardware` or for a software adapter, on which the iterations of loops are bounded.
     #[must_use]
     pub fn text(&self, hardware: bool) -> String {
+        let mut text = self.constants(hardware);
+        text.push_str(include_str!("../../shaders/shared.wgsl"));
+        text.push_str(include_str!("../../shaders/transform.wgsl"));
+        text.push_str(include_str!("../../shaders/forces.wgsl"));
+        self.parts().iter().for_each(|part| text.push_str(part));
+        text
+    }
+
+    /// The generated constants.
+    fn constants(&self, hardware: bool) -> String {
         let most_iterations = if hardware {
             u32::MAX as usize
         } else {
@@ -252,10 +262,12 @@ impl Shape {
         }
         let interpolated = self.march == March::SampledCircle { interpolated: true };
         let _ = writeln!(text, "const INTERPOLATED: bool = {interpolated};");
-        text.push_str(include_str!("../../shaders/shared.wgsl"));
-        text.push_str(include_str!("../../shaders/transform.wgsl"));
-        text.push_str(include_str!("../../shaders/forces.wgsl"));
-        let parts: &[&str] = match self.march {
+        text
+    }
+
+    /// The texts of the law.
+    fn parts(&self) -> &'static [&'static str] {
+        match self.march {
             March::Box => &[
                 include_str!("../../shaders/polynomial.wgsl"),
                 include_str!("../../shaders/masks.wgsl"),
@@ -275,13 +287,19 @@ impl Shape {
                 include_str!("../../shaders/masks.wgsl"),
                 include_str!("../../shaders/circle.wgsl"),
                 include_str!("../../shaders/circle_slip.wgsl"),
+                include_str!("../../shaders/roots.wgsl"),
                 include_str!("../../shaders/circle_located_lap.wgsl"),
+                include_str!("../../shaders/circle_located_sensitivity.wgsl"),
+                include_str!("../../shaders/circle_located_node.wgsl"),
+                include_str!("../../shaders/circle_located_course.wgsl"),
+                include_str!("../../shaders/circle_located_kink.wgsl"),
+                include_str!("../../shaders/circle_located_transition.wgsl"),
+                include_str!("../../shaders/circle_located_walk.wgsl"),
+                include_str!("../../shaders/circle_gap_roots.wgsl"),
                 include_str!("../../shaders/circle_located_forces.wgsl"),
                 include_str!("../../shaders/circle_located_tangents.wgsl"),
             ],
-        };
-        parts.iter().for_each(|part| text.push_str(part));
-        text
+        }
     }
 
     /// cos and sin of the n-th parts of a turn. Shape: `[2][n_time]`.

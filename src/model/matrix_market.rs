@@ -345,6 +345,10 @@ mod tests {
                 .to_string();
             assert!(error.contains(expected), "{lines}: {error}");
         }
+    }
+
+    #[test]
+    fn what_does_not_begin_as_a_real_matrix_is_refused_with_its_line() {
         let others = [
             (
                 "%%MatrixMarket matrix coordinate pattern general\n1 1 1\n1 1\n",
@@ -363,7 +367,10 @@ mod tests {
                 ":3: entry (1, 2): a symmetric",
             ),
             ("", ":1: the file is empty"),
-            (header, ":1: the size line is missing"),
+            (
+                "%%MatrixMarket matrix coordinate real general",
+                ":1: the size line is missing",
+            ),
         ];
         for (text, expected) in others {
             let error = read(text).unwrap_err().to_string();

@@ -1,33 +1,11 @@
 //! The inputs of sample i, under every kind of design.
 
-use super::correlation::{Copula, CorrelationTable};
+use super::correlation::Copula;
 use super::distribution::{Distribution, Shape};
-use super::file::SampleTable;
 use super::input::Input;
-use super::outer::{EpistemicInterval, EpistemicTable, OuterPoints, Scale};
+use super::outer::OuterPoints;
 use super::pick_freeze::is_independent;
-use super::plan::{DesignKind, DesignTable, Growth, Plan};
-use super::table::Uncertainty;
-use crate::setting::BadSetting;
-
-/// Everything that a study says about its samples.
-#[derive(Debug, Clone, Default)]
-pub struct DesignSettings {
-    /// The seed.
-    pub seed: u64,
-    /// Number of samples; absent where the design decides it.
-    pub samples: Option<u64>,
-    /// `[design]`.
-    pub design: DesignTable,
-    /// `[inputs.*]`.
-    pub inputs: Vec<(Input, Uncertainty)>,
-    /// `[correlation]`.
-    pub correlation: Option<CorrelationTable>,
-    /// `[epistemic]`.
-    pub epistemic: Option<EpistemicTable>,
-    /// Content of the file that `[design]` names.
-    pub file: Option<SampleTable>,
-}
+use super::plan::{DesignKind, Growth, Plan};
 
 /// Random inputs, how they are drawn, and the seed that all samples come from.
 ///
@@ -35,19 +13,19 @@ pub struct DesignSettings {
 /// its random numbers are those of inner sample ⌊i / outer points⌋: the same at every outer point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
-    seed: u64,
-    samples: u64,
-    kind: DesignKind,
-    inputs: Vec<(Input, Distribution)>,
+    pub(super) seed: u64,
+    pub(super) samples: u64,
+    pub(super) kind: DesignKind,
+    pub(super) inputs: Vec<(Input, Distribution)>,
     /// Inputs that are drawn: not fixed, epistemic or from a file; and their places among all.
-    drawn: Vec<Input>,
-    drawn_places: Vec<usize>,
-    plan: Plan,
+    pub(super) drawn: Vec<Input>,
+    pub(super) drawn_places: Vec<usize>,
+    pub(super) plan: Plan,
     /// Whether inputs are correlated, in the plan or by the copula.
-    correlated: bool,
-    copula: Option<Copula>,
-    file: Option<(Vec<usize>, Vec<Vec<f64>>)>,
-    outer: Option<(Vec<usize>, OuterPoints)>,
+    pub(super) correlated: bool,
+    pub(super) copula: Option<Copula>,
+    pub(super) file: Option<(Vec<usize>, Vec<Vec<f64>>)>,
+    pub(super) outer: Option<(Vec<usize>, OuterPoints)>,
 }
 
 /// What a sample belongs to, beside its design.
@@ -71,26 +49,6 @@ impl SampleGroup {
 }
 
 impl Design {
-    /// A Monte Carlo design of the given inputs, put in the order of [`Input`].
-    ///
-    /// # Errors
-    /// [`BadSetting`] on `<input>` or `<input>.<parameter>`: an input twice, or a distribution that gives it values
-    /// without meaning.
-    pub fn new(seed: u64, inputs: Vec<(Input, Distribution)>) -> Result<Self, BadSetting> {
-        let uncertain = |(input, distribution)| (input, Uncertainty::Aleatory(distribution));
-        let settings = DesignSettings {
-            seed,
-            inputs: inputs.into_iter().map(uncertain).collect(),
-            ..DesignSettings::default()
-        };
-        settings.build().map_err(|mut bad| {
-            if let Some(key) = bad.key.strip_prefix("inputs.") {
-                bad.key = key.to_owned();
-            }
-            bad
-        })
-    }
-
     /// The seed.
     #[must_use]
     pub fn seed(&self) -> u64 {
@@ -309,201 +267,4 @@ impl Design {
 /// Index into memory; a design never asks for more samples than it holds.
 fn in_memory(i: u64) -> usize {
     usize::try_from(i).unwrap_or(usize::MAX)
-}
-
-impl DesignSettings {
-    /// Checks the settings against each other and makes the design.
-    ///
-    /// # Errors
-    /// [`BadSetting`] with a key relative to the study file.
-    pub fn build(mut self) -> Result<Design, BadSetting> {
-        self.inputs.sort_by_key(|(input, _)| *input);
-        self.check_inputs().map_err(|bad| bad.under("inputs"))?;
-        let outer = self.outer()?;
-        self.check_pick_freeze()?;
-        let n_outer = outer
-            .as_ref()
-            .map_or(1, |points| points.values.len() as u64);
-        let inputs = self.all_inputs()?;
-        let places = |wanted: &dyn Fn(Input) -> bool| -> Vec<usize> {
-            (0..inputs.len()).filter(|&k| wanted(inputs[k].0)).collect()
-        };
-        let epistemic = |input: Input| self.interval(input).is_some();
-        let drawn_places: Vec<usize> = places(&|input| !epistemic(input) && !self.in_file(input))
-            .into_iter()
-            .filter(|&k| inputs[k].1.fixed_value().is_none())
-            .collect();
-        let drawn: Vec<Input> = drawn_places.iter().map(|&k| inputs[k].0).collect();
-        let correlation = (self.correlation.as_ref())
-            .map(|table| table.matrix(&drawn).map_err(|bad| bad.under("correlation")))
-            .transpose()?;
-        let (plan, inner) = self.plan(n_outer, &drawn, correlation.as_deref())?;
-        let samples = number_of_samples(inner.saturating_mul(n_outer))?;
-        // a hypercube has the correlation in the order of its strata
-        let copula = match plan {
-            Plan::LatinHypercube(_) => None,
-            _ => correlation.as_deref().and_then(Copula::new),
-        };
-        let outer_places = places(&epistemic);
-        let file = self.file.as_ref().map(|file| {
-            let place = |input| inputs.iter().position(|(other, _)| other == input);
-            let columns = file.inputs.iter().filter_map(place).collect();
-            (columns, file.rows.clone())
-        });
-        Ok(Design {
-            seed: self.seed,
-            samples,
-            kind: self.design.kind,
-            drawn,
-            drawn_places,
-            plan,
-            correlated: correlation.is_some(),
-            copula,
-            file,
-            outer: outer.map(|points| (outer_places, points)),
-            inputs,
-        })
-    }
-
-    /// The plan and the number of samples at each outer point.
-    fn plan(
-        &self,
-        n_outer: u64,
-        drawn: &[Input],
-        correlation: Option<&[Vec<f64>]>,
-    ) -> Result<(Plan, u64), BadSetting> {
-        let inner = self.inner_samples(n_outer)?;
-        let planned = self.design.plan(self.seed, inner, drawn, correlation);
-        let (plan, count) = planned.map_err(|mut bad| {
-            if bad.key == "samples" && n_outer > 1 {
-                bad.rule = format!("at each of the {n_outer} outer points: {}", bad.rule);
-            }
-            bad
-        })?;
-        let rows = self.file.as_ref().map(|file| file.rows.len() as u64);
-        let inner = inner.or(count).or(rows).unwrap_or(1);
-        let enough = rows.is_none_or(|rows| inner <= rows);
-        let rule = match rows {
-            Some(rows) => format!(
-                "must be at most {}: the file has {rows} rows",
-                rows * n_outer
-            ),
-            None => String::new(),
-        };
-        BadSetting::unless(enough, "samples", inner * n_outer, &rule)?;
-        Ok((plan, inner))
-    }
-
-    fn check_inputs(&self) -> Result<(), BadSetting> {
-        for pair in self.inputs.windows(2) {
-            let twice = pair[0].0 == pair[1].0;
-            BadSetting::unless(!twice, pair[0].0.name(), "twice", "must be given once")?;
-        }
-        for (input, uncertainty) in &self.inputs {
-            let accepted = match uncertainty {
-                Uncertainty::Aleatory(distribution) => input.accepts(distribution),
-                Uncertainty::Epistemic(known) => (input.accepts_value("lower", known.lower))
-                    .and_then(|()| input.accepts_value("upper", known.upper)),
-            };
-            accepted.map_err(|bad| bad.under(input.name()))?;
-            let in_file = self.in_file(*input);
-            let rule = "must be absent: it is a column of the file of [design]";
-            BadSetting::unless(!in_file, input.name(), "(given)", rule)?;
-        }
-        Ok(())
-    }
-
-    /// Sobol' indices are shares of a variance, and an interval has none.
-    fn check_pick_freeze(&self) -> Result<(), BadSetting> {
-        let inputs = self.inputs.iter().map(|(input, _)| *input);
-        let interval = inputs
-            .filter(|_| self.design.kind == DesignKind::PickFreeze)
-            .find(|input| self.interval(*input).is_some());
-        let key =
-            interval.map_or_else(String::new, |input| format!("inputs.{}.kind", input.name()));
-        let rule = "must be \"aleatory\" in a pick-freeze design: an interval has no variance to share out";
-        BadSetting::unless(interval.is_none(), &key, "\"epistemic\"", rule)
-    }
-
-    fn in_file(&self, input: Input) -> bool {
-        self.file.iter().any(|file| file.inputs.contains(&input))
-    }
-
-    /// The interval of an epistemic input.
-    fn interval(&self, input: Input) -> Option<EpistemicInterval> {
-        let (_, uncertainty) = self.inputs.iter().find(|(other, _)| *other == input)?;
-        match uncertainty {
-            Uncertainty::Epistemic(interval) => Some(*interval),
-            Uncertainty::Aleatory(_) => None,
-        }
-    }
-
-    fn outer(&self) -> Result<Option<OuterPoints>, BadSetting> {
-        let intervals: Vec<EpistemicInterval> = (self.inputs.iter())
-            .filter_map(|(input, _)| self.interval(*input))
-            .collect();
-        if intervals.is_empty() {
-            let rule = "must be absent: no input is of kind \"epistemic\"";
-            BadSetting::unless(self.epistemic.is_none(), "epistemic", "(given)", rule)?;
-            return Ok(None);
-        }
-        let table = self.epistemic.clone().unwrap_or_default();
-        let points = table.cover(self.seed, &intervals);
-        points.map(Some).map_err(|bad| bad.under("epistemic"))
-    }
-
-    /// Samples at each outer point.
-    fn inner_samples(&self, n_outer: u64) -> Result<Option<u64>, BadSetting> {
-        let Some(samples) = self.samples else {
-            return Ok(None);
-        };
-        number_of_samples(samples)?;
-        let rule =
-            format!("must be a multiple of the {n_outer} outer points over the epistemic inputs");
-        BadSetting::unless(samples.is_multiple_of(n_outer), "samples", samples, &rule)?;
-        Ok(Some(samples / n_outer))
-    }
-
-    /// All inputs with their distributions, in order.
-    fn all_inputs(&self) -> Result<Vec<(Input, Distribution)>, BadSetting> {
-        let mut inputs = Vec::new();
-        for (input, uncertainty) in &self.inputs {
-            let distribution = match uncertainty {
-                Uncertainty::Aleatory(distribution) => distribution.clone(),
-                Uncertainty::Epistemic(known) => {
-                    let (low, high) = (known.lower, known.upper);
-                    let shape = match known.scale {
-                        Scale::Linear => Shape::Uniform { low, high },
-                        Scale::Log => Shape::LogUniform { low, high },
-                    };
-                    Distribution::new(shape, None)?
-                }
-            };
-            inputs.push((*input, distribution));
-        }
-        for input in self.file.iter().flat_map(|file| &file.inputs) {
-            inputs.push((*input, scale_of_file()?));
-        }
-        inputs.sort_by_key(|(input, _)| *input);
-        Ok(inputs)
-    }
-}
-
-/// Most samples of a study: beyond it the tables of the report do not fit into memory.
-pub const MOST_SAMPLES: u64 = 100_000_000;
-
-fn number_of_samples(samples: u64) -> Result<u64, BadSetting> {
-    let rule = format!("must be from 1 to {MOST_SAMPLES}");
-    let holds = (1..=MOST_SAMPLES).contains(&samples);
-    BadSetting::unless(holds, "samples", samples, &rule)?;
-    Ok(samples)
-}
-
-/// Scale of a file's values, the same whatever rows it has: seven decades around 1.
-fn scale_of_file() -> Result<Distribution, BadSetting> {
-    let shape = Shape::Lognormal {
-        median: 1.0,
-        log_standard_deviation: 2.0,
-    };
-    Distribution::new(shape, None)
 }

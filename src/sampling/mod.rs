@@ -7,6 +7,7 @@
 
 pub mod correlation;
 pub mod design;
+pub mod design_settings;
 pub mod distribution;
 pub mod file;
 pub mod input;
@@ -21,7 +22,8 @@ pub mod stream;
 pub mod table;
 
 pub use correlation::CorrelationTable;
-pub use design::{Design, DesignSettings, SampleGroup};
+pub use design::{Design, SampleGroup};
+pub use design_settings::DesignSettings;
 pub use distribution::{Distribution, Shape};
 pub use file::SampleTable;
 pub use input::Input;

@@ -105,26 +105,7 @@ pub fn replicate_quantile(
         resolution: 0.5 / smallest,
         sizes,
     };
-    let (mut with, mut without) = (failed, vec![0.0; level.sizes.len()]);
-    // Between value k and the next: all shares are constant.
-    let (mut first, mut last) = (None, None);
-    for k in 0..=valid.len() {
-        if let Some((_, place)) = k.checked_sub(1).map(|k| valid[k]) {
-            with[place] += 1.0;
-            without[place] += 1.0;
-        }
-        // Within equal values there is no such place.
-        let tied = k > 0 && valid.get(k).is_some_and(|next| next.0 == valid[k - 1].0);
-        if tied {
-            continue;
-        }
-        if first.is_none() && level.reached(&with) {
-            first = Some(k);
-        }
-        if !level.passed(&without) {
-            last = Some(k);
-        }
-    }
+    let [first, last] = level.ranks(&valid, failed);
     let value = |rank: usize| valid.get(rank.checked_sub(1)?).map(|(v, _)| *v);
     Some(ReplicateQuantile {
         probability,
@@ -144,6 +125,32 @@ struct Level {
 }
 
 impl Level {
+    /// First and last rank k, with all shares constant between value k and the next, at which the shares have the probability in
+    /// their interval; `valid` are the ascending values with the places of their replicates, `failed` counts the others.
+    fn ranks(&self, valid: &[(f64, usize)], failed: Vec<f64>) -> [Option<usize>; 2] {
+        let (mut with, mut without) = (failed, vec![0.0; self.sizes.len()]);
+        // Between value k and the next: all shares are constant.
+        let (mut first, mut last) = (None, None);
+        for k in 0..=valid.len() {
+            if let Some((_, place)) = k.checked_sub(1).map(|k| valid[k]) {
+                with[place] += 1.0;
+                without[place] += 1.0;
+            }
+            // Within equal values there is no such place.
+            let tied = k > 0 && valid.get(k).is_some_and(|next| next.0 == valid[k - 1].0);
+            if tied {
+                continue;
+            }
+            if first.is_none() && self.reached(&with) {
+                first = Some(k);
+            }
+            if !self.passed(&without) {
+                last = Some(k);
+            }
+        }
+        [first, last]
+    }
+
     /// Mean share of the counts, and half its interval.
     fn share(&self, counts: &[f64]) -> (f64, f64) {
         let shares = counts.iter().zip(&self.sizes).map(|(count, n)| count / n);

@@ -60,6 +60,17 @@ impl<'t> Document<'t> {
         }
     }
 
+    /// Takes a top-level value that must be given.
+    ///
+    /// # Errors
+    /// [`Error::Study`] if it is absent or does not have the shape of `T`.
+    pub fn required<T: DeserializeOwned>(&mut self, key: &str) -> Result<T, Error> {
+        match self.take(key)? {
+            Some(value) => Ok(value),
+            None => Err(self.at_key(key, "must be given".to_owned())),
+        }
+    }
+
     /// Whether a top-level value is a table.
     pub fn is_table(&self, key: &str) -> bool {
         let value = self.root.get(key).map(Spanned::get_ref);

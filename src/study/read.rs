@@ -1,10 +1,11 @@
 //! From `study.toml` to the settings of every room.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::document::Document;
 use super::frequency::{FrequencySettings, FrequencyTable, ascending_positive};
+use super::inputs::design;
+use super::model::{ModelSettings, NO_POSITIONS, model};
 use super::output::OutputSettings;
 use super::requirements::{check_requirements, check_surrogate, requirements};
 use super::samples::Samples;
@@ -13,20 +14,13 @@ use crate::Error;
 use crate::contact::ContactParameters;
 use crate::ensemble::SampleSolver;
 use crate::hb::HbSettings;
-use crate::model::interface::InterfaceSettings;
-use crate::model::matrices::{MatricesError, MatricesSettings};
+use crate::model::matrices::MatricesError;
 use crate::model::two_blade::{
-    self, ComponentSummary, PressureField, PressureInputs, TwoBladeModel, TwoBladeSettings,
+    self, ComponentSummary, PressureInputs, TwoBladeModel, TwoBladeSettings,
 };
 use crate::model::{ModelError, ReducedModel};
-use crate::report::asked::Requirements;
-use crate::report::asked::Stopping;
-use crate::report::asked::SurrogateSettings;
-use crate::sampling::input::PRESSURE_MODES;
-use crate::sampling::{
-    CorrelationTable, Design, DesignSettings, DesignTable, Distribution, DistributionTable,
-    EpistemicTable, Input, SampleTable, Shape, Uncertainty,
-};
+use crate::report::asked::{Requirements, Stopping, SurrogateSettings};
+use crate::sampling::{Design, Input};
 use crate::setting::{BadSetting, within};
 
 /// Top-level keys of a study file.
@@ -56,29 +50,11 @@ pub(super) const LEVEL: [f64; 2] = [1e-12, 1e12];
 /// Levels at most: each is a study of its own.
 pub(super) const MOST_LEVELS: usize = 1000;
 
-/// Why a pressure cannot be shaped.
-const NO_POSITIONS: &str = "a model of kind \"matrices\" has no positions of its contacts";
 /// Why a strip has no thickness.
 const NO_STRIP: &str = "a model of kind \"matrices\" has no strip that could be meshed anew";
 /// Why a punch and a field do not go together.
 const TWO_PRESSURES: &str =
     "the deviations of [pressure_field] are relative to model.pressure_weights, not to a punch";
-
-/// Which structure is computed.
-#[derive(Debug, Clone, PartialEq)]
-pub enum ModelSettings {
-    /// The built-in two blades with a strip.
-    TwoBladeStrip {
-        /// Geometry and material.
-        blades: TwoBladeSettings,
-        /// Constants of both interfaces.
-        interface: InterfaceSettings,
-        /// Random field of the contact pressure.
-        pressure: Option<PressureField>,
-    },
-    /// The user's own matrices.
-    Matrices(MatricesSettings),
-}
 
 /// A study: what is computed, with which settings, on which samples.
 #[derive(Debug, Clone)]
@@ -154,10 +130,10 @@ impl Study {
     /// [`Error::Study`] with line, key, value and rule.
     pub fn parse(path: &Path, text: &str) -> Result<Self, Error> {
         let mut document = Document::parse(path, text)?;
-        let name: String = required(&mut document, "name")?;
+        let name: String = document.required("name")?;
         let seed: u64 = document.take("seed")?.unwrap_or(0);
         let samples = Samples::take(&mut document)?;
-        let levels: Vec<f64> = required(&mut document, "levels")?;
+        let levels: Vec<f64> = document.required("levels")?;
         let contact: ContactSection = document.take("contact")?.unwrap_or_default();
         let model = model(&mut document, &contact)?;
         let pressure = match &model {
@@ -172,7 +148,7 @@ impl Study {
             samples.most(),
         )?;
         let solver: SolverSection = document.take("solver")?.unwrap_or_default();
-        let frequency: FrequencyTable = required(&mut document, "frequency")?;
+        let frequency: FrequencyTable = document.required("frequency")?;
         let output: OutputSettings = document.take("output")?.unwrap_or_default();
         let requirements = requirements(&mut document)?;
         let surrogate: Option<SurrogateSettings> = document.take("surrogate")?;
@@ -181,13 +157,7 @@ impl Study {
         let at = |bad: BadSetting| document.bad_setting(&bad);
         validate_head(&name, &levels).map_err(at)?;
         output.validate().map_err(|bad| at(bad.under("output")))?;
-        let frequency = frequency.settings();
-        let frequency = frequency.map_err(|bad| at(bad.under("frequency")))?;
-        if let ModelSettings::TwoBladeStrip { blades, .. } = &model {
-            let highest_hz = crate::units::rad_s_to_hz(frequency.band[1]);
-            let checked = blades.check_band(highest_hz);
-            checked.map_err(|bad| at(bad.under("model")))?;
-        }
+        let frequency = frequencies(&frequency, &model).map_err(at)?;
         check_requirements(&requirements, frequency.unit, &levels).map_err(at)?;
         let stopping = samples.plan(&requirements, &design).map_err(at)?;
         if let Some(settings) = &surrogate {
@@ -401,16 +371,6 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().unwrap_or_else(|| Path::new(""))
 }
 
-fn required<T: serde::de::DeserializeOwned>(
-    document: &mut Document<'_>,
-    key: &str,
-) -> Result<T, Error> {
-    match document.take(key)? {
-        Some(value) => Ok(value),
-        None => Err(document.at_key(key, "must be given".to_owned())),
-    }
-}
-
 fn validate_head(name: &str, levels: &[f64]) -> Result<(), BadSetting> {
     let rule = "must not be empty";
     BadSetting::unless(!name.trim().is_empty(), "name", "\"\"", rule)?;
@@ -421,6 +381,20 @@ fn validate_head(name: &str, levels: &[f64]) -> Result<(), BadSetting> {
     let ends = [levels.first(), levels.last()].into_iter().flatten();
     ends.copied()
         .try_for_each(|level| within("levels", level, LEVEL))
+}
+
+/// The frequencies, for which the blades must be meshed finely enough.
+fn frequencies(
+    table: &FrequencyTable,
+    model: &ModelSettings,
+) -> Result<FrequencySettings, BadSetting> {
+    let frequency = table.settings().map_err(|bad| bad.under("frequency"))?;
+    if let ModelSettings::TwoBladeStrip { blades, .. } = model {
+        let highest_hz = crate::units::rad_s_to_hz(frequency.band[1]);
+        let checked = blades.check_band(highest_hz);
+        checked.map_err(|bad| bad.under("model"))?;
+    }
+    Ok(frequency)
 }
 
 /// What may be meant but is unusual, in the order of the file.
@@ -439,91 +413,4 @@ fn unusual(model: &ModelSettings, design: &Design, solver: &HbSettings) -> Vec<B
     found.extend(of_inputs.map(|bad| bad.under("inputs")));
     found.extend(solver.unusual().map(|bad| bad.under("solver")));
     found
-}
-
-/// Reads `[model]` by its `kind`.
-fn model(document: &mut Document<'_>, contact: &ContactSection) -> Result<ModelSettings, Error> {
-    let kind = document.take_string("model", "kind")?;
-    let of_contact = |bad: BadSetting| bad.under("contact");
-    match kind.as_str() {
-        "two-blade-strip" => {
-            let blades: TwoBladeSettings = required(document, "model")?;
-            document.checked(blades.validate().map_err(|b| b.under("model")))?;
-            let interface = document.checked(contact.interface().map_err(of_contact))?;
-            let pressure: Option<PressureField> = document.take("pressure_field")?;
-            if let Some(field) = &pressure {
-                let nodes = blades.contact_nodes.iter().product();
-                let valid = field.validate(nodes);
-                let valid = valid.map_err(|b| b.under("pressure_field"));
-                document.checked(valid)?;
-            }
-            Ok(ModelSettings::TwoBladeStrip {
-                blades,
-                interface,
-                pressure,
-            })
-        }
-        "matrices" => {
-            if document.take::<PressureField>("pressure_field")?.is_some() {
-                let rule = format!("must be absent: {NO_POSITIONS}");
-                return Err(document.at_key("pressure_field", rule));
-            }
-            let settings: MatricesSettings = required(document, "model")?;
-            document.checked(settings.validate().map_err(|b| b.under("model")))?;
-            document.checked(contact.refuse_interface().map_err(of_contact))?;
-            Ok(ModelSettings::Matrices(settings))
-        }
-        _ => Err(document.bad_setting(&BadSetting {
-            key: "model.kind".to_owned(),
-            value: kind,
-            rule: "must be \"two-blade-strip\" or \"matrices\"".to_owned(),
-        })),
-    }
-}
-
-/// Reads `[inputs.*]`, `[design]`, `[correlation]` and `[epistemic]`, and the file that `[design]` names.
-fn design(
-    document: &mut Document<'_>,
-    pressure: Option<PressureField>,
-    folder: &Path,
-    seed: u64,
-    samples: Option<u64>,
-) -> Result<Design, Error> {
-    let tables: BTreeMap<String, DistributionTable> = document.take("inputs")?.unwrap_or_default();
-    let mut inputs = Vec::new();
-    for (name, table) in &tables {
-        let key = format!("inputs.{name}");
-        let Some(input) = Input::from_name(name) else {
-            let known = Input::ALL.map(Input::name).join(", ");
-            return Err(document.at_key(&key, format!("unknown input; known are {known}")));
-        };
-        let uncertainty = table.uncertainty().map_err(|bad| bad.under(&key));
-        inputs.push((input, document.checked(uncertainty)?));
-    }
-    let coefficients = 2 * pressure.map_or(0, |field| field.modes);
-    for k in (0..PRESSURE_MODES as u8).take(coefficients) {
-        let (mean, standard_deviation) = (0.0, 1.0);
-        let shape = Shape::Normal {
-            mean,
-            standard_deviation,
-        };
-        let normal = document.checked(Distribution::new(shape, None))?;
-        inputs.push((Input::PressureMode(k), Uncertainty::Aleatory(normal)));
-    }
-    let table: DesignTable = document.take("design")?.unwrap_or_default();
-    document.checked(table.validate().map_err(|bad| bad.under("design")))?;
-    let file = match table.path() {
-        Some(path) => Some(SampleTable::read(&folder.join(path))?),
-        None => None,
-    };
-    let settings = DesignSettings {
-        seed,
-        samples,
-        design: table,
-        inputs,
-        correlation: document.take::<CorrelationTable>("correlation")?,
-        epistemic: document.take::<EpistemicTable>("epistemic")?,
-        file,
-    };
-    document.checked(settings.build())
 }

@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 use std::time::Instant;
 
+use super::model::ModelSettings;
 use super::output::{OutputFolder, write_arrow_tables};
 use super::prepared::{FREQUENCY_TOLERANCE, PreparedStudy};
-use super::read::{ModelSettings, Study};
+use super::read::Study;
 use super::search::worst_cases;
 use super::solve::{Meter, Progress};
 use crate::Error;

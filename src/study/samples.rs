@@ -4,7 +4,7 @@ use super::document::Document;
 use crate::Error;
 use crate::report::asked::Requirements;
 use crate::report::asked::{Stopping, StoppingTable};
-use crate::sampling::design::MOST_SAMPLES;
+use crate::sampling::design_settings::MOST_SAMPLES;
 use crate::sampling::{Design, DesignKind};
 use crate::setting::BadSetting;
 

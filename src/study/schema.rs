@@ -13,7 +13,7 @@ use crate::model::two_blade::{PressureField, TwoBladeSettings};
 use crate::report::asked::StoppingTable;
 use crate::report::asked::SurrogateSettings;
 use crate::report::asked::{Criterion, Operation, Stress};
-use crate::sampling::design::MOST_SAMPLES;
+use crate::sampling::design_settings::MOST_SAMPLES;
 use crate::sampling::{CorrelationTable, DesignTable, DistributionTable, EpistemicTable, Input};
 use crate::setting::NOT_BLANK;
 

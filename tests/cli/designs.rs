@@ -70,48 +70,72 @@ fn inspect_shows_the_design() {
     }
 }
 
+/// Names of the inputs of the study, and its number of samples.
+const K: &str = "stiffness_scale";
+const MU: &str = "friction_coefficient";
+const TEN: &str = "samples = 10\n";
+
+fn pairs(list: &str) -> String {
+    format!("{SECOND}[correlation]\npairs = [{list}]\n")
+}
+
+fn pair(a: &str, b: &str, value: f64) -> String {
+    format!("{{ inputs = [\"{a}\", \"{b}\"], value = {value} }}")
+}
+
+fn epistemic(lower: f64, more: &str) -> String {
+    format!("[inputs.stiffness_scale]\nkind = \"epistemic\"\nlower = {lower}\nupper = 3\n{more}")
+}
+
+/// What begins and ends a study, and a part of the message that it gets.
+fn refuse(cases: &[(&str, String, &str)]) {
+    for (head, tail, expected) in cases {
+        let message = inspect(head, tail).unwrap_err();
+        assert!(
+            message.contains(expected),
+            "{tail}: {expected:?} is not in: {message}"
+        );
+        assert_eq!(message.lines().count(), 1, "{message}");
+    }
+}
+
 /// Seen to fail with the keys of other kinds ignored.
 #[test]
-fn bad_designs_name_line_key_and_rule() {
-    let pairs = |list: &str| format!("{SECOND}[correlation]\npairs = [{list}]\n");
-    let pair = |a: &str, b: &str, value: f64| {
-        format!("{{ inputs = [\"{a}\", \"{b}\"], value = {value} }}")
-    };
-    let (k, mu) = ("stiffness_scale", "friction_coefficient");
-    let epistemic = |lower: f64, more: &str| {
-        format!(
-            "[inputs.stiffness_scale]\nkind = \"epistemic\"\nlower = {lower}\nupper = 3\n{more}"
-        )
-    };
-    let ten = "samples = 10\n";
-    let cases = [
+fn bad_sobol_design_names_line_key_and_rule() {
+    refuse(&[
         (
-            ten,
+            TEN,
             "[design]\nkind = \"halton\"".to_owned(),
             ":42: design.kind: ",
         ),
         (
-            ten,
+            TEN,
             "[design]\nkind = \"sobol\"".to_owned(),
             ":3: samples = 10: must be a power of two: 8 or 16",
         ),
         (
-            ten,
+            TEN,
             "[design]\nkind = \"sobol\"\nreplicates = 3".to_owned(),
             "a power of two times 3 replicates: 6 or 12",
         ),
         (
-            ten,
+            TEN,
             "[design]\nkind = \"sobol\"\nreplicates = 0".to_owned(),
             ":43: design.replicates = 0: must be from 1",
         ),
         (
-            ten,
+            TEN,
             "[design]\nkind = \"sobol\"\npoints = 3".to_owned(),
             ":43: design.points = (given): must be absent",
         ),
+    ]);
+}
+
+#[test]
+fn bad_pick_freeze_design_names_line_key_and_rule() {
+    refuse(&[
         (
-            ten,
+            TEN,
             format!("[design]\nkind = \"pick-freeze\"\n{SECOND}"),
             ":3: samples = 10: must be a power of two times 4 (2 and one per input): 8 or 16",
         ),
@@ -121,12 +145,12 @@ fn bad_designs_name_line_key_and_rule() {
             "samples = (absent): must be given",
         ),
         (
-            ten,
+            TEN,
             "[design]\nkind = \"pick-freeze\"\nreplicates = 2".to_owned(),
             ":43: design.replicates = (given): must be absent",
         ),
         (
-            ten,
+            TEN,
             "[design]\nkind = \"pick-freeze\"\npath = \"good.csv\"".to_owned(),
             ":43: design.path = (given): must be absent",
         ),
@@ -134,7 +158,7 @@ fn bad_designs_name_line_key_and_rule() {
             "samples = 8\n",
             format!(
                 "[design]\nkind = \"pick-freeze\"\n{}",
-                pairs(&pair(k, mu, 0.5))
+                pairs(&pair(K, MU, 0.5))
             ),
             ": correlation = (given): must be absent: with correlated inputs Sobol' indices are no shares",
         ),
@@ -143,13 +167,19 @@ fn bad_designs_name_line_key_and_rule() {
             format!("{}[design]\nkind = \"pick-freeze\"", epistemic(1.0, "")),
             ":42: inputs.stiffness_scale.kind = \"epistemic\": must be \"aleatory\" in a pick-freeze design",
         ),
+    ]);
+}
+
+#[test]
+fn bad_grid_or_hypercube_names_line_key_and_rule() {
+    refuse(&[
         (
-            ten,
+            TEN,
             "[design]\nkind = \"grid\"".to_owned(),
             ":41: design.points = (absent): must be given",
         ),
         (
-            ten,
+            TEN,
             "[design]\nkind = \"grid\"\npoints = 3".to_owned(),
             ":3: samples = 10: must be the number of grid points, 3",
         ),
@@ -173,23 +203,29 @@ fn bad_designs_name_line_key_and_rule() {
             format!("[design]\nkind = \"latin-hypercube\"\n{SECOND}"),
             ":3: samples = 1: must be more",
         ),
+    ]);
+}
+
+#[test]
+fn bad_file_of_samples_names_line_key_and_rule() {
+    refuse(&[
         (
-            ten,
+            TEN,
             "[design]\nkind = \"file\"".to_owned(),
             "design.path = (absent): must be given",
         ),
         (
-            ten,
+            TEN,
             "[design]\nkind = \"file\"\npath = \"none.csv\"".to_owned(),
             "none.csv: No such file",
         ),
         (
-            ten,
+            TEN,
             "[design]\nkind = \"file\"\npath = \"bad.csv\"".to_owned(),
             "bad.csv:3: stiffness_scale = \"x\": must be a number",
         ),
         (
-            ten,
+            TEN,
             "[design]\nkind = \"file\"\npath = \"good.csv\"".to_owned(),
             ":3: samples = 10: must be at most 3: the file has 3 rows",
         ),
@@ -198,79 +234,102 @@ fn bad_designs_name_line_key_and_rule() {
             format!("[design]\nkind = \"file\"\npath = \"good.csv\"\n{SECOND}"),
             "inputs.stiffness_scale = (given): must be absent: it is a column",
         ),
+    ]);
+}
+
+#[test]
+fn bad_correlation_names_line_key_and_rule() {
+    refuse(&[
         (
-            ten,
+            TEN,
             pairs(""),
             ":46: correlation.pairs = []: must not be empty",
         ),
         (
-            ten,
-            pairs(&pair(k, mu, 1.5)),
+            TEN,
+            pairs(&pair(K, MU, 1.5)),
             ":46: correlation.pairs[0].value = 1.5: must be between",
         ),
         (
-            ten,
-            pairs(&pair(k, k, 0.5)),
+            TEN,
+            pairs(&pair(K, K, 0.5)),
             ":46: correlation.pairs[0].inputs = ",
         ),
         (
-            ten,
-            pairs(&pair(k, "mu", 0.5)),
+            TEN,
+            pairs(&pair(K, "mu", 0.5)),
             ":46: correlation.pairs[0].inputs = \"mu\": must be inputs with a distribution",
         ),
+    ]);
+}
+
+#[test]
+fn bad_epistemic_names_line_key_and_rule() {
+    refuse(&[
         (
-            ten,
+            TEN,
             epistemic(-1.0, ""),
             ":43: inputs.stiffness_scale.lower = -1: must be > 0",
         ),
         (
-            ten,
+            TEN,
             epistemic(4.0, ""),
             ":44: inputs.stiffness_scale.upper = 3: must be greater than lower",
         ),
         (
-            ten,
+            TEN,
             epistemic(1.0, "value = 3"),
             ":45: inputs.stiffness_scale.value = 3: must be absent",
         ),
         (
-            ten,
+            TEN,
             format!("{SECOND}scale = \"log\""),
             "inputs.stiffness_scale.scale = (given): must be absent: only an input of kind \"epistemic\"",
         ),
         (
-            ten,
+            TEN,
             epistemic(1.0, "scale = \"decades\""),
             ":45: inputs.stiffness_scale.scale: ",
         ),
         (
-            ten,
+            TEN,
             epistemic(1.0, ""),
             ":3: samples = 10: must be a multiple of the 11 outer points",
         ),
         (
-            ten,
+            TEN,
             epistemic(1.0, "[epistemic]\nkind = \"grid\"\npoints = 1"),
             ":47: epistemic.points = 1: must be at least 2",
         ),
         (
-            ten,
+            TEN,
             epistemic(1.0, "[epistemic]\nsearch = 10001"),
             ":46: epistemic.search = 10001: must be at most 10000",
         ),
         (
-            ten,
+            TEN,
+            "[epistemic]\npoints = 1".to_owned(),
+            ":41: epistemic = (given): must be absent: no input",
+        ),
+    ]);
+}
+
+#[test]
+fn bad_surrogate_names_line_key_and_rule() {
+    refuse(&[
+        (
+            TEN,
             format!("{SURROGATE}hold_out = 0.9"),
             ":43: surrogate.hold_out = 0.9: must be from 0.05 to 0.5",
         ),
         (
-            ten,
+            TEN,
             "[surrogate]\nkind = \"kriging\"".to_owned(),
             ":42: surrogate.kind: ",
         ),
         (
-            ten,
-            format!("{}{SURROGATE}", pairs(&pair(k, mu, 0.5))),
+            TEN,
+            format!("{}{SURROGATE}", pairs(&pair(K, MU, 0.5))),
             ":47: surrogate = (table): must be absent: inputs are correlated",
         ),
         (
@@ -283,20 +342,7 @@ fn bad_designs_name_line_key_and_rule() {
             format!("[design]\nkind = \"file\"\npath = \"good.csv\"\n{SURROGATE}"),
             "surrogate = (table): must be absent: inputs from a file have no distribution",
         ),
-        (
-            ten,
-            "[epistemic]\npoints = 1".to_owned(),
-            ":41: epistemic = (given): must be absent: no input",
-        ),
-    ];
-    for (head, tail, expected) in cases {
-        let message = inspect(head, &tail).unwrap_err();
-        assert!(
-            message.contains(expected),
-            "{tail}: {expected:?} is not in: {message}"
-        );
-        assert_eq!(message.lines().count(), 1, "{message}");
-    }
+    ]);
 }
 
 /// Every sample knows its outer point or its replicate, and the values of one outer point are the same throughout.

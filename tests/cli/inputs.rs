@@ -128,7 +128,7 @@ fn equal_sides_are_the_folded_model() {
     assert!(!close(found[1][0].frequency_hz, found[0][0].frequency_hz));
 }
 
-/// Even weights and `edge_pressure` = 1 are the weights of a rigid punch: its load left of s is 1/2 + asin(2s)/π. The model stays folded; one without positions of its contacts refuses the input, and a value above 1 is none.
+/// Even weights and `edge_pressure` = 1 are the weights of a rigid punch: its load left of s is 1/2 + asin(2s)/π.
 /// Seen to fail with the load left as it is.
 #[test]
 fn edge_pressure_is_that_of_a_punch() {
@@ -162,6 +162,12 @@ fn edge_pressure_is_that_of_a_punch() {
     assert!(close(full, punch[0][0].amplitude_m), "{even:?} {punch:?}");
     assert!(close(even[2][0].frequency_hz, punch[0][0].frequency_hz));
     assert!(!close(none, full) && !close(none, half), "{even:?}");
+}
+
+/// With an edge pressure the model stays folded. A model without positions of its contacts refuses the input, and no value is
+/// above 1.
+#[test]
+fn edge_pressure_needs_positions_and_is_at_most_1() {
     let input = |high: f64| {
         format!("[inputs.edge_pressure]\ndistribution = \"uniform\"\nlow = 0\nhigh = {high}\n")
     };

@@ -98,10 +98,88 @@ fn requirements_change_no_sample() {
     assert!(samples(&with) == samples(&without));
 }
 
+/// What is replaced in [`REQUIREMENTS`], by what, and what the message must name.
+fn refuse_requirements(cases: &[(&str, &str, &[&str])]) {
+    for (old, new, fragments) in cases {
+        assert!(REQUIREMENTS.contains(old), "{old}");
+        let text = REQUIREMENTS.replacen(old, new, 1);
+        refuse_all("study.toml", &[("[output]\n", &text, fragments)]);
+    }
+}
+
 /// One message with line, key and rule for every key. Seen to fail with the number of the criterion left out.
 #[test]
-fn bad_requirements_name_line_key_and_rule() {
-    let cases: [(&str, &str, &[&str]); 24] = [
+fn a_bad_criterion_names_line_key_and_rule() {
+    refuse_requirements(&[
+        (
+            "name = \"Campbell\"",
+            "name = \"\"",
+            &["criteria[0].name = \"\""],
+        ),
+        ("limit = 5.0", "limit = 0.0", &["criteria[0].limit = 0"]),
+        (
+            "frequency-margin-percent",
+            "frequency",
+            &["criteria[0].quantity", "unknown variant"],
+        ),
+        (
+            "level = 2.0",
+            "level = 3.0",
+            &["criteria[1].level = 3: must be one of levels"],
+        ),
+        (
+            "share = 0.8",
+            "share = 1.0",
+            &["criteria[1].share = 1: must lie between 0 and 1"],
+        ),
+        (
+            "confidence = 0.8",
+            "confidence = 0.5",
+            &["criteria[1].confidence = 0.5", "0.5 and 1"],
+        ),
+        (
+            "reserve-factor",
+            "probability-of-exceedance",
+            &["criteria[1].limit = 1.5", "probability"],
+        ),
+        (
+            "[operation]\nspeed_rpm = [2000.0, 2200.0]\nengine_orders = [3, 4]\ndwell_rpm = [2100.0]",
+            "",
+            &["criteria[0].quantity", "needs the table [operation]"],
+        ),
+        (
+            "standard = ",
+            "norm = ",
+            &["criteria", "unknown field", "norm"],
+        ),
+        ("\"house rule\"", "7", &["criteria[0].standard"]),
+    ]);
+}
+
+#[test]
+fn bad_stress_names_line_key_and_rule() {
+    refuse_requirements(&[
+        (
+            "mpa_per_um = 1.0",
+            "mpa_per_um = 0.0",
+            &["stress.modal_stress_mpa_per_um = 0"],
+        ),
+        (
+            "mean_stress_mpa = 100.0",
+            "mean_stress_mpa = 900.0",
+            &["stress.mean_stress_mpa = 900", "below"],
+        ),
+        (
+            "endurance_limit_mpa = 300.0",
+            "endurance_limit_mpa = -1.0",
+            &["stress.endurance_limit_mpa = -1"],
+        ),
+    ]);
+}
+
+#[test]
+fn a_bad_operation_names_line_key_and_rule() {
+    refuse_requirements(&[
         (
             "2000.0, 2200.0",
             "2200.0, 2000.0",
@@ -145,69 +223,7 @@ fn bad_requirements_name_line_key_and_rule() {
             "margin_relative_to = \"speed\"",
             &["margin_relative_to"],
         ),
-        (
-            "mpa_per_um = 1.0",
-            "mpa_per_um = 0.0",
-            &["stress.modal_stress_mpa_per_um = 0"],
-        ),
-        (
-            "mean_stress_mpa = 100.0",
-            "mean_stress_mpa = 900.0",
-            &["stress.mean_stress_mpa = 900", "below"],
-        ),
-        (
-            "endurance_limit_mpa = 300.0",
-            "endurance_limit_mpa = -1.0",
-            &["stress.endurance_limit_mpa = -1"],
-        ),
-        (
-            "name = \"Campbell\"",
-            "name = \"\"",
-            &["criteria[0].name = \"\""],
-        ),
-        ("limit = 5.0", "limit = 0.0", &["criteria[0].limit = 0"]),
-        (
-            "frequency-margin-percent",
-            "frequency",
-            &["criteria[0].quantity", "unknown variant"],
-        ),
-        (
-            "level = 2.0",
-            "level = 3.0",
-            &["criteria[1].level = 3: must be one of levels"],
-        ),
-        (
-            "share = 0.8",
-            "share = 1.0",
-            &["criteria[1].share = 1: must lie between 0 and 1"],
-        ),
-        (
-            "confidence = 0.8",
-            "confidence = 0.5",
-            &["criteria[1].confidence = 0.5", "0.5 and 1"],
-        ),
-        (
-            "reserve-factor",
-            "probability-of-exceedance",
-            &["criteria[1].limit = 1.5", "probability"],
-        ),
-        (
-            "[operation]\nspeed_rpm = [2000.0, 2200.0]\nengine_orders = [3, 4]\ndwell_rpm = [2100.0]",
-            "",
-            &["criteria[0].quantity", "needs the table [operation]"],
-        ),
-        (
-            "standard = ",
-            "norm = ",
-            &["criteria", "unknown field", "norm"],
-        ),
-        ("\"house rule\"", "7", &["criteria[0].standard"]),
-    ];
-    for (old, new, fragments) in cases {
-        assert!(REQUIREMENTS.contains(old), "{old}");
-        let text = REQUIREMENTS.replacen(old, new, 1);
-        refuse_all("study.toml", &[("[output]\n", &text, fragments)]);
-    }
+    ]);
     let text = format!("{REQUIREMENTS}folder = \"x\"\n");
     let cases: [(&str, &str, &[&str]); 1] = [(
         "band_hz = [100, 200]\n\n[output]\n",

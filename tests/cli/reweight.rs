@@ -96,26 +96,17 @@ fn outer_points_are_weighted_apart() {
     );
 }
 
-/// Line, key and rule for a bad file; the folder for what the samples do not give. Seen to fail without the check of the
-/// range.
-#[test]
-fn priors_that_the_samples_do_not_reach_are_refused() {
-    let study = folder("study.toml", "samples = 10", "samples = 120");
-    let path = study.path();
-    assert_refused(
-        "nothing",
-        &with_prior(path, &uniform(0.1, 0.8)),
-        &["results/run.json"],
-    );
-    let output = microslip(path, &["run", "study.toml", "--quiet"]);
-    assert!(output.status.success(), "{output:?}");
+/// A normal distribution cut off at both ends, around the upper one.
+fn cut(standard_deviation: f64) -> String {
+    format!(
+        "[inputs.friction_coefficient]\ndistribution = \"normal\"\nmean = 0.8\nstandard_deviation = {standard_deviation}\ntruncation = [0.1, 0.8]\n"
+    )
+}
+
+/// Priors, and what their messages must name.
+fn refused_priors() -> [(String, &'static [&'static str]); 11] {
     let normal = "[inputs.friction_coefficient]\ndistribution = \"normal\"\nmean = 0.4\nstandard_deviation = 0.1\n";
-    let cut = |standard_deviation: f64| {
-        format!(
-            "[inputs.friction_coefficient]\ndistribution = \"normal\"\nmean = 0.8\nstandard_deviation = {standard_deviation}\ntruncation = [0.1, 0.8]\n"
-        )
-    };
-    let cases: [(String, &[&str]); 11] = [
+    [
         (
             uniform(0.1, 0.9),
             &[
@@ -169,8 +160,23 @@ fn priors_that_the_samples_do_not_reach_are_refused() {
             format!("seed = 3\n{}", uniform(0.1, 0.8)),
             &["prior.toml:1: seed: unknown key; known are inputs"],
         ),
-    ];
-    for (prior, fragments) in cases {
+    ]
+}
+
+/// Line, key and rule for a bad file; the folder for what the samples do not give. Seen to fail without the check of the
+/// range.
+#[test]
+fn priors_that_the_samples_do_not_reach_are_refused() {
+    let study = folder("study.toml", "samples = 10", "samples = 120");
+    let path = study.path();
+    assert_refused(
+        "nothing",
+        &with_prior(path, &uniform(0.1, 0.8)),
+        &["results/run.json"],
+    );
+    let output = microslip(path, &["run", "study.toml", "--quiet"]);
+    assert!(output.status.success(), "{output:?}");
+    for (prior, fragments) in refused_priors() {
         assert_refused(&prior, &with_prior(path, &prior), fragments);
     }
     assert!(!path.join("results/reweighted.json").exists());

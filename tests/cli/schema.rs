@@ -4,7 +4,8 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::bad_input::cases::{BEYOND_SCHEMA, REFUSED, RIG, RIG_BEYOND_SCHEMA, RIG_REFUSED};
+use super::bad_input::cases::{BEYOND_SCHEMA, REFUSED};
+use super::bad_input::rig_cases::{RIG, RIG_BEYOND_SCHEMA, RIG_REFUSED};
 use super::{STUDY, microslip};
 
 fn validator() -> jsonschema::Validator {

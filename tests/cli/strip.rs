@@ -145,18 +145,42 @@ fn a_strip_without_a_model_is_a_failed_sample() {
     assert!(found[0].levels[0].peak.is_none() && found[1].levels[0].peak.is_some());
 }
 
-/// Thicknesses that are none, pressures that do not go together, and more modes than nodes.
+/// Whether `inspect` and `run` refuse a study.
+fn refuse_in(folder: &Path, study: &str, expected: &str) {
+    write(folder, study);
+    for command in ["inspect", "run"] {
+        let output = microslip(folder, &[command, "study.toml"]);
+        assert_refused(study, &output, &[expected]);
+    }
+}
+
+/// Pressures that do not go together, and more modes than nodes.
+#[test]
+fn impossible_pressures_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |study: &str, expected: &str| refuse_in(folder.path(), study, expected);
+    let edge = "[inputs.edge_pressure]\nkind = \"epistemic\"\nlower = 0\nupper = 1\n";
+    let weights = "pressure_weights = [1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0]";
+    refused(
+        &study("", weights, &format!("{edge}{FIELD}")),
+        ":19: inputs.edge_pressure = (given): must be absent: the deviations of [pressure_field]",
+    );
+    refused(
+        &study("", "", &edge.replace("upper = 1", "upper = 2")),
+        ":22: inputs.edge_pressure.upper = 2: must be at most 1: 1 is the pressure of a rigid punch",
+    );
+    refused(
+        &study("", "", &FIELD.replace("modes = 2", "modes = 7")),
+        ":22: pressure_field.modes = 7: must be from 1 to 5",
+    );
+}
+
+/// Thicknesses that are none.
 /// Seen to fail with the values of a file not looked at.
 #[test]
-fn impossible_strips_and_pressures_are_refused() {
+fn impossible_strips_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let refused = |study: &str, expected: &str| {
-        write(folder.path(), study);
-        for command in ["inspect", "run"] {
-            let output = microslip(folder.path(), &[command, "study.toml"]);
-            assert_refused(study, &output, &[expected]);
-        }
-    };
+    let refused = |study: &str, expected: &str| refuse_in(folder.path(), study, expected);
     let thick = "must not be thicker than the neck is high";
     let positive = "must be a finite number > 0";
     let key = "inputs.strip_thickness_mm";
@@ -197,20 +221,6 @@ fn impossible_strips_and_pressures_are_refused() {
     .unwrap();
     let file = "[design]\nkind = \"file\"\npath = \"rows.csv\"\n";
     refused(&study("", "", file), &format!("{key} = 25: {thick}"));
-    let edge = "[inputs.edge_pressure]\nkind = \"epistemic\"\nlower = 0\nupper = 1\n";
-    let weights = "pressure_weights = [1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0]";
-    refused(
-        &study("", weights, &format!("{edge}{FIELD}")),
-        ":19: inputs.edge_pressure = (given): must be absent: the deviations of [pressure_field]",
-    );
-    refused(
-        &study("", "", &edge.replace("upper = 1", "upper = 2")),
-        ":22: inputs.edge_pressure.upper = 2: must be at most 1: 1 is the pressure of a rigid punch",
-    );
-    refused(
-        &study("", "", &FIELD.replace("modes = 2", "modes = 7")),
-        ":22: pressure_field.modes = 7: must be from 1 to 5",
-    );
     // a study on matrices has no strip
     let matrices = super::folder("study.toml", "[solver]", &format!("{INPUT}[solver]"));
     let output = microslip(matrices.path(), &["inspect", "study.toml"]);

@@ -139,6 +139,14 @@ fn pooled_statistics_are_no_probabilities() {
     assert!(!json.contains("epistemic"));
 }
 
+/// The lowest number of the outer points, and at which it is.
+fn lowest(points: &[Observed], of: &dyn Fn(&Observed) -> f64) -> (Limit, u64) {
+    let values: Vec<f64> = points.iter().map(of).collect();
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let outer = values.iter().position(|v| *v == least).unwrap() as u64;
+    (Limit::Value(least), outer)
+}
+
 /// Margins, reserves and bounds are the outermost of the points, and the sections say nothing of pooled samples; the region of
 /// both results, which would be of all samples, is absent. Seen to fail with all samples as one population.
 #[test]
@@ -164,12 +172,6 @@ fn margins_and_reserves_are_those_of_the_points() {
             Observed::of(peaks.map(|p| value(p.frequency_hz, p.amplitude_m)))
         };
         (0..3).map(of_point).collect()
-    };
-    let lowest = |points: &[Observed], of: &dyn Fn(&Observed) -> f64| {
-        let values: Vec<f64> = points.iter().map(of).collect();
-        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let outer = values.iter().position(|v| *v == least).unwrap() as u64;
-        (Limit::Value(least), outer)
     };
     let q05 = |o: &Observed| quantile_estimate(o, 0.05, 0.95).unwrap().estimate;
     let bound = |o: &Observed| {

@@ -169,28 +169,16 @@ fn quantiles_known_in_closed_form() {
         mean: 0.0,
         standard_deviation: 1.0,
     };
+    let beta = |alpha: f64, beta: f64| Shape::Beta {
+        alpha,
+        beta,
+        low: 0.0,
+        high: 1.0,
+    };
     let cases = [
         (normal, 0.975, 1.959_963_984_540_054),
-        (
-            Shape::Beta {
-                alpha: 2.0,
-                beta: 2.0,
-                low: 0.0,
-                high: 1.0,
-            },
-            0.5,
-            0.5,
-        ),
-        (
-            Shape::Beta {
-                alpha: 2.0,
-                beta: 1.0,
-                low: 0.0,
-                high: 1.0,
-            },
-            0.49,
-            0.7,
-        ),
+        (beta(2.0, 2.0), 0.5, 0.5),
+        (beta(2.0, 1.0), 0.49, 0.7),
         (
             Shape::LogUniform {
                 low: 0.01,
@@ -283,95 +271,42 @@ fn dimensions_are_independent() {
 
 #[test]
 fn inadmissible_distributions_are_refused() {
+    let uniform = |low: f64, high: f64| Shape::Uniform { low, high };
+    let normal = |mean: f64, standard_deviation: f64| Shape::Normal {
+        mean,
+        standard_deviation,
+    };
+    let log_uniform = Shape::LogUniform {
+        low: 0.0,
+        high: 1.0,
+    };
+    let triangular = Shape::Triangular {
+        low: 0.0,
+        mode: 2.0,
+        high: 1.0,
+    };
+    let beta = Shape::Beta {
+        alpha: -1.0,
+        beta: 1.0,
+        low: 0.0,
+        high: 1.0,
+    };
     let bad = [
-        (
-            Shape::Uniform {
-                low: 1.0,
-                high: 1.0,
-            },
-            None,
-            "high",
-        ),
-        (
-            Shape::LogUniform {
-                low: 0.0,
-                high: 1.0,
-            },
-            None,
-            "low",
-        ),
-        (
-            Shape::Normal {
-                mean: 0.0,
-                standard_deviation: 0.0,
-            },
-            None,
-            "standard_deviation",
-        ),
-        (
-            Shape::Normal {
-                mean: f64::NAN,
-                standard_deviation: 1.0,
-            },
-            None,
-            "mean",
-        ),
-        (
-            Shape::Triangular {
-                low: 0.0,
-                mode: 2.0,
-                high: 1.0,
-            },
-            None,
-            "mode",
-        ),
-        (
-            Shape::Beta {
-                alpha: -1.0,
-                beta: 1.0,
-                low: 0.0,
-                high: 1.0,
-            },
-            None,
-            "alpha",
-        ),
-        (
-            Shape::Uniform {
-                low: 0.0,
-                high: 1.0,
-            },
-            Some([0.5, 2.0]),
-            "truncation",
-        ),
-        (
-            Shape::Normal {
-                mean: 0.0,
-                standard_deviation: 1.0,
-            },
-            Some([20.0, 30.0]),
-            "truncation",
-        ),
-        (
-            Shape::Normal {
-                mean: 0.0,
-                standard_deviation: 1.0,
-            },
-            Some([1.0, f64::NAN]),
-            "truncation",
-        ),
+        (uniform(1.0, 1.0), None, "high"),
+        (log_uniform, None, "low"),
+        (normal(0.0, 0.0), None, "standard_deviation"),
+        (normal(f64::NAN, 1.0), None, "mean"),
+        (triangular, None, "mode"),
+        (beta, None, "alpha"),
+        (uniform(0.0, 1.0), Some([0.5, 2.0]), "truncation"),
+        (normal(0.0, 1.0), Some([20.0, 30.0]), "truncation"),
+        (normal(0.0, 1.0), Some([1.0, f64::NAN]), "truncation"),
     ];
     for (shape, truncation, key) in bad {
         let error = Distribution::new(shape, truncation).unwrap_err();
         assert_eq!(error.key, key, "{shape:?}: {error}");
     }
-    let normal = Distribution::new(
-        Shape::Normal {
-            mean: 1.0,
-            standard_deviation: 0.1,
-        },
-        None,
-    )
-    .unwrap();
-    let error = Design::new(1, vec![(Input::StiffnessScale, normal)]).unwrap_err();
+    let negative = Distribution::new(normal(1.0, 0.1), None).unwrap();
+    let error = Design::new(1, vec![(Input::StiffnessScale, negative)]).unwrap_err();
     assert_eq!(error.key, "stiffness_scale.distribution");
 }

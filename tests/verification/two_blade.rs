@@ -6,6 +6,7 @@
 )]
 
 mod grid_error;
+mod settings;
 mod strip;
 
 use faer::Mat;
@@ -488,88 +489,4 @@ fn retention_holds_three_in_plane_motions_of_the_strip() {
         let work = (motion.transpose() * retention * &motion)[(0, 0)];
         assert!((work - exact).abs() < 1e-3, "{work} against {exact}");
     }
-}
-
-#[test]
-fn settings_name_the_broken_rule() {
-    let default = TwoBladeSettings::default;
-    let cases = [
-        (
-            TwoBladeSettings {
-                gap_mm: 0.0,
-                ..default()
-            },
-            "gap_mm",
-        ),
-        (
-            TwoBladeSettings {
-                neck_mm: [41.0, 10.0, 20.0],
-                ..default()
-            },
-            "neck_mm",
-        ),
-        (
-            TwoBladeSettings {
-                strip_mm: [15.0, 50.0, 0.4],
-                ..default()
-            },
-            "strip_mm",
-        ),
-        (
-            TwoBladeSettings {
-                strip_mm: [10.0, 50.0, 19.0],
-                ..default()
-            },
-            "strip_mm",
-        ),
-        (
-            TwoBladeSettings {
-                blade_cut_off_hz: 0.0,
-                ..default()
-            },
-            "blade_cut_off_hz",
-        ),
-        (
-            TwoBladeSettings {
-                strip_cut_off_hz: f64::INFINITY,
-                ..default()
-            },
-            "strip_cut_off_hz",
-        ),
-        (
-            TwoBladeSettings {
-                contact_nodes: [1, 5],
-                ..default()
-            },
-            "contact_nodes",
-        ),
-        (
-            TwoBladeSettings {
-                poisson_ratio: 0.5,
-                ..default()
-            },
-            "poisson_ratio",
-        ),
-        (
-            TwoBladeSettings {
-                pressure_weights: Some(vec![1.0; 3]),
-                ..default()
-            },
-            "pressure_weights",
-        ),
-        (
-            TwoBladeSettings {
-                response_height: 1.5,
-                ..default()
-            },
-            "response_height",
-        ),
-    ];
-    for (settings, key) in cases {
-        assert_eq!(settings.validate().expect_err("rule broken").key, key);
-    }
-    assert!(
-        toml::from_str::<TwoBladeSettings>("gap_mm = 0.6\nneck_m = 1").is_err(),
-        "unknown key"
-    );
 }

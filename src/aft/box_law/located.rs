@@ -7,8 +7,9 @@
 //! where the contact closed, w = u(θ_c) with dθ_c = −dg/g'. Transition rules: Petrov and Ewins (J. Turbomach. 125,
 //! 2003).
 
-use crate::aft::batch::{AftBatch, Want};
-use crate::aft::forces::{AftForces, Block, Periodicity, StateSummary, Tangent};
+use super::play::{LaneScratch, Place, Play, Source, phase};
+use crate::aft::batch::Want;
+use crate::aft::forces::{AftForces, Block, Periodicity, StateSummary};
 use crate::aft::lanes::masks::{
     add_masked_gram, add_masked_product, add_scaled, clear, subtract_product, sums_of_run,
 };
@@ -16,11 +17,9 @@ use crate::aft::lanes::motions::Motion;
 use crate::aft::lanes::workspace::Workspace;
 use crate::aft::plan::AftPlan;
 use crate::aft::settings::Laps;
-use crate::aft::signals::breakpoints::{
-    Breakpoint, Intervals, Signals, basis_row, first_sample_from, rate,
-};
+use crate::aft::signals::breakpoints::{Intervals, first_sample_from};
+use crate::aft::signals::polynomial::{basis_row, rate};
 use crate::aft::vector::size;
-use crate::contact::law::normal_force;
 use crate::contact::{ContactParameters, Real};
 use pulp::Simd;
 use std::f64::consts::TAU;
@@ -30,83 +29,6 @@ use std::f64::consts::TAU;
 pub(in crate::aft) struct Located<T> {
     intervals: Intervals<T>,
     lane: LaneScratch<T>,
-}
-
-/// Scratch of one state.
-#[derive(Debug, Clone, Default)]
-pub(in crate::aft) struct LaneScratch<T> {
-    pub signals: Signals<T>,
-    pub points: Vec<Breakpoint<T>>,
-    /// Stretches of one direction in the last lap.
-    runs: Vec<Run<T>>,
-    /// Phase from which a direction slips, per interval between breakpoints.
-    slip_from: Vec<T>,
-    /// Antiderivatives at the ends of a stretch, its spectrum and the spectra of masks. Shape: `[2][2H + 1]` each.
-    start: Vec<T>,
-    end: Vec<T>,
-    run: Vec<T>,
-    stick: Vec<T>,
-    slip: Vec<T>,
-    /// Fourier integrals of a stretch, basis row of an event, force coefficients. Shape: `[m]`.
-    sums: Vec<T>,
-    row: Vec<T>,
-    pub force: Vec<T>,
-}
-
-/// Where and how the slider was set last.
-#[derive(Debug, Clone, Copy)]
-struct Source {
-    point: usize,
-    motion: Motion,
-}
-
-/// Stretch of one motion; it starts where the one before ends.
-#[derive(Debug, Clone, Copy)]
-struct Run<T> {
-    end: T,
-    motion: Motion,
-    /// k_t times the slider position (N), of a stick.
-    slider: T,
-    source: Option<Source>,
-}
-
-/// How the play of one direction went.
-#[derive(Debug, Clone, Copy)]
-struct Play<T> {
-    /// Whether nothing ever moved the slider.
-    stuck: bool,
-    /// Change of k_t w over the last lap (N).
-    change: T,
-    /// Whether the last lap forgets the slider's start.
-    forgets: bool,
-}
-
-/// One state of a group.
-#[derive(Clone, Copy)]
-pub(in crate::aft) struct Place<'a, T> {
-    pub plan: &'a AftPlan<T>,
-    pub batch: &'a AftBatch<T>,
-    pub work: &'a Workspace<T>,
-    pub lane: usize,
-    pub state: usize,
-}
-
-impl<'a, T> Place<'a, T> {
-    /// The state of a lane of the group that starts at `first`.
-    pub(in crate::aft) fn new(
-        plan: &'a AftPlan<T>,
-        batch: &'a AftBatch<T>,
-        work: &'a Workspace<T>,
-        (first, lane): (usize, usize),
-    ) -> Self {
-        Self {
-            plan,
-            batch,
-            work,
-            lane,
-            state: first + lane,
-        }
-    }
 }
 
 impl<T: Real> Located<T> {
@@ -160,124 +82,14 @@ impl<T: Real> Located<T> {
         scratch.store(at, 2, &mut out.forces);
         let summary = scratch.summary(at, plays);
         let stuck = plays[0].stuck && plays[1].stuck && summary.separated == 0;
-        if tangents && stuck {
-            out.blocks.truncate(offset);
-        }
         if tangents {
-            out.tangents.push(if stuck {
-                Tangent::Stuck
-            } else {
-                Tangent::Blocks(offset)
-            });
+            out.add_tangent(offset, stuck);
         }
         out.summaries.push(summary);
     }
 }
 
 impl<T: Real> LaneScratch<T> {
-    /// Plays the slider of direction `d` from its anchor; `runs` are then the stretches of the last lap.
-    #[inline(always)]
-    fn play(
-        &mut self,
-        at: Place<T>,
-        intervals: &Intervals<T>,
-        p: &ContactParameters<T>,
-        d: usize,
-    ) -> Play<T> {
-        let laps = match at.plan.settings.laps {
-            Laps::Fixed(n) => n,
-            Laps::Periodic => 2,
-        };
-        let n = self.points.len();
-        let bounds = |point: &Breakpoint<T>| {
-            let (stick, limit) = (p.k_t[d] * point.u[d], p.mu * normal_force(point.gap));
-            [stick - limit, stick + limit]
-        };
-        let first = &self.points[0];
-        let (mut slider, mut motion) = pushed(p.k_t[d] * p.anchor[d], bounds(first), first.open);
-        let mut source = None;
-        let mut stuck = true;
-        let mut point = 0;
-        let mut start = slider;
-        let mut reached = [false; 2];
-        for lap in 1..=laps {
-            start = slider;
-            reached = [false; 2];
-            self.runs.clear();
-            for k in 0..n {
-                if motion != Motion::Stick {
-                    (source, stuck) = (Some(Source { point, motion }), false);
-                }
-                let next = if k + 1 == n { 0 } else { k + 1 };
-                let (a, b) = (self.points[k], self.points[next]);
-                let (ends, levels) = (self.ends(k), [bounds(&a), bounds(&b)]);
-                let before = slider;
-                (slider, motion) = pushed(before, levels[1], a.open);
-                point = next;
-                let stick = Run {
-                    end: ends[1],
-                    motion: Motion::Stick,
-                    slider: before,
-                    source,
-                };
-                let side = match motion {
-                    Motion::SlipUp => 0,
-                    Motion::SlipDown => 1,
-                    Motion::Stick => {
-                        self.append(stick);
-                        continue;
-                    }
-                    Motion::Separated => {
-                        reached = [true; 2];
-                        self.append(Run { motion, ..stick });
-                        continue;
-                    }
-                };
-                reached[side] = true;
-                if lap == laps {
-                    let mut from = ends[0];
-                    if levels[0][side] != before {
-                        let bracket = [(ends[0], levels[0][side]), (ends[1], levels[1][side])];
-                        from = self
-                            .signals
-                            .reaches(at.plan, (d, side), before, bracket, |i| {
-                                intervals.bound_at(at.work, (i, at.lane), (d, side))
-                            });
-                        self.append(Run { end: from, ..stick });
-                    }
-                    if from < self.slip_from[k] {
-                        self.slip_from[k] = from;
-                    }
-                    self.append(Run { motion, ..stick });
-                }
-            }
-            if stuck && motion == Motion::Stick {
-                break;
-            }
-        }
-        Play {
-            stuck: stuck && motion == Motion::Stick,
-            change: slider - start,
-            forgets: reached[0] && reached[1],
-        }
-    }
-
-    /// Phases at the ends of the interval after breakpoint k.
-    #[inline(always)]
-    fn ends(&self, k: usize) -> [T; 2] {
-        let end = self.points.get(k + 1).map_or(phase(TAU), |b| b.theta);
-        [self.points[k].theta, end]
-    }
-
-    /// Lengthens the last run, or adds a new one.
-    #[inline(always)]
-    fn append(&mut self, run: Run<T>) {
-        match self.runs.last_mut() {
-            Some(last) if last.motion == run.motion => last.end = run.end,
-            _ => self.runs.push(run),
-        }
-    }
-
     /// Traction coefficients of direction `d` from its runs into `force`, and its blocks if wanted.
     #[inline(always)]
     fn traction(
@@ -449,24 +261,6 @@ impl<T: Real> LaneScratch<T> {
             periodicity,
         }
     }
-}
-
-/// The slider after a monotone stretch that ends with these bounds, and what it did there.
-#[inline(always)]
-fn pushed<T: Real>(slider: T, [lower, upper]: [T; 2], open: bool) -> (T, Motion) {
-    if open {
-        (T::from_f64(0.5) * (lower + upper), Motion::Separated)
-    } else if lower > slider {
-        (lower, Motion::SlipUp)
-    } else if upper < slider {
-        (upper, Motion::SlipDown)
-    } else {
-        (slider, Motion::Stick)
-    }
-}
-
-fn phase<T: Real>(theta: f64) -> T {
-    T::from_f64(theta)
 }
 
 /// ∫₀^θ cos kt dt and sin kt dt (but for a constant) for k = 0..=2H, in samples. Shape: `[2][2H + 1]`.

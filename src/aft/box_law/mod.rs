@@ -2,4 +2,5 @@
 
 pub(super) mod located;
 pub(super) mod march;
+pub(super) mod play;
 pub(super) mod tangent;

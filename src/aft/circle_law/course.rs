@@ -1,111 +1,31 @@
-//! Signals of one state of the circle law, and the events of its slider between two of their instants.
+//! The signals of one state over the period, and the events of its slider between two phases.
 //!
-//! In stick the slider z = k_t w rests until |s − z| reaches L, with s = k_t u and L = mu N; in slip the traction turns
-//! as [`super::slip`] says until its slider would move backwards: λ = e·s' − L' falls to 0.
+//! Stick ends where |s − z| reaches L, with the slider z = k_t w, s = k_t u and L = mu N. In slip the traction turns as
+//! [`super::slip`] says, until its slider would move backwards: slip ends where λ = e·s' − L' falls to 0.
 
-use super::slip::{HalfAngle, SlipStep};
-use super::steady_cycle::{Hold, Touch, hold, tops};
-use crate::aft::lanes::lane::{Components, LANES, Lane};
+use super::node::{Node, slip_step};
+use super::slip::HalfAngle;
+use super::steady_cycle::{Hold, hold, tops};
+use crate::aft::lanes::lane::Lane;
 use crate::aft::lanes::workspace::Workspace;
 use crate::aft::plan::AftPlan;
-use crate::aft::signals::breakpoints::{Breakpoint, Signals, basis_row, signal_rates};
+use crate::aft::signals::breakpoints::{Breakpoint, Signals};
+use crate::aft::signals::polynomial::{basis_row, signal_rates};
 use crate::aft::signals::roots::{crossing_share, linear_share, turn_share, zero};
-use crate::aft::vector::{dot, normal};
-use crate::contact::ContactParameters;
-use crate::contact::Real;
+use crate::contact::{ContactParameters, Real};
 use std::f64::consts::TAU;
 
-/// Newton steps to where the traction of a resting slider is largest over its limit.
+/// Newton steps towards the phase at which the traction of a resting slider exceeds its limit most.
 const TOP_STEPS: usize = 3;
 
-/// The signals at one phase.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::aft) struct Node<T> {
-    /// The sample that this is; none for an event.
-    pub sample: Option<usize>,
-    pub theta: T,
-    /// s (N), s' and s''; the last for events only.
-    pub path: [T; 2],
-    pub rate: [T; 2],
-    pub bend: [T; 2],
-    /// L (N), L' and L''; the last for events only.
-    pub limit: T,
-    pub limit_rate: T,
-    pub limit_bend: T,
-}
-
-impl<T: Real> Node<T> {
-    /// Sample i of a state of the group, for i up to Nt.
-    #[inline(always)]
-    pub(in crate::aft) fn sampled(
-        (work, rates): (&Workspace<T>, &[Components<T>]),
-        p: &ContactParameters<T>,
-        lane: usize,
-        i: usize,
-    ) -> Self {
-        let n = rates.len();
-        let at = if i == n { 0 } else { i };
-        let (s, rate) = (&work.samples[at], &rates[at]);
-        Self {
-            sample: Some(i),
-            theta: T::from_f64(i as f64 * TAU / n as f64),
-            path: [p.k_t[0] * s.u[0][lane], p.k_t[1] * s.u[1][lane]],
-            rate: [p.k_t[0] * rate[lane], p.k_t[1] * rate[LANES + lane]],
-            bend: [T::ZERO; 2],
-            limit: p.mu * s.normal(lane),
-            limit_rate: p.mu * (p.k_n * rate[2 * LANES + lane]),
-            limit_bend: T::ZERO,
-        }
-    }
-
-    /// Rate at which the slider moves along `e`.
-    #[inline(always)]
-    pub(in crate::aft) fn sliding(&self, e: [T; 2]) -> T {
-        dot(e, self.rate) - self.limit_rate
-    }
-
-    /// Its change with the phase where `e` turns at the rate `turning`; for events only.
-    #[inline(always)]
-    pub(in crate::aft) fn sliding_rate(&self, e: [T; 2], turning: T) -> T {
-        dot(normal(e), self.rate) * turning + dot(e, self.bend) - self.limit_bend
-    }
-
-    /// Change with the phase of this node of a number with these derivatives by the step that ends here.
-    #[inline(always)]
-    pub(in crate::aft) fn turning(&self, by: &SlipStep<T>) -> T {
-        let limit_rate = T::from_f64(0.5) * self.limit_rate;
-        dot(by.path, self.rate) + dot(by.rate, self.bend) + by.limit * limit_rate + by.length
-    }
-
-    /// Traction of a resting slider over its limit.
-    fn touch(&self, slider: [T; 2]) -> Touch<T, T> {
-        let t = [self.path[0] - slider[0], self.path[1] - slider[1]];
-        Touch::of(self.theta, t, self.limit)
-    }
-
-    /// Square of the traction over its limit (N²), with its rate and curvature.
-    #[inline(always)]
-    fn excess(&self, slider: [T; 2]) -> [T; 3] {
-        let t = [self.path[0] - slider[0], self.path[1] - slider[1]];
-        let two = T::ONE + T::ONE;
-        [
-            dot(t, t) - self.limit * self.limit,
-            two * (dot(t, self.rate) - self.limit * self.limit_rate),
-            two * (dot(self.rate, self.rate) + dot(t, self.bend)
-                - self.limit_rate * self.limit_rate
-                - self.limit * self.limit_bend),
-        ]
-    }
-}
-
-/// One state of a group.
+/// The signals of one state of a group.
 #[derive(Clone, Copy)]
 pub(in crate::aft) struct Course<'a, T> {
     pub plan: &'a AftPlan<T>,
     pub work: &'a Workspace<T>,
     /// The samples. Shape: `[time + 1]`.
     pub nodes: &'a [Node<T>],
-    /// Slip from each sample to the next one.
+    /// Matrices of the slip from each sample to the next one. Shape: `[time]`.
     pub maps: &'a [[Lane<T>; 4]],
     pub lane: usize,
     pub p: &'a ContactParameters<T>,
@@ -148,7 +68,7 @@ impl<T: Real> Course<'_, T> {
         }
     }
 
-    /// A root of the gap function.
+    /// The signals at a root of the gap function, where the limit is exactly 0.
     #[inline(always)]
     pub(in crate::aft) fn gap_root(&self, theta: T, row: &mut Vec<T>) -> Node<T> {
         Node {
@@ -157,7 +77,7 @@ impl<T: Real> Course<'_, T> {
         }
     }
 
-    /// Where a slider that rests from `here` on begins to slip before `next`.
+    /// Where a slider that rests from `here` on begins to slip, if that is before `next`; the basis row there.
     #[inline(always)]
     pub(in crate::aft) fn slip_start(
         &self,
@@ -174,7 +94,7 @@ impl<T: Real> Course<'_, T> {
         self.crossing([here, next], slider, least, row)
     }
 
-    /// The same after the first look: the slider slips at `next`, or it may do so before.
+    /// The same after the cheap test: the traction exceeds its limit at `next`, or may do so between the two nodes.
     #[inline(never)]
     fn crossing(
         &self,
@@ -183,27 +103,14 @@ impl<T: Real> Course<'_, T> {
         least: T,
         row: &mut Vec<T>,
     ) -> Option<Node<T>> {
-        let margin = self.work.tolerance[self.lane];
         let [end, end_rate, _] = next.excess(slider);
-        let [start, start_rate, start_bend] = here.excess(slider);
+        let at_start = here.excess(slider);
+        let [start, start_rate, _] = at_start;
         let width = next.theta - here.theta;
         let rates = [width * start_rate, width * end_rate];
         let mut high = next.theta;
         let guess = if end > least {
-            let half = T::from_f64(0.5);
-            let held = margin * (here.limit + here.limit + margin);
-            if here.sample.is_none() && start_bend < T::ZERO {
-                // Slip ended at `here`, or the contact closed: a double zero, and a cubic beyond it, or a quartic where the
-                // motion goes straight back. The quartic's guess is the larger one: from there the search comes down and
-                // never meets the rounding around the double zero.
-                let fall = -(half * start_bend) * width * width;
-                (fall / (end + fall)).sqrt()
-            } else if start >= -held && start_rate < T::ZERO {
-                // At the limit at the start of the lap: a zero, and a parabola beyond it.
-                rates[0] / (rates[0] - end)
-            } else {
-                crossing_share([start, end], rates)
-            }
+            self.guess_of_start(here, at_start, [end, end_rate], width)
         } else {
             // Inside at both ends, and perhaps not between them.
             let share = turn_share(end - start, rates);
@@ -235,7 +142,36 @@ impl<T: Real> Course<'_, T> {
         Some(self.instant(theta, row))
     }
 
-    /// Where slip from `here` in the direction `half` ends before `next`, where it would be negative.
+    /// First guess, as a share of the step, of where a resting slider begins to slip: from the excess with its derivatives
+    /// at `here`, and with its rate at the end, where the traction is over its limit. `width` is the length of the step.
+    #[inline(always)]
+    fn guess_of_start(
+        &self,
+        here: &Node<T>,
+        [start, start_rate, start_bend]: [T; 3],
+        [end, end_rate]: [T; 2],
+        width: T,
+    ) -> T {
+        let margin = self.work.tolerance[self.lane];
+        let rates = [width * start_rate, width * end_rate];
+        let half = T::from_f64(0.5);
+        let held = margin * (here.limit + here.limit + margin);
+        if here.sample.is_none() && start_bend < T::ZERO {
+            // Slip ended at `here`, or the contact closed: a double zero, and a cubic beyond it, or a quartic where the
+            // motion goes straight back. The quartic's guess is the larger one. From there the search comes down and never
+            // meets the rounding around the double zero.
+            let fall = -(half * start_bend) * width * width;
+            (fall / (end + fall)).sqrt()
+        } else if start >= -held && start_rate < T::ZERO {
+            // At the limit at the start of the lap: a zero, and a parabola beyond it.
+            rates[0] / (rates[0] - end)
+        } else {
+            crossing_share([start, end], rates)
+        }
+    }
+
+    /// Where slip from `here` on, in the direction `half`, ends before `next`: at `next` its rate would be negative, in the
+    /// direction `after`.
     pub(in crate::aft) fn slip_end(
         &self,
         [here, next]: [&Node<T>; 2],
@@ -257,7 +193,7 @@ impl<T: Real> Course<'_, T> {
         self.instant(theta, row)
     }
 
-    /// The point towards which the slider creeps, from where it is.
+    /// The point towards which the slider creeps from lap to lap, if two phases hold it there.
     #[inline(never)]
     pub(in crate::aft) fn held(&self, slider: [T; 2]) -> Option<Hold<T, T>> {
         let step = T::from_f64(TAU / self.plan.n_time() as f64);
@@ -289,16 +225,5 @@ impl<T: Real> Course<'_, T> {
             (Some(i), Some(_)) => std::array::from_fn(|k| self.maps[i][k][self.lane]),
             _ => slip_step(here, next).map(),
         }
-    }
-}
-
-/// The step between two nodes.
-#[inline(always)]
-pub(in crate::aft) fn slip_step<T: Real>(here: &Node<T>, next: &Node<T>) -> SlipStep<T> {
-    SlipStep {
-        path: [0, 1].map(|d| next.path[d] - here.path[d]),
-        rate: next.rate,
-        limit: T::from_f64(0.5) * (here.limit + next.limit),
-        length: next.theta - here.theta,
     }
 }

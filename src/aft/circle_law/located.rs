@@ -1,18 +1,19 @@
 //! Circle law with located events: forces, tangents and summaries of a group of states.
 //!
-//! [`super::steady`] searches for the steady cycle; with tangents, a lap of the cycle that it found carries the
+//! [`super::steady_cycle`] searches for the steady cycle; with tangents, a lap of the cycle that it found carries the
 //! derivatives, so that the forces are the same with and without. The normal force is exact, as in [`super::located`].
 
-use super::course::{Course, Node};
+use super::course::Course;
 use super::lap::{Lap, Walk};
-use super::sensitivity::{Base, Basis, Blocks, Mix, Rows, add_mix};
+use super::node::Node;
+use super::sensitivity::{Base, Basis, Blocks, Rows, SignalWeights, add_signals};
 use super::slip::SlipStep;
 use super::steady_cycle::{
     Hold, LapEnd, Next, Origin, Search, classify, is_singular, solve_identity_minus,
 };
 use crate::aft::batch::Want;
-use crate::aft::box_law::located::{LaneScratch, Place};
-use crate::aft::forces::{AftForces, Block, Periodicity, StateSummary, Tangent};
+use crate::aft::box_law::play::{LaneScratch, Place};
+use crate::aft::forces::{AftForces, Block, Periodicity, StateSummary};
 use crate::aft::lanes::lane::{LANES, Lane};
 use crate::aft::lanes::workspace::Workspace;
 use crate::aft::plan::{AftPlan, CHUNK};
@@ -137,27 +138,8 @@ impl<T: Real> LocatedCircle<T> {
         if tangents {
             out.blocks.resize(offset + Block::COUNT * m * m, T::ZERO);
         }
-        let mut cycle = Cycle::new(&p);
-        while !matches!(cycle.stage, Stage::Done) {
-            if cycle.starts_rows() {
-                let full = cycle.carries_rows();
-                self.lap.rows.start(plan, full);
-                if full {
-                    self.blocks.start(plan);
-                    if let (Origin::Held(hold), false) = (cycle.origin, cycle.near) {
-                        hold_slider(course, &hold, &mut self.lap.rows);
-                    }
-                }
-            }
-            let walk = Walk {
-                simd,
-                course,
-                lap: &mut self.lap,
-                target: cycle.is_last().then_some(&mut self.blocks),
-            };
-            let end = walk.go(cycle.next);
-            cycle.advance(course, &self.lap, end, tangents);
-        }
+        let (lap, blocks) = (&mut self.lap, &mut self.blocks);
+        let cycle = Cycle::found(simd, course, lap, blocks, tangents);
         if tangents && !cycle.stuck {
             if cycle.origin == Origin::Itself {
                 close_cycle(plan, &mut self.lap.rows, &mut self.blocks);
@@ -169,15 +151,8 @@ impl<T: Real> LocatedCircle<T> {
         forces.fill(T::ZERO);
         self.lap.add_kinks(plan, &mut forces[..2 * m]);
         out.summaries.push(cycle.summary(at, self.lap.slip));
-        if tangents && cycle.stuck {
-            out.blocks.truncate(offset);
-        }
         if tangents {
-            out.tangents.push(if cycle.stuck {
-                Tangent::Stuck
-            } else {
-                Tangent::Blocks(offset)
-            });
+            out.add_tangent(offset, cycle.stuck);
         }
         let blocks = (tangents && !cycle.stuck)
             .then(|| &mut out.blocks[offset + Block::NN as usize * m * m..]);
@@ -220,12 +195,12 @@ fn hold_slider<T: Real>(course: Course<T>, hold: &Hold<T, T>, rows: &mut Rows<T>
         let moved = hold.moved(excess).unwrap_or_default();
         course.instant(theta, &mut row);
         for (slider, moved) in rows.slider.iter_mut().zip(moved) {
-            let mix = Mix {
+            let weights = SignalWeights {
                 path: e.map(|e| moved * e),
                 limit: -moved,
-                ..Mix::NONE
+                ..SignalWeights::NONE
             };
-            add_mix(base, slider, Basis::Event(&row), mix);
+            add_signals(base, slider, Basis::Event(&row), weights);
         }
     }
 }
@@ -250,6 +225,39 @@ fn close_cycle<T: Real>(plan: &AftPlan<T>, rows: &mut Rows<T>, blocks: &mut Bloc
 }
 
 impl<T: Real> Cycle<T> {
+    /// Laps until the cycle is found, and with `tangents` the laps that carry the derivatives.
+    #[inline(always)]
+    fn found<S: Simd>(
+        simd: S,
+        course: Course<T>,
+        lap: &mut Lap<T>,
+        blocks: &mut Blocks<T>,
+        tangents: bool,
+    ) -> Self {
+        let mut cycle = Self::new(course.p);
+        while !matches!(cycle.stage, Stage::Done) {
+            if cycle.starts_rows() {
+                let full = cycle.carries_rows();
+                lap.rows.start(course.plan, full);
+                if full {
+                    blocks.start(course.plan);
+                    if let (Origin::Held(hold), false) = (cycle.origin, cycle.near) {
+                        hold_slider(course, &hold, &mut lap.rows);
+                    }
+                }
+            }
+            let walk = Walk {
+                simd,
+                course,
+                lap: &mut *lap,
+                target: cycle.is_last().then_some(&mut *blocks),
+            };
+            let end = walk.go(cycle.next);
+            cycle.advance(course, lap, end, tangents);
+        }
+        cycle
+    }
+
     fn new(p: &ContactParameters<T>) -> Self {
         Self {
             stage: Stage::First,

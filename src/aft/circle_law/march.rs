@@ -1,6 +1,6 @@
 //! Steady cycle of the coupled (circle) law with events decided at the samples.
 //!
-//! Lanes march together; [`super::steady`] searches for the cycle of each.
+//! Lanes march together; [`super::steady_cycle`] searches for the cycle of each.
 
 use super::steady_cycle::{Hold, LapEnd, Next, Origin, Search, Touch, classify, hold, tops};
 use crate::aft::forces::Periodicity;

@@ -1,8 +1,8 @@
 //! Derivatives along a lap of the circle law with located events.
 //!
-//! A row holds the derivatives of one number by the two start tractions of the slider and, if the tangent is wanted, by
-//! all displacement coefficients. Three numbers carry the state: the slider z = k_t w in stick, the angle of the
-//! traction in slip, the phase of an event while it is near.
+//! A row holds the derivatives of one number: by the two components of the slider z = k_t w at the start of the lap and, if the
+//! tangent is wanted, by all displacement coefficients. Three numbers describe the state of the contact: the slider in stick,
+//! the angle of the traction in slip, and the phase of an event at and just after that event.
 
 use crate::aft::forces::Block;
 use crate::aft::lanes::masks::{MaskScratch, add_masked_gram, add_scaled, clear};
@@ -14,16 +14,16 @@ use pulp::{Simd, WithSimd};
 /// coefficients, component by component in whole chunks. What pads a chunk stays 0.
 pub(in crate::aft) type Row<T> = Vec<Chunk<T>>;
 
-/// A number as a sum of the signals at one phase: factors of s = k_t u (N), s', L = mu N and L'.
+/// Factors of the signals at one phase in a number that is a sum of them: of s = k_t u (N), s', L = mu N and L'.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::aft) struct Mix<T> {
+pub(in crate::aft) struct SignalWeights<T> {
     pub path: [T; 2],
     pub rate: [T; 2],
     pub limit: T,
     pub limit_rate: T,
 }
 
-impl<T: Real> Mix<T> {
+impl<T: Real> SignalWeights<T> {
     pub(in crate::aft) const NONE: Self = Self {
         path: [T::ZERO; 2],
         rate: [T::ZERO; 2],
@@ -32,14 +32,14 @@ impl<T: Real> Mix<T> {
     };
 }
 
-/// What rows depend on.
+/// What all rows need.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::aft) struct Base<'a, T> {
     pub plan: &'a AftPlan<T>,
     pub p: &'a ContactParameters<T>,
 }
 
-/// Where a basis row is: at a sample, or at an event.
+/// The basis row at a sample, by its number, or at an event.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::aft) enum Basis<'a, T> {
     Sample(usize),
@@ -84,20 +84,20 @@ fn width<T: Real>(plan: &AftPlan<T>) -> usize {
     1 + 3 * plan.n_chunks()
 }
 
-/// Adds a mix of the signals where the basis row is `at`.
+/// Adds the row of a sum of the signals at a phase whose basis row is `at`.
 #[inline(always)]
-pub(in crate::aft) fn add_mix<T: Real>(
+pub(in crate::aft) fn add_signals<T: Real>(
     base: Base<T>,
     row: &mut [Chunk<T>],
     at: Basis<T>,
-    mix: Mix<T>,
+    weights: SignalWeights<T>,
 ) {
     let k = base.p.k_t;
     let friction = base.p.mu * base.p.k_n;
     let factors = [
-        (k[0] * mix.path[0], k[0] * mix.rate[0]),
-        (k[1] * mix.path[1], k[1] * mix.rate[1]),
-        (friction * mix.limit, friction * mix.limit_rate),
+        (k[0] * weights.path[0], k[0] * weights.rate[0]),
+        (k[1] * weights.path[1], k[1] * weights.rate[1]),
+        (friction * weights.limit, friction * weights.limit_rate),
     ];
     let components = row[1..].chunks_exact_mut(base.plan.n_chunks());
     for (row, (value, rate)) in components.zip(factors) {

@@ -1,19 +1,22 @@
-//! Slip of the coupled (circle) law between two instants, to second order and exactly on the circle.
+//! One step of slip of the coupled (circle) law. The step is of second order, and the traction stays exactly on the circle.
 //!
-//! In slip T = L e with L = mu N and |e| = 1, and s = k_t u drags the direction: L e' = (I − e eᵀ) s'. With e = (cos φ,
-//! sin φ), ψ = (cos φ/2, sin φ/2) times any factor obeys ψ' = ½ A ψ, A = [a₁ a₂; a₂ −a₁], a = s'/L: linear, with the
-//! exponential of a symmetric matrix (a boost, in the words of relativity) where a is constant. A step takes a = Δs/L̄
-//! and then turns ψ towards the velocity at its end, by what the turning of the velocity asks for: for short steps the
-//! commutator of Magnus' series (Blanes et al., Phys. Rep. 470, 2009), for long ones, in which the direction forgets
-//! its start, the lag behind the velocity. e^{-y} is 1/(1 + y + ... + y⁵/120), which vanishes for long steps as well.
+//! In slip the traction is T = L e with L = mu N and |e| = 1. The displacement turns its direction: L e' = (I − e eᵀ) s' with
+//! s = k_t u. Let e = (cos φ, sin φ). Then ψ = (cos φ/2, sin φ/2), times any factor, obeys the linear equation ψ' = ½ A ψ with
+//! A = [a₁ a₂; a₂ −a₁] and a = s'/L. Where a is constant, the solution is the exponential of a symmetric matrix; the code calls it
+//! the boost, as relativity does.
+//!
+//! A step takes a = Δs/L̄. Then it turns ψ towards the velocity at the end of the step, because the velocity turns during the step:
+//! in short steps by the commutator of Magnus' series (Blanes et al., Phys. Rep. 470, 2009), in long ones by the angle by which the
+//! traction follows behind the velocity. In long steps the direction at the end does not depend on the one at the start. For
+//! e^{-y} the code takes 1/(1 + y + ... + y⁵/120), which also goes to 0 for long steps.
 
 use crate::aft::vector::dot;
 use crate::contact::Real;
 
-/// Largest y = |Δs|/L̄ of a step; the direction then forgets its start but for e^{-y} ~ 1e-13.
+/// Largest y = |Δs|/L̄ of a step. Then the direction at the end does not depend on the one at the start, but for a share of 1e-13.
 const LONGEST: f64 = 1e3;
 
-/// What a step of slip depends on, besides the direction before it; or the derivatives of a number by all that.
+/// What a step of slip depends on, apart from the direction before it; also the derivatives of a number by these.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::aft) struct SlipStep<T> {
     /// Change of s = k_t u (N).
@@ -26,14 +29,14 @@ pub(in crate::aft) struct SlipStep<T> {
     pub length: T,
 }
 
-/// What a step is made of.
+/// The intermediate results of a step.
 #[derive(Debug, Clone, Copy)]
 struct Parts<T> {
     /// |Δs| (N).
     way: T,
-    /// L̄ (N), or where it is too small what makes the longest step.
+    /// L̄ (N), but at least so large that y is at most [`LONGEST`].
     limit: T,
-    /// 1/L̄, 0 without a limit.
+    /// 1/L̄; 0 where the limit is 0.
     flexibility: T,
     y: T,
     /// (e^y − 1)/y.
@@ -45,14 +48,45 @@ struct Parts<T> {
     odd: T,
     /// s' at the end times the length (N).
     ahead: [T; 2],
-    /// Of Δs with that (N²), and over the sum of the squares of both.
+    /// Cross product of Δs with `ahead` (N²), and 1 over the sum of the squares of both.
     cross: T,
     inverse_of_squares: T,
-    /// What the turn makes of the cross product, and the polynomial in it.
+    /// Factor of the cross product in the turn, and the polynomial in that factor.
     weight: T,
     polynomial: T,
-    /// Tangent of half the angle by which ψ's direction turns after the boost.
+    /// Tangent of half the angle by which the traction turns after the boost.
     turn: T,
+}
+
+/// Derivatives of some of the parts by y.
+#[derive(Debug, Clone, Copy)]
+struct PartRates<T> {
+    even: T,
+    odd: T,
+    weight: T,
+}
+
+impl<T: Real> Parts<T> {
+    #[inline(always)]
+    fn rates_by_y(&self) -> PartRates<T> {
+        let number = T::from_f64;
+        let Parts {
+            y, growth, scale, ..
+        } = *self;
+        let growth_by_y =
+            ((number(1.0 / 30.0) * y + number(0.125)) * y + number(1.0 / 3.0)) * y + number(0.5);
+        let exponential_by_y = growth + growth_by_y * y;
+        let even_by_y = -(exponential_by_y + exponential_by_y) * scale * scale;
+        let odd_by_y = growth_by_y * scale + growth * even_by_y;
+        let polynomial_by_y = (number(0.025) * y + number(0.05)) * y + number(1.0 / 12.0);
+        let risen = (polynomial_by_y * y + self.polynomial + self.polynomial) * y;
+        let weight_by_y = (scale + scale) * (risen - self.weight * exponential_by_y);
+        PartRates {
+            even: even_by_y,
+            odd: odd_by_y,
+            weight: weight_by_y,
+        }
+    }
 }
 
 impl<T: Real> SlipStep<T> {
@@ -104,7 +138,7 @@ impl<T: Real> SlipStep<T> {
         }
     }
 
-    /// The matrix that ψ is multiplied by, row-major; of norm about 1 or less.
+    /// The matrix that multiplies ψ, row-major; its norm is about 1 or less.
     #[inline(always)]
     pub(in crate::aft) fn map(&self) -> [T; 4] {
         let parts = self.parts();
@@ -125,20 +159,8 @@ impl<T: Real> SlipStep<T> {
     pub(in crate::aft) fn angle_rates(&self, before: HalfAngle<T>) -> Self {
         let number = T::from_f64;
         let parts = self.parts();
-        let Parts {
-            y, growth, scale, ..
-        } = parts;
-        // Derivatives of the parts by y.
-        let growth_by_y =
-            ((number(1.0 / 30.0) * y + number(0.125)) * y + number(1.0 / 3.0)) * y + number(0.5);
-        let exponential_by_y = growth + growth_by_y * y;
-        let even_by_y = -(exponential_by_y + exponential_by_y) * scale * scale;
-        let odd_by_y = growth_by_y * scale + growth * even_by_y;
-        let polynomial_by_y = (number(0.025) * y + number(0.05)) * y + number(1.0 / 12.0);
-        let risen = (polynomial_by_y * y + parts.polynomial + parts.polynomial) * y;
-        let weight_by_y = (scale + scale) * (risen - parts.weight * exponential_by_y);
-
-        // A ψ, ψ after the boost, and the angle by which a change of that turns it.
+        let part_rates = parts.rates_by_y();
+        // A ψ; ψ after the boost; the angle by which a change of ψ after the boost turns it.
         let a = self.path.map(|path| path * parts.flexibility);
         let [c, s] = before.psi;
         let image = [a[0] * c + a[1] * s, a[1] * c - a[0] * s];
@@ -149,15 +171,15 @@ impl<T: Real> SlipStep<T> {
         let inverse = T::ONE / dot(boosted, boosted);
         let turned = |x: T, y: T| (inverse + inverse) * (boosted[0] * y - boosted[1] * x);
 
-        // Derivatives of the angle, from its turn back to the step.
+        // The chain rule: from the angle back over the turn and the boost to the step.
         let by_turn = number(2.0) / (T::ONE + parts.turn * parts.turn);
         let by_share = by_turn * parts.inverse_of_squares;
         let by_cross = by_share * parts.weight;
         let by_squares = -(by_cross * parts.cross * parts.inverse_of_squares);
         let twice = by_squares + by_squares;
-        let by_y = even_by_y * turned(c, s)
-            + odd_by_y * turned(image[0], image[1])
-            + by_share * weight_by_y * parts.cross;
+        let by_y = part_rates.even * turned(c, s)
+            + part_rates.odd * turned(image[0], image[1])
+            + by_share * part_rates.weight * parts.cross;
         let by_a = [parts.odd * turned(c, -s), parts.odd * turned(s, c)];
 
         let (ahead, flexibility) = (parts.ahead, parts.flexibility);
@@ -171,7 +193,8 @@ impl<T: Real> SlipStep<T> {
             flexibility * (by_a[0] + by_y * unit[0]) + by_cross * ahead[1] + twice * self.path[0],
             flexibility * (by_a[1] + by_y * unit[1]) - by_cross * ahead[0] + twice * self.path[1],
         ];
-        let mut limit = twice * T::EPSILON * parts.limit - flexibility * (by_y * y + dot(by_a, a));
+        let mut limit =
+            twice * T::EPSILON * parts.limit - flexibility * (by_y * parts.y + dot(by_a, a));
         if parts.limit > self.limit {
             let share = number(1.0 / LONGEST) * limit;
             path = [path[0] + share * unit[0], path[1] + share * unit[1]];

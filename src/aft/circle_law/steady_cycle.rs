@@ -1,35 +1,40 @@
-//! Search for the steady cycle of the circle law, lap by lap; who marches the laps does not matter.
+//! Search for the steady cycle of the circle law: the motion of the slider that repeats after one period.
 //!
-//! The slider z = k_t w is swept by the disc |s − z| ≤ L (Moreau's sweeping process; Moreau, J. Differ. Equ. 26, 1977).
-//! A lap never moves two sliders apart, and discs are strictly convex, so one of two things is true. Either all discs
-//! of a period have no point in common: then there is exactly one steady cycle, it slips, and Newton's method finds it
-//! from anywhere. Or they have points in common: then every slider comes to rest in one of them, and where depends on
-//! the anchor. Plain laps get there soon, or they creep towards the point where two instants of the period hold the
-//! slider. That point is solved for ([`hold`]).
+//! A lap is one pass over the excitation period. The search takes the end of each lap and asks for the next one; it does not
+//! depend on how a lap is computed.
+//!
+//! The contact holds the slider z = k_t w in the disc |s − z| ≤ L, which moves with s (sweeping process; Moreau, J. Differ. Equ. 26,
+//! 1977). A lap never increases the distance between two sliders, and a disc is strictly convex. Therefore one of two cases is
+//! true:
+//! - The discs of the period have no point in common. Then there is exactly one steady cycle. It slips, and Newton's method finds
+//!   it from any slider.
+//! - They have points in common. Then every slider comes to rest in one of these points, and the anchor decides in which. Plain
+//!   laps reach it soon, or they creep towards a point where the contact holds the slider at two phases of the period. [`hold`]
+//!   solves for that point.
 
 use crate::aft::forces::Periodicity;
 use crate::aft::vector::dot;
 use crate::aft::vector::size;
 use crate::contact::Real;
 
-/// Laps with Newton steps before the search goes on with plain laps.
+/// Most laps with Newton steps; after them the search continues with plain laps.
 const NEWTON_LAPS: u32 = 40;
-/// Laps after which a cycle counts as not found.
+/// Most laps; after them the cycle counts as not found.
 pub(in crate::aft) const MAX_LAPS: u32 = 200;
-/// Laps from the anchor after which the slider is asked for the first time whether it creeps, and then at every
-/// doubling.
+/// Plain laps from the anchor after which the search first looks for a creeping slider. It looks again whenever their number
+/// has doubled.
 const PATIENCE: u32 = 6;
-/// det(I − M) in rounding errors below which a lap is not solved for its cycle.
+/// Where det(I − M) is at most this many rounding errors, no Newton step is made.
 const SINGULAR: f64 = 4096.0;
-/// Steps of the search for the point where two instants hold the slider.
+/// Most steps of the search for the point where two phases hold the slider.
 const HOLD_STEPS: usize = 80;
 
-/// What the search learns from a lap. Sliders k_t w and tolerances in N.
+/// What the search knows of a lap. Sliders k_t w and tolerances are in N.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::aft) struct LapEnd<T> {
     pub start: [T; 2],
     pub end: [T; 2],
-    /// Derivative of the end by the start, row-major.
+    /// Derivative M of the end by the start, row-major.
     pub monodromy: [T; 4],
     /// Longest way of the slider in one slip.
     pub way: T,
@@ -55,17 +60,17 @@ impl<T: Real> LapEnd<T> {
     }
 }
 
-/// Two instants of the period that hold a resting slider, and where it rests.
+/// Two phases of the period at which the contact holds a resting slider, and the place where it rests.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::aft) struct Hold<I, T> {
     pub slider: [T; 2],
     pub instants: [I; 2],
-    /// Directions of the traction there.
+    /// Directions of the traction at these phases.
     pub directions: [[T; 2]; 2],
 }
 
 impl<I: Copy, T: Real> Hold<I, T> {
-    /// Change of the slider where the excess of the traction over its limit changes at the two instants.
+    /// Change of the slider if the excess of the traction over its limit changes by `excess` at the two phases.
     pub(in crate::aft) fn moved(&self, excess: [T; 2]) -> Option<[T; 2]> {
         let [a, b] = self.directions;
         let determinant = a[0] * b[1] - a[1] * b[0];
@@ -83,22 +88,22 @@ impl<I: Copy, T: Real> Hold<I, T> {
 /// What the search wants next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::aft) enum Next<T> {
-    /// A lap that goes on where the last one ended.
+    /// A lap from the end of the last one.
     Plain,
     /// A lap from another slider.
     From([T; 2]),
-    /// Nothing: the lap just marched is the steady cycle, or none was found.
+    /// No further lap: the last lap is the steady cycle, or no cycle was found.
     Nothing,
 }
 
-/// How the slider came to its steady cycle, which says what that depends on.
+/// How the steady cycle was found. This decides what the cycle depends on, and so its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::aft) enum Origin<I, T> {
-    /// By laps from the anchor, the last one included.
+    /// By laps from the anchor. The cycle is the last of them.
     Anchor,
-    /// It is the only cycle.
+    /// By Newton's method: it is the only cycle, and depends on no anchor.
     Itself,
-    /// Two instants hold it.
+    /// The contact holds the slider at two phases.
     Held(Hold<I, T>),
 }
 
@@ -106,13 +111,13 @@ pub(in crate::aft) enum Origin<I, T> {
 #[derive(Debug, Clone, Copy)]
 pub(in crate::aft) struct Search<I, T> {
     stage: Stage<I, T>,
-    /// Laps marched.
+    /// Number of laps so far.
     pub laps: u32,
     pub origin: Origin<I, T>,
     pub periodicity: Periodicity,
     /// Whether a Newton step was made.
     newton: bool,
-    /// Change over the lap before, while Newton steps are tried.
+    /// Change of the slider over the previous lap, as long as Newton steps are made.
     last: Option<T>,
     /// Slider after the first lap.
     first: [T; 2],
@@ -123,9 +128,9 @@ pub(in crate::aft) struct Search<I, T> {
 #[derive(Debug, Clone, Copy)]
 enum Stage<I, T> {
     Newton,
-    /// So many laps from the anchor.
+    /// Plain laps: their number from the anchor.
     Plain(u32),
-    /// The lap from a slider that two instants may hold, after so many laps from the anchor that ended elsewhere.
+    /// A lap that tests whether two phases hold the slider. The number of plain laps before it, and the slider at their end.
     Held(Hold<I, T>, u32, [T; 2]),
 }
 
@@ -144,7 +149,7 @@ impl<I: Copy, T: Real> Search<I, T> {
         }
     }
 
-    /// Takes a lap; `held` looks for the point towards which a slider creeps that ended a lap there.
+    /// Takes a lap and says which lap is next. `held` looks for the point towards which a slider creeps that is now at its argument.
     pub(in crate::aft) fn take(
         &mut self,
         lap: LapEnd<T>,
@@ -178,7 +183,7 @@ impl<I: Copy, T: Real> Search<I, T> {
         let settled = size(step) <= lap.tolerance || (lap.closes() && failed);
         let finite = now < T::from_f64(f64::INFINITY);
         if (lap.rests() || (settled && singular)) && self.newton {
-            // Where the slider rests depends on the anchor.
+            // The slider rests, and the anchor decides where: plain laps start from the end of the first lap from the anchor.
             self.stage = Stage::Plain(1);
             return Next::From(self.first);
         }
@@ -200,7 +205,7 @@ impl<I: Copy, T: Real> Search<I, T> {
         Next::From([lap.start[0] + step[0], lap.start[1] + step[1]])
     }
 
-    /// After so many laps from the anchor.
+    /// After a plain lap, which was number `laps` from the anchor.
     fn plain(
         &mut self,
         lap: LapEnd<T>,
@@ -232,7 +237,7 @@ impl<I: Copy, T: Real> Search<I, T> {
     }
 }
 
-/// Traction of a resting slider over its limit at an instant of the period.
+/// By how much the traction of a resting slider exceeds its limit at one phase.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::aft) struct Touch<I, T> {
     pub instant: I,
@@ -242,7 +247,7 @@ pub(in crate::aft) struct Touch<I, T> {
 }
 
 impl<I, T: Real> Touch<I, T> {
-    /// Of the traction `t` of a slider that rests.
+    /// From the traction `t` of a slider that rests.
     #[inline(always)]
     pub(in crate::aft) fn of(instant: I, t: [T; 2], limit: T) -> Self {
         let length = size(t);
@@ -259,10 +264,9 @@ impl<I, T: Real> Touch<I, T> {
     }
 }
 
-/// The point where two instants of the period hold a slider that creeps and that is at `slider` now. Newton's method,
-/// which comes from outside since discs are convex; where another instant holds the slider, it takes the place of the
-/// one whose direction is nearer. `near` looks at where the excess is largest near an instant, `peaks` at all such
-/// instants of the period.
+/// The point at which two phases hold a creeping slider that is now at `slider`. Newton's method solves for it; because discs
+/// are convex, it approaches the point from outside. Where the excess is positive at a third phase, that phase replaces the one
+/// of the two whose direction is nearer. `near` gives the maximum of the excess near a phase, `peaks` all maxima of the period.
 pub(in crate::aft) fn hold<I: Copy, T: Real>(
     mut slider: [T; 2],
     tolerance: T,
@@ -303,7 +307,7 @@ pub(in crate::aft) fn hold<I: Copy, T: Real>(
     None
 }
 
-/// The samples at which a number of a period is at least that of their neighbours.
+/// The samples at which a value is at least that of both neighbours.
 pub(in crate::aft) fn tops<T: Real>(samples: usize, value: impl Fn(usize) -> T) -> Vec<usize> {
     let around = |i: usize| [(i + samples - 1) % samples, (i + 1) % samples].map(&value);
     let is_top = |&i: &usize| {
@@ -334,7 +338,7 @@ pub(in crate::aft) fn is_singular<T: Real>(m: [T; 4]) -> bool {
     determinant_of_identity_minus(m) <= T::from_f64(SINGULAR) * T::EPSILON
 }
 
-/// Of a given number of laps.
+/// The kind of cycle after a fixed number of laps.
 #[inline(always)]
 pub(in crate::aft) fn classify<T: Real>(periodic: bool, monodromy: [T; 4]) -> Periodicity {
     match (periodic, is_singular(monodromy)) {

@@ -1,13 +1,15 @@
-//! Instants between the samples at which the motion of a contact may change.
+//! Breakpoints: phases at which the motion of a contact may change.
 //!
-//! The slider of the box law is a play: z = k_t w stays where it is unless one of its bounds k_t u ∓ mu N pushes it.
-//! Breakpoints are the roots of the gap function and the points where a bound turns away from the slider. Between two of
-//! them the gap keeps its sign and a bound can push at their end only, so that the clip of the law at the breakpoints
-//! alone gives the exact slider.
-//! The signals are trigonometric polynomials: samples of them and of their rates bracket the breakpoints, Halley's
+//! The slider of the box law rests at z = k_t w unless one of its bounds k_t u ∓ mu N pushes it. Breakpoints are the roots of the gap
+//! function and the phases at which a bound turns away from the slider. Between two breakpoints the gap keeps its sign, and a bound
+//! that pushes the slider pushes up to the second one. Therefore it is enough to apply the law at the breakpoints: the slider there
+//! is exact.
+//!
+//! The signals are trigonometric polynomials. Their samples and the samples of their rates bracket the breakpoints; Halley's
 //! method locates them to rounding.
 
-use super::roots::{crossing_share, dips, linear_share, turn_share, turns_twice, zero};
+use super::polynomial::{basis_row, derivatives, rate, root, value};
+use super::roots::{crossing_share, dips, linear_share, turn_share, turns_twice};
 use crate::aft::lanes::lane::{Components, LANES, Lane};
 use crate::aft::lanes::workspace::{Workspace, flag};
 use crate::aft::plan::AftPlan;
@@ -22,7 +24,7 @@ const DIP: u32 = 2;
 const TURN: u32 = 4;
 const TURN_PAIR: u32 = 64;
 
-/// An instant and the signals there.
+/// A phase and the signals there.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::aft) struct Breakpoint<T> {
     /// Phase in [0, 2π].
@@ -96,83 +98,6 @@ impl<T: Real> Signals<T> {
             open: false,
         }
     }
-}
-
-/// Basis row b(θ). Shape: `[m]`.
-#[inline(always)]
-pub(in crate::aft) fn basis_row<T: Real>(plan: &AftPlan<T>, theta: T, row: &mut [T]) {
-    let (sin, cos) = theta.sine_cosine();
-    let (mut c, mut s) = (T::ONE, T::ZERO);
-    let mut order = 0;
-    row[0] = T::ONE;
-    for (&k, pair) in plan.orders[1..].iter().zip(row[1..].chunks_exact_mut(2)) {
-        while order < k {
-            (c, s) = (c * cos - s * sin, s * cos + c * sin);
-            order += 1;
-        }
-        (pair[0], pair[1]) = (c, s);
-    }
-}
-
-/// N-th derivative (0 to 2) of the polynomial with coefficients `q` where the basis row is `row`, and the next two.
-#[inline(always)]
-fn derivatives<const N: usize, T: Real>(plan: &AftPlan<T>, row: &[T], q: &[T]) -> [T; 3] {
-    let mut sums = [if N == 0 { q[0] } else { T::ZERO }, T::ZERO, T::ZERO];
-    let terms = row[1..].chunks_exact(2).zip(q[1..].chunks_exact(2));
-    for (&k, (b, q)) in plan.orders[1..].iter().zip(terms) {
-        let k = T::from_f64(k as f64);
-        let (even, odd) = (q[0] * b[0] + q[1] * b[1], q[1] * b[0] - q[0] * b[1]);
-        let terms = match N {
-            0 => [even, k * odd, -(k * k * even)],
-            1 => [k * odd, -(k * k * even), -(k * k * k * odd)],
-            _ => [-(k * k * even), -(k * k * k * odd), k * k * k * k * even],
-        };
-        for (sum, term) in sums.iter_mut().zip(terms) {
-            *sum += term;
-        }
-    }
-    sums
-}
-
-/// The value of the polynomial with coefficients `q` where the basis row is `row`.
-#[inline(always)]
-fn value<T: Real>(row: &[T], q: &[T]) -> T {
-    let terms = row[1..].iter().zip(&q[1..]);
-    terms.fold(q[0], |sum, (&b, &q)| sum + b * q)
-}
-
-/// The polynomial with coefficients `q` where the basis row is `row`, and its first two derivatives by the phase.
-#[inline(always)]
-pub(in crate::aft) fn signal_rates<T: Real>(plan: &AftPlan<T>, row: &[T], q: &[T]) -> [T; 3] {
-    derivatives::<0, T>(plan, row, q)
-}
-
-/// Its derivative by the phase.
-#[inline(always)]
-pub(in crate::aft) fn rate<T: Real>(plan: &AftPlan<T>, row: &[T], q: &[T]) -> T {
-    derivatives::<0, T>(plan, row, q)[1]
-}
-
-/// Phase between two ends where the N-th derivative of `q` is `level`; it is above at the second end if `rising`, else at
-/// the first. A turning point needs half the digits, since the value there depends on the square of the error.
-#[inline(always)]
-fn root<const N: usize, T: Real>(
-    (plan, row): (&AftPlan<T>, &mut [T]),
-    (q, level): (&[T], T),
-    ends: [T; 2],
-    rising: bool,
-    guess: T,
-) -> T {
-    let tolerance = if N == 0 {
-        T::EPSILON
-    } else {
-        T::EPSILON.sqrt()
-    };
-    zero(ends, rising, guess, tolerance, |theta| {
-        basis_row(plan, theta, row);
-        let [value, slope, curvature] = derivatives::<N, T>(plan, row, q);
-        [value - level, slope, curvature]
-    })
 }
 
 impl<T: Real> Intervals<T> {
@@ -268,8 +193,6 @@ impl<T: Real> Intervals<T> {
         points: &mut Vec<Breakpoint<T>>,
     ) {
         let next = if i + 1 == plan.n_time() { 0 } else { i + 1 };
-        let step = T::from_f64(TAU / plan.n_time() as f64);
-        let ends = [i, i + 1].map(|i| T::from_f64(i as f64 * TAU / plan.n_time() as f64));
         #[allow(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -277,6 +200,30 @@ impl<T: Real> Intervals<T> {
         )]
         let marks = self.marks[i][lane].to_f64() as u32;
         let before = points.len();
+        self.gap_roots(plan, work, (i, lane), marks, signals, points);
+        let gaps = [i, next].map(|i| work.samples[i].gap[lane]);
+        if gaps[0] <= T::ZERO && gaps[1] <= T::ZERO && points.len() == before {
+            return;
+        }
+        // A bound may touch the slider without a push: where the contact has just closed, and at the start of the period.
+        let touches = points.len() > before || i == 0;
+        self.turns(plan, work, (i, lane), (marks, touches), signals, points);
+    }
+
+    /// Roots of the gap function between sample i and the next one.
+    #[inline(always)]
+    fn gap_roots(
+        &self,
+        plan: &AftPlan<T>,
+        work: &Workspace<T>,
+        (i, lane): (usize, usize),
+        marks: u32,
+        signals: &mut Signals<T>,
+        points: &mut Vec<Breakpoint<T>>,
+    ) {
+        let next = if i + 1 == plan.n_time() { 0 } else { i + 1 };
+        let step = T::from_f64(TAU / plan.n_time() as f64);
+        let ends = interval_ends(plan, i);
         let crossing = |signals: &mut Signals<T>, theta: T| Breakpoint {
             gap: T::ZERO,
             open: true,
@@ -309,11 +256,23 @@ impl<T: Real> Intervals<T> {
                 points.push(crossing(signals, second));
             }
         }
-        if gaps[0] <= T::ZERO && gaps[1] <= T::ZERO && points.len() == before {
-            return;
-        }
-        // A slider that the bound may touch without a push: closing just now, or at the start.
-        let touches = points.len() > before || i == 0;
+    }
+
+    /// Phases between sample i and the next one where a bound turns. `touches` says whether a bound may touch the slider there
+    /// without a push.
+    #[inline(always)]
+    fn turns(
+        &self,
+        plan: &AftPlan<T>,
+        work: &Workspace<T>,
+        (i, lane): (usize, usize),
+        (marks, touches): (u32, bool),
+        signals: &mut Signals<T>,
+        points: &mut Vec<Breakpoint<T>>,
+    ) {
+        let next = if i + 1 == plan.n_time() { 0 } else { i + 1 };
+        let step = T::from_f64(TAU / plan.n_time() as f64);
+        let ends = interval_ends(plan, i);
         for bound in 0..4 {
             let (d, side) = (bound / 2, bound % 2);
             if marks & (TURN << bound) != 0 {
@@ -327,7 +286,7 @@ impl<T: Real> Intervals<T> {
                     let theta = signals.turn(plan, (d, side), ends, rising, guess);
                     points.push(signals.at(plan, theta));
                 } else {
-                    // The bound turns towards the slider and is not at it: the sample before will do.
+                    // The bound turns towards the slider and does not touch it: the sample before is near enough.
                     points.push(sampled(work, i, lane, ends[0]));
                 }
             } else if marks & (TURN_PAIR << bound) != 0
@@ -355,6 +314,12 @@ impl<T: Real> Intervals<T> {
             p.k_t[d] * rates[d * LANES + lane] + friction,
         )
     }
+}
+
+/// Phases of sample i and of the next one.
+#[inline(always)]
+fn interval_ends<T: Real>(plan: &AftPlan<T>, i: usize) -> [T; 2] {
+    [i, i + 1].map(|i| T::from_f64(i as f64 * TAU / plan.n_time() as f64))
 }
 
 /// The signals at a sample, as a breakpoint where the contact neither opens nor closes.

@@ -41,7 +41,7 @@ pub struct StoppingTable {
     /// What the study goes on for.
     pub until: Until,
     /// Samples at most. The rule is judged at this number, its half, its quarter, ...; `inspect` names the numbers.
-    #[schemars(range(min = 1, max = crate::sampling::design::MOST_SAMPLES))]
+    #[schemars(range(min = 1, max = crate::sampling::design_settings::MOST_SAMPLES))]
     pub at_most: u64,
     /// Result whose quantile is meant; with `width` only, and then required.
     pub of: Option<ResultOfSample>,

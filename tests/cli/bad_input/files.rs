@@ -5,7 +5,7 @@ use crate::{MASS, STUDY, folder, microslip};
 
 /// Seen to fail with the definiteness checks taken out of `checked`.
 #[test]
-fn bad_matrices_name_file_and_rule() {
+fn bad_stiffnesses_name_file_and_rule() {
     refuse_all(
         "stiffness.mtx",
         &[
@@ -49,6 +49,10 @@ fn bad_matrices_name_file_and_rule() {
             ),
         ],
     );
+}
+
+#[test]
+fn bad_masses_name_file_and_rule() {
     let folder = folder("mass.mtx", "2 2 2\n1 1 1.0\n2 2 1.5", "1 1 1\n1 1 1.0");
     let output = microslip(folder.path(), &["inspect", "study.toml"]);
     assert_refused(

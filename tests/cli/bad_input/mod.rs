@@ -7,8 +7,10 @@ use crate::{STUDY, folder, microslip};
 
 pub(crate) mod cases;
 mod files;
+pub(crate) mod rig_cases;
 
-use cases::{BEYOND_SCHEMA, REFUSED, RIG, RIG_BEYOND_SCHEMA, RIG_REFUSED};
+use cases::{BEYOND_SCHEMA, REFUSED};
+use rig_cases::{RIG, RIG_BEYOND_SCHEMA, RIG_REFUSED};
 
 /// Exit code 2, nothing on stdout, and one line `error: …` that holds every fragment.
 pub(super) fn assert_refused(what: &str, output: &Output, fragments: &[&str]) {

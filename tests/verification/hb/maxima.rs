@@ -138,6 +138,19 @@ fn bits(outcomes: &[SampleOutcome]) -> Vec<[u64; 4]> {
     outcomes.iter().map(of).collect()
 }
 
+/// The first ten samples have the same bits from one thread and where only ten are solved.
+fn assert_alike_on_one_thread(ensemble: &Ensemble<'_>, outcomes: &[SampleOutcome]) {
+    let alone = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .expect("a thread");
+    let part = |samples| {
+        let outcomes = ensemble.run(samples, || {});
+        outcomes.into_iter().take(10).collect::<Vec<_>>()
+    };
+    assert_eq!(bits(outcomes), bits(&alone.install(|| part(10))), "threads");
+}
+
 /// Stuck, two near-equal maxima in the band: each sample of two seeds against the receptance, the peak and the maximum
 /// next to it (very stiff contacts slip at one of them); the same bits from one thread and for fewer samples.
 ///
@@ -187,19 +200,7 @@ fn the_highest_of_two_near_maxima_is_the_peak() {
             );
         }
         if seed == 1 {
-            let alone = rayon::ThreadPoolBuilder::new()
-                .num_threads(1)
-                .build()
-                .expect("a thread");
-            let part = |samples| {
-                let outcomes = ensemble.run(samples, || {});
-                outcomes.into_iter().take(10).collect::<Vec<_>>()
-            };
-            assert_eq!(
-                bits(&outcomes[..10]),
-                bits(&alone.install(|| part(10))),
-                "threads"
-            );
+            assert_alike_on_one_thread(&ensemble, &outcomes[..10]);
             let sample_10 = outcomes[10].levels[0].peak.expect("a peak");
             assert!(
                 (sample_10.frequency_hz - 824.02).abs() < 0.01,

@@ -66,10 +66,8 @@ fn tracked_peaks_are_the_tops_of_the_curves() {
                 curve.len(),
                 short(&errors)
             );
-            assert!(
-                errors[0].abs() < 1e-4 && errors[1].abs() < 1e-6,
-                "{errors:?}"
-            );
+            let small = errors[0].abs() < 1e-4 && errors[1].abs() < 1e-6;
+            assert!(small, "{errors:?}");
             // The amplitude has a kink where a sample changes its state; so its top is compared point by point.
             for step in [-1e-5, -3e-6, -1e-6, 1e-6, 3e-6, 1e-5] {
                 let omega = [solution.omega, solution.omega * (1.0 + step)];

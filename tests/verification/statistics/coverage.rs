@@ -2,7 +2,7 @@
 //! fewer repetitions.
 #![expect(clippy::expect_used, reason = "a test without its numbers fails")]
 
-#[path = "../../../benches/coverage/cases.rs"]
+#[path = "../../../benches/coverage/cases/mod.rs"]
 mod cases;
 
 use super::functions;

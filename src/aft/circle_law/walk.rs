@@ -1,0 +1,189 @@
+//! One lap: from sample to sample, and from event to event between them.
+
+use super::lap::{Motion, Walk};
+use super::node::Node;
+use super::slip::HalfAngle;
+use crate::aft::signals::breakpoints::first_sample_from;
+use crate::aft::vector::normal;
+use crate::contact::Real;
+use pulp::Simd;
+
+/// Most events between two samples; more are rounding, which lets slip begin and end at one phase for ever.
+const MOST_EVENTS: usize = 16;
+
+/// What is at the end of a step between two nodes.
+enum Step<T> {
+    /// An event before the second node, and the motion after it.
+    Event(Node<T>, Motion<T>),
+    /// The second node, and the motion there.
+    Whole(Motion<T>),
+}
+
+impl<S: Simd, T: Real> Walk<'_, S, T> {
+    /// The lap from the slider k_t w (N); returns the slider at its end.
+    #[inline(always)]
+    pub(in crate::aft) fn go(mut self, slider: [T; 2]) -> [T; 2] {
+        let n = self.course.plan.n_time();
+        let lap = &mut *self.lap;
+        lap.tractions.clear();
+        lap.tractions.resize(n, [T::ZERO; 2]);
+        lap.kinks.clear();
+        (lap.slip, lap.moved, lap.way, lap.stick_from) = (0, false, T::ZERO, None);
+        let points = self.course.points;
+        // Without friction the slider follows the surface all the time.
+        let smooth = self.course.p.mu == T::ZERO;
+        if smooth {
+            self.lap.way = T::from_f64(f64::INFINITY);
+            let contact = n - self.course.work.separated[self.course.lane].to_f64() as usize;
+            (self.lap.moved, self.lap.slip) = (true, contact as u32);
+            return self.rest(Motion::Stick(slider), true);
+        }
+        let mut here = self.course.sample(0);
+        let mut motion = Motion::Stick(slider);
+        for (k, point) in points.iter().enumerate() {
+            let end = points.get(k + 1).map(|p| p.theta);
+            if point.open {
+                (self.lap.moved, self.lap.way) = (true, T::from_f64(f64::INFINITY));
+                if let Some(theta) = end {
+                    (here, motion) = self.close(theta);
+                }
+                continue;
+            }
+            if k == 0 {
+                motion = self.resume(&here, slider);
+                self.keep(0, &here, motion);
+            }
+            (here, motion) = self.contact(here, motion, end);
+        }
+        let open = points.last().is_some_and(|last| last.open);
+        let slider = self.rest(motion, open);
+        if let Some(blocks) = self.target {
+            blocks.flush(self.simd, self.course.plan);
+        }
+        slider
+    }
+
+    /// The contact is closed from `here` to the phase `end`, where it opens, or to the end of the lap.
+    #[inline(always)]
+    fn contact(
+        &mut self,
+        here: Node<T>,
+        mut motion: Motion<T>,
+        end: Option<T>,
+    ) -> (Node<T>, Motion<T>) {
+        let course = self.course;
+        let n = course.plan.n_time();
+        // Samples are not copied: most nodes are samples.
+        let (mut event, mut at) = (here, here.sample);
+        let mut i = at.map_or_else(
+            || first_sample_from(here.theta.to_f64(), n as f64),
+            |sample| sample + 1,
+        );
+        let mut events = 0;
+        loop {
+            let here = at.map_or(&event, |sample| &course.nodes[sample]);
+            let inside = end.is_none_or(|end| i < n && course.phase(i) < end);
+            let root;
+            let next = match end {
+                Some(end) if !inside => {
+                    root = course.gap_root(end, &mut self.lap.next_row);
+                    &root
+                }
+                _ => &course.nodes[i],
+            };
+            let step = match motion {
+                Motion::Stick(slider) => self.stick_step([here, next], slider, i),
+                Motion::Slip(half) => {
+                    self.slip_step([here, next], half, (inside, events < MOST_EVENTS))
+                }
+            };
+            match step {
+                Step::Event(node, after) => {
+                    (event, at, motion) = (node, None, after);
+                    events += 1;
+                    continue;
+                }
+                Step::Whole(after) => motion = after,
+            }
+            if !inside || i == n {
+                self.end_stick(i);
+                return (*next, motion);
+            }
+            self.keep(i, next, motion);
+            at = Some(i);
+            i += 1;
+            events = 0;
+        }
+    }
+
+    /// A step of a contact that sticks at its start; i is the first sample at or after its end.
+    #[inline(always)]
+    fn stick_step(&mut self, [here, next]: [&Node<T>; 2], slider: [T; 2], i: usize) -> Step<T> {
+        let row = &mut self.lap.next_row;
+        match self.course.slip_start([here, next], slider, row) {
+            Some(start) => {
+                self.end_stick(i);
+                let motion = self.start_slip(&start, slider);
+                Step::Event(start, motion)
+            }
+            None => Step::Whole(Motion::Stick(slider)),
+        }
+    }
+
+    /// A step of a contact that slips at its start, in the direction `half`. If it is not `inside` the closed stretch, the contact
+    /// opens at its end; `may_stop` allows slip to end before.
+    #[inline(always)]
+    fn slip_step(
+        &mut self,
+        [here, next]: [&Node<T>; 2],
+        half: HalfAngle<T>,
+        (inside, may_stop): (bool, bool),
+    ) -> Step<T> {
+        let course = self.course;
+        let after = half.after(course.map(here, next));
+        if inside && may_stop && next.sliding(after.e) <= T::ZERO {
+            let row = &mut self.lap.next_row;
+            let stop = course.slip_end([here, next], half, after, row);
+            let motion = self.end_slip([here, &stop], half);
+            return Step::Event(stop, motion);
+        }
+        let turning = self.slide([here, next], half, after);
+        if !inside {
+            self.open(next, after, turning);
+        }
+        Step::Whole(Motion::Slip(after))
+    }
+
+    /// Traction of sample i, which is in contact.
+    #[inline(always)]
+    fn keep(&mut self, i: usize, node: &Node<T>, motion: Motion<T>) {
+        match motion {
+            Motion::Stick(slider) => {
+                let t = [node.path[0] - slider[0], node.path[1] - slider[1]];
+                self.lap.tractions[i] = t;
+                self.lap.stick_from = self.lap.stick_from.or(Some(i));
+            }
+            Motion::Slip(half) => {
+                let e = half.e;
+                self.lap.tractions[i] = e.map(|e| node.limit * e);
+                self.lap.slip += 1;
+                let base = self.base();
+                if let Some(blocks) = &mut self.target {
+                    let turned = normal(e).map(|p| node.limit * p);
+                    let angle = &self.lap.rows.angle;
+                    blocks.slip(self.simd, base, i, (angle, turned), e);
+                }
+            }
+        }
+    }
+
+    /// Stick ends before sample i: adds the derivatives of all samples of this stick.
+    fn end_stick(&mut self, i: usize) {
+        if let Some(from) = self.lap.stick_from.take()
+            && let Some(blocks) = &mut self.target
+        {
+            let plan = self.course.plan;
+            blocks.stick(self.simd, plan, from..i, &self.lap.rows.slider);
+        }
+    }
+}

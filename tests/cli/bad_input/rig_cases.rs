@@ -1,0 +1,64 @@
+//! Studies of the built-in model that the program refuses.
+
+use super::cases::Case;
+
+/// A study of the built-in model.
+pub(crate) const RIG: &str = "\
+name = \"rig\"
+levels = [1.0]
+
+[model]
+kind = \"two-blade-strip\"
+contact_nodes = [3, 5]
+
+[contact]
+friction_coefficient = 0.6
+
+[frequency]
+band_hz = [2605, 2635]
+";
+
+/// Changes of [`RIG`] that the program and the schema refuse.
+pub(crate) const RIG_REFUSED: &[Case] = &[
+    (
+        "contact_nodes = [3, 5]",
+        "contact_nodes = [1000000, 1000000]",
+        &[":6: model.contact_nodes = [1000000, 1000000]: needs 2 to 50"],
+    ),
+    (
+        "contact_nodes = [3, 5]",
+        "strip_mm = [10.0, 50.0, 0.4, 1.0]",
+        &[":6: model.strip_mm: expected a list of 3 values, not of 4"],
+    ),
+    (
+        "contact_nodes = [3, 5]",
+        "blade_cut_off_hz = 1e12",
+        &[":6: model.blade_cut_off_hz = 1e12: must be from 0 to 1e9"],
+    ),
+    (
+        "friction_coefficient = 0.6",
+        "friction_coefficient = 20",
+        &[":9: contact.friction_coefficient = 20: must be from 0 to 10"],
+    ),
+    (
+        "friction_coefficient = 0.6",
+        "normal_stiffness_n_per_um = 1e9",
+        &[":9: contact.normal_stiffness_n_per_um = 1e9: must be from 1e-6 to 1e6"],
+    ),
+];
+
+/// Changes of [`RIG`] that the program alone refuses.
+pub(crate) const RIG_BEYOND_SCHEMA: &[Case] = &[
+    (
+        "contact_nodes = [3, 5]",
+        "blade_cut_off_hz = 1",
+        &[
+            ":6: model.blade_cut_off_hz = 1: must be above the band of [frequency], which ends at 2635 Hz",
+        ],
+    ),
+    (
+        "contact_nodes = [3, 5]",
+        "blade_element_mm = [1e-6, 1e-6, 1e-6]",
+        &[":6: model.blade_element_mm = edges for ", "must be longer"],
+    ),
+];
