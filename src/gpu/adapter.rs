@@ -12,7 +12,9 @@ const STORAGE_BUFFERS: u32 = 16;
 const MEMORY_THRESHOLD: u8 = 90;
 
 /// What is known of an adapter without opening it.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
 pub struct AdapterFacts {
     /// Place in the list of adapters, 0-based.
     pub index: usize,

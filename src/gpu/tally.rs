@@ -10,7 +10,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 const MOST_NOTES: usize = 20;
 
 /// The device's part in a run, for summary and report.
-#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct GpuReport {
     /// The adapter.
     pub adapter: AdapterFacts,
