@@ -55,6 +55,7 @@ Examples:
   microslip run study.toml --output other/  the same into another folder
   microslip report results                  the report again, from the stored samples
   microslip schema > study.schema.json      what editors need to check a study file
+  microslip schema --of summary             what programs that read summary.json need to know
   microslip compare strip-a strip-b         designs on the same samples, from their results
   microslip reweight results --prior p.toml the same samples under other distributions of the inputs
   microslip extend results --samples 800    more samples for these results; the old ones are kept
@@ -82,7 +83,7 @@ enum Command {
     Compare(CompareArguments),
     /// Quantiles of the same samples under other distributions of the inputs, without solving: reweighted.json.
     Reweight(ReweightArguments),
-    /// Print the JSON Schema of the study file, for editors and programs.
+    /// Print the JSON Schema of the study file or of a result file, for editors and programs.
     Schema(SchemaArguments),
     /// Show what a study would compute: degrees of freedom, frequencies, contact pairs, memory and time.
     Inspect(StudyArguments),

@@ -65,7 +65,7 @@ pub struct BackendSettings {
 }
 
 /// What evaluated a run.
-#[derive(Debug, Clone, Default, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct BackendReport {
     /// Why the processor did all of it, where a GPU was asked for.
     pub reason: Option<String>,

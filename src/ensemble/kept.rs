@@ -53,7 +53,7 @@ pub fn write_anchors(
             })
         })
         .collect();
-    write_table(path, metadata.to_vec(), &rows, columns)
+    write_table(path, metadata.to_vec(), &[], &rows, columns)
 }
 
 /// Sample, number of its level and of the mode; peak.

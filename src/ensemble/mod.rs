@@ -4,6 +4,7 @@ mod applied;
 pub mod arrow;
 pub mod atlas;
 pub mod backend;
+pub mod columns;
 pub mod further_points;
 pub mod kept;
 mod mode_search;

@@ -37,7 +37,7 @@ pub struct LevelOutcome {
 }
 
 /// Numbers of one resonance peak.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct PeakRecord {
     /// Resonance frequency (Hz).
     #[serde(deserialize_with = "number")]
@@ -54,24 +54,31 @@ pub struct PeakRecord {
     pub highest_harmonic: usize,
     /// Share of (pair, time) that sticks.
     #[serde(deserialize_with = "number")]
+    #[schemars(with = "Option<f64>")]
     pub stick_fraction: f64,
     /// Share of (pair, time) that slips in at least one direction.
     #[serde(deserialize_with = "number")]
+    #[schemars(with = "Option<f64>")]
     pub slip_fraction: f64,
     /// Share of (pair, time) that is separated.
     #[serde(deserialize_with = "number")]
+    #[schemars(with = "Option<f64>")]
     pub separated_fraction: f64,
     /// Work of the excitation per cycle (J).
     #[serde(deserialize_with = "number")]
+    #[schemars(with = "Option<f64>")]
     pub work_input_j: f64,
     /// Work dissipated by the damping matrix per cycle (J).
     #[serde(deserialize_with = "number")]
+    #[schemars(with = "Option<f64>")]
     pub work_viscous_j: f64,
     /// Work dissipated by friction per cycle (J).
     #[serde(deserialize_with = "number")]
+    #[schemars(with = "Option<f64>")]
     pub work_friction_j: f64,
     /// Largest component of the residual over the fixed displacement scale.
     #[serde(deserialize_with = "number")]
+    #[schemars(with = "Option<f64>")]
     pub residual: f64,
 }
 

@@ -3,6 +3,7 @@
 //! A sample without a solution keeps its row: status and work counts are there, the numbers of the peak are null.
 //! No column ever holds NaN. Files appear whole or not at all.
 
+use super::columns::{CURVE_COLUMNS, SAMPLE_COLUMNS};
 use super::outcome::{CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome};
 use super::table::{Column, Record, Table, TableError, count, metadata, missing, write_table};
 use crate::contact::{Events, FrictionLaw};
@@ -15,7 +16,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// What a result must carry to be understood and repeated.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Provenance {
     /// Name of the study.
     pub study: String,
@@ -76,7 +77,8 @@ const OTHER_COLUMNS: [OtherColumn; 2] = [
 ///
 /// Columns: `sample`, those of [`SampleGroup`] that the design has, the inputs by name, `level`, `status`, then the fields
 /// of [`PeakRecord`] (null without a solution), `other_frequencies_hz` and `other_amplitudes_m` (lists of the lower maxima,
-/// highest first, empty without a solution), `newton_iterations`, `factorizations`. Units are those of [`PeakRecord`].
+/// highest first, empty without a solution), `newton_iterations`, `factorizations`. [`SAMPLE_COLUMNS`] has their units and
+/// meanings, and so has the metadata of each column.
 ///
 /// # Errors
 /// [`TableError`]; then `path` is as it was.
@@ -94,7 +96,7 @@ pub fn write_samples(
         .first()
         .map_or_else(SampleGroup::default, |o| o.group);
     let table = |part: &[SampleOutcome]| sample_columns(input_names, group, part);
-    write_table(path, metadata, outcomes, table)
+    write_table(path, metadata, &SAMPLE_COLUMNS, outcomes, table)
 }
 
 /// Writes the forced response curves: `sample`, `level`, `frequency_hz`, `amplitude_m`.
@@ -108,7 +110,7 @@ pub fn write_curves(
 ) -> Result<FileRecord, TableError> {
     let system = |error: serde_json::Error| FileError::system(path, error.into());
     let metadata = key_values(provenance).map_err(system)?;
-    write_table(path, metadata, outcomes, curve_columns)
+    write_table(path, metadata, &CURVE_COLUMNS, outcomes, curve_columns)
 }
 
 /// Reads what [`write_samples`] wrote.

@@ -1,6 +1,8 @@
 //! Tables as Parquet files: typed columns are written, rows are read by column name.
 
+use super::columns::{DescribedColumn, described_schema};
 use crate::file::{self, Fault, FileError, FileRecord};
+use parquet::arrow::ARROW_SCHEMA_META_KEY;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
 use parquet::column::writer::ColumnWriter;
 use parquet::data_type::ByteArray;
@@ -137,10 +139,11 @@ pub(super) fn count(value: usize) -> Option<i64> {
     i64::try_from(value).ok()
 }
 
-/// Writes `rows`, as the columns that `table` makes of a part of them.
+/// Writes `rows`, as the columns that `table` makes of a part of them; `described` says what those of these names mean.
 pub(super) fn write_table<T>(
     path: &Path,
-    metadata: Vec<KeyValue>,
+    mut metadata: Vec<KeyValue>,
+    described: &[DescribedColumn],
     rows: &[T],
     table: impl Fn(&[T]) -> Table,
 ) -> Result<FileRecord, TableError> {
@@ -149,13 +152,17 @@ pub(super) fn write_table<T>(
     if let Some((name, _)) = columns.iter().find(|(name, _)| !names.insert(name)) {
         return Err(TableError::DuplicateColumn(name.clone()));
     }
-    let properties = WriterProperties::builder()
-        .set_compression(Compression::SNAPPY)
-        .set_key_value_metadata(Some(metadata))
-        .build();
     let written = file::replace(path, |file| {
         let fill = || {
             let schema = schema(&columns)?;
+            if !described.is_empty() {
+                let arrow = described_schema(&schema, described, &metadata)?;
+                metadata.push(arrow);
+            }
+            let properties = WriterProperties::builder()
+                .set_compression(Compression::SNAPPY)
+                .set_key_value_metadata(Some(metadata))
+                .build();
             let mut writer = SerializedFileWriter::new(file, schema, Arc::new(properties))?;
             for part in rows.chunks(ROW_GROUP) {
                 let mut group = writer.next_row_group()?;
@@ -196,12 +203,13 @@ pub(super) fn missing(name: &str) -> Fault {
     Fault::new(format!("{name} is missing or of another type"))
 }
 
-/// Key-value metadata of a file.
+/// Key-value metadata of a file, but for its schema in Arrow's words.
 pub(super) fn metadata(reader: &SerializedFileReader<File>) -> BTreeMap<String, String> {
     let stored = reader.metadata().file_metadata().key_value_metadata();
     stored
         .into_iter()
         .flatten()
+        .filter(|pair| pair.key != ARROW_SCHEMA_META_KEY)
         .filter_map(|pair| Some((pair.key.clone(), pair.value.clone()?)))
         .collect()
 }

@@ -6,7 +6,9 @@ use std::io::{Result as IoResult, Write};
 use std::path::Path;
 
 /// A file and the hash of its content.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
 pub struct FileRecord {
     /// Name, without folder.
     pub name: String,

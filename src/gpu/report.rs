@@ -4,7 +4,9 @@ use super::settings::Precision;
 use std::collections::BTreeMap;
 
 /// What is known of an adapter without opening it.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
 pub struct AdapterFacts {
     /// Place in the list of adapters, 0-based.
     pub index: usize,
@@ -44,7 +46,7 @@ impl AdapterFacts {
 }
 
 /// The device's part in a run, for summary and report.
-#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct GpuReport {
     /// The adapter.
     pub adapter: AdapterFacts,

@@ -1,18 +1,30 @@
 //! How a peak was found.
 
 /// The route on which a search came to a peak, in the order in which a sample tries them.
+//
+// The searches: `peak::predicted::correct`, `peak::predicted::maximum_near`, `peak::track`, `peak::band`. The descriptions
+// stand in the JSON Schema of the outputs.
 #[derive(
-    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Deserialize, serde::Serialize,
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    serde::Deserialize,
+    serde::Serialize,
+    schemars::JsonSchema,
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum PeakRoute {
-    /// From the prediction by samples around it, by undamped Newton steps ([`super::peak::predicted::correct`]).
+    /// From the prediction by samples around it, by undamped Newton steps.
     Predicted,
-    /// From that prediction, by damped steps onto the predicted phase ([`super::peak::predicted::maximum_near`]).
+    /// From that prediction, by damped steps onto the predicted phase.
     Damped,
     /// From the nearest solved sample, by steps along the straight line between the inputs.
     Followed,
-    /// From the stuck structure over the levels, the maximum located on few harmonics ([`super::peak::track`]).
+    /// From the stuck structure over the levels, the maximum located on few harmonics.
     Tracked,
     /// The same, the maximum located on the harmonics of the study.
     TrackedOnAll,

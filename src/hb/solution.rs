@@ -10,7 +10,7 @@ use faer::prelude::c64;
 use std::f64::consts::PI;
 
 /// Shares of (pair, time) in each contact state; they add up to 1.
-#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, schemars::JsonSchema)]
 pub struct ContactFractions {
     /// Sticking.
     pub stick: f64,
@@ -21,7 +21,7 @@ pub struct ContactFractions {
 }
 
 /// Work per cycle (J).
-#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, schemars::JsonSchema)]
 pub struct CycleWork {
     /// Done by the excitation.
     pub input: f64,

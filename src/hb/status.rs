@@ -1,7 +1,9 @@
 //! How a solve ended.
 
 /// Outcome of one nonlinear solve; data, never an error.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, serde::Serialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
     /// Converged, stated truncation error not above the threshold (or not asked for).

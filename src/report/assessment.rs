@@ -24,6 +24,7 @@ use crate::statistics::{
     FailurePattern, JointRegion, Prefix, QuantileEstimate, Side, convergence, failure_pattern,
     joint_region, quantile_estimate,
 };
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// First prefix of a convergence table.
@@ -32,7 +33,7 @@ const FIRST_PREFIX: usize = 16;
 const GROUPS: usize = 5;
 
 /// Everything that a designer's report says in numbers. Field names are stable and end in their unit.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Assessment {
     /// Study, seed, version, commit, law and settings.
     pub provenance: Provenance,
@@ -70,9 +71,9 @@ pub struct Assessment {
 }
 
 /// Bounds, margins and sensitivities at one excitation level.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct LevelAssessment {
-    /// Excitation level.
+    /// Excitation level (N on each blade for the built-in model, else a factor).
     pub level: f64,
     /// Lower and upper bound of the resonance frequency (Hz).
     pub frequency_bounds_hz: [Bound; 2],
@@ -97,7 +98,7 @@ pub struct LevelAssessment {
 }
 
 /// How one input differs between samples that lack a solution at one level or more and all others.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct InputFailures {
     /// Name of the input.
     pub input: String,

@@ -8,7 +8,9 @@ use libm::{exp, log};
 use std::fmt;
 
 /// Family and parameters.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Shape {
     /// Always `value`.
@@ -67,7 +69,7 @@ pub enum Shape {
 }
 
 /// A shape with checked parameters, possibly cut to an interval (and normalised again).
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(try_from = "Stated", into = "Stated")]
 pub struct Distribution {
     shape: Shape,
@@ -76,11 +78,13 @@ pub struct Distribution {
     kept: [f64; 2],
 }
 
-/// A distribution as it is stored: what [`Distribution::new`] takes.
-#[derive(serde::Serialize, serde::Deserialize)]
+/// A distribution as it is stored.
+#[derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Stated {
+    /// Family and parameters.
     shape: Shape,
+    /// Lower and upper end where it is cut (and normalised again); null where it is not.
     truncation: Option<[f64; 2]>,
 }
 

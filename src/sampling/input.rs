@@ -2,11 +2,12 @@
 
 use super::distribution::Distribution;
 use crate::setting::{BadSetting, FRICTION, USUAL_FRICTION, unusual};
+use schemars::{JsonSchema, SchemaGenerator};
 
 /// A quantity that may be random. The order is the order of the sampled values everywhere.
 ///
 /// The JSON Schema takes the description of each input from here.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, schemars::JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, JsonSchema)]
 #[schemars(rename_all = "snake_case")]
 pub enum Input {
     /// Factor on the normal and the tangential contact stiffness together.
@@ -193,6 +194,41 @@ impl Input {
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|input| input.name() == name)
+    }
+
+    /// The input with that column in the tables of samples: one that `[inputs]` can name, or a mode of the pressure field.
+    #[must_use]
+    pub fn of_column(name: &str) -> Option<Self> {
+        let mode = || PRESSURE_NAMES.iter().position(|mode| *mode == name);
+        let of_field = || Some(Self::PressureMode(u8::try_from(mode()?).ok()?));
+        Self::from_name(name).or_else(of_field)
+    }
+
+    /// Unit of its values; 1 for a number without.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::StripThickness => "mm",
+            _ => "1",
+        }
+    }
+
+    /// What it is, from its definition.
+    #[must_use]
+    pub fn description(self) -> String {
+        if let Self::PressureMode(k) = self {
+            let mode = k + 1;
+            return format!(
+                "Standard normal coefficient of mode {mode} of the contact pressure's random field."
+            );
+        }
+        let schema = Self::json_schema(&mut SchemaGenerator::default()).to_value();
+        let options = schema["oneOf"].as_array().into_iter().flatten();
+        let mut named = options.filter(|option| option["const"] == self.name());
+        let text = named
+            .next()
+            .and_then(|option| option["description"].as_str());
+        text.unwrap_or_default().replace('\n', " ")
     }
 
     /// Dimension of the uniform stream. Fixed for ever, so that a further input leaves the others' samples alone.

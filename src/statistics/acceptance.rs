@@ -23,7 +23,7 @@ pub struct Demonstration {
 }
 
 /// Samples by what they say about a limit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct Counted {
     /// Number of samples.
     pub samples: usize,
@@ -34,7 +34,7 @@ pub struct Counted {
 }
 
 /// What would decide, if the shares of the samples stayed as they are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Remedy {
     /// So many samples altogether.

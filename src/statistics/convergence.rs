@@ -3,7 +3,7 @@
 use super::observed::Observed;
 
 /// A statistic of the first n samples.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Prefix<T> {
     /// Number of samples used, failed ones included.
     pub n: usize,

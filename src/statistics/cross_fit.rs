@@ -56,7 +56,7 @@ struct HeldOut {
 }
 
 /// Solver against surrogate at samples that did not shape it.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct PredictionError {
     /// Solved samples, each held out once.
     pub samples: usize,
@@ -78,7 +78,7 @@ pub struct SurrogateIndices {
 }
 
 /// An exceedance probability by a surrogate and by the samples that it is wrong at.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct SurrogateExceedance {
     /// Threshold.
     pub threshold: f64,

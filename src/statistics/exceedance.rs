@@ -4,7 +4,7 @@ use super::observed::Observed;
 use super::proportion::{Share, share};
 
 /// Probability of exceeding a threshold.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Exceedance {
     /// Threshold, in the unit of the result.
     pub threshold: f64,

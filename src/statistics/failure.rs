@@ -5,7 +5,7 @@ use super::proportion::{Proportion, proportion};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Failure rate of the samples between two values of an input.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct FailureBin {
     /// Smallest value of the input.
     pub lower: f64,
@@ -20,7 +20,7 @@ pub struct FailureBin {
 }
 
 /// How one input differs between failed and solved samples.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct FailurePattern {
     /// P(input of a failed sample > input of a solved one), ties half: ½ = no shift, 1 = all failures at large values.
     pub superiority: f64,

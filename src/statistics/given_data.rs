@@ -9,7 +9,7 @@ use super::sensitivity::{Index, SensitivityRefusal, mean_and_variance, varies};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// First-order index of one input from given samples.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct GivenDataIndex {
     /// The index among the samples that did not fail.
     pub index: Index,
@@ -204,7 +204,7 @@ fn average(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Mean of a result where an input lies between two values.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ConditionalMean {
     /// Smallest value of the input.
     pub lower: f64,

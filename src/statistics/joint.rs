@@ -5,7 +5,7 @@ use super::observed::Observed;
 use super::tolerance::{tolerance_confidence, tolerance_order};
 
 /// A rectangle that holds a share of the population of pairs.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct JointRegion {
     /// Limits of the first result.
     pub x: Interval,

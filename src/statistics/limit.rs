@@ -1,7 +1,7 @@
 //! Limits that may be open: what a sample cannot bound is said to be unbounded, never NaN.
 
 /// One limit of an interval.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Limit {
     /// The samples do not bound this side.
@@ -39,7 +39,7 @@ impl From<Option<f64>> for Limit {
 }
 
 /// A range whose sides may be open.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Interval {
     /// Lower limit.
     pub lower: Limit,

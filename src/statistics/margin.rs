@@ -92,7 +92,7 @@ pub enum Criterion {
 }
 
 /// Verdict on a criterion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum Judgement {
     /// The whole interval meets the criterion.

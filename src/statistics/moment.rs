@@ -6,7 +6,7 @@ use super::observed::{Observed, Sorted};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Mean, standard deviation and range.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Moments {
     /// Arithmetic mean.
     pub mean: f64,
@@ -35,7 +35,7 @@ pub fn moments(sorted: &Sorted) -> Option<Moments> {
 }
 
 /// Mean and standard deviation of all samples as confidence intervals, failed ones included.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct MomentEstimate {
     /// Moments of the samples that did not fail.
     pub valid_only: Moments,

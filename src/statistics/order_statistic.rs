@@ -9,7 +9,7 @@ use super::observed::{Observed, Sorted};
 use statrs::distribution::{Binomial, DiscreteCDF};
 
 /// A quantile with its confidence interval and with what failed samples leave open.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct QuantileEstimate {
     /// Probability p of the quantile.
     pub probability: f64,

@@ -3,7 +3,7 @@
 use statrs::distribution::{Beta, ContinuousCDF};
 
 /// A share of samples with its Clopper–Pearson confidence interval.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Proportion {
     /// count / n.
     pub estimate: f64,
@@ -37,7 +37,7 @@ pub fn proportion(count: usize, n: usize, confidence: f64) -> Option<Proportion>
 }
 
 /// A share of samples of which some do not tell, because they failed.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Share {
     /// Samples that are known to count.
     pub yes: usize,

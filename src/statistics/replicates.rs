@@ -8,7 +8,7 @@ use super::mean::{SampleMean, student};
 use std::collections::BTreeMap;
 
 /// Mean over all replicates with its standard error.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ReplicateMean {
     /// Mean of the replicates' means.
     pub mean: f64,
@@ -23,7 +23,7 @@ pub struct ReplicateMean {
 }
 
 /// Interval of a quantile from the scatter of replicates.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ReplicateQuantile {
     /// Probability of the quantile.
     pub probability: f64,

@@ -8,7 +8,7 @@ use std::fmt;
 const RESOLUTION: f64 = 1e-6;
 
 /// Whether an index differs from 0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Influence {
     /// The interval lies above 0, by more than the solutions resolve (a millionth of the variance).
@@ -27,7 +27,7 @@ impl fmt::Display for Influence {
 }
 
 /// A sensitivity index: share of the variance of a result.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Index {
     /// Estimate; may lie slightly below 0.
     pub estimate: f64,

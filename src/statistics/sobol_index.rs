@@ -15,7 +15,7 @@ const FEWEST_ROWS: usize = 64;
 const SMALL_SAMPLE: f64 = 8.0;
 
 /// First and total index of one input.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct SobolIndex {
     /// Share of the variance by the input alone (Janon et al., ESAIM: Probab. Stat. 18 (2014) 342–364).
     pub first: Index,

@@ -8,7 +8,7 @@ use super::observed::Observed;
 use statrs::distribution::{Binomial, DiscreteCDF};
 
 /// Side of a bound.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
     /// The population lies above the bound, as for a strength.
@@ -18,7 +18,7 @@ pub enum Side {
 }
 
 /// A one-sided tolerance bound.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ToleranceBound {
     /// Side of the bound.
     pub side: Side,

@@ -5,7 +5,7 @@ use crate::setting::{BadSetting, positive, within};
 use crate::units::{hz_to_rad_s, rad_s_to_hz};
 
 /// Unit in which a study states and reports frequencies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub enum FrequencyUnit {
     /// Cycles per second: models in SI units.
     #[serde(rename = "Hz")]

@@ -196,7 +196,6 @@ fn model<T: JsonSchema>(kind: &str, generator: &mut SchemaGenerator) -> Value {
 /// `[inputs.NAME]`: the same table under every name, with the values that the input accepts.
 fn inputs(generator: &mut SchemaGenerator) -> Value {
     let table = of::<DistributionTable>(generator);
-    let described = Input::json_schema(generator).to_value();
     let of_input = |input: Input| {
         let (largest, value) = (
             input.largest(),
@@ -208,7 +207,7 @@ fn inputs(generator: &mut SchemaGenerator) -> Value {
         };
         let uncut = json!({ "low": { "minimum": 0 }, "high": { "maximum": largest } });
         json!({
-            "description": description(&described, input.name()),
+            "description": input.description(),
             "allOf": [
                 table,
                 { "properties": { "value": single, "lower": single, "upper": single } },
@@ -226,13 +225,6 @@ fn inputs(generator: &mut SchemaGenerator) -> Value {
         "additionalProperties": false,
         "description": "The uncertain inputs, one table each; without any the samples do not scatter.",
     })
-}
-
-/// Description of the input `name` in the schema of [`Input`]; null where it has none.
-fn description(schema: &Value, name: &str) -> Value {
-    let options = schema["oneOf"].as_array().into_iter().flatten();
-    let named = options.into_iter().find(|option| option["const"] == name);
-    named.map_or(Value::Null, |option| option["description"].clone())
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::frequency::{FrequencyUnit, Points};
@@ -164,64 +165,97 @@ pub fn write_curves(
     Ok(())
 }
 
-#[derive(Serialize)]
-struct SolutionRecord<'a> {
+/// Nominal forced response. With `frequency_unit` = "rad/s" the units m, N and J stand for those of the study.
+#[derive(Serialize, JsonSchema)]
+pub(super) struct SolutionRecord<'a> {
+    /// Name of the study.
     study: &'a str,
+    /// Unit of all frequencies.
     frequency_unit: FrequencyUnit,
+    /// The convention of `responses`, in words.
     coefficient_order: &'static str,
+    /// One entry per excitation level, ascending.
     levels: Vec<LevelRecord<'a>>,
 }
 
-#[derive(Serialize)]
+/// Response at one excitation level.
+#[derive(Serialize, JsonSchema)]
 struct LevelRecord<'a> {
+    /// Excitation level (N on each blade for the built-in model, else a factor).
     level: f64,
+    /// Where the ways from both ends of the band stopped: the branch between is not known; null where nothing is missing.
     gap: Option<GapRecord>,
+    /// The largest amplitude of the first response; null without a solution.
     largest_amplitude: Option<LargestRecord>,
+    /// Points in the order of the curve, or of the values asked for; failed ones included.
     points: Vec<PointRecord<'a>>,
 }
 
 /// A frequency under the key of its unit.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 struct FrequencyRecord {
+    /// Frequency (Hz); absent where the unit is rad/s.
     #[serde(skip_serializing_if = "Option::is_none")]
     frequency_hz: Option<f64>,
+    /// Angular frequency (rad/s); absent where the unit is Hz.
     #[serde(skip_serializing_if = "Option::is_none")]
     frequency_rad_s: Option<f64>,
 }
 
-#[derive(Serialize)]
+/// Both ends of a gap.
+#[derive(Serialize, JsonSchema)]
 struct GapRecord {
+    /// Where the way from the lower end stopped.
     below: StopRecord,
+    /// Where the way from the upper end stopped.
     above: StopRecord,
 }
 
-#[derive(Serialize)]
+/// Where a way along the response stopped.
+#[derive(Serialize, JsonSchema)]
 struct StopRecord {
     #[serde(flatten)]
     frequency: FrequencyRecord,
+    /// Why; `converged` where this way answered every value that the other one did not reach.
     status: Status,
 }
 
-#[derive(Serialize)]
+/// The largest amplitude of the first response.
+#[derive(Serialize, JsonSchema)]
 struct LargestRecord {
     #[serde(flatten)]
     frequency: FrequencyRecord,
+    /// Amplitude of the first harmonic (m).
     amplitude: f64,
+    /// What it is.
     is: Largest,
 }
 
-#[derive(Serialize)]
+/// Response at one frequency.
+#[derive(Serialize, JsonSchema)]
 struct PointRecord<'a> {
     #[serde(flatten)]
     frequency: FrequencyRecord,
+    /// How the solve ended.
     status: Status,
+    /// Harmonics of this solution: 0, 1, ...
     harmonics: &'a [usize],
+    /// Per response its coefficients (m): [q0, c1, s1, c2, s2, ...] over `harmonics`, q(t) = q0 + sum ck cos kwt + sk sin kwt;
+    /// null without a solution.
     responses: Option<BTreeMap<&'a str, Vec<f64>>>,
+    /// Shares of (pair, time) in each contact state; null without a solution.
     contact_fractions: Option<ContactFractions>,
+    /// Work per period (J); null without a solution.
     work_j: Option<CycleWork>,
+    /// Stated relative error of the amplitude by the harmonics left out; null with `alert = false`, or where no solution with
+    /// other harmonics was found.
     truncation_error: Option<f64>,
+    /// Largest residual of the equations over the static displacement of the contacts; null where it is not finite.
+    #[schemars(with = "Option<f64>")]
     residual: f64,
+    /// Newton iterations, failed attempts included.
     newton_iterations: usize,
+    /// Linear factorisations, failed attempts included.
     factorizations: usize,
 }
 

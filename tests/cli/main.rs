@@ -9,6 +9,7 @@ mod compare;
 mod designs;
 mod extend;
 mod inputs;
+mod output_schemas;
 mod report;
 mod reweight;
 mod run;

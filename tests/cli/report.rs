@@ -3,7 +3,7 @@
 use super::bad_input::{assert_refused, refuse_all};
 use super::{folder, microslip};
 
-const REQUIREMENTS: &str = r#"[operation]
+pub(crate) const REQUIREMENTS: &str = r#"[operation]
 speed_rpm = [2000.0, 2200.0]
 engine_orders = [3, 4]
 dwell_rpm = [2100.0]
@@ -32,7 +32,7 @@ confidence = 0.8
 "#;
 
 /// The study of these tests with few samples and what stands in place of its last table.
-fn small_study(last: &str) -> tempfile::TempDir {
+pub(crate) fn small_study(last: &str) -> tempfile::TempDir {
     let folder = folder("study.toml", "samples = 10", "samples = 4");
     let path = folder.path().join("study.toml");
     let text = std::fs::read_to_string(&path).unwrap();

@@ -35,14 +35,14 @@ const BOREHOLE: [&str; 8] = [
     "distribution = \"uniform\"\nlow = 9985\nhigh = 12045",
 ];
 /// Resistance and load; the truncations lie ten standard deviations off.
-const LIMIT_STATE: [&str; 2] = [
+pub(crate) const LIMIT_STATE: [&str; 2] = [
     "distribution = \"normal\"\nmean = 200\nstandard_deviation = 20\ntruncation = [0, 400]",
     "distribution = \"normal\"\nmean = 150\nstandard_deviation = 10\ntruncation = [50, 250]",
 ];
 /// A contact on the other side, for the inputs of that side.
 const SECOND_CONTACT: &str = "[[model.contact]]\nname = \"c2\"\nt1 = { x2 = 1.0 }\nn = { x1 = 1.0 }\ninterface = 1\nk_t1 = 2e5\nk_n = 1e6\nmu = 0.3\n\n[contact]\n";
 /// Alternating stress of 1 MPa per µm against 100 MPa: the limit of the amplitude is 100 µm.
-const REQUIREMENTS: &str = r#"[stress]
+pub(crate) const REQUIREMENTS: &str = r#"[stress]
 modal_stress_mpa_per_um = 1.0
 mean_stress_mpa = 0.0
 endurance_limit_mpa = 100.0

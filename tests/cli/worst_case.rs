@@ -9,9 +9,10 @@ use super::bad_input::assert_refused;
 use super::microslip;
 use super::test_functions::{UNIFORM, study};
 
-const INTERVAL: &str = "kind = \"epistemic\"\nlower = 0.001\nupper = 0.999\nscale = \"linear\"";
+pub(crate) const INTERVAL: &str =
+    "kind = \"epistemic\"\nlower = 0.001\nupper = 0.999\nscale = \"linear\"";
 /// The 95 % quantile of u is 0.95; at outer point 3, x = 0.323, it is 1.42, and 6.95 at x = 0.37.
-const CRITERION: &str = r#"
+pub(crate) const CRITERION: &str = r#"
 [[criteria]]
 name = "amplitude"
 quantity = "amplitude-um"

@@ -5,6 +5,7 @@
 )]
 
 mod assessment;
+mod columns;
 mod comparison;
 mod epistemic;
 mod page;

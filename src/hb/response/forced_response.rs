@@ -95,7 +95,7 @@ impl CurveSettings {
 }
 
 /// What the largest amplitude of a response is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Largest {
     /// A maximum: the amplitude is smaller on both sides.

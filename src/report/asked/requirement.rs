@@ -91,7 +91,7 @@ pub enum Quantity {
 #[serde(deny_unknown_fields)]
 #[schemars(extend(
     "if" = { "properties": { "quantity": { "const": "probability-of-exceedance" } } },
-    "then" = { "properties": { "limit": { "exclusiveMaximum": 1 }, "share": false } }
+    "then" = { "properties": { "limit": { "exclusiveMaximum": 1 }, "share": { "type": "null" } } }
 ))]
 pub struct Criterion {
     /// Name in the report.

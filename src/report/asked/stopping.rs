@@ -4,6 +4,7 @@ use super::requirement::Criterion;
 use crate::report::convention::CONFIDENCE;
 use crate::setting::{BadSetting, positive, within};
 use crate::statistics::{confidence_at, looks, wilks_sample_size};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What a study goes on for.
@@ -59,7 +60,7 @@ const WIDEST: f64 = 1.0;
 const FIRST_LOOK: u64 = 32;
 
 /// The rule of a study.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", tag = "until")]
 pub enum StoppingRule {
     /// Every criterion is PASS or FAIL.
@@ -76,7 +77,7 @@ pub enum StoppingRule {
 }
 
 /// How the number of samples of a run came out of its results.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Stopping {
     /// The rule.
     pub rule: StoppingRule,

@@ -4,10 +4,11 @@ use crate::report::convention::{CONTENT, PROBABILITIES};
 use crate::statistics::{
     Interval, Limit, Observed, Side, exceedance, quantile_estimate, tolerance_bound,
 };
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// An end of a range and the outer point that it comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Extreme {
     /// The end; unbounded if one of the outer points does not bound it.
     pub value: Limit,
@@ -16,7 +17,7 @@ pub struct Extreme {
 }
 
 /// Range of a statistic over the outer points.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct BoxRange {
     /// Lowest, failed samples at their most favourable to it.
     pub lowest: Extreme,
@@ -27,7 +28,7 @@ pub struct BoxRange {
 }
 
 /// Range of a quantile.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct QuantileRange {
     /// Probability of the quantile.
     pub probability: f64,
@@ -37,7 +38,7 @@ pub struct QuantileRange {
 }
 
 /// Range of an exceedance probability.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct ExceedanceRange {
     /// Limit of the amplitude (m).
     pub threshold_m: f64,

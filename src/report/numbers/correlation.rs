@@ -7,7 +7,7 @@ use crate::statistics::rank_correlation;
 
 /// Spearman's rank correlation of one input with the results; absent where either does not vary, and over samples that belong
 /// to outer points.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct InputCorrelation {
     /// Name of the input.
     pub input: String,

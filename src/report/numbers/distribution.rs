@@ -4,7 +4,7 @@ use crate::report::convention::PROBABILITIES;
 use crate::statistics::{Moments, Observed, QuantileEstimate, Sorted, moments, quantile_estimate};
 
 /// What is known of one result: from the samples with a solution, and what the others leave open.
-#[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Distribution {
     /// Number of samples that count.
     pub valid: usize,

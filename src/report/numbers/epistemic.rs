@@ -16,10 +16,11 @@ use super::replicate_means::ReplicateMeans;
 use crate::hb::ContactFractions;
 use crate::report::run::input::ReportInput;
 use crate::statistics::{Proportion, Side, proportion};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Ranges of all statistics over the outer points.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct EpistemicSummary {
     /// Names of the epistemic inputs.
     pub inputs: Vec<String>,
@@ -30,7 +31,7 @@ pub struct EpistemicSummary {
 }
 
 /// One point of the box.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct OuterPoint {
     /// Its number, as in the column `outer` of the samples.
     pub outer: u64,
@@ -41,9 +42,9 @@ pub struct OuterPoint {
 }
 
 /// Ranges at one excitation level.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct EpistemicLevel {
-    /// Excitation level.
+    /// Excitation level (N on each blade for the built-in model, else a factor).
     pub level: f64,
     /// Quantiles of the resonance frequency (Hz).
     pub frequency_hz: Vec<QuantileRange>,
@@ -60,7 +61,7 @@ pub struct EpistemicLevel {
 }
 
 /// Statistics of the samples of one outer point.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct PointStatistics {
     /// Number of the outer point.
     pub outer: u64,

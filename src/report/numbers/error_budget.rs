@@ -13,7 +13,7 @@ use crate::statistics::{Sorted, quantile};
 use serde::Serialize;
 
 /// One source of error, at its worst over levels and outer points; a number that nobody estimated is absent, never 0.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
 pub struct ErrorLine {
     /// What is approximated.
     pub source: &'static str,

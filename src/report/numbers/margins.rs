@@ -5,10 +5,11 @@ use super::population::{Bound, Exceeded, Populations, Quantiles};
 use crate::report::asked::requirement::{MarginBase, Operation, Stress};
 use crate::report::run::input::ReportInput;
 use crate::statistics::{Denominator, Side, frequency_margin};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Margin of the resonance to one engine order.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct OrderMargin {
     /// Order k of the excitation.
     pub engine_order: u32,
@@ -23,7 +24,7 @@ pub struct OrderMargin {
 }
 
 /// Margin at one speed.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct DwellMargin {
     /// The speed (1/min).
     pub speed_rpm: f64,
@@ -32,7 +33,7 @@ pub struct DwellMargin {
 }
 
 /// Reserve of the alternating stress at one excitation level.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Reserve {
     /// Allowable alternating stress at the mean stress, after Goodman (MPa).
     pub allowable_mpa: f64,

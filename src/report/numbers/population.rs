@@ -14,6 +14,7 @@ use crate::statistics::{
     Exceedance, Observed, QuantileEstimate, Side, ToleranceBound, exceedance, quantile,
     quantile_estimate, tolerance_bound,
 };
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Lowest and highest value; `None` without any.
@@ -38,7 +39,7 @@ enum Members {
 }
 
 /// 5, 50 and 95 % quantiles; empty without samples.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Quantiles {
     /// Of all samples.
@@ -48,7 +49,7 @@ pub enum Quantiles {
 }
 
 /// A tolerance bound.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Bound {
     /// Of all samples.
@@ -58,7 +59,7 @@ pub enum Bound {
 }
 
 /// Probability of exceeding a limit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Exceeded {
     /// Of all samples.

@@ -6,7 +6,7 @@ use crate::report::convention::{CONFIDENCE, PROBABILITIES};
 use crate::statistics::{ReplicateMean, ReplicateQuantile, replicate_mean, replicate_quantile};
 
 /// Means over the replicates of a quasi-random design, with the errors that their scatter shows.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ReplicateMeans {
     /// Resonance frequency (Hz).
     pub frequency_hz: ReplicateMean,

@@ -10,6 +10,7 @@ use crate::statistics::{
     Bootstrap, ConditionalMean, GivenData, GivenDataIndex, Interval, SobolIndex, conditional_means,
     first_order_index, sobol_indices,
 };
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Replicates of a resampling interval.
@@ -18,7 +19,7 @@ const REPLICATES: u32 = 200;
 const GROUPS: usize = 5;
 
 /// How much one input moves the results.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct InputInfluence {
     /// Name of the input.
     pub input: String,
@@ -33,7 +34,7 @@ pub struct InputInfluence {
 }
 
 /// An index, or why there is none.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum IndexResult {
     /// First-order index with its interval, from samples of any design.

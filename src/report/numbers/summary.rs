@@ -14,10 +14,12 @@ use crate::hb::{ContactFractions, PeakRoute, Status};
 use crate::report::convention::CONFIDENCE;
 use crate::report::run::input::ReportInput;
 use crate::statistics::{Proportion, Sorted, proportion, quantile};
+use schemars::Schema;
+use serde_json::json;
 use std::collections::BTreeMap;
 
 /// All numbers of a study. Field names are stable and end in their unit.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct Summary {
     /// Study, seed, version, law and settings.
     pub provenance: Provenance,
@@ -27,13 +29,13 @@ pub struct Summary {
     pub samples: usize,
     /// Unit of the excitation levels.
     pub level_unit: String,
-    /// Resonance frequency without contact forces, nominal inputs.
+    /// Resonance frequency without contact forces, nominal inputs (Hz).
     pub free_frequency_hz: f64,
-    /// Resonance frequency with all contacts stuck, nominal inputs.
+    /// Resonance frequency with all contacts stuck, nominal inputs (Hz).
     pub stuck_frequency_hz: f64,
     /// Confidence of every interval.
     pub confidence: f64,
-    /// Wall time of the study.
+    /// Wall time of the study (s).
     pub wall_time_s: f64,
     /// Who evaluated the contacts, with the audit of a GPU.
     pub backend: BackendReport,
@@ -47,21 +49,23 @@ pub struct Summary {
 /// Statistics of the population at one excitation level.
 ///
 /// Samples of different outer points are no population: what is absent where samples belong to such stands in
-/// [`EpistemicSummary`], by point.
-#[derive(Debug, Clone, serde::Serialize)]
+/// `epistemic`, by point.
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct LevelSummary {
-    /// Excitation level.
+    /// Excitation level, in `level_unit`.
     pub level: f64,
     /// Samples per status, every status listed; they add up to the number of samples.
+    #[schemars(transform = per_status)]
     pub statuses: BTreeMap<&'static str, usize>,
     /// Peaks per route on which they were found, every route listed; what did not come from the solver is not counted.
+    #[schemars(transform = per_route)]
     pub routes: BTreeMap<&'static str, usize>,
     /// Samples without a solution.
     pub failed: usize,
     /// Share of samples without a solution, with confidence limits; absent without samples, and where these belong to outer
     /// points.
     pub failure_rate: Option<Proportion>,
-    /// Peak at the nominal inputs.
+    /// Peak at the nominal inputs; absent where it was not found.
     pub nominal: Option<PeakRecord>,
     /// Resonance frequency (Hz).
     pub frequency_hz: Distribution,
@@ -95,18 +99,19 @@ pub struct LevelSummary {
 }
 
 /// Samples that serve sensitivity indices alone, at one excitation level.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct MixedSummary {
     /// Number of samples, failed ones included.
     pub samples: usize,
     /// Samples per status, every status listed.
+    #[schemars(transform = per_status)]
     pub statuses: BTreeMap<&'static str, usize>,
     /// Samples without a solution: one is enough to refuse the indices.
     pub failed: usize,
 }
 
 /// Work of the solver per sample.
-#[derive(Debug, Clone, Copy, serde::Serialize)]
+#[derive(Debug, Clone, Copy, serde::Serialize, schemars::JsonSchema)]
 pub struct WorkPerSample {
     /// Median.
     pub median: Option<f64>,
@@ -239,6 +244,21 @@ impl WorkPerSample {
             total: counts.sum(),
         }
     }
+}
+
+/// The schema of counts that has one for every status.
+fn per_status(schema: &mut Schema) {
+    one_each(schema, &Status::ALL.map(Status::name));
+}
+
+/// The schema of counts that has one for every route.
+fn per_route(schema: &mut Schema) {
+    one_each(schema, &PeakRoute::ALL.map(PeakRoute::name));
+}
+
+fn one_each(schema: &mut Schema, names: &[&str]) {
+    schema.insert("propertyNames".to_owned(), json!({ "enum": names }));
+    schema.insert("required".to_owned(), json!(names));
 }
 
 fn count_statuses(records: &[&LevelOutcome]) -> BTreeMap<&'static str, usize> {

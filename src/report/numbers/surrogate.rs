@@ -13,6 +13,7 @@ use crate::statistics::{
     ChaosSettings, Exceedance, HoldOutSettings, Index, Observed, Polynomials, PredictionError,
     SurrogateExceedance, SurrogateSamples, cross_fit, exceedance,
 };
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Samples that shape a surrogate at most: its cost grows with their number, its accuracy hardly beyond.
@@ -23,7 +24,7 @@ const MOST_FAILED: f64 = 0.05;
 const POINTS: u64 = 100_000;
 
 /// The surrogates at one excitation level.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct LevelSurrogates {
     /// Of the resonance frequency (Hz).
     pub frequency: SurrogateResult,
@@ -32,7 +33,7 @@ pub struct LevelSurrogates {
 }
 
 /// A surrogate, or why there is none.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SurrogateResult {
     /// A fitted one.
@@ -42,7 +43,7 @@ pub enum SurrogateResult {
 }
 
 /// What a surrogate is worth and what it says.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Surrogate {
     /// Its errors at samples that did not shape it.
     pub held_out: PredictionError,
@@ -61,7 +62,7 @@ pub struct Surrogate {
 }
 
 /// Shares of the variance by one input.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct SurrogateIndex {
     /// Name of the input.
     pub input: String,
@@ -72,7 +73,7 @@ pub struct SurrogateIndex {
 }
 
 /// An exceedance probability of the surrogate beside that of the samples.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
 pub struct ExceedanceBoth {
     /// By the surrogate; threshold in m.
     pub surrogate: SurrogateExceedance,

@@ -75,7 +75,7 @@ pub struct RunRecord {
 }
 
 /// A sampled input.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct InputRecord {
     /// Name.
     pub name: String,

@@ -3,10 +3,11 @@
 use super::over_box::OverBox;
 use crate::report::asked::requirement::Criterion;
 use crate::statistics::{Counted, Interval, Judgement, Remedy};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A criterion and its judgement.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct CriterionResult {
     /// As the study file states it.
     pub criterion: Criterion,
@@ -24,9 +25,9 @@ pub struct CriterionResult {
 }
 
 /// A criterion at one excitation level.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct LevelResult {
-    /// Excitation level.
+    /// Excitation level (N on each blade for the built-in model, else a factor).
     pub level: f64,
     /// Number that is judged, from the samples with a trusted solution: the quantile that leaves out 1 − share, or the
     /// probability; in the unit of the limit. Absent without samples.
@@ -61,7 +62,7 @@ pub struct LevelResult {
 }
 
 /// Samples that may keep a limit or break it.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Unknown {
     /// Without a solution.
     pub failed: usize,
@@ -72,7 +73,7 @@ pub struct Unknown {
 }
 
 /// How far the numerical error of the samples moves the limits of an interval.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct NumericalWidth {
     /// The lower limit, downwards, in the unit of the criterion; absent where the limit is open.
     pub lower: Option<f64>,
@@ -83,7 +84,7 @@ pub struct NumericalWidth {
 }
 
 /// How often a study of so many samples, all of them known, passes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Power {
     /// Share of the population that is taken to keep the limit: half of what may break it does.
     pub kept: f64,
@@ -94,7 +95,7 @@ pub struct Power {
 }
 
 /// A judgement with inputs taken as known to an interval only.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct IgnoranceResult {
     /// The inputs with uniform and log-uniform distributions.
     pub inputs: Vec<String>,

@@ -6,10 +6,11 @@
 use crate::report::display::{from_to, short};
 use crate::report::numbers::population::hull;
 use crate::statistics::Judgement;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Judgements at the outer points.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct OverBox {
     /// Names of the epistemic inputs.
     pub inputs: Vec<String>,
@@ -18,7 +19,7 @@ pub struct OverBox {
 }
 
 /// The judgement at one outer point.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct PointJudgement {
     /// Number of the outer point; absent for none.
     pub outer: Option<u64>,

@@ -1,0 +1,249 @@
+//! `schema --of ...`: the result files of all kinds of studies are valid, and damaged ones are not.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use jsonschema::Validator;
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use super::test_functions::{LIMIT_STATE, REQUIREMENTS, UNIFORM, study};
+use super::worst_case::{CRITERION, INTERVAL};
+use super::{folder, microslip, report};
+
+fn schema(of: &str) -> Value {
+    let output = microslip(Path::new("."), &["schema", "--of", of]);
+    assert!(output.status.success(), "{output:?}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn validator(of: &str) -> Validator {
+    jsonschema::validator_for(&schema(of)).unwrap()
+}
+
+fn succeed(folder: &TempDir, command: &str) {
+    let output = microslip(folder.path(), &[command, "study.toml", "--quiet"]);
+    assert!(output.status.success(), "{output:?}");
+}
+
+fn result(folder: &TempDir, name: &str) -> Value {
+    let path = folder.path().join("results").join(name);
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+fn assert_valid(validator: &Validator, value: &Value, what: &str) {
+    let errors = validator.iter_errors(value);
+    let errors: Vec<String> = errors
+        .take(5)
+        .map(|error| format!("{}: {error}", error.instance_path()))
+        .collect();
+    assert!(errors.is_empty(), "{what}: {errors:#?}");
+}
+
+/// Places of a file, one of those that differ only in the number of an entry.
+fn places(value: &Value, at: &str, kind: &str, seen: &mut BTreeSet<String>, all: &mut Vec<String>) {
+    if seen.insert(kind.to_owned()) {
+        all.push(at.to_owned());
+    }
+    for (key, member) in value.as_object().into_iter().flatten() {
+        let escaped = key.replace('~', "~0").replace('/', "~1");
+        let of = |path: &str| format!("{path}/{escaped}");
+        places(member, &of(at), &of(kind), seen, all);
+    }
+    for (i, member) in value.as_array().into_iter().flatten().enumerate() {
+        places(
+            member,
+            &format!("{at}/{i}"),
+            &format!("{kind}/-"),
+            seen,
+            all,
+        );
+    }
+}
+
+/// The file with one place changed: another type of value, or a further field.
+fn damaged(file: &Value, place: &str) -> Option<Value> {
+    let mut damaged = file.clone();
+    let value = damaged.pointer_mut(place)?;
+    match value {
+        // the response of a further degree of freedom is none of another type
+        Value::Object(_) if place.ends_with("/responses") => return None,
+        Value::Object(fields) => {
+            fields.insert("a_field_of_no_type".to_owned(), json!(1));
+        }
+        // a limit without a number is a text
+        Value::String(text) if text == "unbounded" => *value = json!(true),
+        Value::String(_) => *value = json!(1.5),
+        Value::Null | Value::Number(_) | Value::Bool(_) => *value = json!("a text"),
+        Value::Array(_) => *value = json!("a text"),
+    }
+    Some(damaged)
+}
+
+/// The file is valid, and no damage to it is.
+fn assert_described(validator: &Validator, file: &Value, what: &str) {
+    assert_valid(validator, file, what);
+    let mut all = Vec::new();
+    places(file, "", "", &mut BTreeSet::new(), &mut all);
+    let unseen = |place: &&String| {
+        // null stands for an absent text or number
+        let missing = file.pointer(place).is_some_and(Value::is_null);
+        let damaged = damaged(file, place).filter(|_| !missing);
+        damaged.is_some_and(|damaged| validator.is_valid(&damaged))
+    };
+    let unseen: Vec<&String> = all.iter().filter(unseen).collect();
+    assert!(
+        unseen.is_empty(),
+        "{what}: damage is not seen at {unseen:#?}"
+    );
+}
+
+fn assert_run_described(folder: &TempDir, what: &str) {
+    succeed(folder, "run");
+    for of in ["summary", "report"] {
+        let file = result(folder, &format!("{of}.json"));
+        assert_described(&validator(of), &file, &format!("{what}, {of}.json"));
+    }
+}
+
+/// Every criterion and table of requirements, on solved samples. Seen to fail with `wall_time_s` left out of the schema
+/// (`#[schemars(skip)]`), and with objects left open (damage unseen at every one of them).
+#[test]
+fn a_run_with_requirements_is_described() {
+    assert_run_described(&report::small_study(report::REQUIREMENTS), "requirements");
+}
+
+/// Further parts of the files by kind of study; functions stand for the solver.
+#[test]
+fn all_kinds_of_studies_are_described() {
+    let surrogate = format!("{REQUIREMENTS}\n[surrogate]\nkind = \"polynomial-chaos\"\n");
+    let worst_case = format!("[epistemic]\npoints = 2\n{CRITERION}");
+    let uniform = [UNIFORM; 3];
+    let interval = [INTERVAL, UNIFORM];
+    for (what, function, inputs, design, samples, more) in [
+        (
+            "surrogate",
+            "limit-state",
+            &LIMIT_STATE[..],
+            "monte-carlo",
+            300,
+            surrogate.as_str(),
+        ),
+        (
+            "refused surrogate",
+            "limit-state",
+            &LIMIT_STATE[..],
+            "monte-carlo",
+            3,
+            &surrogate,
+        ),
+        (
+            "pick-freeze",
+            "ishigami",
+            &uniform[..],
+            "pick-freeze",
+            5 << 6,
+            "",
+        ),
+        (
+            "epistemic",
+            "narrow-worst-case",
+            &interval[..],
+            "monte-carlo",
+            200,
+            &worst_case,
+        ),
+        (
+            "replicates",
+            "ishigami",
+            &uniform[..],
+            "sobol",
+            64,
+            "replicates = 4\n",
+        ),
+    ] {
+        assert_run_described(&study(function, inputs, design, samples, more), what);
+    }
+}
+
+/// A study that went on until its criteria were decided.
+#[test]
+fn a_study_with_a_rule_is_described() {
+    for rule in [
+        "{ until = \"decided\", at_most = 128 }",
+        "{ until = \"width\", at_most = 128, of = \"amplitude\", relative = 0.5 }",
+    ] {
+        let folder = study("limit-state", &LIMIT_STATE, "monte-carlo", 10, REQUIREMENTS);
+        let path = folder.path().join("study.toml");
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(
+            &path,
+            text.replacen("samples = 10", &format!("samples = {rule}"), 1),
+        )
+        .unwrap();
+        assert_run_described(&folder, rule);
+    }
+}
+
+/// Samples without a solution (a search may take 40 Newton iterations): null and "unbounded" have their places.
+#[test]
+fn a_run_with_failed_samples_is_described() {
+    let budget = "time_points = 128\nbudget = 40";
+    let folder = folder("study.toml", "time_points = 128", budget);
+    assert_run_described(&folder, "failed samples");
+    let failed = result(&folder, "summary.json")["levels"][0]["failed"].clone();
+    assert!(failed.as_u64().unwrap() > 0, "no sample failed");
+}
+
+/// The response of both units of frequency, with and without a gap. Seen to fail with `work_j` of a point left out of the
+/// schema.
+#[test]
+fn responses_are_described() {
+    for (old, new) in [
+        ("", ""),
+        ("time_points = 128", "time_points = 128\nbudget = 60"),
+        ("band_hz = [100, 200]", "band_rad_s = [628, 1256]"),
+    ] {
+        let folder = folder("study.toml", old, new);
+        let output = microslip(folder.path(), &["solve", "study.toml"]);
+        assert!(output.status.success(), "{output:?}");
+        assert_described(
+            &validator("solution"),
+            &result(&folder, "solution.json"),
+            new,
+        );
+    }
+}
+
+/// Fields without a description, as dotted paths; what a field refers to describes it, too.
+fn undescribed(path: &str, schema: &Value, definitions: &Value, found: &mut Vec<String>) {
+    for (key, field) in schema["properties"].as_object().into_iter().flatten() {
+        let target = field["$ref"]
+            .as_str()
+            .and_then(|r| r.strip_prefix("#/$defs/"));
+        let target = target.map_or(field, |name| &definitions[name]);
+        let described = |schema: &Value| schema["description"].is_string();
+        if !described(field) && !described(target) {
+            found.push(format!("{path}.{key}"));
+        }
+    }
+}
+
+/// Seen to fail with `newton_iterations` of a point without its doc comment.
+#[test]
+fn every_field_has_a_description() {
+    for of in ["summary", "report", "solution"] {
+        let schema = schema(of);
+        let mut found = Vec::new();
+        undescribed(of, &schema, &schema["$defs"], &mut found);
+        for (name, definition) in schema["$defs"].as_object().into_iter().flatten() {
+            undescribed(name, definition, &schema["$defs"], &mut found);
+        }
+        assert!(found.is_empty(), "{found:#?}");
+        let text = schema.to_string();
+        assert!(
+            !text.contains("[`"),
+            "a description links to the program's own code"
+        );
+    }
+}
