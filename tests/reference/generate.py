@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Converts the reference problems to study files, Matrix Market matrices and compact reference values.
 
-Usage: generate.py SOURCE   (SOURCE holds <case>/problem.json, <case>/reference.json, fixed-discretisation.json, lb2/)
+Usage: generate.py SOURCE   (SOURCE holds <case>/problem.json, <case>/reference.json, fixed-discretisation.json, lb2/values.txt)
+SOURCE is the output of other codes and not part of the repository: README.md.
 Writes next to itself; python3, standard library only. Numbers keep all digits of the source.
 """
 
