@@ -25,7 +25,7 @@ pub struct Ensemble<'a> {
     pub contacts: &'a [ContactParameters<f64>],
     /// Interface of each contact pair: 0 = left, 1 = right. Shape as `contacts`; read for inputs of one side only.
     pub interfaces: &'a [usize],
-    /// Inputs that are static loads, in the order of [`crate::hb::structure::linear::Part::loads`].
+    /// Inputs that are static loads, in the order of [`crate::hb::structure::linear::ModalPart::loads`].
     pub loads: &'a [Input],
     /// Random inputs.
     pub design: &'a Design,
