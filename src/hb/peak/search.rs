@@ -62,7 +62,7 @@ const GROWTH_SHARE: f64 = 1e-2;
 const SHARPEST: f64 = 1e-13;
 /// Points visited before giving up.
 const MAX_POINTS: usize = 40;
-/// Where [`highest_nearby`] and [`highest_aside`] start their searches (relative change of the displacements).
+/// Where [`highest_nearby`] and [`highest_on_both_sides`] start their searches (relative change of the displacements).
 const NEARBY: [f64; 4] = [-3e-3, -1.5e-3, 1.5e-3, 3e-3];
 const ASIDE: [f64; 3] = [0.05, 0.1, 0.2];
 /// Halvings of one step before giving up.
@@ -180,8 +180,9 @@ pub fn highest_nearby<'p>(
 
 /// The highest maximum on `larger` harmonics next to the maximum `found` on those of `balance`, searched from both sides:
 /// more harmonics may split a maximum, so that there is none where it was.
-pub fn highest_aside<'p>(
-    (balance, found): (&Balance<'p>, &Iterate<'p>),
+pub fn highest_on_both_sides<'p>(
+    balance: &Balance<'p>,
+    found: &Iterate<'p>,
     larger: &Balance<'p>,
     settings: PeakSettings,
     newton: NewtonSettings,

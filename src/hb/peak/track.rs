@@ -11,7 +11,7 @@ use super::band::{sliding_maximum, swept_maximum};
 use super::level_peak::LevelPeak;
 use super::maxima::{COMPETES, ModeSearch, PeakChoice, search_maxima};
 use super::predicted::{PeakPrediction, correct, maximum_near};
-use super::refine::{Kept, refined};
+use super::refine::{RefinementTarget, refined};
 use super::search::{Located, PeakSettings, find_peak, highest_nearby};
 use crate::contact::Events;
 use crate::hb::equations::balance::Balance;
@@ -217,8 +217,8 @@ impl<'a, 'p> Track<'a, 'p> {
             _ => highest_nearby(full, found, self.peak, settings.newton),
         };
         let sets = AlertSets::new(full.problem, &settings.harmonics, settings);
-        let kept = (Kept::Maximum(self.peak), settings.newton);
-        refined(full, found, sets.as_ref(), kept)
+        let target = RefinementTarget::Maximum(self.peak);
+        refined(full, found, sets.as_ref(), target, settings.newton)
     }
 
     /// The maximum on the harmonics of `rung` next to the phase resonance at `level`.

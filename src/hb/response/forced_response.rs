@@ -258,12 +258,12 @@ impl<'a, 'p> Level<'a, 'p> {
         };
         if iterate.contact.active.is_empty() {
             // a linear structure answers one harmonic with one
-            return sets.judged(solution, 0.0);
+            return sets.with_error(solution, 0.0);
         }
         let fixed = Condition::FixedFrequency;
-        let step = sets.step(0, iterate, fixed);
-        let outlook = sets.decided(0, iterate, step, fixed);
-        sets.judged(solution, outlook.error)
+        let by_step = sets.estimate_by_step(0, iterate, fixed);
+        let estimate = sets.estimate_by_solve(0, iterate, by_step, fixed);
+        sets.with_error(solution, estimate.error)
     }
 
     /// One way through the band, to its far end or to where it meets `other`.

@@ -6,7 +6,7 @@ use crate::hb::branch::sweep::{Route, SweepDirection, follow};
 use crate::hb::equations::problem::Problem;
 use crate::hb::newton::ladder::Ladder;
 use crate::hb::newton::{Condition, Iterate, Point, polish, solve};
-use crate::hb::peak::refine::{Kept, refined};
+use crate::hb::peak::refine::{RefinementTarget, refined};
 use crate::hb::settings::HbSettings;
 use crate::hb::solution::Solution;
 use crate::hb::status::Status;
@@ -235,9 +235,10 @@ impl<'p> Level<'_, 'p> {
     fn raised(&self, iterate: Iterate<'p>) -> Answer {
         let iterate = polish(self.balance(), iterate);
         let point = Some(iterate.point.clone());
-        let kept = (Kept::Frequency, self.settings.newton);
+        let target = RefinementTarget::Frequency;
         let sets = self.sets.as_ref();
-        let solution = refined(self.balance(), iterate.into(), sets, kept);
+        let newton = self.settings.newton;
+        let solution = refined(self.balance(), iterate.into(), sets, target, newton);
         Answer {
             solution: Solution {
                 work_count: self.meter.read(),
