@@ -23,7 +23,7 @@ const STUDY_PATH: &str = "study_path";
 
 /// The study that a result folder belongs to.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct KeptStudy {
+pub struct StoredStudy {
     /// Text of the study file.
     pub text: String,
     /// Where it was: absolute, or relative to the result folder.
@@ -39,7 +39,7 @@ pub struct KeptStudy {
 /// [`TableError`]; then `path` is as it was.
 pub fn write_anchors(
     path: &Path,
-    study: &KeptStudy,
+    study: &StoredStudy,
     anchors: &[Anchor],
 ) -> Result<FileRecord, TableError> {
     let pairs = [(STUDY_TEXT, &study.text), (STUDY_PATH, &study.path)];
@@ -98,11 +98,11 @@ fn columns(rows: &[Row]) -> Table {
 ///
 /// # Errors
 /// [`FileError`] if the file of anchors cannot be read or names no study.
-pub fn read_study(folder: &Path) -> Result<KeptStudy, FileError> {
+pub fn read_study(folder: &Path) -> Result<StoredStudy, FileError> {
     read_parquet(&folder.join(ATLAS_FILE), |reader| {
         let mut stored = metadata(&reader);
         let mut take = |key: &str| stored.remove(key).ok_or_else(|| missing(key));
-        Ok(KeptStudy {
+        Ok(StoredStudy {
             text: take(STUDY_TEXT)?,
             path: take(STUDY_PATH)?,
         })
