@@ -153,12 +153,12 @@ pub fn newton_step(
 }
 
 /// A Newton step with the change of the level.
-struct Step {
+struct NewtonStep {
     direction: Direction,
     level: f64,
 }
 
-impl Step {
+impl NewtonStep {
     fn add(&mut self, factor: f64, other: &Self) {
         for (a, b) in self.direction.r.iter_mut().zip(&other.direction.r) {
             *a += factor * b;
@@ -176,7 +176,7 @@ struct Linearized<'a, 'p> {
     condition: Condition<'a>,
     /// Solutions of the linearised balance per change of the frequency and of the level, each with the rates of the
     /// condition, where the condition sets them free.
-    free: Vec<(Step, [f64; 2])>,
+    free: Vec<(NewtonStep, [f64; 2])>,
 }
 
 impl<'a, 'p> Linearized<'a, 'p> {
@@ -186,14 +186,14 @@ impl<'a, 'p> Linearized<'a, 'p> {
         jacobian: &'a Jacobian<'a>,
         condition: Condition<'a>,
     ) -> Self {
-        let by_omega = || Step {
+        let by_omega = || NewtonStep {
             direction: Direction {
                 r: iterate.frequency_rate(balance, jacobian),
                 omega: 1.0,
             },
             level: 0.0,
         };
-        let by_level = || Step {
+        let by_level = || NewtonStep {
             direction: Direction {
                 r: iterate.level_rate(balance, jacobian),
                 omega: 0.0,
@@ -221,14 +221,14 @@ impl<'a, 'p> Linearized<'a, 'p> {
         linear
     }
 
-    fn rates(&self, step: &Step) -> [f64; 2] {
+    fn rates(&self, step: &NewtonStep) -> [f64; 2] {
         let (direction, level) = (&step.direction, step.level);
         (self.condition).rates(self.balance, self.iterate, self.jacobian, direction, level)
     }
 
     /// The step that takes `residual` and the values `c` of the condition away.
-    fn step(&self, residual: &[f64], [c1, c2]: [f64; 2]) -> Step {
-        let mut step = Step {
+    fn step(&self, residual: &[f64], [c1, c2]: [f64; 2]) -> NewtonStep {
+        let mut step = NewtonStep {
             direction: Direction {
                 r: negated(&self.jacobian.solve(residual)),
                 omega: 0.0,
@@ -303,7 +303,8 @@ fn advance<'p>(linear: &Linearized<'_, 'p>, mut damping: f64) -> (Iterate<'p>, f
     let moving = step.direction.omega != 0.0;
     let metric = Metric::at(balance, &from.point, from.point.omega);
     let n_relative = balance.layout.n_relative();
-    let length = |step: &Step| (metric.dot(n_relative, &step.direction, &step.direction)).sqrt();
+    let length =
+        |step: &NewtonStep| (metric.dot(n_relative, &step.direction, &step.direction)).sqrt();
     let mut growth = RECOVERY;
     loop {
         let mut point = from.point.moved(&step.direction, damping);
