@@ -78,28 +78,28 @@ impl Ensemble<'_> {
         effort.grant(self.settings.newton.budget);
         let before = effort.count();
         let at = of.at(level);
-        let mut aside = Vec::new();
+        let mut others = Vec::new();
         let found = atlas.predict(&at).and_then(|prediction| {
             let prediction = prediction.at_level(of.levels[level]);
-            let predicted = self.predicted(of, level, prediction, &mut aside);
-            predicted.or_else(|| self.followed(of, level, atlas.nearest(&at)?, &mut aside))
+            let predicted = self.predicted(of, level, prediction, &mut others);
+            predicted.or_else(|| self.followed(of, level, atlas.nearest(&at)?, &mut others))
         });
         let count = effort.count().since(before);
         let peak = match found {
             Some(solution) => LevelPeak::found(solution, count),
             None => LevelPeak::failed(of.levels[level], Status::StepTooSmall, count),
         };
-        ModeSearch { peak, aside }
+        ModeSearch { peak, others }
     }
 
     /// The peak that a prediction leads to, unless that is not what it promised, or the maximum of another mode: then it is
-    /// put `aside`.
+    /// put `others`.
     fn predicted(
         &self,
         of: &ModeOfSample<'_>,
         level: usize,
         prediction: AtlasPrediction,
-        aside: &mut Vec<Solution>,
+        others: &mut Vec<Solution>,
     ) -> Option<Solution> {
         let AtlasPrediction {
             harmonics,
@@ -110,7 +110,7 @@ impl Ensemble<'_> {
         let is_expected = !surprising(found.amplitude(0), amplitude)
             && !of.known[level].is_of_another(of.mode.mode, &found);
         if !is_expected {
-            aside.push(found);
+            others.push(found);
             return None;
         }
         Some(found)
@@ -122,7 +122,7 @@ impl Ensemble<'_> {
         of: &ModeOfSample<'_>,
         level: usize,
         (start, anchor): (&[f64], &AnchorPeak),
-        aside: &mut Vec<Solution>,
+        others: &mut Vec<Solution>,
     ) -> Option<Solution> {
         let (mut before, mut at) = (None, (0.0, anchor.clone()));
         let mut step = STEPS[0];
@@ -134,7 +134,7 @@ impl Ensemble<'_> {
             };
             if share == 1.0 {
                 let prediction = prediction.at_level(of.levels[level]);
-                if let Some(peak) = self.predicted(of, level, prediction, aside) {
+                if let Some(peak) = self.predicted(of, level, prediction, others) {
                     return Some(Solution {
                         route: Some(PeakRoute::Followed),
                         ..peak

@@ -36,14 +36,14 @@ pub struct ModeSearch {
     /// The maximum, or why there is none.
     pub peak: LevelPeak,
     /// Other maxima that were met on the way.
-    pub aside: Vec<Solution>,
+    pub others: Vec<Solution>,
 }
 
 impl From<LevelPeak> for ModeSearch {
     /// Nothing was met on the way.
     fn from(peak: LevelPeak) -> Self {
-        let aside = Vec::new();
-        Self { peak, aside }
+        let others = Vec::new();
+        Self { peak, others }
     }
 }
 
@@ -115,13 +115,13 @@ impl Maxima {
     }
 
     fn add(&mut self, candidate: &Candidate, search: ModeSearch) {
-        let ModeSearch { peak, aside } = search;
+        let ModeSearch { peak, others } = search;
         self.count += peak.count;
-        if peak.solution.is_none() && aside.is_empty() {
+        if peak.solution.is_none() && others.is_empty() {
             self.failed
                 .push((candidate.reach * self.level, peak.status));
         }
-        let found = peak.solution.into_iter().chain(aside);
+        let found = peak.solution.into_iter().chain(others);
         self.found
             .extend(found.map(|solution| (candidate.mode, solution)));
     }
@@ -263,9 +263,9 @@ mod tests {
         }
     }
 
-    fn search(solution: Solution, aside: Vec<Solution>) -> ModeSearch {
+    fn search(solution: Solution, others: Vec<Solution>) -> ModeSearch {
         let peak = LevelPeak::found(solution, WorkCount::default());
-        ModeSearch { peak, aside }
+        ModeSearch { peak, others }
     }
 
     fn failed(status: Status) -> ModeSearch {
@@ -280,9 +280,9 @@ mod tests {
     /// Seen to fail with the lowest of the maxima, and with maxima on other harmonics counted apart.
     #[test]
     fn the_highest_maximum_is_reported_and_the_others_are_counted() {
-        let end = |aside: Vec<Solution>| {
+        let end = |others: Vec<Solution>| {
             let mut at = Maxima::none(1.0);
-            at.add(&mode(0, 3.0), search(maximum(100.0, 2.0, 3), aside));
+            at.add(&mode(0, 3.0), search(maximum(100.0, 2.0, 3), others));
             (at.peak().unwrap().omega, at.distinct().len() - 1)
         };
         assert_eq!(end(vec![]), (100.0, 0));

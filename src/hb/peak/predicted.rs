@@ -112,10 +112,10 @@ fn searched<'p>(
         .min(sharp_enough(balance, &iterate.point, settings));
     let share = iterate.point.dynamic_share(balance).min(1.0);
     let settled = SETTLED * share;
-    let enough = |at: &Local| settings.frequency_tolerance * at.omega * at.phase_rate.abs();
-    let mut search = Search {
+    let enough = |at: &LocalBranch| settings.frequency_tolerance * at.omega * at.phase_rate.abs();
+    let mut history = GrowthHistory {
         predicted: prediction.sharpness,
-        ..Search::default()
+        ..GrowthHistory::default()
     };
     for _ in 0..MAX_ITERATIONS {
         let size = iterate.relative_residual(balance);
@@ -126,38 +126,38 @@ fn searched<'p>(
         if solved && !iterate.contact.steady {
             return Err(Status::NoSteadyCycle);
         }
-        let closing = solved && search.located;
-        if closing && search.closed {
-            return match search.is_maximum(balance, &iterate) {
-                true => Ok(search.ended(iterate)),
+        let closing = solved && history.located;
+        if closing && history.closed {
+            return match history.is_maximum(balance, &iterate) {
+                true => Ok(history.ended(iterate)),
                 false => Err(Status::MaxIterations),
             };
         }
         if balance.problem.effort.is_spent() {
             return Err(Status::BudgetSpent);
         }
-        let mut local = Local::new(balance, &iterate);
+        let mut local = LocalBranch::new(balance, &iterate);
         // the growth is as exact as the displacements that it was taken at
         local.growth_error = GROWTH_ERROR * (size / share);
         let trusted = 0.5 * local.growth.abs().max(enough(&local));
         let tells = size <= settled && local.growth_error <= trusted;
-        let by_growth = closing || (!search.located && tells);
+        let by_growth = closing || (!history.located && tells);
         let phase_step = if by_growth {
-            search.growth_step(&local, settings.frequency_tolerance)
-        } else if search.last.is_none() && size > settled {
+            history.growth_step(&local, settings.frequency_tolerance)
+        } else if history.last.is_none() && size > settled {
             (phasor / local.response).arg()
         } else {
             0.0
         };
-        if search.stalls(size, by_growth.then_some(phase_step / local.phase_rate)) {
+        if history.stalls(size, by_growth.then_some(phase_step / local.phase_rate)) {
             break;
         }
         let phase_step = phase_step.clamp(-LONGEST_STEP, LONGEST_STEP);
         let omega_step = phase_step / local.phase_rate;
         let point = local.along(&local.corrected(&iterate.point), omega_step);
         if by_growth {
-            search.closed |= closing || search.leaves_nothing(&local, enough(&local));
-            search.last = Some(local);
+            history.closed |= closing || history.leaves_nothing(&local, enough(&local));
+            history.last = Some(local);
         }
         if !settings.band.contains(point.omega) {
             return Err(Status::NoPeakInBand);
@@ -174,7 +174,7 @@ fn searched<'p>(
 }
 
 /// Newton step and tangent at one iterate.
-struct Local {
+struct LocalBranch {
     omega: f64,
     correction: Direction,
     tangent: Direction,
@@ -187,7 +187,7 @@ struct Local {
     growth_error: f64,
 }
 
-impl Local {
+impl LocalBranch {
     fn new(balance: &Balance<'_>, iterate: &Iterate<'_>) -> Self {
         let jacobian = iterate.jacobian(balance);
         balance.problem.effort.spend(jacobian.factorizations());
@@ -233,9 +233,9 @@ fn usable(sharpness: &f64) -> bool {
 
 /// What the iterations have seen of the growth.
 #[derive(Default)]
-struct Search {
+struct GrowthHistory {
     /// The last iteration that stepped to where the growth vanishes.
-    last: Option<Local>,
+    last: Option<LocalBranch>,
     /// Sharpness −dg/dφ as predicted, and where it could be measured.
     predicted: Option<f64>,
     measured: Option<f64>,
@@ -250,7 +250,7 @@ struct Search {
     worse: usize,
 }
 
-impl Search {
+impl GrowthHistory {
     /// The flattest top that the growth seen so far allows.
     fn flattest(&self) -> f64 {
         let measured = self.measured.filter(usable);
@@ -258,12 +258,12 @@ impl Search {
     }
 
     /// Whether the step from `here`, by the growth, is within the tolerance (a phase) and its error far below.
-    fn leaves_nothing(&self, here: &Local, tolerance: f64) -> bool {
+    fn leaves_nothing(&self, here: &LocalBranch, tolerance: f64) -> bool {
         self.located && here.growth_error <= CLOSE * tolerance * self.flattest()
     }
 
     /// Phase step to where the growth vanishes.
-    fn growth_step(&mut self, here: &Local, tolerance: f64) -> f64 {
+    fn growth_step(&mut self, here: &LocalBranch, tolerance: f64) -> f64 {
         if let Some(last) = &self.last {
             let apart = here.ahead_of(last);
             let errors = here.growth_error + last.growth_error;
@@ -289,7 +289,7 @@ impl Search {
         let mut point = here.along(&at.point, ASIDE / here.phase_rate.abs());
         for _ in 0..CORRECTIONS {
             let aside = Iterate::new(balance, point);
-            let there = Local::new(balance, &aside);
+            let there = LocalBranch::new(balance, &aside);
             if usable(&((here.growth - there.growth) / there.ahead_of(here))) {
                 return true;
             }

@@ -5,7 +5,7 @@
 //! arc instead of the frequency axis keeps overhanging peaks harmless.
 
 use crate::hb::branch::branch_point::BranchPoint;
-use crate::hb::branch::stretch::Stretch;
+use crate::hb::branch::branch_segment::BranchSegment;
 use crate::hb::equations::balance::Balance;
 use crate::hb::newton::{Condition, Iterate, Point, solve};
 use crate::hb::settings::NewtonSettings;
@@ -69,7 +69,7 @@ const ASIDE: [f64; 3] = [0.05, 0.1, 0.2];
 const MAX_HALVINGS: usize = 8;
 
 /// A point at arclength `s` from the start of the search.
-struct Station<'p> {
+struct ArcPoint<'p> {
     s: f64,
     point: BranchPoint<'p>,
 }
@@ -98,12 +98,12 @@ pub fn find_peak<'p>(
         .abs()
         .clamp(SHORTEST_STEP, LONGEST_STEP)
         .copysign(first.growth());
-    let mut search = Search::new(Station {
+    let mut bracket = Bracket::new(ArcPoint {
         s: 0.0,
         point: first,
     });
     for _ in 0..MAX_POINTS {
-        let from = search.nearest(step);
+        let from = bracket.nearest(step);
         let (iterate, length) = halving_step(balance, &from.point, step - from.s, newton)?;
         let point = BranchPoint::new(
             balance,
@@ -118,28 +118,28 @@ pub fn find_peak<'p>(
         }
         let s = from.s + length;
         let moved = (omega - from.point.iterate.point.omega).abs() / omega;
-        search.add(Station { s, point });
+        bracket.add(ArcPoint { s, point });
         // the last point must have been solved where the secant wanted it: a kink makes a liar of a prediction
         let tolerance = settings.frequency_tolerance;
-        if search.is_maximum() && (moved <= tolerance || search.bracket_width() <= tolerance) {
-            return Ok(search.ended());
+        if bracket.is_maximum() && (moved <= tolerance || bracket.bracket_width() <= tolerance) {
+            return Ok(bracket.ended());
         }
-        step = search.next();
+        step = bracket.next();
     }
-    if search.is_maximum() && search.bracket_width() <= 10.0 * settings.frequency_tolerance {
-        return Ok(search.ended());
+    if bracket.is_maximum() && bracket.bracket_width() <= 10.0 * settings.frequency_tolerance {
+        return Ok(bracket.ended());
     }
     Err(Status::MaxIterations)
 }
 
 /// The maximum of the amplitude on a step along the branch, if there is one and it can be located.
 pub fn maximum_on<'p>(
-    stretch: &Stretch<'_, 'p>,
+    segment: &BranchSegment<'_, 'p>,
     balance: &Balance<'p>,
     settings: PeakSettings,
     newton: NewtonSettings,
 ) -> Option<Located<'p>> {
-    let (from, to) = (stretch.from, stretch.to);
+    let (from, to) = (segment.from, segment.to);
     if from.growth() <= 0.0 || to.growth() > 0.0 {
         return None;
     }
@@ -150,7 +150,7 @@ pub fn maximum_on<'p>(
     let start = Iterate::new(balance, higher.iterate.point.clone());
     let found = find_peak(balance, start, settings, newton).ok()?;
     let top = found.iterate.response(balance).norm();
-    let is_on_it = stretch.passes(balance, &found.iterate.point)
+    let is_on_it = segment.passes(balance, &found.iterate.point)
         && top >= f64::max(from.response.norm(), to.response.norm());
     is_on_it.then_some(found)
 }
@@ -254,15 +254,15 @@ fn halving_step<'p>(
 }
 
 /// The last two stations, or the two that bracket the maximum.
-struct Search<'p> {
-    older: Option<Station<'p>>,
-    newer: Station<'p>,
+struct Bracket<'p> {
+    older: Option<ArcPoint<'p>>,
+    newer: ArcPoint<'p>,
     /// Factor on the growth of the older end: halved each time that end stays in the bracket (Illinois rule).
     weight: f64,
 }
 
-impl<'p> Search<'p> {
-    fn new(first: Station<'p>) -> Self {
+impl<'p> Bracket<'p> {
+    fn new(first: ArcPoint<'p>) -> Self {
         Self {
             older: None,
             newer: first,
@@ -295,21 +295,21 @@ impl<'p> Search<'p> {
         }
     }
 
-    fn nearest(&self, s: f64) -> &Station<'p> {
+    fn nearest(&self, s: f64) -> &ArcPoint<'p> {
         match &self.older {
             Some(older) if (older.s - s).abs() < (self.newer.s - s).abs() => older,
             _ => &self.newer,
         }
     }
 
-    fn add(&mut self, station: Station<'p>) {
-        let same_side = station.point.growth() * self.newer.point.growth() > 0.0;
+    fn add(&mut self, added: ArcPoint<'p>) {
+        let same_side = added.point.growth() * self.newer.point.growth() > 0.0;
         if self.bracketed() && same_side {
             self.weight *= 0.5;
-            self.newer = station;
+            self.newer = added;
         } else {
             self.weight = 1.0;
-            self.older = Some(std::mem::replace(&mut self.newer, station));
+            self.older = Some(std::mem::replace(&mut self.newer, added));
         }
     }
 
@@ -336,7 +336,7 @@ impl<'p> Search<'p> {
     /// The higher of the two, with the sharpness between them.
     fn ended(self) -> Located<'p> {
         let newer = self.newer.point;
-        let Some(Station { s, point: older }) = self.older else {
+        let Some(ArcPoint { s, point: older }) = self.older else {
             return newer.iterate.into();
         };
         let fall = (older.growth() - newer.growth()) / (self.newer.s - s);
