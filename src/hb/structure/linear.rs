@@ -26,7 +26,8 @@ pub struct LinearModel {
     pub floats: bool,
 }
 
-/// The linear structure in coordinates η, with its contact, load and response vectors.
+/// What one class of harmonics sees of the linear structure, in coordinates η: its matrices, contact, load and response
+/// vectors.
 #[derive(Debug, Clone)]
 pub struct ModalPart {
     /// Stiffness and damping of the free structure.
@@ -35,7 +36,7 @@ pub struct ModalPart {
     pub retention: Option<Mat<f64>>,
     /// B Φ: η → relative contact displacements. Shape: 3·n_contacts × n, rows ordered t1 of every pair, t2, n.
     pub contact: Mat<f64>,
-    /// Number of contacts that each pair stands for: 2 where its mirror image acts along, else 1.
+    /// Number of contacts that each pair stands for: 2 with its mirror image, else 1.
     pub multiplicity: f64,
     /// η → response coordinates. Shape: n_responses × n.
     pub response: Mat<f64>,

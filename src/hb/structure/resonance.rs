@@ -9,7 +9,7 @@ use faer::prelude::*;
 /// Damping ratios below this count as this much when modes are ranked.
 const UNDAMPED: f64 = 1e-12;
 
-/// Way beyond the frequency of a mode outside the band that its peak may go, relative.
+/// The peak of a mode outside the band may lie this far beyond the frequency of the mode, relative.
 const BEYOND: f64 = 0.02;
 
 /// A resonance.
@@ -169,7 +169,7 @@ pub struct Candidate {
     pub omega: f64,
     /// Largest amplitude of response 0 per unit level (m): of this mode, and of the free modes that it turns into.
     pub reach: f64,
-    /// Where its peak may lie on the way to a level: the band, widened to its own frequency.
+    /// Frequencies that its peak may have while the level is raised: the band, widened to the frequency of the mode.
     pub path: Band,
 }
 
