@@ -1,4 +1,4 @@
-//! The nominal model with the inputs of one sample put in.
+//! The nominal model with the inputs of one sample applied.
 
 use super::{Ensemble, Strips};
 use crate::aft::Backend;
@@ -89,7 +89,7 @@ impl Applied<'_> {
     }
 }
 
-/// Puts an input of the contacts into one pair.
+/// Applies an input of the contacts to one pair.
 fn apply_to_contact(contact: &mut ContactParameters<f64>, input: Input, value: f64) {
     match input {
         Input::StiffnessScale | Input::LeftStiffnessScale | Input::RightStiffnessScale => {

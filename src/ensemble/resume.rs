@@ -1,7 +1,7 @@
-//! What a run leaves behind for its extension, and how that is read back.
+//! Files from which a run is resumed with more samples.
 //!
-//! `atlas.parquet` holds the peaks of the first samples with all their coefficients, to the bit: later samples start from
-//! them. With `samples.parquet` and `curves.parquet` it restores everything that a longer run would have in memory.
+//! `atlas.parquet` holds the peaks of the first samples with all their coefficients, exact to the bit: later samples start from
+//! them. Together with `samples.parquet` and `curves.parquet` it restores all that the longer run needs in memory.
 
 use super::atlas::{Anchor, AnchorPeak, ModePeaks};
 use super::runner::Solved;
