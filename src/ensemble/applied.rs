@@ -1,4 +1,4 @@
-//! The nominal model with the inputs of one sample put in.
+//! The nominal model with the inputs of one sample applied.
 
 use super::{Ensemble, Strips};
 use crate::aft::Backend;
@@ -37,7 +37,7 @@ impl Ensemble<'_> {
             excitation_scale: 1.0,
         };
         for ((input, _), value) in self.design.inputs().iter().zip(inputs) {
-            applied.put(*input, *value, self);
+            applied.apply_input(*input, *value, self);
         }
         Ok(applied)
     }
@@ -61,7 +61,7 @@ impl Applied<'_> {
         Ok(problem)
     }
 
-    fn put(&mut self, input: Input, value: f64, ensemble: &Ensemble) {
+    fn apply_input(&mut self, input: Input, value: f64, ensemble: &Ensemble) {
         let interfaces = ensemble.interfaces;
         match input {
             Input::StaticLoadScale => self.load_scale = value,
@@ -81,7 +81,7 @@ impl Applied<'_> {
                 let of_side = |pair: usize| input.interface().is_none_or(|i| interfaces[pair] == i);
                 for (pair, contact) in self.contacts.iter_mut().enumerate() {
                     if of_side(pair) {
-                        put_contact(contact, input, value);
+                        apply_to_contact(contact, input, value);
                     }
                 }
             }
@@ -89,8 +89,8 @@ impl Applied<'_> {
     }
 }
 
-/// Puts an input of the contacts into one pair.
-fn put_contact(contact: &mut ContactParameters<f64>, input: Input, value: f64) {
+/// Applies an input of the contacts to one pair.
+fn apply_to_contact(contact: &mut ContactParameters<f64>, input: Input, value: f64) {
     match input {
         Input::StiffnessScale | Input::LeftStiffnessScale | Input::RightStiffnessScale => {
             contact.k_n *= value;

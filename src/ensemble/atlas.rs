@@ -1,8 +1,8 @@
 //! Solved samples that predict the peaks of others.
 //!
-//! The peaks of a sample vary smoothly with its inputs nearly everywhere, so a spline through the nearest solved samples
-//! is a start from which a few Newton iterations converge. A prediction is a start and nothing more: what is reported
-//! solves the balance equations of the sample itself.
+//! The peaks of a sample vary smoothly with its inputs nearly everywhere. So a spline through the peaks of the nearest solved
+//! samples gives a start from which a few Newton iterations converge. A prediction is only a start: every reported result
+//! solves the balance equations of its own sample.
 
 use crate::harmonics::HarmonicSet;
 use crate::hb::Solution;
@@ -31,7 +31,7 @@ pub struct Anchor {
 #[derive(Debug, Clone, Default)]
 pub struct ModePeaks(pub(super) Vec<(usize, AnchorPeak)>);
 
-/// Where a peak is asked for.
+/// Sample, level and mode of a peak that is to be predicted.
 #[derive(Debug, Clone, Copy)]
 pub struct Place<'a> {
     /// Values of the inputs' distribution functions. Shape: `[inputs]`, 0 to 1.
@@ -42,7 +42,7 @@ pub struct Place<'a> {
     pub mode: usize,
 }
 
-/// A peak as a start for others.
+/// A peak as a start for the peaks of other samples.
 #[derive(Debug, Clone)]
 pub struct AnchorPeak {
     pub(super) harmonics: HarmonicSet,
@@ -51,7 +51,18 @@ pub struct AnchorPeak {
     pub(super) sharpness: Option<f64>,
 }
 
-/// A predicted peak and the harmonics that it is given on.
+/// A solved sample near a place, with its peak of the mode at the level of the place.
+#[derive(Debug, Clone, Copy)]
+pub struct NearAnchor<'a> {
+    /// Distance from the place.
+    pub distance: f64,
+    /// Values of the inputs' distribution functions. Shape: `[inputs]`, 0 to 1.
+    pub place: &'a [f64],
+    /// The peak.
+    pub peak: &'a AnchorPeak,
+}
+
+/// A predicted peak and its harmonics.
 #[derive(Debug, Clone)]
 pub struct AtlasPrediction {
     /// Harmonics of the nearest anchor.
@@ -62,15 +73,15 @@ pub struct AtlasPrediction {
     pub amplitude: f64,
 }
 
-/// Anchors of a spline, per unknown of its linear part.
+/// Number of anchors of a spline, per unknown of its linear part.
 const ANCHORS_PER_UNKNOWN: usize = 6;
-/// What keeps the linear part finite where the anchors do not span all inputs.
+/// Regularisation of the linear part, which keeps it finite if the anchors do not span all inputs.
 const RIDGE: f64 = 1e-5;
-/// What keeps the spline finite where anchors coincide.
+/// Regularisation of the spline, which keeps it finite if anchors coincide.
 const SMOOTHING: f64 = 1e-9;
 
 impl ModePeaks {
-    /// The starts that `maxima` are for others.
+    /// `maxima` as starts for the peaks of other samples.
     #[must_use]
     pub fn new(maxima: &Maxima) -> Self {
         let of_mode = |(mode, solution)| (mode, AnchorPeak::new(solution));
@@ -91,7 +102,7 @@ impl ModePeaks {
 }
 
 impl AnchorPeak {
-    /// The start that `solution` is for others.
+    /// `solution` as a start for the peaks of other samples.
     #[must_use]
     pub fn new(solution: &Solution) -> Self {
         Self {
@@ -102,7 +113,7 @@ impl AnchorPeak {
         }
     }
 
-    /// This peak as a start for one close by.
+    /// This peak as the prediction of one close by.
     #[must_use]
     pub fn as_prediction(&self) -> AtlasPrediction {
         AtlasPrediction {
@@ -115,17 +126,31 @@ impl AnchorPeak {
             amplitude: self.response.norm(),
         }
     }
+}
 
-    /// The peak at parameter `t` on the straight line through those at two other parameters.
+/// A peak on the straight line between the inputs of an anchor and those of a sample.
+#[derive(Debug, Clone)]
+pub struct PathPeak {
+    /// Share of the distance from the anchor: 0 at the anchor, 1 at the sample.
+    pub share: f64,
+    /// The peak there.
+    pub peak: AnchorPeak,
+}
+
+impl PathPeak {
+    /// The peak at `share`, on the straight line through this one and the one `before`; this one without any before.
     #[must_use]
-    pub fn extrapolated(before: &(f64, Self), at: &(f64, Self), t: f64) -> AtlasPrediction {
-        let weight = (t - at.0) / (at.0 - before.0);
-        combined(&[(1.0 + weight, &at.1), (-weight, &before.1)])
+    pub fn extrapolated(&self, before: Option<&Self>, share: f64) -> AtlasPrediction {
+        let Some(before) = before else {
+            return self.peak.as_prediction();
+        };
+        let weight = (share - self.share) / (self.share - before.share);
+        combined(&[(1.0 + weight, &self.peak), (-weight, &before.peak)])
     }
 }
 
 impl AtlasPrediction {
-    /// The same as a start at another excitation level: the level of a sample may be an input.
+    /// The same peak at another excitation level: the level of a sample may depend on its inputs.
     #[must_use]
     pub fn at_level(mut self, level: f64) -> Self {
         self.peak.point.level = level;
@@ -166,40 +191,42 @@ fn combined(parts: &[(f64, &AnchorPeak)]) -> AtlasPrediction {
 }
 
 impl Atlas {
-    /// Adds solved samples; the order decides between anchors at the same distance.
+    /// Adds solved samples. Of anchors at the same distance the one added first comes first.
     pub fn extend(&mut self, anchors: impl IntoIterator<Item = Anchor>) {
         self.anchors.extend(anchors);
     }
 
-    /// The peak expected at `at`; `None` without any anchor there.
+    /// The predicted peak at `at`; `None` if no anchor has a peak of this mode at this level.
     #[must_use]
     pub fn predict(&self, at: &Place<'_>) -> Option<AtlasPrediction> {
         let mut near = self.by_distance(at);
         near.truncate(ANCHORS_PER_UNKNOWN * (at.inputs.len() + 1));
-        let places: Vec<&[f64]> = near.iter().map(|(_, place, _)| *place).collect();
+        let places: Vec<&[f64]> = near.iter().map(|anchor| anchor.place).collect();
         let weights = spline_weights(at.inputs, &places);
-        let peaks = near.iter().map(|(.., peak)| *peak);
+        let peaks = near.iter().map(|anchor| anchor.peak);
         let parts: Vec<(f64, &AnchorPeak)> = weights.into_iter().zip(peaks).collect();
         (!parts.is_empty()).then(|| combined(&parts))
     }
 
-    /// The nearest anchor with a peak of this mode at this level, with its place.
+    /// The nearest anchor with a peak of this mode at this level.
     #[must_use]
-    pub fn nearest(&self, at: &Place<'_>) -> Option<(&[f64], &AnchorPeak)> {
-        let (_, place, peak) = *self.by_distance(at).first()?;
-        Some((place, peak))
+    pub fn nearest(&self, at: &Place<'_>) -> Option<NearAnchor<'_>> {
+        self.by_distance(at).into_iter().next()
     }
 
-    /// Anchors with a peak of this mode at this level: distance, place, peak.
-    fn by_distance(&self, at: &Place<'_>) -> Vec<(f64, &[f64], &AnchorPeak)> {
+    /// Anchors with a peak of this mode at this level, the nearest first.
+    fn by_distance(&self, at: &Place<'_>) -> Vec<NearAnchor<'_>> {
         let mut near: Vec<_> = (self.anchors.iter())
             .filter_map(|anchor| {
-                let peak = anchor.peaks[at.level].of_mode(at.mode)?;
                 let place = anchor.place.as_slice();
-                Some((distance(at.inputs, place), place, peak))
+                Some(NearAnchor {
+                    distance: distance(at.inputs, place),
+                    place,
+                    peak: anchor.peaks[at.level].of_mode(at.mode)?,
+                })
             })
             .collect();
-        near.sort_by(|a, b| a.0.total_cmp(&b.0));
+        near.sort_by(|a, b| a.distance.total_cmp(&b.distance));
         near
     }
 }
@@ -212,14 +239,14 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
         .sqrt()
 }
 
-/// Weights w with Σ w_i v_i = value at `place` of the spline through v at `places` (nearest first): a sum of cubes of the
-/// distances and a linear function, the smoothest one in any number of inputs.
+/// Weights w with Σ w_i v_i = value at `place` of the spline through v at `places` (nearest first). The spline is a sum of cubes
+/// of the distances and a linear function: the smoothest function through the values, in any number of inputs.
 /// Source: Duchon 1977, in Constructive Theory of Functions of Several Variables, 85–100.
 fn spline_weights(place: &[f64], places: &[&[f64]]) -> Vec<f64> {
     let n = places.len();
     let nearest = || (0..n).map(|i| f64::from(u8::from(i == 0))).collect();
     let reach = places.last().map_or(0.0, |last| distance(place, last));
-    // a place that has been solved already predicts itself
+    // a place that has been solved already is predicted by its own peak
     if reach == 0.0 || distance(place, places[0]) <= 1e-9 * reach {
         return nearest();
     }

@@ -1,11 +1,11 @@
 //! The maximum of one mode of a sample, from the samples solved before it.
 //!
-//! It is predicted from the atlas and corrected, by damped steps where undamped ones fail. Where that fails it is followed from
-//! the nearest anchor along the straight line between the inputs, and where that fails too the mode's own track from the
-//! stuck state decides. [`crate::hb::PeakRoute`] lists all routes.
+//! The maximum is predicted from the atlas and corrected by Newton steps: undamped ones, or else damped ones. If that fails, it
+//! is followed from the nearest anchor along the straight line between the inputs. If that fails too, it is tracked over the
+//! levels from the stuck structure, as without an atlas. [`crate::hb::PeakRoute`] lists all routes.
 
 use super::Ensemble;
-use super::atlas::{AnchorPeak, Atlas, AtlasPrediction, Place};
+use super::atlas::{AnchorPeak, Atlas, AtlasPrediction, NearAnchor, PathPeak, Place};
 use crate::hb::equations::balance::balance_on;
 use crate::hb::peak::level_peak::LevelPeak;
 use crate::hb::peak::maxima::{Maxima, ModeSearch};
@@ -16,27 +16,29 @@ use crate::hb::peak::track::track_mode;
 use crate::hb::structure::resonance::Candidate;
 use crate::hb::{NewtonSettings, PeakRoute, Problem, Solution, Status};
 
-/// Relative distance between the predicted and the found amplitude from which the prediction is not trusted to have
-/// led to the same branch.
+/// If the found amplitude differs from the predicted one by this relative distance or more, the solution may lie on another
+/// branch and is not accepted.
 const SURPRISE: f64 = 0.2;
-/// First and smallest share of the way from an anchor to a sample in one step.
+/// First and smallest step from an anchor towards a sample, as a share of their distance.
 const STEPS: [f64; 2] = [0.5, 1.0 / 64.0];
-/// Relative tolerance of frequency and residual at the peaks between an anchor and a sample: they only lead on.
-const WAYPOINT_TOLERANCE: f64 = 1e-3;
+/// Relative tolerance of frequency and residual at the peaks between an anchor and a sample: they are only starts for the next
+/// ones.
+const INTERMEDIATE_TOLERANCE: f64 = 1e-3;
 
 /// One mode of a sample.
 pub(super) struct ModeOfSample<'a> {
     pub problem: &'a Problem<'a>,
     pub mode: &'a Candidate,
-    /// The sample's own levels, and its place among the others.
+    /// The sample's own levels.
     pub levels: &'a [f64],
+    /// Values of its inputs' distribution functions.
     pub place: &'a [f64],
-    /// What was found of other modes. Shape: `[levels]`.
+    /// Maxima found so far, of other modes. Shape: `[levels]`.
     pub known: &'a [Maxima],
 }
 
 impl ModeOfSample<'_> {
-    /// Where the atlas is asked for level number `level`.
+    /// Place in the atlas of the peak at level number `level`.
     fn at(&self, level: usize) -> Place<'_> {
         Place {
             inputs: self.place,
@@ -47,8 +49,8 @@ impl ModeOfSample<'_> {
 }
 
 impl Ensemble<'_> {
-    /// Maxima of one mode at the `wanted` levels: from the atlas where that leads to what it promised, the others by the
-    /// track of the mode.
+    /// Maxima of one mode at the `wanted` levels. A maximum is taken from the atlas if the atlas leads to the predicted peak; the
+    /// others are tracked over the levels.
     pub(super) fn of_mode(
         &self,
         of: &ModeOfSample<'_>,
@@ -56,7 +58,7 @@ impl Ensemble<'_> {
         atlas: &Atlas,
     ) -> Vec<ModeSearch> {
         let mut searches: Vec<ModeSearch> = (wanted.iter())
-            .map(|&level| self.led_by_atlas(of, level, atlas))
+            .map(|&level| self.found_from_atlas(of, level, atlas))
             .collect();
         let missing: Vec<&mut LevelPeak> = (searches.iter_mut().map(|search| &mut search.peak))
             .filter(|peak| peak.solution.is_none())
@@ -72,34 +74,34 @@ impl Ensemble<'_> {
         searches
     }
 
-    /// The maximum to which the atlas leads at a level (its number), if any.
-    fn led_by_atlas(&self, of: &ModeOfSample<'_>, level: usize, atlas: &Atlas) -> ModeSearch {
+    /// The maximum that is found from the atlas at level number `level`, if any.
+    fn found_from_atlas(&self, of: &ModeOfSample<'_>, level: usize, atlas: &Atlas) -> ModeSearch {
         let effort = &of.problem.effort;
         effort.grant(self.settings.newton.budget);
         let before = effort.count();
         let at = of.at(level);
-        let mut aside = Vec::new();
+        let mut others = Vec::new();
         let found = atlas.predict(&at).and_then(|prediction| {
             let prediction = prediction.at_level(of.levels[level]);
-            let predicted = self.predicted(of, level, prediction, &mut aside);
-            predicted.or_else(|| self.followed(of, level, atlas.nearest(&at)?, &mut aside))
+            let predicted = self.predicted(of, level, prediction, &mut others);
+            predicted.or_else(|| self.followed(of, level, atlas.nearest(&at)?, &mut others))
         });
         let count = effort.count().since(before);
         let peak = match found {
             Some(solution) => LevelPeak::found(solution, count),
             None => LevelPeak::failed(of.levels[level], Status::StepTooSmall, count),
         };
-        ModeSearch { peak, aside }
+        ModeSearch { peak, others }
     }
 
-    /// The peak that a prediction leads to, unless that is not what it promised, or the maximum of another mode: then it is
-    /// put `aside`.
+    /// The peak found from a prediction. If its amplitude is too far from the predicted one, or if it is the maximum of another
+    /// mode, it is added to `others` instead.
     fn predicted(
         &self,
         of: &ModeOfSample<'_>,
         level: usize,
         prediction: AtlasPrediction,
-        aside: &mut Vec<Solution>,
+        others: &mut Vec<Solution>,
     ) -> Option<Solution> {
         let AtlasPrediction {
             harmonics,
@@ -110,55 +112,59 @@ impl Ensemble<'_> {
         let is_expected = !surprising(found.amplitude(0), amplitude)
             && !of.known[level].is_of_another(of.mode.mode, &found);
         if !is_expected {
-            aside.push(found);
+            others.push(found);
             return None;
         }
         Some(found)
     }
 
-    /// The peak at a level (its number), reached from an anchor by steps along the straight line between their places.
+    /// The peak at level number `level`, followed from an anchor by steps along the straight line between their inputs.
     fn followed(
         &self,
         of: &ModeOfSample<'_>,
         level: usize,
-        (start, anchor): (&[f64], &AnchorPeak),
-        aside: &mut Vec<Solution>,
+        anchor: NearAnchor<'_>,
+        others: &mut Vec<Solution>,
     ) -> Option<Solution> {
-        let (mut before, mut at) = (None, (0.0, anchor.clone()));
+        let mut before = None;
+        let mut at = PathPeak {
+            share: 0.0,
+            peak: anchor.peak.clone(),
+        };
         let mut step = STEPS[0];
         loop {
-            let share = 1.0f64.min(at.0 + step);
-            let prediction = match &before {
-                Some(before) => AnchorPeak::extrapolated(before, &at, share),
-                None => at.1.as_prediction(),
-            };
+            let share = 1.0f64.min(at.share + step);
+            let prediction = at.extrapolated(before.as_ref(), share);
             if share == 1.0 {
                 let prediction = prediction.at_level(of.levels[level]);
-                if let Some(peak) = self.predicted(of, level, prediction, aside) {
+                if let Some(peak) = self.predicted(of, level, prediction, others) {
                     return Some(Solution {
                         route: Some(PeakRoute::Followed),
                         ..peak
                     });
                 }
-            } else if let Some(next) = self.waypoint(of, level, (start, share), prediction) {
-                before = Some(std::mem::replace(&mut at, (share, next)));
+            } else if let Some(peak) =
+                self.intermediate_peak(of, level, anchor.place, share, prediction)
+            {
+                before = Some(std::mem::replace(&mut at, PathPeak { share, peak }));
                 step *= 2.0;
                 continue;
             }
-            step = 0.5 * (share - at.0);
+            step = 0.5 * (share - at.share);
             if step < STEPS[1] {
                 return None;
             }
         }
     }
 
-    /// The peak at level number `level` at a share of the way from the place `start` to that of the sample, on the harmonics
-    /// of the prediction.
-    fn waypoint(
+    /// The peak at level number `level` for inputs at a `share` of the distance from the place `start` to that of the sample, on
+    /// the harmonics of the prediction.
+    fn intermediate_peak(
         &self,
         of: &ModeOfSample<'_>,
         level: usize,
-        (start, share): (&[f64], f64),
+        start: &[f64],
+        share: f64,
         prediction: AtlasPrediction,
     ) -> Option<AnchorPeak> {
         let inputs: Vec<f64> = (self.design.inputs().iter().zip(start.iter().zip(of.place)))
@@ -170,11 +176,11 @@ impl Ensemble<'_> {
         let balance = balance_on(&problem, prediction.harmonics, self.settings);
         let amplitude = prediction.amplitude;
         let peak = PeakSettings {
-            frequency_tolerance: self.peak.frequency_tolerance.max(WAYPOINT_TOLERANCE),
+            frequency_tolerance: self.peak.frequency_tolerance.max(INTERMEDIATE_TOLERANCE),
             ..self.peak
         };
         let newton = NewtonSettings {
-            tolerance: self.settings.newton.tolerance.max(WAYPOINT_TOLERANCE),
+            tolerance: self.settings.newton.tolerance.max(INTERMEDIATE_TOLERANCE),
             ..self.settings.newton
         };
         let corrected = correct(&balance, prediction.peak, peak, newton);

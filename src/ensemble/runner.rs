@@ -1,7 +1,7 @@
 //! Many samples at once.
 //!
-//! The outcome of sample i is a function of the study and i alone: samples share read-only data, and what they start
-//! from is decided by their numbers, so the number of threads and the order of solving change no bit.
+//! The outcome of sample i is a function of the study and i alone. Samples share read-only data, and the number of a sample
+//! decides from which other samples it starts. So neither the number of threads nor the order of solving changes a bit.
 
 use super::atlas::{Anchor, Atlas};
 use super::outcome::{LevelOutcome, SampleOutcome};
@@ -19,13 +19,13 @@ use rayon::prelude::*;
 pub struct Ensemble<'a> {
     /// Nominal linear part of the model.
     pub linear: &'a LinearModel,
-    /// What gives a sample its own strip, where the thickness of the strip is an input.
+    /// Makes the strip of a sample, if the thickness of the strip is an input.
     pub strips: Option<&'a Strips>,
     /// Nominal constants of the contact pairs.
     pub contacts: &'a [ContactParameters<f64>],
     /// Interface of each contact pair: 0 = left, 1 = right. Shape as `contacts`; read for inputs of one side only.
     pub interfaces: &'a [usize],
-    /// Inputs that are static loads, in the order of [`crate::hb::structure::linear::Part::loads`].
+    /// Inputs that are static loads, in the order of [`crate::hb::structure::linear::ModalPart::loads`].
     pub loads: &'a [Input],
     /// Random inputs.
     pub design: &'a Design,
@@ -39,13 +39,13 @@ pub struct Ensemble<'a> {
     pub choice: PeakChoice,
     /// Samples with a forced response curve: 0 … this − 1.
     pub curve_samples: u64,
-    /// A device that drafts contact forces, if any; the processor does the rest.
+    /// A device that drafts contact forces, if any. The processor computes everything that decides a result.
     pub gpu: Option<&'a Gpu>,
-    /// What gives the peaks of a sample.
+    /// How the peaks of a sample are computed.
     pub solver: SampleSolver,
 }
 
-/// What gives the peaks of a sample.
+/// How the peaks of a sample are computed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum SampleSolver {
     /// The balance equations.
@@ -56,12 +56,13 @@ pub enum SampleSolver {
     Function(super::test_function::TestFunction),
 }
 
-/// Samples solved without help: the first generation. Each later one has half as many samples as all before it.
+/// Number of samples of the first generation, which start from no other sample. Each later generation has half as many samples
+/// as all before it.
 pub(super) const FIRST_ANCHORS: u64 = 5;
-/// Samples in the atlas at most.
+/// Most samples in the atlas.
 pub const MOST_ANCHORS: u64 = 1024;
 
-/// Samples that are solved and what is needed to solve more.
+/// Solved samples, and the starts that they give to further ones.
 #[derive(Debug, Clone, Default)]
 pub struct Solved {
     /// Outcomes of the samples 0, 1, …
@@ -77,8 +78,8 @@ impl Ensemble<'_> {
         self.extend(Solved::default(), samples, done).outcomes
     }
 
-    /// Solves inputs beside the samples of the design, on the processor, started from `anchors`: the results depend on
-    /// these alone, neither on threads nor on the backend. Shape of a result: `[levels]`.
+    /// Solves at inputs that are no samples of the design, on the processor, started from `anchors`. The results depend on the
+    /// inputs and the anchors alone, neither on threads nor on the backend. Shape of a result: `[levels]`.
     pub(super) fn solver_from(
         &self,
         anchors: &[Anchor],
@@ -89,13 +90,14 @@ impl Ensemble<'_> {
         move |inputs| on_processor.levels(inputs, &atlas)
     }
 
-    /// The samples 0 … `samples` − 1, of which `kept` has the first ones; `done` is called after each of the others.
+    /// The samples 0 … `samples` − 1, of which the first ones are `solved` already; `done` is called after each of the others.
     ///
-    /// The first samples are solved on their own, each later one starts from the generations before its own: what sample i
-    /// starts from depends on i, not on the order of solving, the number of samples, or what was kept.
+    /// The samples of the first generation start from no other sample. Each later one starts from the generations before its
+    /// own. So the starts of sample i depend on i, but not on the order of solving, the number of samples, or the samples that
+    /// were solved already.
     #[must_use]
-    pub fn extend(&self, kept: Solved, samples: u64, done: impl Fn() + Sync) -> Solved {
-        let mut solved = kept;
+    pub fn extend(&self, solved: Solved, samples: u64, done: impl Fn() + Sync) -> Solved {
+        let mut solved = solved;
         let mut atlas = Atlas::default();
         let mut first = 0;
         while first < samples {

@@ -171,80 +171,96 @@ pub fn read_curves(path: &Path, outcomes: &mut [SampleOutcome]) -> Result<(), Fi
     })
 }
 
+/// A sample at one of its levels: a row of the table of samples.
+type LevelRow<'a> = (&'a SampleOutcome, &'a LevelOutcome);
+
 /// `group` tells which of its columns there are.
 fn sample_columns(input_names: &[String], group: SampleGroup, outcomes: &[SampleOutcome]) -> Table {
-    let rows: Vec<(&SampleOutcome, &LevelOutcome)> = outcomes
+    let rows: Vec<LevelRow> = outcomes
         .iter()
         .flat_map(|outcome| outcome.levels.iter().map(move |level| (outcome, level)))
         .collect();
-    let finite = |value: f64| Some(value).filter(|v| v.is_finite());
-    let peak = |level: &LevelOutcome| level.peak.filter(|_| level.status.has_solution());
-    let real = |f: fn(&PeakRecord) -> Option<f64>| {
-        let value = |(_, level): &(_, &LevelOutcome)| peak(level).as_ref().and_then(f);
-        Column::Real(rows.iter().map(|row| value(row).and_then(finite)).collect())
-    };
-    let mut table: Table = Vec::new();
-    let mut add = |name: &str, column: Column| table.push((name.to_owned(), column));
+    let mut table = input_columns(input_names, group, &rows);
+    table.extend(peak_columns(&rows));
+    let newton = rows.iter().map(|(_, l)| count(l.newton_iterations));
+    let factorizations = rows.iter().map(|(_, l)| count(l.factorizations));
+    table.extend([
+        named("newton_iterations", Column::Count(newton.collect())),
+        named("factorizations", Column::Count(factorizations.collect())),
+    ]);
+    table
+}
+
+fn named(name: &str, column: Column) -> (String, Column) {
+    (name.to_owned(), column)
+}
+
+fn finite(value: f64) -> Option<f64> {
+    Some(value).filter(|v| v.is_finite())
+}
+
+/// Which sample and level a row is of, and how the search for its peak ended.
+fn input_columns(input_names: &[String], group: SampleGroup, rows: &[LevelRow]) -> Table {
     let index = |outcome: &SampleOutcome| i64::try_from(outcome.index).ok();
-    add(
-        "sample",
-        Column::Count(rows.iter().map(|(o, _)| index(o)).collect()),
-    );
+    let sample = rows.iter().map(|(o, _)| index(o));
+    let mut table = vec![named("sample", Column::Count(sample.collect()))];
     for (name, of) in GROUP_COLUMNS {
         if of(&group).is_some() {
             let number = |o: &SampleOutcome| of(&o.group).and_then(|n| i64::try_from(n).ok());
-            add(
-                name,
-                Column::Count(rows.iter().map(|(o, _)| number(o)).collect()),
-            );
+            let numbers = rows.iter().map(|(o, _)| number(o));
+            table.push(named(name, Column::Count(numbers.collect())));
         }
     }
     for (i, name) in input_names.iter().enumerate() {
         let input = |o: &SampleOutcome| o.inputs.get(i).copied().and_then(finite);
-        add(
-            name,
-            Column::Real(rows.iter().map(|(o, _)| input(o)).collect()),
-        );
+        let inputs = rows.iter().map(|(o, _)| input(o));
+        table.push(named(name, Column::Real(inputs.collect())));
     }
-    add(
-        "level",
-        Column::Real(rows.iter().map(|(_, l)| finite(l.level)).collect()),
-    );
-    add(
-        "status",
-        Column::Text(rows.iter().map(|(_, l)| Some(l.status.name())).collect()),
-    );
-    add("frequency_hz", real(|p| Some(p.frequency_hz)));
-    add("amplitude_m", real(|p| Some(p.amplitude_m)));
-    let route = |l: &LevelOutcome| peak(l).and_then(|p| p.route).map(PeakRoute::name);
-    add(
-        "route",
-        Column::Text(rows.iter().map(|(_, l)| route(l)).collect()),
-    );
-    add("truncation_error", real(|p| p.truncation_error));
-    let highest = |l: &LevelOutcome| peak(l).and_then(|p| count(p.highest_harmonic));
-    add(
-        "highest_harmonic",
-        Column::Count(rows.iter().map(|(_, l)| highest(l)).collect()),
-    );
-    add("stick_fraction", real(|p| Some(p.stick_fraction)));
-    add("slip_fraction", real(|p| Some(p.slip_fraction)));
-    add("separated_fraction", real(|p| Some(p.separated_fraction)));
-    add("work_input_j", real(|p| Some(p.work_input_j)));
-    add("work_viscous_j", real(|p| Some(p.work_viscous_j)));
-    add("work_friction_j", real(|p| Some(p.work_friction_j)));
-    add("residual", real(|p| Some(p.residual)));
+    let level = rows.iter().map(|(_, l)| finite(l.level));
+    let status = rows.iter().map(|(_, l)| Some(l.status.name()));
+    table.extend([
+        named("level", Column::Real(level.collect())),
+        named("status", Column::Text(status.collect())),
+    ]);
+    table
+}
+
+/// The peaks of the rows, and the lower maxima; empty where the search has no solution.
+fn peak_columns(rows: &[LevelRow]) -> Table {
+    let peak = |level: &LevelOutcome| level.peak.filter(|_| level.status.has_solution());
+    let real = |name: &str, f: fn(&PeakRecord) -> Option<f64>| {
+        let value = |(_, level): &LevelRow| peak(level).as_ref().and_then(f).and_then(finite);
+        named(name, Column::Real(rows.iter().map(value).collect()))
+    };
+    let route = |(_, l): &LevelRow| peak(l).and_then(|p| p.route).map(PeakRoute::name);
+    let highest = |(_, l): &LevelRow| peak(l).and_then(|p| count(p.highest_harmonic));
+    let mut table = vec![
+        real("frequency_hz", |p| Some(p.frequency_hz)),
+        real("amplitude_m", |p| Some(p.amplitude_m)),
+        named("route", Column::Text(rows.iter().map(route).collect())),
+        real("truncation_error", |p| p.truncation_error),
+        named(
+            "highest_harmonic",
+            Column::Count(rows.iter().map(highest).collect()),
+        ),
+        real("stick_fraction", |p| Some(p.stick_fraction)),
+        real("slip_fraction", |p| Some(p.slip_fraction)),
+        real("separated_fraction", |p| Some(p.separated_fraction)),
+        real("work_input_j", |p| Some(p.work_input_j)),
+        real("work_viscous_j", |p| Some(p.work_viscous_j)),
+        real("work_friction_j", |p| Some(p.work_friction_j)),
+        real("residual", |p| Some(p.residual)),
+    ];
     for (name, of) in OTHER_COLUMNS {
-        let others = |(_, l): &(_, &LevelOutcome)| match peak(l) {
+        let others = |(_, l): &LevelRow| match peak(l) {
             Some(_) => l.others.iter().map(of).collect(),
             None => Vec::new(),
         };
-        add(name, Column::Reals(rows.iter().map(others).collect()));
+        table.push(named(
+            name,
+            Column::Reals(rows.iter().map(others).collect()),
+        ));
     }
-    let newton = rows.iter().map(|(_, l)| count(l.newton_iterations));
-    add("newton_iterations", Column::Count(newton.collect()));
-    let factorizations = rows.iter().map(|(_, l)| count(l.factorizations));
-    add("factorizations", Column::Count(factorizations.collect()));
     table
 }
 

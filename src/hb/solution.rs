@@ -208,7 +208,7 @@ impl CycleWork {
             work.viscous += PI * k * k * iterate.point.omega * damping;
             let force = balance.complex(i, &iterate.contact.force);
             let relative = balance.complex(i, &iterate.point.r);
-            work.friction += PI * k * h.part.images * power(&force, &relative);
+            work.friction += PI * k * h.part.multiplicity * power(&force, &relative);
         }
         work
     }

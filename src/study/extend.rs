@@ -10,7 +10,7 @@ use super::solve::Progress;
 use crate::Error;
 use crate::ensemble::Solved;
 use crate::ensemble::backend::BackendSettings;
-use crate::ensemble::kept::{ATLAS_FILE, read_solved, read_study};
+use crate::ensemble::resume::{ATLAS_FILE, read_solved, read_study};
 use crate::file::FileError;
 use crate::report::RunRecord;
 use crate::report::asked::Stopping;

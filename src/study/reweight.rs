@@ -6,7 +6,7 @@ use std::path::Path;
 use super::document::Document;
 use super::output::OutputFolder;
 use crate::Error;
-use crate::ensemble::kept::{KeptStudy, read_study};
+use crate::ensemble::resume::{StoredStudy, read_study};
 use crate::report::StoredRun;
 use crate::report::reweighting::{LEAST_EFFECTIVE_SAMPLES, ReweightedInput, Reweighting};
 use crate::report::run::require_unchanged;
@@ -78,7 +78,7 @@ pub fn reweight(folder: &Path, prior: &Path, output: &OutputFolder) -> Result<Re
 /// Reads the new distributions and finds the old ones.
 fn changes(
     run: &StoredRun,
-    kept: &KeptStudy,
+    kept: &StoredStudy,
     path: &Path,
     text: &str,
 ) -> Result<Vec<Change>, Error> {

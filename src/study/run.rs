@@ -13,8 +13,8 @@ use super::solve::{Meter, Progress};
 use crate::Error;
 use crate::ensemble::atlas::Atlas;
 use crate::ensemble::backend::{BackendReport, BackendSettings, OpenBackend};
-use crate::ensemble::kept::{ATLAS_FILE, KeptStudy, write_anchors};
 use crate::ensemble::outcome::{CurvePoint, LevelOutcome, SampleOutcome};
+use crate::ensemble::resume::{ATLAS_FILE, StoredStudy, write_anchors};
 use crate::ensemble::store::{Provenance, write_curves, write_samples};
 use crate::ensemble::{Ensemble, Solved};
 use crate::hb::structure::resonance::{Band, linear_resonance, linear_response};
@@ -240,7 +240,7 @@ fn refuse_other_results(study: &Study, ensemble: &Ensemble, kept: &Solved) -> Re
 
 /// The study as an extension will need it. Its path is relative to the results wherever there is such a path, so that both
 /// can move together.
-fn kept_study(study: &Study, folder: &OutputFolder) -> Result<KeptStudy, Error> {
+fn kept_study(study: &Study, folder: &OutputFolder) -> Result<StoredStudy, Error> {
     let whole = |path: &Path| {
         let path = if path == Path::new("") {
             Path::new(".")
@@ -252,7 +252,7 @@ fn kept_study(study: &Study, folder: &OutputFolder) -> Result<KeptStudy, Error> 
     };
     let from = relative(&whole(study.folder())?, &whole(folder.path())?);
     let path = from.join(study.path.file_name().unwrap_or_default());
-    Ok(KeptStudy {
+    Ok(StoredStudy {
         text: study.text.clone(),
         path: path.to_string_lossy().into_owned(),
     })

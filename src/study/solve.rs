@@ -91,7 +91,7 @@ pub fn solve(
         };
         let response = match &study.frequency.points {
             Points::Continuation => {
-                let curve = CurveSettings::picture(band);
+                let curve = CurveSettings::for_plot(band);
                 over_band(&problem, &study.solver, level, curve, progress)
             }
             Points::Prescribed { omega, sweep } => {

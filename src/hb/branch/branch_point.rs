@@ -1,4 +1,4 @@
-//! A point of the forced response's branch with its tangent: where the branch leads.
+//! A point on a branch of the forced response, with the tangent of the branch.
 
 use crate::hb::equations::balance::Balance;
 use crate::hb::equations::effort::WorkCount;
@@ -14,7 +14,7 @@ pub struct BranchPoint<'p> {
     pub iterate: Iterate<'p>,
     /// Unit tangent in `metric`.
     pub tangent: Direction,
-    /// Inner product, scaled to this point.
+    /// Inner product in which lengths along the branch are measured, scaled to this point.
     pub metric: Metric,
     /// First harmonic ŷ of response 0 (m).
     pub response: c64,
@@ -23,7 +23,8 @@ pub struct BranchPoint<'p> {
 }
 
 impl<'p> BranchPoint<'p> {
-    /// The tangent at `iterate`, with increasing frequency if `previous` is absent, else turning less than 90°.
+    /// `iterate` with the tangent there. The tangent turns less than 90° from `previous`; without `previous` the frequency
+    /// increases along it.
     ///
     /// Without `metric` the inner product is scaled to this point.
     #[must_use]
@@ -89,7 +90,7 @@ impl<'p> BranchPoint<'p> {
         self.step_to(balance, predicted, step, newton)
     }
 
-    /// The same, started at `predicted`.
+    /// The same; Newton's method starts at `predicted`.
     pub(in crate::hb) fn step_to(
         &self,
         balance: &Balance<'p>,
@@ -107,7 +108,7 @@ impl<'p> BranchPoint<'p> {
         solve(balance, predicted, condition, newton)
     }
 
-    /// Distance of another point from this one, along the tangent and beside it.
+    /// Distance of another point from this one: along the tangent, and normal to it.
     #[must_use]
     pub fn distances(&self, balance: &Balance<'_>, other: &Point) -> [f64; 2] {
         let base = &self.iterate.point;
@@ -121,14 +122,14 @@ impl<'p> BranchPoint<'p> {
         [along, beside.max(0.0).sqrt()]
     }
 
-    /// The length `length` of this point as `other` measures it.
+    /// The length `length`, in the metric of this point, as a length in the metric of `other`.
     #[must_use]
     pub fn length_at(&self, balance: &Balance<'_>, other: &Self, length: f64) -> f64 {
         let n = balance.layout.n_relative();
         length / self.metric.dot(n, &other.tangent, &other.tangent).sqrt()
     }
 
-    /// The same point, walked to higher frequencies if `sign` is positive, else to lower ones.
+    /// The same point with the tangent towards higher frequencies if `sign` is positive, else towards lower ones.
     #[must_use]
     pub fn towards(self, sign: f64) -> Self {
         match self.tangent.omega * sign < 0.0 {
@@ -137,7 +138,7 @@ impl<'p> BranchPoint<'p> {
         }
     }
 
-    /// The same point, walked in the opposite direction.
+    /// The same point with the tangent in the opposite direction.
     #[must_use]
     pub fn reversed(mut self) -> Self {
         self.tangent.r.iter_mut().for_each(|r| *r = -*r);

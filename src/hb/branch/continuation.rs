@@ -24,19 +24,19 @@ pub struct StepSettings {
     pub omega_scale: f64,
     /// Steps before giving up.
     pub max_steps: usize,
-    /// Distance between a prediction and its solution, over the length of the step, above which a step is repeated with
+    /// Largest distance between a prediction and its solution, over the length of the step. Beyond it a step is repeated with
     /// half its length: it may have jumped to another part of the branch.
     pub closeness: f64,
-    /// Where a step is predicted to lead.
+    /// How the end of a step is predicted.
     pub predictor: Predictor,
 }
 
-/// How a step continues a branch.
+/// How the end of a step is predicted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Predictor {
     /// Along the tangent.
     Tangent,
-    /// Along the parabola through the step before: fewer iterations where steps are short against the bends of the branch.
+    /// Along the parabola through the step before. Takes fewer iterations if steps are short against the bends of the branch.
     Parabola,
 }
 
@@ -59,55 +59,56 @@ impl StepSettings {
 /// Newton iterations per step that the step control aims at.
 const WANTED_ITERATIONS: f64 = 4.0;
 
-/// Longest step over a fold of the frequency: a longer one may have jumped across the resonance instead.
+/// Longest step over a fold in frequency. A longer step may have jumped across the resonance instead.
 const FOLD_STEP: f64 = 0.1;
-/// Steps so short that they do not jump, whatever a corner makes of their prediction.
+/// Steps up to this length do not jump, even if a corner of the branch makes their prediction poor.
 const SURE_STEP: f64 = 0.02;
-/// Length of the step over a corner of the branch, tried where longer ones failed, and distance from the tangents of both
-/// legs, over it, up to which a solution lies on a leg.
+/// Length of the step over a corner of the branch. It is tried after longer steps have failed.
 const CORNER: f64 = 1e-4;
+/// Largest distance of a solution from the tangent of a leg of the corner, over [`CORNER`], at which it lies on that leg.
 const LEG: f64 = 0.2;
-/// Residual over the length of a step: what a short step around a sharp bend of the branch must not lose in it.
+/// Residual over the length of a step: a short step around a sharp bend of the branch must be solved more exactly.
 const STEP_SHARE: f64 = 1e-3;
-/// Steps after which the pace of a walk is judged.
-const PACE_STEPS: usize = 200;
-/// Share of failed steps, and mean step over the largest one, of a walk on the spot: both must be met. A walk without
-/// hope fails every other step; of some 750 walks of the tests the worst 200 steps had 0.25 failures (measured).
-const PACE_FAILED: f64 = 0.4;
-const PACE_COVERED: f64 = 0.1;
+/// Steps after which a continuation is checked for stalling.
+const STALL_STEPS: usize = 200;
+/// A continuation has stalled if more than this share of its steps failed, and if its mean step is below this share of the
+/// largest step. A stalled continuation fails every other step; of some 750 continuations of the tests the worst 200 steps
+/// had 0.25 failures (measured).
+const STALL_FAILED: f64 = 0.4;
+const STALL_COVERED: f64 = 0.1;
 
-/// How the steps since the last judgement went.
+/// Steps since the last check for stalling.
 #[derive(Debug, Default)]
-struct Pace {
+struct StepTally {
     steps: usize,
     failed: usize,
     covered: f64,
 }
 
-impl Pace {
-    /// Counts a step, `None` if it failed, and says whether the walk is on the spot.
-    fn is_hopeless(&mut self, step: Option<f64>, largest: f64) -> bool {
+impl StepTally {
+    /// Counts a step, `None` if it failed, and says whether the continuation has stalled.
+    fn has_stalled(&mut self, step: Option<f64>, largest: f64) -> bool {
         self.steps += 1;
         self.failed += usize::from(step.is_none());
         self.covered += step.unwrap_or(0.0);
-        if self.steps < PACE_STEPS {
+        if self.steps < STALL_STEPS {
             return false;
         }
-        let steps = PACE_STEPS as f64;
+        let steps = STALL_STEPS as f64;
         let now = std::mem::take(self);
-        now.failed as f64 > PACE_FAILED * steps && now.covered < PACE_COVERED * steps * largest
+        now.failed as f64 > STALL_FAILED * steps && now.covered < STALL_COVERED * steps * largest
     }
 }
 
-/// The step that led to a point, as its parabola continues it.
-struct Behind {
+/// The parabola that continues the step which led to a point.
+struct Parabola {
     /// Change of the tangent over the step, per step.
     turn: Direction,
-    /// Length as the point that it led to measures it.
+    /// Length of the step in the metric of the point that it led to.
     length: f64,
 }
 
-impl Behind {
+impl Parabola {
     /// The step of the length `length` from `from` to `to`.
     fn new(
         balance: &Balance<'_>,
@@ -115,19 +116,19 @@ impl Behind {
         to: &BranchPoint<'_>,
         length: f64,
     ) -> Self {
-        let stretch = from.length_at(balance, to, length);
-        let turn = |a: f64, b: f64| stretch * b - length * a;
+        let length_at_end = from.length_at(balance, to, length);
+        let turn = |a: f64, b: f64| length_at_end * b - length * a;
         let (a, b) = (&from.tangent, &to.tangent);
         Self {
             turn: Direction {
                 r: a.r.iter().zip(&b.r).map(|(a, b)| turn(*a, *b)).collect(),
                 omega: turn(a.omega, b.omega),
             },
-            length: stretch,
+            length: length_at_end,
         }
     }
 
-    /// Where a step of the length `step` from `at` leads.
+    /// Predicted end of a step of the length `step` from `at`.
     fn predicted(&self, at: &BranchPoint<'_>, step: f64) -> Point {
         let share = step / self.length;
         let straight = at.iterate.point.moved(&at.tangent, step);
@@ -135,77 +136,80 @@ impl Behind {
     }
 }
 
-/// Why a walk along a branch ended.
+/// Why a continuation ended.
 #[derive(Debug)]
-pub struct WalkEnd<'p> {
-    /// `Converged` if the visitor ended it.
+pub struct ContinuationEnd<'p> {
+    /// [`Status::Converged`] if the visitor ended it.
     pub status: Status,
-    /// Where it ended.
+    /// The last point.
     pub last: BranchPoint<'p>,
 }
 
-/// Walks along the branch from `start`; `visit` is given every point left behind, the new one and the length
-/// of the step between them as the point left behind measures it, and says whether to go on and how long the next step may be. A walk on the spot ends as one whose steps become too small.
-pub fn walk<'p>(
+/// Follows the branch from `start`. After every step `visit` is given the point before, the new point, and the length of the
+/// step in the metric of the point before. It says whether to go on, and how long the next step may be.
+///
+/// A stalled continuation ends with [`Status::StepTooSmall`], as one whose steps become too small.
+pub fn continue_branch<'p>(
     balance: &Balance<'p>,
     start: BranchPoint<'p>,
     newton: NewtonSettings,
     steps: StepSettings,
     mut visit: impl FnMut(BranchPoint<'p>, &BranchPoint<'p>, f64) -> ControlFlow<(), f64>,
-) -> WalkEnd<'p> {
-    let mut walk = Walk::new(balance, start, newton, steps);
+) -> ContinuationEnd<'p> {
+    let mut continuation = Continuation::new(balance, start, newton, steps);
     for _ in 0..steps.max_steps {
-        let landing = match walk.attempt() {
-            Ok(Some(landing)) => landing,
+        let found = match continuation.attempt() {
+            Ok(Some(found)) => found,
             Ok(None) => continue,
-            Err(status) => return walk.end(status),
+            Err(status) => return continuation.end(status),
         };
-        let (length, iterations) = (landing.length, landing.iterations);
-        let Some(before) = walk.advance(landing) else {
+        let (length, iterations) = (found.length, found.iterations);
+        let Some(before) = continuation.advance(found) else {
             continue;
         };
-        let longest = match visit(before, &walk.point, length) {
+        let longest = match visit(before, &continuation.point, length) {
             ControlFlow::Continue(longest) => longest,
-            ControlFlow::Break(()) => return walk.end(Status::Converged),
+            ControlFlow::Break(()) => return continuation.end(Status::Converged),
         };
-        if walk.pace.is_hopeless(Some(length), steps.largest) {
-            return walk.end(Status::StepTooSmall);
+        if continuation.tally.has_stalled(Some(length), steps.largest) {
+            return continuation.end(Status::StepTooSmall);
         }
         let ease = WANTED_ITERATIONS / iterations.max(1) as f64;
-        walk.length = (length * ease.clamp(0.5, 2.0))
+        continuation.length = (length * ease.clamp(0.5, 2.0))
             .min(steps.largest)
             .min(longest.max(steps.smallest));
     }
-    walk.end(Status::MaxIterations)
+    continuation.end(Status::MaxIterations)
 }
 
-/// A walk under way.
-struct Walk<'b, 'p> {
+/// A continuation while it runs.
+struct Continuation<'b, 'p> {
     balance: &'b Balance<'p>,
     newton: NewtonSettings,
     steps: StepSettings,
-    /// Where it is, and the length of the next step.
+    /// The last point.
     point: BranchPoint<'p>,
+    /// Length of the next step.
     length: f64,
-    /// The step that led there, where the next one continues it.
-    behind: Option<Behind>,
-    /// A solution far from its prediction: taken after all where no shorter step is solved.
-    aside: Option<Landing<'p>>,
-    pace: Pace,
+    /// Predictor of the next step; the tangent without.
+    parabola: Option<Parabola>,
+    /// A solution far from its prediction. It is accepted if no shorter step is solved.
+    far_solution: Option<StepSolution<'p>>,
+    tally: StepTally,
 }
 
-/// Where a step leads.
-struct Landing<'p> {
+/// The solution at the end of a step.
+struct StepSolution<'p> {
     iterate: Iterate<'p>,
     /// Length of the step.
     length: f64,
-    /// Newton iterations, as those of the next step.
+    /// Newton iterations that the step control uses for the length of the next step.
     iterations: usize,
-    /// Direction past a corner; along the tangent without.
+    /// Direction past a corner; `None` if the step followed the tangent.
     turned: Option<Direction>,
 }
 
-impl<'b, 'p> Walk<'b, 'p> {
+impl<'b, 'p> Continuation<'b, 'p> {
     fn new(
         balance: &'b Balance<'p>,
         point: BranchPoint<'p>,
@@ -218,13 +222,13 @@ impl<'b, 'p> Walk<'b, 'p> {
             steps,
             point,
             length: steps.first,
-            behind: None,
-            aside: None,
-            pace: Pace::default(),
+            parabola: None,
+            far_solution: None,
+            tally: StepTally::default(),
         }
     }
 
-    /// Newton's method for a step of today's length.
+    /// Newton's method for a step of the current length.
     fn sharp_newton(&self) -> NewtonSettings {
         let share = self.point.iterate.point.dynamic_share(self.balance);
         let sharp = STEP_SHARE * self.length * share;
@@ -234,14 +238,14 @@ impl<'b, 'p> Walk<'b, 'p> {
         }
     }
 
-    /// Tries a step; none if it is to be repeated with a shorter length.
+    /// Tries a step; `None` if it is to be repeated with a shorter length.
     ///
     /// # Errors
-    /// Why the walk ends.
-    fn attempt(&mut self) -> Result<Option<Landing<'p>>, Status> {
+    /// Why the continuation ends.
+    fn attempt(&mut self) -> Result<Option<StepSolution<'p>>, Status> {
         let (balance, length) = (self.balance, self.length);
-        let predicted = match &self.behind {
-            Some(behind) => behind.predicted(&self.point, length),
+        let predicted = match &self.parabola {
+            Some(parabola) => parabola.predicted(&self.point, length),
             None => self.point.iterate.point.moved(&self.point.tangent, length),
         };
         let newton = self.sharp_newton();
@@ -252,32 +256,32 @@ impl<'b, 'p> Walk<'b, 'p> {
             Err(status) => return self.after_failure(status),
         };
         let apart = distance(balance, &iterate.point, &predicted);
-        let landing = Landing {
+        let found = StepSolution {
             iterate,
             length,
             iterations: meter.read().iterations,
             turned: None,
         };
         if length > SURE_STEP && apart > self.steps.closeness * length {
-            self.aside = Some(landing);
+            self.far_solution = Some(found);
             self.length *= 0.5;
             return Ok(None);
         }
-        Ok(Some(landing))
+        Ok(Some(found))
     }
 
-    /// What is left where a step was not solved, as [`Self::attempt`] gives it.
-    fn after_failure(&mut self, status: Status) -> Result<Option<Landing<'p>>, Status> {
+    /// Continues after a step that was not solved; the result is that of [`Self::attempt`].
+    fn after_failure(&mut self, status: Status) -> Result<Option<StepSolution<'p>>, Status> {
         let is_spent = status == Status::BudgetSpent;
         self.length *= 0.5;
-        // elsewhere what the time points make ragged would pass for corners
+        // without located events the branch is ragged, and that would be taken for corners
         let has_corners = self.balance.events() == Events::Located;
         let may_turn = (0.5 * CORNER..CORNER).contains(&self.length) && has_corners;
         if may_turn && !is_spent {
             let newton = self.sharp_newton();
             let turned = past_corner(self.balance, &self.point, newton);
             if let Some((iterate, direction)) = turned {
-                return Ok(Some(Landing {
+                return Ok(Some(StepSolution {
                     iterate,
                     length: CORNER,
                     iterations: WANTED_ITERATIONS as usize,
@@ -285,13 +289,13 @@ impl<'b, 'p> Walk<'b, 'p> {
                 }));
             }
         }
-        let is_hopeless = self.pace.is_hopeless(None, self.steps.largest);
-        if !(is_spent || is_hopeless || self.length < self.steps.smallest) {
+        let has_stalled = self.tally.has_stalled(None, self.steps.largest);
+        if !(is_spent || has_stalled || self.length < self.steps.smallest) {
             return Ok(None);
         }
-        match self.aside.take_if(|_| !is_spent) {
+        match self.far_solution.take_if(|_| !is_spent) {
             // the next step is to be a short one
-            Some(far) => Ok(Some(Landing {
+            Some(far) => Ok(Some(StepSolution {
                 iterations: self.newton.max_iterations,
                 ..far
             })),
@@ -299,41 +303,42 @@ impl<'b, 'p> Walk<'b, 'p> {
         }
     }
 
-    /// Goes to where a step has led and gives the point before, unless the step is to be repeated with half its length: a
-    /// long one over a fold.
-    fn advance(&mut self, landing: Landing<'p>) -> Option<BranchPoint<'p>> {
-        let (balance, length) = (self.balance, landing.length);
-        let forward = landing.turned.as_ref().unwrap_or(&self.point.tangent);
+    /// Accepts a step and gives the point before. A long step over a fold is not accepted: it is repeated with half its
+    /// length.
+    fn advance(&mut self, found: StepSolution<'p>) -> Option<BranchPoint<'p>> {
+        let (balance, length) = (self.balance, found.length);
+        let forward = found.turned.as_ref().unwrap_or(&self.point.tangent);
         let scale = self.steps.omega_scale;
-        let next = BranchPoint::new(balance, landing.iterate, scale, None, Some(forward));
+        let next = BranchPoint::new(balance, found.iterate, scale, None, Some(forward));
         let folds = next.tangent.omega * self.point.tangent.omega < 0.0;
         if folds && length > FOLD_STEP {
             self.length = 0.5 * length;
             return None;
         }
-        self.aside = None;
+        self.far_solution = None;
         let before = std::mem::replace(&mut self.point, next);
-        self.behind = match self.steps.predictor {
+        self.parabola = match self.steps.predictor {
             // no parabola leads around a corner
-            Predictor::Parabola if landing.turned.is_none() => {
-                Some(Behind::new(balance, &before, &self.point, length))
+            Predictor::Parabola if found.turned.is_none() => {
+                Some(Parabola::new(balance, &before, &self.point, length))
             }
             Predictor::Parabola | Predictor::Tangent => None,
         };
         Some(before)
     }
 
-    fn end(self, status: Status) -> WalkEnd<'p> {
-        WalkEnd {
+    fn end(self, status: Status) -> ContinuationEnd<'p> {
+        ContinuationEnd {
             status,
             last: self.point,
         }
     }
 }
 
-/// A solution past a corner of the branch at `at`, and the direction that leads to it. Where a contact begins or ceases to
-/// slip the branch may turn by more than 90°: then no step along the tangent has a solution. The tangent of the other leg
-/// is that of the equations a little further on, where the contact has its new state.
+/// A solution past a corner of the branch at `at`, and the direction that leads to it.
+///
+/// If a contact begins or ceases to slip the branch may turn by more than 90°. Then no step along the tangent has a solution.
+/// The tangent of the other leg is that of the equations a little further on, where the contact has its new state.
 fn past_corner<'p>(
     balance: &Balance<'p>,
     at: &BranchPoint<'p>,
@@ -359,7 +364,7 @@ fn past_corner<'p>(
     })
 }
 
-/// The status of a walk whose last step failed with `status`.
+/// The status of a continuation whose last step failed with `status`.
 fn of_failed_step(status: Status) -> Status {
     match status {
         Status::NonFinite | Status::BudgetSpent | Status::NoSteadyCycle => status,
@@ -367,7 +372,7 @@ fn of_failed_step(status: Status) -> Status {
     }
 }
 
-/// On with steps of any length, or the end of the walk.
+/// Continues with steps of any length, or ends the continuation.
 pub fn on_if(go_on: bool) -> ControlFlow<(), f64> {
     match go_on {
         true => ControlFlow::Continue(f64::INFINITY),

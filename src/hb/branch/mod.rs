@@ -1,7 +1,7 @@
-//! Branches of solutions over the frequency: steps along them, and the way through a band.
+//! Branches of solutions over the frequency: steps along a branch, and sweeps through a band.
 
 pub mod branch_point;
+pub mod branch_segment;
 pub mod continuation;
-pub(in crate::hb) mod run_in;
-pub mod stretch;
 pub mod sweep;
+pub(in crate::hb) mod sweep_start;

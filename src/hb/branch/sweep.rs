@@ -1,12 +1,13 @@
 //! A slow frequency sweep: the branch is followed through a band from the end where the sweep begins.
 //!
-//! Steps along the branch depend on the branch alone, so what is asked for never changes what is found. At a frequency the
-//! sweep meets the first point of the branch that has it. Past a fold in the direction of the sweep the branch runs back;
-//! the next frequency is met where it has come forward again, which is where a slow sweep jumps to.
+//! Steps along the branch depend on the branch alone, so the frequencies that are asked for never change the solutions. The
+//! solution at a frequency is the first point of the branch with that frequency. Past a fold the branch runs back against
+//! the direction of the sweep. The next frequency has its solution where the branch has come forward again: a slow sweep
+//! jumps to there.
 
 use super::branch_point::BranchPoint;
-use super::continuation::{Predictor, StepSettings, WalkEnd, on_if, walk};
-use super::stretch::CLOSE;
+use super::branch_segment::CLOSE;
+use super::continuation::{ContinuationEnd, Predictor, StepSettings, continue_branch, on_if};
 use crate::contact::Events;
 use crate::hb::equations::balance::Balance;
 use crate::hb::newton::Iterate;
@@ -15,13 +16,14 @@ use crate::hb::status::Status;
 use crate::hb::structure::resonance::Band;
 use std::ops::ControlFlow;
 
-/// Shortest steps: around a sharp bend where a gap begins to close in every period, and where events are not located.
+/// Shortest step with located events: around a sharp bend, where a gap begins to close in every period.
 const SMALLEST: f64 = 1e-9;
+/// Shortest step where events are not located, and the branch is ragged.
 const SMALLEST_RAGGED: f64 = 1e-6;
-/// Share of the band's frequencies by which a branch that overhangs the end where the sweep began may leave the band.
+/// A branch may overhang the end of the band where the sweep began, by this share of the frequency there.
 const OVERHANG: f64 = 0.5;
 
-/// Which way the frequencies go, and so which solution is met where there are several.
+/// Direction of a sweep. It decides which solution is met where there are several.
 #[derive(
     Debug,
     Clone,
@@ -61,7 +63,7 @@ impl SweepDirection {
         }
     }
 
-    /// The other one.
+    /// The other direction.
     #[must_use]
     pub fn opposite(self) -> Self {
         match self {
@@ -80,12 +82,12 @@ impl SweepDirection {
     }
 }
 
-/// The way of a sweep through a band.
+/// How a band is swept.
 #[derive(Debug, Clone, Copy)]
-pub struct Route {
+pub struct SweepSettings {
     /// The band.
     pub band: Band,
-    /// Where it begins, and which way it goes.
+    /// Direction of the sweep, and so the end of the band where it begins.
     pub direction: SweepDirection,
     /// Largest relative change of the displacements per step.
     pub largest_step: f64,
@@ -93,13 +95,13 @@ pub struct Route {
     pub largest_advance: f64,
 }
 
-impl Route {
+impl SweepSettings {
     fn steps(self, events: Events) -> StepSettings {
         let width = self.band.width();
         StepSettings {
             smallest: match events {
                 Events::Located => SMALLEST,
-                // shorter steps would follow what the time points make ragged
+                // shorter steps would follow the raggedness that the time points make
                 Events::Sampled | Events::Interpolated => SMALLEST_RAGGED,
             },
             first: self.largest_step.min(0.05),
@@ -112,24 +114,24 @@ impl Route {
     }
 }
 
-/// Follows the branch from `start` along `route` until it leaves the band at its far end, or `visit` breaks; it is given
-/// the ends of every step.
+/// Follows the branch from `start` through the band of `sweep`, until it leaves the band at the far end or `visit` breaks.
+/// `visit` is given both ends of every step.
 ///
-/// The status of the end is [`Status::Converged`] if the far end was reached or `visit` has ended the walk,
-/// [`Status::LeftBand`] if the branch went far back behind the end where it began.
+/// The status of the end is [`Status::Converged`] if the far end was reached or `visit` has ended the sweep, and
+/// [`Status::LeftBand`] if the branch left the band far behind the end where the sweep began.
 pub fn follow<'p>(
     balance: &Balance<'p>,
     start: Iterate<'p>,
-    route: Route,
+    sweep: SweepSettings,
     newton: NewtonSettings,
     mut visit: impl FnMut(BranchPoint<'p>, &BranchPoint<'p>) -> ControlFlow<()>,
-) -> WalkEnd<'p> {
-    let steps = route.steps(balance.events());
-    let sign = route.direction.sign();
-    let [begin, far_end] = route.direction.ends(route.band);
+) -> ContinuationEnd<'p> {
+    let steps = sweep.steps(balance.events());
+    let sign = sweep.direction.sign();
+    let [begin, far_end] = sweep.direction.ends(sweep.band);
     let first = BranchPoint::new(balance, start, steps.omega_scale, None, None).towards(sign);
     let mut left = false;
-    let mut end = walk(balance, first, newton, steps, |from, to, _| {
+    let mut end = continue_branch(balance, first, newton, steps, |from, to, _| {
         let wanted = visit(from, to).is_continue();
         let omega = to.iterate.point.omega;
         left = wanted && sign * (omega - begin) < -OVERHANG * begin;

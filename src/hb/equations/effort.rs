@@ -59,7 +59,7 @@ impl Effort {
     }
 
     /// Runs a search within one that has a bound, on `iterations` of its own.
-    pub fn apart<T>(&self, iterations: usize, search: impl FnOnce() -> T) -> T {
+    pub fn with_own_budget<T>(&self, iterations: usize, search: impl FnOnce() -> T) -> T {
         let left = self.left.swap(iterations, Ordering::Relaxed);
         let found = search();
         self.left.store(left, Ordering::Relaxed);

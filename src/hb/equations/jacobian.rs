@@ -8,7 +8,7 @@
 //! harmonics. Sweeps are in single precision; the residual of a solve that asks for more is refined in double.
 
 mod capacitance;
-mod sweep;
+mod gauss_seidel;
 
 use super::layout::{Layout, PairTangent};
 use super::problem::Problem;
@@ -18,8 +18,8 @@ use crate::linalg::vector::{axpy, norm};
 use capacitance::Capacitance;
 use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
+use gauss_seidel::GaussSeidel;
 use std::cell::{OnceCell, RefCell};
-use sweep::Sweep;
 
 /// Up to so many unknowns a dense factor is cheaper than setup and two Krylov solves (equal at 130, three times dearer
 /// at 330).
@@ -65,7 +65,7 @@ struct Krylov {
     /// Residual of the forces over those asked for.
     tolerance: f64,
     /// Preconditioner.
-    sweep: Sweep,
+    sweep: GaussSeidel,
     /// What earlier right-hand sides have explored; later ones need less.
     space: RefCell<SearchSpace>,
     /// Dense factor, once a solve did not converge.
@@ -89,7 +89,7 @@ impl<'a> Jacobian<'a> {
         } else {
             Solver::Krylov(Krylov {
                 tolerance,
-                sweep: Sweep::new(&capacitance),
+                sweep: GaussSeidel::new(&capacitance),
                 space: RefCell::default(),
                 dense: OnceCell::new(),
             })

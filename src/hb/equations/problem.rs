@@ -5,7 +5,7 @@ use crate::aft::Backend;
 use crate::contact::ContactParameters;
 use crate::hb::ProblemError;
 use crate::hb::settings::SliderAnchor;
-use crate::hb::structure::linear::{LinearModel, Part};
+use crate::hb::structure::linear::{LinearModel, ModalPart};
 use faer::linalg::solvers::Llt;
 use faer::prelude::*;
 
@@ -136,7 +136,7 @@ impl StuckStatic {
             .iter()
             .map(|x| x * load_scale)
             .collect();
-        let eta_per_force = factor.solve(part.contact.transpose() * Scale(part.images));
+        let eta_per_force = factor.solve(part.contact.transpose() * Scale(part.multiplicity));
         let excited = model.part(1);
         let factor = static_factor(excited, k_c)?;
         let force = |f: fn(&c64) -> f64| excited.force.iter().map(f).collect::<Vec<f64>>();
@@ -172,13 +172,13 @@ fn solve(factor: &Llt<f64>, f: &[f64]) -> Vec<f64> {
     eta.iter().copied().collect()
 }
 
-fn relative(part: &Part, eta: &[f64]) -> Vec<f64> {
+fn relative(part: &ModalPart, eta: &[f64]) -> Vec<f64> {
     let r = &part.contact * Col::from_fn(eta.len(), |i| eta[i]);
     r.iter().copied().collect()
 }
 
 /// Cholesky factor of Λ + retention + (BΦ)ᵀ diag(k) BΦ.
-fn static_factor(part: &Part, k: &[f64]) -> Result<Llt<f64>, ProblemError> {
+fn static_factor(part: &ModalPart, k: &[f64]) -> Result<Llt<f64>, ProblemError> {
     let mut stiffness = part.stiffness_with_springs(k);
     let n = stiffness.nrows();
     if let Some(retention) = &part.retention {
@@ -216,7 +216,8 @@ fn frictionless_equilibrium(
         }
         let factor = static_factor(part, &k)?;
         let load = Col::from_fn(part.n_coordinates(), |j| load_scale * part.static_force[j]);
-        let eta = factor.solve(load - part.contact.transpose() * preload * Scale(part.images));
+        let eta =
+            factor.solve(load - part.contact.transpose() * preload * Scale(part.multiplicity));
         let r = &part.contact * eta;
         let now: Vec<bool> = (contacts.iter().enumerate())
             .map(|(i, c)| c.n_0 + c.k_n * r[2 * n_c + i] > 0.0)

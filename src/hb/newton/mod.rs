@@ -1,6 +1,7 @@
 //! Newton's method for the balance equations: points, what is evaluated there, steps; the static equilibrium; few
 //! harmonics first.
 
+mod damping;
 mod iterate;
 pub mod ladder;
 mod point;

@@ -2,6 +2,7 @@
 //!
 //! Contacts may be open or have slipped under the static load, so the stuck structure is only a start.
 
+use super::damping::{Damping, is_shorter};
 use super::iterate::{Iterate, negated};
 use super::point::{Direction, Point};
 use crate::aft::AftSettings;
@@ -20,14 +21,16 @@ const MOST_ITERATIONS: usize = 200;
 const TOLERANCE: f64 = 1e-10;
 /// The same over the displacement by the load without preloads.
 const ROUND_OFF: f64 = 1e-14;
-/// Smallest damping factor, taken whatever it gives.
-const MIN_DAMPING: f64 = 1e-3;
+/// Damping of the steps. A shortened step says little about the next one, so the factor recovers as after any other step.
+const DAMPING: Damping = Damping {
+    smallest: 1e-3,
+    recovery: 4.0,
+    caution: 4.0,
+};
 /// Level over the slip onset at which pairs stick for sure.
 const BELOW_ONSET: f64 = 0.5;
 /// Share of the Coulomb limit below which a pair at rest has slipped.
 const NO_MARGIN: f64 = 1e-9;
-/// First damping factor that a step tries, over that of the step before.
-const RECOVERY: f64 = 4.0;
 
 /// Static equilibrium, and how it answers a small excitation at one frequency.
 pub(in crate::hb) struct Rest {
@@ -49,8 +52,7 @@ pub fn stiffness_at_rest(problem: &Problem<'_>, aft: AftSettings, omega: f64) ->
 }
 
 impl Rest {
-    /// Solves for the equilibrium by Newton's method, damped until the step that would follow with the same Jacobian is
-    /// shorter (Deuflhard 2004, Newton Methods for Nonlinear Problems, section 3.3).
+    /// Solves for the equilibrium by Newton's method with damped steps (`damping`).
     ///
     /// # Errors
     /// The status that says why not.
@@ -68,7 +70,7 @@ impl Rest {
             if effort.is_spent() {
                 return Err(Status::BudgetSpent);
             }
-            let next = {
+            (iterate, damping) = {
                 let jacobian = iterate.jacobian_within(balance, EXACT);
                 effort.spend(jacobian.factorizations());
                 let step = Direction {
@@ -87,12 +89,11 @@ impl Rest {
                     };
                     return Ok(rest);
                 }
-                let shorter = |trial: &Iterate<'_>, damping: f64| {
-                    norm(&jacobian.solve(&trial.residual)) <= (1.0 - 0.25 * damping) * length
-                };
-                damped(balance, &iterate, &step, &mut damping, shorter)
+                let trial = |factor| Iterate::new(balance, iterate.point.moved(&step, factor));
+                DAMPING.damped(damping, trial, |trial, factor| {
+                    is_shorter(norm(&jacobian.solve(&trial.residual)), length, factor)
+                })
             };
-            iterate = next;
         }
         Err(Status::MaxIterations)
     }
@@ -160,23 +161,4 @@ fn closed_stiffness(balance: &Balance<'_>, rest: &Iterate<'_>) -> Vec<f64> {
     (balance.problem.stuck_stiffness.iter().enumerate())
         .map(|(i, k)| if is_open(i % n_pairs) { 0.0 } else { *k })
         .collect()
-}
-
-/// The first iterate that is accepted along `step`, with shorter and shorter steps; changes the factor to the one that the
-/// next step tries.
-fn damped<'p>(
-    balance: &Balance<'p>,
-    from: &Iterate<'p>,
-    step: &Direction,
-    damping: &mut f64,
-    is_accepted: impl Fn(&Iterate<'_>, f64) -> bool,
-) -> Iterate<'p> {
-    loop {
-        let trial = Iterate::new(balance, from.point.moved(step, *damping));
-        if *damping <= MIN_DAMPING || is_accepted(&trial, *damping) {
-            *damping = (RECOVERY * *damping).min(1.0);
-            return trial;
-        }
-        *damping *= 0.5;
-    }
 }

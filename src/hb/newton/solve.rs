@@ -2,8 +2,8 @@
 //!
 //! The bordered system [J R_ω; c_r c_ω] is solved by block elimination with the two right-hand sides R and R_ω.
 
-use super::iterate::Iterate;
-use super::iterate::negated;
+use super::damping::{Damping, is_shorter};
+use super::iterate::{Iterate, negated};
 use super::point::{Direction, Metric, Point};
 use crate::hb::equations::balance::Balance;
 use crate::hb::equations::jacobian::Jacobian;
@@ -52,13 +52,12 @@ const MAX_LEVEL_STEP: f64 = 0.5;
 /// Iterations within which the smallest residual must halve; a start that does not manage that never converged.
 const PATIENCE: usize = 12;
 
-/// Smallest damping factor, taken whatever it gives.
-const MIN_DAMPING: f64 = 1.0 / 64.0;
-
-/// First damping factor that a step tries, over the one that the step before took as it was tried.
-const RECOVERY: f64 = 16.0;
-/// The same where the step before had to be shortened, which says what the next one needs.
-const CAUTION: f64 = 2.0;
+/// Damping of the steps. The factor of a shortened step is about the one that the next step needs.
+const DAMPING: Damping = Damping {
+    smallest: 1.0 / 64.0,
+    recovery: 16.0,
+    caution: 2.0,
+};
 
 /// Residuals below this need no damping: the condition alone may still be open.
 const NEAR: f64 = 1e-2;
@@ -95,7 +94,7 @@ pub fn solve<'p>(
             };
         }
         if iterate.point.omega <= 0.0 {
-            // a step of a walk that was too long
+            // a step of a continuation that was too long
             return Err(Status::StepTooSmall);
         }
         if effort.is_spent() {
@@ -153,12 +152,12 @@ pub fn newton_step(
 }
 
 /// A Newton step with the change of the level.
-struct Step {
+struct NewtonStep {
     direction: Direction,
     level: f64,
 }
 
-impl Step {
+impl NewtonStep {
     fn add(&mut self, factor: f64, other: &Self) {
         for (a, b) in self.direction.r.iter_mut().zip(&other.direction.r) {
             *a += factor * b;
@@ -176,7 +175,7 @@ struct Linearized<'a, 'p> {
     condition: Condition<'a>,
     /// Solutions of the linearised balance per change of the frequency and of the level, each with the rates of the
     /// condition, where the condition sets them free.
-    free: Vec<(Step, [f64; 2])>,
+    free: Vec<(NewtonStep, [f64; 2])>,
 }
 
 impl<'a, 'p> Linearized<'a, 'p> {
@@ -186,14 +185,14 @@ impl<'a, 'p> Linearized<'a, 'p> {
         jacobian: &'a Jacobian<'a>,
         condition: Condition<'a>,
     ) -> Self {
-        let by_omega = || Step {
+        let by_omega = || NewtonStep {
             direction: Direction {
                 r: iterate.frequency_rate(balance, jacobian),
                 omega: 1.0,
             },
             level: 0.0,
         };
-        let by_level = || Step {
+        let by_level = || NewtonStep {
             direction: Direction {
                 r: iterate.level_rate(balance, jacobian),
                 omega: 0.0,
@@ -221,14 +220,15 @@ impl<'a, 'p> Linearized<'a, 'p> {
         linear
     }
 
-    fn rates(&self, step: &Step) -> [f64; 2] {
+    fn rates(&self, step: &NewtonStep) -> [f64; 2] {
         let (direction, level) = (&step.direction, step.level);
         (self.condition).rates(self.balance, self.iterate, self.jacobian, direction, level)
     }
 
-    /// The step that takes `residual` and the values `c` of the condition away.
-    fn step(&self, residual: &[f64], [c1, c2]: [f64; 2]) -> Step {
-        let mut step = Step {
+    /// The step that makes `residual` and the `values` of the condition vanish.
+    fn step(&self, residual: &[f64], values: [f64; 2]) -> NewtonStep {
+        let [c1, c2] = values;
+        let mut step = NewtonStep {
             direction: Direction {
                 r: negated(&self.jacobian.solve(residual)),
                 omega: 0.0,
@@ -292,38 +292,33 @@ impl Progress {
     }
 }
 
-/// Takes the Newton step times `damping` or less, damped until the step that would follow with the same Jacobian is shorter
-/// ("natural monotonicity"); returns the factor to try next, too. The residual is no measure far from the solution: stiff
-/// contacts can make it ten times larger on the best way there.
-///
-/// Source: Deuflhard 2004, Newton Methods for Nonlinear Problems, section 3.3.
-fn advance<'p>(linear: &Linearized<'_, 'p>, mut damping: f64) -> (Iterate<'p>, f64) {
+/// Takes the Newton step times `first` or less, damped by natural monotonicity (`damping`); also returns the factor that the
+/// next step tries first.
+fn advance<'p>(linear: &Linearized<'_, 'p>, first: f64) -> (Iterate<'p>, f64) {
     let (balance, from) = (linear.balance, linear.iterate);
     let step = linear.step(&from.residual, linear.condition.values(balance, from));
     let moving = step.direction.omega != 0.0;
     let metric = Metric::at(balance, &from.point, from.point.omega);
     let n_relative = balance.layout.n_relative();
-    let length = |step: &Step| (metric.dot(n_relative, &step.direction, &step.direction)).sqrt();
-    let mut growth = RECOVERY;
-    loop {
-        let mut point = from.point.moved(&step.direction, damping);
-        point.level += damping * step.level;
-        let trial = if moving {
+    let length =
+        |step: &NewtonStep| (metric.dot(n_relative, &step.direction, &step.direction)).sqrt();
+    let trial = |factor: f64| {
+        let mut point = from.point.moved(&step.direction, factor);
+        point.level += factor * step.level;
+        if moving {
             Iterate::new(balance, point)
         } else {
             Iterate::with_compliance(balance, point, Arc::clone(&from.compliance))
-        };
-        let shorter = || {
-            let values = linear.condition.values(balance, &trial);
-            let next = linear.step(&trial.residual, values);
-            length(&next) <= (1.0 - 0.25 * damping) * length(&step)
-        };
-        let near = trial.relative_residual(balance) <= NEAR;
-        if damping <= MIN_DAMPING || near || shorter() {
-            return (trial, (growth * damping).min(1.0));
         }
-        (damping, growth) = (0.5 * damping, CAUTION);
-    }
+    };
+    DAMPING.damped(first, trial, |trial, factor| {
+        let shorter = || {
+            let values = linear.condition.values(balance, trial);
+            let following = linear.step(&trial.residual, values);
+            is_shorter(length(&following), length(&step), factor)
+        };
+        trial.relative_residual(balance) <= NEAR || shorter()
+    })
 }
 
 impl Condition<'_> {

@@ -1,11 +1,12 @@
-//! Error alert: how much would the harmonics left out change the amplitude?
+//! Error alert: an estimate of how much the harmonics that were left out would change the amplitude.
 //!
-//! The solution is repeated with twice its harmonics, and twice the change of the amplitude is the error stated: harmonics
-//! beyond change it as much again where the error falls at least as the inverse of the harmonics. Amplitudes on other sets, where
-//! they are known, tell it by the same law.
-//! One Newton step onto them, as in the Jacobian Alert Algorithm of Gastaldi & Berruti 2017, is no substitute: it misses what a
-//! resonance of the strip adds and alarms too much where the strip lifts off far. It is the first iteration of that solve,
-//! and decides alone where it asks for many more harmonics.
+//! A solution on H harmonics is solved for again on 2H. The stated error is twice the change of the amplitude: the harmonics
+//! beyond 2H change it as much again if the error falls at least as 1/H. If the amplitude on another harmonic set is known,
+//! the same law gives the error from it.
+//!
+//! One Newton step onto 2H harmonics, as in the Jacobian Alert Algorithm of Gastaldi & Berruti 2017, does not replace the
+//! solve. The step misses what a resonance of the strip adds, and its estimate is far too large where the strip lifts off
+//! far. The step is the first iteration of the solve. It decides alone only where it asks for many more harmonics.
 
 use crate::harmonics::HarmonicSet;
 use crate::hb::equations::balance::{Balance, balance_on};
@@ -18,51 +19,51 @@ use crate::hb::status::Status;
 use std::cell::OnceCell;
 use std::collections::BTreeSet;
 
-/// Newton iterations onto twice the harmonics; those that lead there take 4 to 9.
+/// Most Newton iterations of a solve on twice the harmonics; the solves that converge take 4 to 9.
 const MOST_ITERATIONS: usize = 10;
 
-/// Errors by one Newton step, over the threshold, from which more harmonics are needed whatever a solve would say.
-const LOUD: f64 = 4.0;
+/// If the error by one Newton step is more than this many thresholds, the step decides without a solve.
+const STEP_DECIDES: f64 = 4.0;
 
-/// Errors fall at least as this power of the highest harmonic: for the choice of the next set alone.
+/// The error is assumed to fall with this power of the highest harmonic. This serves only to choose the next harmonic set.
 const DECAY: f64 = 2.0;
 
-/// Residual on twice the harmonics over the dynamic displacement, per threshold: a hundred times what it leaves in the
-/// amplitude is far below the threshold still.
+/// Residual to which the solution on twice the harmonics is solved, over its dynamic displacement and the threshold. Even if
+/// the amplitude is wrong by a hundred times this residual, that is far below the threshold.
 const EXACT_ENOUGH: f64 = 1e-4;
 
-/// The next larger set: 1.4 times the highest harmonic, so that twice the harmonics are two sets on, without gaps.
+/// Highest harmonic of the next larger set: 1.4 times the highest one, so that twice the harmonics are two sets further.
 fn enlarged(highest: usize) -> usize {
     (7 * highest).div_ceil(5)
 }
 
-/// A problem on the harmonics of a solution and on larger sets, each discretised when it is first asked for.
+/// A problem on the harmonics of a solution and on larger harmonic sets. Each set is discretised when it is first used.
 #[derive(Debug)]
 pub struct AlertSets<'s, 'p> {
     problem: &'p Problem<'p>,
     settings: &'s HbSettings,
     alert: AlertSettings,
-    /// Highest harmonics of the sets that a solution may have, up to the highest one allowed.
+    /// Highest harmonics of the sets that a solution may have, up to the highest harmonic of the settings.
     rungs: BTreeSet<usize>,
-    /// These sets and those with twice their harmonics, by the highest harmonic.
+    /// These sets and the sets with twice their harmonics, ascending by the highest harmonic.
     sets: Vec<(HarmonicSet, OnceCell<Balance<'p>>)>,
 }
 
-/// What a solution becomes with twice its harmonics.
+/// Truncation error of a solution, estimated on twice its harmonics.
 #[derive(Debug)]
-pub struct Outlook {
-    /// Stated relative error of |ŷ|; infinite where nothing was found on twice the harmonics.
+pub struct TruncationEstimate {
+    /// Stated relative error of |ŷ|; infinite if no solution was found on twice the harmonics.
     pub error: f64,
-    /// Whether a solve says so, not one Newton step.
-    pub decided: bool,
-    /// Where the step or the solve leads on twice the harmonics.
+    /// Whether the error is by a solve on twice the harmonics; else it is by one Newton step.
+    pub by_solve: bool,
+    /// The solution on twice the harmonics, or the point after the Newton step.
     pub point: Point,
-    /// |ŷ| there (m), by a solve.
+    /// |ŷ| of the solution on twice the harmonics (m); `None` without a solve, or if the solve failed.
     pub amplitude: Option<f64>,
 }
 
 impl<'s, 'p> AlertSets<'s, 'p> {
-    /// `problem` on `first` and on larger sets, unless the settings switch the alert off.
+    /// `problem` on `first` and on larger sets; `None` if the settings switch the alert off.
     #[must_use]
     pub fn new(
         problem: &'p Problem<'p>,
@@ -99,21 +100,22 @@ impl<'s, 'p> AlertSets<'s, 'p> {
         self.sets[i].0.highest()
     }
 
-    /// The set with twice the harmonics of set `i`, if that is one that a solution may have.
+    /// Number of the set with twice the harmonics of set `i`, which is one that a solution may have.
     #[must_use]
     pub fn twice(&self, i: usize) -> usize {
         let wanted = 2 * self.highest(i);
         self.sets.partition_point(|(set, _)| set.highest() < wanted)
     }
 
-    /// Sets up to twice the harmonics on which a solution of set `i` may be repeated, the smallest first.
+    /// Sets that may come after set `i`, up to twice its harmonics, the smallest first.
     #[must_use]
     pub fn larger(&self, i: usize) -> Vec<usize> {
         let allowed = |j: &usize| self.rungs.contains(&self.highest(*j));
         (i + 1..=self.twice(i)).filter(allowed).collect()
     }
 
-    /// The same, the one first that should do for a solution with this error, then larger and at last smaller ones.
+    /// The same sets in the order in which they are tried for a solution with this error. First comes the set that should be
+    /// large enough, then the larger ones, at last the smaller ones.
     #[must_use]
     pub fn above(&self, i: usize, error: f64) -> Vec<usize> {
         let sets = self.larger(i);
@@ -125,61 +127,14 @@ impl<'s, 'p> AlertSets<'s, 'p> {
         larger.iter().chain(smaller.iter().rev()).copied().collect()
     }
 
-    /// The outlook that starts with one Newton `step`: by a solve, unless the step asks for more harmonics and there are some.
+    /// Estimate by one Newton step from `solution` on set `i` onto twice its harmonics, under `condition`.
     #[must_use]
-    pub fn outlook(
+    pub fn estimate_by_step(
         &self,
         i: usize,
         solution: &Iterate<'_>,
-        step: Outlook,
         condition: Condition<'_>,
-    ) -> Outlook {
-        let loud = step.error > LOUD * self.alert.threshold;
-        match loud && !self.above(i, step.error).is_empty() {
-            true => step,
-            false => self.decided(i, solution, step, condition),
-        }
-    }
-
-    /// The `outlook` of `solution` on set `i` with its error by a solve.
-    #[must_use]
-    pub fn decided(
-        &self,
-        i: usize,
-        solution: &Iterate<'_>,
-        mut outlook: Outlook,
-        condition: Condition<'_>,
-    ) -> Outlook {
-        if outlook.decided {
-            return outlook;
-        }
-        let (from, to) = (self.balance(i), self.balance(self.twice(i)));
-        let starts = [outlook.point.clone(), solution.point.padded(from, to)];
-        let share = solution.point.dynamic_share(from).min(1.0);
-        let enough = EXACT_ENOUGH * self.alert.threshold * share;
-        let newton = self.settings.newton;
-        let newton = NewtonSettings {
-            tolerance: newton.tolerance.max(enough),
-            max_iterations: newton.max_iterations.min(MOST_ITERATIONS),
-            ..newton
-        };
-        let mut starts = starts.into_iter();
-        let solved = starts.find_map(|start| solve(to, start, condition, newton).ok());
-        outlook.decided = true;
-        outlook.error = f64::INFINITY;
-        if let Some(solved) = solved {
-            let amplitude = solved.response(to).norm();
-            let change = amplitude / solution.response(from).norm() - 1.0;
-            outlook.error = self.error_by(i, self.twice(i), change);
-            outlook.amplitude = Some(amplitude);
-            outlook.point = solved.point;
-        }
-        outlook
-    }
-
-    /// The outlook of `solution` on set `i` by one Newton step onto twice its harmonics, under `condition`.
-    #[must_use]
-    pub fn step(&self, i: usize, solution: &Iterate<'_>, condition: Condition<'_>) -> Outlook {
+    ) -> TruncationEstimate {
         let twice = self.balance(self.twice(i));
         let (change, point) = step_on(self.balance(i), solution, twice, condition);
         self.problem.effort.add(WorkCount {
@@ -187,32 +142,94 @@ impl<'s, 'p> AlertSets<'s, 'p> {
             factorizations: 1,
         });
         let error = self.error_by(i, self.twice(i), change);
-        Outlook {
+        TruncationEstimate {
             error: if error.is_nan() { f64::INFINITY } else { error },
-            decided: false,
+            by_solve: false,
             point,
             amplitude: None,
         }
     }
 
-    /// Stated relative error of |ŷ| on set `i` where the one on set `other` differs by `change`: errors fall at least as
-    /// the inverse of the harmonics.
+    /// Estimate of the error of `solution` on set `i`, given the one `by_step`. That one is kept if it clearly asks for more
+    /// harmonics and there are larger sets. Otherwise the estimate is by a solve.
+    #[must_use]
+    pub fn estimate(
+        &self,
+        i: usize,
+        solution: &Iterate<'_>,
+        by_step: TruncationEstimate,
+        condition: Condition<'_>,
+    ) -> TruncationEstimate {
+        let is_clear = by_step.error > STEP_DECIDES * self.alert.threshold;
+        match is_clear && !self.above(i, by_step.error).is_empty() {
+            true => by_step,
+            false => self.estimate_by_solve(i, solution, by_step, condition),
+        }
+    }
+
+    /// Estimate of the error of `solution` on set `i` by a solve on twice its harmonics. The solve starts at the point of the
+    /// estimate `known`; if that fails, at the solution itself.
+    #[must_use]
+    pub fn estimate_by_solve(
+        &self,
+        i: usize,
+        solution: &Iterate<'_>,
+        known: TruncationEstimate,
+        condition: Condition<'_>,
+    ) -> TruncationEstimate {
+        if known.by_solve {
+            return known;
+        }
+        let (from, to) = (self.balance(i), self.balance(self.twice(i)));
+        let starts = [known.point.clone(), solution.point.padded(from, to)];
+        let newton = self.newton_on_twice(solution.point.dynamic_share(from).min(1.0));
+        let mut starts = starts.into_iter();
+        let solved = starts.find_map(|start| solve(to, start, condition, newton).ok());
+        let mut estimate = TruncationEstimate {
+            error: f64::INFINITY,
+            by_solve: true,
+            ..known
+        };
+        if let Some(solved) = solved {
+            let amplitude = solved.response(to).norm();
+            let change = amplitude / solution.response(from).norm() - 1.0;
+            estimate.error = self.error_by(i, self.twice(i), change);
+            estimate.amplitude = Some(amplitude);
+            estimate.point = solved.point;
+        }
+        estimate
+    }
+
+    /// Newton's method for a solve on twice the harmonics of a solution whose dynamic displacement is `share` of the scale of
+    /// the residual.
+    fn newton_on_twice(&self, share: f64) -> NewtonSettings {
+        let enough = EXACT_ENOUGH * self.alert.threshold * share;
+        let newton = self.settings.newton;
+        NewtonSettings {
+            tolerance: newton.tolerance.max(enough),
+            max_iterations: newton.max_iterations.min(MOST_ITERATIONS),
+            ..newton
+        }
+    }
+
+    /// Stated relative error of |ŷ| on set `i` if |ŷ| on set `other` differs by the relative `change`. The error is assumed to
+    /// fall at least as the inverse of the highest harmonic.
     #[must_use]
     pub fn error_by(&self, i: usize, other: usize, change: f64) -> f64 {
         let [here, other] = [i, other].map(|i| self.highest(i) as f64);
         change.abs() * other / (other - here).abs()
     }
 
-    /// Whether an estimated error is no alarm.
+    /// Whether an estimated error is not above the threshold.
     #[must_use]
-    pub fn is_silent(&self, error: f64) -> bool {
+    pub fn is_accepted(&self, error: f64) -> bool {
         error <= self.alert.threshold
     }
 
-    /// The solution with its stated error, if that is known.
+    /// The solution with its stated truncation error, if that is known, and with the status that follows from the error.
     #[must_use]
-    pub fn judged(&self, mut solution: Solution, error: f64) -> Solution {
-        if solution.status == Status::Converged && !self.is_silent(error) {
+    pub fn with_error(&self, mut solution: Solution, error: f64) -> Solution {
+        if solution.status == Status::Converged && !self.is_accepted(error) {
             solution.status = Status::TruncationAboveThreshold;
         }
         solution.truncation_error = Some(error).filter(|error| error.is_finite());
@@ -220,7 +237,8 @@ impl<'s, 'p> AlertSets<'s, 'p> {
     }
 }
 
-/// Relative change of |ŷ| by one Newton step from `solution` on `larger`, under `condition`, and where the step leads.
+/// One Newton step from `solution` on `larger` harmonics, under `condition`: relative change of |ŷ|, and the point after the
+/// step.
 #[must_use]
 pub fn step_on(
     balance: &Balance<'_>,

@@ -1,10 +1,10 @@
-//! The highest maximum in a band where no track leads to it: next to the resonances of the structure that slides without
+//! The highest maximum in a band, if no track leads to it: next to the resonances of the structure that slides without
 //! friction, or on the branch through the whole band.
 
 use super::search::{Located, PeakSettings, find_peak, higher, maximum_on};
-use crate::hb::branch::run_in::first_solution;
-use crate::hb::branch::stretch::Stretch;
-use crate::hb::branch::sweep::{Route, SweepDirection, follow};
+use crate::hb::branch::branch_segment::BranchSegment;
+use crate::hb::branch::sweep::{SweepDirection, SweepSettings, follow};
+use crate::hb::branch::sweep_start::first_solution;
 use crate::hb::equations::balance::Balance;
 use crate::hb::newton::rest::Rest;
 use crate::hb::newton::{Condition, solve};
@@ -13,7 +13,7 @@ use crate::hb::status::Status;
 use crate::hb::structure::resonance::linear_resonances;
 use std::ops::ControlFlow;
 
-/// Largest relative change of the displacements, and of the frequency over the band, per step of a sweep.
+/// Largest relative change of the displacements per step of a sweep, and largest change of the frequency over the band.
 const SWEEP_STEP: f64 = 0.3;
 const SWEEP_ADVANCE: f64 = 0.025;
 
@@ -48,20 +48,21 @@ pub(super) fn sliding_maximum<'p>(
 /// last of `rungs`.
 ///
 /// # Errors
-/// [`Status::NoPeakInBand`] if the branch has none, else the status of the way that failed: one that stopped inside the band
-/// says nothing about the part that it has not seen.
+/// [`Status::NoPeakInBand`] if the branch has none, else the status of the sweep that failed: a sweep that stopped inside the
+/// band says nothing about the rest of the band.
 pub(super) fn swept_maximum<'p>(
     rungs: &[Balance<'p>],
     level: f64,
     peak: PeakSettings,
     newton: NewtonSettings,
 ) -> Result<Located<'p>, Status> {
-    let way = |direction| highest_on_way(rungs, level, direction, peak, newton);
-    let highest = way(SweepDirection::Upward).or_else(|_| way(SweepDirection::Downward))?;
+    let swept = |direction| highest_on_sweep(rungs, level, direction, peak, newton);
+    let highest = swept(SweepDirection::Upward).or_else(|_| swept(SweepDirection::Downward))?;
     highest.ok_or(Status::NoPeakInBand)
 }
 
-fn highest_on_way<'p>(
+/// The highest maximum that one sweep through the band passes.
+fn highest_on_sweep<'p>(
     rungs: &[Balance<'p>],
     level: f64,
     direction: SweepDirection,
@@ -70,17 +71,17 @@ fn highest_on_way<'p>(
 ) -> Result<Option<Located<'p>>, Status> {
     let balance = &rungs[rungs.len() - 1];
     let [omega, _] = direction.ends(peak.band);
-    let first = first_solution(rungs, newton, level, (omega, direction))?;
-    let route = Route {
+    let first = first_solution(rungs, newton, level, omega, direction)?;
+    let sweep = SweepSettings {
         band: peak.band,
         direction,
         largest_step: SWEEP_STEP,
         largest_advance: SWEEP_ADVANCE,
     };
     let mut maxima = Vec::new();
-    let end = follow(balance, first, route, newton, |from, to| {
-        let stretch = Stretch::new(balance, &from, to);
-        maxima.extend(maximum_on(&stretch, balance, peak, newton));
+    let end = follow(balance, first, sweep, newton, |from, to| {
+        let segment = BranchSegment::new(balance, &from, to);
+        maxima.extend(maximum_on(&segment, balance, peak, newton));
         ControlFlow::Continue(())
     });
     match end.status {

@@ -1,9 +1,9 @@
-//! The maxima of one problem at one level after the other, and which of them is the peak.
+//! The maxima of one problem at each level, and which of them is the peak.
 //!
 //! The peak is the highest maximum of the amplitude in the band. Maxima grow from the modes of the stuck and of the free
-//! structure ([`crate::hb::structure::resonance::candidates`]). Each mode has a reach: the largest amplitude that it has in the linear
-//! structures, stuck or free, between which friction damps it. The modes are searched in the order of their reach, each
-//! only where it could be higher than what was found before it.
+//! structure ([`crate::hb::structure::resonance::candidates`]). The reach of a mode is its largest amplitude in these two
+//! linear structures; friction damps the modes between them. The modes are searched in the order of their reach. A mode is
+//! searched only if its maximum could be higher than those found before it.
 
 use super::level_peak::LevelPeak;
 use crate::hb::equations::effort::WorkCount;
@@ -11,17 +11,17 @@ use crate::hb::solution::Solution;
 use crate::hb::status::Status;
 use crate::hb::structure::resonance::Candidate;
 
-/// A mode is searched where its reach is at least this part of the highest maximum found.
+/// A mode is searched if its reach is at least this part of the highest maximum found so far.
 pub const COMPETES: f64 = 0.5;
-/// Relative distances of frequency and amplitude up to which two solutions are one maximum.
+/// Two solutions are the same maximum up to these relative distances of frequency and amplitude.
 const SAME: [f64; 2] = [1e-6, 1e-5];
-/// The same for solutions on different harmonics, which the truncation sets apart.
+/// The same for solutions on different harmonics, whose truncation errors differ.
 const SAME_ON_OTHER_HARMONICS: [f64; 2] = [1e-4, 2e-2];
 
 /// Which maximum of the band is the peak.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum PeakChoice {
-    /// The highest one; a mode is searched where it competes.
+    /// The highest one; a mode is searched only if its reach competes with the maxima found.
     #[default]
     Highest,
     /// The highest one; every mode is searched.
@@ -30,20 +30,20 @@ pub enum PeakChoice {
     Mode(usize),
 }
 
-/// What the search for the maximum of one mode gave.
+/// Result of the search for the maximum of one mode.
 #[derive(Debug)]
 pub struct ModeSearch {
     /// The maximum, or why there is none.
     pub peak: LevelPeak,
-    /// Other maxima that were met on the way.
-    pub aside: Vec<Solution>,
+    /// Other maxima that the search has found.
+    pub others: Vec<Solution>,
 }
 
 impl From<LevelPeak> for ModeSearch {
-    /// Nothing was met on the way.
+    /// A search that has found no other maximum.
     fn from(peak: LevelPeak) -> Self {
-        let aside = Vec::new();
-        Self { peak, aside }
+        let others = Vec::new();
+        Self { peak, others }
     }
 }
 
@@ -52,16 +52,16 @@ impl From<LevelPeak> for ModeSearch {
 pub struct Maxima {
     /// Excitation level.
     pub level: f64,
-    /// What was found, each with the mode in whose search; one maximum may stand here for several modes.
+    /// The maxima found, each with the mode that was searched. One maximum may be listed for several modes.
     found: Vec<(usize, Solution)>,
-    /// Searches that failed: largest amplitude that the mode can have (m), and how they ended.
+    /// Searches that failed: largest amplitude that the mode can have (m), and status of the search.
     failed: Vec<(f64, Status)>,
     /// Work of all searches.
     pub count: WorkCount,
 }
 
-/// Searches the maxima at `levels`. `search` gives the maxima of one mode at some of the levels, by their numbers, and is
-/// told what was found of other modes there.
+/// Searches the maxima at `levels`. `search` gives the maxima of one mode at some of the levels, given by their numbers; it is
+/// passed the maxima of the other modes found so far.
 ///
 /// # Errors
 /// Those of `search`.
@@ -115,18 +115,18 @@ impl Maxima {
     }
 
     fn add(&mut self, candidate: &Candidate, search: ModeSearch) {
-        let ModeSearch { peak, aside } = search;
+        let ModeSearch { peak, others } = search;
         self.count += peak.count;
-        if peak.solution.is_none() && aside.is_empty() {
+        if peak.solution.is_none() && others.is_empty() {
             self.failed
                 .push((candidate.reach * self.level, peak.status));
         }
-        let found = peak.solution.into_iter().chain(aside);
+        let found = peak.solution.into_iter().chain(others);
         self.found
             .extend(found.map(|solution| (candidate.mode, solution)));
     }
 
-    /// The highest maximum found; the first of equals, so that it depends on nothing but the problem and its starts.
+    /// The highest maximum found; the first of equal ones, so that it depends only on the problem and its starts.
     #[must_use]
     pub fn highest(&self) -> Option<&Solution> {
         self.distinct().into_iter().next()
@@ -172,8 +172,8 @@ impl Maxima {
         others.any(|(_, known)| is_same_maximum(known, solution))
     }
 
-    /// How the search for the peak ended. Where a search failed whose mode could be higher than what was found, the
-    /// highest maximum is not known.
+    /// Status of the search for the peak. If the search of a mode failed, and that mode could be higher than the maxima found,
+    /// the highest maximum is not known.
     #[must_use]
     pub fn status(&self) -> Status {
         let highest = self.highest();
@@ -263,9 +263,9 @@ mod tests {
         }
     }
 
-    fn search(solution: Solution, aside: Vec<Solution>) -> ModeSearch {
+    fn search(solution: Solution, others: Vec<Solution>) -> ModeSearch {
         let peak = LevelPeak::found(solution, WorkCount::default());
-        ModeSearch { peak, aside }
+        ModeSearch { peak, others }
     }
 
     fn failed(status: Status) -> ModeSearch {
@@ -280,9 +280,9 @@ mod tests {
     /// Seen to fail with the lowest of the maxima, and with maxima on other harmonics counted apart.
     #[test]
     fn the_highest_maximum_is_reported_and_the_others_are_counted() {
-        let end = |aside: Vec<Solution>| {
+        let end = |others: Vec<Solution>| {
             let mut at = Maxima::none(1.0);
-            at.add(&mode(0, 3.0), search(maximum(100.0, 2.0, 3), aside));
+            at.add(&mode(0, 3.0), search(maximum(100.0, 2.0, 3), others));
             (at.peak().unwrap().omega, at.distinct().len() - 1)
         };
         assert_eq!(end(vec![]), (100.0, 0));

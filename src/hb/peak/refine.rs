@@ -1,8 +1,12 @@
-//! More harmonics for a solution until the error alert is silent.
+//! More harmonics for a solution until its stated truncation error is not above the threshold of the error alert.
+//!
+//! The error of a solution on one harmonic set is known in up to three ways, from the cheapest to the most expensive: by the
+//! change of the amplitude from another set on which the solution was found before, by one Newton step onto twice the
+//! harmonics, and by a solve with twice the harmonics ([`super::alert`]). [`refined`] tries them in this order.
 
-use super::alert::AlertSets;
+use super::alert::{AlertSets, TruncationEstimate};
 use super::predicted::{PeakPrediction, correct, maximum_near};
-use super::search::{Located, PeakSettings, highest_aside};
+use super::search::{Located, PeakSettings, highest_on_both_sides};
 use crate::harmonics::HarmonicSet;
 use crate::hb::equations::balance::Balance;
 use crate::hb::equations::balance::balance_on;
@@ -13,17 +17,18 @@ use crate::hb::settings::{HbSettings, NewtonSettings};
 use crate::hb::solution::Solution;
 use crate::hb::status::Status;
 use faer::prelude::c64;
+use std::ops::ControlFlow;
 
-/// What a solution remains on more harmonics.
+/// What is held while harmonics are added.
 #[derive(Debug, Clone, Copy)]
-pub enum Kept {
-    /// The solution at its frequency.
+pub enum RefinementTarget {
+    /// The frequency of the solution.
     Frequency,
-    /// A maximum of |ŷ|.
+    /// A maximum of |ŷ|: its frequency changes with the harmonics.
     Maximum(PeakSettings),
 }
 
-impl Kept {
+impl RefinementTarget {
     /// What closes the Newton steps of the alert at a solution whose response has the direction `phasor`.
     fn condition(self, phasor: c64) -> Condition<'static> {
         match self {
@@ -49,102 +54,174 @@ impl Kept {
         }
     }
 
-    /// The solution on `larger` beside one on fewer harmonics, where none was found next to it.
-    fn aside<'p>(
+    /// The solution on `larger` harmonics, searched on both sides of the solution `found` of `balance`: for maxima only.
+    fn searched_on_both_sides<'p>(
         self,
-        from: (&Balance<'p>, &Iterate<'p>),
+        balance: &Balance<'p>,
+        found: &Iterate<'p>,
         larger: &Balance<'p>,
         newton: NewtonSettings,
     ) -> Option<Located<'p>> {
         match self {
             Self::Frequency => None,
-            Self::Maximum(peak) => highest_aside(from, larger, peak, newton),
+            Self::Maximum(peak) => highest_on_both_sides(balance, found, larger, peak, newton),
         }
     }
 }
 
-/// Raises the harmonics of the solution `found` of `balance` as far as the alert of `sets` asks, which begin with those
-/// of `balance`.
+/// Raises the harmonics of the solution `found` of `balance` as far as the alert asks. The first of `sets` has the harmonics
+/// of `balance`; without `sets` the solution stays as it is.
 ///
-/// A solution that cannot be found on larger sets stays on the smaller one, with
-/// [`Status::TruncationAboveThreshold`].
+/// If the solution cannot be found on larger sets it stays on the smaller one, with [`Status::TruncationAboveThreshold`].
 #[must_use]
 pub fn refined<'p>(
     balance: &Balance<'p>,
     found: Located<'p>,
     sets: Option<&AlertSets<'_, 'p>>,
-    (kept, newton): (Kept, NewtonSettings),
+    target: RefinementTarget,
+    newton: NewtonSettings,
 ) -> Solution {
     let Some(sets) = sets else {
         return found.solution(balance);
     };
-    let (mut at, mut found) = (0, found);
-    // another set and the amplitude on it
-    let mut seen: Option<(usize, f64)> = None;
+    let refinement = Refinement {
+        sets,
+        target,
+        newton,
+    };
+    let mut at = OnSet { set: 0, found };
+    let mut other = None;
     loop {
-        let balance = sets.balance(at);
-        let Located { iterate, sharpness } = &found;
-        let response = iterate.response(balance);
-        let phasor = response / response.norm();
-        let condition = kept.condition(phasor);
-        let by_seen = seen.map(|(other, amplitude)| {
-            let change = amplitude / response.norm() - 1.0;
-            (other, sets.error_by(at, other, change))
-        });
-        let step = sets.step(at, iterate, condition);
-        // one alone may be small by accident; a solve with twice the harmonics costs more than all before
-        if let Some((other, error)) = by_seen
-            && other > at
-            && sets.is_silent(error.max(step.error))
-        {
-            return sets.judged(found.solution(balance), error.max(step.error));
+        match refinement.checked(&at, other) {
+            ControlFlow::Break(error) => {
+                let solution = at.found.solution(sets.balance(at.set));
+                return sets.with_error(solution, error);
+            }
+            ControlFlow::Continue((larger, known)) => (at, other) = (larger, Some(known)),
         }
-        let outlook = sets.outlook(at, iterate, step, condition);
-        let twice = sets.balance(sets.twice(at));
-        let starts = [(twice, &outlook.point), (balance, &iterate.point)];
-        let raised = |to: usize| {
-            let larger = sets.balance(to);
-            starts.into_iter().find_map(|(from, point)| {
-                let start = PeakPrediction {
-                    point: point.padded(from, larger),
-                    phasor,
-                    sharpness: *sharpness,
-                };
-                let solved = kept.solved(larger, start, newton);
-                Some((to, solved.ok()?))
-            })
-        };
-        let next = if sets.is_silent(outlook.error) {
-            None
-        } else if outlook.error.is_finite() {
-            sets.above(at, outlook.error).into_iter().find_map(raised)
-        } else {
-            // the smallest set is the least work, and the alert judges it again
-            sets.larger(at).into_iter().find_map(|to| {
-                let from = (balance, iterate);
-                let found = kept.aside(from, sets.balance(to), newton)?;
-                Some((to, found))
-            })
-        };
-        if let Some(larger) = next {
-            let (twice, to) = (sets.twice(at), larger.0);
-            seen = match outlook.amplitude {
-                Some(amplitude) if twice > to => Some((twice, amplitude)),
-                _ => Some((at, response.norm())),
-            };
-            (at, found) = larger;
-            continue;
-        }
-        let outlook = sets.decided(at, iterate, outlook, condition);
-        let error = match by_seen {
-            Some((_, error)) if outlook.error.is_infinite() => error,
-            _ => outlook.error,
-        };
-        return sets.judged(found.solution(balance), error);
     }
 }
 
-/// The peak next to a prediction on `harmonics`, reached by undamped steps or else by damped ones, refined from there.
+/// The error alert on one solution.
+struct Refinement<'r, 's, 'p> {
+    sets: &'r AlertSets<'s, 'p>,
+    target: RefinementTarget,
+    newton: NewtonSettings,
+}
+
+/// The solution on one harmonic set.
+struct OnSet<'p> {
+    /// Number of the set.
+    set: usize,
+    found: Located<'p>,
+}
+
+/// The amplitude of the solution on another harmonic set.
+#[derive(Clone, Copy)]
+struct KnownAmplitude {
+    /// Number of the set.
+    set: usize,
+    /// |ŷ| (m).
+    amplitude: f64,
+}
+
+impl<'p> Refinement<'_, '_, 'p> {
+    /// Checks a solution by its errors, the cheapest first. `other` is its amplitude on another set, if known. Breaks with the
+    /// error if the solution stays on its set; else continues with the solution on a larger set, and its amplitude on another.
+    fn checked(
+        &self,
+        at: &OnSet<'p>,
+        other: Option<KnownAmplitude>,
+    ) -> ControlFlow<f64, (OnSet<'p>, KnownAmplitude)> {
+        let (sets, set, iterate) = (self.sets, at.set, &at.found.iterate);
+        let response = iterate.response(sets.balance(set));
+        let amplitude = response.norm();
+        let phasor = response / amplitude;
+        let condition = self.target.condition(phasor);
+        let by_change = other.map(|other| {
+            let change = other.amplitude / amplitude - 1.0;
+            sets.error_by(set, other.set, change)
+        });
+        let by_step = sets.estimate_by_step(set, iterate, condition);
+        // one of the two may be small by accident; a solve with twice the harmonics costs more than all before
+        if let (Some(other), Some(by_change)) = (other, by_change)
+            && other.set > set
+            && sets.is_accepted(by_change.max(by_step.error))
+        {
+            return ControlFlow::Break(by_change.max(by_step.error));
+        }
+        let estimate = sets.estimate(set, iterate, by_step, condition);
+        if let Some(larger) = self.on_larger_set(at, &estimate, phasor) {
+            let twice = sets.twice(set);
+            let known = match estimate.amplitude {
+                Some(amplitude) if twice > larger.set => KnownAmplitude {
+                    set: twice,
+                    amplitude,
+                },
+                _ => KnownAmplitude { set, amplitude },
+            };
+            return ControlFlow::Continue((larger, known));
+        }
+        let estimate = sets.estimate_by_solve(set, iterate, estimate, condition);
+        ControlFlow::Break(match by_change {
+            Some(error) if estimate.error.is_infinite() => error,
+            _ => estimate.error,
+        })
+    }
+
+    /// The solution on a larger set, if the estimated error asks for one and the solution is found there.
+    fn on_larger_set(
+        &self,
+        at: &OnSet<'p>,
+        estimate: &TruncationEstimate,
+        phasor: c64,
+    ) -> Option<OnSet<'p>> {
+        let sets = self.sets;
+        if sets.is_accepted(estimate.error) {
+            None
+        } else if estimate.error.is_finite() {
+            let mut wanted = sets.above(at.set, estimate.error).into_iter();
+            wanted.find_map(|set| self.found_next_to(at, estimate, phasor, set))
+        } else {
+            // the smallest set is the least work, and the alert checks the solution on it again
+            let mut larger = sets.larger(at.set).into_iter();
+            larger.find_map(|set| {
+                let (balance, iterate) = (sets.balance(at.set), &at.found.iterate);
+                let larger = sets.balance(set);
+                let target = self.target;
+                let found = target.searched_on_both_sides(balance, iterate, larger, self.newton)?;
+                Some(OnSet { set, found })
+            })
+        }
+    }
+
+    /// The solution on `set`, started at the point of the estimate, or else at the solution itself.
+    fn found_next_to(
+        &self,
+        at: &OnSet<'p>,
+        estimate: &TruncationEstimate,
+        phasor: c64,
+        set: usize,
+    ) -> Option<OnSet<'p>> {
+        let sets = self.sets;
+        let larger = sets.balance(set);
+        let starts = [
+            (sets.balance(sets.twice(at.set)), &estimate.point),
+            (sets.balance(at.set), &at.found.iterate.point),
+        ];
+        starts.into_iter().find_map(|(from, point)| {
+            let start = PeakPrediction {
+                point: point.padded(from, larger),
+                phasor,
+                sharpness: at.found.sharpness,
+            };
+            let found = self.target.solved(larger, start, self.newton).ok()?;
+            Some(OnSet { set, found })
+        })
+    }
+}
+
+/// The peak next to a prediction on `harmonics`: by undamped Newton steps, or else by damped ones. Then harmonics are added.
 ///
 /// # Errors
 /// How the solve at the prediction ended.
@@ -165,9 +242,9 @@ pub fn refined_near(
         ),
     };
     let sets = AlertSets::new(problem, harmonics, settings);
-    let kept = (Kept::Maximum(peak), newton);
+    let target = RefinementTarget::Maximum(peak);
     Ok(Solution {
         route: Some(route),
-        ..refined(&balance, found, sets.as_ref(), kept)
+        ..refined(&balance, found, sets.as_ref(), target, newton)
     })
 }

@@ -1,11 +1,11 @@
 //! The resonance peak: a maximum of the amplitude along the solution branch, found directly.
 //!
-//! Close to a resonance ln|ŷ| is nearly a parabola in arclength whose curvature is −(d arg ŷ/ds)², as for one
-//! oscillator; that gives the first step, secants the next ones, and a bracket makes an end of it. Walking along the
-//! arc instead of the frequency axis keeps overhanging peaks harmless.
+//! Close to a resonance ln|ŷ| is nearly a parabola in arclength. Its curvature is −(d arg ŷ/ds)², as for one oscillator. The
+//! curvature gives the first step, secants give the next ones, and the search ends when a bracket is narrow enough. Steps are
+//! along the branch, not along the frequency axis, so that overhanging peaks are no difficulty.
 
 use crate::hb::branch::branch_point::BranchPoint;
-use crate::hb::branch::stretch::Stretch;
+use crate::hb::branch::branch_segment::BranchSegment;
 use crate::hb::equations::balance::Balance;
 use crate::hb::newton::{Condition, Iterate, Point, solve};
 use crate::hb::settings::NewtonSettings;
@@ -18,11 +18,11 @@ use crate::hb::structure::resonance::Band;
 pub struct PeakSettings {
     /// Where the peak must lie.
     pub band: Band,
-    /// Relative change of frequency between the last two points at which the search ends.
+    /// The search ends if the relative change of frequency between the last two points is not above this.
     pub frequency_tolerance: f64,
 }
 
-/// What a search ends with: a peak, or a solution at a frequency, whose sharpness is unknown.
+/// Result of a search: a peak, or a solution at a frequency, whose sharpness is unknown.
 #[derive(Debug)]
 pub struct Located<'p> {
     /// The solution there.
@@ -52,24 +52,25 @@ impl<'p> From<Iterate<'p>> for Located<'p> {
     }
 }
 
-/// First steps shorter than this (relative change of the displacements) would measure curvature in round-off.
+/// Shortest first step (relative change of the displacements). Round-off would spoil the curvature over a shorter one.
 const SHORTEST_STEP: f64 = 1e-3;
-/// Longer steps would leave the neighbourhood in which the curvature estimate holds.
+/// Longest step: the curvature estimate holds only in a neighbourhood.
 const LONGEST_STEP: f64 = 0.3;
 /// Residual over the dynamic displacement, per relative frequency tolerance.
 const GROWTH_SHARE: f64 = 1e-2;
 /// Residuals below this are round-off.
 const SHARPEST: f64 = 1e-13;
-/// Points visited before giving up.
+/// Most points of one search.
 const MAX_POINTS: usize = 40;
-/// Where [`highest_nearby`] and [`highest_aside`] start their searches (relative change of the displacements).
+/// Distances at which [`highest_nearby`] starts its searches (relative change of the displacements).
 const NEARBY: [f64; 4] = [-3e-3, -1.5e-3, 1.5e-3, 3e-3];
-const ASIDE: [f64; 3] = [0.05, 0.1, 0.2];
-/// Halvings of one step before giving up.
+/// Distances at which [`highest_on_both_sides`] starts its searches, on each side.
+const BOTH_SIDES: [f64; 3] = [0.05, 0.1, 0.2];
+/// Most halvings of one step.
 const MAX_HALVINGS: usize = 8;
 
 /// A point at arclength `s` from the start of the search.
-struct Station<'p> {
+struct ArcPoint<'p> {
     s: f64,
     point: BranchPoint<'p>,
 }
@@ -98,12 +99,12 @@ pub fn find_peak<'p>(
         .abs()
         .clamp(SHORTEST_STEP, LONGEST_STEP)
         .copysign(first.growth());
-    let mut search = Search::new(Station {
+    let mut bracket = Bracket::new(ArcPoint {
         s: 0.0,
         point: first,
     });
     for _ in 0..MAX_POINTS {
-        let from = search.nearest(step);
+        let from = bracket.nearest(step);
         let (iterate, length) = halving_step(balance, &from.point, step - from.s, newton)?;
         let point = BranchPoint::new(
             balance,
@@ -118,28 +119,28 @@ pub fn find_peak<'p>(
         }
         let s = from.s + length;
         let moved = (omega - from.point.iterate.point.omega).abs() / omega;
-        search.add(Station { s, point });
-        // the last point must have been solved where the secant wanted it: a kink makes a liar of a prediction
+        bracket.add(ArcPoint { s, point });
+        // the last point must be a solution: at a kink a small predicted step does not mean that the maximum is close
         let tolerance = settings.frequency_tolerance;
-        if search.is_maximum() && (moved <= tolerance || search.bracket_width() <= tolerance) {
-            return Ok(search.ended());
+        if bracket.is_maximum() && (moved <= tolerance || bracket.bracket_width() <= tolerance) {
+            return Ok(bracket.ended());
         }
-        step = search.next();
+        step = bracket.next();
     }
-    if search.is_maximum() && search.bracket_width() <= 10.0 * settings.frequency_tolerance {
-        return Ok(search.ended());
+    if bracket.is_maximum() && bracket.bracket_width() <= 10.0 * settings.frequency_tolerance {
+        return Ok(bracket.ended());
     }
     Err(Status::MaxIterations)
 }
 
-/// The maximum of the amplitude on a step along the branch, if there is one and it can be located.
+/// The maximum of the amplitude on a segment of the branch, if there is one and it can be located.
 pub fn maximum_on<'p>(
-    stretch: &Stretch<'_, 'p>,
+    segment: &BranchSegment<'_, 'p>,
     balance: &Balance<'p>,
     settings: PeakSettings,
     newton: NewtonSettings,
 ) -> Option<Located<'p>> {
-    let (from, to) = (stretch.from, stretch.to);
+    let (from, to) = (segment.from, segment.to);
     if from.growth() <= 0.0 || to.growth() > 0.0 {
         return None;
     }
@@ -150,15 +151,15 @@ pub fn maximum_on<'p>(
     let start = Iterate::new(balance, higher.iterate.point.clone());
     let found = find_peak(balance, start, settings, newton).ok()?;
     let top = found.iterate.response(balance).norm();
-    let is_on_it = stretch.passes(balance, &found.iterate.point)
+    let is_on_it = segment.passes(balance, &found.iterate.point)
         && top >= f64::max(from.response.norm(), to.response.norm());
     is_on_it.then_some(found)
 }
 
 /// The highest maximum in the neighbourhood of the maximum `found`.
 ///
-/// Where the changes of the contact states are decided at time points the amplitude is ragged: maxima stand side by
-/// side, each an exact one of the discretised equations. Searches from both sides look for a higher one.
+/// If changes of the contact states are placed at time points the amplitude is ragged: there are maxima side by side, and
+/// each is an exact maximum of the discretised equations. Searches from both sides look for a higher one.
 pub fn highest_nearby<'p>(
     balance: &Balance<'p>,
     found: Located<'p>,
@@ -167,8 +168,8 @@ pub fn highest_nearby<'p>(
 ) -> Located<'p> {
     let first = along_branch(balance, found.iterate, settings);
     let others = NEARBY.iter().filter_map(|&step| {
-        let aside = first.step(balance, step, newton).ok()?;
-        find_peak(balance, aside, settings, newton).ok()
+        let start = first.step(balance, step, newton).ok()?;
+        find_peak(balance, start, settings, newton).ok()
     });
     let others: Vec<Located<'p>> = others.collect();
     let found = Located {
@@ -178,10 +179,11 @@ pub fn highest_nearby<'p>(
     (others.into_iter()).fold(found, |best, other| higher(balance, best, other))
 }
 
-/// The highest maximum on `larger` harmonics next to the maximum `found` on those of `balance`, searched from both sides:
-/// more harmonics may split a maximum, so that there is none where it was.
-pub fn highest_aside<'p>(
-    (balance, found): (&Balance<'p>, &Iterate<'p>),
+/// The highest maximum on `larger` harmonics next to the maximum `found` on those of `balance`. It is searched from both
+/// sides: more harmonics may split a maximum into two, with none between them.
+pub fn highest_on_both_sides<'p>(
+    balance: &Balance<'p>,
+    found: &Iterate<'p>,
     larger: &Balance<'p>,
     settings: PeakSettings,
     newton: NewtonSettings,
@@ -189,13 +191,13 @@ pub fn highest_aside<'p>(
     let found = Iterate::new(balance, found.point.clone());
     let first = along_branch(balance, found, settings);
     let search = |step: f64| {
-        let aside = first.step(balance, step, newton).ok()?;
-        let start = aside.point.padded(balance, larger);
+        let beside = first.step(balance, step, newton).ok()?;
+        let start = beside.point.padded(balance, larger);
         let start = solve(larger, start, Condition::FixedFrequency, newton).ok()?;
         find_peak(larger, start, settings, newton).ok()
     };
     let sides = [-1.0, 1.0].into_iter();
-    let maxima = sides.filter_map(|side| ASIDE.iter().find_map(|step| search(side * step)));
+    let maxima = sides.filter_map(|side| BOTH_SIDES.iter().find_map(|step| search(side * step)));
     maxima.reduce(|best, other| higher(larger, best, other))
 }
 
@@ -221,8 +223,9 @@ pub(super) fn higher<'p>(
     }
 }
 
-/// Residual that leaves the growth of the amplitude exact enough for the frequency asked for: a flat top moves far for
-/// little, and a small excitation moves the contacts little compared with the scale of the residual.
+/// Residual that makes the growth of the amplitude exact enough for the frequency tolerance. A small residual is needed for
+/// two reasons: a small error moves a flat peak far, and a small excitation moves the contacts little compared with the scale
+/// of the residual.
 pub(in crate::hb) fn sharp_enough(
     balance: &Balance<'_>,
     start: &Point,
@@ -252,16 +255,16 @@ fn halving_step<'p>(
     Err(last)
 }
 
-/// The last two stations, or the two that bracket the maximum.
-struct Search<'p> {
-    older: Option<Station<'p>>,
-    newer: Station<'p>,
-    /// Factor on the growth of the older end: halved each time that end stays in the bracket (Illinois rule).
+/// The last two points, or the two that bracket the maximum.
+struct Bracket<'p> {
+    older: Option<ArcPoint<'p>>,
+    newer: ArcPoint<'p>,
+    /// Factor on the growth of the older end. It is halved each time that this end stays in the bracket (Illinois rule).
     weight: f64,
 }
 
-impl<'p> Search<'p> {
-    fn new(first: Station<'p>) -> Self {
+impl<'p> Bracket<'p> {
+    fn new(first: ArcPoint<'p>) -> Self {
         Self {
             older: None,
             newer: first,
@@ -294,25 +297,26 @@ impl<'p> Search<'p> {
         }
     }
 
-    fn nearest(&self, s: f64) -> &Station<'p> {
+    fn nearest(&self, s: f64) -> &ArcPoint<'p> {
         match &self.older {
             Some(older) if (older.s - s).abs() < (self.newer.s - s).abs() => older,
             _ => &self.newer,
         }
     }
 
-    fn add(&mut self, station: Station<'p>) {
-        let same_side = station.point.growth() * self.newer.point.growth() > 0.0;
+    fn add(&mut self, added: ArcPoint<'p>) {
+        let same_side = added.point.growth() * self.newer.point.growth() > 0.0;
         if self.bracketed() && same_side {
             self.weight *= 0.5;
-            self.newer = station;
+            self.newer = added;
         } else {
             self.weight = 1.0;
-            self.older = Some(std::mem::replace(&mut self.newer, station));
+            self.older = Some(std::mem::replace(&mut self.newer, added));
         }
     }
 
-    /// Where the growth vanishes by the secant; a limited step uphill where the secant has no maximum.
+    /// Arclength at which the growth vanishes by the secant. If the secant has no maximum: a limited step towards larger
+    /// amplitudes.
     fn next(&self) -> f64 {
         let Some(older) = &self.older else {
             return self.newer.s;
@@ -335,7 +339,7 @@ impl<'p> Search<'p> {
     /// The higher of the two, with the sharpness between them.
     fn ended(self) -> Located<'p> {
         let newer = self.newer.point;
-        let Some(Station { s, point: older }) = self.older else {
+        let Some(ArcPoint { s, point: older }) = self.older else {
             return newer.iterate.into();
         };
         let fall = (older.growth() - newer.growth()) / (self.newer.s - s);

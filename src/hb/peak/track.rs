@@ -11,7 +11,7 @@ use super::band::{sliding_maximum, swept_maximum};
 use super::level_peak::LevelPeak;
 use super::maxima::{COMPETES, ModeSearch, PeakChoice, search_maxima};
 use super::predicted::{PeakPrediction, correct, maximum_near};
-use super::refine::{Kept, refined};
+use super::refine::{RefinementTarget, refined};
 use super::search::{Located, PeakSettings, find_peak, highest_nearby};
 use crate::contact::Events;
 use crate::hb::equations::balance::Balance;
@@ -69,7 +69,7 @@ struct Track<'a, 'p> {
 }
 
 /// How the maximum at a level is looked for.
-type Search<'a, 'p> = fn(&mut Track<'a, 'p>, f64) -> Result<Located<'p>, Status>;
+type RouteSearch<'a, 'p> = fn(&mut Track<'a, 'p>, f64) -> Result<Located<'p>, Status>;
 
 /// Peaks of `problem` at the ascending, positive `levels`: the highest of the maxima that grow from its modes. A level
 /// that is not a positive number gives [`Status::NonFinite`].
@@ -172,8 +172,8 @@ impl<'a, 'p> Track<'a, 'p> {
     }
 
     /// The routes to the maximum at a level, in the order in which they are tried.
-    fn searches(&self) -> Vec<(PeakRoute, Search<'a, 'p>)> {
-        let mut searches: Vec<(PeakRoute, Search<'a, 'p>)> = vec![
+    fn searches(&self) -> Vec<(PeakRoute, RouteSearch<'a, 'p>)> {
+        let mut searches: Vec<(PeakRoute, RouteSearch<'a, 'p>)> = vec![
             (PeakRoute::Tracked, |track, level| {
                 let found = track.located(level, track.few)?;
                 track.raised(track.few, found)
@@ -217,8 +217,8 @@ impl<'a, 'p> Track<'a, 'p> {
             _ => highest_nearby(full, found, self.peak, settings.newton),
         };
         let sets = AlertSets::new(full.problem, &settings.harmonics, settings);
-        let kept = (Kept::Maximum(self.peak), settings.newton);
-        refined(full, found, sets.as_ref(), kept)
+        let target = RefinementTarget::Maximum(self.peak);
+        refined(full, found, sets.as_ref(), target, settings.newton)
     }
 
     /// The maximum on the harmonics of `rung` next to the phase resonance at `level`.
@@ -252,7 +252,7 @@ impl<'a, 'p> Track<'a, 'p> {
     }
 
     /// Newton's method for solutions that only lead to others.
-    fn on_the_way(&self) -> NewtonSettings {
+    fn intermediate_newton(&self) -> NewtonSettings {
         let newton = self.settings.newton;
         NewtonSettings {
             tolerance: newton.tolerance.max(TRACK_TOLERANCE),
@@ -264,7 +264,7 @@ impl<'a, 'p> Track<'a, 'p> {
     /// returns to its level.
     fn climb(&self, start: Iterate<'p>, last: usize) -> Result<Iterate<'p>, Status> {
         let level = start.point.level;
-        let newton = self.on_the_way();
+        let newton = self.intermediate_newton();
         let mut iterate = start;
         for rung in 1..=last {
             let (from, to) = (&self.ladder[rung - 1], &self.ladder[rung]);
@@ -282,7 +282,7 @@ impl<'a, 'p> Track<'a, 'p> {
     fn follow(&mut self, level: f64) -> Result<Iterate<'p>, Status> {
         let newton = NewtonSettings {
             max_iterations: TRACK_ITERATIONS.min(self.settings.newton.max_iterations),
-            ..self.on_the_way()
+            ..self.intermediate_newton()
         };
         loop {
             let at = self.at.as_ref().ok_or(Status::StepTooSmall)?;
@@ -340,7 +340,7 @@ impl<'a, 'p> Track<'a, 'p> {
         level: f64,
     ) -> Result<Iterate<'p>, Status> {
         let balance = &self.ladder[rung];
-        let newton = self.on_the_way();
+        let newton = self.intermediate_newton();
         let mut at = start;
         let (mut slope, mut longest) = (1.0, LONGEST_SECANT);
         for _ in 0..MOST_SECANTS {

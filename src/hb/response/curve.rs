@@ -1,12 +1,12 @@
 //! Forced response around a peak: few solutions along the branch, many points between them.
 //!
-//! Between two solutions the dynamic stiffness 1/ŷ is a cubic Hermite polynomial in the frequency ω: the tangents are
-//! known, and where the ŷ of one oscillator draws a circle, its 1/ŷ is a parabola in ω. Around folds both are cubics in
-//! arclength. Solutions are added until the cubics are as exact as [`CURVE_ERROR`] says. The curve kept is what a sweep
-//! away from the peak meets: where the branch folds back, the part behind the fold is left out.
+//! Between two solutions the dynamic stiffness 1/ŷ is a cubic Hermite polynomial in the frequency ω. The tangents are known,
+//! and 1/ŷ is smooth: for one oscillator ŷ draws a circle, but 1/ŷ is a parabola in ω. Around folds 1/ŷ and ω are cubics in
+//! arclength. Solutions are added until the cubics are as exact as [`CURVE_ERROR`] says. The curve consists of the points that
+//! a sweep away from the peak meets: the part behind a fold is left out.
 
 use crate::hb::branch::branch_point::BranchPoint;
-use crate::hb::branch::continuation::{StepSettings, walk};
+use crate::hb::branch::continuation::{StepSettings, continue_branch};
 use crate::hb::equations::balance::Balance;
 use crate::hb::newton::{Iterate, Point};
 use crate::hb::settings::NewtonSettings;
@@ -23,31 +23,31 @@ pub struct CurvePoint {
     pub amplitude: f64,
 }
 
-/// Distance at most between the curve and the solutions, over the amplitude of the peak; along the frequency axis over
-/// the half-power half-width of an oscillator with the phase rate of the peak.
+/// Largest distance between the curve and the solutions, over the amplitude of the peak; along the frequency axis over the
+/// half-power half-width of an oscillator with the phase rate of the peak.
 pub const CURVE_ERROR: f64 = 3e-3;
 
-/// First, shortest and largest relative change of the displacements per solution; shorter ones would resolve kinks
-/// where pairs begin to slip or lift off, which the rounds of halving do at less cost.
+/// First, shortest and largest relative change of the displacements per step. Shorter steps would resolve the kinks where
+/// pairs begin to slip or lift off; the rounds of halving do that at less cost.
 const STEPS: [f64; 3] = [0.4, 0.1, 2.0];
-/// Solutions per side before the walk gives up.
+/// Most steps of the continuation per side.
 const MOST_STEPS: usize = 60;
-/// Rounds in which solutions are added between those of the walk.
+/// Rounds in which solutions are added between those of the continuation.
 const MOST_ROUNDS: usize = 4;
-/// Estimate of the error that the walk aims at, and above which solutions are added: kinks make it too low, by a factor
-/// of two at most where it was checked.
+/// Estimated error that the step control aims at, and estimated error above which solutions are added. Kinks make the
+/// estimate too low, by a factor of two at most where it was checked.
 const ESTIMATES: [f64; 2] = [0.1 * CURVE_ERROR, CURVE_ERROR / 3.0];
-/// Slopes dω/dt at the ends of a leg over that of its chord, up to which ω is the parameter.
+/// If the slopes dω/dt at the ends of a segment, over that of its chord, are in this range, the parameter is ω.
 const STRAIGHT: std::ops::Range<f64> = 0.1..10.0;
-/// Distance in the picture between two points of the curve.
+/// Scaled distance between two points of the curve.
 const SPACING: f64 = 0.04;
-/// Points per leg at most.
+/// Points per segment at most.
 const MOST_POINTS: f64 = 24.0;
-/// Residual over the largest dynamic displacement at the peak. The picture needs no more; the peak itself is solved to
-/// the study's tolerance.
+/// Residual over the largest dynamic displacement at the peak. That is enough for a plot; the peak itself is solved to the
+/// study's tolerance.
 const TOLERANCE: f64 = 1e-4;
 
-/// The forced response through `peak` inside `band`, ascending in frequency. Where the walk fails the curve ends.
+/// The forced response through `peak` inside `band`, ascending in frequency. Where the continuation fails the curve ends.
 #[must_use]
 pub fn response_curve(
     balance: &Balance<'_>,
@@ -62,9 +62,9 @@ pub fn response_curve(
         ..newton
     };
     let side = |upwards: bool| {
-        let mut march = March::outwards(balance, peak, upwards, (band, newton));
-        march.refine();
-        march.points(band)
+        let mut side = CurveSide::outwards(balance, peak, upwards, band, newton);
+        side.refine();
+        side.points(band)
     };
     let mut curve = side(false);
     curve.reverse();
@@ -73,24 +73,25 @@ pub fn response_curve(
     curve
 }
 
-/// The solutions of one side, in the order of the walk.
-struct March<'b, 'p> {
+/// The solutions on one side of the peak, in the order of the continuation.
+struct CurveSide<'b, 'p> {
     balance: &'b Balance<'p>,
     newton: NewtonSettings,
     omega_scale: f64,
-    picture: Picture,
+    scales: ComplexScales,
     points: Vec<BranchPoint<'p>>,
     /// Lengths of the steps between the points. Shape: `[points - 1]`.
     lengths: Vec<f64>,
 }
 
-impl<'b, 'p> March<'b, 'p> {
-    /// Walks from the peak until the band ends, the error of each leg governing the next step.
+impl<'b, 'p> CurveSide<'b, 'p> {
+    /// Follows the branch from the peak to the end of the band. The error of each segment decides the length of the next step.
     fn outwards(
         balance: &'b Balance<'p>,
         peak: &Point,
         upwards: bool,
-        (band, newton): (Band, NewtonSettings),
+        band: Band,
+        newton: NewtonSettings,
     ) -> Self {
         let steps = StepSettings {
             first: STEPS[0],
@@ -101,17 +102,17 @@ impl<'b, 'p> March<'b, 'p> {
         let omega_scale = steps.omega_scale;
         let iterate = Iterate::new(balance, peak.clone());
         let start = BranchPoint::new(balance, iterate, omega_scale, None, None);
-        let picture = Picture::of(&start, band);
+        let scales = ComplexScales::of(&start, band);
         let start = if upwards { start } else { start.reversed() };
         let (mut points, mut lengths) = (Vec::new(), Vec::new());
-        let mut before: Option<Leg> = None;
-        let end = walk(balance, start, newton, steps, |from, to, length| {
+        let mut before: Option<CubicSegment> = None;
+        let end = continue_branch(balance, start, newton, steps, |from, to, length| {
             let mut longest = f64::INFINITY;
-            if let Some(leg) = &before {
-                let share = leg.error(&picture, length, to) / ESTIMATES[0];
-                longest = f64::max(leg.length / share.sqrt().sqrt(), STEPS[1]);
+            if let Some(segment) = &before {
+                let share = segment.error(&scales, length, to) / ESTIMATES[0];
+                longest = f64::max(segment.length / share.sqrt().sqrt(), STEPS[1]);
             }
-            before = Some(Leg::new(balance, &from, to, length));
+            before = Some(CubicSegment::new(balance, &from, to, length));
             points.push(from);
             lengths.push(length);
             match band.contains(to.iterate.point.omega) {
@@ -124,14 +125,14 @@ impl<'b, 'p> March<'b, 'p> {
             balance,
             newton,
             omega_scale,
-            picture,
+            scales,
             points,
             lengths,
         }
     }
 
-    fn leg(&self, i: usize) -> Leg {
-        Leg::new(
+    fn segment(&self, i: usize) -> CubicSegment {
+        CubicSegment::new(
             self.balance,
             &self.points[i],
             &self.points[i + 1],
@@ -139,19 +140,19 @@ impl<'b, 'p> March<'b, 'p> {
         )
     }
 
-    /// Error of leg i, as the solutions beyond its ends see it.
+    /// Error of segment i, measured at the solutions beyond its ends.
     fn error(&self, i: usize) -> f64 {
         let ahead = (self.lengths.get(i + 1)).map_or(0.0, |&length| {
-            (self.leg(i)).error(&self.picture, length, &self.points[i + 2])
+            (self.segment(i)).error(&self.scales, length, &self.points[i + 2])
         });
         let behind = i.checked_sub(1).map_or(0.0, |j| {
-            let leg = self.leg(i).reversed();
-            leg.error(&self.picture, self.lengths[j], &self.points[j])
+            let segment = self.segment(i).reversed();
+            segment.error(&self.scales, self.lengths[j], &self.points[j])
         });
         f64::max(ahead, behind)
     }
 
-    /// Adds a solution in the middle of every leg that is not exact enough.
+    /// Adds a solution in the middle of every segment that is not exact enough.
     fn refine(&mut self) {
         for _ in 0..MOST_ROUNDS {
             let coarse: Vec<usize> = (0..self.lengths.len())
@@ -164,7 +165,7 @@ impl<'b, 'p> March<'b, 'p> {
         }
     }
 
-    /// Whether a solution could be added in the middle of leg i.
+    /// Whether a solution could be added in the middle of segment i.
     fn halve(&mut self, i: usize) -> bool {
         let (from, half) = (&self.points[i], 0.5 * self.lengths[i]);
         let solved = from.step(self.balance, half, self.newton);
@@ -183,7 +184,7 @@ impl<'b, 'p> March<'b, 'p> {
         true
     }
 
-    /// Points from the peak outwards that a sweep meets.
+    /// Points that a sweep away from the peak meets.
     fn points(&self, band: Band) -> Vec<CurvePoint> {
         let peak = &self.points[0];
         let mut front = peak.iterate.point.omega;
@@ -193,7 +194,7 @@ impl<'b, 'p> March<'b, 'p> {
         }];
         let sign = peak.tangent.omega.signum();
         for i in 0..self.lengths.len() {
-            for (omega, response) in self.leg(i).points(&self.picture) {
+            for (omega, response) in self.segment(i).points(&self.scales) {
                 if sign * (omega - front) > 0.0 {
                     front = omega;
                     if band.contains(omega) {
@@ -207,14 +208,14 @@ impl<'b, 'p> March<'b, 'p> {
     }
 }
 
-/// The scales in which the curve is looked at.
+/// Scales of the frequency and of the complex response.
 #[derive(Debug, Clone, Copy)]
-struct Picture {
+struct ComplexScales {
     width: f64,
     height: f64,
 }
 
-impl Picture {
+impl ComplexScales {
     fn of(peak: &BranchPoint<'_>, band: Band) -> Self {
         let half_width = (peak.tangent.omega / peak.phase_rate()).abs();
         Self {
@@ -223,7 +224,7 @@ impl Picture {
         }
     }
 
-    /// Frequency, real and imaginary part of the response.
+    /// Scaled frequency, real and imaginary part of the response.
     fn place(&self, omega: f64, response: c64) -> [f64; 3] {
         [
             omega / self.width,
@@ -232,8 +233,8 @@ impl Picture {
         ]
     }
 
-    /// Distance of a place from the tangent at `point`: a difference along the curve is none.
-    fn distance(&self, (omega, response): (f64, c64), point: &BranchPoint<'_>) -> f64 {
+    /// Distance of a place from the tangent at `point`: differences along the curve do not count.
+    fn distance(&self, omega: f64, response: c64, point: &BranchPoint<'_>) -> f64 {
         let omega = omega - point.iterate.point.omega;
         let away = self.place(omega, response - point.response);
         let along = self.place(point.tangent.omega, point.response_rate);
@@ -249,43 +250,46 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 /// The cubics between two solutions, over a parameter that runs from 0 to 1.
 #[derive(Debug, Clone, Copy)]
-struct Leg {
+struct CubicSegment {
     omega: [f64; 2],
     omega_rate: [f64; 2],
     stiffness: [c64; 2],
     stiffness_rate: [c64; 2],
-    /// Arclength as the start and as the end measures it.
+    /// Arclength in the metric of the start, and in that of the end.
     length: f64,
-    stretch: f64,
+    length_at_end: f64,
     /// Whether the parameter is the frequency, not the arclength.
     by_frequency: bool,
 }
 
-impl Leg {
+impl CubicSegment {
     fn new(
         balance: &Balance<'_>,
         from: &BranchPoint<'_>,
         to: &BranchPoint<'_>,
         length: f64,
     ) -> Self {
-        // tangents are of unit length where they stand; both ends must speak of the same arclength
-        let stretch = from.length_at(balance, to, length);
+        // each tangent has unit length in the metric of its own point; both rates must be per the same arclength
+        let length_at_end = from.length_at(balance, to, length);
         let rate = |p: &BranchPoint<'_>, length: f64| {
             -p.response_rate / (p.response * p.response) * length
         };
         Self {
             omega: [from.iterate.point.omega, to.iterate.point.omega],
-            omega_rate: [from.tangent.omega * length, to.tangent.omega * stretch],
+            omega_rate: [
+                from.tangent.omega * length,
+                to.tangent.omega * length_at_end,
+            ],
             stiffness: [from.response.inv(), to.response.inv()],
-            stiffness_rate: [rate(from, length), rate(to, stretch)],
+            stiffness_rate: [rate(from, length), rate(to, length_at_end)],
             length,
-            stretch,
+            length_at_end,
             by_frequency: false,
         }
         .straightened()
     }
 
-    /// The same leg with the frequency as its parameter, unless it folds or nearly does.
+    /// The same segment with the frequency as its parameter, unless it has or nearly has a fold.
     fn straightened(mut self) -> Self {
         let chord = self.omega[1] - self.omega[0];
         if self
@@ -302,7 +306,7 @@ impl Leg {
         self
     }
 
-    /// The same leg walked backwards.
+    /// The same segment in the opposite direction.
     fn reversed(self) -> Self {
         let swap = |[a, b]: [f64; 2]| [b, a];
         let [a, b] = self.stiffness_rate;
@@ -311,8 +315,8 @@ impl Leg {
             omega_rate: swap(self.omega_rate).map(|r| -r),
             stiffness: [self.stiffness[1], self.stiffness[0]],
             stiffness_rate: [-b, -a],
-            length: self.stretch,
-            stretch: self.length,
+            length: self.length_at_end,
+            length_at_end: self.length,
             by_frequency: self.by_frequency,
         }
     }
@@ -329,20 +333,21 @@ impl Leg {
         (omega.sum(), stiffness.inv())
     }
 
-    /// Largest error of the cubics on the leg, from how far they miss the solution `next` at the distance `length`
-    /// beyond its end: the errors there and in the middle are those of t²(1 − t)², (t²(1 − t)² : 1/16).
-    fn error(&self, picture: &Picture, length: f64, next: &BranchPoint<'_>) -> f64 {
+    /// Largest error of the cubics on the segment, from their distance to the solution `next`, which lies `length` beyond its
+    /// end. The error is taken to vary as t²(1 − t)², which is 1/16 in the middle.
+    fn error(&self, scales: &ComplexScales, length: f64, next: &BranchPoint<'_>) -> f64 {
         let t = match self.by_frequency {
             true => (next.iterate.point.omega - self.omega[0]) / (self.omega[1] - self.omega[0]),
-            false => 1.0 + length / self.stretch,
+            false => 1.0 + length / self.length_at_end,
         };
-        let missed = picture.distance(self.at(t), next);
+        let (omega, response) = self.at(t);
+        let missed = scales.distance(omega, response, next);
         missed / (16.0 * (t * (t - 1.0)).powi(2))
     }
 
-    /// Frequencies and responses at even parameters in (0, 1], close together in the picture.
-    fn points(&self, picture: &Picture) -> impl Iterator<Item = (f64, c64)> {
-        let [a, b] = [0, 1].map(|i| picture.place(self.omega[i], self.stiffness[i].inv()));
+    /// Frequencies and responses at even parameters in (0, 1], close together after scaling.
+    fn points(&self, scales: &ComplexScales) -> impl Iterator<Item = (f64, c64)> {
+        let [a, b] = [0, 1].map(|i| scales.place(self.omega[i], self.stiffness[i].inv()));
         let chord: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
         let n = (dot(chord, chord).sqrt() / SPACING).ceil();
         let n = n.clamp(2.0, MOST_POINTS);

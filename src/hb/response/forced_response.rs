@@ -1,100 +1,64 @@
 //! Forced response at one level: at given frequencies, or as a continuous curve over a band.
 //!
-//! Both follow the branch from one end of the band (see [`crate::hb::branch::sweep`]). Where it cannot be followed further, the other
-//! part of the band is walked from the other end; what lies between is named as a gap.
+//! Both follow the branch from one end of the band (see [`crate::hb::branch::sweep`]). If the branch cannot be followed to the
+//! other end, the rest of the band is swept from there. The part that neither sweep reaches is the gap.
 
-pub use super::stations::PICTURE_ERROR;
-use super::stations::Stations;
+pub use super::gap::{Gap, Stop};
+use super::level_problem::LevelProblem;
+pub use super::polyline::PLOT_ERROR;
+use super::polyline::{Counted, Polyline};
 use crate::hb::branch::branch_point::BranchPoint;
-use crate::hb::branch::run_in::first_solution;
-use crate::hb::branch::stretch::Stretch;
-use crate::hb::branch::sweep::{Route, SweepDirection};
-use crate::hb::equations::balance::Balance;
-use crate::hb::equations::effort::{Meter, WorkCount};
+use crate::hb::branch::branch_segment::BranchSegment;
+use crate::hb::branch::sweep::{SweepDirection, SweepSettings};
+use crate::hb::equations::effort::Meter;
 use crate::hb::equations::problem::Problem;
 use crate::hb::newton::ladder::Ladder;
-use crate::hb::newton::{Condition, Iterate, Point, polish};
-use crate::hb::peak::alert::AlertSets;
+use crate::hb::newton::{Condition, Iterate, Point};
 use crate::hb::peak::search::{PeakSettings, maximum_on};
-use crate::hb::peak::track::stuck_point;
 use crate::hb::settings::HbSettings;
 use crate::hb::solution::Solution;
 use crate::hb::status::Status;
 use crate::hb::structure::resonance::Band;
 
 /// Largest relative change of the displacements between two solutions of a curve.
-const PICTURE_STEP: f64 = 0.15;
+const PLOT_STEP: f64 = 0.15;
 /// Largest change of the frequency between two solutions of a curve, over the band.
 const CURVE_ADVANCE: f64 = 0.025;
 /// Relative change of frequency at which a maximum of a curve counts as located.
 const PEAK_TOLERANCE: f64 = 1e-9;
 
-/// What was found at one level.
+/// The response at one level.
 #[derive(Debug, Clone)]
 pub struct Response {
-    /// Solutions, and what was not solved with its status.
+    /// Solutions; a frequency without solution has the status that says why.
     pub solutions: Vec<Solution>,
-    /// Whether they are a curve, not those at prescribed frequencies.
+    /// Whether they are a curve; else they are at prescribed frequencies.
     pub is_curve: bool,
-    /// Where the branch could not be followed from one end of the band to the other, or to the last frequency asked for.
+    /// Present if the branch could not be followed from one end of the band to the other, or to the last frequency asked for.
     pub gap: Option<Gap>,
 }
 
-/// The part of the band between the ends of the ways from both sides.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gap {
-    /// Where the way from the lower end of the band ended, and why; [`Status::Converged`] where nothing further was asked
-    /// for.
-    pub below: Stop,
-    /// The same of the way from the upper end.
-    pub above: Stop,
-}
-
-impl Gap {
-    pub(in crate::hb) fn has_spent_budget(self) -> bool {
-        let stops = [self.below, self.above].map(|stop| stop.status);
-        stops.contains(&Status::BudgetSpent)
-    }
-
-    /// Whether every frequency asked for was met by a sweep, from one side or from the other.
-    #[must_use]
-    pub fn is_answered(self) -> bool {
-        [self.below, self.above]
-            .map(|stop| stop.status)
-            .contains(&Status::Converged)
-    }
-}
-
-/// The end of a way through the band.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stop {
-    /// Frequency that was reached (rad/s).
-    pub omega: f64,
-    /// Why it was the last one.
-    pub status: Status,
-}
-
-/// How a curve is walked.
+/// How a curve is computed.
 #[derive(Debug, Clone, Copy)]
 pub struct CurveSettings {
-    /// From its lower to its upper end.
+    /// Frequencies of the curve.
     pub band: Band,
     /// Largest relative change of the displacements between two solutions.
     pub step: f64,
 }
 
 impl CurveSettings {
-    /// As a picture with straight lines between the solutions needs.
+    /// Steps for a plot with straight lines between the solutions.
     #[must_use]
-    pub fn picture(band: Band) -> Self {
+    pub fn for_plot(band: Band) -> Self {
         Self {
             band,
-            step: PICTURE_STEP,
+            step: PLOT_STEP,
         }
     }
 }
 
-/// What the largest amplitude of a response is.
+/// What kind of value the largest amplitude of a response is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Largest {
@@ -102,18 +66,18 @@ pub enum Largest {
     Maximum,
     /// The largest of the values asked for, between smaller ones.
     OfValues,
-    /// Found at an end of the band, or of the values, beyond which it may grow on.
+    /// Value at an end of the band, or at the first or last frequency asked for; beyond it the amplitude may be larger.
     AtEdge,
-    /// That of a response with frequencies where nothing was found, and where it may be larger.
+    /// Largest value of a response with frequencies without solution, where the amplitude may be larger.
     OfPart,
 }
 
 /// Solutions along the branch from the lower to the upper end of the band, with the maxima of the amplitude of response 0
 /// among them; overhanging parts are included, also where they leave the band.
 ///
-/// All on the harmonics of the settings; the truncation error is estimated, not reduced. If the branch cannot be
-/// followed to its end, a point with the status that says why ends the first part, and the second part, from the upper end
-/// of the band, begins with such a point. `progress` is given the share of the band that is done.
+/// All solutions are on the harmonics of the settings; the truncation error is estimated, not reduced. If the branch cannot
+/// be followed to its end, a point with the status that says why ends the first part. The second part, swept from the upper
+/// end of the band, then begins with such a point. `progress` is given the share of the band that is done.
 #[must_use]
 pub fn over_band(
     problem: &Problem<'_>,
@@ -123,8 +87,8 @@ pub fn over_band(
     progress: impl Fn(f64),
 ) -> Response {
     let ladder = Ladder::new(problem, settings);
-    let level = Level::new(problem, &ladder, settings, level);
-    let upward = level.part(curve, SweepDirection::Upward, None, &progress);
+    let level = LevelProblem::new(problem, &ladder, settings, level);
+    let upward = level.sweep(curve, SweepDirection::Upward, None, &progress);
     let mut solutions = upward.solutions;
     let Some(below) = upward.stop else {
         return Response {
@@ -133,7 +97,7 @@ pub fn over_band(
             gap: None,
         };
     };
-    let downward = level.part(
+    let downward = level.sweep(
         curve,
         SweepDirection::Downward,
         upward.last.as_ref(),
@@ -143,7 +107,7 @@ pub fn over_band(
         // the point without a solution
         solutions.pop();
     } else if downward.stop.is_none() {
-        // the way down has passed the whole band
+        // the downward sweep has passed the whole band
         solutions.clear();
     }
     solutions.extend(downward.solutions.into_iter().rev());
@@ -185,100 +149,49 @@ impl Response {
     }
 }
 
-/// A problem at one level on its way through the band.
-pub(in crate::hb) struct Level<'a, 'p> {
-    ladder: &'a Ladder<'p>,
-    pub(in crate::hb) settings: &'a HbSettings,
-    pub(in crate::hb) sets: Option<AlertSets<'a, 'p>>,
-    level: f64,
-    pub(in crate::hb) meter: Meter<'p>,
-}
-
-/// The solutions of one way through the band, in the order of the way.
-struct Part {
+/// The part of the band that one sweep has passed.
+struct SweptPart {
+    /// Solutions in the order of the sweep.
     solutions: Vec<Solution>,
-    /// Where it ended, unless at the other end of the band or where it met the other part.
+    /// Where the sweep ended, unless it reached the other end of the band or met the opposite sweep.
     stop: Option<Stop>,
+    /// Whether it met the opposite sweep.
     met: bool,
     /// The last solution.
     last: Option<Point>,
 }
 
-impl<'a, 'p> Level<'a, 'p> {
-    pub(in crate::hb) fn new(
-        problem: &'p Problem<'p>,
-        ladder: &'a Ladder<'p>,
-        settings: &'a HbSettings,
-        level: f64,
-    ) -> Self {
-        Self {
-            ladder,
-            settings,
-            sets: AlertSets::new(problem, &settings.harmonics, settings),
-            level,
-            meter: Meter::new(&problem.effort),
-        }
-    }
-
-    pub(in crate::hb) fn balance(&self) -> &'a Balance<'p> {
-        self.ladder.full()
-    }
-
-    /// A search on a budget of its own: what it takes does not depend on what was searched before, nor on what is listed.
-    pub(in crate::hb) fn apart<T>(&self, search: impl FnOnce() -> T) -> T {
-        let effort = &self.balance().problem.effort;
-        effort.apart(self.settings.newton.budget, search)
-    }
-
-    /// A frequency without solution.
-    pub(in crate::hb) fn unsolved(&self, omega: f64, status: Status) -> Solution {
-        let stuck = stuck_point(self.balance(), omega, self.level);
-        let iterate = Iterate::new(self.balance(), stuck);
-        Solution::new(self.balance(), &iterate, status)
-    }
-
-    /// The solution at the end of `band` where a way in `direction` begins.
-    pub(in crate::hb) fn first(
-        &self,
-        band: Band,
-        direction: SweepDirection,
-    ) -> Result<Iterate<'p>, Stop> {
-        let [omega, _] = direction.ends(band);
-        let newton = self.settings.newton;
-        self.balance().problem.effort.grant(newton.budget);
-        first_solution(self.ladder.rungs(), newton, self.level, (omega, direction))
-            .map(|first| polish(self.balance(), first))
-            .map_err(|status| Stop { omega, status })
-    }
-
+impl<'p> LevelProblem<'_, 'p> {
     /// The solution with its truncation error.
-    fn judged(&self, iterate: &Iterate<'_>, solution: Solution) -> Solution {
+    fn with_error(&self, iterate: &Iterate<'_>, solution: Solution) -> Solution {
         let Some(sets) = &self.sets else {
             return solution;
         };
         if iterate.contact.active.is_empty() {
-            // a linear structure answers one harmonic with one
-            return sets.judged(solution, 0.0);
+            // a linear structure responds to one harmonic with the same harmonic alone
+            return sets.with_error(solution, 0.0);
         }
         let fixed = Condition::FixedFrequency;
-        let step = sets.step(0, iterate, fixed);
-        let outlook = sets.decided(0, iterate, step, fixed);
-        sets.judged(solution, outlook.error)
+        let by_step = sets.estimate_by_step(0, iterate, fixed);
+        let estimate = sets.estimate_by_solve(0, iterate, by_step, fixed);
+        sets.with_error(solution, estimate.error)
     }
 
-    /// One way through the band, to its far end or to where it meets `other`.
-    fn part(
+    /// One sweep through the band, to its far end or to the solution `other` of the opposite sweep.
+    fn sweep(
         &self,
         curve: CurveSettings,
         direction: SweepDirection,
         other: Option<&Point>,
         progress: &impl Fn(f64),
-    ) -> Part {
-        let balance = self.balance();
+    ) -> SweptPart {
         let first = match self.first(curve.band, direction) {
-            Ok(first) => (first, self.meter.read()),
+            Ok(solution) => Counted {
+                solution,
+                work: self.meter.read(),
+            },
             Err(stop) => {
-                return Part {
+                return SweptPart {
                     solutions: vec![self.unsolved(stop.omega, stop.status)],
                     stop: Some(stop),
                     met: false,
@@ -286,34 +199,17 @@ impl<'a, 'p> Level<'a, 'p> {
                 };
             }
         };
-        let route = Route {
+        let sweep = SweepSettings {
             band: curve.band,
             direction,
             largest_step: curve.step,
             largest_advance: CURVE_ADVANCE,
         };
-        let newton = self.settings.newton;
-        let (mut stations, end) =
-            Stations::walked(balance, first, route, newton, (other, progress));
-        self.apart(|| stations.refine());
-        let solved = |(point, count): &(BranchPoint<'_>, WorkCount)| {
-            let solution = Solution {
-                work_count: *count,
-                ..Solution::new(balance, &point.iterate, Status::Converged)
-            };
-            self.apart(|| self.judged(&point.iterate, solution))
-        };
-        let mut solutions: Vec<Solution> =
-            stations.points.first().map(solved).into_iter().collect();
-        for ((stretch, failure), to) in stations.stretches().zip(&stations.points[1..]) {
-            solutions.extend(failure.map(|status| {
-                let ends = [stretch.from, stretch.to].map(|p| p.iterate.point.omega);
-                self.unsolved(0.5 * (ends[0] + ends[1]), status)
-            }));
-            solutions.extend(self.apart(|| self.maximum(&stretch, curve.band)));
-            solutions.push(solved(to));
-        }
-        let last = stations.points.pop().map(|(point, _)| point.iterate);
+        let (balance, newton) = (self.balance(), self.settings.newton);
+        let (mut polyline, end) = Polyline::swept(balance, first, sweep, newton, other, progress);
+        self.with_own_budget(|| polyline.refine());
+        let mut solutions = self.solutions(&polyline, curve.band);
+        let last = polyline.points.pop().map(|point| point.solution.iterate);
         let stop = (last.as_ref())
             .filter(|_| end.status != Status::Converged)
             .map(|last| Stop {
@@ -322,11 +218,11 @@ impl<'a, 'p> Level<'a, 'p> {
             });
         if let (Some(last), true) = (&last, stop.is_some()) {
             solutions.push(Solution {
-                work_count: end.count,
+                work_count: end.work,
                 ..Solution::new(balance, last, end.status)
             });
         }
-        Part {
+        SweptPart {
             solutions,
             stop,
             met: end.met,
@@ -334,19 +230,43 @@ impl<'a, 'p> Level<'a, 'p> {
         }
     }
 
-    /// The maximum of the amplitude on a step of the curve, if there is one and it can be located.
-    fn maximum(&self, stretch: &Stretch<'_, 'p>, band: Band) -> Option<Solution> {
+    /// The solutions of a sweep with their truncation errors, with the maxima between them, and with a status without solution
+    /// on segments that could not be refined.
+    fn solutions(&self, polyline: &Polyline<'_, 'p>, band: Band) -> Vec<Solution> {
+        let solved = |point: &Counted<BranchPoint<'_>>| {
+            let iterate = &point.solution.iterate;
+            let solution = Solution {
+                work_count: point.work,
+                ..Solution::new(self.balance(), iterate, Status::Converged)
+            };
+            self.with_own_budget(|| self.with_error(iterate, solution))
+        };
+        let mut solutions: Vec<Solution> =
+            polyline.points.first().map(solved).into_iter().collect();
+        for ((segment, failure), to) in polyline.segments().zip(&polyline.points[1..]) {
+            solutions.extend(failure.map(|status| {
+                let ends = [segment.from, segment.to].map(|p| p.iterate.point.omega);
+                self.unsolved(0.5 * (ends[0] + ends[1]), status)
+            }));
+            solutions.extend(self.with_own_budget(|| self.maximum(&segment, band)));
+            solutions.push(solved(to));
+        }
+        solutions
+    }
+
+    /// The maximum of the amplitude on a segment of the curve, if there is one and it can be located.
+    fn maximum(&self, segment: &BranchSegment<'_, 'p>, band: Band) -> Option<Solution> {
         let search = PeakSettings {
             band,
             frequency_tolerance: PEAK_TOLERANCE,
         };
         let (balance, newton) = (self.balance(), self.settings.newton);
         let meter = Meter::new(&balance.problem.effort);
-        let found = maximum_on(stretch, balance, search, newton)?;
+        let found = maximum_on(segment, balance, search, newton)?;
         let solution = Solution {
             work_count: meter.read(),
             ..found.solution(balance)
         };
-        Some(self.judged(&found.iterate, solution))
+        Some(self.with_error(&found.iterate, solution))
     }
 }

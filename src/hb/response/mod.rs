@@ -2,5 +2,7 @@
 
 pub mod curve;
 pub mod forced_response;
-mod stations;
+mod gap;
+mod level_problem;
+mod polyline;
 pub mod values;

@@ -1,29 +1,31 @@
-//! Solutions at given frequencies, as a slow sweep meets them.
+//! Solutions at given frequencies, as a slow sweep through a band meets them.
 
-use super::forced_response::{Gap, Level, Response, Stop};
-use crate::hb::branch::stretch::Stretch;
-use crate::hb::branch::sweep::{Route, SweepDirection, follow};
+use super::forced_response::Response;
+use super::gap::{Gap, Stop};
+use super::level_problem::LevelProblem;
+use crate::hb::branch::branch_segment::BranchSegment;
+use crate::hb::branch::sweep::{SweepDirection, SweepSettings, follow};
 use crate::hb::equations::problem::Problem;
 use crate::hb::newton::ladder::Ladder;
 use crate::hb::newton::{Condition, Iterate, Point, polish, solve};
-use crate::hb::peak::refine::{Kept, refined};
+use crate::hb::peak::refine::{RefinementTarget, refined};
 use crate::hb::settings::HbSettings;
 use crate::hb::solution::Solution;
 use crate::hb::status::Status;
 use crate::hb::structure::resonance::Band;
 use std::ops::ControlFlow;
 
-/// Largest relative change of the displacements, and of the frequency over the band, per step of a sweep, where nothing but
-/// the branch is to be kept.
+/// Largest relative change of the displacements per step of a sweep, and largest change of the frequency over the band: a step
+/// must only stay on the branch.
 const SWEEP_STEP: f64 = 0.3;
 const SWEEP_ADVANCE: f64 = 0.1;
 
-/// Frequencies at which the response is wanted, as a slow sweep through a band meets it.
+/// Frequencies at which the response to a slow sweep through a band is wanted.
 #[derive(Debug, Clone, Copy)]
 pub struct SlowSweep<'a> {
-    /// The band: the sweep begins at one of its ends, whatever the frequencies are.
+    /// The band. The sweep begins at one of its ends, whatever the frequencies are.
     pub band: Band,
-    /// Which way it goes.
+    /// Direction of the sweep.
     pub direction: SweepDirection,
     /// Frequencies in the band, ascending (rad/s).
     pub omega: &'a [f64],
@@ -31,10 +33,10 @@ pub struct SlowSweep<'a> {
 
 /// Solutions at the frequencies of `sweep`, ascending.
 ///
-/// Where several solutions exist, the one that a slow sweep meets: what else is listed in the band does not matter.
-/// Frequencies outside the band extend it. With an error alert every solution gets more harmonics until the truncation error
-/// is below the threshold. Frequencies beyond the place where the sweep stopped are met by the opposite sweep, and those that
-/// neither meets are solved one by one, each from its neighbour.
+/// If several solutions exist at a frequency, the result is the one that a slow sweep meets; it does not depend on the other
+/// frequencies of the list. Frequencies outside the band extend it. With an error alert every solution gets more harmonics
+/// until the truncation error is not above the threshold. Frequencies beyond the point where the sweep stopped are met by the
+/// opposite sweep. Frequencies that neither meets are solved one by one, each from its neighbour.
 #[must_use]
 pub fn at_frequencies(
     problem: &Problem<'_>,
@@ -44,13 +46,13 @@ pub fn at_frequencies(
     progress: impl Fn(f64),
 ) -> Response {
     let ladder = Ladder::new(problem, settings);
-    let level = Level::new(problem, &ladder, settings, level);
+    let level = LevelProblem::new(problem, &ladder, settings, level);
     let mut answers = Answers::new(sweep);
-    let stop = level.sweep(sweep.direction, &mut answers, &progress);
+    let stop = level.answered_by_sweep(sweep.direction, &mut answers, &progress);
     let mut gap = None;
     if let Some(stop) = stop {
         let opposite = sweep.direction.opposite();
-        let other = (level.sweep(opposite, &mut answers, &progress)).unwrap_or(Stop {
+        let other = (level.answered_by_sweep(opposite, &mut answers, &progress)).unwrap_or(Stop {
             omega: answers.nearest_to(stop.omega, opposite),
             status: Status::Converged,
         });
@@ -68,7 +70,7 @@ pub fn at_frequencies(
     if gap.is_some_and(|gap| !gap.is_answered() && !gap.has_spent_budget()) {
         level.solve_from_neighbours(sweep.direction, &mut answers);
     }
-    // a frequency that is no number is never met
+    // a sweep never meets a frequency that is not a number
     let status = stop.map_or(Status::NonFinite, |stop| stop.status);
     let solutions = (answers.found.into_iter().zip(sweep.omega))
         .map(|(found, &omega)| match found {
@@ -83,14 +85,14 @@ pub fn at_frequencies(
     }
 }
 
-/// Frequencies that a sweep has still to meet, and the solutions at those that it has met.
+/// Frequencies asked for, and the solutions at those that a sweep has met.
 struct Answers<'a> {
     band: Band,
     omega: &'a [f64],
     found: Vec<Option<Answer>>,
 }
 
-/// What was found at a frequency.
+/// The result at one frequency.
 struct Answer {
     solution: Solution,
     /// The solution on the harmonics of the settings, if there is one.
@@ -110,7 +112,7 @@ impl<'a> Answers<'a> {
         }
     }
 
-    /// What a sweep has still to meet, the next one last.
+    /// Numbers of the frequencies that a sweep has still to meet, the next one last.
     fn open(&self, direction: SweepDirection) -> Vec<usize> {
         let open = (0..self.omega.len()).filter(|&i| self.found[i].is_none());
         match direction {
@@ -119,7 +121,7 @@ impl<'a> Answers<'a> {
         }
     }
 
-    /// The last frequency met by a sweep in `direction` that came towards `end`.
+    /// The last frequency before `end` that a sweep in `direction` has met.
     fn nearest_to(&self, end: f64, direction: SweepDirection) -> f64 {
         let sign = direction.sign();
         (self.omega.iter().copied())
@@ -129,9 +131,10 @@ impl<'a> Answers<'a> {
     }
 }
 
-impl<'p> Level<'_, 'p> {
-    /// Answers what a sweep in `direction` meets of the open frequencies; says where it stopped, if it did before the last.
-    fn sweep(
+impl<'p> LevelProblem<'_, 'p> {
+    /// Solves at the open frequencies that a sweep in `direction` meets. The result says where the sweep stopped, if that was
+    /// before the last frequency.
+    fn answered_by_sweep(
         &self,
         direction: SweepDirection,
         answers: &mut Answers<'_>,
@@ -149,12 +152,12 @@ impl<'p> Level<'_, 'p> {
         let mut front = first.point.omega;
         if let Some(i) = open.pop_if(|i| answers.omega[*i] == front) {
             let again = Iterate::new(self.balance(), first.point.clone());
-            answers.found[i] = Some(self.apart(|| self.raised(again)));
+            answers.found[i] = Some(self.with_own_budget(|| self.raised(again)));
         }
         if open.is_empty() {
             return None;
         }
-        let route = Route {
+        let sweep = SweepSettings {
             band,
             direction,
             largest_step: SWEEP_STEP,
@@ -162,9 +165,9 @@ impl<'p> Level<'_, 'p> {
         };
         let newton = self.settings.newton;
         let all = answers.omega.len() as f64;
-        let end = follow(self.balance(), first, route, newton, |from, to| {
-            let stretch = Stretch::new(self.balance(), &from, to);
-            let reached = self.answer(&stretch, (sign, &mut open), answers);
+        let end = follow(self.balance(), first, sweep, newton, |from, to| {
+            let segment = BranchSegment::new(self.balance(), &from, to);
+            let reached = self.answer(&segment, sign, &mut open, answers);
             front = sign * f64::max(sign * front, sign * reached);
             progress(1.0 - open.len() as f64 / all);
             match open.is_empty() {
@@ -179,11 +182,13 @@ impl<'p> Level<'_, 'p> {
         })
     }
 
-    /// Answers the `open` frequencies on a step of a sweep in the direction `sign`; gives the frequency reached by it.
+    /// Solves at the `open` frequencies on the step `taken` of a sweep in the direction `sign`; gives the frequency that the step
+    /// reaches.
     fn answer(
         &self,
-        taken: &Stretch<'_, 'p>,
-        (sign, open): (f64, &mut Vec<usize>),
+        taken: &BranchSegment<'_, 'p>,
+        sign: f64,
+        open: &mut Vec<usize>,
         answers: &mut Answers<'_>,
     ) -> f64 {
         let (balance, newton) = (self.balance(), self.settings.newton);
@@ -192,25 +197,26 @@ impl<'p> Level<'_, 'p> {
             false => None,
         };
         let to = tip.as_ref().unwrap_or(taken.to);
-        let stretch = Stretch::new(balance, taken.from, to);
+        let segment = BranchSegment::new(balance, taken.from, to);
         let reached = to.iterate.point.omega;
         while let Some(i) = open.pop_if(|i| sign * (answers.omega[*i] - reached) <= 0.0) {
             let omega = answers.omega[i];
-            answers.found[i] = Some(self.apart(
-                || match stretch.crossing(balance, omega, newton) {
-                    Ok(iterate) => self.raised(iterate),
-                    Err(status) => Answer {
-                        solution: self.unsolved(omega, status),
-                        point: None,
-                    },
-                },
-            ));
+            answers.found[i] =
+                Some(
+                    self.with_own_budget(|| match segment.crossing(balance, omega, newton) {
+                        Ok(iterate) => self.raised(iterate),
+                        Err(status) => Answer {
+                            solution: self.unsolved(omega, status),
+                            point: None,
+                        },
+                    }),
+                );
         }
         reached
     }
 
-    /// Solves at the frequencies that no sweep has met, one after the other in `direction`, from the solution before: a ragged
-    /// branch may have solutions at frequencies between which it cannot be followed.
+    /// Solves at the frequencies that no sweep has met, one after the other in `direction`, each from the solution before. A
+    /// ragged branch may have solutions at frequencies between which it cannot be followed.
     fn solve_from_neighbours(&self, direction: SweepDirection, answers: &mut Answers<'_>) {
         let (balance, fixed) = (self.balance(), Condition::FixedFrequency);
         for i in answers.open(direction).into_iter().rev() {
@@ -224,20 +230,21 @@ impl<'p> Level<'_, 'p> {
             };
             let omega = answers.omega[i];
             let start = Point { omega, ..point };
-            answers.found[i] = self.apart(|| {
+            answers.found[i] = self.with_own_budget(|| {
                 let iterate = solve(balance, start, fixed, self.settings.newton).ok()?;
                 Some(self.raised(iterate))
             });
         }
     }
 
-    /// The solution to round-off, and with as many harmonics as the alert asks for.
+    /// The solution solved to round-off, and with as many harmonics as the alert asks for.
     fn raised(&self, iterate: Iterate<'p>) -> Answer {
         let iterate = polish(self.balance(), iterate);
         let point = Some(iterate.point.clone());
-        let kept = (Kept::Frequency, self.settings.newton);
+        let target = RefinementTarget::Frequency;
         let sets = self.sets.as_ref();
-        let solution = refined(self.balance(), iterate.into(), sets, kept);
+        let newton = self.settings.newton;
+        let solution = refined(self.balance(), iterate.into(), sets, target, newton);
         Answer {
             solution: Solution {
                 work_count: self.meter.read(),

@@ -5,7 +5,7 @@
 //! G stays finite where the free strip floats, and g vanishes where a contact sticks: only slipping and
 //! separating pairs enter the nonlinear system.
 
-use super::linear::{LinearModel, Part};
+use super::linear::{LinearModel, ModalPart};
 use super::springs::Symmetric;
 use crate::linalg::vector::axpy_complex;
 use faer::linalg::matmul::matmul;
@@ -34,7 +34,7 @@ pub struct HarmonicCompliance<'p> {
     /// Im Gₖ (m/N). Shape: 3·n_contacts square.
     pub imaginary: Mat<f64>,
     /// The structure that harmonic k sees.
-    pub part: &'p Part,
+    pub part: &'p ModalPart,
     stuck_stiffness: &'p [f64],
     modes: FreeModes,
 }
@@ -72,7 +72,7 @@ impl<'p> Compliance<'p> {
         let harmonics = (orders.iter().filter(|&&k| k > 0))
             .map(|&order| {
                 let held = &held[order % held.len()];
-                HarmonicCompliance::new(model.part(order), (k_c, held), order, omega)
+                HarmonicCompliance::new(model.part(order), k_c, held, order, omega)
             })
             .collect();
         Self { omega, harmonics }
@@ -80,8 +80,9 @@ impl<'p> Compliance<'p> {
 }
 
 impl<'p> HarmonicCompliance<'p> {
-    fn new(part: &'p Part, (k_c, held): (&'p [f64], &[f64]), order: usize, omega: f64) -> Self {
-        let (modes, stuck) = FreeModes::new(part, (k_c, held), order as f64 * omega);
+    /// `k_c` is the stiffness of the stuck contacts (N/m), `held` that against each mode of `part`.
+    fn new(part: &'p ModalPart, k_c: &'p [f64], held: &[f64], order: usize, omega: f64) -> Self {
+        let (modes, stuck) = FreeModes::new(part, k_c, held, order as f64 * omega);
         Self {
             order,
             real: stuck.real,
@@ -138,7 +139,7 @@ impl<'p> HarmonicCompliance<'p> {
             let per_load = modes.per_load.col_as_slice(b);
             (held.iter_mut().zip(per_load)).for_each(|(r, p)| *r += p * load[mode]);
             let pulled = per_load.iter().zip(&pull).map(|(p, f)| p * f);
-            loose[b] -= pulled.sum::<c64>() * self.part.images;
+            loose[b] -= pulled.sum::<c64>() * self.part.multiplicity;
         }
         let hold = self.part.contact_load(&self.spring(&held));
         for ((eta, d), hold) in eta.iter_mut().zip(&modes.receptance).zip(&hold) {
@@ -228,7 +229,7 @@ impl FreeModes {
     /// Without the loose modes the stuck structure has the compliance G' = (I + H K)⁻¹ H, H = L D Lᵀ. A motion x of the
     /// loose modes moves its contacts by W x, W = (I − G' K) L_l, and obeys S x = f_l with S = Z_l + L_lᵀ K W. So
     /// R = W S⁻¹ and G = G' + R Wᵀ.
-    fn new(part: &Part, (k_c, held): (&[f64], &[f64]), frequency: f64) -> (Self, Symmetric) {
+    fn new(part: &ModalPart, k_c: &[f64], held: &[f64], frequency: f64) -> (Self, Symmetric) {
         let structure = &part.structure;
         let impedance: Vec<c64> = (structure.lambda.iter().zip(&structure.damping))
             .map(|(&l, &c)| c64::new(l - frequency * frequency, frequency * c))
@@ -245,23 +246,11 @@ impl FreeModes {
         }
         let springs: Vec<c64> = k_c.iter().map(|&k| c64::new(k, 0.0)).collect();
         let mut stuck = receptance_at_contacts(part, &receptance).with_springs(&springs);
-        let (m, n) = (k_c.len(), loose.len());
-        let mut moved = [Mat::zeros(m, n), Mat::zeros(m, n)];
-        for (b, &j) in loose.iter().enumerate() {
-            moved[0]
-                .col_as_slice_mut(b)
-                .copy_from_slice(part.contact.col_as_slice(j));
-        }
-        let mut pull = moved[0].clone();
-        for b in 0..n {
-            (pull.col_as_slice_mut(b).iter_mut().zip(k_c)).for_each(|(x, k)| *x *= k);
-        }
-        for (moved, g) in moved.iter_mut().zip([&stuck.real, &stuck.imaginary]) {
-            add_product(moved, -1.0, g.as_ref(), pull.as_ref());
-        }
+        let (moved, pull) = motion_of_loose_modes(part, k_c, &loose, &stuck);
         let held = [&moved[0], &moved[1]].map(|w| pull.transpose() * w);
+        let n = loose.len();
         let dynamic = Mat::from_fn(n, n, |a, b| {
-            let spring = c64::new(held[0][(a, b)], held[1][(a, b)]) * part.images;
+            let spring = c64::new(held[0][(a, b)], held[1][(a, b)]) * part.multiplicity;
             let free = match a == b {
                 true => impedance[loose[a]],
                 false if a.max(b) < coupled.len() => {
@@ -272,29 +261,7 @@ impl FreeModes {
             spring + free
         });
         let dynamic = dynamic.partial_piv_lu();
-        // column by column: with a closure per entry the compliance takes a tenth longer
-        let mut transposed = Mat::zeros(n, m);
-        for b in 0..n {
-            let [real, imaginary] = moved.each_ref().map(|w| w.col_as_slice(b));
-            for (i, (&re, &im)) in real.iter().zip(imaginary).enumerate() {
-                transposed[(b, i)] = c64::new(re, im);
-            }
-        }
-        dynamic.solve_in_place(&mut transposed);
-        let mut per_load = Mat::zeros(m, n);
-        let [mut real, mut imaginary] = [Mat::zeros(m, n), Mat::zeros(m, n)];
-        for i in 0..m {
-            for (b, &r) in transposed.col_as_slice(i).iter().enumerate() {
-                per_load[(i, b)] = r;
-                real[(i, b)] = part.images * r.re;
-                imaginary[(i, b)] = part.images * r.im;
-            }
-        }
-        let [moved_real, moved_imaginary] = moved.each_ref().map(Mat::transpose);
-        add_product(&mut stuck.real, 1.0, real.as_ref(), moved_real);
-        add_product(&mut stuck.real, -1.0, imaginary.as_ref(), moved_imaginary);
-        add_product(&mut stuck.imaginary, 1.0, real.as_ref(), moved_imaginary);
-        add_product(&mut stuck.imaginary, 1.0, imaginary.as_ref(), moved_real);
+        let per_load = add_loose_modes(&mut stuck, part.multiplicity, &moved, &dynamic);
         let modes = Self {
             frequency,
             impedance,
@@ -308,12 +275,72 @@ impl FreeModes {
 
     /// Z η.
     #[inline(always)]
-    fn free_load(&self, part: &Part, eta: &[c64]) -> Vec<c64> {
+    fn free_load(&self, part: &ModalPart, eta: &[c64]) -> Vec<c64> {
         let mut load = times(&self.impedance, eta);
         let coupling = &part.structure.coupling;
         coupling.add_product(c64::new(0.0, self.frequency), eta, &mut load);
         load
     }
+}
+
+/// Real and imaginary part of W, the relative displacements of the stuck structure per motion of a loose mode, and K L_l, the
+/// forces of the stuck contacts per such motion. Shape: 3·n_contacts × loose.
+fn motion_of_loose_modes(
+    part: &ModalPart,
+    k_c: &[f64],
+    loose: &[usize],
+    stuck: &Symmetric,
+) -> ([Mat<f64>; 2], Mat<f64>) {
+    let (m, n) = (k_c.len(), loose.len());
+    let mut moved = [Mat::zeros(m, n), Mat::zeros(m, n)];
+    for (b, &j) in loose.iter().enumerate() {
+        moved[0]
+            .col_as_slice_mut(b)
+            .copy_from_slice(part.contact.col_as_slice(j));
+    }
+    let mut pull = moved[0].clone();
+    for b in 0..n {
+        (pull.col_as_slice_mut(b).iter_mut().zip(k_c)).for_each(|(x, k)| *x *= k);
+    }
+    for (moved, g) in moved.iter_mut().zip([&stuck.real, &stuck.imaginary]) {
+        add_product(moved, -1.0, g.as_ref(), pull.as_ref());
+    }
+    (moved, pull)
+}
+
+/// Adds R Wᵀ to the compliance G' of the structure without loose modes, and returns R = W S⁻¹. `moved` are the parts of W,
+/// `dynamic` the factors of S.
+fn add_loose_modes(
+    stuck: &mut Symmetric,
+    multiplicity: f64,
+    moved: &[Mat<f64>; 2],
+    dynamic: &PartialPivLu<c64>,
+) -> Mat<c64> {
+    let (m, n) = (moved[0].nrows(), moved[0].ncols());
+    // column by column: with a closure per entry the compliance takes a tenth longer
+    let mut transposed = Mat::zeros(n, m);
+    for b in 0..n {
+        let [real, imaginary] = moved.each_ref().map(|w| w.col_as_slice(b));
+        for (i, (&re, &im)) in real.iter().zip(imaginary).enumerate() {
+            transposed[(b, i)] = c64::new(re, im);
+        }
+    }
+    dynamic.solve_in_place(&mut transposed);
+    let mut per_load = Mat::zeros(m, n);
+    let [mut real, mut imaginary] = [Mat::zeros(m, n), Mat::zeros(m, n)];
+    for i in 0..m {
+        for (b, &r) in transposed.col_as_slice(i).iter().enumerate() {
+            per_load[(i, b)] = r;
+            real[(i, b)] = multiplicity * r.re;
+            imaginary[(i, b)] = multiplicity * r.im;
+        }
+    }
+    let [moved_real, moved_imaginary] = moved.each_ref().map(Mat::transpose);
+    add_product(&mut stuck.real, 1.0, real.as_ref(), moved_real);
+    add_product(&mut stuck.real, -1.0, imaginary.as_ref(), moved_imaginary);
+    add_product(&mut stuck.imaginary, 1.0, real.as_ref(), moved_imaginary);
+    add_product(&mut stuck.imaginary, 1.0, imaginary.as_ref(), moved_real);
+    per_load
 }
 
 /// y += factor a b.
@@ -322,22 +349,22 @@ fn add_product(y: &mut Mat<f64>, factor: f64, a: MatRef<'_, f64>, b: MatRef<'_, 
 }
 
 /// Stiffness of the stuck contacts against each mode. Shape: `[n]`.
-fn stiffness_against_modes(part: &Part, k_c: &[f64]) -> Vec<f64> {
+fn stiffness_against_modes(part: &ModalPart, k_c: &[f64]) -> Vec<f64> {
     let against = |j| {
         let shape = part.contact.col_as_slice(j);
         let energies = shape.iter().zip(k_c).map(|(x, k)| k * x * x);
-        part.images * energies.sum::<f64>()
+        part.multiplicity * energies.sum::<f64>()
     };
     (0..part.n_coordinates()).map(against).collect()
 }
 
 /// H = L D Lᵀ. Shape: `receptance` `[n]`.
-fn receptance_at_contacts(part: &Part, receptance: &[c64]) -> Symmetric {
+fn receptance_at_contacts(part: &ModalPart, receptance: &[c64]) -> Symmetric {
     let l = &part.contact;
     let product = |f: fn(&c64) -> f64| {
         let mut scaled = l.clone();
         for (j, d) in receptance.iter().enumerate() {
-            let factor = part.images * f(d);
+            let factor = part.multiplicity * f(d);
             (scaled.col_as_slice_mut(j).iter_mut()).for_each(|x| *x *= factor);
         }
         let mut h = Mat::zeros(l.nrows(), l.nrows());

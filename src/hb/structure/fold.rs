@@ -7,7 +7,7 @@
 //!
 //! A solution that breaks the symmetry is not found this way; the full model finds it if started close by.
 
-use super::linear::{LinearModel, Part};
+use super::linear::{LinearModel, ModalPart};
 use crate::contact::ContactParameters;
 use crate::hb::ProblemError;
 use crate::model::mirror::Parity;
@@ -70,7 +70,7 @@ impl LinearModel {
         let mut parts = Vec::new();
         let mut floats = false;
         for &parity in parities {
-            let (part, part_floats) = Part::new(&half(model, mirror, parity, &pairs), 2.0)?;
+            let (part, part_floats) = ModalPart::new(&half(model, mirror, parity, &pairs), 2.0)?;
             parts.push(part);
             floats |= part_floats;
         }

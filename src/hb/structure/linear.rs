@@ -14,29 +14,30 @@ use pulp::{Arch, Simd, WithSimd};
 /// Off-diagonal damping below this share of its diagonal neighbours is round-off.
 const ROUND_OFF: f64 = 1e-8;
 
-/// A [`ReducedModel`] as harmonic balance sees it: one [`Part`] per class of harmonics.
+/// A [`ReducedModel`] as harmonic balance sees it: one [`ModalPart`] per class of harmonics.
 #[derive(Debug, Clone)]
 pub struct LinearModel {
     /// Harmonic k sees part k mod length: one part, or two where a mirror parts even from odd harmonics
     /// (see [`super::fold`]).
-    pub parts: Vec<Part>,
+    pub parts: Vec<ModalPart>,
     /// Contact pairs of the [`ReducedModel`] that are unknowns; the mirror images of the others follow.
     pub pairs: Vec<usize>,
     /// Whether a part of the free structure has a rigid-body motion, such as a strip held by its contacts alone.
     pub floats: bool,
 }
 
-/// The linear structure in coordinates η, with its contact, load and response vectors.
+/// What one class of harmonics sees of the linear structure, in coordinates η: its matrices, contact, load and response
+/// vectors.
 #[derive(Debug, Clone)]
-pub struct Part {
+pub struct ModalPart {
     /// Stiffness and damping of the free structure.
     pub structure: Structure,
     /// Φᵀ K₀ Φ, stiffness of the 0th harmonic only.
     pub retention: Option<Mat<f64>>,
     /// B Φ: η → relative contact displacements. Shape: 3·n_contacts × n, rows ordered t1 of every pair, t2, n.
     pub contact: Mat<f64>,
-    /// Number of contacts that each pair stands for: 2 where its mirror image acts along, else 1.
-    pub images: f64,
+    /// Number of contacts that each pair stands for: 2 with its mirror image, else 1.
+    pub multiplicity: f64,
     /// η → response coordinates. Shape: n_responses × n.
     pub response: Mat<f64>,
     /// Φᵀ f₀. Shape: `[n]`.
@@ -73,7 +74,7 @@ impl LinearModel {
     /// # Errors
     /// [`ProblemError::Linalg`] if M is not positive definite or the eigensolver fails.
     pub fn new(model: &ReducedModel) -> Result<Self, ProblemError> {
-        let (part, floats) = Part::new(model, 1.0)?;
+        let (part, floats) = ModalPart::new(model, 1.0)?;
         Ok(Self {
             parts: vec![part],
             pairs: (0..model.n_contacts()).collect(),
@@ -91,7 +92,7 @@ impl LinearModel {
 
     /// What harmonic k sees.
     #[must_use]
-    pub fn part(&self, k: usize) -> &Part {
+    pub fn part(&self, k: usize) -> &ModalPart {
         &self.parts[k % self.parts.len()]
     }
 
@@ -114,14 +115,14 @@ impl LinearModel {
     }
 }
 
-impl Part {
+impl ModalPart {
     /// Transforms everything to the modes; also says whether the free structure floats.
     ///
     /// # Errors
     /// [`ProblemError::Linalg`] if M is not positive definite or the eigensolver fails.
     pub(in crate::hb) fn new(
         model: &ReducedModel,
-        images: f64,
+        multiplicity: f64,
     ) -> Result<(Self, bool), ProblemError> {
         let (lambda, modes) =
             symmetric_generalized_eigen(model.stiffness.as_ref(), model.mass.as_ref())?;
@@ -135,10 +136,18 @@ impl Part {
             coupling: Coupling::of(&damping),
             lambda,
         };
-        Ok((Self::in_modes(model, structure, &modes, images), floats))
+        Ok((
+            Self::in_modes(model, structure, &modes, multiplicity),
+            floats,
+        ))
     }
 
-    fn in_modes(model: &ReducedModel, structure: Structure, phi: &Mat<f64>, images: f64) -> Self {
+    fn in_modes(
+        model: &ReducedModel,
+        structure: Structure,
+        phi: &Mat<f64>,
+        multiplicity: f64,
+    ) -> Self {
         let pairs = &model.contacts;
         let rows: Vec<&SparseRow> = (pairs.iter().map(|p| &p.t1))
             .chain(pairs.iter().map(|p| &p.t2))
@@ -154,7 +163,7 @@ impl Part {
             structure,
             retention: model.retention.as_ref().map(|k| phi.transpose() * k * phi),
             contact: rows_times(&rows, phi),
-            images,
+            multiplicity,
             response: rows_times(&responses, phi),
             static_force: project(&model.static_force),
             loads: model.loads.iter().map(|load| project(load)).collect(),
@@ -183,7 +192,7 @@ impl Part {
     #[must_use]
     pub fn stiffness_with_springs(&self, k: &[f64]) -> Mat<f64> {
         let springs = Mat::from_fn(k.len(), self.n_coordinates(), |i, j| {
-            self.images * k[i] * self.contact[(i, j)]
+            self.multiplicity * k[i] * self.contact[(i, j)]
         });
         self.stiffness() + self.contact.transpose() * springs
     }
@@ -217,9 +226,9 @@ impl Part {
     }
 }
 
-/// The arguments of [`Part::contact_load`], for the instruction set that is found at run time.
+/// The arguments of [`ModalPart::contact_load`], for the instruction set that is found at run time.
 struct ContactLoad<'a> {
-    part: &'a Part,
+    part: &'a ModalPart,
     force: &'a [c64],
 }
 
@@ -235,7 +244,7 @@ impl WithSimd for ContactLoad<'_> {
         let mut load = Vec::with_capacity(part.n_coordinates());
         for j in 0..part.n_coordinates() {
             let moved = part.contact.col_as_slice(j);
-            load.push(c64::new(dot(moved, &real), dot(moved, &imaginary)) * part.images);
+            load.push(c64::new(dot(moved, &real), dot(moved, &imaginary)) * part.multiplicity);
         }
         load
     }

@@ -2,14 +2,14 @@
 //! limit at large excitation.
 
 use super::compliance::Compliance;
-use super::linear::{LinearModel, Part};
+use super::linear::{LinearModel, ModalPart};
 use crate::linalg::{LinalgError, symmetric_generalized_eigen};
 use faer::prelude::*;
 
 /// Damping ratios below this count as this much when modes are ranked.
 const UNDAMPED: f64 = 1e-12;
 
-/// Way beyond the frequency of a mode outside the band that its peak may go, relative.
+/// The peak of a mode outside the band may lie this far beyond the frequency of the mode, relative.
 const BEYOND: f64 = 0.02;
 
 /// A resonance.
@@ -104,7 +104,7 @@ struct LinearMode {
 
 impl LinearMode {
     /// The modes of `part` with springs `k` between the contacts, ascending in frequency.
-    fn all(part: &Part, k: &[f64]) -> Result<Vec<Self>, LinalgError> {
+    fn all(part: &ModalPart, k: &[f64]) -> Result<Vec<Self>, LinalgError> {
         let stiffness = part.stiffness_with_springs(k);
         let unit = Mat::identity(stiffness.nrows(), stiffness.ncols());
         let (lambda, modes) = symmetric_generalized_eigen(stiffness.as_ref(), unit.as_ref())?;
@@ -124,7 +124,7 @@ impl LinearMode {
     }
 
     /// The free modes of `part`.
-    fn free(part: &Part) -> Vec<Self> {
+    fn free(part: &ModalPart) -> Vec<Self> {
         let n = part.n_coordinates();
         let unit = |j: usize| (0..n).map(|i| f64::from(u8::from(i == j))).collect();
         (part.structure.lambda.iter().enumerate())
@@ -132,7 +132,7 @@ impl LinearMode {
             .collect()
     }
 
-    fn new(part: &Part, omega: f64, shape: Vec<f64>) -> Self {
+    fn new(part: &ModalPart, omega: f64, shape: Vec<f64>) -> Self {
         let mode: Vec<c64> = shape.iter().map(|x| c64::new(*x, 0.0)).collect();
         let force: c64 = shape.iter().zip(&part.force).map(|(x, f)| x * f).sum();
         let half_bandwidth = 0.5 * damping_of(part, &mode);
@@ -169,7 +169,7 @@ pub struct Candidate {
     pub omega: f64,
     /// Largest amplitude of response 0 per unit level (m): of this mode, and of the free modes that it turns into.
     pub reach: f64,
-    /// Where its peak may lie on the way to a level: the band, widened to its own frequency.
+    /// Frequencies that its peak may have while the level is raised: the band, widened to the frequency of the mode.
     pub path: Band,
 }
 
@@ -223,7 +223,7 @@ pub fn linear_response(model: &LinearModel, k: &[f64], omega: f64) -> c64 {
     first.part.responses(&first.solve(&first.part.force))[0]
 }
 
-fn damping_of(part: &Part, mode: &[c64]) -> f64 {
+fn damping_of(part: &ModalPart, mode: &[c64]) -> f64 {
     (part.structure.damp(mode).iter().zip(mode))
         .map(|(c, x)| (c * x.conj()).re)
         .sum()

@@ -10,8 +10,8 @@ use microslip::hb::branch::sweep::SweepDirection;
 use microslip::hb::newton::{Condition, Iterate, solve};
 use microslip::hb::peak::alert::{AlertSets, step_on};
 use microslip::hb::peak::predicted::{PeakPrediction, correct, phase_locked};
-use microslip::hb::peak::refine::{Kept, refined};
-use microslip::hb::peak::search::{PeakSettings, highest_aside};
+use microslip::hb::peak::refine::{RefinementTarget, refined};
+use microslip::hb::peak::search::{PeakSettings, highest_on_both_sides};
 use microslip::hb::peak::track::{stuck_point, track_peaks};
 use microslip::hb::structure::resonance::Band;
 use microslip::hb::{
@@ -383,7 +383,7 @@ fn peaks_on_more_harmonics_are_found_from_aside() {
             .map(|settings| Balance::new(problem, settings.harmonics.clone(), settings.aft));
         let start = Iterate::new(&from, start.point());
         let before = problem.effort.count();
-        let found = highest_aside((&from, &start), &to, SEARCH, few.newton);
+        let found = highest_on_both_sides(&from, &start, &to, SEARCH, few.newton);
         let count = problem.effort.count().since(before);
         let found = found.expect("a peak").iterate;
         let [frequency, amplitude] = [
@@ -417,8 +417,8 @@ fn peaks_not_located_on_more_harmonics_stay_on_fewer() {
             let search = PeakSettings { band, ..SEARCH };
             let iterate = Iterate::new(&balance, few.point());
             let sets = AlertSets::new(problem, &settings.harmonics, &settings);
-            let kept = (Kept::Maximum(search), settings.newton);
-            refined(&balance, iterate.into(), sets.as_ref(), kept)
+            let (sets, target) = (sets.as_ref(), RefinementTarget::Maximum(search));
+            refined(&balance, iterate.into(), sets, target, settings.newton)
         };
         let narrow = refine(Band {
             low: few.omega * (1.0 - 1e-7),

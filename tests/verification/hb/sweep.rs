@@ -6,7 +6,7 @@ use crate::response::over_band;
 use microslip::contact::{Events, FrictionLaw};
 use microslip::hb::branch::sweep::SweepDirection;
 use microslip::hb::response::forced_response::{
-    self, CurveSettings, Largest, PICTURE_ERROR, Response,
+    self, CurveSettings, Largest, PLOT_ERROR, Response,
 };
 use microslip::hb::response::values::{SlowSweep, at_frequencies};
 use microslip::hb::structure::resonance::Band;
@@ -130,7 +130,7 @@ fn curves_are_as_close_together_as_a_picture_needs() {
             settings.aft.events = events;
             for level in [1.0, 2.0, 20.0, 40.0] {
                 let band = band(320.0, 450.0);
-                let picture = CurveSettings::picture(band);
+                let picture = CurveSettings::for_plot(band);
                 let thin = forced_response::over_band(problem, &settings, level, picture, |_| ());
                 let dense = over_band(problem, &settings, level, band);
                 let solved = thin.solutions.iter().all(|s| s.status.has_solution());
@@ -141,7 +141,7 @@ fn curves_are_as_close_together_as_a_picture_needs() {
                 let missed = missed(&dense, &thin, top);
                 let [n, many] = [thin.solutions.len(), dense.len()];
                 println!("{events:?}, {level} N: {n} of {many} points, {missed:.1e} away");
-                assert!(missed < PICTURE_ERROR, "{level} N: {missed:e}");
+                assert!(missed < PLOT_ERROR, "{level} N: {missed:e}");
                 let share = n as f64 / many as f64;
                 let is_ragged = events != Events::Located;
                 assert!(share < if is_ragged { 1.0 / 3.0 } else { 0.4 }, "{share}");
@@ -193,7 +193,7 @@ fn a_response_with_a_gap_says_so() {
     with_plane(|problem, mut settings| {
         settings.newton.budget = 70;
         let band = band(330.0, 430.0);
-        let picture = CurveSettings::picture(band);
+        let picture = CurveSettings::for_plot(band);
         let curve = forced_response::over_band(problem, &settings, 40.0, picture, |_| ());
         let omega: Vec<f64> = (0..9)
             .map(|i| (335.0 + 10.0 * f64::from(i)) * TAU)
@@ -255,7 +255,7 @@ fn the_edge_of_a_band_is_no_peak() {
             (330.0, 440.0, Largest::Maximum),
         ] {
             let band = band(low, high);
-            let picture = CurveSettings::picture(band);
+            let picture = CurveSettings::for_plot(band);
             let curve = forced_response::over_band(problem, &settings, 1.0, picture, |_| ());
             let (largest, what) = curve.largest(band).expect("solved");
             println!("{:.3} Hz {what:?}", largest.omega / TAU);

@@ -14,7 +14,7 @@ use microslip::harmonics::HarmonicSet;
 use microslip::hb::newton::{Condition, Iterate, Point, solve};
 use microslip::hb::peak::search::PeakSettings;
 use microslip::hb::peak::track::track_peaks;
-use microslip::hb::structure::linear::{Part, Structure};
+use microslip::hb::structure::linear::{ModalPart, Structure};
 use microslip::hb::structure::resonance::Band;
 use microslip::hb::{Balance, LinearModel, NewtonSettings, Problem, SliderAnchor};
 use std::f64::consts::TAU;
@@ -293,7 +293,7 @@ fn truncated(hertz: f64) -> LinearModel {
         .filter(|l| **l < (TAU * hertz).powi(2))
         .count();
     let columns = |a: &Mat<f64>| a.submatrix(0, 0, a.nrows(), n).to_owned();
-    let truncated = Part {
+    let truncated = ModalPart {
         structure: Structure {
             lambda: lambda[..n].to_vec(),
             damping: damping[..n].to_vec(),
@@ -301,7 +301,7 @@ fn truncated(hertz: f64) -> LinearModel {
         },
         retention: (part.retention.as_ref()).map(|k| k.submatrix(0, 0, n, n).to_owned()),
         contact: columns(&part.contact),
-        images: part.images,
+        multiplicity: part.multiplicity,
         response: columns(&part.response),
         static_force: part.static_force[..n].to_vec(),
         loads: Vec::new(),

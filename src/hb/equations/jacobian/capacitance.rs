@@ -139,13 +139,13 @@ impl Capacitance {
     /// x −= G' y.
     fn take_motion(&self, y: &[f64], x: &mut [f64]) {
         let capacitance = self;
-        Arch::new().dispatch(Motion { capacitance, y, x });
+        Arch::new().dispatch(TakeMotion { capacitance, y, x });
     }
 
     /// y += e x.
     fn add_forces(&self, x: &[f64], y: &mut [f64]) {
         let capacitance = self;
-        Arch::new().dispatch(Forces { capacitance, x, y });
+        Arch::new().dispatch(AddForces { capacitance, x, y });
     }
 
     /// The diagonal block of C that belongs to a range of slots.
@@ -198,13 +198,13 @@ impl Capacitance {
 }
 
 /// The arguments of [`Capacitance::take_motion`], for the instruction set that is found at run time.
-struct Motion<'a> {
+struct TakeMotion<'a> {
     capacitance: &'a Capacitance,
     y: &'a [f64],
     x: &'a mut [f64],
 }
 
-impl WithSimd for Motion<'_> {
+impl WithSimd for TakeMotion<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -231,13 +231,13 @@ impl WithSimd for Motion<'_> {
 }
 
 /// The arguments of [`Capacitance::add_forces`], for the instruction set that is found at run time.
-struct Forces<'a> {
+struct AddForces<'a> {
     capacitance: &'a Capacitance,
     x: &'a [f64],
     y: &'a mut [f64],
 }
 
-impl WithSimd for Forces<'_> {
+impl WithSimd for AddForces<'_> {
     type Output = ();
 
     #[inline(always)]

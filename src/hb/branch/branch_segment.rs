@@ -1,4 +1,5 @@
-//! A step along the branch as a cubic, and solutions on it: at a frequency, at a distance, at the tip of a fold.
+//! The segment of a branch between two of its points, and solutions on it: at a frequency, at a distance, at the tip of a
+//! fold. They are predicted by a cubic through both points with their tangents.
 
 use super::branch_point::{BranchPoint, distance};
 use crate::hb::equations::balance::Balance;
@@ -6,42 +7,44 @@ use crate::hb::newton::{Condition, Iterate, Point, solve};
 use crate::hb::settings::NewtonSettings;
 use crate::hb::status::Status;
 
-/// Distance between a prediction and its solution, over the length of the step that it lies on, that leaves no doubt that
-/// both lie on one branch; the floor is what tolerances leave.
+/// Largest distance between a prediction and its solution, over the length of the segment, at which both surely lie on one
+/// branch.
 pub(in crate::hb) const CLOSE: f64 = 0.5;
+/// Smallest such distance that is required: tolerances leave as much.
 const FLOOR: f64 = 1e-3;
-/// Halvings of a step before a frequency on it is given up.
+/// Halvings of a segment before the search for a frequency on it ends.
 const MOST_HALVINGS: usize = 7;
-/// Length, over that of the step, to which the tip of a fold is located, and the solutions spent on it.
+/// Length, over that of the segment, to which the tip of a fold is located.
 const TIP: f64 = 1e-4;
+/// Most solutions for one tip.
 const MOST_TIPS: usize = 12;
 
-/// A step along the branch.
+/// The segment of a branch between two of its points.
 #[derive(Debug)]
-pub struct Stretch<'s, 'p> {
+pub struct BranchSegment<'s, 'p> {
     /// Where it begins.
     pub from: &'s BranchPoint<'p>,
     /// Where it ends.
     pub to: &'s BranchPoint<'p>,
-    /// Length along the tangent of `from`. Parts of a step with a corner may be longer than the step.
+    /// Length along the tangent of `from`. If the branch has a corner, parts of a segment may be longer than the segment.
     pub length: f64,
 }
 
-impl<'s, 'p> Stretch<'s, 'p> {
-    /// The step between two points of a branch.
+impl<'s, 'p> BranchSegment<'s, 'p> {
+    /// The segment between two points of a branch.
     #[must_use]
     pub fn new(balance: &Balance<'_>, from: &'s BranchPoint<'p>, to: &'s BranchPoint<'p>) -> Self {
         let [length, _] = from.distances(balance, &to.iterate.point);
         Self { from, to, length }
     }
 
-    /// Whether the frequency turns back on the way, seen in the direction `sign`.
+    /// Whether the segment has a fold past which the frequency turns back, in a sweep in the direction `sign`.
     #[must_use]
     pub fn turns_back(&self, sign: f64) -> bool {
         sign * self.from.tangent.omega > 0.0 && sign * self.to.tangent.omega < 0.0
     }
 
-    /// The last solution found before the fold of a stretch that turns back.
+    /// The last solution that is found before the fold of a segment that turns back.
     pub fn tip(&self, balance: &Balance<'p>, newton: NewtonSettings) -> Option<BranchPoint<'p>> {
         let sign = self.from.tangent.omega.signum();
         let (mut before, mut after) = (0.0, self.length);
@@ -65,15 +68,15 @@ impl<'s, 'p> Stretch<'s, 'p> {
         tip
     }
 
-    /// Whether the branch has the solution `other` on the way.
+    /// Whether the solution `other` lies on the segment.
     #[must_use]
     pub fn passes(&self, balance: &Balance<'_>, other: &Point) -> bool {
-        let [along, beside] = self.from.distances(balance, other);
+        let [along, normal] = self.from.distances(balance, other);
         let slack = FLOOR * self.length;
-        (-slack..=self.length + slack).contains(&along) && beside <= CLOSE * self.length
+        (-slack..=self.length + slack).contains(&along) && normal <= CLOSE * self.length
     }
 
-    /// The solution at `omega`, where the band ends on the way.
+    /// The solution at `omega`, where the band ends within the segment.
     pub fn clipped(
         &self,
         balance: &Balance<'p>,
@@ -86,7 +89,7 @@ impl<'s, 'p> Stretch<'s, 'p> {
         Some(BranchPoint::new(balance, iterate, scale, None, forward))
     }
 
-    /// The solution at a frequency `omega` between those of the ends, between which the frequency has no fold.
+    /// The solution at a frequency `omega` between those of the ends, for a segment without fold.
     ///
     /// # Errors
     /// The status of the last attempt.
@@ -96,14 +99,16 @@ impl<'s, 'p> Stretch<'s, 'p> {
         omega: f64,
         newton: NewtonSettings,
     ) -> Result<Iterate<'p>, Status> {
-        self.crossing_within(balance, omega, (newton, MOST_HALVINGS))
+        self.crossing_within(balance, omega, newton, MOST_HALVINGS)
     }
 
+    /// The same with at most so many `halvings` of the segment.
     fn crossing_within(
         &self,
         balance: &Balance<'p>,
         omega: f64,
-        (newton, halvings): (NewtonSettings, usize),
+        newton: NewtonSettings,
+        halvings: usize,
     ) -> Result<Iterate<'p>, Status> {
         let predicted = self.at_frequency(balance, omega);
         let fixed = Condition::FixedFrequency;
@@ -125,13 +130,14 @@ impl<'s, 'p> Stretch<'s, 'p> {
         let at = middle.iterate.point.omega;
         let is_first = (self.from.iterate.point.omega - omega) * (at - omega) <= 0.0;
         let half = match is_first {
-            true => Stretch::new(balance, self.from, &middle),
-            false => Stretch::new(balance, &middle, self.to),
+            true => BranchSegment::new(balance, self.from, &middle),
+            false => BranchSegment::new(balance, &middle, self.to),
         };
-        half.crossing_within(balance, omega, (newton, halvings - 1))
+        half.crossing_within(balance, omega, newton, halvings - 1)
     }
 
-    /// The solution at the distance `at` from the start, as that measures it, with its tangent turning less than 90°.
+    /// The solution at the distance `at` from the start, in the metric of the start. Its tangent turns less than 90° from that
+    /// of the start.
     ///
     /// # Errors
     /// The status of the solve, or [`Status::StepTooSmall`] if it led to another branch.
@@ -151,13 +157,13 @@ impl<'s, 'p> Stretch<'s, 'p> {
         }
         let scale = from.metric.omega_scale();
         let point = BranchPoint::new(balance, found, scale, None, Some(&from.tangent));
-        match Stretch::new(balance, &point, self.to).length > 0.0 {
+        match BranchSegment::new(balance, &point, self.to).length > 0.0 {
             true => Ok(point),
             false => Err(Status::StepTooSmall),
         }
     }
 
-    /// The point at the share `t` of the way on the cubic through both ends with their tangents.
+    /// The point at the share `t` of the cubic through both ends with their tangents.
     fn cubic(&self, balance: &Balance<'_>, t: f64) -> Point {
         let (a, b) = (&self.from.iterate.point, &self.to.iterate.point);
         let (ta, tb) = (&self.from.tangent, &self.to.tangent);
@@ -174,10 +180,10 @@ impl<'s, 'p> Stretch<'s, 'p> {
 
     /// Weights of value and tangent at the start, value and tangent at the end, of the cubic at the share `t`.
     fn weights(&self, balance: &Balance<'_>, t: f64) -> [f64; 4] {
-        // tangents are of unit length where they stand
-        let stretch = self.from.length_at(balance, self.to, self.length);
+        // each tangent has unit length in the metric of its own point
+        let length_at_end = self.from.length_at(balance, self.to, self.length);
         let [a, ta, b, tb] = hermite(t);
-        [a, ta * self.length, b, tb * stretch]
+        [a, ta * self.length, b, tb * length_at_end]
     }
 
     /// The point with the frequency `omega` on the cubic.

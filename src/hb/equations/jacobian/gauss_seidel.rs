@@ -20,12 +20,12 @@ const BLOCK_SLOTS: usize = 6;
 
 /// C = I + e G' in single precision, with the factors of its diagonal blocks.
 #[derive(Debug)]
-pub(super) struct Sweep {
+pub(super) struct GaussSeidel {
     /// Coefficients of a slot.
     m: usize,
     /// Relative displacements of one coefficient, filled up.
     n: usize,
-    slots: Vec<Slot>,
+    slots: Vec<SingleSlot>,
     /// Real and imaginary part of G' of the 0th and the dynamic harmonics, by columns.
     compliance: Vec<[Vec<f32>; 2]>,
     blocks: Vec<Block>,
@@ -33,7 +33,7 @@ pub(super) struct Sweep {
 
 /// One force component of one pair.
 #[derive(Debug)]
-struct Slot {
+struct SingleSlot {
     /// Position among the relative displacements of one coefficient.
     row: usize,
     /// Displacements that the force depends on, each with its block of e by columns.
@@ -48,10 +48,10 @@ struct Block {
     factors: SingleLu,
 }
 
-impl Sweep {
+impl GaussSeidel {
     pub(super) fn new(exact: &Capacitance) -> Self {
         let m = exact.layout.n_coefficients;
-        let slots = exact.slots.iter().map(|slot| Slot {
+        let slots = exact.slots.iter().map(|slot| SingleSlot {
             row: slot.row,
             reads: (slot.reads.iter())
                 .map(|(row, columns)| (*row, filled(m, columns.chunks_exact(m))))
@@ -165,9 +165,9 @@ fn blocks(exact: &Capacitance) -> Vec<Block> {
     blocks
 }
 
-/// The arguments of [`Sweep::apply`], for the instruction set that is found at run time.
+/// The arguments of [`GaussSeidel::apply`], for the instruction set that is found at run time.
 struct Application<'a> {
-    sweep: &'a Sweep,
+    sweep: &'a GaussSeidel,
     v: &'a [f64],
 }
 

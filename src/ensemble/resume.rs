@@ -1,7 +1,7 @@
-//! What a run leaves behind for its extension, and how that is read back.
+//! Files from which a run is resumed with more samples.
 //!
-//! `atlas.parquet` holds the peaks of the first samples with all their coefficients, to the bit: later samples start from
-//! them. With `samples.parquet` and `curves.parquet` it restores everything that a longer run would have in memory.
+//! `atlas.parquet` holds the peaks of the first samples with all their coefficients, exact to the bit: later samples start from
+//! them. Together with `samples.parquet` and `curves.parquet` it restores all that the longer run needs in memory.
 
 use super::atlas::{Anchor, AnchorPeak, ModePeaks};
 use super::runner::Solved;
@@ -23,7 +23,7 @@ const STUDY_PATH: &str = "study_path";
 
 /// The study that a result folder belongs to.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct KeptStudy {
+pub struct StoredStudy {
     /// Text of the study file.
     pub text: String,
     /// Where it was: absolute, or relative to the result folder.
@@ -39,7 +39,7 @@ pub struct KeptStudy {
 /// [`TableError`]; then `path` is as it was.
 pub fn write_anchors(
     path: &Path,
-    study: &KeptStudy,
+    study: &StoredStudy,
     anchors: &[Anchor],
 ) -> Result<FileRecord, TableError> {
     let pairs = [(STUDY_TEXT, &study.text), (STUDY_PATH, &study.path)];
@@ -98,11 +98,11 @@ fn columns(rows: &[Row]) -> Table {
 ///
 /// # Errors
 /// [`FileError`] if the file of anchors cannot be read or names no study.
-pub fn read_study(folder: &Path) -> Result<KeptStudy, FileError> {
+pub fn read_study(folder: &Path) -> Result<StoredStudy, FileError> {
     read_parquet(&folder.join(ATLAS_FILE), |reader| {
         let mut stored = metadata(&reader);
         let mut take = |key: &str| stored.remove(key).ok_or_else(|| missing(key));
-        Ok(KeptStudy {
+        Ok(StoredStudy {
             text: take(STUDY_TEXT)?,
             path: take(STUDY_PATH)?,
         })

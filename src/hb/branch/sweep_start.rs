@@ -1,10 +1,10 @@
-//! The first solution of a sweep, where none is known yet.
+//! The first solution of a sweep, where no solution is known yet.
 //!
-//! A sweep has come from far off the band: the level is raised from stick at a frequency well outside, with few harmonics,
-//! the branch is followed to the end of the band, and the other harmonics are added there.
+//! The sweep begins far outside the band. There the level is raised from a level at which the contacts stick, with few
+//! harmonics. The branch is followed to the end of the band, and the other harmonics are added there.
 
 use super::branch_point::{BranchPoint, distance};
-use super::continuation::{StepSettings, on_if, walk};
+use super::continuation::{StepSettings, continue_branch, on_if};
 use super::sweep::SweepDirection;
 use crate::hb::equations::balance::Balance;
 use crate::hb::newton::ladder::climb;
@@ -13,26 +13,25 @@ use crate::hb::newton::{Condition, Iterate, Point, solve};
 use crate::hb::settings::NewtonSettings;
 use crate::hb::status::Status;
 
-/// Largest distance between a start and its solution, relative to the displacements, that leaves no doubt that both
-/// lie on one branch.
+/// Largest distance between a start and its solution, relative to the displacements, at which both surely lie on one branch.
 const CLOSE: f64 = 0.2;
-/// Distance of the run-in from the first frequency, relative.
-const RUN_IN: f64 = 0.4;
-/// Largest steps of a walk, and of its repetition if the frequency could not be hit.
+/// Relative distance between the frequency where the level is raised and the end of the band.
+const START_DISTANCE: f64 = 0.4;
+/// Largest step of the continuation to the band, and of its repetition if the frequency was not met.
 const LARGEST_STEPS: [f64; 2] = [0.3, 0.05];
-/// Steps of a walk before giving up.
+/// Most steps of the continuation.
 const MOST_STEPS: usize = 1500;
-/// Level, relative to the wanted one, at which it starts to be raised, unless the contacts slip there.
+/// First level over the wanted one; it is lower if contacts slip there.
 const LOWEST_LEVEL: f64 = 1e-4;
 /// First ratio between two levels.
 const LEVEL_RATIO: f64 = 3.0;
-/// Ratios below this end the raising of the level.
+/// The level is raised no further if the ratio falls below this.
 const SMALLEST_RATIO: f64 = 1.005;
 
 type Solved<'p> = Result<Iterate<'p>, Status>;
 
-/// What is looked for.
-struct RunIn<'a, 'p> {
+/// A sweep whose first solution is searched.
+struct SweepStart<'a, 'p> {
     rungs: &'a [Balance<'p>],
     newton: NewtonSettings,
     level: f64,
@@ -47,26 +46,27 @@ pub(in crate::hb) fn first_solution<'p>(
     rungs: &[Balance<'p>],
     newton: NewtonSettings,
     level: f64,
-    (omega, direction): (f64, SweepDirection),
+    omega: f64,
+    direction: SweepDirection,
 ) -> Result<Iterate<'p>, Status> {
-    let run_in = RunIn {
+    let sweep_start = SweepStart {
         rungs,
         newton,
         level,
         direction,
     };
-    run_in.at(omega)
+    sweep_start.at(omega)
 }
 
-impl<'p> RunIn<'_, 'p> {
+impl<'p> SweepStart<'_, 'p> {
     fn at(&self, omega: f64) -> Solved<'p> {
         if !(omega.is_finite() && self.level.is_finite()) {
             return Err(Status::NonFinite);
         }
         let (first, full) = (&self.rungs[0], &self.rungs[self.rungs.len() - 1]);
-        let away = omega * (1.0 - RUN_IN * self.direction.sign());
+        let away = omega * (1.0 - START_DISTANCE * self.direction.sign());
         let reached = (self.raised(first, away))
-            .and_then(|start| self.walk(first, &start.point, omega))
+            .and_then(|start| self.continued(first, &start.point, omega))
             .and_then(|start| self.climb(start));
         reached
             .or_else(|_| {
@@ -75,7 +75,7 @@ impl<'p> RunIn<'_, 'p> {
             })
             .or_else(|_| {
                 let start = self.raised(full, away)?;
-                self.walk(full, &start.point, omega)
+                self.continued(full, &start.point, omega)
             })
             .or_else(|_| self.raised(full, omega))
             .or_else(|_| {
@@ -89,7 +89,7 @@ impl<'p> RunIn<'_, 'p> {
         climb(self.rungs, start.point, condition, self.newton)
     }
 
-    /// Solves at the frequency of `start`, and says whether the solution is close to it.
+    /// The solution at the frequency of `start`, and whether it is close to `start`.
     fn close_to(&self, balance: &Balance<'p>, start: Point) -> (Solved<'p>, bool) {
         let fixed = Condition::FixedFrequency;
         let solved = solve(balance, start.clone(), fixed, self.newton);
@@ -108,7 +108,7 @@ impl<'p> RunIn<'_, 'p> {
         }
     }
 
-    /// Raises the level at the frequency `omega` from where the structure sticks.
+    /// The solution at the frequency `omega`, with the level raised from one at which the contacts stick.
     fn raised(&self, balance: &Balance<'p>, omega: f64) -> Solved<'p> {
         let rest = Rest::new(balance, omega)?;
         let (direct, close) = self.close_to(balance, rest.excited(self.level));
@@ -139,8 +139,8 @@ impl<'p> RunIn<'_, 'p> {
         Ok(at)
     }
 
-    /// Continuation from `from`, in the direction of the sweep, to the first point with the frequency `omega`.
-    fn walk(&self, balance: &Balance<'p>, from: &Point, omega: f64) -> Solved<'p> {
+    /// The first point with the frequency `omega` on the branch from `from`, followed in the direction of the sweep.
+    fn continued(&self, balance: &Balance<'p>, from: &Point, omega: f64) -> Solved<'p> {
         let mut failure = Status::StepTooSmall;
         for largest in LARGEST_STEPS {
             let start = Iterate::new(balance, from.clone());
@@ -154,7 +154,7 @@ impl<'p> RunIn<'_, 'p> {
             };
             let mut crossing = None;
             let start = start.towards(self.direction.sign());
-            let end = walk(balance, start, self.newton, steps, |before, after, _| {
+            let end = continue_branch(balance, start, self.newton, steps, |before, after, _| {
                 let (a, b) = (before.iterate.point.omega, after.iterate.point.omega);
                 if (a - omega) * (b - omega) <= 0.0 {
                     crossing = Some(between(&before.iterate.point, &after.iterate.point, omega));
