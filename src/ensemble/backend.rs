@@ -139,19 +139,19 @@ impl OpenBackend {
         Ok(solved.outcomes)
     }
 
-    /// The same where the samples of `kept` are solved already.
+    /// The same; the first samples are `solved` already.
     ///
     /// # Errors
     /// Those of [`OpenBackend::run`].
     pub fn extend(
         &self,
         ensemble: &Ensemble<'_>,
-        kept: Solved,
+        solved: Solved,
         samples: u64,
         done: impl Fn() + Sync,
     ) -> Result<Solved, rayon::ThreadPoolBuildError> {
         if self.gpu.is_none() {
-            return Ok(ensemble.extend(kept, samples, done));
+            return Ok(ensemble.extend(solved, samples, done));
         }
         let most = usize::try_from(samples).unwrap_or(MOST_IN_FLIGHT).max(1);
         let in_flight = (SAMPLES_PER_TURN * self.turns)
@@ -160,7 +160,7 @@ impl OpenBackend {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(in_flight)
             .build()?;
-        Ok(pool.install(|| ensemble.extend(kept, samples, &done)))
+        Ok(pool.install(|| ensemble.extend(solved, samples, &done)))
     }
 
     /// What became of it.

@@ -4,7 +4,7 @@ use crate::hb::{PeakRoute, Status};
 use crate::sampling::SampleGroup;
 use serde::{Deserialize, Deserializer, Serialize};
 
-/// All that is kept of one sample.
+/// All that is stored of one sample.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SampleOutcome {
     /// Index of the sample in the study, 0-based.
@@ -26,7 +26,7 @@ pub struct LevelOutcome {
     pub status: Status,
     /// The resonance peak, if found.
     pub peak: Option<PeakRecord>,
-    /// Lower maxima of the amplitude that were found, highest first: of other modes that compete, or met on the way.
+    /// Lower maxima of the amplitude, highest first: of other modes that compete, or found in the search for the peak.
     pub others: Vec<OtherMaximum>,
     /// Forced response around the peak, ascending in frequency, single-valued; may be empty.
     pub curve: Vec<CurvePoint>,

@@ -184,7 +184,7 @@ impl Ensemble<'_> {
         }
     }
 
-    /// The forced response through a peak, on the study's own harmonics: the picture needs no more, the peak may have.
+    /// The forced response through a peak, on the study's own harmonics. They are enough for a plot; the peak may have more.
     fn curve(&self, problem: &Problem<'_>, solution: &Solution) -> Vec<CurvePoint> {
         let newton = self.settings.newton;
         let harmonics = &self.settings.harmonics;
@@ -198,7 +198,7 @@ impl Ensemble<'_> {
             true => Ok(prediction.point),
             false => {
                 let maximum = maximum_near(&balance, prediction.clone(), self.peak, newton);
-                // a picture may start beside the maximum
+                // the curve may start beside the maximum
                 (maximum.map(|peak| peak.iterate))
                     .or_else(|_| phase_locked(&balance, prediction, newton))
                     .map(|found| found.point)

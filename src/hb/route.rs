@@ -30,7 +30,7 @@ pub enum PeakRoute {
     TrackedOnAll,
     /// From the structure that slides without friction.
     Sliding,
-    /// On the way through the whole band with one harmonic.
+    /// From a sweep through the whole band with one harmonic.
     SweptOnOne,
     /// The same with few harmonics.
     SweptOnFew,

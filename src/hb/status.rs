@@ -25,7 +25,7 @@ pub enum Status {
     NonFinite,
     /// The amplitude has no maximum inside the frequency band.
     NoPeakInBand,
-    /// The branch left the band at the end where the walk had begun, and went far away.
+    /// The branch left the band at the end where the sweep had begun, and went far away.
     LeftBand,
     /// Even with all contacts stuck the structure is not held: there is nothing to solve.
     NotHeld,

@@ -109,7 +109,7 @@ struct Parabola {
 }
 
 impl Parabola {
-    /// The step of the length `length` from `from` to `to`.
+    /// The parabola through `to` that continues the step of the length `length` from `from` to `to`.
     fn new(
         balance: &Balance<'_>,
         from: &BranchPoint<'_>,
@@ -318,7 +318,7 @@ impl<'b, 'p> Continuation<'b, 'p> {
         self.far_solution = None;
         let before = std::mem::replace(&mut self.point, next);
         self.parabola = match self.steps.predictor {
-            // no parabola leads around a corner
+            // no parabola continues the branch around a corner
             Predictor::Parabola if found.turned.is_none() => {
                 Some(Parabola::new(balance, &before, &self.point, length))
             }

@@ -9,7 +9,7 @@ use crate::hb::equations::problem::Problem;
 use crate::hb::settings::{HbSettings, NewtonSettings};
 use crate::hb::status::Status;
 
-/// Numbers of harmonics (0 included) on the way from the first rung to the full set.
+/// Numbers of harmonics (0 included) of the rungs below the full set.
 const RUNGS: [usize; 6] = [2, 3, 4, 8, 16, 32];
 
 /// The problem on the first harmonics of the study's set, more on each rung, all on the last.

@@ -1,10 +1,10 @@
 //! Resonance peaks of one problem over ascending excitation levels, each grown from a mode of the stuck structure.
 //!
-//! Below slip onset the stuck structure is linear, so a track starts there and follows the phase resonance with one
-//! harmonic, which is cheap and smooth, by steps of its amplitude: the level that an amplitude needs is unique where the
-//! amplitude that a level gives is not. At each level asked for, a few harmonics are added step by step and the maximum
-//! next to the phase resonance is located. More harmonics are added to the located maximum, first those of the study, then
-//! until the error alert is silent. Where that fails the other routes of [`PeakRoute`] are tried.
+//! Below slip onset the stuck structure is linear, and a track starts there. It follows the phase resonance with one harmonic,
+//! which is cheap and smooth. The steps are in the amplitude: an amplitude belongs to one level only, but a level may have
+//! several amplitudes. At each level asked for, a few harmonics are added step by step, and the maximum next to the phase
+//! resonance is located. Then the maximum gets the harmonics of the study, and more until the error alert accepts it. If that
+//! fails the other routes of [`PeakRoute`] are tried.
 
 use super::alert::AlertSets;
 use super::band::{sliding_maximum, swept_maximum};
@@ -30,31 +30,31 @@ use faer::prelude::c64;
 
 /// First and largest ratio between two amplitudes of the track.
 const RATIOS: [f64; 2] = [2.0, 4.0];
-/// Ratios below this end the track.
+/// The track ends if the ratio falls below this.
 const SMALLEST_RATIO: f64 = 1.005;
-/// Relative distance from the level asked for at which the level is fixed instead of the amplitude.
+/// Relative distance from the level asked for below which the level is fixed instead of the amplitude.
 const NEAR_LEVEL: f64 = 0.02;
-/// Longest step of ln amplitude on the way.
+/// Longest step of ln amplitude towards this distance.
 const LONGEST_SECANT: f64 = 0.7;
-/// Amplitudes tried to come that near.
+/// Most steps towards this distance.
 const MOST_SECANTS: usize = 12;
-/// Newton iterations of one step of the track; more mean that the step was too long.
+/// Most Newton iterations of one step of the track; if they do not suffice the step was too long.
 const TRACK_ITERATIONS: usize = 30;
-/// Residual accepted on the way to a level; the solution there, from which the maximum is searched, is solved to the
-/// study's tolerance.
+/// Residual of the solutions between two levels. The solution at a level, from which the maximum is searched, is solved to
+/// the study's tolerance.
 const TRACK_TOLERANCE: f64 = 1e-5;
 /// Most harmonics (0 included) on which the maximum is searched.
 const FEW_HARMONICS: usize = 8;
 
-/// The phase-resonant solution the track has reached.
+/// The track of one mode, with the phase-resonant solution that it has reached.
 struct Track<'a, 'p> {
-    /// The problem on sets with more and more harmonics: the track runs on the first, the study wants the last.
+    /// The problem on sets with more and more harmonics. The track is followed on the first; the last is that of the study.
     ladder: &'a [Balance<'p>],
     /// Number of the set on which the maximum is searched.
     few: usize,
     settings: &'a HbSettings,
     peak: PeakSettings,
-    /// Where the phase resonance may be on the way.
+    /// Frequencies that the phase resonance may have.
     path: Band,
     /// Direction of the first harmonic of response 0 at resonance.
     phasor: c64,
@@ -62,13 +62,15 @@ struct Track<'a, 'p> {
     rest: Option<Rest>,
     /// Largest amplitude of the mode per unit level (m).
     reach: f64,
+    /// The last solution.
     at: Option<Iterate<'p>>,
+    /// Ratio of the next amplitude to that of the last solution.
     ratio: f64,
-    /// Work since the peak before.
+    /// Work since the last peak.
     meter: Meter<'p>,
 }
 
-/// How the maximum at a level is looked for.
+/// Search for the maximum at a level on one route.
 type RouteSearch<'a, 'p> = fn(&mut Track<'a, 'p>, f64) -> Result<Located<'p>, Status>;
 
 /// Peaks of `problem` at the ascending, positive `levels`: the highest of the maxima that grow from its modes. A level
@@ -251,7 +253,7 @@ impl<'a, 'p> Track<'a, 'p> {
         Ok(found)
     }
 
-    /// Newton's method for solutions that only lead to others.
+    /// Newton's method for solutions that are only starts for others.
     fn intermediate_newton(&self) -> NewtonSettings {
         let newton = self.settings.newton;
         NewtonSettings {
@@ -364,8 +366,8 @@ impl<'a, 'p> Track<'a, 'p> {
         solve(balance, point, phase, self.settings.newton)
     }
 
-    /// The highest maximum next to the resonances of the structure that slides without friction, on one harmonic, where it
-    /// comes near what the mode can reach.
+    /// The highest maximum next to the resonances of the structure that slides without friction, on one harmonic. Maxima far
+    /// below the reach of the mode do not count.
     fn sliding(&self, level: f64) -> Result<Located<'p>, Status> {
         let rest = self.rest.as_ref().ok_or(Status::NoPeakInBand)?;
         let least = COMPETES * self.reach;
