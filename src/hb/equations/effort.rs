@@ -1,7 +1,7 @@
 //! The work of the solves on one problem, and the bound on it.
 //!
-//! Both lie with the problem, so that every solve counts and spends, whoever asks for it: each attempt of a search is bounded
-//! on its own, but a search has many, and without a common bound one sample can take minutes.
+//! Both belong to the problem, so that every solve is counted, wherever it is called from. Each attempt of a search has a bound
+//! of its own. But a search has many attempts, and without a common bound one sample can take minutes.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -58,7 +58,7 @@ impl Effort {
         self.left.store(iterations, Ordering::Relaxed);
     }
 
-    /// Runs a search within one that has a bound, on `iterations` of its own.
+    /// Runs a search with a budget of its own, `iterations`, within a search that has another budget.
     pub fn with_own_budget<T>(&self, iterations: usize, search: impl FnOnce() -> T) -> T {
         let left = self.left.swap(iterations, Ordering::Relaxed);
         let found = search();

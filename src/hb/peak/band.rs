@@ -13,8 +13,9 @@ use crate::hb::status::Status;
 use crate::hb::structure::resonance::linear_resonances;
 use std::ops::ControlFlow;
 
-/// Largest relative change of the displacements per step of a sweep, and largest change of the frequency over the band.
+/// Largest relative change of the displacements per step of a sweep.
 const SWEEP_STEP: f64 = 0.3;
+/// Largest change of the frequency per step, as a share of the band.
 const SWEEP_ADVANCE: f64 = 0.025;
 
 /// The highest maximum at `level` next to the resonances of the structure that slides without friction about its `rest`:

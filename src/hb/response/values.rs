@@ -15,9 +15,9 @@ use crate::hb::status::Status;
 use crate::hb::structure::resonance::Band;
 use std::ops::ControlFlow;
 
-/// Largest relative change of the displacements per step of a sweep, and largest change of the frequency over the band: a step
-/// must only stay on the branch.
+/// Largest relative change of the displacements per step of a sweep: a step must only stay on the branch.
 const SWEEP_STEP: f64 = 0.3;
+/// Largest change of the frequency per step, as a share of the band.
 const SWEEP_ADVANCE: f64 = 0.1;
 
 /// Frequencies at which the response to a slow sweep through a band is wanted.
