@@ -4,6 +4,10 @@
 //! (`hb` asks for it below a residual). Start reading at [`Gpu`]; the shaders are in `shaders/`. Whatever the
 //! device fails to do the processor does: no sample is lost by it. A build without the feature `gpu` has no device, and
 //! says so where one is asked for.
+//!
+//! Passes of the box law: transform (signals at the samples) → box_march (breakpoints and sliders) → spectra → forces →
+//! tangents. Passes of the circle law: transform → gap_roots → circle_march (steady cycle) → forces → steps (derivatives of
+//! slip for all columns) → tangents of steady cycles, then of laps from the anchor.
 
 mod error;
 mod report;
