@@ -29,3 +29,9 @@ pub fn n_per_um_to_n_per_m(stiffness: f64) -> f64 {
 pub fn m_to_um(length: f64) -> f64 {
     length * 1e6
 }
+
+/// µm → m.
+#[must_use]
+pub fn um_to_m(length: f64) -> f64 {
+    length / 1e6
+}

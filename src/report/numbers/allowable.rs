@@ -3,9 +3,7 @@
 use crate::report::asked::requirement::{Quantity, Stress};
 use crate::report::run::record::RunRecord;
 use crate::statistics::{goodman_allowable, reserve_factor};
-
-/// m → µm.
-const UM_PER_M: f64 = 1e6;
+use crate::units::{m_to_um, um_to_m};
 
 /// Allowable alternating stress (MPa); the settings are checked, so it exists.
 pub(in crate::report) fn allowable_mpa(stress: &Stress) -> f64 {
@@ -19,12 +17,12 @@ pub(in crate::report) fn allowable_mpa(stress: &Stress) -> f64 {
 
 /// Amplitude at which the allowable stress is reached (m).
 pub(in crate::report) fn allowable_amplitude_m(stress: &Stress) -> f64 {
-    allowable_mpa(stress) / stress.modal_stress_mpa_per_um / UM_PER_M
+    um_to_m(allowable_mpa(stress) / stress.modal_stress_mpa_per_um)
 }
 
 /// Reserve factor of an amplitude (m); NaN for a failed sample.
 pub(in crate::report) fn factor(amplitude_m: f64, stress: &Stress) -> f64 {
-    let applied = amplitude_m * UM_PER_M * stress.modal_stress_mpa_per_um;
+    let applied = m_to_um(amplitude_m) * stress.modal_stress_mpa_per_um;
     reserve_factor(allowable_mpa(stress), applied).unwrap_or(f64::NAN)
 }
 

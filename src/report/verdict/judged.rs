@@ -15,9 +15,8 @@ use crate::statistics::{
     Counted, Criterion as Rule, Demonstration, Enclosed, Interval, Judgement, Limit, Observed,
     exceedance, judge, quantile_estimate,
 };
+use crate::units::m_to_um;
 
-/// m → µm.
-const UM_PER_M: f64 = 1e6;
 /// Power for which the number of samples is named.
 const HIGH_POWER: f64 = 0.9;
 
@@ -114,9 +113,9 @@ impl Judged<'_> {
             (Quantity::FrequencyMarginPercent, Some(operation), _) => margin(frequency, operation),
             (Quantity::ReserveFactor, _, Some(stress)) => reserve(amplitude, stress),
             _ => Enclosed {
-                lower: amplitude.lower * UM_PER_M,
-                value: amplitude.value * UM_PER_M,
-                upper: amplitude.upper * UM_PER_M,
+                lower: m_to_um(amplitude.lower),
+                value: m_to_um(amplitude.value),
+                upper: m_to_um(amplitude.upper),
             },
         }
     }
@@ -140,7 +139,7 @@ impl Judged<'_> {
         let stress = self.input.record.requirements.stress.as_ref();
         match (self.criterion.quantity, stress) {
             (Quantity::ProbabilityOfExceedance, Some(stress)) => {
-                UM_PER_M * allowable_amplitude_m(stress)
+                m_to_um(allowable_amplitude_m(stress))
             }
             _ => self.criterion.limit,
         }

@@ -12,9 +12,7 @@ use crate::report::page::statistic_cell::{
     BOUND_FIELDS, bound_cell, interval_fields, quantile_cell, range_cell, share_cell,
 };
 use crate::report::page::view::View;
-
-/// m → µm.
-const UM_PER_M: f64 = 1e6;
+use crate::units::m_to_um;
 
 /// Absent without `[stress]`.
 pub(super) fn section(view: &View) -> Option<Section> {
@@ -59,7 +57,7 @@ fn scatter(view: &View, i: usize, of: impl Fn(f64) -> f64) -> Option<[f64; 3]> {
 
 /// Alternating over mean stress, with the scatter of each level at the mean stress.
 fn haigh(view: &View, stress: &Stress) -> Figure {
-    let applied = |amplitude_m: f64| amplitude_m * UM_PER_M * stress.modal_stress_mpa_per_um;
+    let applied = |amplitude_m: f64| m_to_um(amplitude_m) * stress.modal_stress_mpa_per_um;
     let bound = |i: usize| view.assessment.levels[i].amplitude_bound_m.value();
     let levels = 0..view.n_levels();
     let bounds = levels.clone().filter_map(bound).map(applied);
