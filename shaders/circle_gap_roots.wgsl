@@ -20,7 +20,7 @@ fn gap_roots(@builtin(global_invocation_id) id: vec3<u32>) {
         find_roots(taylor(GAP, i, state), mark == DIP);
         // a pair comes in its order
         for (var k = 0u; k < n_found && n_roots < MAX_ROOTS; k++) {
-            roots[event_at(n_roots, state)] = Event(i, found[k], ZERO);
+            roots[event_at(n_roots, state)] = Event(i, found[k], ZERO, ZERO);
             n_roots++;
         }
     }

@@ -15,15 +15,17 @@ fn enter(interval: u32, state: u32) {
     }
 }
 
-// Value, slope and curvature of a signal in the interval `entered`.
-fn signal_jet(c: u32, x: real) -> vec3<real> {
-    var jet = vec3<real>(polynomials[c][TERMS - 1u], real(0.0), real(0.0));
+// Value and first three derivatives of a signal in the interval `entered`.
+fn signal_jet(c: u32, x: real) -> vec4<real> {
+    var jet = vec4<real>(polynomials[c][TERMS - 1u], real(0.0), real(0.0), real(0.0));
     for (var t = TERMS - 1u; t > 0u; t--) {
+        jet.w = jet.w * x + jet.z;
         jet.z = jet.z * x + jet.y;
         jet.y = jet.y * x + jet.x;
         jet.x = jet.x * x + polynomials[c][t - 1u];
     }
     jet.z += jet.z;
+    jet.w *= real(6.0);
     return jet;
 }
 
@@ -40,9 +42,11 @@ fn trial_node(share: real) -> Node {
     node.path = vec2<real>(first.x, second.x);
     node.rate = vec2<real>(first.y, second.y);
     node.bend = vec2<real>(first.z, second.z);
+    node.jerk = vec2<real>(first.w, second.w);
     node.limit = limit.x;
     node.limit_rate = limit.y;
     node.limit_bend = limit.z;
+    node.limit_jerk = limit.w;
     return node;
 }
 

@@ -2,12 +2,15 @@
 // the normal force is exact.
 
 fn missed(c: u32, a: u32, event: Event) -> real {
-    let factor = kink_weight(event.share) * event.jump[c];
+    let factors = kink_weights(event.share);
+    let value = factors.y * event.jump[c] - factors.z * event.bend[c];
     if a == 0u {
-        return factor;
+        return value;
     }
     let here = turn_at(order_of(a), event.interval, part_of_step(event.share));
-    return factor * select(here.cosine, here.sine, a % 2u == 0u);
+    let rate = -(factors.z + factors.z) * event.jump[c] * real(order_of(a)) * STEP;
+    let sine = a % 2u == 0u;
+    return value * select(here.cosine, here.sine, sine) + rate * select(-here.sine, here.cosine, sine);
 }
 
 fn deviation(c: u32, a: u32, state: u32) -> real {

@@ -8,11 +8,12 @@ const STEPS: u32 = 8u;
 const SIGNAL_ROWS: u32 = 14u;
 const MASKS: u32 = 1u;
 
-// A root of the gap function or an event of the slider, and the jump of the slope of the tractions there.
+// A root of the gap function or an event of the slider, and the jumps of the first two derivatives of the tractions there.
 struct Event {
     interval: u32,
     share: real,
     jump: vec2<real>,
+    bend: vec2<real>,
 }
 
 // Ascending from phase 0. Shape: [MAX_ROOTS][state], [MAX_EVENTS][state]

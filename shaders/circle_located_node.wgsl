@@ -1,6 +1,7 @@
 // The signals of one contact at one phase, the twin of aft/circle_law/node.rs.
 
-// The elastic traction (path), the friction limit and their derivatives by the phase; second derivatives (bend) at events only.
+// The elastic traction (path), the friction limit and their derivatives by the phase; second (bend) and third ones (jerk) at events
+// only.
 struct Node {
     interval: u32,
     share: real,
@@ -8,9 +9,11 @@ struct Node {
     path: vec2<real>,
     rate: vec2<real>,
     bend: vec2<real>,
+    jerk: vec2<real>,
     limit: real,
     limit_rate: real,
     limit_bend: real,
+    limit_jerk: real,
     // Basis function of the column, and its rate.
     wave: vec2<real>,
 }
@@ -42,7 +45,12 @@ fn sliding(node: Node, e: vec2<real>) -> real {
 
 // Derivative of that rate by the phase where e turns at the rate `turning`; at events only.
 fn sliding_rate(node: Node, e: vec2<real>, turning: real) -> real {
-    return inner(normal_to(e), node.rate) * turning + inner(e, node.bend) - node.limit_bend;
+    return inner(normal_to(e), node.rate) * turning + bending(node, e);
+}
+
+// The part of that which does not come from the turn of e.
+fn bending(node: Node, e: vec2<real>) -> real {
+    return inner(e, node.bend) - node.limit_bend;
 }
 
 // A number depends on the step that ends at `node`, with the derivatives `by`; its derivative by the phase of `node`.

@@ -14,6 +14,19 @@ struct SignalWeights {
     limit_rate: real,
 }
 
+// Row of the sum of the second derivatives of the signals at an event: of the elastic tractions with the factors `path`, and of the
+// limit.
+fn row_of_bends(node: Node, path: vec2<real>, limit: real) -> Row {
+    var factor = real(0.0);
+    if column_signal < GAP {
+        factor = path[column_signal];
+    } else if column_signal == GAP {
+        factor = mu * limit;
+    }
+    let rate = real(order_of(column)) * STEP;
+    return Row(real(0.0), real(0.0), -(rate * rate * factor * node.wave.x));
+}
+
 // Signal and coefficient of the column; the search for the steady cycle has none.
 const NO_SIGNAL: u32 = 3u;
 var<private> column_signal: u32 = NO_SIGNAL;

@@ -72,7 +72,7 @@ fn pass_event_step(here: Node, next: Node) -> real {
 // A contact closed from `from_node` on, as `contact` found it before: from event to event, past the samples in between.
 fn contact_again(from_node: Node, k: u32, n_roots: u32, state: u32) {
     var here = from_node;
-    var end = Event(N_TIME, real(0.0), ZERO);
+    var end = Event(N_TIME, real(0.0), ZERO, ZERO);
     if k < n_roots {
         end = roots[event_at(k, state)];
     }

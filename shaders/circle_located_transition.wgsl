@@ -58,12 +58,40 @@ fn start_slip(node: Node, state: u32) {
     instant = inverse * (e.x * slider_rows[0] + e.y * slider_rows[1])
         + row_of(node, SignalWeights(-inverse * e, ZERO, inverse, real(0.0)));
     angle += inner(p, node.rate) / norm(node.path - slider) * instant;
-    let speed_row = sliding_row(node, e) + (inner(e, node.bend) - node.limit_bend) * instant;
-    let jump = -speed * e;
+    let bend = bending(node, e);
+    let speed_row = sliding_row(node, e) + bend * instant;
+    set_event_jumps(-speed * e, -bend * e, state);
+    let jump_rows = turning_rows(-speed, -speed_row);
+    kink(node, -speed * e, -bend * e, jump_rows, turning_rows(-bend, -bending_row(node, e)));
+}
+
+// Stores the jumps at the last event.
+fn set_event_jumps(jump: vec2<real>, bend: vec2<real>, state: u32) {
     if stores && !overflows {
         events[event_at(n_events - 1u, state)].jump = jump;
+        events[event_at(n_events - 1u, state)].bend = bend;
     }
-    kink(node, jump, -(e.x * speed_row + speed * p.x * angle), -(e.y * speed_row + speed * p.y * angle));
+}
+
+// Stores the jumps at root k of the gap function.
+fn set_root_jumps(k: u32, jump: vec2<real>, bend: vec2<real>, state: u32) {
+    if stores {
+        roots[event_at(k, state)].jump = jump;
+        roots[event_at(k, state)].bend = bend;
+    }
+}
+
+// Rows of a vector of the length `size` along the traction; `row` is that of the length.
+fn turning_rows(size: real, row: Row) -> array<Row, 2> {
+    let e = half.e;
+    let turned = size * normal_to(e);
+    return array<Row, 2>(e.x * row + turned.x * angle, e.y * row + turned.y * angle);
+}
+
+// Row of the second derivative of the elastic traction along e, less that of the limit.
+fn bending_row(node: Node, e: vec2<real>) -> Row {
+    let moved = inner(e, node.jerk) - node.limit_jerk;
+    return inner(normal_to(e), node.bend) * angle + moved * instant + row_of_bends(node, e, real(-1.0));
 }
 
 // Row of the rate at which the slider moves along e, at a fixed phase.
@@ -88,7 +116,7 @@ fn slide(here: Node, next: Node, after: HalfAngle, step: SlipStep, map: vec4<rea
 }
 
 // Slip ends at `node`; `turning` is the rate of its angle.
-fn end_slip(node: Node, turning: real) {
+fn end_slip(node: Node, turning: real, state: u32) {
     let e = half.e;
     let fall = sliding_rate(node, e, turning);
     var factor = real(0.0);
@@ -100,6 +128,9 @@ fn end_slip(node: Node, turning: real) {
     slips = false;
     stop_slider(node);
     note_way(slider);
+    let bend = bending(node, e);
+    set_event_jumps(ZERO, bend * e, state);
+    kink(node, ZERO, bend * e, array<Row, 2>(NO_ROW, NO_ROW), turning_rows(bend, bending_row(node, e)));
 }
 
 // Row of the phase of a root of the gap function.
@@ -112,15 +143,12 @@ fn instant_of_root(node: Node) -> Row {
 
 // Kink at root k of the gap function in slip: the rate of the limit begins to act there, or with the sign -1 it ceases.
 fn limit_kink(k: u32, node: Node, sign: real, state: u32) {
-    let e = half.e;
-    let p = normal_to(e);
-    let jump = sign * node.limit_rate * e;
-    if stores {
-        roots[event_at(k, state)].jump = jump;
-    }
+    let jump = sign * node.limit_rate;
+    let bend = sign * node.limit_bend;
+    set_root_jumps(k, jump * half.e, bend * half.e, state);
     let by_limit = sign * (node.limit_bend * instant + row_of(node, of_limit(real(0.0), real(1.0))));
-    let turned = sign * node.limit_rate * angle;
-    kink(node, jump, e.x * by_limit + p.x * turned, e.y * by_limit + p.y * turned);
+    let by_bend = sign * (node.limit_jerk * instant + row_of_bends(node, ZERO, real(1.0)));
+    kink(node, jump * half.e, bend * half.e, turning_rows(jump, by_limit), turning_rows(bend, by_bend));
 }
 
 // The contact closes at root k: until then the slider has followed the surface. It then rests or slips at once.
@@ -139,15 +167,15 @@ fn close(k: u32, state: u32) -> Node {
         limit_kink(k, node, real(1.0), state);
         return node;
     }
+    var rates = array<Row, 2>();
     var bends = array<Row, 2>();
     for (var d = 0u; d < 2u; d++) {
         slider_rows[d] = node.rate[d] * instant + row_of(node, of_path(d));
-        bends[d] = node.bend[d] * instant + row_of(node, of_rate(d));
+        rates[d] = node.bend[d] * instant + row_of(node, of_rate(d));
+        bends[d] = node.jerk[d] * instant + row_of_bends(node, axis(d), real(0.0));
     }
-    if stores {
-        roots[event_at(k, state)].jump = node.rate;
-    }
-    kink(node, node.rate, bends[0], bends[1]);
+    set_root_jumps(k, node.rate, node.bend, state);
+    kink(node, node.rate, node.bend, rates, bends);
     return node;
 }
 

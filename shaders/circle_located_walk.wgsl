@@ -7,7 +7,7 @@ fn add_event(node: Node, state: u32) {
         return;
     }
     if stores {
-        events[event_at(n_events, state)] = Event(node.interval, node.share, ZERO);
+        events[event_at(n_events, state)] = Event(node.interval, node.share, ZERO, ZERO);
     }
     n_events++;
 }
@@ -106,7 +106,7 @@ fn contact(from_node: Node, k: u32, n_roots: u32, state: u32) {
 // Slip begins or ends at `node`; `turning` is the rate of the angle if it ends.
 fn pass_event(node: Node, turning: real, state: u32) {
     if slips {
-        end_slip(node, turning);
+        end_slip(node, turning, state);
     } else {
         start_slip(node, state);
     }
@@ -117,7 +117,7 @@ fn pass_end(k: u32, node: Node, turning: real, state: u32) {
     if slips {
         open_contact(k, node, turning, state);
     } else if stores {
-        roots[event_at(k, state)].jump = ZERO;
+        set_root_jumps(k, ZERO, ZERO, state);
     }
 }
 

@@ -2,6 +2,17 @@
 //!
 //! q(t) = q₀ + Σₖ cₖ cos(kωt) + sₖ sin(kωt); coefficients are ordered 0, c₁, s₁, c₂, s₂, … over the
 //! harmonics of the set. The complex amplitude of harmonic k is q̂ₖ = cₖ − i sₖ, so q(t) = Re Σ q̂ₖ e^{ikωt}.
+//!
+//! ```
+//! use microslip::harmonics::HarmonicSet;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let odd = HarmonicSet::new(vec![0, 1, 3])?;
+//! assert_eq!(odd.n_coefficients(), 5);
+//! let q = odd.convert(&[1.0, 2.0, 3.0, 4.0, 5.0], 1, &HarmonicSet::up_to(3));
+//! assert_eq!(q, [1.0, 2.0, 3.0, 0.0, 0.0, 4.0, 5.0]);
+//! # Ok(())
+//! # }
+//! ```
 
 use std::f64::consts::TAU;
 

@@ -112,10 +112,10 @@ fn show_cost(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
         out,
         "unknowns per solve  {first}, up to {highest} with more harmonics"
     )?;
+    let [usual, most] = facts.memory_bytes.map(|bytes| bytes / 1e6);
     writeln!(
         out,
-        "memory per thread   {:.1} MB",
-        facts.memory_bytes / 1e6
+        "memory per thread   {usual:.0} MB, at most {most:.0} MB"
     )?;
     writeln!(
         out,

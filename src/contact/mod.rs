@@ -1,6 +1,18 @@
 //! Friction contact of one node pair: the law, its parameters and its states.
 //!
 //! Knows no finite elements, no harmonics and no files.
+//!
+//! A slider with the limit μN = 10 N under a growing displacement: it sticks, then slips.
+//!
+//! ```
+//! use microslip::contact::law::box_step;
+//!
+//! let slider = 0.0; // k_t w (N)
+//! let (traction, slider) = box_step(10.0, 4.0, slider); // k_t u = 4 N
+//! assert_eq!((traction, slider), (4.0, 0.0)); // sticks
+//! let (traction, slider) = box_step(10.0, 25.0, slider);
+//! assert_eq!((traction, slider), (10.0, 15.0)); // slips: the slider follows
+//! ```
 
 pub mod law;
 mod real;

@@ -17,34 +17,44 @@ use crate::hb::structure::resonance::{Candidate, candidates};
 use crate::hb::{Balance, Problem, ProblemError, Solution, Status};
 use crate::units::rad_s_to_hz;
 
+/// What an outcome belongs to.
+#[derive(Debug, Clone, Copy)]
+enum Subject {
+    /// The nominal constants of the study.
+    Nominal,
+    /// The sample with this index.
+    Sample(u64),
+}
+
 impl Ensemble<'_> {
-    /// Outcome of sample `index` and what it is to others, started from `atlas`.
+    /// Outcome of sample `index`, and its peaks as starts for other samples; its own starts come from `atlas`.
     #[must_use]
     pub fn sample(&self, index: u64, atlas: &Atlas) -> (SampleOutcome, Anchor) {
-        let inputs = self.design.sample(index);
-        let place = self.design.place(&inputs);
-        self.outcome(index, inputs, place, atlas)
+        self.outcome(Subject::Sample(index), atlas)
     }
 
-    /// Outcome at the nominal constants of the study. `inputs` is empty: none was sampled.
+    /// Outcome at the nominal constants of the study, with curves however many samples have them. Its `inputs` are empty: none
+    /// was sampled.
     #[must_use]
     pub fn nominal(&self) -> SampleOutcome {
-        let alone = Atlas::default();
-        self.outcome(0, Vec::new(), Vec::new(), &alone).0
+        self.outcome(Subject::Nominal, &Atlas::default()).0
     }
 
-    /// Outcome at the given inputs, in the order of the design; nominal where `inputs` is empty.
-    fn outcome(
-        &self,
-        index: u64,
-        inputs: Vec<f64>,
-        place: Vec<f64>,
-        atlas: &Atlas,
-    ) -> (SampleOutcome, Anchor) {
+    fn outcome(&self, subject: Subject, atlas: &Atlas) -> (SampleOutcome, Anchor) {
         let _turn = self.gpu.map(Gpu::turn);
-        // bands are of the population
+        let (index, inputs) = match subject {
+            Subject::Nominal => (0, Vec::new()),
+            Subject::Sample(index) => (index, self.design.sample(index)),
+        };
         let group = self.design.group(index);
-        let curve = index < self.curve_samples && group.of_population();
+        let (place, curve) = match subject {
+            Subject::Nominal => (Vec::new(), true),
+            // bands are of the population
+            Subject::Sample(_) => (
+                self.design.place(&inputs),
+                index < self.curve_samples && group.of_population(),
+            ),
+        };
         let (levels, peaks) = self.solved(&inputs, &place, atlas, curve);
         let outcome = SampleOutcome {
             index,

@@ -1,6 +1,6 @@
 //! How a peak was found.
 
-/// The route on which a search came to a peak, in the order in which a sample tries them.
+/// How the search found a peak; a sample tries these routes in this order.
 //
 // The searches: `peak::predicted::correct`, `peak::predicted::maximum_near`, `peak::track`, `peak::band`. The descriptions
 // stand in the JSON Schema of the outputs.
@@ -18,29 +18,27 @@
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum PeakRoute {
-    /// From the prediction by samples around it, by undamped Newton steps.
+    /// Undamped Newton steps from a prediction by neighbouring samples.
     Predicted,
-    /// From that prediction, by damped steps onto the predicted phase.
+    /// Damped Newton steps from the same prediction onto the predicted phase.
     Damped,
-    /// From the nearest solved sample, by steps along the straight line between the inputs.
+    /// Continuation from the nearest solved sample along the straight line between the inputs.
     Followed,
-    /// From the stuck structure over the levels, the maximum located on few harmonics.
+    /// The phase resonance followed from rest over rising amplitude; the maximum located with few harmonics.
     Tracked,
-    /// The same, the maximum located on the harmonics of the study.
+    /// The same; the maximum located with the harmonics of the study.
     TrackedOnAll,
-    /// From the structure that slides without friction.
+    /// Continuation from the resonance of the structure that slides without friction.
     Sliding,
-    /// From a sweep through the whole band with one harmonic.
+    /// Highest maximum of a sweep through the whole band with one harmonic.
     SweptOnOne,
     /// The same with few harmonics.
     SweptOnFew,
-    /// The same with the harmonics of the study.
-    SweptOnAll,
 }
 
 impl PeakRoute {
     /// Every route, in the order in which they are tried.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 8] = [
         Self::Predicted,
         Self::Damped,
         Self::Followed,
@@ -49,7 +47,6 @@ impl PeakRoute {
         Self::Sliding,
         Self::SweptOnOne,
         Self::SweptOnFew,
-        Self::SweptOnAll,
     ];
 
     /// Name in files and reports.
@@ -64,7 +61,6 @@ impl PeakRoute {
             Self::Sliding => "sliding",
             Self::SweptOnOne => "swept-on-one",
             Self::SweptOnFew => "swept-on-few",
-            Self::SweptOnAll => "swept-on-all",
         }
     }
 
@@ -72,26 +68,23 @@ impl PeakRoute {
     #[must_use]
     pub fn explanation(self) -> &'static str {
         match self {
-            Self::Predicted => "undamped Newton steps from the prediction of the samples around it",
-            Self::Damped => "damped Newton steps from that prediction",
+            Self::Predicted => "Newton's method from a prediction by neighbouring samples",
+            Self::Damped => "damped Newton steps from the prediction by neighbouring samples",
             Self::Followed => {
-                "steps from the nearest solved sample along the line between the inputs"
+                "continuation from the nearest solved sample along the straight line between the inputs"
             }
             Self::Tracked => {
-                "followed from the stuck structure over the levels, located on few harmonics"
+                "phase resonance followed from rest over rising amplitude; maximum located with few harmonics"
             }
             Self::TrackedOnAll => {
-                "followed from the stuck structure over the levels, located on all harmonics"
+                "phase resonance followed from rest over rising amplitude; maximum located with all harmonics"
             }
-            Self::Sliding => "searched from the structure that slides without friction",
+            Self::Sliding => "continuation from the resonance of the structure without friction",
             Self::SweptOnOne => {
-                "highest maximum on the way through the whole band, on one harmonic"
+                "highest maximum of a sweep through the whole band with one harmonic"
             }
             Self::SweptOnFew => {
-                "highest maximum on the way through the whole band, on few harmonics"
-            }
-            Self::SweptOnAll => {
-                "highest maximum on the way through the whole band, on all harmonics"
+                "highest maximum of a sweep through the whole band with few harmonics"
             }
         }
     }

@@ -17,17 +17,17 @@ pub enum Status {
     MaxIterations,
     /// Continuation could not go on with the smallest step.
     StepTooSmall,
-    /// The search took all Newton iterations that a search may take.
+    /// The search used up the Newton iterations that the study allows.
     BudgetSpent,
     /// The slider of a contact has no steady cycle that the contact evaluation could find.
     NoSteadyCycle,
-    /// A non-finite number turned up.
+    /// A number overflowed or is undefined.
     NonFinite,
     /// The amplitude has no maximum inside the frequency band.
     NoPeakInBand,
-    /// The branch left the band at the end where the sweep had begun, and went far away.
+    /// The branch left the band at the end where the sweep began, and did not return.
     LeftBand,
-    /// Even with all contacts stuck the structure is not held: there is nothing to solve.
+    /// With all contacts stuck the structure can still move as a rigid body: there is nothing to solve.
     NotHeld,
 }
 
@@ -56,7 +56,7 @@ impl Status {
         )
     }
 
-    /// Whether these numbers may stand for the blade: nothing says that they are not exact enough, or not what it does.
+    /// Whether verdicts may use these numbers: the error is not above the threshold, and the contacts do not bounce.
     #[must_use]
     pub fn is_trusted(self) -> bool {
         matches!(self, Self::Converged)
@@ -85,30 +85,28 @@ impl Status {
     pub fn explanation(self) -> &'static str {
         match self {
             Self::Converged => {
-                "the balance equations hold and the truncation error is not above the threshold: more harmonics would change the amplitude by less"
+                "the balance equations hold, and the stated truncation error is not above the threshold"
             }
             Self::TruncationAboveThreshold => {
-                "the balance equations hold, but with this many harmonics the amplitude is not certified: its truncation error is above the threshold, or not known because no solution was found with twice the harmonics; raise highest_harmonic of the alert if that is the highest harmonic of the sample"
+                "the balance equations hold, but the truncation error is above the threshold, or not known because no solution was found with twice the harmonics; if the sample has the alert's highest_harmonic, raise it"
             }
             Self::BouncingContact => {
-                "the balance equations hold, but the strip bounces and a response with the period of the excitation is not to be trusted"
+                "the balance equations hold, but a part that only contacts hold, such as the strip, lifts off: its real vibration may not have the period of the excitation"
             }
-            Self::MaxIterations => "Newton's method did not converge from any start that was tried",
-            Self::StepTooSmall => "the continuation could not go on with the smallest step",
-            Self::BudgetSpent => "the search took more Newton iterations than solver.budget allows",
+            Self::MaxIterations => "Newton's method did not converge from any of the starts",
+            Self::StepTooSmall => "the continuation of the branch failed with the smallest step",
+            Self::BudgetSpent => {
+                "the search needed more Newton iterations than solver.budget allows"
+            }
             Self::NoSteadyCycle => {
-                "the slider of a contact did not become periodic within the laps of one evaluation"
+                "the motion of a friction slider did not become periodic within the passes over the period of one contact evaluation"
             }
-            Self::NonFinite => "a number overflowed or was undefined",
-            Self::NoPeakInBand => {
-                "the amplitude has no maximum inside the frequency band of the study"
-            }
+            Self::NonFinite => "a number overflowed or is undefined",
+            Self::NoPeakInBand => "the amplitude has no maximum inside the frequency band",
             Self::LeftBand => {
-                "the branch left the frequency band at the end where the walk had begun, and did not come back"
+                "the branch of solutions left the frequency band at the end where the continuation began, and did not return"
             }
-            Self::NotHeld => {
-                "contact stiffness and static load leave the structure with a free rigid-body motion"
-            }
+            Self::NotHeld => "with all contacts stuck the structure can still move as a rigid body",
         }
     }
 }

@@ -1,6 +1,19 @@
 //! Linear algebra on top of faer: generalised eigenvalue problems, dense and sparse, conjugate residuals, vector loops.
 //!
 //! Knows nothing of structures; the names stiffness and mass are used because they are the pencil's usual names.
+//!
+//! ```
+//! use faer::mat;
+//! use microslip::linalg::symmetric_generalized_eigen;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let stiffness = mat![[2.0, -1.0], [-1.0, 2.0]];
+//! let mass = mat![[1.0, 0.0], [0.0, 1.0]];
+//! let (squared_frequencies, modes) = symmetric_generalized_eigen(stiffness.as_ref(), mass.as_ref())?;
+//! assert!((squared_frequencies[0] - 1.0).abs() < 1e-12 && (squared_frequencies[1] - 3.0).abs() < 1e-12);
+//! assert!((modes[(0, 0)] - modes[(1, 0)]).abs() < 1e-12); // the lower mode: both masses together
+//! # Ok(())
+//! # }
+//! ```
 
 mod dense_eigen;
 pub mod gcr;

@@ -50,9 +50,6 @@ pub struct ContactTable {
     /// Gap at zero approach (length) instead of `n_0`: n_0 = −k_n · gap.
     #[schemars(range(min = 0, max = LARGEST))]
     pub gap: Option<f64>,
-    /// Area that the pair stands for; no result depends on it.
-    #[schemars(range(max = LARGEST), extend("exclusiveMinimum" = 0, "default" = 1.0))]
-    pub area: Option<f64>,
     /// Interface that the pair belongs to (0, 1, …): inputs of the left side act on interface 0, of the right side on 1.
     #[serde(default)]
     pub interface: usize,
@@ -81,10 +78,7 @@ impl ContactTable {
         let any = self.t1.is_some() || self.t2.is_some() || self.n.is_some();
         BadSetting::unless(any, "name", &self.name, "must have t1, t2 or n")?;
         friction_coefficient("mu", self.mu)?;
-        self.validate_preload()?;
-        let area = self.area.unwrap_or(1.0);
-        crate::setting::positive("area", area)?;
-        within("area", area, [0.0, LARGEST])
+        self.validate_preload()
     }
 
     /// What may be meant but is unusual.
@@ -123,7 +117,7 @@ impl ContactTable {
             t1: row("t1", &self.t1)?,
             t2: row("t2", &self.t2)?,
             n: row("n", &self.n)?,
-            area: self.area.unwrap_or(1.0),
+            area: 1.0,
             interface: self.interface,
         })
     }

@@ -1,5 +1,38 @@
 //! The reduced model: matrices, contact pairs, loads and responses. Knows the
 //! contacts' constants, but no contact law and no harmonic balance.
+//!
+//! A model by hand; [`matrices`] reads one from files, [`two_blade`] builds the rig.
+//!
+//! ```
+//! use faer::Mat;
+//! use microslip::model::{ContactPair, ReducedModel, Response};
+//!
+//! let one = |value: f64| Mat::from_fn(1, 1, |_, _| value);
+//! let ground = ContactPair {
+//!     name: "damper".to_owned(),
+//!     t1: vec![(0, 1.0)], // slides by the displacement of coordinate 0
+//!     t2: vec![],
+//!     n: vec![], // constant normal force
+//!     area: 1.0,
+//!     interface: 0,
+//! };
+//! let model = ReducedModel {
+//!     name: "oscillator".to_owned(),
+//!     dof_names: vec!["x".to_owned()],
+//!     mass: one(1.0),
+//!     damping: one(10.0),
+//!     stiffness: one(1e6),
+//!     retention: None,
+//!     contacts: vec![ground],
+//!     static_force: vec![0.0],
+//!     loads: vec![],
+//!     cosine_force: vec![1.0], // N per unit of the excitation level
+//!     sine_force: vec![0.0],
+//!     responses: vec![Response { name: "x".to_owned(), row: vec![(0, 1.0)] }],
+//!     mirror: None,
+//! };
+//! assert_eq!((model.n_dofs(), model.n_contacts()), (1, 1));
+//! ```
 
 pub mod interface;
 mod masters;

@@ -7,6 +7,21 @@
 //! file), [`run`] (what a report is made from), [`numbers`] (`summary.json`), [`verdict`] (criteria judged),
 //! [`mod@assessment`] (`report.json`), `page` (`report.html`). Beside the report of one run: [`compare`] and [`reweighting`].
 //! Start reading in `write`, which makes the three files.
+//!
+//! The numbers of a run, read back from its folder:
+//!
+//! ```no_run
+//! use microslip::report::{StoredRun, Summary};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let run = StoredRun::read("results".as_ref())?;
+//! assert!(run.changed.is_empty(), "files of the run have been edited");
+//! let summary = Summary::of(&run.input());
+//! for level in &summary.levels {
+//!     println!("{}: {:?} {:?}", level.level, level.statuses, level.frequency_hz.quantiles);
+//! }
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod asked;
 pub mod assessment;

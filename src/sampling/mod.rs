@@ -4,6 +4,19 @@
 //! same whatever else runs, in whatever order. In a Monte Carlo design it is also the same whatever other inputs and how
 //! many samples there are; Sobol' points, pick-freeze rows of them too, depend on the list of inputs (the first dimensions
 //! are the most even), a Latin hypercube and a grid on the number of samples too. Knows no blade and no contact. Start reading at [`design`].
+//!
+//! ```
+//! use microslip::sampling::{Design, Distribution, Input, Shape};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let friction = Distribution::new(Shape::Uniform { low: 0.1, high: 0.8 }, None)?;
+//! let design = Design::new(2026, vec![(Input::FrictionCoefficient, friction)])?;
+//! // sample 1000 needs none of the samples before it
+//! let values = design.sample(1000);
+//! assert_eq!(values, design.sample(1000));
+//! assert!((0.1..0.8).contains(&values[0]));
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod correlation;
 pub mod design;

@@ -4,6 +4,19 @@
 //! interval ([`Observed`]), or the answer is refused with a reason. No statistic is ever NaN; a side that the samples do
 //! not bound is [`Limit::Unbounded`]. Results depend neither on the order of threads nor on the number of shards.
 //! Knows no blade, no contact and no file. Start reading in [`mod@observed`].
+//!
+//! The 95 % quantile of 200 results of which three failed, with its interval:
+//!
+//! ```
+//! use microslip::statistics::{Limit, Observed, Sorted, quantile_estimate};
+//!
+//! let results = Sorted::finite((0..197).map(|i| 100.0 + f64::from(i)));
+//! let observed = Observed::with_failed(results, 3);
+//! let quantile = quantile_estimate(&observed, 0.95, 0.95).expect("valid samples");
+//! assert!(quantile.coverage >= 0.95);
+//! // the failed samples may lie anywhere: with 200 samples the upper limit still exists
+//! assert!(matches!(quantile.interval.upper, Limit::Value(limit) if limit > quantile.estimate));
+//! ```
 
 pub mod acceptance;
 pub mod band;

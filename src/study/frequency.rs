@@ -99,7 +99,7 @@ pub struct FrequencySettings {
     expecting = "expected \"highest\", \"all\" or the number of a mode, as `inspect` counts the stuck frequencies"
 )]
 enum PeakTable {
-    Mode(usize),
+    Mode(#[schemars(range(min = 1))] usize),
     Named(NamedPeak),
 }
 

@@ -3,6 +3,7 @@
 use super::frequency::FrequencyUnit;
 use super::read::{Study, StudyModel};
 use crate::Error;
+use crate::hb::equations::jacobian::{DENSE_FALLBACK_LIMIT, DENSE_LIMIT};
 use crate::model::two_blade::{ComponentSummary, PressureInputs};
 use crate::report::asked::Stopping;
 use crate::sampling::Input;
@@ -51,8 +52,8 @@ pub struct Inspection {
     pub levels: Vec<f64>,
     /// Unknowns of one nonlinear solve at the first and at the highest harmonics.
     pub unknowns: [usize; 2],
-    /// Memory of one solve at the highest harmonics (bytes): Jacobian and its factors.
-    pub memory_bytes: f64,
+    /// Memory of one solve on the highest harmonics (bytes): usually, and at most.
+    pub memory_bytes: [f64; 2],
     /// Time of the whole study on one core (s), all further samples with it, within about a factor of five.
     pub time_s: f64,
     /// What looks like a mistake.
@@ -107,7 +108,7 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         further_samples: further_samples(study),
         levels: study.levels.clone(),
         unknowns,
-        memory_bytes: 3.0 * 8.0 * (unknowns[1] as f64).powi(2),
+        memory_bytes: memory(n_contacts, unknowns[1]),
         time_s: time(study, unknowns[0]),
         dof_names: model.dof_names,
     })
@@ -149,6 +150,28 @@ fn further_samples(study: &Study) -> u64 {
     (points as u64)
         .saturating_mul(judged as u64)
         .saturating_mul(inner)
+}
+
+/// Bytes of one solve with all pairs in motion: usually, and where iterations do not converge and the system is factorised
+/// densely, which systems of up to [`DENSE_FALLBACK_LIMIT`] unknowns are (matrix, copy, factors).
+///
+/// Compliances of all harmonics, from which the springs of the contacts are taken and which sweeps have in single precision,
+/// too; derivatives of the contact forces, seven blocks per pair in four copies; and, of a large system, factors of the
+/// blocks of the sweep and the directions of an exact solve. Small ones are factorised densely
+/// (`hb::equations::jacobian`).
+fn memory(n_contacts: usize, unknowns: usize) -> [f64; 2] {
+    let (n, rows) = (unknowns as f64, 3.0 * n_contacts as f64);
+    let m = n / rows;
+    let compliances = 0.5 * (m + 1.0) * rows.powi(2) * (16.0 + 16.0 + 8.0);
+    let derivatives = n_contacts as f64 * 7.0 * m.powi(2) * (3.0 * 8.0 + 4.0);
+    let (block_slots, directions) = (6.0, 60.0);
+    let iterative = rows * block_slots * m.powi(2) * 4.0 + 2.0 * 8.0 * directions * n;
+    let dense = 3.0 * 8.0 * n.min(DENSE_FALLBACK_LIMIT as f64).powi(2);
+    let shared = compliances + derivatives;
+    match unknowns {
+        ..=DENSE_LIMIT => [shared + dense; 2],
+        _ => [shared + iterative, shared + iterative + dense],
+    }
 }
 
 /// ⅔ n³ operations per factorisation and a linear part.

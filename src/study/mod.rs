@@ -3,6 +3,21 @@
 //! Reads `study.toml` into the rooms' own settings ([`Study`]) and orchestrates them; holds no numerics.
 //! Start reading at [`Study::read`]; the commands are [`inspect()`], [`solve()`], [`run()`], [`extend()`],
 //! [`compare()`] and [`reweight()`].
+//!
+//! What `microslip inspect` shows of a study, and what a mistake in one looks like:
+//!
+//! ```
+//! use microslip::study::{Study, inspect};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let study = Study::read("studies/own-matrices/study.toml".as_ref())?;
+//! let inspection = inspect(&study)?;
+//! println!("{inspection:#?}");
+//! let wrong = study.text.replace("samples = 100", "samples = -1");
+//! let error = Study::parse(&study.path, &wrong).expect_err("a negative number");
+//! assert!(error.to_string().contains("samples"));
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod compare;
 pub mod document;

@@ -116,28 +116,46 @@ fn answers<T: Real>(out: &AftForces<T>, batch: &AftBatch<T>) -> Vec<Answer> {
         .collect()
 }
 
+/// Answers of the processor.
+fn by_law<T: Real>(plan: &AftPlan<T>, batch: &AftBatch<T>) -> Vec<Answer> {
+    let mut out = AftForces::default();
+    let want = Want::ForcesAndTangents;
+    evaluate(plan, batch, want, &mut AftScratch::default(), &mut out);
+    answers(&out, batch)
+}
+
 fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |a, x| a.max(x.abs()))
 }
 
-/// Largest differences of forces and tangents, each over the largest entry, per state, ascending.
-fn differences(found: &[Answer], expected: &[Answer], undecided: &[usize]) -> [Vec<f64>; 2] {
+/// Largest differences of forces and of tangents, each over the largest entry, per state.
+fn differences(found: &[Answer], expected: &[Answer]) -> [Vec<f64>; 2] {
     let relative = |a: &[f64], b: &[f64], scale: f64| {
         let difference: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
         largest(&difference) / scale
     };
-    let sorted = |f: &dyn Fn(&Answer, &Answer) -> f64| {
-        let decided =
-            (found.iter().zip(expected).enumerate()).filter(|(i, _)| !undecided.contains(i));
-        let mut all: Vec<f64> = decided.map(|(_, (a, b))| f(a, b)).collect();
-        all.sort_by(f64::total_cmp);
-        all
-    };
+    let pairs = || found.iter().zip(expected);
     [
-        sorted(&|a, b| relative(&a.forces, &b.forces, b.scale)),
-        sorted(&|a, b| relative(&a.tangent, &b.tangent, b.stiffness)),
+        pairs()
+            .map(|(a, b)| relative(&a.forces, &b.forces, b.scale))
+            .collect(),
+        pairs()
+            .map(|(a, b)| relative(&a.tangent, &b.tangent, b.stiffness))
+            .collect(),
     ]
 }
+
+/// The values of the states that count, ascending.
+fn ascending(values: &[f64], counts: impl Fn(usize) -> bool) -> Vec<f64> {
+    let counted = values.iter().enumerate().filter(|(i, _)| counts(*i));
+    let mut counted: Vec<f64> = counted.map(|(_, &value)| value).collect();
+    counted.sort_by(f64::total_cmp);
+    counted
+}
+
+/// Difference of the derivatives in single from those in double precision, both of the processor, from which on a state counts
+/// as near a change of its motion. A wrong term in a shader cannot move a state to these.
+const NEAR_A_CHANGE: f64 = 1e-4;
 
 fn quantiles(of: &[f64]) -> String {
     let n = of.len();
@@ -149,16 +167,27 @@ fn quantiles(of: &[f64]) -> String {
     )
 }
 
-/// One set of states on the device, by the same law in single precision and by it in double precision.
+/// One set of states on the device, by the same law in single precision and by it in double precision. Forces are of all states
+/// that the device decides, derivatives of those of them that are not near a change of their motion: derivatives jump there, and
+/// rounding decides on which side a state is.
 struct Comparison {
     /// Device against the law in single precision: forces, derivatives.
     same_precision: [Vec<f64>; 2],
     /// Device against the law in double precision.
     exact: [Vec<f64>; 2],
+    /// Share of states near a change of their motion.
+    near_a_change: f64,
     /// Share of states that the device takes for stuck.
     stuck: f64,
     /// States that the device leaves to the processor.
     undecided: usize,
+}
+
+impl Comparison {
+    fn assert_few_near_a_change(&self, most: f64) {
+        let share = self.near_a_change;
+        assert!(share <= most, "{share} near a change of motion");
+    }
 }
 
 fn compare(
@@ -172,40 +201,32 @@ fn compare(
     let scaled = ScaledStates::new(&batch).unwrap();
     let double = plan::<f64>(&set, n_time, law, events);
     let raw = on_device(device, &double, precision, &scaled);
-    let (mut found, mut expected) = (AftForces::default(), AftForces::default());
+    let mut found = AftForces::default();
     scaled.unscale(&double, &batch, &raw, &mut found);
-    evaluate(
-        &double,
-        &batch,
-        Want::ForcesAndTangents,
-        &mut AftScratch::default(),
-        &mut expected,
-    );
     let found = answers(&found, &batch);
-    let exact = differences(&found, &answers(&expected, &batch), &raw.undecided);
-    // the same numbers, rounded once, for both sides
-    let unit = unit_states::<f32>(&scaled);
+    let exact = differences(&found, &by_law(&double, &batch));
+    // the same numbers, rounded once, for both sides; their scale is 1: the largest force of a scaled state is between 1/2 and 1
     let single = plan::<f32>(&set, n_time, law, events);
-    let mut expected = AftForces::default();
-    evaluate(
-        &single,
-        &unit,
-        Want::ForcesAndTangents,
-        &mut AftScratch::default(),
-        &mut expected,
-    );
-    let expected = answers(&expected, &unit);
-    // their scale is 1: the largest force of a scaled state is between 1/2 and 1
+    let expected = by_law(&single, &unit_states::<f32>(&scaled));
     let unit = unit_states::<f64>(&scaled);
     let again = ScaledStates::new(&unit).unwrap();
     let mut totals = AftForces::default();
     again.unscale(&double, &unit, &raw, &mut totals);
-    let same_precision = differences(&answers(&totals, &unit), &expected, &raw.undecided);
+    let same_precision = differences(&answers(&totals, &unit), &expected);
+    let [_, rounding] = differences(&expected, &by_law(&double, &unit));
+    let decided = |i: usize| !raw.undecided.contains(&i);
+    let steady = |i: usize| decided(i) && rounding[i] < NEAR_A_CHANGE;
+    let [same_precision, exact] = [same_precision, exact].map(|[forces, derivatives]| {
+        [ascending(&forces, decided), ascending(&derivatives, steady)]
+    });
+    let changing = rounding.iter().filter(|r| **r >= NEAR_A_CHANGE).count();
+    let near_a_change = changing as f64 / STATES as f64;
     let stuck = found.iter().filter(|a| a.stuck).count() as f64 / STATES as f64;
     eprintln!(
-        "{law:?}: {} undecided, {:.0} % stuck",
+        "{law:?} {events:?}: {} undecided, {:.0} % stuck, {:.1} % near a change of motion",
         raw.undecided.len(),
-        100.0 * stuck
+        100.0 * stuck,
+        100.0 * near_a_change
     );
     for (name, [forces, derivatives]) in [("same precision", &same_precision), ("exact", &exact)] {
         let (forces, derivatives) = (quantiles(forces), quantiles(derivatives));
@@ -217,6 +238,7 @@ fn compare(
     Comparison {
         same_precision,
         exact,
+        near_a_change,
         stuck,
         undecided: raw.undecided.len(),
     }
@@ -237,8 +259,7 @@ fn assert_below(values: &[f64], bounds: [f64; 3], what: &str) {
     }
 }
 
-/// Same algorithm: rounding alone is between the shader and the Rust law in the same precision. Derivatives jump where an
-/// event comes or goes, so that their largest difference says little.
+/// Same algorithm: rounding alone is between the shader and the Rust law in the same precision.
 /// Seen to fail with: a slider that slips down set to the lower bound; the rate of a closing slider by the gap function
 /// left out.
 #[test]
@@ -250,14 +271,15 @@ fn shader_and_law_agree_in_single_precision() {
         let found = compare(&device, BOX, (h, n_time), Precision::F32);
         let [forces, derivatives] = &found.same_precision;
         assert_below(forces, [3e-7, 1e-6, 3e-6], "forces");
-        assert_below(derivatives, [1e-6, 1e-5, 5e-3], "derivatives");
+        assert_below(derivatives, [1e-6, 1e-5, 3e-4], "derivatives");
         let [forces, derivatives] = &found.exact;
         assert_below(forces, [3e-7, 1e-6, 3e-6], "forces in single precision");
         assert_below(
             derivatives,
-            [5e-7, 5e-6, 5e-3],
+            [5e-7, 5e-6, 1e-4],
             "derivatives in single precision",
         );
+        found.assert_few_near_a_change(0.01);
         assert!((0.05..0.5).contains(&found.stuck), "{} stick", found.stuck);
     }
 }
@@ -281,17 +303,11 @@ fn crossings_at_samples_stay_there() {
     let plan = plan::<f64>(&set, 64, BOX.0, BOX.1);
     let scaled = ScaledStates::new(&batch).unwrap();
     let raw = on_device(&device, &plan, Precision::F32, &scaled);
-    let (mut found, mut expected) = (AftForces::default(), AftForces::default());
+    let mut found = AftForces::default();
     scaled.unscale(&plan, &batch, &raw, &mut found);
-    evaluate(
-        &plan,
-        &batch,
-        Want::ForcesAndTangents,
-        &mut AftScratch::default(),
-        &mut expected,
-    );
-    let (found, expected) = (answers(&found, &batch), answers(&expected, &batch));
-    let [forces, _] = differences(&found, &expected, &raw.undecided);
+    let found = answers(&found, &batch);
+    let [forces, _] = differences(&found, &by_law(&plan, &batch));
+    let forces = ascending(&forces, |i| !raw.undecided.contains(&i));
     assert_below(&forces, [3e-7, 1e-5, 1e-3], "forces");
 }
 
@@ -321,7 +337,7 @@ fn no_friction_is_no_stick() {
 }
 
 /// The same for the circle law decided at the samples, whose steady cycle is iterated to rounding.
-/// Seen to fail with: the instant of closing left out of the derivative.
+/// Seen to fail with: the instant of closing left out of the derivative, or only the gap before it.
 #[test]
 fn circle_law_agrees_in_single_precision() {
     let Some(device) = device("circle_law_agrees_in_single_precision", Precision::F32) else {
@@ -332,14 +348,15 @@ fn circle_law_agrees_in_single_precision() {
         let found = compare(&device, law, (3, 64), Precision::F32);
         let [forces, derivatives] = &found.same_precision;
         assert_below(forces, [3e-7, 1e-6, 5e-6], "forces");
-        assert_below(derivatives, [1e-6, 1e-5, 5e-3], "derivatives");
+        assert_below(derivatives, [1e-6, 1e-5, 1e-4], "derivatives");
         let [forces, derivatives] = &found.exact;
         assert_below(forces, [3e-7, 5e-5, 5e-4], "forces in single precision");
         assert_below(
             derivatives,
-            [1e-6, 1e-1, 1.0],
+            [1e-6, 1e-4, 3e-4],
             "derivatives in single precision",
         );
+        found.assert_few_near_a_change(0.04);
         assert!(
             found.undecided < STATES / 10,
             "{} undecided",
@@ -350,7 +367,8 @@ fn circle_law_agrees_in_single_precision() {
 
 /// The same for the circle law with located events. Rounding decides where the search of the steady cycle ends, on either
 /// side.
-/// Seen to fail with: the shift of an event left out of the angle; the curvature left out at the start of slip; a small
+/// Seen to fail with: the shift of an event left out of the angle; the curvature left out at the start of slip; the shift of an event
+/// left out of the jump of the second derivative; a small
 /// bound on the loop iterations, which leaves most states to the processor and the others right.
 #[test]
 fn located_circle_law_agrees_in_single_precision() {
@@ -362,14 +380,15 @@ fn located_circle_law_agrees_in_single_precision() {
         let found = compare(&device, CIRCLE, (h, n_time), Precision::F32);
         let [forces, derivatives] = &found.same_precision;
         assert_below(forces, [3e-7, 1e-6, 2e-4], "forces");
-        assert_below(derivatives, [1e-6, 1e-3, 5e-2], "derivatives");
+        assert_below(derivatives, [1e-6, 1e-5, 1e-4], "derivatives");
         let [forces, derivatives] = &found.exact;
         assert_below(forces, [3e-7, 5e-5, 2e-4], "forces in single precision");
         assert_below(
             derivatives,
-            [1e-6, 5e-4, 5e-3],
+            [1e-6, 1e-4, 3e-4],
             "derivatives in single precision",
         );
+        found.assert_few_near_a_change(0.04);
         assert!((0.05..0.5).contains(&found.stuck), "{} stick", found.stuck);
         assert!(
             found.undecided < STATES / 10,

@@ -43,7 +43,7 @@ fn field_names_are_stable() {
     assert_eq!(found.join("\n"), expected.trim_end());
 }
 
-/// Seen to fail when only samples with a solution were counted.
+/// Seen to fail when only samples with a solution were counted, and with one route left out of the counts.
 #[test]
 fn statuses_add_up_to_the_samples() {
     let study = SyntheticStudy::new(333);

@@ -278,7 +278,7 @@ fn others(index: u64, frequency_hz: f64, amplitude_m: f64) -> Vec<OtherMaximum> 
     (1..=index % 3).map(other).collect()
 }
 
-/// Most peaks are predicted, some are tracked, few are met on the way through the band.
+/// Most peaks are predicted, some are tracked, few come from a sweep through the band.
 fn route_of(noise: f64) -> PeakRoute {
     match noise {
         n if n > 0.95 => PeakRoute::SweptOnOne,

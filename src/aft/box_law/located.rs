@@ -1,11 +1,15 @@
 //! Box law with located events: exact force and derivative of trigonometric signals.
 //!
-//! Between its events the traction is k_t u − z in stick and ± mu g in slip, a trigonometric polynomial, so the Fourier
-//! integrals over the stretches between the events have a closed form: the spectra of the stretches, in place of the
-//! sums over samples of [`super::tangent`]. The force is continuous, so that moving events add nothing to the
-//! derivative, but for the slider of a stick: it stands where a bound turned (which costs nothing to first order) or
-//! where the contact closed, w = u(θ_c) with dθ_c = −dg/g'. Transition rules: Petrov and Ewins (J. Turbomach. 125,
-//! 2003).
+//! Between two events the traction is a trigonometric polynomial: k_t u − z in stick, z = k_t w the slider, and ± mu g in slip,
+//! g the normal force. So its Fourier integrals between the events have a closed form, which replaces the sums over time
+//! points of [`super::tangent`].
+//!
+//! **Derivatives.** The traction is continuous. So the motion of an event in time adds nothing to the derivative, with one
+//! exception: the slider of a stick depends on the event at which the stick began. If it began where a bound of the slider
+//! turned, the derivative by the phase is zero there. If it began where the contact closed, w = u(θ_c), and the phase of
+//! closing changes by dθ_c = −dg/g'(θ_c).
+//!
+//! Transition rules: Petrov and Ewins, J. Turbomach. 125, 2003.
 
 use super::play::{LaneScratch, Place, Play, Source, phase};
 use crate::aft::batch::Want;
@@ -32,7 +36,8 @@ pub(in crate::aft) struct Located<T> {
 }
 
 impl<T: Real> Located<T> {
-    /// Finds the intervals of a group that hold events; the displacement coefficients in `work` are lost.
+    /// Finds the intervals between time points that contain events, for a group of states. Overwrites the displacement
+    /// coefficients in `work`.
     #[inline(always)]
     pub(in crate::aft) fn mark<S: Simd>(
         &mut self,
@@ -43,7 +48,7 @@ impl<T: Real> Located<T> {
         self.intervals.mark(simd, plan, work);
     }
 
-    /// Forces, summary, and tangent if wanted, of one state after `mark`.
+    /// Forces, summary and, if wanted, derivatives of one state; to be called after `mark`.
     #[inline(always)]
     pub(in crate::aft) fn evaluate(&mut self, at: Place<T>, want: Want, out: &mut AftForces<T>) {
         let (plan, m) = (at.plan, at.plan.m);
@@ -90,7 +95,7 @@ impl<T: Real> Located<T> {
 }
 
 impl<T: Real> LaneScratch<T> {
-    /// Traction coefficients of direction `d` from its runs into `force`, and its blocks if wanted.
+    /// Writes the coefficients of the traction in direction `d` to `force`, and its derivatives if wanted.
     #[inline(always)]
     fn traction(
         &mut self,
@@ -153,7 +158,7 @@ impl<T: Real> LaneScratch<T> {
         }
     }
 
-    /// Derivative of k_t w by u and by v: factors of the basis row of the event, which is left in `row`.
+    /// Derivatives of k_t w by u and by v: two factors of the trigonometric functions at the event, which are written to `row`.
     #[inline(always)]
     fn source_factors(
         &mut self,
@@ -181,7 +186,7 @@ impl<T: Real> LaneScratch<T> {
         [p.k_t[d], friction]
     }
 
-    /// Normal force coefficients into `force`, and their block if wanted.
+    /// Writes the coefficients of the normal force to `force`, and their derivatives if wanted.
     #[inline(always)]
     pub(in crate::aft) fn normal(
         &mut self,
@@ -224,7 +229,7 @@ impl<T: Real> LaneScratch<T> {
         }
     }
 
-    /// Counts the samples in each motion.
+    /// Counts the time points in each motion.
     #[inline(always)]
     fn summary(&self, at: Place<T>, plays: [Play<T>; 2]) -> StateSummary {
         let n = at.plan.n_time();
@@ -263,7 +268,8 @@ impl<T: Real> LaneScratch<T> {
     }
 }
 
-/// ∫₀^θ cos kt dt and sin kt dt (but for a constant) for k = 0..=2H, in samples. Shape: `[2][2H + 1]`.
+/// ∫₀^θ cos kt dt and, up to a constant, ∫₀^θ sin kt dt for k = 0..=2H, over the distance of two time points.
+/// Shape: `[2][2H + 1]`.
 #[inline(always)]
 fn antiderivative<T: Real>(plan: &AftPlan<T>, theta: T, out: &mut Vec<T>) {
     let n = plan.n_mask_orders();

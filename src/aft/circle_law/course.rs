@@ -62,9 +62,11 @@ impl<T: Real> Course<'_, T> {
             path: [first[0], second[0]],
             rate: [first[1], second[1]],
             bend: [first[2], second[2]],
+            jerk: [first[3], second[3]],
             limit: limit[0],
             limit_rate: limit[1],
             limit_bend: limit[2],
+            limit_jerk: limit[3],
         }
     }
 

@@ -1,39 +1,61 @@
-//! Jumps of the slope of the tractions, and what they add to the forces.
+//! Jumps of the derivatives of the tractions, and what they add to the forces.
 //!
-//! The force coefficients are sums over the samples. Where the slope of the integrand jumps by J, at the share x of an interval
-//! of length h, such a sum lacks −½ h² B₂(x) J (Euler and Maclaurin; B₂ = x² − x + 1/6).
+//! The force coefficients are sums over the samples. Where the first two derivatives of the integrand jump by J₁ and J₂, at the
+//! share x of an interval of length h, such a sum lacks ½ h² B₂(x) J₁ − ⅙ h³ B₃(x) J₂ (Euler and Maclaurin; B₂ = x² − x + 1/6,
+//! B₃ = x³ − 3/2 x² + ½ x). The integrand is a traction times a basis function b: J₁ = J b and J₂ = K b + 2 J b', where J and K
+//! are the jumps of the traction. In a stick much shorter than the step both terms are as large, and cancel.
+//!
+//! K leaves out how the traction turns in slip: slip is integrated to second order, and the turn between two samples is not
+//! resolved where the motion is large against its limit.
 
-use super::sensitivity::{Blocks, Row, add_row, scale, set_rows};
+use super::sensitivity::{Blocks, KinkRows, Row, add_row, add_signal, set_rows};
+use crate::aft::lanes::masks::clear;
 use crate::aft::plan::AftPlan;
 use crate::aft::signals::polynomial::basis_row;
 use crate::contact::Real;
 use pulp::Simd;
 use std::f64::consts::TAU;
 
-/// A jump of the slope of the tractions.
+/// Jumps of the derivatives of the tractions at an event.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Kink<T> {
     /// Phase of the event.
     pub theta: T,
-    /// Change of the derivative of both tractions by the phase (N per radian).
+    /// Change of the first derivative of both tractions by the phase (N per radian).
     pub jump: [T; 2],
+    /// Change of the second one (N per square radian).
+    pub bend: [T; 2],
 }
 
 impl<T: Real> Kink<T> {
-    /// Adds what the kink contributes to the traction coefficients; `row` takes the basis row. Shape: `force` `[2][m]`.
-    pub(super) fn add_force(&self, plan: &AftPlan<T>, row: &mut Vec<T>, force: &mut [T]) {
-        let weight = kink_weights(plan, self.theta)[0];
+    /// Adds what the kink contributes to the traction coefficients; `row` takes the basis row, `missing` what one traction lacks.
+    /// Shape: `force` `[2][m]`.
+    pub(super) fn add_force(
+        &self,
+        plan: &AftPlan<T>,
+        [row, missing]: [&mut Vec<T>; 2],
+        force: &mut [T],
+    ) {
+        let [_, second, third] = kink_weights(plan, self.theta);
         row.resize(plan.m, T::ONE);
         basis_row(plan, self.theta, row);
-        for (force, jump) in force.chunks_exact_mut(plan.m).zip(self.jump) {
-            for ((force, &b), &w) in force.iter_mut().zip(row.iter()).zip(&plan.weight) {
-                *force += w * (weight * jump * b);
+        for (d, force) in force.chunks_exact_mut(plan.m).enumerate() {
+            let (jump, bend) = (self.jump[d], self.bend[d]);
+            let factors = [
+                second * jump - third * bend,
+                -(third + third) * jump,
+                T::ZERO,
+            ];
+            clear(missing, plan.m);
+            add_signal(plan, missing, row, factors);
+            for ((force, &missing), &w) in force.iter_mut().zip(&*missing).zip(&plan.weight) {
+                *force += w * missing;
             }
         }
     }
 
-    /// Adds the derivatives of that. `blocks.traction` holds the derivatives of the jump, and is lost; `row` is the basis row at
-    /// the kink and `instant` holds the derivatives of its phase.
+    /// Adds the derivatives of that. `blocks.kink` holds the derivatives of the jumps, `row` is the basis row at the kink and
+    /// `instant` holds the derivatives of its phase.
     #[inline(always)]
     pub(super) fn add_tangent<S: Simd>(
         &self,
@@ -43,28 +65,42 @@ impl<T: Real> Kink<T> {
         row: &[T],
         instant: &Row<T>,
     ) {
-        let [weight, slope] = kink_weights(plan, self.theta);
-        for (traction, &jump) in blocks.traction.iter_mut().zip(&self.jump) {
-            scale(traction, weight);
-            add_row(traction, slope * jump, instant);
+        let [first, second, third] = kink_weights(plan, self.theta);
+        let twice = third + third;
+        // For b, b' and b'': the factors of dJ, dK and dθ.
+        let factors = |j: T, k: T| {
+            [
+                [second, -third, first * j - second * k],
+                [-twice, T::ZERO, -(second * j + third * k)],
+                [T::ZERO, T::ZERO, -(twice * j)],
+            ]
+        };
+        for derivative in 0..3 {
+            let KinkRows { jump, bend } = &blocks.kink;
+            for (d, traction) in blocks.traction.iter_mut().enumerate() {
+                let [by_jump, by_bend, by_instant] =
+                    factors(self.jump[d], self.bend[d])[derivative];
+                set_rows(traction, [&jump[d], &bend[d]], |_, jump, bend| {
+                    by_jump * jump + by_bend * bend
+                });
+                add_row(traction, by_instant, instant);
+            }
+            let mut of_basis = [T::ZERO; 3];
+            of_basis[derivative] = T::ONE;
+            blocks.weigh(simd, plan, row, of_basis);
         }
-        blocks.weigh(simd, plan, row, [T::ONE, T::ZERO]);
-        for (traction, &jump) in blocks.traction.iter_mut().zip(&self.jump) {
-            set_rows(traction, [instant, instant], |_, instant, _| {
-                weight * jump * instant
-            });
-        }
-        blocks.weigh(simd, plan, row, [T::ZERO, T::ONE]);
     }
 }
 
-/// ½ h B₂(x) and its derivative by the phase.
+/// B₁(x) = x − ½, ½ h B₂(x) and ⅙ h² B₃(x): each is the derivative of the next one by the phase.
 #[inline(always)]
-fn kink_weights<T: Real>(plan: &AftPlan<T>, theta: T) -> [T; 2] {
+fn kink_weights<T: Real>(plan: &AftPlan<T>, theta: T) -> [T; 3] {
     let n = plan.n_time() as f64;
-    let x = (theta.to_f64() * (n / TAU)).fract();
+    let (h, x) = (TAU / n, (theta.to_f64() * (n / TAU)).fract());
     [
-        T::from_f64(0.5 * TAU / n * (x * x - x + 1.0 / 6.0)),
-        T::from_f64(x - 0.5),
+        x - 0.5,
+        0.5 * h * (x * x - x + 1.0 / 6.0),
+        h * h / 6.0 * x * (x - 0.5) * (x - 1.0),
     ]
+    .map(T::from_f64)
 }

@@ -55,7 +55,7 @@ impl<T: Real> Lap<T> {
     /// Adds what the kinks contribute to the traction coefficients. Shape: `force` `[2][m]`.
     pub(in crate::aft) fn add_kinks(&mut self, plan: &AftPlan<T>, force: &mut [T]) {
         for kink in &self.kinks {
-            kink.add_force(plan, &mut self.row, force);
+            kink.add_force(plan, [&mut self.row, &mut self.next_row], force);
         }
     }
 

@@ -1,7 +1,8 @@
 //! Circle law with located events: forces, tangents and summaries of a group of states.
 //!
-//! [`super::steady_cycle`] searches for the steady cycle; with tangents, a lap of the cycle that it found carries the
-//! derivatives, so that the forces are the same with and without. The normal force is exact, as in [`super::located`].
+//! [`super::steady_cycle`] searches the periodic motion of the slider (the steady cycle). If derivatives are wanted, one more
+//! lap along this cycle computes them; so the forces have the same bits with and without derivatives. The normal force is a
+//! trigonometric polynomial between opening and closing and is integrated in closed form, as under the box law.
 
 use super::course::Course;
 use super::lap::{Lap, Walk};
@@ -27,18 +28,18 @@ use std::f64::consts::TAU;
 #[derive(Debug, Clone, Default)]
 pub(in crate::aft) struct LocatedCircle<T> {
     intervals: Intervals<T>,
-    /// Slip from each sample to the next one, row-major. Shape: `[time]`.
+    /// Matrix of the slip from each time point to the next one ([`super::slip`]), row-major. Shape: `[time]`.
     maps: Vec<[Lane<T>; 4]>,
     lane: LaneScratch<T>,
-    /// Samples of the present state. Shape: `[time + 1]`.
+    /// Signals of the present state at the time points. Shape: `[time + 1]`.
     nodes: Vec<Node<T>>,
     lap: Lap<T>,
     blocks: Blocks<T>,
-    /// Kinks of the tractions, normal force coefficients. Shape: `[lane][3][m]`.
+    /// Corrections of the traction coefficients for kinks, and the coefficients of the normal force (N). Shape: `[lane][3][m]`.
     forces: Vec<T>,
 }
 
-/// Steady cycle of one state, lap by lap.
+/// Search for the steady cycle of one state, lap by lap.
 #[derive(Debug, Clone, Copy)]
 struct Cycle<T> {
     stage: Stage<T>,
@@ -48,24 +49,24 @@ struct Cycle<T> {
     periodicity: Periodicity,
     origin: Origin<T, T>,
     stuck: bool,
-    /// Whether the last Newton step was so small that the next lap should be the last one, which fills the tangent.
+    /// Whether the last Newton step was so small that the next lap is expected to be the last one, which computes derivatives.
     near: bool,
 }
 
-/// What a lap is for.
+/// Purpose of a lap.
 #[derive(Debug, Clone, Copy)]
 enum Stage<T> {
     First,
-    /// The lap of this number, of as many as the settings ask for.
+    /// A lap of a given number of laps; its number.
     Fixed(u32),
     Search(Search<T, T>),
-    /// Derivatives: the lap of this number.
+    /// A lap that computes derivatives; its number.
     Tangent(u32),
     Done,
 }
 
 impl<T: Real> LocatedCircle<T> {
-    /// Finds the openings and closings of a group; the displacement coefficients in `work` are lost.
+    /// Finds where the contacts of a group of states open and close. Overwrites the displacement coefficients in `work`.
     #[inline(always)]
     pub(in crate::aft) fn mark<S: Simd>(
         &mut self,
@@ -101,7 +102,7 @@ impl<T: Real> LocatedCircle<T> {
         self.forces.resize(LANES * 3 * plan.m, T::ZERO);
     }
 
-    /// Summary, and tangent if wanted, of one state after `mark`; its tractions go to [`Self::put_tractions`].
+    /// Summary and, if wanted, derivatives of one state; to be called after `mark`. [`Self::put_tractions`] gives its tractions.
     #[inline(always)]
     pub(in crate::aft) fn evaluate<S: Simd>(
         &mut self,
@@ -168,7 +169,7 @@ impl<T: Real> LocatedCircle<T> {
         }
     }
 
-    /// Completes the forces from the sums over the samples: the kinks of the tractions, and the exact normal force.
+    /// Adds to the sums over the time points the corrections for the kinks of the tractions, and sets the normal force.
     #[inline(always)]
     pub(in crate::aft) fn complete(&self, lane: usize, state: usize, out: &mut AftForces<T>) {
         let (n, m) = (out.n_states, out.n_coefficients);
@@ -180,7 +181,8 @@ impl<T: Real> LocatedCircle<T> {
     }
 }
 
-/// Rows of a slider that two instants hold: the excess |s − z| − L of both stays 0, and so does its slope.
+/// Derivatives of a slider at rest that two instants of the period hold: at both the excess |s − z| − L is 0, and so is its
+/// slope in time.
 fn hold_slider<T: Real>(course: Course<T>, hold: &Hold<T, T>, rows: &mut Rows<T>) {
     let base = Base {
         plan: course.plan,
@@ -205,8 +207,8 @@ fn hold_slider<T: Real>(course: Course<T>, hold: &Hold<T, T>, rows: &mut Rows<T>
     }
 }
 
-/// Adds what the periodic slider contributes to the blocks: its start derivative is (I − M)⁻¹ times its end derivative
-/// for a fixed start.
+/// Adds to the derivatives what the start of the periodic slider contributes. With M = ∂z(T)/∂z(0) the derivative of the start
+/// is (I − M)⁻¹ times the derivative of the end for a fixed start.
 fn close_cycle<T: Real>(plan: &AftPlan<T>, rows: &mut Rows<T>, blocks: &mut Blocks<T>) {
     let m = rows.monodromy();
     if is_singular(m) {
@@ -225,7 +227,7 @@ fn close_cycle<T: Real>(plan: &AftPlan<T>, rows: &mut Rows<T>, blocks: &mut Bloc
 }
 
 impl<T: Real> Cycle<T> {
-    /// Laps until the cycle is found, and with `tangents` the laps that carry the derivatives.
+    /// Makes laps until the cycle is found, and with `tangents` the laps that compute derivatives.
     #[inline(always)]
     fn found<S: Simd>(
         simd: S,
@@ -270,17 +272,17 @@ impl<T: Real> Cycle<T> {
         }
     }
 
-    /// Whether the rows of the next lap start anew.
+    /// Whether the derivatives start at zero in the next lap.
     fn starts_rows(&self) -> bool {
         !matches!(self.stage, Stage::Tangent(number) if number > 1)
     }
 
-    /// Whether the next lap carries the derivatives by the displacement coefficients.
+    /// Whether the next lap computes derivatives by the displacement coefficients.
     fn carries_rows(&self) -> bool {
         self.near || matches!(self.stage, Stage::Tangent(_))
     }
 
-    /// Whether the next lap fills the tangent.
+    /// Whether the next lap writes the derivatives of the forces.
     fn is_last(&self) -> bool {
         let laps = match self.origin {
             Origin::Anchor => self.laps,
@@ -289,7 +291,7 @@ impl<T: Real> Cycle<T> {
         self.near || matches!(self.stage, Stage::Tangent(number) if number == laps)
     }
 
-    /// Takes the end of a lap and decides on the next one.
+    /// Decides, from the slider at the end of a lap, on the next lap.
     #[inline(never)]
     fn advance(&mut self, course: Course<T>, lap: &Lap<T>, end: [T; 2], tangents: bool) {
         let took = LapEnd {
@@ -338,7 +340,7 @@ impl<T: Real> Cycle<T> {
         self.finish(p, took.start, tangents)
     }
 
-    /// The stage after the cycle from `start` was found.
+    /// What follows once the cycle from `start` is found.
     fn finish(&mut self, p: &ContactParameters<T>, start: [T; 2], tangents: bool) -> Stage<T> {
         if !tangents {
             return Stage::Done;

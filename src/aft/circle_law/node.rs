@@ -17,14 +17,16 @@ pub(in crate::aft) struct Node<T> {
     /// Number of the sample; none for an event.
     pub sample: Option<usize>,
     pub theta: T,
-    /// s (N), and its derivatives s' and s'' by the phase; s'' for events only.
+    /// s (N), and its derivatives s', s'' and s''' by the phase; s'' and s''' for events only.
     pub path: [T; 2],
     pub rate: [T; 2],
     pub bend: [T; 2],
-    /// L (N), L' and L''; L'' for events only.
+    pub jerk: [T; 2],
+    /// L (N), L', L'' and L'''; L'' and L''' for events only.
     pub limit: T,
     pub limit_rate: T,
     pub limit_bend: T,
+    pub limit_jerk: T,
 }
 
 impl<T: Real> Node<T> {
@@ -45,9 +47,11 @@ impl<T: Real> Node<T> {
             path: [p.k_t[0] * s.u[0][lane], p.k_t[1] * s.u[1][lane]],
             rate: [p.k_t[0] * rate[lane], p.k_t[1] * rate[LANES + lane]],
             bend: [T::ZERO; 2],
+            jerk: [T::ZERO; 2],
             limit: p.mu * s.normal(lane),
             limit_rate: p.mu * (p.k_n * rate[2 * LANES + lane]),
             limit_bend: T::ZERO,
+            limit_jerk: T::ZERO,
         }
     }
 
@@ -60,7 +64,13 @@ impl<T: Real> Node<T> {
     /// Derivative of λ by the phase where `e` turns at the rate `turning`; for events only.
     #[inline(always)]
     pub(in crate::aft) fn sliding_rate(&self, e: [T; 2], turning: T) -> T {
-        dot(normal(e), self.rate) * turning + dot(e, self.bend) - self.limit_bend
+        dot(normal(e), self.rate) * turning + self.bending(e)
+    }
+
+    /// The part e·s'' − L'' of that which does not come from the turn of `e`.
+    #[inline(always)]
+    pub(in crate::aft) fn bending(&self, e: [T; 2]) -> T {
+        dot(e, self.bend) - self.limit_bend
     }
 
     /// A number depends on the step that ends here, with the derivatives `by`: its derivative by the phase of this node.

@@ -14,21 +14,26 @@ use pulp::{Simd, WithSimd};
 /// coefficients, component by component in whole chunks. What pads a chunk stays 0.
 pub(in crate::aft) type Row<T> = Vec<Chunk<T>>;
 
-/// Factors of the signals at one phase in a number that is a sum of them: of s = k_t u (N), s', L = mu N and L'.
+/// Factors of the signals at one phase in a number that is a sum of them: of s = k_t u (N), s', s'', L = mu N, L' and L''; those of
+/// s'' and L'' for events only.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::aft) struct SignalWeights<T> {
     pub path: [T; 2],
     pub rate: [T; 2],
+    pub bend: [T; 2],
     pub limit: T,
     pub limit_rate: T,
+    pub limit_bend: T,
 }
 
 impl<T: Real> SignalWeights<T> {
     pub(in crate::aft) const NONE: Self = Self {
         path: [T::ZERO; 2],
         rate: [T::ZERO; 2],
+        bend: [T::ZERO; 2],
         limit: T::ZERO,
         limit_rate: T::ZERO,
+        limit_bend: T::ZERO,
     };
 }
 
@@ -95,19 +100,20 @@ pub(in crate::aft) fn add_signals<T: Real>(
     let k = base.p.k_t;
     let friction = base.p.mu * base.p.k_n;
     let factors = [
-        (k[0] * weights.path[0], k[0] * weights.rate[0]),
-        (k[1] * weights.path[1], k[1] * weights.rate[1]),
-        (friction * weights.limit, friction * weights.limit_rate),
+        [weights.path[0], weights.rate[0], weights.bend[0]].map(|w| k[0] * w),
+        [weights.path[1], weights.rate[1], weights.bend[1]].map(|w| k[1] * w),
+        [weights.limit, weights.limit_rate, weights.limit_bend].map(|w| friction * w),
     ];
     let components = row[1..].chunks_exact_mut(base.plan.n_chunks());
-    for (row, (value, rate)) in components.zip(factors) {
+    for (row, factors) in components.zip(factors) {
         match at {
-            _ if value == T::ZERO && rate == T::ZERO => {}
+            _ if factors == [T::ZERO; 3] => {}
             Basis::Sample(i) => {
+                let [value, rate, _] = factors;
                 let (b, rates) = base.plan.wave(i);
                 set_rows(row, [b, rates], |row, b, r| row + (value * b + rate * r));
             }
-            Basis::Event(b) => add_signal(base.plan, row.as_flattened_mut(), b, value, rate),
+            Basis::Event(b) => add_signal(base.plan, row.as_flattened_mut(), b, factors),
         }
     }
 }
@@ -136,13 +142,18 @@ pub(in crate::aft) fn add_step<T: Real>(
     }
 }
 
-/// `row` += `value` b + `rate` b'.
+/// `row` += `value` b + `rate` b' + `bend` b''.
 #[inline(always)]
-fn add_signal<T: Real>(plan: &AftPlan<T>, row: &mut [T], b: &[T], value: T, rate: T) {
+pub(super) fn add_signal<T: Real>(
+    plan: &AftPlan<T>,
+    row: &mut [T],
+    b: &[T],
+    [value, rate, bend]: [T; 3],
+) {
     row[0] += value;
     let pairs = row[1..].chunks_exact_mut(2).zip(b[1..].chunks_exact(2));
     for (&order, (row, b)) in plan.order_numbers.iter().zip(pairs) {
-        let rate = rate * order;
+        let (value, rate) = (value - bend * order * order, rate * order);
         row[0] += value * b[0] - rate * b[1];
         row[1] += value * b[1] + rate * b[0];
     }
@@ -178,6 +189,13 @@ pub(in crate::aft) fn scale<T: Real>(row: &mut [Chunk<T>], factor: T) {
     }
 }
 
+/// Derivatives of the jumps at a kink: of the first and of the second derivative of the tractions.
+#[derive(Debug, Clone, Default)]
+pub(in crate::aft) struct KinkRows<T> {
+    pub jump: [Row<T>; 2],
+    pub bend: [Row<T>; 2],
+}
+
 /// Products that wait to be added together.
 const RANK: usize = 32;
 
@@ -202,6 +220,7 @@ pub(in crate::aft) struct Blocks<T> {
     sums: Vec<Pair<T>>,
     /// Row under construction for each traction.
     pub traction: [Row<T>; 2],
+    pub kink: KinkRows<T>,
 }
 
 impl<T: Real> Blocks<T> {
@@ -215,7 +234,8 @@ impl<T: Real> Blocks<T> {
         self.sums.clear();
         self.sums.resize(width(plan) * plan.m, zero);
         self.waiting = 0;
-        for row in &mut self.traction {
+        let KinkRows { jump, bend } = &mut self.kink;
+        for row in [&mut self.traction, jump, bend].into_iter().flatten() {
             row.clear();
             row.resize(width(plan), [T::ZERO; CHUNK]);
         }
@@ -276,17 +296,17 @@ impl<T: Real> Blocks<T> {
         self.queue(simd, plan);
     }
 
-    /// Adds (w ∘ (`value` b + `rate` b')) ⊗ `traction`.
+    /// Adds (w ∘ b) ⊗ `traction`, with the derivative of b that has the factor 1.
     #[inline(always)]
     pub(in crate::aft) fn weigh<S: Simd>(
         &mut self,
         simd: S,
         plan: &AftPlan<T>,
         b: &[T],
-        [value, rate]: [T; 2],
+        factors: [T; 3],
     ) {
         clear(&mut self.weight, plan.m);
-        add_signal(plan, &mut self.weight, b, value, rate);
+        add_signal(plan, &mut self.weight, b, factors);
         for (weight, &w) in self.weight.iter_mut().zip(&plan.weight) {
             *weight = *weight * w;
         }

@@ -4,7 +4,7 @@ use super::kink::Kink;
 use super::lap::{Lap, Motion, Walk, basis_at};
 use super::node::{Node, slip_step};
 use super::sensitivity::{
-    Base, Basis, Row, SignalWeights, add_row, add_signals, add_step, scale, set_rows,
+    Base, Basis, KinkRows, Row, SignalWeights, add_row, add_signals, add_step, scale, set_rows,
 };
 use super::slip::HalfAngle;
 use crate::aft::plan::CHUNK;
@@ -86,16 +86,14 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
         add_signals(base, &mut lap.rows.instant, Basis::Event(&lap.row), weights);
         let turning = dot(p, node.rate) / size;
         add_row(&mut lap.rows.angle, turning, &lap.rows.instant);
-        let jump = e.map(|e| -(sliding * e));
-        self.kink(node, jump, |lap, out| {
+        let bending = node.bending(e);
+        let jumps = [sliding, bending].map(|x| e.map(|e| -(x * e)));
+        self.kink(node, jumps, |lap, out| {
             lap.sliding_row(base, node, e);
-            let moved = dot(e, node.bend) - node.limit_bend;
-            add_row(&mut lap.sliding, moved, &lap.rows.instant);
-            for (d, row) in out.iter_mut().enumerate() {
-                set_rows(row, [&lap.sliding, &lap.rows.angle], |_, dl, angle| {
-                    -(e[d] * dl + sliding * p[d] * angle)
-                });
-            }
+            add_row(&mut lap.sliding, bending, &lap.rows.instant);
+            lap.turning_row(&mut out.jump, e, [-sliding, -T::ONE]);
+            lap.bending_row(base, node, e);
+            lap.turning_row(&mut out.bend, e, [-bending, -T::ONE]);
         });
         Motion::Slip(HalfAngle::of(e))
     }
@@ -122,8 +120,16 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
         scale(&mut lap.rows.instant, factor);
         add_row(&mut lap.rows.angle, turning, &lap.rows.instant);
         let slider = self.stop(node, after);
-        let lap = &mut *self.lap;
-        lap.note_way(slider);
+        self.lap.note_way(slider);
+        let bending = node.bending(e);
+        let jumps = [[T::ZERO; 2], e.map(|e| bending * e)];
+        self.kink(node, jumps, |lap, out| {
+            for row in &mut out.jump {
+                row.fill([T::ZERO; CHUNK]);
+            }
+            lap.bending_row(base, node, e);
+            lap.turning_row(&mut out.bend, e, [bending, T::ONE]);
+        });
         Motion::Stick(slider)
     }
 
@@ -209,13 +215,19 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
                 weights.path[d] = T::ONE;
                 add_signals(base, slider, Basis::Event(&lap.row), weights);
             }
-            self.kink(&node, node.rate, |lap, out| {
-                for (d, row) in out.iter_mut().enumerate() {
-                    row.fill([T::ZERO; CHUNK]);
-                    add_row(row, node.bend[d], &lap.rows.instant);
-                    let mut weights = SignalWeights::NONE;
-                    weights.rate[d] = T::ONE;
-                    add_signals(base, row, Basis::Event(&lap.row), weights);
+            self.kink(&node, [node.rate, node.bend], |lap, out| {
+                for d in 0..2 {
+                    let mut weights = [SignalWeights::NONE; 2];
+                    (weights[0].rate[d], weights[1].bend[d]) = (T::ONE, T::ONE);
+                    let rows = [
+                        (&mut out.jump[d], node.bend[d]),
+                        (&mut out.bend[d], node.jerk[d]),
+                    ];
+                    for ((row, moved), weights) in rows.into_iter().zip(weights) {
+                        row.fill([T::ZERO; CHUNK]);
+                        add_row(row, moved, &lap.rows.instant);
+                        add_signals(base, row, Basis::Event(&lap.row), weights);
+                    }
                 }
             });
             return (node, Motion::Stick(node.path));
@@ -245,43 +257,40 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
         self.limit_kink(node, half.e, -T::ONE);
     }
 
-    /// Kink at a root of the gap function in slip: the slope of the tractions jumps by ± L' e.
+    /// Kink at a root of the gap function in slip: the derivatives of the tractions jump by ± L' e and ± L'' e.
     fn limit_kink(&mut self, node: &Node<T>, e: [T; 2], sign: T) {
         let base = self.base();
-        let p = normal(e);
-        let jump = e.map(|e| sign * node.limit_rate * e);
-        self.kink(node, jump, |lap, out| {
-            for (d, row) in out.iter_mut().enumerate() {
-                let (moved, turned) =
-                    (sign * e[d] * node.limit_bend, sign * node.limit_rate * p[d]);
-                let rows: [&[_]; 2] = [&lap.rows.instant, &lap.rows.angle];
-                set_rows(row, rows, |_, instant, angle| {
-                    moved * instant + turned * angle
-                });
-                let weights = SignalWeights {
-                    limit_rate: sign * e[d],
-                    ..SignalWeights::NONE
-                };
-                add_signals(base, row, Basis::Event(&lap.row), weights);
+        let rates = [node.limit_rate, node.limit_bend].map(|x| sign * x);
+        let jumps = rates.map(|x| e.map(|e| x * e));
+        self.kink(node, jumps, |lap, out| {
+            let mut weights = [SignalWeights::NONE; 2];
+            (weights[0].limit_rate, weights[1].limit_bend) = (T::ONE, T::ONE);
+            let moved = [node.limit_bend, node.limit_jerk];
+            let outs = [&mut out.jump, &mut out.bend];
+            for (k, out) in outs.into_iter().enumerate() {
+                lap.sliding.clone_from(&lap.rows.instant);
+                scale(&mut lap.sliding, moved[k]);
+                add_signals(base, &mut lap.sliding, Basis::Event(&lap.row), weights[k]);
+                lap.turning_row(out, e, [rates[k], sign]);
             }
         });
     }
 
-    /// The slope of the tractions jumps by `jump` at an event, whose basis row is `row` of the lap and whose phase has the row
-    /// `instant`; `jump_rows` writes the derivatives of the jump.
+    /// The first two derivatives of the tractions jump by `jumps` at an event, whose basis row is `row` of the lap and whose phase
+    /// has the row `instant`; `jump_rows` writes the derivatives of the jumps.
     fn kink(
         &mut self,
         node: &Node<T>,
-        jump: [T; 2],
-        jump_rows: impl FnOnce(&mut Lap<T>, &mut [Row<T>; 2]),
+        [jump, bend]: [[T; 2]; 2],
+        jump_rows: impl FnOnce(&mut Lap<T>, &mut KinkRows<T>),
     ) {
         let theta = node.theta;
-        let kink = Kink { theta, jump };
+        let kink = Kink { theta, jump, bend };
         self.lap.kinks.push(kink);
         let Some(blocks) = &mut self.target else {
             return;
         };
-        jump_rows(self.lap, &mut blocks.traction);
+        jump_rows(self.lap, &mut blocks.kink);
         let (row, instant) = (&self.lap.row, &self.lap.rows.instant);
         kink.add_tangent(self.simd, self.course.plan, blocks, row, instant);
     }
@@ -335,5 +344,31 @@ impl<T: Real> Lap<T> {
             ..SignalWeights::NONE
         };
         add_signals(base, &mut self.sliding, Basis::Event(&self.row), weights);
+    }
+
+    /// Row of e·s'' − L'', into `sliding`.
+    fn bending_row(&mut self, base: Base<T>, node: &Node<T>, e: [T; 2]) {
+        self.sliding.clone_from(&self.rows.angle);
+        scale(&mut self.sliding, dot(normal(e), node.bend));
+        let moved = dot(e, node.jerk) - node.limit_jerk;
+        add_row(&mut self.sliding, moved, &self.rows.instant);
+        let weights = SignalWeights {
+            bend: e,
+            limit_bend: -T::ONE,
+            ..SignalWeights::NONE
+        };
+        add_signals(base, &mut self.sliding, Basis::Event(&self.row), weights);
+    }
+
+    /// Rows of `size` e, where e turns with the traction and `size` has `sign` times the row `sliding`.
+    fn turning_row(&self, out: &mut [Row<T>; 2], e: [T; 2], [size, sign]: [T; 2]) {
+        for ((row, e), p) in out.iter_mut().zip(e).zip(normal(e)) {
+            let (grown, turned) = (sign * e, size * p);
+            set_rows(
+                row,
+                [&self.sliding, &self.rows.angle],
+                |_, by_size, angle| grown * by_size + turned * angle,
+            );
+        }
     }
 }

@@ -51,10 +51,12 @@ pub(super) fn value<T: Real>(row: &[T], q: &[T]) -> T {
     terms.fold(q[0], |sum, (&b, &q)| sum + b * q)
 }
 
-/// The polynomial with coefficients `q` where the basis row is `row`, and its first two derivatives by the phase.
+/// The polynomial with coefficients `q` where the basis row is `row`, and its first three derivatives by the phase.
 #[inline(always)]
-pub(in crate::aft) fn signal_rates<T: Real>(plan: &AftPlan<T>, row: &[T], q: &[T]) -> [T; 3] {
-    derivatives::<0, T>(plan, row, q)
+pub(in crate::aft) fn signal_rates<T: Real>(plan: &AftPlan<T>, row: &[T], q: &[T]) -> [T; 4] {
+    let [value, rate, bend] = derivatives::<0, T>(plan, row, q);
+    let [_, _, jerk] = derivatives::<1, T>(plan, row, q);
+    [value, rate, bend, jerk]
 }
 
 /// Its derivative by the phase.

@@ -1,8 +1,15 @@
 //! The balance equations of one problem on one harmonic set.
 //!
-//! Unknown: r, the relative displacements at the contacts, coefficient-major, `[n_coefficients][3·n_contacts]`.
-//! R₀ = r₀ − r₀^stuck + G₀ g₀ and R̂ₖ = r̂ₖ − BΦ η̂ₖ = r̂ₖ − r̂ₖ^stuck + Gₖ ĝₖ with g = F(r) − K_c r
-//! (see [`crate::hb::structure::compliance`]).
+//! The unknowns r are the relative displacements at the contacts, coefficient-major, `[n_coefficients][3·n_contacts]`. The
+//! deviation g = F(r) − K_c r is the contact force minus that of contacts that stick. A solution has R = 0 with
+//!
+//! ```text
+//! R₀ = r₀ − r₀^stuck + G₀ g₀
+//! R̂ₖ = r̂ₖ − BΦ η̂ₖ = r̂ₖ − r̂ₖ^stuck + Gₖ ĝₖ,    k = 1, 2, ...
+//! ```
+//!
+//! where r^stuck is the response of the structure with stuck contacts, and G is its compliance at the contacts
+//! ([`crate::hb::structure::compliance`]). Source: Krack and Gross, Harmonic Balance for Nonlinear Vibration Problems, 2019.
 
 use super::layout::{Layout, PairTangent};
 use super::problem::Problem;
@@ -16,7 +23,7 @@ use crate::hb::settings::HbSettings;
 use crate::hb::structure::compliance::{Compliance, HarmonicCompliance};
 use faer::prelude::*;
 
-/// A problem discretised on a harmonic set and a time grid.
+/// A problem on one harmonic set, with the time points at which its contact forces are evaluated.
 #[derive(Debug)]
 pub struct Balance<'p> {
     /// The problem.
@@ -28,50 +35,51 @@ pub struct Balance<'p> {
     plan: AftPlan<f64>,
 }
 
-/// Contact forces at one iterate.
+/// Contact forces at one point r.
 #[derive(Debug)]
 pub struct ContactResponse {
-    /// F, total contact forces (N). Shape as the unknowns.
+    /// F, the contact forces (N), positive in compression (normal) and along the displacement (tangential). Shape: as r.
     pub force: Vec<f64>,
-    /// dF − K_c of the pairs that do not stick all the time; empty unless asked for.
+    /// ∂g/∂r = ∂F/∂r − K_c of the pairs that do not stick all the time; empty if no derivatives were asked for.
     pub active: Vec<PairTangent>,
-    /// Per pair: samples that stick, slip, are separated; coarse in a draft.
+    /// Per pair: the numbers of time points at which it sticks, slips, is separated. A draft gives them roughly.
     pub samples: Vec<[u32; 3]>,
-    /// Whether every slider has the steady cycle that was asked for; a given number of laps asks for none.
+    /// Whether the motion of every slider is periodic. Always true where the study gives the number of laps.
     pub steady: bool,
-    /// Whether this may decide a result.
+    /// Whether a result may depend on these forces: those of a draft only steer Newton's method.
     pub accuracy: Accuracy,
 }
 
-/// Motion of the whole structure in modal coordinates.
+/// Motion of the whole structure in modal coordinates η.
 #[derive(Debug)]
 pub struct Motion {
     /// η₀. Shape: `[n]`.
     pub rest: Vec<f64>,
-    /// η̂ₖ of the dynamic harmonics in order. Shape: `[n_harmonics][n]`.
+    /// η̂ₖ of the harmonics k ≥ 1, in the order of the set. Shape: `[n_harmonics][n]`.
     pub dynamic: Vec<Vec<c64>>,
 }
 
-/// Rates of what drives the structure along some path.
+/// Derivatives, along a path of points, of what acts on the structure.
 #[derive(Debug, Clone, Copy)]
 pub struct LoadRate<'a> {
-    /// Rate of the force deviation g. Shape as the unknowns.
+    /// Derivative of the force deviation g (N per unit of the path). Shape: as r.
     pub deviation: &'a [f64],
-    /// Rate of the frequency.
+    /// Derivative of the frequency (rad/s per unit of the path).
     pub omega: f64,
-    /// Rate of the excitation level.
+    /// Derivative of the excitation level.
     pub level: f64,
 }
 
-/// Springs that hold the mean position of a floating part during a Newton step, over the stiffness of its contacts. Where
-/// all contacts of a part slip through, their mean tractions do not depend on its mean position, which nothing else
-/// determines: the static equations are singular there, and a step would throw the part metres away. The springs are in
-/// the derivatives alone, so that no solution knows of them (proximal point method).
+/// Stiffness of the springs that hold the mean position of a floating part during a Newton step, over the stiffness of its
+/// contacts. If all contacts of a part slip over the whole period, their mean tractions do not depend on the mean position of
+/// the part. Nothing else determines this position either: the static equations are singular, and a Newton step would be
+/// metres long. The springs enter the derivatives only, not the residual, so that they change no solution (proximal point
+/// method).
 /// Source: Rockafellar 1976, SIAM J. Control Optim. 14, 877–898.
 const HELD: f64 = 1e-9;
 
 impl<'p> Balance<'p> {
-    /// Discretises `problem`.
+    /// The balance equations of `problem` on `harmonics`, with contacts evaluated as `aft` says.
     #[must_use]
     pub fn new(problem: &'p Problem<'p>, harmonics: HarmonicSet, aft: AftSettings) -> Self {
         let layout = Layout {
@@ -93,13 +101,13 @@ impl<'p> Balance<'p> {
         self.plan.settings().n_time
     }
 
-    /// How changes of the contact states are placed in time.
+    /// Whether start and end of slip and separation are located between the time points.
     #[must_use]
     pub fn events(&self) -> Events {
         self.plan.settings().events
     }
 
-    /// Compliances at the frequency `omega` (rad/s).
+    /// The compliance of the stuck structure at the excitation frequency `omega` (rad/s).
     #[must_use]
     pub fn compliance(&self, omega: f64) -> Compliance<'p> {
         let problem = self.problem;
@@ -111,7 +119,7 @@ impl<'p> Balance<'p> {
         )
     }
 
-    /// Contact forces at `r`, with tangents if wanted, no less accurate than asked for.
+    /// Contact forces at `r`, with their derivatives if `tangents`, at least as accurate as `accuracy` says.
     #[must_use]
     pub fn contact(&self, r: &[f64], want: Want, accuracy: Accuracy) -> ContactResponse {
         let (n_c, m) = (self.layout.n_pairs, self.layout.n_coefficients);
@@ -138,7 +146,7 @@ impl<'p> Balance<'p> {
         }
     }
 
-    /// dF − K_c of the pairs that are not stuck all the time.
+    /// ∂F/∂r − K_c of the pairs that do not stick all the time.
     fn active_pairs(&self, forces: &AftForces<f64>) -> Vec<PairTangent> {
         let (n_c, m) = (self.layout.n_pairs, self.layout.n_coefficients);
         let deviation = |pair: usize, offset: usize, block: Block| {
@@ -167,8 +175,8 @@ impl<'p> Balance<'p> {
             .collect()
     }
 
-    /// Stiffness (N/m) of the spring that the derivatives have at the mean of a tangential displacement, 0 ≤ `row` < 2·n_contacts,
-    /// of a pair that does not stick all the time.
+    /// Stiffness (N/m) of the spring that the derivatives have on the mean of the tangential displacement `row`,
+    /// 0 ≤ `row` < 2·n_contacts, of a pair that does not stick all the time (`HELD`).
     #[must_use]
     pub fn holding_stiffness(&self, row: usize) -> f64 {
         match self.problem.model.floats {
@@ -186,7 +194,7 @@ impl<'p> Balance<'p> {
             .collect()
     }
 
-    /// R(r) for the contact forces `force` = F(r) and the motion under them. Units: m.
+    /// The residual R(r) (m) for the contact forces `force` = F(r) and the motion that they cause. Shape: as r.
     #[must_use]
     pub fn residual(&self, motion: &Motion, r: &[f64], force: &[f64]) -> Vec<f64> {
         let n = self.layout.n_relative();
@@ -209,7 +217,7 @@ impl<'p> Balance<'p> {
         out
     }
 
-    /// ∂R/∂level at fixed r.
+    /// ∂R/∂level at fixed r (m per unit level). Shape: as r.
     #[must_use]
     pub fn level_slope(&self, at: &Compliance<'_>) -> Vec<f64> {
         let mut out = vec![0.0; self.layout.n_unknowns()];
@@ -219,7 +227,7 @@ impl<'p> Balance<'p> {
         out
     }
 
-    /// ∂R/∂ω at fixed r: BΦ Z_s⁻¹ (dZ/dω) η, harmonic by harmonic. Units: m/(rad/s).
+    /// ∂R/∂ω at fixed r (m/(rad/s)): BΦ Z_s⁻¹ (dZ/dω) η, harmonic by harmonic. Shape: as r.
     #[must_use]
     pub fn frequency_slope(&self, at: &Compliance<'_>, motion: &Motion) -> Vec<f64> {
         let mut out = vec![0.0; self.layout.n_unknowns()];
@@ -258,7 +266,7 @@ impl<'p> Balance<'p> {
         }
     }
 
-    /// Rate of the first harmonic of response 0 that goes with the rates of force deviation, frequency and level.
+    /// Derivative of the first harmonic of response 0 (m) along the path whose derivatives are `rates`.
     #[must_use]
     pub fn response_rate(&self, at: &Compliance<'_>, motion: &Motion, rate: &LoadRate<'_>) -> c64 {
         let (first, eta) = (&at.harmonics[0], &motion.dynamic[0]);
@@ -271,7 +279,7 @@ impl<'p> Balance<'p> {
         part.responses(&first.solve_rate(&load))[0]
     }
 
-    /// Largest displacement (m) of the stuck structure, static or dynamic.
+    /// Largest relative displacement (m) of the stuck structure, static or dynamic.
     #[must_use]
     pub fn stuck_size(&self, at: &Compliance<'_>, level: f64) -> f64 {
         let rest = self.problem.stuck_static.relative.iter().map(|r| r.abs());
@@ -283,13 +291,13 @@ impl<'p> Balance<'p> {
         rest.chain(moving).fold(0.0, f64::max)
     }
 
-    /// r̂₁ of the stuck structure.
+    /// r̂₁ (m) of the stuck structure.
     fn stuck_relative(&self, first: &HarmonicCompliance<'_>, level: f64) -> Vec<c64> {
         let load: Vec<c64> = first.part.force.iter().map(|f| f * level).collect();
         first.part.relative(&first.solve_rate(&load))
     }
 
-    /// Complex amplitudes of the i-th dynamic harmonic of a coefficient-major vector.
+    /// Complex amplitudes x̂ = x_c − i x_s of the i-th harmonic above 0, from a coefficient-major vector.
     #[must_use]
     pub fn complex(&self, i: usize, x: &[f64]) -> Vec<c64> {
         let n = self.layout.n_relative();
@@ -300,7 +308,7 @@ impl<'p> Balance<'p> {
         c.iter().zip(s).map(|(&c, &s)| c64::new(c, -s)).collect()
     }
 
-    /// Writes `factor` times the complex amplitudes `z` as the i-th dynamic harmonic of a coefficient-major vector.
+    /// Writes `factor` times the complex amplitudes `z` as the i-th harmonic above 0 of a coefficient-major vector.
     pub(in crate::hb) fn store(&self, i: usize, z: &[c64], factor: f64, out: &mut [f64]) {
         let n = self.layout.n_relative();
         for (j, z) in z.iter().enumerate() {
@@ -310,7 +318,8 @@ impl<'p> Balance<'p> {
     }
 }
 
-/// `problem` on the harmonics of the study, or on others with time points to match.
+/// The balance equations of `problem` on `harmonics`, with at least as many time points as these need
+/// ([`time_points`]).
 #[must_use]
 pub fn balance_on<'p>(
     problem: &'p Problem<'p>,
@@ -324,8 +333,8 @@ pub fn balance_on<'p>(
     Balance::new(problem, harmonics, aft)
 }
 
-/// Time points that keep the sampling error of `harmonics` below the truncation error: at least 12 per period of the
-/// highest harmonic, and never fewer than asked for.
+/// Number of time points for `harmonics`: at least 12 per period of the highest harmonic, so that the error by the sampling is
+/// below that by the harmonics left out, and never fewer than the study asks for.
 #[must_use]
 pub fn time_points(aft: AftSettings, harmonics: &HarmonicSet) -> AftSettings {
     let wanted = (12 * harmonics.highest()).next_power_of_two();

@@ -1,7 +1,7 @@
-//! The work of the solves on one problem, and the bound on it.
+//! Newton iterations and factorisations on one problem, and the largest number of iterations that a search may take.
 //!
-//! Both belong to the problem, so that every solve is counted, wherever it is called from. Each attempt of a search has a bound
-//! of its own. But a search has many attempts, and without a common bound one sample can take minutes.
+//! The problem holds both, so that every solve is counted, wherever it is called from. A solve has a bound of its own
+//! (`max_iterations`). But a search makes many solves: without a common bound one sample could take minutes.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -58,7 +58,7 @@ impl Effort {
         self.left.store(iterations, Ordering::Relaxed);
     }
 
-    /// Runs a search with a budget of its own, `iterations`, within a search that has another budget.
+    /// Runs a search within another search: `search` may take `iterations`, which are not taken from those of the other.
     pub fn with_own_budget<T>(&self, iterations: usize, search: impl FnOnce() -> T) -> T {
         let left = self.left.swap(iterations, Ordering::Relaxed);
         let found = search();
@@ -91,7 +91,7 @@ impl Effort {
         });
     }
 
-    /// Counts work that takes nothing from what is left.
+    /// Counts work without reducing what is left to the search that runs.
     pub fn add(&self, work: WorkCount) {
         self.iterations
             .fetch_add(work.iterations, Ordering::Relaxed);
@@ -100,7 +100,7 @@ impl Effort {
     }
 }
 
-/// Tells the work on a problem from reading to reading.
+/// A meter of the work on a problem: each reading gives the work since the one before.
 #[derive(Debug)]
 pub(in crate::hb) struct Meter<'e> {
     effort: &'e Effort,

@@ -1,11 +1,16 @@
 //! The Jacobian I + G dg of the balance equations and its inverse.
 //!
-//! dg = dF − K_c is zero for a force that sticks all period long, so the system is solved for the other forces only
-//! (`capacitance`, where springs make them easier); the displacements follow by substitution. Few unknowns are
-//! factorised densely, many are solved by conjugate residuals. Their preconditioner is one Gauss–Seidel sweep over blocks
-//! of one force component of neighbouring pairs with all their harmonics: slip and lift-off couple the harmonics of a pair
-//! strongly, the structure couples pairs and components weakly, so the number of iterations hardly grows with the
-//! harmonics. Sweeps are in single precision; the residual of a solve that asks for more is refined in double.
+//! With R = r − r^stuck + G g (see [`super::balance`]) the Jacobian is J = ∂R/∂r = I + G dg, dg = ∂F/∂r − K_c.
+//!
+//! - **Elimination.** dg has no rows for a force whose contact sticks over the whole period. So J x = b is solved for the other
+//!   forces only (`capacitance`); the displacements then follow by substitution.
+//! - **Small systems** (up to 150 unknowns) are factorised by dense LU.
+//! - **Large systems** are solved by generalised conjugate residuals (Eisenstat, Elman and Schultz, SIAM J. Numer. Anal. 20,
+//!   1983). The preconditioner is one Gauss–Seidel sweep. Each of its blocks holds one force component of neighbouring pairs
+//!   with all harmonics: slip and separation couple the harmonics of one pair strongly, the structure couples pairs and
+//!   components weakly. So the number of iterations hardly grows with the harmonics.
+//! - **Precision.** Sweeps are in single precision. Where the solve must be more exact, its residual is computed in double
+//!   precision and solved for again (iterative refinement).
 
 mod capacitance;
 mod gauss_seidel;
@@ -21,30 +26,31 @@ use faer::prelude::*;
 use gauss_seidel::GaussSeidel;
 use std::cell::{OnceCell, RefCell};
 
-/// Up to so many unknowns a dense factor is cheaper than setup and two Krylov solves (equal at 130, three times dearer
-/// at 330).
-const DENSE_LIMIT: usize = 150;
+/// Up to this number of unknowns a dense factorisation is cheaper than the setup and two solves by conjugate residuals (equal
+/// cost at 130, three times the cost at 330).
+pub const DENSE_LIMIT: usize = 150;
 
-/// Up to so many a dense factor replaces a Krylov solve that does not converge.
-const DENSE_FALLBACK_LIMIT: usize = 4000;
+/// Up to this number of unknowns a dense factorisation replaces a solve by conjugate residuals that does not converge.
+pub const DENSE_FALLBACK_LIMIT: usize = 4000;
 
-/// Residual of the forces in an exact solve; the displacements, and so the tangents, are then exact to about 1e-9.
+/// Relative residual of the forces in an exact solve. The relative error of the displacements, and so of the tangents to the
+/// branch, is then about 1e-9.
 pub const EXACT: f64 = 1e-10;
 
-/// Share of a residual that sweeps in single precision leave; what they believe to be left below is round-off.
+/// Smallest relative residual that a solve in single precision can reach: below it round-off decides.
 const SINGLE: f64 = 1e-5;
 
-/// A refinement that leaves more of the residual will not end.
+/// If one refinement leaves more than this share of the residual, further ones would not reach the tolerance.
 const STALLED: f64 = 0.5;
 
-/// So many times the residual that was asked for are taken for it, as single precision believes it to be smaller.
+/// A solve ends at this multiple of the residual asked for: the estimate in single precision is smaller than the true one.
 const ENOUGH: f64 = 2.0;
 
-/// Directions of one Krylov solve at the most. Halves of the two-blade rig take 5 to 60 in an exact solve, the whole rig
-/// at 21 harmonics up to 365.
+/// Most directions of one solve by conjugate residuals. An exact solve takes 5 to 60 of them for one half of the two-blade
+/// rig, and up to 365 for the whole rig with 21 harmonics.
 const MAX_ITERATIONS: usize = 400;
 
-/// J = I + G dg at one iterate, ready to be solved with.
+/// J = I + G dg at one point, prepared for solves with it.
 #[derive(Debug)]
 pub struct Jacobian<'a> {
     static_compliance: &'a Mat<f64>,
@@ -62,18 +68,18 @@ enum Solver {
 /// Solver of large systems.
 #[derive(Debug)]
 struct Krylov {
-    /// Residual of the forces over those asked for.
+    /// Relative residual of the forces at which a solve ends.
     tolerance: f64,
     /// Preconditioner.
     sweep: GaussSeidel,
-    /// What earlier right-hand sides have explored; later ones need less.
+    /// Directions of the solves before this one, which the next solve uses first.
     space: RefCell<SearchSpace>,
-    /// Dense factor, once a solve did not converge.
+    /// Dense factorisation, made when a solve has not converged.
     dense: OnceCell<PartialPivLu<f64>>,
 }
 
 impl<'a> Jacobian<'a> {
-    /// Factorises what the solves need. Those of large systems leave `tolerance` of the forces.
+    /// Factorises what the solves need. A solve of a large system ends at the relative residual `tolerance`.
     #[must_use]
     pub fn new(
         layout: &Layout,
@@ -102,7 +108,7 @@ impl<'a> Jacobian<'a> {
         }
     }
 
-    /// Number of factorisations so far: one for any unknowns, one more for Krylov solves that did not converge.
+    /// Number of factorisations so far: none without unknowns, else one, and one more if a solve has not converged.
     #[must_use]
     pub fn factorizations(&self) -> usize {
         let fallback = match &self.solver {
@@ -115,10 +121,23 @@ impl<'a> Jacobian<'a> {
     /// x = J⁻¹ b. Shape: `[n_coefficients][3·n_contacts]`.
     #[must_use]
     pub fn solve(&self, b: &[f64]) -> Vec<f64> {
-        self.capacitance.solve(b, |y| match &self.solver {
-            Solver::Dense(factors) => solve_in_place(factors, y),
-            Solver::Krylov(krylov) => krylov.solve(&self.capacitance, y),
-        })
+        let (mut x, mut y) = self.capacitance.eliminated(b);
+        match &self.solver {
+            Solver::Dense(factors) => solve_in_place(factors, &mut y),
+            Solver::Krylov(krylov) => krylov.solve(&self.capacitance, &mut y),
+        }
+        self.capacitance.substitute(&y, &mut x);
+        x
+    }
+
+    /// x = J⁻¹ b for each b. Krylov solves of several right-hand sides together take less time than one after the other.
+    #[must_use]
+    pub fn solve_all<const K: usize>(&self, b: [&[f64]; K]) -> [Vec<f64>; K] {
+        if let Solver::Krylov(krylov) = &self.solver {
+            let y = b.map(|b| self.capacitance.eliminated(b).1);
+            krylov.explore(&y.each_ref().map(Vec::as_slice));
+        }
+        b.map(|b| self.solve(b))
     }
 
     /// dg x. Shape: `[n_coefficients][3·n_contacts]`.
@@ -145,6 +164,17 @@ impl<'a> Jacobian<'a> {
 }
 
 impl Krylov {
+    /// Adds the directions that solves for these right-hand sides need first.
+    fn explore(&self, b: &[&[f64]]) {
+        if self.dense.get().is_none() {
+            let settings = GcrSettings {
+                tolerance: self.tolerance.max(SINGLE),
+                max_iterations: MAX_ITERATIONS,
+            };
+            (self.space.borrow_mut()).explore(|v| self.sweep.apply(v), b, settings);
+        }
+    }
+
     /// y ← C⁻¹ y.
     fn solve(&self, capacitance: &Capacitance, y: &mut [f64]) {
         if self.dense.get().is_none()
@@ -157,8 +187,8 @@ impl Krylov {
         solve_in_place(factors, y);
     }
 
-    /// C⁻¹ `b`, refined as far as sweeps in single precision leave of it; none if it was not reached and a dense factor can
-    /// be had.
+    /// C⁻¹ `b` to `tolerance`, by solves in single precision and refinement; none if they do not reach it and the system is
+    /// small enough for a dense factorisation.
     fn refined(&self, capacitance: &Capacitance, b: &[f64]) -> Option<Vec<f64>> {
         let goal = self.tolerance * norm(b);
         let mut solution = vec![0.0; b.len()];
@@ -169,7 +199,8 @@ impl Krylov {
                 tolerance: (goal / size).max(SINGLE),
                 max_iterations: MAX_ITERATIONS,
             };
-            let result = (self.space.borrow_mut()).solve(|v| self.sweep.apply(v), &left, settings);
+            let result =
+                (self.space.borrow_mut()).solve(|v| self.sweep.apply_to(v), &left, settings);
             axpy(1.0, &result.solution, &mut solution);
             if result.converged && self.tolerance >= SINGLE {
                 break;

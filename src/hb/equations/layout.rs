@@ -1,4 +1,4 @@
-//! Sizes and order of the unknowns, and of the derivatives by them.
+//! Sizes and order of the unknowns, and of the derivatives with respect to them.
 
 /// Sizes and order of the unknowns: coefficient, then component (t1, t2, n), then pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

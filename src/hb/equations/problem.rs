@@ -1,4 +1,4 @@
-//! The nonlinear problem of one sample: a linear model, contact parameters and the static load.
+//! The nonlinear problem of one sample: linear model, contact parameters and static load.
 
 use super::effort::Effort;
 use crate::aft::Backend;
@@ -9,7 +9,7 @@ use crate::hb::structure::linear::{LinearModel, ModalPart};
 use faer::linalg::solvers::Llt;
 use faer::prelude::*;
 
-/// What is solved, without any choice of how: see [`crate::hb::HbSettings`] for that.
+/// What is solved. How it is solved stands in [`crate::hb::HbSettings`].
 #[derive(Debug)]
 pub struct Problem<'m> {
     /// Linear part.
@@ -22,13 +22,14 @@ pub struct Problem<'m> {
     pub stuck_static: StuckStatic,
     /// Factor on the static force f₀.
     pub static_load_scale: f64,
-    /// Who evaluates the contacts: the processor, unless it is set otherwise.
+    /// What evaluates the contact forces: the processor, unless it is set otherwise.
     pub backend: Backend<'m>,
-    /// Work so far, and Newton iterations left to the search that runs; unbounded until some are granted.
+    /// Work so far, and Newton iterations left to the search that runs (no bound until [`Effort::grant`]).
     pub effort: Effort,
 }
 
-/// Stuck structure at rest: η₀ = `eta` − `eta_per_force` g₀, r₀ = `relative` − `compliance` g₀.
+/// The stuck structure at rest under the mean force deviation g₀: η₀ = `eta` − `eta_per_force` g₀ and
+/// r₀ = `relative` − `compliance` g₀.
 #[derive(Debug)]
 pub struct StuckStatic {
     /// Modal coordinates under the static load. Shape: `[n]`.
@@ -37,7 +38,7 @@ pub struct StuckStatic {
     pub eta_per_force: Mat<f64>,
     /// Relative displacements under the static load (m). Shape: `[3·n_contacts]`.
     pub relative: Vec<f64>,
-    /// The same while the preloads n₀ push the surfaces apart, too (m). Shape: `[3·n_contacts]`.
+    /// The same where the preloads n₀ act as well and push the surfaces apart (m). Shape: `[3·n_contacts]`.
     pub preloaded: Vec<f64>,
     /// G₀ (m/N). Shape: 3·n_contacts square.
     pub compliance: Mat<f64>,
@@ -46,11 +47,11 @@ pub struct StuckStatic {
 }
 
 impl<'m> Problem<'m> {
-    /// Sets the sample up; the anchors of `contacts` are set here by the policy.
+    /// The problem of one sample. Sets the anchors of `contacts` as `anchor` says.
     ///
     /// # Errors
     /// [`ProblemError::NotFinite`] if a contact parameter is no finite number;
-    /// [`ProblemError::NotHeld`] if the stuck structure has a rigid-body motion left in the 0th harmonic;
+    /// [`ProblemError::NotHeld`] if the structure with stuck contacts can still move as a rigid body in the 0th harmonic;
     /// [`ProblemError::NoLoad`] if neither static nor harmonic force moves a contact or the structure.
     pub fn new(
         model: &'m LinearModel,
@@ -93,21 +94,21 @@ impl<'m> Problem<'m> {
         })
     }
 
-    /// Fixed scale of the residual at an excitation level (m): it must not grow with the iterate, or a strip
-    /// that flies off would pass for converged.
+    /// Displacement (m) that residuals are divided by at an excitation level. It does not depend on the unknowns: else a point
+    /// with very large displacements would count as converged.
     #[must_use]
     pub fn displacement_scale(&self, level: f64) -> f64 {
         largest(&self.stuck_static.preloaded) + level * self.stuck_static.excitation_scale
     }
 
-    /// Residual over that scale that round-off of the static load leaves, which preloads may balance.
+    /// Smallest relative residual that round-off allows: the static load may be large where preloads balance it.
     #[must_use]
     pub fn round_off(&self, level: f64) -> f64 {
         ROUND_OFF * largest(&self.stuck_static.relative) / self.displacement_scale(level)
     }
 }
 
-/// Residual over the displacement by the static load that is round-off.
+/// Round-off of a residual, over the displacement by the static load.
 const ROUND_OFF: f64 = 1e-14;
 
 fn largest(x: &[f64]) -> f64 {
@@ -150,7 +151,7 @@ impl StuckStatic {
         let (relative, compliance) = (relative(part, &eta), &part.contact * &eta_per_force);
         let n_t = 2 * contacts.len();
         let preload = Col::from_fn(3 * contacts.len(), |i| match i.checked_sub(n_t) {
-            Some(pair) => contacts[pair].n_0.max(0.0), // a gap pulls nothing
+            Some(pair) => contacts[pair].n_0.max(0.0), // an open gap transmits no force
             None => 0.0,
         });
         let pushed = &compliance * preload;
@@ -197,7 +198,8 @@ fn static_factor(part: &ModalPart, k: &[f64]) -> Result<Llt<f64>, ProblemError> 
     Ok(factor)
 }
 
-/// Tangential displacements at rest when the contacts only push: active set on the closed pairs.
+/// Tangential displacements at rest of contacts without friction that can push but not pull, by an active-set method on the
+/// closed pairs.
 fn frictionless_equilibrium(
     model: &LinearModel,
     contacts: &[ContactParameters<f64>],

@@ -1,4 +1,5 @@
-//! A point in the space of unknowns with everything evaluated there: forces, residual, motion, and what follows from them.
+//! The balance equations evaluated at one point (r, ω, level): contact forces, residual, motion, and derivatives along paths
+//! through the point.
 
 use super::point::{Direction, Point};
 use crate::aft::{Accuracy, Want};
@@ -8,34 +9,34 @@ use crate::hb::structure::compliance::Compliance;
 use faer::prelude::c64;
 use std::sync::Arc;
 
-/// A point with everything evaluated there.
+/// A point with all that is evaluated there.
 #[derive(Debug)]
 pub struct Iterate<'p> {
     /// The point.
     pub point: Point,
-    /// Compliances at its frequency, shared by the iterates of one frequency.
+    /// Compliance of the stuck structure at its frequency; iterates of equal frequency share it.
     pub compliance: Arc<Compliance<'p>>,
-    /// Contact forces and tangents.
+    /// Contact forces and their derivatives.
     pub contact: ContactResponse,
-    /// R.
+    /// The residual R (m). Shape: as r.
     pub residual: Vec<f64>,
     /// Motion of the structure.
     pub motion: Motion,
 }
 
-/// Residual over the motion below which contact forces decide a result: a draft in single precision leaves a few 1e-6
-/// there, so that no draft is ever taken for a solution by a tolerance that is finer.
+/// Residual over the motion below which contact forces must be computed in double precision. Drafts in single precision have
+/// errors of a few 1e-6 of the motion: a point that they were used at is therefore never accepted as a solution.
 pub const DRAFT_RESIDUAL: f64 = 1e-4;
 
-/// Tolerance of linear solves over the residual that Newton's method starts from ("forcing term"). What the step leaves,
-/// about the square of the residual, is then not raised.
+/// Tolerance of the linear solve of a Newton step, over the relative residual at its start ("forcing term"). A Newton step
+/// leaves about the square of the residual; the error of the linear solve is then no larger.
 /// Source: Eisenstat & Walker 1996, SIAM J. Sci. Comput. 17, 16–32.
 const FORCING: f64 = 0.1;
-/// Largest such tolerance.
+/// Largest tolerance of the linear solve of a Newton step.
 const LOOSEST: f64 = 1e-3;
 
 impl<'p> Iterate<'p> {
-    /// Evaluates everything at `point`.
+    /// Evaluates the balance equations at `point`, contact forces in double precision.
     #[must_use]
     pub fn new(balance: &Balance<'p>, point: Point) -> Self {
         let compliance = Arc::new(balance.compliance(point.omega));
@@ -50,8 +51,8 @@ impl<'p> Iterate<'p> {
         Self::evaluated(balance, point, compliance, Accuracy::Full)
     }
 
-    /// Evaluates everything at `point`, to steer an iteration: where the residual is large the contact forces are a draft,
-    /// if the balance's backend gives one.
+    /// The same for a step of an iteration: if the residual is large and the backend offers drafts, the contact forces are a
+    /// draft.
     #[must_use]
     pub fn draft(balance: &Balance<'p>, point: Point) -> Self {
         let compliance = Arc::new(balance.compliance(point.omega));
@@ -62,7 +63,7 @@ impl<'p> Iterate<'p> {
         Self::evaluated(balance, iterate.point, iterate.compliance, Accuracy::Full)
     }
 
-    /// Whether the residual is large against the motion, of which the forces of the stuck structure may cancel much.
+    /// Whether the residual is large against the motion (not against its relative part, which may be a small difference).
     fn is_far(&self, balance: &Balance<'_>) -> bool {
         let stuck = balance.stuck_size(&self.compliance, self.point.level);
         let floor = stuck.max(balance.problem.displacement_scale(self.point.level));
@@ -91,7 +92,7 @@ impl<'p> Iterate<'p> {
         }
     }
 
-    /// Largest residual component over the fixed displacement scale.
+    /// Largest component of the residual over the displacement scale of the problem, which does not depend on the point.
     #[must_use]
     pub fn relative_residual(&self, balance: &Balance<'_>) -> f64 {
         let scale = balance.problem.displacement_scale(self.point.level);
@@ -103,16 +104,16 @@ impl<'p> Iterate<'p> {
         }
     }
 
-    /// The Jacobian here. Its solves are as exact as a step from here can use, and exact where the residual is round-off.
+    /// The Jacobian at this point, with linear solves as exact as a Newton step from here needs.
     #[must_use]
     pub fn jacobian<'a>(&'a self, balance: &'a Balance<'p>) -> Jacobian<'a> {
         let size = self.relative_residual(balance) / self.point.dynamic_share(balance).min(1.0);
-        // a residual that is no number asks for nothing
+        // a residual that is not a number gives no tolerance
         let tolerance = if size > 0.0 { FORCING * size } else { EXACT };
         self.jacobian_within(balance, tolerance.clamp(EXACT, LOOSEST))
     }
 
-    /// The same with solves that leave `tolerance` of the forces.
+    /// The same with linear solves to the relative residual `tolerance`.
     #[must_use]
     pub fn jacobian_within<'a>(&'a self, balance: &'a Balance<'p>, tolerance: f64) -> Jacobian<'a> {
         Jacobian::new(
@@ -124,7 +125,7 @@ impl<'p> Iterate<'p> {
         )
     }
 
-    /// First harmonic of response 0.
+    /// Complex amplitude of the first harmonic of response 0 (m).
     #[must_use]
     pub fn response(&self, balance: &Balance<'_>) -> c64 {
         balance
@@ -134,20 +135,33 @@ impl<'p> Iterate<'p> {
             .responses(&self.motion.dynamic[0])[0]
     }
 
-    /// dr/dω along the solution branch: −J⁻¹ R_ω.
+    /// The Newton step at a fixed frequency, −J⁻¹ R (m), and dr/dω (m/(rad/s)) along the branch of solutions, −J⁻¹ ∂R/∂ω, solved
+    /// together.
+    #[must_use]
+    pub fn correction_and_frequency_rate(
+        &self,
+        balance: &Balance<'_>,
+        jacobian: &Jacobian<'_>,
+    ) -> [Vec<f64>; 2] {
+        let slope = balance.frequency_slope(&self.compliance, &self.motion);
+        let solved = jacobian.solve_all([&self.residual, &slope]);
+        solved.map(|x| negated(&x))
+    }
+
+    /// dr/dω (m/(rad/s)) along the branch of solutions: −J⁻¹ ∂R/∂ω.
     #[must_use]
     pub fn frequency_rate(&self, balance: &Balance<'_>, jacobian: &Jacobian<'_>) -> Vec<f64> {
         let slope = balance.frequency_slope(&self.compliance, &self.motion);
         negated(&jacobian.solve(&slope))
     }
 
-    /// dr/dlevel at a fixed frequency: −J⁻¹ R_level.
+    /// dr/dlevel (m per unit level) along solutions of a fixed frequency: −J⁻¹ ∂R/∂level.
     #[must_use]
     pub fn level_rate(&self, balance: &Balance<'_>, jacobian: &Jacobian<'_>) -> Vec<f64> {
         negated(&jacobian.solve(&balance.level_slope(&self.compliance)))
     }
 
-    /// Rate of response 0 when the point moves along `direction` (and the level along `level`).
+    /// Derivative of response 0 if the point moves along `direction` and the level along `level`.
     #[must_use]
     pub fn response_rate(
         &self,

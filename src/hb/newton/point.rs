@@ -37,6 +37,18 @@ impl Point {
         }
     }
 
+    /// Largest change of a dynamic displacement by a step over the largest dynamic displacement.
+    #[must_use]
+    pub fn relative_step(&self, balance: &Balance<'_>, step: &Direction) -> f64 {
+        let n = balance.layout.n_relative();
+        let [moved, largest] =
+            [&step.r, &self.r].map(|x| x[n..].iter().map(|x| x.abs()).fold(0.0, f64::max));
+        match step.r.iter().all(|x| x.is_finite()) {
+            true => moved / largest,
+            false => f64::NAN,
+        }
+    }
+
     /// Largest dynamic displacement over the scale of the residual: a small excitation moves the contacts little
     /// compared with what the static load does.
     #[must_use]

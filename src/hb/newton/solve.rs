@@ -147,8 +147,7 @@ pub fn newton_step(
     condition: Condition<'_>,
 ) -> Direction {
     let linear = Linearized::new(balance, iterate, jacobian, condition);
-    let values = condition.values(balance, iterate);
-    linear.step(&iterate.residual, values).direction
+    linear.step().direction
 }
 
 /// A Newton step with the change of the level.
@@ -173,6 +172,8 @@ struct Linearized<'a, 'p> {
     iterate: &'a Iterate<'p>,
     jacobian: &'a Jacobian<'a>,
     condition: Condition<'a>,
+    /// −J⁻¹ R: the step at a fixed frequency.
+    correction: Vec<f64>,
     /// Solutions of the linearised balance per change of the frequency and of the level, each with the rates of the
     /// condition, where the condition sets them free.
     free: Vec<(NewtonStep, [f64; 2])>,
@@ -185,13 +186,19 @@ impl<'a, 'p> Linearized<'a, 'p> {
         jacobian: &'a Jacobian<'a>,
         condition: Condition<'a>,
     ) -> Self {
-        let by_omega = || NewtonStep {
-            direction: Direction {
-                r: iterate.frequency_rate(balance, jacobian),
-                omega: 1.0,
-            },
-            level: 0.0,
+        let (correction, by_omega) = match condition {
+            Condition::FixedFrequency => (negated(&jacobian.solve(&iterate.residual)), None),
+            Condition::Amplitude { .. }
+            | Condition::PhaseLocked(_)
+            | Condition::ArcLength { .. } => {
+                let [correction, rate] = iterate.correction_and_frequency_rate(balance, jacobian);
+                (correction, Some(rate))
+            }
         };
+        let by_omega = by_omega.map(|r| NewtonStep {
+            direction: Direction { r, omega: 1.0 },
+            level: 0.0,
+        });
         let by_level = || NewtonStep {
             direction: Direction {
                 r: iterate.level_rate(balance, jacobian),
@@ -199,19 +206,17 @@ impl<'a, 'p> Linearized<'a, 'p> {
             },
             level: 1.0,
         };
-        let free = match condition {
-            Condition::FixedFrequency => Vec::new(),
-            Condition::Amplitude { .. } => vec![by_omega(), by_level()],
-            Condition::PhaseLocked(_) | Condition::ArcLength { .. } => vec![by_omega()],
-        };
+        let level_is_free = matches!(condition, Condition::Amplitude { .. });
+        let free = by_omega.into_iter().chain(level_is_free.then(by_level));
         let mut linear = Self {
             balance,
             iterate,
             jacobian,
             condition,
+            correction,
             free: Vec::new(),
         };
-        linear.free = (free.into_iter())
+        linear.free = free
             .map(|step| {
                 let rates = linear.rates(&step);
                 (step, rates)
@@ -225,12 +230,24 @@ impl<'a, 'p> Linearized<'a, 'p> {
         (self.condition).rates(self.balance, self.iterate, self.jacobian, direction, level)
     }
 
-    /// The step that makes `residual` and the `values` of the condition vanish.
-    fn step(&self, residual: &[f64], values: [f64; 2]) -> NewtonStep {
+    /// The Newton step.
+    fn step(&self) -> NewtonStep {
+        let values = self.condition.values(self.balance, self.iterate);
+        self.closed(self.correction.clone(), values)
+    }
+
+    /// The step that would follow at `trial` with the same Jacobian.
+    fn following(&self, trial: &Iterate<'_>) -> NewtonStep {
+        let correction = negated(&self.jacobian.solve(&trial.residual));
+        self.closed(correction, self.condition.values(self.balance, trial))
+    }
+
+    /// The step with this `correction` at a fixed frequency that makes the `values` of the condition vanish, too.
+    fn closed(&self, correction: Vec<f64>, values: [f64; 2]) -> NewtonStep {
         let [c1, c2] = values;
         let mut step = NewtonStep {
             direction: Direction {
-                r: negated(&self.jacobian.solve(residual)),
+                r: correction,
                 omega: 0.0,
             },
             level: 0.0,
@@ -296,7 +313,7 @@ impl Progress {
 /// next step tries first.
 fn advance<'p>(linear: &Linearized<'_, 'p>, first: f64) -> (Iterate<'p>, f64) {
     let (balance, from) = (linear.balance, linear.iterate);
-    let step = linear.step(&from.residual, linear.condition.values(balance, from));
+    let step = linear.step();
     let moving = step.direction.omega != 0.0;
     let metric = Metric::at(balance, &from.point, from.point.omega);
     let n_relative = balance.layout.n_relative();
@@ -313,8 +330,7 @@ fn advance<'p>(linear: &Linearized<'_, 'p>, first: f64) -> (Iterate<'p>, f64) {
     };
     DAMPING.damped(first, trial, |trial, factor| {
         let shorter = || {
-            let values = linear.condition.values(balance, trial);
-            let following = linear.step(&trial.residual, values);
+            let following = linear.following(trial);
             is_shorter(length(&following), length(&step), factor)
         };
         trial.relative_residual(balance) <= NEAR || shorter()

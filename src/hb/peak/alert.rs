@@ -22,15 +22,22 @@ use std::collections::BTreeSet;
 /// Most Newton iterations of a solve on twice the harmonics; the solves that converge take 4 to 9.
 const MOST_ITERATIONS: usize = 10;
 
+/// Undamped steps in a row that may fail to halve the shortest one before.
+const PATIENCE: usize = 3;
+
 /// If the error by one Newton step is more than this many thresholds, the step decides without a solve.
 const STEP_DECIDES: f64 = 4.0;
 
 /// The error is assumed to fall with this power of the highest harmonic. This serves only to choose the next harmonic set.
 const DECAY: f64 = 2.0;
 
-/// Residual to which the solution on twice the harmonics is solved, over its dynamic displacement and the threshold. Even if
-/// the amplitude is wrong by a hundred times this residual, that is far below the threshold.
-const EXACT_ENOUGH: f64 = 1e-4;
+/// A solve on twice the harmonics ends with a Newton step that changes the dynamic displacements by less than this share of
+/// the threshold, and the amplitude by less than the second share: what is left after the step is smaller.
+const LAST_STEP: [f64; 2] = [0.25, 0.02];
+
+/// Residual to which it is solved where damped steps are needed, over its dynamic displacement and the threshold. If the
+/// amplitude is wrong by a hundred times this residual, that is a tenth of the threshold.
+const EXACT_ENOUGH: f64 = 1e-3;
 
 /// Highest harmonic of the next larger set: 1.4 times the highest one, so that twice the harmonics are two sets further.
 fn enlarged(highest: usize) -> usize {
@@ -183,21 +190,66 @@ impl<'s, 'p> AlertSets<'s, 'p> {
         let (from, to) = (self.balance(i), self.balance(self.twice(i)));
         let starts = [known.point.clone(), solution.point.padded(from, to)];
         let newton = self.newton_on_twice(solution.point.dynamic_share(from).min(1.0));
-        let mut starts = starts.into_iter();
-        let solved = starts.find_map(|start| solve(to, start, condition, newton).ok());
+        let solved = self
+            .undamped(to, known.point.clone(), condition)
+            .or_else(|| {
+                let mut starts = starts.into_iter();
+                let solved = starts.find_map(|start| solve(to, start, condition, newton).ok())?;
+                Some((solved.response(to).norm(), solved.point))
+            });
         let mut estimate = TruncationEstimate {
             error: f64::INFINITY,
             by_solve: true,
             ..known
         };
-        if let Some(solved) = solved {
-            let amplitude = solved.response(to).norm();
+        if let Some((amplitude, point)) = solved {
             let change = amplitude / solution.response(from).norm() - 1.0;
             estimate.error = self.error_by(i, self.twice(i), change);
             estimate.amplitude = Some(amplitude);
-            estimate.point = solved.point;
+            estimate.point = point;
         }
         estimate
+    }
+
+    /// |ŷ| (m) and point of the solution of `balance` next to `start` by undamped Newton steps; `None` if [`PATIENCE`] of them
+    /// in a row have not halved the shortest step before.
+    fn undamped(
+        &self,
+        balance: &Balance<'_>,
+        start: Point,
+        condition: Condition<'_>,
+    ) -> Option<(f64, Point)> {
+        let effort = &self.problem.effort;
+        let [displacement, amplitude] = LAST_STEP.map(|share| share * self.alert.threshold);
+        let (mut point, mut shortest, mut worse) = (start, f64::INFINITY, 0);
+        for _ in 0..MOST_ITERATIONS {
+            if effort.is_spent() {
+                return None;
+            }
+            let iterate = Iterate::new(balance, point);
+            let jacobian = iterate.jacobian(balance);
+            effort.spend(jacobian.factorizations());
+            let step = newton_step(balance, &iterate, &jacobian, condition);
+            let length = iterate.point.relative_step(balance, &step);
+            worse = if length <= 0.5 * shortest {
+                0
+            } else {
+                worse + 1
+            };
+            if length.is_nan() || worse == PATIENCE {
+                return None;
+            }
+            shortest = shortest.min(length);
+            let response = iterate.response(balance);
+            let stepped = response + iterate.response_rate(balance, &jacobian, &step, 0.0);
+            let is_last = length <= displacement
+                && (stepped.norm() / response.norm() - 1.0).abs() <= amplitude;
+            point = iterate.point.moved(&step, 1.0);
+            if is_last && iterate.contact.steady {
+                return Some((stepped.norm(), point));
+            }
+        }
+        None
     }
 
     /// Newton's method for a solve on twice the harmonics of a solution whose dynamic displacement is `share` of the scale of

@@ -2,6 +2,7 @@
 
 pub mod alert;
 mod band;
+mod growth;
 pub mod level_peak;
 pub mod maxima;
 pub mod predicted;

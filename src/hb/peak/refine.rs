@@ -50,7 +50,7 @@ impl RefinementTarget {
                 let iterate = solve(balance, start.point, fixed, newton)?;
                 Ok(iterate.into())
             }
-            Self::Maximum(peak) => maximum_near(balance, start, peak, newton),
+            Self::Maximum(peak) => Ok(maximum_from(balance, start, peak, newton)?.1),
         }
     }
 
@@ -221,6 +221,20 @@ impl<'p> Refinement<'_, '_, 'p> {
     }
 }
 
+/// The maximum next to a prediction by undamped Newton steps, or else by damped ones.
+fn maximum_from<'p>(
+    balance: &Balance<'p>,
+    prediction: PeakPrediction,
+    peak: PeakSettings,
+    newton: NewtonSettings,
+) -> Result<(PeakRoute, Located<'p>), Status> {
+    if let Ok(found) = correct(balance, prediction.clone(), peak, newton) {
+        return Ok((PeakRoute::Predicted, found));
+    }
+    let found = maximum_near(balance, prediction, peak, newton)?;
+    Ok((PeakRoute::Damped, found))
+}
+
 /// The peak next to a prediction on `harmonics`: by undamped Newton steps, or else by damped ones. Then harmonics are added.
 ///
 /// # Errors
@@ -234,13 +248,7 @@ pub fn refined_near(
 ) -> Result<Solution, Status> {
     let balance = balance_on(problem, harmonics.clone(), settings);
     let newton = settings.newton;
-    let (route, found) = match correct(&balance, prediction.clone(), peak, newton) {
-        Ok(found) => (PeakRoute::Predicted, found),
-        Err(_) => (
-            PeakRoute::Damped,
-            maximum_near(&balance, prediction, peak, newton)?,
-        ),
-    };
+    let (route, found) = maximum_from(&balance, prediction, peak, newton)?;
     let sets = AlertSets::new(problem, harmonics, settings);
     let target = RefinementTarget::Maximum(peak);
     Ok(Solution {

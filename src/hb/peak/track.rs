@@ -191,13 +191,9 @@ impl<'a, 'p> Track<'a, 'p> {
             (PeakRoute::SweptOnFew, |track, level| {
                 track.swept(level, track.few)
             }),
-            (PeakRoute::SweptOnAll, |track, level| {
-                track.swept(level, track.last())
-            }),
         ];
-        let on_all = [PeakRoute::TrackedOnAll, PeakRoute::SweptOnAll];
         let few_are_all = self.few == self.last();
-        searches.retain(|(route, _)| !(few_are_all && on_all.contains(route)));
+        searches.retain(|(route, _)| !(few_are_all && *route == PeakRoute::TrackedOnAll));
         searches
     }
 

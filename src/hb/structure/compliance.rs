@@ -1,9 +1,15 @@
-//! The fully stuck structure under harmonic loads, and its compliance at the contacts.
+//! The structure with all contacts stuck under harmonic loads, and its compliance at the contacts.
 //!
-//! With the contact force split into its stuck part and a deviation, f = K_c r + g, harmonic k of the balance reads
-//! η̂ₖ = Z_s(kω)⁻¹ (f̂ₖ − ΦᵀBᵀ ĝₖ),  Z_s = Z + ΦᵀBᵀ K_c BΦ,  r̂ₖ = BΦ η̂ₖ = r̂ₖ^stuck − Gₖ(ω) ĝₖ,  Gₖ = BΦ Z_s⁻¹ ΦᵀBᵀ.
-//! G stays finite where the free strip floats, and g vanishes where a contact sticks: only slipping and
-//! separating pairs enter the nonlinear system.
+//! The contact force is split into that of stuck contacts and a deviation, F = K_c r + g. Harmonic k of the equation of motion
+//! is then
+//!
+//! ```text
+//! η̂ₖ = Z_s(kω)⁻¹ (f̂ₖ − ΦᵀBᵀ ĝₖ),   Z_s = Z + ΦᵀBᵀ K_c BΦ
+//! r̂ₖ = BΦ η̂ₖ = r̂ₖ^stuck − Gₖ ĝₖ,    Gₖ(ω) = BΦ Z_s⁻¹ ΦᵀBᵀ
+//! ```
+//!
+//! G is finite also where the free strip can move as a rigid body. g is zero for a contact that sticks, so that only pairs
+//! that slip or open enter the nonlinear system.
 
 use super::linear::{LinearModel, ModalPart};
 use super::springs::Symmetric;
@@ -15,12 +21,12 @@ use faer::prelude::*;
 use faer::{Accum, Par};
 use pulp::{Arch, Simd, WithSimd};
 
-/// The stuck structure at all dynamic harmonics of one excitation frequency.
+/// The stuck structure at all harmonics above 0 of one excitation frequency.
 #[derive(Debug)]
 pub struct Compliance<'p> {
     /// Excitation frequency ω (rad/s).
     pub omega: f64,
-    /// One entry per dynamic harmonic of the set, in its order.
+    /// One entry per harmonic above 0, in the order of the set.
     pub harmonics: Vec<HarmonicCompliance<'p>>,
 }
 
@@ -33,19 +39,21 @@ pub struct HarmonicCompliance<'p> {
     pub real: Mat<f64>,
     /// Im Gₖ (m/N). Shape: 3·n_contacts square.
     pub imaginary: Mat<f64>,
-    /// The structure that harmonic k sees.
+    /// The structure for harmonic k: the whole one, or the half of its parity.
     pub part: &'p ModalPart,
     stuck_stiffness: &'p [f64],
     modes: FreeModes,
 }
 
-/// A mode is loose where the stuck contacts are stiffer against it than the free structure by this factor: rigid-body
-/// modes, those of a light strip and those close to resonance. Condensing one would lose as many digits, twice.
+/// A mode is called loose if the stuck contacts are stiffer against it than the free structure, Z at this frequency, by this
+/// factor: rigid-body modes, modes of a light strip, modes close to resonance. To condense one would lose this factor in
+/// precision, twice.
 const LOOSE: f64 = 100.0;
 
-/// The modes of the free structure at one frequency; the stuck contacts enter by G (Woodbury). All but the loose ones are
-/// condensed to the contacts by their receptance; that of a loose mode is large against the compliance of the stuck
-/// contacts and would cancel. Modes that damping couples have none of their own and count as loose.
+/// The modes of the free structure at one frequency; the stuck contacts enter by G (Woodbury's identity). Modes are condensed
+/// to the contacts by their receptance 1/Z. Loose modes are not: their receptance is large against the compliance of the
+/// stuck contacts, and the difference would cancel. Modes that damping couples have no receptance of their own and count as
+/// loose.
 #[derive(Debug)]
 struct FreeModes {
     /// Ω (rad/s).
@@ -103,8 +111,8 @@ impl<'p> HarmonicCompliance<'p> {
         })
     }
 
-    /// The same with an error of 1e-10 in place of 1e-13, at half of the cost: enough for rates, which steps follow but no
-    /// residual holds.
+    /// The same with a relative error of 1e-10 instead of 1e-13, at half of the cost. This suffices for derivatives, which
+    /// choose a step but enter no residual.
     #[must_use]
     pub fn solve_rate(&self, load: &[c64]) -> Vec<c64> {
         Arch::new().dispatch(Solving {
@@ -124,8 +132,8 @@ impl<'p> HarmonicCompliance<'p> {
         eta
     }
 
-    /// Z_s⁻¹ `load` up to the round-off of G. With the receptance D of all modes but the loose ones
-    /// r = (I − G K_c) BΦ D f + R f_l and η̂ = D (f − ΦᵀBᵀ K_c r); the loose ones follow from the symmetry of Z_s⁻¹.
+    /// Z_s⁻¹ `load`, as exact as G. With D, the receptance of all modes but the loose ones, and the load f,
+    /// r = (I − G K_c) BΦ D f + R f_l and η̂ = D (f − ΦᵀBᵀ K_c r). The loose modes follow from the symmetry of Z_s⁻¹.
     #[inline(always)]
     fn solve_by_compliance(&self, load: &[c64]) -> Vec<c64> {
         let modes = &self.modes;
@@ -224,11 +232,15 @@ impl WithSimd for Solving<'_, '_> {
 }
 
 impl FreeModes {
-    /// The modes and G.
+    /// The modes and G, with L = BΦ, K = K_c, and index l for the loose modes:
     ///
-    /// Without the loose modes the stuck structure has the compliance G' = (I + H K)⁻¹ H, H = L D Lᵀ. A motion x of the
-    /// loose modes moves its contacts by W x, W = (I − G' K) L_l, and obeys S x = f_l with S = Z_l + L_lᵀ K W. So
-    /// R = W S⁻¹ and G = G' + R Wᵀ.
+    /// ```text
+    /// H = L D Lᵀ                 compliance of the free structure without the loose modes
+    /// G' = (I + H K)⁻¹ H          the same with stuck contacts
+    /// W = (I − G' K) L_l          relative displacements per motion of a loose mode
+    /// S = Z_l + L_lᵀ K W          dynamic stiffness of the loose modes
+    /// R = W S⁻¹,  G = G' + R Wᵀ
+    /// ```
     fn new(part: &ModalPart, k_c: &[f64], held: &[f64], frequency: f64) -> (Self, Symmetric) {
         let structure = &part.structure;
         let impedance: Vec<c64> = (structure.lambda.iter().zip(&structure.damping))
@@ -317,7 +329,7 @@ fn add_loose_modes(
     dynamic: &PartialPivLu<c64>,
 ) -> Mat<c64> {
     let (m, n) = (moved[0].nrows(), moved[0].ncols());
-    // column by column: with a closure per entry the compliance takes a tenth longer
+    // column by column: with a closure for each entry the compliance takes a tenth more time
     let mut transposed = Mat::zeros(n, m);
     for b in 0..n {
         let [real, imaginary] = moved.each_ref().map(|w| w.col_as_slice(b));

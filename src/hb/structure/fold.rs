@@ -1,11 +1,14 @@
 //! A mirror-symmetric model folded onto half of its contacts.
 //!
-//! If the mirror S maps the structure, the static load and the contacts onto themselves and turns the excitation round,
-//! the balance equations have solutions with q(t + T/2) = S q(t): even harmonics are even under S, odd ones odd. Then
-//! the contacts on one side are the only unknowns, their images follow half a period later, and each harmonic sees the
-//! half structure of its parity. Where S keeps the excitation every harmonic is even and the images move at once.
+//! Let the mirror S map the structure, the static load and the contacts onto themselves.
 //!
-//! A solution that breaks the symmetry is not found this way; the full model finds it if started close by.
+//! - If S changes the sign of the excitation (blades against each other), the balance equations have solutions with
+//!   q(t + T/2) = S q(t), T the period: even harmonics are symmetric under S, odd ones antisymmetric. The contacts of one side
+//!   are then the only unknowns, and their images do the same half a period later.
+//! - If S keeps the excitation (blades together), all harmonics are symmetric, and the images do the same at the same time.
+//!
+//! A harmonic only needs the half structure of its parity. Solutions without the symmetry are not found on the folded model;
+//! the whole model finds one from a start close to it.
 
 use super::linear::{LinearModel, ModalPart};
 use crate::contact::ContactParameters;
@@ -14,11 +17,11 @@ use crate::model::mirror::Parity;
 use crate::model::{ContactPair, Mirror, ReducedModel, Response, SparseRow};
 use faer::Mat;
 
-/// Differences between the model and its image below this share of the diagonal are round-off of its reduction.
+/// Largest difference between the model and its mirror image, over the diagonal, that counts as round-off of the reduction.
 const TOLERANCE: f64 = 1e-7;
 
 impl LinearModel {
-    /// What is solved: `model` folded along its mirror where `mirror` allows it and it can be, else whole. Shape: `contacts`
+    /// What is solved: `model` folded if `mirror` allows it and the model is symmetric, else the whole model. Shape: `contacts`
     /// `[model.n_contacts()]`.
     ///
     /// # Errors
@@ -38,8 +41,8 @@ impl LinearModel {
         }
     }
 
-    /// `model` folded along its mirror; `None` where it has none that the matrices, loads, contact pairs and the
-    /// constants `contacts` share. Shape: `contacts` `[model.n_contacts()]`.
+    /// `model` folded along its mirror; `None` if it states no mirror, or if matrices, loads, contact pairs or the constants
+    /// `contacts` are not symmetric. Shape: `contacts` `[model.n_contacts()]`.
     ///
     /// # Errors
     /// [`ProblemError::Linalg`] if M is not positive definite or the eigensolver fails.
@@ -82,7 +85,7 @@ impl LinearModel {
     }
 }
 
-/// Whether M, C, K and K₀ are their own images.
+/// Whether M, C, K and K₀ are symmetric under the mirror.
 fn keeps_matrices(mirror: &Mirror, model: &ReducedModel) -> bool {
     let keeps = |a: &Mat<f64>| {
         let n = a.nrows();
@@ -108,14 +111,14 @@ fn largest(force: &[f64]) -> f64 {
     force.iter().fold(0.0, |m: f64, f| m.max(f.abs()))
 }
 
-/// Whether a force has that parity, up to round-off of forces as large as `scale`.
+/// Whether a force has this parity, up to the round-off of forces of the size `scale`.
 fn has_parity(mirror: &Mirror, force: &[f64], scale: f64, parity: Parity) -> bool {
     (mirror.image.iter().enumerate()).all(|(i, &(j, sign))| {
         (force[j] * sign - parity.sign() * force[i]).abs() <= TOLERANCE * scale
     })
 }
 
-/// The first pair of every two that are images of each other; `None` if a pair has no image of its kind.
+/// The first of each two pairs that are images of each other; `None` if a pair has no image with the same constants.
 fn half_of_pairs(
     mirror: &Mirror,
     model: &ReducedModel,
@@ -129,7 +132,7 @@ fn half_of_pairs(
     matched.then(|| (0..image.len()).filter(|&i| i < image[i]).collect())
 }
 
-/// Whether the approach of `a` is that of `b` in the image, and the tangential directions are up to their signs.
+/// Whether `b` is the image of `a`: the same normal approach, and the same tangential displacements up to their signs.
 fn are_images(mirror: &Mirror, a: &ContactPair, b: &ContactPair) -> bool {
     let image = |row: &SparseRow, sign: f64| -> SparseRow {
         sorted(row.iter().map(|&(i, w)| {

@@ -1,8 +1,8 @@
-//! The linear model in the coordinates in which its dynamic stiffness is cheapest to invert.
+//! The linear model in the modes of the free structure (all contacts open).
 //!
-//! With q = Φ η, Φᵀ M Φ = I and Φᵀ K Φ = Λ the free structure (contacts open) obeys
-//! η̈ + Ĉ η̇ + Λ η = Φᵀ f; no mode is left out. Where Ĉ is diagonal, as for components with modal or proportional damping,
-//! Z = Λ − Ω² + iΩĈ costs nothing to invert; other damping couples some modes.
+//! With q = Φ η, Φᵀ M Φ = I and Φᵀ K Φ = Λ its equation of motion is η̈ + Ĉ η̇ + Λ η = Φᵀ f, with all modes. At the frequency
+//! Ω its dynamic stiffness is Z = Λ − Ω² I + iΩ Ĉ. With modal or proportional damping Ĉ and Z are diagonal, and the inverse
+//! takes one division per mode. Other damping couples some of the modes.
 
 use crate::hb::ProblemError;
 use crate::linalg::symmetric_generalized_eigen;
@@ -11,28 +11,27 @@ use crate::model::{ReducedModel, SparseRow};
 use faer::prelude::*;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Off-diagonal damping below this share of its diagonal neighbours is round-off.
+/// An off-diagonal entry of Ĉ counts as round-off below this share of its diagonal neighbours, |Ĉᵢⱼ| / √(Ĉᵢᵢ Ĉⱼⱼ).
 const ROUND_OFF: f64 = 1e-8;
 
-/// A [`ReducedModel`] as harmonic balance sees it: one [`ModalPart`] per class of harmonics.
+/// A [`ReducedModel`] in modal coordinates: one [`ModalPart`], or two where even and odd harmonics have different structures.
 #[derive(Debug, Clone)]
 pub struct LinearModel {
-    /// Harmonic k sees part k mod length: one part, or two where a mirror parts even from odd harmonics
-    /// (see [`super::fold`]).
+    /// Harmonic k belongs to part k mod length: one part for all, or one for the even and one for the odd harmonics of a
+    /// folded model ([`super::fold`]).
     pub parts: Vec<ModalPart>,
-    /// Contact pairs of the [`ReducedModel`] that are unknowns; the mirror images of the others follow.
+    /// Contact pairs of the [`ReducedModel`] whose displacements are unknowns; those of the others follow by the mirror.
     pub pairs: Vec<usize>,
-    /// Whether a part of the free structure has a rigid-body motion, such as a strip held by its contacts alone.
+    /// Whether the free structure can move as a rigid body, in part or as a whole: such as a strip that only contacts hold.
     pub floats: bool,
 }
 
-/// What one class of harmonics sees of the linear structure, in coordinates η: its matrices, contact, load and response
-/// vectors.
+/// The linear structure for one class of harmonics, in coordinates η: matrices, contact, load and response vectors.
 #[derive(Debug, Clone)]
 pub struct ModalPart {
     /// Stiffness and damping of the free structure.
     pub structure: Structure,
-    /// Φᵀ K₀ Φ, stiffness of the 0th harmonic only.
+    /// Φᵀ K₀ Φ, a stiffness that acts on harmonic 0 only.
     pub retention: Option<Mat<f64>>,
     /// B Φ: η → relative contact displacements. Shape: 3·n_contacts × n, rows ordered t1 of every pair, t2, n.
     pub contact: Mat<f64>,
@@ -42,7 +41,7 @@ pub struct ModalPart {
     pub response: Mat<f64>,
     /// Φᵀ f₀. Shape: `[n]`.
     pub static_force: Vec<f64>,
-    /// Φᵀ of each of the model's further loads. Shape: loads × n.
+    /// Φᵀ f of each load that is an input. Shape: loads × n.
     pub loads: Vec<Vec<f64>>,
     /// Φᵀ (f_c − i f_s) per unit level. Shape: `[n]`.
     pub force: Vec<c64>,
@@ -55,7 +54,7 @@ pub struct Structure {
     pub lambda: Vec<f64>,
     /// Diagonal of Ĉ (1/s). Shape: `[n]`.
     pub damping: Vec<f64>,
-    /// The rest of Ĉ.
+    /// Ĉ beside the diagonal.
     pub coupling: Coupling,
 }
 
@@ -69,7 +68,7 @@ pub struct Coupling {
 }
 
 impl LinearModel {
-    /// All pairs as unknowns.
+    /// The whole model: all pairs are unknowns.
     ///
     /// # Errors
     /// [`ProblemError::Linalg`] if M is not positive definite or the eigensolver fails.
@@ -90,13 +89,13 @@ impl LinearModel {
         }
     }
 
-    /// What harmonic k sees.
+    /// The part for harmonic k.
     #[must_use]
     pub fn part(&self, k: usize) -> &ModalPart {
         &self.parts[k % self.parts.len()]
     }
 
-    /// Whether the other half of the contacts follows half a period later, instead of at once or not at all.
+    /// Whether the model is folded and the mirror images do the same half a period later.
     #[must_use]
     pub fn alternates(&self) -> bool {
         self.parts.len() > 1
@@ -116,7 +115,7 @@ impl LinearModel {
 }
 
 impl ModalPart {
-    /// Transforms everything to the modes; also says whether the free structure floats.
+    /// Transforms matrices and vectors to the modes; also returns whether the free structure can move as a rigid body.
     ///
     /// # Errors
     /// [`ProblemError::Linalg`] if M is not positive definite or the eigensolver fails.
@@ -127,7 +126,7 @@ impl ModalPart {
         let (lambda, modes) =
             symmetric_generalized_eigen(model.stiffness.as_ref(), model.mass.as_ref())?;
         let damping = modes.transpose() * &model.damping * &modes;
-        // G is written for symmetric matrices, and small entries are all round-off of large ones
+        // the code for G needs symmetric matrices; differences between the triangles are round-off of the largest entries
         let damping = Scale(0.5) * (damping.transpose() + &damping);
         let round_off = 10.0 * f64::EPSILON * lambda.len() as f64;
         let floats = lambda.first() <= lambda.last().map(|l| round_off * l).as_ref();
@@ -219,7 +218,7 @@ impl ModalPart {
         times(&self.response, eta)
     }
 
-    /// Φᵀ Bᵀ f, the load of the contacts and their images. Shape: `[3·n_contacts]` → `[n]`.
+    /// Φᵀ Bᵀ f, the load by the contact forces f (N) and those of the mirror images. Shape: `[3·n_contacts]` → `[n]`.
     #[must_use]
     pub fn contact_load(&self, force: &[c64]) -> Vec<c64> {
         Arch::new().dispatch(ContactLoad { part: self, force })
@@ -240,7 +239,7 @@ impl WithSimd for ContactLoad<'_> {
         let Self { part, force } = self;
         let [real, imaginary] =
             [|f: &c64| f.re, |f: &c64| f.im].map(|of| force.iter().map(of).collect::<Vec<f64>>());
-        // a closure would not be compiled for the instruction set
+        // a loop: the code of a closure would not use the instruction set found at run time
         let mut load = Vec::with_capacity(part.n_coordinates());
         for j in 0..part.n_coordinates() {
             let moved = part.contact.col_as_slice(j);
@@ -262,7 +261,7 @@ impl Structure {
 }
 
 impl Coupling {
-    /// What of Ĉ beside the diagonal is more than round-off.
+    /// The entries beside the diagonal of Ĉ that are more than round-off.
     fn of(full: &Mat<f64>) -> Self {
         let n = full.nrows();
         let largest = (0..n).map(|i| full[(i, i)]).fold(0.0, f64::max);
@@ -279,7 +278,7 @@ impl Coupling {
         Self { modes, damping }
     }
 
-    /// y += factor Ĉ η with what is beside the diagonal of Ĉ.
+    /// y += factor (Ĉ − diag Ĉ) η.
     pub(in crate::hb) fn add_product(&self, factor: c64, eta: &[c64], y: &mut [c64]) {
         let coupled: Vec<c64> = self.modes.iter().map(|&j| eta[j]).collect();
         for (&i, c_eta) in self.modes.iter().zip(times(&self.damping, &coupled)) {
@@ -297,7 +296,7 @@ fn rows_times(rows: &[&SparseRow], phi: &Mat<f64>) -> Mat<f64> {
     })
 }
 
-/// A x of a real matrix and a complex vector, column by column.
+/// A x for a real matrix A and a complex vector x, column by column.
 #[inline(always)]
 pub(in crate::hb) fn times(a: &Mat<f64>, x: &[c64]) -> Vec<c64> {
     let mut y = vec![c64::new(0.0, 0.0); a.nrows()];

@@ -1,18 +1,18 @@
-//! Resonance of the structure with linear springs at the contacts: stuck, the start of every nonlinear one; open, its
-//! limit at large excitation.
+//! Resonances of the structure with linear springs at the contacts. Stuck contacts give the limit at small excitation, where
+//! searches start; open contacts give the limit at large excitation.
 
 use super::compliance::Compliance;
 use super::linear::{LinearModel, ModalPart};
 use crate::linalg::{LinalgError, symmetric_generalized_eigen};
 use faer::prelude::*;
 
-/// Damping ratios below this count as this much when modes are ranked.
+/// Least damping ratio assumed when modes are ranked: an undamped mode would have an infinite amplitude.
 const UNDAMPED: f64 = 1e-12;
 
-/// The peak of a mode outside the band may lie this far beyond the frequency of the mode, relative.
+/// Distance, over the frequency of a mode outside the band, by which its path is extended beyond this frequency.
 const BEYOND: f64 = 0.02;
 
-/// A resonance.
+/// A resonance of the linear structure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinearResonance {
     /// Undamped natural frequency (rad/s).
@@ -39,7 +39,7 @@ impl Band {
         self.high - self.low
     }
 
-    /// This band, or from a little beyond `omega` on if that is outside.
+    /// This band; if `omega` lies outside, extended to a little beyond it.
     #[must_use]
     fn widened_to(self, omega: f64) -> Self {
         match self.contains(omega) {
@@ -72,7 +72,7 @@ pub fn linear_resonance(
     Ok(strongest.map(|mode| mode.resonance(model, k)))
 }
 
-/// The same for all whose amplitude is at least `least` (m per unit level), largest first.
+/// All resonances inside `band` with an amplitude of at least `least` (m per unit level), largest first.
 ///
 /// # Errors
 /// [`LinalgError`] if the eigensolver fails.
@@ -87,18 +87,18 @@ pub(in crate::hb) fn linear_resonances(
     Ok(large.map(|mode| mode.resonance(model, k)).collect())
 }
 
-/// An undamped mode of a linear structure with its damping.
+/// An undamped mode of the structure with linear springs, and its damping.
 #[derive(Debug, Clone)]
 struct LinearMode {
     /// Natural frequency (rad/s).
     omega: f64,
     /// Damping constant (rad/s).
     half_bandwidth: f64,
-    /// Product of its force and its response 0, per unit level (m rad²/s²).
+    /// Product of its modal force and its modal response 0, per unit level (m rad²/s²).
     residue: f64,
     /// Amplitude of response 0 at resonance per unit level, by this mode alone (m).
     amplitude: f64,
-    /// Shape in the modes of the free structure, of unit modal mass: its squares are shares of the free modes.
+    /// Its components in the modes of the free structure, of unit modal mass: their squares sum to 1.
     shape: Vec<f64>,
 }
 
@@ -155,26 +155,26 @@ impl LinearMode {
     }
 }
 
-/// Modes whose residue is below this part of the largest one are not excited: by symmetry, up to round-off.
+/// A mode counts as not excited if its residue is below this share of the largest one: by symmetry, up to round-off.
 const EXCITED: f64 = 1e-6;
-/// Share of a free mode in a stuck one from which its amplitude bounds that of the stuck one.
+/// Least share of a free mode in a stuck one, from which the amplitude of the free mode counts in the reach of the stuck one.
 const SHARE: f64 = 0.1;
 
 /// A mode of the stuck structure from which a maximum may grow.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
-    /// Number of the mode in the stuck structure that the first harmonic sees, 0 for the lowest.
+    /// Index of the mode of the stuck structure (the part for harmonic 1), 0 for the lowest frequency.
     pub mode: usize,
     /// Its natural frequency (rad/s).
     pub omega: f64,
-    /// Largest amplitude of response 0 per unit level (m): of this mode, and of the free modes that it turns into.
+    /// Largest amplitude of response 0 per unit level (m): of this mode, and of the free modes that have a share in it.
     pub reach: f64,
-    /// Frequencies that its peak may have while the level is raised: the band, widened to the frequency of the mode.
+    /// Frequencies that its peak may have while the level is raised: the band, extended to the frequency of the mode.
     pub path: Band,
 }
 
-/// The modes of the stuck structure from which the maxima inside `band` grow, highest reach first: those with their
-/// frequency in the band, and for each free mode in the band the stuck one that it has the largest share in.
+/// The modes of the stuck structure from which maxima inside `band` may develop, largest reach first: those with their
+/// frequency in the band, and for each free mode with its frequency in the band the stuck mode in which its share is largest.
 ///
 /// # Errors
 /// [`LinalgError`] if the eigensolver fails.
@@ -193,7 +193,7 @@ pub fn candidates(
     modes.extend((0..stuck.len()).filter(|&mode| band.contains(stuck[mode].omega)));
     modes.sort_unstable();
     modes.dedup();
-    // free modes of one frequency are any mixture, so that these bound the amplitude, but do not tell who is excited
+    // free modes of equal frequency may be mixed in any way: they bound the amplitude, but do not say which one is excited
     let reach = |mode: usize| {
         (free.iter().enumerate())
             .filter(|(f, of_free)| of_free.omega > 0.5 * band.low && share(mode, *f) >= SHARE)

@@ -1,14 +1,14 @@
-//! Springs attached to a structure that is known by its compliance at their points.
+//! The compliance of a structure after springs are attached to it, one by one.
 //!
-//! One spring k at point i turns the compliance H into H − k/(1 + k Hᵢᵢ) hᵢ hᵢᵀ, hᵢ the i-th column. So the compliance with
-//! all springs, (I + H K)⁻¹ H, takes one symmetric update of rank one per spring: a third of the work of solving for it, and
-//! soft springs cancel nothing. The pivot 1 + k Hᵢᵢ is small where the structure with this spring resonates; the spring with
-//! the largest one goes first.
+//! A spring k at point i changes the compliance H to H − k/(1 + k Hᵢᵢ) hᵢ hᵢᵀ, where hᵢ is the i-th column of H (Sherman and
+//! Morrison). With all springs it is (I + H K)⁻¹ H: one symmetric update of rank one per spring, a third of the operations of
+//! a solve with I + H K, and without cancellation for soft springs. The pivot 1 + k Hᵢᵢ is small where the structure with
+//! this spring resonates, so the spring with the largest pivot is attached first.
 
 use faer::prelude::*;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Updates applied in one pass over the matrix.
+/// Number of updates that are applied together, in one pass over the matrix.
 const WIDTH: usize = 4;
 
 /// Real and imaginary part of a symmetric matrix; only the lower triangle counts.
@@ -19,8 +19,8 @@ pub(in crate::hb) struct Symmetric {
 }
 
 impl Symmetric {
-    /// The compliance with springs `k` (N/m) at the points, both triangles. The imaginary part of a spring is the damping
-    /// that it has at the frequency of this compliance.
+    /// The compliance (m/N) with springs `k` (N/m) at the points, both triangles. The imaginary part of a spring is its damping
+    /// constant times the frequency.
     pub(in crate::hb) fn with_springs(mut self, k: &[c64]) -> Self {
         Arch::new().dispatch(Attachment {
             compliance: &mut self,
@@ -64,7 +64,7 @@ impl Symmetric {
         }
     }
 
-    /// Adds the updates of a group to the lower triangle.
+    /// Adds a group of updates to the lower triangle.
     #[inline(always)]
     fn apply(&mut self, group: &[Update; WIDTH]) {
         let m = self.real.nrows();
@@ -89,7 +89,7 @@ impl Symmetric {
     }
 }
 
-/// −f h hᵀ with a column h of the compliance; real and imaginary parts.
+/// An update −f h hᵀ with a column h of the compliance; real and imaginary parts.
 struct Update {
     /// h.
     column: [Vec<f64>; 2],
@@ -107,7 +107,7 @@ impl Update {
         }
     }
 
-    /// Column i of the compliance after updates that are not applied to it yet.
+    /// Column i of the compliance, with the updates that the matrix does not have yet.
     #[inline(always)]
     fn read(&mut self, compliance: &Symmetric, i: usize, earlier: &[Self]) {
         let parts = [&compliance.real, &compliance.imaginary];

@@ -11,9 +11,9 @@ use crate::report::page::confidence_band::confidence_band;
 use crate::report::page::document::page;
 use crate::report::page::figure::{Panel, Size};
 use crate::report::page::statistic_cell::{limits, share_cell};
-use crate::report::page::view::{figure_style, thinned};
+use crate::report::page::view::{cumulative_steps, figure_style};
 use crate::report::run::stored_run::StoredRun;
-use crate::statistics::{Sorted, empirical_cdf};
+use crate::statistics::Sorted;
 
 /// A comparison as the page shows it.
 struct View<'a> {
@@ -386,10 +386,7 @@ fn difference_figure(view: &View, quantity: Compared, b: usize, i: usize) -> Fig
             &format!("outer l{i}"),
             &confidence_band(&here, members.len(), CONFIDENCE),
         );
-        // From the last corner back, so that thinned steps still end at 1.
-        let kept = empirical_cdf(&here).into_iter().rev().collect();
-        let corners: Vec<_> = thinned(kept).into_iter().rev().collect();
-        panel.steps(&format!("level l{i}"), &corners, 0.0);
+        panel.steps(&format!("level l{i}"), &cumulative_steps(&here), 0.0);
     }
     if values.iter().all(|v| !v.is_finite()) {
         panel.note("no pair has two solutions");

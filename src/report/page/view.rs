@@ -11,6 +11,7 @@ use crate::report::numbers::epistemic::PointStatistics;
 use crate::report::numbers::peaks::usable_peak;
 use crate::report::numbers::summary::Summary;
 use crate::report::run::input::ReportInput;
+use crate::statistics::{Sorted, empirical_cdf};
 
 /// Dots per level and panel; more are thinned evenly.
 const MAX_DOTS: usize = 1500;
@@ -231,6 +232,13 @@ impl<'a> View<'a> {
 /// Style sheet of the figures, with a colour for each of so many levels.
 pub(in crate::report) fn figure_style(n_levels: usize) -> String {
     include_str!("look/figure.css").to_owned() + &colours(n_levels, Ground::White)
+}
+
+/// Corners of the empirical distribution function, at most as many as a panel can show. Thinned from the last corner back, so
+/// that the steps still end at 1.
+pub(in crate::report) fn cumulative_steps(values: &Sorted) -> Vec<(f64, f64)> {
+    let from_the_end = empirical_cdf(values).into_iter().rev().collect();
+    thinned(from_the_end).into_iter().rev().collect()
 }
 
 /// At most so many points as a panel can show.

@@ -117,6 +117,12 @@ pub(super) fn remedy(record: &RunRecord, level: &LevelResult) -> Option<String> 
             counted.samples,
             reasons(level)
         ),
+        Remedy::AtLeast(n) => format!(
+            "the share that keeps the limit lies too close to the one that must for a number of samples to be named; at the best \
+             that {} samples allow, about {n} decide{}",
+            counted.samples,
+            more_samples(record, n)
+        ),
         Remedy::TooClose => {
             "the share that keeps the limit is too close to the one that must: more than a million samples needed"
                 .to_owned()

@@ -232,6 +232,11 @@ pub(crate) const REFUSED: &[Case] = &[
     ("[100, 200]", "[100]", &[":37: frequency.band_hz: "]),
     (
         "band_hz = [100, 200]",
+        "band_hz = [100, 200]\npeak = 0",
+        &[":38: frequency.peak = 0: must be at least 1"],
+    ),
+    (
+        "band_hz = [100, 200]",
         "",
         &[":36: frequency.band_hz = (absent): must be given"],
     ),

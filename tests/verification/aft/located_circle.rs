@@ -35,8 +35,9 @@ fn forces_converge_with_second_order() {
     }
 }
 
-/// With one tangential direction both laws are the same, and located events of the box law are exact. Seen to fail
-/// without the terms of the kinks.
+/// With one tangential direction both laws are the same, located events of the box law are exact, and the step of slip is, too: what
+/// is left is the sum over the samples, of fourth order. Seen to fail without the jumps of the second derivative: third order,
+/// a median of some 3e-6.
 #[test]
 fn in_one_direction_the_laws_agree() {
     let set = HarmonicSet::up_to(3);
@@ -48,9 +49,9 @@ fn in_one_direction_the_laws_agree() {
     let exact = run(&AftPlan::<f64>::new(&set, s), &states, Want::Forces);
     let error = |n| errors(&set, &states, located(n), &exact);
     let (coarse, fine) = (error(128), error(1024));
-    assert!(coarse[100] < 1e-5, "median {:e}", coarse[100]);
+    assert!(coarse[100] < 1e-6, "median {:e}", coarse[100]);
     let order = (coarse[100] / fine[100]).ln() / 8f64.ln();
-    assert!(order > 2.5, "order {order}");
+    assert!(order > 3.7, "order {order}");
 }
 
 #[test]
@@ -68,8 +69,9 @@ fn single_precision_follows_double_precision_on_the_circle() {
 /// Motions up to 1e10 times as large as what the contact sticks for, as small friction and a large level make them: where
 /// the motion turns back, the slider rests for less than a thousandth of a step, and round-off of its way is not far below
 /// the limit. Random models met the first two. The sum over samples misses of so short a stick what grows as the root of
-/// that ratio. Seen to fail (no end within ten minutes) with the search for the start of slip from the zero of a cubic, which
-/// ends in the round-off about the turning point: slip began and ended there for ever.
+/// that ratio (3.5e-6 times it at 128 points). Seen to fail (no end within ten minutes) with the search for the start of slip from
+/// the zero of a cubic, which ends in the round-off about the turning point: slip began and ended there for ever; and without the
+/// jumps of the second derivative, which leave 70 times the error.
 #[test]
 fn a_slider_far_beyond_its_limit_turns_back() {
     let set = HarmonicSet::up_to(1);
@@ -111,6 +113,6 @@ fn a_slider_far_beyond_its_limit_turns_back() {
         let ratio = state.p.k_t[0] * state.q[1].hypot(state.q[2]) / limit;
         let pairs = forces(&found, i).into_iter().zip(forces(&exact, i));
         let error = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / limit;
-        assert!(error < 3e-4 * ratio.sqrt(), "{state:?}: {error:e}");
+        assert!(error < 1e-5 * ratio.sqrt(), "{state:?}: {error:e}");
     }
 }

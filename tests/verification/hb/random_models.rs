@@ -36,16 +36,24 @@ fn peaks_of_most_small_models_are_found() {
     assert!(failed.len() <= MAY_FAIL, "{} failed", failed.len());
 }
 
-/// Friction far below the level: five contacts up to 180 times as stiff as the structure, limits of 0.1 to 0.4 N, level 100 N. The
-/// peak is next to that of the structure that slides without friction, and the one that a walk through the band finds in
-/// five times as many iterations. Seen to fail without the start from the sliding structure: budget-spent.
+/// Friction far below the level: the peak is next to that of the same model whose contacts slide without friction.
+/// Seen to fail without the start from the sliding structure: budget-spent.
 #[test]
 fn friction_far_below_the_level_hardly_moves_the_peak() {
-    let model = RandomModel::of_seed(28);
+    let mut model = RandomModel::of_seed(35);
     let found = model.peak(5, BUDGET).solution.expect("a peak");
-    println!("{} {} {}", model.text, found.omega, found.amplitude(0));
-    assert!((found.omega / 0.960_960_69 - 1.0).abs() < 1e-6);
-    assert!((found.amplitude(0) / 1_715.019_39 - 1.0).abs() < 1e-6);
+    model
+        .contacts
+        .iter_mut()
+        .for_each(|contact| contact.mu = 0.0);
+    let sliding = model.peak(5, BUDGET).solution.expect("a peak");
+    let apart = [
+        found.omega / sliding.omega - 1.0,
+        found.amplitude(0) / sliding.amplitude(0) - 1.0,
+    ];
+    println!("{} {apart:?}", model.text);
+    assert_eq!(found.route, Some(PeakRoute::Sliding));
+    assert!(apart[0].abs() < 1e-3 && apart[1].abs() < 1e-2, "{apart:?}");
 }
 
 /// Preloads that balance the static load leave contacts stuck, so that a small level is a linear problem. Seen to fail with

@@ -1,13 +1,19 @@
-//! The equations that are left of J x = b once everything linear is eliminated.
+//! J x = b reduced to the force components that deviate from the stuck contact.
 //!
-//! dg has rows only for the force components that deviate from the stuck contact: the "slots". A pair that slips in one
-//! direction has one slot, a pair that opens three. Vectors are slot-major, `[slot][coefficient]`.
+//! Such a component of one pair is called a slot here: dg has rows for slots only. A pair that slips in one direction has one
+//! slot, a pair that opens has three. Vectors are slot-major, `[slot][coefficient]`.
 //!
-//! What a slot does to its own displacement at one harmonic is, apart from the coupling of harmonics, a complex spring D
-//! (the contact, linearised harmonic by harmonic); softer than the stuck contact it takes away. With dg = D + e and the
-//! compliance G' = (I + G D)⁻¹ G with these springs, J x = b becomes x + G' e x = b' with b' = b − G' D b, so that y = e x
-//! obeys C y = e b' with C = I + e G' (the capacitance matrix of Woodbury's identity), and x = b' − G' y. C is closer to I
-//! than I + dg G: where contacts are stiff and open, that is nearly singular, pair by pair.
+//! The derivative of a slot's force by its own displacement at one harmonic is split: dg = D + e. D is a complex spring, the
+//! contact linearised harmonic by harmonic; its real part is negative where the contact is softer than the stuck one. e
+//! couples harmonics and components. The structure with the springs D has the compliance G' = (I + G D)⁻¹ G, and
+//!
+//! ```text
+//! (I + G dg) x = b   becomes   x + G' e x = b',   b' = b − G' D b
+//! y = e x obeys      C y = e b',   C = I + e G'       (capacitance matrix of Woodbury's identity)
+//! and then           x = b' − G' y
+//! ```
+//!
+//! C is better conditioned than I + dg G, which is nearly singular for a stiff contact that is open for a part of the period.
 
 use super::PairTangent;
 use crate::hb::equations::layout::Layout;
@@ -18,14 +24,15 @@ use faer::prelude::*;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// Force components in the order of elimination: the normal force drives the tangential ones, not the other way round.
+/// Force components in the order of the slots: tangential forces depend on the normal displacement, the normal force does not
+/// depend on tangential ones.
 const ORDER: [usize; 3] = [2, 0, 1];
 
-/// C = I + e G' at one iterate.
+/// C = I + e G' at one point.
 #[derive(Debug)]
 pub(super) struct Capacitance {
     pub(super) layout: Layout,
-    /// G' of the 0th and of the dynamic harmonics.
+    /// G' (m/N) of harmonic 0 and of those above, in the order of the set.
     pub(super) compliance: Vec<Symmetric>,
     pub(super) slots: Vec<Slot>,
 }
@@ -34,9 +41,9 @@ pub(super) struct Capacitance {
 #[derive(Debug)]
 pub(super) struct Slot {
     pub(super) component: usize,
-    /// Position among the relative displacements of one coefficient.
+    /// Index of its displacement among those of one coefficient.
     pub(super) row: usize,
-    /// D (N/m) at the 0th and the dynamic harmonics.
+    /// D (N/m) at harmonic 0 and at those above.
     springs: Vec<c64>,
     /// Displacements that the force depends on, each with its block of e by columns. Shape: `[column m][row m]`.
     pub(super) reads: Vec<(usize, Vec<f64>)>,
@@ -102,15 +109,18 @@ impl Capacitance {
         out
     }
 
-    /// x = J⁻¹ b, where `solve` is y ← C⁻¹ y. Shape: as the unknowns.
-    pub(super) fn solve(&self, b: &[f64], solve: impl FnOnce(&mut [f64])) -> Vec<f64> {
+    /// b' and e b' of the right-hand side `b` of J x = b.
+    pub(super) fn eliminated(&self, b: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let mut x = b.to_vec();
         self.take_motion(&self.spring_forces(b), &mut x);
         let mut y = vec![0.0; self.size()];
         self.add_forces(&x, &mut y);
-        solve(&mut y);
-        self.take_motion(&y, &mut x);
-        x
+        (x, y)
+    }
+
+    /// x = b' − G' y, from b' in `x` and y = C⁻¹ e b'.
+    pub(super) fn substitute(&self, y: &[f64], x: &mut [f64]) {
+        self.take_motion(y, x);
     }
 
     /// `b` − C y.
@@ -148,7 +158,7 @@ impl Capacitance {
         Arch::new().dispatch(AddForces { capacitance, x, y });
     }
 
-    /// The diagonal block of C that belongs to a range of slots.
+    /// The diagonal block of C of a range of slots.
     pub(super) fn matrix(&self, slots: Range<usize>) -> Mat<f64> {
         Arch::new().dispatch(Assembly {
             capacitance: self,
@@ -302,7 +312,8 @@ impl Slot {
     }
 }
 
-/// Takes out of a block, by columns, what multiplies each harmonic by a complex number: x̂ = x_c − i x_s.
+/// Splits D off a block dg, stored by columns: returns for each harmonic the complex number that multiplies x̂ = x_c − i x_s,
+/// and leaves e in the block.
 fn take_springs(columns: &mut [f64], m: usize) -> Vec<c64> {
     let mut springs = Vec::with_capacity(m.div_ceil(2));
     springs.push(c64::new(columns[0], 0.0));

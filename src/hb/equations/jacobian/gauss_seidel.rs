@@ -1,21 +1,22 @@
-//! One Gauss–Seidel sweep over blocks of C, the preconditioner of large systems.
+//! The preconditioner of large systems: one Gauss–Seidel sweep over blocks of C.
 //!
-//! A sweep reads all of C from memory, so it works in single precision: half of the memory is half of the time. What that
-//! leaves of a residual is found in double precision by its caller. Columns of matrices end with zeros that fill the last
-//! vector register; where a column is added to one slot, these zeros reach into the next.
+//! The time of a sweep is that of reading C from memory. So it works in single precision, which halves the memory. The caller
+//! computes the residual that this leaves in double precision. Columns of matrices are filled with zeros up to a multiple of
+//! the vector register; where a column is added to one slot, its zeros are added to the first numbers of the next slot.
 
 use super::capacitance::Capacitance;
-use crate::linalg::single::{LANES, SingleLu, add_product, filled, round, vectors, vectors_mut};
+use crate::linalg::single::{LANES, SingleLu, add_products, filled, round, vectors, vectors_mut};
 use faer::prelude::*;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// Largest blocks of the sweep. Of 90, 130, 200 and 260 unknowns 130 made peaks of the two-blade rig cheapest (5 and 21
+/// Most unknowns of a block. Of 90, 130, 200 and 260, peaks of the two-blade rig took the least time with 130 (5 and 21
 /// harmonics), by a twentieth.
 const BLOCK_UNKNOWNS: usize = 130;
 
-/// Slots that a block may have whatever their unknowns: neighbours apart make the iterations grow with the harmonics. Of 1, 2,
-/// 3, 4, 6, 8 and 15 slots (all) 6 made peaks of the two-blade rig with 28 to 80 harmonics cheapest.
+/// Slots that a block may have even with more unknowns. If neighbouring slots are in different blocks, the number of
+/// iterations grows with the harmonics. Of 1, 2, 3, 4, 6, 8 and 15 (all) slots, peaks of the two-blade rig with 28 to 80
+/// harmonics took the least time with 6.
 const BLOCK_SLOTS: usize = 6;
 
 /// C = I + e G' in single precision, with the factors of its diagonal blocks.
@@ -23,10 +24,10 @@ const BLOCK_SLOTS: usize = 6;
 pub(super) struct GaussSeidel {
     /// Coefficients of a slot.
     m: usize,
-    /// Relative displacements of one coefficient, filled up.
+    /// Relative displacements of one coefficient, with the zeros that fill the last register.
     n: usize,
     slots: Vec<SingleSlot>,
-    /// Real and imaginary part of G' of the 0th and the dynamic harmonics, by columns.
+    /// Real and imaginary part of G' (m/N) of harmonic 0 and of those above, by columns.
     compliance: Vec<[Vec<f32>; 2]>,
     blocks: Vec<Block>,
 }
@@ -34,7 +35,7 @@ pub(super) struct GaussSeidel {
 /// One force component of one pair.
 #[derive(Debug)]
 struct SingleSlot {
-    /// Position among the relative displacements of one coefficient.
+    /// Index of its displacement among those of one coefficient.
     row: usize,
     /// Displacements that the force depends on, each with its block of e by columns.
     reads: Vec<(usize, Vec<f32>)>,
@@ -44,7 +45,7 @@ struct SingleSlot {
 #[derive(Debug)]
 struct Block {
     slots: Range<usize>,
-    /// Of their diagonal block of C.
+    /// LU factors of the diagonal block of C of these slots.
     factors: SingleLu,
 }
 
@@ -71,76 +72,134 @@ impl GaussSeidel {
         }
     }
 
-    /// (z, C z) with z from one sweep for C z = v.
-    pub(super) fn apply(&self, v: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    /// (z, C z) of each v, with z from one sweep for C z = v. Two at a time take little longer than one: the time is that of
+    /// reading C.
+    pub(super) fn apply(&self, v: &[&[f64]]) -> Vec<(Vec<f64>, Vec<f64>)> {
+        let (pairs, single) = v.as_chunks::<2>();
+        let pairs = pairs.iter().flat_map(|v| self.swept(*v));
+        pairs
+            .chain(single.iter().flat_map(|v| self.swept([*v])))
+            .collect()
+    }
+
+    /// The same of one v.
+    pub(super) fn apply_to(&self, v: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let [applied] = self.swept([v]);
+        applied
+    }
+
+    /// See [`Self::apply`].
+    fn swept<const K: usize>(&self, v: [&[f64]; K]) -> [(Vec<f64>, Vec<f64>); K] {
         Arch::new().dispatch(Application { sweep: self, v })
     }
 
     /// See [`Self::apply`].
     #[inline(always)]
-    fn applied<S: Simd>(&self, simd: S, v: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let mut z = vec![0.0; v.len().next_multiple_of(LANES) + LANES];
-        round(v, &mut z);
-        let mut x = vec![0.0; self.m * self.n];
+    fn applied<S: Simd, const K: usize>(
+        &self,
+        simd: S,
+        v: [&[f64]; K],
+    ) -> [(Vec<f64>, Vec<f64>); K] {
+        let mut z = v.map(|v| {
+            let mut z = vec![0.0; v.len().next_multiple_of(LANES) + LANES];
+            round(v, &mut z);
+            z
+        });
+        let mut x: [Vec<f32>; K] = std::array::from_fn(|_| vec![0.0; self.m * self.n]);
         for block in &self.blocks {
             let range = block.slots.start * self.m..block.slots.end * self.m;
             self.add_forces(simd, block.slots.clone(), -1.0, &x, &mut z);
-            let z = &mut z[range];
-            block.factors.solve_in_place(simd, z);
-            self.add_motion(simd, block.slots.clone(), z, &mut x);
+            let solved = z.each_mut().map(|z| &mut z[range.clone()]);
+            block.factors.solve_in_place(simd, solved);
+            let solved = z.each_ref().map(|z| &z[range.clone()]);
+            self.add_motion(simd, block.slots.clone(), solved, &mut x);
         }
         let mut product = z.clone();
         self.add_forces(simd, 0..self.slots.len(), 1.0, &x, &mut product);
-        let double = |y: Vec<f32>| y[..v.len()].iter().map(|y| f64::from(*y)).collect();
-        (double(z), double(product))
+        let double = |y: &[f32]| y.iter().map(|y| f64::from(*y)).collect();
+        std::array::from_fn(|k| {
+            let size = v[k].len();
+            (double(&z[k][..size]), double(&product[k][..size]))
+        })
     }
 
     /// y += factor e x in a range of slots.
     #[inline(always)]
-    fn add_forces<S: Simd>(
+    fn add_forces<S: Simd, const K: usize>(
         &self,
         simd: S,
         range: Range<usize>,
         factor: f32,
-        x: &[f32],
-        y: &mut [f32],
+        x: &[Vec<f32>; K],
+        y: &mut [Vec<f32>; K],
     ) {
         let stride = self.m.next_multiple_of(LANES);
         for (slot, first) in self.slots[range.clone()].iter().zip(range) {
-            let y = &mut y[first * self.m..][..stride];
             for (row, columns) in &slot.reads {
-                let x = x[*row..].iter().step_by(self.n);
-                add_product(simd, factor, columns, x, y);
+                let x = x.each_ref().map(|x| &x[*row..]);
+                let y = (y.each_mut()).map(|y| &mut y[first * self.m..][..stride]);
+                add_products(simd, factor, columns, (x, self.n), y);
             }
         }
     }
 
     /// x += G' y for the forces y of a range of slots.
     #[inline(always)]
-    fn add_motion<S: Simd>(&self, simd: S, range: Range<usize>, y: &[f32], x: &mut [f32]) {
+    fn add_motion<S: Simd, const K: usize>(
+        &self,
+        simd: S,
+        range: Range<usize>,
+        y: [&[f32]; K],
+        x: &mut [Vec<f32>; K],
+    ) {
         let (m, n) = (self.m, self.n);
-        let slots = &self.slots[range];
-        let (x_rest, x_moving) = x.split_at_mut(n);
-        for (slot, y) in slots.iter().zip(y.chunks_exact(m)) {
+        for (i, slot) in self.slots[range.clone()].iter().enumerate() {
             let column = &self.compliance[0][0][slot.row * n..][..n];
-            add_product(simd, 1.0, column, [y[0]].iter(), x_rest);
+            let y = y.map(|y| &y[i * m..]);
+            let rest = x.each_mut().map(|x| &mut x[..n]);
+            add_products(simd, 1.0, column, (y, 1), rest);
         }
-        let moving = self.compliance[1..].iter().enumerate();
-        for ((k, [real, imaginary]), x) in moving.zip(x_moving.chunks_exact_mut(2 * n)) {
-            let (cosine, sine) = x.split_at_mut(n);
-            let (cosine, sine) = (vectors_mut::<S>(cosine), vectors_mut::<S>(sine));
-            for (v, (c, s)) in cosine.iter_mut().zip(sine).enumerate() {
-                let (mut sum_c, mut sum_s) = (*c, *s);
-                for (slot, y) in slots.iter().zip(y.chunks_exact(m)) {
-                    let column = slot.row * n..(slot.row + 1) * n;
-                    let re = vectors::<S>(&real[column.clone()])[v];
-                    let im = vectors::<S>(&imaginary[column])[v];
-                    let (y_c, y_s) = (y[1 + 2 * k], y[2 + 2 * k]);
-                    let [y_c, minus_y_c, y_s] = [y_c, -y_c, y_s].map(|y| simd.splat_f32s(y));
-                    sum_c = simd.mul_add_f32s(re, y_c, simd.mul_add_f32s(im, y_s, sum_c));
-                    sum_s = simd.mul_add_f32s(re, y_s, simd.mul_add_f32s(im, minus_y_c, sum_s));
+        for k in 0..self.compliance.len() - 1 {
+            let coefficient = 1 + 2 * k;
+            let y = y.map(|y| &y[coefficient..]);
+            let x = (x.each_mut()).map(|x| &mut x[coefficient * n..(coefficient + 2) * n]);
+            self.add_harmonic(simd, k + 1, &self.slots[range.clone()], y, x);
+        }
+    }
+
+    /// The same for one harmonic; y begins with its coefficients in the first slot.
+    #[inline(always)]
+    fn add_harmonic<S: Simd, const K: usize>(
+        &self,
+        simd: S,
+        harmonic: usize,
+        slots: &[SingleSlot],
+        y: [&[f32]; K],
+        x: [&mut [f32]; K],
+    ) {
+        let (m, n) = (self.m, self.n);
+        let [real, imaginary] = &self.compliance[harmonic];
+        let mut x = x.map(vectors_mut::<S>);
+        let n_vectors = x[0].len() / 2;
+        for v in 0..n_vectors {
+            let mut sums = [[simd.splat_f32s(0.0); 2]; K];
+            for (sums, x) in sums.iter_mut().zip(&x) {
+                *sums = [x[v], x[n_vectors + v]];
+            }
+            for (i, slot) in slots.iter().enumerate() {
+                let column = slot.row * n..(slot.row + 1) * n;
+                let re = vectors::<S>(&real[column.clone()])[v];
+                let im = vectors::<S>(&imaginary[column])[v];
+                for ([cosine, sine], y) in sums.iter_mut().zip(y) {
+                    let (y_c, y_s) = (y[i * m], y[i * m + 1]);
+                    let minus_y_c = simd.splat_f32s(-y_c);
+                    let (y_c, y_s) = (simd.splat_f32s(y_c), simd.splat_f32s(y_s));
+                    *cosine = simd.mul_add_f32s(re, y_c, simd.mul_add_f32s(im, y_s, *cosine));
+                    *sine = simd.mul_add_f32s(re, y_s, simd.mul_add_f32s(im, minus_y_c, *sine));
                 }
-                (*c, *s) = (sum_c, sum_s);
+            }
+            for (x, sums) in x.iter_mut().zip(sums) {
+                [x[v], x[n_vectors + v]] = sums;
             }
         }
     }
@@ -166,13 +225,13 @@ fn blocks(exact: &Capacitance) -> Vec<Block> {
 }
 
 /// The arguments of [`GaussSeidel::apply`], for the instruction set that is found at run time.
-struct Application<'a> {
+struct Application<'a, const K: usize> {
     sweep: &'a GaussSeidel,
-    v: &'a [f64],
+    v: [&'a [f64]; K],
 }
 
-impl WithSimd for Application<'_> {
-    type Output = (Vec<f64>, Vec<f64>);
+impl<const K: usize> WithSimd for Application<'_, K> {
+    type Output = [(Vec<f64>, Vec<f64>); K];
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {

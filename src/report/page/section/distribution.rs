@@ -5,8 +5,8 @@ use crate::report::page::axis::Axis;
 use crate::report::page::block::{Block, Columns, Figure, Key, Mark, Row, Section};
 use crate::report::page::confidence_band::confidence_band;
 use crate::report::page::figure::{Panel, Size};
-use crate::report::page::view::{Shown, View, thinned};
-use crate::statistics::{Sorted, empirical_cdf, histogram, quantile};
+use crate::report::page::view::{Shown, View, cumulative_steps};
+use crate::statistics::{Sorted, histogram, quantile};
 
 /// Absent with epistemic inputs: their section has the tables and figures by outer point.
 pub(super) fn section(view: &View) -> Option<Section> {
@@ -92,10 +92,7 @@ fn cdf(view: &View, shown: Shown) -> Figure {
                 view.input.record.confidence(),
             ),
         );
-        let corners = empirical_cdf(&sorted);
-        // From the last corner back, so that thinned steps still end at 1.
-        let kept = corners.into_iter().rev().collect();
-        let corners: Vec<_> = thinned(kept).into_iter().rev().collect();
+        let corners = cumulative_steps(&sorted);
         panel.steps(&format!("level l{i}"), &corners, 0.0);
         panel.marks_along(i, &corners);
     }

@@ -149,7 +149,7 @@ fn failure_rate(view: &View, i: usize) -> Cell {
 }
 
 /// Inputs whose failure rate is drawn, those that separate failed and solved samples best.
-const MAX_INPUTS: usize = 4;
+const MOST_FAILURE_PANELS: usize = 4;
 
 /// Places of the inputs, those first that separate failed and solved samples best.
 fn separating(view: &View) -> Vec<usize> {
@@ -169,7 +169,7 @@ fn patterns(view: &View) -> Vec<Block> {
     if failures.is_empty() {
         return Vec::new();
     }
-    let strongest = separating(view).into_iter().take(MAX_INPUTS);
+    let strongest = separating(view).into_iter().take(MOST_FAILURE_PANELS);
     let hint = "A sample counts as failed if it lacks a solution at one level or more. Above: failure rate among fifths of the \
                 samples along an input, with 95 % confidence intervals. Shift: how often the input of a failed sample exceeds \
                 that of a solved one (Mann and Whitney; 50 % = no shift). Distance: largest one between their distribution \

@@ -13,7 +13,7 @@ use crate::report::page::view::{Shown, View, thinned};
 use crate::statistics::{ConditionalMean, Index, Influence};
 
 /// Inputs that get a scatter panel, those with the strongest rank correlations.
-const MAX_INPUTS: usize = 6;
+const MOST_SCATTER_PANELS: usize = 6;
 
 /// What a rank correlation is.
 const SPEARMAN: &str = "Spearman’s coefficient over the samples with a solution: ±1 where the input alone orders the results, \
@@ -369,9 +369,9 @@ fn strongest(view: &View) -> Vec<usize> {
             .fold(0.0, |a: f64, b| a.max(b.abs()))
     };
     let mut order: Vec<usize> = (0..view.input.record.inputs.len()).collect();
-    if order.len() > MAX_INPUTS {
+    if order.len() > MOST_SCATTER_PANELS {
         order.sort_by(|&a, &b| strength(b).total_cmp(&strength(a)));
-        order.truncate(MAX_INPUTS);
+        order.truncate(MOST_SCATTER_PANELS);
     }
     order
 }
