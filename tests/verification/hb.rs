@@ -20,3 +20,4 @@ mod status;
 mod sweep;
 mod symmetry;
 mod time_integration;
+mod time_integration_circle;
