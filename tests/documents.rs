@@ -140,3 +140,125 @@ fn the_readme_is_short() {
         .count();
     assert!(lines <= LONGEST_README, "README.md has {lines} lines");
 }
+
+/// The page of constants.
+const CONSTANTS: &str = "docs/src/constants.md";
+/// Folders and files of `src` whose constants are no choices: layout of the page, tables of digits, words of the program.
+const NOT_LISTED: [&str; 8] = [
+    "cli",
+    "contact/real.rs",
+    "error.rs",
+    "fe",
+    "report/page",
+    "sampling/joe_kuo.rs",
+    "special.rs",
+    "study/key_reference.rs",
+];
+/// Types of numbers.
+const NUMBERS: [&str; 10] = [
+    "f64",
+    "usize",
+    "u8",
+    "u32",
+    "u64",
+    "Range<f64>",
+    "Duration",
+    "Damping",
+    "[f64;",
+    "[usize;",
+];
+
+/// File, name and value of a constant.
+type Constant = (String, String, String);
+
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let (folders, files): (Vec<_>, Vec<_>) = in_folder(folder.to_str().unwrap())
+        .into_iter()
+        .partition(|path| path.is_dir());
+    let inside = folders.iter().flat_map(|folder| rust_files(folder));
+    let sources = files
+        .into_iter()
+        .filter(|path| path.extension().is_some_and(|e| e == "rs"));
+    sources.chain(inside).collect()
+}
+
+/// `NAME: type = value` of a line that begins a constant of a file.
+fn declared(line: &str) -> Option<&str> {
+    let visible = ["", "pub ", "pub(crate) ", "pub(super) "];
+    visible
+        .iter()
+        .find_map(|v| line.strip_prefix(v)?.strip_prefix("const "))
+}
+
+/// Numbers that a file declares, outside of functions and tests.
+fn numbers_of(file: &Path) -> Vec<Constant> {
+    let text = std::fs::read_to_string(file).unwrap();
+    let code = text.split("\n#[cfg(test)]").next().unwrap();
+    let name = file.strip_prefix("src").unwrap().with_extension("");
+    let name = name.to_str().unwrap().trim_end_matches("/mod").to_owned();
+    let mut found = Vec::new();
+    let starts = code.match_indices('\n').map(|(at, _)| &code[at + 1..]);
+    for declaration in starts.filter_map(declared) {
+        let whole = declaration.split(";\n").next().unwrap();
+        let Some((head, value)) = whole.split_once(" =") else {
+            continue;
+        };
+        let Some((constant, kind)) = head.split_once(": ") else {
+            continue;
+        };
+        let kind = kind.trim_start_matches("std::ops::");
+        if NUMBERS.iter().any(|number| kind.starts_with(number)) {
+            let value: Vec<_> = value.split_whitespace().collect();
+            found.push((name.clone(), constant.to_owned(), value.join(" ")));
+        }
+    }
+    found
+}
+
+/// File, name and value of every row of the page.
+fn listed_constants() -> Vec<Constant> {
+    let text = std::fs::read_to_string(CONSTANTS).unwrap();
+    let tables = text.split("\n## Half and twice").next().unwrap();
+    let rows = tables.lines().filter(|line| line.starts_with("| `"));
+    rows.map(|row| {
+        let cells: Vec<_> = row
+            .split(" | ")
+            .map(|cell| cell.trim_matches(['|', ' ', '`']))
+            .collect();
+        (
+            cells[0].to_owned(),
+            cells[1].to_owned(),
+            cells[2].to_owned(),
+        )
+    })
+    .collect()
+}
+
+/// Seen to fail with a value changed in the source, a row taken out and a row of a constant that is not there.
+#[test]
+fn the_page_of_constants_is_that_of_the_source() {
+    let listed = |file: &PathBuf| {
+        let below = file.strip_prefix("src").unwrap();
+        !NOT_LISTED.iter().any(|no| below.starts_with(no))
+    };
+    let files = rust_files(Path::new("src"));
+    let source: Vec<_> = files
+        .iter()
+        .filter(|f| listed(f))
+        .flat_map(|f| numbers_of(f))
+        .collect();
+    let page = listed_constants();
+    let mut faults = Vec::new();
+    for (file, name, value) in source.iter().filter(|constant| !page.contains(constant)) {
+        faults.push(format!(
+            "{CONSTANTS} lacks `{file}` `{name}` with the value `{value}`"
+        ));
+    }
+    for (file, name, value) in page.iter().filter(|constant| !source.contains(constant)) {
+        faults.push(format!(
+            "{CONSTANTS}: the source has no `{file}` `{name}` with the value `{value}`"
+        ));
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    assert!(source.len() > 150, "{} constants found", source.len());
+}
