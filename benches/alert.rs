@@ -6,9 +6,9 @@
 #![expect(clippy::expect_used, reason = "a benchmark without its state fails")]
 
 use microslip::contact::ContactParameters;
+use microslip::ensemble::Ensemble;
 use microslip::ensemble::atlas::{AnchorPeak, ModePeaks};
 use microslip::ensemble::outcome::LevelOutcome;
-use microslip::ensemble::{Ensemble, Solved};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::equations::balance::balance_on;
 use microslip::hb::peak::predicted::maximum_near;
@@ -42,7 +42,7 @@ fn main() {
     let prepared = study.prepared().expect("the default rig");
     let ensemble = prepared.ensemble(None);
     let clock = Instant::now();
-    let solved = ensemble.extend(Solved::default(), samples, || {});
+    let solved = ensemble.solved(samples, || {});
     println!(
         "{samples} samples x {} levels in {:.0} s",
         LEVELS.len(),

@@ -9,7 +9,7 @@ use crate::model::ModelError;
 use crate::model::matrices::MatricesError;
 use crate::report::ReportError;
 
-/// Everything that ends a command with exit code 2.
+/// Everything that ends a command before its end: with exit code 3 if it was stopped, else with 2.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -44,6 +44,16 @@ pub enum Error {
     /// The report could not be written.
     #[error(transparent)]
     Report(#[from] ReportError),
+    /// The run was told to stop. What it solved is kept.
+    #[error("stopped: {done} of {samples} samples are solved and kept in {}; the same command goes on", folder.join("parts").display())]
+    Stopped {
+        /// The result folder.
+        folder: PathBuf,
+        /// Samples solved.
+        done: u64,
+        /// Samples in all, at most.
+        samples: u64,
+    },
     /// The study lacks what the command needs, or the model has no such numbers.
     #[error("{}: {message}", path.display())]
     Command {

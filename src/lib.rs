@@ -4,15 +4,14 @@
 //! envelope of the resonance frequency.
 //!
 //! ```
-//! use microslip::ensemble::backend::BackendSettings;
-//! use microslip::study::{OutputFolder, Study, run};
+//! use microslip::study::{OutputFolder, RunSettings, Study, run};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let folder = tempfile::tempdir()?;
 //! # let folder = folder.path();
 //!
 //! let study = Study::read("studies/own-matrices/study.toml".as_ref())?;
 //! let results = OutputFolder::open(folder)?;
-//! let found = run(&study, &results, &BackendSettings::default(), |_progress| {})?;
+//! let found = run(&study, &results, &RunSettings::default(), |_progress| {})?;
 //! for level in &found.summary.levels {
 //!     let [low, median, high] = [0, 1, 2].map(|i| level.frequency_hz.quantiles[i].estimate);
 //!     println!("level {}: {low:.1} .. {median:.1} .. {high:.1} Hz", level.level);

@@ -5,9 +5,8 @@
 
 #![expect(clippy::expect_used, reason = "a benchmark without its state fails")]
 
-use microslip::ensemble::backend::BackendSettings;
 use microslip::ensemble::outcome::{LevelOutcome, SampleOutcome};
-use microslip::study::{OutputFolder, Study, run};
+use microslip::study::{OutputFolder, RunSettings, Study, run};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -55,7 +54,7 @@ fn studies() -> Vec<(&'static str, Study)> {
 fn solved(study: &Study) -> Vec<SampleOutcome> {
     let folder = tempfile::tempdir().expect("a folder");
     let output = OutputFolder::open(folder.path()).expect("a folder");
-    let settings = BackendSettings::default();
+    let settings = RunSettings::default();
     let result = run(study, &output, &settings, |_progress| {}).expect("results");
     result.outcomes
 }

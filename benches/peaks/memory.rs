@@ -98,6 +98,7 @@ fn record(provenance: Provenance, names: &[String]) -> RunRecord {
         stopping: None,
         surrogate: None,
         study_file: FileRecord::of("study.toml", b""),
+        files: Vec::new(),
         tables: Vec::new(),
         wall_time_s: 0.0,
     }
@@ -109,6 +110,8 @@ fn provenance(settings: &HbSettings) -> Provenance {
         seed: 17,
         version: env!("CARGO_PKG_VERSION").to_owned(),
         commit: None,
+        instruction_set: "avx2".to_owned(),
+        other_programs: Vec::new(),
         model: "two blades with a strip damper".to_owned(),
         law: settings.aft.law,
         events: settings.aft.events,

@@ -3,7 +3,6 @@
 use crate::clock::processor_time;
 use crate::rates::describe;
 use crate::rig::{Rig, design, search, settings};
-use microslip::ensemble::Solved;
 use microslip::ensemble::atlas::{Anchor, AtlasPrediction, ModePeaks};
 use microslip::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use microslip::harmonics::HarmonicSet;
@@ -28,8 +27,7 @@ pub(crate) fn certified() {
     let (design, settings) = (design(17), settings(5, Some(CERTIFIED)));
     let levels = [1.0, 5.0, 20.0, 100.0];
     let ensemble = rig.ensemble(&design, &levels, &settings);
-    let (seconds, solved) =
-        processor_time(|| ensemble.extend(Solved::default(), CERTIFIED_SAMPLES, || {}));
+    let (seconds, solved) = processor_time(|| ensemble.solved(CERTIFIED_SAMPLES, || {}));
     let n_peaks = solved.outcomes.len() * levels.len();
     println!("{:.2} peaks per processor second", n_peaks as f64 / seconds);
     for (i, level) in levels.iter().enumerate() {

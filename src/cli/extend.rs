@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use super::going_on::GoingOn;
 use super::levels::show_result;
-use super::terminal::Bar;
+use super::terminal::{Bar, show_warnings};
 use super::threads::Threads;
 use clap::Args;
 use microslip::Error;
@@ -21,14 +22,20 @@ pub(super) struct ExtendArguments {
     /// No progress and no summary.
     #[arg(long)]
     quiet: bool,
+    #[command(flatten)]
+    going_on: GoingOn,
 }
 
 impl ExtendArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
         self.threads.start()?;
+        let settings = self.going_on.settings(&self.folder)?;
         let bar = Bar::new(self.quiet);
-        let result = extend(&self.folder, self.samples, |progress| bar.show(progress))?;
+        let result = extend(&self.folder, self.samples, &settings, |progress| {
+            bar.show(progress);
+        })?;
         bar.clear();
+        show_warnings(&result.notes);
         if self.quiet {
             return Ok(());
         }

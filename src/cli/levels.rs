@@ -21,6 +21,10 @@ pub(super) fn at_point(outer: Option<u64>) -> String {
 pub(super) fn show_result(result: &RunResult, folder: &Path) -> Result<(), Error> {
     print(|out| {
         show_levels(out, &result.summary)?;
+        if result.taken_over > 0 {
+            let n = result.taken_over;
+            writeln!(out, "{n} samples were solved before and taken over")?;
+        }
         if let Some(reason) = &result.unfolded {
             writeln!(out, "{reason}")?;
         }

@@ -1,4 +1,5 @@
-//! Arguments, messages and exit codes: 0 = done, 2 = bad input or a file that cannot be read or written.
+//! Arguments, messages and exit codes: 0 = done, 2 = bad input or a file that cannot be read or written, 3 = stopped before the
+//! end.
 //!
 //! Each command is a file: its arguments, what it calls of the library, and what it shows.
 
@@ -6,14 +7,19 @@ mod compare;
 mod completions;
 mod devices;
 mod extend;
+mod going_on;
 mod inspect;
 mod levels;
 mod man;
+mod merge;
+mod pace;
 mod report;
 mod reweight;
 mod run;
 mod schema;
+mod shares;
 mod solve;
+mod status;
 mod study_arguments;
 mod terminal;
 mod threads;
@@ -27,16 +33,20 @@ use compare::CompareArguments;
 use completions::CompletionsArguments;
 use extend::ExtendArguments;
 use man::ManArguments;
+use merge::MergeArguments;
 use microslip::Error;
 use microslip::file::FileError;
 use report::ReportArguments;
 use reweight::ReweightArguments;
 use run::RunArguments;
 use schema::SchemaArguments;
+use status::StatusArguments;
 use study_arguments::StudyArguments;
 
 /// Exit code of every failure.
 const FAILURE: u8 = 2;
+/// Exit code of a run that was stopped.
+const STOPPED: u8 = 3;
 
 /// Version, with the commit where the build was told it (`MICROSLIP_COMMIT` in its environment).
 static VERSION: LazyLock<String> = LazyLock::new(|| {
@@ -53,6 +63,7 @@ Examples:
   microslip solve study.toml                nominal forced response at every level
   microslip run study.toml --threads 8      all samples, statistics and report
   microslip run study.toml --output other/  the same into another folder
+  microslip status results                  how far a run has come; after a stop the same `run` goes on
   microslip report results                  the report again, from the stored samples
   microslip schema > study.schema.json      what editors need to check a study file
   microslip schema --of summary             what programs that read summary.json need to know
@@ -60,7 +71,7 @@ Examples:
   microslip reweight results --prior p.toml the same samples under other distributions of the inputs
   microslip extend results --samples 800    more samples for these results; the old ones are kept
 
-Exit codes: 0 done, 2 bad input or a file that cannot be read or written.";
+Exit codes: 0 done, 2 bad input or a file that cannot be read or written, 3 stopped before the end.";
 
 #[derive(Parser)]
 #[command(version = VERSION.as_str(), about, after_help = EXAMPLES)]
@@ -77,6 +88,12 @@ enum Command {
     Extend(ExtendArguments),
     /// Compute the nominal forced response at every level: curve.csv and solution.json.
     Solve(StudyArguments),
+    /// Put the shares of a run together, and write tables and report.
+    Merge(MergeArguments),
+    /// Show how far a run has come that is not finished, and what its folder holds.
+    Status(StatusArguments),
+    /// Check that every file of results and parts is what was written.
+    Verify(StatusArguments),
     /// Render the report of a run again from its stored samples, without solving.
     Report(ReportArguments),
     /// Compare designs sample by sample, from the results of their runs: comparison.json and comparison.html.
@@ -101,6 +118,9 @@ impl Command {
             Self::Run(arguments) => arguments.execute(),
             Self::Extend(arguments) => arguments.execute(),
             Self::Solve(arguments) => solve::execute(arguments),
+            Self::Merge(arguments) => arguments.execute(),
+            Self::Status(arguments) => arguments.status(),
+            Self::Verify(arguments) => arguments.verify(),
             Self::Report(arguments) => arguments.execute(),
             Self::Compare(arguments) => arguments.execute(),
             Self::Reweight(arguments) => arguments.execute(),
@@ -124,6 +144,10 @@ pub(crate) fn main() -> ExitCode {
             if source.kind() == ErrorKind::BrokenPipe =>
         {
             ExitCode::SUCCESS
+        }
+        Err(stopped @ Error::Stopped { .. }) => {
+            let _ = writeln!(std::io::stderr(), "{stopped}");
+            ExitCode::from(STOPPED)
         }
         Err(error) => {
             // Nothing is left to be done if even the message cannot be written.

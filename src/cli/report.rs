@@ -25,7 +25,7 @@ impl ReportArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
         let (summary, _) = render(&self.folder)?;
         if self.arrow {
-            write_arrow_tables(&self.folder, true)?;
+            write_arrow_tables(&self.folder, |_| true)?;
         }
         if self.quiet {
             return Ok(());

@@ -1,8 +1,11 @@
 //! `run`: all samples, statistics and report.
 
 use std::io::Write;
+use std::path::Path;
 
+use super::going_on::GoingOn;
 use super::levels::show_result;
+use super::shares::{Shares, Work};
 use super::study_arguments::StudyArguments;
 use super::terminal::{Bar, print, show_warnings};
 use clap::Args;
@@ -10,7 +13,7 @@ use microslip::Error;
 use microslip::ensemble::backend::{BackendChoice, BackendSettings};
 use microslip::gpu::{GpuSettings, Precision};
 use microslip::report::Summary;
-use microslip::study::{Study, run};
+use microslip::study::{RunSettings, ShareResult, Study, join, run, solve_share};
 
 #[derive(Args)]
 pub(super) struct RunArguments {
@@ -32,6 +35,13 @@ pub(super) struct RunArguments {
     /// Show the time of every pass on the GPU.
     #[arg(long)]
     profile: bool,
+    /// Solve those samples again that an earlier process left without a solution.
+    #[arg(long)]
+    retry_failed: bool,
+    #[command(flatten)]
+    going_on: GoingOn,
+    #[command(flatten)]
+    shares: Shares,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -54,17 +64,46 @@ impl RunArguments {
         let study = Study::read(&common.study)?;
         show_warnings(&study.warnings);
         let folder = common.output_folder(&study)?;
+        let settings = RunSettings {
+            backend: self.backend(),
+            retry_failed: self.retry_failed,
+            ..self.going_on.settings(folder.path())?
+        };
         let bar = Bar::new(common.quiet);
-        let result = run(&study, &folder, &self.backend(), |progress| {
-            bar.show(progress);
-        })?;
+        let progress = |progress| bar.show(progress);
+        let result = match self.shares.work()? {
+            Work::Alone => run(&study, &folder, &settings, progress)?,
+            Work::Together(rank) => join(&study, &folder, rank, &settings, progress)?,
+            Work::Share(share) => {
+                let kept = solve_share(&study, &folder, share, &settings, progress)?;
+                bar.clear();
+                return self.show_share(&kept, folder.path());
+            }
+        };
         bar.clear();
+        show_warnings(&result.notes);
         show_warnings(&result.summary.backend.messages());
         if common.quiet {
             return Ok(());
         }
         show_result(&result, folder.path())?;
         print(|out| show_gpu(out, &result.summary, self.profile))
+    }
+
+    fn show_share(&self, share: &ShareResult, folder: &Path) -> Result<(), Error> {
+        show_warnings(&share.notes);
+        if self.study.quiet {
+            return Ok(());
+        }
+        let (samples, of, before) = (share.samples, share.of, share.taken_over);
+        let parts = folder.join("parts");
+        print(|out| {
+            writeln!(
+                out,
+                "{samples} of {of} samples, {before} of them solved before, are kept in {}; once all shares are solved `merge`, or `run` without a share, writes the results",
+                parts.display()
+            )
+        })
     }
 
     fn backend(&self) -> BackendSettings {

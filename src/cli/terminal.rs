@@ -1,7 +1,10 @@
 //! The terminal: standard output, warnings, progress.
 
 use std::io::Write;
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
 
+use super::pace::Pace;
 use microslip::Error;
 use microslip::study::Progress;
 
@@ -25,17 +28,27 @@ pub(super) fn show_warnings(messages: &[String]) {
 /// Progress on standard error: a bar on a terminal, else one line per twentieth.
 pub(super) struct Bar {
     bar: indicatif::ProgressBar,
+    began: Instant,
+    pace: Mutex<Pace>,
     quiet: bool,
 }
 
 impl Bar {
     pub(super) fn new(quiet: bool) -> Self {
-        let bar = if quiet {
-            indicatif::ProgressBar::hidden()
-        } else {
-            indicatif::ProgressBar::new(0)
+        let bar = match quiet {
+            true => indicatif::ProgressBar::hidden(),
+            false => indicatif::ProgressBar::new(0),
         };
-        Self { bar, quiet }
+        // the library's own bar stays if it does not know the words of this one
+        if let Ok(style) = indicatif::ProgressStyle::with_template(BAR) {
+            bar.set_style(style);
+        }
+        Self {
+            bar,
+            began: Instant::now(),
+            pace: Mutex::default(),
+            quiet,
+        }
     }
 
     /// Makes room for the summary.
@@ -44,15 +57,22 @@ impl Bar {
     }
 
     pub(super) fn show(&self, Progress { done, total }: Progress) {
+        // a thread that panicked while it noted a point has spoiled nothing
+        let mut pace = self.pace.lock().unwrap_or_else(PoisonError::into_inner);
+        pace.note(self.began.elapsed(), done);
+        let words = pace.in_words(total);
         let before = self.bar.position();
         self.bar.set_length(total);
-        self.bar.set_position(done);
+        self.bar.set_position(done.max(before));
         let twentieth = |n: u64| 20 * n / total.max(1);
         let step = twentieth(done) > twentieth(before);
         if !self.quiet && self.bar.is_hidden() && step {
-            let eta = self.bar.eta().as_secs();
             // Progress that cannot be shown is no reason to stop.
-            let _ = writeln!(std::io::stderr(), "{done}/{total}, about {eta} s left");
+            let _ = writeln!(std::io::stderr(), "{done}/{total}, {words}");
         }
+        self.bar.set_message(words);
     }
 }
+
+/// What the bar shows on a terminal.
+const BAR: &str = "{wide_bar} {pos}/{len} {msg}";

@@ -1,7 +1,7 @@
 //! Who evaluates the contacts of a run: the choice, and what came of it.
 
+use super::Ensemble;
 use super::outcome::SampleOutcome;
-use super::{Ensemble, Solved};
 pub use crate::gpu::GpuReport;
 use crate::gpu::{Gpu, GpuSettings};
 use crate::hb::HbSettings;
@@ -124,34 +124,31 @@ impl OpenBackend {
         self.gpu.as_ref()
     }
 
-    /// Runs the ensemble: with a GPU on a thread per sample in flight, of which only as many compute as the pool has
-    /// threads.
+    /// Outcomes of the samples 0 … `samples` − 1; `done` is called after each, from any thread.
     ///
     /// # Errors
-    /// What the operating system says if it does not give the threads.
+    /// Those of [`OpenBackend::on_threads`].
     pub fn run(
         &self,
         ensemble: &Ensemble<'_>,
         samples: u64,
-        done: impl Fn() + Sync,
+        done: impl Fn() + Sync + Send,
     ) -> Result<Vec<SampleOutcome>, rayon::ThreadPoolBuildError> {
-        let solved = self.extend(ensemble, Solved::default(), samples, done)?;
-        Ok(solved.outcomes)
+        self.on_threads(samples, || ensemble.run(samples, done))
     }
 
-    /// The same; the first samples are `solved` already.
+    /// Does the `work` of so many samples: with a GPU on a thread per sample in flight, of which only as many compute as the pool
+    /// has threads.
     ///
     /// # Errors
-    /// Those of [`OpenBackend::run`].
-    pub fn extend(
+    /// What the operating system says if it does not give the threads.
+    pub fn on_threads<T: Send>(
         &self,
-        ensemble: &Ensemble<'_>,
-        solved: Solved,
         samples: u64,
-        done: impl Fn() + Sync,
-    ) -> Result<Solved, rayon::ThreadPoolBuildError> {
+        work: impl FnOnce() -> T + Send,
+    ) -> Result<T, rayon::ThreadPoolBuildError> {
         if self.gpu.is_none() {
-            return Ok(ensemble.extend(solved, samples, done));
+            return Ok(work());
         }
         let most = usize::try_from(samples).unwrap_or(MOST_IN_FLIGHT).max(1);
         let in_flight = (SAMPLES_PER_TURN * self.turns)
@@ -160,7 +157,7 @@ impl OpenBackend {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(in_flight)
             .build()?;
-        Ok(pool.install(|| ensemble.extend(solved, samples, &done)))
+        Ok(pool.install(work))
     }
 
     /// What became of it.

@@ -31,14 +31,17 @@ pub mod further_points;
 mod mode_search;
 pub mod one_at_a_time;
 pub mod outcome;
+pub mod parts;
+pub mod program;
 pub mod resume;
 pub mod runner;
 mod sample;
+pub mod stop;
 pub mod store;
 pub mod strips;
 pub mod table;
 #[cfg(feature = "test-functions")]
 pub mod test_function;
 
-pub use runner::{Ensemble, SampleSolver, Solved};
+pub use runner::{Ensemble, Known, SampleSolver, Solved, SolvedSample};
 pub use strips::Strips;

@@ -1,12 +1,13 @@
-//! Files from which a run is resumed with more samples.
+//! Solved samples read back, so that a run goes on from them.
 //!
-//! `atlas.parquet` holds the peaks of the first samples with all their coefficients, exact to the bit: later samples start from
-//! them. Together with `samples.parquet` and `curves.parquet` it restores all that the longer run needs in memory.
+//! The table of anchors, `atlas.parquet`, holds the peaks of the first samples with all their coefficients, exact to the bit: later
+//! samples start from them. Together with the tables of samples and curves it restores all that a run needs in memory.
 
 use super::atlas::{Anchor, AnchorPeak, ModePeaks};
-use super::runner::Solved;
+use super::outcome::SampleOutcome;
+use super::runner::{Known, MOST_ANCHORS, SolvedSample};
 use super::store::{read_curves, read_samples};
-use super::table::{Column, Record, Table, TableError, metadata, missing, write_table};
+use super::table::{Column, Record, Table, TableContent, TableError, metadata, missing};
 use crate::file::{Fault, FileError, FileRecord, read_parquet};
 use crate::harmonics::HarmonicSet;
 use crate::hb::newton::Point;
@@ -14,7 +15,7 @@ use crate::sampling::Design;
 use faer::prelude::c64;
 use parquet::file::metadata::KeyValue;
 use parquet::file::reader::FileReader;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The file of the anchors in a result folder.
 pub const ATLAS_FILE: &str = "atlas.parquet";
@@ -22,7 +23,7 @@ const STUDY_TEXT: &str = "study_text";
 const STUDY_PATH: &str = "study_path";
 
 /// The study that a result folder belongs to.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct StoredStudy {
     /// Text of the study file.
     pub text: String,
@@ -44,20 +45,37 @@ pub fn write_anchors(
 ) -> Result<FileRecord, TableError> {
     let pairs = [(STUDY_TEXT, &study.text), (STUDY_PATH, &study.path)];
     let metadata = pairs.map(|(key, value)| KeyValue::new(key.to_owned(), value.clone()));
-    let rows: Vec<Row> = (anchors.iter().enumerate())
-        .flat_map(|(sample, anchor)| {
-            let levels = anchor.peaks.iter().enumerate();
-            levels.flat_map(move |(level, peaks)| {
-                let peaks = peaks.0.iter();
-                peaks.map(move |(mode, peak)| ([sample, level, *mode], peak))
-            })
+    let rows = rows((0..).zip(anchors));
+    anchors_content(metadata.to_vec(), &rows).into_file(path)
+}
+
+/// The table of anchors.
+pub(super) fn anchors_content<'t>(
+    metadata: Vec<KeyValue>,
+    rows: &'t [Row<'t>],
+) -> TableContent<'t, Row<'t>, impl Fn(&[Row<'t>]) -> Table> {
+    TableContent {
+        metadata,
+        described: &[],
+        rows,
+        table: columns,
+    }
+}
+
+/// The peaks of anchors, with the numbers of their samples.
+pub(super) fn rows<'a>(anchors: impl Iterator<Item = (u64, &'a Anchor)>) -> Vec<Row<'a>> {
+    let of_anchor = |(sample, anchor): (u64, &'a Anchor)| {
+        let levels = anchor.peaks.iter().enumerate();
+        levels.flat_map(move |(level, peaks)| {
+            let peaks = peaks.0.iter();
+            peaks.map(move |(mode, peak)| ([sample as usize, level, *mode], peak))
         })
-        .collect();
-    write_table(path, metadata.to_vec(), &[], &rows, columns)
+    };
+    anchors.flat_map(of_anchor).collect()
 }
 
 /// Sample, number of its level and of the mode; peak.
-type Row<'a> = ([usize; 3], &'a AnchorPeak);
+pub(super) type Row<'a> = ([usize; 3], &'a AnchorPeak);
 
 fn columns(rows: &[Row]) -> Table {
     let count = |of: fn(&Row) -> usize| {
@@ -113,30 +131,39 @@ pub fn read_study(folder: &Path) -> Result<StoredStudy, FileError> {
 ///
 /// # Errors
 /// [`FileError`] if a file cannot be read or lacks something.
-pub fn read_solved(folder: &Path, design: &Design) -> Result<Solved, FileError> {
-    let mut outcomes = read_samples(&folder.join("samples.parquet"))?.outcomes;
-    let n_levels = outcomes.first().map_or(0, |outcome| outcome.levels.len());
-    read_curves(&folder.join("curves.parquet"), &mut outcomes)?;
-    let mut anchors: Vec<Anchor> = (outcomes.iter())
-        .take(super::runner::MOST_ANCHORS as usize)
-        .map(|outcome| Anchor {
+pub fn read_solved(folder: &Path, design: &Design) -> Result<Known, FileError> {
+    let tables = ["samples.parquet", "curves.parquet", ATLAS_FILE];
+    read_known(tables.map(|name| folder.join(name)), design)
+}
+
+/// The samples of three tables: samples, curves, anchors.
+pub(super) fn read_known(
+    [samples, curves, atlas]: [PathBuf; 3],
+    design: &Design,
+) -> Result<Known, FileError> {
+    let mut outcomes = read_samples(&samples)?.outcomes;
+    read_curves(&curves, &mut outcomes)?;
+    let solved = |outcome: SampleOutcome| {
+        let anchor = (outcome.index < MOST_ANCHORS).then(|| Anchor {
             place: design.place(&outcome.inputs),
-            peaks: vec![ModePeaks::default(); n_levels],
-        })
-        .collect();
-    read_parquet(&folder.join(ATLAS_FILE), |reader| {
+            peaks: vec![ModePeaks::default(); outcome.levels.len()],
+        });
+        (outcome.index, SolvedSample { outcome, anchor })
+    };
+    let mut known: Known = outcomes.into_iter().map(solved).collect();
+    read_parquet(&atlas, |reader| {
         for row in reader.get_row_iter(None)? {
             let row = Record::of(row?);
-            let (sample, level) = (row.count("sample")?, row.count("level_index")?);
-            let peaks = anchors
-                .get_mut(sample)
+            let (sample, level) = (row.count("sample")? as u64, row.count("level_index")?);
+            let anchor = known.get_mut(&sample).and_then(|s| s.anchor.as_mut());
+            let peaks = anchor
                 .and_then(|anchor| anchor.peaks.get_mut(level))
                 .ok_or_else(|| missing("sample"))?;
             (peaks.0).push((row.count("mode")?, anchor_peak(&row)?));
         }
         Ok(())
     })?;
-    Ok(Solved { outcomes, anchors })
+    Ok(known)
 }
 
 fn anchor_peak(row: &Record) -> Result<AnchorPeak, Fault> {

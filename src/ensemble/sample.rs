@@ -16,6 +16,7 @@ use crate::hb::response::curve::response_curve;
 use crate::hb::structure::resonance::{Candidate, candidates};
 use crate::hb::{Balance, Problem, ProblemError, Solution, Status};
 use crate::units::rad_s_to_hz;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// What an outcome belongs to.
 #[derive(Debug, Clone, Copy)]
@@ -55,7 +56,7 @@ impl Ensemble<'_> {
                 index < self.curve_samples && group.of_population(),
             ),
         };
-        let (levels, peaks) = self.solved(&inputs, &place, atlas, curve);
+        let (levels, peaks) = self.found_at(&inputs, &place, atlas, curve);
         let outcome = SampleOutcome {
             index,
             group,
@@ -68,22 +69,25 @@ impl Ensemble<'_> {
     /// Records of the levels at inputs that are no sample, without curves.
     pub(super) fn levels(&self, inputs: &[f64], atlas: &Atlas) -> Vec<LevelOutcome> {
         let place = self.design.place(inputs);
-        self.solved(inputs, &place, atlas, false).0
+        self.found_at(inputs, &place, atlas, false).0
     }
 
     /// Records of the levels, with the forced response if wanted, and the peaks as starts for other samples.
-    fn solved(
+    fn found_at(
         &self,
         inputs: &[f64],
         place: &[f64],
         atlas: &Atlas,
         curve: bool,
     ) -> (Vec<LevelOutcome>, Vec<ModePeaks>) {
-        match self.solver {
+        let solved = || match self.solver {
             SampleSolver::HarmonicBalance => self.balanced(inputs, place, atlas, curve),
             #[cfg(feature = "test-functions")]
             SampleSolver::Function(function) => self.evaluated(function, inputs),
-        }
+        };
+        // a defect of the program costs this sample, not the run
+        let solved = catch_unwind(AssertUnwindSafe(solved));
+        solved.unwrap_or_else(|_| self.without_solution(Status::Panicked))
     }
 
     /// The same by harmonic balance.
@@ -104,10 +108,7 @@ impl Ensemble<'_> {
             let of_levels = peaks.iter().zip(self.levels.iter().copied());
             Ok((of_levels.map(level).collect(), anchors))
         });
-        solved.unwrap_or_else(|status| {
-            let none = vec![ModePeaks::default(); self.levels.len()];
-            (self.without_problem(status), none)
-        })
+        solved.unwrap_or_else(|status| self.without_solution(status))
     }
 
     /// The same from a function, which is the same at every level; of the medians where `inputs` is empty.
@@ -226,19 +227,21 @@ impl Ensemble<'_> {
             .collect()
     }
 
-    /// A sample whose inputs make no harmonic balance problem fails at every level.
-    fn without_problem(&self, status: Status) -> Vec<LevelOutcome> {
-        (self.levels.iter())
-            .map(|&level| LevelOutcome {
-                level,
-                status,
-                peak: None,
-                others: Vec::new(),
-                curve: Vec::new(),
-                newton_iterations: 0,
-                factorizations: 0,
-            })
-            .collect()
+    /// A sample that fails at every level, without peaks.
+    fn without_solution(&self, status: Status) -> (Vec<LevelOutcome>, Vec<ModePeaks>) {
+        let levels = (self.levels.iter()).map(|&level| LevelOutcome {
+            level,
+            status,
+            peak: None,
+            others: Vec::new(),
+            curve: Vec::new(),
+            newton_iterations: 0,
+            factorizations: 0,
+        });
+        (
+            levels.collect(),
+            vec![ModePeaks::default(); self.levels.len()],
+        )
     }
 }
 

@@ -5,7 +5,8 @@
 
 use super::columns::{CURVE_COLUMNS, SAMPLE_COLUMNS};
 use super::outcome::{CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome};
-use super::table::{Column, Record, Table, TableError, count, metadata, missing, write_table};
+use super::program::Program;
+use super::table::{Column, Record, Table, TableContent, TableError, count, metadata, missing};
 use crate::contact::{Events, FrictionLaw};
 use crate::file::{self, Fault, FileError, FileRecord};
 use crate::hb::{PeakRoute, SliderAnchor, Status};
@@ -26,6 +27,11 @@ pub struct Provenance {
     pub version: String,
     /// Commit that it was built from, as stated at its build; absent if nobody stated one.
     pub commit: Option<String>,
+    /// Instruction set of the processor as far as results depend on it: `avx512`, `avx2`, `neon` or `baseline`.
+    pub instruction_set: String,
+    /// Programs that solved a part of the samples, where another one than this was accepted.
+    #[serde(default)]
+    pub other_programs: Vec<Program>,
     /// Name of the model.
     pub model: String,
     /// Friction law.
@@ -88,16 +94,34 @@ pub fn write_samples(
     input_names: &[String],
     outcomes: &[SampleOutcome],
 ) -> Result<FileRecord, TableError> {
-    let system = |error: serde_json::Error| FileError::system(path, error.into());
-    let mut metadata = key_values(provenance).map_err(system)?;
-    let names = serde_json::to_string(input_names).map_err(system)?;
+    let content = samples_content(provenance, input_names, outcomes);
+    content
+        .map_err(|error| FileError::system(path, error.into()))?
+        .into_file(path)
+}
+
+/// What [`write_samples`] writes.
+pub(super) fn samples_content<'t>(
+    provenance: &Provenance,
+    input_names: &'t [String],
+    outcomes: &'t [SampleOutcome],
+) -> Result<SamplesContent<'t, impl Fn(&[SampleOutcome]) -> Table>, serde_json::Error> {
+    let mut metadata = key_values(provenance)?;
+    let names = serde_json::to_string(input_names)?;
     metadata.push(KeyValue::new(INPUTS_KEY.to_owned(), names));
     let group = outcomes
         .first()
         .map_or_else(SampleGroup::default, |o| o.group);
-    let table = |part: &[SampleOutcome]| sample_columns(input_names, group, part);
-    write_table(path, metadata, &SAMPLE_COLUMNS, outcomes, table)
+    Ok(TableContent {
+        metadata,
+        described: &SAMPLE_COLUMNS,
+        rows: outcomes,
+        table: move |part: &[SampleOutcome]| sample_columns(input_names, group, part),
+    })
 }
+
+/// A table of samples or curves.
+type SamplesContent<'t, F> = TableContent<'t, SampleOutcome, F>;
 
 /// Writes the forced response curves: `sample`, `level`, `frequency_hz`, `amplitude_m`.
 ///
@@ -108,9 +132,23 @@ pub fn write_curves(
     provenance: &Provenance,
     outcomes: &[SampleOutcome],
 ) -> Result<FileRecord, TableError> {
-    let system = |error: serde_json::Error| FileError::system(path, error.into());
-    let metadata = key_values(provenance).map_err(system)?;
-    write_table(path, metadata, &CURVE_COLUMNS, outcomes, curve_columns)
+    let content = curves_content(provenance, outcomes);
+    content
+        .map_err(|error| FileError::system(path, error.into()))?
+        .into_file(path)
+}
+
+/// What [`write_curves`] writes.
+pub(super) fn curves_content<'t>(
+    provenance: &Provenance,
+    outcomes: &'t [SampleOutcome],
+) -> Result<SamplesContent<'t, impl Fn(&[SampleOutcome]) -> Table>, serde_json::Error> {
+    Ok(TableContent {
+        metadata: key_values(provenance)?,
+        described: &CURVE_COLUMNS,
+        rows: outcomes,
+        table: curve_columns,
+    })
 }
 
 /// Reads what [`write_samples`] wrote.

@@ -15,7 +15,7 @@ use parquet::record::{Field, Row};
 use parquet::schema::types::{Type, TypePtr};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
-use std::io::Error as IoError;
+use std::io::{Error as IoError, Write};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -139,24 +139,50 @@ pub(super) fn count(value: usize) -> Option<i64> {
     i64::try_from(value).ok()
 }
 
-/// Writes `rows`, as the columns that `table` makes of a part of them; `described` says what those of these names mean.
-pub(super) fn write_table<T>(
-    path: &Path,
-    mut metadata: Vec<KeyValue>,
-    described: &[DescribedColumn],
-    rows: &[T],
-    table: impl Fn(&[T]) -> Table,
-) -> Result<FileRecord, TableError> {
-    let columns = table(&[]);
-    let mut names = BTreeSet::new();
-    if let Some((name, _)) = columns.iter().find(|(name, _)| !names.insert(name)) {
-        return Err(TableError::DuplicateColumn(name.clone()));
+/// What goes into a Parquet file.
+pub(super) struct TableContent<'t, T, F> {
+    /// Key-value metadata.
+    pub metadata: Vec<KeyValue>,
+    /// What columns of these names mean.
+    pub described: &'t [DescribedColumn],
+    /// The rows.
+    pub rows: &'t [T],
+    /// The columns of a part of the rows.
+    pub table: F,
+}
+
+impl<T, F: Fn(&[T]) -> Table> TableContent<'_, T, F> {
+    /// Writes the file, whole or not at all.
+    pub(super) fn into_file(self, path: &Path) -> Result<FileRecord, TableError> {
+        let columns = self.columns()?;
+        Ok(file::replace(path, |file| self.fill(&columns, file))?)
     }
-    let written = file::replace(path, |file| {
+
+    /// The bytes of the file.
+    pub(super) fn into_bytes(self) -> Result<Vec<u8>, TableError> {
+        let columns = self.columns()?;
+        let mut bytes = Vec::new();
+        let filled = self.fill(&columns, &mut bytes);
+        filled.map_err(|source| FileError::system("a table in memory".as_ref(), source))?;
+        Ok(bytes)
+    }
+
+    /// The columns without rows; a name may not stand twice.
+    fn columns(&self) -> Result<Table, TableError> {
+        let columns = (self.table)(&[]);
+        let mut names = BTreeSet::new();
+        match columns.iter().find(|(name, _)| !names.insert(name)) {
+            Some((name, _)) => Err(TableError::DuplicateColumn(name.clone())),
+            None => Ok(columns),
+        }
+    }
+
+    fn fill(self, columns: &Table, file: impl Write + Send) -> Result<(), IoError> {
+        let mut metadata = self.metadata;
         let fill = || {
-            let schema = schema(&columns)?;
-            if !described.is_empty() {
-                let arrow = described_schema(&schema, described, &metadata)?;
+            let schema = schema(columns)?;
+            if !self.described.is_empty() {
+                let arrow = described_schema(&schema, self.described, &metadata)?;
                 metadata.push(arrow);
             }
             let properties = WriterProperties::builder()
@@ -164,9 +190,9 @@ pub(super) fn write_table<T>(
                 .set_key_value_metadata(Some(metadata))
                 .build();
             let mut writer = SerializedFileWriter::new(file, schema, Arc::new(properties))?;
-            for part in rows.chunks(ROW_GROUP) {
+            for part in self.rows.chunks(ROW_GROUP) {
                 let mut group = writer.next_row_group()?;
-                for (_, column) in table(part) {
+                for (_, column) in (self.table)(part) {
                     if let Some(mut target) = group.next_column()? {
                         column.write(target.untyped())?;
                         target.close()?;
@@ -177,8 +203,7 @@ pub(super) fn write_table<T>(
             writer.close()
         };
         fill().map(drop).map_err(plain)
-    });
-    Ok(written?)
+    }
 }
 
 fn schema(columns: &Table) -> Result<TypePtr, ParquetError> {

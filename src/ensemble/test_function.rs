@@ -21,6 +21,8 @@ pub enum TestFunction {
     /// u + 6 exp(−((x − 0.37)/0.03)²) of an epistemic x in (0, 1) and u uniform there: worse by up to 6 in a twentieth of the
     /// interval.
     NarrowWorstCase,
+    /// u of a number uniform in (0, 1); a defect of the program above 0.8.
+    Panicking,
 }
 
 impl TestFunction {
@@ -28,6 +30,7 @@ impl TestFunction {
     #[must_use]
     pub fn inputs(self) -> usize {
         match self {
+            Self::Panicking => 1,
             Self::Ishigami => 3,
             Self::GFunction | Self::Borehole => 8,
             Self::LimitState | Self::NarrowWorstCase => 2,
@@ -55,6 +58,10 @@ impl TestFunction {
             }
             (Self::LimitState, [resistance, load]) => 100.0 + load - resistance,
             (Self::NarrowWorstCase, [x, u]) => u + 6.0 * (-((x - 0.37) / 0.03).powi(2)).exp(),
+            (Self::Panicking, [u]) => {
+                assert!(*u <= 0.8, "a defect on purpose");
+                *u
+            }
             _ => f64::NAN,
         }
     }

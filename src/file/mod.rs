@@ -1,10 +1,14 @@
 //! Files read within bounds and written as a whole: a device that never ends, a pipe that never answers, a damaged table
 //! and a text in another encoding are messages, not a full memory, a wait or a panic.
 
+pub mod lock;
 pub mod parquet;
+pub mod together;
 pub mod written;
 
+pub use lock::FolderLock;
 pub use parquet::{Fault, read_parquet};
+pub use together::{Together, finish_placing, remove_folder};
 pub use written::{FileRecord, Written, replace};
 
 use std::fs::File;

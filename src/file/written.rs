@@ -97,9 +97,23 @@ fn replaced(
     let blake3 = written.hasher.finalize().to_hex().to_string();
     file.as_file().sync_all()?;
     file.persist(path).map_err(|error| error.error)?;
+    #[cfg(unix)]
+    File::open(folder)?.sync_all()?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     Ok(FileRecord {
         name: name.into_owned(),
         blake3,
     })
+}
+
+/// Waits until the names of the files in `folder` are on the disk.
+pub(super) fn sync_folder(folder: &Path) -> Result<(), FileError> {
+    #[cfg(unix)]
+    {
+        let synced = File::open(folder).and_then(|open| open.sync_all());
+        synced.map_err(|source| FileError::system(folder, source))?;
+    }
+    #[cfg(not(unix))]
+    let _ = folder;
+    Ok(())
 }

@@ -11,6 +11,8 @@ use std::time::Duration;
 const MOVED: u32 = 1;
 /// A device that takes longer than this for one batch hangs; the first one waits for the driver's compiler.
 const PATIENCE: Duration = Duration::from_secs(120);
+/// The same for a software adapter, which shares the processor with whatever else runs there.
+const SOFTWARE_PATIENCE: Duration = Duration::from_secs(1200);
 
 /// Time (s) on the device by pass.
 pub type PassSeconds = Vec<(&'static str, f64)>;
@@ -107,15 +109,19 @@ pub(super) fn read(
         // the receiver is gone only if this function has given up
         let _ = sender.send(result);
     });
+    let patience = match device.adapter.is_hardware() {
+        true => PATIENCE,
+        false => SOFTWARE_PATIENCE,
+    };
     let wait = wgpu::PollType::Wait {
         submission_index: Some(submission),
-        timeout: Some(PATIENCE),
+        timeout: Some(patience),
     };
     device
         .device
         .poll(wait)
         .map_err(|error| lost(error.to_string()))?;
-    match receiver.recv_timeout(PATIENCE) {
+    match receiver.recv_timeout(patience) {
         Ok(Ok(())) => {}
         Ok(Err(error)) => return Err(lost(error.to_string())),
         Err(error) => return Err(lost(error.to_string())),

@@ -29,11 +29,13 @@ pub enum Status {
     LeftBand,
     /// With all contacts stuck the structure can still move as a rigid body: there is nothing to solve.
     NotHeld,
+    /// The program met a defect of its own.
+    Panicked,
 }
 
 impl Status {
     /// Every status, in the order of reports.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Converged,
         Self::TruncationAboveThreshold,
         Self::BouncingContact,
@@ -45,6 +47,7 @@ impl Status {
         Self::NoPeakInBand,
         Self::LeftBand,
         Self::NotHeld,
+        Self::Panicked,
     ];
 
     /// Whether the numbers that go with this status solve the balance equations.
@@ -77,6 +80,7 @@ impl Status {
             Self::NoPeakInBand => "no-peak-in-band",
             Self::LeftBand => "left-band",
             Self::NotHeld => "not-held",
+            Self::Panicked => "panicked",
         }
     }
 
@@ -107,6 +111,9 @@ impl Status {
                 "the branch of solutions left the frequency band at the end where the continuation began, and did not return"
             }
             Self::NotHeld => "with all contacts stuck the structure can still move as a rigid body",
+            Self::Panicked => {
+                "the program met a defect of its own: please report it with the study and the inputs of the sample"
+            }
         }
     }
 }

@@ -211,6 +211,26 @@ impl MatricesSettings {
         Ok((model, parameters))
     }
 
+    /// The files that it names, relative to the study file's folder.
+    #[must_use]
+    pub fn files(&self) -> Vec<&Path> {
+        let vectors = [&self.static_force, &self.cosine_force, &self.sine_force];
+        let of_vectors = vectors.into_iter().filter_map(|vector| match vector {
+            Some(Vector::File(file)) => Some(file),
+            _ => None,
+        });
+        let names = match &self.dof_names {
+            Some(DofNames::File(file)) => Some(file),
+            _ => None,
+        };
+        let matrices = [&self.mass, &self.stiffness].into_iter();
+        (matrices.chain(&self.damping).chain(&self.retention))
+            .chain(names)
+            .chain(of_vectors)
+            .map(PathBuf::as_path)
+            .collect()
+    }
+
     /// Reads a square symmetric matrix of `size` rows with a further property.
     fn checked(
         &self,

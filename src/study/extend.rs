@@ -5,30 +5,33 @@ use std::path::Path;
 use super::document::Document;
 use super::output::OutputFolder;
 use super::read::Study;
-use super::run::{RunResult, run_after};
+use super::resume::{accepted, identity, identity_of_results, resumed};
+use super::run::run_after;
+use super::run_result::RunResult;
+use super::run_settings::RunSettings;
 use super::solve::Progress;
 use crate::Error;
-use crate::ensemble::Solved;
-use crate::ensemble::backend::BackendSettings;
-use crate::ensemble::resume::{ATLAS_FILE, read_solved, read_study};
-use crate::file::FileError;
+use crate::ensemble::parts::{Difference, RunIdentity};
+use crate::ensemble::resume::ATLAS_FILE;
+use crate::ensemble::{Known, SolvedSample};
+use crate::file::{FileError, FolderLock, finish_placing};
 use crate::report::RunRecord;
 use crate::report::asked::Stopping;
-use crate::report::run::require_unchanged;
 use crate::sampling::Growth;
 
 /// Solves the samples that `folder`, the results of a run, lacks of `samples`, and writes all result files anew.
 ///
 /// The files are then bit for bit those of a run with so many samples, but for the wall time in summary and report. The
 /// study is the one that the run was made from, whatever its file says now. Where its samples grow until a rule is met, `samples`
-/// is how many there are at most.
+/// is how many there are at most. What is solved is written on the way: the same call goes on after a process that died.
 ///
 /// # Errors
-/// [`Error::Command`] if the folder holds no results of `run` or one of its files was changed, the design cannot grow, its
-/// rule was met or would be judged at other looks, there are not more samples than before, or the kept samples are not what this program would give; and those of [`super::run()`].
+/// Those of [`super::run()`], and [`Error::Command`] if the folder holds no results of `run` or one of its files was changed, the design cannot grow, its
+/// rule was met or would be judged at other looks, there are not more samples than before, or the samples there are are not what this program would give.
 pub fn extend(
     folder: &Path,
     samples: u64,
+    settings: &RunSettings,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<RunResult, Error> {
     let refused = |message: String| Error::Command {
@@ -37,22 +40,26 @@ pub fn extend(
     };
     let unreadable =
         |error: FileError| refused(format!("no results that can be extended: {error}"));
-    if !folder.join(ATLAS_FILE).is_file() {
-        return Err(refused(format!(
-            "holds no {ATLAS_FILE}: no results of `run`"
-        )));
+    let none = || refused(format!("holds no {ATLAS_FILE}: no results of `run`"));
+    if !folder.is_dir() {
+        return Err(none());
     }
-    require_unchanged(folder).map_err(unreadable)?;
-    let kept = read_study(folder).map_err(unreadable)?;
-    let path = folder.join(&kept.path);
-    let old = Study::parse(&path, &kept.text)?;
+    let folder = OutputFolder::open(folder)?;
+    let _lock = FolderLock::alone(folder.path())?;
+    finish_placing(folder.path())?;
+    if !folder.path().join(ATLAS_FILE).is_file() {
+        return Err(none());
+    }
+    let stored = identity_of_results(folder.path()).map_err(unreadable)?;
+    let path = folder.path().join(&stored.study.path);
+    let old = Study::parse(&path, &stored.study.text)?;
     if old.design.growth() == Growth::Fixed {
         let kind = old.design.kind().name();
         return Err(refused(format!(
             "a design of kind {kind:?} cannot be extended: all its samples depend on their number; `run` it with {samples}"
         )));
     }
-    let stopping = RunRecord::of_folder(folder)?.stopping;
+    let stopping = RunRecord::of_folder(folder.path())?.stopping;
     refuse_other_looks(stopping.as_ref(), samples).map_err(refused)?;
     let n = old.samples;
     if samples <= n {
@@ -64,18 +71,29 @@ pub fn extend(
         Some(_) => "samples.at_most",
         None => "samples",
     };
-    let text = Document::parse(&path, &kept.text)?.with_number(key, samples);
+    let text = Document::parse(&path, &stored.study.text)?.with_number(key, samples);
     let study = Study::parse(&path, &text)?;
-    let solved = read_solved(folder, &study.design).map_err(unreadable)?;
-    refuse_other_samples(&study, &old, &solved).map_err(refused)?;
-    let folder = OutputFolder::open(folder)?;
-    run_after(
-        &study,
-        &folder,
-        solved,
-        &BackendSettings::default(),
-        progress,
-    )
+    let identity = identity(&study, &folder)?;
+    let mut resumed = resumed(&study, &folder, &identity, settings)?;
+    let same_study = RunIdentity {
+        study: identity.study.clone(),
+        ..stored
+    };
+    let other = accepted(&identity, &same_study, settings);
+    let other = other.map_err(|difference| refused(refusal(&difference)))?;
+    let added = resumed.add_results(folder.path(), &study, settings, other);
+    added.map_err(unreadable)?;
+    refuse_other_samples(&study, &old, &resumed.known).map_err(refused)?;
+    run_after(&study, &folder, (identity, resumed), settings, progress)
+}
+
+/// Why results are not extended, and what to do.
+fn refusal(difference: &Difference) -> String {
+    let program = match difference {
+        Difference::Program(_) => ", or take them over with --any-program",
+        _ => "",
+    };
+    format!("are results of {difference}: `run` anew{program}")
 }
 
 /// A rule that was met takes no more samples, and one that was not is judged at the looks of the whole run.
@@ -100,21 +118,21 @@ fn refuse_other_looks(stopping: Option<&Stopping>, samples: u64) -> Result<(), S
 }
 
 /// The samples must be those of the design: a file of samples may have changed since.
-fn refuse_other_samples(study: &Study, old: &Study, solved: &Solved) -> Result<(), String> {
-    if solved.outcomes.len() as u64 != old.samples {
-        let (found, expected) = (solved.outcomes.len(), old.samples);
+fn refuse_other_samples(study: &Study, old: &Study, known: &Known) -> Result<(), String> {
+    let found = known.range(..old.samples).count() as u64;
+    if found != old.samples {
+        let expected = old.samples;
         return Err(format!(
             "samples.parquet has {found} samples, its study {expected}"
         ));
     }
-    let differs = |outcome: &&crate::ensemble::outcome::SampleOutcome| {
-        outcome.inputs != study.design.sample(outcome.index)
+    let differs = |(index, sample): &(&u64, &SolvedSample)| {
+        sample.outcome.inputs != study.design.sample(**index)
     };
-    match solved.outcomes.iter().find(differs) {
+    match known.iter().find(differs) {
         None => Ok(()),
-        Some(outcome) => Err(format!(
-            "sample {} has other inputs now: the file of samples or the program has changed; `run` anew",
-            outcome.index
+        Some((index, _)) => Err(format!(
+            "sample {index} has other inputs now: the file of samples or the program has changed; `run` anew"
         )),
     }
 }

@@ -1,7 +1,7 @@
 //! The random inputs of a study, and the design of its samples.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::document::Document;
 use crate::Error;
@@ -12,14 +12,14 @@ use crate::sampling::{
     EpistemicTable, Input, SampleTable, Shape, Uncertainty,
 };
 
-/// Reads `[inputs.*]`, `[design]`, `[correlation]` and `[epistemic]`, and the file that `[design]` names.
+/// Reads `[inputs.*]`, `[design]`, `[correlation]` and `[epistemic]`, and the file that `[design]` names; its name beside the design.
 pub(super) fn design(
     document: &mut Document<'_>,
     pressure: Option<PressureField>,
     folder: &Path,
     seed: u64,
     samples: Option<u64>,
-) -> Result<Design, Error> {
+) -> Result<(Design, Option<PathBuf>), Error> {
     let tables: BTreeMap<String, DistributionTable> = document.take("inputs")?.unwrap_or_default();
     let mut inputs = Vec::new();
     for (name, table) in &tables {
@@ -43,7 +43,8 @@ pub(super) fn design(
     }
     let table: DesignTable = document.take("design")?.unwrap_or_default();
     document.checked(table.validate().map_err(|bad| bad.under("design")))?;
-    let file = match table.path() {
+    let path = table.path().map(Path::to_owned);
+    let file = match &path {
         Some(path) => Some(SampleTable::read(&folder.join(path))?),
         None => None,
     };
@@ -56,5 +57,5 @@ pub(super) fn design(
         epistemic: document.take::<EpistemicTable>("epistemic")?,
         file,
     };
-    document.checked(settings.build())
+    Ok((document.checked(settings.build())?, path))
 }

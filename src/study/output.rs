@@ -53,11 +53,11 @@ impl OutputSettings {
 /// Writes the tables of the results in `folder` as Arrow files, too: `samples.arrow`, `curves.arrow` and, where there are
 /// such, `further_points.arrow`.
 ///
-/// If they are not `wanted`, only those that are there already: else they would stay those of other samples.
+/// Those alone of which `wanted` says so by their name.
 ///
 /// # Errors
 /// [`Error::File`] with the Arrow file that cannot be written, or whose table cannot be read.
-pub fn write_arrow_tables(folder: &Path, wanted: bool) -> Result<(), Error> {
+pub fn write_arrow_tables(folder: &Path, wanted: impl Fn(&Path) -> bool) -> Result<(), Error> {
     let further = folder.join(FURTHER_POINTS);
     let tables = TABLES.map(|name| folder.join(name));
     for table in tables
@@ -65,7 +65,7 @@ pub fn write_arrow_tables(folder: &Path, wanted: bool) -> Result<(), Error> {
         .chain(further.exists().then_some(further))
     {
         let path = table.with_extension("arrow");
-        if wanted || path.exists() {
+        if wanted(Path::new(path.file_name().unwrap_or_default())) {
             write_arrow(&table, &path)?;
         }
     }

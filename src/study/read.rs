@@ -13,6 +13,7 @@ use super::tables::{ContactSection, SolverSection};
 use crate::Error;
 use crate::contact::ContactParameters;
 use crate::ensemble::SampleSolver;
+use crate::file::FileRecord;
 use crate::hb::HbSettings;
 use crate::model::matrices::MatricesError;
 use crate::model::two_blade::{
@@ -75,6 +76,8 @@ pub struct Study {
     pub model: ModelSettings,
     /// Random inputs and seed.
     pub design: Design,
+    /// The file of the design, if it has one; relative to the study file's folder.
+    pub design_file: Option<PathBuf>,
     /// Solver.
     pub solver: HbSettings,
     /// What gives the peaks of a sample.
@@ -140,7 +143,7 @@ impl Study {
             ModelSettings::TwoBladeStrip { pressure, .. } => *pressure,
             ModelSettings::Matrices(_) => None,
         };
-        let design = design(
+        let (design, design_file) = design(
             &mut document,
             pressure,
             folder_of(path),
@@ -178,6 +181,7 @@ impl Study {
             levels,
             model,
             design,
+            design_file,
             solver: solver_settings,
             sample_solver,
             mirror: solver.mirror(),
@@ -199,6 +203,20 @@ impl Study {
     pub fn file_name(&self) -> String {
         let name = self.path.file_name().unwrap_or_default();
         name.to_string_lossy().into_owned()
+    }
+
+    /// The files that the study names, as they are now.
+    ///
+    /// # Errors
+    /// [`Error::File`] on the first one that cannot be read.
+    pub fn file_records(&self) -> Result<Vec<FileRecord>, Error> {
+        let of_model = match &self.model {
+            ModelSettings::TwoBladeStrip { .. } => Vec::new(),
+            ModelSettings::Matrices(settings) => settings.files(),
+        };
+        let files = of_model.into_iter().chain(self.design_file.as_deref());
+        let record = |path: &Path| FileRecord::in_folder(self.folder(), &path.to_string_lossy());
+        Ok(files.map(record).collect::<Result<_, _>>()?)
     }
 
     /// Builds the nominal model and the nominal constants of its contact pairs.

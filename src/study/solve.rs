@@ -53,6 +53,11 @@ impl<F: Fn(Progress) + Sync> Meter<F> {
         self.total.fetch_add(more, Ordering::Relaxed);
     }
 
+    /// Parts done.
+    pub(super) fn done(&self) -> u64 {
+        self.done.load(Ordering::Relaxed)
+    }
+
     /// One more part is done.
     pub(super) fn one_more(&self) {
         let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);

@@ -126,7 +126,7 @@ fn what_cannot_be_extended_is_refused() {
     std::fs::write(&stiffness, text.replace("8e5", "8.1e5")).unwrap();
     refused(
         &extend("20"),
-        "sample 0 solved again is not that of the results",
+        "results: are results of another content of stiffness.mtx: `run` anew",
     );
     std::fs::write(&stiffness, text).unwrap();
     study(path, 8, "[design]\nkind = \"sobol\"");
@@ -152,7 +152,7 @@ fn what_cannot_be_extended_is_refused() {
     std::fs::write(path.join("x.csv"), &csv).unwrap();
     succeed(path, &run);
     std::fs::write(path.join("x.csv"), csv.replacen("0.1\n", "0.11\n", 1)).unwrap();
-    refused(&extend("12"), "sample 1 has other inputs now");
+    refused(&extend("12"), "results of another content of x.csv");
 }
 
 /// Tables, anchors and record that the run did not write are refused by whatever computes from them.

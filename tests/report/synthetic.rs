@@ -154,6 +154,7 @@ fn record() -> RunRecord {
         stopping: None,
         surrogate: None,
         study_file: FileRecord::of("study.toml", b"name = \"synthetic\""),
+        files: Vec::new(),
         tables: Vec::new(),
         wall_time_s: 143.2,
     }
@@ -199,6 +200,8 @@ pub(crate) fn provenance() -> Provenance {
         seed: 20_260_731,
         version: "0.1.0".to_owned(),
         commit: None,
+        instruction_set: "avx2".to_owned(),
+        other_programs: Vec::new(),
         model: "two-blade rig, 4 x 7 pairs per interface".to_owned(),
         law: FrictionLaw::Box,
         events: Events::Interpolated,

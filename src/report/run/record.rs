@@ -68,6 +68,8 @@ pub struct RunRecord {
     pub surrogate: Option<SurrogateSettings>,
     /// The study file.
     pub study_file: FileRecord,
+    /// The files that the study names.
+    pub files: Vec<FileRecord>,
     /// The tables of the run.
     pub tables: Vec<FileRecord>,
     /// Wall time of the run (s).
@@ -178,6 +180,7 @@ impl RunRecord {
 
     /// Reads `run.json`, and whether it is what the run wrote.
     pub(super) fn read(folder: &Path) -> Result<(Self, bool), FileError> {
+        file::finish_placing(folder)?;
         let path = folder.join(RECORD);
         let text = file::read_text(&path)?;
         let hashed = text

@@ -1,0 +1,75 @@
+//! How a run ends early, and what it takes over from an earlier one.
+
+use std::io::Write;
+use std::path::Path;
+use std::time::Duration;
+
+use super::STOPPED;
+use clap::Args;
+use microslip::Error;
+use microslip::ensemble::stop::Stop;
+use microslip::study::RunSettings;
+
+/// From the wish to stop to the end of the process: time for samples that are nearly solved, and for the last part.
+const GRACE: Duration = Duration::from_secs(4);
+
+#[derive(Args)]
+pub(super) struct GoingOn {
+    /// Stop after this time, such as 23h or 90min: what is solved is kept, and the same command goes on.
+    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
+    stop_after: Option<Duration>,
+    /// How often what is solved is written to the disk.
+    #[arg(long, value_name = "TIME", default_value = "10s", value_parser = humantime::parse_duration)]
+    flush_every: Duration,
+    /// Take over samples of another version of the program or another instruction set; the report names it.
+    #[arg(long)]
+    any_program: bool,
+}
+
+impl GoingOn {
+    /// The settings of a run in `folder` that ends on a signal or after the time asked for.
+    pub(super) fn settings(&self, folder: &Path) -> Result<RunSettings, Error> {
+        let stop = Stop::default();
+        let ending = Ending {
+            stop: stop.clone(),
+            folder: folder.display().to_string(),
+        };
+        if let Some(time) = self.stop_after {
+            let ending = ending.clone();
+            std::thread::spawn(move || {
+                std::thread::sleep(time);
+                ending.end();
+            });
+        }
+        let handled = ctrlc::set_handler(move || ending.end());
+        handled.map_err(|error| Error::Threads(format!("signals cannot be taken: {error}")))?;
+        Ok(RunSettings {
+            stop,
+            flush_every: self.flush_every,
+            any_program: self.any_program,
+            ..RunSettings::default()
+        })
+    }
+}
+
+/// What ends the process.
+#[derive(Clone)]
+struct Ending {
+    stop: Stop,
+    folder: String,
+}
+
+impl Ending {
+    /// Asks the run to stop, and ends the process where a sample does not end in time. Samples that are solved are written at
+    /// once from the first moment on.
+    fn end(&self) {
+        self.stop.ask();
+        std::thread::sleep(GRACE);
+        let _ = writeln!(
+            std::io::stderr(),
+            "stopped in the middle of samples; all others are kept in {}, and the same command goes on",
+            Path::new(&self.folder).join("parts").display()
+        );
+        std::process::exit(i32::from(STOPPED));
+    }
+}

@@ -1,0 +1,45 @@
+//! `merge`: the results of shares that were solved in several folders.
+
+use std::path::{Path, PathBuf};
+
+use super::going_on::GoingOn;
+use super::levels::show_result;
+use super::terminal::{Bar, show_warnings};
+use super::threads::Threads;
+use clap::Args;
+use microslip::Error;
+use microslip::study::{OutputFolder, merge};
+
+#[derive(Args)]
+pub(super) struct MergeArguments {
+    /// Folders with shares of one run.
+    #[arg(required = true)]
+    folders: Vec<PathBuf>,
+    /// Folder of the results.
+    #[arg(long)]
+    output: PathBuf,
+    #[command(flatten)]
+    threads: Threads,
+    /// No progress and no summary.
+    #[arg(long)]
+    quiet: bool,
+    #[command(flatten)]
+    going_on: GoingOn,
+}
+
+impl MergeArguments {
+    pub(super) fn execute(&self) -> Result<(), Error> {
+        self.threads.start()?;
+        let output = OutputFolder::open(&self.output)?;
+        let settings = self.going_on.settings(&self.output)?;
+        let folders: Vec<&Path> = self.folders.iter().map(PathBuf::as_path).collect();
+        let bar = Bar::new(self.quiet);
+        let result = merge(&folders, &output, &settings, |progress| bar.show(progress))?;
+        bar.clear();
+        show_warnings(&result.notes);
+        if self.quiet {
+            return Ok(());
+        }
+        show_result(&result, &self.output)
+    }
+}

@@ -1,0 +1,116 @@
+//! The folder of the parts.
+
+use super::super::runner::{Known, SolvedSample};
+use super::super::table::TableError;
+use super::part::{PartHead, SAMPLES, StoredPart, write_part};
+use crate::file::{FileError, remove_folder};
+use crate::sampling::Design;
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+/// Name of the folder inside a result folder.
+const PARTS: &str = "parts";
+
+/// The folder of the parts of a run, which need not exist.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PartFolder(PathBuf);
+
+impl PartFolder {
+    /// That of the result folder `results`.
+    #[must_use]
+    pub fn of(results: &Path) -> Self {
+        Self(results.join(PARTS))
+    }
+
+    /// Its path.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+
+    /// The tables of samples of its parts, in the order of their names.
+    ///
+    /// # Errors
+    /// [`FileError`] if the folder cannot be listed.
+    pub fn tables(&self) -> Result<Vec<PathBuf>, FileError> {
+        let system = |source| FileError::system(&self.0, source);
+        let entries = match std::fs::read_dir(&self.0) {
+            Err(source) if source.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+            entries => entries.map_err(system)?,
+        };
+        let mut tables = Vec::new();
+        for entry in entries {
+            let path = entry.map_err(system)?.path();
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            if name.ends_with(SAMPLES) {
+                tables.push(path);
+            }
+        }
+        tables.sort();
+        Ok(tables)
+    }
+
+    /// Every part, or why it cannot be used, in the order of the names.
+    ///
+    /// # Errors
+    /// [`FileError`] if the folder cannot be listed.
+    pub fn list(&self) -> Result<Vec<Result<StoredPart, FileError>>, FileError> {
+        let tables = self.tables()?;
+        Ok(tables.iter().map(|path| StoredPart::open(path)).collect())
+    }
+
+    /// Writes samples as a part; the folder is made where it is missing.
+    ///
+    /// # Errors
+    /// [`TableError`].
+    pub fn write(&self, head: &PartHead, samples: Vec<SolvedSample>) -> Result<(), TableError> {
+        if samples.is_empty() {
+            return Ok(());
+        }
+        write_part(&self.0, head, samples)
+    }
+
+    /// Removes the folder with all that is in it.
+    ///
+    /// # Errors
+    /// [`FileError`].
+    pub fn remove(&self) -> Result<(), FileError> {
+        remove_folder(&self.0)
+    }
+}
+
+/// The samples of `parts` together. A sample may stand in several parts, if it is the same in all; one with a solution
+/// replaces one without, which was solved again.
+///
+/// # Errors
+/// [`FileError`] on a part that cannot be read, or that has another result of a sample than an earlier one.
+pub fn samples_of(parts: &[StoredPart], design: &Design) -> Result<Known, FileError> {
+    let mut known = Known::new();
+    let mut origin: BTreeMap<u64, &Path> = BTreeMap::new();
+    for part in parts {
+        let path = &part.paths()[0];
+        for (index, sample) in part.samples(design)? {
+            let first = known.get(&index);
+            match first.map(|first| (first.is_solved(), sample.is_solved(), first)) {
+                Some((true, false, _) | (false, false, _)) => continue,
+                None | Some((false, true, _)) => {}
+                // texts of numbers are exact, and equal for NaN
+                Some((true, true, first)) if format!("{first:?}") == format!("{sample:?}") => {
+                    continue;
+                }
+                Some(_) => {
+                    let other = origin.get(&index).map(|path| path.display().to_string());
+                    let rule = format!(
+                        "has another result of sample {index} than {}: one of the two must be deleted",
+                        other.unwrap_or_default()
+                    );
+                    return Err(FileError::content(path, None, rule));
+                }
+            }
+            known.insert(index, sample);
+            origin.insert(index, path);
+        }
+    }
+    Ok(known)
+}

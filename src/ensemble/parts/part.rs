@@ -1,0 +1,163 @@
+//! One part: written in one go, read back and checked.
+
+use super::super::atlas::Anchor;
+use super::super::outcome::SampleOutcome;
+use super::super::resume::{anchors_content, read_known, rows};
+use super::super::runner::{Known, SolvedSample};
+use super::super::store::{Provenance, curves_content, samples_content};
+use super::super::table::{TableError, metadata, missing};
+use super::identity::RunIdentity;
+use crate::file::{self, FileError, FileRecord};
+use crate::sampling::Design;
+use parquet::file::metadata::KeyValue;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Ends of the names of the three tables of a part: the last one makes it count.
+const CURVES: &str = ".curves.parquet";
+const ATLAS: &str = ".atlas.parquet";
+pub(super) const SAMPLES: &str = ".samples.parquet";
+/// Keys of the metadata of the samples.
+const RUN: &str = "run";
+const COMPANIONS: &str = "companions";
+/// Hexadecimal digits of a hash in a name.
+const DIGITS: usize = 16;
+
+/// What is the same in all parts that a process writes.
+#[derive(Debug, Clone)]
+pub struct PartHead {
+    /// The run.
+    pub identity: RunIdentity,
+    /// As in the table of samples.
+    pub provenance: Provenance,
+    /// Names of the inputs.
+    pub input_names: Vec<String>,
+}
+
+/// Writes `samples`, at least one, as a part into `folder`.
+///
+/// # Errors
+/// [`TableError`]; then there is no such part.
+pub(super) fn write_part(
+    folder: &Path,
+    head: &PartHead,
+    mut samples: Vec<SolvedSample>,
+) -> Result<(), TableError> {
+    samples.sort_by_key(|sample| sample.outcome.index);
+    let (outcomes, anchors): (Vec<SampleOutcome>, Vec<Option<Anchor>>) =
+        samples.into_iter().map(|s| (s.outcome, s.anchor)).unzip();
+    let indices = outcomes.iter().map(|outcome| outcome.index);
+    let peaks = rows(
+        indices
+            .zip(&anchors)
+            .filter_map(|(i, a)| Some((i, a.as_ref()?))),
+    );
+    let in_memory = |error: serde_json::Error| FileError::system(folder, error.into());
+    let curves = curves_content(&head.provenance, &outcomes).map_err(in_memory)?;
+    let curves = curves.into_bytes()?;
+    let atlas = anchors_content(Vec::new(), &peaks).into_bytes()?;
+    let companions = [&curves, &atlas].map(|bytes| blake3::hash(bytes).to_hex().to_string());
+    let mut content =
+        samples_content(&head.provenance, &head.input_names, &outcomes).map_err(in_memory)?;
+    let json = serde_json::to_string(&head.identity).map_err(in_memory)?;
+    content.metadata.push(KeyValue::new(RUN.to_owned(), json));
+    let companions = KeyValue::new(COMPANIONS.to_owned(), companions.join(" "));
+    content.metadata.push(companions);
+    let samples = content.into_bytes()?;
+    let (Some(first), Some(last)) = (outcomes.first(), outcomes.last()) else {
+        return Ok(());
+    };
+    let hash = &blake3::hash(&samples).to_hex()[..DIGITS];
+    let stem = format!("{:010}-{:010}-{hash}", first.index, last.index);
+    let files = [(CURVES, curves), (ATLAS, atlas), (SAMPLES, samples)];
+    let files = files.map(|(end, bytes)| (format!("{stem}{end}"), bytes));
+    match write_files(folder, &files) {
+        // somebody deletes the folder of a run: what is solved from now on is worth keeping
+        Err(_) if !folder.exists() => Ok(write_files(folder, &files)?),
+        written => Ok(written?),
+    }
+}
+
+/// Writes files in this order into `folder`, which is made where it is missing.
+fn write_files(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), FileError> {
+    let made = std::fs::create_dir_all(folder);
+    made.map_err(|source| FileError::system(folder, source))?;
+    for (name, bytes) in files {
+        file::replace(&folder.join(name), |file| file.write_all(bytes))?;
+    }
+    Ok(())
+}
+
+/// A part as it stands on the disk.
+#[derive(Debug, Clone)]
+pub struct StoredPart {
+    /// Its tables: samples, curves, anchors.
+    paths: [PathBuf; 3],
+    /// The run that it belongs to.
+    pub identity: RunIdentity,
+}
+
+impl StoredPart {
+    /// Opens a part by its table of samples and compares all hashes.
+    ///
+    /// # Errors
+    /// [`FileError`] on the first file that is absent or not what was written.
+    pub fn open(samples: &Path) -> Result<Self, FileError> {
+        let name = samples.file_name().unwrap_or_default().to_string_lossy();
+        let stem = name.strip_suffix(SAMPLES).unwrap_or(&name);
+        let beside = |end: &str| samples.with_file_name(format!("{stem}{end}"));
+        let paths = [samples.to_owned(), beside(CURVES), beside(ATLAS)];
+        let damaged =
+            |path: &Path| FileError::content(path, None, "is not the file that was written");
+        let hash = |path: &Path| -> Result<String, FileError> {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let folder = path.parent().unwrap_or(Path::new(""));
+            Ok(FileRecord::in_folder(folder, &name)?.blake3)
+        };
+        if !stem.ends_with(&hash(samples)?[..DIGITS]) {
+            return Err(damaged(samples));
+        }
+        let (identity, companions) = file::read_parquet(samples, |reader| {
+            let mut stored = metadata(&reader);
+            let run = stored.remove(RUN).ok_or_else(|| missing(RUN))?;
+            let identity = serde_json::from_str(&run).map_err(|_| missing(RUN))?;
+            let companions = stored.remove(COMPANIONS);
+            Ok((identity, companions.ok_or_else(|| missing(COMPANIONS))?))
+        })?;
+        for (path, expected) in paths[1..].iter().zip(companions.split(' ')) {
+            if hash(path)? != expected {
+                return Err(damaged(path));
+            }
+        }
+        Ok(Self { paths, identity })
+    }
+
+    /// Its samples.
+    ///
+    /// # Errors
+    /// [`FileError`] if a table lacks something.
+    pub fn samples(&self, design: &Design) -> Result<Known, FileError> {
+        read_known(self.paths.clone(), design)
+    }
+
+    /// Copies the part into the folder of the parts of other results.
+    ///
+    /// # Errors
+    /// [`FileError`] if a file cannot be read or written.
+    pub fn copy_to(&self, folder: &Path) -> Result<(), FileError> {
+        let [samples, curves, atlas] = &self.paths;
+        let read = |path: &PathBuf| -> Result<(String, Vec<u8>), FileError> {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let bytes = std::fs::read(path).map_err(|source| FileError::system(path, source))?;
+            Ok((name.into_owned(), bytes))
+        };
+        // the table that makes the part count comes last
+        write_files(folder, &[read(curves)?, read(atlas)?, read(samples)?])
+    }
+
+    /// Its tables: samples, curves, anchors.
+    #[must_use]
+    pub fn paths(&self) -> &[PathBuf; 3] {
+        &self.paths
+    }
+}

@@ -1,0 +1,233 @@
+//! A run that any number of processes solve together in one folder.
+//!
+//! Generation by generation, each process takes blocks of samples that nobody has claimed, and reads what the others have written.
+//! When nothing is missing, one of them makes the results. A process that dies leaves its parts and a claim that is void soon.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use super::output::OutputFolder;
+use super::read::Study;
+use super::resume::{Resumed, accepted, finished, identity, resumed};
+use super::run::run_alone;
+use super::run_result::RunResult;
+use super::run_settings::RunSettings;
+use super::session::{Begun, Session, at_work};
+use super::share::{BLOCK, refuse_looks};
+use super::solve::{Meter, Progress};
+use crate::Error;
+use crate::ensemble::Known;
+use crate::ensemble::atlas::Anchor;
+use crate::ensemble::parts::{Claims, PartFolder, RunIdentity, StoredPart};
+use crate::ensemble::runner::{MOST_ANCHORS, generations};
+use crate::file::FolderLock;
+
+/// How often a process that waits for others looks at the folder.
+const LOOK_EVERY: Duration = Duration::from_millis(100);
+/// Blocks of a generation of the atlas: enough for as many processes.
+const BLOCKS: u64 = 16;
+
+/// Solves a study together with other processes that call the same, on any node that sees `folder`, started at any time. `rank` tells
+/// processes that start at once to begin at different blocks.
+///
+/// # Errors
+/// As [`super::run()`], and [`Error::Command`] where the number of samples comes out of the results.
+pub fn join(
+    study: &Study,
+    folder: &OutputFolder,
+    rank: u64,
+    settings: &RunSettings,
+    progress: impl Fn(Progress) + Sync,
+) -> Result<RunResult, Error> {
+    refuse_looks(study)?;
+    let shared = FolderLock::shared(folder.path())?;
+    let identity = identity(study, folder)?;
+    if finished(study, folder, &identity, settings)?.is_none() {
+        solve_together(study, folder, identity, rank, settings, &progress)?;
+    }
+    drop(shared);
+    // the others find the results of the first one that comes to this
+    loop {
+        if let Some(_alone) = FolderLock::try_alone(folder.path())? {
+            return run_alone(study, folder, settings, progress);
+        }
+        std::thread::sleep(LOOK_EVERY);
+    }
+}
+
+/// Solves until no sample is missing.
+fn solve_together(
+    study: &Study,
+    folder: &OutputFolder,
+    identity: RunIdentity,
+    rank: u64,
+    settings: &RunSettings,
+    progress: impl Fn(Progress) + Sync,
+) -> Result<(), Error> {
+    let parts = PartFolder::of(folder.path());
+    // listed first: what comes in between is read twice, not missed
+    let tables = parts.tables()?;
+    let Resumed { known, .. } = resumed(study, folder, &identity, settings)?;
+    let begun = Begun {
+        study,
+        folder,
+        settings,
+        identity,
+        first: known.get(&0).cloned(),
+    };
+    let mut found = Found::of(study, settings, tables, known);
+    let meter = Meter::start(found.indices.len() as u64, study.samples, progress);
+    at_work(begun, meter, |session| session.together(rank, &mut found))
+}
+
+impl<F: Fn(Progress) + Sync> Session<'_, F> {
+    /// Solves generation by generation until no sample is missing.
+    fn together(&self, rank: u64, found: &mut Found) -> Result<(), Error> {
+        let mut claims = Claims::of(&self.parts)?;
+        for generation in generations(self.prepared.study.samples) {
+            let anchors = found.anchors_before(generation.start);
+            while !found.has(&generation) {
+                let taken = self.one_round(&generation, rank, &anchors, &mut claims, found)?;
+                if !taken {
+                    std::thread::sleep(LOOK_EVERY);
+                }
+                found.refresh(self)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Solves each block of the generation that nobody has claimed; says whether there was one.
+    fn one_round(
+        &self,
+        generation: &Range<u64>,
+        rank: u64,
+        anchors: &[Anchor],
+        claims: &mut Claims,
+        found: &mut Found,
+    ) -> Result<bool, Error> {
+        let mut blocks: Vec<Range<u64>> = blocks(generation).collect();
+        let first = rank as usize % blocks.len().max(1);
+        blocks.rotate_left(first);
+        let mut taken = false;
+        for block in blocks {
+            if self.settings.stop.asked() {
+                return Err(self.stopped());
+            }
+            if found.has(&block) {
+                continue;
+            }
+            let Some(claim) = claims.take(&format!("{:010}", block.start))? else {
+                continue;
+            };
+            // somebody may have ended with it since the last look
+            found.refresh(self)?;
+            let missing = found.missing(&block);
+            if missing.is_empty() {
+                continue;
+            }
+            taken = true;
+            claim.hold(|| {
+                self.written(missing.len() as u64, |watch| {
+                    self.ensemble.solve_from(anchors, &missing, watch)
+                })
+            })?;
+            found.refresh(self)?;
+        }
+        Ok(taken)
+    }
+}
+
+/// Blocks of a generation: what a process claims at once.
+fn blocks(generation: &Range<u64>) -> impl Iterator<Item = Range<u64>> {
+    let Range { start, end } = *generation;
+    let size = ((end - start) / BLOCKS).clamp(1, BLOCK);
+    (start..end)
+        .step_by(size as usize)
+        .map(move |first| first..(first + size).min(end))
+}
+
+/// What all processes have written so far.
+struct Found<'a> {
+    study: &'a Study,
+    settings: &'a RunSettings,
+    /// Tables that were read.
+    tables: BTreeSet<PathBuf>,
+    /// Samples that are there.
+    indices: BTreeSet<u64>,
+    /// Those from which others start.
+    atlas: Known,
+}
+
+impl<'a> Found<'a> {
+    fn of(study: &'a Study, settings: &'a RunSettings, tables: Vec<PathBuf>, known: Known) -> Self {
+        let mut found = Self {
+            study,
+            settings,
+            tables: tables.into_iter().collect(),
+            indices: BTreeSet::new(),
+            atlas: Known::new(),
+        };
+        found.add(known);
+        found
+    }
+
+    fn add(&mut self, known: Known) {
+        for (index, sample) in known {
+            self.indices.insert(index);
+            if index < MOST_ANCHORS {
+                self.atlas.entry(index).or_insert(sample);
+            }
+        }
+    }
+
+    /// Reads the parts that have come since the last look. A damaged one is none.
+    fn refresh<F>(&mut self, session: &Session<'_, F>) -> Result<(), Error> {
+        for table in session.parts.tables()? {
+            if !self.tables.insert(table.clone()) {
+                continue;
+            }
+            let Ok(part) = StoredPart::open(&table) else {
+                continue;
+            };
+            let own = accepted(&session.head.identity, &part.identity, self.settings);
+            own.map_err(|difference| Error::Command {
+                path: table,
+                message: format!("is of {difference}"),
+            })?;
+            self.add(part.samples(&self.study.design)?);
+        }
+        Ok(())
+    }
+
+    fn has(&self, range: &Range<u64>) -> bool {
+        self.missing(range).is_empty()
+    }
+
+    fn missing(&self, range: &Range<u64>) -> Vec<u64> {
+        let missing = |index: &u64| !self.indices.contains(index);
+        range.clone().filter(missing).collect()
+    }
+
+    /// The anchors among the samples before `end`, in order.
+    fn anchors_before(&self, end: u64) -> Vec<Anchor> {
+        let before = self.atlas.range(..end);
+        before.filter_map(|(_, s)| s.anchor.clone()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::blocks;
+
+    /// Seen to fail with blocks that overlap the end of the generation.
+    #[test]
+    fn blocks_cover_a_generation_once() {
+        for range in [0..5, 5..7, 108..162, 1024..5000] {
+            let all: Vec<u64> = blocks(&range).flatten().collect();
+            assert_eq!(all, range.collect::<Vec<_>>());
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! What `run.json` says of a study before its samples.
+
+use super::model::ModelSettings;
+use super::prepared::{FREQUENCY_TOLERANCE, PreparedStudy};
+use super::read::Study;
+use crate::Error;
+use crate::ensemble::Ensemble;
+use crate::ensemble::backend::BackendReport;
+use crate::ensemble::outcome::CurvePoint;
+use crate::ensemble::program::Program;
+use crate::ensemble::store::Provenance;
+use crate::hb::structure::resonance::{Band, linear_resonance, linear_response};
+use crate::hb::{LinearModel, Problem};
+use crate::model::two_blade::ComponentSummary;
+use crate::report::RunRecord;
+use crate::report::run::{
+    ComponentRecord, ContactGridRecord, DesignRecord, FileRecord, InputRecord, LinearRecord,
+};
+use crate::sampling::DesignKind;
+use crate::units::rad_s_to_hz;
+
+/// Points of the linear curves in the report.
+const LINEAR_POINTS: usize = 600;
+
+/// The record of a study before its samples: no tables, and no part of the backend, no other programs.
+pub(super) fn first_record(
+    prepared: &PreparedStudy,
+    ensemble: &Ensemble,
+) -> Result<RunRecord, Error> {
+    let study = prepared.study;
+    let (linear, band) = (&prepared.linear, prepared.band());
+    let nominal = Problem::new(linear, prepared.contacts.clone(), 1.0, study.solver.anchor)?;
+    let design = &study.design;
+    Ok(RunRecord {
+        provenance: provenance(study, prepared.folded()),
+        backend: BackendReport::default(),
+        inputs: input_records(study),
+        design: DesignRecord {
+            kind: design.kind(),
+            description: design.description(),
+            independent: design.kind() == DesignKind::MonteCarlo,
+            growth: design.growth(),
+            outer_points: design.outer_points(),
+            further_points: 0,
+            mixed_inputs: design.mixed_inputs().to_vec(),
+        },
+        frequency_tolerance: FREQUENCY_TOLERANCE,
+        levels: study.levels.clone(),
+        curve_samples: study.output.curve_samples,
+        bands: study.output.bands,
+        level_unit: level_unit(study).to_owned(),
+        stuck: linear_record(study, linear, &nominal.stuck_stiffness, band)?,
+        free: linear_record(study, linear, &vec![0.0; linear.n_relative()], band)?,
+        nominal: Some(ensemble.nominal()),
+        one_at_a_time: None,
+        components: component_records(&prepared.components),
+        contact_grid: contact_grid(study),
+        requirements: study.requirements.clone(),
+        stopping: None,
+        surrogate: study.surrogate,
+        study_file: FileRecord::of(&study.file_name(), study.text.as_bytes()),
+        files: study.file_records()?,
+        tables: Vec::new(),
+        wall_time_s: 0.0,
+    })
+}
+
+/// What the contact grid of the built-in rig changes.
+fn contact_grid(study: &Study) -> Option<ContactGridRecord> {
+    let ModelSettings::TwoBladeStrip {
+        blades, interface, ..
+    } = &study.model
+    else {
+        return None;
+    };
+    let found = blades.grid_error(interface)?;
+    Some(ContactGridRecord {
+        contact_nodes: found.contact_nodes,
+        shift_hz: found.shift_hz,
+        limit_hz: found.limit_hz(),
+        relative: found.relative(),
+    })
+}
+
+fn component_records(components: &[(&'static str, ComponentSummary)]) -> Vec<ComponentRecord> {
+    let record = |(name, component): &(&str, ComponentSummary)| ComponentRecord {
+        name: (*name).to_owned(),
+        modes: component.n_modes,
+        first_left_out_hz: Some(component.first_left_out).filter(|f| f.is_finite()),
+    };
+    components.iter().map(record).collect()
+}
+
+/// Names of the inputs with their distributions or intervals.
+fn input_records(study: &Study) -> Vec<InputRecord> {
+    let design = &study.design;
+    let inputs = design.inputs().iter().enumerate();
+    inputs
+        .map(|(j, (input, distribution))| InputRecord {
+            name: input.name().to_owned(),
+            prior: design.assumption(j),
+            distribution: design.drawn().contains(&j).then(|| distribution.clone()),
+        })
+        .collect()
+}
+
+/// Linear response per unit level over the band, and its resonance.
+fn linear_record(
+    study: &Study,
+    model: &LinearModel,
+    k: &[f64],
+    band: Band,
+) -> Result<LinearRecord, Error> {
+    let resonance = linear_resonance(model, k, band)
+        .map_err(|error| Error::Problem(error.into()))?
+        .ok_or_else(|| Error::Command {
+            path: study.path.clone(),
+            message: format!(
+                "frequency: the band {} to {} holds no natural frequency of the structure with {} contacts; `inspect` lists them",
+                study.frequency.unit.of_rad_s(band.low),
+                study.frequency.unit.of_rad_s(band.high),
+                if k.iter().all(|k| *k == 0.0) { "open" } else { "stuck" },
+            ),
+        })?;
+    let even =
+        (0..LINEAR_POINTS).map(|i| band.low + band.width() * i as f64 / (LINEAR_POINTS - 1) as f64);
+    let mut omega: Vec<f64> = even.chain([resonance.omega]).collect();
+    omega.sort_by(f64::total_cmp);
+    let curve = omega
+        .into_iter()
+        .map(|omega| CurvePoint {
+            frequency_hz: rad_s_to_hz(omega),
+            amplitude_m: linear_response(model, k, omega).norm(),
+        })
+        .collect();
+    Ok(LinearRecord {
+        frequency_hz: rad_s_to_hz(resonance.omega),
+        curve,
+    })
+}
+
+fn level_unit(study: &Study) -> &'static str {
+    match study.model {
+        ModelSettings::TwoBladeStrip { .. } => "N",
+        ModelSettings::Matrices(_) => "units of the harmonic force",
+    }
+}
+
+pub(super) fn provenance(study: &Study, folded: bool) -> Provenance {
+    let solver = &study.solver;
+    let program = Program::this();
+    Provenance {
+        study: study.name.clone(),
+        seed: study.design.seed(),
+        version: program.version,
+        commit: program.commit,
+        instruction_set: program.instruction_set,
+        other_programs: Vec::new(),
+        model: match study.model {
+            ModelSettings::TwoBladeStrip { .. } => "two blades with a strip damper (built in)",
+            ModelSettings::Matrices(_) => "matrices of the user",
+        }
+        .to_owned(),
+        law: solver.aft.law,
+        events: solver.aft.events,
+        anchor: solver.anchor,
+        harmonics: solver.harmonics.orders().to_vec(),
+        time_points: solver.aft.n_time,
+        folded,
+        truncation_threshold: solver.alert.map(|alert| alert.threshold),
+        highest_harmonic: solver.alert.map(|alert| alert.highest_harmonic),
+    }
+}

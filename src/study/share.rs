@@ -1,0 +1,114 @@
+//! A part of a run that one of several processes solves.
+//!
+//! The samples of a generation start from those before it, and all after the atlas from the atlas alone. So processes need
+//! nothing of each other but the parts of earlier generations, and whoever solves a sample writes the same bits.
+
+use super::output::OutputFolder;
+use super::read::Study;
+use super::resume::{Resumed, identity, resumed};
+use super::run_settings::RunSettings;
+use super::session::{Begun, at_work};
+use super::solve::{Meter, Progress};
+use crate::Error;
+use crate::ensemble::Solved;
+use crate::ensemble::runner::MOST_ANCHORS;
+use crate::file::FolderLock;
+
+/// Samples of a block: what a process takes at once after the atlas.
+pub(super) const BLOCK: u64 = 64;
+
+/// What a process solves of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Share {
+    /// The samples from which all others start: the first 1024.
+    Atlas,
+    /// These, unless they are solved already, and of the blocks after them every one whose number leaves this rest.
+    Shard {
+        /// Number of the shard, from 0.
+        number: u64,
+        /// Number of shards.
+        of: u64,
+    },
+}
+
+impl Share {
+    /// The samples after the atlas that are in this share, of 0 … `samples` − 1.
+    fn after_atlas(self, samples: u64) -> impl Iterator<Item = u64> {
+        (MOST_ANCHORS..samples).filter(move |index| match self {
+            Self::Atlas => false,
+            Self::Shard { number, of } => (index - MOST_ANCHORS) / BLOCK % of == number,
+        })
+    }
+}
+
+/// What a share gives: parts, and no results yet.
+#[derive(Debug)]
+pub struct ShareResult {
+    /// Samples of this share.
+    pub samples: u64,
+    /// Those that were solved before.
+    pub taken_over: u64,
+    /// Samples of the whole run.
+    pub of: u64,
+    /// What a user should know of the taking over, one line each.
+    pub notes: Vec<String>,
+}
+
+/// Solves a share of a study's samples and keeps them as parts in `folder`. Once all shares are there, in this folder or gathered
+/// by [`super::merge()`], [`super::run()`] makes the results.
+///
+/// # Errors
+/// As [`super::run()`], and [`Error::Command`] where the number of samples comes out of the results.
+pub fn solve_share(
+    study: &Study,
+    folder: &OutputFolder,
+    share: Share,
+    settings: &RunSettings,
+    progress: impl Fn(Progress) + Sync,
+) -> Result<ShareResult, Error> {
+    refuse_looks(study)?;
+    let _lock = FolderLock::shared(folder.path())?;
+    let identity = identity(study, folder)?;
+    let Resumed {
+        mut known, notes, ..
+    } = resumed(study, folder, &identity, settings)?;
+    let anchors = study.samples.min(MOST_ANCHORS);
+    let others: Vec<u64> = share.after_atlas(study.samples).collect();
+    let missing: Vec<u64> = (others.iter().copied())
+        .filter(|index| !known.contains_key(index))
+        .collect();
+    let samples = anchors + others.len() as u64;
+    let taken_over = known.range(..anchors).count() as u64 + (others.len() - missing.len()) as u64;
+    let meter = Meter::start(taken_over, samples, progress);
+    let begun = Begun {
+        study,
+        folder,
+        settings,
+        identity,
+        first: known.get(&0).cloned(),
+    };
+    at_work(begun, meter, |session| {
+        let (ensemble, mut solved) = (session.ensemble, Solved::default());
+        session.written(samples, |watch| {
+            ensemble.extend(&mut solved, &mut known, anchors, watch)?;
+            ensemble.solve_from(&solved.anchors, &missing, watch)
+        })
+    })?;
+    Ok(ShareResult {
+        samples,
+        taken_over,
+        of: study.samples,
+        notes,
+    })
+}
+
+/// Refuses a study whose samples are judged on the way, in order.
+pub(super) fn refuse_looks(study: &Study) -> Result<(), Error> {
+    match study.stopping {
+        None => Ok(()),
+        Some(_) => Err(Error::Command {
+            path: study.path.clone(),
+            message: "samples: a run that decides its own number of samples cannot be shared; give a number".to_owned(),
+        }),
+    }
+}

@@ -1,0 +1,189 @@
+//! What a result folder holds: whole results, and a run that is not finished.
+
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use super::read::Study;
+use super::resume::identity_of_results;
+use crate::Error;
+use crate::ensemble::parts::{PartFolder, RunIdentity, StoredPart, samples_of};
+use crate::ensemble::store::read_samples;
+use crate::file::finish_placing;
+use crate::report::run::{RECORD, TABLES};
+
+/// What a result folder holds.
+#[derive(Debug, Clone)]
+pub struct FolderStatus {
+    /// The whole results.
+    pub results: Option<RunStatus>,
+    /// A run that is not finished.
+    pub unfinished: Option<RunStatus>,
+    /// Files that are not what was written, absent companions and contradictions among them; one line each.
+    pub faults: Vec<String>,
+}
+
+/// How far a run has come.
+#[derive(Debug, Clone)]
+pub struct RunStatus {
+    /// The run.
+    pub identity: RunIdentity,
+    /// The study file.
+    pub study_file: PathBuf,
+    /// Samples solved.
+    pub done: u64,
+    /// Samples in all, at most.
+    pub samples: u64,
+    /// Those of the solved ones that lack a solution at a level.
+    pub failed: u64,
+    /// The first ranges of samples that are missing; ends included.
+    pub missing: Vec<[u64; 2]>,
+    /// Parts.
+    pub parts: usize,
+    /// When the newest file was written.
+    pub newest: Option<SystemTime>,
+}
+
+impl RunStatus {
+    /// The missing samples, such as `3 to 7, 12 to 12, ...`.
+    #[must_use]
+    pub fn missing_in_words(&self) -> String {
+        let range = |[first, last]: &[u64; 2]| format!("{first} to {last}");
+        let ranges: Vec<String> = self.missing.iter().map(range).collect();
+        let named: u64 = self
+            .missing
+            .iter()
+            .map(|[first, last]| 1 + last - first)
+            .sum();
+        let more = if self.done + named < self.samples {
+            ", ..."
+        } else {
+            ""
+        };
+        ranges.join(", ") + more
+    }
+}
+
+/// Ranges of missing samples that are named.
+const MOST_RANGES: usize = 5;
+
+impl FolderStatus {
+    /// Reads every file of results and parts in `folder`, and compares the hashes.
+    ///
+    /// # Errors
+    /// [`Error::File`] if the folder cannot be listed; [`Error::Study`] if the study that the files name cannot be read.
+    pub fn of(folder: &Path) -> Result<Self, Error> {
+        let listed = std::fs::read_dir(folder);
+        listed.map_err(|source| Error::file(folder, source))?;
+        finish_placing(folder)?;
+        let mut status = Self {
+            results: None,
+            unfinished: None,
+            faults: Vec::new(),
+        };
+        if folder.join(RECORD).exists() {
+            status.read_results(folder)?;
+        }
+        status.read_parts(folder)?;
+        Ok(status)
+    }
+
+    fn read_results(&mut self, folder: &Path) -> Result<(), Error> {
+        let identity = match identity_of_results(folder) {
+            Ok(identity) => identity,
+            Err(fault) => {
+                self.faults.push(fault.to_string());
+                return Ok(());
+            }
+        };
+        let table = folder.join(TABLES[0]);
+        let outcomes = match read_samples(&table) {
+            Ok(stored) => stored.outcomes,
+            Err(fault) => {
+                self.faults.push(fault.to_string());
+                return Ok(());
+            }
+        };
+        let solved = |o: &crate::ensemble::outcome::SampleOutcome| {
+            o.levels.iter().all(|level| level.status.has_solution())
+        };
+        let done = outcomes.len() as u64;
+        self.results = Some(RunStatus {
+            study_file: folder.join(&identity.study.path),
+            identity,
+            done,
+            samples: done,
+            failed: outcomes.iter().filter(|o| !solved(o)).count() as u64,
+            missing: Vec::new(),
+            parts: 0,
+            newest: written(&table),
+        });
+        Ok(())
+    }
+
+    fn read_parts(&mut self, folder: &Path) -> Result<(), Error> {
+        let mut parts: Vec<StoredPart> = Vec::new();
+        for part in PartFolder::of(folder).list()? {
+            match part {
+                Ok(part) => parts.push(part),
+                Err(fault) => self.faults.push(fault.to_string()),
+            }
+        }
+        let Some(identity) = parts.first().map(|part| part.identity.clone()) else {
+            return Ok(());
+        };
+        for part in &parts {
+            if let Some(difference) = identity.difference(&part.identity) {
+                let path = part.paths()[0].display();
+                self.faults.push(format!("{path}: is of {difference}"));
+            }
+        }
+        let study_file = folder.join(&identity.study.path);
+        let study = Study::parse(&study_file, &identity.study.text)?;
+        let known = match samples_of(&parts, &study.design) {
+            Ok(known) => known,
+            Err(fault) => {
+                self.faults.push(fault.to_string());
+                return Ok(());
+            }
+        };
+        let indices: Vec<u64> = known.keys().copied().collect();
+        self.unfinished = Some(RunStatus {
+            study_file,
+            identity,
+            done: known.len() as u64,
+            samples: study.samples,
+            failed: known.values().filter(|s| !s.is_solved()).count() as u64,
+            missing: gaps(&indices, study.samples),
+            parts: parts.len(),
+            newest: parts.iter().filter_map(|p| written(&p.paths()[0])).max(),
+        });
+        Ok(())
+    }
+}
+
+fn written(path: &Path) -> Option<SystemTime> {
+    std::fs::metadata(path).and_then(|m| m.modified()).ok()
+}
+
+/// The first ranges of 0 … `samples` − 1 that are not among `indices`, which ascend.
+fn gaps(indices: &[u64], samples: u64) -> Vec<[u64; 2]> {
+    let ends = indices.iter().copied().chain([samples]);
+    let starts = [0].into_iter().chain(indices.iter().map(|i| i + 1));
+    let gaps = starts.zip(ends).filter(|(start, end)| start < end);
+    gaps.map(|(start, end)| [start, end - 1])
+        .take(MOST_RANGES)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::gaps;
+
+    /// Seen to fail without the range after the last index.
+    #[test]
+    fn gaps_are_found() {
+        assert_eq!(gaps(&[], 3), [[0, 2]]);
+        assert_eq!(gaps(&[0, 1, 4], 7), [[2, 3], [5, 6]]);
+        assert!(gaps(&[0, 1, 2], 3).is_empty());
+    }
+}

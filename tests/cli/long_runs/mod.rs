@@ -1,0 +1,125 @@
+//! Runs that end before their time, and go on.
+
+mod damage;
+mod interruption;
+mod other_runs;
+mod shares;
+
+use std::path::Path;
+use std::process::{Child, Stdio};
+
+use super::{folder, microslip};
+use assert_cmd::cargo::CommandCargoExt;
+use tempfile::TempDir;
+
+/// A folder with the study of two masses and so many samples, of which a fifth have curves.
+fn study(samples: u64) -> TempDir {
+    let folder = folder(
+        "study.toml",
+        "samples = 10",
+        &format!("samples = {samples}"),
+    );
+    change(
+        folder.path(),
+        "[output]\n",
+        &format!("[output]\ncurve_samples = {}\n", samples / 5),
+    );
+    folder
+}
+
+/// Replaces `old` by `new` in the study of `folder`.
+fn change(folder: &Path, old: &str, new: &str) {
+    let path = folder.join("study.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.contains(old), "the study has no {old:?}");
+    std::fs::write(path, text.replacen(old, new, 1)).unwrap();
+}
+
+/// Runs the study to its end into `output`; returns what it said.
+fn run(folder: &Path, output: &str, more: &[&str]) -> String {
+    let arguments = [&["run", "study.toml", "--output", output][..], more].concat();
+    let result = microslip(folder, &arguments);
+    let message = String::from_utf8_lossy(&result.stderr).into_owned();
+    assert!(result.status.success(), "{message}");
+    message + &String::from_utf8_lossy(&result.stdout)
+}
+
+/// Starts a run that writes what it solves `every` so often.
+fn start(folder: &Path, output: &str, every: &str, more: &[&str]) -> Child {
+    let arguments = ["run", "study.toml", "--quiet", "--flush-every", every];
+    std::process::Command::cargo_bin("microslip")
+        .unwrap()
+        .current_dir(folder)
+        .args(arguments)
+        .args(["--output", output])
+        .args(more)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+/// Fails with exit code 2 and one line that has `fragment`.
+fn refused(folder: &Path, arguments: &[&str], fragment: &str) {
+    let output = microslip(folder, arguments);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert_eq!(message.lines().count(), 1, "{message}");
+    let found = message.contains(fragment);
+    assert!(found, "{fragment:?} is not in: {message}");
+}
+
+/// The tables and all but the wall time of the summary are those of `whole`.
+fn assert_same_results(folder: &Path, output: &str) {
+    let read = |of: &str, name: &str| std::fs::read(folder.join(of).join(name)).unwrap();
+    for name in [
+        "samples.parquet",
+        "curves.parquet",
+        "atlas.parquet",
+        "report.json",
+    ] {
+        assert!(read(output, name) == read("whole", name), "{name} differs");
+    }
+    let summary = |of: &str| {
+        let text = std::fs::read_to_string(folder.join(of).join("summary.json")).unwrap();
+        let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        json.as_object_mut().unwrap().remove("wall_time_s").unwrap();
+        json
+    };
+    assert_eq!(summary(output), summary("whole"), "summary.json");
+    let left = ["parts", ".unfinished", ".placing"].map(|name| folder.join(output).join(name));
+    assert!(left.iter().all(|path| !path.exists()), "something is left");
+    let verified = microslip(folder, &["verify", output]);
+    assert!(verified.status.success(), "{verified:?}");
+}
+
+/// Names of the files in the parts of `output`, in order.
+fn parts(folder: &Path, output: &str) -> Vec<String> {
+    let Ok(entries) = std::fs::read_dir(folder.join(output).join("parts")) else {
+        return Vec::new();
+    };
+    let name = |entry: std::io::Result<std::fs::DirEntry>| {
+        entry.unwrap().file_name().to_string_lossy().into_owned()
+    };
+    let mut names: Vec<String> = entries.map(name).collect();
+    names.sort();
+    names
+}
+
+/// Starts a run and ends it by force when it has written so many parts at least.
+fn killed_after(folder: &Path, output: &str, n_parts: usize) {
+    let mut child = start(folder, output, "20ms", &[]);
+    let written = || {
+        let names = parts(folder, output);
+        names
+            .iter()
+            .filter(|name| name.ends_with(".samples.parquet"))
+            .count()
+    };
+    while written() < n_parts {
+        let ended = child.try_wait().unwrap();
+        assert!(ended.is_none(), "the run ended before it was killed");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+}

@@ -1,0 +1,183 @@
+//! Parts of another study, another program, or another process.
+
+use std::path::Path;
+
+use super::{
+    assert_same_results, change, killed_after, microslip, parts, refused, run, start, study,
+};
+use microslip::ensemble::Known;
+use microslip::ensemble::parts::{PartFolder, PartHead, StoredPart, samples_of};
+use microslip::hb::Status;
+use microslip::report::RunRecord;
+use microslip::study::Study;
+
+const SAMPLES: u64 = 200;
+
+/// The parts of `output`, what their process writes into all, and their samples.
+fn stored(folder: &Path, output: &str) -> (PartFolder, PartHead, Known) {
+    let parts = PartFolder::of(&folder.join(output));
+    let found: Vec<StoredPart> = parts
+        .list()
+        .unwrap()
+        .into_iter()
+        .map(Result::unwrap)
+        .collect();
+    let study = Study::read(&folder.join("study.toml")).unwrap();
+    let record = RunRecord::of_folder(&folder.join("whole")).unwrap();
+    let head = PartHead {
+        identity: found[0].identity.clone(),
+        input_names: record.inputs.iter().map(|i| i.name.clone()).collect(),
+        provenance: record.provenance,
+    };
+    (parts, head, samples_of(&found, &study.design).unwrap())
+}
+
+/// Seen to fail without the comparison of studies, and without that of files.
+#[test]
+fn parts_of_another_study_are_refused() {
+    let study = study(SAMPLES);
+    let path = study.path();
+    killed_after(path, "results", 2);
+    let arguments = ["run", "study.toml", "--quiet"];
+    change(path, "seed = 7", "seed = 8");
+    let expected = "results/parts: holds samples of another study (-2: seed = 7; +2: seed = 8)";
+    refused(path, &arguments, expected);
+    change(path, "seed = 8", "# as before\nseed    = 7");
+    let stiffness = std::fs::read_to_string(path.join("stiffness.mtx")).unwrap();
+    std::fs::write(
+        path.join("stiffness.mtx"),
+        stiffness.replace("8e5", "8.1e5"),
+    )
+    .unwrap();
+    refused(
+        path,
+        &arguments,
+        "holds samples of another content of stiffness.mtx",
+    );
+    std::fs::write(path.join("stiffness.mtx"), stiffness).unwrap();
+    run(path, "results", &["--quiet"]);
+}
+
+/// Another program is refused unless it is accepted; then the summary names it.
+/// Seen to fail with every program taken, and with none named.
+#[test]
+fn parts_of_another_program_are_refused_or_named() {
+    let study = study(SAMPLES);
+    let path = study.path();
+    run(path, "whole", &["--quiet"]);
+    killed_after(path, "results", 2);
+    let (parts, mut head, known) = stored(path, "results");
+    parts.remove().unwrap();
+    head.identity.program.instruction_set = "a wide one".to_owned();
+    parts.write(&head, known.into_values().collect()).unwrap();
+    let arguments = ["run", "study.toml", "--quiet"];
+    refused(
+        path,
+        &arguments,
+        "holds samples of another program (0.1.0 on a wide one)",
+    );
+    run(path, "results", &["--quiet", "--any-program"]);
+    let summary = std::fs::read_to_string(path.join("results/summary.json")).unwrap();
+    assert!(summary.contains("a wide one"), "the summary names it");
+    let page = std::fs::read_to_string(path.join("results/report.html")).unwrap();
+    assert!(page.contains("a wide one"), "the report names it");
+}
+
+/// The same sample in two parts is taken once; another result of it is an error that names both files.
+/// Seen to fail with the first result taken.
+#[test]
+fn parts_that_contradict_each_other_are_an_error() {
+    let study = study(SAMPLES);
+    let path = study.path();
+    run(path, "whole", &["--quiet"]);
+    killed_after(path, "results", 3);
+    let (folder, head, known) = stored(path, "results");
+    folder
+        .write(&head, known.values().take(3).cloned().collect())
+        .unwrap();
+    assert!(
+        microslip(path, &["verify", "results"]).status.success(),
+        "equal samples"
+    );
+    let mut other = known.values().next().unwrap().clone();
+    other.outcome.levels[0].newton_iterations += 1;
+    let before = parts(path, "results");
+    folder.write(&head, vec![other]).unwrap();
+    let mut after = parts(path, "results");
+    after.retain(|name| !before.contains(name));
+    let new = after
+        .iter()
+        .find(|name| name.ends_with(".samples.parquet"))
+        .unwrap();
+    for arguments in [
+        &["run", "study.toml", "--quiet"][..],
+        &["verify", "results"],
+    ] {
+        refused(
+            path,
+            arguments,
+            "has another result of sample 0 than results/parts/",
+        );
+    }
+    for name in after.iter().filter(|name| name[..38] == new[..38]) {
+        std::fs::remove_file(path.join("results/parts").join(name)).unwrap();
+    }
+    run(path, "results", &["--quiet"]);
+    assert_same_results(path, "results");
+}
+
+/// A sample without a solution is taken over as it is, and solved again where that is asked for.
+/// Seen to fail with the option ignored.
+#[test]
+fn failed_samples_are_solved_again_on_demand() {
+    let study = study(12);
+    let path = study.path();
+    run(path, "whole", &["--quiet"]);
+    change(path, "samples = 12", "samples = 200");
+    killed_after(path, "results", 2);
+    let (folder, mut head, known) = stored(path, "results");
+    change(path, "samples = 200", "samples = 12");
+    head.identity.study.text = std::fs::read_to_string(path.join("study.toml")).unwrap();
+    let mut failed = known.values().next().unwrap().clone();
+    failed.outcome.levels[0].status = Status::StepTooSmall;
+    failed.outcome.levels[0].peak = None;
+    failed.outcome.levels[0].curve.clear();
+    failed.outcome.levels[0].others.clear();
+    let mut text = String::new();
+    for output in ["results", "again"] {
+        folder.remove().unwrap();
+        let parts = PartFolder::of(&path.join(output));
+        parts.write(&head, vec![failed.clone()]).unwrap();
+        let retry: &[&str] = if output == "again" {
+            &["--retry-failed"]
+        } else {
+            &["--any-program"]
+        };
+        text += &run(path, output, retry);
+    }
+    assert!(text.contains("11 of 12 samples solved"), "{text}");
+    assert_same_results(path, "again");
+    // whole results, too
+    run(path, "results", &["--quiet", "--retry-failed"]);
+    assert_same_results(path, "results");
+}
+
+/// Two commands in one folder: the second is refused and does no harm. Seen to fail without the lock.
+#[test]
+fn one_command_at_a_time() {
+    let study = study(SAMPLES);
+    let path = study.path();
+    run(path, "whole", &["--quiet"]);
+    let mut first = start(path, "results", "20ms", &[]);
+    while parts(path, "results").is_empty() {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    let arguments = ["run", "study.toml", "--quiet"];
+    refused(
+        path,
+        &arguments,
+        "another microslip process works in this folder",
+    );
+    assert!(first.wait().unwrap().success());
+    assert_same_results(path, "results");
+}
