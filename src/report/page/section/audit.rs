@@ -99,9 +99,16 @@ fn shown(value: &serde_json::Value) -> String {
         Value::Null => "not stated".to_owned(),
         Value::Bool(yes) => if *yes { "yes" } else { "no" }.to_owned(),
         Value::String(text) => text.clone(),
+        Value::Array(items) if items.is_empty() => "none".to_owned(),
         Value::Array(items) => {
             let items: Vec<String> = items.iter().map(shown).collect();
             items.join(", ")
+        }
+        Value::Object(fields) => {
+            let fields = fields
+                .iter()
+                .map(|(key, value)| format!("{key} {}", shown(value)));
+            fields.collect::<Vec<_>>().join(", ")
         }
         other => other.to_string(),
     }
@@ -123,7 +130,8 @@ fn files(view: &View) -> Block {
         false => "as written",
     };
     let tables = record.tables.iter().map(|file| (file, state(file)));
-    for (file, state) in [(&record.study_file, "as read")].into_iter().chain(tables) {
+    let read = [&record.study_file].into_iter().chain(&record.files);
+    for (file, state) in read.map(|file| (file, "as read")).chain(tables) {
         table.row(vec![
             Cell::text(&file.name),
             Cell::text(&file.blake3).with_class("text wide code"),
