@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{assert_same_results, killed_after, microslip, parts, refused, run, start, study};
 
-const SAMPLES: u64 = 200;
+const SAMPLES: u64 = 120;
 
 /// Damages the first file of the parts of `output` whose name ends so.
 fn damage(folder: &Path, output: &str, end: &str, how: fn(&mut Vec<u8>)) -> String {

@@ -11,7 +11,7 @@ use microslip::hb::Status;
 use microslip::report::RunRecord;
 use microslip::study::Study;
 
-const SAMPLES: u64 = 200;
+const SAMPLES: u64 = 120;
 
 /// The parts of `output`, what their process writes into all, and their samples.
 fn stored(folder: &Path, output: &str) -> (PartFolder, PartHead, Known) {
@@ -133,10 +133,10 @@ fn failed_samples_are_solved_again_on_demand() {
     let study = study(12);
     let path = study.path();
     run(path, "whole", &["--quiet"]);
-    change(path, "samples = 12", "samples = 200");
+    change(path, "samples = 12", "samples = 120");
     killed_after(path, "results", 2);
     let (folder, mut head, known) = stored(path, "results");
-    change(path, "samples = 200", "samples = 12");
+    change(path, "samples = 120", "samples = 12");
     head.identity.study.text = std::fs::read_to_string(path.join("study.toml")).unwrap();
     let mut failed = known.values().next().unwrap().clone();
     failed.outcome.levels[0].status = Status::StepTooSmall;

@@ -48,7 +48,9 @@ fn provenance(view: &View) -> Block {
     let record = view.input.record;
     let value = serde_json::to_value(&record.provenance).unwrap_or_default();
     let fields = value.as_object().into_iter().flatten();
-    let stated = fields.map(|(key, value)| (words(key), shown(value)));
+    // other programs, where there are none, need no line
+    let said = fields.filter(|(_, value)| value.as_array().is_none_or(|list| !list.is_empty()));
+    let stated = said.map(|(key, value)| (words(key), shown(value)));
     let failed: usize = view.summary.levels.iter().map(|l| l.failed).sum();
     let solves = view.summary.samples * view.summary.levels.len();
     let absent = || "not used".to_owned();
@@ -99,7 +101,6 @@ fn shown(value: &serde_json::Value) -> String {
         Value::Null => "not stated".to_owned(),
         Value::Bool(yes) => if *yes { "yes" } else { "no" }.to_owned(),
         Value::String(text) => text.clone(),
-        Value::Array(items) if items.is_empty() => "none".to_owned(),
         Value::Array(items) => {
             let items: Vec<String> = items.iter().map(shown).collect();
             items.join(", ")
