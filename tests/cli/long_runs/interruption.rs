@@ -1,12 +1,14 @@
 //! Signals, kills at any time, and what the next command makes of it.
 
-use std::io::Read;
+use std::io::{BufRead, BufReader, Read};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 use super::super::test_functions;
 use super::{
     assert_same_results, change, killed_after, microslip, parts, refused, run, start, study,
 };
+use assert_cmd::cargo::CommandCargoExt;
 use microslip::ensemble::store::read_samples;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -87,8 +89,19 @@ fn a_terminated_run_goes_on() {
     let study = study(SAMPLES);
     let path = study.path();
     run(path, "whole", &["--quiet"]);
-    let mut child = start(path, "ended", "1h", &[]);
-    std::thread::sleep(Duration::from_millis(400));
+    // one part an hour: what is kept was written because of the signal
+    let mut child = std::process::Command::cargo_bin("microslip")
+        .unwrap()
+        .current_dir(path)
+        .args(["run", "study.toml", "--output", "ended"])
+        .args(["--flush-every", "1h"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut said = BufReader::new(child.stderr.take().unwrap());
+    let mut message = String::new();
+    // the first line of progress
+    said.read_line(&mut message).unwrap();
     let clock = Instant::now();
     let kill = format!("kill -TERM {}", child.id());
     let sent = std::process::Command::new("sh")
@@ -101,16 +114,11 @@ fn a_terminated_run_goes_on() {
         "{:?}",
         clock.elapsed()
     );
-    let mut message = String::new();
-    child
-        .stderr
-        .take()
-        .unwrap()
-        .read_to_string(&mut message)
-        .unwrap();
+    said.read_to_string(&mut message).unwrap();
     assert_eq!(status.code(), Some(3), "{message}");
     assert!(message.contains("the same command goes on"), "{message}");
-    let done: u64 = message.split(' ').nth(1).unwrap().parse().unwrap();
+    let (_, stopped) = message.split_once("stopped: ").unwrap();
+    let done: u64 = stopped.split(' ').next().unwrap().parse().unwrap();
     let status = microslip(path, &["status", "ended"]);
     let status = String::from_utf8_lossy(&status.stdout).into_owned();
     let expected = format!("unfinished: {done} of {SAMPLES} samples, 0 without");
@@ -129,7 +137,8 @@ fn a_run_stops_after_the_time_asked_for() {
     let arguments = ["run", "study.toml", "--quiet", "--stop-after", "300ms"];
     let stopped = microslip(path, &arguments);
     assert_eq!(stopped.status.code(), Some(3), "{stopped:?}");
-    assert!(!parts(path, "results").is_empty(), "nothing is kept");
+    let message = String::from_utf8_lossy(&stopped.stderr);
+    assert!(message.contains("the same command goes on"), "{message}");
     let wrong = microslip(path, &["run", "study.toml", "--stop-after", "soon"]);
     assert_eq!(wrong.status.code(), Some(2), "{wrong:?}");
 }
