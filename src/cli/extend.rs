@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::going_on::GoingOn;
 use super::levels::show_result;
-use super::terminal::{Bar, show_warnings};
+use super::terminal::Bar;
 use super::threads::Threads;
 use clap::Args;
 use microslip::Error;
@@ -35,10 +35,6 @@ impl ExtendArguments {
             bar.show(progress);
         })?;
         bar.clear();
-        show_warnings(&result.notes);
-        if self.quiet {
-            return Ok(());
-        }
-        show_result(&result, &self.folder)
+        show_result(&result, &self.folder, self.quiet)
     }
 }

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use super::terminal::print;
+use super::terminal::{print, show_warnings};
 use microslip::Error;
 use microslip::report::Summary;
 use microslip::report::numbers::EpistemicSummary;
@@ -17,8 +17,13 @@ pub(super) fn at_point(outer: Option<u64>) -> String {
     outer.map_or_else(String::new, |outer| format!(" at outer point {outer}"))
 }
 
-/// What the samples say, and where the files are.
-pub(super) fn show_result(result: &RunResult, folder: &Path) -> Result<(), Error> {
+/// Warnings; unless `quiet`, what the samples say, and where the files are.
+pub(super) fn show_result(result: &RunResult, folder: &Path, quiet: bool) -> Result<(), Error> {
+    show_warnings(&result.notes);
+    show_warnings(&result.summary.backend.messages());
+    if quiet {
+        return Ok(());
+    }
     print(|out| {
         show_levels(out, &result.summary)?;
         if result.taken_over > 0 {

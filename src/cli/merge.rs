@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::going_on::GoingOn;
 use super::levels::show_result;
-use super::terminal::{Bar, show_warnings};
+use super::terminal::Bar;
 use super::threads::Threads;
 use clap::Args;
 use microslip::Error;
@@ -36,10 +36,6 @@ impl MergeArguments {
         let bar = Bar::new(self.quiet);
         let result = merge(&folders, &output, &settings, |progress| bar.show(progress))?;
         bar.clear();
-        show_warnings(&result.notes);
-        if self.quiet {
-            return Ok(());
-        }
-        show_result(&result, &self.output)
+        show_result(&result, &self.output, self.quiet)
     }
 }

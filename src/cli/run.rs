@@ -81,12 +81,10 @@ impl RunArguments {
             }
         };
         bar.clear();
-        show_warnings(&result.notes);
-        show_warnings(&result.summary.backend.messages());
+        show_result(&result, folder.path(), common.quiet)?;
         if common.quiet {
             return Ok(());
         }
-        show_result(&result, folder.path())?;
         print(|out| show_gpu(out, &result.summary, self.profile))
     }
 

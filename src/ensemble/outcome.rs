@@ -17,6 +17,15 @@ pub struct SampleOutcome {
     pub levels: Vec<LevelOutcome>,
 }
 
+impl SampleOutcome {
+    /// Whether every level has a solution.
+    #[must_use]
+    pub fn is_solved(&self) -> bool {
+        let mut levels = self.levels.iter();
+        levels.all(|level| level.status.has_solution())
+    }
+}
+
 /// Resonance of one sample at one excitation level.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct LevelOutcome {

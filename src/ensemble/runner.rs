@@ -73,15 +73,6 @@ pub struct SolvedSample {
     pub anchor: Option<Anchor>,
 }
 
-impl SolvedSample {
-    /// Whether it has a solution at every level.
-    #[must_use]
-    pub fn is_solved(&self) -> bool {
-        let levels = &self.outcome.levels;
-        levels.iter().all(|level| level.status.has_solution())
-    }
-}
-
 /// Samples that are solved already, by their index; there may be gaps.
 pub type Known = BTreeMap<u64, SolvedSample>;
 

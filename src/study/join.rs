@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use super::output::OutputFolder;
 use super::read::Study;
-use super::resume::{Resumed, accepted, finished, identity, resumed};
+use super::resume::{Resumed, accepted, identity, resumed, whole_results};
 use super::run::run_alone;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
@@ -44,7 +44,7 @@ pub fn join(
     refuse_looks(study)?;
     let shared = FolderLock::shared(folder.path())?;
     let identity = identity(study, folder)?;
-    if finished(study, folder, &identity, settings)?.is_none() {
+    if whole_results(folder, &identity, settings).is_none() {
         solve_together(study, folder, identity, rank, settings, &progress)?;
     }
     drop(shared);
@@ -70,13 +70,7 @@ fn solve_together(
     // listed first: what comes in between is read twice, not missed
     let tables = parts.tables()?;
     let Resumed { known, .. } = resumed(study, folder, &identity, settings)?;
-    let begun = Begun {
-        study,
-        folder,
-        settings,
-        identity,
-        first: known.get(&0).cloned(),
-    };
+    let begun = Begun::with(&known, study, folder, settings, identity);
     let mut found = Found::of(study, settings, tables, known);
     let meter = Meter::start(found.indices.len() as u64, study.samples, progress);
     at_work(begun, meter, |session| session.together(rank, &mut found))

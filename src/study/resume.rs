@@ -41,7 +41,7 @@ impl Resumed {
         stored: Option<Program>,
     ) -> Result<(), FileError> {
         for (index, sample) in read_solved(folder, &study.design)? {
-            if !settings.retry_failed || sample.is_solved() {
+            if !settings.retry_failed || sample.outcome.is_solved() {
                 self.known.entry(index).or_insert(sample);
             }
         }
@@ -117,7 +117,7 @@ pub(super) fn resumed(
     }
     let mut known = samples_of(&own, &study.design)?;
     if settings.retry_failed {
-        known.retain(|_, sample| sample.is_solved());
+        known.retain(|_, sample| sample.outcome.is_solved());
     }
     Ok(Resumed {
         known,
@@ -171,6 +171,20 @@ pub(super) fn refusal(difference: &Difference) -> String {
     )
 }
 
+/// The outcomes of the whole results that lie in `folder`, if they are those of this run and nothing of them is to be solved again.
+/// What cannot be read is replaced.
+pub(super) fn whole_results(
+    folder: &OutputFolder,
+    identity: &RunIdentity,
+    settings: &RunSettings,
+) -> Option<Vec<SampleOutcome>> {
+    let stored = identity_of_results(folder.path()).ok()?;
+    accepted(identity, &stored, settings).ok()?;
+    let samples = read_samples(&folder.path().join(TABLES[0])).ok()?;
+    let done = !settings.retry_failed || samples.outcomes.iter().all(SampleOutcome::is_solved);
+    done.then_some(samples.outcomes)
+}
+
 /// The result of a run whose whole results lie in `folder` already, with its report made anew; nothing if there are none.
 ///
 /// # Errors
@@ -181,23 +195,10 @@ pub(super) fn finished(
     identity: &RunIdentity,
     settings: &RunSettings,
 ) -> Result<Option<RunResult>, Error> {
-    let path = folder.path();
-    // what cannot be read is replaced
-    let Ok(stored) = identity_of_results(path) else {
+    let Some(outcomes) = whole_results(folder, identity, settings) else {
         return Ok(None);
     };
-    if accepted(identity, &stored, settings).is_err() {
-        return Ok(None);
-    }
-    let outcomes = read_samples(&path.join(TABLES[0]))?.outcomes;
-    let fails = |outcome: &SampleOutcome| {
-        let mut levels = outcome.levels.iter();
-        levels.any(|level| !level.status.has_solution())
-    };
-    if settings.retry_failed && outcomes.iter().any(fails) {
-        return Ok(None);
-    }
-    let (summary, run) = report::render(path)?;
+    let (summary, run) = report::render(folder.path())?;
     Ok(Some(RunResult {
         taken_over: outcomes.len() as u64,
         outcomes,

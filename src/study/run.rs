@@ -88,13 +88,7 @@ pub(super) fn run_after(
     } = resumed;
     let taken_over = known.range(..study.samples).count() as u64;
     let meter = Meter::start(taken_over, study.samples, progress);
-    let begun = Begun {
-        study,
-        folder,
-        settings,
-        identity,
-        first: known.get(&0).cloned(),
-    };
+    let begun = Begun::with(&known, study, folder, settings, identity);
     at_work(begun, meter, |session| {
         let ensemble = session.ensemble;
         let mut record = first_record(session.prepared, ensemble)?;

@@ -11,16 +11,35 @@ use crate::Error;
 use crate::ensemble::backend::OpenBackend;
 use crate::ensemble::parts::{PartFolder, PartHead, PartWriter, RunIdentity};
 use crate::ensemble::runner::{Stopped, Watch};
-use crate::ensemble::{Ensemble, SolvedSample};
+use crate::ensemble::{Ensemble, Known, SolvedSample};
 
 /// What a process knows before it begins.
 pub(super) struct Begun<'a> {
-    pub study: &'a Study,
-    pub folder: &'a OutputFolder,
-    pub settings: &'a RunSettings,
-    pub identity: RunIdentity,
+    study: &'a Study,
+    folder: &'a OutputFolder,
+    settings: &'a RunSettings,
+    identity: RunIdentity,
     /// Sample 0, if it is solved already.
-    pub first: Option<SolvedSample>,
+    first: Option<SolvedSample>,
+}
+
+impl<'a> Begun<'a> {
+    /// A process that takes over the samples that are `known`.
+    pub(super) fn with(
+        known: &Known,
+        study: &'a Study,
+        folder: &'a OutputFolder,
+        settings: &'a RunSettings,
+        identity: RunIdentity,
+    ) -> Self {
+        Self {
+            study,
+            folder,
+            settings,
+            identity,
+            first: known.get(&0).cloned(),
+        }
+    }
 }
 
 /// A process at work on a run: it solves, and what it has solved is written as parts.

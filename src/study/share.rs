@@ -80,13 +80,7 @@ pub fn solve_share(
     let samples = anchors + others.len() as u64;
     let taken_over = known.range(..anchors).count() as u64 + (others.len() - missing.len()) as u64;
     let meter = Meter::start(taken_over, samples, progress);
-    let begun = Begun {
-        study,
-        folder,
-        settings,
-        identity,
-        first: known.get(&0).cloned(),
-    };
+    let begun = Begun::with(&known, study, folder, settings, identity);
     at_work(begun, meter, |session| {
         let (ensemble, mut solved) = (session.ensemble, Solved::default());
         session.written(samples, |watch| {

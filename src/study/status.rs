@@ -103,16 +103,13 @@ impl FolderStatus {
                 return Ok(());
             }
         };
-        let solved = |o: &crate::ensemble::outcome::SampleOutcome| {
-            o.levels.iter().all(|level| level.status.has_solution())
-        };
         let done = outcomes.len() as u64;
         self.results = Some(RunStatus {
             study_file: folder.join(&identity.study.path),
             identity,
             done,
             samples: done,
-            failed: outcomes.iter().filter(|o| !solved(o)).count() as u64,
+            failed: outcomes.iter().filter(|o| !o.is_solved()).count() as u64,
             missing: Vec::new(),
             parts: 0,
             newest: written(&table),
@@ -152,7 +149,7 @@ impl FolderStatus {
             identity,
             done: known.len() as u64,
             samples: study.samples,
-            failed: known.values().filter(|s| !s.is_solved()).count() as u64,
+            failed: known.values().filter(|s| !s.outcome.is_solved()).count() as u64,
             missing: gaps(&indices, study.samples),
             parts: parts.len(),
             newest: parts.iter().filter_map(|p| written(&p.paths()[0])).max(),

@@ -92,7 +92,8 @@ pub fn samples_of(parts: &[StoredPart], design: &Design) -> Result<Known, FileEr
         let path = &part.paths()[0];
         for (index, sample) in part.samples(design)? {
             let first = known.get(&index);
-            match first.map(|first| (first.is_solved(), sample.is_solved(), first)) {
+            match first.map(|first| (first.outcome.is_solved(), sample.outcome.is_solved(), first))
+            {
                 Some((true, false, _) | (false, false, _)) => continue,
                 None | Some((false, true, _)) => {}
                 // texts of numbers are exact, and equal for NaN

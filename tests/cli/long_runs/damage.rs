@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use super::{assert_same_results, killed_after, microslip, parts, refused, run, start, study};
+use super::{
+    assert_same_results, killed_after, microslip, parts, refused, run, solved, start,
+    wait_for_a_part,
+};
 
 const SAMPLES: u64 = 120;
 
@@ -21,9 +24,8 @@ fn damage(folder: &Path, output: &str, end: &str, how: fn(&mut Vec<u8>)) -> Stri
 /// Seen to fail with hashes that are not compared.
 #[test]
 fn damaged_parts_are_solved_again() {
-    let study = study(SAMPLES);
+    let study = solved(SAMPLES);
     let path = study.path();
-    run(path, "whole", &["--quiet"]);
     let flip: fn(&mut Vec<u8>) = |bytes| {
         let middle = bytes.len() / 2;
         bytes[middle] ^= 4;
@@ -60,9 +62,8 @@ fn damaged_parts_are_solved_again() {
 /// Seen to fail with every file of the folder taken for a part.
 #[test]
 fn files_of_no_part_are_left_alone() {
-    let study = study(SAMPLES);
+    let study = solved(SAMPLES);
     let path = study.path();
-    run(path, "whole", &["--quiet"]);
     killed_after(path, "results", 2);
     let names = parts(path, "results");
     let table = names
@@ -83,9 +84,8 @@ fn files_of_no_part_are_left_alone() {
 #[cfg(unix)]
 #[test]
 fn a_part_that_cannot_be_written_ends_the_run() {
-    let study = study(SAMPLES);
+    let study = solved(SAMPLES);
     let path = study.path();
-    run(path, "whole", &["--quiet"]);
     run(path, "results", &["--quiet"]);
     super::change(path, "seed = 7", "seed = 8");
     // a folder that cannot be made: no part can be written, as on a full disk
@@ -99,13 +99,10 @@ fn a_part_that_cannot_be_written_ends_the_run() {
 /// A folder that is taken away under a run is made again. Seen to fail without the second attempt.
 #[test]
 fn a_lost_folder_is_made_again() {
-    let study = study(SAMPLES);
+    let study = solved(SAMPLES);
     let path = study.path();
-    run(path, "whole", &["--quiet"]);
     let mut child = start(path, "results", "20ms", &[]);
-    while parts(path, "results").is_empty() {
-        std::thread::sleep(std::time::Duration::from_millis(2));
-    }
+    wait_for_a_part(path, "results");
     std::fs::rename(path.join("results"), path.join("elsewhere")).unwrap();
     assert!(child.wait().unwrap().success(), "{child:?}");
     assert_same_results(path, "results");

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::super::test_functions;
 use super::{
-    assert_same_results, change, killed_after, microslip, parts, refused, run, start, study,
+    assert_same_results, change, killed_after, microslip, parts, refused, run, solved, start, study,
 };
 use assert_cmd::cargo::CommandCargoExt;
 use microslip::ensemble::store::read_samples;
@@ -23,9 +23,8 @@ const SAMPLES: u64 = 400;
 /// their curves.
 #[test]
 fn kills_at_random_change_no_bit() {
-    let study = study(SAMPLES);
+    let study = solved(SAMPLES);
     let path = study.path();
-    run(path, "whole", &["--quiet"]);
     let mut random = ChaCha8Rng::seed_from_u64(21);
     let (mut kills, mut ends) = (0, 0);
     while kills < KILLS {
@@ -67,9 +66,8 @@ fn kills_at_random_change_no_bit() {
 /// A kill may also come while the results are placed: the next reader finishes. Seen to fail with a reader that does not.
 #[test]
 fn results_that_were_being_placed_are_whole() {
-    let study = study(6);
+    let study = solved(6);
     let path = study.path();
-    run(path, "whole", &["--quiet"]);
     run(path, "placed", &["--quiet"]);
     let placing = path.join("placed/.placing");
     std::fs::create_dir(&placing).unwrap();
@@ -86,9 +84,8 @@ fn results_that_were_being_placed_are_whole() {
 #[cfg(unix)]
 #[test]
 fn a_terminated_run_goes_on() {
-    let study = study(SAMPLES);
+    let study = solved(SAMPLES);
     let path = study.path();
-    run(path, "whole", &["--quiet"]);
     // one part an hour: what is kept was written because of the signal
     let mut child = std::process::Command::cargo_bin("microslip")
         .unwrap()
@@ -147,9 +144,8 @@ fn a_run_stops_after_the_time_asked_for() {
 /// Seen to fail with results that are solved anew.
 #[test]
 fn older_results_stay_until_new_ones_are_whole() {
-    let study = study(SAMPLES);
+    let study = solved(SAMPLES);
     let path = study.path();
-    run(path, "whole", &["--quiet"]);
     let changed = |name: &str| {
         std::fs::metadata(path.join("whole").join(name))
             .unwrap()

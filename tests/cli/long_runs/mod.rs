@@ -27,6 +27,20 @@ fn study(samples: u64) -> TempDir {
     folder
 }
 
+/// The same, solved without a disturbance into `whole`.
+fn solved(samples: u64) -> TempDir {
+    let study = study(samples);
+    run(study.path(), "whole", &["--quiet"]);
+    study
+}
+
+/// Waits until a run has written something.
+fn wait_for_a_part(folder: &Path, output: &str) {
+    while parts(folder, output).is_empty() {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+}
+
 /// Replaces `old` by `new` in the study of `folder`.
 fn change(folder: &Path, old: &str, new: &str) {
     let path = folder.join("study.toml");

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::{
-    assert_same_results, change, killed_after, microslip, parts, refused, run, start, study,
+    assert_same_results, change, killed_after, microslip, parts, refused, run, solved, start,
+    study, wait_for_a_part,
 };
 use microslip::ensemble::Known;
 use microslip::ensemble::parts::{PartFolder, PartHead, StoredPart, samples_of};
@@ -62,9 +63,8 @@ fn parts_of_another_study_are_refused() {
 /// Seen to fail with every program taken, and with none named.
 #[test]
 fn parts_of_another_program_are_refused_or_named() {
-    let study = study(SAMPLES);
+    let study = solved(SAMPLES);
     let path = study.path();
-    run(path, "whole", &["--quiet"]);
     killed_after(path, "results", 2);
     let (parts, mut head, known) = stored(path, "results");
     parts.remove().unwrap();
@@ -87,9 +87,8 @@ fn parts_of_another_program_are_refused_or_named() {
 /// Seen to fail with the first result taken.
 #[test]
 fn parts_that_contradict_each_other_are_an_error() {
-    let study = study(SAMPLES);
+    let study = solved(SAMPLES);
     let path = study.path();
-    run(path, "whole", &["--quiet"]);
     killed_after(path, "results", 3);
     let (folder, head, known) = stored(path, "results");
     folder
@@ -130,9 +129,8 @@ fn parts_that_contradict_each_other_are_an_error() {
 /// Seen to fail with the option ignored.
 #[test]
 fn failed_samples_are_solved_again_on_demand() {
-    let study = study(12);
+    let study = solved(12);
     let path = study.path();
-    run(path, "whole", &["--quiet"]);
     change(path, "samples = 12", "samples = 120");
     killed_after(path, "results", 2);
     let (folder, mut head, known) = stored(path, "results");
@@ -165,13 +163,10 @@ fn failed_samples_are_solved_again_on_demand() {
 /// Two commands in one folder: the second is refused and does no harm. Seen to fail without the lock.
 #[test]
 fn one_command_at_a_time() {
-    let study = study(SAMPLES);
+    let study = solved(SAMPLES);
     let path = study.path();
-    run(path, "whole", &["--quiet"]);
     let mut first = start(path, "results", "20ms", &[]);
-    while parts(path, "results").is_empty() {
-        std::thread::sleep(std::time::Duration::from_millis(2));
-    }
+    wait_for_a_part(path, "results");
     let arguments = ["run", "study.toml", "--quiet"];
     refused(
         path,

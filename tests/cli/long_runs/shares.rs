@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Child;
 use std::time::Duration;
 
-use super::{assert_same_results, change, microslip, refused, run, start, study};
+use super::{assert_same_results, change, microslip, refused, run, solved, start, study};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -147,9 +147,8 @@ fn a_run_with_a_rule_is_not_shared() {
 /// Seen to fail with the anchors of the first generation alone.
 #[test]
 fn joined_processes_make_one_run() {
-    let study = study(100);
+    let study = solved(100);
     let path = study.path();
-    run(path, "whole", &["--quiet"]);
     for n in 1..=4 {
         let mut children: Vec<Child> = Vec::new();
         for _ in 0..n {
@@ -173,9 +172,8 @@ fn joined_processes_make_one_run() {
 /// Seen to fail with claims that are never void.
 #[test]
 fn the_last_of_three_ends_the_run() {
-    let study = study(150);
+    let study = solved(150);
     let path = study.path();
-    run(path, "whole", &["--quiet"]);
     let mut random = ChaCha8Rng::seed_from_u64(3);
     let join = || start(path, "results", "20ms", &["--join", "--threads", "1"]);
     let mut children = [join(), join(), join()];
