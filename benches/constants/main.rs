@@ -56,7 +56,7 @@ fn solved(study: &Study) -> Vec<SampleOutcome> {
     let output = OutputFolder::open(folder.path()).expect("a folder");
     let settings = RunSettings::default();
     let result = run(study, &output, &settings, |_progress| {}).expect("results");
-    result.outcomes
+    result.stored.outcomes
 }
 
 fn levels(outcomes: &[SampleOutcome]) -> impl Iterator<Item = &LevelOutcome> {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::going_on::GoingOn;
 use super::levels::show_result;
+use super::log::Messages;
 use super::terminal::Bar;
 use super::threads::Threads;
 use clap::Args;
@@ -19,9 +20,8 @@ pub(super) struct ExtendArguments {
     samples: u64,
     #[command(flatten)]
     threads: Threads,
-    /// No progress and no summary.
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    pub messages: Messages,
     #[command(flatten)]
     going_on: GoingOn,
 }
@@ -29,12 +29,12 @@ pub(super) struct ExtendArguments {
 impl ExtendArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
         self.threads.start()?;
-        let settings = self.going_on.settings(&self.folder)?;
-        let bar = Bar::new(self.quiet);
+        let settings = self.going_on.settings(&self.folder, self.messages.log)?;
+        let bar = Bar::new(&self.messages);
         let result = extend(&self.folder, self.samples, &settings, |progress| {
             bar.show(progress);
         })?;
         bar.clear();
-        show_result(&result, &self.folder, self.quiet)
+        show_result(&result, &self.folder, &self.messages)
     }
 }

@@ -1,10 +1,10 @@
 //! How a run ends early, and what it takes over from an earlier one.
 
-use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::STOPPED;
+use super::log::{Event, Log};
 use clap::Args;
 use microslip::Error;
 use microslip::ensemble::stop::Stop;
@@ -28,11 +28,12 @@ pub(super) struct GoingOn {
 
 impl GoingOn {
     /// The settings of a run in `folder` that ends on a signal or after the time asked for.
-    pub(super) fn settings(&self, folder: &Path) -> Result<RunSettings, Error> {
+    pub(super) fn settings(&self, folder: &Path, log: Log) -> Result<RunSettings, Error> {
         let stop = Stop::default();
         let ending = Ending {
             stop: stop.clone(),
-            folder: folder.display().to_string(),
+            folder: folder.to_owned(),
+            log,
         };
         if let Some(time) = self.stop_after {
             let ending = ending.clone();
@@ -56,7 +57,8 @@ impl GoingOn {
 #[derive(Clone)]
 struct Ending {
     stop: Stop,
-    folder: String,
+    folder: PathBuf,
+    log: Log,
 }
 
 impl Ending {
@@ -65,11 +67,11 @@ impl Ending {
     fn end(&self) {
         self.stop.ask();
         std::thread::sleep(GRACE);
-        let _ = writeln!(
-            std::io::stderr(),
+        let message = format!(
             "stopped in the middle of samples; all others are kept in {}, and the same command goes on",
-            Path::new(&self.folder).join("parts").display()
+            self.folder.join("parts").display()
         );
+        self.log.write(&Event::Stopped(&message));
         std::process::exit(i32::from(STOPPED));
     }
 }

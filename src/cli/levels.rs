@@ -3,11 +3,13 @@
 use std::io::Write;
 use std::path::Path;
 
-use super::terminal::{print, show_warnings};
+use super::log::{Event, Messages};
+use super::terminal::print;
 use microslip::Error;
 use microslip::report::Summary;
 use microslip::report::numbers::EpistemicSummary;
-use microslip::study::RunResult;
+use microslip::study::{Profile, RunResult};
+use serde_json::{Map, Value, json};
 
 /// What the intervals of a design without independent samples are.
 pub(super) const INDICATIONS: &str = "no independent samples: intervals are indications";
@@ -17,11 +19,17 @@ pub(super) fn at_point(outer: Option<u64>) -> String {
     outer.map_or_else(String::new, |outer| format!(" at outer point {outer}"))
 }
 
-/// Warnings; unless `quiet`, what the samples say, and where the files are.
-pub(super) fn show_result(result: &RunResult, folder: &Path, quiet: bool) -> Result<(), Error> {
-    show_warnings(&result.notes);
-    show_warnings(&result.summary.backend.messages());
-    if quiet {
+/// Warnings and the end; unless quiet, what the samples say, and where the files are.
+pub(super) fn show_result(
+    result: &RunResult,
+    folder: &Path,
+    messages: &Messages,
+) -> Result<(), Error> {
+    let log = messages.log;
+    log.warn(&result.notes);
+    log.warn(&result.summary.backend.messages());
+    log.write(&Event::Finished(in_json(result, folder)));
+    if messages.quiet {
         return Ok(());
     }
     print(|out| {
@@ -33,7 +41,7 @@ pub(super) fn show_result(result: &RunResult, folder: &Path, quiet: bool) -> Res
         if let Some(reason) = &result.unfolded {
             writeln!(out, "{reason}")?;
         }
-        if let Some(stopping) = &result.stopping {
+        if let Some(stopping) = &result.stored.record.stopping {
             writeln!(out, "{}", stopping.in_words())?;
         }
         writeln!(
@@ -42,6 +50,46 @@ pub(super) fn show_result(result: &RunResult, folder: &Path, quiet: bool) -> Res
             folder.display()
         )
     })
+}
+
+/// What a program should know of a result: where it is, how many samples failed at each level, and where the time went.
+fn in_json(result: &RunResult, folder: &Path) -> Value {
+    let summary = &result.summary;
+    let levels = summary.levels.iter();
+    let levels = levels.map(|level| json!({ "level": level.level, "failed": level.failed }));
+    let stages = result.profile.stages.iter();
+    let stages = stages.map(|(stage, time)| (stage.name().to_owned(), time.as_secs_f64().into()));
+    let times = result.profile.samples;
+    json!({
+        "folder": folder.display().to_string(),
+        "samples": summary.samples,
+        "taken_over": result.taken_over,
+        "levels": levels.collect::<Value>(),
+        "seconds_of_stages": stages.collect::<Map<_, _>>(),
+        "thread_seconds_of_samples": {
+            "peaks": times.peaks.as_secs_f64(),
+            "larger harmonic sets": times.larger_sets.as_secs_f64(),
+            "curves": times.curves.as_secs_f64(),
+        },
+    })
+}
+
+/// Where the time went, stage by stage.
+pub(super) fn show_profile(out: &mut dyn Write, profile: &Profile) -> std::io::Result<()> {
+    writeln!(out, "wall time of this process by stage:")?;
+    for (stage, time) in &profile.stages {
+        writeln!(out, "  {:24} {:9.2} s", stage.name(), time.as_secs_f64())?;
+    }
+    let times = profile.samples;
+    writeln!(out, "time of the samples, summed over the threads:")?;
+    for (name, time) in [
+        ("peaks", times.peaks),
+        ("larger harmonic sets", times.larger_sets),
+        ("curves", times.curves),
+    ] {
+        writeln!(out, "  {name:24} {:9.2} s", time.as_secs_f64())?;
+    }
+    Ok(())
 }
 
 /// Samples solved, and the 5, 50 and 95 % quantiles of frequency and amplitude, one line per level; then what outer

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::going_on::GoingOn;
 use super::levels::show_result;
+use super::log::Messages;
 use super::terminal::Bar;
 use super::threads::Threads;
 use clap::Args;
@@ -20,9 +21,8 @@ pub(super) struct MergeArguments {
     output: PathBuf,
     #[command(flatten)]
     threads: Threads,
-    /// No progress and no summary.
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    pub messages: Messages,
     #[command(flatten)]
     going_on: GoingOn,
 }
@@ -31,11 +31,11 @@ impl MergeArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
         self.threads.start()?;
         let output = OutputFolder::open(&self.output)?;
-        let settings = self.going_on.settings(&self.output)?;
+        let settings = self.going_on.settings(&self.output, self.messages.log)?;
         let folders: Vec<&Path> = self.folders.iter().map(PathBuf::as_path).collect();
-        let bar = Bar::new(self.quiet);
+        let bar = Bar::new(&self.messages);
         let result = merge(&folders, &output, &settings, |progress| bar.show(progress))?;
         bar.clear();
-        show_result(&result, &self.output, self.quiet)
+        show_result(&result, &self.output, &self.messages)
     }
 }

@@ -10,6 +10,7 @@ mod extend;
 mod going_on;
 mod inspect;
 mod levels;
+mod log;
 mod man;
 mod merge;
 mod pace;
@@ -24,7 +25,7 @@ mod study_arguments;
 mod terminal;
 mod threads;
 
-use std::io::{ErrorKind, Write};
+use std::io::ErrorKind;
 use std::process::ExitCode;
 use std::sync::LazyLock;
 
@@ -32,6 +33,7 @@ use clap::{Parser, Subcommand};
 use compare::CompareArguments;
 use completions::CompletionsArguments;
 use extend::ExtendArguments;
+use log::{Event, Log};
 use man::ManArguments;
 use merge::MergeArguments;
 use microslip::Error;
@@ -113,6 +115,17 @@ enum Command {
 }
 
 impl Command {
+    /// Form of what it says on standard error.
+    fn log(&self) -> Log {
+        match self {
+            Self::Run(arguments) => arguments.study.messages.log,
+            Self::Solve(arguments) | Self::Inspect(arguments) => arguments.messages.log,
+            Self::Extend(arguments) => arguments.messages.log,
+            Self::Merge(arguments) => arguments.messages.log,
+            _ => Log::Text,
+        }
+    }
+
     fn execute(&self) -> Result<(), Error> {
         match self {
             Self::Run(arguments) => arguments.execute(),
@@ -137,6 +150,7 @@ impl Command {
 pub(crate) fn main() -> ExitCode {
     // Help and version end here with 0; wrong arguments with clap's own message and 2.
     let arguments = Arguments::parse();
+    let log = arguments.command.log();
     match arguments.command.execute() {
         Ok(()) => ExitCode::SUCCESS,
         // A reader such as `head` that has seen enough is no failure of ours.
@@ -146,12 +160,11 @@ pub(crate) fn main() -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(stopped @ Error::Stopped { .. }) => {
-            let _ = writeln!(std::io::stderr(), "{stopped}");
+            log.write(&Event::Stopped(&stopped.to_string()));
             ExitCode::from(STOPPED)
         }
         Err(error) => {
-            // Nothing is left to be done if even the message cannot be written.
-            let _ = writeln!(std::io::stderr(), "error: {error}");
+            log.write(&Event::Error(&error.to_string()));
             ExitCode::from(FAILURE)
         }
     }

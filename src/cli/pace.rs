@@ -13,7 +13,12 @@ const MOST_POINTS: usize = 256;
 pub(super) struct Pace {
     /// Seconds since the start, and parts done then; ascending.
     points: VecDeque<(f64, u64)>,
+    /// Seconds since the start at which somebody was told last.
+    told: f64,
 }
+
+/// Seconds after which somebody is told again.
+const TELL_EVERY: f64 = 10.0;
 
 impl Pace {
     /// So many parts are done after this time. Threads may come with their numbers in any order.
@@ -28,6 +33,17 @@ impl Pace {
                 keep
             });
         }
+    }
+
+    /// Whether nobody was told for long.
+    pub(super) fn is_due(&self) -> bool {
+        let last = self.points.back();
+        last.is_some_and(|(now, _)| now - self.told >= TELL_EVERY)
+    }
+
+    /// Somebody is told of the last point.
+    pub(super) fn told(&mut self) {
+        self.told = self.points.back().map_or(0.0, |(now, _)| *now);
     }
 
     /// Parts per second over the later half of the time; nothing before two different points of time.

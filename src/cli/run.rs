@@ -4,21 +4,23 @@ use std::io::Write;
 use std::path::Path;
 
 use super::going_on::GoingOn;
-use super::levels::show_result;
+use super::levels::{show_profile, show_result};
+use super::log::Event;
 use super::shares::{Shares, Work};
 use super::study_arguments::StudyArguments;
-use super::terminal::{Bar, print, show_warnings};
+use super::terminal::{Bar, print};
 use clap::Args;
 use microslip::Error;
 use microslip::ensemble::backend::{BackendChoice, BackendSettings};
 use microslip::gpu::{GpuSettings, Precision};
 use microslip::report::Summary;
 use microslip::study::{RunSettings, ShareResult, Study, join, run, solve_share};
+use serde_json::json;
 
 #[derive(Args)]
 pub(super) struct RunArguments {
     #[command(flatten)]
-    study: StudyArguments,
+    pub study: StudyArguments,
     /// Who drafts contact forces; the results do not depend on it. `auto` takes a GPU that is hardware, if there is one.
     #[arg(long, value_enum, default_value = "cpu")]
     backend: BackendName,
@@ -32,7 +34,7 @@ pub(super) struct RunArguments {
     /// Numbers of the shaders; f64 where the adapter has it.
     #[arg(long, value_enum, default_value = "f32")]
     precision: PrecisionName,
-    /// Show the time of every pass on the GPU.
+    /// Show at the end where the time went; with a GPU also the time of every pass.
     #[arg(long)]
     profile: bool,
     /// Solve those samples again that an earlier process left without a solution.
@@ -62,14 +64,21 @@ impl RunArguments {
         let Self { study: common, .. } = self;
         common.threads.start()?;
         let study = Study::read(&common.study)?;
-        show_warnings(&study.warnings);
+        let messages = &common.messages;
+        messages.log.warn(&study.warnings);
         let folder = common.output_folder(&study)?;
+        messages.log.write(&Event::Started(json!({
+            "study": common.study.display().to_string(),
+            "folder": folder.path().display().to_string(),
+            "version": env!("CARGO_PKG_VERSION"),
+            "process": std::process::id(),
+        })));
         let settings = RunSettings {
             backend: self.backend(),
             retry_failed: self.retry_failed,
-            ..self.going_on.settings(folder.path())?
+            ..self.going_on.settings(folder.path(), messages.log)?
         };
-        let bar = Bar::new(common.quiet);
+        let bar = Bar::new(messages);
         let progress = |progress| bar.show(progress);
         let result = match self.shares.work()? {
             Work::Alone => run(&study, &folder, &settings, progress)?,
@@ -81,16 +90,22 @@ impl RunArguments {
             }
         };
         bar.clear();
-        show_result(&result, folder.path(), common.quiet)?;
-        if common.quiet {
+        show_result(&result, folder.path(), messages)?;
+        if messages.quiet {
             return Ok(());
         }
-        print(|out| show_gpu(out, &result.summary, self.profile))
+        print(|out| {
+            show_gpu(out, &result.summary, self.profile)?;
+            match self.profile {
+                true => show_profile(out, &result.profile),
+                false => Ok(()),
+            }
+        })
     }
 
     fn show_share(&self, share: &ShareResult, folder: &Path) -> Result<(), Error> {
-        show_warnings(&share.notes);
-        if self.study.quiet {
+        self.study.messages.log.warn(&share.notes);
+        if self.study.messages.quiet {
             return Ok(());
         }
         let (samples, of, before) = (share.samples, share.of, share.taken_over);

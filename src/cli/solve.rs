@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use super::study_arguments::StudyArguments;
-use super::terminal::{Bar, print, show_warnings};
+use super::terminal::{Bar, print};
 use microslip::Error;
 use microslip::hb::response::forced_response::{Gap, Largest, Stop};
 use microslip::hb::{Solution, Status};
@@ -12,12 +12,12 @@ use microslip::study::{FrequencyUnit, LevelCurve, Study, solve};
 pub(super) fn execute(arguments: &StudyArguments) -> Result<(), Error> {
     arguments.threads.start()?;
     let study = Study::read(&arguments.study)?;
-    show_warnings(&study.warnings);
+    arguments.messages.log.warn(&study.warnings);
     let folder = arguments.output_folder(&study)?;
-    let bar = Bar::new(arguments.quiet);
+    let bar = Bar::new(&arguments.messages);
     let curves = solve(&study, &folder, |progress| bar.show(progress))?;
     bar.clear();
-    if arguments.quiet {
+    if arguments.messages.quiet {
         return Ok(());
     }
     print(|out| {

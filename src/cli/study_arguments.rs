@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::log::Messages;
 use super::threads::Threads;
 use clap::Args;
 use microslip::Error;
@@ -16,9 +17,8 @@ pub(super) struct StudyArguments {
     /// Folder of the results, instead of the study's own.
     #[arg(long)]
     pub output: Option<PathBuf>,
-    /// No progress and no summary.
-    #[arg(long)]
-    pub quiet: bool,
+    #[command(flatten)]
+    pub messages: Messages,
 }
 
 impl StudyArguments {

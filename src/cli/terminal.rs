@@ -4,6 +4,7 @@ use std::io::Write;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
+use super::log::{Event, Log, Messages};
 use super::pace::Pace;
 use microslip::Error;
 use microslip::study::Progress;
@@ -18,24 +19,19 @@ pub(super) fn print(
         .map_err(|source| Error::file("standard output".as_ref(), source))
 }
 
-/// Warnings go to standard error; one that cannot be shown is no reason to stop.
-pub(super) fn show_warnings(messages: &[String]) {
-    for message in messages {
-        let _ = writeln!(std::io::stderr(), "warning: {message}");
-    }
-}
-
-/// Progress on standard error: a bar on a terminal, else one line per twentieth.
+/// Progress on standard error: a bar on a terminal, else a line per twentieth, and one per ten seconds for a program.
 pub(super) struct Bar {
     bar: indicatif::ProgressBar,
     began: Instant,
     pace: Mutex<Pace>,
     quiet: bool,
+    log: Log,
 }
 
 impl Bar {
-    pub(super) fn new(quiet: bool) -> Self {
-        let bar = match quiet {
+    pub(super) fn new(messages: &Messages) -> Self {
+        let Messages { quiet, log } = *messages;
+        let bar = match quiet || log == Log::Json {
             true => indicatif::ProgressBar::hidden(),
             false => indicatif::ProgressBar::new(0),
         };
@@ -48,6 +44,7 @@ impl Bar {
             began: Instant::now(),
             pace: Mutex::default(),
             quiet,
+            log,
         }
     }
 
@@ -61,14 +58,20 @@ impl Bar {
         let mut pace = self.pace.lock().unwrap_or_else(PoisonError::into_inner);
         pace.note(self.began.elapsed(), done);
         let words = pace.in_words(total);
+        let due = self.log == Log::Json && pace.is_due();
         let before = self.bar.position();
         self.bar.set_length(total);
         self.bar.set_position(done.max(before));
         let twentieth = |n: u64| 20 * n / total.max(1);
         let step = twentieth(done) > twentieth(before);
-        if !self.quiet && self.bar.is_hidden() && step {
-            // Progress that cannot be shown is no reason to stop.
-            let _ = writeln!(std::io::stderr(), "{done}/{total}, {words}");
+        if !self.quiet && self.bar.is_hidden() && (step || due) {
+            pace.told();
+            self.log.write(&Event::Progress {
+                done,
+                total,
+                per_second: pace.per_second(),
+                words: &words,
+            });
         }
         self.bar.set_message(words);
     }

@@ -33,7 +33,6 @@ pub mod one_at_a_time;
 pub mod outcome;
 pub mod parts;
 pub mod program;
-pub mod resume;
 pub mod runner;
 mod sample;
 pub mod stop;
@@ -42,6 +41,7 @@ pub mod strips;
 pub mod table;
 #[cfg(feature = "test-functions")]
 pub mod test_function;
+pub mod times;
 
 pub use runner::{Ensemble, Known, SampleSolver, Solved, SolvedSample};
 pub use strips::Strips;

@@ -36,6 +36,13 @@ impl Program {
     }
 }
 
+/// The process that runs it, such as `node7, process 4711`.
+#[must_use]
+pub fn this_process() -> String {
+    let host = gethostname::gethostname();
+    format!("{}, process {}", host.to_string_lossy(), std::process::id())
+}
+
 /// The widest instruction set that the linear algebra uses here.
 fn instruction_set() -> &'static str {
     #[cfg(target_arch = "x86_64")]

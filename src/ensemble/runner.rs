@@ -6,6 +6,7 @@
 use super::atlas::{Anchor, Atlas};
 use super::outcome::{LevelOutcome, SampleOutcome};
 use super::strips::Strips;
+use super::times::SampleTimes;
 use crate::contact::ContactParameters;
 use crate::gpu::Gpu;
 use crate::hb::peak::maxima::PeakChoice;
@@ -13,8 +14,9 @@ use crate::hb::peak::search::PeakSettings;
 use crate::hb::{HbSettings, LinearModel};
 use crate::sampling::{Design, Input};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 /// What all samples of a study share.
 #[derive(Debug, Clone, Copy)]
@@ -73,8 +75,22 @@ pub struct SolvedSample {
     pub anchor: Option<Anchor>,
 }
 
-/// Samples that are solved already, by their index; there may be gaps.
-pub type Known = BTreeMap<u64, SolvedSample>;
+/// Samples that are solved already; there may be gaps.
+#[derive(Debug, Clone, Default)]
+pub struct Known {
+    /// Their indices.
+    pub indices: BTreeSet<u64>,
+    /// The first [`MOST_ANCHORS`] of them as starts for others, by their index.
+    pub anchors: BTreeMap<u64, Anchor>,
+}
+
+impl Known {
+    /// The anchors of the samples before `end`, in their order.
+    #[must_use]
+    pub fn anchors_before(&self, end: u64) -> Vec<Anchor> {
+        self.anchors.range(..end).map(|(_, a)| a.clone()).collect()
+    }
+}
 
 /// Solved samples, and the starts that they give to further ones.
 #[derive(Debug, Clone, Default)]
@@ -87,8 +103,8 @@ pub struct Solved {
 
 /// Who watches a run.
 pub trait Watch: Sync {
-    /// A sample was solved. Called from any thread.
-    fn solved(&self, sample: &SolvedSample);
+    /// A sample was solved in this time. Called from any thread.
+    fn solved(&self, sample: SolvedSample, times: SampleTimes);
 
     /// Whether no other sample is to begin.
     fn stops(&self) -> bool;
@@ -98,12 +114,18 @@ pub trait Watch: Sync {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stopped;
 
-/// A watch that counts and never stops.
-struct Counting<F>(F);
+/// A watch that keeps all samples and never stops.
+struct Keeping<F> {
+    samples: Mutex<BTreeMap<u64, SampleOutcome>>,
+    done: F,
+}
 
-impl<F: Fn() + Sync> Watch for Counting<F> {
-    fn solved(&self, _: &SolvedSample) {
-        (self.0)();
+impl<F: Fn() + Sync> Watch for Keeping<F> {
+    fn solved(&self, sample: SolvedSample, _: SampleTimes) {
+        let kept = self.samples.lock();
+        let mut kept = kept.unwrap_or_else(PoisonError::into_inner);
+        kept.insert(sample.outcome.index, sample.outcome);
+        (self.done)();
     }
 
     fn stops(&self) -> bool {
@@ -121,10 +143,21 @@ impl Ensemble<'_> {
     /// The same with the starts that they give to further samples.
     #[must_use]
     pub fn solved(&self, samples: u64, done: impl Fn() + Sync) -> Solved {
-        let (mut solved, mut known) = (Solved::default(), Known::new());
-        // a count never stops a run
-        let _ = self.extend(&mut solved, &mut known, samples, &Counting(done));
-        solved
+        let (mut known, watch) = (
+            Known::default(),
+            Keeping {
+                samples: Mutex::default(),
+                done,
+            },
+        );
+        // it never stops
+        let _ = self.extend(&mut known, samples, &watch);
+        let kept = watch.samples.into_inner();
+        let kept = kept.unwrap_or_else(PoisonError::into_inner);
+        Solved {
+            outcomes: kept.into_values().collect(),
+            anchors: known.anchors.into_values().collect(),
+        }
     }
 
     /// Solves at inputs that are no samples of the design, on the processor, started from `anchors`. The results depend on the
@@ -139,7 +172,7 @@ impl Ensemble<'_> {
         move |inputs| on_processor.levels(inputs, &atlas)
     }
 
-    /// Goes on from `solved`, the first samples, to the samples 0 … `samples` − 1. Those that are `known` are taken from there.
+    /// Solves those of the samples 0 … `samples` − 1 that are not `known`, and adds them there. `watch` is told of each.
     ///
     /// The samples of the first generation start from no other sample. Each later one starts from the generations before its
     /// own. So the starts of sample i depend on i, but not on the order of solving, the number of samples, or the samples that
@@ -149,30 +182,27 @@ impl Ensemble<'_> {
     /// [`Stopped`] if `watch` said so; what was solved until then it has been told.
     pub fn extend(
         &self,
-        solved: &mut Solved,
         known: &mut Known,
         samples: u64,
         watch: &dyn Watch,
     ) -> Result<(), Stopped> {
         let mut atlas = Atlas::default();
         for generation in generations(samples) {
-            let begun = generation.start.max(solved.outcomes.len() as u64);
-            let missing: Vec<u64> = (begun..generation.end)
-                .filter(|index| !known.contains_key(index))
-                .collect();
-            let new: Option<Vec<(u64, SolvedSample)>> = missing
-                .into_par_iter()
-                // one sample may take as long as a hundred others
-                .with_max_len(1)
-                .map(|index| Some((index, self.watched(index, &atlas, watch)?)))
-                .collect();
-            known.extend(new.ok_or(Stopped)?);
-            for sample in (begun..generation.end).filter_map(|index| known.remove(&index)) {
-                solved.outcomes.push(sample.outcome);
-                solved.anchors.extend(sample.anchor);
+            let missing = generation.clone().filter(|i| !known.indices.contains(i));
+            let missing: Vec<u64> = missing.collect();
+            if generation.start < MOST_ANCHORS {
+                let new: Option<Vec<(u64, Anchor)>> = (missing.par_iter())
+                    // one sample may take as long as a hundred others
+                    .with_max_len(1)
+                    .map(|&index| Some((index, self.watched(index, &atlas, watch)?)))
+                    .collect();
+                known.anchors.extend(new.ok_or(Stopped)?);
+                let anchors = known.anchors.range(generation);
+                atlas.extend(anchors.map(|(_, anchor)| anchor.clone()));
+            } else {
+                self.solve_with(&atlas, &missing, watch)?;
             }
-            let anchors = solved.anchors.iter().take(generation.end as usize);
-            atlas.extend(anchors.skip(generation.start as usize).cloned());
+            known.indices.extend(missing);
         }
         Ok(())
     }
@@ -190,21 +220,28 @@ impl Ensemble<'_> {
     ) -> Result<(), Stopped> {
         let mut atlas = Atlas::default();
         atlas.extend(anchors.iter().cloned());
-        let solved = indices.par_iter().with_max_len(1);
-        let all = solved.all(|index| self.watched(*index, &atlas, watch).is_some());
+        self.solve_with(&atlas, indices, watch)
+    }
+
+    fn solve_with(&self, atlas: &Atlas, indices: &[u64], watch: &dyn Watch) -> Result<(), Stopped> {
+        // in their order, so that a part holds neighbours
+        let solved = indices.iter().par_bridge();
+        let all = solved.all(|&index| self.watched(index, atlas, watch).is_some());
         all.then_some(()).ok_or(Stopped)
     }
 
-    /// Sample `index`, unless `watch` stops.
-    fn watched(&self, index: u64, atlas: &Atlas, watch: &dyn Watch) -> Option<SolvedSample> {
+    /// Solves sample `index`, unless `watch` stops, and tells it the result. Gives the sample as a start for others.
+    fn watched(&self, index: u64, atlas: &Atlas, watch: &dyn Watch) -> Option<Anchor> {
         if watch.stops() {
             return None;
         }
-        let (outcome, anchor) = self.sample(index, atlas);
-        let anchor = (index < MOST_ANCHORS).then_some(anchor);
-        let sample = SolvedSample { outcome, anchor };
-        watch.solved(&sample);
-        Some(sample)
+        let (outcome, anchor, times) = self.timed_sample(index, atlas);
+        let solved = SolvedSample {
+            outcome,
+            anchor: (index < MOST_ANCHORS).then(|| anchor.clone()),
+        };
+        watch.solved(solved, times);
+        Some(anchor)
     }
 }
 

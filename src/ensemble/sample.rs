@@ -7,6 +7,7 @@ use super::applied::Applied;
 use super::atlas::{Anchor, Atlas, ModePeaks};
 use super::mode_search::ModeOfSample;
 use super::outcome::{CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome};
+use super::times::SampleTimes;
 use super::{Ensemble, SampleSolver};
 use crate::gpu::Gpu;
 use crate::hb::newton::rest::stiffness_at_rest;
@@ -17,6 +18,7 @@ use crate::hb::structure::resonance::{Candidate, candidates};
 use crate::hb::{Balance, Problem, ProblemError, Solution, Status};
 use crate::units::rad_s_to_hz;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Instant;
 
 /// What an outcome belongs to.
 #[derive(Debug, Clone, Copy)]
@@ -27,10 +29,29 @@ enum Subject {
     Sample(u64),
 }
 
+/// What is found at some inputs.
+struct Found {
+    /// Shape: `[levels]`.
+    levels: Vec<LevelOutcome>,
+    /// The peaks as starts for other samples. Shape: `[levels]`.
+    peaks: Vec<ModePeaks>,
+    times: SampleTimes,
+}
+
 impl Ensemble<'_> {
     /// Outcome of sample `index`, and its peaks as starts for other samples; its own starts come from `atlas`.
     #[must_use]
     pub fn sample(&self, index: u64, atlas: &Atlas) -> (SampleOutcome, Anchor) {
+        let (outcome, anchor, _) = self.timed_sample(index, atlas);
+        (outcome, anchor)
+    }
+
+    /// The same with its time.
+    pub(super) fn timed_sample(
+        &self,
+        index: u64,
+        atlas: &Atlas,
+    ) -> (SampleOutcome, Anchor, SampleTimes) {
         self.outcome(Subject::Sample(index), atlas)
     }
 
@@ -41,7 +62,7 @@ impl Ensemble<'_> {
         self.outcome(Subject::Nominal, &Atlas::default()).0
     }
 
-    fn outcome(&self, subject: Subject, atlas: &Atlas) -> (SampleOutcome, Anchor) {
+    fn outcome(&self, subject: Subject, atlas: &Atlas) -> (SampleOutcome, Anchor, SampleTimes) {
         let _turn = self.gpu.map(Gpu::turn);
         let (index, inputs) = match subject {
             Subject::Nominal => (0, Vec::new()),
@@ -56,30 +77,28 @@ impl Ensemble<'_> {
                 index < self.curve_samples && group.of_population(),
             ),
         };
-        let (levels, peaks) = self.found_at(&inputs, &place, atlas, curve);
+        let Found {
+            levels,
+            peaks,
+            times,
+        } = self.found_at(&inputs, &place, atlas, curve);
         let outcome = SampleOutcome {
             index,
             group,
             inputs,
             levels,
         };
-        (outcome, Anchor { place, peaks })
+        (outcome, Anchor { place, peaks }, times)
     }
 
     /// Records of the levels at inputs that are no sample, without curves.
     pub(super) fn levels(&self, inputs: &[f64], atlas: &Atlas) -> Vec<LevelOutcome> {
         let place = self.design.place(inputs);
-        self.found_at(inputs, &place, atlas, false).0
+        self.found_at(inputs, &place, atlas, false).levels
     }
 
-    /// Records of the levels, with the forced response if wanted, and the peaks as starts for other samples.
-    fn found_at(
-        &self,
-        inputs: &[f64],
-        place: &[f64],
-        atlas: &Atlas,
-        curve: bool,
-    ) -> (Vec<LevelOutcome>, Vec<ModePeaks>) {
+    /// Records of the levels, with the forced response if wanted.
+    fn found_at(&self, inputs: &[f64], place: &[f64], atlas: &Atlas, curve: bool) -> Found {
         let solved = || match self.solver {
             SampleSolver::HarmonicBalance => self.balanced(inputs, place, atlas, curve),
             #[cfg(feature = "test-functions")]
@@ -91,33 +110,32 @@ impl Ensemble<'_> {
     }
 
     /// The same by harmonic balance.
-    fn balanced(
-        &self,
-        inputs: &[f64],
-        place: &[f64],
-        atlas: &Atlas,
-        curve: bool,
-    ) -> (Vec<LevelOutcome>, Vec<ModePeaks>) {
+    fn balanced(&self, inputs: &[f64], place: &[f64], atlas: &Atlas, curve: bool) -> Found {
+        let begun = Instant::now();
         let solved = self.applied(inputs).and_then(|applied| {
             let levels = self.applied_levels(&applied);
             let problem = applied.problem(self.settings.anchor).map_err(status_of)?;
             let peaks = self.peaks(&problem, &levels, place, atlas);
             let peaks = peaks.map_err(status_of)?;
-            let anchors = peaks.iter().map(ModePeaks::new).collect();
+            let (larger_sets, to_peaks) = (problem.effort.alert_time(), begun.elapsed());
             let level = |(found, nominal)| self.level(&problem, found, nominal, curve);
             let of_levels = peaks.iter().zip(self.levels.iter().copied());
-            Ok((of_levels.map(level).collect(), anchors))
+            Ok(Found {
+                levels: of_levels.map(level).collect(),
+                peaks: peaks.iter().map(ModePeaks::new).collect(),
+                times: SampleTimes {
+                    peaks: to_peaks.saturating_sub(larger_sets),
+                    larger_sets,
+                    curves: begun.elapsed() - to_peaks,
+                },
+            })
         });
         solved.unwrap_or_else(|status| self.without_solution(status))
     }
 
     /// The same from a function, which is the same at every level; of the medians where `inputs` is empty.
     #[cfg(feature = "test-functions")]
-    fn evaluated(
-        &self,
-        function: super::test_function::TestFunction,
-        inputs: &[f64],
-    ) -> (Vec<LevelOutcome>, Vec<ModePeaks>) {
+    fn evaluated(&self, function: super::test_function::TestFunction, inputs: &[f64]) -> Found {
         let medians = self
             .design
             .inputs()
@@ -136,8 +154,11 @@ impl Ensemble<'_> {
             newton_iterations: 0,
             factorizations: 0,
         };
-        let levels = self.levels.iter().map(level).collect();
-        (levels, vec![ModePeaks::default(); self.levels.len()])
+        Found {
+            levels: self.levels.iter().map(level).collect(),
+            peaks: vec![ModePeaks::default(); self.levels.len()],
+            times: SampleTimes::default(),
+        }
     }
 
     /// Excitation levels of a sample. Shape: `[levels]`.
@@ -228,7 +249,7 @@ impl Ensemble<'_> {
     }
 
     /// A sample that fails at every level, without peaks.
-    fn without_solution(&self, status: Status) -> (Vec<LevelOutcome>, Vec<ModePeaks>) {
+    fn without_solution(&self, status: Status) -> Found {
         let levels = (self.levels.iter()).map(|&level| LevelOutcome {
             level,
             status,
@@ -238,10 +259,11 @@ impl Ensemble<'_> {
             newton_iterations: 0,
             factorizations: 0,
         });
-        (
-            levels.collect(),
-            vec![ModePeaks::default(); self.levels.len()],
-        )
+        Found {
+            levels: levels.collect(),
+            peaks: vec![ModePeaks::default(); self.levels.len()],
+            times: SampleTimes::default(),
+        }
     }
 }
 

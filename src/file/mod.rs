@@ -9,7 +9,7 @@ pub mod written;
 pub use lock::FolderLock;
 pub use parquet::{Fault, read_parquet};
 pub use together::{Together, finish_placing, remove_folder};
-pub use written::{FileRecord, Written, replace};
+pub use written::{FileRecord, NewFile, replace};
 
 use std::fs::File;
 use std::io::{Error as IoError, Read};

@@ -3,7 +3,8 @@
 use super::FileError;
 use std::fs::File;
 use std::io::{Result as IoResult, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
 /// A file and the hash of its content.
 #[derive(
@@ -42,14 +43,55 @@ impl FileRecord {
     }
 }
 
-/// A file that is being written; it hashes what goes to it.
+/// A new file that takes its name when it is whole; it hashes what goes to it.
 #[derive(Debug)]
-pub struct Written<'f> {
-    file: &'f mut File,
+pub struct NewFile {
+    path: PathBuf,
+    file: NamedTempFile,
     hasher: blake3::Hasher,
 }
 
-impl Write for Written<'_> {
+impl NewFile {
+    /// Begins the file `path` under another name beside it.
+    ///
+    /// # Errors
+    /// [`FileError`] if the operating system refuses.
+    pub fn begin(path: &Path) -> Result<Self, FileError> {
+        let mut builder = tempfile::Builder::new();
+        #[cfg(unix)]
+        {
+            // The library's default is 0600; results are for colleagues too, as far as the umask allows.
+            use std::os::unix::fs::PermissionsExt;
+            builder.permissions(std::fs::Permissions::from_mode(0o666));
+        }
+        let file = builder.tempfile_in(folder_of(path));
+        Ok(Self {
+            path: path.to_owned(),
+            file: file.map_err(|source| FileError::system(path, source))?,
+            hasher: blake3::Hasher::new(),
+        })
+    }
+
+    /// Gives the file its name, once all of it is on the disk. The record is of the bytes as they were written, whatever the file
+    /// holds later.
+    ///
+    /// # Errors
+    /// [`FileError`] if the operating system refuses; then `path` is as it was.
+    pub fn finish(self) -> Result<FileRecord, FileError> {
+        let system = |source| FileError::system(&self.path, source);
+        self.file.as_file().sync_all().map_err(system)?;
+        let placed = self.file.persist(&self.path);
+        placed.map_err(|error| system(error.error))?;
+        sync_folder(folder_of(&self.path))?;
+        let name = self.path.file_name().unwrap_or_default().to_string_lossy();
+        Ok(FileRecord {
+            name: name.into_owned(),
+            blake3: self.hasher.finalize().to_hex().to_string(),
+        })
+    }
+}
+
+impl Write for NewFile {
     fn write(&mut self, bytes: &[u8]) -> IoResult<usize> {
         let taken = self.file.write(bytes)?;
         self.hasher.update(&bytes[..taken]);
@@ -61,49 +103,24 @@ impl Write for Written<'_> {
     }
 }
 
-/// Writes `path` as a whole: to a temporary file beside it first, which then takes its name. The record is of the bytes as
-/// they were written, whatever the file holds later.
+/// Writes `path` as a whole.
 ///
 /// # Errors
 /// [`FileError`] with the path, whatever `fill` or the operating system refuses; then `path` is as it was.
 pub fn replace(
     path: &Path,
-    fill: impl FnOnce(&mut Written<'_>) -> IoResult<()>,
+    fill: impl FnOnce(&mut NewFile) -> IoResult<()>,
 ) -> Result<FileRecord, FileError> {
-    replaced(path, fill).map_err(|source| FileError::system(path, source))
+    let mut file = NewFile::begin(path)?;
+    fill(&mut file).map_err(|source| FileError::system(path, source))?;
+    file.finish()
 }
 
-fn replaced(
-    path: &Path,
-    fill: impl FnOnce(&mut Written<'_>) -> IoResult<()>,
-) -> IoResult<FileRecord> {
-    let folder = match path.parent() {
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
         Some(parent) if parent != Path::new("") => parent,
         _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    {
-        // The library's default is 0600; results are for colleagues too, as far as the umask allows.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder.tempfile_in(folder)?;
-    let mut written = Written {
-        file: file.as_file_mut(),
-        hasher: blake3::Hasher::new(),
-    };
-    fill(&mut written)?;
-    let blake3 = written.hasher.finalize().to_hex().to_string();
-    file.as_file().sync_all()?;
-    file.persist(path).map_err(|error| error.error)?;
-    #[cfg(unix)]
-    File::open(folder)?.sync_all()?;
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    Ok(FileRecord {
-        name: name.into_owned(),
-        blake3,
-    })
 }
 
 /// Waits until the names of the files in `folder` are on the disk.

@@ -14,7 +14,8 @@ impl Sorted {
     #[must_use]
     pub fn finite(values: impl IntoIterator<Item = f64>) -> Self {
         let mut kept: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).collect();
-        kept.sort_by(f64::total_cmp);
+        // equal numbers have equal bits
+        kept.sort_unstable_by(f64::total_cmp);
         Self(kept)
     }
 
@@ -71,7 +72,7 @@ impl Observed {
         let known = || results.iter().filter(|r| r.value.is_finite());
         let ascending = |ends: &dyn Fn(&Enclosed) -> f64| {
             let mut ends: Vec<f64> = known().map(ends).collect();
-            ends.sort_by(f64::total_cmp);
+            ends.sort_unstable_by(f64::total_cmp);
             ends
         };
         let lower = |r: &Enclosed| match r.lower <= r.value {

@@ -5,15 +5,14 @@ use std::path::Path;
 use super::document::Document;
 use super::output::OutputFolder;
 use super::read::Study;
-use super::resume::{accepted, identity, identity_of_results, resumed};
+use super::resume::{accepted, identity, identity_of_results, results_source, resumed};
 use super::run::run_after;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
 use super::solve::Progress;
 use crate::Error;
-use crate::ensemble::parts::{Difference, RunIdentity};
-use crate::ensemble::resume::ATLAS_FILE;
-use crate::ensemble::{Known, SolvedSample};
+use crate::ensemble::parts::{Difference, Merged, RunIdentity};
+use crate::ensemble::store::ATLAS_FILE;
 use crate::file::{FileError, FolderLock, finish_placing};
 use crate::report::RunRecord;
 use crate::report::asked::Stopping;
@@ -83,7 +82,7 @@ pub fn extend(
     let other = other.map_err(|difference| refused(refusal(&difference)))?;
     let added = resumed.add_results(folder.path(), &study, settings, other);
     added.map_err(unreadable)?;
-    refuse_other_samples(&study, &old, &resumed.known).map_err(refused)?;
+    refuse_other_samples(&study, &old, folder.path()).map_err(refused)?;
     run_after(&study, &folder, (identity, resumed), settings, progress)
 }
 
@@ -117,22 +116,23 @@ fn refuse_other_looks(stopping: Option<&Stopping>, samples: u64) -> Result<(), S
     }
 }
 
-/// The samples must be those of the design: a file of samples may have changed since.
-fn refuse_other_samples(study: &Study, old: &Study, known: &Known) -> Result<(), String> {
-    let found = known.range(..old.samples).count() as u64;
-    if found != old.samples {
-        let expected = old.samples;
-        return Err(format!(
-            "samples.parquet has {found} samples, its study {expected}"
-        ));
+/// The samples of the results must be those of the design: a file of samples may have changed since.
+fn refuse_other_samples(study: &Study, old: &Study, folder: &Path) -> Result<(), String> {
+    let mut samples = Merged::new(vec![results_source(folder)], &study.design);
+    let mut found = 0;
+    while let Some(sample) = samples.take().map_err(|error| error.to_string())? {
+        let (index, inputs) = (sample.outcome.index, sample.outcome.inputs);
+        if inputs != study.design.sample(index) {
+            return Err(format!(
+                "sample {index} has other inputs now: the file of samples or the program has changed; `run` anew"
+            ));
+        }
+        found += 1;
     }
-    let differs = |(index, sample): &(&u64, &SolvedSample)| {
-        sample.outcome.inputs != study.design.sample(**index)
-    };
-    match known.iter().find(differs) {
-        None => Ok(()),
-        Some((index, _)) => Err(format!(
-            "sample {index} has other inputs now: the file of samples or the program has changed; `run` anew"
+    match old.samples {
+        expected if expected == found => Ok(()),
+        expected => Err(format!(
+            "samples.parquet has {found} samples, its study {expected}"
         )),
     }
 }

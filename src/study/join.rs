@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use super::output::OutputFolder;
 use super::read::Study;
-use super::resume::{Resumed, accepted, identity, resumed, whole_results};
+use super::resume::{accepted, has_results, identity, resumed};
 use super::run::run_alone;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
@@ -20,8 +20,8 @@ use super::solve::{Meter, Progress};
 use crate::Error;
 use crate::ensemble::Known;
 use crate::ensemble::atlas::Anchor;
-use crate::ensemble::parts::{Claims, PartFolder, RunIdentity, StoredPart};
-use crate::ensemble::runner::{MOST_ANCHORS, generations};
+use crate::ensemble::parts::{Claims, Merged, PartFolder, RunIdentity, Source, StoredPart};
+use crate::ensemble::runner::generations;
 use crate::file::FolderLock;
 
 /// How often a process that waits for others looks at the folder.
@@ -44,7 +44,7 @@ pub fn join(
     refuse_looks(study)?;
     let shared = FolderLock::shared(folder.path())?;
     let identity = identity(study, folder)?;
-    if whole_results(folder, &identity, settings).is_none() {
+    if !has_results(folder, &identity, settings) {
         solve_together(study, folder, identity, rank, settings, &progress)?;
     }
     drop(shared);
@@ -69,10 +69,15 @@ fn solve_together(
     let parts = PartFolder::of(folder.path());
     // listed first: what comes in between is read twice, not missed
     let tables = parts.tables()?;
-    let Resumed { known, .. } = resumed(study, folder, &identity, settings)?;
-    let begun = Begun::with(&known, study, folder, settings, identity);
-    let mut found = Found::of(study, settings, tables, known);
-    let meter = Meter::start(found.indices.len() as u64, study.samples, progress);
+    let resumed = resumed(study, folder, &identity, settings)?;
+    let begun = Begun::with(&resumed, study, folder, settings, identity);
+    let mut found = Found {
+        study,
+        settings,
+        tables: tables.into_iter().collect(),
+        known: resumed.known,
+    };
+    let meter = Meter::start(found.known.indices.len() as u64, study.samples, progress);
     at_work(begun, meter, |session| session.together(rank, &mut found))
 }
 
@@ -81,7 +86,7 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
     fn together(&self, rank: u64, found: &mut Found) -> Result<(), Error> {
         let mut claims = Claims::of(&self.parts)?;
         for generation in generations(self.prepared.study.samples) {
-            let anchors = found.anchors_before(generation.start);
+            let anchors = found.known.anchors_before(generation.start);
             while !found.has(&generation) {
                 let taken = self.one_round(&generation, rank, &anchors, &mut claims, found)?;
                 if !taken {
@@ -149,34 +154,11 @@ struct Found<'a> {
     settings: &'a RunSettings,
     /// Tables that were read.
     tables: BTreeSet<PathBuf>,
-    /// Samples that are there.
-    indices: BTreeSet<u64>,
-    /// Those from which others start.
-    atlas: Known,
+    /// What they hold.
+    known: Known,
 }
 
-impl<'a> Found<'a> {
-    fn of(study: &'a Study, settings: &'a RunSettings, tables: Vec<PathBuf>, known: Known) -> Self {
-        let mut found = Self {
-            study,
-            settings,
-            tables: tables.into_iter().collect(),
-            indices: BTreeSet::new(),
-            atlas: Known::new(),
-        };
-        found.add(known);
-        found
-    }
-
-    fn add(&mut self, known: Known) {
-        for (index, sample) in known {
-            self.indices.insert(index);
-            if index < MOST_ANCHORS {
-                self.atlas.entry(index).or_insert(sample);
-            }
-        }
-    }
-
+impl Found<'_> {
     /// Reads the parts that have come since the last look. A damaged one is none.
     fn refresh<F>(&mut self, session: &Session<'_, F>) -> Result<(), Error> {
         for table in session.parts.tables()? {
@@ -191,7 +173,16 @@ impl<'a> Found<'a> {
                 path: table,
                 message: format!("is of {difference}"),
             })?;
-            self.add(part.samples(&self.study.design)?);
+            self.known
+                .indices
+                .extend(part.samples.iter().map(|(index, _)| index));
+            let mut samples = Merged::new(vec![Source::of(&part)], &self.study.design);
+            while let Some(sample) = samples.take()? {
+                let Some(anchor) = sample.anchor else {
+                    break;
+                };
+                self.known.anchors.insert(sample.outcome.index, anchor);
+            }
         }
         Ok(())
     }
@@ -201,14 +192,8 @@ impl<'a> Found<'a> {
     }
 
     fn missing(&self, range: &Range<u64>) -> Vec<u64> {
-        let missing = |index: &u64| !self.indices.contains(index);
+        let missing = |index: &u64| !self.known.indices.contains(index);
         range.clone().filter(missing).collect()
-    }
-
-    /// The anchors among the samples before `end`, in order.
-    fn anchors_before(&self, end: u64) -> Vec<Anchor> {
-        let before = self.atlas.range(..end);
-        before.filter_map(|(_, s)| s.anchor.clone()).collect()
     }
 }
 

@@ -1,27 +1,35 @@
 //! What a result folder holds of a run already.
 
+use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
 use super::output::OutputFolder;
+use super::profile::{Profiler, Stage};
 use super::read::Study;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
 use crate::Error;
 use crate::ensemble::atlas::Atlas;
 use crate::ensemble::outcome::{LevelOutcome, SampleOutcome};
-use crate::ensemble::parts::{Difference, PartFolder, RunIdentity, StoredPart, samples_of};
+use crate::ensemble::parts::{Difference, Merged, PartFolder, RunIdentity, Source};
 use crate::ensemble::program::Program;
-use crate::ensemble::resume::{StoredStudy, read_solved, read_study};
-use crate::ensemble::store::read_samples;
+use crate::ensemble::runner::MOST_ANCHORS;
+use crate::ensemble::store::{ATLAS_FILE, StoredStudy, read_indices, read_study};
 use crate::ensemble::{Ensemble, Known};
 use crate::file::{FileError, finish_placing};
 use crate::report::run::{TABLES, require_unchanged};
 use crate::report::{self, RunRecord};
 
 /// Samples that need not be solved again.
+#[derive(Default)]
 pub(super) struct Resumed {
     /// The samples.
     pub known: Known,
+    /// Sample 0, if it is among them.
+    pub first: Option<SampleOutcome>,
+    /// Where they stand: whole results, and parts.
+    results: Vec<Source>,
+    parts: Vec<Source>,
     /// Who solved some of them, beside this program.
     pub other_programs: Vec<Program>,
     /// What a user should know, one line each.
@@ -40,18 +48,118 @@ impl Resumed {
         settings: &RunSettings,
         stored: Option<Program>,
     ) -> Result<(), FileError> {
-        for (index, sample) in read_solved(folder, &study.design)? {
-            if !settings.retry_failed || sample.outcome.is_solved() {
-                self.known.entry(index).or_insert(sample);
-            }
-        }
+        let results = results_source(folder);
+        let stood = read_indices(&results.paths[0])?;
         let before = RunRecord::of_folder(folder)?.provenance.other_programs;
-        for program in before.into_iter().chain(stored) {
+        self.add_programs(before.into_iter().chain(stored));
+        self.results.push(results);
+        self.add(stood, study, settings)
+    }
+
+    fn add_programs(&mut self, programs: impl Iterator<Item = Program>) {
+        for program in programs {
             if !self.other_programs.contains(&program) {
                 self.other_programs.push(program);
             }
         }
+    }
+
+    /// Takes over the samples that stand in the sources, each with whether it has a solution.
+    fn add(
+        &mut self,
+        stood: Vec<(u64, bool)>,
+        study: &Study,
+        settings: &RunSettings,
+    ) -> Result<(), FileError> {
+        let before = self.known.indices.len();
+        // what stands twice must be the same
+        self.known
+            .indices
+            .extend(stood.iter().map(|(index, _)| *index));
+        let twice = self.known.indices.len() < before + stood.len();
+        if settings.retry_failed {
+            let failed = stood.iter().filter(|(_, solved)| !solved);
+            failed.for_each(|(index, _)| _ = self.known.indices.remove(index));
+            let solved = stood.iter().filter(|(_, solved)| *solved);
+            self.known.indices.extend(solved.map(|(index, _)| *index));
+        }
+        let mut samples = self.samples(study);
+        while let Some(sample) = samples.take()? {
+            let index = sample.outcome.index;
+            if index >= MOST_ANCHORS && !twice {
+                break;
+            }
+            if !self.known.indices.contains(&index) {
+                continue;
+            }
+            self.known
+                .anchors
+                .extend(sample.anchor.map(|anchor| (index, anchor)));
+            if index == 0 {
+                self.first = Some(sample.outcome);
+            }
+        }
         Ok(())
+    }
+
+    /// All samples that stand in results and parts, ascending.
+    pub(super) fn samples<'d>(&self, study: &'d Study) -> Merged<'d> {
+        let sources = self.results.iter().chain(&self.parts);
+        Merged::new(sources.cloned().collect(), &study.design)
+    }
+
+    /// The outcomes of the samples 0 ... `samples` - 1 of them.
+    ///
+    /// # Errors
+    /// [`FileError`] if a table cannot be read.
+    pub(super) fn outcomes(
+        &self,
+        study: &Study,
+        samples: u64,
+    ) -> Result<Vec<SampleOutcome>, FileError> {
+        let (mut outcomes, mut all) = (Vec::new(), self.samples(study));
+        while let Some(sample) = all.take()? {
+            if sample.outcome.index == samples {
+                break;
+            }
+            outcomes.push(sample.outcome);
+        }
+        Ok(outcomes)
+    }
+
+    /// Looks again which samples stand in results and in the parts of `folder`. Somebody may have deleted some.
+    ///
+    /// # Errors
+    /// [`FileError`] if they cannot be listed or read.
+    pub(super) fn look_again(
+        &mut self,
+        folder: &PartFolder,
+        identity: &RunIdentity,
+        settings: &RunSettings,
+    ) -> Result<(), FileError> {
+        let mut indices = BTreeSet::new();
+        for results in &self.results {
+            let stood = read_indices(&results.paths[0])?;
+            indices.extend(stood.into_iter().map(|(index, _)| index));
+        }
+        self.parts.clear();
+        for part in folder.list()?.into_iter().flatten() {
+            if accepted(identity, &part.identity, settings).is_ok() {
+                self.parts.push(Source::of(&part));
+                indices.extend(part.samples.into_iter().map(|(index, _)| index));
+            }
+        }
+        self.known.indices = indices;
+        Ok(())
+    }
+}
+
+/// The tables of whole results.
+pub(super) fn results_source(folder: &Path) -> Source {
+    let [samples, curves] = TABLES;
+    Source {
+        paths: [samples, curves, ATLAS_FILE].map(|name| folder.join(name)),
+        first: 0,
     }
 }
 
@@ -98,8 +206,8 @@ pub(super) fn resumed(
 ) -> Result<Resumed, Error> {
     finish_placing(folder.path())?;
     let parts = PartFolder::of(folder.path());
-    let (mut notes, mut other_programs) = (Vec::new(), Vec::new());
-    let mut own: Vec<StoredPart> = Vec::new();
+    let mut resumed = Resumed::default();
+    let mut stood = Vec::new();
     for part in parts.list()? {
         match part {
             Ok(part) => {
@@ -108,22 +216,18 @@ pub(super) fn resumed(
                     path: parts.path().to_owned(),
                     message: refusal(&difference),
                 })?;
-                let new = other.filter(|program| !other_programs.contains(program));
-                other_programs.extend(new);
-                own.push(part);
+                resumed.add_programs(other.into_iter());
+                resumed.parts.push(Source::of(&part));
+                stood.extend(part.samples);
             }
-            Err(damaged) => notes.push(format!("{damaged}; its samples are solved again")),
+            Err(damaged) => {
+                let note = format!("{damaged}; its samples are solved again");
+                resumed.notes.push(note);
+            }
         }
     }
-    let mut known = samples_of(&own, &study.design)?;
-    if settings.retry_failed {
-        known.retain(|_, sample| sample.outcome.is_solved());
-    }
-    Ok(Resumed {
-        known,
-        other_programs,
-        notes,
-    })
+    resumed.add(stood, study, settings)?;
+    Ok(resumed)
 }
 
 /// Takes over the results in the folder that have a solution, where the others are to be solved again.
@@ -171,18 +275,19 @@ pub(super) fn refusal(difference: &Difference) -> String {
     )
 }
 
-/// The outcomes of the whole results that lie in `folder`, if they are those of this run and nothing of them is to be solved again.
-/// What cannot be read is replaced.
-pub(super) fn whole_results(
+/// Whether the whole results of this run lie in `folder`, and nothing of them is to be solved again. What cannot be read is replaced.
+pub(super) fn has_results(
     folder: &OutputFolder,
     identity: &RunIdentity,
     settings: &RunSettings,
-) -> Option<Vec<SampleOutcome>> {
-    let stored = identity_of_results(folder.path()).ok()?;
-    accepted(identity, &stored, settings).ok()?;
-    let samples = read_samples(&folder.path().join(TABLES[0])).ok()?;
-    let done = !settings.retry_failed || samples.outcomes.iter().all(SampleOutcome::is_solved);
-    done.then_some(samples.outcomes)
+) -> bool {
+    let whole = || {
+        let stored = identity_of_results(folder.path()).ok()?;
+        accepted(identity, &stored, settings).ok()?;
+        let samples = read_indices(&folder.path().join(TABLES[0])).ok()?;
+        Some(!settings.retry_failed || samples.iter().all(|(_, solved)| *solved))
+    };
+    whole() == Some(true)
 }
 
 /// The result of a run whose whole results lie in `folder` already, with its report made anew; nothing if there are none.
@@ -195,16 +300,18 @@ pub(super) fn finished(
     identity: &RunIdentity,
     settings: &RunSettings,
 ) -> Result<Option<RunResult>, Error> {
-    let Some(outcomes) = whole_results(folder, identity, settings) else {
+    if !has_results(folder, identity, settings) {
         return Ok(None);
-    };
-    let (summary, run) = report::render(folder.path())?;
+    }
+    let profiler = Profiler::default();
+    let rendered = profiler.stage(Stage::Report, || report::render(folder.path()));
+    let (summary, stored) = rendered?;
     Ok(Some(RunResult {
-        taken_over: outcomes.len() as u64,
-        outcomes,
+        profile: profiler.read(),
+        taken_over: (stored.outcomes.len() + stored.mixed.len()) as u64,
+        stored,
         summary,
         unfolded: study.unfolded(),
-        stopping: run.record.stopping,
         notes: Vec::new(),
     }))
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::document::Document;
 use super::output::OutputFolder;
 use crate::Error;
-use crate::ensemble::resume::{StoredStudy, read_study};
+use crate::ensemble::store::{StoredStudy, read_study};
 use crate::report::StoredRun;
 use crate::report::reweighting::{LEAST_EFFECTIVE_SAMPLES, ReweightedInput, Reweighting};
 use crate::report::run::require_unchanged;

@@ -5,24 +5,22 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::output::{OutputFolder, write_arrow_tables};
+use super::profile::Stage;
 use super::read::Study;
 use super::resume::{Resumed, add_solved_results, finished, identity, resumed};
 use super::run_record::first_record;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
 use super::search::worst_cases;
-use super::session::{Begun, at_work};
+use super::session::{Begun, Session, at_work};
 use super::solve::{Meter, Progress};
 use crate::Error;
-use crate::ensemble::backend::OpenBackend;
+use crate::ensemble::Solved;
 use crate::ensemble::outcome::SampleOutcome;
-use crate::ensemble::parts::{PartFolder, PartHead, RunIdentity};
-use crate::ensemble::resume::{ATLAS_FILE, write_anchors};
-use crate::ensemble::runner::{Stopped, Watch};
-use crate::ensemble::store::{write_curves, write_samples};
-use crate::ensemble::{Ensemble, Known, Solved};
-use crate::file::{FolderLock, Together};
-use crate::report::run::{FURTHER_POINTS, TABLES};
+use crate::ensemble::parts::{PartFolder, RunIdentity};
+use crate::ensemble::store::{ATLAS_FILE, SolvedFiles, write_samples};
+use crate::file::{FileRecord, FolderLock, Together};
+use crate::report::run::{FURTHER_POINTS, StoredRun, TABLES};
 use crate::report::{self, RunRecord, Summary};
 
 /// Computes every sample and writes `samples.parquet`, `curves.parquet` (as Arrow files too, where the study wants them),
@@ -76,115 +74,158 @@ pub(super) fn run_alone(
 pub(super) fn run_after(
     study: &Study,
     folder: &OutputFolder,
-    (identity, resumed): (RunIdentity, Resumed),
+    (identity, mut resumed): (RunIdentity, Resumed),
     settings: &RunSettings,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<RunResult, Error> {
     let clock = Instant::now();
-    let Resumed {
-        mut known,
-        other_programs,
-        notes,
-    } = resumed;
-    let taken_over = known.range(..study.samples).count() as u64;
+    let taken_over = resumed.known.indices.range(..study.samples).count() as u64;
     let meter = Meter::start(taken_over, study.samples, progress);
-    let begun = Begun::with(&known, study, folder, settings, identity);
+    let begun = Begun::with(&resumed, study, folder, settings, identity);
     at_work(begun, meter, |session| {
         let ensemble = session.ensemble;
         let mut record = first_record(session.prepared, ensemble)?;
-        record.provenance.other_programs = other_programs;
-        let mut solved = Solved::default();
-        session.written(study.samples, |watch| {
-            let looks = Looks {
-                study,
-                ensemble,
-                backend: session.backend,
-                watch,
-            };
-            looks.solve(&mut solved, &mut known, &mut record)
-        })?;
+        record.provenance.other_programs = std::mem::take(&mut resumed.other_programs);
+        let samples = solve_samples(session, &mut resumed, &mut record)?;
+        let anchors = resumed.known.anchors_before(samples);
         let alone = study.output.one_at_a_time;
-        record.one_at_a_time = alone.then(|| ensemble.one_at_a_time(&solved.anchors));
-        let further = worst_cases(ensemble, &record, &solved, &session.meter);
+        let profiler = &session.profiler;
+        record.one_at_a_time =
+            alone.then(|| profiler.stage(Stage::OneAtATime, || ensemble.one_at_a_time(&anchors)));
+        let further = match study.design.outer() {
+            None => Vec::new(),
+            Some(_) => {
+                let outcomes = resumed.outcomes(study, samples)?;
+                let solved = Solved { outcomes, anchors };
+                profiler.stage(Stage::WorstCases, || {
+                    worst_cases(ensemble, &record, &solved, &session.meter)
+                })
+            }
+        };
         record.backend = session.backend.report();
         record.wall_time_s = clock.elapsed().as_secs_f64();
-        let all = (&solved, &further[..]);
-        let summary = place_results((study, folder), &session.head, all, &mut record)?;
+        let (summary, stored) = place_results(session, (&resumed, samples), &further, &mut record)?;
         session.parts.remove()?;
         Ok(RunResult {
-            outcomes: solved.outcomes,
+            stored,
             summary,
             unfolded: study.unfolded(),
-            stopping: record.stopping,
             taken_over,
-            notes,
+            profile: profiler.read(),
+            notes: resumed.notes,
         })
     })
 }
 
-/// Writes all files of the results, which then replace older ones together.
-fn place_results(
-    (study, folder): (&Study, &OutputFolder),
-    head: &PartHead,
-    (Solved { outcomes, anchors }, further): (&Solved, &[SampleOutcome]),
+/// Solves the samples of a study: all, or as many as its rule takes, judged at one look after the other. The record then says how
+/// many these are.
+fn solve_samples<F: Fn(Progress) + Sync>(
+    session: &Session<'_, F>,
+    resumed: &mut Resumed,
     record: &mut RunRecord,
-) -> Result<Summary, Error> {
-    let results = Together::begin(folder.path())?;
-    let [samples_name, curves_name] = TABLES;
-    let path = |name: &str| results.path().join(name);
-    let (provenance, names) = (&record.provenance, &head.input_names);
-    record.tables = vec![
-        write_samples(&path(samples_name), provenance, names, outcomes)?,
-        write_curves(&path(curves_name), provenance, outcomes)?,
-        write_anchors(&path(ATLAS_FILE), &head.identity.study, anchors)?,
-    ];
-    write_further_points(&path(FURTHER_POINTS), names, further, record)?;
-    let there = |name: &Path| folder.path().join(name).exists();
+) -> Result<u64, Error> {
+    let study = session.prepared.study;
+    let Some(plan) = &study.stopping else {
+        session.solve(resumed, study.samples)?;
+        return Ok(study.samples);
+    };
+    let mut judged = 0;
+    for (&samples, look) in plan.looks.iter().zip(1..) {
+        session.solve(resumed, samples)?;
+        judged = samples;
+        record.backend = session.backend.report();
+        let outcomes = resumed.outcomes(study, samples)?;
+        let stopping = report::at_look(plan, look, record, &outcomes);
+        let met = stopping.met;
+        record.stopping = Some(stopping);
+        record.design.description = study.design.first(samples).description();
+        if met {
+            break;
+        }
+    }
+    Ok(judged)
+}
+
+/// How often samples are solved whose parts have gone.
+const ATTEMPTS: usize = 3;
+
+impl<F: Fn(Progress) + Sync> Session<'_, F> {
+    /// Solves what is missing of the first `samples` until all of them stand in parts or results.
+    fn solve(&self, resumed: &mut Resumed, samples: u64) -> Result<(), Error> {
+        for _ in 0..ATTEMPTS {
+            self.written(samples, |watch| {
+                self.ensemble.extend(&mut resumed.known, samples, watch)
+            })?;
+            resumed.look_again(&self.parts, &self.head.identity, self.settings)?;
+            let there = resumed.known.indices.range(..samples).count() as u64;
+            if there == samples {
+                return Ok(());
+            }
+            self.meter.expect(samples - there);
+        }
+        let message = "parts are deleted while the run writes them".to_owned();
+        Err(Error::Command {
+            path: self.parts.path().to_owned(),
+            message,
+        })
+    }
+}
+
+/// Writes all files of the results, which then replace older ones together.
+fn place_results<F>(
+    session: &Session<'_, F>,
+    (resumed, samples): (&Resumed, u64),
+    further: &[SampleOutcome],
+    record: &mut RunRecord,
+) -> Result<(Summary, StoredRun), Error> {
+    let (study, folder) = (session.prepared.study, session.folder.path());
+    let results = Together::begin(folder)?;
+    let names = &session.head.input_names;
+    let tables = session.profiler.stage(Stage::Tables, || {
+        write_tables(results.path(), session, (resumed, samples), record)
+    });
+    record.tables = tables?.to_vec();
+    let path = results.path().join(FURTHER_POINTS);
+    write_further_points(&path, names, further, record)?;
+    let there = |name: &Path| folder.join(name).exists();
     let arrow = study.output.arrow;
     write_arrow_tables(results.path(), |name| arrow || there(name))?;
     record.write(results.path())?;
     // From the files alone, so that `report` gives the same bytes.
-    let (summary, _) = report::render(results.path())?;
+    let profiler = &session.profiler;
+    let rendered = profiler.stage(Stage::Report, || report::render(results.path()))?;
     let arrow = Path::new(FURTHER_POINTS).with_extension("arrow");
     results.place(&[FURTHER_POINTS, &arrow.to_string_lossy()])?;
-    Ok(summary)
+    Ok(rendered)
 }
 
-/// The samples of a study: all, or as many as its rule takes, judged at one look after the other.
-struct Looks<'a> {
-    study: &'a Study,
-    ensemble: &'a Ensemble<'a>,
-    backend: &'a OpenBackend,
-    watch: &'a dyn Watch,
-}
-
-impl Looks<'_> {
-    /// Solves the samples that are not `known`; the record then says how many these are.
-    fn solve(
-        &self,
-        solved: &mut Solved,
-        known: &mut Known,
-        record: &mut RunRecord,
-    ) -> Result<(), Stopped> {
-        let study = self.study;
-        let Some(plan) = &study.stopping else {
-            return self
-                .ensemble
-                .extend(solved, known, study.samples, self.watch);
-        };
-        for (&samples, look) in plan.looks.iter().zip(1..) {
-            self.ensemble.extend(solved, known, samples, self.watch)?;
-            record.backend = self.backend.report();
-            let stopping = report::at_look(plan, look, record, &solved.outcomes);
-            let met = stopping.met;
-            record.stopping = Some(stopping);
-            record.design.description = study.design.first(samples).description();
-            if met {
-                break;
-            }
-        }
-        Ok(())
+/// Writes the tables of samples, curves and anchors.
+fn write_tables<F>(
+    folder: &Path,
+    session: &Session<'_, F>,
+    (resumed, samples): (&Resumed, u64),
+    record: &RunRecord,
+) -> Result<[FileRecord; 3], Error> {
+    let study = session.prepared.study;
+    let [of_samples, curves] = TABLES.map(|name| folder.join(name));
+    let anchors = folder.join(ATLAS_FILE);
+    let columns = (&session.head.input_names[..], study.design.group(0));
+    let mut files = SolvedFiles::begin(
+        [&of_samples, &curves, &anchors],
+        &record.provenance,
+        columns,
+        &session.head.identity.study,
+    )?;
+    let mut all = resumed.samples(study);
+    for index in 0..samples {
+        let next = all.take()?.filter(|sample| sample.outcome.index == index);
+        let sample = next.ok_or_else(|| Error::Command {
+            path: session.parts.path().to_owned(),
+            message: format!("sample {index} is missing: `run` again"),
+        })?;
+        files.write(sample)?;
     }
+    Ok(files.finish()?)
 }
 
 /// Writes the samples of further points, if there are such, and notes them in the record.

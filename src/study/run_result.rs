@@ -1,22 +1,22 @@
 //! What a run gives, beside its files.
 
-use crate::ensemble::outcome::SampleOutcome;
+use super::profile::Profile;
 use crate::report::Summary;
-use crate::report::asked::Stopping;
+use crate::report::run::StoredRun;
 
 /// What a run gives, beside its files.
 #[derive(Debug)]
 pub struct RunResult {
-    /// Outcomes in the order of the samples.
-    pub outcomes: Vec<SampleOutcome>,
+    /// The run as its files hold it: record and outcomes.
+    pub stored: StoredRun,
     /// Statistics as in `summary.json`.
     pub summary: Summary,
     /// Why the model was not folded although `mirror` allows it.
     pub unfolded: Option<String>,
-    /// How the number of samples came out of the results; absent where it was given.
-    pub stopping: Option<Stopping>,
     /// Samples that were taken over from earlier processes.
     pub taken_over: u64,
+    /// Where the time of this process went.
+    pub profile: Profile,
     /// What a user should know of the taking over, one line each.
     pub notes: Vec<String>,
 }

@@ -2,16 +2,18 @@
 
 use super::output::OutputFolder;
 use super::prepared::PreparedStudy;
+use super::profile::{Profiler, Stage};
 use super::read::Study;
-use super::resume::refuse_other_results;
+use super::resume::{Resumed, refuse_other_results};
 use super::run_record::provenance;
 use super::run_settings::RunSettings;
 use super::solve::{Meter, Progress};
 use crate::Error;
+use crate::ensemble::Ensemble;
 use crate::ensemble::backend::OpenBackend;
+use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::parts::{PartFolder, PartHead, PartWriter, RunIdentity};
 use crate::ensemble::runner::{Stopped, Watch};
-use crate::ensemble::{Ensemble, Known, SolvedSample};
 
 /// What a process knows before it begins.
 pub(super) struct Begun<'a> {
@@ -20,13 +22,13 @@ pub(super) struct Begun<'a> {
     settings: &'a RunSettings,
     identity: RunIdentity,
     /// Sample 0, if it is solved already.
-    first: Option<SolvedSample>,
+    first: Option<SampleOutcome>,
 }
 
 impl<'a> Begun<'a> {
-    /// A process that takes over the samples that are `known`.
+    /// A process that takes over samples.
     pub(super) fn with(
-        known: &Known,
+        resumed: &Resumed,
         study: &'a Study,
         folder: &'a OutputFolder,
         settings: &'a RunSettings,
@@ -37,7 +39,7 @@ impl<'a> Begun<'a> {
             folder,
             settings,
             identity,
-            first: known.get(&0).cloned(),
+            first: resumed.first.clone(),
         }
     }
 }
@@ -52,6 +54,7 @@ pub(super) struct Session<'a, F> {
     pub parts: PartFolder,
     pub settings: &'a RunSettings,
     pub meter: Meter<F>,
+    pub profiler: Profiler,
 }
 
 /// Builds the model, opens the backend, and does the `work`, of which `meter` counts the samples.
@@ -71,10 +74,11 @@ pub(super) fn at_work<T, F: Fn(Progress) + Sync>(
         first,
     } = begun;
     let backend = OpenBackend::open(&settings.backend, &study.solver);
-    let prepared = study.prepared()?;
+    let profiler = Profiler::default();
+    let prepared = profiler.stage(Stage::Model, || study.prepared())?;
     let ensemble = prepared.ensemble(backend.gpu());
     if let Some(first) = first.filter(|_| !settings.any_program) {
-        refuse_other_results(study, &ensemble, &first.outcome)?;
+        refuse_other_results(study, &ensemble, &first)?;
     }
     let inputs = study.design.inputs().iter();
     work(&Session {
@@ -90,6 +94,7 @@ pub(super) fn at_work<T, F: Fn(Progress) + Sync>(
         prepared: &prepared,
         settings,
         meter,
+        profiler,
     })
 }
 
@@ -102,10 +107,15 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
     ) -> Result<(), Error> {
         let control = (&self.settings.stop, self.settings.flush_every);
         let ended = std::thread::scope(|scope| {
-            let done = || self.meter.one_more();
+            let done = |times| {
+                self.profiler.add(times);
+                self.meter.one_more();
+            };
             let (writer, collector) =
                 PartWriter::start(scope, &self.parts, &self.head, control, done);
-            let ended = self.backend.on_threads(samples, || work(&collector));
+            let ended = self.profiler.stage(Stage::Samples, || {
+                self.backend.on_threads(samples, || work(&collector))
+            });
             drop(collector);
             writer.finish()?;
             ended.map_err(|error| Error::Threads(error.to_string()))

@@ -5,12 +5,11 @@
 
 use super::output::OutputFolder;
 use super::read::Study;
-use super::resume::{Resumed, identity, resumed};
+use super::resume::{identity, resumed};
 use super::run_settings::RunSettings;
 use super::session::{Begun, at_work};
 use super::solve::{Meter, Progress};
 use crate::Error;
-use crate::ensemble::Solved;
 use crate::ensemble::runner::MOST_ANCHORS;
 use crate::file::FolderLock;
 
@@ -69,30 +68,30 @@ pub fn solve_share(
     refuse_looks(study)?;
     let _lock = FolderLock::shared(folder.path())?;
     let identity = identity(study, folder)?;
-    let Resumed {
-        mut known, notes, ..
-    } = resumed(study, folder, &identity, settings)?;
+    let mut resumed = resumed(study, folder, &identity, settings)?;
+    let begun = Begun::with(&resumed, study, folder, settings, identity);
+    let known = &mut resumed.known;
     let anchors = study.samples.min(MOST_ANCHORS);
     let others: Vec<u64> = share.after_atlas(study.samples).collect();
     let missing: Vec<u64> = (others.iter().copied())
-        .filter(|index| !known.contains_key(index))
+        .filter(|index| !known.indices.contains(index))
         .collect();
     let samples = anchors + others.len() as u64;
-    let taken_over = known.range(..anchors).count() as u64 + (others.len() - missing.len()) as u64;
+    let taken_over =
+        known.indices.range(..anchors).count() as u64 + (others.len() - missing.len()) as u64;
     let meter = Meter::start(taken_over, samples, progress);
-    let begun = Begun::with(&known, study, folder, settings, identity);
     at_work(begun, meter, |session| {
-        let (ensemble, mut solved) = (session.ensemble, Solved::default());
+        let ensemble = session.ensemble;
         session.written(samples, |watch| {
-            ensemble.extend(&mut solved, &mut known, anchors, watch)?;
-            ensemble.solve_from(&solved.anchors, &missing, watch)
+            ensemble.extend(known, anchors, watch)?;
+            ensemble.solve_from(&known.anchors_before(anchors), &missing, watch)
         })
     })?;
     Ok(ShareResult {
         samples,
         taken_over,
         of: study.samples,
-        notes,
+        notes: resumed.notes,
     })
 }
 

@@ -6,8 +6,8 @@ use std::time::SystemTime;
 use super::read::Study;
 use super::resume::identity_of_results;
 use crate::Error;
-use crate::ensemble::parts::{PartFolder, RunIdentity, StoredPart, samples_of};
-use crate::ensemble::store::read_samples;
+use crate::ensemble::parts::{Merged, PartFolder, RunIdentity, Source, StoredPart};
+use crate::ensemble::store::read_indices;
 use crate::file::finish_placing;
 use crate::report::run::{RECORD, TABLES};
 
@@ -96,20 +96,20 @@ impl FolderStatus {
             }
         };
         let table = folder.join(TABLES[0]);
-        let outcomes = match read_samples(&table) {
-            Ok(stored) => stored.outcomes,
+        let samples = match read_indices(&table) {
+            Ok(samples) => samples,
             Err(fault) => {
                 self.faults.push(fault.to_string());
                 return Ok(());
             }
         };
-        let done = outcomes.len() as u64;
+        let done = samples.len() as u64;
         self.results = Some(RunStatus {
             study_file: folder.join(&identity.study.path),
             identity,
             done,
             samples: done,
-            failed: outcomes.iter().filter(|o| !o.is_solved()).count() as u64,
+            failed: samples.iter().filter(|(_, solved)| !solved).count() as u64,
             missing: Vec::new(),
             parts: 0,
             newest: written(&table),
@@ -136,20 +136,28 @@ impl FolderStatus {
         }
         let study_file = folder.join(&identity.study.path);
         let study = Study::parse(&study_file, &identity.study.text)?;
-        let known = match samples_of(&parts, &study.design) {
-            Ok(known) => known,
-            Err(fault) => {
-                self.faults.push(fault.to_string());
-                return Ok(());
+        let sources = parts.iter().map(Source::of).collect();
+        let mut samples = Merged::new(sources, &study.design);
+        let (mut indices, mut failed) = (Vec::new(), 0);
+        loop {
+            match samples.take() {
+                Ok(Some(sample)) => {
+                    indices.push(sample.outcome.index);
+                    failed += u64::from(!sample.outcome.is_solved());
+                }
+                Ok(None) => break,
+                Err(fault) => {
+                    self.faults.push(fault.to_string());
+                    return Ok(());
+                }
             }
-        };
-        let indices: Vec<u64> = known.keys().copied().collect();
+        }
         self.unfinished = Some(RunStatus {
             study_file,
             identity,
-            done: known.len() as u64,
+            done: indices.len() as u64,
             samples: study.samples,
-            failed: known.values().filter(|s| !s.outcome.is_solved()).count() as u64,
+            failed,
             missing: gaps(&indices, study.samples),
             parts: parts.len(),
             newest: parts.iter().filter_map(|p| written(&p.paths()[0])).max(),

@@ -9,6 +9,7 @@ mod compare;
 mod designs;
 mod extend;
 mod inputs;
+mod log;
 mod long_runs;
 mod output_schemas;
 mod report;

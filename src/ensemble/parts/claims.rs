@@ -3,6 +3,7 @@
 //! A claim is a file that can be made only once. While its process lives it refreshes the file's time. A claim whose time stands
 //! still is void; only one's own clock decides that, so that clocks need not agree.
 
+use super::super::program::this_process;
 use super::folder::PartFolder;
 use crate::file::FileError;
 use std::collections::BTreeMap;
@@ -49,7 +50,8 @@ impl Claims {
         let system = |source| FileError::system(&path, source);
         match File::create_new(&path) {
             Ok(mut file) => {
-                writeln!(file, "process {}", std::process::id()).map_err(system)?;
+                let now = humantime::format_rfc3339_seconds(SystemTime::now());
+                writeln!(file, "{} at {now}", this_process()).map_err(system)?;
                 Ok(Some(Claim { path }))
             }
             Err(source) if source.kind() == ErrorKind::AlreadyExists => {

@@ -5,7 +5,8 @@ use super::super::table::TableError;
 use super::folder::PartFolder;
 use super::part::PartHead;
 use crate::ensemble::stop::Stop;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use crate::ensemble::times::SampleTimes;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
@@ -19,16 +20,16 @@ const TICK: Duration = Duration::from_millis(100);
 /// Takes solved samples from any thread.
 #[derive(Debug)]
 pub struct Collector<'s, F> {
-    samples: Sender<SolvedSample>,
+    samples: SyncSender<SolvedSample>,
     stop: &'s Stop,
     done: F,
 }
 
-impl<F: Fn() + Sync> Watch for Collector<'_, F> {
-    fn solved(&self, sample: &SolvedSample) {
+impl<F: Fn(SampleTimes) + Sync> Watch for Collector<'_, F> {
+    fn solved(&self, sample: SolvedSample, times: SampleTimes) {
         // without a reader the writing thread has failed, and its error ends the run
-        let _ = self.samples.send(sample.clone());
-        (self.done)();
+        let _ = self.samples.send(sample);
+        (self.done)(times);
     }
 
     fn stops(&self) -> bool {
@@ -50,7 +51,8 @@ impl<'scope> PartWriter<'scope> {
         (stop, every): (&'s Stop, Duration),
         done: F,
     ) -> (Self, Collector<'s, F>) {
-        let (samples, receiver) = channel();
+        // a disk that is slower than the solver holds the solver up, before the memory is full
+        let (samples, receiver) = sync_channel(FLUSH_SAMPLES);
         let thread = scope.spawn(move || {
             let written = write_all(&receiver, folder, head, (stop, every));
             if written.is_err() {

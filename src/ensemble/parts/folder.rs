@@ -1,11 +1,9 @@
 //! The folder of the parts.
 
-use super::super::runner::{Known, SolvedSample};
+use super::super::runner::SolvedSample;
 use super::super::table::TableError;
 use super::part::{PartHead, SAMPLES, StoredPart, write_part};
 use crate::file::{FileError, remove_folder};
-use crate::sampling::Design;
-use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -78,40 +76,4 @@ impl PartFolder {
     pub fn remove(&self) -> Result<(), FileError> {
         remove_folder(&self.0)
     }
-}
-
-/// The samples of `parts` together. A sample may stand in several parts, if it is the same in all; one with a solution
-/// replaces one without, which was solved again.
-///
-/// # Errors
-/// [`FileError`] on a part that cannot be read, or that has another result of a sample than an earlier one.
-pub fn samples_of(parts: &[StoredPart], design: &Design) -> Result<Known, FileError> {
-    let mut known = Known::new();
-    let mut origin: BTreeMap<u64, &Path> = BTreeMap::new();
-    for part in parts {
-        let path = &part.paths()[0];
-        for (index, sample) in part.samples(design)? {
-            let first = known.get(&index);
-            match first.map(|first| (first.outcome.is_solved(), sample.outcome.is_solved(), first))
-            {
-                Some((true, false, _) | (false, false, _)) => continue,
-                None | Some((false, true, _)) => {}
-                // texts of numbers are exact, and equal for NaN
-                Some((true, true, first)) if format!("{first:?}") == format!("{sample:?}") => {
-                    continue;
-                }
-                Some(_) => {
-                    let other = origin.get(&index).map(|path| path.display().to_string());
-                    let rule = format!(
-                        "has another result of sample {index} than {}: one of the two must be deleted",
-                        other.unwrap_or_default()
-                    );
-                    return Err(FileError::content(path, None, rule));
-                }
-            }
-            known.insert(index, sample);
-            origin.insert(index, path);
-        }
-    }
-    Ok(known)
 }

@@ -1,7 +1,7 @@
 //! What all parts of a run have in common, and how two runs differ.
 
 use super::super::program::Program;
-use super::super::resume::StoredStudy;
+use super::super::store::StoredStudy;
 use crate::file::FileRecord;
 use serde::{Deserialize, Serialize};
 use std::fmt;

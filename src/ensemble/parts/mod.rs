@@ -19,10 +19,12 @@ mod claims;
 mod collector;
 mod folder;
 mod identity;
+mod merged;
 mod part;
 
 pub use claims::{Claim, Claims};
 pub use collector::{Collector, FLUSH_EVERY, PartWriter};
-pub use folder::{PartFolder, samples_of};
+pub use folder::PartFolder;
 pub use identity::{Difference, RunIdentity};
+pub use merged::{Merged, Source};
 pub use part::{PartHead, StoredPart};

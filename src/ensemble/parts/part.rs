@@ -2,13 +2,14 @@
 
 use super::super::atlas::Anchor;
 use super::super::outcome::SampleOutcome;
-use super::super::resume::{anchors_content, read_known, rows};
-use super::super::runner::{Known, SolvedSample};
-use super::super::store::{Provenance, curves_content, samples_content};
-use super::super::table::{TableError, metadata, missing};
+use super::super::program::this_process;
+use super::super::runner::SolvedSample;
+use super::super::store::{
+    Provenance, WRITER, anchors_layout, curves_layout, parted, read_indices, samples_layout,
+};
+use super::super::table::{TableError, TableLayout, TableReader, TableWriter, missing};
 use super::identity::RunIdentity;
 use crate::file::{self, FileError, FileRecord};
-use crate::sampling::Design;
 use parquet::file::metadata::KeyValue;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -44,29 +45,23 @@ pub(super) fn write_part(
     mut samples: Vec<SolvedSample>,
 ) -> Result<(), TableError> {
     samples.sort_by_key(|sample| sample.outcome.index);
-    let (outcomes, anchors): (Vec<SampleOutcome>, Vec<Option<Anchor>>) =
-        samples.into_iter().map(|s| (s.outcome, s.anchor)).unzip();
-    let indices = outcomes.iter().map(|outcome| outcome.index);
-    let peaks = rows(
-        indices
-            .zip(&anchors)
-            .filter_map(|(i, a)| Some((i, a.as_ref()?))),
-    );
-    let in_memory = |error: serde_json::Error| FileError::system(folder, error.into());
-    let curves = curves_content(&head.provenance, &outcomes).map_err(in_memory)?;
-    let curves = curves.into_bytes()?;
-    let atlas = anchors_content(Vec::new(), &peaks).into_bytes()?;
-    let companions = [&curves, &atlas].map(|bytes| blake3::hash(bytes).to_hex().to_string());
-    let mut content =
-        samples_content(&head.provenance, &head.input_names, &outcomes).map_err(in_memory)?;
-    let json = serde_json::to_string(&head.identity).map_err(in_memory)?;
-    content.metadata.push(KeyValue::new(RUN.to_owned(), json));
-    let companions = KeyValue::new(COMPANIONS.to_owned(), companions.join(" "));
-    content.metadata.push(companions);
-    let samples = content.into_bytes()?;
+    let (outcomes, anchors): (Vec<SampleOutcome>, Vec<(u64, Anchor)>) = parted(samples);
     let (Some(first), Some(last)) = (outcomes.first(), outcomes.last()) else {
         return Ok(());
     };
+    let in_memory = |error: serde_json::Error| FileError::system(folder, error.into());
+    let curves = curves_layout(&head.provenance).map_err(in_memory)?;
+    let curves = bytes(curves, &outcomes)?;
+    let atlas = bytes(anchors_layout(Vec::new()), &anchors)?;
+    let companions = [&curves, &atlas].map(|bytes| blake3::hash(bytes).to_hex().to_string());
+    let layout = samples_layout(&head.provenance, &head.input_names, first.group);
+    let mut layout = layout.map_err(in_memory)?;
+    let json = serde_json::to_string(&head.identity).map_err(in_memory)?;
+    layout.metadata.push(KeyValue::new(RUN.to_owned(), json));
+    let companions = KeyValue::new(COMPANIONS.to_owned(), companions.join(" "));
+    let writer = KeyValue::new(WRITER.to_owned(), this_process());
+    layout.metadata.extend([companions, writer]);
+    let samples = bytes(layout, &outcomes)?;
     let hash = &blake3::hash(&samples).to_hex()[..DIGITS];
     let stem = format!("{:010}-{:010}-{hash}", first.index, last.index);
     let files = [(CURVES, curves), (ATLAS, atlas), (SAMPLES, samples)];
@@ -76,6 +71,13 @@ pub(super) fn write_part(
         Err(_) if !folder.exists() => Ok(write_files(folder, &files)?),
         written => Ok(written?),
     }
+}
+
+/// A table in memory.
+fn bytes<T>(layout: TableLayout<'_, T>, rows: &[T]) -> Result<Vec<u8>, TableError> {
+    let mut table = TableWriter::in_memory(layout)?;
+    table.write(rows)?;
+    table.into_bytes()
 }
 
 /// Writes files in this order into `folder`, which is made where it is missing.
@@ -95,6 +97,8 @@ pub struct StoredPart {
     paths: [PathBuf; 3],
     /// The run that it belongs to.
     pub identity: RunIdentity,
+    /// Its samples, ascending, and whether every level of each has a solution.
+    pub samples: Vec<(u64, bool)>,
 }
 
 impl StoredPart {
@@ -117,27 +121,23 @@ impl StoredPart {
         if !stem.ends_with(&hash(samples)?[..DIGITS]) {
             return Err(damaged(samples));
         }
-        let (identity, companions) = file::read_parquet(samples, |reader| {
-            let mut stored = metadata(&reader);
-            let run = stored.remove(RUN).ok_or_else(|| missing(RUN))?;
-            let identity = serde_json::from_str(&run).map_err(|_| missing(RUN))?;
-            let companions = stored.remove(COMPANIONS);
-            Ok((identity, companions.ok_or_else(|| missing(COMPANIONS))?))
-        })?;
+        let mut table = TableReader::open(samples, &["sample"])?;
+        let mut take = |key: &str| {
+            let value = table.metadata.remove(key).ok_or_else(|| missing(key));
+            table.checked(value)
+        };
+        let (run, companions) = (take(RUN)?, take(COMPANIONS)?);
+        let identity = table.checked(serde_json::from_str(&run).map_err(|_| missing(RUN)))?;
         for (path, expected) in paths[1..].iter().zip(companions.split(' ')) {
             if hash(path)? != expected {
                 return Err(damaged(path));
             }
         }
-        Ok(Self { paths, identity })
-    }
-
-    /// Its samples.
-    ///
-    /// # Errors
-    /// [`FileError`] if a table lacks something.
-    pub fn samples(&self, design: &Design) -> Result<Known, FileError> {
-        read_known(self.paths.clone(), design)
+        Ok(Self {
+            samples: read_indices(samples)?,
+            paths,
+            identity,
+        })
     }
 
     /// Copies the part into the folder of the parts of other results.

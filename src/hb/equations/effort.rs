@@ -4,7 +4,8 @@
 //! (`max_iterations`). But a search makes many solves: without a common bound one sample could take minutes.
 
 use std::cell::Cell;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::time::Duration;
 
 /// Work done by solves.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -33,12 +34,13 @@ impl std::ops::AddAssign for WorkCount {
     }
 }
 
-/// Work done on a problem, and Newton iterations left to the search that runs: one at a time.
+/// Work done on a problem, the time of its error alert, and Newton iterations left to the search that runs: one at a time.
 #[derive(Debug)]
 pub struct Effort {
     left: AtomicUsize,
     iterations: AtomicUsize,
     factorizations: AtomicUsize,
+    alert_nanoseconds: AtomicU64,
 }
 
 impl Default for Effort {
@@ -48,6 +50,7 @@ impl Default for Effort {
             left: AtomicUsize::new(usize::MAX),
             iterations: AtomicUsize::new(0),
             factorizations: AtomicUsize::new(0),
+            alert_nanoseconds: AtomicU64::new(0),
         }
     }
 }
@@ -79,6 +82,18 @@ impl Effort {
             iterations: self.iterations.load(Ordering::Relaxed),
             factorizations: self.factorizations.load(Ordering::Relaxed),
         }
+    }
+
+    /// Time that the error alert has taken, larger harmonic sets included. Nothing is decided by it.
+    #[must_use]
+    pub fn alert_time(&self) -> Duration {
+        Duration::from_nanos(self.alert_nanoseconds.load(Ordering::Relaxed))
+    }
+
+    pub(in crate::hb) fn add_alert_time(&self, time: Duration) {
+        let nanoseconds = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
+        self.alert_nanoseconds
+            .fetch_add(nanoseconds, Ordering::Relaxed);
     }
 
     /// Counts a Newton iteration with its factorisations, and takes it from what is left.

@@ -18,6 +18,7 @@ use crate::hb::solution::Solution;
 use crate::hb::status::Status;
 use faer::prelude::c64;
 use std::ops::ControlFlow;
+use std::time::Instant;
 
 /// What is held while harmonics are added.
 #[derive(Debug, Clone, Copy)]
@@ -89,17 +90,18 @@ pub fn refined<'p>(
         target,
         newton,
     };
+    let begun = Instant::now();
     let mut at = OnSet { set: 0, found };
     let mut other = None;
-    loop {
+    let error = loop {
         match refinement.checked(&at, other) {
-            ControlFlow::Break(error) => {
-                let solution = at.found.solution(sets.balance(at.set));
-                return sets.with_error(solution, error);
-            }
+            ControlFlow::Break(error) => break error,
             ControlFlow::Continue((larger, known)) => (at, other) = (larger, Some(known)),
         }
-    }
+    };
+    balance.problem.effort.add_alert_time(begun.elapsed());
+    let solution = at.found.solution(sets.balance(at.set));
+    sets.with_error(solution, error)
 }
 
 /// The error alert on one solution.

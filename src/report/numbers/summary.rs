@@ -171,11 +171,13 @@ impl LevelSummary {
     fn of(input: &ReportInput, i: usize) -> Self {
         let level = input.record.levels[i];
         let records: Vec<&LevelOutcome> = input.outcomes.iter().map(|o| &o.levels[i]).collect();
-        let peaks: Vec<PeakRecord> = records.iter().filter_map(|r| usable_peak(r)).collect();
-        let failed = records.len() - peaks.len();
+        // copies of a million peaks would take as much memory as the samples
+        let peaks = || records.iter().filter_map(|r| usable_peak(r));
+        let solved = peaks().count();
+        let failed = records.len() - solved;
         let distribution = |value: &dyn Fn(&PeakRecord) -> Option<f64>| {
             Distribution::of(
-                peaks.iter().filter_map(value),
+                peaks().filter_map(|peak| value(&peak)),
                 failed,
                 input.record.confidence(),
             )
@@ -184,19 +186,19 @@ impl LevelSummary {
         let population = if pooled { &[] } else { input.outcomes };
         let of_blades = |value: &dyn Fn(&PeakRecord) -> Option<f64>| match pooled {
             true => Distribution {
-                valid: peaks.len(),
+                valid: solved,
                 ..Distribution::default()
             },
             false => distribution(value),
         };
         let mut highest_harmonics = BTreeMap::new();
-        for peak in &peaks {
+        for peak in peaks() {
             *highest_harmonics.entry(peak.highest_harmonic).or_insert(0) += 1;
         }
         Self {
             level,
             statuses: count_statuses(&records),
-            routes: count_routes(&peaks),
+            routes: count_routes(peaks()),
             failed,
             failure_rate: proportion(failed, population.len(), input.record.confidence()),
             nominal: input
@@ -214,7 +216,7 @@ impl LevelSummary {
                 .filter(|r| usable_peak(r).is_some() && !r.others.is_empty())
                 .count(),
             mean_contact_fractions: mean_fractions(population.iter(), i),
-            worst_work_balance: worst_work_balance(&peaks),
+            worst_work_balance: worst_work_balance(peaks()),
             newton_iterations: WorkPerSample::of(records.iter().map(|r| r.newton_iterations)),
             factorizations: WorkPerSample::of(records.iter().map(|r| r.factorizations)),
             rank_correlations: correlations(input.record, population.iter(), i),
@@ -269,12 +271,16 @@ fn count_statuses(records: &[&LevelOutcome]) -> BTreeMap<&'static str, usize> {
     counts
 }
 
-fn count_routes(peaks: &[PeakRecord]) -> BTreeMap<&'static str, usize> {
-    let by = |route: &PeakRoute| peaks.iter().filter(|p| p.route == Some(*route)).count();
-    let counts = PeakRoute::ALL.iter().map(|route| (route.name(), by(route)));
-    counts.collect()
+fn count_routes(peaks: impl Iterator<Item = PeakRecord>) -> BTreeMap<&'static str, usize> {
+    let mut counts: BTreeMap<_, _> = PeakRoute::ALL.iter().map(|r| (r.name(), 0)).collect();
+    for route in peaks.filter_map(|peak| peak.route) {
+        *counts.entry(route.name()).or_insert(0) += 1;
+    }
+    counts
 }
 
-fn worst_work_balance(peaks: &[PeakRecord]) -> Option<f64> {
-    peaks.iter().filter_map(work_imbalance).reduce(f64::max)
+fn worst_work_balance(peaks: impl Iterator<Item = PeakRecord>) -> Option<f64> {
+    peaks
+        .filter_map(|peak| work_imbalance(&peak))
+        .reduce(f64::max)
 }

@@ -78,8 +78,10 @@ impl StoredRun {
             let rule = format!("must have the levels and inputs of {RECORD} in every sample");
             return Err(FileError::content(&samples, None, rule));
         }
-        let of_population = |outcome: &SampleOutcome| outcome.group.of_population();
-        let (outcomes, mixed) = stored.outcomes.into_iter().partition(of_population);
+        // a copy of a million samples would take as much memory as they do
+        let mut outcomes = stored.outcomes;
+        let mixed = outcomes.extract_if(.., |outcome| !outcome.group.of_population());
+        let mixed = mixed.collect();
         Ok(Self {
             record,
             outcomes,

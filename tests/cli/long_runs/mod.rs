@@ -1,6 +1,7 @@
 //! Runs that end before their time, and go on.
 
 mod damage;
+mod faults;
 mod interruption;
 mod other_runs;
 mod shares;

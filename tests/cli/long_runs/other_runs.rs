@@ -6,8 +6,8 @@ use super::{
     assert_same_results, change, killed_after, microslip, parts, refused, run, solved, start,
     study, wait_for_a_part,
 };
-use microslip::ensemble::Known;
-use microslip::ensemble::parts::{PartFolder, PartHead, StoredPart, samples_of};
+use microslip::ensemble::SolvedSample;
+use microslip::ensemble::parts::{Merged, PartFolder, PartHead, Source, StoredPart};
 use microslip::hb::Status;
 use microslip::report::RunRecord;
 use microslip::study::Study;
@@ -15,7 +15,7 @@ use microslip::study::Study;
 const SAMPLES: u64 = 120;
 
 /// The parts of `output`, what their process writes into all, and their samples.
-fn stored(folder: &Path, output: &str) -> (PartFolder, PartHead, Known) {
+fn stored(folder: &Path, output: &str) -> (PartFolder, PartHead, Vec<SolvedSample>) {
     let parts = PartFolder::of(&folder.join(output));
     let found: Vec<StoredPart> = parts
         .list()
@@ -30,7 +30,9 @@ fn stored(folder: &Path, output: &str) -> (PartFolder, PartHead, Known) {
         input_names: record.inputs.iter().map(|i| i.name.clone()).collect(),
         provenance: record.provenance,
     };
-    (parts, head, samples_of(&found, &study.design).unwrap())
+    let mut merged = Merged::new(found.iter().map(Source::of).collect(), &study.design);
+    let samples = std::iter::from_fn(|| merged.take().unwrap());
+    (parts, head, samples.collect())
 }
 
 /// Seen to fail without the comparison of studies, and without that of files.
@@ -69,7 +71,7 @@ fn parts_of_another_program_are_refused_or_named() {
     let (parts, mut head, known) = stored(path, "results");
     parts.remove().unwrap();
     head.identity.program.instruction_set = "a wide one".to_owned();
-    parts.write(&head, known.into_values().collect()).unwrap();
+    parts.write(&head, known).unwrap();
     let arguments = ["run", "study.toml", "--quiet"];
     refused(
         path,
@@ -92,13 +94,13 @@ fn parts_that_contradict_each_other_are_an_error() {
     killed_after(path, "results", 3);
     let (folder, head, known) = stored(path, "results");
     folder
-        .write(&head, known.values().take(3).cloned().collect())
+        .write(&head, known.iter().take(3).cloned().collect())
         .unwrap();
     assert!(
         microslip(path, &["verify", "results"]).status.success(),
         "equal samples"
     );
-    let mut other = known.values().next().unwrap().clone();
+    let mut other = known[0].clone();
     other.outcome.levels[0].newton_iterations += 1;
     let before = parts(path, "results");
     folder.write(&head, vec![other]).unwrap();
@@ -115,7 +117,7 @@ fn parts_that_contradict_each_other_are_an_error() {
         refused(
             path,
             arguments,
-            "has another result of sample 0 than results/parts/",
+            "has another result of sample 0 (written by ",
         );
     }
     for name in after.iter().filter(|name| name[..38] == new[..38]) {
@@ -136,7 +138,7 @@ fn failed_samples_are_solved_again_on_demand() {
     let (folder, mut head, known) = stored(path, "results");
     change(path, "samples = 120", "samples = 12");
     head.identity.study.text = std::fs::read_to_string(path.join("study.toml")).unwrap();
-    let mut failed = known.values().next().unwrap().clone();
+    let mut failed = known[0].clone();
     failed.outcome.levels[0].status = Status::StepTooSmall;
     failed.outcome.levels[0].peak = None;
     failed.outcome.levels[0].curve.clear();

@@ -1,0 +1,58 @@
+//! What a result must carry to be understood and repeated.
+
+use crate::contact::{Events, FrictionLaw};
+use crate::ensemble::program::Program;
+use crate::hb::SliderAnchor;
+use parquet::file::metadata::KeyValue;
+
+/// What a result must carry to be understood and repeated.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct Provenance {
+    /// Name of the study.
+    pub study: String,
+    /// Root seed of the samples.
+    pub seed: u64,
+    /// Version of this program.
+    pub version: String,
+    /// Commit that it was built from, as stated at its build; absent if nobody stated one.
+    pub commit: Option<String>,
+    /// Instruction set of the processor as far as results depend on it: `avx512`, `avx2`, `neon` or `baseline`.
+    pub instruction_set: String,
+    /// Programs that solved a part of the samples, where another one than this was accepted.
+    #[serde(default)]
+    pub other_programs: Vec<Program>,
+    /// Name of the model.
+    pub model: String,
+    /// Friction law.
+    pub law: FrictionLaw,
+    /// How events between the samples were resolved.
+    pub events: Events,
+    /// Slider anchor at the start.
+    pub anchor: SliderAnchor,
+    /// Harmonics of the first solution.
+    pub harmonics: Vec<usize>,
+    /// Time points per period of the contact evaluation.
+    pub time_points: usize,
+    /// Whether the contacts of one side of a mirror-symmetric model stood for both.
+    pub folded: bool,
+    /// Truncation error above which harmonics are added; absent if not estimated.
+    pub truncation_threshold: Option<f64>,
+    /// Harmonics are raised up to this order; absent if they are fixed.
+    pub highest_harmonic: Option<usize>,
+}
+
+impl Provenance {
+    /// The provenance as pairs; texts as they are, everything else as JSON.
+    pub(super) fn key_values(&self) -> Result<Vec<KeyValue>, serde_json::Error> {
+        let value = serde_json::to_value(self)?;
+        let fields = value.as_object().into_iter().flatten();
+        Ok(fields
+            .map(|(key, value)| {
+                let text = value
+                    .as_str()
+                    .map_or_else(|| value.to_string(), str::to_owned);
+                KeyValue::new(key.clone(), text)
+            })
+            .collect())
+    }
+}

@@ -1,0 +1,163 @@
+//! The table of samples: one row per sample and level.
+//!
+//! A sample without a solution keeps its row: status and work counts are there, the numbers of the peak are null. No column ever
+//! holds NaN.
+
+use super::provenance::Provenance;
+use crate::ensemble::columns::SAMPLE_COLUMNS;
+use crate::ensemble::outcome::{LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome};
+use crate::ensemble::table::{Column, Table, TableError, TableLayout, TableWriter, count};
+use crate::file::{FileError, FileRecord};
+use crate::hb::PeakRoute;
+use crate::sampling::SampleGroup;
+use parquet::file::metadata::KeyValue;
+use std::path::Path;
+
+/// Key of the names of the inputs.
+pub(super) const INPUTS_KEY: &str = "inputs";
+/// Columns of what a sample belongs to.
+pub(super) type GroupColumn = (&'static str, fn(&SampleGroup) -> Option<u64>);
+pub(super) const GROUP_COLUMNS: [GroupColumn; 3] = [
+    ("outer", |group| group.outer),
+    ("replicate", |group| group.replicate),
+    ("place", |group| group.place),
+];
+
+/// Columns of the lower maxima: lists, highest maximum first.
+type OtherColumn = (&'static str, fn(&OtherMaximum) -> f64);
+pub(super) const OTHER_COLUMNS: [OtherColumn; 2] = [
+    ("other_frequencies_hz", |other| other.frequency_hz),
+    ("other_amplitudes_m", |other| other.amplitude_m),
+];
+
+/// Writes one row per sample and level.
+///
+/// Columns: `sample`, those of [`SampleGroup`] that the design has, the inputs by name, `level`, `status`, then the fields
+/// of [`PeakRecord`] (null without a solution), `other_frequencies_hz` and `other_amplitudes_m` (lists of the lower maxima,
+/// highest first, empty without a solution), `newton_iterations`, `factorizations`. [`SAMPLE_COLUMNS`] has their units and
+/// meanings, and so has the metadata of each column.
+///
+/// # Errors
+/// [`TableError`]; then `path` is as it was.
+pub fn write_samples(
+    path: &Path,
+    provenance: &Provenance,
+    input_names: &[String],
+    outcomes: &[SampleOutcome],
+) -> Result<FileRecord, TableError> {
+    let group = outcomes.first().map(|outcome| outcome.group);
+    let layout = samples_layout(provenance, input_names, group.unwrap_or_default());
+    let layout = layout.map_err(|error| FileError::system(path, error.into()))?;
+    let mut table = TableWriter::create(path, layout)?;
+    table.write(outcomes)?;
+    table.finish()
+}
+
+/// The table of samples; `group` tells which of its columns there are.
+pub(in crate::ensemble) fn samples_layout<'t>(
+    provenance: &Provenance,
+    input_names: &'t [String],
+    group: SampleGroup,
+) -> Result<TableLayout<'t, SampleOutcome>, serde_json::Error> {
+    let mut metadata = provenance.key_values()?;
+    let names = serde_json::to_string(input_names)?;
+    metadata.push(KeyValue::new(INPUTS_KEY.to_owned(), names));
+    Ok(TableLayout {
+        metadata,
+        described: &SAMPLE_COLUMNS,
+        columns: Box::new(move |outcomes| sample_columns(input_names, group, outcomes)),
+    })
+}
+
+/// A sample at one of its levels: a row of the table of samples.
+type LevelRow<'a> = (&'a SampleOutcome, &'a LevelOutcome);
+
+/// `group` tells which of its columns there are.
+fn sample_columns(input_names: &[String], group: SampleGroup, outcomes: &[SampleOutcome]) -> Table {
+    let rows: Vec<LevelRow> = outcomes
+        .iter()
+        .flat_map(|outcome| outcome.levels.iter().map(move |level| (outcome, level)))
+        .collect();
+    let mut table = input_columns(input_names, group, &rows);
+    table.extend(peak_columns(&rows));
+    let newton = rows.iter().map(|(_, l)| count(l.newton_iterations));
+    let factorizations = rows.iter().map(|(_, l)| count(l.factorizations));
+    table.extend([
+        named("newton_iterations", Column::Count(newton.collect())),
+        named("factorizations", Column::Count(factorizations.collect())),
+    ]);
+    table
+}
+
+fn named(name: &str, column: Column) -> (String, Column) {
+    (name.to_owned(), column)
+}
+
+fn finite(value: f64) -> Option<f64> {
+    Some(value).filter(|v| v.is_finite())
+}
+
+/// Which sample and level a row is of, and how the search for its peak ended.
+fn input_columns(input_names: &[String], group: SampleGroup, rows: &[LevelRow]) -> Table {
+    let index = |outcome: &SampleOutcome| i64::try_from(outcome.index).ok();
+    let sample = rows.iter().map(|(o, _)| index(o));
+    let mut table = vec![named("sample", Column::Count(sample.collect()))];
+    for (name, of) in GROUP_COLUMNS {
+        if of(&group).is_some() {
+            let number = |o: &SampleOutcome| of(&o.group).and_then(|n| i64::try_from(n).ok());
+            let numbers = rows.iter().map(|(o, _)| number(o));
+            table.push(named(name, Column::Count(numbers.collect())));
+        }
+    }
+    for (i, name) in input_names.iter().enumerate() {
+        let input = |o: &SampleOutcome| o.inputs.get(i).copied().and_then(finite);
+        let inputs = rows.iter().map(|(o, _)| input(o));
+        table.push(named(name, Column::Real(inputs.collect())));
+    }
+    let level = rows.iter().map(|(_, l)| finite(l.level));
+    let status = rows.iter().map(|(_, l)| Some(l.status.name()));
+    table.extend([
+        named("level", Column::Real(level.collect())),
+        named("status", Column::Text(status.collect())),
+    ]);
+    table
+}
+
+/// The peaks of the rows, and the lower maxima; empty where the search has no solution.
+fn peak_columns(rows: &[LevelRow]) -> Table {
+    let peak = |level: &LevelOutcome| level.peak.filter(|_| level.status.has_solution());
+    let real = |name: &str, f: fn(&PeakRecord) -> Option<f64>| {
+        let value = |(_, level): &LevelRow| peak(level).as_ref().and_then(f).and_then(finite);
+        named(name, Column::Real(rows.iter().map(value).collect()))
+    };
+    let route = |(_, l): &LevelRow| peak(l).and_then(|p| p.route).map(PeakRoute::name);
+    let highest = |(_, l): &LevelRow| peak(l).and_then(|p| count(p.highest_harmonic));
+    let mut table = vec![
+        real("frequency_hz", |p| Some(p.frequency_hz)),
+        real("amplitude_m", |p| Some(p.amplitude_m)),
+        named("route", Column::Text(rows.iter().map(route).collect())),
+        real("truncation_error", |p| p.truncation_error),
+        named(
+            "highest_harmonic",
+            Column::Count(rows.iter().map(highest).collect()),
+        ),
+        real("stick_fraction", |p| Some(p.stick_fraction)),
+        real("slip_fraction", |p| Some(p.slip_fraction)),
+        real("separated_fraction", |p| Some(p.separated_fraction)),
+        real("work_input_j", |p| Some(p.work_input_j)),
+        real("work_viscous_j", |p| Some(p.work_viscous_j)),
+        real("work_friction_j", |p| Some(p.work_friction_j)),
+        real("residual", |p| Some(p.residual)),
+    ];
+    for (name, of) in OTHER_COLUMNS {
+        let others = |(_, l): &LevelRow| match peak(l) {
+            Some(_) => l.others.iter().map(of).collect(),
+            None => Vec::new(),
+        };
+        table.push(named(
+            name,
+            Column::Reals(rows.iter().map(others).collect()),
+        ));
+    }
+    table
+}

@@ -1,0 +1,80 @@
+//! What `run` says of its work: JSON lines for programs, and where the time went.
+
+use serde_json::Value;
+
+use super::{folder, microslip};
+
+/// The lines of a text as JSON.
+fn lines(text: &[u8]) -> Vec<Value> {
+    let text = String::from_utf8_lossy(text);
+    let line = |line: &str| serde_json::from_str(line).unwrap_or_else(|e| panic!("{line}: {e}"));
+    text.lines().map(line).collect()
+}
+
+/// Seen to fail with warnings as plain lines, and with a refusal as a plain line.
+#[test]
+fn every_line_of_the_log_is_json() {
+    let folder = folder("study.toml", "samples = 10", "samples = 40");
+    let path = folder.path();
+    let output = microslip(path, &["run", "study.toml", "--log", "json"]);
+    assert!(output.status.success(), "{output:?}");
+    let log = lines(&output.stderr);
+    let events: Vec<&str> = log.iter().map(|l| l["event"].as_str().unwrap()).collect();
+    assert_eq!(events[0], "started");
+    assert_eq!(*events.last().unwrap(), "finished");
+    assert!(events.iter().filter(|e| **e == "progress").count() >= 10);
+    let progress = log.iter().rfind(|l| l["event"] == "progress").unwrap();
+    assert_eq!(
+        (&progress["done"], &progress["total"]),
+        (&40.into(), &40.into())
+    );
+    let end = log.last().unwrap();
+    assert_eq!(end["samples"], 40);
+    let of_samples = &end["thread_seconds_of_samples"];
+    assert!(of_samples["peaks"].as_f64().unwrap() > 0.0, "{end}");
+    assert!(end["seconds_of_stages"]["report"].as_f64().unwrap() > 0.0);
+    assert!(
+        log.iter()
+            .all(|l| l["time"].as_str().unwrap().ends_with('Z'))
+    );
+
+    let text = std::fs::read_to_string(path.join("study.toml")).unwrap();
+    std::fs::write(path.join("study.toml"), text.replace("seed", "sead")).unwrap();
+    let refused = microslip(path, &["run", "study.toml", "--log", "json"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let log = lines(&refused.stderr);
+    assert_eq!(log.len(), 1);
+    assert_eq!(log[0]["event"], "error");
+    assert!(log[0]["message"].as_str().unwrap().contains("sead"));
+}
+
+/// Seen to fail with the time of the curves counted among the peaks.
+#[test]
+fn the_profile_says_where_the_time_went() {
+    let folder = folder("study.toml", "[output]\n", "[output]\ncurve_samples = 10\n");
+    let profile = |text: &[u8]| -> Vec<(String, f64)> {
+        let text = String::from_utf8_lossy(text).into_owned();
+        let (_, table) = text
+            .split_once("wall time of this process by stage:\n")
+            .unwrap();
+        let rows = table.lines().filter_map(|line| line.strip_suffix(" s"));
+        rows.map(|row| {
+            let (name, seconds) = row.trim().rsplit_once(' ').unwrap();
+            (name.trim().to_owned(), seconds.parse().unwrap())
+        })
+        .collect()
+    };
+    let arguments = ["run", "study.toml", "--profile", "--threads", "1"];
+    let first = profile(&microslip(folder.path(), &arguments).stdout);
+    let names: Vec<&str> = first.iter().map(|(name, _)| name.as_str()).collect();
+    let stages = ["model", "samples", "tables", "report"];
+    let times = ["peaks", "larger harmonic sets", "curves"];
+    assert_eq!(names, [&stages[..], &times[..]].concat());
+    let of = |name: &str| first.iter().find(|(of, _)| of == name).unwrap().1;
+    let sum: f64 = times.iter().map(|name| of(name)).sum();
+    assert!(sum <= 1.05 * of("samples") + 0.02, "{first:?}");
+    assert!(of("curves") > 0.0, "{first:?}");
+    // whole results: only the report is made
+    let again = profile(&microslip(folder.path(), &arguments).stdout);
+    assert_eq!(again[0].0, "report");
+}

@@ -1,0 +1,178 @@
+//! Faults of the machine under a run: a disk that is full, a folder that becomes read-only, an output that nobody reads, wrong clocks.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, SystemTime};
+
+use super::{assert_same_results, parts, run, solved};
+use assert_cmd::cargo::cargo_bin;
+use microslip::ensemble::parts::{Claims, PartFolder};
+
+const SAMPLES: u64 = 120;
+
+/// `unshare` with the given options; nothing where the machine does not let a user have a namespace of their own.
+fn unshared(options: &[&str]) -> Option<Command> {
+    let mut command = Command::new("unshare");
+    command.args(options);
+    let tried = command.arg("true").status().is_ok_and(|s| s.success());
+    if !tried {
+        eprintln!("not tried: this machine has no unshare {options:?}");
+        return None;
+    }
+    let mut command = Command::new("unshare");
+    command.args(options);
+    Some(command)
+}
+
+/// On a disk that fills up while parts or results are written, the run ends with the reason, older results are as they were, and
+/// with more room the same command goes on. Seen to fail with the error of a part ignored, and with tables written in their places.
+#[test]
+fn a_full_disk_destroys_nothing() {
+    let study = solved(SAMPLES);
+    let path = study.path();
+    std::fs::create_dir(path.join("disk")).unwrap();
+    let script = r#"set -e
+        mount -t tmpfs -o size=64M tmpfs disk
+        cp -r whole disk/results
+        used=$(df -k --output=used disk | tail -1)
+        sed -i 's/seed = 7/seed = 8/' study.toml
+        for room in 16 128 600; do
+            mount -o remount,size=$((used + room))k disk
+            status=0
+            "$MICROSLIP" run study.toml --quiet --flush-every 20ms --output disk/results 2> message || status=$?
+            cat message
+            test $status = 2
+            grep -q 'No space left' message
+            test "$(wc -l < message)" = 1
+            for file in samples.parquet curves.parquet atlas.parquet run.json report.html; do
+                cmp whole/$file disk/results/$file
+            done
+        done
+        mount -o remount,size=64M disk
+        "$MICROSLIP" run study.toml --quiet --output disk/results
+        "$MICROSLIP" run study.toml --quiet --output other
+        for file in samples.parquet curves.parquet report.json; do
+            cmp other/$file disk/results/$file
+        done"#;
+    let Some(mut command) = unshared(&["-rm"]) else {
+        return;
+    };
+    let output = command
+        .current_dir(path)
+        .env("MICROSLIP", cargo_bin("microslip"))
+        .args(["sh", "-c", script])
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{output:?}");
+}
+
+/// A folder that takes no more files ends the run with the reason; once it does again, the same command goes on.
+/// Seen to fail with the error of a part ignored.
+#[cfg(unix)]
+#[test]
+fn a_folder_that_becomes_read_only_ends_the_run() {
+    use std::os::unix::fs::PermissionsExt;
+    let study = solved(SAMPLES);
+    let path = study.path();
+    // nobody may write where the permissions forbid it, not even the user `root`
+    let Some(mut command) = unshared(&["-U"]) else {
+        return;
+    };
+    let arguments = ["run", "study.toml", "--quiet", "--flush-every", "20ms"];
+    let child = command
+        .current_dir(path)
+        .arg(cargo_bin("microslip"))
+        .args(arguments)
+        .args(["--output", "results"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    super::wait_for_a_part(path, "results");
+    let folder = path.join("results/parts");
+    let allow = |mode: u32| {
+        std::fs::set_permissions(&folder, std::fs::Permissions::from_mode(mode)).unwrap();
+    };
+    allow(0o555);
+    let output = child.wait_with_output().unwrap();
+    allow(0o755);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("Permission denied"), "{message}");
+    assert!(!parts(path, "results").is_empty(), "what was written stays");
+    run(path, "results", &["--quiet"]);
+    assert_same_results(path, "results");
+}
+
+/// A reader of the output that goes away costs no result. Seen to fail with `println!`, which panics.
+#[test]
+fn closed_outputs_cost_nothing() {
+    let study = solved(SAMPLES);
+    let path = study.path();
+    for (number, log) in ["text", "json"].iter().enumerate() {
+        let output = format!("results-{number}");
+        let mut child = Command::new(cargo_bin("microslip"))
+            .current_dir(path)
+            .args([
+                "run",
+                "study.toml",
+                "--profile",
+                "--log",
+                log,
+                "--output",
+                &output,
+            ])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop((child.stdout.take(), child.stderr.take()));
+        assert!(child.wait().unwrap().success(), "{log}");
+        assert_same_results(path, &output);
+    }
+}
+
+/// Sets the time of a file.
+fn date(path: &Path, time: SystemTime) {
+    let file = std::fs::File::options().write(true).open(path).unwrap();
+    file.set_modified(time).unwrap();
+}
+
+/// The clock of another node, or one that jumps, makes no claim void: only one's own clock decides how long a claim stands still.
+/// Seen to fail with the time of the file compared with the time now.
+#[test]
+fn a_wrong_clock_makes_no_claim_void() {
+    let folder = tempfile::tempdir().unwrap();
+    let parts = PartFolder::of(folder.path());
+    let claim = Claims::of(&parts).unwrap().take("7").unwrap();
+    assert!(claim.is_some(), "nobody had it");
+    let file = parts.path().join("claims/7");
+    let mut others = Claims::of(&parts).unwrap();
+    let years = |n: u64| Duration::from_secs(n * 365 * 86_400);
+    for time in [
+        SystemTime::UNIX_EPOCH,
+        SystemTime::UNIX_EPOCH + years(200),
+        SystemTime::now() - years(1),
+    ] {
+        date(&file, time);
+        assert!(others.take("7").unwrap().is_none(), "{time:?}");
+        assert!(file.exists(), "the claim is void at {time:?}");
+    }
+}
+
+/// Parts whose files bear any time are taken over. Seen to fail with parts of the future left out.
+#[test]
+fn times_of_parts_do_not_matter() {
+    let study = solved(SAMPLES);
+    let path = study.path();
+    super::killed_after(path, "results", 2);
+    let future = SystemTime::now() + Duration::from_secs(86_400);
+    for (name, time) in parts(path, "results")
+        .iter()
+        .zip([future, SystemTime::UNIX_EPOCH].iter().cycle())
+    {
+        date(&path.join("results/parts").join(name), *time);
+    }
+    let text = run(path, "results", &[]);
+    assert!(text.contains("were solved before and taken over"), "{text}");
+    assert_same_results(path, "results");
+}
