@@ -119,7 +119,7 @@ fn show_cost(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
     )?;
     writeln!(
         out,
-        "time, one core      about {} (within a factor of five)",
+        "time, one core      about {} (within a factor of two)",
         duration(facts.time_s)
     )?;
     Ok(())

@@ -54,7 +54,7 @@ pub struct Inspection {
     pub unknowns: [usize; 2],
     /// Memory of one solve on the highest harmonics (bytes): usually, and at most.
     pub memory_bytes: [f64; 2],
-    /// Time of the whole study on one core (s), all further samples with it, within about a factor of five.
+    /// Time of the whole study on one core (s), all further samples with it, within about a factor of two for studies like those shipped.
     pub time_s: f64,
     /// What looks like a mistake.
     pub warnings: Vec<String>,
@@ -133,8 +133,15 @@ fn unknowns(study: &Study, n_contacts: usize) -> [usize; 2] {
     [first, highest].map(|n| 3 * n_contacts * n)
 }
 
-/// Factorisations of one resonance search, warm-started.
-const FACTORIZATIONS_PER_PEAK: f64 = 40.0;
+/// Work of a peak at one level, in factorisations of the first harmonic set, failures and the error alert included: of a sample
+/// that is predicted from many others.
+const WORK_OF_PREDICTED: f64 = 3.0;
+/// What one of the first samples takes more, which has few or no others to start from.
+const WORK_OF_FIRST: f64 = 24.0;
+/// Number of such samples.
+const FIRST_SAMPLES: u64 = 64;
+/// Work of a curve.
+const WORK_OF_CURVE: f64 = 25.0;
 /// Operations per second of a dense factorisation on one core.
 const FLOPS: f64 = 5e9;
 /// Time of everything but the factorisation, per unknown (s).
@@ -174,12 +181,21 @@ fn memory(n_contacts: usize, unknowns: usize) -> [f64; 2] {
     }
 }
 
-/// ⅔ n³ operations per factorisation and a linear part.
+/// ⅔ n³ operations per factorisation and a linear part; the numbers of them are those of the shipped studies.
 fn time(study: &Study, unknowns: usize) -> f64 {
     let n = unknowns as f64;
     let solve = 2.0 / 3.0 * n.powi(3) / FLOPS + ASSEMBLY_PER_UNKNOWN * n;
     let samples = study.samples.saturating_add(further_samples(study));
-    samples as f64 * study.levels.len() as f64 * FACTORIZATIONS_PER_PEAK * solve
+    let alone = match study.output.one_at_a_time {
+        true => 1 + 2 * study.design.drawn().len() as u64,
+        false => 0,
+    };
+    let first = samples.min(FIRST_SAMPLES) + alone;
+    let curves = study.output.curve_samples.min(study.samples);
+    let work = WORK_OF_PREDICTED * samples as f64
+        + WORK_OF_FIRST * first as f64
+        + WORK_OF_CURVE * curves as f64;
+    study.levels.len() as f64 * work * solve
 }
 
 fn warnings(study: &Study, flexible: Option<f64>) -> Vec<String> {

@@ -71,21 +71,16 @@ impl Resumed {
         study: &Study,
         settings: &RunSettings,
     ) -> Result<(), FileError> {
-        let before = self.known.indices.len();
-        // what stands twice must be the same
-        self.known
-            .indices
-            .extend(stood.iter().map(|(index, _)| *index));
-        let twice = self.known.indices.len() < before + stood.len();
-        if settings.retry_failed {
-            let failed = stood.iter().filter(|(_, solved)| !solved);
-            failed.for_each(|(index, _)| _ = self.known.indices.remove(index));
-            let solved = stood.iter().filter(|(_, solved)| *solved);
-            self.known.indices.extend(solved.map(|(index, _)| *index));
+        let mut twice = false;
+        for (index, solved) in stood {
+            if solved || !settings.retry_failed {
+                twice |= !self.known.indices.insert(index);
+            }
         }
         let mut samples = self.samples(study);
         while let Some(sample) = samples.take()? {
             let index = sample.outcome.index;
+            // what stands twice must be the same, which is compared on the way
             if index >= MOST_ANCHORS && !twice {
                 break;
             }
@@ -119,7 +114,7 @@ impl Resumed {
     ) -> Result<Vec<SampleOutcome>, FileError> {
         let (mut outcomes, mut all) = (Vec::new(), self.samples(study));
         while let Some(sample) = all.take()? {
-            if sample.outcome.index == samples {
+            if sample.outcome.index >= samples {
                 break;
             }
             outcomes.push(sample.outcome);
