@@ -96,7 +96,8 @@ fn a_part_that_cannot_be_written_ends_the_run() {
     assert_same_results(path, "results");
 }
 
-/// A folder that is taken away under a run is made again. Seen to fail without the second attempt.
+/// A folder that is taken away under a run is made again, and what was in it is solved again. Seen to fail without the second
+/// attempt to write, and with samples that are not looked for again.
 #[test]
 fn a_lost_folder_is_made_again() {
     let study = solved(SAMPLES);

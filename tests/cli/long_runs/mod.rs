@@ -35,9 +35,10 @@ fn solved(samples: u64) -> TempDir {
     study
 }
 
-/// Waits until a run has written something.
+/// Waits until a run has written a part.
 fn wait_for_a_part(folder: &Path, output: &str) {
-    while parts(folder, output).is_empty() {
+    let whole = |name: &String| name.ends_with(".samples.parquet");
+    while !parts(folder, output).iter().any(whole) {
         std::thread::sleep(std::time::Duration::from_millis(2));
     }
 }
