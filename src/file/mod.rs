@@ -2,11 +2,13 @@
 //! and a text in another encoding are messages, not a full memory, a wait or a panic.
 
 pub mod lock;
+pub mod number;
 pub mod parquet;
 pub mod together;
 pub mod written;
 
 pub use lock::FolderLock;
+pub use number::{parse_number, significant_digits};
 pub use parquet::{Fault, read_parquet};
 pub use together::{Together, finish_placing, remove_folder};
 pub use written::{FileRecord, Written, replace};
