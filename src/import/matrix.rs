@@ -12,6 +12,8 @@ use crate::model::matrix_market::LARGEST;
 const SYMMETRY: f64 = 1e-8;
 /// Digits that a binary number of double precision has.
 pub(super) const DOUBLE_DIGITS: u32 = 17;
+/// Digits that a binary number of single precision has, rounded up.
+pub(super) const SINGLE_DIGITS: u32 = 8;
 
 /// A matrix or vector as a file states it, in the units of the file.
 #[derive(Debug, Clone)]
@@ -230,6 +232,15 @@ impl Entries {
             rest = &after[usize::from(second.is_some())..];
         }
         Ok(Symmetric { n, lower })
+    }
+
+    /// The entries of one column.
+    pub(super) fn column(&self, n: usize) -> Vec<f64> {
+        let mut column = vec![0.0; n];
+        for entry in &self.entries {
+            column[usize::from(entry.row)] = entry.value;
+        }
+        column
     }
 
     fn diagonal(&self, n: usize) -> Vec<f64> {

@@ -21,6 +21,12 @@ mod calculix;
 mod direction;
 mod harwell_boeing;
 mod lines;
+mod nastran_cards;
+mod nastran_dmig;
+mod nastran_names;
+mod op4;
+mod op4_binary;
+mod op4_text;
 mod read;
 mod table;
 

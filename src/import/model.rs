@@ -84,7 +84,7 @@ pub struct ReadFile {
 }
 
 /// Files of names that stand beside a file: the same name with another extension.
-const BESIDE: [&str; 2] = ["mapping", "dof"];
+const BESIDE: [&str; 4] = ["mapping", "dof", "pch", "asm"];
 
 /// Reads all files and puts their matrices together.
 ///
@@ -97,14 +97,14 @@ pub fn assemble(sources: &[Source]) -> Result<(ImportedModel, Vec<ReadFile>), Fi
     for (source, reading) in &readings {
         let mut matrices = Vec::new();
         for (matrix, role) in roles(source.as_ref(), reading)? {
-            if let Some(role) = role {
-                if let Some(other) = chosen.insert(role, matrix) {
-                    let (letter, other) = (role.letter(), other.path.display());
-                    let rule = format!(
-                        "is a second {letter} beside {other}: give one of them, or say what each is with K=, M=, C=, R=, F= or F0= before its name"
-                    );
-                    return Err(FileError::content(&matrix.path, None, rule));
-                }
+            if let Some(role) = role
+                && let Some(other) = chosen.insert(role, matrix)
+            {
+                let (letter, other) = (role.letter(), other.path.display());
+                let rule = format!(
+                    "is a second {letter} beside {other}: give one of them, or say what each is with K=, M=, C=, R=, F= or F0= before its name"
+                );
+                return Err(FileError::content(&matrix.path, None, rule));
             }
             matrices.push((matrix.name.clone(), role));
         }
@@ -145,7 +145,10 @@ fn readings(sources: &[Source]) -> Result<Vec<(Option<Source>, Reading)>, FileEr
         for extension in BESIDE {
             let beside = source.path.with_extension(extension);
             if beside.is_file() && seen.insert(beside.clone()) {
-                readings.push((None, read(&beside)?));
+                let mut reading = read(&beside)?;
+                // its matrices were not asked for
+                reading.matrices.clear();
+                readings.push((None, reading));
             }
         }
     }

@@ -132,7 +132,7 @@ impl Reader<'_> {
         let tangent = row.vector(["tx", "ty", "tz"])?;
         let normal = match row.vector(["nx", "ny", "nz"])? {
             Some(normal) => normal,
-            None => self.from_positions(row, a, b)?,
+            None => self.direction_between(row, a, b)?,
         };
         let [normal, t1, t2] = directions(normal, tangent).map_err(|rule| row.fault(rule))?;
         let relative = |d| self.row_of(d, a, b).map_err(|rule| row.fault(rule));
@@ -183,7 +183,7 @@ impl Reader<'_> {
     }
 
     /// The direction from A to B.
-    fn from_positions(
+    fn direction_between(
         &self,
         row: &Row<'_>,
         a: Option<i64>,

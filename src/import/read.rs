@@ -5,7 +5,10 @@ use std::path::{Path, PathBuf};
 use super::dof::Dof;
 use super::lines::{Lines, words};
 use super::matrix::{Content, Entries, ImportedMatrix, Rows, Storage};
-use super::{abaqus_matrix, abaqus_substructure, calculix, harwell_boeing};
+use super::{
+    abaqus_matrix, abaqus_substructure, calculix, harwell_boeing, nastran_dmig, nastran_names,
+    op4_binary, op4_text,
+};
 use crate::file::{self, FileError};
 use crate::model::matrix_market::read_matrix;
 
@@ -22,6 +25,9 @@ pub struct Reading {
     pub names: Option<Vec<Dof>>,
 }
 
+/// Matrices, and names of rows.
+type Contents = (Vec<ImportedMatrix>, Option<Vec<Dof>>);
+
 /// Formats that are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {
@@ -32,6 +38,9 @@ enum Format {
     CalculixNames,
     HarwellBoeing,
     AnsysMapping,
+    NastranBulk,
+    Op4Text,
+    Op4Binary,
 }
 
 /// Lines that are looked at to find the format.
@@ -42,36 +51,56 @@ const LOOKED_AT: usize = 200;
 /// # Errors
 /// [`FileError`] if it cannot be read, is of no known format, or breaks a rule of it.
 pub fn read(path: &Path) -> Result<Reading, FileError> {
-    let text = file::read_text(path)?;
-    let format = Format::of(path, &text)
-        .ok_or_else(|| FileError::content(path, None, UNKNOWN.to_owned()))?;
-    let mut names = None;
-    let matrices = match format {
-        Format::MatrixMarket => vec![matrix_market(path)?],
-        Format::AbaqusMatrix => vec![abaqus_matrix::read(path, &text)?],
-        Format::AbaqusSubstructure => abaqus_substructure::read(path, &text)?,
-        Format::CalculixMatrix => vec![calculix::read_matrix(path, &text)?],
-        Format::HarwellBoeing => harwell_boeing::read(path, &text)?,
-        Format::CalculixNames => {
-            names = Some(calculix::read_names(path, &text)?);
-            Vec::new()
-        }
-        Format::AnsysMapping => {
-            names = Some(harwell_boeing::read_mapping(path, &text)?);
-            Vec::new()
-        }
-    };
-    Ok(Reading {
+    let bytes = file::read_bytes(path)?;
+    let reading = |format: Format, matrices, names| Reading {
         path: path.to_owned(),
         format: format.in_words(),
         matrices,
         names,
-    })
+    };
+    if op4_binary::begins(&bytes) {
+        let matrices = op4_binary::read(path, &bytes)?;
+        return Ok(reading(Format::Op4Binary, matrices, None));
+    }
+    let text = file::text(bytes);
+    let text = text.map_err(|(line, rule)| FileError::content(path, Some(line), rule))?;
+    let format = Format::of(path, &text)
+        .ok_or_else(|| FileError::content(path, None, UNKNOWN.to_owned()))?;
+    let (matrices, names) = format.read(path, &text)?;
+    Ok(reading(format, matrices, names))
 }
 
 const UNKNOWN: &str = "is of no format that is read: see `microslip import --help`";
 
 impl Format {
+    /// Matrices and names of a text.
+    fn read(self, path: &Path, text: &str) -> Result<Contents, FileError> {
+        let matrices = match self {
+            Self::MatrixMarket => vec![matrix_market(path)?],
+            Self::AbaqusMatrix => vec![abaqus_matrix::read(path, text)?],
+            Self::AbaqusSubstructure => abaqus_substructure::read(path, text)?,
+            Self::CalculixMatrix => vec![calculix::read_matrix(path, text)?],
+            Self::HarwellBoeing => harwell_boeing::read(path, text)?,
+            Self::Op4Text | Self::Op4Binary => op4_text::read(path, text)?,
+            Self::CalculixNames => {
+                return Ok((Vec::new(), Some(calculix::read_names(path, text)?)));
+            }
+            Self::AnsysMapping => {
+                return Ok((Vec::new(), Some(harwell_boeing::read_mapping(path, text)?)));
+            }
+            Self::NastranBulk => {
+                let matrices = nastran_dmig::read(path, text)?;
+                let names = nastran_names::read(path, text)?;
+                if matrices.is_empty() && names.is_none() {
+                    let rule = "has no DMIG entry and no entry with names (EXTRN, ASET, ASET1, GRID, SPOINT)";
+                    return Err(FileError::content(path, None, rule));
+                }
+                return Ok((matrices, names));
+            }
+        };
+        Ok((matrices, None))
+    }
+
     fn of(path: &Path, text: &str) -> Option<Self> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
         let beginning = text.trim_start_matches('\u{feff}');
@@ -79,6 +108,8 @@ impl Format {
             "sti" | "mas" => return Some(Self::CalculixMatrix),
             "dof" => return Some(Self::CalculixNames),
             "mapping" => return Some(Self::AnsysMapping),
+            "pch" | "asm" | "dmig" | "bdf" => return Some(Self::NastranBulk),
+            "op4" => return Some(Self::Op4Text),
             _ => {}
         }
         if beginning.len() >= 14 && beginning.as_bytes()[..14].eq_ignore_ascii_case(BANNER) {
@@ -97,7 +128,13 @@ impl Format {
             if upper.starts_with("*USER ELEMENT") || upper.starts_with("** ELEMENT NODES") {
                 return Some(Self::AbaqusSubstructure);
             }
-            if upper.is_empty() || upper.starts_with('*') {
+            if upper.starts_with("DMIG") {
+                return Some(Self::NastranBulk);
+            }
+            if op4_text::is_header(line) {
+                return Some(Self::Op4Text);
+            }
+            if upper.is_empty() || upper.starts_with(['*', '$']) {
                 continue;
             }
             return match words(line).count() {
@@ -119,6 +156,9 @@ impl Format {
             Self::CalculixNames => "CalculiX names",
             Self::HarwellBoeing => "Harwell-Boeing (ANSYS HBMAT)",
             Self::AnsysMapping => "ANSYS mapping",
+            Self::NastranBulk => "Nastran bulk data",
+            Self::Op4Text => "Nastran OUTPUT4 (text)",
+            Self::Op4Binary => "Nastran OUTPUT4 (binary)",
         }
     }
 }

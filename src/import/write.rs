@@ -219,10 +219,10 @@ fn forces(model: &ImportedModel, forces: &Forces) -> String {
     for (role, key, table, unit) in tables {
         if !table.is_empty() {
             let _ = writeln!(text, "{key} = {} # {unit}", inline(table.iter()));
-        } else if let Some((_, _, file)) = FORCE_FILES.iter().find(|(r, ..)| *r == role) {
-            if model.forces.contains_key(&role) {
-                let _ = writeln!(text, "{key} = \"{file}\"");
-            }
+        } else if let Some((_, _, file)) = FORCE_FILES.iter().find(|(r, ..)| *r == role)
+            && model.forces.contains_key(&role)
+        {
+            let _ = writeln!(text, "{key} = \"{file}\"");
         }
     }
     let excited = !forces.cosine.is_empty()

@@ -5,7 +5,8 @@ use std::path::Path;
 use tempfile::TempDir;
 
 use crate::chain::{K, M, N, NODES, ROWS, dof, frequencies_hz, lower, mass, stiffness, write};
-use crate::{abaqus, ansys, assert_refused, calculix, microslip};
+use crate::op4::Form;
+use crate::{abaqus, ansys, assert_refused, calculix, microslip, nastran, op4};
 
 /// A folder with K and M of the chain in a format.
 fn folder(files: &[(&str, String)]) -> TempDir {
@@ -46,8 +47,11 @@ fn imported(folder: &Path, arguments: &[&str]) -> String {
 /// Seen to fail with the mass of mm-t-s without its factor of 1000, and with rigid-body modes counted as flexible.
 #[test]
 fn every_format_gives_the_numbers_of_the_chain() {
+    let dmig = nastran::punch("KAAX", stiffness, false) + &nastran::punch("MAAX", mass, false);
+    let output4 = op4::text("KXX", stiffness, Form::Strings) + &op4::text("MXX", mass, Form::Dense);
+    let extrn = NODES.map(|node| format!("EXTRN,{node},123\n")).concat();
     let market = |entry| ansys::dense_market(entry);
-    let cases: [(&str, Vec<(&str, String)>); 5] = [
+    let cases: [(&str, Vec<(&str, String)>); 7] = [
         (
             "K.mtx M.mtx",
             vec![
@@ -72,6 +76,11 @@ fn every_format_gives_the_numbers_of_the_chain() {
                 ("KMatrix.mapping", ansys::mapping()),
             ],
         ),
+        ("model.pch", vec![("model.pch", dmig.clone())]),
+        (
+            "model.op4",
+            vec![("model.op4", output4), ("model.asm", extrn)],
+        ),
         (
             "K=first.mmf M=second.mmf other.mapping",
             vec![
@@ -82,22 +91,27 @@ fn every_format_gives_the_numbers_of_the_chain() {
         ),
     ];
     for (files, written) in cases {
-        let folder = folder(&written);
-        let mut arguments = vec!["import"];
-        arguments.extend(files.split(' '));
-        arguments.extend(["--units", "SI", "--output", "model"]);
-        let list = imported(folder.path(), &arguments);
-        let frequencies = numbers(&list, "free frequencies");
-        assert_eq!(frequencies.len(), 9, "{files}: {list}");
-        for (found, expected) in frequencies.iter().zip(frequencies_hz()) {
-            assert!((found / expected - 1.0).abs() < 1e-8, "{files}: {list}");
-        }
-        assert!(list.contains("(3 rigid-body modes)"), "{files}: {list}");
-        assert_eq!(numbers(&list, "total mass"), [M * N as f64; 3], "{files}");
-        let sizes = numbers(&list, "matrix K");
-        assert_eq!(sizes[0], ROWS as f64, "{files}");
-        assert_eq!(sizes[1], (ROWS + 2 * 3 * (N - 1)) as f64, "{files}");
+        assert_is_the_chain(files, &written);
     }
+}
+
+/// Imports files, and compares what is listed with the closed form.
+fn assert_is_the_chain(files: &str, written: &[(&str, String)]) {
+    let folder = folder(written);
+    let mut arguments = vec!["import"];
+    arguments.extend(files.split(' '));
+    arguments.extend(["--units", "SI", "--output", "model"]);
+    let list = imported(folder.path(), &arguments);
+    let frequencies = numbers(&list, "free frequencies");
+    assert_eq!(frequencies.len(), 9, "{files}: {list}");
+    for (found, expected) in frequencies.iter().zip(frequencies_hz()) {
+        assert!((found / expected - 1.0).abs() < 1e-8, "{files}: {list}");
+    }
+    assert!(list.contains("(3 rigid-body modes)"), "{files}: {list}");
+    assert_eq!(numbers(&list, "total mass"), [M * N as f64; 3], "{files}");
+    let sizes = numbers(&list, "matrix K");
+    assert_eq!(sizes[0], ROWS as f64, "{files}");
+    assert_eq!(sizes[1], (ROWS + 2 * 3 * (N - 1)) as f64, "{files}");
 }
 
 /// The folder can be inspected and solved, whatever the units: they scale the numbers of the file, not those of the result.

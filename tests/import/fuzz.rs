@@ -8,7 +8,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::chain::{mass, stiffness};
-use crate::{abaqus, ansys, calculix};
+use crate::op4::{Form, layouts, text};
+use crate::{abaqus, ansys, calculix, nastran};
 use microslip::import::read;
 
 /// Files of a reader in an ordinary run.
@@ -140,4 +141,31 @@ fn mutated_user_elements_are_survived() {
 fn mutated_calculix_files_are_survived() {
     survive("job.sti", calculix::matrix(stiffness).as_bytes());
     survive("job.dof", calculix::names().as_bytes());
+}
+
+#[test]
+fn mutated_dmig_is_survived() {
+    let both = nastran::punch("KAAX", stiffness, false) + &nastran::punch("MAAX", mass, true);
+    survive("model.pch", both.as_bytes());
+}
+
+#[test]
+fn mutated_names_of_nastran_are_survived() {
+    let text = "GRID,3\nGRID,4\nASET1,123,3,4\nASET,5,12\nSPOINT,90,THRU,95\nEXTRN,11,123,12,3\n";
+    survive("model.asm", text.as_bytes());
+}
+
+#[test]
+fn mutated_output4_text_is_survived() {
+    for form in [Form::Dense, Form::Strings, Form::BigStrings] {
+        survive("model.op4", text("KXX", stiffness, form).as_bytes());
+    }
+}
+
+/// Seen to fail without the check of the lengths of records: a panic.
+#[test]
+fn mutated_binary_output4_is_survived() {
+    for layout in layouts().into_iter().step_by(5) {
+        survive("model.op4", &layout.file("KXX", stiffness));
+    }
 }

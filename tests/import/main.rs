@@ -11,6 +11,8 @@ mod chain;
 mod command;
 mod damage;
 mod fuzz;
+mod nastran;
+mod op4;
 mod pairs;
 
 use std::path::Path;
