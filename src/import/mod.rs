@@ -24,6 +24,7 @@ mod lines;
 mod nastran_cards;
 mod nastran_dmig;
 mod nastran_names;
+mod numpy;
 mod op4;
 mod op4_binary;
 mod op4_text;

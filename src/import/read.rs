@@ -7,7 +7,7 @@ use super::lines::{Lines, words};
 use super::matrix::{Content, Entries, ImportedMatrix, Rows, Storage};
 use super::{
     abaqus_matrix, abaqus_substructure, calculix, harwell_boeing, nastran_dmig, nastran_names,
-    op4_binary, op4_text,
+    numpy, op4_binary, op4_text,
 };
 use crate::file::{self, FileError};
 use crate::model::matrix_market::read_matrix;
@@ -41,6 +41,7 @@ enum Format {
     NastranBulk,
     Op4Text,
     Op4Binary,
+    Numpy,
 }
 
 /// Lines that are looked at to find the format.
@@ -62,6 +63,12 @@ pub fn read(path: &Path) -> Result<Reading, FileError> {
         let matrices = op4_binary::read(path, &bytes)?;
         return Ok(reading(Format::Op4Binary, matrices, None));
     }
+    if numpy::begins(&bytes) {
+        return Ok(reading(Format::Numpy, numpy::read(path, &bytes)?, None));
+    }
+    if let Some((_, rule)) = REFUSED.iter().find(|(begin, _)| bytes.starts_with(begin)) {
+        return Err(FileError::content(path, None, *rule));
+    }
     let text = file::text(bytes);
     let text = text.map_err(|(line, rule)| FileError::content(path, Some(line), rule))?;
     let format = Format::of(path, &text)
@@ -69,6 +76,11 @@ pub fn read(path: &Path) -> Result<Reading, FileError> {
     let (matrices, names) = format.read(path, &text)?;
     Ok(reading(format, matrices, names))
 }
+
+/// How files begin that are known, and not read.
+const REFUSED: [(&[u8], &str); 2] = [(b"MATLAB", MATLAB), (b"\x89HDF", MATLAB)];
+
+const MATLAB: &str = "is a MATLAB file, which is not read: save K and M from Python by numpy.savez, or as Matrix Market (scipy.io.mmwrite)";
 
 const UNKNOWN: &str = "is of no format that is read: see `microslip import --help`";
 
@@ -81,7 +93,7 @@ impl Format {
             Self::AbaqusSubstructure => abaqus_substructure::read(path, text)?,
             Self::CalculixMatrix => vec![calculix::read_matrix(path, text)?],
             Self::HarwellBoeing => harwell_boeing::read(path, text)?,
-            Self::Op4Text | Self::Op4Binary => op4_text::read(path, text)?,
+            Self::Op4Text | Self::Op4Binary | Self::Numpy => op4_text::read(path, text)?,
             Self::CalculixNames => {
                 return Ok((Vec::new(), Some(calculix::read_names(path, text)?)));
             }
@@ -159,6 +171,7 @@ impl Format {
             Self::NastranBulk => "Nastran bulk data",
             Self::Op4Text => "Nastran OUTPUT4 (text)",
             Self::Op4Binary => "Nastran OUTPUT4 (binary)",
+            Self::Numpy => "NumPy arrays",
         }
     }
 }

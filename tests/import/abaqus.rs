@@ -79,7 +79,7 @@ fn one_triangle_the_other_or_both_are_the_same_matrix() {
     }
 }
 
-/// Internal nodes of Abaqus are negative.
+/// Internal nodes of Abaqus are negative. Seen to fail with lines of three words refused.
 #[test]
 fn internal_nodes_and_loads_are_read() {
     let text = "-3,1,-3,1,2.0D0\n7,2,7,2,1.\n7,2,-3,1,-0.5d+00\n";
@@ -96,7 +96,7 @@ fn internal_nodes_and_loads_are_read() {
     assert_eq!(*column, [1.5, -2.0]);
 }
 
-/// Seen to fail with rows and columns of the packed triangle exchanged, and with the components of the first position for all.
+/// Seen to fail with the components of the first position for all.
 #[test]
 fn both_forms_of_a_user_element_are_the_chain() {
     let reading = read_as("super.dat", calculix_element().as_bytes()).unwrap();
@@ -145,7 +145,7 @@ const DAMAGED_MATRICES: &str = "
 9 | 11,1,999,1,1.0 | has no entry on the other side
 ";
 
-/// Seen to fail without the checks of duplicates and of both sides.
+/// Seen to fail without the check of duplicates.
 #[test]
 fn damaged_matrices_are_refused() {
     let both = matrix(stiffness, true, true);
@@ -197,7 +197,7 @@ NODES=4, | NODES=4, UNSYMM, | :4: is unsymmetric
 9 | *USER ELEMENT, NODES=4 | :9: is a second user element
 ";
 
-/// Seen to fail without the checks of `close` and of the number of nodes.
+/// Seen to fail without the check of `close`.
 #[test]
 fn damaged_user_elements_are_refused() {
     let text = abaqus_element();

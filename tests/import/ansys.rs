@@ -111,7 +111,7 @@ pub(crate) fn sparse_market(entry: fn(usize, usize) -> f64) -> String {
     text
 }
 
-/// Seen to fail with rows and columns exchanged in RUA, and with words split at blanks in place of their width.
+/// Seen to fail with a whole line taken for one number.
 #[test]
 fn all_forms_are_the_chain() {
     let forms = [
@@ -129,7 +129,7 @@ fn all_forms_are_the_chain() {
     assert_is(&reading.matrices[0], mass, "mass");
 }
 
-/// Seen to fail with the lines of the right-hand side taken from the count of the values.
+/// Seen to fail with the lines of the values counted as those of the right-hand side, too.
 #[test]
 fn a_right_hand_side_is_a_load() {
     let reading = read_as("K.matrix", harwell_boeing(stiffness, Some(0.5)).as_bytes()).unwrap();
@@ -139,6 +139,7 @@ fn a_right_hand_side_is_a_load() {
     assert_eq!(load[..3], [0.0, 0.5, 1.0]);
 }
 
+/// Seen to fail with RX in place of ROTX.
 #[test]
 fn a_mapping_names_the_rows() {
     let names = read_as("K.mapping", mapping().as_bytes())
@@ -251,6 +252,7 @@ const DAMAGED_MAPPINGS: &str = "
 3 | 2 11 \" | :3: label must be such as UX
 ";
 
+/// Seen to fail without the order of the equations.
 #[test]
 fn damaged_mappings_are_refused() {
     refuse("K.mapping", &mapping(), DAMAGED_MAPPINGS);
@@ -263,6 +265,8 @@ fn damaged_mappings_are_refused() {
 }
 
 /// The reader of Matrix Market files has its own list in `src/model/matrix_market.rs`; here what the import adds.
+///
+/// Seen to fail with one side of a general matrix accepted.
 #[test]
 fn damaged_markets_are_refused() {
     let text = sparse_market(stiffness).replace("symmetric", "general");

@@ -59,7 +59,7 @@ const DAMAGED_MATRICES: &str = "
 2 | 1 4\\n-1e6 | :2: must be an entry
 ";
 
-/// Seen to fail without the bounds of rows.
+/// Seen to fail without the check of duplicates.
 #[test]
 fn damaged_matrices_are_refused() {
     let count = refuse("job.sti", &matrix(stiffness), DAMAGED_MATRICES);
@@ -88,6 +88,7 @@ const DAMAGED_NAMES: &str = "
 2 | 11.2.3 | degree of freedom 2.3: must be
 ";
 
+/// Seen to fail with names that may come twice.
 #[test]
 fn damaged_names_are_refused() {
     refuse("job.dof", &names(), DAMAGED_NAMES);

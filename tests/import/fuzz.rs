@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::chain::{mass, stiffness};
 use crate::op4::{Form, layouts, text};
-use crate::{abaqus, ansys, calculix, nastran};
+use crate::{abaqus, ansys, calculix, nastran, numpy};
 use microslip::import::read;
 
 /// Files of a reader in an ordinary run.
@@ -78,6 +78,8 @@ pub(crate) fn survive(name: &str, bytes: &[u8]) {
     let many = many.and_then(|text| text.parse().ok()).unwrap_or(MUTATIONS);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
+    std::fs::write(&path, bytes).unwrap();
+    read(&path).unwrap();
     let mut random = ChaCha8Rng::seed_from_u64(22);
     let (mut refused, mut longest) = (0, Duration::ZERO);
     for _ in 0..many {
@@ -107,7 +109,7 @@ fn memory_kb() -> u64 {
     number.and_then(|word| word.parse().ok()).unwrap_or(0)
 }
 
-/// Seen to fail with a slice of the values by the pointers of a Harwell-Boeing file before these are checked: a panic.
+/// Seen to fail without the check of the order of the column pointers: a panic.
 #[test]
 fn mutated_harwell_boeing_files_are_survived() {
     survive(
@@ -162,10 +164,18 @@ fn mutated_output4_text_is_survived() {
     }
 }
 
-/// Seen to fail without the check of the lengths of records: a panic.
 #[test]
 fn mutated_binary_output4_is_survived() {
     for layout in layouts().into_iter().step_by(5) {
         survive("model.op4", &layout.file("KXX", stiffness));
     }
+}
+
+#[test]
+fn mutated_arrays_are_survived() {
+    let diagonal = |i: u8| f64::from(u8::from(i % 4 == 0));
+    let data: Vec<u8> = (0..9).flat_map(|i| diagonal(i).to_le_bytes()).collect();
+    survive("K.npy", &numpy::npy("<f8", false, "(3, 3)", &data));
+    survive("K.npz", &numpy::save_npz());
+    survive("model.npz", &numpy::savez(zip::CompressionMethod::Stored));
 }

@@ -12,6 +12,7 @@ mod command;
 mod damage;
 mod fuzz;
 mod nastran;
+mod numpy;
 mod op4;
 mod pairs;
 

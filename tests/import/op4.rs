@@ -195,8 +195,7 @@ pub(crate) fn layouts() -> Vec<Binary> {
     layouts
 }
 
-/// Seen to fail with the packed row and length of a string exchanged, and with the words of a string of double precision not
-/// halved.
+/// Seen to fail with the packed length left in the row.
 #[test]
 fn all_forms_of_text_are_the_chain() {
     for form in [Form::Dense, Form::Strings, Form::BigStrings] {
@@ -209,7 +208,7 @@ fn all_forms_of_text_are_the_chain() {
     }
 }
 
-/// Seen to fail with the byte order taken for the machine's, and with words of 64 bits read as two of 32.
+/// Seen to fail with the byte order taken for the machine's.
 #[test]
 fn all_forms_of_binary_files_are_the_chain() {
     for layout in layouts() {
@@ -221,7 +220,8 @@ fn all_forms_of_binary_files_are_the_chain() {
     }
 }
 
-/// Recovery matrices and complex ones beside K and M are passed over; a single column is a force.
+/// Recovery matrices and complex ones beside K and M are passed over; a single column is a force. Seen to fail with
+/// complex ones taken.
 #[test]
 fn other_matrices_are_passed_over() {
     let complex = "       2       2       2       4CMAT    1P,3E23.15\n       1       1       2\n  1.000000000000000E+00  2.000000000000000E+00\n       3       1       1\n 1.0\n";
@@ -356,7 +356,7 @@ const STRING_LINES: [(usize, &str, &str); 8] = [
     ),
 ];
 
-/// Seen to fail without `Growing::string` and without the count of words.
+/// Seen to fail without the bounds of `Growing::string`.
 #[test]
 fn damaged_text_is_refused() {
     let dense = text("KXX", stiffness, Form::Dense);
@@ -418,7 +418,7 @@ const BINARY_WHOLES: [(usize, i32, &str); 25] = [
     (FIRST_COLUMN + 12, i32::MAX, "words, but its record has 8"),
 ];
 
-/// Seen to fail without the check of the second length of a record, and of the words of a column.
+/// Seen to fail without the check of the second length of a record.
 #[test]
 fn damaged_binary_files_are_refused() {
     let layout = |form| Binary {

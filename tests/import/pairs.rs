@@ -31,7 +31,7 @@ fn study(folder: &Path, arguments: &[&str]) -> String {
 
 /// The normal goes from A into B; n · (u_A − u_B) is positive in compression; tangents complete a right-handed set.
 ///
-/// Seen to fail with u_B − u_A, and with stiffnesses that do not follow the area.
+/// Seen to fail with u_B − u_A.
 #[test]
 fn relative_displacements_follow_normal_and_tangent() {
     let folder = abaqus_folder();
@@ -54,7 +54,7 @@ fn relative_displacements_follow_normal_and_tangent() {
     }
 }
 
-/// A normal that is not given goes from A to B; of a plane model the pair has one tangent.
+/// A normal that is not given goes from A to B; of a plane model the pair has one tangent. Seen to fail with u_B − u_A.
 #[test]
 fn normals_from_coordinates_and_plane_models() {
     let folder = abaqus_folder();
@@ -123,7 +123,7 @@ x,7,0,0,1,,,,,,1,1,0.3,, | :2: node_a x: must be a whole number
  | has no pair
 ";
 
-/// Seen to fail without the checks of `Reader::node` and `directions`.
+/// Seen to fail without the check of `Reader::node`.
 #[test]
 fn damaged_tables_are_refused() {
     let folder = abaqus_folder();
@@ -159,7 +159,7 @@ fn damaged_tables_are_refused() {
 
 /// Two surfaces of a grid, one shifted by less than the tolerance; a node of A is too far away.
 ///
-/// Seen to fail with every node of A paired, whatever its distance.
+/// Seen to fail with normals from B to A.
 #[test]
 fn pairs_are_proposed_by_the_nearest_node() {
     let folder = tempfile::tempdir().unwrap();
@@ -219,6 +219,7 @@ fn pairs_are_proposed_by_the_nearest_node() {
     );
 }
 
+/// Seen to fail with the sine part left out.
 #[test]
 fn forces_from_a_table() {
     let folder = abaqus_folder();
