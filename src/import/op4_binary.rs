@@ -113,6 +113,7 @@ fn matrix(
         if !growing.begin(column.number).map_err(at)? {
             return growing.finish();
         }
+        column.whole().map_err(at)?;
         match column.row {
             0 => column.strings(&mut growing).map_err(at)?,
             row => column.string(&mut growing, row, column.words).map_err(at)?,
@@ -161,6 +162,7 @@ struct Column<'b> {
     layout: Layout,
     number: i64,
     row: i64,
+    stated: i64,
     words: &'b [u8],
 }
 
@@ -172,21 +174,28 @@ impl<'b> Column<'b> {
         }
         let [number, row, stated] =
             [0, 1, 2].map(|at| layout.whole(&record[at * word..(at + 1) * word]));
-        let words = &record[3 * word..];
-        if usize::try_from(stated).ok() != Some(words.len() / word)
-            || !words.len().is_multiple_of(word)
-        {
-            return Err(format!(
-                "column {number}: states {stated} words, but its record has {}",
-                words.len() / word
-            ));
-        }
         Ok(Self {
             layout,
             number,
             row,
-            words,
+            stated,
+            words: &record[3 * word..],
         })
+    }
+
+    /// Requires that the record has the words that it states. The one behind the last column may hold more.
+    fn whole(&self) -> Result<(), String> {
+        let (word, length) = (self.layout.word, self.words.len());
+        let fits = usize::try_from(self.stated).ok() == Some(length / word);
+        match fits && length.is_multiple_of(word) {
+            true => Ok(()),
+            false => Err(format!(
+                "column {}: states {} words, but its record has {}",
+                self.number,
+                self.stated,
+                length / word
+            )),
+        }
     }
 
     /// Strings, each with its length and first row before it.
