@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::ensemble::table::TableError;
 use crate::file::FileError;
 use crate::hb::ProblemError;
+use crate::import::ImportError;
 use crate::model::ModelError;
 use crate::model::matrices::MatricesError;
 use crate::report::ReportError;
@@ -29,6 +30,9 @@ pub enum Error {
     /// The user's model breaks a rule.
     #[error(transparent)]
     Matrices(#[from] MatricesError),
+    /// A model of another program cannot be imported.
+    #[error(transparent)]
+    Import(#[from] ImportError),
     /// The built-in model cannot be built from its settings.
     #[error("model: {0}")]
     Model(#[from] ModelError),

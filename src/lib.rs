@@ -34,6 +34,7 @@ pub mod file;
 pub mod gpu;
 pub mod harmonics;
 pub mod hb;
+pub mod import;
 pub mod linalg;
 pub mod model;
 pub mod report;

@@ -8,6 +8,7 @@ mod completions;
 mod devices;
 mod extend;
 mod going_on;
+mod import;
 mod inspect;
 mod levels;
 mod log;
@@ -33,6 +34,7 @@ use clap::{Parser, Subcommand};
 use compare::CompareArguments;
 use completions::CompletionsArguments;
 use extend::ExtendArguments;
+use import::{ImportArguments, PairsArguments};
 use log::{Event, Log};
 use man::ManArguments;
 use merge::MergeArguments;
@@ -106,6 +108,10 @@ enum Command {
     Schema(SchemaArguments),
     /// Show what a study would compute: degrees of freedom, frequencies, contact pairs, memory and time.
     Inspect(StudyArguments),
+    /// Read the matrices of a finite-element program and write them as a study: matrices, contact pairs, study.toml.
+    Import(ImportArguments),
+    /// Propose contact pairs for `import`: each node of one surface with the nearest node of the other.
+    Pairs(PairsArguments),
     /// List the adapters that `run --backend gpu` can use, with a self-test of each.
     Devices,
     /// Print what a shell needs to complete commands and options.
@@ -139,6 +145,8 @@ impl Command {
             Self::Reweight(arguments) => arguments.execute(),
             Self::Schema(arguments) => arguments.execute(),
             Self::Inspect(arguments) => inspect::execute(arguments),
+            Self::Import(arguments) => arguments.execute(),
+            Self::Pairs(arguments) => arguments.execute(),
             Self::Devices => devices::execute(),
             Self::Completions(arguments) => arguments.execute(),
             Self::Man(arguments) => arguments.execute(),

@@ -2,11 +2,13 @@
 //! and a text in another encoding are messages, not a full memory, a wait or a panic.
 
 pub mod lock;
+pub mod number;
 pub mod parquet;
 pub mod together;
 pub mod written;
 
 pub use lock::FolderLock;
+pub use number::{parse_number, significant_digits};
 pub use parquet::{Fault, read_parquet};
 pub use together::{Together, finish_placing, remove_folder};
 pub use written::{FileRecord, NewFile, replace};
@@ -60,7 +62,7 @@ impl FileError {
     }
 }
 
-/// Bytes of a text that is held in memory at most: no study, list or record comes near it.
+/// Bytes of a file that is held in memory at most: no study, list or record comes near it.
 const LONGEST_TEXT: u64 = 256 << 20;
 
 /// Opens a file for reading. Folders, pipes and devices are refused before they are opened: a pipe without a writer never
@@ -86,6 +88,15 @@ pub fn open(path: &Path) -> Result<File, FileError> {
 /// # Errors
 /// [`FileError`] if it cannot be read, is longer, or is no UTF-8; then with the line and the encoding that it may have.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
+    let found = text(read_bytes(path)?);
+    found.map_err(|(line, rule)| FileError::content(path, Some(line), rule))
+}
+
+/// The bytes of a file, at most 256 MiB.
+///
+/// # Errors
+/// [`FileError`] if it cannot be read or is longer.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
     let mut bytes = Vec::new();
     let system = |source| FileError::system(path, source);
     let mut bounded = open(path)?.take(LONGEST_TEXT + 1);
@@ -94,8 +105,7 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
         let rule = format!("is longer than {} MiB", LONGEST_TEXT >> 20);
         return Err(FileError::content(path, None, rule));
     }
-    let found = text(bytes);
-    found.map_err(|(line, rule)| FileError::content(path, Some(line), rule))
+    Ok(bytes)
 }
 
 /// `bytes` as text, or the line that is none and why.

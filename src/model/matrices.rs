@@ -10,7 +10,7 @@ use faer::Mat;
 use super::dof_index::DofIndex;
 use super::matrix_checks::{positive_definite, positive_semidefinite, symmetric};
 use super::matrix_contacts::ContactTable;
-use super::matrix_market::read_matrix;
+use super::matrix_market::{Stated, read_matrix};
 use super::{ReducedModel, Response};
 use crate::contact::ContactParameters;
 use crate::file::{self, FileError};
@@ -237,10 +237,10 @@ impl MatricesSettings {
         folder: &Path,
         file: &Path,
         size: Option<usize>,
-        property: fn(&Mat<f64>) -> Result<(), String>,
+        property: fn(&Mat<f64>, u32) -> Result<(), String>,
     ) -> Result<Mat<f64>, MatricesError> {
         let path = folder.join(file);
-        let matrix = read_matrix(&path)?;
+        let Stated { matrix, digits } = read_matrix(&path)?;
         let broken = |rule: String| FileError::content(&path, None, rule);
         let (rows, columns) = (matrix.nrows(), matrix.ncols());
         if rows != columns {
@@ -254,7 +254,7 @@ impl MatricesSettings {
             .into());
         }
         let matrix = symmetric(&matrix).map_err(broken)?;
-        property(&matrix).map_err(broken)?;
+        property(&matrix, digits).map_err(broken)?;
         Ok(matrix)
     }
 
@@ -345,7 +345,7 @@ fn dense(
         }
         Some(Vector::File(file)) => {
             let path = folder.join(file);
-            let matrix = read_matrix(&path)?;
+            let matrix = read_matrix(&path)?.matrix;
             if (matrix.nrows(), matrix.ncols()) != (n, 1) {
                 let rule = format!(
                     "is {} x {}: must be {n} x 1",

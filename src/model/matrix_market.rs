@@ -8,12 +8,21 @@ use std::path::Path;
 
 use faer::Mat;
 
-use crate::file::{self, FileError};
+use crate::file::{self, FileError, parse_number, significant_digits};
 
 /// Largest number of rows or columns: a dense matrix of this size takes 200 MB, its modes some minutes.
-const LARGEST: usize = 5_000;
+pub(crate) const LARGEST: usize = 5_000;
 /// Bytes of a line at most.
 const LONGEST_LINE: u64 = 4096;
+
+/// A matrix, and how exactly its file states it.
+#[derive(Debug)]
+pub(crate) struct Stated {
+    /// The matrix.
+    pub(crate) matrix: Mat<f64>,
+    /// Most significant digits that an entry has.
+    pub(crate) digits: u32,
+}
 
 /// Reads a real or integer matrix, `coordinate` or `array`, `general` or `symmetric` (lower triangle stored).
 ///
@@ -22,7 +31,7 @@ const LONGEST_LINE: u64 = 4096;
 /// # Errors
 /// [`FileError`] if the file cannot be read, or on the first line that does not belong to such a matrix: an entry given
 /// twice among them.
-pub(super) fn read_matrix(path: &Path) -> Result<Mat<f64>, FileError> {
+pub(crate) fn read_matrix(path: &Path) -> Result<Stated, FileError> {
     let mut lines = Lines {
         path,
         reader: BufReader::new(file::open(path)?),
@@ -167,6 +176,7 @@ struct Entries<'h> {
     /// Which entries of a coordinate matrix are there already, column by column.
     given: Vec<bool>,
     read: usize,
+    digits: u32,
     /// Place of the next entry of an array.
     next: (usize, usize),
 }
@@ -186,6 +196,7 @@ impl<'h> Entries<'h> {
                 }
             ],
             read: 0,
+            digits: 0,
             next: (0, 0),
         }
     }
@@ -212,7 +223,7 @@ impl<'h> Entries<'h> {
         };
         let place = format!("entry ({}, {})", i + 1, j + 1);
         let value: f64 =
-            (word.parse()).map_err(|_| format!("{place} = {word}: must be a number"))?;
+            parse_number(word).ok_or_else(|| format!("{place} = {word}: must be a number"))?;
         if !value.is_finite() {
             return Err(format!("{place} = {word}: must be a finite number"));
         }
@@ -225,6 +236,7 @@ impl<'h> Entries<'h> {
         {
             return Err(format!("{place}: must be given once"));
         }
+        self.digits = self.digits.max(significant_digits(word));
         self.matrix[(i, j)] = value;
         if self.header.symmetric {
             self.matrix[(j, i)] = value;
@@ -238,9 +250,12 @@ impl<'h> Entries<'h> {
         Ok(())
     }
 
-    fn finish(self) -> Result<Mat<f64>, String> {
+    fn finish(self) -> Result<Stated, String> {
         match self.read == self.size.entries {
-            true => Ok(self.matrix),
+            true => Ok(Stated {
+                matrix: self.matrix,
+                digits: self.digits,
+            }),
             false => Err(format!(
                 "{} entries required by the size line, {} found",
                 self.size.entries, self.read
@@ -261,7 +276,7 @@ fn index(word: &str, size: usize, what: &str) -> Result<usize, String> {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Result<Mat<f64>, FileError> {
+    fn read(text: &str) -> Result<Stated, FileError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.mtx");
         std::fs::write(&path, text).unwrap();
@@ -273,6 +288,7 @@ mod tests {
     fn every_storage_of_one_matrix_reads_the_same() {
         let storages = [
             "%%MatrixMarket matrix array real general\n2 2\n4\n-1\n-1\n3.5\n",
+            "%%MatrixMarket matrix array real general\n2 2\n4.0D0\n-1\n-.1D+01\n0.35D+001\n",
             "%%MatrixMarket matrix array real symmetric\n% comment\n2 2\n4\n-1\n3.5\n",
             "%%MatrixMarket matrix coordinate real symmetric\n2 2 3\n1 1 4\n2 1 -1.0e0\n2 2 3.5\n",
             "%%matrixmarket matrix coordinate real general\n2 2 4\n1 1 4\n2 1 -1\n1 2 -1\n2 2 3.5\n",
@@ -280,7 +296,7 @@ mod tests {
             "%%MatrixMarket matrix array real general\r\n2 2\r\n4\r\n-1\r\n-1\r\n3.5\r\n",
         ];
         for text in storages {
-            let a = read(text).unwrap();
+            let a = read(text).unwrap().matrix;
             let entries = [a[(0, 0)], a[(1, 0)], a[(0, 1)], a[(1, 1)]];
             assert_eq!(entries, [4.0, -1.0, -1.0, 3.5], "{text}");
         }

@@ -37,9 +37,9 @@
 pub mod interface;
 mod masters;
 pub mod matrices;
-mod matrix_checks;
+pub(crate) mod matrix_checks;
 pub mod matrix_contacts;
-mod matrix_market;
+pub(crate) mod matrix_market;
 pub mod mirror;
 pub mod modes;
 

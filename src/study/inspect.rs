@@ -135,7 +135,7 @@ fn unknowns(study: &Study, n_contacts: usize) -> [usize; 2] {
 
 /// Work of a peak at one level, in factorisations of the first harmonic set, failures and the error alert included: of a sample
 /// that is predicted from many others.
-const WORK_OF_PREDICTED: f64 = 3.0;
+const WORK_OF_PREDICTED: f64 = 5.0;
 /// What one of the first samples takes more, which has few or no others to start from.
 const WORK_OF_FIRST: f64 = 24.0;
 /// Number of such samples.

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use super::microslip;
 
-const COMMANDS: [&str; 9] = [
+const COMMANDS: [&str; 11] = [
     "run", "extend", "solve", "report", "compare", "reweight", "schema", "inspect", "devices",
+    "import", "pairs",
 ];
 
 /// Seen to fail with the completions of another program's name.

@@ -112,10 +112,13 @@ impl Rows {
     }
 }
 
+/// Takes the columns of a batch by their names.
+type ColumnsOf<B> = Box<dyn Fn(&Rows) -> Result<B, Fault>>;
+
 /// The rows of a table one after the other, read as `B`, which holds the columns of a batch.
 pub(in crate::ensemble) struct RowCursor<B> {
     pub reader: TableReader,
-    columns: Box<dyn Fn(&Rows) -> Result<B, Fault>>,
+    columns: ColumnsOf<B>,
     batch: Option<B>,
     /// Place and number of rows in the batch.
     at: usize,

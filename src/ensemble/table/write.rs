@@ -14,6 +14,9 @@ use std::io::{Error as IoError, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// Makes the columns of some rows.
+type ColumnsOf<'t, T> = Box<dyn Fn(&[T]) -> Table + 't>;
+
 /// What a table of rows `T` is, beside these rows.
 pub(in crate::ensemble) struct TableLayout<'t, T> {
     /// Key-value metadata.
@@ -21,13 +24,13 @@ pub(in crate::ensemble) struct TableLayout<'t, T> {
     /// What columns of these names mean.
     pub described: &'t [DescribedColumn],
     /// The columns of some rows.
-    pub columns: Box<dyn Fn(&[T]) -> Table + 't>,
+    pub columns: ColumnsOf<'t, T>,
 }
 
 /// A table that is being written.
 pub(in crate::ensemble) struct TableWriter<'t, T, W: Write + Send> {
     path: PathBuf,
-    columns: Box<dyn Fn(&[T]) -> Table + 't>,
+    columns: ColumnsOf<'t, T>,
     writer: SerializedFileWriter<W>,
 }
 

@@ -1,0 +1,320 @@
+//! `import` and `pairs`: arguments, and what was read for comparison with the finite-element program.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use super::log::Log;
+use super::terminal::print;
+use clap::{Args, ValueEnum};
+use microslip::Error;
+use microslip::import::{
+    ImportError, Imported, PairConstants, Proposal, Request, Role, Source, Units, import, propose,
+};
+use microslip::setting::{BadSetting, non_negative, positive, within};
+
+#[derive(Args)]
+#[command(after_help = FORMATS)]
+pub(super) struct ImportArguments {
+    /// Files of matrices and of names; K=FILE, M=, C=, R=, F=, F0= say what a matrix is, FILE#NAME which one of a file.
+    #[arg(required = true)]
+    files: Vec<String>,
+    /// Units of all files and tables. They are declared, never guessed; everything is written in SI units.
+    #[arg(long, value_enum)]
+    units: UnitsName,
+    /// Folder that is written: matrices, names and study.toml. It must not exist or be empty.
+    #[arg(long)]
+    output: PathBuf,
+    /// CSV table of contact pairs: node_a, node_b, and nx, ny, nz (from A into B), tx, ty, tz, area, interface, k_n, k_t, mu,
+    /// n_0 or gap.
+    #[arg(long)]
+    pairs: Option<PathBuf>,
+    /// CSV table of coordinates (node, x, y, z): normals of pairs that state none go from A to B.
+    #[arg(long, requires = "pairs")]
+    nodes: Option<PathBuf>,
+    /// Normal stiffness of pairs that do not state it; per area where they state an area.
+    #[arg(long, requires = "pairs")]
+    k_n: Option<f64>,
+    /// Tangential stiffness of pairs that do not state it; per area where they state an area.
+    #[arg(long, requires = "pairs")]
+    k_t: Option<f64>,
+    /// Friction coefficient of pairs that do not state it.
+    #[arg(long, requires = "pairs")]
+    mu: Option<f64>,
+    /// Normal force at zero approach of pairs that state neither it nor a gap; a pressure where they state an area.
+    #[arg(long, requires = "pairs", allow_hyphen_values = true)]
+    n_0: Option<f64>,
+    /// Force of the excitation per unit level: DOF=COSINE or DOF=COSINE,SINE. May be given several times.
+    #[arg(long, value_name = "DOF=FORCE")]
+    excite: Vec<String>,
+    /// CSV table of forces: dof, and cosine, sine, static.
+    #[arg(long)]
+    forces: Option<PathBuf>,
+    /// What the loads in the files are (right-hand side of HBMAT, CLOAD, PAX); they are not used if absent.
+    #[arg(long, value_enum)]
+    load: Option<LoadKind>,
+    /// Degree of freedom whose amplitude is reported; the first one defines the resonance. May be given several times.
+    #[arg(long, value_name = "DOF")]
+    response: Vec<String>,
+    /// Damping ratio of every mode where no file has a damping matrix.
+    #[arg(long, default_value_t = 0.002)]
+    modal_damping_ratio: f64,
+    /// No list of what was read.
+    #[arg(long)]
+    quiet: bool,
+}
+
+const FORMATS: &str = "\
+Formats: Abaqus and CalculiX *MATRIX OUTPUT and *SUBSTRUCTURE MATRIX OUTPUT, CalculiX .sti, .mas, .dof, ANSYS HBMAT with its
+.mapping, Matrix Market (ANSYS *EXPORT,,MMF), Nastran DMIG and OUTPUT4 with names of a .pch or .asm beside it,
+NumPy .npz and .npy, SciPy save_npz.
+
+Example:
+  microslip import K=blade_STIF1.mtx M=blade_MASS1.mtx --units mm-t-s --pairs pairs.csv --k-n 1e5 --k-t 1e5 --mu 0.4 \\
+      --excite 12.1=1.0 --response 12.1 --output blade/";
+
+/// Sets of units: length, mass, time.
+#[derive(Clone, Copy, ValueEnum)]
+enum UnitsName {
+    /// m, kg, s: force in N.
+    #[value(name = "SI", alias = "si")]
+    Si,
+    /// The same as SI.
+    #[value(name = "m-kg-s")]
+    MetreKilogramSecond,
+    /// mm, t, s: force in N, stress in MPa.
+    #[value(name = "mm-t-s")]
+    MillimetreTonneSecond,
+    /// mm, kg, ms: force in kN, stress in GPa.
+    #[value(name = "mm-kg-ms")]
+    MillimetreKilogramMillisecond,
+}
+
+impl UnitsName {
+    fn units(self) -> Units {
+        match self {
+            Self::Si | Self::MetreKilogramSecond => Units::Si,
+            Self::MillimetreTonneSecond => Units::MmTonneSecond,
+            Self::MillimetreKilogramMillisecond => Units::MmKilogramMillisecond,
+        }
+    }
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum LoadKind {
+    /// Cosine part of the excitation, per unit level.
+    Harmonic,
+    /// Static force.
+    Static,
+}
+
+/// An option outside its range.
+fn bad(setting: BadSetting) -> Error {
+    Error::Import(ImportError::Setting(setting))
+}
+
+impl ImportArguments {
+    pub(super) fn execute(&self) -> Result<(), Error> {
+        let request = self.request()?;
+        let imported = import(&request)?;
+        Log::default().warn(&imported.warnings);
+        if self.quiet {
+            return Ok(());
+        }
+        print(|out| {
+            show(out, &imported)?;
+            writeln!(out, "study.toml is in {}", self.output.display())
+        })
+    }
+
+    fn request(&self) -> Result<Request, Error> {
+        let constants = [("--k-n", self.k_n), ("--k-t", self.k_t), ("--mu", self.mu)];
+        for (key, value) in constants {
+            non_negative(key, value.unwrap_or(0.0)).map_err(bad)?;
+        }
+        let (least, most) = (-microslip::setting::LARGEST, microslip::setting::LARGEST);
+        within("--n-0", self.n_0.unwrap_or(0.0), [least, most]).map_err(bad)?;
+        let ratio = self.modal_damping_ratio;
+        let rule = "must be a number from 0 to below 1";
+        let valid = (0.0..1.0).contains(&ratio);
+        BadSetting::unless(valid, "--modal-damping-ratio", ratio, rule).map_err(bad)?;
+        Ok(Request {
+            sources: self.files.iter().map(|word| Source::parse(word)).collect(),
+            units: self.units.units(),
+            output: self.output.clone(),
+            pairs: self.pairs.clone(),
+            nodes: self.nodes.clone(),
+            constants: PairConstants {
+                k_n: self.k_n,
+                k_t: self.k_t,
+                mu: self.mu,
+                n_0: self.n_0,
+            },
+            excite: self.excite.clone(),
+            forces: self.forces.clone(),
+            load: self.load.map(|load| match load {
+                LoadKind::Harmonic => Role::HarmonicForce,
+                LoadKind::Static => Role::StaticForce,
+            }),
+            responses: self.response.clone(),
+            damping_ratio: ratio,
+        })
+    }
+}
+
+/// Files, sizes, mass, frequencies.
+fn show(out: &mut dyn Write, imported: &Imported) -> std::io::Result<()> {
+    show_files(out, imported)?;
+    show_facts(out, imported)?;
+    writeln!(out, "contact pairs       {}", imported.pairs)
+}
+
+fn show_files(out: &mut dyn Write, imported: &Imported) -> std::io::Result<()> {
+    for file in &imported.files {
+        let mut parts: Vec<String> = Vec::new();
+        for (name, role) in &file.matrices {
+            let letter = role.map_or("not used", Role::letter);
+            parts.push(match name.as_str() {
+                "" => letter.to_owned(),
+                name => format!("{name} = {letter}"),
+            });
+        }
+        parts.extend(file.names.map(|names| format!("{names} names")));
+        writeln!(
+            out,
+            "read                {}: {}, {}",
+            file.path.display(),
+            file.format,
+            parts.join(", ")
+        )?;
+    }
+    Ok(())
+}
+
+fn show_facts(out: &mut dyn Write, imported: &Imported) -> std::io::Result<()> {
+    let facts = &imported.facts;
+    for matrix in &facts.matrices {
+        writeln!(
+            out,
+            "{:20}{} rows, {} non-zeros, bandwidth {}, {} digits",
+            format!("matrix {}", matrix.role.letter()),
+            matrix.rows,
+            matrix.non_zeros,
+            matrix.bandwidth,
+            matrix.digits
+        )?;
+    }
+    let names: Vec<_> = imported
+        .dofs
+        .iter()
+        .take(6)
+        .map(ToString::to_string)
+        .collect();
+    writeln!(
+        out,
+        "degrees of freedom  {}: {} ...",
+        imported.dofs.len(),
+        names.join(", ")
+    )?;
+    match facts.total_mass {
+        Some([x, y, z]) => writeln!(
+            out,
+            "total mass          {x:.6} {y:.6} {z:.6} kg along x, y, z"
+        )?,
+        None => writeln!(
+            out,
+            "total mass          not known: no names with the components 1, 2, 3"
+        )?,
+    }
+    let numbers: Vec<_> = facts
+        .frequencies_hz
+        .iter()
+        .map(|f| format!("{f:.6}"))
+        .collect();
+    writeln!(
+        out,
+        "free frequencies    {} Hz ({} rigid-body modes)",
+        numbers.join(" "),
+        facts.rigid
+    )
+}
+
+/// Nodes that are listed by number.
+const LISTED: usize = 12;
+
+#[derive(Args)]
+pub(super) struct PairsArguments {
+    /// CSV table of coordinates: node, x, y, z.
+    nodes: PathBuf,
+    /// CSV table of the nodes of surface A: node.
+    a: PathBuf,
+    /// CSV table of the nodes of surface B: node.
+    b: PathBuf,
+    /// Largest distance of two nodes of a pair, in the unit of the coordinates.
+    #[arg(long)]
+    tolerance: f64,
+    /// Normal of all pairs, from A into B: x,y,z. If absent it goes from A to B.
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
+    normal: Vec<f64>,
+    /// Table that is written, to be checked and given to `import --pairs`.
+    #[arg(long, default_value = "pairs.csv")]
+    output: PathBuf,
+}
+
+impl PairsArguments {
+    pub(super) fn execute(&self) -> Result<(), Error> {
+        positive("--tolerance", self.tolerance).map_err(bad)?;
+        let normal = match self.normal[..] {
+            [] => None,
+            [x, y, z] if [x, y, z].iter().all(|c| c.is_finite()) => Some([x, y, z]),
+            _ => {
+                let given: Vec<_> = self.normal.iter().map(f64::to_string).collect();
+                return Err(bad(BadSetting {
+                    key: "--normal".to_owned(),
+                    value: given.join(","),
+                    rule: "must be three finite numbers: x,y,z".to_owned(),
+                }));
+            }
+        };
+        let found = propose(&self.nodes, &self.a, &self.b, self.tolerance, normal);
+        let proposal = found.map_err(ImportError::File)?;
+        proposal.write(&self.output).map_err(ImportError::File)?;
+        print(|out| {
+            show_proposal(out, &proposal)?;
+            writeln!(
+                out,
+                "check {} before import --pairs reads it",
+                self.output.display()
+            )
+        })
+    }
+}
+
+fn show_proposal(out: &mut dyn Write, proposal: &Proposal) -> std::io::Result<()> {
+    let farthest = proposal.pairs.iter().map(|pair| pair.distance);
+    let farthest = farthest.fold(0.0, f64::max);
+    writeln!(
+        out,
+        "pairs               {}, at most {farthest} apart",
+        proposal.pairs.len()
+    )?;
+    let without = proposal.pairs.iter().filter(|pair| pair.normal.is_none());
+    let without = without.count();
+    if without > 0 {
+        writeln!(
+            out,
+            "without a normal    {without}: both nodes are at one place; fill in nx, ny, nz, or give --normal"
+        )?;
+    }
+    for (surface, left) in [("A", &proposal.left_a), ("B", &proposal.left_b)] {
+        let numbers: Vec<_> = left.iter().take(LISTED).map(i64::to_string).collect();
+        let more = if left.len() > LISTED { " ..." } else { "" };
+        writeln!(
+            out,
+            "{:20}{} {}{more}",
+            format!("left on surface {surface}"),
+            left.len(),
+            numbers.join(" ")
+        )?;
+    }
+    Ok(())
+}

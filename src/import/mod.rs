@@ -1,0 +1,208 @@
+//! Models of other programs: their matrices read, checked, put into SI units, and written as a study of kind "matrices".
+//!
+//! Each format is a file that gives [`ImportedMatrix`]; [`model::assemble`] puts the matrices of all files together.
+//! Nothing is guessed: units are declared, and a matrix that nothing names must be named. Sizes that a file states are
+//! checked before memory is taken for them. Start reading at [`import()`].
+
+pub mod dof;
+pub mod facts;
+pub mod forces;
+pub mod matrix;
+pub mod model;
+pub mod nearest;
+pub mod pairs;
+pub mod role;
+pub mod units;
+pub mod write;
+
+mod abaqus_matrix;
+mod abaqus_substructure;
+mod calculix;
+mod direction;
+mod harwell_boeing;
+mod lines;
+mod nastran_cards;
+mod nastran_dmig;
+mod nastran_names;
+mod numpy;
+mod op4;
+mod op4_binary;
+mod op4_text;
+mod read;
+mod table;
+
+pub use facts::Facts;
+pub use matrix::ImportedMatrix;
+pub use model::{ImportedModel, ReadFile, Source};
+pub use nearest::{Proposal, propose};
+pub use pairs::PairConstants;
+pub use read::{Reading, read};
+pub use role::Role;
+pub use units::Units;
+
+use std::path::PathBuf;
+
+use crate::file::FileError;
+use crate::linalg::LinalgError;
+use crate::setting::BadSetting;
+use write::StudyParts;
+
+/// Why a model cannot be imported.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ImportError {
+    /// A file cannot be read or written, or breaks a rule.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// An option of the command breaks a rule.
+    #[error(transparent)]
+    Setting(#[from] BadSetting),
+    /// The free structure has no frequencies.
+    #[error("frequencies of the free structure: {0}")]
+    Linalg(#[from] LinalgError),
+}
+
+/// What is imported, and into which folder.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// Files of matrices and names.
+    pub sources: Vec<Source>,
+    /// Units of all files and tables.
+    pub units: Units,
+    /// Folder that is written.
+    pub output: PathBuf,
+    /// Table of contact pairs.
+    pub pairs: Option<PathBuf>,
+    /// Table of coordinates, for normals that the pairs do not state.
+    pub nodes: Option<PathBuf>,
+    /// Constants of pairs that do not state them.
+    pub constants: PairConstants,
+    /// Forces of the excitation: `12.1=1.0`.
+    pub excite: Vec<String>,
+    /// Table of forces.
+    pub forces: Option<PathBuf>,
+    /// What the loads in the files are: harmonic or static forces; not used if absent.
+    pub load: Option<Role>,
+    /// Response coordinates.
+    pub responses: Vec<String>,
+    /// Damping ratio of all modes where there is no damping matrix.
+    pub damping_ratio: f64,
+}
+
+/// What was imported.
+#[derive(Debug, Clone)]
+pub struct Imported {
+    /// The files.
+    pub files: Vec<ReadFile>,
+    /// Names of the degrees of freedom.
+    pub dofs: Vec<dof::Dof>,
+    /// Sizes, mass, frequencies.
+    pub facts: Facts,
+    /// Number of contact pairs.
+    pub pairs: usize,
+    /// What a user should look at.
+    pub warnings: Vec<String>,
+}
+
+/// Reads a model and writes it as a study.
+///
+/// # Errors
+/// [`ImportError`] on the first rule that is broken; then nothing is written.
+pub fn import(request: &Request) -> Result<Imported, ImportError> {
+    write::refuse_content(&request.output)?;
+    let (model, files) = model::assemble(&request.sources)?;
+    let mut warnings = warnings(&model, &files, request);
+    let mut model = model.in_si(request.units);
+    if let (Some(role), Some(load)) = (request.load, model.forces.remove(&Role::Load)) {
+        model.forces.insert(role, load);
+    }
+    let (dofs, units) = (&model.dofs, request.units);
+    let pairs = match &request.pairs {
+        None => Vec::new(),
+        Some(path) => {
+            let nodes = request.nodes.as_deref();
+            pairs::read_pairs(path, nodes, dofs, units, request.constants)?
+        }
+    };
+    let mut forces = forces::Forces::default();
+    if let Some(path) = &request.forces {
+        forces.add_table(path, dofs, units)?;
+    }
+    for word in &request.excite {
+        forces.add_word(word, dofs, units)?;
+    }
+    for name in &request.responses {
+        let known = forces::named(name, dofs);
+        known.map_err(|rule| BadSetting {
+            key: "--response".to_owned(),
+            value: name.clone(),
+            rule,
+        })?;
+    }
+    let facts = Facts::of(&model)?;
+    if facts.frequencies_hz.is_empty() {
+        warnings.push("the free structure has no flexible mode".to_owned());
+    }
+    let parts = StudyParts {
+        name: name_of(request),
+        origin: origin(request),
+        forces,
+        responses: request.responses.clone(),
+        damping_ratio: request.damping_ratio,
+        frequencies_hz: facts.frequencies_hz.clone(),
+        pairs,
+    };
+    write::write(&model, &parts, &request.output)?;
+    Ok(Imported {
+        files,
+        facts,
+        pairs: parts.pairs.len(),
+        dofs: model.dofs,
+        warnings,
+    })
+}
+
+fn warnings(model: &ImportedModel, files: &[ReadFile], request: &Request) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if !write::has_nodes(&model.dofs) {
+        warnings.push(
+            "no file has names: degrees of freedom are called 1, 2, ... and all count as displacements"
+                .to_owned(),
+        );
+    }
+    if model.forces.contains_key(&Role::Load) && request.load.is_none() {
+        warnings.push(
+            "the load of the files is not used: --load harmonic or --load static says what it is"
+                .to_owned(),
+        );
+    }
+    for file in files {
+        for (name, _) in file.matrices.iter().filter(|(_, role)| role.is_none()) {
+            let path = file.path.display();
+            warnings.push(format!("{path}: matrix {name} is not used"));
+        }
+    }
+    warnings
+}
+
+/// The study has the name of its folder.
+fn name_of(request: &Request) -> String {
+    let name = request.output.file_name().unwrap_or_default();
+    match name.to_string_lossy().trim() {
+        "" => "imported model".to_owned(),
+        name => name.to_owned(),
+    }
+}
+
+fn origin(request: &Request) -> String {
+    let names = request.sources.iter().map(|source| {
+        let name = source.path.file_name().unwrap_or_default();
+        name.to_string_lossy().replace(char::is_control, " ")
+    });
+    let names: Vec<_> = names.collect();
+    format!(
+        "Imported by Microslip from {} (units {}).",
+        names.join(", "),
+        request.units.in_words()
+    )
+}

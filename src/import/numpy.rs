@@ -1,0 +1,385 @@
+//! NumPy: arrays of `save` (`.npy`), `savez` (`.npz` with K, M, C, R, F) and SciPy's `save_npz` (a sparse matrix).
+//!
+//! Format: numpy.lib.format. Its header is a dictionary of three keys; the crate that reads it brings a parser generator and
+//! a library for stacks of its own, so it is read here. The archive is read by the crate `zip`.
+
+use std::collections::BTreeMap;
+use std::io::{Cursor, Read};
+use std::path::Path;
+
+use super::matrix::{
+    Content, DOUBLE_DIGITS, Entries, ImportedMatrix, Rows, SINGLE_DIGITS, Storage,
+};
+use crate::file::{FileError, parquet::without_panic};
+use crate::model::matrix_market::LARGEST;
+
+/// How a file of one array begins.
+const MAGIC: &[u8] = b"\x93NUMPY";
+/// How an archive begins.
+const ARCHIVE: &[u8] = b"PK\x03\x04";
+/// Bytes of the header of an array at most.
+const LONGEST_HEADER: usize = 10_000;
+/// Bytes of all arrays of an archive at most, without compression.
+const MOST_BYTES: u64 = 512 << 20;
+/// Arrays of an archive at most.
+const MOST_ARRAYS: usize = 100;
+
+/// Whether the bytes begin as such a file.
+pub(super) fn begins(bytes: &[u8]) -> bool {
+    bytes.starts_with(MAGIC) || bytes.starts_with(ARCHIVE)
+}
+
+/// Reads all matrices and vectors.
+pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<ImportedMatrix>, FileError> {
+    let fault = |rule: String| FileError::content(path, None, rule);
+    let mut arrays = match bytes.starts_with(MAGIC) {
+        true => BTreeMap::from([(String::new(), Array::read(bytes).map_err(fault)?)]),
+        false => {
+            // the library may panic on a damaged file
+            let damaged = || Err("is damaged: the ZIP library cannot read it".to_owned());
+            let found = without_panic(|| archive(bytes, MOST_BYTES)).unwrap_or_else(damaged);
+            found.map_err(fault)?
+        }
+    };
+    if let Some(format) = arrays.remove("format") {
+        return Ok(vec![sparse(path, &format, &arrays)?]);
+    }
+    let mut found = Vec::new();
+    for (name, array) in arrays {
+        found.extend(array.matrix(path, name)?);
+    }
+    match found.is_empty() {
+        true => Err(fault("has no square matrix and no vector".to_owned())),
+        false => Ok(found),
+    }
+}
+
+/// Arrays by their names; together they have `most` bytes at most.
+fn archive(bytes: &[u8], most: u64) -> Result<BTreeMap<String, Array>, String> {
+    let damaged = |error: zip::result::ZipError| format!("is no ZIP archive of arrays: {error}");
+    let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).map_err(damaged)?;
+    if archive.len() > MOST_ARRAYS {
+        return Err(format!("has more than {MOST_ARRAYS} arrays"));
+    }
+    let mut arrays = BTreeMap::new();
+    let mut left = most;
+    for at in 0..archive.len() {
+        let file = archive.by_index(at).map_err(damaged)?;
+        let name = file.name().map_err(damaged)?.into_owned();
+        let Some(name) = name.strip_suffix(".npy") else {
+            continue;
+        };
+        let mut content = Vec::new();
+        let read = file.take(left + 1).read_to_end(&mut content);
+        read.map_err(|error| format!("array {name:.40}: {error}"))?;
+        let rest = left.checked_sub(content.len() as u64);
+        left = rest.ok_or_else(|| format!("holds more than {} MiB", most >> 20))?;
+        let array = Array::read(&content).map_err(|rule| format!("array {name:.40}: {rule}"))?;
+        if arrays.insert(name.to_owned(), array).is_some() {
+            return Err(format!("array {name:.40}: must be there once"));
+        }
+    }
+    Ok(arrays)
+}
+
+/// An array as it is stored.
+struct Array {
+    shape: Vec<usize>,
+    fortran: bool,
+    numbers: Numbers,
+}
+
+enum Numbers {
+    Real {
+        values: Vec<f64>,
+        digits: u32,
+    },
+    Text(String),
+    /// Of a kind that is not read.
+    Other,
+}
+
+impl Array {
+    fn read(bytes: &[u8]) -> Result<Self, String> {
+        let short = || "is no NumPy array, or ends early".to_owned();
+        let version = bytes.strip_prefix(MAGIC).and_then(|rest| rest.first());
+        let (length, start) = match (version, bytes.get(8..12)) {
+            (Some(1), Some(n)) => (usize::from(n[0]) | usize::from(n[1]) << 8, 10),
+            (Some(2 | 3), Some(n)) => {
+                let length = u32::from_le_bytes([n[0], n[1], n[2], n[3]]);
+                (usize::try_from(length).map_err(|_| short())?, 12)
+            }
+            _ => return Err(short()),
+        };
+        if length > LONGEST_HEADER {
+            return Err(format!(
+                "has a header of {length} bytes: at most {LONGEST_HEADER}"
+            ));
+        }
+        let header = bytes.get(start..start + length).ok_or_else(short)?;
+        let header = std::str::from_utf8(header).map_err(|_| short())?;
+        let data = &bytes[start + length..];
+        let shape = shape(header)?;
+        let kind = quoted(header, "descr").ok_or("must state descr: a number type")?;
+        let fortran = after(header, "fortran_order").ok_or("must state fortran_order")?;
+        let most = LARGEST * LARGEST;
+        let count = shape
+            .iter()
+            .try_fold(1_usize, |n, size| n.checked_mul(*size));
+        let count = count.filter(|count| *count <= most);
+        let count = count.ok_or_else(|| format!("has more than {most} numbers"))?;
+        Ok(Self {
+            fortran: fortran.starts_with("True"),
+            numbers: numbers(kind, count, data)?,
+            shape,
+        })
+    }
+
+    /// A square matrix or a vector; nothing for others.
+    fn matrix(self, path: &Path, name: String) -> Result<Option<ImportedMatrix>, FileError> {
+        let fault = |rule: String| FileError::content(path, None, rule);
+        let Numbers::Real { values, digits } = self.numbers else {
+            return Ok(None);
+        };
+        let shown = if name.is_empty() {
+            String::new()
+        } else {
+            format!("array {name:.40}: ")
+        };
+        if let Some(at) = values.iter().position(|value| !value.is_finite()) {
+            let value = values[at];
+            let rule = format!(
+                "{shown}number {} = {value}: must be a finite number",
+                at + 1
+            );
+            return Err(fault(rule));
+        }
+        let (rows, content) = match self.shape[..] {
+            [n] | [n, 1] | [1, n] if n > 1 => (n, Content::Column(values)),
+            [n, columns] if n == columns && (1..=LARGEST).contains(&n) => {
+                let mut entries = Entries::default();
+                for (at, value) in values.into_iter().enumerate().filter(|(_, v)| *v != 0.0) {
+                    let (row, column) = match self.fortran {
+                        true => (at % n, at / n),
+                        false => (at / n, at % n),
+                    };
+                    entries.add(row, column, value, 0);
+                }
+                (
+                    n,
+                    Content::Symmetric(entries.symmetric(path, n, Storage::Full)?),
+                )
+            }
+            _ => return Ok(None),
+        };
+        if rows > LARGEST {
+            return Ok(None);
+        }
+        Ok(Some(ImportedMatrix {
+            name,
+            path: path.to_owned(),
+            rows: Rows::Numbered(rows),
+            content,
+            digits,
+        }))
+    }
+
+    /// Whole numbers that are not negative.
+    fn indices(&self, name: &str) -> Result<Vec<usize>, String> {
+        let Numbers::Real { values, .. } = &self.numbers else {
+            return Err(format!("array {name}: must be whole numbers"));
+        };
+        let whole = |value: &f64| {
+            let fits = value.fract() == 0.0 && (0.0..=1e9).contains(value);
+            fits.then_some(*value as usize)
+        };
+        let indices: Option<Vec<usize>> = values.iter().map(whole).collect();
+        indices.ok_or_else(|| format!("array {name}: must be whole numbers >= 0"))
+    }
+}
+
+/// The text behind a key of the header.
+fn after<'h>(header: &'h str, key: &str) -> Option<&'h str> {
+    let at = header.find(&format!("'{key}'"))? + key.len() + 2;
+    Some(header[at..].trim_start().strip_prefix(':')?.trim_start())
+}
+
+fn quoted<'h>(header: &'h str, key: &str) -> Option<&'h str> {
+    after(header, key)?.strip_prefix('\'')?.split('\'').next()
+}
+
+/// `(12, 12)`, `(12,)`, `()`.
+fn shape(header: &str) -> Result<Vec<usize>, String> {
+    let rule = "must state its shape: whole numbers in parentheses";
+    let inner = after(header, "shape").and_then(|rest| rest.strip_prefix('(')?.split_once(')'));
+    let (inner, _) = inner.ok_or(rule)?;
+    let sizes = inner
+        .split(',')
+        .map(str::trim)
+        .filter(|size| !size.is_empty());
+    let sizes: Result<Vec<usize>, _> = sizes.map(str::parse).collect();
+    sizes.map_err(|_| rule.to_owned())
+}
+
+/// `count` numbers of a kind such as `<f8`.
+fn numbers(kind: &str, count: usize, data: &[u8]) -> Result<Numbers, String> {
+    let (order, rest) = kind.split_at_checked(1).unwrap_or(("", ""));
+    let big_endian = order == ">";
+    let width = match rest {
+        "f8" | "i8" | "u8" => 8,
+        "f4" | "i4" | "u4" => 4,
+        "i2" | "u2" => 2,
+        "i1" | "u1" | "b1" => 1,
+        _ if rest.starts_with('S') && data.len() <= 16 => {
+            let text = String::from_utf8_lossy(data);
+            return Ok(Numbers::Text(text.trim_end_matches('\0').to_owned()));
+        }
+        _ if rest.starts_with('c') => return Err("is complex: must be real".to_owned()),
+        _ => return Ok(Numbers::Other),
+    };
+    if data.len() != count * width {
+        return Err(format!(
+            "has {} bytes: {count} numbers of {width} bytes are stated",
+            data.len()
+        ));
+    }
+    let value = |bytes: &[u8]| {
+        let mut bits = [0; 8];
+        bits[..width].copy_from_slice(bytes);
+        if big_endian {
+            bits[..width].reverse();
+        }
+        let raw = u64::from_le_bytes(bits);
+        match rest {
+            "f8" => f64::from_bits(raw),
+            "f4" => f64::from(f32::from_bits(raw as u32)),
+            "i8" => raw as i64 as f64,
+            "i4" => f64::from(raw as u32 as i32),
+            "i2" => f64::from(raw as u16 as i16),
+            "i1" => f64::from(raw as u8 as i8),
+            _ => raw as f64,
+        }
+    };
+    let digits = if rest == "f4" {
+        SINGLE_DIGITS
+    } else {
+        DOUBLE_DIGITS
+    };
+    let values = data.chunks_exact(width).map(value).collect();
+    Ok(Numbers::Real { values, digits })
+}
+
+/// A matrix of `save_npz`: csr, csc or coo.
+fn sparse(
+    path: &Path,
+    format: &Array,
+    arrays: &BTreeMap<String, Array>,
+) -> Result<ImportedMatrix, FileError> {
+    let fault = |rule: String| FileError::content(path, None, rule);
+    let array = |name: &str| {
+        let found = arrays.get(name);
+        found.ok_or_else(|| fault(format!("must have the array {name}")))
+    };
+    let indices = |name: &str| array(name)?.indices(name).map_err(fault);
+    let Numbers::Text(format) = &format.numbers else {
+        return Err(fault("array format: must be csr, csc or coo".to_owned()));
+    };
+    let [n, columns] = indices("shape")?[..] else {
+        return Err(fault("array shape: must be two numbers".to_owned()));
+    };
+    if n != columns || !(1..=LARGEST).contains(&n) {
+        let rule = format!("is {n} x {columns}: must be square, of 1 to {LARGEST} rows");
+        return Err(fault(rule));
+    }
+    let Numbers::Real { values, digits } = &array("data")?.numbers else {
+        return Err(fault("array data: must be real numbers".to_owned()));
+    };
+    let (first, second) = match format.as_str() {
+        "coo" => (indices("row")?, indices("col")?),
+        "csr" | "csc" => {
+            let pointers = indices("indptr")?;
+            (
+                expanded(&pointers, n, values.len()).map_err(fault)?,
+                indices("indices")?,
+            )
+        }
+        _ => {
+            return Err(fault(format!(
+                "format {format:.20}: must be csr, csc or coo"
+            )));
+        }
+    };
+    if first.len() != values.len() || second.len() != values.len() {
+        let rule = format!(
+            "has {} numbers, but {} and {} indices",
+            values.len(),
+            first.len(),
+            second.len()
+        );
+        return Err(fault(rule));
+    }
+    let mut entries = Entries::default();
+    let places = first.into_iter().zip(second);
+    fill(&mut entries, n, places.zip(values)).map_err(fault)?;
+    Ok(ImportedMatrix {
+        name: String::new(),
+        path: path.to_owned(),
+        rows: Rows::Numbered(n),
+        content: Content::Symmetric(entries.symmetric(path, n, Storage::Unknown)?),
+        digits: *digits,
+    })
+}
+
+/// Notes entries that are inside `n` rows and finite.
+fn fill<'v>(
+    entries: &mut Entries,
+    n: usize,
+    values: impl Iterator<Item = ((usize, usize), &'v f64)>,
+) -> Result<(), String> {
+    for ((row, column), value) in values {
+        if row >= n || column >= n || !value.is_finite() {
+            return Err(format!(
+                "entry ({row}, {column}) = {value}: must be finite and inside {n} rows"
+            ));
+        }
+        entries.add(row, column, *value, 0);
+    }
+    Ok(())
+}
+
+/// The row of each entry, from where each row begins.
+fn expanded(pointers: &[usize], n: usize, entries: usize) -> Result<Vec<usize>, String> {
+    let ordered = pointers.len() == n + 1
+        && pointers.first() == Some(&0)
+        && pointers.last() == Some(&entries)
+        && pointers.windows(2).all(|two| two[0] <= two[1]);
+    if !ordered {
+        return Err(format!(
+            "array indptr: must ascend from 0 to {entries} in {} numbers",
+            n + 1
+        ));
+    }
+    let rows = pointers.windows(2).enumerate();
+    let rows = rows.flat_map(|(row, two)| std::iter::repeat_n(row, two[1] - two[0]));
+    Ok(rows.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    /// An archive of some kilobytes whose array would fill the memory. Seen to fail without the bound: it was read.
+    #[test]
+    fn a_small_archive_of_a_large_array_is_refused() {
+        let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
+        let options = zip::write::SimpleFileOptions::default()
+            .compression_method(zip::CompressionMethod::Deflated);
+        writer.start_file("K.npy", options).unwrap();
+        writer.write_all(&vec![0; 3 << 20]).unwrap();
+        let file = writer.finish().unwrap().into_inner();
+        assert!(file.len() < 1 << 15, "{} bytes", file.len());
+        let refused = archive(&file, 2 << 20).err();
+        assert_eq!(refused.as_deref(), Some("holds more than 2 MiB"));
+    }
+}

@@ -1,0 +1,46 @@
+//! Models of other programs: files that the tests write by the rules of each format, whole and damaged.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot set up its files fails"
+)]
+
+mod abaqus;
+mod ansys;
+mod calculix;
+mod chain;
+mod command;
+mod damage;
+mod fuzz;
+mod nastran;
+mod numpy;
+mod op4;
+mod pairs;
+
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+
+/// The program, run in `folder`.
+fn microslip(folder: &Path, arguments: &[&str]) -> Output {
+    Command::cargo_bin("microslip")
+        .unwrap()
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// Exit code 2 and one message with all fragments; nothing is written.
+fn assert_refused(folder: &Path, arguments: &[&str], fragments: &[&str]) {
+    let output = microslip(folder, arguments);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+    for fragment in fragments {
+        assert!(
+            message.contains(fragment),
+            "{arguments:?}: {message} lacks {fragment:?}"
+        );
+    }
+    assert!(!folder.join("model").exists(), "{arguments:?}: written");
+}
