@@ -1,6 +1,6 @@
 //! Models of other programs: their matrices read, checked, put into SI units, and written as a study of kind "matrices".
 //!
-//! Each format is a file that gives [`ImportedMatrix`]; [`model::assemble`] puts the matrices of all files together.
+//! Each format is a file of `format` that gives [`ImportedMatrix`]; [`model::assemble`] puts the matrices of all files together.
 //! Nothing is guessed: units are declared, and a matrix that nothing names must be named. Sizes that a file states are
 //! checked before memory is taken for them. Start reading at [`import()`].
 
@@ -15,19 +15,9 @@ pub mod role;
 pub mod units;
 pub mod write;
 
-mod abaqus_matrix;
-mod abaqus_substructure;
-mod calculix;
 mod direction;
-mod harwell_boeing;
+mod format;
 mod lines;
-mod nastran_cards;
-mod nastran_dmig;
-mod nastran_names;
-mod numpy;
-mod op4;
-mod op4_binary;
-mod op4_text;
 mod read;
 mod table;
 

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use super::dof::Dof;
-use super::lines::{Lines, words};
-use super::matrix::{Content, Entries, ImportedMatrix, Rows, Storage};
-use super::{
+use super::format::{
     abaqus_matrix, abaqus_substructure, calculix, harwell_boeing, nastran_dmig, nastran_names,
     numpy, op4_binary, op4_text,
 };
+use super::lines::{Lines, words};
+use super::matrix::{Content, Entries, ImportedMatrix, Rows, Storage};
 use crate::file::{self, FileError};
 use crate::model::matrix_market::read_matrix;
 

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::lines::{Lines, number, whole};
-use super::matrix::ImportedMatrix;
+use super::super::lines::{Lines, number, whole};
+use super::super::matrix::ImportedMatrix;
 use super::op4::{Growing, Header, MOST_MATRICES};
 use crate::file::{FileError, significant_digits};
 
@@ -15,7 +15,7 @@ const USUAL_FORMAT: [usize; 2] = [5, 16];
 const LARGEST_FORMAT: [i64; 2] = [1_000, 64];
 
 /// Reads all matrices.
-pub(super) fn read(path: &Path, text: &str) -> Result<Vec<ImportedMatrix>, FileError> {
+pub(in crate::import) fn read(path: &Path, text: &str) -> Result<Vec<ImportedMatrix>, FileError> {
     let mut lines = Lines::new(path, text);
     let mut found = Vec::new();
     let mut count = 0;
@@ -39,7 +39,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<Vec<ImportedMatrix>, FileE
 }
 
 /// Whether a line is the header of a matrix.
-pub(super) fn is_header(line: &str) -> bool {
+pub(in crate::import) fn is_header(line: &str) -> bool {
     header(line).is_ok()
 }
 

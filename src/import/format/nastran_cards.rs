@@ -2,16 +2,16 @@
 
 use std::path::Path;
 
-use super::lines::Lines;
+use super::super::lines::Lines;
 use crate::file::FileError;
 
 /// One entry: its name and all its fields, blank ones included.
 #[derive(Debug)]
-pub(super) struct Card<'t> {
+pub(in crate::import) struct Card<'t> {
     /// Name, such as DMIG.
-    pub(super) name: String,
+    pub(in crate::import) name: String,
     /// Fields after the name, with their lines.
-    pub(super) fields: Vec<(u64, &'t str)>,
+    pub(in crate::import) fields: Vec<(u64, &'t str)>,
 }
 
 /// Columns of the name of a fixed entry.
@@ -19,19 +19,24 @@ const NAME: usize = 8;
 
 impl Card<'_> {
     /// Field `at`, blank where there is none.
-    pub(super) fn field(&self, at: usize) -> &str {
+    pub(in crate::import) fn field(&self, at: usize) -> &str {
         self.fields.get(at).map_or("", |(_, field)| field)
     }
 
     /// The fault of a field's line.
-    pub(super) fn fault(&self, path: &Path, at: usize, rule: impl Into<String>) -> FileError {
+    pub(in crate::import) fn fault(
+        &self,
+        path: &Path,
+        at: usize,
+        rule: impl Into<String>,
+    ) -> FileError {
         let line = self.fields.get(at).or(self.fields.last());
         FileError::content(path, line.map(|(line, _)| *line), rule)
     }
 }
 
 /// Calls `take` with every entry whose name is among `names`.
-pub(super) fn each_card<'t>(
+pub(in crate::import) fn each_card<'t>(
     path: &'t Path,
     text: &'t str,
     names: &[&str],

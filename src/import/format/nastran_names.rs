@@ -4,9 +4,9 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use super::dof::Dof;
-use super::lines::whole;
-use super::matrix::Naming;
+use super::super::dof::Dof;
+use super::super::lines::whole;
+use super::super::matrix::Naming;
 use super::nastran_cards::{Card, each_card};
 use crate::file::FileError;
 use crate::model::matrix_market::LARGEST;
@@ -24,7 +24,7 @@ struct Lists {
 }
 
 /// The names that the entries of a file give, if there are any.
-pub(super) fn read(path: &Path, text: &str) -> Result<Option<Vec<Dof>>, FileError> {
+pub(in crate::import) fn read(path: &Path, text: &str) -> Result<Option<Vec<Dof>>, FileError> {
     let mut lists = Lists::default();
     each_card(path, text, &CARDS, |card| {
         lists

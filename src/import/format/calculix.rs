@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
+use super::super::dof::Dof;
+use super::super::lines::{Lines, number, size, words};
+use super::super::matrix::{Content, Entries, ImportedMatrix, Naming, Rows, Storage};
 use super::abaqus_matrix::dof_of;
-use super::dof::Dof;
-use super::lines::{Lines, number, size, words};
-use super::matrix::{Content, Entries, ImportedMatrix, Naming, Rows, Storage};
 use crate::file::{FileError, significant_digits};
 
 /// Reads a matrix. Its size is that of its largest index: every row has its diagonal entry.
-pub(super) fn read_matrix(path: &Path, text: &str) -> Result<ImportedMatrix, FileError> {
+pub(in crate::import) fn read_matrix(path: &Path, text: &str) -> Result<ImportedMatrix, FileError> {
     let mut entries = Entries::default();
     let mut lines = Lines::new(path, text);
     while let Some(line) = lines.next() {
@@ -42,7 +42,7 @@ pub(super) fn read_matrix(path: &Path, text: &str) -> Result<ImportedMatrix, Fil
 }
 
 /// Reads names: one `node.dof` per line.
-pub(super) fn read_names(path: &Path, text: &str) -> Result<Vec<Dof>, FileError> {
+pub(in crate::import) fn read_names(path: &Path, text: &str) -> Result<Vec<Dof>, FileError> {
     let mut naming = Naming::default();
     let mut lines = Lines::new(path, text);
     while let Some(line) = lines.next() {

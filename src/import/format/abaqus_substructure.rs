@@ -3,10 +3,10 @@
 
 use std::path::Path;
 
+use super::super::dof::Dof;
+use super::super::lines::{Lines, number, size, whole, words};
+use super::super::matrix::{Content, Entries, ImportedMatrix, Naming, Rows, Storage};
 use super::abaqus_matrix::dof_of;
-use super::dof::Dof;
-use super::lines::{Lines, number, size, whole, words};
-use super::matrix::{Content, Entries, ImportedMatrix, Naming, Rows, Storage};
 use crate::file::{FileError, significant_digits};
 use crate::model::matrix_market::LARGEST;
 
@@ -47,7 +47,7 @@ struct Element {
 }
 
 /// Reads the matrices of one user element.
-pub(super) fn read(path: &Path, text: &str) -> Result<Vec<ImportedMatrix>, FileError> {
+pub(in crate::import) fn read(path: &Path, text: &str) -> Result<Vec<ImportedMatrix>, FileError> {
     let mut element = Element::default();
     let mut lines = Lines::new(path, text);
     let mut part = Part::Other;

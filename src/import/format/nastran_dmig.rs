@@ -5,9 +5,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use super::super::lines::{number, whole};
+use super::super::matrix::{Content, Entries, ImportedMatrix, Naming, Rows, Storage};
 use super::abaqus_matrix::dof_of;
-use super::lines::{number, whole};
-use super::matrix::{Content, Entries, ImportedMatrix, Naming, Rows, Storage};
 use super::nastran_cards::{Card, each_card};
 use crate::file::{FileError, significant_digits};
 
@@ -37,7 +37,7 @@ enum Shape {
 }
 
 /// Reads all matrices.
-pub(super) fn read(path: &Path, text: &str) -> Result<Vec<ImportedMatrix>, FileError> {
+pub(in crate::import) fn read(path: &Path, text: &str) -> Result<Vec<ImportedMatrix>, FileError> {
     let mut matrices: Vec<Growing> = Vec::new();
     each_card(path, text, &["DMIG"], |card| {
         let name = card.field(0).to_ascii_uppercase();
@@ -209,7 +209,7 @@ fn loads(
 }
 
 /// A grid point with its component, or a scalar point, whose component is 0 or blank.
-fn point(point: &str, component: &str) -> Result<super::dof::Dof, String> {
+fn point(point: &str, component: &str) -> Result<super::super::dof::Dof, String> {
     let point = whole("grid point", point, 1, i64::from(i32::MAX))?.to_string();
     let component = if component.is_empty() { "0" } else { component };
     if !matches!(component, "0" | "1" | "2" | "3" | "4" | "5" | "6") {

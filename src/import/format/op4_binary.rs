@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::matrix::{DOUBLE_DIGITS, ImportedMatrix, SINGLE_DIGITS};
+use super::super::matrix::{DOUBLE_DIGITS, ImportedMatrix, SINGLE_DIGITS};
 use super::op4::{Growing, Header, MOST_MATRICES};
 use crate::file::FileError;
 
@@ -55,12 +55,12 @@ impl Layout {
 }
 
 /// Whether the bytes begin as such a file.
-pub(super) fn begins(bytes: &[u8]) -> bool {
+pub(in crate::import) fn begins(bytes: &[u8]) -> bool {
     Layout::of(bytes).is_some()
 }
 
 /// Reads all matrices.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<ImportedMatrix>, FileError> {
+pub(in crate::import) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<ImportedMatrix>, FileError> {
     let fault = |rule: String| FileError::content(path, None, rule);
     let layout = Layout::of(bytes).ok_or_else(|| fault("is no OUTPUT4 file".to_owned()))?;
     let mut records = Records {

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::dof::Dof;
-use super::lines::{Lines, number, whole, words};
-use super::matrix::{Content, Entries, ImportedMatrix, Naming, Rows, Storage};
+use super::super::dof::Dof;
+use super::super::lines::{Lines, number, whole, words};
+use super::super::matrix::{Content, Entries, ImportedMatrix, Naming, Rows, Storage};
 use crate::file::{FileError, significant_digits};
 
 /// Largest number of a node, either sign: that of 32-bit integers.
@@ -13,7 +13,7 @@ const LARGEST_NODE: i64 = i32::MAX as i64;
 const LARGEST_COMPONENT: i64 = 9_999;
 
 /// Reads a matrix, or the loads of `*CLOAD` lines (`node, dof, value`). Lines that start with `*` are no entries.
-pub(super) fn read(path: &Path, text: &str) -> Result<ImportedMatrix, FileError> {
+pub(in crate::import) fn read(path: &Path, text: &str) -> Result<ImportedMatrix, FileError> {
     let mut naming = Naming::default();
     let mut entries = Entries::default();
     let mut loads = Vec::new();
@@ -66,7 +66,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<ImportedMatrix, FileError>
 ///
 /// # Errors
 /// The rule that they break.
-pub(super) fn dof_of(node: &str, component: &str) -> Result<Dof, String> {
+pub(in crate::import) fn dof_of(node: &str, component: &str) -> Result<Dof, String> {
     let node = whole("node", node, -LARGEST_NODE, LARGEST_NODE)?;
     let component = whole("degree of freedom", component, 0, LARGEST_COMPONENT)?;
     Ok(Dof::new(node, component as u32))

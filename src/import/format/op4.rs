@@ -4,27 +4,27 @@
 
 use std::path::{Path, PathBuf};
 
-use super::matrix::{Content, Entries, ImportedMatrix, Rows, Storage};
+use super::super::matrix::{Content, Entries, ImportedMatrix, Rows, Storage};
 use crate::file::FileError;
 use crate::model::matrix_market::LARGEST;
 
 /// Rows or columns of a matrix at most, of one that is passed over too.
 const MOST: i64 = 1_000_000_000;
 /// Matrices of a file at most.
-pub(super) const MOST_MATRICES: usize = 1_000;
+pub(in crate::import) const MOST_MATRICES: usize = 1_000;
 
 /// What the header of a matrix states.
 #[derive(Debug, Clone)]
-pub(super) struct Header {
-    pub(super) name: String,
-    pub(super) rows: i64,
-    pub(super) columns: i64,
+pub(in crate::import) struct Header {
+    pub(in crate::import) name: String,
+    pub(in crate::import) rows: i64,
+    pub(in crate::import) columns: i64,
     /// Strings have two words of their own, not one.
-    pub(super) big: bool,
+    pub(in crate::import) big: bool,
     /// Numbers of double precision.
-    pub(super) double: bool,
+    pub(in crate::import) double: bool,
     /// Numbers of an entry: 2 if it is complex.
-    pub(super) parts: i64,
+    pub(in crate::import) parts: i64,
     form: i64,
 }
 
@@ -33,7 +33,10 @@ impl Header {
     ///
     /// # Errors
     /// The rule that they break.
-    pub(super) fn new([columns, rows, form, kind]: [i64; 4], name: &str) -> Result<Self, String> {
+    pub(in crate::import) fn new(
+        [columns, rows, form, kind]: [i64; 4],
+        name: &str,
+    ) -> Result<Self, String> {
         let name: String = name.chars().filter(char::is_ascii_graphic).collect();
         if !(1..=MOST).contains(&columns) || !(1..=MOST).contains(&rows.abs()) {
             return Err(format!(
@@ -63,8 +66,8 @@ impl Header {
 
 /// A matrix that grows string by string.
 #[derive(Debug)]
-pub(super) struct Growing {
-    pub(super) header: Header,
+pub(in crate::import) struct Growing {
+    pub(in crate::import) header: Header,
     path: PathBuf,
     entries: Entries,
     column: i64,
@@ -73,7 +76,7 @@ pub(super) struct Growing {
 }
 
 impl Growing {
-    pub(super) fn new(path: &Path, header: Header) -> Self {
+    pub(in crate::import) fn new(path: &Path, header: Header) -> Self {
         Self {
             path: path.to_owned(),
             header,
@@ -87,7 +90,7 @@ impl Growing {
     ///
     /// # Errors
     /// The rule if columns do not ascend.
-    pub(super) fn begin(&mut self, column: i64) -> Result<bool, String> {
+    pub(in crate::import) fn begin(&mut self, column: i64) -> Result<bool, String> {
         let (name, last) = (&self.header.name, self.header.columns);
         if column <= self.column || column > last + 1 {
             return Err(format!(
@@ -104,7 +107,7 @@ impl Growing {
     ///
     /// # Errors
     /// The rule that it breaks.
-    pub(super) fn string(&mut self, row: i64, numbers: i64) -> Result<(), String> {
+    pub(in crate::import) fn string(&mut self, row: i64, numbers: i64) -> Result<(), String> {
         let Header {
             name, rows, parts, ..
         } = &self.header;
@@ -124,7 +127,7 @@ impl Growing {
     ///
     /// # Errors
     /// The rule if it is not finite.
-    pub(super) fn take(
+    pub(in crate::import) fn take(
         &mut self,
         row: i64,
         at: i64,
@@ -151,7 +154,7 @@ impl Growing {
     }
 
     /// The matrix, if it can be of use.
-    pub(super) fn finish(self) -> Result<Option<ImportedMatrix>, FileError> {
+    pub(in crate::import) fn finish(self) -> Result<Option<ImportedMatrix>, FileError> {
         if !self.header.is_of_use() {
             return Ok(None);
         }

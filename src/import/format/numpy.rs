@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
-use super::matrix::{
+use super::super::matrix::{
     Content, DOUBLE_DIGITS, Entries, ImportedMatrix, Rows, SINGLE_DIGITS, Storage,
 };
 use crate::file::{FileError, parquet::without_panic};
@@ -25,12 +25,12 @@ const MOST_BYTES: u64 = 512 << 20;
 const MOST_ARRAYS: usize = 100;
 
 /// Whether the bytes begin as such a file.
-pub(super) fn begins(bytes: &[u8]) -> bool {
+pub(in crate::import) fn begins(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC) || bytes.starts_with(ARCHIVE)
 }
 
 /// Reads all matrices and vectors.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<ImportedMatrix>, FileError> {
+pub(in crate::import) fn read(path: &Path, bytes: &[u8]) -> Result<Vec<ImportedMatrix>, FileError> {
     let fault = |rule: String| FileError::content(path, None, rule);
     let mut arrays = match bytes.starts_with(MAGIC) {
         true => BTreeMap::from([(String::new(), Array::read(bytes).map_err(fault)?)]),

@@ -5,9 +5,9 @@
 
 use std::path::Path;
 
-use super::dof::Dof;
-use super::lines::{Lines, number, size, whole};
-use super::matrix::{Content, Entries, ImportedMatrix, Naming, Rows, Storage};
+use super::super::dof::Dof;
+use super::super::lines::{Lines, number, size, whole};
+use super::super::matrix::{Content, Entries, ImportedMatrix, Naming, Rows, Storage};
 use crate::file::{FileError, significant_digits};
 
 /// Characters of a number at most.
@@ -39,7 +39,7 @@ struct Block {
 }
 
 /// Reads the matrix, and its right-hand side where there is one. Both are without names: these stand in the `.mapping`.
-pub(super) fn read(path: &Path, text: &str) -> Result<Vec<ImportedMatrix>, FileError> {
+pub(in crate::import) fn read(path: &Path, text: &str) -> Result<Vec<ImportedMatrix>, FileError> {
     let mut lines = Lines::new(path, text);
     let header = Header::read(&mut lines)?;
     let n = header.n;
@@ -296,7 +296,7 @@ fn whole_numbers(
 }
 
 /// Reads a `.mapping`: `equation node label`, one line per row.
-pub(super) fn read_mapping(path: &Path, text: &str) -> Result<Vec<Dof>, FileError> {
+pub(in crate::import) fn read_mapping(path: &Path, text: &str) -> Result<Vec<Dof>, FileError> {
     let mut naming = Naming::default();
     let mut lines = Lines::new(path, text);
     while let Some(line) = lines.next() {
