@@ -184,10 +184,11 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
 
 /// `NAME: type = value` of a line that begins a constant of a file.
 fn declared(line: &str) -> Option<&str> {
-    let visible = ["", "pub ", "pub(crate) ", "pub(super) "];
-    visible
-        .iter()
-        .find_map(|v| line.strip_prefix(v)?.strip_prefix("const "))
+    let visible = match line.strip_prefix("pub(") {
+        Some(rest) => rest.split_once(") ")?.1,
+        None => line.strip_prefix("pub ").unwrap_or(line),
+    };
+    visible.strip_prefix("const ")
 }
 
 /// Numbers that a file declares, outside of functions and tests.
