@@ -17,7 +17,7 @@ use std::path::Path;
 /// Samples read back from `samples.parquet`.
 #[derive(Debug, Clone)]
 pub struct StoredSamples {
-    /// Key-value metadata of the file, one entry per field of [`Provenance`].
+    /// Key-value metadata of the file, one entry per field of [`super::Provenance`].
     pub metadata: BTreeMap<String, String>,
     /// Names of the inputs.
     pub input_names: Vec<String>,
