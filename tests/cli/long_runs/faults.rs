@@ -10,11 +10,12 @@ use microslip::ensemble::parts::{Claims, PartFolder};
 
 const SAMPLES: u64 = 120;
 
-/// `unshare` with the given options; nothing where the machine does not let a user have a namespace of their own.
-fn unshared(options: &[&str]) -> Option<Command> {
+/// `unshare` with the given options; nothing where the machine does not let a user have a namespace of their own in which the
+/// `trial` succeeds.
+fn unshared(options: &[&str], trial: &str) -> Option<Command> {
     let mut command = Command::new("unshare");
-    command.args(options);
-    let tried = command.arg("true").status().is_ok_and(|s| s.success());
+    command.args(options).args(["sh", "-c", trial]);
+    let tried = command.status().is_ok_and(|s| s.success());
     if !tried {
         eprintln!("not tried: this machine has no unshare {options:?}");
         return None;
@@ -54,7 +55,7 @@ fn a_full_disk_destroys_nothing() {
         for file in samples.parquet curves.parquet; do
             cmp other/$file disk/results/$file
         done"#;
-    let Some(mut command) = unshared(&["-rm"]) else {
+    let Some(mut command) = unshared(&["-rm"], "mount -t tmpfs -o size=1M tmpfs /tmp") else {
         return;
     };
     let output = command
@@ -75,7 +76,7 @@ fn a_folder_that_becomes_read_only_ends_the_run() {
     let study = solved(SAMPLES);
     let path = study.path();
     // nobody may write where the permissions forbid it, not even the user `root`
-    let Some(mut command) = unshared(&["-U"]) else {
+    let Some(mut command) = unshared(&["-U"], "true") else {
         return;
     };
     let arguments = ["run", "study.toml", "--quiet", "--flush-every", "20ms"];
