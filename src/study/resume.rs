@@ -1,6 +1,5 @@
 //! What a result folder holds of a run already.
 
-use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
 use super::output::OutputFolder;
@@ -122,30 +121,55 @@ impl Resumed {
         Ok(outcomes)
     }
 
-    /// Looks again which samples stand in results and in the parts of `folder`. Somebody may have deleted some.
+    /// Looks again which samples stand in results and in the parts of `folder`. Somebody may have deleted or damaged some.
     ///
     /// # Errors
-    /// [`FileError`] if they cannot be listed or read.
+    /// As [`resumed`].
     pub(super) fn look_again(
         &mut self,
         folder: &PartFolder,
         identity: &RunIdentity,
         settings: &RunSettings,
-    ) -> Result<(), FileError> {
-        let mut indices = BTreeSet::new();
+    ) -> Result<(), Error> {
+        let mut stood = self.list_parts(folder, identity, settings)?;
         for results in &self.results {
-            let stood = read_indices(&results.paths[0])?;
-            indices.extend(stood.into_iter().map(|(index, _)| index));
+            stood.extend(read_indices(&results.paths[0])?);
         }
+        self.known.indices = stood.into_iter().map(|(index, _)| index).collect();
+        Ok(())
+    }
+
+    /// Notes the parts of `folder` as they are now, and gives their samples, each with whether it has a solution. A damaged part is
+    /// left out.
+    fn list_parts(
+        &mut self,
+        folder: &PartFolder,
+        identity: &RunIdentity,
+        settings: &RunSettings,
+    ) -> Result<Vec<(u64, bool)>, Error> {
+        let mut stood = Vec::new();
         self.parts.clear();
-        for part in folder.list()?.into_iter().flatten() {
-            if accepted(identity, &part.identity, settings).is_ok() {
-                self.parts.push(Source::of(&part));
-                indices.extend(part.samples.into_iter().map(|(index, _)| index));
+        for part in folder.list()? {
+            match part {
+                Ok(part) => {
+                    let other = accepted(identity, &part.identity, settings);
+                    let other = other.map_err(|difference| Error::Command {
+                        path: folder.path().to_owned(),
+                        message: refusal(&difference),
+                    })?;
+                    self.add_programs(other.into_iter());
+                    self.parts.push(Source::of(&part));
+                    stood.extend(part.samples);
+                }
+                Err(damaged) => {
+                    let note = format!("{damaged}; its samples are solved again");
+                    if !self.notes.contains(&note) {
+                        self.notes.push(note);
+                    }
+                }
             }
         }
-        self.known.indices = indices;
-        Ok(())
+        Ok(stood)
     }
 }
 
@@ -200,27 +224,8 @@ pub(super) fn resumed(
     settings: &RunSettings,
 ) -> Result<Resumed, Error> {
     finish_placing(folder.path())?;
-    let parts = PartFolder::of(folder.path());
     let mut resumed = Resumed::default();
-    let mut stood = Vec::new();
-    for part in parts.list()? {
-        match part {
-            Ok(part) => {
-                let other = accepted(identity, &part.identity, settings);
-                let other = other.map_err(|difference| Error::Command {
-                    path: parts.path().to_owned(),
-                    message: refusal(&difference),
-                })?;
-                resumed.add_programs(other.into_iter());
-                resumed.parts.push(Source::of(&part));
-                stood.extend(part.samples);
-            }
-            Err(damaged) => {
-                let note = format!("{damaged}; its samples are solved again");
-                resumed.notes.push(note);
-            }
-        }
-    }
+    let stood = resumed.list_parts(&PartFolder::of(folder.path()), identity, settings)?;
     resumed.add(stood, study, settings)?;
     Ok(resumed)
 }

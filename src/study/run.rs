@@ -85,8 +85,8 @@ pub(super) fn run_after(
     at_work(begun, meter, |session| {
         let ensemble = session.ensemble;
         let mut record = first_record(session.prepared, ensemble)?;
-        record.provenance.other_programs = std::mem::take(&mut resumed.other_programs);
         let samples = solve_samples(session, &mut resumed, &mut record)?;
+        record.provenance.other_programs = std::mem::take(&mut resumed.other_programs);
         let anchors = resumed.known.anchors_before(samples);
         let alone = study.output.one_at_a_time;
         let profiler = &session.profiler;

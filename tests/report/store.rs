@@ -6,7 +6,7 @@ use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_ipc::reader::FileReader as ArrowReader;
 use microslip::ensemble::arrow::write_arrow;
-use microslip::ensemble::store::{read_samples, write_curves, write_samples};
+use microslip::ensemble::store::{read_samples, write_samples};
 use microslip::ensemble::table::TableError;
 use microslip::file::{FileRecord, replace};
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -89,7 +89,7 @@ fn curves_have_one_row_per_point() {
     let study = SyntheticStudy::new(3);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("curves.parquet");
-    write_curves(&path, &study.record.provenance, &study.outcomes).unwrap();
+    study.write_tables(folder.path(), &study.outcomes);
     let reader = SerializedFileReader::new(std::fs::File::open(&path).unwrap()).unwrap();
     let levels = study.outcomes.iter().flat_map(|o| &o.levels);
     let n_points: usize = levels.map(|l| l.curve.len()).sum();
@@ -226,8 +226,9 @@ fn arrow_files_hold_the_same_tables() {
 fn a_record_is_of_the_bytes_as_written() {
     let study = SyntheticStudy::new(50);
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("curves.parquet");
-    let written = write_curves(&path, &study.record.provenance, &study.outcomes).unwrap();
+    let path = folder.path().join("samples.parquet");
+    let (provenance, names) = (&study.record.provenance, study.input_names());
+    let written = write_samples(&path, provenance, &names, &study.outcomes).unwrap();
     let bytes = std::fs::read(&path).unwrap();
-    assert_eq!(written, FileRecord::of("curves.parquet", &bytes));
+    assert_eq!(written, FileRecord::of("samples.parquet", &bytes));
 }

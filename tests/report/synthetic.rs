@@ -1,11 +1,12 @@
 //! Outcomes with plausible numbers and no physics behind them, to look at reports.
 
 use microslip::contact::{Events, FrictionLaw};
+use microslip::ensemble::SolvedSample;
 use microslip::ensemble::backend::BackendReport;
 use microslip::ensemble::outcome::{
     CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome,
 };
-use microslip::ensemble::store::{Provenance, write_curves, write_samples};
+use microslip::ensemble::store::{ATLAS_FILE, Provenance, SolvedFiles, StoredStudy};
 use microslip::hb::{PeakRoute, SliderAnchor, Status};
 use microslip::report::asked::Bands;
 use microslip::report::asked::{Criterion, MarginBase, Operation, Quantity, Requirements, Stress};
@@ -73,16 +74,37 @@ impl SyntheticStudy {
 
     /// Writes what a run writes before its report.
     pub(crate) fn store(&mut self, folder: &std::path::Path) {
-        let (provenance, names) = (&self.record.provenance, self.input_names());
-        let [samples, curves] = TABLES;
         let mut all = [self.outcomes.clone(), self.mixed.clone()].concat();
         all.sort_by_key(|outcome| outcome.index);
-        write_samples(&folder.join(samples), provenance, &names, &all).unwrap();
-        write_curves(&folder.join(curves), provenance, &all).unwrap();
+        self.write_tables(folder, &all);
         self.record.tables = TABLES
             .map(|name| FileRecord::in_folder(folder, name).unwrap())
             .to_vec();
         self.record.write(folder).unwrap();
+    }
+
+    /// Writes the tables of a run with these outcomes.
+    pub(crate) fn write_tables(&self, folder: &std::path::Path, outcomes: &[SampleOutcome]) {
+        let names = self.input_names();
+        let group = outcomes.first().map(|outcome| outcome.group);
+        let study = StoredStudy {
+            text: String::new(),
+            path: "study.toml".to_owned(),
+        };
+        let [samples, curves, anchors] =
+            [TABLES[0], TABLES[1], ATLAS_FILE].map(|name| folder.join(name));
+        let mut files = SolvedFiles::begin(
+            [&samples, &curves, &anchors],
+            &self.record.provenance,
+            (&names, group.unwrap_or_default()),
+            &study,
+        )
+        .unwrap();
+        for outcome in outcomes.iter().cloned() {
+            let anchor = None;
+            files.write(SolvedSample { outcome, anchor }).unwrap();
+        }
+        files.finish().unwrap();
     }
 
     /// Makes every solution one to be trusted, without numerical error: verdicts are those of the values.

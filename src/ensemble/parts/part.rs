@@ -5,7 +5,8 @@ use super::super::outcome::SampleOutcome;
 use super::super::program::this_process;
 use super::super::runner::SolvedSample;
 use super::super::store::{
-    Provenance, WRITER, anchors_layout, curves_layout, parted, read_indices, samples_layout,
+    INDEX_COLUMNS, Provenance, WRITER, anchors_layout, curves_layout, indices_of, parted,
+    samples_layout,
 };
 use super::super::table::{TableError, TableLayout, TableReader, TableWriter, missing};
 use super::identity::RunIdentity;
@@ -121,7 +122,7 @@ impl StoredPart {
         if !stem.ends_with(&hash(samples)?[..DIGITS]) {
             return Err(damaged(samples));
         }
-        let mut table = TableReader::open(samples, &["sample"])?;
+        let mut table = TableReader::open(samples, &INDEX_COLUMNS)?;
         let mut take = |key: &str| {
             let value = table.metadata.remove(key).ok_or_else(|| missing(key));
             table.checked(value)
@@ -134,7 +135,7 @@ impl StoredPart {
             }
         }
         Ok(Self {
-            samples: read_indices(samples)?,
+            samples: indices_of(table)?,
             paths,
             identity,
         })

@@ -4,31 +4,14 @@ use super::provenance::Provenance;
 use crate::ensemble::columns::CURVE_COLUMNS;
 use crate::ensemble::outcome::{CurvePoint, SampleOutcome};
 use crate::ensemble::table::{
-    Column, RowCursor, Rows, Table, TableError, TableLayout, TableReader, TableWriter, missing,
-    number, real, whole,
+    Column, RowCursor, Rows, Table, TableLayout, TableReader, missing, number, real, whole,
 };
-use crate::file::{Fault, FileError, FileRecord};
+use crate::file::{Fault, FileError};
 use arrow_array::{Float64Array, Int64Array};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Writes the forced response curves: `sample`, `level`, `frequency_hz`, `amplitude_m`.
-///
-/// # Errors
-/// [`TableError`]; then `path` is as it was.
-pub fn write_curves(
-    path: &Path,
-    provenance: &Provenance,
-    outcomes: &[SampleOutcome],
-) -> Result<FileRecord, TableError> {
-    let layout = curves_layout(provenance);
-    let layout = layout.map_err(|error| FileError::system(path, error.into()))?;
-    let mut table = TableWriter::create(path, layout)?;
-    table.write(outcomes)?;
-    table.finish()
-}
-
-/// The table of curves.
+/// The table of curves: `sample`, `level`, `frequency_hz`, `amplitude_m`.
 pub(in crate::ensemble) fn curves_layout(
     provenance: &Provenance,
 ) -> Result<TableLayout<'static, SampleOutcome>, serde_json::Error> {
@@ -39,7 +22,7 @@ pub(in crate::ensemble) fn curves_layout(
     })
 }
 
-/// Reads what [`write_curves`] wrote into the outcomes of the same run; their curves are empty before.
+/// Reads the table of curves into the outcomes of the same run; their curves are empty before.
 ///
 /// # Errors
 /// [`FileError`] if the file cannot be read, lacks a column or belongs to other samples.

@@ -9,7 +9,7 @@ mod samples;
 mod solved;
 
 pub use anchors::{ATLAS_FILE, StoredStudy, read_study};
-pub use curves::{read_curves, write_curves};
+pub use curves::read_curves;
 pub use provenance::Provenance;
 pub use read_samples::{StoredSamples, read_indices, read_samples};
 pub use samples::write_samples;
@@ -17,5 +17,6 @@ pub use solved::{SolvedCursor, SolvedFiles};
 
 pub(super) use anchors::anchors_layout;
 pub(super) use curves::curves_layout;
+pub(super) use read_samples::{INDEX_COLUMNS, indices_of};
 pub(super) use samples::samples_layout;
 pub(super) use solved::{WRITER, parted};

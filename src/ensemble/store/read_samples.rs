@@ -47,7 +47,14 @@ pub fn read_samples(path: &Path) -> Result<StoredSamples, FileError> {
 /// # Errors
 /// [`FileError`] if the file cannot be read, lacks a column, or is out of order.
 pub fn read_indices(path: &Path) -> Result<Vec<(u64, bool)>, FileError> {
-    let reader = TableReader::open(path, &["sample", "status"])?;
+    indices_of(TableReader::open(path, &INDEX_COLUMNS)?)
+}
+
+/// The columns from which they come.
+pub(in crate::ensemble) const INDEX_COLUMNS: [&str; 2] = ["sample", "status"];
+
+/// The same of a table that is open.
+pub(in crate::ensemble) fn indices_of(reader: TableReader) -> Result<Vec<(u64, bool)>, FileError> {
     let columns = |rows: &Rows| {
         let (samples, statuses) = (rows.counts("sample")?, rows.texts("status")?);
         Ok((samples.clone(), statuses.clone()))
@@ -64,8 +71,7 @@ pub fn read_indices(path: &Path) -> Result<Vec<(u64, bool)>, FileError> {
         match found.last_mut() {
             Some(last) if last.0 == index => last.1 &= solved,
             Some(last) if last.0 > index => {
-                let rule = "samples must ascend".to_owned();
-                return Err(FileError::content(path, None, rule));
+                return rows.reader.checked(Err(Fault::new("samples must ascend")));
             }
             _ => found.push((index, solved)),
         }
