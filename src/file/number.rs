@@ -78,6 +78,7 @@ mod tests {
         assert_eq!(parse_number(&"1".repeat(100)), None);
     }
 
+    /// Seen to fail with zeros before the first digit counted.
     #[test]
     fn digits_are_counted_from_the_first_that_is_not_zero() {
         let words = [

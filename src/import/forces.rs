@@ -43,11 +43,15 @@ impl Forces {
             return Err(bad("must have two numbers at most: cosine, sine".to_owned()));
         }
         let factor = units.load(dof.kind());
-        self.cosine.insert(dof.to_string(), cosine * factor);
-        if sine != 0.0 {
-            self.sine.insert(dof.to_string(), sine * factor);
+        let again = self
+            .cosine
+            .insert(dof.to_string(), cosine * factor)
+            .is_some()
+            || sine != 0.0 && self.sine.insert(dof.to_string(), sine * factor).is_some();
+        match again {
+            true => Err(bad("this degree of freedom must be given once".to_owned())),
+            false => Ok(()),
         }
-        Ok(())
     }
 
     /// Adds the rows of a table: dof, and cosine, sine, static.

@@ -167,7 +167,7 @@ impl MatricesSettings {
         folder: &Path,
     ) -> Result<(ReducedModel, Vec<ContactParameters<f64>>), MatricesError> {
         self.validate()?;
-        let mass = self.checked(folder, &self.mass, None, positive_definite)?;
+        let mass = self.checked(folder, &self.mass, None, |mass, _| positive_definite(mass))?;
         let n = mass.nrows();
         let stiffness = self.checked(folder, &self.stiffness, Some(n), positive_semidefinite)?;
         let damping = match &self.damping {

@@ -244,6 +244,7 @@ K.mtx M.mtx --units SI --excite 11.1 | --excite = 11.1: must be DOF=COSINE
 K.mtx M.mtx --units SI --excite 99.1=1 | 99.1=1: must be a degree of freedom of the matrices, such as 11.1
 K.mtx M.mtx --units SI --excite 11.1=NaN | NaN: must be a finite number
 K.mtx M.mtx --units SI --excite 11.1=1,2,3 | must have two numbers at most
+K.mtx M.mtx --units SI --excite 11.1=1 --excite 11.1=2 | --excite = 11.1=2: this degree of freedom must be given once
 K.mtx M.mtx --units SI --response 5.9 | --response = 5.9: must be a degree of freedom
 K.mtx M.mtx --units SI --modal-damping-ratio 1.5 | --modal-damping-ratio = 1.5: must be
 K.mtx M.mtx --units SI --pairs pairs.csv --k-n=-1 | --k-n = -1: must be a finite number >= 0
