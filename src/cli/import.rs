@@ -8,7 +8,8 @@ use super::terminal::print;
 use clap::{Args, ValueEnum};
 use microslip::Error;
 use microslip::import::{
-    ImportError, Imported, PairConstants, Proposal, Request, Role, Source, Units, import, propose,
+    ImportError, Imported, PairConstants, Proposal, Reduction, ReductionFacts, Request, Role,
+    Source, Units, import, propose,
 };
 use microslip::setting::{BadSetting, non_negative, positive, within};
 
@@ -58,6 +59,13 @@ pub(super) struct ImportArguments {
     /// Damping ratio of every mode where no file has a damping matrix.
     #[arg(long, default_value_t = 0.002)]
     modal_damping_ratio: f64,
+    /// Reduces the model by Craig-Bampton: the degrees of freedom of pairs, forces and responses are kept, and the modes below
+    /// this frequency (Hz) with these held. Take three times the highest frequency of interest.
+    #[arg(long, value_name = "HZ")]
+    cut_off: Option<f64>,
+    /// Node or degree of freedom that is kept too, such as 12 or 12.1. May be given several times.
+    #[arg(long, requires = "cut_off", value_name = "NODE")]
+    keep: Vec<String>,
     /// No list of what was read.
     #[arg(long)]
     quiet: bool,
@@ -137,6 +145,9 @@ impl ImportArguments {
         let rule = "must be a number from 0 to below 1";
         let valid = (0.0..1.0).contains(&ratio);
         BadSetting::unless(valid, "--modal-damping-ratio", ratio, rule).map_err(bad)?;
+        if let Some(cut_off) = self.cut_off {
+            positive("--cut-off", cut_off).map_err(bad)?;
+        }
         Ok(Request {
             sources: self.files.iter().map(|word| Source::parse(word)).collect(),
             units: self.units.units(),
@@ -157,6 +168,10 @@ impl ImportArguments {
             }),
             responses: self.response.clone(),
             damping_ratio: ratio,
+            reduction: self.cut_off.map(|cut_off| Reduction {
+                cut_off,
+                keep: self.keep.clone(),
+            }),
         })
     }
 }
@@ -165,6 +180,9 @@ impl ImportArguments {
 fn show(out: &mut dyn Write, imported: &Imported) -> std::io::Result<()> {
     show_files(out, imported)?;
     show_facts(out, imported)?;
+    if let Some(reduced) = &imported.reduced {
+        show_reduction(out, reduced, &imported.facts.frequencies_hz)?;
+    }
     writeln!(out, "contact pairs       {}", imported.pairs)
 }
 
@@ -236,6 +254,32 @@ fn show_facts(out: &mut dyn Write, imported: &Imported) -> std::io::Result<()> {
         numbers.join(" "),
         facts.rigid
     )
+}
+
+/// What was kept, and what that changes.
+fn show_reduction(
+    out: &mut dyn Write,
+    reduced: &ReductionFacts,
+    full_hz: &[f64],
+) -> std::io::Result<()> {
+    writeln!(
+        out,
+        "reduced to          {} degrees of freedom: {} kept, {} modes below {} Hz (first left out: {:.6} Hz)",
+        reduced.n_dofs, reduced.masters, reduced.modes, reduced.cut_off, reduced.first_left_out
+    )?;
+    if reduced.massless > 0 {
+        writeln!(
+            out,
+            "without mass        {} degrees of freedom, condensed",
+            reduced.massless
+        )?;
+    }
+    let errors: Vec<_> = full_hz
+        .iter()
+        .zip(&reduced.frequencies_hz)
+        .map(|(full, reduced)| format!("{:.1e}", reduced / full - 1.0))
+        .collect();
+    writeln!(out, "error of these      {} (relative)", errors.join(" "))
 }
 
 /// Nodes that are listed by number.

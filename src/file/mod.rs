@@ -88,21 +88,21 @@ pub fn open(path: &Path) -> Result<File, FileError> {
 /// # Errors
 /// [`FileError`] if it cannot be read, is longer, or is no UTF-8; then with the line and the encoding that it may have.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
-    let found = text(read_bytes(path)?);
+    let found = text(read_bytes(path, LONGEST_TEXT)?);
     found.map_err(|(line, rule)| FileError::content(path, Some(line), rule))
 }
 
-/// The bytes of a file, at most 256 MiB.
+/// The bytes of a file, at most `most`.
 ///
 /// # Errors
 /// [`FileError`] if it cannot be read or is longer.
-pub fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
+pub fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, FileError> {
     let mut bytes = Vec::new();
     let system = |source| FileError::system(path, source);
-    let mut bounded = open(path)?.take(LONGEST_TEXT + 1);
+    let mut bounded = open(path)?.take(most + 1);
     bounded.read_to_end(&mut bytes).map_err(system)?;
-    if bytes.len() as u64 > LONGEST_TEXT {
-        let rule = format!("is longer than {} MiB", LONGEST_TEXT >> 20);
+    if bytes.len() as u64 > most {
+        let rule = format!("is longer than {} MiB", most >> 20);
         return Err(FileError::content(path, None, rule));
     }
     Ok(bytes)

@@ -1,12 +1,10 @@
 //! What was read, for comparison with the finite-element program: sizes, total mass, frequencies of the free structure.
 
-use faer::Mat;
-use faer::sparse::{SparseColMat, Triplet};
-
+use super::checks::massless;
 use super::dof::{Component, Dof};
-use super::matrix::Symmetric;
 use super::model::ImportedModel;
 use super::role::Role;
+use super::symmetric::Symmetric;
 use crate::linalg::{LinalgError, lowest_modes, symmetric_generalized_eigen};
 use crate::model::matrix_checks::rounding;
 use crate::units::rad_s_to_hz;
@@ -104,18 +102,19 @@ fn total_mass(mass: &Symmetric, dofs: &[Dof]) -> Option<[f64; 3]> {
 /// Number of rigid-body modes, and the first flexible frequencies (Hz).
 fn frequencies(model: &ImportedModel) -> Result<(usize, Vec<f64>), LinalgError> {
     let [stiffness, mass] = [Role::Stiffness, Role::Mass].map(|role| &model.matrices[&role]);
-    let (lambda, shapes) = if stiffness.values.n <= DENSE_SIZE {
+    let dense = stiffness.values.n <= DENSE_SIZE && massless(mass).is_empty();
+    let (lambda, shapes) = if dense {
         let (k, m) = (stiffness.values.to_dense(), mass.values.to_dense());
         symmetric_generalized_eigen(k.as_ref(), m.as_ref())?
     } else {
-        let (k, m) = (sparse(&stiffness.values), sparse(&mass.values));
+        let (k, m) = (stiffness.values.to_sparse(), mass.values.to_sparse());
         let shift = SHIFT * largest_ratio(&stiffness.values, &mass.values);
         let modes = lowest_modes(&k, &m, COMPUTED, shift)?;
         (modes.lambda, modes.shapes)
     };
     let share = RIGID + rounding(stiffness.digits);
     let is_rigid = |mode: usize| {
-        let bound = share * unsigned_energy(&stiffness.values, &shapes, mode);
+        let bound = share * stiffness.values.unsigned_energy(shapes.col_as_slice(mode));
         lambda[mode] <= bound
     };
     let rigid = (0..lambda.len().min(COMPUTED))
@@ -128,37 +127,9 @@ fn frequencies(model: &ImportedModel) -> Result<(usize, Vec<f64>), LinalgError> 
     ))
 }
 
-/// Σ |φ_i| |K_ij| |φ_j|: rounding the entries of K moves λ by at most so much times their relative error.
-fn unsigned_energy(stiffness: &Symmetric, shapes: &Mat<f64>, mode: usize) -> f64 {
-    let term = |&(row, column, value): &(usize, usize, f64)| {
-        let both = if row == column { 1.0 } else { 2.0 };
-        both * (value * shapes[(row, mode)] * shapes[(column, mode)]).abs()
-    };
-    stiffness.lower.iter().map(term).sum()
-}
-
-/// Largest K_ii/M_ii.
+/// Largest K_ii/M_ii of the degrees of freedom with mass.
 fn largest_ratio(stiffness: &Symmetric, mass: &Symmetric) -> f64 {
-    let diagonal = |a: &Symmetric| {
-        let mut diagonal = vec![0.0; a.n];
-        for &(row, column, value) in &a.lower {
-            if row == column {
-                diagonal[row] = value;
-            }
-        }
-        diagonal
-    };
-    let (k, m) = (diagonal(stiffness), diagonal(mass));
-    let ratios = k.iter().zip(&m).map(|(k, m)| k / m);
-    ratios.fold(0.0, f64::max)
-}
-
-fn sparse(a: &Symmetric) -> SparseColMat<usize, f64> {
-    let both = |&(row, column, value): &(usize, usize, f64)| {
-        let mirrored = (row != column).then_some(Triplet::new(column, row, value));
-        std::iter::once(Triplet::new(row, column, value)).chain(mirrored)
-    };
-    let triplets: Vec<_> = a.lower.iter().flat_map(both).collect();
-    SparseColMat::try_new_from_triplets(a.n, a.n, &triplets)
-        .unwrap_or_else(|_| unreachable!("indices are below n"))
+    let (k, m) = (stiffness.diagonal(), mass.diagonal());
+    let with_mass = k.iter().zip(&m).filter(|(_, m)| **m > 0.0);
+    with_mass.map(|(k, m)| k / m).fold(0.0, f64::max)
 }

@@ -26,7 +26,12 @@ impl Forces {
     ///
     /// # Errors
     /// [`BadSetting`] if the word is none, or names no degree of freedom.
-    pub fn add_word(&mut self, word: &str, dofs: &[Dof], units: Units) -> Result<(), BadSetting> {
+    pub fn add_word(
+        &mut self,
+        word: &str,
+        names: &Names<'_>,
+        units: Units,
+    ) -> Result<(), BadSetting> {
         let bad = |rule: String| BadSetting {
             key: "--excite".to_owned(),
             value: word.to_owned(),
@@ -35,7 +40,7 @@ impl Forces {
         let (name, values) = word.split_once('=').ok_or_else(|| {
             bad("must be DOF=COSINE or DOF=COSINE,SINE, such as 12.1=1.0".to_owned())
         })?;
-        let dof = named(name.trim(), dofs).map_err(bad)?;
+        let dof = names.dof(name.trim()).map_err(bad)?;
         let mut values = values.split(',').map(|value| number(value.trim()));
         let cosine = values.next().unwrap_or(Ok(0.0)).map_err(bad)?;
         let sine = values.next().unwrap_or(Ok(0.0)).map_err(bad)?;
@@ -58,11 +63,18 @@ impl Forces {
     ///
     /// # Errors
     /// [`FileError`] with the line and the rule that it breaks.
-    pub fn add_table(&mut self, path: &Path, dofs: &[Dof], units: Units) -> Result<(), FileError> {
+    pub fn add_table(
+        &mut self,
+        path: &Path,
+        names: &Names<'_>,
+        units: Units,
+    ) -> Result<(), FileError> {
         let table = Table::read(path, &["dof"], &["cosine", "sine", "static"])?;
         for row in table.rows() {
             let name = row.text("dof").unwrap_or_default();
-            let dof = named(name, dofs).map_err(|rule| row.fault(format!("dof {name}: {rule}")))?;
+            let dof = names
+                .dof(name)
+                .map_err(|rule| row.fault(format!("dof {name}: {rule}")))?;
             let factor = units.load(dof.kind());
             let parts = [
                 ("cosine", &mut self.cosine),
@@ -82,17 +94,43 @@ impl Forces {
     }
 }
 
-/// The degree of freedom of this name.
-///
-/// # Errors
-/// The rule if there is none.
-pub fn named<'d>(name: &str, dofs: &'d [Dof]) -> Result<&'d Dof, String> {
-    let found = dofs.iter().find(|dof| dof.to_string() == name);
-    found.ok_or_else(|| {
-        let first: Vec<_> = dofs.iter().take(3).map(Dof::to_string).collect();
-        format!(
-            "must be a degree of freedom of the matrices, such as {}",
-            first.join(", ")
-        )
-    })
+/// Degrees of freedom by their names.
+#[derive(Debug)]
+pub struct Names<'d> {
+    dofs: &'d [Dof],
+    index: BTreeMap<String, usize>,
+}
+
+impl<'d> Names<'d> {
+    /// Of the rows of a model.
+    #[must_use]
+    pub fn of(dofs: &'d [Dof]) -> Self {
+        let names = dofs.iter().map(Dof::to_string);
+        Self {
+            dofs,
+            index: names.zip(0..).collect(),
+        }
+    }
+
+    /// The row of this name.
+    ///
+    /// # Errors
+    /// The rule if there is none.
+    pub fn row(&self, name: &str) -> Result<usize, String> {
+        self.index.get(name).copied().ok_or_else(|| {
+            let first: Vec<_> = self.dofs.iter().take(3).map(Dof::to_string).collect();
+            format!(
+                "must be a degree of freedom of the matrices, such as {}",
+                first.join(", ")
+            )
+        })
+    }
+
+    /// The degree of freedom of this name.
+    ///
+    /// # Errors
+    /// The rule if there is none.
+    pub fn dof(&self, name: &str) -> Result<&'d Dof, String> {
+        self.row(name).map(|row| &self.dofs[row])
+    }
 }

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use crate::file::{FileError, parse_number};
-use crate::model::matrix_market::LARGEST;
+
+/// Rows of a sparse matrix at most; a model of so many takes several hundred GB to be reduced.
+pub(super) const MOST_ROWS: usize = 1_000_000;
 
 /// Lines of a text with their numbers, without white space at the end.
 #[derive(Debug, Clone)]
@@ -76,13 +78,8 @@ pub(super) fn whole(what: &str, word: &str, least: i64, most: i64) -> Result<i64
 /// A number of rows or columns, checked before memory is taken for them.
 ///
 /// # Errors
-/// The rule, unless it is from 1 to the largest size that the program computes with.
+/// The rule, unless it is from 1 to the largest size that is read.
 pub(super) fn size(what: &str, word: &str) -> Result<usize, String> {
-    let value = whole(what, word, 1, LARGEST as i64);
-    let value = value.map_err(|rule| format!("{rule}{REDUCE}"))?;
+    let value = whole(what, word, 1, MOST_ROWS as i64)?;
     Ok(usize::try_from(value).unwrap_or_default())
 }
-
-/// What to do with a model that is too large.
-pub(super) const REDUCE: &str =
-    " (reduce a larger model in the finite-element program, with the contact nodes as masters)";

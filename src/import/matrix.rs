@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::dof::Dof;
-use super::lines::REDUCE;
+use super::lines::MOST_ROWS;
+use super::symmetric::Symmetric;
 use crate::file::FileError;
-use crate::model::matrix_market::LARGEST;
 
 /// Largest difference of two entries that must be equal, relative to them and to their diagonal entries.
 const SYMMETRY: f64 = 1e-8;
@@ -59,15 +59,6 @@ pub enum Content {
     Column(Vec<f64>),
 }
 
-/// A symmetric matrix by the entries of its lower triangle, column by column.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Symmetric {
-    /// Number of rows.
-    pub n: usize,
-    /// Row, column, value; row ≥ column.
-    pub lower: Vec<(usize, usize, f64)>,
-}
-
 /// Which entries a file states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Storage {
@@ -95,10 +86,8 @@ impl Naming {
         if let Some(&index) = self.index.get(&dof) {
             return Ok(index);
         }
-        if self.names.len() == LARGEST {
-            return Err(format!(
-                "has more than {LARGEST} degrees of freedom{REDUCE}"
-            ));
+        if self.names.len() == MOST_ROWS {
+            return Err(format!("has more than {MOST_ROWS} degrees of freedom"));
         }
         self.names.push(dof.clone());
         self.index.insert(dof, self.names.len() - 1);
@@ -125,13 +114,21 @@ impl Naming {
     }
 }
 
-/// One entry of a file. Indices are below 5000.
+/// One entry of a file. Indices are below [`MOST_ROWS`].
 #[derive(Debug, Clone, Copy)]
 struct Entry {
-    row: u16,
-    column: u16,
+    row: u32,
+    column: u32,
     line: u32,
     value: f64,
+}
+
+impl Entry {
+    /// What is wrong with it; its line is 0 in formats without lines.
+    fn fault(&self, path: &Path, rule: String) -> FileError {
+        let line = (self.line > 0).then_some(u64::from(self.line));
+        FileError::content(path, line, rule)
+    }
 }
 
 /// Entries as they are read.
@@ -145,12 +142,12 @@ impl Entries {
     /// Notes an entry (indices from 0) that stands in `line`.
     pub(super) fn add(&mut self, row: usize, column: usize, value: f64, line: u64) {
         assert!(
-            row < LARGEST && column < LARGEST,
+            row < MOST_ROWS && column < MOST_ROWS,
             "readers check the indices"
         );
         self.entries.push(Entry {
-            row: row as u16,
-            column: column as u16,
+            row: row as u32,
+            column: column as u32,
             line: u32::try_from(line).unwrap_or(u32::MAX),
             value,
         });
@@ -168,7 +165,7 @@ impl Entries {
     /// 1 + the largest index, 0 without entries.
     pub(super) fn largest(&self) -> usize {
         let indices = self.entries.iter().map(|e| e.row.max(e.column));
-        indices.max().map_or(0, |largest| usize::from(largest) + 1)
+        indices.max().map_or(0, |largest| largest as usize + 1)
     }
 
     /// The symmetric matrix of `n` rows that these entries are.
@@ -184,19 +181,12 @@ impl Entries {
     ) -> Result<Symmetric, FileError> {
         let sides = |e: &Entry| (e.row.min(e.column), e.row.max(e.column), e.row < e.column);
         self.entries.sort_by_key(sides);
-        let fault = |entry: &Entry, rule: String| {
-            let line = (entry.line > 0).then_some(u64::from(entry.line));
-            FileError::content(path, line, rule)
-        };
-        let same = |a: &Entry, b: &Entry| (a.row, a.column) == (b.row, b.column);
-        if let Some(two) = self.entries.windows(2).find(|two| same(&two[0], &two[1])) {
-            let place = place(&two[1]);
-            return Err(fault(&two[1], format!("{place}: must be given once")));
-        }
+        self.given_once(path)?;
+        let fault = |entry: &Entry, rule: String| entry.fault(path, rule);
         let mirrored = |a: &Entry, b: &Entry| (a.row, a.column) == (b.column, b.row);
         let diagonal = self.diagonal(n);
         let scale = |e: &Entry| {
-            let product = diagonal[usize::from(e.row)] * diagonal[usize::from(e.column)];
+            let product = diagonal[e.row as usize] * diagonal[e.column as usize];
             product.abs().sqrt().max(e.value.abs())
         };
         let both_sides = storage == Storage::Full
@@ -228,25 +218,42 @@ impl Entries {
                 }
             }
             let (row, column) = (first.row.max(first.column), first.row.min(first.column));
-            lower.push((usize::from(row), usize::from(column), first.value));
+            lower.push((row as usize, column as usize, first.value));
             rest = &after[usize::from(second.is_some())..];
         }
         Ok(Symmetric { n, lower })
     }
 
-    /// The entries of one column.
-    pub(super) fn column(&self, n: usize) -> Vec<f64> {
+    /// The entries of one column of `n` rows.
+    ///
+    /// # Errors
+    /// [`FileError`] with the line if an entry is given twice.
+    pub(super) fn column(mut self, path: &Path, n: usize) -> Result<Vec<f64>, FileError> {
+        self.entries.sort_by_key(|e| e.row);
+        self.given_once(path)?;
         let mut column = vec![0.0; n];
         for entry in &self.entries {
-            column[usize::from(entry.row)] = entry.value;
+            column[entry.row as usize] = entry.value;
         }
-        column
+        Ok(column)
+    }
+
+    /// Refuses an entry that stands beside itself.
+    fn given_once(&self, path: &Path) -> Result<(), FileError> {
+        let same = |a: &Entry, b: &Entry| (a.row, a.column) == (b.row, b.column);
+        match self.entries.windows(2).find(|two| same(&two[0], &two[1])) {
+            None => Ok(()),
+            Some(two) => {
+                let rule = format!("{}: must be given once", place(&two[1]));
+                Err(two[1].fault(path, rule))
+            }
+        }
     }
 
     fn diagonal(&self, n: usize) -> Vec<f64> {
         let mut diagonal = vec![0.0; n];
         for entry in self.entries.iter().filter(|e| e.row == e.column) {
-            diagonal[usize::from(entry.row)] = entry.value;
+            diagonal[entry.row as usize] = entry.value;
         }
         diagonal
     }

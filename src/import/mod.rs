@@ -11,10 +11,13 @@ pub mod matrix;
 pub mod model;
 pub mod nearest;
 pub mod pairs;
+pub mod reduce;
 pub mod role;
+pub mod symmetric;
 pub mod units;
 pub mod write;
 
+mod checks;
 mod direction;
 mod format;
 mod lines;
@@ -27,6 +30,7 @@ pub use model::{ImportedModel, ReadFile, Source};
 pub use nearest::{Proposal, propose};
 pub use pairs::PairConstants;
 pub use read::{Reading, read};
+pub use reduce::{Reduction, ReductionFacts};
 pub use role::Role;
 pub use units::Units;
 
@@ -35,6 +39,8 @@ use std::path::PathBuf;
 use crate::file::FileError;
 use crate::linalg::LinalgError;
 use crate::setting::BadSetting;
+use forces::{Forces, Names};
+use pairs::ImportedPair;
 use write::StudyParts;
 
 /// Why a model cannot be imported.
@@ -77,6 +83,8 @@ pub struct Request {
     pub responses: Vec<String>,
     /// Damping ratio of all modes where there is no damping matrix.
     pub damping_ratio: f64,
+    /// How it is reduced; not at all if absent.
+    pub reduction: Option<Reduction>,
 }
 
 /// What was imported.
@@ -86,8 +94,10 @@ pub struct Imported {
     pub files: Vec<ReadFile>,
     /// Names of the degrees of freedom.
     pub dofs: Vec<dof::Dof>,
-    /// Sizes, mass, frequencies.
+    /// Sizes, mass, frequencies of what was read.
     pub facts: Facts,
+    /// What was kept of it, if it was reduced.
+    pub reduced: Option<ReductionFacts>,
     /// Number of contact pairs.
     pub pairs: usize,
     /// What a user should look at.
@@ -101,34 +111,16 @@ pub struct Imported {
 pub fn import(request: &Request) -> Result<Imported, ImportError> {
     write::refuse_content(&request.output)?;
     let (model, files) = model::assemble(&request.sources)?;
+    model.check_semidefinite()?;
+    if request.reduction.is_none() {
+        model.check_as_reduced()?;
+    }
     let mut warnings = warnings(&model, &files, request);
     let mut model = model.in_si(request.units);
     if let (Some(role), Some(load)) = (request.load, model.forces.remove(&Role::Load)) {
         model.forces.insert(role, load);
     }
-    let (dofs, units) = (&model.dofs, request.units);
-    let pairs = match &request.pairs {
-        None => Vec::new(),
-        Some(path) => {
-            let nodes = request.nodes.as_deref();
-            pairs::read_pairs(path, nodes, dofs, units, request.constants)?
-        }
-    };
-    let mut forces = forces::Forces::default();
-    if let Some(path) = &request.forces {
-        forces.add_table(path, dofs, units)?;
-    }
-    for word in &request.excite {
-        forces.add_word(word, dofs, units)?;
-    }
-    for name in &request.responses {
-        let known = forces::named(name, dofs);
-        known.map_err(|rule| BadSetting {
-            key: "--response".to_owned(),
-            value: name.clone(),
-            rule,
-        })?;
-    }
+    let (pairs, forces) = attached(&model, request)?;
     let facts = Facts::of(&model)?;
     if facts.frequencies_hz.is_empty() {
         warnings.push("the free structure has no flexible mode".to_owned());
@@ -142,14 +134,55 @@ pub fn import(request: &Request) -> Result<Imported, ImportError> {
         frequencies_hz: facts.frequencies_hz.clone(),
         pairs,
     };
+    let mut reduced = None;
+    if let Some(reduction) = &request.reduction {
+        let (smaller, made) = reduce::reduced(&model, &parts, reduction)?;
+        smaller.check_as_reduced()?;
+        let frequencies = Facts::of(&smaller)?.frequencies_hz;
+        reduced = Some(ReductionFacts::new(&model, &made, reduction, frequencies));
+        model = smaller;
+    }
     write::write(&model, &parts, &request.output)?;
     Ok(Imported {
         files,
         facts,
+        reduced,
         pairs: parts.pairs.len(),
         dofs: model.dofs,
         warnings,
     })
+}
+
+/// Pairs and forces by names of the model's degrees of freedom.
+fn attached(
+    model: &ImportedModel,
+    request: &Request,
+) -> Result<(Vec<ImportedPair>, Forces), ImportError> {
+    let (dofs, units) = (&model.dofs, request.units);
+    let pairs = match &request.pairs {
+        None => Vec::new(),
+        Some(path) => {
+            let nodes = request.nodes.as_deref();
+            pairs::read_pairs(path, nodes, dofs, units, request.constants)?
+        }
+    };
+    let names = Names::of(dofs);
+    let mut forces = Forces::default();
+    if let Some(path) = &request.forces {
+        forces.add_table(path, &names, units)?;
+    }
+    for word in &request.excite {
+        forces.add_word(word, &names, units)?;
+    }
+    for name in &request.responses {
+        let known = names.dof(name);
+        known.map_err(|rule| BadSetting {
+            key: "--response".to_owned(),
+            value: name.clone(),
+            rule,
+        })?;
+    }
+    Ok((pairs, forces))
 }
 
 fn warnings(model: &ImportedModel, files: &[ReadFile], request: &Request) -> Vec<String> {

@@ -3,15 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use faer::Mat;
-
 use super::dof::Dof;
-use super::matrix::{Content, ImportedMatrix, Rows, Symmetric};
+use super::matrix::{Content, ImportedMatrix, Rows};
 use super::read::{Reading, read};
 use super::role::Role;
+use super::symmetric::Symmetric;
 use super::units::{Quantity, Units};
 use crate::file::FileError;
-use crate::model::matrix_checks::{dependent_row, positive_semidefinite};
 
 /// A file of the command line, and what of it is meant.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -264,7 +262,6 @@ impl ImportedModel {
                         digits,
                         values,
                     };
-                    check(role, &part, &dofs)?;
                     matrices.insert(role, part);
                 }
                 (Content::Column(column), true) => {
@@ -346,53 +343,5 @@ fn places(
                 None => Ok(names.iter().filter_map(place).collect()),
             }
         }
-    }
-}
-
-impl Symmetric {
-    /// The same with row i at `places[i]` of `n` rows.
-    fn placed(&self, places: &[usize], n: usize) -> Self {
-        let mut lower: Vec<_> = (self.lower.iter())
-            .map(|&(row, column, value)| {
-                let (a, b) = (places[row], places[column]);
-                (a.max(b), a.min(b), value)
-            })
-            .collect();
-        lower.sort_by_key(|&(row, column, _)| (column, row));
-        Self { n, lower }
-    }
-
-    /// Both triangles.
-    #[must_use]
-    pub fn to_dense(&self) -> Mat<f64> {
-        let mut dense = Mat::zeros(self.n, self.n);
-        for &(row, column, value) in &self.lower {
-            dense[(row, column)] = value;
-            dense[(column, row)] = value;
-        }
-        dense
-    }
-}
-
-/// Whether a matrix is one of a structure.
-fn check(role: Role, part: &Part<Symmetric>, dofs: &[Dof]) -> Result<(), FileError> {
-    let fault = |rule: String| Err(FileError::content(&part.path, None, rule));
-    let dense = part.values.to_dense();
-    if role != Role::Mass {
-        return positive_semidefinite(&dense, part.digits).or_else(fault);
-    }
-    if let Some(i) = (0..dofs.len()).find(|&i| dense[(i, i)] <= 0.0) {
-        return fault(format!(
-            "degree of freedom {} has no mass ({}): condense it in the finite-element program, or keep no degree of freedom without mass",
-            dofs[i],
-            dense[(i, i)]
-        ));
-    }
-    match dependent_row(&dense) {
-        None => Ok(()),
-        Some(row) => fault(format!(
-            "must be positive definite, but degree of freedom {} has no mass of its own beside those before it: condense it in the finite-element program",
-            dofs[row]
-        )),
     }
 }

@@ -7,10 +7,10 @@ use super::format::{
     abaqus_matrix, abaqus_substructure, calculix, harwell_boeing, nastran_dmig, nastran_names,
     numpy, op4_binary, op4_text,
 };
-use super::lines::{Lines, words};
+use super::lines::{Lines, MOST_ROWS, words};
 use super::matrix::{Content, Entries, ImportedMatrix, Rows, Storage};
 use crate::file::{self, FileError};
-use crate::model::matrix_market::read_matrix;
+use crate::model::matrix_market::{Collects, Entry, Shape, read_entries};
 
 /// What a file holds.
 #[derive(Debug, Clone)]
@@ -44,6 +44,8 @@ enum Format {
     Numpy,
 }
 
+/// Bytes of a file of matrices at most: a blade of 200 000 degrees of freedom takes about one GiB.
+const LONGEST_FILE: u64 = 8 << 30;
 /// Lines that are looked at to find the format.
 const LOOKED_AT: usize = 200;
 
@@ -52,7 +54,7 @@ const LOOKED_AT: usize = 200;
 /// # Errors
 /// [`FileError`] if it cannot be read, is of no known format, or breaks a rule of it.
 pub fn read(path: &Path) -> Result<Reading, FileError> {
-    let bytes = file::read_bytes(path)?;
+    let bytes = file::read_bytes(path, LONGEST_FILE)?;
     let reading = |format: Format, matrices, names| Reading {
         path: path.to_owned(),
         format: format.in_words(),
@@ -193,25 +195,20 @@ fn is_harwell_boeing(text: &str) -> bool {
 
 /// A Matrix Market file: a symmetric matrix, or a vector where it has one column.
 fn matrix_market(path: &Path) -> Result<ImportedMatrix, FileError> {
-    let read = read_matrix(path)?;
-    let (rows, columns) = (read.matrix.nrows(), read.matrix.ncols());
+    let (Market { shape, entries }, digits) = read_entries(path, MOST_ROWS)?;
+    let Shape { rows, columns, .. } = shape;
     let content = match columns {
-        1 if rows > 1 => Content::Column(read.matrix.col_as_slice(0).to_vec()),
+        1 if rows > 1 => Content::Column(entries.column(path, rows)?),
         _ if rows != columns => {
             let rule = format!("is {rows} x {columns}: must be square, or have one column");
             return Err(FileError::content(path, None, rule));
         }
         _ => {
-            let mut entries = Entries::default();
-            for column in 0..columns {
-                for row in 0..rows {
-                    let value = read.matrix[(row, column)];
-                    if value != 0.0 {
-                        entries.add(row, column, value, 0);
-                    }
-                }
-            }
-            Content::Symmetric(entries.symmetric(path, rows, Storage::Full)?)
+            let storage = match shape.symmetric {
+                true => Storage::Triangle,
+                false => Storage::Full,
+            };
+            Content::Symmetric(entries.symmetric(path, rows, storage)?)
         }
     };
     Ok(ImportedMatrix {
@@ -219,6 +216,29 @@ fn matrix_market(path: &Path) -> Result<ImportedMatrix, FileError> {
         path: path.to_owned(),
         rows: Rows::Numbered(rows),
         content,
-        digits: read.digits,
+        digits,
     })
+}
+
+/// Entries of a Matrix Market file.
+struct Market {
+    shape: Shape,
+    entries: Entries,
+}
+
+impl Collects for Market {
+    fn empty(shape: Shape, _: bool) -> Self {
+        Self {
+            shape,
+            entries: Entries::default(),
+        }
+    }
+
+    fn add(&mut self, entry: Entry) -> Result<(), String> {
+        // a dense file states zeros too
+        if entry.value != 0.0 {
+            (self.entries).add(entry.row, entry.column, entry.value, entry.line);
+        }
+        Ok(())
+    }
 }

@@ -7,10 +7,11 @@ use std::path::{Path, PathBuf};
 
 use super::dof::Dof;
 use super::forces::Forces;
-use super::matrix::{DOUBLE_DIGITS, Symmetric};
+use super::matrix::DOUBLE_DIGITS;
 use super::model::{ImportedModel, Part};
 use super::pairs::{ImportedPair, Preload};
 use super::role::Role;
+use super::symmetric::Symmetric;
 use crate::file::{self, FileError};
 use crate::model::matrix_checks::rounding;
 

@@ -22,7 +22,7 @@ mod sparse_eigen;
 pub mod vector;
 
 pub use dense_eigen::{symmetric_eigen, symmetric_generalized_eigen};
-pub use sparse_eigen::{LowestModes, Wanted, lowest_modes, wanted_modes};
+pub use sparse_eigen::{FactoredPencil, LowestModes, Wanted, lowest_modes};
 
 /// Why a factorisation or an eigenvalue problem has no answer.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

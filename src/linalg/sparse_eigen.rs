@@ -50,13 +50,7 @@ const FIRST_COUNT: usize = 8;
 /// Up to this size the dense routine is used.
 const DENSE_SIZE: usize = 64;
 
-/// The `count` lowest eigenpairs of K φ = λ M φ by shift-inverted block Lanczos with full reorthogonalisation.
-///
-/// K is positive semidefinite, M positive definite, both stored with both triangles. `shift` σ > 0 makes K + σM
-/// definite (rigid-body modes); choose it of the order of the lowest nonzero λ or below. Deterministic.
-///
-/// Shape: K, M n × n. Source: Grimes, Lewis & Simon 1994, SIAM J. Matrix Anal. Appl. 15, 228. Differs from it: the
-/// projected matrix is formed in full (Rayleigh–Ritz) instead of from the recurrence, because the spaces are small.
+/// The `count` lowest eigenpairs of K φ = λ M φ, as [`FactoredPencil`] finds them.
 ///
 /// # Errors
 /// [`LinalgError`] if K + σM is not definite or the iteration does not converge.
@@ -66,75 +60,39 @@ pub fn lowest_modes(
     count: usize,
     shift: f64,
 ) -> Result<LowestModes, LinalgError> {
-    if stiffness.nrows() <= DENSE_SIZE {
-        return Ok(dense_modes(stiffness, mass)?.truncated(count));
-    }
-    Lanczos::new(stiffness, mass, shift)?.modes(count)
-}
-
-/// The `wanted` lowest eigenpairs of K φ = λ M φ and the one after them, as [`lowest_modes`] finds them.
-///
-/// Fewer if the pencil has no such pair, and at most `most`. The same modes are the same bits, however they are wanted.
-///
-/// # Errors
-/// [`LinalgError`] if K + σM is not definite or the iteration does not converge.
-pub fn wanted_modes(
-    stiffness: &SparseColMat<usize, f64>,
-    mass: &SparseColMat<usize, f64>,
-    wanted: Wanted,
-    most: usize,
-    shift: f64,
-) -> Result<LowestModes, LinalgError> {
-    let n = stiffness.nrows();
-    let most = most.min(n);
-    let modes = if n <= DENSE_SIZE {
-        dense_modes(stiffness, mass)?
-    } else {
-        let mut lanczos = Lanczos::new(stiffness, mass, shift)?;
-        let mut count = FIRST_COUNT.min(most);
-        loop {
-            let modes = lanczos.modes(count)?;
-            if count == most || wanted.among(&modes.lambda) < count {
-                break modes;
-            }
-            count = (2 * count).min(most);
+    match dense_modes(stiffness, mass)? {
+        Some(modes) => Ok(modes.truncated(count)),
+        None => {
+            let pencil = FactoredPencil::new(stiffness, mass, shift)?;
+            Lanczos::new(&pencil).modes(count)
         }
-    };
-    let count = wanted.among(&modes.lambda);
-    Ok(modes.truncated((count + 1).min(most)))
-}
-
-impl LowestModes {
-    /// The first `count` modes, or all.
-    fn truncated(mut self, count: usize) -> Self {
-        self.lambda.truncate(count);
-        let shapes = self.shapes.subcols(0, self.lambda.len()).to_owned();
-        Self { shapes, ..self }
     }
 }
 
-fn dense_modes(
-    stiffness: &SparseColMat<usize, f64>,
-    mass: &SparseColMat<usize, f64>,
-) -> Result<LowestModes, LinalgError> {
-    let (lambda, shapes) =
-        symmetric_generalized_eigen(stiffness.to_dense().as_ref(), mass.to_dense().as_ref())?;
-    Ok(LowestModes { lambda, shapes })
-}
-
-/// A Krylov space that can be asked for more and more modes.
-struct Lanczos<'a> {
+/// The pencil K − λM with the Cholesky factor of K + σM, for its lowest modes and for solutions.
+///
+/// K and M are positive semidefinite, both stored with both triangles. `shift` σ > 0 makes K + σM definite (rigid-body
+/// modes); choose it of the order of the lowest nonzero λ or below. Degrees of freedom without mass follow the others
+/// statically.
+///
+/// The modes come by shift-inverted block Lanczos with full reorthogonalisation. Deterministic. Shape: K, M n × n. Source:
+/// Grimes, Lewis & Simon 1994, SIAM J. Matrix Anal. Appl. 15, 228. Differs from it: the projected matrix is formed in full
+/// (Rayleigh–Ritz) instead of from the recurrence, because the spaces are small.
+#[derive(Debug)]
+pub struct FactoredPencil<'a> {
+    stiffness: &'a SparseColMat<usize, f64>,
     mass: &'a SparseColMat<usize, f64>,
     shift: f64,
     factor: Llt<usize, f64>,
-    space: KrylovSpace,
-    /// Whether the last block brought new directions.
-    grown: bool,
 }
 
-impl<'a> Lanczos<'a> {
-    fn new(
-        stiffness: &SparseColMat<usize, f64>,
+impl<'a> FactoredPencil<'a> {
+    /// Factorises K + σM.
+    ///
+    /// # Errors
+    /// [`LinalgError`] if it is not definite.
+    pub fn new(
+        stiffness: &'a SparseColMat<usize, f64>,
         mass: &'a SparseColMat<usize, f64>,
         shift: f64,
     ) -> Result<Self, LinalgError> {
@@ -146,25 +104,117 @@ impl<'a> Lanczos<'a> {
                     matrix: "stiffness + shift mass",
                 })?;
         Ok(Self {
+            stiffness,
             mass,
             shift,
             factor,
-            space: KrylovSpace::new(mass, random_block(stiffness.nrows())),
-            grown: true,
         })
+    }
+
+    /// (K + σM)⁻¹ B.
+    #[must_use]
+    pub fn solve(&self, mut b: Mat<f64>) -> Mat<f64> {
+        self.factor.solve_in_place(&mut b);
+        b
+    }
+
+    /// The `wanted` lowest eigenpairs and the one after them.
+    ///
+    /// Fewer if the pencil has no such pair, and at most `most`. The same modes are the same bits, however they are wanted.
+    ///
+    /// # Errors
+    /// [`LinalgError`] if the iteration does not converge.
+    pub fn modes(&self, wanted: Wanted, most: usize) -> Result<LowestModes, LinalgError> {
+        let most = most.min(self.mass.nrows());
+        let modes = match dense_modes(self.stiffness, self.mass)? {
+            Some(modes) => modes,
+            None => {
+                let mut lanczos = Lanczos::new(self);
+                let mut count = FIRST_COUNT.min(most);
+                loop {
+                    let modes = lanczos.modes(count)?;
+                    if count == most || wanted.among(&modes.lambda) < count {
+                        break modes;
+                    }
+                    count = (2 * count).min(most);
+                }
+            }
+        };
+        let count = wanted.among(&modes.lambda);
+        Ok(modes.truncated((count + 1).min(most)))
+    }
+}
+
+impl LowestModes {
+    /// The first `count` modes, or all.
+    fn truncated(mut self, count: usize) -> Self {
+        self.lambda.truncate(count);
+        let shapes = self.shapes.subcols(0, self.lambda.len()).to_owned();
+        Self { shapes, ..self }
+    }
+}
+
+/// All modes of a small pencil with a definite mass.
+fn dense_modes(
+    stiffness: &SparseColMat<usize, f64>,
+    mass: &SparseColMat<usize, f64>,
+) -> Result<Option<LowestModes>, LinalgError> {
+    if stiffness.nrows() > DENSE_SIZE || !massless(mass).is_empty() {
+        return Ok(None);
+    }
+    let (lambda, shapes) =
+        symmetric_generalized_eigen(stiffness.to_dense().as_ref(), mass.to_dense().as_ref())?;
+    Ok(Some(LowestModes { lambda, shapes }))
+}
+
+/// Degrees of freedom without mass: their rows of a positive semidefinite mass are zero.
+fn massless(mass: &SparseColMat<usize, f64>) -> Vec<usize> {
+    let mut massive = vec![false; mass.nrows()];
+    for entry in mass.triplet_iter().filter(|e| e.row == e.col) {
+        massive[entry.row] = *entry.val > 0.0;
+    }
+    let places = 0..mass.nrows();
+    places.filter(|&dof| !massive[dof]).collect()
+}
+
+/// A Krylov space that can be asked for more and more modes.
+struct Lanczos<'a> {
+    pencil: &'a FactoredPencil<'a>,
+    space: KrylovSpace,
+    /// Whether the last block brought new directions.
+    grown: bool,
+    /// Number of degrees of freedom with mass: there are no more modes.
+    most: usize,
+}
+
+impl<'a> Lanczos<'a> {
+    fn new(pencil: &'a FactoredPencil<'a>) -> Self {
+        let (mass, n) = (pencil.mass, pencil.mass.nrows());
+        let massless = massless(mass).len();
+        let mut start = random_block(n);
+        if massless > 0 {
+            // what M does not see of a start would stay in the modes
+            start = pencil.solve(mass * &start);
+        }
+        Self {
+            space: KrylovSpace::new(mass, start),
+            grown: true,
+            most: n - massless,
+            pencil,
+        }
     }
 
     /// The `count` lowest modes (all if there are fewer), converged.
     fn modes(&mut self, count: usize) -> Result<LowestModes, LinalgError> {
-        let count = count.min(self.mass.nrows());
+        let (mass, shift) = (self.pencil.mass, self.pencil.shift);
+        let count = count.min(self.most);
         let mut enough = count + BLOCK;
         loop {
             while self.grown && self.space.images.ncols() < enough {
-                let mut image = self.space.last_block_momentum();
-                self.factor.solve_in_place(&mut image);
-                self.grown = self.space.extend(self.mass, image);
+                let image = self.pencil.solve(self.space.last_block_momentum());
+                self.grown = self.space.extend(mass, image);
             }
-            let (modes, residual) = self.space.ritz(self.mass, count, self.shift)?;
+            let (modes, residual) = self.space.ritz(mass, count, shift)?;
             if residual < TOLERANCE {
                 return Ok(modes);
             }
@@ -243,6 +293,7 @@ impl KrylovSpace {
         shift: f64,
     ) -> Result<(LowestModes, f64), LinalgError> {
         let m = self.images.ncols();
+        let count = count.min(m);
         let (basis, momenta) = (self.basis.subcols(0, m), self.momenta.subcols(0, m));
         let projected = momenta.transpose() * &self.images;
         let symmetric = Mat::from_fn(m, m, |i, j| 0.5 * (projected[(i, j)] + projected[(j, i)]));

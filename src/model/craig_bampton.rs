@@ -6,12 +6,12 @@
 
 use super::SparseRow;
 use super::masters::MasterCoordinates;
-use crate::fe::FeModel;
-use crate::linalg::{LinalgError, LowestModes, Wanted, symmetric_generalized_eigen, wanted_modes};
+use crate::linalg::{
+    FactoredPencil, LinalgError, LowestModes, Wanted, symmetric_generalized_eigen,
+};
 use crate::units::{hz_to_rad_s, rad_s_to_hz};
-use faer::linalg::solvers::Solve;
+use faer::Mat;
 use faer::sparse::{SparseColMat, Triplet};
-use faer::{Mat, Side};
 
 /// Most fixed-interface modes that a component may keep.
 const MOST_MODES: usize = 200;
@@ -48,19 +48,26 @@ pub struct CraigBampton {
 }
 
 impl CraigBampton {
-    /// Keeps `masters` (linear forms on the degrees of freedom of `fe`, each with one of its own) and every mode with
-    /// masters held at 0 whose frequency lies below `cut_off` (Hz).
+    /// Keeps `masters` (linear forms on the degrees of freedom, each with one of its own) and every mode with masters held
+    /// at 0 whose frequency lies below `cut_off` (Hz). Degrees of freedom without mass follow the others statically.
+    ///
+    /// K and M are n × n, stored with both triangles, M positive semidefinite.
     ///
     /// # Errors
     /// [`ReductionError`] if the modes cannot be computed, or are too many.
-    pub fn new(fe: &FeModel, masters: &[SparseRow], cut_off: f64) -> Result<Self, ReductionError> {
+    pub fn new(
+        stiffness: &SparseColMat<usize, f64>,
+        mass: &SparseColMat<usize, f64>,
+        masters: &[SparseRow],
+        cut_off: f64,
+    ) -> Result<Self, ReductionError> {
         let limit = hz_to_rad_s(cut_off).powi(2);
-        let fixed = FixedInterface::new(fe, masters, Wanted::Below(limit))?;
+        let fixed = FixedInterface::new(stiffness, mass, masters, Wanted::Below(limit))?;
         if fixed.n_modes > MOST_MODES {
             let frequency = fixed.frequency(MOST_MODES);
             return Err(ReductionError::TooManyModes { frequency });
         }
-        Ok(fixed.reduced()?)
+        Ok(fixed.reduced())
     }
 
     /// Keeps `masters` and the first `n_modes` modes with masters held at 0, at most as many as [`CraigBampton::new`].
@@ -68,12 +75,13 @@ impl CraigBampton {
     /// # Errors
     /// [`LinalgError`] if fixing the masters leaves rigid-body motion, or the modes do not converge.
     pub fn with_modes(
-        fe: &FeModel,
+        stiffness: &SparseColMat<usize, f64>,
+        mass: &SparseColMat<usize, f64>,
         masters: &[SparseRow],
         n_modes: usize,
     ) -> Result<Self, LinalgError> {
         let wanted = Wanted::First(n_modes.min(MOST_MODES));
-        FixedInterface::new(fe, masters, wanted)?.reduced()
+        Ok(FixedInterface::new(stiffness, mass, masters, wanted)?.reduced())
     }
 
     /// Number of reduced coordinates.
@@ -97,28 +105,44 @@ struct FixedInterface {
     stiffness: SparseColMat<usize, f64>,
     mass: SparseColMat<usize, f64>,
     parts: Partition,
-    k_ii: SparseColMat<usize, f64>,
+    /// K_ib.
+    coupling: Mat<f64>,
+    /// K_ii⁻¹ K_ib.
+    follow: Mat<f64>,
     /// Those that are kept, and the next one.
     modes: LowestModes,
     n_modes: usize,
 }
 
 impl FixedInterface {
-    fn new(fe: &FeModel, masters: &[SparseRow], wanted: Wanted) -> Result<Self, LinalgError> {
-        let coordinates = MasterCoordinates::new(fe.n_dofs(), masters);
-        let stiffness = coordinates.transformed(&fe.stiffness);
-        let mass = coordinates.transformed(&fe.mass);
-        let parts = Partition::new(fe.n_dofs(), &coordinates.pivots);
+    fn new(
+        stiffness: &SparseColMat<usize, f64>,
+        mass: &SparseColMat<usize, f64>,
+        masters: &[SparseRow],
+        wanted: Wanted,
+    ) -> Result<Self, LinalgError> {
+        let n = stiffness.nrows();
+        let coordinates = MasterCoordinates::new(n, masters);
+        let stiffness = coordinates.transformed(stiffness);
+        let mass = coordinates.transformed(mass);
+        let parts = Partition::new(n, &coordinates.pivots);
         let k_ii = parts.inner_block(&stiffness);
         let m_ii = parts.inner_block(&mass);
-        let modes = wanted_modes(&k_ii, &m_ii, wanted, MOST_MODES + 1, 0.0)?;
+        let held = FactoredPencil::new(&k_ii, &m_ii, 0.0).map_err(|_| {
+            LinalgError::NotPositiveDefinite {
+                matrix: "stiffness with fixed masters",
+            }
+        })?;
+        let modes = held.modes(wanted, MOST_MODES + 1)?;
+        let coupling = parts.coupling(&stiffness);
         Ok(Self {
             n_modes: wanted.among(&modes.lambda),
+            follow: held.solve(coupling.clone()),
             coordinates,
             stiffness,
             mass,
             parts,
-            k_ii,
+            coupling,
             modes,
         })
     }
@@ -129,42 +153,35 @@ impl FixedInterface {
         lambda.map_or(f64::INFINITY, |lambda| rad_s_to_hz(lambda.sqrt()))
     }
 
-    fn reduced(&self) -> Result<CraigBampton, LinalgError> {
-        let factor =
-            (self.k_ii)
-                .sp_cholesky(Side::Lower)
-                .map_err(|_| LinalgError::NotPositiveDefinite {
-                    matrix: "stiffness with fixed masters",
-                })?;
-        let k_ib = self.parts.coupling(&self.stiffness);
-        let constraint = -factor.solve(&k_ib);
+    fn reduced(&self) -> CraigBampton {
         let b = self.parts.n_masters;
         let n = b + self.n_modes;
-        let basis = self.basis(&constraint);
-        let condensed = self.parts.masters_block(&self.stiffness) + k_ib.transpose() * &constraint;
+        let basis = self.basis();
+        let condensed =
+            self.parts.masters_block(&self.stiffness) - self.coupling.transpose() * &self.follow;
         let mut stiffness = Mat::zeros(n, n);
         stiffness.submatrix_mut(0, 0, b, b).copy_from(&condensed);
         for (i, lambda) in self.modes.lambda.iter().take(self.n_modes).enumerate() {
             stiffness[(b + i, b + i)] = *lambda;
         }
-        Ok(CraigBampton {
+        CraigBampton {
             n_masters: b,
             mass: symmetric(&(basis.transpose() * (&self.mass * &basis))),
             stiffness: symmetric(&stiffness),
             basis: self.coordinates.displacements(&basis),
             first_left_out: self.frequency(self.n_modes),
-        })
+        }
     }
 
-    /// Ψ, with −K_ii⁻¹ K_ib given.
-    fn basis(&self, constraint: &Mat<f64>) -> Mat<f64> {
+    /// Ψ.
+    fn basis(&self) -> Mat<f64> {
         let b = self.parts.n_masters;
         let mut basis = Mat::zeros(self.mass.nrows(), b + self.n_modes);
         for (dof, place) in self.parts.place.iter().enumerate() {
             for column in 0..basis.ncols() {
                 basis[(dof, column)] = match *place {
                     Place::Master(master) => f64::from(u8::from(column == master)),
-                    Place::Inner(row) if column < b => constraint[(row, column)],
+                    Place::Inner(row) if column < b => -self.follow[(row, column)],
                     Place::Inner(row) => self.modes.shapes[(row, column - b)],
                 };
             }

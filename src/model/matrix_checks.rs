@@ -49,11 +49,21 @@ pub(crate) fn symmetric(a: &Mat<f64>) -> Result<Mat<f64>, String> {
 /// many `digits`.
 pub(crate) fn positive_semidefinite(a: &Mat<f64>, digits: u32) -> Result<(), String> {
     let (scaled, largest) = unit_diagonal(a);
+    semidefinite(|shift| cholesky(&scaled, shift).is_ok(), largest, digits)
+}
+
+/// The same of a matrix scaled to a unit diagonal, of which only two things are known: whether it is definite with a shift of
+/// its diagonal, and the `largest` sum of absolute values in a row.
+pub(crate) fn semidefinite(
+    definite_with: impl Fn(f64) -> bool,
+    largest: f64,
+    digits: u32,
+) -> Result<(), String> {
     let tolerance = SEMIDEFINITE_TOLERANCE + rounding(digits) * largest;
-    if cholesky(&scaled, tolerance).is_ok() {
+    if definite_with(tolerance) {
         return Ok(());
     }
-    let eigenvalue = -most_negative(&scaled, tolerance, largest);
+    let eigenvalue = -most_negative(definite_with, tolerance, largest);
     let ratio = -eigenvalue / tolerance;
     Err(format!(
         "must be positive semidefinite, but scaled to a unit diagonal it has the negative eigenvalue {eigenvalue:.1e}, \
@@ -124,14 +134,14 @@ fn cholesky(a: &Mat<f64>, shift: f64) -> Result<(), LltError> {
     shifted.llt(Side::Lower).map(|_| ())
 }
 
-/// Size of the most negative eigenvalue of A, which is between the two bounds, to about two digits.
-fn most_negative(a: &Mat<f64>, mut below: f64, above: f64) -> f64 {
+/// Size of the most negative eigenvalue, which is between the two bounds, to about two digits.
+fn most_negative(definite_with: impl Fn(f64) -> bool, mut below: f64, above: f64) -> f64 {
     let mut above = above.max(2.0 * below);
     for _ in 0..HALVINGS {
         let middle = (below * above).sqrt();
-        match cholesky(a, middle) {
-            Ok(()) => above = middle,
-            Err(_) => below = middle,
+        match definite_with(middle) {
+            true => above = middle,
+            false => below = middle,
         }
     }
     above

@@ -24,6 +24,37 @@ pub(crate) struct Stated {
     pub(crate) digits: u32,
 }
 
+/// What a file states of its matrix before its entries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Shape {
+    pub(crate) rows: usize,
+    pub(crate) columns: usize,
+    /// Only the lower triangle is stored.
+    pub(crate) symmetric: bool,
+}
+
+/// An entry, with indices from 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Entry {
+    pub(crate) row: usize,
+    pub(crate) column: usize,
+    pub(crate) value: f64,
+    /// Where it stands in the file.
+    pub(crate) line: u64,
+}
+
+/// What takes the entries of a file.
+pub(crate) trait Collects {
+    /// An empty collection; `coordinate` if entries come in any order, so that one may come twice.
+    fn empty(shape: Shape, coordinate: bool) -> Self;
+
+    /// Takes an entry.
+    ///
+    /// # Errors
+    /// The rule that it breaks.
+    fn add(&mut self, entry: Entry) -> Result<(), String>;
+}
+
 /// Reads a real or integer matrix, `coordinate` or `array`, `general` or `symmetric` (lower triangle stored).
 ///
 /// Lines that start with `%` are comments.
@@ -32,6 +63,18 @@ pub(crate) struct Stated {
 /// [`FileError`] if the file cannot be read, or on the first line that does not belong to such a matrix: an entry given
 /// twice among them.
 pub(crate) fn read_matrix(path: &Path) -> Result<Stated, FileError> {
+    let (dense, digits) = read_entries::<Dense>(path, LARGEST)?;
+    Ok(Stated {
+        matrix: dense.matrix,
+        digits,
+    })
+}
+
+/// Reads the entries of such a file, of at most `most` rows and columns, into a collection; and the most digits of an entry.
+///
+/// # Errors
+/// As [`read_matrix`].
+pub(crate) fn read_entries<C: Collects>(path: &Path, most: usize) -> Result<(C, u32), FileError> {
     let mut lines = Lines {
         path,
         reader: BufReader::new(file::open(path)?),
@@ -45,16 +88,50 @@ pub(crate) fn read_matrix(path: &Path) -> Result<Stated, FileError> {
             Some(found) => break found,
         }
     };
-    let size = header.size(&line).map_err(|rule| lines.at(number, rule))?;
-    let mut entries = Entries::new(&header, &size);
+    let size = header.size(&line, most);
+    let size = size.map_err(|rule| lines.at(number, rule))?;
+    let mut entries = Entries::<C>::new(&header, &size);
     while let Some((number, line)) = lines.next()? {
         if !line.starts_with('%') {
-            entries.add(&line).map_err(|rule| lines.at(number, rule))?;
+            let added = entries.add(&line, number);
+            added.map_err(|rule| lines.at(number, rule))?;
         }
     }
     entries
         .finish()
         .map_err(|rule| FileError::content(path, None, rule))
+}
+
+/// A dense matrix with both triangles.
+struct Dense {
+    shape: Shape,
+    matrix: Mat<f64>,
+    /// Which entries of a coordinate matrix are there already, column by column.
+    given: Vec<bool>,
+}
+
+impl Collects for Dense {
+    fn empty(shape: Shape, coordinate: bool) -> Self {
+        let Shape { rows, columns, .. } = shape;
+        Self {
+            shape,
+            matrix: Mat::zeros(rows, columns),
+            given: vec![false; if coordinate { rows * columns } else { 0 }],
+        }
+    }
+
+    fn add(&mut self, entry: Entry) -> Result<(), String> {
+        let Entry { row, column, .. } = entry;
+        let given = self.given.get_mut(row + column * self.shape.rows);
+        if given.is_some_and(|given| std::mem::replace(given, true)) {
+            return Err(format!("{}: must be given once", place(row, column)));
+        }
+        self.matrix[(row, column)] = entry.value;
+        if self.shape.symmetric {
+            self.matrix[(column, row)] = entry.value;
+        }
+        Ok(())
+    }
 }
 
 /// Lines with their numbers, each of bounded length.
@@ -126,7 +203,7 @@ impl Header {
     }
 
     /// Rows, columns and number of entries that the size line states.
-    fn size(&self, line: &str) -> Result<Size, String> {
+    fn size(&self, line: &str, largest: usize) -> Result<Size, String> {
         let words: Vec<&str> = line.split_whitespace().collect();
         let (rows, columns, stated) = match (self.coordinate, &words[..]) {
             (true, [rows, columns, entries]) => (rows, columns, Some(entries)),
@@ -135,8 +212,8 @@ impl Header {
             (false, _) => return Err("must be the size line: rows columns".to_owned()),
         };
         let length = |word: &str| {
-            let length = word.parse().ok().filter(|n| (1..=LARGEST).contains(n));
-            length.ok_or_else(|| format!("size {word}: must be an integer from 1 to {LARGEST}"))
+            let length = word.parse().ok().filter(|n| (1..=largest).contains(n));
+            length.ok_or_else(|| format!("size {word}: must be an integer from 1 to {largest}"))
         };
         let (rows, columns) = (length(rows)?, length(columns)?);
         if self.symmetric && rows != columns {
@@ -168,33 +245,28 @@ struct Size {
     entries: usize,
 }
 
-/// A matrix that grows line by line.
-struct Entries<'h> {
+/// Entries that come line by line.
+struct Entries<'h, C> {
     header: &'h Header,
     size: &'h Size,
-    matrix: Mat<f64>,
-    /// Which entries of a coordinate matrix are there already, column by column.
-    given: Vec<bool>,
+    collection: C,
     read: usize,
     digits: u32,
     /// Place of the next entry of an array.
     next: (usize, usize),
 }
 
-impl<'h> Entries<'h> {
+impl<'h, C: Collects> Entries<'h, C> {
     fn new(header: &'h Header, size: &'h Size) -> Self {
+        let shape = Shape {
+            rows: size.rows,
+            columns: size.columns,
+            symmetric: header.symmetric,
+        };
         Self {
             header,
             size,
-            matrix: Mat::zeros(size.rows, size.columns),
-            given: vec![
-                false;
-                if header.coordinate {
-                    size.rows * size.columns
-                } else {
-                    0
-                }
-            ],
+            collection: C::empty(shape, header.coordinate),
             read: 0,
             digits: 0,
             next: (0, 0),
@@ -202,7 +274,7 @@ impl<'h> Entries<'h> {
     }
 
     /// Adds the entry of a line.
-    fn add(&mut self, line: &str) -> Result<(), String> {
+    fn add(&mut self, line: &str, number: u64) -> Result<(), String> {
         if self.read == self.size.entries {
             return Err(format!(
                 "is entry {}, of {} stated",
@@ -221,26 +293,23 @@ impl<'h> Entries<'h> {
             (true, _) => return Err("must be an entry: row column value".to_owned()),
             (false, _) => return Err("must be an entry: one value".to_owned()),
         };
-        let place = format!("entry ({}, {})", i + 1, j + 1);
-        let value: f64 =
-            parse_number(word).ok_or_else(|| format!("{place} = {word}: must be a number"))?;
+        let value: f64 = parse_number(word)
+            .ok_or_else(|| format!("{} = {word}: must be a number", place(i, j)))?;
         if !value.is_finite() {
+            let place = place(i, j);
             return Err(format!("{place} = {word}: must be a finite number"));
         }
         if self.header.symmetric && i < j {
             let rule = "a symmetric matrix must store its lower triangle (row >= column) only";
-            return Err(format!("{place}: {rule}"));
-        }
-        if self.header.coordinate
-            && std::mem::replace(&mut self.given[i + j * self.size.rows], true)
-        {
-            return Err(format!("{place}: must be given once"));
+            return Err(format!("{}: {rule}", place(i, j)));
         }
         self.digits = self.digits.max(significant_digits(word));
-        self.matrix[(i, j)] = value;
-        if self.header.symmetric {
-            self.matrix[(j, i)] = value;
-        }
+        self.collection.add(Entry {
+            row: i,
+            column: j,
+            value,
+            line: number,
+        })?;
         self.read += 1;
         self.next = match i + 1 < self.size.rows {
             true => (i + 1, j),
@@ -250,18 +319,20 @@ impl<'h> Entries<'h> {
         Ok(())
     }
 
-    fn finish(self) -> Result<Stated, String> {
+    fn finish(self) -> Result<(C, u32), String> {
         match self.read == self.size.entries {
-            true => Ok(Stated {
-                matrix: self.matrix,
-                digits: self.digits,
-            }),
+            true => Ok((self.collection, self.digits)),
             false => Err(format!(
                 "{} entries required by the size line, {} found",
                 self.size.entries, self.read
             )),
         }
     }
+}
+
+/// An entry as messages name it.
+fn place(row: usize, column: usize) -> String {
+    format!("entry ({}, {})", row + 1, column + 1)
 }
 
 /// A 0-based index from a 1-based one of at most `size`.

@@ -176,7 +176,7 @@ const DAMAGED_HEADERS: &str = "
 3 | RRA 12 12 21 | :3: type must be RSA or RUA
 3 | RSA 12 11 21 | :3: 11 columns: must be 12, the rows
 3 | RSA 0 0 21 | :3: rows 0: must be
-3 | RSA 5001 5001 21 | reduce a larger model
+3 | RSA 1000001 1000001 21 | must be a whole number
 3 | RSA 13 13 21 | column pointers: the header states 13
 3 | RSA 12 12 79 | :3: entries 79: must be a whole number from 1 to 78
 3 | RSA 12 12 20 | pointers

@@ -30,11 +30,11 @@ fn a_matrix_and_its_names_are_those_of_the_chain() {
 }
 
 const DAMAGED_MATRICES: &str = "
-1 | 0 1 1.0 | :1: row 0: must be a whole number from 1 to 5000
+1 | 0 1 1.0 | :1: row 0: must be a whole number from 1 to 1000000
 1 | 1 0 1.0 | :1: column 0: must be
 1 | -1 1 1.0 | :1: row -1: must be
-1 | 5001 1 1.0 | reduce a larger model
-1 | 1 5001 1.0 | :1: column 5001
+1 | 1000001 1 1.0 | :1: row 1000001
+1 | 1 1000001 1.0 | :1: column 1000001
 1 | 99999999999999999999 1 1.0 | :1: row 99999999999999999999
 1 | 1.0 1 1.0 | :1: row 1.0: must be
 1 | a 1 1.0 | :1: row a: must be
@@ -93,7 +93,7 @@ const DAMAGED_NAMES: &str = "
 fn damaged_names_are_refused() {
     refuse("job.dof", &names(), DAMAGED_NAMES);
     refuse_bytes("job.dof", b"\n", "blank", "has no name");
-    let many: String = (1..=5001).map(|node| format!("{node}.1\n")).collect();
-    let expected = ":5001: has more than 5000 degrees";
+    let many: String = (1..=1_000_001).map(|node| format!("{node}.1\n")).collect();
+    let expected = ":1000001: has more than 1000000 degrees";
     refuse_bytes("job.dof", many.as_bytes(), "many", expected);
 }

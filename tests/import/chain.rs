@@ -3,7 +3,8 @@
 //! Between neighbours k along x, 2k along y, 3k along z. Along each axis one rigid-body mode, and
 //! f_j = √(k/m)/π · sin(jπ/2N), j = 1 … N − 1.
 
-use microslip::import::matrix::{Content, Rows, Symmetric};
+use microslip::import::matrix::{Content, Rows};
+use microslip::import::symmetric::Symmetric;
 use microslip::import::{ImportedMatrix, Reading, read};
 use std::path::Path;
 

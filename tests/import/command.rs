@@ -233,7 +233,7 @@ K.mtx M=K.mtx --units SI | has no mass of its own beside those before it
 K.mtx M=other.mtx --units SI | other.mtx: has the degree of freedom 99.1, which K.mtx does not have
 K.mtx other.mtx --units SI | other.mtx: is a matrix of which nothing says what it is
 K.mtx K=other.mtx --units SI | other.mtx: is a second K beside K.mtx
-K.mtx M=zero.mtx --units SI | zero.mtx: degree of freedom 11.1 has no mass (0)
+K.mtx M=zero.mtx --units SI | zero.mtx: degree of freedom 11.1 has no mass: --cut-off HZ condenses it
 job.sti job.mas short.dof --units SI | short.dof: has 11 names, but job.sti has 12 rows: it is of another model
 K=swapped.mtx M.mtx --units SI | swapped.mtx: must be positive semidefinite
 K.mtx job.mas job.dof --units SI | job.mas: has no names, but other matrices have

@@ -15,6 +15,7 @@ mod nastran;
 mod numpy;
 mod op4;
 mod pairs;
+mod reduce;
 
 use std::path::Path;
 use std::process::Output;

@@ -199,8 +199,8 @@ const DAMAGED_ARRAYS: [(&str, &str, usize, &str); 20] = [
     ("", "(12, 12)", 1152, "has no square matrix"),
     (
         "<f8",
-        "(5001,)",
-        40008,
+        "(1000001,)",
+        8_000_008,
         "has no square matrix and no vector",
     ),
 ];
@@ -256,7 +256,11 @@ fn damaged_shapes() -> Vec<Replacement> {
             sizes("(2,)", &[12, 13]),
             "is 12 x 13: must be square",
         ),
-        ("shape", sizes("(2,)", &[5001, 5001]), "is 5001 x 5001"),
+        (
+            "shape",
+            sizes("(2,)", &[1_000_001, 1_000_001]),
+            "is 1000001 x 1000001",
+        ),
         ("shape", sizes("(2,)", &[13, 13]), indptr),
         ("shape", Some(minus), "must be whole numbers >= 0"),
     ]

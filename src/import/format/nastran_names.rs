@@ -5,11 +5,10 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::super::dof::Dof;
-use super::super::lines::whole;
+use super::super::lines::{MOST_ROWS, whole};
 use super::super::matrix::Naming;
 use super::nastran_cards::{Card, each_card};
 use crate::file::FileError;
-use crate::model::matrix_market::LARGEST;
 
 const CARDS: [&str; 7] = ["EXTRN", "ASET", "QSET", "ASET1", "QSET1", "GRID", "SPOINT"];
 
@@ -79,8 +78,8 @@ impl Lists {
 
 fn insert(set: &mut BTreeSet<Dof>, dof: Dof) -> Result<(), String> {
     set.insert(dof);
-    match set.len() > LARGEST {
-        true => Err(format!("has more than {LARGEST} degrees of freedom")),
+    match set.len() > MOST_ROWS {
+        true => Err(format!("has more than {MOST_ROWS} degrees of freedom")),
         false => Ok(()),
     }
 }
@@ -112,8 +111,8 @@ fn points(
     };
     if card.field(first + 1).eq_ignore_ascii_case("THRU") {
         let (from, to) = (number(first)?, number(first + 2)?);
-        if to < from || to - from >= LARGEST as i64 {
-            let rule = format!("{from} THRU {to}: must ascend, by less than {LARGEST}");
+        if to < from || to - from >= MOST_ROWS as i64 {
+            let rule = format!("{from} THRU {to}: must ascend, by less than {MOST_ROWS}");
             return Err((first, rule));
         }
         return (from..=to).try_for_each(|point| add(point).map_err(|rule| (first, rule)));

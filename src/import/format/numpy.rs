@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
+use super::super::lines::MOST_ROWS;
 use super::super::matrix::{
     Content, DOUBLE_DIGITS, Entries, ImportedMatrix, Rows, SINGLE_DIGITS, Storage,
 };
@@ -172,7 +173,7 @@ impl Array {
             }
             _ => return Ok(None),
         };
-        if rows > LARGEST {
+        if rows > MOST_ROWS {
             return Ok(None);
         }
         Ok(Some(ImportedMatrix {
@@ -287,8 +288,8 @@ fn sparse(
     let [n, columns] = indices("shape")?[..] else {
         return Err(fault("array shape: must be two numbers".to_owned()));
     };
-    if n != columns || !(1..=LARGEST).contains(&n) {
-        let rule = format!("is {n} x {columns}: must be square, of 1 to {LARGEST} rows");
+    if n != columns || !(1..=MOST_ROWS).contains(&n) {
+        let rule = format!("is {n} x {columns}: must be square, of 1 to {MOST_ROWS} rows");
         return Err(fault(rule));
     }
     let Numbers::Real { values, digits } = &array("data")?.numbers else {

@@ -4,9 +4,9 @@
 
 use std::path::{Path, PathBuf};
 
+use super::super::lines::MOST_ROWS;
 use super::super::matrix::{Content, Entries, ImportedMatrix, Rows, Storage};
 use crate::file::FileError;
-use crate::model::matrix_market::LARGEST;
 
 /// Rows or columns of a matrix at most, of one that is passed over too.
 const MOST: i64 = 1_000_000_000;
@@ -59,7 +59,7 @@ impl Header {
 
     /// Whether it can be a matrix or a force of a model. Others, of recovery and of complex numbers, are passed over.
     fn is_of_use(&self) -> bool {
-        let small = self.rows <= LARGEST as i64;
+        let small = self.rows <= MOST_ROWS as i64;
         small && self.parts == 1 && (self.rows == self.columns || self.columns == 1)
     }
 }
@@ -161,7 +161,7 @@ impl Growing {
         let n = self.header.rows as usize;
         let digits = self.entries.digits();
         let content = match (self.header.columns, self.header.form) {
-            (1, _) if n > 1 => Content::Column(self.entries.column(n)),
+            (1, _) if n > 1 => Content::Column(self.entries.column(&self.path, n)?),
             // a symmetric form may hold either triangle, or both
             (_, 6) => {
                 Content::Symmetric(self.entries.symmetric(&self.path, n, Storage::Unknown)?)

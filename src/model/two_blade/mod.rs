@@ -143,7 +143,12 @@ impl TwoBladeModel {
         let contact = layout.contact_cells();
         let fe = layout.strip()?;
         let strip = Component::new(&fe, &strip_patches(&contact), &[], |masters| {
-            Ok(CraigBampton::with_modes(&fe, masters, self.strip.n_modes)?)
+            Ok(CraigBampton::with_modes(
+                &fe.stiffness,
+                &fe.mass,
+                masters,
+                self.strip.n_modes,
+            )?)
         })?;
         let mut model = assembly::reduced_model(&settings, &contact, &self.first_blade, &strip);
         model.loads = (self.pressure).loads(settings.centrifugal_load_n, &model);
@@ -167,7 +172,7 @@ fn below(
     masters: &[SparseRow],
     (key, cut_off): (&str, f64),
 ) -> Result<CraigBampton, ModelError> {
-    CraigBampton::new(fe, masters, cut_off).map_err(|error| match error {
+    CraigBampton::new(&fe.stiffness, &fe.mass, masters, cut_off).map_err(|error| match error {
         ReductionError::Linalg(error) => ModelError::from(error),
         ReductionError::TooManyModes { .. } => ModelError::from(BadSetting {
             key: key.to_owned(),
