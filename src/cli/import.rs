@@ -274,6 +274,12 @@ fn show_reduction(
             reduced.massless
         )?;
     }
+    if let Some(eigenvalue) = reduced.most_negative {
+        writeln!(
+            out,
+            "made semidefinite   eigenvalues down to {eigenvalue:.1e} of a unit diagonal are zero: rounding of the files"
+        )?;
+    }
     let errors: Vec<_> = full_hz
         .iter()
         .zip(&reduced.frequencies_hz)

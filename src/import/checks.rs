@@ -8,14 +8,18 @@ use crate::model::matrix_checks::dependent_row;
 use crate::model::matrix_market::LARGEST;
 
 impl ImportedModel {
-    /// Requires that every matrix is positive semidefinite, up to the digits of its file.
+    /// Requires that every matrix is positive semidefinite, up to the digits of its file. Of a model that must be reduced only
+    /// its entries are compared with its diagonal: its reduction shows the rest.
     ///
     /// # Errors
     /// [`FileError`] with the file and its most negative eigenvalue.
     pub(super) fn check_semidefinite(&self) -> Result<(), FileError> {
         let mut parts = self.matrices.values();
         parts.try_for_each(|part| {
-            let semidefinite = part.values.positive_semidefinite(part.digits);
+            let semidefinite = match self.dofs.len() > LARGEST {
+                true => part.values.allowed_by_diagonal(),
+                false => part.values.positive_semidefinite(part.digits),
+            };
             semidefinite.map_err(|rule| FileError::content(&part.path, None, rule))
         })
     }

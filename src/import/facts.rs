@@ -5,7 +5,7 @@ use super::dof::{Component, Dof};
 use super::model::ImportedModel;
 use super::role::Role;
 use super::symmetric::Symmetric;
-use crate::linalg::{LinalgError, lowest_modes, symmetric_generalized_eigen};
+use crate::linalg::{LinalgError, LowestModes, lowest_modes, symmetric_generalized_eigen};
 use crate::model::matrix_checks::rounding;
 use crate::units::rad_s_to_hz;
 
@@ -99,19 +99,18 @@ fn total_mass(mass: &Symmetric, dofs: &[Dof]) -> Option<[f64; 3]> {
     })
 }
 
+/// First flexible frequencies (Hz) of a structure with so many rigid-body modes.
+///
+/// # Errors
+/// [`LinalgError`] if its eigenvalue problem fails.
+pub(super) fn flexible_hz(model: &ImportedModel, rigid: usize) -> Result<Vec<f64>, LinalgError> {
+    Ok(in_hz(&lowest(model)?.lambda[rigid..]))
+}
+
 /// Number of rigid-body modes, and the first flexible frequencies (Hz).
 fn frequencies(model: &ImportedModel) -> Result<(usize, Vec<f64>), LinalgError> {
-    let [stiffness, mass] = [Role::Stiffness, Role::Mass].map(|role| &model.matrices[&role]);
-    let dense = stiffness.values.n <= DENSE_SIZE && massless(mass).is_empty();
-    let (lambda, shapes) = if dense {
-        let (k, m) = (stiffness.values.to_dense(), mass.values.to_dense());
-        symmetric_generalized_eigen(k.as_ref(), m.as_ref())?
-    } else {
-        let (k, m) = (stiffness.values.to_sparse(), mass.values.to_sparse());
-        let shift = SHIFT * largest_ratio(&stiffness.values, &mass.values);
-        let modes = lowest_modes(&k, &m, COMPUTED, shift)?;
-        (modes.lambda, modes.shapes)
-    };
+    let stiffness = &model.matrices[&Role::Stiffness];
+    let LowestModes { lambda, shapes } = lowest(model)?;
     let share = RIGID + rounding(stiffness.digits);
     let is_rigid = |mode: usize| {
         let bound = share * stiffness.values.unsigned_energy(shapes.col_as_slice(mode));
@@ -120,11 +119,25 @@ fn frequencies(model: &ImportedModel) -> Result<(usize, Vec<f64>), LinalgError> 
     let rigid = (0..lambda.len().min(COMPUTED))
         .take_while(|&m| is_rigid(m))
         .count();
-    let flexible = lambda[rigid..].iter().take(SHOWN);
-    Ok((
-        rigid,
-        flexible.map(|l| rad_s_to_hz(l.max(0.0).sqrt())).collect(),
-    ))
+    Ok((rigid, in_hz(&lambda[rigid..])))
+}
+
+fn in_hz(lambda: &[f64]) -> Vec<f64> {
+    let shown = lambda.iter().take(SHOWN);
+    shown.map(|l| rad_s_to_hz(l.max(0.0).sqrt())).collect()
+}
+
+/// The lowest modes of the free structure.
+fn lowest(model: &ImportedModel) -> Result<LowestModes, LinalgError> {
+    let [stiffness, mass] = [Role::Stiffness, Role::Mass].map(|role| &model.matrices[&role]);
+    if stiffness.values.n <= DENSE_SIZE && massless(mass).is_empty() {
+        let (k, m) = (stiffness.values.to_dense(), mass.values.to_dense());
+        let (lambda, shapes) = symmetric_generalized_eigen(k.as_ref(), m.as_ref())?;
+        return Ok(LowestModes { lambda, shapes });
+    }
+    let (k, m) = (stiffness.values.to_sparse(), mass.values.to_sparse());
+    let shift = SHIFT * largest_ratio(&stiffness.values, &mass.values);
+    lowest_modes(&k, &m, COMPUTED, shift)
 }
 
 /// Largest K_ii/M_ii of the degrees of freedom with mass.

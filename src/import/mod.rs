@@ -136,11 +136,8 @@ pub fn import(request: &Request) -> Result<Imported, ImportError> {
     };
     let mut reduced = None;
     if let Some(reduction) = &request.reduction {
-        let (smaller, made) = reduce::reduced(&model, &parts, reduction)?;
-        smaller.check_as_reduced()?;
-        let frequencies = Facts::of(&smaller)?.frequencies_hz;
-        reduced = Some(ReductionFacts::new(&model, &made, reduction, frequencies));
-        model = smaller;
+        let (smaller, kept) = reduce::reduced(&model, facts.rigid, &parts, reduction)?;
+        (model, reduced) = (smaller, Some(kept));
     }
     write::write(&model, &parts, &request.output)?;
     Ok(Imported {

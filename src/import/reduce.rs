@@ -10,23 +10,25 @@ use rayon::prelude::*;
 use super::ImportError;
 use super::checks::massless;
 use super::dof::{Component, Dof};
+use super::facts::flexible_hz;
 use super::forces::{Forces, Names};
+use super::matrix::DOUBLE_DIGITS;
 use super::model::{ImportedModel, Part};
 use super::role::Role;
 use super::symmetric::Symmetric;
 use super::write::StudyParts;
 use crate::file::FileError;
-use crate::linalg::LinalgError;
-use crate::model::matrix_checks::rounding;
+use crate::linalg::{LinalgError, symmetric_eigen};
+use crate::model::matrix_checks::{SEMIDEFINITE_TOLERANCE, not_negative, rounding};
 use crate::model::{CraigBampton, ReductionError};
 use crate::setting::BadSetting;
 
 /// Label of the modal coordinates: `1.MODE`, `2.MODE`, ...
 const MODE: &str = "MODE";
-/// Digits that a reduced number keeps at least: with fewer it would count as exact.
-const FEWEST_DIGITS: u32 = 6;
-/// Digits of numbers that were computed here.
-const COMPUTED_DIGITS: u32 = 16;
+/// Size of a negative eigenvalue, of a matrix with unit diagonal, that a study file's reader accepts by far.
+const NEGLIGIBLE: f64 = 1e-11;
+/// Digits that are left of numbers that the reduction computes.
+const COMPUTED_DIGITS: u32 = 15;
 
 /// How a model is reduced.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +54,9 @@ pub struct ReductionFacts {
     pub first_left_out: f64,
     /// Degrees of freedom without mass, which follow the others statically.
     pub massless: usize,
-    /// First flexible frequencies of the free reduced structure (Hz); each is at least that of the full one.
+    /// Most negative eigenvalue that was set to zero, of matrices with a unit diagonal: what rounding of the files left.
+    pub most_negative: Option<f64>,
+    /// First flexible frequencies of the free reduced structure (Hz).
     pub frequencies_hz: Vec<f64>,
 }
 
@@ -95,87 +99,102 @@ fn masters(
     Ok(rows.into_iter().collect())
 }
 
-/// The model (in SI units) reduced to what `parts` and `reduction` need, and its modes below the cut-off.
+/// The model (in SI units, with so many `rigid`-body modes) reduced to what `parts` and `reduction` need.
 ///
 /// # Errors
 /// [`ImportError`] if nothing is kept, if the kept degrees of freedom do not hold the structure, or if there are too many
 /// modes below the cut-off.
 pub(super) fn reduced(
     model: &ImportedModel,
+    rigid: usize,
     parts: &StudyParts,
     reduction: &Reduction,
-) -> Result<(ImportedModel, CraigBampton), ImportError> {
-    let cut_off = reduction.cut_off;
+) -> Result<(ImportedModel, ReductionFacts), ImportError> {
     let masters = masters(&model.dofs, parts, reduction)?;
+    let made = craig_bampton(model, &masters, reduction.cut_off)?;
+    let (reduced, most_negative) = in_basis(model, &masters, &made)?;
+    reduced.check_as_reduced()?;
+    let facts = ReductionFacts {
+        n_dofs: made.n_dofs(),
+        masters: made.n_masters,
+        modes: made.n_dofs() - made.n_masters,
+        cut_off: reduction.cut_off,
+        first_left_out: made.first_left_out,
+        massless: massless(&model.matrices[&Role::Mass]).len(),
+        most_negative,
+        frequencies_hz: flexible_hz(&reduced, rigid)?,
+    };
+    Ok((reduced, facts))
+}
+
+fn craig_bampton(
+    model: &ImportedModel,
+    masters: &[usize],
+    cut_off: f64,
+) -> Result<CraigBampton, ImportError> {
     let bad = |rule: String| {
         let (key, value) = ("--cut-off".to_owned(), cut_off.to_string());
         ImportError::Setting(BadSetting { key, value, rule })
     };
     if masters.is_empty() {
-        return Err(bad("needs degrees of freedom that are kept: --pairs, --excite, --forces, --response or --keep".to_owned()));
+        let rule = "needs degrees of freedom that are kept: --pairs, --excite, --forces, --response or --keep";
+        return Err(bad(rule.to_owned()));
     }
     let [stiffness, mass] = [Role::Stiffness, Role::Mass].map(|role| &model.matrices[&role]);
     let rows: Vec<_> = masters.iter().map(|&dof| vec![(dof, 1.0)]).collect();
     let (k, m) = (stiffness.values.to_sparse(), mass.values.to_sparse());
-    let made = CraigBampton::new(&k, &m, &rows, cut_off);
-    let made = made.map_err(|error| match error {
+    CraigBampton::new(&k, &m, &rows, cut_off).map_err(|error| match error {
         ReductionError::TooManyModes { .. } => bad(error.to_string()),
         ReductionError::Linalg(LinalgError::NotPositiveDefinite { .. }) => {
-            let rule = not_held(&stiffness.values, &masters, &model.dofs);
+            let rule = not_held(&stiffness.values, masters, &model.dofs);
             ImportError::File(FileError::content(&stiffness.path, None, rule))
         }
         ReductionError::Linalg(error) => error.into(),
-    })?;
+    })
+}
+
+/// Matrices and forces in the basis of the reduction, and the most negative eigenvalue that was set to zero in them.
+fn in_basis(
+    model: &ImportedModel,
+    masters: &[usize],
+    made: &CraigBampton,
+) -> Result<(ImportedModel, Option<f64>), ImportError> {
     let basis = &made.basis;
+    let mut most_negative = None;
     let mut matrices = BTreeMap::new();
     for (&role, part) in &model.matrices {
-        let dense = match role {
-            Role::Stiffness => made.stiffness.clone(),
-            Role::Mass => made.mass.clone(),
-            _ => projected(&part.values.to_sparse(), basis),
+        let (dense, negative) = match role {
+            Role::Mass => (made.mass.clone(), None),
+            Role::Stiffness => semidefinite(part, basis, made.stiffness.clone())?,
+            _ => semidefinite(part, basis, projected(&part.values.to_sparse(), basis))?,
         };
-        matrices.insert(role, rounded(part, basis, dense));
+        most_negative = most_negative.into_iter().chain(negative).reduce(f64::min);
+        matrices.insert(role, part.computed(Symmetric::of_dense(&dense)));
     }
-    let forces = (model.forces.iter()).map(|(role, part)| {
+    let projected = |part: &Part<Vec<f64>>| {
         let column = |j: usize| basis.col_as_slice(j).iter().zip(&part.values);
-        let value = |j: usize| column(j).map(|(a, b)| a * b).sum();
-        let values = (0..basis.ncols()).map(value).collect();
-        let (path, digits) = (part.path.clone(), part.digits);
-        (
-            *role,
-            Part {
-                path,
-                digits,
-                values,
-            },
-        )
-    });
+        let work = |j: usize| column(j).map(|(a, b)| a * b).sum();
+        part.computed((0..basis.ncols()).map(work).collect())
+    };
     let kept = masters.iter().map(|&dof| model.dofs[dof].clone());
     let modes = (1..=(basis.ncols() - masters.len()) as i64).map(|mode| Dof::labelled(mode, MODE));
     let reduced = ImportedModel {
         dofs: kept.chain(modes).collect(),
         matrices,
-        forces: forces.collect(),
+        forces: (model.forces.iter())
+            .map(|(role, part)| (*role, projected(part)))
+            .collect(),
     };
-    Ok((reduced, made))
+    Ok((reduced, most_negative))
 }
 
-impl ReductionFacts {
-    /// `frequencies_hz` are those of the free reduced structure.
-    pub(super) fn new(
-        model: &ImportedModel,
-        made: &CraigBampton,
-        reduction: &Reduction,
-        frequencies_hz: Vec<f64>,
-    ) -> Self {
-        Self {
-            n_dofs: made.n_dofs(),
-            masters: made.n_masters,
-            modes: made.n_dofs() - made.n_masters,
-            cut_off: reduction.cut_off,
-            first_left_out: made.first_left_out,
-            massless: massless(&model.matrices[&Role::Mass]).len(),
-            frequencies_hz,
+impl<T> Part<T> {
+    /// Numbers that were computed from it.
+    fn computed<U>(&self, values: U) -> Part<U> {
+        Part {
+            path: self.path.clone(),
+            digits: DOUBLE_DIGITS,
+            values,
         }
     }
 }
@@ -187,34 +206,39 @@ fn projected(a: &SparseColMat<usize, f64>, basis: &Mat<f64>) -> Mat<f64> {
     Mat::from_fn(n, n, |i, j| 0.5 * (product[(i, j)] + product[(j, i)]))
 }
 
-/// A reduced matrix with the digits that are left of those of its file.
+/// The nearest positive semidefinite matrix, after scaling to a unit diagonal; and its most negative eigenvalue, if it was not.
 ///
-/// Rounding an entry of A by the share ε changes (ΨᵀAΨ)_ij by at most ε √(e_i e_j), e_i = Σ |Ψ_ki| |A_kl| |Ψ_li|. What is smaller
-/// is zero, and the digits of the rest follow from the largest e_i / (ΨᵀAΨ)_ii.
-fn rounded(part: &Part<Symmetric>, basis: &Mat<f64>, mut dense: Mat<f64>) -> Part<Symmetric> {
-    let n = basis.ncols();
-    let energies = (0..n).into_par_iter();
-    let energies = energies.map(|j| part.values.unsigned_energy(basis.col_as_slice(j)));
-    let energies: Vec<f64> = energies.collect();
-    let digits = part.digits.min(COMPUTED_DIGITS);
-    let least = rounding(digits);
-    for j in 0..n {
-        for i in 0..n {
-            if dense[(i, j)].abs() <= least * (energies[i] * energies[j]).sqrt() {
-                dense[(i, j)] = 0.0;
-            }
-        }
-    }
-    let ratio = |j: usize| match dense[(j, j)] {
-        0.0 => 1.0,
-        diagonal => energies[j] / diagonal.abs(),
+/// A reduced matrix is a difference of large numbers, so what rounding to the digits of the file changes is a larger share of it:
+/// rounding the entries of A by the share ε changes (ΨᵀAΨ)_ij by at most ε √(e_i e_j), e_i = Σ |Ψ_ki| |A_kl| |Ψ_li|, hence the
+/// eigenvalues with a unit diagonal by at most ε Σ e_i / (ΨᵀAΨ)_ii.
+fn semidefinite(
+    part: &Part<Symmetric>,
+    basis: &Mat<f64>,
+    a: Mat<f64>,
+) -> Result<(Mat<f64>, Option<f64>), ImportError> {
+    let n = a.nrows();
+    let scale: Vec<f64> = (0..n)
+        .map(|i| Some(a[(i, i)].abs().sqrt()).filter(|s| *s > 0.0))
+        .map(|scale| scale.unwrap_or(1.0))
+        .collect();
+    let scaled = Mat::from_fn(n, n, |i, j| a[(i, j)] / (scale[i] * scale[j]));
+    let (lambda, vectors) = symmetric_eigen(scaled.as_ref())?;
+    let Some(negative) = lambda.first().copied().filter(|l| *l < -NEGLIGIBLE) else {
+        return Ok((a, None));
     };
-    let lost = (0..n).map(ratio).fold(1.0, f64::max).log10().ceil() as u32;
-    Part {
-        path: part.path.clone(),
-        digits: digits.saturating_sub(lost).max(FEWEST_DIGITS),
-        values: Symmetric::of_dense(&dense),
-    }
+    let shares = (0..n).into_par_iter().map(|i| {
+        let energy = part.values.unsigned_energy(basis.col_as_slice(i));
+        energy / scale[i].powi(2)
+    });
+    let shares: Vec<f64> = shares.collect();
+    let share = rounding(part.digits.min(COMPUTED_DIGITS));
+    let tolerance = SEMIDEFINITE_TOLERANCE + share * shares.iter().sum::<f64>();
+    not_negative(negative, tolerance, part.digits)
+        .map_err(|rule| FileError::content(&part.path, None, rule))?;
+    let kept = Mat::from_fn(n, n, |i, m| vectors[(i, m)] * lambda[m].max(0.0).sqrt());
+    let nearest = &kept * kept.transpose();
+    let nearest = Mat::from_fn(n, n, |i, j| nearest[(i, j)] * scale[i] * scale[j]);
+    Ok((nearest, Some(negative)))
 }
 
 /// Why the structure still moves with the masters held.
@@ -230,7 +254,7 @@ fn not_held(stiffness: &Symmetric, masters: &[usize], dofs: &[Dof]) -> String {
             "with the kept degrees of freedom held, a part of the structure still moves: no degree of freedom is kept of the part with {}; --keep names some",
             dofs[dof]
         ),
-        None => "with the kept degrees of freedom held, the structure still moves: keep more of them by --keep, such as the displacements of three nodes that are not in a line".to_owned(),
+        None => "with the kept degrees of freedom held, the structure still moves, or its stiffness is negative: keep more of them by --keep, such as the displacements of three nodes that are not in a line".to_owned(),
     }
 }
 

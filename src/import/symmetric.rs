@@ -5,6 +5,9 @@ use faer::{Mat, Side};
 
 use crate::model::matrix_checks::semidefinite;
 
+/// Share by which rounding may make an entry larger than its diagonal entries allow.
+const ALLOWED: f64 = 1e-5;
+
 /// A symmetric matrix by the entries of its lower triangle, column by column.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Symmetric {
@@ -75,6 +78,26 @@ impl Symmetric {
             both * (value * x[row] * x[column]).abs()
         };
         self.lower.iter().map(term).sum()
+    }
+
+    /// # Errors
+    /// The rule, unless no entry is larger than its diagonal entries allow: what every positive semidefinite matrix obeys.
+    pub(super) fn allowed_by_diagonal(&self) -> Result<(), String> {
+        let diagonal = self.diagonal();
+        let too_large = |&&(row, column, value): &&(usize, usize, f64)| {
+            let (a, b) = (diagonal[row], diagonal[column]);
+            a < 0.0 || value.abs() > (1.0 + ALLOWED) * (a * b).max(0.0).sqrt()
+        };
+        match self.lower.iter().find(too_large) {
+            None => Ok(()),
+            Some((row, column, value)) => Err(format!(
+                "must be positive semidefinite, but entry ({}, {}) = {value} is not possible beside the diagonal entries {} and {}",
+                row + 1,
+                column + 1,
+                diagonal[*row],
+                diagonal[*column]
+            )),
+        }
     }
 
     /// # Errors

@@ -255,7 +255,7 @@ impl KrylovSpace {
 
     /// Takes the image of the last block and appends its new directions; `false` if there is none.
     fn extend(&mut self, mass: &SparseColMat<usize, f64>, image: Mat<f64>) -> bool {
-        self.images = side_by_side(&self.images, &image);
+        append(&mut self.images, &image);
         let before = self.basis.ncols();
         self.append_orthonormal(mass, image);
         self.basis.ncols() > before
@@ -280,8 +280,8 @@ impl KrylovSpace {
                 continue;
             }
             x *= Scale(1.0 / norm_after);
-            self.momenta = side_by_side(&self.momenta, &(mass * &x));
-            self.basis = side_by_side(&self.basis, &x);
+            append(&mut self.momenta, &(mass * &x));
+            append(&mut self.basis, &x);
         }
     }
 
@@ -318,13 +318,12 @@ impl KrylovSpace {
     }
 }
 
-/// Columns of both matrices.
-fn side_by_side(left: &Mat<f64>, right: &Mat<f64>) -> Mat<f64> {
-    let (l, r) = (left.ncols(), right.ncols());
-    let mut both = Mat::zeros(right.nrows(), l + r);
-    both.subcols_mut(0, l).copy_from(left);
-    both.subcols_mut(l, r).copy_from(right);
-    both
+/// Appends columns. The memory doubles where it is full: a large matrix is not copied for every column.
+fn append(matrix: &mut Mat<f64>, columns: &Mat<f64>) {
+    let (n, before) = (columns.nrows(), matrix.ncols());
+    let after = before + columns.ncols();
+    matrix.reserve(n, after.next_power_of_two());
+    matrix.resize_with(n, after, |i, j| columns[(i, j - before)]);
 }
 
 /// Start block without symmetry, the same in every run.

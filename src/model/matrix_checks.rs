@@ -6,7 +6,7 @@ use faer::{Mat, Side};
 /// Largest asymmetry accepted as round-off, relative to the largest entry.
 const SYMMETRY_TOLERANCE: f64 = 1e-8;
 /// Most negative eigenvalue accepted as round-off, of a matrix with unit diagonal.
-const SEMIDEFINITE_TOLERANCE: f64 = 1e-9;
+pub(crate) const SEMIDEFINITE_TOLERANCE: f64 = 1e-9;
 /// From so many significant digits on, the numbers of a file count as rounded to these.
 const FEWEST_DIGITS: u32 = 6;
 /// Factorisations that enclose a negative eigenvalue for its message.
@@ -64,6 +64,15 @@ pub(crate) fn semidefinite(
         return Ok(());
     }
     let eigenvalue = -most_negative(definite_with, tolerance, largest);
+    not_negative(eigenvalue, tolerance, digits)
+}
+
+/// # Errors
+/// The rule, if an `eigenvalue` of a matrix with unit diagonal is below `-tolerance`, which follows from the `digits`.
+pub(crate) fn not_negative(eigenvalue: f64, tolerance: f64, digits: u32) -> Result<(), String> {
+    if eigenvalue >= -tolerance {
+        return Ok(());
+    }
     let ratio = -eigenvalue / tolerance;
     Err(format!(
         "must be positive semidefinite, but scaled to a unit diagonal it has the negative eigenvalue {eigenvalue:.1e}, \

@@ -16,6 +16,7 @@ mod numpy;
 mod op4;
 mod pairs;
 mod reduce;
+mod tutorial;
 
 use std::path::Path;
 use std::process::Output;
