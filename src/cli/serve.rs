@@ -88,14 +88,13 @@ impl ServeArguments {
             return Ok(());
         }
         let levels: Vec<_> = levels.iter().map(f64::to_string).collect();
-        print(|out| {
-            writeln!(out, "model {MODEL:?} of {} at {url}", self.study.display())?;
-            writeln!(out, "   input   {}", names.join(", "))?;
-            writeln!(
-                out,
-                "   output  frequency (Hz), amplitude (m) at level {}",
-                levels.join(", ")
-            )
-        })
+        let levels = levels.join(", ");
+        // at once: a reader may be content with the first line
+        let text = format!(
+            "model {MODEL:?} of {} at {url}\n   input   {}\n   output  frequency (Hz), amplitude (m) at level {levels}\n",
+            self.study.display(),
+            names.join(", "),
+        );
+        print(|out| out.write_all(text.as_bytes()))
     }
 }

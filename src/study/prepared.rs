@@ -22,7 +22,7 @@ use std::borrow::Cow;
 pub(super) const FREQUENCY_TOLERANCE: f64 = 1e-9;
 
 /// A study with its model built.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct PreparedStudy<'s> {
     /// The study.
     pub study: Cow<'s, Study>,
