@@ -8,7 +8,7 @@ use microslip::study::{EvaluationError, Evaluator, Study};
 /// A sample starts from the generations before its own: the first five from nothing, the next two from these. With as many anchors a
 /// point has the bits of the sample at its inputs, whether the anchors are solved or read.
 ///
-/// Seen to fail with one anchor more, and with anchors read from the results in reverse order.
+/// Seen to fail with one anchor more.
 #[test]
 fn a_point_is_the_sample_at_its_inputs() {
     let study = quick(8);
@@ -32,7 +32,7 @@ fn a_point_is_the_sample_at_its_inputs() {
     }
 }
 
-/// Seen to fail with points whose atlas grows by those before them.
+/// Seen to fail with the points of one thread after those of another.
 #[test]
 fn threads_and_other_points_change_no_bit() {
     let study = quick(8);
@@ -54,7 +54,7 @@ fn threads_and_other_points_change_no_bit() {
     assert_ne!(together[0], together[1]);
 }
 
-/// Seen to fail without the check of the number of values, and with points that are checked as they are solved.
+/// Seen to fail without the check of the number of values, and with the last point unchecked.
 #[test]
 fn values_that_cannot_be_meant_are_refused() {
     let study = folder("study.toml", "", "");
