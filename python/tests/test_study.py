@@ -131,8 +131,7 @@ def test_tables_are_read_by_arrow_consumers(results: microslip.Results) -> None:
         assert len(pandas.DataFrame.from_arrow(results.samples)) == 24
     assert table.to_pandas()["level"].tolist()[:2] == [1.0, 20.0]
     samples = results.samples
-    found = duckdb.sql("select count(*), sum(friction_coefficient) from samples").fetchone()
-    assert found is not None
+    [found] = duckdb.sql("select count(*), sum(friction_coefficient) from samples").fetchall()
     assert found[0] == 24
     assert found[1] == pytest.approx(sum(table["friction_coefficient"].to_pylist()))
     curves = pyarrow.table(results.curves)
