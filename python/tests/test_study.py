@@ -121,7 +121,8 @@ def test_tables_are_read_by_arrow_consumers(results: microslip.Results) -> None:
     polars = pytest.importorskip("polars")
     pyarrow = pytest.importorskip("pyarrow")
     pyarrow_parquet = pytest.importorskip("pyarrow.parquet")
-    table = pyarrow.table(results.samples)
+    samples = results.samples
+    table = pyarrow.table(samples)
     assert table.num_rows == 12 * 2
     expected = pyarrow_parquet.read_table(results.path / "samples.parquet")
     assert table.to_pydict() == expected.to_pydict()
@@ -130,7 +131,6 @@ def test_tables_are_read_by_arrow_consumers(results: microslip.Results) -> None:
     if hasattr(pandas.DataFrame, "from_arrow"):
         assert len(pandas.DataFrame.from_arrow(results.samples)) == 24
     assert table.to_pandas()["level"].tolist()[:2] == [1.0, 20.0]
-    samples = results.samples
     [found] = duckdb.sql("select count(*), sum(friction_coefficient) from samples").fetchall()
     assert found[0] == 24
     assert found[1] == pytest.approx(sum(table["friction_coefficient"].to_pylist()))
