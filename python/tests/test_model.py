@@ -62,7 +62,7 @@ def test_threads_change_no_bit(study: microslip.Study, model: microslip.Model) -
 
 
 def test_values_that_cannot_be_meant_are_refused(model: microslip.Model) -> None:
-    """Seen to fail with the rows checked as they are solved."""
+    """Seen to fail without the check of the shape."""
     with pytest.raises(ValueError, match="row 1: friction_coefficient = -0.1: must be >= 0"):
         model([[1.0, 0.4], [1.0, -0.1]])
     with pytest.raises(microslip.StudyError, match="row 0: stiffness_scale = NaN"):

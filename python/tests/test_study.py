@@ -48,13 +48,14 @@ def test_progress_is_told_and_may_end_a_run(study: microslip.Study, tmp_path: Pa
     """Seen to fail with progress that is told at the end alone, and with its exception lost."""
     told: list[tuple[int, int]] = []
     study.run(output=tmp_path / "told", threads=1, progress=lambda done, total: told.append((done, total)))
-    assert told[-1] == (12, 12)
+    assert told[-1] == (12, 12) and len(told) > 2
 
     def fails(done: int, total: int) -> None:
         raise RuntimeError("enough")
 
     with pytest.raises(RuntimeError, match="enough"):
         study.run(output=tmp_path / "ended", threads=1, progress=fails)
+    assert not (tmp_path / "ended" / "samples.parquet").exists()
     with pytest.raises(microslip.StudyError, match="threads = 0"):
         study.run(output=tmp_path / "none", threads=0)
 
