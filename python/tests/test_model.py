@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
+import time
 from pathlib import Path
 
 import microslip
@@ -57,6 +58,7 @@ def test_shapes_and_types(model: microslip.Model) -> None:
 
 
 def test_threads_change_no_bit(study: microslip.Study, model: microslip.Model) -> None:
+    """Seen to fail with other anchors."""
     other = study.model(anchors=8, threads=1)
     assert other(POINTS)[1].tobytes() == model(POINTS)[1].tobytes()
 
@@ -92,17 +94,19 @@ def test_what_is_not_found_is_data_and_scalar_says_so(tmp_path: Path) -> None:
 
 
 def test_ctrl_c_ends_an_evaluation(model: microslip.Model) -> None:
-    """Seen to fail with signals that nobody looks at."""
-    points = np.random.default_rng(1).uniform([0.3, 0.2], [3.0, 0.6], (20000, 2))
+    """Seen to fail with signals that nobody looks at: the exception then comes minutes later, with the last point."""
+    points = np.random.default_rng(1).uniform([0.3, 0.2], [3.0, 0.6], (4000, 2))
     timer = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
+    begun = time.monotonic()
     timer.start()
     with pytest.raises(KeyboardInterrupt):
         model(points)
     timer.join()
+    assert time.monotonic() - begun < 10.0
 
 
 def test_openturns_calls_the_model(model: microslip.Model) -> None:
-    """The linear approximation of a mean is close to that of the samples."""
+    """Seen to fail with amplitudes for frequencies."""
     openturns = pytest.importorskip("openturns")
 
     def frequencies(X: object) -> list[list[float]]:
@@ -118,7 +122,10 @@ def test_openturns_calls_the_model(model: microslip.Model) -> None:
 
 
 def test_salib_finds_what_decides(model: microslip.Model) -> None:
-    """At 1 N the damper hardly slips: the stiffness decides the frequency (0.999 in the README of the study)."""
+    """At 1 N the damper hardly slips: the stiffness decides the frequency (0.999 in the README of the study).
+
+    Seen to fail with columns exchanged.
+    """
     sample = pytest.importorskip("SALib.sample.sobol")
     analyze = pytest.importorskip("SALib.analyze.sobol")
     names = model.input_names
@@ -131,9 +138,9 @@ def test_salib_finds_what_decides(model: microslip.Model) -> None:
 
 
 def test_emcee_finds_a_friction_coefficient(model: microslip.Model) -> None:
-    """From an amplitude "measured" at 0.4, the stiffness being known."""
+    """From the amplitude that the program gives at 0.4, the stiffness being known. Seen to fail with the other level."""
     emcee = pytest.importorskip("emcee")
-    measured = model.scalar([1.0, 0.4], level=20.0)
+    measured = 8.856958e-4
 
     def log_probability(theta: np.ndarray) -> np.ndarray:
         inside = (theta[:, 0] > 0.2) & (theta[:, 0] < 0.6)

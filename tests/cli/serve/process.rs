@@ -57,7 +57,7 @@ fn a_signal_ends_it() {
     );
 }
 
-/// Seen to fail with results that are not looked at.
+/// Seen to fail, by waiting for ever, with results that are not looked at.
 #[test]
 fn it_starts_from_results_without_solving() {
     let study = quick(3);
