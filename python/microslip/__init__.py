@@ -228,7 +228,8 @@ class Results:
     @property
     def summary(self) -> dict[str, Any]:
         """``summary.json``: all statistics."""
-        return json.loads((self.path / "summary.json").read_text(encoding="utf-8"))
+        summary: dict[str, Any] = json.loads((self.path / "summary.json").read_text(encoding="utf-8"))
+        return summary
 
     @property
     def report(self) -> Path:
