@@ -53,7 +53,7 @@ fn post(address: SocketAddr, path: &str, body: &str) -> (u16, Value) {
 fn info(address: SocketAddr) {
     let expected = json!({ "protocolVersion": 1.0, "models": ["forward"] });
     let request = b"GET /Info HTTP/1.1\r\nHost: x\r\n\r\n";
-    assert_eq!(ask(address, request), (200, expected));
+    assert_eq!(ask(address, request), (200, expected), "/Info");
 }
 
 /// What is wrong with a reply that should be an error of this code and type, whose message has `fragment`; the server must live on.
@@ -73,7 +73,8 @@ fn fault(
 }
 
 fn refused(address: SocketAddr, found: (u16, Value), expected: (u16, &str), fragment: &str) {
-    assert_eq!(fault(address, found, expected, fragment), None);
+    let fault = fault(address, found, expected, fragment);
+    assert!(fault.is_none(), "{fault:?}");
 }
 
 /// Seen to fail with frequencies in rad/s, with the two outputs exchanged, and with the last level for each.
