@@ -8,7 +8,7 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let study = Study::read("studies/own-matrices/study.toml".as_ref())?;
 //! let never = Stop::default();
-//! let model = Evaluator::solved(study.into_prepared()?, 8, &never, |_progress| {})?;
+//! let model = Evaluator::solved(study.into_prepared()?, 3, &never, |_progress| {})?;
 //! assert_eq!(model.input_names(), ["stiffness_scale", "friction_coefficient"]);
 //! let points = [[1.0, 0.4], [1.2, 0.4]];
 //! for levels in model.evaluate(&points, &never)? {
