@@ -2,7 +2,7 @@
 //!
 //! Reads `study.toml` into the rooms' own settings ([`Study`]) and orchestrates them; holds no numerics.
 //! Start reading at [`Study::read`]; the commands are [`inspect()`], [`solve()`], [`run()`], [`extend()`],
-//! [`compare()`] and [`reweight()`].
+//! [`compare()`] and [`reweight()`]. [`Evaluator`] is the model of a study as a function of its inputs.
 //!
 //! What `microslip inspect` shows of a study, and what a mistake in one looks like:
 //!
