@@ -39,6 +39,7 @@ pub mod linalg;
 pub mod model;
 pub mod report;
 pub mod sampling;
+pub mod serve;
 pub mod setting;
 pub mod special;
 pub mod statistics;

@@ -19,6 +19,7 @@ mod report;
 mod reweight;
 mod run;
 mod schema;
+mod serve;
 mod shares;
 mod solve;
 mod status;
@@ -44,6 +45,7 @@ use report::ReportArguments;
 use reweight::ReweightArguments;
 use run::RunArguments;
 use schema::SchemaArguments;
+use serve::ServeArguments;
 use status::StatusArguments;
 use study_arguments::StudyArguments;
 
@@ -74,6 +76,7 @@ Examples:
   microslip compare strip-a strip-b         designs on the same samples, from their results
   microslip reweight results --prior p.toml the same samples under other distributions of the inputs
   microslip extend results --samples 800    more samples for these results; the old ones are kept
+  microslip serve study.toml --port 4242    the model for UM-Bridge clients: inputs in, resonances out
 
 Exit codes: 0 done, 2 bad input or a file that cannot be read or written, 3 stopped before the end.";
 
@@ -104,6 +107,8 @@ enum Command {
     Compare(CompareArguments),
     /// Quantiles of the same samples under other distributions of the inputs, without solving: reweighted.json.
     Reweight(ReweightArguments),
+    /// Serve the model of a study to programs in other languages, by the UM-Bridge protocol: inputs in, resonances out.
+    Serve(ServeArguments),
     /// Print the JSON Schema of the study file or of a result file, for editors and programs.
     Schema(SchemaArguments),
     /// Show what a study would compute: degrees of freedom, frequencies, contact pairs, memory and time.
@@ -128,6 +133,7 @@ impl Command {
             Self::Solve(arguments) | Self::Inspect(arguments) => arguments.messages.log,
             Self::Extend(arguments) => arguments.messages.log,
             Self::Merge(arguments) => arguments.messages.log,
+            Self::Serve(arguments) => arguments.messages.log,
             _ => Log::Text,
         }
     }
@@ -143,6 +149,7 @@ impl Command {
             Self::Report(arguments) => arguments.execute(),
             Self::Compare(arguments) => arguments.execute(),
             Self::Reweight(arguments) => arguments.execute(),
+            Self::Serve(arguments) => arguments.execute(),
             Self::Schema(arguments) => arguments.execute(),
             Self::Inspect(arguments) => inspect::execute(arguments),
             Self::Import(arguments) => arguments.execute(),

@@ -91,8 +91,12 @@ impl Ensemble<'_> {
         (outcome, Anchor { place, peaks }, times)
     }
 
-    /// Records of the levels at inputs that are no sample, without curves.
-    pub(super) fn levels(&self, inputs: &[f64], atlas: &Atlas) -> Vec<LevelOutcome> {
+    /// Records of the levels at any inputs, in the order of the design, without curves. They start from `atlas`, and depend on it and
+    /// the inputs alone: a sample with this atlas has the same bits. Shape: `[levels]`.
+    ///
+    /// Nothing is checked: [`crate::sampling::Input::accepts_value`] has the rules.
+    #[must_use]
+    pub fn levels(&self, inputs: &[f64], atlas: &Atlas) -> Vec<LevelOutcome> {
         let place = self.design.place(inputs);
         self.found_at(inputs, &place, atlas, false).levels
     }

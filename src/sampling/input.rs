@@ -87,11 +87,17 @@ impl Input {
         Self::StripThickness,
     ];
 
-    /// Refuses a value that cannot be meant (negative, not finite, beyond any use; a factor of 0).
+    /// Refuses a value that cannot be meant (negative, not finite, beyond any use; a factor of 0). A coefficient of the pressure may
+    /// be negative.
     ///
     /// # Errors
     /// [`BadSetting`] on `key`.
     pub fn accepts_value(self, key: &str, value: f64) -> Result<(), BadSetting> {
+        let most = self.largest();
+        if let Self::PressureMode(_) = self {
+            let rule = format!("must be from -{most} to {most}: {}", self.meaning());
+            return BadSetting::unless(value.abs() <= most, key, value, &rule);
+        }
         let zero_allowed = self.zero_allowed();
         let above = value > 0.0 || (zero_allowed && value == 0.0);
         let rule = match zero_allowed {
@@ -99,7 +105,6 @@ impl Input {
             false => "must be > 0",
         };
         BadSetting::unless(above, key, value, rule)?;
-        let most = self.largest();
         let rule = format!("must be at most {most}: {}", self.meaning());
         BadSetting::unless(value <= most, key, value, &rule)
     }
@@ -126,6 +131,8 @@ impl Input {
             | Self::LeftFrictionCoefficient
             | Self::RightFrictionCoefficient => FRICTION[1],
             Self::StripThickness => 1e3,
+            // no probability that a number can hold lies beyond
+            Self::PressureMode(_) => 40.0,
             _ => 1e6,
         }
     }

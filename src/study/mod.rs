@@ -2,7 +2,7 @@
 //!
 //! Reads `study.toml` into the rooms' own settings ([`Study`]) and orchestrates them; holds no numerics.
 //! Start reading at [`Study::read`]; the commands are [`inspect()`], [`solve()`], [`run()`], [`extend()`],
-//! [`compare()`] and [`reweight()`].
+//! [`compare()`] and [`reweight()`]. [`Evaluator`] is the model of a study as a function of its inputs.
 //!
 //! What `microslip inspect` shows of a study, and what a mistake in one looks like:
 //!
@@ -21,6 +21,7 @@
 
 pub mod compare;
 pub mod document;
+pub mod evaluator;
 pub mod extend;
 pub mod frequency;
 mod inputs;
@@ -51,6 +52,7 @@ pub mod status;
 pub mod tables;
 
 pub use compare::compare;
+pub use evaluator::{EvaluationError, Evaluator};
 pub use extend::extend;
 pub use frequency::{FrequencySettings, FrequencyUnit, Points};
 pub use inspect::{Inspection, inspect};

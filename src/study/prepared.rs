@@ -15,16 +15,17 @@ use crate::model::ReducedModel;
 use crate::model::two_blade::ComponentSummary;
 use crate::sampling::Input;
 use crate::setting::BadSetting;
+use std::borrow::Cow;
 
 /// Relative change of frequency at which a peak counts as located: a peak reached on two ways, or with two backends,
 /// differs by at most 1e-9 (by 3.2e-10 among 2100 random ones, `cargo bench --bench peaks -- slow-path`).
 pub(super) const FREQUENCY_TOLERANCE: f64 = 1e-9;
 
 /// A study with its model built.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct PreparedStudy<'s> {
     /// The study.
-    pub study: &'s Study,
+    pub study: Cow<'s, Study>,
     /// The structure.
     pub reduced: ReducedModel,
     /// The components that it was reduced from, by name; none for the user's own matrices.
@@ -52,28 +53,15 @@ impl Study {
     /// # Errors
     /// Whatever building the model refuses; [`Error::Study`] on an input of something that the model does not have.
     pub fn prepared(&self) -> Result<PreparedStudy<'_>, Error> {
-        let model = self.build_model()?;
-        let linear = self.linear(&model)?;
-        let interface = |&pair: &usize| model.reduced.contacts[pair].interface;
-        let contact = |&pair: &usize| model.contacts[pair];
-        let contacts: Vec<_> = linear.pairs.iter().map(contact).collect();
-        let inputs = self.design.inputs().iter().map(|(input, _)| *input);
-        let own_strips = inputs.clone().any(|input| input == Input::StripThickness);
-        Ok(PreparedStudy {
-            study: self,
-            components: model.components(),
-            interfaces: linear.pairs.iter().map(interface).collect(),
-            loads: inputs.filter(|input| input.is_load()).collect(),
-            strips: model.rig.filter(|_| own_strips).map(|rig| Strips {
-                rig,
-                contacts: model.contacts.clone(),
-                mirror: self.folds(),
-            }),
-            choice: self.choice(&model.reduced, &model.contacts, (&linear, &contacts))?,
-            contacts,
-            linear,
-            reduced: model.reduced,
-        })
+        PreparedStudy::of(Cow::Borrowed(self))
+    }
+
+    /// The same, which keeps the study.
+    ///
+    /// # Errors
+    /// As [`Study::prepared`].
+    pub fn into_prepared(self) -> Result<PreparedStudy<'static>, Error> {
+        PreparedStudy::of(Cow::Owned(self))
     }
 
     /// The peak that `frequency.peak` names, in the modes of what is solved.
@@ -127,6 +115,33 @@ impl Study {
             &model.contacts,
             self.folds(),
         )?)
+    }
+}
+
+impl<'s> PreparedStudy<'s> {
+    fn of(study: Cow<'s, Study>) -> Result<Self, Error> {
+        let model = study.build_model()?;
+        let linear = study.linear(&model)?;
+        let interface = |&pair: &usize| model.reduced.contacts[pair].interface;
+        let contact = |&pair: &usize| model.contacts[pair];
+        let contacts: Vec<_> = linear.pairs.iter().map(contact).collect();
+        let inputs = study.design.inputs().iter().map(|(input, _)| *input);
+        let own_strips = inputs.clone().any(|input| input == Input::StripThickness);
+        Ok(Self {
+            components: model.components(),
+            interfaces: linear.pairs.iter().map(interface).collect(),
+            loads: inputs.filter(|input| input.is_load()).collect(),
+            strips: model.rig.filter(|_| own_strips).map(|rig| Strips {
+                rig,
+                contacts: model.contacts.clone(),
+                mirror: study.folds(),
+            }),
+            choice: study.choice(&model.reduced, &model.contacts, (&linear, &contacts))?,
+            contacts,
+            linear,
+            reduced: model.reduced,
+            study,
+        })
     }
 }
 

@@ -338,19 +338,47 @@ impl Study {
 
     /// Refuses strips that do not fit the blades, as thin and as thick as the input at `place` can be.
     fn check_strips(&self, input: Input, place: usize) -> Result<(), BadSetting> {
-        if let (Input::StripThickness, ModelSettings::TwoBladeStrip { blades, .. }) =
-            (input, &self.model)
-        {
-            for end in self.design.range(place) {
-                let valid = blades.with_strip_thickness(end).validate();
-                valid.map_err(|bad| BadSetting {
-                    rule: format!(
-                        "{} (an end of its values; truncation = [low, high] cuts a distribution)",
-                        bad.rule
-                    ),
-                    ..bad
-                })?;
+        for end in self.design.range(place) {
+            self.check_strip(input, end).map_err(|bad| BadSetting {
+                rule: format!(
+                    "{} (an end of its values; truncation = [low, high] cuts a distribution)",
+                    bad.rule
+                ),
+                ..bad
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Refuses a strip that does not fit the blades, where the input is its thickness.
+    fn check_strip(&self, input: Input, value: f64) -> Result<(), BadSetting> {
+        match (input, &self.model) {
+            (Input::StripThickness, ModelSettings::TwoBladeStrip { blades, .. }) => {
+                blades.with_strip_thickness(value).validate()
             }
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses values of the inputs that cannot be meant, by the rules for the user's own samples: as many as there are inputs, in
+    /// their order, each within what the input accepts, and a strip that fits the blades.
+    ///
+    /// # Errors
+    /// [`BadSetting`] on `inputs` for their number, else on the name of the first input whose value breaks a rule.
+    pub fn check_values(&self, values: &[f64]) -> Result<(), BadSetting> {
+        let inputs = self.design.inputs();
+        let names: Vec<_> = inputs.iter().map(|(input, _)| input.name()).collect();
+        let rule = format!("must be one value for each of: {}", names.join(", "));
+        let given = format!("({} values)", values.len());
+        BadSetting::unless(values.len() == inputs.len(), "inputs", given, &rule)?;
+        for ((input, _), value) in inputs.iter().zip(values) {
+            let key = input.name();
+            input.accepts_value(key, *value)?;
+            let fits = self.check_strip(*input, *value);
+            fits.map_err(|bad| BadSetting {
+                key: key.to_owned(),
+                ..bad
+            })?;
         }
         Ok(())
     }

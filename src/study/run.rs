@@ -124,7 +124,7 @@ fn solve_samples<F: Fn(Progress) + Sync>(
     resumed: &mut Resumed,
     record: &mut RunRecord,
 ) -> Result<u64, Error> {
-    let study = session.prepared.study;
+    let study = &session.prepared.study;
     let Some(plan) = &study.stopping else {
         session.solve(resumed, study.samples)?;
         return Ok(study.samples);
@@ -178,7 +178,7 @@ fn place_results<F>(
     further: &[SampleOutcome],
     record: &mut RunRecord,
 ) -> Result<(Summary, StoredRun), Error> {
-    let (study, folder) = (session.prepared.study, session.folder.path());
+    let (study, folder) = (&session.prepared.study, session.folder.path());
     let results = Together::begin(folder)?;
     let names = &session.head.input_names;
     let tables = session.profiler.stage(Stage::Tables, || {
@@ -206,7 +206,7 @@ fn write_tables<F>(
     (resumed, samples): (&Resumed, u64),
     record: &RunRecord,
 ) -> Result<[FileRecord; 3], Error> {
-    let study = session.prepared.study;
+    let study = &session.prepared.study;
     let [of_samples, curves] = TABLES.map(|name| folder.join(name));
     let anchors = folder.join(ATLAS_FILE);
     let columns = (&session.head.input_names[..], study.design.group(0));

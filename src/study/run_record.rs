@@ -27,7 +27,7 @@ pub(super) fn first_record(
     prepared: &PreparedStudy,
     ensemble: &Ensemble,
 ) -> Result<RunRecord, Error> {
-    let study = prepared.study;
+    let study = &prepared.study;
     let (linear, band) = (&prepared.linear, prepared.band());
     let nominal = Problem::new(linear, prepared.contacts.clone(), 1.0, study.solver.anchor)?;
     let design = &study.design;

@@ -16,6 +16,7 @@ mod report;
 mod reweight;
 mod run;
 mod schema;
+mod serve;
 mod shell;
 mod solve;
 mod stick_limit;

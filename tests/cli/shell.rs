@@ -4,9 +4,9 @@ use std::path::Path;
 
 use super::microslip;
 
-const COMMANDS: [&str; 11] = [
+const COMMANDS: [&str; 12] = [
     "run", "extend", "solve", "report", "compare", "reweight", "schema", "inspect", "devices",
-    "import", "pairs",
+    "import", "pairs", "serve",
 ];
 
 /// Seen to fail with the completions of another program's name.

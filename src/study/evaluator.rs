@@ -1,0 +1,204 @@
+//! The model of a study as a function: values of the inputs to frequency, amplitude and status at every level, without samples.
+//!
+//! What serves other programs (`serve`, the package for Python) and calibration. The model once, then as many points as wanted:
+//!
+//! ```
+//! use microslip::ensemble::stop::Stop;
+//! use microslip::study::{Evaluator, Study};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let study = Study::read("studies/own-matrices/study.toml".as_ref())?;
+//! let never = Stop::default();
+//! let model = Evaluator::solved(study.into_prepared()?, 3, &never, |_progress| {})?;
+//! assert_eq!(model.input_names(), ["stiffness_scale", "friction_coefficient"]);
+//! let points = [[1.0, 0.4], [1.2, 0.4]];
+//! for levels in model.evaluate(&points, &never)? {
+//!     let peak = levels[0].peak.ok_or(levels[0].status.name())?;
+//!     println!("{:.2} Hz, {:.1} um", peak.frequency_hz, 1e6 * peak.amplitude_m);
+//! }
+//! let wrong = model.evaluate(&[[1.0, -0.4]], &never).expect_err("negative friction");
+//! assert_eq!(wrong.to_string(), "row 0: friction_coefficient = -0.4: must be >= 0");
+//! # Ok(())
+//! # }
+//! ```
+
+use std::path::Path;
+
+use super::prepared::PreparedStudy;
+use super::read::Study;
+use super::resume::{Resumed, identity_of_results};
+use super::run_settings::RunSettings;
+use super::solve::{Meter, Progress};
+use crate::Error;
+use crate::ensemble::atlas::Atlas;
+use crate::ensemble::outcome::LevelOutcome;
+use crate::ensemble::parts::{Difference, RunIdentity};
+use crate::ensemble::program::Program;
+use crate::ensemble::runner::{MOST_ANCHORS, Stopped, Watch};
+use crate::ensemble::stop::Stop;
+use crate::ensemble::store::StoredStudy;
+use crate::ensemble::times::SampleTimes;
+use crate::ensemble::{Known, SolvedSample};
+use crate::setting::BadSetting;
+use rayon::prelude::*;
+
+/// The model of a study as a function of its inputs.
+///
+/// Its searches start from solved samples of the study, its anchors: with more of them a point costs less. Where a search starts
+/// decides the last digits of a result, and seldom which of several maxima it finds; so results are the same bits for the same
+/// anchors, whatever the number of threads, the other points and their order.
+#[derive(Debug)]
+pub struct Evaluator<'s> {
+    prepared: PreparedStudy<'s>,
+    anchors: usize,
+    atlas: Atlas,
+}
+
+/// Why points are not evaluated. A point without a resonance is no error: its levels say so by their status.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EvaluationError {
+    /// Values of a point that cannot be meant.
+    #[error("row {row}: {bad}")]
+    Inputs {
+        /// The point, 0-based.
+        row: usize,
+        /// The input, its value and the rule.
+        bad: BadSetting,
+    },
+    /// The evaluation was told to stop.
+    #[error("stopped before the last row")]
+    Stopped,
+}
+
+/// Tells of the anchors as they are solved.
+struct Starting<'a, F> {
+    stop: &'a Stop,
+    meter: Meter<F>,
+}
+
+impl<F: Fn(Progress) + Sync> Watch for Starting<'_, F> {
+    fn solved(&self, _: SolvedSample, _: SampleTimes) {
+        self.meter.one_more();
+    }
+
+    fn stops(&self) -> bool {
+        self.stop.asked()
+    }
+}
+
+impl<'s> Evaluator<'s> {
+    /// Solves the first `anchors` samples of the study to start from: at most as many as it has, and at most [`MOST_ANCHORS`]. None
+    /// is allowed; each point then takes some ten times as long.
+    ///
+    /// # Errors
+    /// [`EvaluationError::Stopped`] if `stop` said so.
+    pub fn solved(
+        prepared: PreparedStudy<'s>,
+        anchors: u64,
+        stop: &Stop,
+        progress: impl Fn(Progress) + Sync,
+    ) -> Result<Self, EvaluationError> {
+        let samples = anchors.min(prepared.study.samples).min(MOST_ANCHORS);
+        let mut ensemble = prepared.ensemble(None);
+        ensemble.curve_samples = 0;
+        let mut known = Known::default();
+        let meter = Meter::start(0, samples, progress);
+        let solved = ensemble.extend(&mut known, samples, &Starting { stop, meter });
+        solved.map_err(|Stopped| EvaluationError::Stopped)?;
+        Ok(Self::starting_from(prepared, &known, samples))
+    }
+
+    /// Takes the first `anchors` samples from `folder`, the results of a run of the same study: nothing is solved.
+    ///
+    /// # Errors
+    /// [`Error::Command`] if they are results of another study or of other files; [`Error::File`] if they cannot be read or were
+    /// changed.
+    pub fn stored(prepared: PreparedStudy<'s>, folder: &Path, anchors: u64) -> Result<Self, Error> {
+        refuse_other_study(&prepared.study, folder)?;
+        let mut resumed = Resumed::default();
+        resumed.add_results(folder, &prepared.study, &RunSettings::default(), None)?;
+        Ok(Self::starting_from(prepared, &resumed.known, anchors))
+    }
+
+    fn starting_from(prepared: PreparedStudy<'s>, known: &Known, anchors: u64) -> Self {
+        let anchors = known.anchors_before(anchors);
+        let mut evaluator = Self {
+            prepared,
+            anchors: anchors.len(),
+            atlas: Atlas::default(),
+        };
+        evaluator.atlas.extend(anchors);
+        evaluator
+    }
+
+    /// The study.
+    #[must_use]
+    pub fn study(&self) -> &Study {
+        &self.prepared.study
+    }
+
+    /// Names of the inputs, in the order of their values. Units are those of the study file: a name says a unit, a scale has none.
+    #[must_use]
+    pub fn input_names(&self) -> Vec<&'static str> {
+        let inputs = self.study().design.inputs().iter();
+        inputs.map(|(input, _)| input.name()).collect()
+    }
+
+    /// Excitation levels, ascending.
+    #[must_use]
+    pub fn levels(&self) -> &[f64] {
+        &self.study().levels
+    }
+
+    /// Number of solved samples that the searches start from.
+    #[must_use]
+    pub fn anchors(&self) -> usize {
+        self.anchors
+    }
+
+    /// Resonances at each of `points`, on all threads. Shape: points x inputs in, points x levels out. The levels are records as those
+    /// of a sample, without curves: frequency in Hz and amplitude in m are in their `peak`, which is there if their `status` has a
+    /// solution.
+    ///
+    /// # Errors
+    /// [`EvaluationError::Inputs`] on the first point that breaks a rule of [`Study::check_values`], before anything is solved;
+    /// [`EvaluationError::Stopped`] if `stop` said so.
+    pub fn evaluate<P: AsRef<[f64]> + Sync>(
+        &self,
+        points: &[P],
+        stop: &Stop,
+    ) -> Result<Vec<Vec<LevelOutcome>>, EvaluationError> {
+        for (row, point) in points.iter().enumerate() {
+            let checked = self.study().check_values(point.as_ref());
+            checked.map_err(|bad| EvaluationError::Inputs { row, bad })?;
+        }
+        let ensemble = self.prepared.ensemble(None);
+        let levels = |point: &P| {
+            let wanted = !stop.asked();
+            wanted.then(|| ensemble.levels(point.as_ref(), &self.atlas))
+        };
+        // one point may take as long as a hundred others
+        let all: Option<_> = points.par_iter().with_max_len(1).map(levels).collect();
+        all.ok_or(EvaluationError::Stopped)
+    }
+}
+
+/// Refuses results of another study or of other files. Another program is no reason: its samples are only starts.
+fn refuse_other_study(study: &Study, folder: &Path) -> Result<(), Error> {
+    let stored = identity_of_results(folder)?;
+    let own = RunIdentity {
+        study: StoredStudy {
+            text: study.text.clone(),
+            path: stored.study.path.clone(),
+        },
+        files: study.file_records()?,
+        program: Program::this(),
+    };
+    match own.difference(&stored) {
+        None | Some(Difference::Program(_)) => Ok(()),
+        Some(difference) => Err(Error::Command {
+            path: folder.to_owned(),
+            message: format!("are results of {difference}: `run` anew"),
+        }),
+    }
+}
