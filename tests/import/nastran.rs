@@ -138,8 +138,8 @@ fn names_come_from_the_best_list() {
 
 /// Of free fields: line 1 is the header, line 2 the first column.
 const DAMAGED_DMIG: &str = "
-1 | DMIG,KAAX,0,6,3,0 | :1: matrix KAAX: is complex: must be real
-1 | DMIG,KAAX,0,6,4,0 | is complex
+1 | DMIG,KAAX,0,6,3,0 | has complex matrices only: must have real ones
+1 | DMIG,KAAX,0,6,4,0 | has complex matrices only
 1 | DMIG,KAAX,0,6,9,0 | :1: matrix KAAX: type 9: must be 1 or 2
 1 | DMIG,KAAX,0,6,,0 | type : must be
 1 | DMIG,KAAX,0,5,2,0 | :1: matrix KAAX: form 5: must be 1 (square)
@@ -172,6 +172,18 @@ const DAMAGED_DMIG: &str = "
 2 | \\0 | :2: has a null byte
 ";
 
+/// A complex matrix beside real ones is passed over.
+///
+/// Seen to fail with complex types read as real.
+#[test]
+fn a_complex_matrix_is_passed_over() {
+    let complex = "DMIG,K4AAX,0,6,3,0\nDMIG,K4AAX,11,1,,11,1,1.0,0.5\n";
+    let text = format!("{complex}{}", free("KAAX", stiffness));
+    let reading = read_as("model.pch", text.as_bytes()).unwrap();
+    let names: Vec<_> = reading.matrices.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["KAAX"], "{names:?}");
+}
+
 /// Seen to fail with complex types read as real.
 #[test]
 fn damaged_dmig_is_refused() {
@@ -201,10 +213,32 @@ const DAMAGED_NAMES: &str = "
 1 | ASET1,1,x | :1: point x
 1 | GRID,x | :1: grid point x
 1 | GRID,3\\nGRID,3 | :2: degree of freedom 3.1: must be given once
+1 | GRID, | :1: grid point : must be
+1 | GRID,-3 | :1: grid point -3: must be
+1 | GRID,2147483648 | :1: grid point 2147483648: must be
+1 | GRID,3.0 | :1: grid point 3.0: must be
+1 | SPOINT,x | :1: point x: must be
+1 | SPOINT,0 | :1: point 0: must be
+1 | SPOINT,1,THRU,x | :1: point x: must be
+1 | SPOINT,1,THRU | :1: point : must be
+1 | SPOINT,1.5 | :1: point 1.5: must be
+1 | ASET,11,7 | :1: components 7
+1 | ASET,x,1 | :1: grid point x: must be
+1 | ASET,11,1-2 | :1: components 1-2
+1 | ASET1,x,5 | :1: components x
+1 | ASET1,1,0 | :1: point 0: must be
+1 | ASET1,1,5,THRU,2 | :1: 5 THRU 2: must ascend
+1 | QSET1,8,5 | :1: components 8
+1 | EXTRN,11,123,11,3 | :1: degree of freedom 11.3: must be given once
+1 | EXTRN,99999999999,1 | :1: grid point 99999999999: must be
+1 | EXTRN,11,1.0 | :1: components 1.0
+1 | EXTRN,,1 | :1: grid point : must be
+1 | \\0 | :1: has a null byte
 ";
 
 /// Seen to fail without the check of THRU.
 #[test]
 fn damaged_names_are_refused() {
-    refuse("model.asm", "EXTRN,11,123456\n", DAMAGED_NAMES);
+    let count = refuse("model.asm", "EXTRN,11,123456\n", DAMAGED_NAMES);
+    assert!(count > 30, "{count}");
 }

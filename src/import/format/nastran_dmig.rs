@@ -34,9 +34,11 @@ enum Shape {
     Square,
     Symmetric,
     Rectangular,
+    /// Passed over: no part of a model.
+    Complex,
 }
 
-/// Reads all matrices.
+/// Reads all real matrices.
 pub(in crate::import) fn read(path: &Path, text: &str) -> Result<Vec<ImportedMatrix>, FileError> {
     let mut matrices: Vec<Growing> = Vec::new();
     each_card(path, text, &["DMIG"], |card| {
@@ -66,9 +68,16 @@ pub(in crate::import) fn read(path: &Path, text: &str) -> Result<Vec<ImportedMat
                 0,
                 format!("matrix {name:.40}: has no header (DMIG name 0) before its columns"),
             )),
+            (Some(at), _) if matrices[at].shape == Shape::Complex => Ok(()),
             (Some(at), _) => matrices[at].column(path, &card),
         }
     })?;
+    let stated = matrices.len();
+    matrices.retain(|matrix| matrix.shape != Shape::Complex);
+    if stated > 0 && matrices.is_empty() {
+        let rule = "has complex matrices only: must have real ones";
+        return Err(FileError::content(path, None, rule));
+    }
     let mut found = Vec::new();
     for matrix in matrices {
         found.extend(matrix.finish(path)?);
@@ -84,7 +93,7 @@ fn header(card: &Card<'_>) -> Result<Shape, String> {
     }
     match card.field(3) {
         "1" | "2" => {}
-        "3" | "4" => return Err(format!("matrix {name}: is complex: must be real")),
+        "3" | "4" => return Ok(Shape::Complex),
         other => {
             return Err(format!(
                 "matrix {name}: type {other:.20}: must be 1 or 2 (real)"
@@ -167,6 +176,7 @@ impl Growing {
             Shape::Rectangular => {
                 return loads(path, &self.name, &self.loads, n, matrix);
             }
+            Shape::Complex => return Ok(Vec::new()),
         };
         let symmetric = self.entries.symmetric(path, n, storage)?;
         Ok(vec![matrix(self.name, Content::Symmetric(symmetric))])
