@@ -32,7 +32,7 @@ pub use units::Units;
 
 use std::path::PathBuf;
 
-use crate::file::FileError;
+use crate::file::{FileError, refuse_content};
 use crate::linalg::LinalgError;
 use crate::setting::BadSetting;
 use write::StudyParts;
@@ -99,7 +99,7 @@ pub struct Imported {
 /// # Errors
 /// [`ImportError`] on the first rule that is broken; then nothing is written.
 pub fn import(request: &Request) -> Result<Imported, ImportError> {
-    write::refuse_content(&request.output)?;
+    refuse_content(&request.output)?;
     let (model, files) = model::assemble(&request.sources)?;
     let mut warnings = warnings(&model, &files, request);
     let mut model = model.in_si(request.units);

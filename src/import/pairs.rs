@@ -11,6 +11,7 @@ use super::dof::Dof;
 use super::table::{Row, Table, read_nodes};
 use super::units::Units;
 use crate::file::FileError;
+use crate::model::matrix_contacts::ContactTable;
 use crate::setting::friction_coefficient;
 
 /// Word for a side that does not move.
@@ -61,6 +62,35 @@ pub enum Preload {
     Force(f64),
     /// Gap at zero approach (m).
     Gap(f64),
+}
+
+impl ImportedPair {
+    /// The pair as a table of the study file.
+    #[must_use]
+    pub fn table(&self) -> ContactTable {
+        let row = |weights: &[(String, f64)]| {
+            let row: BTreeMap<String, f64> = weights.iter().cloned().collect();
+            Some(row).filter(|row| !row.is_empty())
+        };
+        let (t1, t2, n) = (row(&self.t1), row(&self.t2), row(&self.n));
+        let (n_0, gap) = match self.preload {
+            Preload::Force(n_0) => (Some(n_0), None),
+            Preload::Gap(gap) => (None, Some(gap)),
+        };
+        ContactTable {
+            name: self.name.clone(),
+            k_t1: t1.as_ref().map(|_| self.k_t),
+            k_t2: t2.as_ref().map(|_| self.k_t),
+            k_n: n.as_ref().map(|_| self.k_n),
+            t1,
+            t2,
+            n,
+            mu: self.mu,
+            n_0,
+            gap,
+            interface: self.interface as usize,
+        }
+    }
 }
 
 /// What rows of a table of pairs are read with.

@@ -40,7 +40,9 @@ pub mod matrices;
 pub(crate) mod matrix_checks;
 pub mod matrix_contacts;
 pub(crate) mod matrix_market;
+pub(crate) mod matrix_writer;
 pub mod mirror;
+pub(crate) mod model_text;
 pub mod modes;
 
 mod craig_bampton;
