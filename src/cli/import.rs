@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use super::log::Log;
 use super::terminal::print;
+use super::total_mass::show_mass;
 use clap::{Args, ValueEnum};
 use microslip::Error;
 use microslip::import::{
@@ -215,16 +216,7 @@ fn show_facts(out: &mut dyn Write, imported: &Imported) -> std::io::Result<()> {
         imported.dofs.len(),
         names.join(", ")
     )?;
-    match facts.total_mass {
-        Some([x, y, z]) => writeln!(
-            out,
-            "total mass          {x:.6} {y:.6} {z:.6} kg along x, y, z"
-        )?,
-        None => writeln!(
-            out,
-            "total mass          not known: no names with the components 1, 2, 3"
-        )?,
-    }
+    show_mass(out, facts.total_mass, true)?;
     let numbers: Vec<_> = facts
         .frequencies_hz
         .iter()
@@ -232,7 +224,7 @@ fn show_facts(out: &mut dyn Write, imported: &Imported) -> std::io::Result<()> {
         .collect();
     writeln!(
         out,
-        "free frequencies    {} Hz ({} rigid-body modes)",
+        "free frequencies    {} Hz ({})",
         numbers.join(" "),
         facts.rigid
     )

@@ -25,6 +25,7 @@ mod status;
 mod study_arguments;
 mod terminal;
 mod threads;
+mod total_mass;
 
 use std::io::ErrorKind;
 use std::process::ExitCode;

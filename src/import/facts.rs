@@ -1,14 +1,13 @@
 //! What was read, for comparison with the finite-element program: sizes, total mass, frequencies of the free structure.
 
-use faer::Mat;
 use faer::sparse::{SparseColMat, Triplet};
 
-use super::dof::{Component, Dof};
+use super::dof::Dof;
 use super::matrix::Symmetric;
 use super::model::ImportedModel;
 use super::role::Role;
 use crate::linalg::{LinalgError, lowest_modes, symmetric_generalized_eigen};
-use crate::model::matrix_checks::rounding;
+use crate::model::rigid::{RigidModes, Triangles, axes, total_mass};
 use crate::units::rad_s_to_hz;
 
 /// Flexible frequencies that are shown.
@@ -19,8 +18,6 @@ const COMPUTED: usize = 24;
 const DENSE_SIZE: usize = 400;
 /// Shift for the lowest modes, relative to the largest ratio of the diagonals of K and M.
 const SHIFT: f64 = 1e-8;
-/// Part of the energy of a mode's displacements, taken without their signs, below which its frequency is zero up to round-off.
-const RIGID: f64 = 1e-12;
 
 /// Numbers of a model in SI units.
 #[derive(Debug, Clone)]
@@ -30,7 +27,7 @@ pub struct Facts {
     /// r'Mr of the displacements along x, y and z (kg), where names have such components.
     pub total_mass: Option<[f64; 3]>,
     /// Rigid-body modes among the modes that were computed.
-    pub rigid: usize,
+    pub rigid: RigidModes,
     /// First flexible frequencies of the free structure (Hz).
     pub frequencies_hz: Vec<f64>,
 }
@@ -71,38 +68,22 @@ impl Facts {
             }
         });
         let mass = &model.matrices[&Role::Mass].values;
-        let (rigid, frequencies_hz) = frequencies(model)?;
+        let axes = axes(model.dofs.iter().map(Dof::to_string));
+        let (rigid, frequencies_hz) = frequencies(model, &axes)?;
         Ok(Self {
             matrices: matrices.collect(),
-            total_mass: total_mass(mass, &model.dofs),
+            total_mass: total_mass(mass.lower.iter().copied(), &axes),
             rigid,
             frequencies_hz,
         })
     }
 }
 
-/// r'Mr with r = 1 at all displacements along one axis.
-fn total_mass(mass: &Symmetric, dofs: &[Dof]) -> Option<[f64; 3]> {
-    let axis = |dof: &Dof| match dof.component {
-        Component::Number(component @ 1..=3) if dof.node > 0 => Some(component as usize - 1),
-        _ => None,
-    };
-    let axes: Vec<Option<usize>> = dofs.iter().map(axis).collect();
-    axes.iter().any(Option::is_some).then(|| {
-        let mut total = [0.0; 3];
-        for &(row, column, value) in &mass.lower {
-            if let (Some(a), Some(b)) = (axes[row], axes[column])
-                && a == b
-            {
-                total[a] += if row == column { value } else { 2.0 * value };
-            }
-        }
-        total
-    })
-}
-
-/// Number of rigid-body modes, and the first flexible frequencies (Hz).
-fn frequencies(model: &ImportedModel) -> Result<(usize, Vec<f64>), LinalgError> {
+/// Rigid-body modes, and the first flexible frequencies (Hz).
+fn frequencies(
+    model: &ImportedModel,
+    axes: &[Option<usize>],
+) -> Result<(RigidModes, Vec<f64>), LinalgError> {
     let [stiffness, mass] = [Role::Stiffness, Role::Mass].map(|role| &model.matrices[&role]);
     let (lambda, shapes) = if stiffness.values.n <= DENSE_SIZE {
         let (k, m) = (stiffness.values.to_dense(), mass.values.to_dense());
@@ -113,28 +94,18 @@ fn frequencies(model: &ImportedModel) -> Result<(usize, Vec<f64>), LinalgError> 
         let modes = lowest_modes(&k, &m, COMPUTED, shift)?;
         (modes.lambda, modes.shapes)
     };
-    let share = RIGID + rounding(stiffness.digits);
-    let is_rigid = |mode: usize| {
-        let bound = share * unsigned_energy(&stiffness.values, &shapes, mode);
-        lambda[mode] <= bound
+    let triangles = Triangles {
+        stiffness: || stiffness.values.lower.iter().copied(),
+        digits: stiffness.digits,
+        mass: || mass.values.lower.iter().copied(),
     };
-    let rigid = (0..lambda.len().min(COMPUTED))
-        .take_while(|&m| is_rigid(m))
-        .count();
-    let flexible = lambda[rigid..].iter().take(SHOWN);
+    let searched = &lambda[..lambda.len().min(COMPUTED)];
+    let rigid = triangles.rigid_modes(searched, &shapes, axes);
+    let flexible = lambda[rigid.count..].iter().take(SHOWN);
     Ok((
         rigid,
         flexible.map(|l| rad_s_to_hz(l.max(0.0).sqrt())).collect(),
     ))
-}
-
-/// Σ |φ_i| |K_ij| |φ_j|: rounding the entries of K moves λ by at most so much times their relative error.
-fn unsigned_energy(stiffness: &Symmetric, shapes: &Mat<f64>, mode: usize) -> f64 {
-    let term = |&(row, column, value): &(usize, usize, f64)| {
-        let both = if row == column { 1.0 } else { 2.0 };
-        both * (value * shapes[(row, mode)] * shapes[(column, mode)]).abs()
-    };
-    stiffness.lower.iter().map(term).sum()
 }
 
 /// Largest K_ii/M_ii.

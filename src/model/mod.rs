@@ -44,6 +44,7 @@ pub(crate) mod matrix_writer;
 pub mod mirror;
 pub(crate) mod model_text;
 pub mod modes;
+pub mod rigid;
 
 mod craig_bampton;
 mod dof_index;
