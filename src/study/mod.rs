@@ -21,6 +21,7 @@
 
 pub mod compare;
 pub mod document;
+pub mod export;
 pub mod extend;
 pub mod frequency;
 mod inputs;
@@ -51,6 +52,7 @@ pub mod status;
 pub mod tables;
 
 pub use compare::compare;
+pub use export::{Exported, export};
 pub use extend::extend;
 pub use frequency::{FrequencySettings, FrequencyUnit, Points};
 pub use inspect::{Inspection, inspect};
