@@ -67,7 +67,7 @@ pub(super) struct ImportArguments {
 const FORMATS: &str = "\
 Formats: Abaqus and CalculiX *MATRIX OUTPUT and *SUBSTRUCTURE MATRIX OUTPUT, CalculiX .sti, .mas, .dof, ANSYS HBMAT with its
 .mapping, Matrix Market (ANSYS *EXPORT,,MMF), Nastran DMIG and OUTPUT4 with names of a .pch or .asm beside it,
-NumPy .npz and .npy, SciPy save_npz.
+NumPy .npz and .npy, SciPy save_npz, MATLAB .mat of save -v7.
 
 Example:
   microslip import K=blade_STIF1.mtx M=blade_MASS1.mtx --units mm-t-s --pairs pairs.csv --k-n 1e5 --k-t 1e5 --mu 0.4 \\
