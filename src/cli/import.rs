@@ -25,13 +25,16 @@ pub(super) struct ImportArguments {
     /// Folder that is written: matrices, names and study.toml. It must not exist or be empty.
     #[arg(long)]
     output: PathBuf,
-    /// CSV table of contact pairs: node_a, node_b, and nx, ny, nz (from A into B), tx, ty, tz, area, interface, k_n, k_t, mu,
-    /// n_0 or gap.
+    /// CSV table of contact pairs: node_a, node_b, and nx, ny, nz (from A into B), tx, ty, tz or system, area, interface, k_n,
+    /// k_t, mu, n_0 or gap.
     #[arg(long)]
     pairs: Option<PathBuf>,
     /// CSV table of coordinates (node, x, y, z): normals of pairs that state none go from A to B.
     #[arg(long, requires = "pairs")]
     nodes: Option<PathBuf>,
+    /// CSV table of coordinate systems (name, nx, ny, nz, and tx, ty, tz), which pairs name in the column system.
+    #[arg(long, requires = "pairs")]
+    systems: Option<PathBuf>,
     /// Normal stiffness of pairs that do not state it; per area where they state an area.
     #[arg(long, requires = "pairs")]
     k_n: Option<f64>,
@@ -144,6 +147,7 @@ impl ImportArguments {
             output: self.output.clone(),
             pairs: self.pairs.clone(),
             nodes: self.nodes.clone(),
+            systems: self.systems.clone(),
             constants: PairConstants {
                 k_n: self.k_n,
                 k_t: self.k_t,

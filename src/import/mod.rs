@@ -19,6 +19,7 @@ mod direction;
 mod format;
 mod lines;
 mod read;
+mod systems;
 mod table;
 
 pub use facts::Facts;
@@ -65,6 +66,8 @@ pub struct Request {
     pub pairs: Option<PathBuf>,
     /// Table of coordinates, for normals that the pairs do not state.
     pub nodes: Option<PathBuf>,
+    /// Table of coordinate systems that pairs name.
+    pub systems: Option<PathBuf>,
     /// Constants of pairs that do not state them.
     pub constants: PairConstants,
     /// Forces of the excitation: `12.1=1.0`.
@@ -110,8 +113,8 @@ pub fn import(request: &Request) -> Result<Imported, ImportError> {
     let pairs = match &request.pairs {
         None => Vec::new(),
         Some(path) => {
-            let nodes = request.nodes.as_deref();
-            pairs::read_pairs(path, nodes, dofs, units, request.constants)?
+            let (nodes, systems) = (request.nodes.as_deref(), request.systems.as_deref());
+            pairs::read_pairs(path, nodes, systems, dofs, units, request.constants)?
         }
     };
     let mut forces = forces::Forces::default();
