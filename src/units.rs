@@ -1,5 +1,8 @@
 //! SI units only inside; the named conversions at the edges.
 
+/// Standard acceleration of gravity (m/s²), 3rd General Conference on Weights and Measures, 1901.
+pub const STANDARD_GRAVITY: f64 = 9.80665;
+
 /// rad/s → Hz.
 #[must_use]
 pub fn rad_s_to_hz(omega: f64) -> f64 {

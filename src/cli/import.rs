@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use super::log::Log;
 use super::terminal::print;
+use super::total_mass::show_mass;
 use clap::{Args, ValueEnum};
 use microslip::Error;
 use microslip::import::{
@@ -25,13 +26,16 @@ pub(super) struct ImportArguments {
     /// Folder that is written: matrices, names and study.toml. It must not exist or be empty.
     #[arg(long)]
     output: PathBuf,
-    /// CSV table of contact pairs: node_a, node_b, and nx, ny, nz (from A into B), tx, ty, tz, area, interface, k_n, k_t, mu,
-    /// n_0 or gap.
+    /// CSV table of contact pairs: node_a, node_b, and nx, ny, nz (from A into B), tx, ty, tz or system, area, interface, k_n,
+    /// k_t, mu, n_0 or gap.
     #[arg(long)]
     pairs: Option<PathBuf>,
     /// CSV table of coordinates (node, x, y, z): normals of pairs that state none go from A to B.
     #[arg(long, requires = "pairs")]
     nodes: Option<PathBuf>,
+    /// CSV table of coordinate systems (name, nx, ny, nz, and tx, ty, tz), which pairs name in the column system.
+    #[arg(long, requires = "pairs")]
+    systems: Option<PathBuf>,
     /// Normal stiffness of pairs that do not state it; per area where they state an area.
     #[arg(long, requires = "pairs")]
     k_n: Option<f64>,
@@ -74,7 +78,7 @@ pub(super) struct ImportArguments {
 const FORMATS: &str = "\
 Formats: Abaqus and CalculiX *MATRIX OUTPUT and *SUBSTRUCTURE MATRIX OUTPUT, CalculiX .sti, .mas, .dof, ANSYS HBMAT with its
 .mapping, Matrix Market (ANSYS *EXPORT,,MMF), Nastran DMIG and OUTPUT4 with names of a .pch or .asm beside it,
-NumPy .npz and .npy, SciPy save_npz.
+NumPy .npz and .npy, SciPy save_npz, MATLAB .mat of save -v7.
 
 Example:
   microslip import K=blade_STIF1.mtx M=blade_MASS1.mtx --units mm-t-s --pairs pairs.csv --k-n 1e5 --k-t 1e5 --mu 0.4 \\
@@ -154,6 +158,7 @@ impl ImportArguments {
             output: self.output.clone(),
             pairs: self.pairs.clone(),
             nodes: self.nodes.clone(),
+            systems: self.systems.clone(),
             constants: PairConstants {
                 k_n: self.k_n,
                 k_t: self.k_t,
@@ -233,16 +238,7 @@ fn show_facts(out: &mut dyn Write, imported: &Imported) -> std::io::Result<()> {
         imported.dofs.len(),
         names.join(", ")
     )?;
-    match facts.total_mass {
-        Some([x, y, z]) => writeln!(
-            out,
-            "total mass          {x:.6} {y:.6} {z:.6} kg along x, y, z"
-        )?,
-        None => writeln!(
-            out,
-            "total mass          not known: no names with the components 1, 2, 3"
-        )?,
-    }
+    show_mass(out, facts.total_mass, true)?;
     let numbers: Vec<_> = facts
         .frequencies_hz
         .iter()
@@ -250,7 +246,7 @@ fn show_facts(out: &mut dyn Write, imported: &Imported) -> std::io::Result<()> {
         .collect();
     writeln!(
         out,
-        "free frequencies    {} Hz ({} rigid-body modes)",
+        "free frequencies    {} Hz ({})",
         numbers.join(" "),
         facts.rigid
     )

@@ -4,8 +4,9 @@ use std::io::Write;
 
 use super::study_arguments::StudyArguments;
 use super::terminal::print;
+use super::total_mass::show_mass;
 use microslip::Error;
-use microslip::study::{Inspection, Study, inspect};
+use microslip::study::{FrequencyUnit, Inspection, Study, inspect};
 
 pub(super) fn execute(arguments: &StudyArguments) -> Result<(), Error> {
     arguments.threads.start()?;
@@ -57,12 +58,13 @@ fn show_structure(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()
             format!("{name} fixed modes"),
         )?;
     }
+    show_mass(out, facts.total_mass, facts.unit == FrequencyUnit::Hertz)?;
     let unit = facts.unit.name();
     writeln!(
         out,
-        "free frequencies    {} {unit} ({} rigid-body modes)",
+        "free frequencies    {} {unit} ({})",
         numbers(&facts.free),
-        facts.n_rigid
+        facts.rigid
     )?;
     writeln!(out, "stuck frequencies   {} {unit}", numbers(&facts.stuck))
 }

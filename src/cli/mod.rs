@@ -6,6 +6,7 @@
 mod compare;
 mod completions;
 mod devices;
+mod export;
 mod extend;
 mod going_on;
 mod import;
@@ -26,6 +27,7 @@ mod status;
 mod study_arguments;
 mod terminal;
 mod threads;
+mod total_mass;
 
 use std::io::ErrorKind;
 use std::process::ExitCode;
@@ -34,6 +36,7 @@ use std::sync::LazyLock;
 use clap::{Parser, Subcommand};
 use compare::CompareArguments;
 use completions::CompletionsArguments;
+use export::ExportArguments;
 use extend::ExtendArguments;
 use import::{ImportArguments, PairsArguments};
 use log::{Event, Log};
@@ -115,6 +118,8 @@ enum Command {
     Inspect(StudyArguments),
     /// Read the matrices of a finite-element program and write them as a study: matrices, contact pairs, study.toml.
     Import(ImportArguments),
+    /// Write the model of a study as matrices, with a study of kind "matrices" that gives the same answer.
+    Export(ExportArguments),
     /// Propose contact pairs for `import`: each node of one surface with the nearest node of the other.
     Pairs(PairsArguments),
     /// List the adapters that `run --backend gpu` can use, with a self-test of each.
@@ -153,6 +158,7 @@ impl Command {
             Self::Schema(arguments) => arguments.execute(),
             Self::Inspect(arguments) => inspect::execute(arguments),
             Self::Import(arguments) => arguments.execute(),
+            Self::Export(arguments) => arguments.execute(),
             Self::Pairs(arguments) => arguments.execute(),
             Self::Devices => devices::execute(),
             Self::Completions(arguments) => arguments.execute(),

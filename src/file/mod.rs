@@ -1,12 +1,14 @@
 //! Files read within bounds and written as a whole: a device that never ends, a pipe that never answers, a damaged table
 //! and a text in another encoding are messages, not a full memory, a wait or a panic.
 
+pub mod folder;
 pub mod lock;
 pub mod number;
 pub mod parquet;
 pub mod together;
 pub mod written;
 
+pub use folder::{refuse_content, write_folder};
 pub use lock::FolderLock;
 pub use number::{parse_number, significant_digits};
 pub use parquet::{Fault, read_parquet};

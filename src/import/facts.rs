@@ -1,12 +1,12 @@
 //! What was read, for comparison with the finite-element program: sizes, total mass, frequencies of the free structure.
 
 use super::checks::massless;
-use super::dof::{Component, Dof};
+use super::dof::Dof;
 use super::model::ImportedModel;
 use super::role::Role;
 use super::symmetric::Symmetric;
 use crate::linalg::{LinalgError, LowestModes, lowest_modes, symmetric_generalized_eigen};
-use crate::model::matrix_checks::rounding;
+use crate::model::rigid::{RigidModes, Triangles, axes, total_mass};
 use crate::units::rad_s_to_hz;
 
 /// Flexible frequencies that are shown.
@@ -17,8 +17,6 @@ const COMPUTED: usize = 24;
 const DENSE_SIZE: usize = 400;
 /// Shift for the lowest modes, relative to the largest ratio of the diagonals of K and M.
 const SHIFT: f64 = 1e-8;
-/// Part of the energy of a mode's displacements, taken without their signs, below which its frequency is zero up to round-off.
-const RIGID: f64 = 1e-12;
 
 /// Numbers of a model in SI units.
 #[derive(Debug, Clone)]
@@ -28,7 +26,7 @@ pub struct Facts {
     /// r'Mr of the displacements along x, y and z (kg), where names have such components.
     pub total_mass: Option<[f64; 3]>,
     /// Rigid-body modes among the modes that were computed.
-    pub rigid: usize,
+    pub rigid: RigidModes,
     /// First flexible frequencies of the free structure (Hz).
     pub frequencies_hz: Vec<f64>,
 }
@@ -69,34 +67,15 @@ impl Facts {
             }
         });
         let mass = &model.matrices[&Role::Mass].values;
-        let (rigid, frequencies_hz) = frequencies(model)?;
+        let axes = axes(model.dofs.iter().map(Dof::to_string));
+        let (rigid, frequencies_hz) = frequencies(model, &axes)?;
         Ok(Self {
             matrices: matrices.collect(),
-            total_mass: total_mass(mass, &model.dofs),
+            total_mass: total_mass(mass.lower.iter().copied(), &axes),
             rigid,
             frequencies_hz,
         })
     }
-}
-
-/// r'Mr with r = 1 at all displacements along one axis.
-fn total_mass(mass: &Symmetric, dofs: &[Dof]) -> Option<[f64; 3]> {
-    let axis = |dof: &Dof| match dof.component {
-        Component::Number(component @ 1..=3) if dof.node > 0 => Some(component as usize - 1),
-        _ => None,
-    };
-    let axes: Vec<Option<usize>> = dofs.iter().map(axis).collect();
-    axes.iter().any(Option::is_some).then(|| {
-        let mut total = [0.0; 3];
-        for &(row, column, value) in &mass.lower {
-            if let (Some(a), Some(b)) = (axes[row], axes[column])
-                && a == b
-            {
-                total[a] += if row == column { value } else { 2.0 * value };
-            }
-        }
-        total
-    })
 }
 
 /// First flexible frequencies (Hz) of a structure with so many rigid-body modes.
@@ -107,19 +86,22 @@ pub(super) fn flexible_hz(model: &ImportedModel, rigid: usize) -> Result<Vec<f64
     Ok(in_hz(&lowest(model)?.lambda[rigid..]))
 }
 
-/// Number of rigid-body modes, and the first flexible frequencies (Hz).
-fn frequencies(model: &ImportedModel) -> Result<(usize, Vec<f64>), LinalgError> {
-    let stiffness = &model.matrices[&Role::Stiffness];
+/// Rigid-body modes, and the first flexible frequencies (Hz).
+fn frequencies(
+    model: &ImportedModel,
+    axes: &[Option<usize>],
+) -> Result<(RigidModes, Vec<f64>), LinalgError> {
+    let [stiffness, mass] = [Role::Stiffness, Role::Mass].map(|role| &model.matrices[&role]);
     let LowestModes { lambda, shapes } = lowest(model)?;
-    let share = RIGID + rounding(stiffness.digits);
-    let is_rigid = |mode: usize| {
-        let bound = share * stiffness.values.unsigned_energy(shapes.col_as_slice(mode));
-        lambda[mode] <= bound
+    let triangles = Triangles {
+        stiffness: || stiffness.values.lower.iter().copied(),
+        digits: stiffness.digits,
+        mass: || mass.values.lower.iter().copied(),
     };
-    let rigid = (0..lambda.len().min(COMPUTED))
-        .take_while(|&m| is_rigid(m))
-        .count();
-    Ok((rigid, in_hz(&lambda[rigid..])))
+    let searched = &lambda[..lambda.len().min(COMPUTED)];
+    let rigid = triangles.rigid_modes(searched, &shapes, axes);
+    let flexible = in_hz(&lambda[rigid.count..]);
+    Ok((rigid, flexible))
 }
 
 fn in_hz(lambda: &[f64]) -> Vec<f64> {

@@ -7,11 +7,10 @@ use super::dof::Dof;
 use super::lines::MOST_ROWS;
 use super::symmetric::Symmetric;
 use crate::file::FileError;
+pub(super) use crate::model::matrix_writer::DOUBLE_DIGITS;
 
 /// Largest difference of two entries that must be equal, relative to them and to their diagonal entries.
 const SYMMETRY: f64 = 1e-8;
-/// Digits that a binary number of double precision has.
-pub(super) const DOUBLE_DIGITS: u32 = 17;
 /// Digits that a binary number of single precision has, rounded up.
 pub(super) const SINGLE_DIGITS: u32 = 8;
 

@@ -22,6 +22,7 @@ mod direction;
 mod format;
 mod lines;
 mod read;
+mod systems;
 mod table;
 
 pub use facts::Facts;
@@ -36,7 +37,7 @@ pub use units::Units;
 
 use std::path::PathBuf;
 
-use crate::file::FileError;
+use crate::file::{FileError, refuse_content};
 use crate::linalg::LinalgError;
 use crate::setting::BadSetting;
 use forces::{Forces, Names};
@@ -71,6 +72,8 @@ pub struct Request {
     pub pairs: Option<PathBuf>,
     /// Table of coordinates, for normals that the pairs do not state.
     pub nodes: Option<PathBuf>,
+    /// Table of coordinate systems that pairs name.
+    pub systems: Option<PathBuf>,
     /// Constants of pairs that do not state them.
     pub constants: PairConstants,
     /// Forces of the excitation: `12.1=1.0`.
@@ -109,7 +112,7 @@ pub struct Imported {
 /// # Errors
 /// [`ImportError`] on the first rule that is broken; then nothing is written.
 pub fn import(request: &Request) -> Result<Imported, ImportError> {
-    write::refuse_content(&request.output)?;
+    refuse_content(&request.output)?;
     let (model, files) = model::assemble(&request.sources)?;
     model.check_semidefinite()?;
     if request.reduction.is_none() {
@@ -136,7 +139,7 @@ pub fn import(request: &Request) -> Result<Imported, ImportError> {
     };
     let mut reduced = None;
     if let Some(reduction) = &request.reduction {
-        let (smaller, kept) = reduce::reduced(&model, facts.rigid, &parts, reduction)?;
+        let (smaller, kept) = reduce::reduced(&model, facts.rigid.count, &parts, reduction)?;
         (model, reduced) = (smaller, Some(kept));
     }
     write::write(&model, &parts, &request.output)?;
@@ -159,8 +162,8 @@ fn attached(
     let pairs = match &request.pairs {
         None => Vec::new(),
         Some(path) => {
-            let nodes = request.nodes.as_deref();
-            pairs::read_pairs(path, nodes, dofs, units, request.constants)?
+            let (nodes, systems) = (request.nodes.as_deref(), request.systems.as_deref());
+            pairs::read_pairs(path, nodes, systems, dofs, units, request.constants)?
         }
     };
     let names = Names::of(dofs);

@@ -8,9 +8,11 @@ use std::path::Path;
 
 use super::direction::directions;
 use super::dof::Dof;
+use super::systems::{System, read_systems};
 use super::table::{Row, Table, read_nodes};
 use super::units::Units;
 use crate::file::FileError;
+use crate::model::matrix_contacts::ContactTable;
 use crate::setting::friction_coefficient;
 
 /// Word for a side that does not move.
@@ -63,27 +65,60 @@ pub enum Preload {
     Gap(f64),
 }
 
+impl ImportedPair {
+    /// The pair as a table of the study file.
+    #[must_use]
+    pub fn table(&self) -> ContactTable {
+        let row = |weights: &[(String, f64)]| {
+            let row: BTreeMap<String, f64> = weights.iter().cloned().collect();
+            Some(row).filter(|row| !row.is_empty())
+        };
+        let (t1, t2, n) = (row(&self.t1), row(&self.t2), row(&self.n));
+        let (n_0, gap) = match self.preload {
+            Preload::Force(n_0) => (Some(n_0), None),
+            Preload::Gap(gap) => (None, Some(gap)),
+        };
+        ContactTable {
+            name: self.name.clone(),
+            k_t1: t1.as_ref().map(|_| self.k_t),
+            k_t2: t2.as_ref().map(|_| self.k_t),
+            k_n: n.as_ref().map(|_| self.k_n),
+            t1,
+            t2,
+            n,
+            mu: self.mu,
+            n_0,
+            gap,
+            interface: self.interface as usize,
+        }
+    }
+}
+
 /// What rows of a table of pairs are read with.
 struct Reader<'r> {
     dofs: BTreeSet<&'r Dof>,
     nodes: BTreeSet<i64>,
     positions: BTreeMap<i64, [f64; 3]>,
+    systems: BTreeMap<String, System>,
     units: Units,
     constants: PairConstants,
 }
 
-/// Reads a table of pairs; `nodes` is a table of coordinates, for normals that are not given.
+/// Reads a table of pairs; `nodes` is a table of coordinates, for normals that are not given, `systems` one of the coordinate
+/// systems that pairs name.
 ///
 /// # Errors
 /// [`FileError`] with the line and the rule that it breaks.
 pub fn read_pairs(
     path: &Path,
     nodes: Option<&Path>,
+    systems: Option<&Path>,
     dofs: &[Dof],
     units: Units,
     constants: PairConstants,
 ) -> Result<Vec<ImportedPair>, FileError> {
     let optional = [
+        "system",
         "nx",
         "ny",
         "nz",
@@ -104,6 +139,7 @@ pub fn read_pairs(
         dofs: dofs.iter().collect(),
         nodes: dofs.iter().map(|dof| dof.node).collect(),
         positions: nodes.map(read_nodes).transpose()?.unwrap_or_default(),
+        systems: systems.map(read_systems).transpose()?.unwrap_or_default(),
         units,
         constants,
     };
@@ -129,10 +165,16 @@ impl Reader<'_> {
         if a == b {
             return Err(row.fault("node_a and node_b: must be two nodes"));
         }
-        let tangent = row.vector(["tx", "ty", "tz"])?;
-        let normal = match row.vector(["nx", "ny", "nz"])? {
-            Some(normal) => normal,
-            None => self.direction_between(row, a, b)?,
+        let (normal, tangent) = match self.system(row)? {
+            Some(system) => (system.normal, system.tangent),
+            None => {
+                let normal = row.vector(["nx", "ny", "nz"])?;
+                let between = || self.direction_between(row, a, b);
+                (
+                    normal.map_or_else(between, Ok)?,
+                    row.vector(["tx", "ty", "tz"])?,
+                )
+            }
         };
         let [normal, t1, t2] = directions(normal, tangent).map_err(|rule| row.fault(rule))?;
         let relative = |d| self.row_of(d, a, b).map_err(|rule| row.fault(rule));
@@ -180,6 +222,21 @@ impl Reader<'_> {
                 "{column} {node}: must be a node of the matrices (or \"{GROUND}\")"
             ))),
         }
+    }
+
+    /// The coordinate system that a row names in place of vectors.
+    fn system(&self, row: &Row<'_>) -> Result<Option<System>, FileError> {
+        let Some(name) = row.text("system") else {
+            return Ok(None);
+        };
+        let vectors = ["nx", "ny", "nz", "tx", "ty", "tz"];
+        if let Some(given) = vectors.iter().find(|column| row.text(column).is_some()) {
+            let rule = format!("{given}: must be absent, since system {name:.40} is given");
+            return Err(row.fault(rule));
+        }
+        let system = self.systems.get(name).copied();
+        let unknown = || row.fault(format!("system {name:.40}: must be a row of --systems"));
+        system.ok_or_else(unknown).map(Some)
     }
 
     /// The direction from A to B.

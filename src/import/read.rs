@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::dof::Dof;
 use super::format::{
-    abaqus_matrix, abaqus_substructure, calculix, harwell_boeing, nastran_dmig, nastran_names,
-    numpy, op4_binary, op4_text,
+    abaqus_matrix, abaqus_substructure, calculix, harwell_boeing, matlab, nastran_dmig,
+    nastran_names, numpy, op4_binary, op4_text,
 };
 use super::lines::{Lines, MOST_ROWS, words};
 use super::matrix::{Content, Entries, ImportedMatrix, Rows, Storage};
@@ -42,6 +42,7 @@ enum Format {
     Op4Text,
     Op4Binary,
     Numpy,
+    Matlab,
 }
 
 /// Bytes of a file of matrices at most: a blade of 200 000 degrees of freedom takes about one GiB.
@@ -71,6 +72,12 @@ pub fn read(path: &Path) -> Result<Reading, FileError> {
     if let Some((_, rule)) = REFUSED.iter().find(|(begin, _)| bytes.starts_with(begin)) {
         return Err(FileError::content(path, None, *rule));
     }
+    let mat = path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("mat"));
+    if matlab::begins(&bytes) || mat {
+        return Ok(reading(Format::Matlab, matlab::read(path, &bytes)?, None));
+    }
     let text = file::text(bytes);
     let text = text.map_err(|(line, rule)| FileError::content(path, Some(line), rule))?;
     let format = Format::of(path, &text)
@@ -80,9 +87,7 @@ pub fn read(path: &Path) -> Result<Reading, FileError> {
 }
 
 /// How files begin that are known, and not read.
-const REFUSED: [(&[u8], &str); 2] = [(b"MATLAB", MATLAB), (b"\x89HDF", MATLAB)];
-
-const MATLAB: &str = "is a MATLAB file, which is not read: save K and M from Python by numpy.savez, or as Matrix Market (scipy.io.mmwrite)";
+const REFUSED: [(&[u8], &str); 1] = [(b"\x89HDF", matlab::NEWER)];
 
 const UNKNOWN: &str = "is of no format that is read: see `microslip import --help`";
 
@@ -95,7 +100,9 @@ impl Format {
             Self::AbaqusSubstructure => abaqus_substructure::read(path, text)?,
             Self::CalculixMatrix => vec![calculix::read_matrix(path, text)?],
             Self::HarwellBoeing => harwell_boeing::read(path, text)?,
-            Self::Op4Text | Self::Op4Binary | Self::Numpy => op4_text::read(path, text)?,
+            Self::Op4Text | Self::Op4Binary | Self::Numpy | Self::Matlab => {
+                op4_text::read(path, text)?
+            }
             Self::CalculixNames => {
                 return Ok((Vec::new(), Some(calculix::read_names(path, text)?)));
             }
@@ -174,6 +181,7 @@ impl Format {
             Self::Op4Text => "Nastran OUTPUT4 (text)",
             Self::Op4Binary => "Nastran OUTPUT4 (binary)",
             Self::Numpy => "NumPy arrays",
+            Self::Matlab => "MATLAB",
         }
     }
 }

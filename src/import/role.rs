@@ -111,7 +111,8 @@ impl Role {
         }
     }
 
-    fn of_word(word: &str) -> Option<Self> {
+    /// The role of a matrix of this name.
+    pub(super) fn of_word(word: &str) -> Option<Self> {
         let upper = word.trim().to_ascii_uppercase();
         let mut listed = WORDS.iter();
         listed

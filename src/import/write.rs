@@ -1,19 +1,18 @@
 //! The folder of an imported model: matrices, names, and a study to look at, edit and run. It appears whole or not at all.
 
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::dof::Dof;
 use super::forces::Forces;
-use super::matrix::DOUBLE_DIGITS;
-use super::model::{ImportedModel, Part};
-use super::pairs::{ImportedPair, Preload};
+use super::model::ImportedModel;
+use super::pairs::ImportedPair;
 use super::role::Role;
 use super::symmetric::Symmetric;
 use crate::file::{self, FileError};
-use crate::model::matrix_checks::rounding;
+use crate::model::matrix_writer::{write_column, write_symmetric};
+use crate::model::model_text::{inline, quoted};
 
 /// What is written beside the matrices.
 #[derive(Debug, Clone, Default)]
@@ -54,62 +53,19 @@ const BAND: [f64; 2] = [0.5, 2.0];
 /// # Errors
 /// [`FileError`] if it has content or cannot be written; then nothing is left behind.
 pub fn write(model: &ImportedModel, parts: &StudyParts, output: &Path) -> Result<(), FileError> {
-    let system = |path: &Path| {
-        let path = path.to_owned();
-        move |source| FileError::system(&path, source)
-    };
-    refuse_content(output)?;
-    let parent = match output.parent() {
-        Some(parent) if parent != Path::new("") => parent.to_owned(),
-        _ => PathBuf::from("."),
-    };
-    std::fs::create_dir_all(&parent).map_err(system(&parent))?;
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    {
-        // the library's default is 0700; models are for colleagues too, as far as the umask allows
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o777));
-    }
-    let folder = builder.prefix(".import-").tempdir_in(&parent);
-    let folder = folder.map_err(system(&parent))?;
-    fill(model, parts, folder.path())?;
-    if output.exists() {
-        std::fs::remove_dir(output).map_err(system(output))?;
-    }
-    std::fs::rename(folder.path(), output).map_err(system(output))?;
-    // its old name is free: nothing is left to be deleted
-    let _ = folder.keep();
-    Ok(())
-}
-
-/// An older folder may hold what a user has edited.
-///
-/// # Errors
-/// [`FileError`] if the folder has content.
-pub fn refuse_content(output: &Path) -> Result<(), FileError> {
-    let entries = match std::fs::read_dir(output) {
-        Err(source) if source.kind() == std::io::ErrorKind::NotFound => return Ok(()),
-        entries => entries.map_err(|source| FileError::system(output, source))?,
-    };
-    match entries.count() {
-        0 => Ok(()),
-        _ => {
-            let rule = "has content already: take another folder with --output, or delete it";
-            Err(FileError::content(output, None, rule))
-        }
-    }
+    file::write_folder(output, |folder| fill(model, parts, folder))
 }
 
 fn fill(model: &ImportedModel, parts: &StudyParts, folder: &Path) -> Result<(), FileError> {
     for (role, _, name) in FILES {
         if let Some(part) = model.matrices.get(&role) {
-            write_matrix(&folder.join(name), part)?;
+            let Symmetric { n, lower } = &part.values;
+            write_symmetric(&folder.join(name), *n, lower, part.digits)?;
         }
     }
     for (role, _, name) in FORCE_FILES {
         if let Some(part) = model.forces.get(&role) {
-            write_vector(&folder.join(name), part)?;
+            write_column(&folder.join(name), &part.values, part.digits)?;
         }
     }
     file::replace(&folder.join("dofs.txt"), |out| {
@@ -120,41 +76,6 @@ fn fill(model: &ImportedModel, parts: &StudyParts, folder: &Path) -> Result<(), 
         out.write_all(study.as_bytes())
     })?;
     Ok(())
-}
-
-/// A number with the digits that its file had, so that nobody takes it for more exact.
-fn rounded(value: f64, digits: u32) -> String {
-    match digits {
-        digits if rounding(digits) > 0.0 && digits < DOUBLE_DIGITS => {
-            format!("{value:.*e}", digits as usize - 1)
-        }
-        _ => format!("{value:e}"),
-    }
-}
-
-fn write_matrix(path: &Path, part: &Part<Symmetric>) -> Result<(), FileError> {
-    let Symmetric { n, lower } = &part.values;
-    let written = file::replace(path, |out| {
-        let mut out = std::io::BufWriter::new(out);
-        writeln!(out, "%%MatrixMarket matrix coordinate real symmetric")?;
-        writeln!(out, "{n} {n} {}", lower.len())?;
-        for (row, column, value) in lower {
-            let value = rounded(*value, part.digits);
-            writeln!(out, "{} {} {value}", row + 1, column + 1)?;
-        }
-        out.flush()
-    });
-    written.map(|_| ())
-}
-
-fn write_vector(path: &Path, part: &Part<Vec<f64>>) -> Result<(), FileError> {
-    let written = file::replace(path, |out| {
-        writeln!(out, "%%MatrixMarket matrix array real general")?;
-        writeln!(out, "{} 1", part.values.len())?;
-        let mut values = part.values.iter();
-        values.try_for_each(|value| writeln!(out, "{}", rounded(*value, part.digits)))
-    });
-    written.map(|_| ())
 }
 
 /// The study file.
@@ -197,7 +118,7 @@ fn study(model: &ImportedModel, parts: &StudyParts) -> String {
         );
     }
     for pair in &parts.pairs {
-        text.push_str(&contact(pair));
+        text.push_str(&pair.table().text(true));
     }
     text.push_str("\n[contact]\nlaw = \"circle\"\n\n[frequency]\n");
     text.push_str(&band(&parts.frequencies_hz));
@@ -235,35 +156,6 @@ fn forces(model: &ImportedModel, forces: &Forces) -> String {
     text
 }
 
-fn contact(pair: &ImportedPair) -> String {
-    let mut text = format!("\n[[model.contact]]\nname = {}\n", quoted(&pair.name));
-    let (k_n, k_t) = (pair.k_n, pair.k_t);
-    for (key, row, stiffness) in [
-        ("t1", &pair.t1, ("k_t1", k_t)),
-        ("t2", &pair.t2, ("k_t2", k_t)),
-        ("n", &pair.n, ("k_n", k_n)),
-    ] {
-        if !row.is_empty() {
-            let table: BTreeMap<_, _> = row.iter().cloned().collect();
-            let (name, value) = stiffness;
-            let _ = writeln!(
-                text,
-                "{key} = {}\n{name} = {value:e} # N/m",
-                inline(table.iter())
-            );
-        }
-    }
-    let _ = writeln!(text, "mu = {:?}", pair.mu);
-    let _ = match pair.preload {
-        Preload::Force(n_0) => writeln!(text, "n_0 = {n_0:?} # N"),
-        Preload::Gap(gap) => writeln!(text, "gap = {gap:?} # m"),
-    };
-    if pair.interface > 0 {
-        let _ = writeln!(text, "interface = {}", pair.interface);
-    }
-    text
-}
-
 /// A band around the first flexible mode, to be replaced.
 fn band(frequencies_hz: &[f64]) -> String {
     match frequencies_hz.first() {
@@ -276,26 +168,6 @@ fn band(frequencies_hz: &[f64]) -> String {
         None => "band_hz = [1.0, 1000.0] # the free structure has no flexible mode: replace it\n"
             .to_owned(),
     }
-}
-
-/// `{ "12.1" = 1.0, "34.1" = -1.0 }`.
-fn inline<'e>(entries: impl Iterator<Item = (&'e String, &'e f64)>) -> String {
-    let entries: Vec<_> = entries
-        .map(|(name, value)| format!("{} = {value:?}", quoted(name)))
-        .collect();
-    format!("{{ {} }}", entries.join(", "))
-}
-
-/// A text as TOML writes it.
-fn quoted(text: &str) -> String {
-    let plain = text.chars().filter(|c| !c.is_control());
-    let escaped: String = plain
-        .flat_map(|c| {
-            let escape = matches!(c, '"' | '\\').then_some('\\');
-            escape.into_iter().chain(std::iter::once(c))
-        })
-        .collect();
-    format!("\"{escaped}\"")
 }
 
 /// Whether a name can be told from the names of other degrees of freedom by its node.

@@ -11,7 +11,7 @@ use super::dof_index::DofIndex;
 use super::matrix_checks::{positive_definite, positive_semidefinite, symmetric};
 use super::matrix_contacts::ContactTable;
 use super::matrix_market::{Stated, read_matrix};
-use super::{ReducedModel, Response};
+use super::{Mirror, ReducedModel, Response};
 use crate::contact::ContactParameters;
 use crate::file::{self, FileError};
 use crate::linalg::symmetric_generalized_eigen;
@@ -52,6 +52,9 @@ pub struct MatricesSettings {
     pub modal_damping_ratio: Option<f64>,
     /// Stiffness that acts on the mean position (harmonic 0) only: Matrix Market file.
     pub retention: Option<PathBuf>,
+    /// Mirror symmetry of the model, of which one half is then solved where all is symmetric (`solver.mirror`): Matrix Market file of
+    /// the matrix that maps each displacement to its image, one entry 1 or -1 per column.
+    pub mirror: Option<PathBuf>,
     /// Names of the degrees of freedom, in the order of the matrices; "1", "2", … if absent.
     pub dof_names: Option<DofNames>,
     /// Static force f₀.
@@ -178,6 +181,11 @@ impl MatricesSettings {
             Some(file) => Some(self.checked(folder, file, Some(n), positive_semidefinite)?),
             None => None,
         };
+        let is_mirror = |a: &Mat<f64>, _| Mirror::of_matrix(a).map(|_| ());
+        let mirror = match &self.mirror {
+            Some(file) => Some(self.checked(folder, file, Some(n), is_mirror)?),
+            None => None,
+        };
         let dof_names = self.names(folder, n)?;
         let index = DofIndex(dof_names.iter().cloned().zip(0..).collect());
         let vector = |key, vector: &Option<Vector>| dense(folder, key, vector, n, &index);
@@ -206,7 +214,7 @@ impl MatricesSettings {
             contacts,
             cosine_force,
             sine_force,
-            mirror: None,
+            mirror: mirror.and_then(|matrix| Mirror::of_matrix(&matrix).ok()),
         };
         Ok((model, parameters))
     }
@@ -224,11 +232,14 @@ impl MatricesSettings {
             _ => None,
         };
         let matrices = [&self.mass, &self.stiffness].into_iter();
-        (matrices.chain(&self.damping).chain(&self.retention))
-            .chain(names)
-            .chain(of_vectors)
-            .map(PathBuf::as_path)
-            .collect()
+        (matrices
+            .chain(&self.damping)
+            .chain(&self.retention)
+            .chain(&self.mirror))
+        .chain(names)
+        .chain(of_vectors)
+        .map(PathBuf::as_path)
+        .collect()
     }
 
     /// Reads a square symmetric matrix of `size` rows with a further property.

@@ -40,8 +40,11 @@ pub mod matrices;
 pub(crate) mod matrix_checks;
 pub mod matrix_contacts;
 pub(crate) mod matrix_market;
+pub(crate) mod matrix_writer;
 pub mod mirror;
+pub(crate) mod model_text;
 pub mod modes;
+pub mod rigid;
 
 mod craig_bampton;
 mod dof_index;

@@ -3,6 +3,8 @@
 use faer::Mat;
 
 use super::ReducedModel;
+use super::matrix_writer::lower;
+use super::rigid::{RigidModes, Triangles, axes, digits, total_mass};
 use crate::contact::ContactParameters;
 use crate::linalg::{LinalgError, symmetric_generalized_eigen};
 
@@ -13,6 +15,33 @@ impl ReducedModel {
     /// [`LinalgError`] if the matrices are not what the model promises.
     pub fn free_frequencies(&self) -> Result<Vec<f64>, LinalgError> {
         frequencies(&self.stiffness, &self.mass)
+    }
+
+    /// Natural angular frequencies (rad/s) without contact forces, and the rigid-body modes among them.
+    ///
+    /// # Errors
+    /// [`LinalgError`] if the matrices are not what the model promises.
+    pub fn free_modes(&self) -> Result<(Vec<f64>, RigidModes), LinalgError> {
+        let (k, m) = (&self.stiffness, &self.mass);
+        let (lambda, shapes) = symmetric_generalized_eigen(k.as_ref(), m.as_ref())?;
+        let triangles = Triangles {
+            stiffness: || lower(k),
+            digits: digits(lower(k)),
+            mass: || lower(m),
+        };
+        let rigid = triangles.rigid_modes(&lambda, &shapes, &self.axes());
+        Ok((roots(&lambda), rigid))
+    }
+
+    /// r'Mr of the unit displacement along x, y and z; nothing where no name of a degree of freedom is `node.1`, `node.2` or
+    /// `node.3`.
+    #[must_use]
+    pub fn total_mass(&self) -> Option<[f64; 3]> {
+        total_mass(lower(&self.mass), &self.axes())
+    }
+
+    fn axes(&self) -> Vec<Option<usize>> {
+        axes(self.dof_names.iter().cloned())
     }
 
     /// Natural angular frequencies (rad/s) with every contact closed and stuck, ascending.
@@ -47,5 +76,9 @@ impl ReducedModel {
 /// √λ of K φ = λ M φ.
 fn frequencies(stiffness: &Mat<f64>, mass: &Mat<f64>) -> Result<Vec<f64>, LinalgError> {
     let (lambda, _) = symmetric_generalized_eigen(stiffness.as_ref(), mass.as_ref())?;
-    Ok(lambda.iter().map(|l| l.max(0.0).sqrt()).collect())
+    Ok(roots(&lambda))
+}
+
+fn roots(lambda: &[f64]) -> Vec<f64> {
+    lambda.iter().map(|l| l.max(0.0).sqrt()).collect()
 }

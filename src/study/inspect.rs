@@ -4,6 +4,7 @@ use super::frequency::FrequencyUnit;
 use super::read::{Study, StudyModel};
 use crate::Error;
 use crate::hb::equations::jacobian::{DENSE_FALLBACK_LIMIT, DENSE_LIMIT};
+use crate::model::rigid::RigidModes;
 use crate::model::two_blade::{ComponentSummary, PressureInputs};
 use crate::report::asked::Stopping;
 use crate::sampling::Input;
@@ -12,8 +13,6 @@ use crate::sampling::Input;
 const SHOWN: usize = 10;
 /// Range in which the first flexible frequency of a blade in SI units must lie (Hz).
 const PLAUSIBLE_HZ: [f64; 2] = [0.1, 1e6];
-/// Frequencies below this part of the largest one are rigid-body modes up to round-off.
-const RIGID: f64 = 1e-6;
 
 /// Facts about a study, none of which needs a nonlinear solution.
 #[derive(Debug, Clone)]
@@ -30,8 +29,11 @@ pub struct Inspection {
     pub response_names: Vec<String>,
     /// Components that were reduced, by name.
     pub components: Vec<(&'static str, ComponentSummary)>,
-    /// Number of rigid-body modes without contact.
-    pub n_rigid: usize,
+    /// Total mass along x, y and z (kg; in the unit of the matrices in a study in rad/s): of the finite elements of the built-in model;
+    /// of matrices where names tell the directions, [`crate::model::ReducedModel::total_mass`].
+    pub total_mass: Option<[f64; 3]>,
+    /// Rigid-body modes without contact.
+    pub rigid: RigidModes,
     /// First flexible natural frequencies without contact.
     pub free: Vec<f64>,
     /// First natural frequencies with every contact closed and stuck.
@@ -67,6 +69,8 @@ pub struct Inspection {
 pub fn inspect(study: &Study) -> Result<Inspection, Error> {
     let built = study.build_model()?;
     let n_contacts = study.linear(&built)?.n_contacts();
+    let whole = n_contacts == built.reduced.n_contacts();
+    let asymmetric = whole && study.folds() && built.reduced.mirror.is_some();
     let components = built.components();
     let StudyModel {
         reduced: model,
@@ -79,10 +83,9 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
     };
     let unit = study.frequency.unit;
     let in_unit = |omega: Vec<f64>| omega.iter().map(|w| unit.of_rad_s(*w)).collect::<Vec<_>>();
-    let free = in_unit(model.free_frequencies().map_err(no_modes)?);
+    let (free, rigid) = model.free_modes().map_err(no_modes)?;
+    let free = in_unit(free);
     let stuck = in_unit(model.stuck_frequencies(&parameters).map_err(no_modes)?);
-    let rigid_below = RIGID * free.last().copied().unwrap_or(0.0);
-    let n_rigid = free.iter().take_while(|f| **f <= rigid_below).count();
     let names = |rows: &[crate::model::Response]| rows.iter().map(|r| r.name.clone()).collect();
     let unknowns = unknowns(study, n_contacts);
     Ok(Inspection {
@@ -90,10 +93,14 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         unit,
         contact_names: model.contacts.iter().map(|c| c.name.clone()).collect(),
         response_names: names(&model.responses),
-        warnings: warnings(study, free.get(n_rigid).copied()),
+        warnings: warnings(study, free.get(rigid.count).copied(), asymmetric),
         components,
-        n_rigid,
-        free: free.into_iter().skip(n_rigid).take(SHOWN).collect(),
+        total_mass: match &rig {
+            Some(rig) => Some(rig.total_mass()),
+            None => model.total_mass(),
+        },
+        rigid,
+        free: free.into_iter().skip(rigid.count).take(SHOWN).collect(),
         stuck: stuck.into_iter().take(SHOWN).collect(),
         inputs: study
             .design
@@ -198,7 +205,7 @@ fn time(study: &Study, unknowns: usize) -> f64 {
     study.levels.len() as f64 * work * solve
 }
 
-fn warnings(study: &Study, flexible: Option<f64>) -> Vec<String> {
+fn warnings(study: &Study, flexible: Option<f64>, asymmetric: bool) -> Vec<String> {
     let mut warnings = Vec::new();
     let [low, high] = PLAUSIBLE_HZ;
     match flexible {
@@ -212,6 +219,11 @@ fn warnings(study: &Study, flexible: Option<f64>) -> Vec<String> {
     }
     warnings.extend(study.warnings.iter().cloned());
     warnings.extend(study.unfolded());
+    if asymmetric {
+        let reason =
+            "the mirror changes a matrix, a force or a contact pair: solved on all contacts";
+        warnings.push(format!("model.mirror: {reason}"));
+    }
     if study.samples > 1 && study.design.inputs().is_empty() {
         warnings.push("no [inputs]: every sample will be the same".to_owned());
     }

@@ -22,6 +22,7 @@
 pub mod compare;
 pub mod document;
 pub mod evaluator;
+pub mod export;
 pub mod extend;
 pub mod frequency;
 mod inputs;
@@ -53,6 +54,7 @@ pub mod tables;
 
 pub use compare::compare;
 pub use evaluator::{EvaluationError, Evaluator};
+pub use export::{Exported, export};
 pub use extend::extend;
 pub use frequency::{FrequencySettings, FrequencyUnit, Points};
 pub use inspect::{Inspection, inspect};

@@ -314,9 +314,11 @@ impl Study {
     /// What the model lacks for an input.
     fn lacking(&self, input: Input, model: &ReducedModel) -> Option<String> {
         let weighted = |blades: &TwoBladeSettings| blades.pressure_weights.is_some();
+        let rig = only_of_rig(input).filter(|_| matches!(self.model, ModelSettings::Matrices(_)));
+        if let Some(reason) = rig {
+            return Some(reason.to_owned());
+        }
         let reason = match (input, &self.model) {
-            (Input::EdgePressure, ModelSettings::Matrices(_)) => NO_POSITIONS,
-            (Input::StripThickness, ModelSettings::Matrices(_)) => NO_STRIP,
             (
                 Input::EdgePressure,
                 ModelSettings::TwoBladeStrip {
@@ -410,6 +412,15 @@ fn sample_solver(document: &mut Document<'_>, design: &Design) -> Result<SampleS
         return Err(document.at_key("test_function", rule));
     }
     Ok(SampleSolver::Function(function))
+}
+
+/// Why an input is of the built-in model alone; nothing for an input of any model.
+pub(super) fn only_of_rig(input: Input) -> Option<&'static str> {
+    match input {
+        Input::EdgePressure | Input::PressureMode(_) => Some(NO_POSITIONS),
+        Input::StripThickness => Some(NO_STRIP),
+        _ => None,
+    }
 }
 
 /// Folder of a file.

@@ -50,6 +50,14 @@ pub struct ContactSection {
     anchor: Option<SliderAnchor>,
 }
 
+/// Keys of `[contact]` that are constants of the interfaces of the built-in model.
+pub(super) const OF_INTERFACE: [&str; 4] = [
+    "normal_stiffness_n_per_um",
+    "tangential_stiffness_n_per_um",
+    "friction_coefficient",
+    "share",
+];
+
 impl ContactSection {
     /// Constants of the interfaces of the built-in model.
     ///
@@ -80,18 +88,12 @@ impl ContactSection {
     pub fn refuse_interface(&self) -> Result<(), BadSetting> {
         let share = self.share.map(|share| format!("{share:?}"));
         let given = [
-            (
-                "normal_stiffness_n_per_um",
-                number(self.normal_stiffness_n_per_um),
-            ),
-            (
-                "tangential_stiffness_n_per_um",
-                number(self.tangential_stiffness_n_per_um),
-            ),
-            ("friction_coefficient", number(self.friction_coefficient)),
-            ("share", share),
+            number(self.normal_stiffness_n_per_um),
+            number(self.tangential_stiffness_n_per_um),
+            number(self.friction_coefficient),
+            share,
         ];
-        for (key, value) in given {
+        for (key, value) in OF_INTERFACE.into_iter().zip(given) {
             let rule = "must be absent: a model of kind \"matrices\" has its constants in [[model.contact]]";
             BadSetting::unless(value.is_none(), key, value.unwrap_or_default(), rule)?;
         }

@@ -107,8 +107,12 @@ fn assert_is_the_chain(files: &str, written: &[(&str, String)]) {
     for (found, expected) in frequencies.iter().zip(frequencies_hz()) {
         assert!((found / expected - 1.0).abs() < 1e-8, "{files}: {list}");
     }
-    assert!(list.contains("(3 rigid-body modes)"), "{files}: {list}");
+    assert!(
+        list.contains("(3 rigid-body modes: translations x, y, z)"),
+        "{files}: {list}"
+    );
     assert_eq!(numbers(&list, "total mass"), [M * N as f64; 3], "{files}");
+    assert_eq!(numbers(&list, "weight")[..3], [9.80665; 3], "{files}");
     let sizes = numbers(&list, "matrix K");
     assert_eq!(sizes[0], ROWS as f64, "{files}");
     assert_eq!(sizes[1], (ROWS + 2 * 3 * (N - 1)) as f64, "{files}");
@@ -157,7 +161,16 @@ fn response(units: &str, [of_k, of_m]: [f64; 2], [k, press, force]: [&str; 3]) -
     assert_eq!(numbers(&list, "total mass"), [M * N as f64; 3], "{units}");
     let model = path.join("model");
     let inspected = imported(&model, &["inspect", "study.toml"]);
-    assert!(inspected.contains("(3 rigid-body modes)"), "{inspected}");
+    assert_eq!(
+        numbers(&inspected, "total mass"),
+        [M * N as f64; 3],
+        "{units}"
+    );
+    assert_eq!(numbers(&inspected, "weight")[..3], [9.80665; 3], "{units}");
+    assert!(
+        inspected.contains("(3 rigid-body modes: translations x, y, z)"),
+        "{inspected}"
+    );
     let study = model.join("study.toml");
     let text = std::fs::read_to_string(&study).unwrap();
     let quick = "values_hz = [250.0]\n[solver]\nharmonics = 1\ntime_points = 64\nalert = false\n";
@@ -209,7 +222,10 @@ fn nine_digits_are_enough_for_a_free_structure() {
         "model",
     ];
     let list = imported(folder.path(), &arguments);
-    assert!(list.contains("(3 rigid-body modes)"), "{list}");
+    assert!(
+        list.contains("(3 rigid-body modes: translations x, y, z)"),
+        "{list}"
+    );
     imported(&folder.path().join("model"), &["inspect", "study.toml"]);
     write(folder.path(), "K.mmf", &ansys::sparse_market(entry));
     std::fs::remove_dir_all(folder.path().join("model")).unwrap();

@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::chain::{mass, stiffness};
 use crate::op4::{Form, layouts, text};
-use crate::{abaqus, ansys, calculix, nastran, numpy};
+use crate::{abaqus, ansys, calculix, matlab, nastran, numpy};
 use microslip::import::read;
 
 /// Files of a reader in an ordinary run.
@@ -178,4 +178,11 @@ fn mutated_arrays_are_survived() {
     survive("K.npy", &numpy::npy("<f8", false, "(3, 3)", &data));
     survive("K.npz", &numpy::save_npz());
     survive("model.npz", &numpy::savez(zip::CompressionMethod::Stored));
+}
+
+#[test]
+fn mutated_variables_are_survived() {
+    for form in matlab::forms() {
+        survive("model.mat", &form.model());
+    }
 }

@@ -11,6 +11,7 @@ mod chain;
 mod command;
 mod damage;
 mod fuzz;
+mod matlab;
 mod nastran;
 mod numpy;
 mod op4;

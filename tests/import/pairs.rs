@@ -87,6 +87,59 @@ fn normals_from_coordinates_and_plane_models() {
     );
 }
 
+/// A pair that names a coordinate system is the pair with its vectors.
+///
+/// Seen to fail with the tangent of the system left out.
+#[test]
+fn systems_give_normals_and_tangents() {
+    let folder = abaqus_folder();
+    let path = folder.path();
+    let vectors =
+        "node_a,node_b,nx,ny,nz,tx,ty,tz,mu\n11,7,0,0.6,0.8,0,-0.8,0.6,0.3\n120,4,1,0,0,,,,0.4\n";
+    write(path, "pairs.csv", vectors);
+    let expected = study(path, &BASE);
+    std::fs::remove_dir_all(path.join("model")).unwrap();
+    let named = "node_a,node_b,system,mu\n11,7,under platform,0.3\n120,4,side,0.4\n";
+    write(path, "pairs.csv", named);
+    let systems = "name,nx,ny,nz,tx,ty,tz\nside,1,0,0,,,\nunder platform,0,0.6,0.8,0,-0.8,0.6\n";
+    write(path, "systems.csv", systems);
+    let arguments = [&BASE[..], &["--systems", "systems.csv"]].concat();
+    assert_eq!(study(path, &arguments), expected);
+}
+
+/// A row of pairs, a table of systems, and what the message must hold.
+const DAMAGED_SYSTEMS: &str = "
+11,7,side,0,0,1,, | name,nx,ny,nz\\nside,1,0,0 | pairs.csv:2: nx: must be absent, since system side is given
+11,7,side,,,,,1 | name,nx,ny,nz\\nside,1,0,0 | pairs.csv:2: ty: must be absent, since system side is given
+11,7,top,,,,, | name,nx,ny,nz\\nside,1,0,0 | pairs.csv:2: system top: must be a row of --systems
+11,7,side,,,,, | name,nx,ny,nz\\nside,1,0,0\\nside,0,1,0 | systems.csv:3: system side: must be given once
+11,7,side,,,,, | name,nx,ny,nz\\nside,0,0,0 | systems.csv:2: system side: nx, ny, nz: must not be zero
+11,7,side,,,,, | name,nx,ny,nz\\nside,1,,0 | systems.csv:2: nx, ny, nz: must be given together
+11,7,side,,,,, | name,nx,ny,nz\\nside,,, | systems.csv:2: nx, ny, nz: must be given, from A into B
+11,7,side,,,,, | name,nx,ny,nz\\n,1,0,0 | systems.csv:2: name: must be given
+11,7,side,,,,, | name,nx,ny,nz,tx,ty,tz\\nside,1,0,0,1,0,0 | systems.csv:2: system side: tx, ty, tz: must be perpendicular
+11,7,side,,,,, | name,nx,ny\\nside,1,0 | systems.csv:1: must have a column nz
+";
+
+/// Seen to fail with vectors beside a system accepted.
+#[test]
+fn damaged_systems_are_refused() {
+    let folder = abaqus_folder();
+    let path = folder.path();
+    let arguments = [&BASE[..], &["--mu", "0.3", "--systems", "systems.csv"]].concat();
+    for line in DAMAGED_SYSTEMS.lines().skip(1) {
+        let cells: Vec<&str> = line.split(" | ").collect();
+        let pairs = format!("node_a,node_b,system,nx,ny,nz,tx,ty\n{}\n", cells[0]);
+        write(path, "pairs.csv", &pairs);
+        write(path, "systems.csv", &cells[1].replace("\\n", "\n"));
+        assert_refused(path, &arguments, &[cells[2]]);
+    }
+    write(path, "pairs.csv", "node_a,node_b,system\n11,7,side\n");
+    let without = [&BASE[..], &["--mu", "0.3"]].concat();
+    let rule = "pairs.csv:2: system side: must be a row of --systems";
+    assert_refused(path, &without, &[rule]);
+}
+
 /// Rows of a table, and what the message must hold.
 const DAMAGED_ROWS: &str = "
 12,7,0,0,1,,,,,,1,1,0.3,, | :2: node_a 12: must be a node of the matrices

@@ -2,8 +2,10 @@
 
 pub(super) mod abaqus_matrix;
 pub(super) mod abaqus_substructure;
+mod arrays;
 pub(super) mod calculix;
 pub(super) mod harwell_boeing;
+pub(super) mod matlab;
 mod nastran_cards;
 pub(super) mod nastran_dmig;
 pub(super) mod nastran_names;

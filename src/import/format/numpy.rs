@@ -8,11 +8,9 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 
 use super::super::lines::MOST_ROWS;
-use super::super::matrix::{
-    Content, DOUBLE_DIGITS, Entries, ImportedMatrix, Rows, SINGLE_DIGITS, Storage,
-};
+use super::super::matrix::{DOUBLE_DIGITS, ImportedMatrix, SINGLE_DIGITS};
+use super::arrays::{MOST_NUMBERS, dense, expanded};
 use crate::file::{FileError, parquet::without_panic};
-use crate::model::matrix_market::LARGEST;
 
 /// How a file of one array begins.
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -123,12 +121,11 @@ impl Array {
         let shape = shape(header)?;
         let kind = quoted(header, "descr").ok_or("must state descr: a number type")?;
         let fortran = after(header, "fortran_order").ok_or("must state fortran_order")?;
-        let most = LARGEST * LARGEST;
         let count = shape
             .iter()
             .try_fold(1_usize, |n, size| n.checked_mul(*size));
-        let count = count.filter(|count| *count <= most);
-        let count = count.ok_or_else(|| format!("has more than {most} numbers"))?;
+        let count = count.filter(|count| *count <= MOST_NUMBERS);
+        let count = count.ok_or_else(|| format!("has more than {MOST_NUMBERS} numbers"))?;
         Ok(Self {
             fortran: fortran.starts_with("True"),
             numbers: numbers(kind, count, data)?,
@@ -138,51 +135,11 @@ impl Array {
 
     /// A square matrix or a vector; nothing for others.
     fn matrix(self, path: &Path, name: String) -> Result<Option<ImportedMatrix>, FileError> {
-        let fault = |rule: String| FileError::content(path, None, rule);
         let Numbers::Real { values, digits } = self.numbers else {
             return Ok(None);
         };
-        let shown = if name.is_empty() {
-            String::new()
-        } else {
-            format!("array {name:.40}: ")
-        };
-        if let Some(at) = values.iter().position(|value| !value.is_finite()) {
-            let value = values[at];
-            let rule = format!(
-                "{shown}number {} = {value}: must be a finite number",
-                at + 1
-            );
-            return Err(fault(rule));
-        }
-        let (rows, content) = match self.shape[..] {
-            [n] | [n, 1] | [1, n] if n > 1 => (n, Content::Column(values)),
-            [n, columns] if n == columns && (1..=LARGEST).contains(&n) => {
-                let mut entries = Entries::default();
-                for (at, value) in values.into_iter().enumerate().filter(|(_, v)| *v != 0.0) {
-                    let (row, column) = match self.fortran {
-                        true => (at % n, at / n),
-                        false => (at / n, at % n),
-                    };
-                    entries.add(row, column, value, 0);
-                }
-                (
-                    n,
-                    Content::Symmetric(entries.symmetric(path, n, Storage::Full)?),
-                )
-            }
-            _ => return Ok(None),
-        };
-        if rows > MOST_ROWS {
-            return Ok(None);
-        }
-        Ok(Some(ImportedMatrix {
-            name,
-            path: path.to_owned(),
-            rows: Rows::Numbered(rows),
-            content,
-            digits,
-        }))
+        let numbers = super::arrays::Numbers { values, digits };
+        dense(path, name, &self.shape, self.fortran, numbers)
     }
 
     /// Whole numbers that are not negative.
@@ -300,7 +257,7 @@ fn sparse(
         "csr" | "csc" => {
             let pointers = indices("indptr")?;
             (
-                expanded(&pointers, n, values.len()).map_err(fault)?,
+                expanded("array indptr", &pointers, n, values.len()).map_err(fault)?,
                 indices("indices")?,
             )
         }
@@ -319,50 +276,12 @@ fn sparse(
         );
         return Err(fault(rule));
     }
-    let mut entries = Entries::default();
-    let places = first.into_iter().zip(second);
-    fill(&mut entries, n, places.zip(values)).map_err(fault)?;
-    Ok(ImportedMatrix {
-        name: String::new(),
-        path: path.to_owned(),
-        rows: Rows::Numbered(n),
-        content: Content::Symmetric(entries.symmetric(path, n, Storage::Unknown)?),
+    let numbers = super::arrays::Numbers {
+        values: values.clone(),
         digits: *digits,
-    })
-}
-
-/// Notes entries that are inside `n` rows and finite.
-fn fill<'v>(
-    entries: &mut Entries,
-    n: usize,
-    values: impl Iterator<Item = ((usize, usize), &'v f64)>,
-) -> Result<(), String> {
-    for ((row, column), value) in values {
-        if row >= n || column >= n || !value.is_finite() {
-            return Err(format!(
-                "entry ({row}, {column}) = {value}: must be finite and inside {n} rows"
-            ));
-        }
-        entries.add(row, column, *value, 0);
-    }
-    Ok(())
-}
-
-/// The row of each entry, from where each row begins.
-fn expanded(pointers: &[usize], n: usize, entries: usize) -> Result<Vec<usize>, String> {
-    let ordered = pointers.len() == n + 1
-        && pointers.first() == Some(&0)
-        && pointers.last() == Some(&entries)
-        && pointers.windows(2).all(|two| two[0] <= two[1]);
-    if !ordered {
-        return Err(format!(
-            "array indptr: must ascend from 0 to {entries} in {} numbers",
-            n + 1
-        ));
-    }
-    let rows = pointers.windows(2).enumerate();
-    let rows = rows.flat_map(|(row, two)| std::iter::repeat_n(row, two[1] - two[0]));
-    Ok(rows.collect())
+    };
+    let places = first.into_iter().zip(second);
+    super::arrays::sparse(path, String::new(), n, places, numbers)
 }
 
 #[cfg(test)]

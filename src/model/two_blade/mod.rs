@@ -64,8 +64,8 @@ pub struct ComponentSummary {
     pub full_frequencies: Vec<f64>,
     /// The same of the reduced component (Hz).
     pub reduced_frequencies: Vec<f64>,
-    /// Mass (kg).
-    pub mass: f64,
+    /// Mass along x, y and z (kg); what moves with a clamped node is not in it.
+    pub mass: [f64; 3],
 }
 
 /// Blade 1 with its modes in reduced coordinates.
@@ -120,6 +120,12 @@ impl TwoBladeModel {
         self.reduced.loads = pressure.loads(self.settings.centrifugal_load_n, &self.reduced);
         self.pressure = pressure;
         self
+    }
+
+    /// Mass of both blades and the strip along x, y and z (kg).
+    #[must_use]
+    pub fn total_mass(&self) -> [f64; 3] {
+        [0, 1, 2].map(|axis| 2.0 * self.blade.mass[axis] + self.strip.mass[axis])
     }
 
     /// The inputs of its contact pressure.
@@ -260,7 +266,10 @@ impl ComponentSummary {
         shift: f64,
     ) -> Result<Self, ModelError> {
         let full = lowest_modes(&fe.stiffness, &fe.mass, COMPARED_MODES, shift)?;
-        let along_z = Mat::from_fn(fe.n_dofs(), 1, |i, _| if i % 3 == 2 { 1.0 } else { 0.0 });
+        let along = |axis: usize| {
+            let unit = Mat::from_fn(fe.n_dofs(), 1, |i, _| f64::from(u8::from(i % 3 == axis)));
+            (unit.transpose() * (&fe.mass * &unit))[(0, 0)]
+        };
         Ok(Self {
             n_fe_dofs: fe.n_dofs(),
             n_masters: reduced.n_masters,
@@ -269,7 +278,7 @@ impl ComponentSummary {
             first_left_out: reduced.first_left_out,
             reduced_frequencies: frequencies(&lambda[..full.lambda.len().min(lambda.len())]),
             full_frequencies: frequencies(&full.lambda),
-            mass: (along_z.transpose() * (&fe.mass * &along_z))[(0, 0)],
+            mass: [0, 1, 2].map(along),
         })
     }
 }

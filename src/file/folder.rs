@@ -1,0 +1,60 @@
+//! A folder that is written as a whole: it appears with all its files or not at all.
+
+use std::path::{Path, PathBuf};
+
+use super::FileError;
+
+/// An older folder may hold what a user has edited.
+///
+/// # Errors
+/// [`FileError`] if the folder has content.
+pub fn refuse_content(output: &Path) -> Result<(), FileError> {
+    let entries = match std::fs::read_dir(output) {
+        Err(source) if source.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+        entries => entries.map_err(|source| FileError::system(output, source))?,
+    };
+    match entries.count() {
+        0 => Ok(()),
+        _ => {
+            let rule = "has content already: take another folder with --output, or delete it";
+            Err(FileError::content(output, None, rule))
+        }
+    }
+}
+
+/// Writes the folder `output`, which must not exist or be empty: `fill` gets a folder beside it, which then takes its name.
+///
+/// # Errors
+/// [`FileError`] if it has content or cannot be written, or what `fill` says; then nothing is left behind.
+pub fn write_folder<E: From<FileError>>(
+    output: &Path,
+    fill: impl FnOnce(&Path) -> Result<(), E>,
+) -> Result<(), E> {
+    let system = |path: &Path| {
+        let path = path.to_owned();
+        move |source| FileError::system(&path, source)
+    };
+    refuse_content(output)?;
+    let parent = match output.parent() {
+        Some(parent) if parent != Path::new("") => parent.to_owned(),
+        _ => PathBuf::from("."),
+    };
+    std::fs::create_dir_all(&parent).map_err(system(&parent))?;
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        // the library's default is 0700; models are for colleagues too, as far as the umask allows
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o777));
+    }
+    let folder = builder.prefix(".microslip-").tempdir_in(&parent);
+    let folder = folder.map_err(system(&parent))?;
+    fill(folder.path())?;
+    if output.exists() {
+        std::fs::remove_dir(output).map_err(system(output))?;
+    }
+    std::fs::rename(folder.path(), output).map_err(system(output))?;
+    // its old name is free: nothing is left to be deleted
+    let _ = folder.keep();
+    Ok(())
+}
