@@ -19,6 +19,7 @@ use super::symmetric::Symmetric;
 use super::write::StudyParts;
 use crate::file::FileError;
 use crate::linalg::{LinalgError, symmetric_eigen};
+use crate::model::lower_triangle::{parts, unsigned_energy};
 use crate::model::matrix_checks::{SEMIDEFINITE_TOLERANCE, not_negative, rounding};
 use crate::model::{CraigBampton, ReductionError};
 use crate::setting::BadSetting;
@@ -227,7 +228,8 @@ fn semidefinite(
         return Ok((a, None));
     };
     let shares = (0..n).into_par_iter().map(|i| {
-        let energy = part.values.unsigned_energy(basis.col_as_slice(i));
+        let column = basis.col_as_slice(i);
+        let energy = unsigned_energy(part.values.lower.iter().copied(), |dof| column[dof]);
         energy / scale[i].powi(2)
     });
     let shares: Vec<f64> = shares.collect();
@@ -243,45 +245,14 @@ fn semidefinite(
 
 /// Why the structure still moves with the masters held.
 fn not_held(stiffness: &Symmetric, masters: &[usize], dofs: &[Dof]) -> String {
-    let mut parts = Parts::new(stiffness.n);
-    for &(row, column, _) in stiffness.lower.iter().filter(|(.., value)| *value != 0.0) {
-        parts.join(row, column);
-    }
-    let held: Vec<usize> = masters.iter().map(|&dof| parts.of(dof)).collect();
-    let free = (0..stiffness.n).find(|&dof| !held.contains(&parts.of(dof)));
+    let parts = parts(stiffness.n, stiffness.lower.iter().copied());
+    let held: BTreeSet<usize> = masters.iter().map(|&dof| parts[dof]).collect();
+    let free = (0..stiffness.n).find(|&dof| !held.contains(&parts[dof]));
     match free {
         Some(dof) => format!(
             "with the kept degrees of freedom held, a part of the structure still moves: no degree of freedom is kept of the part with {}; --keep names some",
             dofs[dof]
         ),
         None => "with the kept degrees of freedom held, the structure still moves, or its stiffness is negative: keep more of them by --keep, such as the displacements of three nodes that are not in a line".to_owned(),
-    }
-}
-
-/// Parts of the structure that no stiffness joins.
-struct Parts {
-    parent: Vec<usize>,
-}
-
-impl Parts {
-    fn new(n: usize) -> Self {
-        Self {
-            parent: (0..n).collect(),
-        }
-    }
-
-    /// The part that a degree of freedom belongs to, by its first one.
-    fn of(&mut self, dof: usize) -> usize {
-        let mut dof = dof;
-        while self.parent[dof] != dof {
-            self.parent[dof] = self.parent[self.parent[dof]];
-            dof = self.parent[dof];
-        }
-        dof
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.of(a), self.of(b));
-        self.parent[a.max(b)] = a.min(b);
     }
 }

@@ -3,6 +3,7 @@
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
 
+use crate::model::lower_triangle::lower;
 use crate::model::matrix_checks::semidefinite;
 
 /// Share by which rounding may make an entry larger than its diagonal entries allow.
@@ -21,12 +22,9 @@ impl Symmetric {
     /// Of both triangles of a dense matrix; zeros are left out.
     #[must_use]
     pub fn of_dense(dense: &Mat<f64>) -> Self {
-        let n = dense.nrows();
-        let lower = (0..n).flat_map(|column| (column..n).map(move |row| (row, column)));
-        let entries = lower.map(|(row, column)| (row, column, dense[(row, column)]));
         Self {
-            n,
-            lower: entries.filter(|(.., value)| *value != 0.0).collect(),
+            n: dense.nrows(),
+            lower: lower(dense).collect(),
         }
     }
 
@@ -69,15 +67,6 @@ impl Symmetric {
             diagonal[row] = value;
         }
         diagonal
-    }
-
-    /// Σ |x_i| |A_ij| |x_j|: rounding the entries of A moves xᵀAx by at most so much times their relative error.
-    pub(super) fn unsigned_energy(&self, x: &[f64]) -> f64 {
-        let term = |&(row, column, value): &(usize, usize, f64)| {
-            let both = if row == column { 1.0 } else { 2.0 };
-            both * (value * x[row] * x[column]).abs()
-        };
-        self.lower.iter().map(term).sum()
     }
 
     /// # Errors

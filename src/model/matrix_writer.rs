@@ -3,8 +3,6 @@
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use faer::Mat;
-
 use super::matrix_checks::rounding;
 use crate::file::{self, FileError};
 
@@ -52,13 +50,6 @@ pub(crate) fn write_column(path: &Path, values: &[f64], digits: u32) -> Result<(
         out.flush()
     });
     written.map(|_| ())
-}
-
-/// Entries of the lower triangle of (A + Aᵀ)/2 that are not zero, column by column.
-pub(crate) fn lower(a: &Mat<f64>) -> impl Iterator<Item = (usize, usize, f64)> {
-    let places = (0..a.ncols()).flat_map(|j| (j..a.nrows()).map(move |i| (i, j)));
-    let entries = places.map(|(i, j)| (i, j, 0.5 * (a[(i, j)] + a[(j, i)])));
-    entries.filter(|(.., value)| *value != 0.0)
 }
 
 fn rounded(value: f64, digits: u32) -> String {

@@ -35,6 +35,7 @@
 //! ```
 
 pub mod interface;
+pub(crate) mod lower_triangle;
 mod masters;
 pub mod matrices;
 pub(crate) mod matrix_checks;

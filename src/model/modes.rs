@@ -3,7 +3,7 @@
 use faer::Mat;
 
 use super::ReducedModel;
-use super::matrix_writer::lower;
+use super::lower_triangle::lower;
 use super::rigid::{RigidModes, Triangles, axes, digits, total_mass};
 use crate::contact::ContactParameters;
 use crate::linalg::{LinalgError, symmetric_generalized_eigen};

@@ -6,6 +6,7 @@ use std::fmt;
 
 use faer::Mat;
 
+use super::lower_triangle::{parts, unsigned_energy};
 use super::matrix_checks::rounding;
 use crate::file::significant_digits;
 
@@ -113,7 +114,10 @@ where
         axes: &[Option<usize>],
     ) -> RigidModes {
         let share = RIGID + rounding(self.digits);
-        let is_rigid = |mode: &usize| lambda[*mode] <= share * self.unsigned_energy(shapes, *mode);
+        let is_rigid = |mode: &usize| {
+            let energy = unsigned_energy((self.stiffness)(), |i| shapes[(i, *mode)]);
+            lambda[*mode] <= share * energy
+        };
         let count = (0..lambda.len()).take_while(is_rigid).count();
         let known = count > 0 && axes.iter().any(Option::is_some);
         RigidModes {
@@ -123,18 +127,10 @@ where
         }
     }
 
-    /// Σ |φ_i| |K_ij| |φ_j|: rounding the entries of K moves λ by at most so much times their relative error.
-    fn unsigned_energy(&self, shapes: &Mat<f64>, mode: usize) -> f64 {
-        let term = |(row, column, value): (usize, usize, f64)| {
-            let both = if row == column { 1.0 } else { 2.0 };
-            both * (value * shapes[(row, mode)] * shapes[(column, mode)]).abs()
-        };
-        (self.stiffness)().map(term).sum()
-    }
-
     /// How many parts can move along each axis: the unit displacement of a part is then a combination of rigid-body modes.
     fn translations(&self, rigid: &Mat<f64>, axes: &[Option<usize>]) -> [usize; 3] {
-        let parts = self.parts(rigid.nrows());
+        let entries = (self.stiffness)().chain((self.mass)());
+        let parts = parts(rigid.nrows(), entries);
         let n = parts.len();
         [0, 1, 2].map(|axis| {
             let along: Vec<bool> = axes.iter().map(|a| *a == Some(axis)).collect();
@@ -164,27 +160,6 @@ where
             missing.into_iter().zip(energy).filter(moves).count()
         })
     }
-
-    /// For each row the least row that it is connected with, by entries of K and M.
-    fn parts(&self, n: usize) -> Vec<usize> {
-        let mut parent: Vec<usize> = (0..n).collect();
-        fn root(parent: &mut [usize], mut row: usize) -> usize {
-            while parent[row] != row {
-                parent[row] = parent[parent[row]];
-                row = parent[row];
-            }
-            row
-        }
-        let mut join = |(row, column, value): (usize, usize, f64)| {
-            if value != 0.0 {
-                let (a, b) = (root(&mut parent, row), root(&mut parent, column));
-                parent[a.max(b)] = a.min(b);
-            }
-        };
-        (self.stiffness)().for_each(&mut join);
-        (self.mass)().for_each(join);
-        (0..n).map(|row| root(&mut parent, row)).collect()
-    }
 }
 
 /// Most significant digits that a number needs to be told from others, at most 17: how exactly a matrix that was read states
@@ -204,7 +179,7 @@ pub(crate) fn digits(values: impl Iterator<Item = (usize, usize, f64)>) -> u32 {
 mod tests {
     use super::*;
     use crate::linalg::symmetric_generalized_eigen;
-    use crate::model::matrix_writer::lower;
+    use crate::model::lower_triangle::lower;
 
     /// The modes of springs (between two rows, or one row and the ground) with unit masses.
     fn modes(names: &[&str], springs: &[(usize, usize, f64)]) -> String {
