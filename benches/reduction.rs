@@ -40,46 +40,15 @@ fn main() {
     let mesh = tensor_mesh(&lines, &[cuboid]);
     let fe = FeModel::new(mesh, &STEEL, |x| x[2] == 0.0).expect("a blade");
     let folder = tempfile::tempdir().expect("a folder");
-    write(&folder.path().join("blade.sti"), &fe.stiffness);
-    write(&folder.path().join("blade.mas"), &fe.mass);
-    let names: String = (0..fe.n_dofs()).fold(String::new(), |mut names, dof| {
-        let _ = writeln!(names, "{}.{}", dof / 3 + 1, dof % 3 + 1);
-        names
-    });
-    std::fs::write(folder.path().join("blade.dof"), names).expect("names");
-    let bytes: u64 = ["blade.sti", "blade.mas"]
-        .iter()
-        .map(|name| std::fs::metadata(folder.path().join(name)).map_or(0, |m| m.len()))
-        .sum();
-    let source = |name: &str| Source {
-        role: None,
-        path: folder.path().join(name),
-        name: None,
-    };
-    let request = Request {
-        sources: vec![source("blade.sti"), source("blade.mas")],
-        units: Units::Si,
-        output: folder.path().join("model"),
-        pairs: None,
-        nodes: None,
-        constants: PairConstants::default(),
-        excite: Vec::new(),
-        forces: None,
-        load: None,
-        responses: Vec::new(),
-        damping_ratio: 0.002,
-        reduction: Some(Reduction {
-            cut_off: CUT_OFF_HZ,
-            keep: kept(&fe),
-        }),
-    };
+    let megabytes = write_model(folder.path(), &fe) >> 20;
+    let request = request(folder.path(), kept(&fe));
     let began = Instant::now();
     let imported = import(&request).expect("a model");
     let reduced = imported.reduced.expect("a reduction");
     println!(
         "{} degrees of freedom, {} MB of matrices; reduced to {} kept and {} modes in {:.1} s, {} MB in memory at most",
         fe.n_dofs(),
-        bytes >> 20,
+        megabytes,
         reduced.masters,
         reduced.modes,
         began.elapsed().as_secs_f64(),
@@ -92,6 +61,45 @@ fn main() {
         .zip(&reduced.frequencies_hz)
     {
         println!("{full:12.3} Hz, reduced {:+.1e}", reduced / full - 1.0);
+    }
+}
+
+/// Matrices and names as CalculiX writes them; the bytes of the matrices.
+fn write_model(folder: &Path, fe: &FeModel) -> u64 {
+    write(&folder.join("blade.sti"), &fe.stiffness);
+    write(&folder.join("blade.mas"), &fe.mass);
+    let names: String = (0..fe.n_dofs()).fold(String::new(), |mut names, dof| {
+        let _ = writeln!(names, "{}.{}", dof / 3 + 1, dof % 3 + 1);
+        names
+    });
+    std::fs::write(folder.join("blade.dof"), names).expect("names");
+    let bytes = |name| std::fs::metadata(folder.join(name)).map_or(0, |m| m.len());
+    bytes("blade.sti") + bytes("blade.mas")
+}
+
+fn request(folder: &Path, keep: Vec<String>) -> Request {
+    let source = |name: &str| Source {
+        role: None,
+        path: folder.join(name),
+        name: None,
+    };
+    Request {
+        sources: vec![source("blade.sti"), source("blade.mas")],
+        units: Units::Si,
+        output: folder.join("model"),
+        pairs: None,
+        nodes: None,
+        systems: None,
+        constants: PairConstants::default(),
+        excite: Vec::new(),
+        forces: None,
+        load: None,
+        responses: Vec::new(),
+        damping_ratio: 0.002,
+        reduction: Some(Reduction {
+            cut_off: CUT_OFF_HZ,
+            keep,
+        }),
     }
 }
 

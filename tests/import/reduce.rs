@@ -232,7 +232,15 @@ fn what_cannot_be_reduced_is_refused() {
         let arguments: Vec<&str> = fixed.iter().chain(options).copied().collect();
         assert_refused(folder.path(), &arguments, &[rule]);
     }
-    // a spring is cut: the second half is free, whatever is kept of the first one
+}
+
+/// A spring is cut: the second half is free, whatever is kept of the first one. A negative mass keeps its own message.
+///
+/// Seen to fail without the search for the part that is not held.
+#[test]
+fn a_part_that_is_not_held_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    chain(folder.path(), 300, 0.0, &[]);
     let text = std::fs::read_to_string(folder.path().join("K.mtx")).unwrap();
     let cut = format!("151 150 {:.15e}", -K);
     let both = |at: usize| format!("{at} {at} {:.15e}", 2.0 * K);
@@ -242,14 +250,10 @@ fn what_cannot_be_reduced_is_refused() {
         .replace(&both(150), &one(150))
         .replace(&both(151), &one(151));
     write(folder.path(), "K.mtx", &text);
-    let arguments: Vec<&str> = fixed
-        .iter()
-        .chain(&["--cut-off", "10", "--keep", "1"])
-        .copied()
-        .collect();
+    let arguments = "import K.mtx M.mtx --units SI --output model --cut-off 10 --keep 1";
+    let arguments: Vec<&str> = arguments.split(' ').collect();
     let rule = "no degree of freedom is kept of the part with 151.1";
     assert_refused(folder.path(), &arguments, &["K.mtx", rule]);
-    // a negative mass and a negative spring keep their own message
     let text = std::fs::read_to_string(folder.path().join("M.mtx")).unwrap();
     let negative = text.replace("\n7 7 2.", "\n7 7 -2.");
     assert_ne!(text, negative);
