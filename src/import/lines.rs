@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::file::{FileError, parse_number};
 
-/// Rows of a sparse matrix at most; a model of so many takes several hundred GB to be reduced.
+/// Rows of a sparse matrix at most; a reduction of so many takes some 60 GB.
 pub(super) const MOST_ROWS: usize = 1_000_000;
 
 /// Lines of a text with their numbers, without white space at the end.
