@@ -10,6 +10,36 @@ use crate::model::matrix_market::LARGEST;
 /// Numbers of an array at most.
 pub(super) const MOST_NUMBERS: usize = LARGEST * LARGEST;
 
+/// How the bytes of a number are meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Of 4 or 8 bytes.
+    Float,
+    Signed,
+    Unsigned,
+}
+
+/// The number that one to eight `bytes` are.
+pub(super) fn number(bytes: &[u8], kind: Kind, big_endian: bool) -> f64 {
+    let width = bytes.len();
+    let mut bits = [0; 8];
+    bits[..width].copy_from_slice(bytes);
+    if big_endian {
+        bits[..width].reverse();
+    }
+    let raw = u64::from_le_bytes(bits);
+    match kind {
+        Kind::Float if width == 4 => f64::from(f32::from_bits(raw as u32)),
+        Kind::Float => f64::from_bits(raw),
+        Kind::Signed => {
+            // the sign moves to the first bit and back
+            let free = 64 - 8 * width;
+            ((raw << free) as i64 >> free) as f64
+        }
+        Kind::Unsigned => raw as f64,
+    }
+}
+
 /// Numbers, and how exactly the file states them.
 #[derive(Debug)]
 pub(super) struct Numbers {

@@ -11,7 +11,7 @@ use flate2::read::ZlibDecoder;
 use super::super::lines::MOST_ROWS;
 use super::super::matrix::{Content, DOUBLE_DIGITS, ImportedMatrix, Rows, SINGLE_DIGITS};
 use super::super::role::Role;
-use super::arrays::{self, MOST_NUMBERS, Numbers, expanded};
+use super::arrays::{self, Kind, MOST_NUMBERS, Numbers, expanded, number};
 use crate::file::{FileError, parquet::without_panic};
 
 /// How the text at the beginning of a file begins.
@@ -196,11 +196,17 @@ impl<'b> Reader<'b> {
 impl Element<'_> {
     /// Its numbers, which may be stored in fewer bytes than their class has.
     fn numbers(&self, big_endian: bool) -> Result<Vec<f64>, String> {
-        let width = match self.kind {
-            1 | 2 => 1,
-            3 | 4 => 2,
-            5..=7 => 4,
-            9 | 12 | 13 => 8,
+        let (width, kind) = match self.kind {
+            1 => (1, Kind::Signed),
+            2 => (1, Kind::Unsigned),
+            3 => (2, Kind::Signed),
+            4 => (2, Kind::Unsigned),
+            5 => (4, Kind::Signed),
+            6 => (4, Kind::Unsigned),
+            7 => (4, Kind::Float),
+            9 => (8, Kind::Float),
+            12 => (8, Kind::Signed),
+            13 => (8, Kind::Unsigned),
             kind => return Err(format!("has data of type {kind}: must be numbers")),
         };
         let (count, bytes) = (self.bytes.len() / width, self.bytes.len());
@@ -212,24 +218,8 @@ impl Element<'_> {
                 "has {bytes} bytes: must be numbers of {width} bytes"
             ));
         }
-        let value = |bytes: &[u8]| {
-            let mut bits = [0; 8];
-            bits[..width].copy_from_slice(bytes);
-            if big_endian {
-                bits[..width].reverse();
-            }
-            let raw = u64::from_le_bytes(bits);
-            match self.kind {
-                1 => f64::from(raw as u8 as i8),
-                3 => f64::from(raw as u16 as i16),
-                5 => f64::from(raw as u32 as i32),
-                7 => f64::from(f32::from_bits(raw as u32)),
-                9 => f64::from_bits(raw),
-                12 => raw as i64 as f64,
-                _ => raw as f64,
-            }
-        };
-        Ok(self.bytes.chunks_exact(width).map(value).collect())
+        let numbers = self.bytes.chunks_exact(width);
+        Ok(numbers.map(|n| number(n, kind, big_endian)).collect())
     }
 }
 

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use super::super::lines::MOST_ROWS;
 use super::super::matrix::{DOUBLE_DIGITS, ImportedMatrix, SINGLE_DIGITS};
-use super::arrays::{MOST_NUMBERS, dense, expanded};
+use super::arrays::{Kind, MOST_NUMBERS, dense, expanded, number};
 use crate::file::{FileError, parquet::without_panic};
 
 /// How a file of one array begins.
@@ -183,11 +183,17 @@ fn shape(header: &str) -> Result<Vec<usize>, String> {
 fn numbers(kind: &str, count: usize, data: &[u8]) -> Result<Numbers, String> {
     let (order, rest) = kind.split_at_checked(1).unwrap_or(("", ""));
     let big_endian = order == ">";
-    let width = match rest {
-        "f8" | "i8" | "u8" => 8,
-        "f4" | "i4" | "u4" => 4,
-        "i2" | "u2" => 2,
-        "i1" | "u1" | "b1" => 1,
+    let (width, kind) = match rest {
+        "f8" => (8, Kind::Float),
+        "f4" => (4, Kind::Float),
+        "i8" => (8, Kind::Signed),
+        "i4" => (4, Kind::Signed),
+        "i2" => (2, Kind::Signed),
+        "i1" => (1, Kind::Signed),
+        "u8" => (8, Kind::Unsigned),
+        "u4" => (4, Kind::Unsigned),
+        "u2" => (2, Kind::Unsigned),
+        "u1" | "b1" => (1, Kind::Unsigned),
         _ if rest.starts_with('S') && data.len() <= 16 => {
             let text = String::from_utf8_lossy(data);
             return Ok(Numbers::Text(text.trim_end_matches('\0').to_owned()));
@@ -201,29 +207,13 @@ fn numbers(kind: &str, count: usize, data: &[u8]) -> Result<Numbers, String> {
             data.len()
         ));
     }
-    let value = |bytes: &[u8]| {
-        let mut bits = [0; 8];
-        bits[..width].copy_from_slice(bytes);
-        if big_endian {
-            bits[..width].reverse();
-        }
-        let raw = u64::from_le_bytes(bits);
-        match rest {
-            "f8" => f64::from_bits(raw),
-            "f4" => f64::from(f32::from_bits(raw as u32)),
-            "i8" => raw as i64 as f64,
-            "i4" => f64::from(raw as u32 as i32),
-            "i2" => f64::from(raw as u16 as i16),
-            "i1" => f64::from(raw as u8 as i8),
-            _ => raw as f64,
-        }
-    };
     let digits = if rest == "f4" {
         SINGLE_DIGITS
     } else {
         DOUBLE_DIGITS
     };
-    let values = data.chunks_exact(width).map(value).collect();
+    let values = data.chunks_exact(width);
+    let values = values.map(|n| number(n, kind, big_endian)).collect();
     Ok(Numbers::Real { values, digits })
 }
 
