@@ -7,6 +7,31 @@ use crate::file::FileError;
 use crate::model::matrix_checks::dependent_row;
 use crate::model::matrix_market::LARGEST;
 
+/// Whether a model is as its files state it, or reduced already: what helps is different.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stage {
+    Read,
+    Reduced,
+}
+
+impl Stage {
+    fn if_too_large(self) -> &'static str {
+        match self {
+            Self::Read => {
+                "--cut-off HZ reduces a larger model to its contact, excited and response nodes and its modes below HZ"
+            }
+            Self::Reduced => "keep fewer degrees of freedom",
+        }
+    }
+
+    fn if_massless(self) -> &'static str {
+        match self {
+            Self::Read => "--cut-off HZ condenses it, or the finite-element program",
+            Self::Reduced => "nothing with mass moves with it, so it cannot be kept",
+        }
+    }
+}
+
 impl ImportedModel {
     /// Requires that every matrix is positive semidefinite, up to the digits of its file. Of a model that must be reduced only
     /// its entries are compared with its diagonal: its reduction shows the rest.
@@ -28,27 +53,30 @@ impl ImportedModel {
     ///
     /// # Errors
     /// [`FileError`] with the file and the degree of freedom.
-    pub(super) fn check_as_reduced(&self) -> Result<(), FileError> {
+    pub(super) fn check_as_reduced(&self, stage: Stage) -> Result<(), FileError> {
         let mass = &self.matrices[&Role::Mass];
         let fault = |rule: String| Err(FileError::content(&mass.path, None, rule));
         let n = self.dofs.len();
         if n > LARGEST {
             return fault(format!(
-                "has {n} rows: at most {LARGEST}; --cut-off HZ reduces a larger model to its contact, excited and response nodes and its modes below HZ"
+                "has {n} rows: at most {LARGEST}; {}",
+                stage.if_too_large()
             ));
         }
         let massless = massless(mass);
         if let Some(&dof) = massless.first() {
             return fault(format!(
-                "degree of freedom {} has no mass: --cut-off HZ condenses it, or the finite-element program",
-                self.dofs[dof]
+                "degree of freedom {} has no mass: {}",
+                self.dofs[dof],
+                stage.if_massless()
             ));
         }
         match dependent_row(&mass.values.to_dense()) {
             None => Ok(()),
             Some(row) => fault(format!(
-                "must be positive definite, but degree of freedom {} has no mass of its own beside those before it: --cut-off HZ condenses it, or the finite-element program",
-                self.dofs[row]
+                "must be positive definite, but degree of freedom {} has no mass of its own beside those before it: {}",
+                self.dofs[row],
+                stage.if_massless()
             )),
         }
     }

@@ -1,6 +1,5 @@
 //! What was read, for comparison with the finite-element program: sizes, total mass, frequencies of the free structure.
 
-use super::checks::massless;
 use super::dof::Dof;
 use super::model::ImportedModel;
 use super::role::Role;
@@ -83,7 +82,8 @@ impl Facts {
 /// # Errors
 /// [`LinalgError`] if its eigenvalue problem fails.
 pub(super) fn flexible_hz(model: &ImportedModel, rigid: usize) -> Result<Vec<f64>, LinalgError> {
-    Ok(in_hz(&lowest(model)?.lambda[rigid..]))
+    let lambda = lowest(model)?.lambda;
+    Ok(in_hz(lambda.get(rigid..).unwrap_or_default()))
 }
 
 /// Rigid-body modes, and the first flexible frequencies (Hz).
@@ -112,10 +112,12 @@ fn in_hz(lambda: &[f64]) -> Vec<f64> {
 /// The lowest modes of the free structure.
 fn lowest(model: &ImportedModel) -> Result<LowestModes, LinalgError> {
     let [stiffness, mass] = [Role::Stiffness, Role::Mass].map(|role| &model.matrices[&role]);
-    if stiffness.values.n <= DENSE_SIZE && massless(mass).is_empty() {
+    if stiffness.values.n <= DENSE_SIZE {
         let (k, m) = (stiffness.values.to_dense(), mass.values.to_dense());
-        let (lambda, shapes) = symmetric_generalized_eigen(k.as_ref(), m.as_ref())?;
-        return Ok(LowestModes { lambda, shapes });
+        // a mass that is not definite is left to the sparse routine
+        if let Ok((lambda, shapes)) = symmetric_generalized_eigen(k.as_ref(), m.as_ref()) {
+            return Ok(LowestModes { lambda, shapes });
+        }
     }
     let (k, m) = (stiffness.values.to_sparse(), mass.values.to_sparse());
     let shift = SHIFT * largest_ratio(&stiffness.values, &mass.values);

@@ -40,6 +40,7 @@ use std::path::PathBuf;
 use crate::file::{FileError, refuse_content};
 use crate::linalg::LinalgError;
 use crate::setting::BadSetting;
+use checks::Stage;
 use forces::{Forces, Names};
 use pairs::ImportedPair;
 use write::StudyParts;
@@ -116,7 +117,7 @@ pub fn import(request: &Request) -> Result<Imported, ImportError> {
     let (model, files) = model::assemble(&request.sources)?;
     model.check_semidefinite()?;
     if request.reduction.is_none() {
-        model.check_as_reduced()?;
+        model.check_as_reduced(Stage::Read)?;
     }
     let mut warnings = warnings(&model, &files, request);
     let mut model = model.in_si(request.units);

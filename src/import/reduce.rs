@@ -8,7 +8,7 @@ use faer::sparse::SparseColMat;
 use rayon::prelude::*;
 
 use super::ImportError;
-use super::checks::massless;
+use super::checks::{Stage, massless};
 use super::dof::{Component, Dof};
 use super::facts::flexible_hz;
 use super::forces::{Forces, Names};
@@ -114,7 +114,7 @@ pub(super) fn reduced(
     let masters = masters(&model.dofs, parts, reduction)?;
     let made = craig_bampton(model, &masters, reduction.cut_off)?;
     let (reduced, most_negative) = in_basis(model, &masters, &made)?;
-    reduced.check_as_reduced()?;
+    reduced.check_as_reduced(Stage::Reduced)?;
     let facts = ReductionFacts {
         n_dofs: made.n_dofs(),
         masters: made.n_masters,

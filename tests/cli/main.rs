@@ -77,6 +77,15 @@ band_hz = [100, 200]
 const MASS: &str = "%%MatrixMarket matrix coordinate real symmetric\n2 2 2\n1 1 1.0\n2 2 1.5\n";
 const STIFFNESS: &str = "%%MatrixMarket matrix array real general\n2 2\n1e6\n-2e5\n-2e5\n8e5\n";
 
+/// Asks a process to end, as a scheduler does.
+fn terminate(child: &std::process::Child) {
+    let kill = format!("kill -TERM {}", child.id());
+    let sent = std::process::Command::new("sh")
+        .args(["-c", &kill])
+        .status();
+    assert!(sent.unwrap().success(), "no signal was sent");
+}
+
 /// A folder with the study and its matrices, `old` replaced by `new` in `file`.
 fn folder(file: &str, old: &str, new: &str) -> TempDir {
     let folder = tempfile::tempdir().unwrap();

@@ -100,11 +100,7 @@ fn a_terminated_run_goes_on() {
     // the first line of progress
     said.read_line(&mut message).unwrap();
     let clock = Instant::now();
-    let kill = format!("kill -TERM {}", child.id());
-    let sent = std::process::Command::new("sh")
-        .args(["-c", &kill])
-        .status();
-    assert!(sent.unwrap().success(), "no signal was sent");
+    crate::terminate(&child);
     let status = child.wait().unwrap();
     assert!(
         clock.elapsed() < Duration::from_secs(5),

@@ -43,11 +43,7 @@ fn a_signal_ends_it() {
         "{text}"
     );
     let clock = Instant::now();
-    let kill = format!("kill -TERM {}", child.id());
-    let sent = std::process::Command::new("sh")
-        .args(["-c", &kill])
-        .status();
-    assert!(sent.unwrap().success(), "no signal was sent");
+    crate::terminate(&child);
     let status = child.wait().unwrap();
     assert_eq!(status.code(), Some(0), "{status:?}");
     assert!(
