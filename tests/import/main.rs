@@ -7,6 +7,7 @@
 mod abaqus;
 mod ansys;
 mod calculix;
+mod calculix_blade;
 mod chain;
 mod command;
 mod damage;

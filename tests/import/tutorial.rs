@@ -1,4 +1,4 @@
-//! The tutorial from a mesh to a report: every command on its page is run, with CalculiX.
+//! The tutorial from a mesh to a report: every command on its page is run, with CalculiX, on a mesh that the test writes.
 //!
 //! Without the program `ccx` the test says so and passes, unless MICROSLIP_REQUIRE_CALCULIX is set.
 
@@ -8,8 +8,10 @@ use std::process::Command;
 
 use assert_cmd::cargo::cargo_bin;
 
+use super::calculix_blade;
+
 const PAGE: &str = include_str!("../../docs/src/tutorial-import.md");
-const FILES: &str = "studies/calculix-blade";
+const UNCERTAIN: &str = "studies/calculix-blade/uncertain.toml";
 
 /// What the command prints, run by the shell in `folder`.
 fn shell(folder: &Path, command: &str) -> String {
@@ -103,10 +105,8 @@ fn every_command_of_the_tutorial_does_what_the_page_says() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    for entry in std::fs::read_dir(FILES).unwrap() {
-        let entry = entry.unwrap();
-        std::fs::copy(entry.path(), folder.path().join(entry.file_name())).unwrap();
-    }
+    calculix_blade::write(folder.path());
+    std::fs::copy(UNCERTAIN, folder.path().join("uncertain.toml")).unwrap();
     let own = own_frequencies(folder.path());
     let mut printed = BTreeSet::new();
     let mut found = Vec::new();
