@@ -109,7 +109,7 @@ impl<'a, 'py> Work<'a, 'py> {
     }
 
     fn tell(&self) -> PyResult<()> {
-        let (Some(told), Some(Progress { done, total })) = (&self.told, self.progress.take())
+        let (Some(told), Some(Progress { done, total, .. })) = (&self.told, self.progress.take())
         else {
             return Ok(());
         };

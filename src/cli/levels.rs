@@ -71,6 +71,7 @@ fn in_json(result: &RunResult, folder: &Path) -> Value {
             "larger harmonic sets": times.larger_sets.as_secs_f64(),
             "curves": times.curves.as_secs_f64(),
         },
+        "newton_iterations": times.newton_iterations,
     })
 }
 
@@ -89,7 +90,7 @@ pub(super) fn show_profile(out: &mut dyn Write, profile: &Profile) -> std::io::R
     ] {
         writeln!(out, "  {name:24} {:9.2} s", time.as_secs_f64())?;
     }
-    Ok(())
+    writeln!(out, "Newton iterations: {}", times.newton_iterations)
 }
 
 /// Samples solved, and the 5, 50 and 95 % quantiles of frequency and amplitude, one line per level; then what outer

@@ -37,6 +37,8 @@ pub(super) enum Event<'a> {
         total: u64,
         /// Parts per second, where known.
         per_second: Option<f64>,
+        /// Newton iterations of the parts that this process has done.
+        newton_iterations: u64,
         /// The rest in words.
         words: &'a str,
     },
@@ -89,11 +91,13 @@ impl Event<'_> {
                 done,
                 total,
                 per_second,
+                newton_iterations,
                 ..
             } => {
                 let left = per_second.map(|rate| total.saturating_sub(*done) as f64 / rate);
                 let progress = json!({
                     "done": done, "total": total, "per_second": per_second, "seconds_left": left,
+                    "newton_iterations": newton_iterations,
                 });
                 ("progress", progress)
             }
@@ -121,12 +125,13 @@ mod tests {
             done: 30,
             total: 100,
             per_second: Some(2.0),
+            newton_iterations: 70,
             words: "about 35s left",
         };
         let line: Value = serde_json::from_str(&event.json(SystemTime::UNIX_EPOCH)).unwrap();
         let expected = json!({
             "time": "1970-01-01T00:00:00.000Z", "event": "progress",
-            "done": 30, "total": 100, "per_second": 2.0, "seconds_left": 35.0,
+            "done": 30, "total": 100, "per_second": 2.0, "seconds_left": 35.0, "newton_iterations": 70,
         });
         assert_eq!(line, expected);
         assert_eq!(event.text().unwrap(), "30/100, about 35s left");

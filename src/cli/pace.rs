@@ -55,14 +55,19 @@ impl Pace {
         Some(rate).filter(|rate| rate.is_finite() && *rate > 0.0)
     }
 
-    /// Time until `total` parts are done, such as `about 3m 20s left, 1.5 per second`.
-    pub(super) fn in_words(&self, total: u64) -> String {
+    /// Time until `total` parts are done, and the work so far where it is counted, such as
+    /// `about 3m 20s left, 1.500 per second, 5210 Newton iterations`.
+    pub(super) fn in_words(&self, total: u64, newton_iterations: u64) -> String {
         let (Some(rate), Some((_, done))) = (self.per_second(), self.points.back()) else {
             return String::new();
         };
         let left = total.saturating_sub(*done) as f64 / rate;
         let left = humantime::format_duration(Duration::from_secs(left.round() as u64));
-        format!("about {left} left, {rate:.3} per second")
+        let work = match newton_iterations {
+            0 => String::new(),
+            n => format!(", {n} Newton iterations"),
+        };
+        format!("about {left} left, {rate:.3} per second{work}")
     }
 }
 
@@ -78,12 +83,15 @@ mod tests {
     #[test]
     fn a_slow_start_is_forgotten() {
         let mut pace = Pace::default();
-        assert_eq!(pace.in_words(100), "");
+        assert_eq!(pace.in_words(100, 0), "");
         at(&mut pace, 0.0, 50);
         for i in 1..=10 {
             at(&mut pace, f64::from(i), 50 + i as u64);
         }
-        assert_eq!(pace.in_words(100), "about 40s left, 1.000 per second");
+        let words = "about 40s left, 1.000 per second";
+        assert_eq!(pace.in_words(100, 0), words);
+        let work = format!("{words}, 70 Newton iterations");
+        assert_eq!(pace.in_words(100, 70), work);
         for i in 1..=200 {
             at(&mut pace, 10.0 + 0.1 * f64::from(i), 60 + i as u64);
         }

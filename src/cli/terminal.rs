@@ -53,11 +53,16 @@ impl Bar {
         self.bar.finish_and_clear();
     }
 
-    pub(super) fn show(&self, Progress { done, total }: Progress) {
+    pub(super) fn show(&self, progress: Progress) {
+        let Progress {
+            done,
+            total,
+            newton_iterations,
+        } = progress;
         // a thread that panicked while it noted a point has spoiled nothing
         let mut pace = self.pace.lock().unwrap_or_else(PoisonError::into_inner);
         pace.note(self.began.elapsed(), done);
-        let words = pace.in_words(total);
+        let words = pace.in_words(total, newton_iterations);
         let due = self.log == Log::Json && pace.is_due();
         let before = self.bar.position();
         self.bar.set_length(total);
@@ -70,6 +75,7 @@ impl Bar {
                 done,
                 total,
                 per_second: pace.per_second(),
+                newton_iterations,
                 words: &words,
             });
         }

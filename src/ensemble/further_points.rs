@@ -2,7 +2,7 @@
 
 use super::Ensemble;
 use super::atlas::Anchor;
-use super::outcome::SampleOutcome;
+use super::outcome::{SampleOutcome, newton_iterations};
 use rayon::prelude::*;
 
 /// A point of the box beside the outer points of the design.
@@ -16,7 +16,7 @@ pub struct FurtherPoint {
 
 impl Ensemble<'_> {
     /// Every inner sample at each of `points`, started from all `anchors`: they depend neither on threads nor on the backend.
-    /// `done` is called after each, from any thread.
+    /// `done` is called after each with its Newton iterations, from any thread.
     ///
     /// Sample numbers follow those of the design's samples, point after point.
     #[must_use]
@@ -24,7 +24,7 @@ impl Ensemble<'_> {
         &self,
         points: &[FurtherPoint],
         anchors: &[Anchor],
-        done: impl Fn() + Sync,
+        done: impl Fn(u64) + Sync,
     ) -> Vec<SampleOutcome> {
         let solved = self.solver_from(anchors);
         let design = self.design;
@@ -32,7 +32,7 @@ impl Ensemble<'_> {
         let sample = |(point, i): (&FurtherPoint, u64)| {
             let inputs = design.at_point(i, &point.values);
             let levels = solved(&inputs);
-            done();
+            done(newton_iterations(&levels));
             let mut group = design.group(i * design.outer_points());
             group.outer = Some(point.outer);
             SampleOutcome {

@@ -45,6 +45,15 @@ pub struct LevelOutcome {
     pub factorizations: usize,
 }
 
+/// Newton iterations on all levels of a sample.
+#[must_use]
+pub fn newton_iterations(levels: &[LevelOutcome]) -> u64 {
+    levels
+        .iter()
+        .map(|level| level.newton_iterations as u64)
+        .sum()
+}
+
 /// Numbers of one resonance peak.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct PeakRecord {

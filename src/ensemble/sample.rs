@@ -6,7 +6,9 @@
 use super::applied::Applied;
 use super::atlas::{Anchor, Atlas, ModePeaks};
 use super::mode_search::ModeOfSample;
-use super::outcome::{CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome};
+use super::outcome::{
+    CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, newton_iterations,
+};
 use super::times::SampleTimes;
 use super::{Ensemble, SampleSolver};
 use crate::gpu::Gpu;
@@ -124,14 +126,16 @@ impl Ensemble<'_> {
             let (larger_sets, to_peaks) = (problem.effort.alert_time(), begun.elapsed());
             let level = |(found, nominal)| self.level(&problem, found, nominal, curve);
             let of_levels = peaks.iter().zip(self.levels.iter().copied());
+            let levels: Vec<_> = of_levels.map(level).collect();
             Ok(Found {
-                levels: of_levels.map(level).collect(),
                 peaks: peaks.iter().map(ModePeaks::new).collect(),
                 times: SampleTimes {
                     peaks: to_peaks.saturating_sub(larger_sets),
                     larger_sets,
                     curves: begun.elapsed() - to_peaks,
+                    newton_iterations: newton_iterations(&levels),
                 },
+                levels,
             })
         });
         solved.unwrap_or_else(|status| self.without_solution(status))

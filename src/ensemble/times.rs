@@ -1,9 +1,9 @@
-//! Where the time of a sample goes. It is measured, never stored with results, and decides nothing.
+//! Where the time of a sample goes, and its work. The time is measured, never stored with results, and decides nothing.
 
 use std::ops::AddAssign;
 use std::time::Duration;
 
-/// Time of one thread on a sample, by purpose.
+/// Time of one thread on a sample, by purpose, and its work.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct SampleTimes {
     /// Peaks on the harmonics of the study.
@@ -12,6 +12,8 @@ pub struct SampleTimes {
     pub larger_sets: Duration,
     /// Forced response curves.
     pub curves: Duration,
+    /// Newton iterations for all of these.
+    pub newton_iterations: u64,
 }
 
 impl AddAssign for SampleTimes {
@@ -19,5 +21,6 @@ impl AddAssign for SampleTimes {
         self.peaks += other.peaks;
         self.larger_sets += other.larger_sets;
         self.curves += other.curves;
+        self.newton_iterations += other.newton_iterations;
     }
 }

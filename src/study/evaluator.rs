@@ -77,8 +77,8 @@ struct Starting<'a, F> {
 }
 
 impl<F: Fn(Progress) + Sync> Watch for Starting<'_, F> {
-    fn solved(&self, _: SolvedSample, _: SampleTimes) {
-        self.meter.one_more();
+    fn solved(&self, _: SolvedSample, times: SampleTimes) {
+        self.meter.one_more(times.newton_iterations);
     }
 
     fn stops(&self) -> bool {

@@ -89,7 +89,9 @@ impl<'a> Known<'a> {
         let inner = design.samples() / design.outer_points();
         meter.expect(inner * further.len() as u64);
         let mut outcomes = (self.ensemble)
-            .at_further_points(&further, &self.solved.anchors, || meter.one_more())
+            .at_further_points(&further, &self.solved.anchors, |iterations| {
+                meter.one_more(iterations);
+            })
             .into_iter();
         for point in further {
             let population = outcomes.by_ref().take(inner as usize).collect();

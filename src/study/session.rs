@@ -14,6 +14,7 @@ use crate::ensemble::backend::OpenBackend;
 use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::parts::{PartFolder, PartHead, PartWriter, RunIdentity};
 use crate::ensemble::runner::{Stopped, Watch};
+use crate::ensemble::times::SampleTimes;
 
 /// What a process knows before it begins.
 pub(super) struct Begun<'a> {
@@ -107,9 +108,9 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
     ) -> Result<(), Error> {
         let control = (&self.settings.stop, self.settings.flush_every);
         let ended = std::thread::scope(|scope| {
-            let done = |times| {
+            let done = |times: SampleTimes| {
                 self.profiler.add(times);
-                self.meter.one_more();
+                self.meter.one_more(times.newton_iterations);
             };
             let (writer, collector) =
                 PartWriter::start(scope, &self.parts, &self.head, control, done);

@@ -28,22 +28,31 @@ pub struct Progress {
     pub done: u64,
     /// All parts.
     pub total: u64,
+    /// Newton iterations of the parts that this process has done; 0 where they are not counted.
+    pub newton_iterations: u64,
 }
 
 /// Counts the parts of a command from any thread; more parts may turn up on the way.
 pub(super) struct Meter<F> {
     done: AtomicU64,
     total: AtomicU64,
+    newton_iterations: AtomicU64,
     progress: F,
 }
 
 impl<F: Fn(Progress) + Sync> Meter<F> {
     /// Says how far the command has come at its start.
     pub(super) fn start(done: u64, total: u64, progress: F) -> Self {
-        progress(Progress { done, total });
+        let newton_iterations = 0;
+        progress(Progress {
+            done,
+            total,
+            newton_iterations,
+        });
         Self {
             done: AtomicU64::new(done),
             total: AtomicU64::new(total),
+            newton_iterations: AtomicU64::new(newton_iterations),
             progress,
         }
     }
@@ -58,11 +67,14 @@ impl<F: Fn(Progress) + Sync> Meter<F> {
         self.done.load(Ordering::Relaxed)
     }
 
-    /// One more part is done.
-    pub(super) fn one_more(&self) {
-        let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
-        let total = self.total.load(Ordering::Relaxed);
-        (self.progress)(Progress { done, total });
+    /// One more part is done, with so many Newton iterations.
+    pub(super) fn one_more(&self, newton_iterations: u64) {
+        let add = |sum: &AtomicU64, more| more + sum.fetch_add(more, Ordering::Relaxed);
+        (self.progress)(Progress {
+            done: add(&self.done, 1),
+            total: self.total.load(Ordering::Relaxed),
+            newton_iterations: add(&self.newton_iterations, newton_iterations),
+        });
     }
 }
 
@@ -88,11 +100,20 @@ pub fn solve(
     let band = prepared.band();
     let total = PARTS * study.levels.len() as u64;
     let mut curves = Vec::new();
-    progress(Progress { done: 0, total });
+    let newton_iterations = 0;
+    progress(Progress {
+        done: 0,
+        total,
+        newton_iterations,
+    });
     for (&level, before) in study.levels.iter().zip(0..) {
         let progress = |share: f64| {
             let done = PARTS * before + (share * PARTS as f64) as u64;
-            progress(Progress { done, total });
+            progress(Progress {
+                done,
+                total,
+                newton_iterations,
+            });
         };
         let response = match &study.frequency.points {
             Points::Continuation => {
