@@ -65,6 +65,7 @@ pub(super) fn cut(
     let motion = fundamental(&record.time, &record.displacement, stated).ok_or(
         "the displacement does not swing twice: state the frequency, or record more than two cycles",
     )?;
+    let grid = Grid::new(&record.time, motion.frequency, motion.first_top)?;
     if motion.share < PERIODIC {
         return Err(format!(
             "is no hysteresis loop: at {:.4} Hz the displacement holds {:.0} % of its variance, a periodic motion more than {:.0} %",
@@ -73,7 +74,6 @@ pub(super) fn cut(
             100.0 * PERIODIC,
         ));
     }
-    let grid = Grid::new(&record.time, motion.frequency, motion.first_top)?;
     let mut loops = grid.loops(record, settings.normal_force_offset_n);
     let means = [displacement, tangential].map(|signal| take_means_out(&mut loops, signal));
     let whole = loops.len();
