@@ -34,7 +34,12 @@ pub(super) struct IdentifyArguments {
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0)]
     displacement_error_percent: f64,
     /// Offset of the normal force, which is subtracted: loops do not show it.
-    #[arg(long, value_name = "N", default_value_t = 0.0, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0.0,
+        allow_hyphen_values = true
+    )]
     normal_force_offset_n: f64,
     /// Cycles left out at the start of each test; found from the loops if absent.
     #[arg(long, value_name = "CYCLES")]
@@ -114,17 +119,25 @@ fn show_test(out: &mut dyn Write, test: &TestResult) -> IoResult<()> {
     writeln!(out, ", {:.4} N", estimate.normal_force_n)?;
     match (estimate.friction, estimate.friction_at_least) {
         (Some(friction), _) => {
-            write!(out, "  friction coefficient  {}", in_words(&friction.coefficient))?;
+            write!(
+                out,
+                "  friction coefficient  {}",
+                in_words(&friction.coefficient)
+            )?;
             match friction.from_energy {
                 Some(energy) => writeln!(out, ", from energy {energy:.4}")?,
                 None => writeln!(out)?,
             }
         }
-        (None, Some(least)) => writeln!(out, "  friction coefficient  at least {least:.4}: no slip")?,
+        (None, Some(least)) => {
+            writeln!(out, "  friction coefficient  at least {least:.4}: no slip")?
+        }
         (None, None) => writeln!(out, "  friction coefficient  unknown: no slip")?,
     }
     let tangential = &estimate.tangential;
-    let side = |side: Option<Uncertain>| side.map_or_else(|| "-".to_owned(), |s| format!("{:.4}", s.value));
+    let side = |side: Option<Uncertain>| {
+        side.map_or_else(|| "-".to_owned(), |s| format!("{:.4}", s.value))
+    };
     writeln!(
         out,
         "  tangential stiffness  {} N/um; after the reversals {} and {}",
@@ -149,7 +162,10 @@ fn show_test(out: &mut dyn Write, test: &TestResult) -> IoResult<()> {
 
 /// `0.6 (0.59 .. 0.61)`
 fn in_words(value: &Uncertain) -> String {
-    format!("{:.4} ({:.4} .. {:.4})", value.value, value.lower, value.upper)
+    format!(
+        "{:.4} ({:.4} .. {:.4})",
+        value.value, value.lower, value.upper
+    )
 }
 
 fn show_parameter(out: &mut dyn Write, pooled: &PooledParameter) -> IoResult<()> {

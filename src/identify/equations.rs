@@ -1,18 +1,27 @@
-//! Three linear equations.
+//! A few linear equations.
 
-/// Cramer's rule; none where the equations do not determine the unknowns.
-pub(super) fn solve(m: [[f64; 3]; 3], v: [f64; 3]) -> Option<[f64; 3]> {
-    let determinant = |m: [[f64; 3]; 3]| {
-        let minor = |a: usize, b: usize| m[1][a] * m[2][b] - m[1][b] * m[2][a];
-        m[0][0] * minor(1, 2) - m[0][1] * minor(0, 2) + m[0][2] * minor(0, 1)
-    };
-    let whole = determinant(m);
-    let column = |k: usize| {
-        let mut replaced = m;
-        for i in 0..3 {
-            replaced[i][k] = v[i];
+/// Gaussian elimination for a symmetric positive definite matrix; none where the equations do not determine the unknowns.
+pub(super) fn solve<const N: usize>(mut m: [[f64; N]; N], mut v: [f64; N]) -> Option<[f64; N]> {
+    let size = (0..N).map(|i| m[i][i]).fold(0.0, f64::max);
+    for k in 0..N {
+        let pivot = m[k];
+        if pivot[k] <= SINGULAR * size {
+            return None;
         }
-        determinant(replaced) / whole
-    };
-    (whole > 0.0).then(|| [column(0), column(1), column(2)])
+        for i in k + 1..N {
+            let factor = m[i][k] / pivot[k];
+            for j in k..N {
+                m[i][j] -= factor * pivot[j];
+            }
+            v[i] -= factor * v[k];
+        }
+    }
+    for k in (0..N).rev() {
+        let known: f64 = (k + 1..N).map(|j| m[k][j] * v[j]).sum();
+        v[k] = (v[k] - known) / m[k][k];
+    }
+    Some(v)
 }
+
+/// Pivot over the largest diagonal entry at which rounding is all that is left.
+const SINGULAR: f64 = 1e-13;

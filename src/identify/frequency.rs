@@ -99,15 +99,15 @@ fn sharpened(time: &[f64], rest: &[f64], start: f64, reach: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Least squares a cos ωt + b sin ωt + c: a, b, and the share of the variance that the wave holds; t from the first instant on.
+/// Least squares a cos ωt + b sin ωt + c + d t: a, b, and the share of the variance that the wave holds; t from the first instant on.
 fn fitted(time: &[f64], rest: &[f64], frequency: f64) -> [f64; 3] {
-    // sums of the products of cos, sin, 1 and of the signal with these
-    let (mut m, mut v, mut square) = ([[0.0; 3]; 3], [0.0; 3], 0.0);
+    let length = time[time.len() - 1] - time[0];
+    let (mut m, mut v, mut square) = ([[0.0; 4]; 4], [0.0; 4], 0.0);
     for (t, x) in time.iter().zip(rest) {
         let phase = TAU * frequency * (t - time[0]);
-        let row = [cos(phase), sin(phase), 1.0];
-        for i in 0..3 {
-            for j in 0..3 {
+        let row = [1.0, (t - time[0]) / length, cos(phase), sin(phase)];
+        for i in 0..4 {
+            for j in 0..4 {
                 m[i][j] += row[i] * row[j];
             }
             v[i] += row[i] * x;
@@ -118,5 +118,5 @@ fn fitted(time: &[f64], rest: &[f64], frequency: f64) -> [f64; 3] {
         return [0.0; 3];
     };
     let held: f64 = solved.iter().zip(v).map(|(a, b)| a * b).sum();
-    [solved[0], solved[1], held / square.max(f64::MIN_POSITIVE)]
+    [solved[2], solved[3], held / square.max(f64::MIN_POSITIVE)]
 }

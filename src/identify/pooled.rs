@@ -47,7 +47,7 @@ pub fn pool(tests: &[TestResult], settings: &IdentifySettings) -> Pooled {
         return pooled;
     };
     let chain = chain(&used, &parameters, settings);
-    fill(&mut pooled, &found, &chain);
+    fill(&mut pooled, &found, &chain, used.len());
     pooled.parameters = (0..parameters.len())
         .map(|row| {
             let counts = counts(&used, ALL[parameters[row]]);
@@ -168,15 +168,19 @@ impl Counts {
     }
 }
 
-fn fill(pooled: &mut Pooled, found: &Fit, chain: &DMatrix<f64>) {
-    let between = &found.between_groups + &found.between_tests;
-    let tests = pooled.specimens as f64;
-    let told = (tests - 1.0) / (tests - 1.0 + TESTS_WITHOUT_CORRELATION);
-    let shrunk = DMatrix::from_fn(between.nrows(), between.ncols(), |i, j| match i == j {
-        true => between[(i, j)],
-        false => told * between[(i, j)],
+fn fill(pooled: &mut Pooled, found: &Fit, chain: &DMatrix<f64>, tests: usize) {
+    let random = &found.between_groups + &found.between_tests + &found.of_mean;
+    let told = match (pooled.specimens, tests) {
+        (_, 1) => 1.0,
+        (1, count) | (count, _) => {
+            (count as f64 - 1.0) / (count as f64 - 1.0 + TESTS_WITHOUT_CORRELATION)
+        }
+    };
+    let shrunk = DMatrix::from_fn(random.nrows(), random.ncols(), |i, j| match i == j {
+        true => random[(i, j)],
+        false => told * random[(i, j)],
     });
-    let predictive = shrunk + &found.of_mean + chain;
+    let predictive = shrunk + chain;
     let deviation = |i: usize| predictive[(i, i)].sqrt();
     let correlation = DMatrix::from_fn(predictive.nrows(), predictive.ncols(), |i, j| {
         let product = deviation(i) * deviation(j);

@@ -15,8 +15,9 @@ pub(super) fn run_in(loops: &[MeanLoop]) -> usize {
     if loops.len() < LEAST_CYCLES {
         return 0;
     }
-    let energy = loops.iter().map(MeanLoop::energy).collect();
-    let force = loops.iter().map(|cycle| {
+    let clipped: Vec<MeanLoop> = loops.iter().map(clipped).collect();
+    let energy = clipped.iter().map(MeanLoop::energy).collect();
+    let force = clipped.iter().map(|cycle| {
         let absolute: f64 = cycle.tangential.iter().map(|t| t.abs()).sum();
         absolute / cycle.normal.iter().sum::<f64>()
     });
@@ -27,6 +28,23 @@ pub(super) fn run_in(loops: &[MeanLoop]) -> usize {
         .max()
         .unwrap_or(0)
 }
+
+/// The loop without the greatest and least forces, which may be spikes.
+fn clipped(cycle: &MeanLoop) -> MeanLoop {
+    let mut sorted = cycle.tangential.clone();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let place = (CLIPPED * sorted.len() as f64) as usize;
+    let (low, high) = (sorted[place], sorted[sorted.len() - 1 - place]);
+    let mut clipped = cycle.clone();
+    clipped
+        .tangential
+        .iter_mut()
+        .for_each(|t| *t = t.clamp(low, high));
+    clipped
+}
+
+/// Share of the samples at each end of the range of the force that are clipped.
+const CLIPPED: f64 = 0.02;
 
 /// First value of the steady part of a series.
 fn truncated(values: &[f64]) -> usize {

@@ -10,7 +10,12 @@ pub(crate) fn result(bench: &Bench) -> TestResult {
 
 pub(crate) fn estimate(bench: &Bench) -> TestEstimate {
     let found = result(bench);
-    assert_eq!(found.status, TestStatus::Slips, "{bench:?}: {:?}", found.notes);
+    assert_eq!(
+        found.status,
+        TestStatus::Slips,
+        "{bench:?}: {:?}",
+        found.notes
+    );
     found.estimate.unwrap()
 }
 
@@ -18,11 +23,17 @@ pub(crate) fn estimate(bench: &Bench) -> TestEstimate {
 fn recovers(bench: &Bench, [friction, stiffness]: [f64; 2]) {
     let found = estimate(bench);
     let error = found.friction.unwrap().coefficient.value / bench.friction - 1.0;
-    assert!(error.abs() < friction, "friction coefficient off by {error:e}: {bench:?}");
+    assert!(
+        error.abs() < friction,
+        "friction coefficient off by {error:e}: {bench:?}"
+    );
     for side in [0, 1] {
         let value = found.tangential.sides_n_per_um[side].unwrap().value;
         let error = 1e6 * value / bench.stiffness[side] - 1.0;
-        assert!(error.abs() < stiffness, "stiffness {side} off by {error:e}: {bench:?}");
+        assert!(
+            error.abs() < stiffness,
+            "stiffness {side} off by {error:e}: {bench:?}"
+        );
     }
 }
 
@@ -33,15 +44,29 @@ fn a_loop_without_faults_is_exact() {
     let found = estimate(&bench);
     let friction = found.friction.unwrap();
     let difference = friction.energy_difference.unwrap();
-    assert!(difference.abs() < 2e-3, "energy gives another coefficient: {difference}");
+    assert!(
+        difference.abs() < 2e-3,
+        "energy gives another coefficient: {difference}"
+    );
     // 4 μ N (X - X*) with X* = μ N / k
     let limit = 0.6 * 100.0 / 50e6;
     let energy = 4.0 * 60.0 * (5e-6 - limit);
-    assert!((found.energy_j.value / energy - 1.0).abs() < 1e-3, "energy {}", found.energy_j.value);
+    assert!(
+        (found.energy_j.value / energy - 1.0).abs() < 1e-3,
+        "energy {}",
+        found.energy_j.value
+    );
     let onset = found.onset.unwrap();
-    assert!((onset.elastic_limit_m / limit - 1.0).abs() < 1e-6, "{onset:?}");
+    assert!(
+        (onset.elastic_limit_m / limit - 1.0).abs() < 1e-6,
+        "{onset:?}"
+    );
     assert!((onset.first_slip_share - 1.0).abs() < 0.06, "{onset:?}");
-    assert!(found.misfit.relative_rms < 1e-3 && !found.misfit.large, "{:?}", found.misfit);
+    assert!(
+        found.misfit.relative_rms < 1e-3 && !found.misfit.large,
+        "{:?}",
+        found.misfit
+    );
 }
 
 #[test]
@@ -81,39 +106,75 @@ fn noise_drift_and_offsets_leave_the_parameters() {
 
 #[test]
 fn both_reversals_are_told_apart() {
-    let bench = Bench { stiffness: [30e6, 60e6], ..Bench::default() };
+    let bench = Bench {
+        stiffness: [30e6, 60e6],
+        ..Bench::default()
+    };
     recovers(&bench, [1e-6, 1e-6]);
     let found = result(&bench);
-    assert!(found.notes.iter().any(|note| note.contains("after the reversal")), "{:?}", found.notes);
+    assert!(
+        found
+            .notes
+            .iter()
+            .any(|note| note.contains("after the reversal")),
+        "{:?}",
+        found.notes
+    );
 }
 
 #[test]
 fn a_normal_force_that_swings_is_followed_sample_by_sample() {
-    let bench = Bench { normal_swing: 0.3, amplitude: 10e-6, ..Bench::default() };
+    let bench = Bench {
+        normal_swing: 0.3,
+        amplitude: 10e-6,
+        ..Bench::default()
+    };
     recovers(&bench, [1e-3, 1e-3]);
 }
 
 #[test]
 fn samples_that_do_not_divide_the_period() {
-    let bench = Bench { per_cycle: 217.3, noise: [0.0, 0.2, 0.2], ..Bench::default() };
+    let bench = Bench {
+        per_cycle: 217.3,
+        noise: [0.0, 0.2, 0.2],
+        ..Bench::default()
+    };
     recovers(&bench, [0.01, 0.03]);
 }
 
 #[test]
 fn run_in_is_left_out() {
-    let bench = Bench { run_in: 0.3, cycles: 40, noise: [0.0, 0.3, 0.3], ..Bench::default() };
+    let bench = Bench {
+        run_in: 0.3,
+        cycles: 40,
+        noise: [0.0, 0.3, 0.3],
+        ..Bench::default()
+    };
     let found = result(&bench);
     let cycles = found.cycles.unwrap();
-    assert!((5..=20).contains(&cycles.run_in), "{} cycles", cycles.run_in);
+    assert!(
+        (5..=20).contains(&cycles.run_in),
+        "{} cycles",
+        cycles.run_in
+    );
     recovers(&bench, [0.01, 0.05]);
     let steady: Vec<bool> = found.loops.iter().map(|l| l.steady).collect();
-    assert_eq!(steady.iter().filter(|s| **s).count(), cycles.steady, "cycles marked as steady");
+    assert_eq!(
+        steady.iter().filter(|s| **s).count(),
+        cycles.steady,
+        "cycles marked as steady"
+    );
 }
 
 #[test]
 fn a_steady_record_has_no_run_in() {
     let none = (0..20).filter(|seed| {
-        let bench = Bench { seed: *seed, per_cycle: 100.0, noise: [0.0, 0.5, 0.5], ..Bench::default() };
+        let bench = Bench {
+            seed: *seed,
+            per_cycle: 100.0,
+            noise: [0.0, 0.5, 0.5],
+            ..Bench::default()
+        };
         result(&bench).cycles.unwrap().run_in == 0
     });
     assert!(none.count() >= 18, "cycles of steady records are left out");
@@ -121,46 +182,92 @@ fn a_steady_record_has_no_run_in() {
 
 #[test]
 fn stiffness_in_series_is_taken_out() {
-    let bench = Bench { series: Some(80e6), amplitude: 8e-6, ..Bench::default() };
-    let settings = IdentifySettings { series_stiffness_n_per_um: Some(80.0), ..IdentifySettings::default() };
+    let bench = Bench {
+        series: Some(80e6),
+        amplitude: 8e-6,
+        ..Bench::default()
+    };
+    let settings = IdentifySettings {
+        series_stiffness_n_per_um: Some(80.0),
+        ..IdentifySettings::default()
+    };
     let found = identify_test(&bench.record(), &settings);
     let tangential = found.estimate.unwrap().tangential;
     let measured = 1.0 / (1.0 / 50.0 + 1.0 / 80.0);
-    assert!((tangential.measured_n_per_um / measured - 1.0).abs() < 1e-3, "{tangential:?}");
-    assert!((tangential.stiffness_n_per_um.value / 50.0 - 1.0).abs() < 3e-3, "{tangential:?}");
-    let settings = IdentifySettings { series_stiffness_n_per_um: Some(20.0), ..settings };
+    assert!(
+        (tangential.measured_n_per_um / measured - 1.0).abs() < 1e-3,
+        "{tangential:?}"
+    );
+    assert!(
+        (tangential.stiffness_n_per_um.value / 50.0 - 1.0).abs() < 3e-3,
+        "{tangential:?}"
+    );
+    let settings = IdentifySettings {
+        series_stiffness_n_per_um: Some(20.0),
+        ..settings
+    };
     let refused = identify_test(&bench.record(), &settings).status;
-    assert!(matches!(&refused, TestStatus::Unusable(why) if why.contains("series stiffness")), "{refused:?}");
+    assert!(
+        matches!(&refused, TestStatus::Unusable(why) if why.contains("series stiffness")),
+        "{refused:?}"
+    );
 }
 
 #[test]
 fn a_loop_that_never_slips_gives_a_bound() {
-    let bench = Bench { amplitude: 1e-6, noise: [0.0, 0.2, 0.2], ..Bench::default() };
+    let bench = Bench {
+        amplitude: 1e-6,
+        noise: [0.0, 0.2, 0.2],
+        ..Bench::default()
+    };
     let found = result(&bench);
-    assert_eq!(found.status, TestStatus::NoSlip, "50 N below the limit of 60 N");
+    assert_eq!(
+        found.status,
+        TestStatus::NoSlip,
+        "50 N below the limit of 60 N"
+    );
     let estimate = found.estimate.unwrap();
     let bound = estimate.friction_at_least.unwrap();
     assert!((0.49..=0.501).contains(&bound), "bound {bound}");
     assert!(estimate.friction.is_none(), "a coefficient without slip");
     let stiffness = estimate.tangential.stiffness_n_per_um.value;
     assert!((stiffness / 50.0 - 1.0).abs() < 0.02, "{stiffness}");
-    assert!(found.notes.iter().any(|note| note.contains("at least 0.")), "{:?}", found.notes);
+    assert!(
+        found.notes.iter().any(|note| note.contains("at least 0.")),
+        "{:?}",
+        found.notes
+    );
 }
 
 #[test]
 fn normal_stiffness_where_the_approach_is_measured() {
-    let bench = Bench { normal_swing: 0.2, amplitude: 10e-6, noise: [0.0, 0.0, 0.2], ..Bench::default() };
+    let bench = Bench {
+        normal_swing: 0.2,
+        amplitude: 10e-6,
+        noise: [0.0, 0.0, 0.2],
+        ..Bench::default()
+    };
     let mut record = bench.record();
-    let clean = Bench { noise: [0.0; 3], ..bench }.record();
+    let clean = Bench {
+        noise: [0.0; 3],
+        ..bench
+    }
+    .record();
     record.approach = Some(clean.normal_force.iter().map(|n| n / 300e6).collect());
-    let found = identify_test(&record, &IdentifySettings::default()).estimate.unwrap();
+    let found = identify_test(&record, &IdentifySettings::default())
+        .estimate
+        .unwrap();
     let normal = found.normal_stiffness_n_per_um.unwrap();
     assert!((normal.value / 300.0 - 1.0).abs() < 0.01, "{normal:?}");
 }
 
 #[test]
 fn spikes_are_replaced() {
-    let mut record = Bench { noise: [0.0, 0.2, 0.2], ..Bench::default() }.record();
+    let mut record = Bench {
+        noise: [0.0, 0.2, 0.2],
+        ..Bench::default()
+    }
+    .record();
     for place in [1000, 2222, 3333] {
         record.tangential_force[place] += 500.0;
     }

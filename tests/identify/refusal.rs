@@ -21,7 +21,11 @@ fn random(values: &mut [f64], seed: u64) {
 fn a_random_displacement_is_no_loop() {
     let mut record = Bench::default().record();
     random(&mut record.displacement, 3);
-    assert!(reason(&record).contains("is no hysteresis loop"), "{}", reason(&record));
+    assert!(
+        reason(&record).contains("is no hysteresis loop"),
+        "{}",
+        reason(&record)
+    );
 }
 
 #[test]
@@ -38,19 +42,36 @@ fn a_force_of_the_wrong_sign_is_told() {
     assert!(reason(&record).contains("sign"), "{}", reason(&record));
     let mut record = Bench::default().record();
     record.normal_force.iter_mut().for_each(|n| *n = -*n);
-    assert!(reason(&record).contains("compression is positive"), "{}", reason(&record));
+    assert!(
+        reason(&record).contains("compression is positive"),
+        "{}",
+        reason(&record)
+    );
 }
 
 #[test]
 fn part_of_a_period_is_no_loop() {
     let mut record = Bench::default().record();
     record.conditions.frequency_hz = Some(100.0);
-    for column in [&mut record.time, &mut record.displacement, &mut record.tangential_force, &mut record.normal_force] {
+    for column in [
+        &mut record.time,
+        &mut record.displacement,
+        &mut record.tangential_force,
+        &mut record.normal_force,
+    ] {
         column.truncate(300);
     }
-    assert!(reason(&record).contains("shorter than one period"), "{}", reason(&record));
+    assert!(
+        reason(&record).contains("shorter than one period"),
+        "{}",
+        reason(&record)
+    );
     record.conditions.frequency_hz = None;
-    assert!(reason(&record).contains("state the frequency"), "{}", reason(&record));
+    assert!(
+        reason(&record).contains("state the frequency"),
+        "{}",
+        reason(&record)
+    );
 }
 
 #[test]
@@ -61,16 +82,32 @@ fn one_bad_test_is_data_and_only_bad_ones_are_an_error() {
     random(&mut bad.tangential_force, 4);
     let settings = IdentifySettings::default();
     let found = identify(&[bad.clone(), good], &settings).unwrap();
-    assert!(matches!(found.tests[0].status, TestStatus::Unusable(_)), "{:?}", found.tests[0].status);
-    assert!(found.notes[0].starts_with("not used: bad "), "{:?}", found.notes);
+    assert!(
+        matches!(found.tests[0].status, TestStatus::Unusable(_)),
+        "{:?}",
+        found.tests[0].status
+    );
+    assert!(
+        found.notes[0].starts_with("not used: bad "),
+        "{:?}",
+        found.notes
+    );
     let refused = identify(&[bad], &settings).unwrap_err();
     assert!(matches!(refused, IdentifyError::NoTest(_)), "{refused}");
-    assert!(refused.to_string().contains("no test can be used: bad "), "{refused}");
+    assert!(
+        refused.to_string().contains("no test can be used: bad "),
+        "{refused}"
+    );
 }
 
 #[test]
 fn settings_out_of_range_name_their_key() {
-    let settings = IdentifySettings { series_stiffness_n_per_um: Some(-1.0), ..IdentifySettings::default() };
-    let refused = identify(&[Bench::default().record()], &settings).unwrap_err().to_string();
+    let settings = IdentifySettings {
+        series_stiffness_n_per_um: Some(-1.0),
+        ..IdentifySettings::default()
+    };
+    let refused = identify(&[Bench::default().record()], &settings)
+        .unwrap_err()
+        .to_string();
     assert!(refused.contains("series_stiffness_n_per_um"), "{refused}");
 }

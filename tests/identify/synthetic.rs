@@ -73,7 +73,8 @@ impl Bench {
         for i in 0..count {
             let cycle = i as f64 / self.per_cycle;
             let motion = self.amplitude * (TAU * (cycle + 0.1)).sin();
-            let normal_force = self.normal_force * (1.0 + self.normal_swing * (2.0 * TAU * cycle).cos());
+            let normal_force =
+                self.normal_force * (1.0 + self.normal_swing * (2.0 * TAU * cycle).cos());
             let run_in = 1.0 - self.run_in * (-cycle / 3.0).exp();
             let limit = self.friction * run_in * normal_force;
             let stiffness = self.stiffness[usize::from(motion > before)];
@@ -82,8 +83,12 @@ impl Bench {
             let rig = self.series.map_or(0.0, |series| contact / series);
             let noise = |k: u32| self.noise[k as usize] * normal(self.seed, i as u64, k);
             record.time.push(cycle / self.frequency);
-            record.displacement.push(motion + rig + self.offset[0] + self.drift[0] * cycle + noise(0));
-            record.tangential_force.push(contact + self.offset[1] + self.drift[1] * cycle + noise(1));
+            record
+                .displacement
+                .push(motion + rig + self.offset[0] + self.drift[0] * cycle + noise(0));
+            record
+                .tangential_force
+                .push(contact + self.offset[1] + self.drift[1] * cycle + noise(1));
             record.normal_force.push(normal_force + noise(2));
         }
         record
