@@ -18,9 +18,9 @@ pub(super) struct Window {
 /// Share of the swing of T/N after a reversal where a window begins.
 const BEGIN: f64 = 0.1;
 /// Where it ends: the first of these at which the branch is straight.
-const ENDS: [f64; 3] = [0.6, 0.45, 0.3];
+const ENDS: [f64; 3] = [0.5, 0.4, 0.3];
 /// Where the window of a bent branch begins and ends.
-const BENT: [f64; 2] = [0.03, 0.6];
+const BENT: [f64; 2] = [0.03, 0.4];
 /// Window of a branch that has too few samples in the others.
 const WIDE: [f64; 2] = [0.0, 0.85];
 /// Samples below which the wide window is taken.
@@ -109,9 +109,14 @@ pub(super) fn slope(half: &Half, cycle: &MeanLoop, window: &Window) -> Option<Li
         slope,
         intercept,
         standard_error,
+        model_error: MODEL_ERROR * (slope - line.slope).abs(),
         ..line
     })
 }
+
+/// Standard uncertainty of the slope of a bent branch at its start, over the difference between a parabola and a line: the
+/// branch may be straight at first and bend later.
+const MODEL_ERROR: f64 = 0.25;
 
 /// Displacement after the reversal, and place, where the branch lies below its line for good; none where it never does.
 pub(super) fn leaves_line(half: &Half, cycle: &MeanLoop, line: &Line) -> Option<(f64, usize)> {

@@ -14,6 +14,8 @@ pub(super) struct Line {
     pub(super) deviation: f64,
     /// Standard error of the slope by these; none of fewer than four points.
     pub(super) standard_error: Option<f64>,
+    /// Standard uncertainty of the slope because the points may lie on another curve; 0 where a line is all that is asked for.
+    pub(super) model_error: f64,
 }
 
 /// Points above which neighbours are averaged: the pairs grow with the square.
@@ -48,6 +50,7 @@ pub(super) fn pairwise_line(x: &[f64], y: &[f64]) -> Option<Line> {
         intercept,
         deviation,
         standard_error: (n >= LEAST_FOR_ERROR).then(|| variance.sqrt()),
+        model_error: 0.0,
     })
 }
 
