@@ -234,7 +234,10 @@ impl<'a> Test<'a> {
             measured_n_per_um: n_per_m_to_n_per_um(measured),
             samples,
             window_end: windows.map(|w| w.map_or(0.0, |w| w.end)),
-            bent: windows.map(|w| w.is_some_and(|w| w.bent)),
+            bent: windows.map(|w| {
+                w.and_then(|w| w.straightened)
+                    .is_some_and(|s| s.knee.exponent > 0.0)
+            }),
         }
     }
 
