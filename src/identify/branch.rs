@@ -1,0 +1,143 @@
+//! The stick branch after a reversal: where it is, and its slope.
+
+use super::half::Half;
+use super::knee::Knee;
+use super::mean_loop::{MeanLoop, median};
+use super::slope::{Line, pairwise_line};
+
+/// Part of a half in which the contact sticks, and how its slope is taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Window {
+    /// First and last place of the half.
+    pub(super) places: [usize; 2],
+    /// Share of the swing of T/N where it ends.
+    pub(super) end: f64,
+    /// The knee that the branch has, where a part of it slips before the whole.
+    pub(super) straightened: Option<Straightened>,
+}
+
+/// How the points of a branch with a knee are put on its first slope.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Straightened {
+    pub(super) knee: Knee,
+    /// T/N at the reversal before, against the motion, and its swing.
+    pub(super) levels: [f64; 2],
+    /// Relative standard uncertainty of the slope by the choice of the knee.
+    pub(super) model_error: f64,
+}
+
+/// Share of the swing of T/N after a reversal where a window begins.
+const BEGIN: f64 = 0.1;
+/// Where it ends: the first of these at which the branch is straight.
+const ENDS: [f64; 3] = [0.6, 0.45, 0.3];
+/// Window of a branch that has too few samples in the others.
+const WIDE: [f64; 2] = [0.0, 0.85];
+/// Samples below which the wide window is taken.
+const FEW: usize = 4;
+/// Fewest samples in which a bend is sought.
+const LEAST_FOR_BEND: usize = 8;
+/// A branch is bent if the slope of its second half is smaller by more than this share...
+const BEND: f64 = 0.02;
+/// ...and by more than so many standard errors. Less than two: a bend that is missed makes the stiffness too small.
+const SURE_BEND: f64 = 1.5;
+
+/// The window of a half, from the share of the swing at each place; none where it has fewer than two samples. Without a knee it ends
+/// where the branch is still straight.
+pub(super) fn window(
+    half: &Half,
+    cycle: &MeanLoop,
+    share: &[Option<f64>],
+    straightened: Option<Straightened>,
+) -> Option<Window> {
+    let last = ENDS.len() - 1;
+    let found = ENDS.iter().enumerate().find_map(|(i, end)| {
+        let places = between(share, [BEGIN, *end])?;
+        let enough = places[1] + 1 - places[0] >= FEW;
+        let take = straightened.is_some() || i == last || !bends(half, cycle, places);
+        (enough && take).then_some((places, *end))
+    });
+    let wide = || {
+        between(share, WIDE)
+            .filter(|p| p[1] > p[0])
+            .map(|p| (p, WIDE[1]))
+    };
+    let (places, end) = found.or_else(wide)?;
+    Some(Window {
+        places,
+        end,
+        straightened,
+    })
+}
+
+/// Places between two shares of the swing, around the place where the branch passes their middle.
+fn between(share: &[Option<f64>], [begin, end]: [f64; 2]) -> Option<[usize; 2]> {
+    let level = |i: usize| {
+        let near = &share[i.saturating_sub(1)..(i + 2).min(share.len())];
+        median(&mut near.iter().copied().flatten().collect::<Vec<f64>>())
+    };
+    let middle = 0.5 * (begin + end);
+    let passed = (0..share.len()).find(|i| level(*i).is_some_and(|s| s >= middle))?;
+    let last = (passed..share.len()).find(|i| share[*i].is_none_or(|s| s > end));
+    let last = last.unwrap_or(share.len()).checked_sub(1)?;
+    let before = (0..passed)
+        .rev()
+        .find(|i| share[*i].is_none_or(|s| s < begin));
+    let first = before.map_or(0, |i| i + 1);
+    (first <= last).then_some([first, last])
+}
+
+/// Whether the slope falls inside the window.
+fn bends(half: &Half, cycle: &MeanLoop, [first, last]: [usize; 2]) -> bool {
+    let (x, y) = (half.displacement(cycle), half.force(cycle));
+    let (count, middle) = (last + 1 - first, usize::midpoint(first, last + 1));
+    let line = |from: usize, to: usize| pairwise_line(&x[from..to], &y[from..to]);
+    let (Some(early), Some(late)) = (line(first, middle), line(middle, last + 1)) else {
+        return false;
+    };
+    let (Some(a), Some(b)) = (early.standard_error, late.standard_error) else {
+        return false;
+    };
+    let fall = early.slope - late.slope;
+    count >= LEAST_FOR_BEND && fall > BEND * early.slope && fall > SURE_BEND * a.hypot(b)
+}
+
+/// The line of the branch in its window, force in the direction of the motion over the displacement since the reversal.
+pub(super) fn slope(half: &Half, cycle: &MeanLoop, window: &Window) -> Option<Line> {
+    let [first, last] = window.places;
+    let (x, mut y) = (half.displacement(cycle), half.force(cycle));
+    if let Some(straightened) = &window.straightened {
+        let [before, swing] = straightened.levels;
+        let start = before * cycle.normal[half.sample(0, cycle)];
+        for (place, force) in y.iter_mut().enumerate().take(last + 1).skip(first) {
+            let ratio = *force / cycle.normal[half.sample(place, cycle)];
+            let share = (ratio + before) / swing;
+            if share > 0.0 {
+                *force = (*force + start) * straightened.knee.elastic(share) / share - start;
+            }
+        }
+    }
+    let line = pairwise_line(&x[first..=last], &y[first..=last])?;
+    let model_error = window
+        .straightened
+        .map_or(0.0, |s| s.model_error * line.slope.abs());
+    Some(Line {
+        model_error,
+        ..line
+    })
+}
+
+/// Displacement after the reversal, and place, where the branch lies below its line for good; none where it never does.
+pub(super) fn leaves_line(half: &Half, cycle: &MeanLoop, line: &Line) -> Option<(f64, usize)> {
+    let (x, y) = (half.displacement(cycle), half.force(cycle));
+    let swing = y[y.len() - 1] - y[0];
+    let far = (SURE_LEAVE * line.deviation).max(LEAVE * swing);
+    let below = |i: &usize| line.intercept + line.slope * x[*i] - y[*i] > far;
+    let on = (0..y.len()).rev().find(|i| !below(i));
+    let place = on.map_or(0, |i| i + 1);
+    (place < y.len()).then(|| (x[place], place))
+}
+
+/// Distance from its line, over the swing of T, at which a branch has left it...
+const LEAVE: f64 = 0.02;
+/// ...and in standard deviations of its points.
+const SURE_LEAVE: f64 = 4.0;
