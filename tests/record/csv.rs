@@ -83,7 +83,7 @@ fn table(heading: &str, powers: [i32; 4], separator: &str, comma: bool) -> Strin
     text
 }
 
-/// Seen to fail with the comma as a separator before the semicolon.
+/// Seen to fail with the comma as the only separator.
 #[test]
 fn names_units_and_separators_of_laboratories_are_read() {
     let tables = [

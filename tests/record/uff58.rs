@@ -280,6 +280,48 @@ fn damaged_datasets_are_refused() {
     );
 }
 
+/// The first line of a binary dataset, and what the message must hold.
+const BINARY_DAMAGES: [(&str, &str); 11] = [
+    (
+        "    58b",
+        ":2: must have byte order, format, lines and bytes after 58b",
+    ),
+    (
+        "    58b     3     2          11        1024",
+        ":2: byte order 3: must be 1 or 2",
+    ),
+    (
+        "    58b     1     1          11        1024",
+        ":2: format of numbers 1: must be 2, IEEE 754",
+    ),
+    (
+        "    58b     1     2          12        1024",
+        ":2: lines before the numbers 12: must be 11",
+    ),
+    (
+        "    58b     1     2          11        many",
+        ":2: number of bytes: must be a whole number",
+    ),
+    (
+        "    58b     1     2          11          -1",
+        ":2: number of bytes: must be a whole number",
+    ),
+    (
+        "    58b     1     2          11        1023",
+        "has 1023 bytes: they do not fit 128 points of 8 bytes",
+    ),
+    (
+        "    58b     1     2          11         512",
+        "has 512 bytes: they do not fit 128 points of 8 bytes",
+    ),
+    (
+        "    58b     1     2          11   900000000",
+        "has 900000000 bytes: they do not fit",
+    ),
+    ("    58b     2     2          11        1024", ""),
+    ("    58", ""),
+];
+
 /// Damages of binary datasets. Seen to fail without the check of their bytes.
 #[test]
 fn damaged_binary_datasets_are_refused() {
@@ -292,47 +334,7 @@ fn damaged_binary_datasets_are_refused() {
         whole.windows(head.len()).any(|bytes| bytes == head),
         "{SAMPLES} numbers of 8 bytes"
     );
-    let damages = [
-        (
-            "    58b",
-            ":2: must have byte order, format, lines and bytes after 58b",
-        ),
-        (
-            "    58b     3     2          11        1024",
-            ":2: byte order 3: must be 1 or 2",
-        ),
-        (
-            "    58b     1     1          11        1024",
-            ":2: format of numbers 1: must be 2, IEEE 754",
-        ),
-        (
-            "    58b     1     2          12        1024",
-            ":2: lines before the numbers 12: must be 11",
-        ),
-        (
-            "    58b     1     2          11        many",
-            ":2: number of bytes: must be a whole number",
-        ),
-        (
-            "    58b     1     2          11          -1",
-            ":2: number of bytes: must be a whole number",
-        ),
-        (
-            "    58b     1     2          11        1023",
-            "has 1023 bytes: they do not fit 128 points of 8 bytes",
-        ),
-        (
-            "    58b     1     2          11         512",
-            "has 512 bytes: they do not fit 128 points of 8 bytes",
-        ),
-        (
-            "    58b     1     2          11   900000000",
-            "has 900000000 bytes: they do not fit",
-        ),
-        ("    58b     2     2          11        1024", ""),
-        ("    58", ""),
-    ];
-    for (new, fragment) in damages {
+    for (new, fragment) in BINARY_DAMAGES {
         let at = whole
             .windows(head.len())
             .position(|bytes| bytes == head)
