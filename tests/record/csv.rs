@@ -153,7 +153,7 @@ fn further_columns_are_passed_over_by_their_names() {
 const DAMAGES: &str = r#"
 4   | time [s],relative displacement [um],tangential force [N]                         | :4: must have a column normal force [N]
 4   | relative displacement [um],tangential force [N],normal force [N]                 | :4: must have a column time [s]
-4   | 0,1,2,3,4                                                                        | :4: column 0: the first line must name columns among time,
+4   | 0,1,2,3,4                                                                        | :4: column 0: the first line without # must name columns among time,
 [s] |                                                                                  | :4: time: has no unit: must have one in brackets, as time [s]
 [s] | []                                                                               | :4: time: has no unit
 [s] | [um]                                                                             | :4: time [um]: must be in a unit of time: s, ms, us

@@ -208,7 +208,7 @@ fn datasets_of_every_form_are_read() {
 
 /// Line 9 has form and number of points, 10 and 11 the axes, 14 the first numbers; lines of the second dataset follow 47.
 const DAMAGES: &str = "
-1  | 0                                                                             | :1: column 0: the first line must name columns
+1  | 0                                                                             | :1: column 0: the first line without # must name columns
 2  |    151                                                                         | must have the signal relative displacement
 9  | 4 128                                                                         | :9: must have type, number of points, spacing, first abscissa and step
 9  | 5 128 1 0.0 1.5625E-04 0.0                                                    | :9: is complex: must be real
