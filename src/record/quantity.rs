@@ -267,7 +267,7 @@ pub fn name_and_unit(heading: &str) -> (&str, Option<&str>) {
 mod tests {
     use super::*;
 
-    /// Seen to fail with names compared without their case alone: the time was a force.
+    /// Seen to fail with single letters compared without their case: T was the time.
     #[test]
     fn names_are_those_of_laboratories() {
         let names = [

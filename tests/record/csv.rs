@@ -187,7 +187,8 @@ normal displacement | displacement                                              
 3   | # frequency [Hz] = 200                                                           | :3: frequency: must be stated once
 "#;
 
-/// Seen to fail with each rule's check taken out.
+/// Seen to fail without the checks of the number of fields, of needed and of repeated columns, of the order of times, of the
+/// number of samples and of the sampling rate, one after the other.
 #[test]
 fn damaged_tables_are_refused() {
     let text = written(&[whole_contact("rig")]);

@@ -87,7 +87,7 @@ amplitude deviation [um] | amplitude deviation                           | :2: a
 5 | 2,1032.85\\0,36.9,0.3,0.2                                            | :5: has a null byte
 ";
 
-/// Seen to fail with each rule's check taken out.
+/// Seen to fail with numbers of any size taken.
 #[test]
 fn damaged_responses_are_refused() {
     let text = written(&record(true));

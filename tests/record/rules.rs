@@ -86,7 +86,7 @@ fn a_force_grows_with_the_displacement() {
     );
 }
 
-/// Seen to fail with limits a thousand times wider: millimetres were read as metres.
+/// Seen to fail with limits a thousand times wider.
 #[test]
 fn units_that_cannot_be_meant_are_noticed() {
     let message = refused(|test| test.displacement.iter_mut().for_each(|x| *x *= 1e6));

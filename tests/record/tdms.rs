@@ -403,7 +403,7 @@ fn property_damages() -> Damages {
 /// Damages after which the file is still a test: another name of a property that is not used.
 const HARMLESS: usize = 3;
 
-/// Seen to fail with each rule's check taken out.
+/// Seen to fail with parts of chunks, samples to be scaled and the other byte order taken, one after the other.
 #[test]
 fn damaged_files_are_refused() {
     let whole = whole();

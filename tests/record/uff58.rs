@@ -249,7 +249,7 @@ Displacement         um | Displacement         inch                            |
 48 | 151                                                                           | must have the signal tangential force
 ";
 
-/// Seen to fail with each rule's check taken out.
+/// Seen to fail with abscissas that are not compared.
 #[test]
 fn damaged_datasets_are_refused() {
     let form = forms()[3];
