@@ -40,6 +40,7 @@ pub mod linalg;
 pub mod model;
 pub mod record;
 pub mod report;
+pub mod rig;
 pub mod sampling;
 pub mod serve;
 pub mod setting;

@@ -19,6 +19,7 @@ mod merge;
 mod pace;
 mod report;
 mod reweight;
+mod rig;
 mod run;
 mod schema;
 mod serve;
@@ -48,6 +49,7 @@ use microslip::Error;
 use microslip::file::FileError;
 use report::ReportArguments;
 use reweight::ReweightArguments;
+use rig::RigArguments;
 use run::RunArguments;
 use schema::SchemaArguments;
 use serve::ServeArguments;
@@ -81,6 +83,7 @@ Examples:
   microslip compare strip-a strip-b         designs on the same samples, from their results
   microslip reweight results --prior p.toml the same samples under other distributions of the inputs
   microslip extend results --samples 800    more samples for these results; the old ones are kept
+  microslip rig rig.toml --output tests     virtual measurements of a contact, with the truth beside them
   microslip identify loops.csv              friction and stiffness of a contact from measured hysteresis loops
   microslip serve study.toml --port 4242    the model for UM-Bridge clients: inputs in, resonances out
 
@@ -113,6 +116,8 @@ enum Command {
     Compare(CompareArguments),
     /// Quantiles of the same samples under other distributions of the inputs, without solving: reweighted.json.
     Reweight(ReweightArguments),
+    /// Simulate tests of a friction contact on a rig whose truth is known: hysteresis records, resonances, truth.json.
+    Rig(RigArguments),
     /// Serve the model of a study to programs in other languages, by the UM-Bridge protocol: inputs in, resonances out.
     Serve(ServeArguments),
     /// Print the JSON Schema of the study file or of a result file, for editors and programs.
@@ -144,6 +149,7 @@ impl Command {
             Self::Extend(arguments) => arguments.messages.log,
             Self::Merge(arguments) => arguments.messages.log,
             Self::Serve(arguments) => arguments.messages.log,
+            Self::Rig(arguments) => arguments.messages.log,
             _ => Log::Text,
         }
     }
@@ -159,6 +165,7 @@ impl Command {
             Self::Report(arguments) => arguments.execute(),
             Self::Compare(arguments) => arguments.execute(),
             Self::Reweight(arguments) => arguments.execute(),
+            Self::Rig(arguments) => arguments.execute(),
             Self::Serve(arguments) => arguments.execute(),
             Self::Schema(arguments) => arguments.execute(),
             Self::Inspect(arguments) => inspect::execute(arguments),

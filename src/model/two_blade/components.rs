@@ -90,6 +90,15 @@ impl Layout {
         self.along.iter().flat_map(row).collect()
     }
 
+    /// From and to of every contact cell in x and y, in the order of [`Layout::contact_cells`].
+    pub(super) fn spans(&self) -> Vec<[[f64; 2]; 2]> {
+        let row = |y: &Cell| {
+            let y = y.span;
+            self.across.iter().map(move |x| [x.span, y])
+        };
+        self.along.iter().flat_map(row).collect()
+    }
+
     /// Relative deviation of the mean pressure on each contact cell from that of all, under a rigid flat punch as wide as
     /// the contact: its load left of s is 1/2 + asin(2s)/π of the whole.
     pub(super) fn punch_deviation(&self) -> Vec<f64> {

@@ -10,11 +10,13 @@
 mod assembly;
 mod components;
 mod grid_error;
+mod interface_cells;
 mod linear;
 mod pressure;
 mod settings;
 
 pub use grid_error::GridError;
+pub use interface_cells::{InterfaceCell, interface_cells};
 pub use linear::{LinearModes, TrackedMode};
 pub use pressure::{PressureField, PressureInputs};
 pub use settings::{Phase, TwoBladeSettings};

@@ -1,0 +1,273 @@
+//! What an identification finds in virtual tests whose truth is known: `cargo bench --bench closed_loop [-- map coverage resolution]`.
+//!
+//! `map`: friction coefficient and stiffness over their range, under the instruments of the published rig and without their
+//! errors. `coverage`: how often the interval of a test holds the truth, 500 tests. `resolution`: how fine the displacement must
+//! be for the stiffness. Platform amplitude 5 µm, 20 cycles at 100 Hz, unless a line says otherwise.
+
+#![expect(clippy::expect_used, reason = "a benchmark without its rig fails")]
+
+use microslip::identify::{IdentifySettings, TestResult, identify_test};
+use microslip::rig::loading::LoadMap;
+use microslip::rig::{Rig, Slip, VirtualTest};
+use rayon::prelude::*;
+use std::path::Path;
+use std::time::Instant;
+
+const FRICTION: [f64; 5] = [0.1, 0.3, 0.6, 0.9, 1.2];
+const SCALE: [f64; 5] = [0.1, 0.3, 1.0, 3.0, 10.0];
+/// Nominal tangential stiffness (N/µm).
+const NOMINAL: f64 = 233.0;
+/// Tests of a cell of the map: median errors.
+const REPEATED: u64 = 20;
+const COVERAGE_TESTS: u64 = 500;
+/// Published accuracies of friction coefficient and stiffness.
+const PUBLISHED: [f64; 2] = [0.01, 0.05];
+
+/// Instruments without errors.
+const EXACT: &str = "[support]\nk12_n_per_um = 0\ndecoupling = [1, 1]\n\
+    [force_cells]\nerror_percent = 0\nnoise_n = 0\ndrift_n_per_s = 0\n\
+    [vibrometer]\nresolution_um = 0\nnoise_um = 0\ndrift_um_per_s = 0\n";
+
+/// What decides a case.
+#[derive(Clone, Copy)]
+struct Case<'a> {
+    mu: f64,
+    scale: f64,
+    amplitude_um: f64,
+    loading: &'a str,
+    instruments: &'a str,
+    tests: u64,
+    seed: u64,
+}
+
+impl Case<'_> {
+    fn rig(&self) -> Rig {
+        let text = format!(
+            "name = \"closed loop\"\nseed = {}\n[contact]\nfriction_coefficient = {}\ntangential_stiffness_n_per_um = {}\n\
+             [loading]\nkind = \"{}\"\n[excitation]\namplitude_um = {}\nrepetitions = {}\n{}",
+            self.seed,
+            self.mu,
+            NOMINAL * self.scale,
+            self.loading,
+            self.amplitude_um,
+            self.tests,
+            self.instruments
+        );
+        Rig::parse(Path::new("closed loop"), &text).expect("a rig")
+    }
+
+    fn identified(&self, settings: &IdentifySettings) -> Vec<(VirtualTest, TestResult)> {
+        let rig = self.rig();
+        let map = rig.load_map().expect("a contact grid");
+        let one = |index| identified(&rig, &map, index, settings);
+        (0..rig.number_of_tests())
+            .into_par_iter()
+            .map(one)
+            .collect()
+    }
+}
+
+fn identified(
+    rig: &Rig,
+    map: &LoadMap,
+    index: u64,
+    settings: &IdentifySettings,
+) -> (VirtualTest, TestResult) {
+    let test = rig.test(map, index);
+    let result = identify_test(&test.record, settings);
+    (test, result)
+}
+
+/// What a laboratory with these cells states: 1 % that 95 % keep, as a standard uncertainty.
+fn stated() -> IdentifySettings {
+    IdentifySettings {
+        force_error_percent: 1.0 / 1.96,
+        ..IdentifySettings::default()
+    }
+}
+
+/// Relative errors of friction coefficient and stiffness, where they were found.
+fn errors((test, result): &(VirtualTest, TestResult)) -> [Option<f64>; 2] {
+    let estimate = result.estimate.as_ref();
+    let friction = estimate
+        .and_then(|e| e.friction)
+        .map(|f| f.coefficient.value);
+    let stiffness = estimate.map(|e| e.tangential.stiffness_n_per_um.value);
+    [
+        friction.map(|value| value / test.truth.friction_coefficient - 1.0),
+        stiffness.map(|value| value / test.truth.tangential_stiffness_n_per_um - 1.0),
+    ]
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
+fn percent(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_owned(), |v| format!("{:.2}", 100.0 * v))
+}
+
+/// Median errors (%) with their sign, and how many tests keep the published accuracies, of all tests that have a value.
+fn row(case: &Case<'_>, settings: &IdentifySettings) {
+    let found = case.identified(settings);
+    let all: Vec<_> = found.iter().map(errors).collect();
+    let of = |k: usize| all.iter().filter_map(|e| e[k]).collect::<Vec<f64>>();
+    let within = |k: usize| of(k).iter().filter(|e| e.abs() <= PUBLISHED[k]).count();
+    let gross = found.iter().filter(|(test, _)| test.slip == Slip::Gross);
+    let reached = found
+        .iter()
+        .map(|(test, _)| test.motion.mobilised[0].min(test.motion.mobilised[1]));
+    println!(
+        "| {} | {} | {:.3} | {} | {} | {} | {} of {} | {} | {} of {} |",
+        case.mu,
+        case.scale,
+        median(reached.collect()).unwrap_or_default(),
+        gross.count(),
+        of(0).len(),
+        percent(median(of(0))),
+        within(0),
+        of(0).len(),
+        percent(median(of(1))),
+        within(1),
+        of(1).len()
+    );
+}
+
+fn heading(title: &str) {
+    println!("\n{title}\n");
+    println!(
+        "| mu | scale | traction over limit | gross slip | mu found | median error of mu % | within 1 % | median error of k_t % | within 5 % |"
+    );
+    println!("|-|-|-|-|-|-|-|-|-|");
+}
+
+fn map(title: &str, base: Case<'_>, settings: &IdentifySettings) {
+    heading(title);
+    for scale in SCALE {
+        for mu in FRICTION {
+            row(&Case { mu, scale, ..base }, settings);
+        }
+    }
+}
+
+fn maps() {
+    let published = Case {
+        mu: 0.6,
+        scale: 1.0,
+        amplitude_um: 5.0,
+        loading: "air",
+        instruments: "",
+        tests: REPEATED,
+        seed: 1,
+    };
+    map(
+        "Air, instruments of the published rig",
+        published,
+        &stated(),
+    );
+    let gains = Case {
+        instruments: "[force_cells]\nerror_percent = 0\n[support]\ndecoupling = [1, 1]\n",
+        ..published
+    };
+    map(
+        "Air, cells without gain errors and offsets",
+        gains,
+        &stated(),
+    );
+    let exact = Case {
+        instruments: EXACT,
+        tests: 1,
+        ..published
+    };
+    let ideal = IdentifySettings::default();
+    map("Air, instruments without errors", exact, &ideal);
+    let punch = Case {
+        loading: "punch",
+        ..exact
+    };
+    map("Punch, instruments without errors", punch, &ideal);
+}
+
+/// Share of the tests whose interval holds the truth, of those that have one.
+fn coverage() {
+    println!(
+        "\n| mu | scale | tests | interval of | has one | holds the truth % | standard error |"
+    );
+    println!("|-|-|-|-|-|-|-|");
+    for (mu, scale) in [(0.6, 1.0), (0.3, 0.3), (0.9, 3.0)] {
+        let case = Case {
+            mu,
+            scale,
+            amplitude_um: 5.0,
+            loading: "air",
+            instruments: "",
+            tests: COVERAGE_TESTS,
+            seed: 2,
+        };
+        let found = case.identified(&stated());
+        let friction = found.iter().filter_map(|(test, result)| {
+            let interval = result.estimate.as_ref()?.friction?.coefficient;
+            let truth = test.truth.friction_coefficient;
+            Some(interval.lower <= truth && truth <= interval.upper)
+        });
+        let stiffness = found.iter().filter_map(|(test, result)| {
+            let interval = result.estimate.as_ref()?.tangential.stiffness_n_per_um;
+            let truth = test.truth.tangential_stiffness_n_per_um;
+            Some(interval.lower <= truth && truth <= interval.upper)
+        });
+        for (name, held) in [
+            ("mu", friction.collect::<Vec<bool>>()),
+            ("k_t", stiffness.collect()),
+        ] {
+            let n = held.len() as f64;
+            let share = held.iter().filter(|held| **held).count() as f64 / n;
+            println!(
+                "| {mu} | {scale} | {COVERAGE_TESTS} | {name} | {n} | {:.1} | {:.1} |",
+                100.0 * share,
+                100.0 * (share * (1.0 - share) / n).sqrt()
+            );
+        }
+    }
+}
+
+/// Error of the stiffness against the step of the vibrometer, all else as published.
+fn resolution() {
+    for step in ["0.08", "0.02", "0.005", "0.001"] {
+        let instruments = format!("[vibrometer]\nresolution_um = {step}\nnoise_um = {step}\n");
+        heading(&format!(
+            "Air, vibrometer with steps and noise of {step} um"
+        ));
+        for scale in SCALE {
+            let case = Case {
+                mu: 0.6,
+                scale,
+                amplitude_um: 5.0,
+                loading: "air",
+                instruments: &instruments,
+                tests: REPEATED,
+                seed: 3,
+            };
+            row(&case, &stated());
+        }
+    }
+}
+
+fn main() {
+    let asked: Vec<String> = std::env::args().skip(1).collect();
+    let parts: [(&str, fn()); 3] = [
+        ("map", maps),
+        ("coverage", coverage),
+        ("resolution", resolution),
+    ];
+    let named = parts
+        .iter()
+        .any(|(name, _)| asked.iter().any(|a| a == name));
+    let clock = Instant::now();
+    for (name, part) in parts {
+        if !named || asked.iter().any(|a| a == name) {
+            part();
+        }
+    }
+    println!("\n{:.0} s", clock.elapsed().as_secs_f64());
+}

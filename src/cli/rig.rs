@@ -1,0 +1,90 @@
+//! `rig`: virtual tests with known truth.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::log::Messages;
+use super::terminal::{Bar, print};
+use super::threads::Threads;
+use clap::Args;
+use microslip::Error;
+use microslip::rig::{Rig, RigSummary, Slip, write_tests};
+use microslip::study::Progress;
+
+#[derive(Args)]
+pub(super) struct RigArguments {
+    /// The rig file.
+    rig: PathBuf,
+    /// Folder of the measurements; must not exist or be empty.
+    #[arg(long)]
+    output: PathBuf,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    pub messages: Messages,
+}
+
+impl RigArguments {
+    pub(super) fn execute(&self) -> Result<(), Error> {
+        self.threads.start()?;
+        let rig = Rig::read(&self.rig)?;
+        let bar = Bar::new(&self.messages);
+        let (done, total) = (AtomicU64::new(0), rig.number_of_tests());
+        let summary = write_tests(&rig, &self.output, || {
+            let done = 1 + done.fetch_add(1, Ordering::Relaxed);
+            bar.show(Progress { done, total });
+        })?;
+        bar.clear();
+        if self.messages.quiet {
+            return Ok(());
+        }
+        print(|out| {
+            show(out, &summary)?;
+            writeln!(out, "measurements are in {}", self.output.display())
+        })
+    }
+}
+
+fn show(out: &mut dyn Write, summary: &RigSummary) -> std::io::Result<()> {
+    let pressure = &summary.pressure;
+    writeln!(
+        out,
+        "load {:.1} N; pressure {:.3} MPa, at most {:.3} MPa; {:.0} % of the area within 10 % of the mean",
+        summary.load_n,
+        pressure.mean_mpa,
+        pressure.largest_mpa,
+        100.0 * pressure.within_tenth
+    )?;
+    let gross = summary.tests.iter().filter(|test| test.slip == Slip::Gross);
+    writeln!(
+        out,
+        "{} tests of one blade and strip, {} of them with gross slip",
+        summary.tests.len(),
+        gross.count()
+    )?;
+    let out_of_range = summary.tests.iter().filter(|test| test.out_of_range > 0);
+    match out_of_range.count() {
+        0 => {}
+        n => writeln!(
+            out,
+            "warning: in {n} tests an instrument was at the end of its range"
+        )?,
+    }
+    for resonance in &summary.resonances {
+        let (specimen, level) = (resonance.specimen + 1, resonance.level);
+        match &resonance.peak {
+            Some(peak) => writeln!(
+                out,
+                "specimen {specimen}, level {level}: {:.3} Hz, {:.4} um",
+                peak.frequency_hz, peak.amplitude_um
+            )?,
+            None => writeln!(
+                out,
+                "specimen {specimen}, level {level}: {}",
+                resonance.status
+            )?,
+        }
+    }
+    Ok(())
+}

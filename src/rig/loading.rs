@@ -1,0 +1,190 @@
+//! What presses the strip on the platform, as a load on every contact pair.
+//!
+//! The strip is thin: the load on a pair is the pressure over its area, whatever the contact does. Air presses by the model of
+//! `air`; a punch by the pressure of a rigid flat one as wide as the contact, half of the weight on each side of the gap.
+
+use super::air::AirSettings;
+use super::settings::StripSettings;
+use crate::model::ModelError;
+use crate::model::two_blade::{InterfaceCell, interface_cells};
+use crate::setting::{BadSetting, non_negative, positive};
+use crate::units::STANDARD_GRAVITY;
+
+/// Points of a cell in each direction over which its pressure is averaged.
+const POINTS_OF_CELL: usize = 16;
+/// Distance of the points at which the pressure on a whole strip is counted (mm).
+const COUNTED_MM: f64 = 0.1;
+/// "About the mean": within this share of it.
+const TENTH: f64 = 0.1;
+/// Pa in a MPa.
+const PA_PER_MPA: f64 = 1e6;
+
+/// Dead weights on a rigid punch.
+#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PunchSettings {
+    /// Weights, with what hangs with them (kg).
+    pub weight_kg: f64,
+    /// Mass of the punch that moves with the strip (kg); the weights hang softly and stay at rest.
+    pub punch_mass_kg: f64,
+    /// Stiffness of the punch between contact and box, beside the strip's (N/µm).
+    pub punch_stiffness_n_per_um: f64,
+}
+
+impl Default for PunchSettings {
+    fn default() -> Self {
+        Self {
+            weight_kg: 20.0,
+            punch_mass_kg: 0.05,
+            punch_stiffness_n_per_um: 50.0,
+        }
+    }
+}
+
+/// `[loading]`, by its `kind`.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Loading {
+    /// Compressed air.
+    Air(AirSettings),
+    /// Dead weights on a rigid punch.
+    Punch(PunchSettings),
+}
+
+/// Load on the interface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadMap {
+    /// Cells of the interface.
+    pub cells: Vec<InterfaceCell>,
+    /// Normal load of each contact pair (N). Shape: `[pairs]`.
+    pub loads: Vec<f64>,
+    /// Pressure over the strip; over its contact under a punch.
+    pub pressure: PressureFacts,
+}
+
+/// A pressure map in numbers.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct PressureFacts {
+    /// Mean (MPa).
+    pub mean_mpa: f64,
+    /// Largest (MPa); under a punch that of a cell, for at its edge it has no bound.
+    pub largest_mpa: f64,
+    /// Share of the area within a tenth of the mean.
+    pub within_tenth: f64,
+}
+
+impl Loading {
+    /// Checks ranges.
+    ///
+    /// # Errors
+    /// [`BadSetting`] with a key relative to `[loading]`.
+    pub fn validate(&self, strip: &StripSettings) -> Result<(), BadSetting> {
+        match self {
+            Self::Air(air) => {
+                air.validate()?;
+                air.film([strip.strip_mm[0], strip.strip_mm[1]])?;
+                Ok(())
+            }
+            Self::Punch(punch) => {
+                positive("weight_kg", punch.weight_kg)?;
+                non_negative("punch_mass_kg", punch.punch_mass_kg)?;
+                non_negative("punch_stiffness_n_per_um", punch.punch_stiffness_n_per_um)
+            }
+        }
+    }
+
+    /// Load on every contact pair.
+    ///
+    /// # Errors
+    /// [`ModelError`] on a strip that breaks a rule.
+    pub fn map(&self, strip: &StripSettings) -> Result<LoadMap, ModelError> {
+        let cells = interface_cells(&strip.model())?;
+        match self {
+            Self::Air(air) => air_map(air, strip, cells),
+            Self::Punch(punch) => Ok(punch_map(punch, cells)),
+        }
+    }
+
+    /// Standard deviation of the load over its mean, and its time constant (s).
+    #[must_use]
+    pub fn fluctuation(&self) -> Option<(f64, f64)> {
+        match self {
+            Self::Air(air) => Some((1e-2 * air.regulator_noise_percent, air.regulator_time_s)),
+            Self::Punch(_) => None,
+        }
+    }
+
+    /// Mass (kg) and stiffness (N/m) that it adds to the strip.
+    #[must_use]
+    pub fn added(&self) -> (f64, f64) {
+        match self {
+            Self::Air(_) => (0.0, 0.0),
+            Self::Punch(punch) => (
+                punch.punch_mass_kg,
+                crate::units::n_per_um_to_n_per_m(punch.punch_stiffness_n_per_um),
+            ),
+        }
+    }
+}
+
+fn air_map(
+    air: &AirSettings,
+    strip: &StripSettings,
+    cells: Vec<InterfaceCell>,
+) -> Result<LoadMap, ModelError> {
+    let [width, length, _] = strip.strip_mm;
+    let film = air.film([width, length])?;
+    let middle =
+        |[from, to]: [f64; 2], i: usize, n: usize| from + (to - from) * (i as f64 + 0.5) / n as f64;
+    let n = POINTS_OF_CELL;
+    let mean = |cell: &InterfaceCell| {
+        let [x, y] = cell.span;
+        let points = (0..n * n).map(|k| [middle(x, k % n, n), middle(y, k / n, n)]);
+        points.map(|point| film.pressure(point)).sum::<f64>() / (n * n) as f64
+    };
+    let loads = cells.iter().map(|cell| PA_PER_MPA * mean(cell) * cell.area);
+    let counts = [width, length].map(|side| ((side / COUNTED_MM).ceil() as usize).max(1));
+    let spans = [width, length].map(|side| [-0.5e-3 * side, 0.5e-3 * side]);
+    let at = |k: usize| {
+        let [i, j] = [k % counts[0], k / counts[0]];
+        film.pressure([
+            middle(spans[0], i, counts[0]),
+            middle(spans[1], j, counts[1]),
+        ])
+    };
+    let pressures: Vec<(f64, f64)> = (0..counts[0] * counts[1]).map(|k| (at(k), 1.0)).collect();
+    Ok(LoadMap {
+        loads: loads.collect(),
+        cells,
+        pressure: facts(&pressures),
+    })
+}
+
+fn punch_map(punch: &PunchSettings, cells: Vec<InterfaceCell>) -> LoadMap {
+    let load = 0.5 * punch.weight_kg * STANDARD_GRAVITY;
+    let whole: f64 = cells.iter().map(|cell| cell.punch * cell.area).sum();
+    let loads: Vec<f64> = (cells.iter())
+        .map(|cell| load * cell.punch * cell.area / whole)
+        .collect();
+    let pressures: Vec<(f64, f64)> = (cells.iter().zip(&loads))
+        .map(|(cell, load)| (load / cell.area / PA_PER_MPA, cell.area))
+        .collect();
+    LoadMap {
+        pressure: facts(&pressures),
+        loads,
+        cells,
+    }
+}
+
+/// From pressures (MPa) with their areas, in any unit.
+fn facts(pressures: &[(f64, f64)]) -> PressureFacts {
+    let area: f64 = pressures.iter().map(|(_, area)| area).sum();
+    let mean_mpa = pressures.iter().map(|(p, area)| p * area).sum::<f64>() / area;
+    let near = pressures
+        .iter()
+        .filter(|(p, _)| (p / mean_mpa - 1.0).abs() <= TENTH);
+    PressureFacts {
+        mean_mpa,
+        largest_mpa: pressures.iter().fold(0.0, |most, (p, _)| p.max(most)),
+        within_tenth: near.map(|(_, area)| area).sum::<f64>() / area,
+    }
+}

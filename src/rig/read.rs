@@ -1,0 +1,137 @@
+//! `rig.toml`: what is tested, with which rig and which instruments.
+
+use std::path::{Path, PathBuf};
+
+use super::air::AirSettings;
+use super::chain::{CellSettings, VibrometerSettings};
+use super::excitation::Excitation;
+use super::loading::{Loading, PunchSettings};
+use super::motion::Structure;
+use super::response::ResponseSettings;
+use super::settings::{ContactTruth, StripSettings};
+use super::support::SupportSettings;
+use crate::Error;
+use crate::setting::BadSetting;
+use crate::study::document::Document;
+
+/// Top-level keys.
+const KEYS: [&str; 10] = [
+    "name",
+    "seed",
+    "contact",
+    "strip",
+    "loading",
+    "support",
+    "excitation",
+    "force_cells",
+    "vibrometer",
+    "response",
+];
+
+/// A virtual rig and its tests.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rig {
+    /// The file.
+    pub path: PathBuf,
+    /// Name, for reports.
+    pub name: String,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// The truth.
+    pub contact: ContactTruth,
+    /// The strip.
+    pub strip: StripSettings,
+    /// What presses it.
+    pub loading: Loading,
+    /// Measuring box and its support.
+    pub support: SupportSettings,
+    /// Motion of the platform.
+    pub excitation: Excitation,
+    /// Force cells.
+    pub force_cells: CellSettings,
+    /// Vibrometer.
+    pub vibrometer: VibrometerSettings,
+    /// Configuration b, if wanted.
+    pub response: Option<ResponseSettings>,
+}
+
+impl Rig {
+    /// Reads and checks a rig file.
+    ///
+    /// # Errors
+    /// [`Error::File`] if it cannot be read, [`Error::Study`] with file, line, key and rule otherwise.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let text = crate::file::read_text(path)?;
+        Self::parse(path, &text)
+    }
+
+    /// Checks `text`, the content of `path`.
+    ///
+    /// # Errors
+    /// [`Error::Study`] with file, line, key and rule.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, Error> {
+        let mut document = Document::parse(path, text)?;
+        let rig = Self {
+            path: path.to_owned(),
+            name: document.required("name")?,
+            seed: document.take("seed")?.unwrap_or(0),
+            contact: document.take("contact")?.unwrap_or_default(),
+            strip: document.take("strip")?.unwrap_or_default(),
+            loading: loading(&mut document)?,
+            support: document.take("support")?.unwrap_or_default(),
+            excitation: document.take("excitation")?.unwrap_or_default(),
+            force_cells: document.take("force_cells")?.unwrap_or_default(),
+            vibrometer: document.take("vibrometer")?.unwrap_or_default(),
+            response: document.take("response")?,
+        };
+        document.finish(&KEYS)?;
+        document.checked(rig.validate())?;
+        Ok(rig)
+    }
+
+    fn validate(&self) -> Result<(), BadSetting> {
+        let blank = self.name.trim().is_empty();
+        BadSetting::unless(!blank, "name", "\"\"", "must not be empty")?;
+        let under = |section: &'static str| move |bad: BadSetting| bad.under(section);
+        self.contact.validate().map_err(under("contact"))?;
+        self.strip.validate().map_err(under("strip"))?;
+        let loading = self.loading.validate(&self.strip);
+        loading.map_err(under("loading"))?;
+        self.support.validate().map_err(under("support"))?;
+        self.excitation.validate().map_err(under("excitation"))?;
+        self.force_cells.validate().map_err(under("force_cells"))?;
+        self.vibrometer.validate().map_err(under("vibrometer"))?;
+        match &self.response {
+            Some(response) => response.validate().map_err(under("response")),
+            None => Ok(()),
+        }
+    }
+
+    /// Strip, loading and support.
+    #[must_use]
+    pub fn structure(&self) -> Structure {
+        Structure::new(&self.strip, &self.loading, &self.support)
+    }
+
+    /// Folder of the file: what its file names are relative to.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        self.path.parent().unwrap_or(Path::new(""))
+    }
+}
+
+/// Reads `[loading]` by its `kind`.
+fn loading(document: &mut Document<'_>) -> Result<Loading, Error> {
+    let kind = document.take_string("loading", "kind")?;
+    match kind.as_str() {
+        "air" => Ok(Loading::Air(document.required::<AirSettings>("loading")?)),
+        "punch" => Ok(Loading::Punch(
+            document.required::<PunchSettings>("loading")?,
+        )),
+        _ => Err(document.bad_setting(&BadSetting {
+            key: "loading.kind".to_owned(),
+            value: kind,
+            rule: "must be \"air\" or \"punch\"".to_owned(),
+        })),
+    }
+}

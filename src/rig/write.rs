@@ -1,0 +1,150 @@
+//! The files of a rig: one record per test, resonances, and the truth.
+//!
+//! `test-0001.csv`, …: what a laboratory has. `response-0001.csv`, …: resonances of each specimen in configuration b. `truth.json`: what a laboratory does not know.
+
+use std::io::Write;
+use std::path::Path;
+
+use super::chain::Instruments;
+use super::loading::PressureFacts;
+use super::read::Rig;
+use super::response::MeasuredResonance;
+use super::virtual_test::{Slip, Specimen, VirtualTest};
+use crate::Error;
+use crate::file::{replace, write_folder};
+use crate::record::{ResponsePoint, ResponseRecord, write_hysteresis, write_response};
+use crate::units::um_to_m;
+use rayon::prelude::*;
+
+/// Version of `truth.json`.
+const FORMAT: u32 = 1;
+
+/// What was written, and what is true: `truth.json`.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct RigSummary {
+    /// Version of the format.
+    pub format: u32,
+    /// Name of the rig.
+    pub name: String,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Normal load of the interface (N).
+    pub load_n: f64,
+    /// Pressure map.
+    pub pressure: PressureFacts,
+    /// Specimens, in their order.
+    pub specimens: Vec<Specimen>,
+    /// Tests of configuration a.
+    pub tests: Vec<TestTruth>,
+    /// Resonances of configuration b.
+    pub resonances: Vec<MeasuredResonance>,
+}
+
+/// What is true of a test.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct TestTruth {
+    /// File of the record.
+    pub file: String,
+    /// Index of its specimen, 0-based.
+    pub specimen: u64,
+    /// Frequency (Hz).
+    pub frequency_hz: f64,
+    /// Whether slip was reached.
+    pub slip: Slip,
+    /// Largest |T| over the Coulomb limit of the interface, in both directions.
+    pub mobilised: [f64; 2],
+    /// Gains, offset and drifts of the instruments.
+    pub instruments: Instruments,
+    /// Samples at which an instrument was at the end of its range.
+    pub out_of_range: usize,
+}
+
+impl TestTruth {
+    fn new(test: &VirtualTest) -> Self {
+        Self {
+            file: format!("{}.csv", test.record.name),
+            specimen: test.specimen,
+            frequency_hz: test.record.conditions.frequency_hz.unwrap_or_default(),
+            slip: test.slip,
+            mobilised: test.motion.mobilised,
+            instruments: test.instruments,
+            out_of_range: test.out_of_range,
+        }
+    }
+}
+
+/// Makes all tests and writes them into `output`, which must not exist or be empty. `done` is called after each test.
+///
+/// # Errors
+/// [`Error::File`] if the folder has content or cannot be written; what the study of `[response]` or a model refuses.
+pub fn write_tests(rig: &Rig, output: &Path, done: impl Fn() + Sync) -> Result<RigSummary, Error> {
+    let map = rig.load_map()?;
+    let mut summary = RigSummary {
+        format: FORMAT,
+        name: rig.name.clone(),
+        seed: rig.seed,
+        load_n: map.loads.iter().sum(),
+        pressure: map.pressure,
+        specimens: (0..rig.contact.specimens)
+            .map(|i| rig.specimen(i))
+            .collect(),
+        tests: Vec::new(),
+        resonances: Vec::new(),
+    };
+    write_folder(output, |folder| -> Result<(), Error> {
+        let note = format!("virtual rig \"{}\", seed {}", rig.name, rig.seed);
+        let written = |index| -> Result<TestTruth, Error> {
+            let test = rig.test(&map, index);
+            let truth = TestTruth::new(&test);
+            let path = folder.join(&truth.file);
+            write_hysteresis(&path, std::slice::from_ref(&test.record), &[note.as_str()])?;
+            done();
+            Ok(truth)
+        };
+        let tests = (0..rig.number_of_tests()).into_par_iter().map(written);
+        summary.tests = tests.collect::<Result<_, _>>()?;
+        summary.resonances = rig.resonances()?;
+        for specimen in summary.resonances.chunk_by(|a, b| a.specimen == b.specimen) {
+            write_specimen(folder, specimen, &note)?;
+        }
+        replace(&folder.join("truth.json"), |file| {
+            serde_json::to_writer_pretty(&mut *file, &summary)?;
+            writeln!(file)
+        })?;
+        Ok(())
+    })?;
+    Ok(summary)
+}
+
+/// Resonances of one specimen; a level without a peak becomes a comment.
+fn write_specimen(
+    folder: &Path,
+    resonances: &[MeasuredResonance],
+    note: &str,
+) -> Result<(), Error> {
+    let Some(first) = resonances.first() else {
+        return Ok(());
+    };
+    let name = format!("response-{:04}", first.specimen + 1);
+    let point = |resonance: &MeasuredResonance| {
+        let peak = resonance.peak?;
+        Some(ResponsePoint {
+            level_n: resonance.level,
+            frequency_hz: peak.frequency_hz,
+            amplitude_m: um_to_m(peak.amplitude_um),
+            frequency_deviation_hz: Some(peak.frequency_deviation_hz),
+            amplitude_deviation_m: Some(um_to_m(peak.amplitude_deviation_um)),
+        })
+    };
+    let points: Vec<_> = resonances.iter().filter_map(point).collect();
+    if points.is_empty() {
+        return Ok(());
+    }
+    let missing = resonances.iter().filter(|r| r.peak.is_none());
+    let missing = missing.map(|r| format!("level {} N: no peak, {}", r.level, r.status));
+    let notes: Vec<String> = [note.to_owned()].into_iter().chain(missing).collect();
+    let notes: Vec<&str> = notes.iter().map(String::as_str).collect();
+    let path = folder.join(format!("{name}.csv"));
+    write_response(&path, &ResponseRecord { name, points }, &notes)?;
+    Ok(())
+}

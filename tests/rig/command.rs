@@ -1,0 +1,236 @@
+//! `microslip rig`, as a user runs it.
+
+use assert_cmd::Command;
+use microslip::record::read_hysteresis;
+use microslip::rig::Rig;
+use serde_json::Value;
+use std::path::Path;
+use std::process::Output;
+
+const RIG: &str = "name = \"small\"
+seed = 5
+
+[contact]
+specimens = 2
+friction_scatter_percent = 5
+
+[loading]
+kind = \"air\"
+
+[excitation]
+frequencies_hz = [50, 100]
+cycles = 2
+run_in_cycles = 1
+samples_per_cycle = 100
+";
+
+fn run(folder: &Path, text: &str, options: &[&str]) -> Output {
+    let path = folder.join("rig.toml");
+    std::fs::write(&path, text).unwrap();
+    let mut command = Command::cargo_bin("microslip").unwrap();
+    command
+        .current_dir(folder)
+        .args(["rig", "rig.toml", "--output", "out"]);
+    command.args(options).output().unwrap()
+}
+
+fn json(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// Files are read back as they were made; `truth.json` has the specimens; one thread gives the same bytes as two.
+///
+/// Seen to fail with the tests of the first specimen for both.
+#[test]
+fn writes_records_and_truth() {
+    let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+    for (folder, threads) in folders.iter().zip(["1", "2"]) {
+        let output = run(folder.path(), RIG, &["--threads", threads]);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{error}");
+        let shown = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(shown.contains("4 tests of one blade and strip"), "{shown}");
+    }
+    let [first, second] = folders.each_ref().map(|folder| folder.path().join("out"));
+    let rig = Rig::read(&folders[0].path().join("rig.toml")).unwrap();
+    let map = rig.load_map().unwrap();
+    let truth = json(&first.join("truth.json"));
+    for index in 0..4 {
+        let name = format!("test-{:04}.csv", index + 1);
+        let [bytes, others] =
+            [&first, &second].map(|folder| std::fs::read(folder.join(&name)).unwrap());
+        assert_eq!(bytes, others, "{name}: one thread and two");
+        let records = read_hysteresis(&[first.join(&name)]).unwrap();
+        let made = rig.test(&map, index).record;
+        assert_eq!(records, [made], "{name}");
+        let specimen = &truth["tests"][index as usize]["specimen"];
+        assert_eq!(specimen, index / 2, "{name}");
+    }
+    let friction = |i: usize| {
+        truth["specimens"][i]["friction_coefficient"]
+            .as_f64()
+            .unwrap()
+    };
+    assert_eq!(friction(1), rig.specimen(1).friction_coefficient);
+    assert!(friction(0) != friction(1), "specimens do not scatter");
+    assert_eq!(truth["tests"][0]["slip"], "gross");
+    let again = run(folders[0].path(), RIG, &[]);
+    let error = String::from_utf8_lossy(&again.stderr).into_owned();
+    assert!(error.contains("has content already"), "{error}");
+}
+
+/// Every wrong key or value is refused with file, line, key and rule, and exit code 2.
+///
+/// Seen to fail without the check of the ring and with unknown keys of a section let through.
+#[test]
+fn bad_files_are_refused() {
+    for (from, to, expected) in [
+        (
+            "seed = 5",
+            "sead = 5",
+            "rig.toml:2: sead: unknown key; known are name",
+        ),
+        ("specimens = 2", "specimen = 2", "rig.toml:5: contact"),
+        (
+            "specimens = 2",
+            "specimens = 0",
+            "rig.toml:5: contact.specimens = 0: must be from 1",
+        ),
+        (
+            "\"air\"",
+            "\"water\"",
+            "rig.toml:9: loading.kind = water: must be \"air\" or \"punch\"",
+        ),
+        (
+            "\"air\"",
+            "\"air\"\nmargin_mm = 5",
+            "rig.toml:10: loading.margin_mm = 5: must be below",
+        ),
+        (
+            "\"air\"",
+            "\"air\"\nholes = 30",
+            "rig.toml:10: loading.holes = 30: must leave a film",
+        ),
+        (
+            "\"air\"",
+            "\"air\"\ninlet_mpa = 0.2",
+            "rig.toml:10: loading.inlet_mpa = 0.2: gives",
+        ),
+        ("\"air\"", "\"air\"\nweight_kg = 2", "rig.toml:10: loading"),
+        (
+            "[50, 100]",
+            "[50, 0]",
+            "rig.toml:12: excitation.frequencies_hz[1] = 0: must be from",
+        ),
+        (
+            "[50, 100]",
+            "[]",
+            "rig.toml:12: excitation.frequencies_hz = []: must not be empty",
+        ),
+        (
+            "cycles = 2\n",
+            "cycles = 0\n",
+            "rig.toml:13: excitation.cycles = 0: must be at least 1",
+        ),
+        (
+            "= 100\n",
+            "= 7\n",
+            "rig.toml:15: excitation.samples_per_cycle = 7: must be at least 8",
+        ),
+        (
+            "= 100\n",
+            "= 100\n[strip]\nstrip_mm = [10, 50]",
+            "expected a list of 3 values",
+        ),
+        (
+            "= 100\n",
+            "= 100\n[strip]\ngap_mm = 11",
+            "strip.gap_mm = 11: must be narrower",
+        ),
+        (
+            "= 100\n",
+            "= 100\n[support]\nk12_n_per_um = 200",
+            "support.k12_n_per_um = 200: must be",
+        ),
+        (
+            "= 100\n",
+            "= 100\n[force_cells]\nrange_n = -1",
+            "force_cells.range_n = -1: must be",
+        ),
+        (
+            "= 100\n",
+            "= 100\n[vibrometer]\nnoise_um = -1",
+            "vibrometer.noise_um = -1: must be",
+        ),
+        (
+            "= 100\n",
+            "= 100\n[response]\nstudy = \"none.toml\"",
+            "none.toml",
+        ),
+    ] {
+        let text = RIG.replacen(from, to, 1);
+        assert_ne!(text, RIG, "{from} is not in the rig");
+        let folder = tempfile::tempdir().unwrap();
+        let output = run(folder.path(), &text, &[]);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(error.contains(expected), "{to}: {error}");
+        assert_eq!(output.status.code(), Some(2), "{to}: {error}");
+        assert!(
+            !folder.path().join("out").exists(),
+            "{to}: a folder was left behind"
+        );
+    }
+}
+
+/// The shipped rigs are valid.
+#[test]
+fn shipped_rigs_are_valid() {
+    for name in ["rig", "punch"] {
+        let path = format!("studies/virtual-rig/{name}.toml");
+        Rig::read(Path::new(&path)).unwrap();
+    }
+}
+
+/// Configuration b: the peaks are those of `solve` with the contact of the specimen, plus errors of the stated size.
+///
+/// Seen to fail with the study's own friction coefficient.
+#[test]
+fn resonances_are_those_of_the_study_with_the_true_contact() {
+    let study = std::fs::read_to_string("studies/two-blade-strip/study.toml").unwrap();
+    let study = study.replace("levels = [0.1, 5.0, 20.0]", "levels = [20.0]");
+    let coarse = "kind = \"two-blade-strip\"\ncontact_nodes = [2, 2]";
+    let study = study.replace("kind = \"two-blade-strip\"", coarse);
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("study.toml"), &study).unwrap();
+    let text = RIG.replace("specimens = 2", "friction_coefficient = 0.3");
+    let text = format!("{text}\n[response]\nstudy = \"study.toml\"");
+    let path = folder.path().join("rig.toml");
+    let rig = Rig::parse(&path, &text).unwrap();
+    let found = rig.resonances().unwrap();
+    assert_eq!(found.len(), 1);
+    let peak = found[0].peak.unwrap();
+    let mu = rig.specimen(0).friction_coefficient;
+    let direct = study.replace(
+        "friction_coefficient = 0.6",
+        &format!("friction_coefficient = {mu}"),
+    );
+    let direct = microslip::study::Study::parse(&path, &direct).unwrap();
+    let prepared = direct.prepared().unwrap();
+    let ensemble = prepared.ensemble(None);
+    let names: Vec<_> = (direct.design.inputs().iter().map(|(input, _)| input.name())).collect();
+    assert_eq!(names, ["stiffness_scale", "friction_coefficient"]);
+    let levels = ensemble.levels(&[1.0, mu], &microslip::ensemble::atlas::Atlas::default());
+    let expected = levels[0].peak.unwrap();
+    let ratio = peak.true_frequency_hz / expected.frequency_hz;
+    assert!((ratio - 1.0).abs() < 1e-8, "{ratio}");
+    let ratio = 1e-6 * peak.true_amplitude_um / expected.amplitude_m;
+    assert!((ratio - 1.0).abs() < 1e-6, "{ratio}");
+    assert!(
+        peak.frequency_hz != peak.true_frequency_hz,
+        "no measuring error"
+    );
+    assert!(
+        (peak.frequency_hz - peak.true_frequency_hz).abs() < 5.0 * 0.05,
+        "{peak:?}"
+    );
+}
