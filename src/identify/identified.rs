@@ -1,6 +1,13 @@
 //! `identified.json`: the joint distribution of the contact parameters, which a study reads by `[inputs] from`.
 
+use super::pooled_result::Pooled;
+use super::result::TestResult;
+use super::settings::IdentifySettings;
+use crate::file::FileRecord;
 use crate::sampling::Shape;
+
+/// Version of the format of `identified.json`.
+pub const FORMAT: u32 = 1;
 
 /// What was found, for a study.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -11,6 +18,24 @@ pub struct Identified {
     pub inputs: Vec<IdentifiedInput>,
     /// Correlation of the normal scores of the parameters. Shape: square, in the order of `inputs`.
     pub correlation: Vec<Vec<f64>>,
+    /// What a reader should know, in sentences: what is not in the distributions, what could not be found.
+    #[serde(default)]
+    pub notes: Vec<String>,
+    /// What was stated for the identification; absent in a file that was written by hand.
+    #[serde(default)]
+    pub settings: Option<IdentifySettings>,
+    /// All tests together; absent in a file that was written by hand.
+    #[serde(default)]
+    pub pooled: Option<Pooled>,
+    /// Each test.
+    #[serde(default)]
+    pub tests: Vec<TestResult>,
+    /// Files that were read, with the hash of their content.
+    #[serde(default)]
+    pub files: Vec<FileRecord>,
+    /// Version of the program.
+    #[serde(default)]
+    pub version: String,
 }
 
 /// A contact parameter, in the units of its name.

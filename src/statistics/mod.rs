@@ -77,6 +77,7 @@ pub use margin::{
     Criterion, Denominator, FrequencyMargin, Judgement, frequency_margin, goodman_allowable, judge,
     reserve_factor,
 };
+pub use mean::student;
 pub use moment::{MomentEstimate, Moments, moment_estimate, moments};
 pub use observed::{Enclosed, Observed, Sorted};
 pub use order_statistic::{
