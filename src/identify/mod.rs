@@ -4,6 +4,7 @@
 //! together give their distribution over contacts ([`pooled_result`]), which a study reads ([`identified`]).
 
 pub mod identified;
+pub mod page;
 pub mod pooled_result;
 pub mod result;
 pub mod settings;

@@ -24,6 +24,8 @@ pub(crate) struct Section {
 pub(crate) enum Block {
     /// A smaller heading.
     Heading(String),
+    /// A paragraph.
+    Sentence(String),
     /// A paragraph in small print.
     Hint(String),
     /// A paragraph that sets the reader at ease.
@@ -316,6 +318,12 @@ impl Cell {
     /// With further numbers for the download, such as the limits of an interval.
     pub(crate) fn with_raw(mut self, values: impl IntoIterator<Item = Option<f64>>) -> Self {
         self.raw.extend(values.into_iter().map(full));
+        self
+    }
+
+    /// With a further text for the download.
+    pub(crate) fn with_raw_text(mut self, text: impl Into<String>) -> Self {
+        self.raw.push(text.into());
         self
     }
 

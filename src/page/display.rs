@@ -108,6 +108,14 @@ pub(crate) fn minus_sign(text: &str) -> String {
     text.replace('-', "−")
 }
 
+/// The text with a capital letter at the start.
+pub(crate) fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
+}
+
 /// `1 % … 5 %`, or `1 %` where both ends are shown alike.
 pub(crate) fn from_to(ends: [f64; 2], show: impl Fn(f64) -> String) -> String {
     let [low, high] = ends.map(show);

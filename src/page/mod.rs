@@ -11,5 +11,6 @@ pub(crate) mod distribution;
 pub(crate) mod document;
 pub(crate) mod figure;
 mod level_mark;
+pub(crate) mod sheet;
 pub(crate) mod style;
 pub(crate) mod thinning;

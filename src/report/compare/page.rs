@@ -3,7 +3,9 @@
 use super::comparison::{Compared, ComparedQuantity, DesignComparison, Pair, PointRanking};
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Cell, Figure, Key, Mark, Section, Table};
-use crate::page::display::{DASH, LengthUnit, from_to, level_name, percent, with_digits};
+use crate::page::display::{
+    DASH, LengthUnit, capitalised, from_to, level_name, percent, with_digits,
+};
 use crate::page::distribution::{confidence_band, cumulative_steps};
 use crate::page::figure::{Panel, Size};
 use crate::page::style::figure_style;
@@ -305,13 +307,6 @@ fn pair_table(view: &View, quantity: Compared) -> Option<Block> {
         }
     }
     Some(table.block())
-}
-
-fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(letters).collect()
-    })
 }
 
 fn pair_row(view: &View, i: usize, quantity: Compared, pair: &Pair) -> Vec<Cell> {
