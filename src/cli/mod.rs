@@ -9,6 +9,7 @@ mod devices;
 mod export;
 mod extend;
 mod going_on;
+mod identify;
 mod import;
 mod inspect;
 mod levels;
@@ -38,6 +39,7 @@ use compare::CompareArguments;
 use completions::CompletionsArguments;
 use export::ExportArguments;
 use extend::ExtendArguments;
+use identify::IdentifyArguments;
 use import::{ImportArguments, PairsArguments};
 use log::{Event, Log};
 use man::ManArguments;
@@ -79,6 +81,7 @@ Examples:
   microslip compare strip-a strip-b         designs on the same samples, from their results
   microslip reweight results --prior p.toml the same samples under other distributions of the inputs
   microslip extend results --samples 800    more samples for these results; the old ones are kept
+  microslip identify loops.csv              friction and stiffness of a contact from measured hysteresis loops
   microslip serve study.toml --port 4242    the model for UM-Bridge clients: inputs in, resonances out
 
 Exit codes: 0 done, 2 bad input or a file that cannot be read or written, 3 stopped before the end.";
@@ -122,6 +125,8 @@ enum Command {
     Export(ExportArguments),
     /// Propose contact pairs for `import`: each node of one surface with the nearest node of the other.
     Pairs(PairsArguments),
+    /// Identify friction and stiffness of a contact from measured hysteresis loops: identified.json, which a study reads.
+    Identify(IdentifyArguments),
     /// List the adapters that `run --backend gpu` can use, with a self-test of each.
     Devices,
     /// Print what a shell needs to complete commands and options.
@@ -160,6 +165,7 @@ impl Command {
             Self::Import(arguments) => arguments.execute(),
             Self::Export(arguments) => arguments.execute(),
             Self::Pairs(arguments) => arguments.execute(),
+            Self::Identify(arguments) => arguments.execute(),
             Self::Devices => devices::execute(),
             Self::Completions(arguments) => arguments.execute(),
             Self::Man(arguments) => arguments.execute(),

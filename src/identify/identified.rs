@@ -1,5 +1,6 @@
 //! `identified.json`: the joint distribution of the contact parameters, which a study reads by `[inputs] from`.
 
+pub use super::parameter::ContactParameter;
 use super::pooled_result::Pooled;
 use super::result::TestResult;
 use super::settings::IdentifySettings;
@@ -36,18 +37,6 @@ pub struct Identified {
     /// Version of the program.
     #[serde(default)]
     pub version: String,
-}
-
-/// A contact parameter, in the units of its name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ContactParameter {
-    /// Friction coefficient.
-    FrictionCoefficient,
-    /// Tangential stiffness of the interface (N/µm), as `[contact]` has it.
-    TangentialStiffnessNPerUm,
-    /// Normal stiffness of the interface (N/µm), as `[contact]` has it; absent where normal motion was not measured.
-    NormalStiffnessNPerUm,
 }
 
 /// A parameter of the contact and its distribution.

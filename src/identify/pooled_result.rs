@@ -1,6 +1,6 @@
 //! What is found from all tests together: plain data for tables, files and figures.
 
-use super::identified::ContactParameter;
+use super::parameter::ContactParameter;
 use super::uncertain::Uncertain;
 
 /// All tests together: y = m + specimen + test + error, for the logarithms of the parameters.

@@ -93,7 +93,7 @@ pub struct TestEstimate {
 pub struct Friction {
     /// Half the difference of the two plateaus of T/N, free of the offset of T.
     pub coefficient: Uncertain,
-    /// That of the plateau at the greatest and at the least displacement, after the offset of T is taken out.
+    /// |T/N| of the plateau at the greatest and at the least displacement, as measured: with the offset of T.
     pub sides: [f64; 2],
     /// Offset of T that the plateaus show (N).
     pub tangential_offset_n: f64,
@@ -118,6 +118,8 @@ pub struct Tangential {
     pub samples: [usize; 2],
     /// Share of the swing of T/N where each window ends.
     pub window_end: [f64; 2],
+    /// Whether the branch bends from its start, so that its slope is extrapolated to the reversal.
+    pub bent: [bool; 2],
 }
 
 /// Where slip begins: the knee of the loop.
@@ -168,8 +170,8 @@ pub struct LoopResult {
 pub struct LoopValue {
     /// The value.
     pub value: f64,
-    /// Its standard error.
-    pub standard_error: f64,
+    /// Its standard error; absent where there are too few samples.
+    pub standard_error: Option<f64>,
 }
 
 /// The mean steady loop of a test and what was fitted to it, for figures. All columns have the same length, over one cycle that

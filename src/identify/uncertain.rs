@@ -1,6 +1,7 @@
 //! A value with what is not known of it.
 
 use crate::statistics::student;
+use libm::exp;
 
 /// A value, its uncertainty and an interval, in the unit that its key names.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -32,11 +33,7 @@ impl Uncertain {
         confidence: f64,
     ) -> Self {
         let variance = standard_error.powi(2) + systematic.powi(2);
-        let share = match variance > 0.0 {
-            true => standard_error.powi(2) / variance,
-            false => 1.0,
-        };
-        let half = factor(degrees_of_freedom / (share * share), confidence) * variance.sqrt();
+        let half = half_width(variance, standard_error, degrees_of_freedom, confidence);
         Self {
             value,
             standard_error,
@@ -44,6 +41,27 @@ impl Uncertain {
             systematic,
             lower: (value - half).max(0.0),
             upper: value + half,
+        }
+    }
+
+    /// Of a value whose logarithm has these errors: the interval is that of the logarithm.
+    #[must_use]
+    pub fn of_logarithm(
+        mean: f64,
+        [standard_error, systematic]: [f64; 2],
+        degrees_of_freedom: f64,
+        confidence: f64,
+    ) -> Self {
+        let variance = standard_error.powi(2) + systematic.powi(2);
+        let half = half_width(variance, standard_error, degrees_of_freedom, confidence);
+        let value = exp(mean);
+        Self {
+            value,
+            standard_error: value * standard_error,
+            degrees_of_freedom,
+            systematic: value * systematic,
+            lower: exp(mean - half),
+            upper: exp(mean + half),
         }
     }
 
@@ -59,6 +77,14 @@ impl Uncertain {
             upper: self.upper * factor,
         }
     }
+}
+
+fn half_width(variance: f64, standard_error: f64, freedom: f64, confidence: f64) -> f64 {
+    let share = match variance > 0.0 {
+        true => standard_error.powi(2) / variance,
+        false => 1.0,
+    };
+    factor(freedom / (share * share), confidence) * variance.sqrt()
 }
 
 /// Degrees of freedom above which Student's law is the normal one to five digits.

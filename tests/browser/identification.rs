@@ -12,8 +12,8 @@ fn loops_are_drawn_and_nothing_overflows() {
     let Some(browser) = browser() else { return };
     let page = html(&identified(9)).unwrap();
     let figures = page.matches("<figure>").count();
-    // six tests with five figures each, two parameters, and both together
-    assert_eq!(figures, 33, "figures of the page");
+    // six tests with six figures each, two parameters, and both together
+    assert_eq!(figures, 39, "figures of the page");
     for width in WIDTHS {
         let found = measure(&browser, &page, width);
         assert_sound(&found, width, figures, &format!("{width} px"));

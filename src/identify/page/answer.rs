@@ -2,7 +2,7 @@
 
 use super::parameter::{ALL, name, show, with_unit};
 use super::view::View;
-use crate::identify::identified::ContactParameter;
+use crate::identify::parameter::ContactParameter;
 use crate::identify::pooled_result::{Pooled, PooledParameter};
 use crate::identify::result::{TestEstimate, TestStatus};
 use crate::page::block::{Block, Cell, Section, Table};
@@ -33,16 +33,15 @@ fn sentence(view: &View) -> String {
     let known: Vec<&PooledParameter> = ALL.into_iter().filter_map(|p| view.pooled(p)).collect();
     let mut parts = known.iter().enumerate().map(|(i, found)| {
         let [low, high] = found.further_contact.map(show);
-        let high = with_unit(found.parameter, &high);
-        let probability = match i {
-            0 => format!(" with {} probability", percent(view.confidence())),
-            _ => String::new(),
+        let median = with_unit(found.parameter, &show(found.median.value));
+        let words = match i {
+            0 => {
+                let probability = percent(view.confidence());
+                format!("{median} (median; {low} to {high} with {probability} probability)")
+            }
+            _ => format!("{median} ({low} to {high})"),
         };
-        let median = show(found.median.value);
-        format!(
-            "a {} of {median} ({low} to {high}{probability})",
-            name(found.parameter)
-        )
+        format!("a {} of {words}", name(found.parameter))
     });
     let first = match (parts.next(), parts.collect::<Vec<_>>().as_slice()) {
         (None, _) => "The tests give no parameter of the contact.".to_owned(),
@@ -144,7 +143,8 @@ fn facts(view: &View) -> Vec<(String, String)> {
     .to_vec()
 }
 
-/// What must be known before a number of the page is used: notes of the identification, then misfits and tests without result.
+/// What must be known before a number of the page is used: notes of the identification, tests that it did not use among them,
+/// and misfits.
 fn notices(view: &View) -> Vec<String> {
     let mut notices = view.found.notes.clone();
     let large = view.estimates().filter(|(_, _, e)| e.misfit.large);
@@ -155,11 +155,6 @@ fn notices(view: &View) -> Vec<String> {
             large.join(", "),
             if large.len() == 1 { "it" } else { "them" }
         ));
-    }
-    for test in &view.found.tests {
-        if let TestStatus::Unusable(reason) = &test.status {
-            notices.push(format!("{} is not used: {reason}.", test.name));
-        }
     }
     notices
 }

@@ -1,6 +1,6 @@
 //! All tests beside each other, and the joint distribution of the parameters at a further contact.
 
-use super::parameter::{key, label, name, of_test, show};
+use super::parameter::{label, name, of_test, show};
 use super::view::{View, short_name};
 use crate::identify::pooled_result::{Pooled, PooledParameter, Trend, TrendOver};
 use crate::page::axis::Axis;
@@ -80,7 +80,7 @@ fn forest(view: &View, pooled: &PooledParameter) -> Figure {
     let last = -(chosen.len() as f64);
     let title = format!(
         "{} by test",
-        crate::page::display::capitalised(name(parameter))
+        capitalised(name(parameter))
     );
     let mut panel = Panel::new(Size::Rows(names.len()), title, x, Axis::of_names(names));
     let [low, high] = pooled.further_contact;
@@ -106,7 +106,7 @@ fn forest(view: &View, pooled: &PooledParameter) -> Figure {
         0 => String::new(),
         others => format!("{others} more tests are in the table alone. "),
     };
-    view.figure(&panel, format!("tests-{}", key(parameter)), caption)
+    view.figure(&panel, format!("tests-{}", parameter.name()), caption)
 }
 
 /// Two parameters of all tests that have both, and contours of their joint distribution at a further contact.
@@ -161,7 +161,11 @@ fn contours(view: &View, pooled: &Pooled, [a, b]: [usize; 2]) -> Figure {
         "Correlation of the logarithms {}. ",
         with_digits(correlation, 2)
     );
-    let file = format!("joint-{}-{}", key(first.parameter), key(second.parameter));
+    let file = format!(
+        "joint-{}-{}",
+        first.parameter.name(),
+        second.parameter.name()
+    );
     view.figure(&panel, file, caption)
 }
 

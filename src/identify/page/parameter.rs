@@ -1,6 +1,6 @@
 //! Words and units of the contact parameters, and where a test has them.
 
-use crate::identify::identified::ContactParameter;
+use crate::identify::parameter::ContactParameter;
 use crate::identify::result::TestEstimate;
 use crate::identify::uncertain::Uncertain;
 use crate::page::display::{capitalised, with_digits};
@@ -18,15 +18,6 @@ pub(super) fn name(parameter: ContactParameter) -> &'static str {
         ContactParameter::FrictionCoefficient => "friction coefficient",
         ContactParameter::TangentialStiffnessNPerUm => "tangential stiffness",
         ContactParameter::NormalStiffnessNPerUm => "normal stiffness",
-    }
-}
-
-/// Name of files and fields.
-pub(super) fn key(parameter: ContactParameter) -> &'static str {
-    match parameter {
-        ContactParameter::FrictionCoefficient => "friction",
-        ContactParameter::TangentialStiffnessNPerUm => "tangential",
-        ContactParameter::NormalStiffnessNPerUm => "normal",
     }
 }
 

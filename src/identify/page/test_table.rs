@@ -2,7 +2,7 @@
 
 use super::parameter::{of_test, show};
 use super::view::View;
-use crate::identify::identified::ContactParameter;
+use crate::identify::parameter::ContactParameter;
 use crate::identify::result::{TestEstimate, TestResult, TestStatus};
 use crate::identify::uncertain::Uncertain;
 use crate::page::block::{Block, Cell, Section, Table};
@@ -17,8 +17,9 @@ macro_rules! fields {
 
 pub(super) fn section(view: &View) -> Section {
     let hint = format!(
-        "In small print: {} intervals, and the load's range in a cycle. From energy: dissipated energy over slip distance and \
-         load, a second estimate of the same coefficient. Misfit: root of the mean square of the difference between the mean \
+        "In small print: {} intervals, and the range of the load in a cycle. Friction: coefficient from the plateaus of T/N. By \
+         energy: from dissipated energy, slip distance and load, a second estimate of the same. Stiffness: tangential; at \
+         reversals: after the greatest and after the least displacement. Misfit: root of the mean square of the difference between the mean \
          loop and that of an elastic-Coulomb contact, over the swing of T.",
         percent(view.confidence())
     );
@@ -54,26 +55,23 @@ fn table(view: &View) -> Block {
             "Cycles".to_owned(),
             &["frequency_hz", "cycles", "run_in", "steady"],
         ),
-        ("Friction coefficient".to_owned(), fields!("friction")),
+        ("Friction".to_owned(), fields!("friction")),
         (
-            "From energy".to_owned(),
+            "By energy".to_owned(),
             &["friction_from_energy", "energy_difference"],
         ),
         (
-            "Tangential stiffness (N/µm)".to_owned(),
+            "Stiffness (N/µm)".to_owned(),
             fields!("tangential_n_per_um"),
         ),
         (
-            "After the greatest, least displacement".to_owned(),
+            "At reversals".to_owned(),
             &["after_greatest_n_per_um", "after_least_n_per_um"],
         ),
         ("Misfit".to_owned(), &["misfit"]),
     ];
     if normal {
-        columns.push((
-            "Normal stiffness (N/µm)".to_owned(),
-            fields!("normal_n_per_um"),
-        ));
+        columns.push(("Normal (N/µm)".to_owned(), fields!("normal_n_per_um")));
     }
     let mut table = Table::new("Tests, mean of the steady cycles of each", "tests", columns);
     for (i, test) in view.found.tests.iter().enumerate() {

@@ -1,6 +1,7 @@
 //! What every section of the page needs: the tests, which of them are drawn, and the units in which they are shown.
 
-use crate::identify::identified::{ContactParameter, Identified};
+use crate::identify::identified::Identified;
+use crate::identify::parameter::ContactParameter;
 use crate::identify::pooled_result::PooledParameter;
 use crate::identify::result::{TestEstimate, TestResult};
 use crate::page::block::{Cell, Figure};
@@ -67,7 +68,7 @@ impl<'a> View<'a> {
 
     /// First cell of a row of test `i`, with its mark.
     pub(super) fn test_cell(&self, i: usize) -> Cell {
-        let cell = Cell::text(&self.found.tests[i].name).with_class("text brief");
+        let cell = Cell::text(&self.found.tests[i].name).with_class("text prose");
         match self.level(i) {
             Some(level) => cell.with_chip(level),
             None => cell,
