@@ -18,7 +18,7 @@ pub(super) struct IdentifyArguments {
     /// Tables of hysteresis tests: time, relative displacement, tangential and normal force, with units in the header.
     #[arg(required = true)]
     files: Vec<PathBuf>,
-    /// Folder of identified.json and loops.csv.
+    /// Folder of identified.json, loops.csv and report.html.
     #[arg(long, default_value = "identified")]
     output: PathBuf,
     /// Confidence of the intervals.
@@ -66,7 +66,10 @@ impl IdentifyArguments {
         print(|out| {
             show(out, &identified)?;
             let path = output.path().display();
-            writeln!(out, "identified.json and loops.csv are in {path}")
+            writeln!(
+                out,
+                "identified.json, loops.csv and report.html are in {path}"
+            )
         })
     }
 

@@ -25,6 +25,9 @@ pub enum IdentifyError {
     /// No test can be used; each with its reason.
     #[error("no test can be used: {0}")]
     NoTest(String),
+    /// The page template is broken.
+    #[error("page of the identification: {0}")]
+    Page(#[from] minijinja::Error),
 }
 
 /// [`identify`] of the tests in files, which the result names with their hashes.

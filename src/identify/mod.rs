@@ -19,6 +19,7 @@ mod loop_shape;
 mod mean_loop;
 mod misfit;
 mod normal;
+pub mod page;
 pub mod parameter;
 mod plateau;
 pub mod pooled;

@@ -1,8 +1,10 @@
 //! The files of an identification.
 
+use super::identification::IdentifyError;
 use super::identified::Identified;
+use super::page::html;
 use super::result::{LoopResult, LoopValue};
-use crate::file::{self, FileError};
+use crate::file;
 use std::io::{Error as IoError, Result as IoResult, Write};
 use std::path::Path;
 
@@ -10,6 +12,9 @@ use std::path::Path;
 pub const IDENTIFIED: &str = "identified.json";
 /// Values of every cycle.
 pub const LOOPS: &str = "loops.csv";
+
+/// The page for people.
+pub const REPORT: &str = "report.html";
 
 /// Columns of `loops.csv`.
 const COLUMNS: [&str; 15] = [
@@ -30,16 +35,18 @@ const COLUMNS: [&str; 15] = [
     "energy_j",
 ];
 
-/// Writes `identified.json` and `loops.csv` into `folder`, each whole or not at all.
+/// Writes `identified.json`, `loops.csv` and `report.html` into `folder`, each whole or not at all.
 ///
 /// # Errors
-/// [`FileError`] if a file cannot be written.
-pub fn write(folder: &Path, identified: &Identified) -> Result<(), FileError> {
+/// [`IdentifyError`] if a file cannot be written.
+pub fn write(folder: &Path, identified: &Identified) -> Result<(), IdentifyError> {
+    let page = html(identified)?;
     file::replace(&folder.join(IDENTIFIED), |file| {
         serde_json::to_writer_pretty(&mut *file, identified).map_err(IoError::from)?;
         file.write_all(b"\n")
     })?;
     file::replace(&folder.join(LOOPS), |file| loops(file, identified))?;
+    file::replace(&folder.join(REPORT), |file| file.write_all(page.as_bytes()))?;
     Ok(())
 }
 
