@@ -1,8 +1,8 @@
 //! Audit: what produced the numbers, and what they depend on.
 
 use crate::ensemble::backend::GpuReport;
-use crate::report::display::{percent, short};
-use crate::report::page::block::{Block, Cell, Section, Table};
+use crate::page::block::{Block, Cell, Section, Table};
+use crate::page::display::{percent, short};
 use crate::report::page::view::View;
 use crate::report::run::record::FileRecord;
 
