@@ -160,7 +160,7 @@ impl Solution {
     /// resonance, and too large by the share ζ² at the maximum of the displacement. Other modes, which vibrate by the share ζ
     /// beside the resonant one, add ζ² likewise. The kinetic energy stands for the elastic one, which is the same at resonance, because
     /// that of contacts that slip and open depends on their history. Source: the loss factor as dissipated over
-    /// stored energy, Ungar & Kerwin 1962, J. Acoust. Soc. Am. 34, 954-957.
+    /// stored energy, Ungar & Kerwin 1962, J. Acoust. Soc. Am. 34, 954–957.
     #[must_use]
     pub fn damping_ratio(&self) -> Option<f64> {
         let dissipated = self.work.viscous + self.work.friction;

@@ -9,6 +9,7 @@ mod columns;
 mod comparison;
 mod epistemic;
 mod page;
+mod performance;
 mod record;
 mod sensitivity;
 mod store;

@@ -174,3 +174,23 @@ pub(in crate::report) fn fan(input: &ReportInput, measure: Measure) -> Vec<FanPl
     };
     places(input).into_iter().filter_map(place).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Straight over the logarithm, nothing beyond the ends and beside a gap, and the value itself at a point beside one.
+    /// Seen to fail with the ratio itself in place of its logarithm.
+    #[test]
+    fn lines_are_straight_over_the_logarithm() {
+        let line = [(1.0, 2.0), (4.0, 4.0), (16.0, f64::NAN), (64.0, 8.0)];
+        for (ratio, expected) in [(1.0, 2.0), (2.0, 3.0), (4.0, 4.0), (64.0, 8.0)] {
+            let found = at(&line, ratio);
+            assert!((found - expected).abs() < 1e-12, "{ratio}: {found}");
+        }
+        for ratio in [0.5, 8.0, 16.0, 32.0, 65.0] {
+            assert!(at(&line, ratio).is_nan(), "{ratio}");
+        }
+        assert!(at(&[], 1.0).is_nan(), "no line");
+    }
+}

@@ -3,7 +3,7 @@
 
 use crate::page::axis::Axis;
 use crate::page::block::{Figure, Key, Mark};
-use crate::page::display::LengthUnit;
+use crate::page::display::{LengthUnit, per_level};
 use crate::page::figure::{Panel, Size};
 use crate::page::style::figure_style;
 use crate::report::numbers::peak_error::half_power_ratio;
@@ -11,6 +11,13 @@ use crate::report::numbers::performance::{FanPlace, Line, Measure, fan, line, q_
 use crate::report::page::view::RANGES;
 use crate::report::run::input::ReportInput;
 use crate::report::run::record::{LinearRecord, RunRecord};
+
+/// What every page with performance curves says of them.
+pub(in crate::report) const HINT: &str =
+    "Quantiles at each ratio of the samples with a solution there; each sample is a line, straight over the logarithm of its \
+     ratio. Damping ratio: the work that damping and friction dissipate per cycle over 4π times the kinetic energy of the first \
+     harmonic; at the linear limits from the half-power width. Q = 1 / (2 · damping ratio), beside published ranges of \
+     sources of damping (Gastaldi, Berruti & Gola 2018). Small excitation: contacts stick; large excitation: they slip and open.";
 
 /// Samples shown as lines of their own: the first so many.
 const THIN_LINES: usize = 30;
@@ -39,8 +46,6 @@ pub(in crate::report) struct Performance<'a> {
     pub(in crate::report) runs: &'a [ReportInput<'a>],
     /// Unit of amplitudes.
     pub(in crate::report) unit: LengthUnit,
-    /// Unit of amplitudes over the excitation.
-    pub(in crate::report) amplitude_unit: String,
 }
 
 impl Performance<'_> {
@@ -92,7 +97,10 @@ impl Performance<'_> {
     pub(in crate::report) fn label(&self, measure: Measure) -> String {
         match measure {
             Measure::Frequency => "Resonance frequency (Hz)".to_owned(),
-            Measure::AmplitudePerExcitation => format!("Amplitude ({})", self.amplitude_unit),
+            Measure::AmplitudePerExcitation => {
+                let unit = per_level(self.unit.symbol, &self.runs[0].record.level_unit);
+                format!("Amplitude ({unit})")
+            }
             Measure::QFactor => "Q factor".to_owned(),
             Measure::DampingRatio => "Damping ratio (%)".to_owned(),
         }
@@ -163,8 +171,9 @@ fn panel(title: String, [x, y]: &[Axis; 2], measure: Measure, drawn: &Drawn) -> 
             panel.band("source", &[(low, least, most), (high, least, most)]);
         }
     }
-    panel.level_rule("free", drawn.limits[0]);
-    panel.level_rule("stuck", drawn.limits[1]);
+    for (class, limit) in ["free", "stuck"].into_iter().zip(drawn.limits) {
+        panel.line(class, [(low, limit), (high, limit)].into_iter());
+    }
     for line in &drawn.lines {
         panel.line("sample", line.iter().copied());
     }
@@ -208,4 +217,24 @@ pub(in crate::report) fn keys(nested: bool, nominal: bool) -> Vec<Key> {
     ];
     let ring = nominal.then(|| Key::new(Mark::Ring, "", "nominal"));
     keys.into_iter().chain(ring).collect()
+}
+
+/// Words for `measure` at the start of a title.
+pub(in crate::report) fn title(measure: Measure) -> &'static str {
+    match measure {
+        Measure::Frequency => "Resonance frequency",
+        Measure::AmplitudePerExcitation => "Amplitude per excitation",
+        Measure::QFactor => "Q factor",
+        Measure::DampingRatio => "Damping ratio",
+    }
+}
+
+/// Name of `measure` in names of files.
+pub(in crate::report) fn file(measure: Measure) -> &'static str {
+    match measure {
+        Measure::Frequency => "frequency",
+        Measure::AmplitudePerExcitation => "amplitude",
+        Measure::QFactor => "q-factor",
+        Measure::DampingRatio => "damping-ratio",
+    }
 }

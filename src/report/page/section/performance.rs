@@ -4,15 +4,8 @@
 use crate::page::block::{Block, Cell, Section, Table};
 use crate::page::display::{DASH, from_to, hertz, significant};
 use crate::report::numbers::performance::{FanPlace, Measure, fan};
-use crate::report::page::performance_figure::{Performance, keys, ratio_label};
+use crate::report::page::performance_figure::{HINT, Performance, file, keys, ratio_label, title};
 use crate::report::page::view::View;
-
-/// What every page with performance curves says of them.
-pub(in crate::report) const HINT: &str =
-    "Quantiles at each ratio of the samples with a solution there; each sample is a line, straight over the logarithm of its \
-     ratio. Damping ratio: the work that damping and friction dissipate per cycle over 4π times the kinetic energy of the first \
-     harmonic; at the linear limits from the half-power width. Q = 1 / (2 · damping ratio), beside published ranges of \
-     sources of damping (Gastaldi, Berruti & Gola 2018). Small excitation: contacts stick; large excitation: they slip and open.";
 
 /// Absent with fewer than two levels: there is nothing to draw a curve through.
 pub(super) fn section(view: &View) -> Option<Section> {
@@ -23,11 +16,10 @@ pub(super) fn section(view: &View) -> Option<Section> {
     let performance = Performance {
         runs: &runs,
         unit: view.unit,
-        amplitude_unit: view.amplitude_unit(),
     };
     let figures = Measure::ALL.into_iter().flat_map(|measure| {
-        let title = |_| format!("{} over excitation", title(measure));
-        performance.figures(measure, title, |_| format!("performance-{}", file(measure)))
+        let name = |_| format!("{} over excitation", title(measure));
+        performance.figures(measure, name, |_| format!("performance-{}", file(measure)))
     });
     let figures = figures.collect();
     let legend = keys(view.nested(), view.input.record.nominal.is_some());
@@ -41,26 +33,6 @@ pub(super) fn section(view: &View) -> Option<Section> {
             Block::Hint(HINT.to_owned()),
         ],
     })
-}
-
-/// Words for `measure` at the start of a title.
-pub(in crate::report) fn title(measure: Measure) -> &'static str {
-    match measure {
-        Measure::Frequency => "Resonance frequency",
-        Measure::AmplitudePerExcitation => "Amplitude per excitation",
-        Measure::QFactor => "Q factor",
-        Measure::DampingRatio => "Damping ratio",
-    }
-}
-
-/// Name of `measure` in names of files.
-pub(in crate::report) fn file(measure: Measure) -> &'static str {
-    match measure {
-        Measure::Frequency => "frequency",
-        Measure::AmplitudePerExcitation => "amplitude",
-        Measure::QFactor => "q-factor",
-        Measure::DampingRatio => "damping-ratio",
-    }
 }
 
 /// The fans in numbers.
