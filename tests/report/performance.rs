@@ -24,20 +24,30 @@ fn decoded(link: &str) -> String {
 
 /// Fields and rows of the table of fans; NaN where a cell is empty.
 fn table(page: &str) -> (Vec<String>, Vec<Vec<f64>>) {
-    let after = page.split("download=\"performance.csv\" href=\"").nth(1).unwrap();
+    let after = page
+        .split("download=\"performance.csv\" href=\"")
+        .nth(1)
+        .unwrap();
     let link = after.split('"').next().unwrap();
     let text = decoded(link.split_once(',').unwrap().1);
     let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned));
     let fields = lines.next().unwrap().collect();
     let number = |cell: String| cell.parse().unwrap_or(f64::NAN);
-    (fields, lines.map(|line| line.map(number).collect()).collect())
+    (
+        fields,
+        lines.map(|line| line.map(number).collect()).collect(),
+    )
 }
 
 /// A study that scales excitation, load and thickness, and whose damping ratio is a function of the ratio alone: ln ratio
 /// in percent, plus 10.
 fn scaled(n: u64) -> SyntheticStudy {
     let mut study = SyntheticStudy::new(n);
-    let names = ["excitation_scale", "static_load_scale", "strip_thickness_mm"];
+    let names = [
+        "excitation_scale",
+        "static_load_scale",
+        "strip_thickness_mm",
+    ];
     let more = study.record.inputs[0].clone();
     study.record.inputs.push(more);
     for (input, name) in study.record.inputs.iter_mut().zip(names) {
@@ -70,16 +80,29 @@ fn curves_stand_over_the_ratio_of_each_sample() {
     assert_eq!(rows.len(), LEVELS.len(), "places");
     for row in &rows {
         let expected = 0.01 * (10.0 + row[at("excitation")].ln());
-        for name in ["damping_ratio_q05", "damping_ratio_q50", "damping_ratio_q95"] {
+        for name in [
+            "damping_ratio_q05",
+            "damping_ratio_q50",
+            "damping_ratio_q95",
+        ] {
             let found = row[at(name)];
-            assert!((found / expected - 1.0).abs() < 1e-9, "{name}: {found}, not {expected}");
+            assert!(
+                (found / expected - 1.0).abs() < 1e-9,
+                "{name}: {found}, not {expected}"
+            );
         }
         let q = row[at("q_factor_q50")];
-        assert!((q * expected / 0.5 - 1.0).abs() < 0.01, "Q {q} of {expected}");
+        assert!(
+            (q * expected / 0.5 - 1.0).abs() < 0.01,
+            "Q {q} of {expected}"
+        );
     }
     let ends = [rows[0][0], rows[LEVELS.len() - 1][0]];
     let nominal = [LEVELS[0], LEVELS[LEVELS.len() - 1]].map(|level| level / 180.0);
-    assert!(ends[0] > 1.1 * nominal[0] && ends[1] < 0.9 * nominal[1], "ends {ends:?}");
+    assert!(
+        ends[0] > 1.1 * nominal[0] && ends[1] < 0.9 * nominal[1],
+        "ends {ends:?}"
+    );
 }
 
 /// Without inputs that scale them, the fans are the quantiles of the summary at the levels; without a centrifugal load the
@@ -95,11 +118,21 @@ fn fans_are_the_quantiles_of_the_levels() {
         let at = |name: &str| fields.iter().position(|f| f == name).unwrap();
         let summary = Summary::of(&study.input());
         for (row, level) in rows.iter().zip(&summary.levels) {
-            assert!((row[0] * load / level.level - 1.0).abs() < 1e-12, "{}", row[0]);
+            assert!(
+                (row[0] * load / level.level - 1.0).abs() < 1e-12,
+                "{}",
+                row[0]
+            );
             for (k, share) in ["q05", "q50", "q95"].iter().enumerate() {
                 let found = [
-                    (row[at(&format!("frequency_hz_{share}"))], &level.frequency_hz),
-                    (row[at(&format!("damping_ratio_{share}"))], &level.damping_ratio),
+                    (
+                        row[at(&format!("frequency_hz_{share}"))],
+                        &level.frequency_hz,
+                    ),
+                    (
+                        row[at(&format!("damping_ratio_{share}"))],
+                        &level.damping_ratio,
+                    ),
                 ];
                 for (found, distribution) in found {
                     assert_eq!(found, distribution.quantiles[k].estimate, "{share}");
@@ -117,17 +150,32 @@ fn fans_are_the_quantiles_of_the_levels() {
 fn results_without_damping_ratios_say_so() {
     let mut study = SyntheticStudy::new(30);
     let nominal = study.record.nominal.iter_mut();
-    for level in study.outcomes.iter_mut().chain(nominal).flat_map(|o| &mut o.levels) {
+    for level in study
+        .outcomes
+        .iter_mut()
+        .chain(nominal)
+        .flat_map(|o| &mut o.levels)
+    {
         if let Some(peak) = &mut level.peak {
             peak.damping_ratio = None;
         }
     }
     let page = page(&study.input());
-    assert_eq!(page.matches("no damping ratio in these results</text>").count(), 2);
+    assert_eq!(
+        page.matches("no damping ratio in these results</text>")
+            .count(),
+        2
+    );
     assert!(!page.contains("NaN"), "the page shows NaN");
     let (fields, rows) = table(&page);
     let at = |name: &str| fields.iter().position(|f| f == name).unwrap();
-    assert!(rows.iter().all(|row| row[at("q_factor_q50")].is_nan()), "a Q factor");
-    assert!(rows.iter().all(|row| row[at("frequency_hz_q50")] > 2900.0), "no frequency");
+    assert!(
+        rows.iter().all(|row| row[at("q_factor_q50")].is_nan()),
+        "a Q factor"
+    );
+    assert!(
+        rows.iter().all(|row| row[at("frequency_hz_q50")] > 2900.0),
+        "no frequency"
+    );
     assert_eq!(Summary::of(&study.input()).levels[0].damping_ratio.valid, 0);
 }

@@ -248,7 +248,10 @@ fn tables_without_damping_ratios_are_read() {
     write_samples(&path, provenance, &names, &study.outcomes).unwrap();
     let reader = ParquetRecordBatchReaderBuilder::try_new(File::open(&path).unwrap()).unwrap();
     let pairs = reader.metadata().file_metadata().key_value_metadata();
-    let pairs = pairs.unwrap().iter().filter(|pair| pair.key != "ARROW:schema");
+    let pairs = pairs
+        .unwrap()
+        .iter()
+        .filter(|pair| pair.key != "ARROW:schema");
     let properties = WriterProperties::builder()
         .set_key_value_metadata(Some(pairs.cloned().collect()))
         .build();
@@ -257,7 +260,9 @@ fn tables_without_damping_ratios_are_read() {
     let kept: Vec<usize> = kept.collect();
     assert_eq!(kept.len() + 1, fields.len(), "the column");
     let batches = reader.build().unwrap();
-    let batches: Vec<RecordBatch> = batches.map(|b| b.unwrap().project(&kept).unwrap()).collect();
+    let batches: Vec<RecordBatch> = batches
+        .map(|b| b.unwrap().project(&kept).unwrap())
+        .collect();
     let file = File::create(&path).unwrap();
     let mut writer = ArrowWriter::try_new(file, batches[0].schema(), Some(properties)).unwrap();
     for batch in &batches {

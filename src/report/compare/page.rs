@@ -1,7 +1,7 @@
 //! `comparison.html`: designs compared on the same samples, as a page of its own.
 
-use super::performance;
 use super::comparison::{Compared, ComparedQuantity, DesignComparison, Pair, PointRanking};
+use super::performance;
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Cell, Figure, Key, Mark, Section, Table};
 use crate::page::display::{DASH, LengthUnit, from_to, level_name, percent, with_digits};

@@ -121,7 +121,9 @@ fn at(line: &[(f64, f64)], ratio: f64) -> f64 {
     let after = line.partition_point(|point| point.0 < ratio);
     match (after.checked_sub(1).map(|i| line[i]), line.get(after)) {
         (_, Some(&(x, value))) if x == ratio => value,
-        (Some((low, a)), Some(&(high, b))) => a + (b - a) * libm::log(ratio / low) / libm::log(high / low),
+        (Some((low, a)), Some(&(high, b))) => {
+            a + (b - a) * libm::log(ratio / low) / libm::log(high / low)
+        }
         _ => f64::NAN,
     }
 }
@@ -134,7 +136,10 @@ fn places(input: &ReportInput) -> Vec<f64> {
     levels.sort_by(f64::total_cmp);
     let last = levels.len().saturating_sub(1);
     let place = |(i, level): (usize, &f64)| {
-        let ratios = input.outcomes.iter().map(|o| loading(record, &o.inputs, *level).ratio);
+        let ratios = input
+            .outcomes
+            .iter()
+            .map(|o| loading(record, &o.inputs, *level).ratio);
         let share = match i {
             0 => REACHING,
             i if i == last => 1.0 - REACHING,
@@ -146,7 +151,10 @@ fn places(input: &ReportInput) -> Vec<f64> {
     let (Some(&low), Some(&high)) = (found.first(), found.last()) else {
         return found;
     };
-    let mut within: Vec<f64> = found.into_iter().filter(|r| (low..=high).contains(r)).collect();
+    let mut within: Vec<f64> = found
+        .into_iter()
+        .filter(|r| (low..=high).contains(r))
+        .collect();
     within.dedup();
     within
 }
@@ -160,7 +168,9 @@ pub(in crate::report) fn fan(input: &ReportInput, measure: Measure) -> Vec<FanPl
     let nested = groups.iter().any(|(outer, _)| outer.is_some());
     let place = |ratio: f64| {
         let values: Vec<f64> = lines.iter().map(|line| at(line, ratio)).collect();
-        let populations = groups.iter().map(|(_, members)| Sorted::finite(chosen(&values, members)));
+        let populations = groups
+            .iter()
+            .map(|(_, members)| Sorted::finite(chosen(&values, members)));
         let populations: Vec<Sorted> = populations.collect();
         let range = |p: f64| hull(populations.iter().filter_map(|all| quantile(all, p)));
         let from_to = |[low, high]: [f64; 2]| Some([range(low)?[0], range(high)?[1]]);
@@ -168,7 +178,11 @@ pub(in crate::report) fn fan(input: &ReportInput, measure: Measure) -> Vec<FanPl
         Some(FanPlace {
             ratio,
             outer: from_to([0.05, 0.95])?,
-            inner: if nested { medians } else { from_to([0.25, 0.75])? },
+            inner: if nested {
+                medians
+            } else {
+                from_to([0.25, 0.75])?
+            },
             median: (!nested).then_some(medians[0]),
         })
     };

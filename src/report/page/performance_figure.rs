@@ -13,8 +13,7 @@ use crate::report::run::input::ReportInput;
 use crate::report::run::record::{LinearRecord, RunRecord};
 
 /// What every page with performance curves says of them.
-pub(in crate::report) const HINT: &str =
-    "Quantiles at each ratio of the samples with a solution there; each sample is a line, straight over the logarithm of its \
+pub(in crate::report) const HINT: &str = "Quantiles at each ratio of the samples with a solution there; each sample is a line, straight over the logarithm of its \
      ratio. Damping ratio: the work that damping and friction dissipate per cycle over 4π times the kinetic energy of the first \
      harmonic; at the linear limits from the half-power width. Q = 1 / (2 · damping ratio), beside published ranges of \
      sources of damping (Gastaldi, Berruti & Gola 2018). Small excitation: contacts stick; large excitation: they slip and open.";
@@ -56,7 +55,11 @@ impl Performance<'_> {
         title: impl Fn(usize) -> String,
         file: impl Fn(usize) -> String,
     ) -> Vec<Figure> {
-        let drawn: Vec<Drawn> = self.runs.iter().map(|run| self.drawn(run, measure)).collect();
+        let drawn: Vec<Drawn> = self
+            .runs
+            .iter()
+            .map(|run| self.drawn(run, measure))
+            .collect();
         let axes = self.axes(measure, &drawn);
         let style = figure_style(self.runs[0].record.levels.len());
         let figure = |(k, drawn): (usize, &Drawn)| {
@@ -68,7 +71,8 @@ impl Performance<'_> {
 
     fn drawn(&self, run: &ReportInput, measure: Measure) -> Drawn {
         let scale = self.scale(measure);
-        let scaled = |line: Line| -> Line { line.into_iter().map(|(x, y)| (x, y * scale)).collect() };
+        let scaled =
+            |line: Line| -> Line { line.into_iter().map(|(x, y)| (x, y * scale)).collect() };
         let of = |sample| scaled(line(run.record, measure, sample));
         let in_unit = |place: FanPlace| FanPlace {
             outer: place.outer.map(|v| v * scale),
@@ -108,7 +112,12 @@ impl Performance<'_> {
 
     /// Common to all runs.
     fn axes(&self, measure: Measure, drawn: &[Drawn]) -> [Axis; 2] {
-        let lines = || drawn.iter().flat_map(|d| d.lines.iter().chain([&d.nominal])).flatten();
+        let lines = || {
+            drawn
+                .iter()
+                .flat_map(|d| d.lines.iter().chain([&d.nominal]))
+                .flatten()
+        };
         let ratios = lines().map(|point| point.0);
         let [low, high] = ends(ratios);
         let label = ratio_label(self.runs[0].record);
@@ -116,7 +125,9 @@ impl Performance<'_> {
             true => Axis::log(label, low / ROOM, high * ROOM),
             false => Axis::around(label, [low, high].into_iter()),
         };
-        let fans = drawn.iter().flat_map(|d| d.fan.iter().flat_map(|place| place.outer));
+        let fans = drawn
+            .iter()
+            .flat_map(|d| d.fan.iter().flat_map(|place| place.outer));
         let limits = drawn.iter().flat_map(|d| d.limits);
         let values = lines().map(|point| point.1).chain(fans).chain(limits);
         let y = match measure {
@@ -153,9 +164,11 @@ fn limits(record: &RunRecord, measure: Measure) -> [f64; 2] {
         let ratio = || half_power_ratio(linear).unwrap_or(f64::NAN);
         match measure {
             Measure::Frequency => linear.frequency_hz,
-            Measure::AmplitudePerExcitation => {
-                linear.curve.iter().map(|p| p.amplitude_m).fold(f64::NAN, f64::max)
-            }
+            Measure::AmplitudePerExcitation => linear
+                .curve
+                .iter()
+                .map(|p| p.amplitude_m)
+                .fold(f64::NAN, f64::max),
             Measure::QFactor => q_factor(ratio()),
             Measure::DampingRatio => ratio(),
         }
@@ -211,7 +224,11 @@ pub(in crate::report) fn keys(nested: bool, nominal: bool) -> Vec<Key> {
     let keys = [
         Key::new(Mark::Band, "outer", outer),
         Key::new(Mark::Band, "", inner),
-        Key::new(Mark::Line, "line sample", format!("samples, the first {THIN_LINES}")),
+        Key::new(
+            Mark::Line,
+            "line sample",
+            format!("samples, the first {THIN_LINES}"),
+        ),
         Key::new(Mark::Line, "line free", "without contact"),
         Key::new(Mark::Line, "line stuck", "fully stuck"),
     ];

@@ -58,7 +58,9 @@ impl Shown {
 pub(in crate::report) fn length_unit(runs: &[ReportInput]) -> LengthUnit {
     let levels = (runs.iter()).flat_map(|run| run.outcomes.iter().flat_map(|o| &o.levels));
     let sampled = levels.filter_map(|l| Some(usable_peak(l)?.amplitude_m / l.level));
-    let linear = runs.iter().flat_map(|run| run.record.free.curve.iter().map(|p| p.amplitude_m));
+    let linear = runs
+        .iter()
+        .flat_map(|run| run.record.free.curve.iter().map(|p| p.amplitude_m));
     LengthUnit::for_largest(sampled.chain(linear).fold(0.0, f64::max))
 }
 

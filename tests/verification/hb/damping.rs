@@ -47,7 +47,10 @@ fn a_linear_oscillator_has_its_own_damping_ratio() {
         let found = peak(&stuck, 3, 128, 1.0).damping_ratio().expect("moves");
         let expected = zeta / (1.0 - 2.0 * zeta * zeta).sqrt();
         println!("{zeta}: {:.1e}", found / expected - 1.0);
-        assert!((found / expected - 1.0).abs() < 1e-7, "{found}, not {expected}");
+        assert!(
+            (found / expected - 1.0).abs() < 1e-7,
+            "{found}, not {expected}"
+        );
     }
 }
 
@@ -64,9 +67,15 @@ fn slip_adds_its_work_over_the_energy() {
     let energy = 0.5 * omega * omega * x * x;
     let expected = (friction + viscous) / (4.0 * PI * energy);
     let ratio = found.damping_ratio().expect("moves");
-    println!("X {x:.5} damping ratio {ratio:.6}, {:.1e}", ratio / expected - 1.0);
+    println!(
+        "X {x:.5} damping ratio {ratio:.6}, {:.1e}",
+        ratio / expected - 1.0
+    );
     assert!(ratio > 0.05, "it must slip: {ratio}");
-    assert!((ratio / expected - 1.0).abs() < 1e-5, "{ratio}, not {expected}");
+    assert!(
+        (ratio / expected - 1.0).abs() < 1e-5,
+        "{ratio}, not {expected}"
+    );
 }
 
 /// Half the width of a curve at 1/√2 of its top, over the frequency there.
@@ -125,7 +134,12 @@ fn the_stuck_rig_has_modal_damping() {
         let found = track_peaks(&problem, &settings, search, &[0.01]).expect("modes");
         let solution = found[0].solution.as_ref().expect("a peak");
         let ratio = solution.damping_ratio().expect("moves");
-        let modal = modal_ratio(&stiffness, &rig.reduced.mass, &rig.reduced.damping, solution.omega);
+        let modal = modal_ratio(
+            &stiffness,
+            &rig.reduced.mass,
+            &rig.reduced.damping,
+            solution.omega,
+        );
         let balance = Balance::new(&problem, settings.harmonics.clone(), settings.aft);
         let curve = response_curve(&balance, &solution.point(), band, settings.newton);
         let points: Vec<(f64, f64)> = curve.iter().map(|p| (p.omega, p.amplitude)).collect();

@@ -8,7 +8,9 @@ use microslip::harmonics::HarmonicSet;
 use microslip::hb::peak::search::PeakSettings;
 use microslip::hb::peak::track::track_peaks;
 use microslip::hb::structure::resonance::{Band, linear_resonance, linear_response};
-use microslip::hb::{HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Solution, Status};
+use microslip::hb::{
+    HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Solution, Status,
+};
 use microslip::model::two_blade::TwoBladeSettings;
 use microslip::units::{hz_to_rad_s, rad_s_to_hz};
 use std::sync::LazyLock;
@@ -176,8 +178,15 @@ fn three_hundred_newton_are_nearly_free() {
     let free = free.expect("in the band").omega;
     let free = 1e6 * linear_response(&model, &open, free).norm();
     let last = &NOMINAL[7];
-    println!("free {free:.4} um/N, 300 N {:.1} % below", 100.0 * (1.0 - last.per_force / free));
-    assert!((last.per_force / free - 1.0).abs() < 0.1, "{} against {free}", last.per_force);
+    println!(
+        "free {free:.4} um/N, 300 N {:.1} % below",
+        100.0 * (1.0 - last.per_force / free)
+    );
+    assert!(
+        (last.per_force / free - 1.0).abs() < 0.1,
+        "{} against {free}",
+        last.per_force
+    );
 }
 
 /// Published: relative displacements of about 5 um are expected in the test, at 180 N on a face of 10 x 50 mm. Nothing slips
@@ -193,7 +202,10 @@ fn relative_displacements_are_those_of_the_test() {
     println!("stiffness ratio {}", K_T / K_N);
     assert!((pressure[0] - 0.36).abs() < 1e-12, "{pressure:?}");
     let relative = |i: usize| NOMINAL[i].relative;
-    assert!(relative(0) < 0.05 && relative(4) < 5.0 && relative(5) > 5.0, "{NOMINAL:?}");
+    assert!(
+        relative(0) < 0.05 && relative(4) < 5.0 && relative(5) > 5.0,
+        "{NOMINAL:?}"
+    );
 }
 
 /// Published, by source of damping: material 3000 to 10000, platform damper 15 to 250. The rig's own damping is Q 2500. Seen to
@@ -204,6 +216,10 @@ fn friction_lowers_the_q_factor() {
     let lowest = q.iter().copied().fold(f64::INFINITY, f64::min);
     println!("Q {q:.0?}, lowest {lowest:.0}");
     assert!((1500.0..2600.0).contains(&q[0]), "stuck {}", q[0]);
-    assert!((0.9 * 2500.0..1.02 * 2500.0).contains(&q[7]), "nearly free {}", q[7]);
+    assert!(
+        (0.9 * 2500.0..1.02 * 2500.0).contains(&q[7]),
+        "nearly free {}",
+        q[7]
+    );
     assert!(lowest < 0.6 * q[0], "{q:?}");
 }

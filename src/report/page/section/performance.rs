@@ -53,7 +53,11 @@ fn table(view: &View, performance: &Performance) -> Block {
         ),
         (
             performance.label(Measure::DampingRatio),
-            &["damping_ratio_q50", "damping_ratio_q05", "damping_ratio_q95"],
+            &[
+                "damping_ratio_q50",
+                "damping_ratio_q05",
+                "damping_ratio_q95",
+            ],
         ),
     ];
     let mut table = Table::new("Performance", "performance", columns);
