@@ -13,8 +13,8 @@ use crate::report::run::input::ReportInput;
 use crate::report::run::record::{LinearRecord, RunRecord};
 
 /// What every page with performance curves says of them.
-pub(in crate::report) const HINT: &str = "Quantiles at each ratio of the samples with a solution there; each sample is a line, straight over the logarithm of its \
-     ratio. Damping ratio: the work that damping and friction dissipate per cycle over 4π times the kinetic energy of the first \
+pub(in crate::report) const HINT: &str = "Quantiles at each ratio of the samples with a solution there; each sample is a line, straight on logarithmic \
+     axes. Damping ratio: the work that damping and friction dissipate per cycle over 4π times the kinetic energy of the first \
      harmonic; at the linear limits from the half-power width. Q = 1 / (2 · damping ratio), beside published ranges of \
      sources of damping (Gastaldi, Berruti & Gola 2018). Small excitation: contacts stick; large excitation: they slip and open.";
 
