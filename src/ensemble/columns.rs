@@ -41,7 +41,7 @@ const fn column(
 }
 
 /// Columns of `samples.parquet` and `further_points.parquet`, but for those of the inputs.
-pub const SAMPLE_COLUMNS: [DescribedColumn; 22] = [
+pub const SAMPLE_COLUMNS: [DescribedColumn; 23] = [
     column("sample", "", "index of the sample, from 0"),
     column(
         "outer",
@@ -98,6 +98,11 @@ pub const SAMPLE_COLUMNS: [DescribedColumn; 22] = [
         "work_friction_j",
         "J",
         "work dissipated by friction per period",
+    ),
+    column(
+        "damping_ratio",
+        "1",
+        "equivalent damping ratio of the resonance: dissipated work over 4π times the kinetic energy; null where nothing is dissipated, and in results of an older program",
     ),
     column(
         "residual",

@@ -307,6 +307,7 @@ fn record(solution: &Solution) -> PeakRecord {
         work_input_j: solution.work.input,
         work_viscous_j: solution.work.viscous,
         work_friction_j: solution.work.friction,
+        damping_ratio: solution.damping_ratio(),
         residual: solution.residual,
     }
 }

@@ -81,6 +81,7 @@ impl TestFunction {
             work_input_j: 0.0,
             work_viscous_j: 0.0,
             work_friction_j: 0.0,
+            damping_ratio: None,
             residual: 0.0,
         }
     }

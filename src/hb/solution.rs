@@ -56,6 +56,9 @@ pub struct Solution {
     pub flight_fraction: f64,
     /// Energy balance.
     pub work: CycleWork,
+    /// Kinetic energy of the first harmonic (J): twice its mean over the cycle, which for a vibration in one phase is the
+    /// largest. See [`Solution::damping_ratio`].
+    pub kinetic_energy: f64,
     /// Stated error of the amplitude by the harmonics left out: relative, not below the change by twice the harmonics
     /// ([`super::peak::alert`]). `None` without an alert, or where no solution was found with twice the harmonics.
     pub truncation_error: Option<f64>,
@@ -106,6 +109,7 @@ impl Solution {
             contact: ContactFractions::new(&iterate.contact.samples),
             flight_fraction: flight_fraction(balance, &iterate.point.r),
             work: CycleWork::new(balance, iterate),
+            kinetic_energy: kinetic_energy(iterate),
             truncation_error: None,
             sharpness: None,
             route: None,
@@ -146,6 +150,22 @@ impl Solution {
     #[must_use]
     pub fn amplitude(&self, i: usize) -> f64 {
         self.first_harmonic(i).norm()
+    }
+
+    /// Equivalent damping ratio of a resonance: ζ = W / (4π E) with the work W that damping matrix and contacts dissipate
+    /// per cycle, by all harmonics, and the kinetic energy E of the first one. `None` where nothing moves or nothing is
+    /// dissipated.
+    ///
+    /// A linear oscillator has W = π c ω X² and E = ½ m ω² X², so that ζ = c / (2 m ω): its damping ratio, exactly at phase
+    /// resonance, and too large by the share ζ² at the maximum of the displacement. Other modes, which vibrate by the share ζ
+    /// beside the resonant one, add ζ² likewise. The kinetic energy stands for the elastic one, which is the same at resonance, because
+    /// that of contacts that slip and open depends on their history. Source: the loss factor as dissipated over
+    /// stored energy, Ungar & Kerwin 1962, J. Acoust. Soc. Am. 34, 954–957.
+    #[must_use]
+    pub fn damping_ratio(&self) -> Option<f64> {
+        let dissipated = self.work.viscous + self.work.friction;
+        let ratio = dissipated / (4.0 * PI * self.kinetic_energy);
+        (ratio.is_finite() && ratio > 0.0).then_some(ratio)
     }
 }
 
@@ -212,6 +232,14 @@ impl CycleWork {
         }
         work
     }
+}
+
+/// ½ ω² η̂₁ᴴ η̂₁, for modes of unit mass (J).
+fn kinetic_energy(iterate: &Iterate<'_>) -> f64 {
+    let dynamic = (iterate.compliance.harmonics.iter()).zip(&iterate.motion.dynamic);
+    let first = dynamic.filter(|(h, _)| h.order == 1);
+    let squares = first.flat_map(|(_, eta)| eta.iter().map(|eta| eta.norm_sqr()));
+    0.5 * iterate.point.omega.powi(2) * squares.sum::<f64>()
 }
 
 /// Im(f̂* · x̂)·(−1): work per cycle over π of the force f̂ on the displacement x̂ with q = Re q̂ e^{ikωt}.

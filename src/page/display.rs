@@ -125,6 +125,14 @@ pub(crate) fn from_to(ends: [f64; 2], show: impl Fn(f64) -> String) -> String {
     }
 }
 
+/// `µm/N`; `µm per level` where the unit of the level is a sentence.
+pub(crate) fn per_level(symbol: &str, unit: &str) -> String {
+    match unit.contains(' ') {
+        true => format!("{symbol} per level"),
+        false => format!("{symbol}/{unit}"),
+    }
+}
+
 /// `10 N`; `level 10` where the unit is a sentence.
 pub(crate) fn level_name(level: f64, unit: &str) -> String {
     let level = short(level);

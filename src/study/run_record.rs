@@ -15,6 +15,7 @@ use crate::model::two_blade::ComponentSummary;
 use crate::report::RunRecord;
 use crate::report::run::{
     ComponentRecord, ContactGridRecord, DesignRecord, FileRecord, InputRecord, LinearRecord,
+    StaticLoadRecord,
 };
 use crate::sampling::DesignKind;
 use crate::units::rad_s_to_hz;
@@ -55,6 +56,7 @@ pub(super) fn first_record(
         one_at_a_time: None,
         components: component_records(&prepared.components),
         contact_grid: contact_grid(study),
+        static_load: static_load(study),
         requirements: study.requirements.clone(),
         stopping: None,
         surrogate: study.surrogate,
@@ -79,6 +81,17 @@ fn contact_grid(study: &Study) -> Option<ContactGridRecord> {
         shift_hz: found.shift_hz,
         limit_hz: found.limit_hz(),
         relative: found.relative(),
+    })
+}
+
+/// The centrifugal load on the strip of the built-in rig.
+fn static_load(study: &Study) -> Option<StaticLoadRecord> {
+    let ModelSettings::TwoBladeStrip { blades, .. } = &study.model else {
+        return None;
+    };
+    Some(StaticLoadRecord {
+        load_n: blades.centrifugal_load_n,
+        strip_thickness_mm: blades.strip_mm[2],
     })
 }
 

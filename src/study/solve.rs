@@ -425,6 +425,7 @@ mod tests {
             contact: ContactFractions::default(),
             flight_fraction: 0.0,
             work: CycleWork::default(),
+            kinetic_energy: 0.0,
             truncation_error: None,
             sharpness: None,
             route: None,

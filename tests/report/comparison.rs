@@ -122,3 +122,27 @@ fn empty_comparisons_render() {
     let runs = [design(1, 1.0), design(1, 2.0)];
     page(&compared(&runs), &runs);
 }
+
+/// Performance curves of every design, beside each other and on common axes. Seen to fail with axes of each design alone.
+#[test]
+fn performance_curves_stand_beside_each_other() {
+    let runs = [design(60, 1.0), design(60, 3.0)];
+    let page = page(&compared(&runs), &runs);
+    for measure in ["frequency", "amplitude", "q-factor", "damping-ratio"] {
+        for k in 0..2 {
+            let file = format!("download=\"performance-{measure}-{k}.svg\"");
+            assert!(page.contains(&file), "{file}");
+        }
+    }
+    let ticks = |name: &str| -> Vec<&str> {
+        let start = page.find(&format!("aria-label=\"{name}")).unwrap();
+        let end = start + page[start..].find("</figure>").unwrap();
+        let ticks = page[start..end].split("class=\"tick y\"").skip(1);
+        ticks
+            .map(|tick| tick.split("</text>").next().unwrap())
+            .collect()
+    };
+    let [a, b] =
+        ["A", "B"].map(|label| ticks(&format!("Amplitude per excitation, design {label}")));
+    assert!(a.len() > 1 && a == b, "{a:?} {b:?}");
+}

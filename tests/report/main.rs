@@ -10,6 +10,7 @@ mod comparison;
 mod epistemic;
 mod identification;
 mod page;
+mod performance;
 mod record;
 mod sensitivity;
 mod store;

@@ -6,9 +6,13 @@ use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_ipc::reader::FileReader as ArrowReader;
 use microslip::ensemble::arrow::write_arrow;
+use microslip::ensemble::outcome::PeakRecord;
 use microslip::ensemble::store::{read_samples, write_samples};
 use microslip::ensemble::table::TableError;
 use microslip::file::{FileRecord, replace};
+use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use std::collections::BTreeMap;
@@ -231,4 +235,48 @@ fn a_record_is_of_the_bytes_as_written() {
     let written = write_samples(&path, provenance, &names, &study.outcomes).unwrap();
     let bytes = std::fs::read(&path).unwrap();
     assert_eq!(written, FileRecord::of("samples.parquet", &bytes));
+}
+
+/// A table of an older program has no damping ratios: the other numbers are read, and these are unknown. Seen to fail with the
+/// column required.
+#[test]
+fn tables_without_damping_ratios_are_read() {
+    let study = SyntheticStudy::new(50);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("samples.parquet");
+    let (provenance, names) = (&study.record.provenance, study.input_names());
+    write_samples(&path, provenance, &names, &study.outcomes).unwrap();
+    let reader = ParquetRecordBatchReaderBuilder::try_new(File::open(&path).unwrap()).unwrap();
+    let pairs = reader.metadata().file_metadata().key_value_metadata();
+    let pairs = pairs
+        .unwrap()
+        .iter()
+        .filter(|pair| pair.key != "ARROW:schema");
+    let properties = WriterProperties::builder()
+        .set_key_value_metadata(Some(pairs.cloned().collect()))
+        .build();
+    let fields = reader.schema().fields().clone();
+    let kept = (0..fields.len()).filter(|&i| fields[i].name() != "damping_ratio");
+    let kept: Vec<usize> = kept.collect();
+    assert_eq!(kept.len() + 1, fields.len(), "the column");
+    let batches = reader.build().unwrap();
+    let batches: Vec<RecordBatch> = batches
+        .map(|b| b.unwrap().project(&kept).unwrap())
+        .collect();
+    let file = File::create(&path).unwrap();
+    let mut writer = ArrowWriter::try_new(file, batches[0].schema(), Some(properties)).unwrap();
+    for batch in &batches {
+        writer.write(batch).unwrap();
+    }
+    writer.close().unwrap();
+    let stored = read_samples(&path).unwrap();
+    for (read, written) in stored.outcomes.iter().zip(&study.outcomes) {
+        for (read, written) in read.levels.iter().zip(&written.levels) {
+            let without = |peak: PeakRecord| PeakRecord {
+                damping_ratio: None,
+                ..peak
+            };
+            assert_eq!(read.peak, written.peak.map(without));
+        }
+    }
 }

@@ -10,7 +10,9 @@ use microslip::ensemble::store::{ATLAS_FILE, Provenance, SolvedFiles, StoredStud
 use microslip::hb::{PeakRoute, SliderAnchor, Status};
 use microslip::report::asked::Bands;
 use microslip::report::asked::{Criterion, MarginBase, Operation, Quantity, Requirements, Stress};
-use microslip::report::run::{DesignRecord, FileRecord, InputRecord, LinearRecord, TABLES};
+use microslip::report::run::{
+    DesignRecord, FileRecord, InputRecord, LinearRecord, StaticLoadRecord, TABLES,
+};
 use microslip::report::{ReportInput, RunRecord};
 use microslip::sampling::{DesignKind, Growth, SampleGroup};
 
@@ -172,6 +174,10 @@ fn record() -> RunRecord {
         one_at_a_time: None,
         components: Vec::new(),
         contact_grid: None,
+        static_load: Some(StaticLoadRecord {
+            load_n: 180.0,
+            strip_thickness_mm: 0.4,
+        }),
         requirements: requirements(),
         stopping: None,
         surrogate: None,
@@ -315,6 +321,8 @@ fn route_of(noise: f64) -> PeakRoute {
 fn peak(force: f64, frequency_hz: f64, amplitude_m: f64, stick: f64, noise: f64) -> PeakRecord {
     let separated = (1.0 - stick) * (0.3 + 0.6 * (force / 300.0).sqrt());
     let work = 1e-3 * force * amplitude_m;
+    // the synthetic structure has its free amplitude at a Q factor of 2500
+    let q_factor = 2500.0 * amplitude_m / force / FREE_AMPLITUDE;
     PeakRecord {
         frequency_hz,
         amplitude_m,
@@ -327,6 +335,7 @@ fn peak(force: f64, frequency_hz: f64, amplitude_m: f64, stick: f64, noise: f64)
         work_input_j: work,
         work_viscous_j: 0.6 * work,
         work_friction_j: 0.4 * work * (1.0 - 1e-9 * noise),
+        damping_ratio: Some(0.5 / q_factor),
         residual: 1e-11,
     }
 }

@@ -9,6 +9,7 @@ mod alert;
 mod closed_form;
 mod compliance;
 mod curve;
+mod damping;
 mod fold;
 mod invariants;
 mod jacobian;

@@ -107,6 +107,8 @@ struct PeakColumns {
     amplitude: Float64Array,
     route: StringArray,
     truncation_error: Float64Array,
+    /// Absent in tables of an older program.
+    damping_ratio: Option<Float64Array>,
     highest_harmonic: Int64Array,
     /// Shares of stick, slip and separation, works of input, damping and friction, residual.
     rest: [Float64Array; 7],
@@ -220,6 +222,7 @@ impl PeakColumns {
             amplitude: real("amplitude_m")?,
             route: rows.texts("route")?.clone(),
             truncation_error: real("truncation_error")?,
+            damping_ratio: real("damping_ratio").ok(),
             highest_harmonic: rows.counts("highest_harmonic")?.clone(),
             rest: [
                 real("stick_fraction")?,
@@ -245,6 +248,7 @@ impl PeakColumns {
             amplitude_m,
             route: named(&self.route, at, &PeakRoute::ALL, PeakRoute::name)?,
             truncation_error: optional(&self.truncation_error, at),
+            damping_ratio: (self.damping_ratio.as_ref()).and_then(|ratios| optional(ratios, at)),
             highest_harmonic: whole(&self.highest_harmonic, at, "highest_harmonic")?,
             stick_fraction: number(stick, at),
             slip_fraction: number(slip, at),

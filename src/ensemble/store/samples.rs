@@ -147,6 +147,7 @@ fn peak_columns(rows: &[LevelRow]) -> Table {
         real("work_input_j", |p| Some(p.work_input_j)),
         real("work_viscous_j", |p| Some(p.work_viscous_j)),
         real("work_friction_j", |p| Some(p.work_friction_j)),
+        real("damping_ratio", |p| p.damping_ratio),
         real("residual", |p| Some(p.residual)),
     ];
     for (name, of) in OTHER_COLUMNS {

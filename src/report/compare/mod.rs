@@ -4,6 +4,7 @@
 
 pub mod comparison;
 mod page;
+mod performance;
 mod write;
 
 pub use comparison::{Compared, DesignComparison, Pair, PointRanking};

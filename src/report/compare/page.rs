@@ -1,6 +1,7 @@
 //! `comparison.html`: designs compared on the same samples, as a page of its own.
 
 use super::comparison::{Compared, ComparedQuantity, DesignComparison, Pair, PointRanking};
+use super::performance;
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Cell, Figure, Key, Mark, Section, Table};
 use crate::page::display::{
@@ -49,16 +50,15 @@ pub(super) fn render(
         .map(|d| d.label.as_str())
         .collect();
     let title = format!("Designs {} compared", labels.join(", "));
-    page(
-        &title,
-        comparison.levels.len(),
-        &[
-            designs(&view),
-            rankings(&view),
-            pairs(&view),
-            distributions(&view),
-        ],
-    )
+    let sections = [
+        Some(designs(&view)),
+        Some(rankings(&view)),
+        Some(pairs(&view)),
+        performance::section(comparison, runs),
+        Some(distributions(&view)),
+    ];
+    let sections: Vec<Section> = sections.into_iter().flatten().collect();
+    page(&title, comparison.levels.len(), &sections)
 }
 
 /// Differences a − b at level `i`, one per sample, NaN where one of the pair failed.

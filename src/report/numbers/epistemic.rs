@@ -11,7 +11,7 @@ use super::box_range::{
 use super::correlation::{InputCorrelation, correlations};
 use super::distribution::Distribution;
 use super::outer_points::{chosen, epistemic_columns, observed_by_point, outer_groups};
-use super::peaks::mean_fractions;
+use super::peaks::{mean_fractions, usable_peak};
 use super::replicate_means::ReplicateMeans;
 use crate::hb::ContactFractions;
 use crate::report::run::input::ReportInput;
@@ -73,6 +73,8 @@ pub struct PointStatistics {
     pub frequency_hz: Distribution,
     /// Amplitude (m).
     pub amplitude_m: Distribution,
+    /// Equivalent damping ratio of the resonance; `valid` counts the peaks that have one.
+    pub damping_ratio: Distribution,
     /// Means over the replicates of a quasi-random design; absent for any other.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub replicate_means: Option<ReplicateMeans>,
@@ -134,12 +136,15 @@ impl EpistemicLevel {
                 .map(|((outer, members), ((_, frequency), (_, amplitude)))| {
                     let samples = members.iter().map(|&m| &input.outcomes[m]);
                     let failed = frequency.failed();
+                    let ratios = (samples.clone())
+                        .filter_map(|sample| usable_peak(&sample.levels[i])?.damping_ratio);
                     PointStatistics {
                         outer: *outer,
                         failed,
                         failure_rate: proportion(failed, members.len(), confidence),
                         frequency_hz: Distribution::of_observed(frequency, confidence),
                         amplitude_m: Distribution::of_observed(amplitude, confidence),
+                        damping_ratio: Distribution::of(ratios, failed, confidence),
                         replicate_means: ReplicateMeans::of(samples.clone(), i),
                         mean_contact_fractions: mean_fractions(samples.clone(), i),
                         rank_correlations: correlations(input.record, samples, i),

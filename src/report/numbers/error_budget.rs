@@ -1,7 +1,7 @@
 //! What each approximation can change; the ignorance of the inputs is not among them.
 
 use super::distribution::Distribution;
-use super::peak_error::{damping_ratio, harmonics_shift};
+use super::peak_error::{half_power_ratio, harmonics_shift};
 use super::peaks::usable_peak;
 use super::summary::{LevelSummary, Summary};
 use super::surrogate::{LevelSurrogates, SurrogateResult};
@@ -142,7 +142,7 @@ fn sampling(summary: &Summary) -> ErrorLine {
 
 fn harmonics(input: &ReportInput, summary: &Summary) -> ErrorLine {
     let q95 = |l: &LevelSummary| Some(l.truncation_error.quantiles.last()?.estimate);
-    let damping_ratio = damping_ratio(input.record);
+    let damping_ratio = half_power_ratio(&input.record.free);
     let shift = |i: usize| {
         let peaks = (input.outcomes.iter()).filter_map(|o| usable_peak(&o.levels[i]));
         let hz = peaks.filter_map(|p| Some(p.frequency_hz * harmonics_shift(damping_ratio, &p)?));

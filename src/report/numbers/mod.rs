@@ -14,6 +14,7 @@ pub mod margins;
 pub mod outer_points;
 pub(super) mod peak_error;
 pub(super) mod peaks;
+pub(super) mod performance;
 pub mod population;
 pub mod replicate_means;
 pub mod sensitivity;

@@ -5,7 +5,7 @@
 //! frequency. ζ is that of the linear structure times input over viscous work.
 
 use crate::ensemble::outcome::{CurvePoint, PeakRecord};
-use crate::report::run::record::RunRecord;
+use crate::report::run::record::LinearRecord;
 
 /// Share of the input work that the balance misses; absent where there is no work.
 pub(in crate::report) fn work_imbalance(peak: &PeakRecord) -> Option<f64> {
@@ -24,10 +24,10 @@ pub(in crate::report) fn harmonics_shift(
     (shift.is_finite() && shift >= 0.0).then_some(shift)
 }
 
-/// Damping ratio of the linear structure without contacts: half-power half-width of its resonance over the frequency;
-/// absent where the stored curve does not show both flanks.
-pub(in crate::report) fn damping_ratio(record: &RunRecord) -> Option<f64> {
-    let curve = &record.free.curve;
+/// Damping ratio of a linear limit of the structure: half-power half-width of its resonance over the frequency; absent where
+/// the stored curve does not show both flanks.
+pub(in crate::report) fn half_power_ratio(linear: &LinearRecord) -> Option<f64> {
+    let curve = &linear.curve;
     let higher = |a: &usize, b: &usize| curve[*a].amplitude_m.total_cmp(&curve[*b].amplitude_m);
     let top = (0..curve.len()).max_by(higher)?;
     let level = curve[top].amplitude_m / 2f64.sqrt();

@@ -73,6 +73,8 @@ pub struct LevelSummary {
     pub amplitude_m: Distribution,
     /// Amplitude over excitation level (m per unit level).
     pub amplitude_per_unit_level_m: Distribution,
+    /// Equivalent damping ratio of the resonance; `valid` counts the peaks that have one.
+    pub damping_ratio: Distribution,
     /// Means over the replicates of a quasi-random design; absent for any other, and where the samples belong to outer
     /// points.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -186,7 +188,7 @@ impl LevelSummary {
         let population = if pooled { &[] } else { input.outcomes };
         let of_blades = |value: &dyn Fn(&PeakRecord) -> Option<f64>| match pooled {
             true => Distribution {
-                valid: solved,
+                valid: peaks().filter_map(|peak| value(&peak)).count(),
                 ..Distribution::default()
             },
             false => distribution(value),
@@ -209,6 +211,7 @@ impl LevelSummary {
             frequency_hz: of_blades(&|p| Some(p.frequency_hz)),
             amplitude_m: of_blades(&|p| Some(p.amplitude_m)),
             amplitude_per_unit_level_m: of_blades(&|p| Some(p.amplitude_m / level)),
+            damping_ratio: of_blades(&|p| p.damping_ratio),
             replicate_means: ReplicateMeans::of(population.iter(), i),
             truncation_error: distribution(&|p| p.truncation_error),
             highest_harmonics,

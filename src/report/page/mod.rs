@@ -4,6 +4,7 @@
 //! sections in the order of the page.
 
 pub(super) mod document;
+pub(super) mod performance_figure;
 mod section;
 pub(super) mod statistic_cell;
-mod view;
+pub(super) mod view;

@@ -3,7 +3,7 @@
 use crate::ensemble::outcome::{CurvePoint, PeakRecord, SampleOutcome};
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Cell, Figure, Key};
-use crate::page::display::{LengthUnit, level_name};
+use crate::page::display::{LengthUnit, level_name, per_level};
 use crate::page::figure::Panel;
 use crate::page::style::figure_style;
 use crate::report::assessment::Assessment;
@@ -54,22 +54,28 @@ impl Shown {
     }
 }
 
+/// The unit that suits the largest amplitude per unit level of some runs.
+pub(in crate::report) fn length_unit(runs: &[ReportInput]) -> LengthUnit {
+    let levels = (runs.iter()).flat_map(|run| run.outcomes.iter().flat_map(|o| &o.levels));
+    let sampled = levels.filter_map(|l| Some(usable_peak(l)?.amplitude_m / l.level));
+    let linear = runs
+        .iter()
+        .flat_map(|run| run.record.free.curve.iter().map(|p| p.amplitude_m));
+    LengthUnit::for_largest(sampled.chain(linear).fold(0.0, f64::max))
+}
+
 impl<'a> View<'a> {
-    /// A view in the unit that suits the largest amplitude per unit level.
+    /// A view in the unit that suits the amplitudes.
     pub(super) fn new(
         input: &'a ReportInput<'a>,
         summary: &'a Summary,
         assessment: &'a Assessment,
     ) -> Self {
-        let levels = input.outcomes.iter().flat_map(|o| &o.levels);
-        let sampled = levels.filter_map(|l| Some(usable_peak(l)?.amplitude_m / l.level));
-        let linear = input.record.free.curve.iter().map(|p| p.amplitude_m);
-        let largest = sampled.chain(linear).fold(0.0, f64::max);
         Self {
             input,
             summary,
             assessment,
-            unit: LengthUnit::for_largest(largest),
+            unit: length_unit(&[*input]),
             style: figure_style(summary.levels.len()),
         }
     }
@@ -83,10 +89,6 @@ impl<'a> View<'a> {
     pub(super) fn level_name(&self, i: usize) -> String {
         let record = self.input.record;
         level_name(record.levels[i], &record.level_unit)
-    }
-
-    fn unit_is_symbol(&self) -> bool {
-        !self.input.record.level_unit.contains(' ')
     }
 
     /// First cell of a row of level `i`.
@@ -108,10 +110,7 @@ impl<'a> View<'a> {
 
     /// `µm/N`; `µm per level` where the unit is a sentence.
     pub(super) fn amplitude_unit(&self) -> String {
-        match self.unit_is_symbol() {
-            true => format!("{}/{}", self.unit.symbol, self.input.record.level_unit),
-            false => format!("{} per level", self.unit.symbol),
-        }
+        per_level(self.unit.symbol, &self.input.record.level_unit)
     }
 
     /// Axis label.

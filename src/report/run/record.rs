@@ -60,6 +60,9 @@ pub struct RunRecord {
     pub components: Vec<ComponentRecord>,
     /// What the contact grid of the built-in rig changes; absent where nobody estimated it.
     pub contact_grid: Option<ContactGridRecord>,
+    /// The load against which performance curves show the excitation; absent for the user's own matrices, and in records of an
+    /// older program.
+    pub static_load: Option<StaticLoadRecord>,
     /// What the designer asks for.
     pub requirements: Requirements,
     /// How the number of samples came out of the results; absent where it was given.
@@ -139,6 +142,15 @@ pub struct ContactGridRecord {
     pub limit_hz: f64,
     /// Error over the shift, without sign.
     pub relative: f64,
+}
+
+/// The centrifugal load on the strip of the built-in rig.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StaticLoadRecord {
+    /// At nominal inputs (N).
+    pub load_n: f64,
+    /// Thickness of the nominal strip (mm): the load grows with it.
+    pub strip_thickness_mm: f64,
 }
 
 impl RunRecord {

@@ -6,7 +6,7 @@
 
 use crate::ensemble::outcome::PeakRecord;
 use crate::report::numbers::error_budget::{self, ErrorLine};
-use crate::report::numbers::peak_error::{damping_ratio, harmonics_shift, work_imbalance};
+use crate::report::numbers::peak_error::{half_power_ratio, harmonics_shift, work_imbalance};
 use crate::report::run::input::ReportInput;
 use crate::statistics::Enclosed;
 
@@ -49,7 +49,7 @@ impl NumericalErrors {
         };
         Self {
             frequency_tolerance: input.record.frequency_tolerance,
-            damping_ratio: damping_ratio(input.record),
+            damping_ratio: half_power_ratio(&input.record.free),
             common: columns.map(common),
             not_estimated: columns.map(unknown),
         }
