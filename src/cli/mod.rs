@@ -3,6 +3,7 @@
 //!
 //! Each command is a file: its arguments, what it calls of the library, and what it shows.
 
+mod calibrate;
 mod compare;
 mod completions;
 mod devices;
@@ -33,6 +34,7 @@ use std::io::ErrorKind;
 use std::process::ExitCode;
 use std::sync::LazyLock;
 
+use calibrate::CalibrateArguments;
 use clap::{Parser, Subcommand};
 use compare::CompareArguments;
 use completions::CompletionsArguments;
@@ -79,6 +81,8 @@ Examples:
   microslip compare strip-a strip-b         designs on the same samples, from their results
   microslip reweight results --prior p.toml the same samples under other distributions of the inputs
   microslip extend results --samples 800    more samples for these results; the old ones are kept
+  microslip calibrate study.toml --measured response.csv --output calibrated
+                                            the inputs that a measured response tells of, as samples
   microslip serve study.toml --port 4242    the model for UM-Bridge clients: inputs in, resonances out
 
 Exit codes: 0 done, 2 bad input or a file that cannot be read or written, 3 stopped before the end.";
@@ -110,6 +114,8 @@ enum Command {
     Compare(CompareArguments),
     /// Quantiles of the same samples under other distributions of the inputs, without solving: reweighted.json.
     Reweight(ReweightArguments),
+    /// Calibrate the inputs of a study with a measured response: posterior.csv and calibration.json.
+    Calibrate(CalibrateArguments),
     /// Serve the model of a study to programs in other languages, by the UM-Bridge protocol: inputs in, resonances out.
     Serve(ServeArguments),
     /// Print the JSON Schema of the study file or of a result file, for editors and programs.
@@ -154,6 +160,7 @@ impl Command {
             Self::Report(arguments) => arguments.execute(),
             Self::Compare(arguments) => arguments.execute(),
             Self::Reweight(arguments) => arguments.execute(),
+            Self::Calibrate(arguments) => arguments.execute(),
             Self::Serve(arguments) => arguments.execute(),
             Self::Schema(arguments) => arguments.execute(),
             Self::Inspect(arguments) => inspect::execute(arguments),
