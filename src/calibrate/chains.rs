@@ -1,17 +1,12 @@
-//! Draws from the posterior: chains of the no-U-turn sampler of the crate `nuts-rs` (Hoffman & Gelman, J. Mach. Learn. Res. 15 (2014)
-//! 1593–1623), with its adaptation of step and mass matrix during the warm-up.
+//! Draws from the posterior, by chains of the no-U-turn sampler ([`super::nuts`]).
 //!
 //! Chain c is a function of the posterior, the seed and c: chains run on any number of threads and give the same draws.
 
-use std::collections::HashMap;
-
+use super::nuts::Chain;
 use super::posterior::Posterior;
 use super::settings::CalibrationSettings;
 use crate::sampling::stream::{CALIBRATION, uniform};
 use crate::special::normal_quantile;
-use nuts_rs::{
-    Chain, CpuLogpFunc, CpuMath, CpuMathError, DiagNutsSettings, HasDims, LogpError, Settings,
-};
 use rand::SeedableRng;
 use rand_chacha::ChaCha20Rng;
 use rayon::prelude::*;
@@ -28,56 +23,11 @@ pub struct Chains {
 /// Largest distance of a start from the median of the prior, in standard deviations: farther out a surrogate may mean nothing.
 const FARTHEST_START: f64 = 2.0;
 
-/// The density as the sampler asks for it.
-struct Density<'a>(&'a Posterior<'a>);
-
-/// A density that is no number.
-#[derive(Debug, thiserror::Error)]
-#[error("the density is not finite")]
-struct NotFinite;
-
-impl LogpError for NotFinite {
-    fn is_recoverable(&self) -> bool {
-        true
-    }
-}
-
-impl HasDims for Density<'_> {
-    fn dim_sizes(&self) -> HashMap<String, u64> {
-        let dimension = self.0.dimension() as u64;
-        HashMap::from([("unconstrained_parameter".to_owned(), dimension)])
-    }
-}
-
-impl CpuLogpFunc for Density<'_> {
-    type LogpError = NotFinite;
-    type FlowParameters = ();
-    type ExpandedVector = ();
-
-    fn dim(&self) -> usize {
-        self.0.dimension()
-    }
-
-    fn logp(&mut self, position: &[f64], gradient: &mut [f64]) -> Result<f64, NotFinite> {
-        let density = self.0.log_density(position, gradient);
-        let finite = density.is_finite() && gradient.iter().all(|g| g.is_finite());
-        finite.then_some(density).ok_or(NotFinite)
-    }
-
-    fn expand_vector<R: rand::Rng + ?Sized>(
-        &mut self,
-        _: &mut R,
-        _: &[f64],
-    ) -> Result<(), CpuMathError> {
-        Ok(())
-    }
-}
-
 impl Chains {
     /// Draws from `posterior`.
     ///
     /// # Errors
-    /// Why the sampler cannot go on, in its words.
+    /// If the density is not finite where a chain starts.
     pub fn draw(posterior: &Posterior<'_>, settings: &CalibrationSettings) -> Result<Self, String> {
         let chains = 0..settings.chains as u64;
         let all = chains
@@ -113,24 +63,18 @@ fn one(
     key[..8].copy_from_slice(&settings.seed.to_le_bytes());
     let mut generator = ChaCha20Rng::from_seed(key);
     generator.set_stream(chain);
-    let mut of_sampler = DiagNutsSettings::default();
-    of_sampler.num_tune = settings.warm_up as u64;
-    of_sampler.num_draws = settings.draws as u64;
-    let math = CpuMath::new(Density(posterior));
-    let mut sampler = of_sampler.new_chain(chain, math, &mut generator);
-    let in_words = |error: String| format!("chain {chain} cannot go on: {error}");
+    let density = |position: &[f64], gradient: &mut [f64]| posterior.log_density(position, gradient);
     let start = start(posterior, settings.seed, chain);
-    sampler
-        .set_position(&start)
-        .map_err(|error| in_words(error.to_string()))?;
+    let sampler = Chain::start(&density, start, generator);
+    let mut sampler = sampler.ok_or_else(|| {
+        format!("the density of the posterior is not finite where chain {chain} starts")
+    })?;
+    sampler.warm_up(settings.warm_up);
     let (mut positions, mut divergences) = (Vec::new(), 0);
-    for i in 0..settings.warm_up + settings.draws {
-        let drawn = sampler.draw();
-        let (position, progress) = drawn.map_err(|error| in_words(error.to_string()))?;
-        if i >= settings.warm_up {
-            positions.push(position.to_vec());
-            divergences += usize::from(progress.diverging);
-        }
+    for _ in 0..settings.draws {
+        let (position, diverged) = sampler.draw();
+        positions.push(position.to_vec());
+        divergences += usize::from(diverged);
     }
     Ok((positions, divergences))
 }

@@ -8,6 +8,7 @@
 pub mod calibration;
 pub mod chains;
 pub mod found;
+mod nuts;
 pub mod observation;
 pub mod posterior;
 pub mod predictive;
@@ -15,6 +16,7 @@ pub mod prior;
 pub mod settings;
 mod summary;
 pub mod surrogate;
+mod warm_up;
 mod warnings;
 pub mod write;
 

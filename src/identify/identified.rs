@@ -2,6 +2,9 @@
 
 use crate::sampling::Shape;
 
+/// Version of the format of `identified.json`.
+pub const FORMAT: u32 = 1;
+
 /// What was found, for a study.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Identified {
@@ -23,6 +26,18 @@ pub enum ContactParameter {
     TangentialStiffnessNPerUm,
     /// Normal stiffness of the interface (N/µm), as `[contact]` has it; absent where normal motion was not measured.
     NormalStiffnessNPerUm,
+}
+
+impl ContactParameter {
+    /// Its name in files and messages, with the unit.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::FrictionCoefficient => "friction_coefficient",
+            Self::TangentialStiffnessNPerUm => "tangential_stiffness_n_per_um",
+            Self::NormalStiffnessNPerUm => "normal_stiffness_n_per_um",
+        }
+    }
 }
 
 /// A parameter of the contact and its distribution.

@@ -2,34 +2,20 @@
 
 use std::path::Path;
 
-use super::identified::{ContactParameter, Identified};
+use super::identified::{FORMAT, Identified};
 use crate::file::{FileError, read_bytes, text};
 use crate::sampling::Distribution;
 use crate::sampling::correlation::Copula;
 use crate::setting::BadSetting;
 
-/// Version of the format that is read.
-pub const FORMAT: u32 = 1;
-/// Longest file that is read (bytes): three parameters with all that may be said of them take some kilobytes.
-const LONGEST: u64 = 1 << 20;
-
-impl ContactParameter {
-    /// Name in the file.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::FrictionCoefficient => "friction_coefficient",
-            Self::TangentialStiffnessNPerUm => "tangential_stiffness_n_per_um",
-            Self::NormalStiffnessNPerUm => "normal_stiffness_n_per_um",
-        }
-    }
-}
+/// Longest file that is read (bytes): a thousand tests of a hundred cycles each take less.
+const LONGEST: u64 = 64 << 20;
 
 impl Identified {
     /// Reads `path` and checks it.
     ///
     /// # Errors
-    /// [`FileError`] if it cannot be read, is longer than 1 MiB or no such file; with the line where it is no JSON, else with key,
+    /// [`FileError`] if it cannot be read, is longer than 64 MiB or no such file; with the line where it is no JSON, else with key,
     /// value and rule.
     pub fn read(path: &Path) -> Result<Self, FileError> {
         let content = text(read_bytes(path, LONGEST)?)
@@ -95,6 +81,7 @@ impl Identified {
 
 #[cfg(test)]
 mod tests {
+    use super::super::identified::ContactParameter;
     use super::*;
 
     const GOOD: &str = r#"{
