@@ -61,6 +61,8 @@ fn one(
 ) -> Result<(Vec<Vec<f64>>, usize), String> {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&settings.seed.to_le_bytes());
+    // apart from the numbers of samples, which have the rest of the key 0
+    key[8] = 1;
     let mut generator = ChaCha20Rng::from_seed(key);
     generator.set_stream(chain);
     let density = |position: &[f64], gradient: &mut [f64]| posterior.log_density(position, gradient);
