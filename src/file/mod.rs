@@ -1,16 +1,23 @@
 //! Files read within bounds and written as a whole: a device that never ends, a pipe that never answers, a damaged table
 //! and a text in another encoding are messages, not a full memory, a wait or a panic.
 
+pub mod binary;
+pub mod compressed_rows;
+pub mod delimited;
 pub mod folder;
 pub mod lock;
+pub mod matlab;
 pub mod number;
 pub mod parquet;
 pub mod together;
 pub mod written;
 
+pub use delimited::{Row, Rows};
 pub use folder::{refuse_content, write_folder};
 pub use lock::FolderLock;
-pub use number::{parse_number, significant_digits};
+pub use number::{
+    finite_number, parse_number, scaled_number, shortest_decimal, significant_digits,
+};
 pub use parquet::{Fault, read_parquet};
 pub use together::{Together, finish_placing, remove_folder};
 pub use written::{FileRecord, NewFile, replace};

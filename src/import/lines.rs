@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use crate::file::{FileError, parse_number};
+use crate::file::FileError;
+pub(super) use crate::file::finite_number as number;
 
 /// Rows of a sparse matrix at most; a reduction of so many takes some 60 GB.
 pub(super) const MOST_ROWS: usize = 1_000_000;
@@ -53,17 +54,6 @@ impl<'t> Iterator for Lines<'t> {
 pub(super) fn words(line: &str) -> impl Iterator<Item = &str> {
     let between = |c: char| c == ',' || c.is_ascii_whitespace();
     line.split(between).filter(|word| !word.is_empty())
-}
-
-/// # Errors
-/// The rule, unless the word is a finite number.
-pub(super) fn number(word: &str) -> Result<f64, String> {
-    let shown: String = word.chars().take(40).collect();
-    let value = parse_number(word).ok_or_else(|| format!("{shown}: must be a number"))?;
-    match value.is_finite() {
-        true => Ok(value),
-        false => Err(format!("{shown}: must be a finite number")),
-    }
 }
 
 /// # Errors

@@ -75,7 +75,7 @@ pub fn read(path: &Path) -> Result<Reading, FileError> {
     let mat = path
         .extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("mat"));
-    if matlab::begins(&bytes) || mat {
+    if file::matlab::begins(&bytes) || mat {
         return Ok(reading(Format::Matlab, matlab::read(path, &bytes)?, None));
     }
     let text = file::text(bytes);
@@ -87,7 +87,7 @@ pub fn read(path: &Path) -> Result<Reading, FileError> {
 }
 
 /// How files begin that are known, and not read.
-const REFUSED: [(&[u8], &str); 1] = [(b"\x89HDF", matlab::NEWER)];
+const REFUSED: [(&[u8], &str); 1] = [(b"\x89HDF", file::matlab::NEWER)];
 
 const UNKNOWN: &str = "is of no format that is read: see `microslip import --help`";
 

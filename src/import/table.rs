@@ -1,10 +1,11 @@
 //! CSV tables with named columns: pairs, nodes, loads.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::lines::{number, whole};
-use crate::file::{self, FileError};
+use crate::file::{self, FileError, Rows};
 
 /// A table as a file states it.
 #[derive(Debug)]
@@ -31,22 +32,11 @@ impl Table {
         optional: &[&str],
     ) -> Result<Self, FileError> {
         let text = file::read_text(path)?;
-        let text = text.trim_start_matches('\u{feff}');
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .comment(Some(b'#'))
-            .has_headers(false)
-            .from_reader(text.as_bytes());
-        let mut rows = Vec::new();
-        for record in reader.records() {
-            let record = record.map_err(|error| csv_fault(path, &error))?;
-            let line = record.position().map_or(0, csv::Position::line);
-            rows.push((line, record.iter().map(str::to_owned).collect::<Vec<_>>()));
-        }
-        if rows.is_empty() {
+        let mut lines = Rows::new(path, &text, ',');
+        let Some(heading) = lines.next().transpose()? else {
             return Err(FileError::content(path, None, "is empty"));
-        }
-        let (line, heading) = rows.remove(0);
+        };
+        let (line, heading) = (heading.line, heading.fields);
         let fault = |rule: String| FileError::content(path, Some(line), rule);
         let mut columns = BTreeMap::new();
         for (at, name) in heading.iter().enumerate() {
@@ -64,6 +54,12 @@ impl Table {
         if let Some(missing) = required.iter().find(|name| !columns.contains_key(**name)) {
             return Err(fault(format!("must have a column {missing}")));
         }
+        let mut rows = Vec::new();
+        for row in lines {
+            let row = row?;
+            let fields = row.fields.into_iter().map(Cow::into_owned).collect();
+            rows.push((row.line, fields));
+        }
         Ok(Self {
             path: path.to_owned(),
             columns,
@@ -78,17 +74,6 @@ impl Table {
             fields,
         })
     }
-}
-
-fn csv_fault(path: &Path, error: &csv::Error) -> FileError {
-    let line = error.position().map(csv::Position::line);
-    let rule = match error.kind() {
-        csv::ErrorKind::UnequalLengths {
-            expected_len, len, ..
-        } => format!("has {len} fields: must have {expected_len}, as the first line"),
-        _ => format!("is no CSV table: {error}"),
-    };
-    FileError::content(path, line, rule)
 }
 
 impl<'t> Row<'t> {

@@ -6,7 +6,7 @@
 /// positive in compression, and so is the approach.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HysteresisRecord {
-    /// Name for tables and messages: the file without its ending, with the label of the test where a file has several.
+    /// Name for tables and messages: the file without its ending, with the label of the test where a file has several: `rig A1`.
     pub name: String,
     /// Instants (s), rising.
     pub time: Vec<f64>,

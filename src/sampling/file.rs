@@ -1,7 +1,7 @@
 //! Samples from a file: one column per input, one row per sample.
 
 use super::Input;
-use crate::file::{Fault, FileError, read_parquet, read_text};
+use crate::file::{Fault, FileError, Rows, read_parquet, read_text};
 use parquet::file::reader::FileReader;
 use parquet::record::Field;
 use std::path::Path;
@@ -43,25 +43,23 @@ struct Reader<'p> {
 impl Reader<'_> {
     fn csv(&self) -> Result<SampleTable, FileError> {
         let text = read_text(self.path)?;
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .comment(Some(b'#'))
-            .from_reader(text.as_bytes());
-        let header = reader.headers().map_err(|error| self.csv_error(&error))?;
-        let line = line_of(&text, header.position());
-        let inputs = columns(header.iter()).map_err(|rule| self.at(line, rule))?;
+        let mut table = Rows::new(self.path, &text, ',');
+        let Some(heading) = table.next().transpose()? else {
+            return Err(self.unreadable("is empty"));
+        };
+        let names = heading.fields.iter().map(AsRef::as_ref);
+        let inputs = columns(names).map_err(|rule| self.at(heading.line, rule))?;
         let mut rows = Vec::new();
-        for record in reader.records() {
-            let record = record.map_err(|error| self.csv_error(&error))?;
-            let line = line_of(&text, record.position());
-            let values = record.iter().zip(&inputs).map(|(text, input)| {
+        for row in table {
+            let row = row?;
+            let values = row.fields.iter().zip(&inputs).map(|(text, input)| {
                 let value = text
                     .parse()
                     .map_err(|_| not_a_number(*input, &format!("{text:?}")));
                 value.and_then(|value| accepted(*input, value))
             });
             let values: Result<_, _> = values.collect();
-            rows.push(values.map_err(|rule| self.at(line, rule))?);
+            rows.push(values.map_err(|rule| self.at(row.line, rule))?);
         }
         Ok(SampleTable { inputs, rows })
     }
@@ -85,20 +83,6 @@ impl Reader<'_> {
             }
             Ok(SampleTable { inputs, rows })
         })
-    }
-
-    fn csv_error(&self, error: &csv::Error) -> FileError {
-        match error.kind() {
-            csv::ErrorKind::UnequalLengths {
-                pos: Some(pos),
-                expected_len,
-                len,
-            } => self.at(
-                pos.line(),
-                format!("{len} values, but the first line names {expected_len} columns"),
-            ),
-            _ => self.unreadable(&error.to_string()),
-        }
     }
 
     fn unreadable(&self, message: &str) -> FileError {
@@ -133,15 +117,6 @@ fn accepted(input: Input, value: f64) -> Result<f64, String> {
 
 fn not_a_number(input: Input, written: &dyn std::fmt::Display) -> String {
     format!("{} = {written}: must be a number", input.name())
-}
-
-/// Line of a record; the library counts from where it began to look for one, before empty lines and comments.
-fn line_of(text: &str, start: Option<&csv::Position>) -> u64 {
-    let Some(start) = start else { return 1 };
-    let byte = usize::try_from(start.byte()).unwrap_or(usize::MAX);
-    let ahead = text.get(byte..).unwrap_or_default().lines();
-    let skipped = ahead.take_while(|line| line.trim().is_empty() || line.starts_with('#'));
-    start.line() + skipped.count() as u64
 }
 
 fn number(field: &Field) -> Option<f64> {

@@ -1,56 +1,21 @@
-//! Damaged files: one message with the file, the rule, and the line where there is one.
+//! Damaged models; see the shared file.
 
+use super::shared_damage as shared;
 use crate::chain::read_as;
 
-/// Each damage of `text` alone is refused with its message. `table` has a line `place | new | message` for each: the place is
-/// the number of a line that is replaced, or a text of which the first one is. `\\n` and `\\0` are a new line and a null byte.
+fn read(name: &str, bytes: &[u8]) -> Result<(), String> {
+    let found = read_as(name, bytes);
+    found.map(drop).map_err(|error| error.to_string())
+}
+
 pub(crate) fn refuse(name: &str, text: &str, table: &str) -> usize {
-    read_as(name, text.as_bytes()).unwrap();
-    let rows = table.lines().filter(|row| !row.trim().is_empty());
-    let mut count = 0;
-    for row in rows {
-        let damaged = damaged(text, row);
-        let fragment = row.split('|').nth(2).unwrap().trim();
-        refuse_bytes(name, damaged.as_bytes(), row, fragment);
-        count += 1;
-    }
-    count
+    shared::refuse(read, name, text, table)
 }
 
-/// The text with the damage of a row of the table.
-pub(crate) fn damaged(text: &str, row: &str) -> String {
-    let cells: Vec<&str> = row.split('|').map(str::trim).collect();
-    let new = cells[1].replace("\\n", "\n").replace("\\0", "\0");
-    match cells[0].parse::<usize>() {
-        Ok(number) => {
-            let mut lines: Vec<&str> = text.lines().collect();
-            assert!(number <= lines.len(), "{row}");
-            lines[number - 1] = &new;
-            lines.join("\n") + "\n"
-        }
-        Err(_) => {
-            assert!(text.contains(cells[0]), "no {row}");
-            text.replacen(cells[0], &new, 1)
-        }
-    }
-}
-
-/// The bytes are refused with a message that has file and rule.
 pub(crate) fn refuse_bytes(name: &str, bytes: &[u8], what: &str, fragment: &str) {
-    match read_as(name, bytes) {
-        Ok(_) => panic!("{name}: {what}: is read"),
-        Err(error) => {
-            let message = error.to_string();
-            let has_both = message.contains(name) && message.contains(fragment);
-            assert!(has_both, "{what}: {message} lacks {fragment:?}");
-        }
-    }
+    shared::refuse_bytes(read, name, bytes, what, fragment);
 }
 
-/// A file cut at each of `cuts` shares of its length is refused.
 pub(crate) fn refuse_cuts(name: &str, bytes: &[u8], cuts: &[f64], fragment: &str) {
-    for cut in cuts {
-        let end = (cut * bytes.len() as f64) as usize;
-        refuse_bytes(name, &bytes[..end], &format!("cut at {cut}"), fragment);
-    }
+    shared::refuse_cuts(read, name, bytes, cuts, fragment);
 }

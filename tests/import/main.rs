@@ -11,12 +11,18 @@ mod chain;
 mod command;
 mod damage;
 mod fuzz;
+#[path = "../shared/mat_file.rs"]
+mod mat_file;
 mod matlab;
 mod nastran;
 mod numpy;
 mod op4;
 mod pairs;
 mod reduce;
+#[path = "../shared/damage.rs"]
+mod shared_damage;
+#[path = "../shared/mutation.rs"]
+mod shared_mutation;
 mod tutorial;
 
 use std::path::Path;

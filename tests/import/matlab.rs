@@ -1,109 +1,17 @@
 //! MATLAB: `.mat` files of level 5, in both byte orders, compressed or not, dense and sparse.
 
-use std::io::Write;
-
-use flate2::Compression;
-use flate2::write::ZlibEncoder;
-
 use crate::chain::{ROWS, assert_is, lower, mass, read_as, stiffness};
 use crate::damage::{refuse_bytes, refuse_cuts};
+use crate::mat_file::*;
 use microslip::import::matrix::Content;
 
-/// How a file is written.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Form {
-    pub(crate) big_endian: bool,
-    pub(crate) compressed: bool,
-    /// Data of up to four bytes go into the word of their length.
-    pub(crate) small: bool,
-}
-
-/// Types of data.
-const INT8: u32 = 1;
-const INT32: u32 = 5;
-const UINT32: u32 = 6;
+/// Type of data in single precision.
 const SINGLE: u32 = 7;
-const DOUBLE: u32 = 9;
-/// Classes.
+/// Classes that only matrices have here.
 const SPARSE_CLASS: u32 = 5;
-const DOUBLE_CLASS: u32 = 6;
 const SINGLE_CLASS: u32 = 7;
-const COMPLEX: u32 = 0x800;
 
 impl Form {
-    fn word(self, value: u32) -> [u8; 4] {
-        match self.big_endian {
-            true => value.to_be_bytes(),
-            false => value.to_le_bytes(),
-        }
-    }
-
-    fn element(self, kind: u32, data: &[u8]) -> Vec<u8> {
-        let length = data.len() as u32;
-        let mut bytes = match self.small && (1..=4).contains(&length) {
-            true => self.word(length << 16 | kind).to_vec(),
-            false => [self.word(kind), self.word(length)].concat(),
-        };
-        bytes.extend(data);
-        bytes.resize(bytes.len().next_multiple_of(8), 0);
-        bytes
-    }
-
-    pub(crate) fn wholes(self, values: impl IntoIterator<Item = usize>) -> Vec<u8> {
-        let words = values.into_iter().map(|value| self.word(value as u32));
-        words.flatten().collect()
-    }
-
-    pub(crate) fn reals(self, values: impl IntoIterator<Item = f64>) -> Vec<u8> {
-        let bytes = |value: f64| match self.big_endian {
-            true => value.to_be_bytes(),
-            false => value.to_le_bytes(),
-        };
-        values.into_iter().flat_map(bytes).collect()
-    }
-
-    /// A variable with its data, each with its type.
-    fn variable(self, name: &str, flags: u32, shape: &[usize], data: &[(u32, Vec<u8>)]) -> Vec<u8> {
-        let flags = [self.word(flags), self.word(0)].concat();
-        let mut parts = vec![
-            Self {
-                small: false,
-                ..self
-            }
-            .element(UINT32, &flags),
-            self.element(INT32, &self.wholes(shape.iter().copied())),
-            self.element(INT8, name.as_bytes()),
-        ];
-        parts.extend(data.iter().map(|(kind, data)| self.element(*kind, data)));
-        let whole = Self {
-            small: false,
-            ..self
-        }
-        .element(14, &parts.concat());
-        if !self.compressed {
-            return whole;
-        }
-        let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
-        encoder.write_all(&whole).unwrap();
-        let stream = encoder.finish().unwrap();
-        [&self.word(15)[..], &self.word(stream.len() as u32), &stream].concat()
-    }
-
-    fn header(self) -> Vec<u8> {
-        let mut header =
-            b"MATLAB 5.0 MAT-file Platform: posix, Created on: Mon Nov 23 2026".to_vec();
-        header.resize(124, b' ');
-        header.extend(match self.big_endian {
-            true => [1, 0, b'M', b'I'],
-            false => [0, 1, b'I', b'M'],
-        });
-        header
-    }
-
-    fn file(self, variables: &[Vec<u8>]) -> Vec<u8> {
-        [self.header(), variables.concat()].concat()
-    }
-
     fn dense(self, name: &str, entry: fn(usize, usize) -> f64) -> Vec<u8> {
         let all = (0..ROWS * ROWS).map(|at| entry(at % ROWS, at / ROWS));
         let data = (DOUBLE, self.reals(all));
@@ -159,17 +67,6 @@ impl Form {
             self.variable("table", DOUBLE_CLASS, &[2, 3], &[table]),
         ])
     }
-}
-
-/// Every way to write a file.
-pub(crate) fn forms() -> Vec<Form> {
-    let bit = |n: u8, of: u8| n >> of & 1 == 1;
-    let form = |n: u8| Form {
-        big_endian: bit(n, 0),
-        compressed: bit(n, 1),
-        small: bit(n, 2),
-    };
-    (0..8).map(form).collect()
 }
 
 /// Seen to fail with numbers of the other byte order.

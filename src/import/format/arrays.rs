@@ -10,36 +10,6 @@ use crate::model::matrix_market::LARGEST;
 /// Numbers of an array at most.
 pub(super) const MOST_NUMBERS: usize = LARGEST * LARGEST;
 
-/// How the bytes of a number are meant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    /// Of 4 or 8 bytes.
-    Float,
-    Signed,
-    Unsigned,
-}
-
-/// The number that one to eight `bytes` are.
-pub(super) fn number(bytes: &[u8], kind: Kind, big_endian: bool) -> f64 {
-    let width = bytes.len();
-    let mut bits = [0; 8];
-    bits[..width].copy_from_slice(bytes);
-    if big_endian {
-        bits[..width].reverse();
-    }
-    let raw = u64::from_le_bytes(bits);
-    match kind {
-        Kind::Float if width == 4 => f64::from(f32::from_bits(raw as u32)),
-        Kind::Float => f64::from_bits(raw),
-        Kind::Signed => {
-            // the sign moves to the first bit and back
-            let free = 64 - 8 * width;
-            ((raw << free) as i64 >> free) as f64
-        }
-        Kind::Unsigned => raw as f64,
-    }
-}
-
 /// Numbers, and how exactly the file states them.
 #[derive(Debug)]
 pub(super) struct Numbers {
@@ -129,29 +99,4 @@ pub(super) fn sparse(
         content: Content::Symmetric(entries.symmetric(path, n, Storage::Unknown)?),
         digits,
     })
-}
-
-/// The row of each of `entries` entries, from where each of `n` rows begins. `what` is the name of the list.
-///
-/// # Errors
-/// The rule if it does not ascend.
-pub(super) fn expanded(
-    what: &str,
-    pointers: &[usize],
-    n: usize,
-    entries: usize,
-) -> Result<Vec<usize>, String> {
-    let ordered = pointers.len() == n + 1
-        && pointers.first() == Some(&0)
-        && pointers.last() == Some(&entries)
-        && pointers.windows(2).all(|two| two[0] <= two[1]);
-    if !ordered {
-        return Err(format!(
-            "{what}: must ascend from 0 to {entries} in {} numbers",
-            n + 1
-        ));
-    }
-    let rows = pointers.windows(2).enumerate();
-    let rows = rows.flat_map(|(row, two)| std::iter::repeat_n(row, two[1] - two[0]));
-    Ok(rows.collect())
 }

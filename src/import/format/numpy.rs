@@ -9,7 +9,9 @@ use std::path::Path;
 
 use super::super::lines::MOST_ROWS;
 use super::super::matrix::{DOUBLE_DIGITS, ImportedMatrix, SINGLE_DIGITS};
-use super::arrays::{Kind, MOST_NUMBERS, dense, expanded, number};
+use super::arrays::{MOST_NUMBERS, dense};
+use crate::file::binary::{Kind, number};
+use crate::file::compressed_rows::expanded;
 use crate::file::{FileError, parquet::without_panic};
 
 /// How a file of one array begins.

@@ -1,0 +1,34 @@
+//! Numbers as bytes.
+
+/// How the bytes of a number are meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Of 4 or 8 bytes.
+    Float,
+    /// Whole, with a sign.
+    Signed,
+    /// Whole, ≥ 0.
+    Unsigned,
+}
+
+/// The number that one to eight `bytes` are.
+#[must_use]
+pub fn number(bytes: &[u8], kind: Kind, big_endian: bool) -> f64 {
+    let width = bytes.len();
+    let mut bits = [0; 8];
+    bits[..width].copy_from_slice(bytes);
+    if big_endian {
+        bits[..width].reverse();
+    }
+    let raw = u64::from_le_bytes(bits);
+    match kind {
+        Kind::Float if width == 4 => f64::from(f32::from_bits(raw as u32)),
+        Kind::Float => f64::from_bits(raw),
+        Kind::Signed => {
+            // the sign moves to the first bit and back
+            let free = 64 - 8 * width;
+            ((raw << free) as i64 >> free) as f64
+        }
+        Kind::Unsigned => raw as f64,
+    }
+}

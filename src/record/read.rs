@@ -1,0 +1,87 @@
+//! Files of hysteresis tests: the format follows from what a file holds, not from its name.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::channels::Channels;
+use super::checks::checked;
+use super::format::{csv, matlab, tdms, uff58};
+use super::signals::HysteresisRecord;
+use crate::file::{self, FileError};
+
+/// Bytes of a file of measurements at most: an hour of four signals at 2 kHz.
+pub(super) const LONGEST_FILE: u64 = 256 << 20;
+
+/// The tests of all files, in their order.
+///
+/// # Errors
+/// [`FileError`] if a file cannot be read, is of no known format or breaks a rule, or two tests have one name.
+pub fn read_hysteresis(paths: &[PathBuf]) -> Result<Vec<HysteresisRecord>, FileError> {
+    let mut records: Vec<HysteresisRecord> = Vec::new();
+    let mut from: BTreeMap<String, &Path> = BTreeMap::new();
+    for path in paths {
+        for record in read_tests(path)? {
+            if let Some(other) = from.insert(record.name.clone(), path) {
+                let rule = format!(
+                    "test {}: its name must differ from that in {}",
+                    record.name,
+                    other.display()
+                );
+                return Err(FileError::content(path, None, rule));
+            }
+            records.push(record);
+        }
+    }
+    Ok(records)
+}
+
+/// The tests of one file.
+///
+/// # Errors
+/// As [`read_hysteresis`].
+pub fn read_tests(path: &Path) -> Result<Vec<HysteresisRecord>, FileError> {
+    let bytes = file::read_bytes(path, LONGEST_FILE)?;
+    let tests = tests(path, bytes)?;
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let several = tests.len() > 1;
+    let records = tests.into_iter().map(|channels| {
+        let name = match &channels.label {
+            Some(label) if several => format!("{stem} {label}"),
+            _ => stem.to_string(),
+        };
+        checked(path, name, channels)
+    });
+    records.collect()
+}
+
+/// How files begin that are known, and not read.
+const REFUSED: [(&[u8], &str); 3] = [
+    (b"\x89HDF", file::matlab::NEWER),
+    (
+        b"PK",
+        "is an archive or a spreadsheet: save the table as CSV",
+    ),
+    (
+        b"PAR1",
+        "is a Parquet file, which is not read: save the table as CSV",
+    ),
+];
+
+/// The tests of a file, by the format that its beginning shows.
+fn tests(path: &Path, bytes: Vec<u8>) -> Result<Vec<Channels>, FileError> {
+    if tdms::begins(&bytes) {
+        return tdms::read(path, &bytes);
+    }
+    if file::matlab::begins(&bytes) {
+        return matlab::read(path, &bytes);
+    }
+    if let Some((_, rule)) = REFUSED.iter().find(|(begin, _)| bytes.starts_with(begin)) {
+        return Err(FileError::content(path, None, *rule));
+    }
+    if uff58::begins(&bytes) {
+        return uff58::read(path, &bytes);
+    }
+    let text = file::text(bytes);
+    let text = text.map_err(|(line, rule)| FileError::content(path, Some(line), rule))?;
+    csv::read(path, &text)
+}

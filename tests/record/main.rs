@@ -1,0 +1,21 @@
+//! Measurements: files that the tests write by the rules of each format, whole and damaged.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot set up its files fails"
+)]
+
+mod contact;
+mod csv;
+mod damage;
+mod fuzz;
+#[path = "../shared/mat_file.rs"]
+mod mat_file;
+mod matlab;
+mod response;
+mod rules;
+#[path = "../shared/damage.rs"]
+mod shared_damage;
+#[path = "../shared/mutation.rs"]
+mod shared_mutation;
+mod tdms;
+mod uff58;

@@ -1,0 +1,100 @@
+//! Rules of all formats: signals that are no test of a contact are refused with one clear message.
+
+use microslip::record::HysteresisRecord;
+
+use crate::contact::{contact, read_as};
+use crate::csv::written;
+
+/// The message on a test that a change has spoilt.
+fn refused(change: impl FnOnce(&mut HysteresisRecord)) -> String {
+    let mut test = contact("rig");
+    change(&mut test);
+    let read = read_as("rig.csv", written(&[test]).as_bytes());
+    read.map_or_else(|error| error.to_string(), |_| "is read".to_owned())
+}
+
+fn assert_says(message: &str, rule: &str) {
+    assert!(message.contains("rig.csv"), "{message}");
+    assert!(message.contains(rule), "{message} lacks {rule}");
+}
+
+/// Seen to fail without the question whether forces are exchanged: the message was on an open contact.
+#[test]
+fn exchanged_forces_are_noticed() {
+    let message =
+        refused(|test| std::mem::swap(&mut test.normal_force, &mut test.tangential_force));
+    assert_says(
+        &message,
+        "normal force changes its sign and tangential force does not: are the two exchanged?",
+    );
+}
+
+/// Seen to fail without each of the rules.
+#[test]
+fn a_normal_force_is_positive_in_compression() {
+    let message = refused(|test| test.normal_force.iter_mut().for_each(|n| *n = -*n));
+    assert_says(
+        &message,
+        "normal force is negative: must be positive in compression; change its sign",
+    );
+    let message = refused(|test| test.normal_force.fill(0.0));
+    assert_says(&message, "normal force is <= 0 in 100 % of the samples");
+    let message = refused(|test| {
+        test.normal_force
+            .iter_mut()
+            .step_by(2)
+            .for_each(|n| *n = -0.1)
+    });
+    assert_says(
+        &message,
+        "normal force is <= 0 in 50 % of the samples: must be positive (compression) in 60 %",
+    );
+    let message = refused(|test| {
+        test.normal_force
+            .iter_mut()
+            .step_by(3)
+            .for_each(|n| *n = 0.0)
+    });
+    assert_eq!(message, "is read", "a contact may be open for a while");
+}
+
+/// Seen to fail without the work and without the correlation.
+#[test]
+fn a_force_grows_with_the_displacement() {
+    let rule = "tangential force falls where relative displacement grows";
+    let message = refused(|test| test.tangential_force.iter_mut().for_each(|t| *t = -*t));
+    assert_says(&message, rule);
+    let message = refused(|test| {
+        let elastic = test.displacement.iter().map(|x| -3e6 * x);
+        test.tangential_force = elastic.collect();
+    });
+    assert_says(&message, rule);
+    let message = refused(|test| {
+        let elastic = test.displacement.iter().map(|x| 3e6 * x);
+        test.tangential_force = elastic.collect();
+    });
+    assert_eq!(
+        message, "is read",
+        "whether there is slip is not asked here"
+    );
+}
+
+/// Seen to fail with limits a thousand times wider: millimetres were read as metres.
+#[test]
+fn units_that_cannot_be_meant_are_noticed() {
+    let message = refused(|test| test.displacement.iter_mut().for_each(|x| *x *= 1e6));
+    assert_says(&message, "relative displacement changes by");
+    assert_says(&message, "is its unit right?");
+    let message = refused(|test| test.displacement.fill(1e-6));
+    assert_says(
+        &message,
+        "relative displacement changes by 0e0 m: must change by 1e-10 to 1e-1 m",
+    );
+    let message = refused(|test| test.tangential_force.fill(3.0));
+    assert_says(&message, "tangential force changes by 0e0 N");
+    let message = refused(|test| test.normal_force[5] = -1e8);
+    assert_says(
+        &message,
+        ":8: normal force = -1e8 N: must be at most 1e7 N in size",
+    );
+}
