@@ -65,7 +65,8 @@ fn one(
     key[8] = 1;
     let mut generator = ChaCha20Rng::from_seed(key);
     generator.set_stream(chain);
-    let density = |position: &[f64], gradient: &mut [f64]| posterior.log_density(position, gradient);
+    let density =
+        |position: &[f64], gradient: &mut [f64]| posterior.log_density(position, gradient);
     let start = start(posterior, settings.seed, chain);
     let sampler = Chain::start(&density, start, generator);
     let mut sampler = sampler.ok_or_else(|| {

@@ -183,7 +183,11 @@ impl<'a> Chain<'a> {
         }
         let log_weight = start - self.energy(at);
         let finite = log_weight.is_finite();
-        let log_weight = if finite { log_weight } else { f64::NEG_INFINITY };
+        let log_weight = if finite {
+            log_weight
+        } else {
+            f64::NEG_INFINITY
+        };
         let whole = log_weight > -DIVERGENT;
         tally.steps += 1;
         tally.acceptance += exp(log_weight.min(0.0));

@@ -85,7 +85,11 @@ impl Observations {
             at[place].push(point);
         }
         let mut means = Vec::new();
-        for (level, points) in at.iter().enumerate().filter(|(_, points)| !points.is_empty()) {
+        for (level, points) in at
+            .iter()
+            .enumerate()
+            .filter(|(_, points)| !points.is_empty())
+        {
             means.extend(Quantity::ALL.map(|quantity| mean(level, quantity, points)));
         }
         let mut scatter = [None; 2];

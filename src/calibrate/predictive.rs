@@ -17,7 +17,9 @@ pub fn below_measured<P: AsRef<[f64]>>(posterior: &Posterior<'_>, positions: &[P
             *sum += normal_cdf((observation.mean - mean) / variance.sqrt());
         }
     }
-    let each = sums.into_iter().map(|sum| sum / positions.len().max(1) as f64);
+    let each = sums
+        .into_iter()
+        .map(|sum| sum / positions.len().max(1) as f64);
     each.collect()
 }
 

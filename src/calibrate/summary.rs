@@ -9,8 +9,8 @@ use super::predictive::{below_measured, misfit};
 use super::settings::CalibrationSettings;
 use super::surrogate::{Surrogates, root_mean_square};
 use super::warnings::{Judged, warnings};
-use crate::sampling::{Distribution, Input};
 use crate::sampling::stream::{CALIBRATION, uniform};
+use crate::sampling::{Distribution, Input};
 use crate::special::normal_quantile;
 use crate::statistics::{mixing, rank_correlation};
 
@@ -75,7 +75,10 @@ fn inputs(drawn: &Drawn<'_>, draws: &[Vec<Vec<f64>>]) -> Vec<CalibratedInput> {
         let values = draws.iter().flatten().map(|values| values[j]).collect();
         let place = |position: &[f64]| prior.probabilities(&position[..scores])[j];
         let places = chains.each(place);
-        let outside = places.iter().flatten().filter(|u| **u < MIDDLE[0] || **u > MIDDLE[1]);
+        let outside = places
+            .iter()
+            .flatten()
+            .filter(|u| **u < MIDDLE[0] || **u > MIDDLE[1]);
         CalibratedInput {
             name: input.name().to_owned(),
             distribution: law.to_string(),
@@ -91,7 +94,9 @@ fn inputs(drawn: &Drawn<'_>, draws: &[Vec<Vec<f64>>]) -> Vec<CalibratedInput> {
 fn deviations(drawn: &Drawn<'_>) -> Vec<FoundDeviation> {
     let posterior = drawn.posterior;
     let of = |(k, deviation): (usize, &Deviation)| {
-        let found = drawn.chains.each(|position| posterior.deviation(position, k));
+        let found = drawn
+            .chains
+            .each(|position| posterior.deviation(position, k));
         let (of, quantity) = match *deviation {
             Deviation::Measurement(quantity, _) => ("measurement", quantity),
             Deviation::Discrepancy(quantity, _) => ("discrepancy", quantity),

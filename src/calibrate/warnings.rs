@@ -30,7 +30,11 @@ pub(super) struct Judged<'a> {
 /// All warnings, the most serious kind first.
 pub(super) fn warnings(of: &Judged<'_>) -> Vec<String> {
     let mut found = Vec::new();
-    found.extend(of.observations.iter().filter_map(|o| beyond_prior(o, of.levels)));
+    found.extend(
+        of.observations
+            .iter()
+            .filter_map(|o| beyond_prior(o, of.levels)),
+    );
     found.extend(of.inputs.iter().filter_map(at_the_edge));
     if of.misfit < LEAST_MISFIT {
         found.push(format!(
@@ -43,7 +47,11 @@ pub(super) fn warnings(of: &Judged<'_>) -> Vec<String> {
     let of_inputs = of.inputs.iter().map(|i| (i.name.clone(), i.mixing));
     let name = |d: &FoundDeviation| format!("standard deviation of the {}", d.of);
     let of_deviations = of.deviations.iter().map(|d| (name(d), d.mixing));
-    found.extend(of_inputs.chain(of_deviations).filter_map(|(name, m)| unmixed(&name, m)));
+    found.extend(
+        of_inputs
+            .chain(of_deviations)
+            .filter_map(|(name, m)| unmixed(&name, m)),
+    );
     if of.divergent > MOST_DIVERGENT {
         let percent = 100.0 * of.divergent;
         found.push(format!("the paths of {percent:.1} % of the draws diverged: the tails of the posterior may be missing"));

@@ -28,8 +28,16 @@ impl Calibrated {
 
     /// A line of names, then one line per draw. Draws of the chains alternate, so that the first ones are of all chains.
     fn write_draws(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        writeln!(out, "# draws of the posterior, for [design] kind = \"file\"")?;
-        let names: Vec<&str> = self.summary.inputs.iter().map(|i| i.name.as_str()).collect();
+        writeln!(
+            out,
+            "# draws of the posterior, for [design] kind = \"file\""
+        )?;
+        let names: Vec<&str> = self
+            .summary
+            .inputs
+            .iter()
+            .map(|i| i.name.as_str())
+            .collect();
         writeln!(out, "{}", names.join(","))?;
         let draws = self.draws.first().map_or(0, Vec::len);
         for draw in 0..draws {

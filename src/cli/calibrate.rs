@@ -118,8 +118,16 @@ fn show(out: &mut dyn Write, found: &Calibration) -> std::io::Result<()> {
             last.checked - last.failed,
             last.worst_ratio,
             found.rounds.len(),
-            if found.rounds.len() == 1 { "round" } else { "rounds" },
+            if found.rounds.len() == 1 {
+                "round"
+            } else {
+                "rounds"
+            },
         )?;
     }
-    writeln!(out, "posterior predictive p = {:.3}", found.misfit_probability)
+    writeln!(
+        out,
+        "posterior predictive p = {:.3}",
+        found.misfit_probability
+    )
 }

@@ -68,7 +68,9 @@ impl Identified {
                 BadSetting::unless(value == other, &at, value, &rule)?;
                 let inside = i == j || value.abs() < 1.0;
                 BadSetting::unless(inside, &at, value, "must be between -1 and 1")?;
-                let fixed = [i, j].iter().any(|k| self.inputs[*k].shape.name() == "fixed");
+                let fixed = [i, j]
+                    .iter()
+                    .any(|k| self.inputs[*k].shape.name() == "fixed");
                 let rule = "must be 0: one of the two is fixed";
                 BadSetting::unless(i == j || !fixed || value == 0.0, &at, value, rule)?;
             }

@@ -85,7 +85,10 @@ mod tests {
                 });
                 let difference = (above - below) / (2.0 * h);
                 let error = (gradient[j] - difference).abs();
-                assert!(error < 1e-6 * (1.0 + difference.abs()), "input {j} at {x:?}: {gradient:?}, {difference}");
+                assert!(
+                    error < 1e-6 * (1.0 + difference.abs()),
+                    "input {j} at {x:?}: {gradient:?}, {difference}"
+                );
             }
         }
     }

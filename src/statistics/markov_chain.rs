@@ -73,7 +73,9 @@ fn normal_scores(chains: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let mut scores = vec![0.0; all.len()];
     let mut first = 0;
     while first < order.len() {
-        let tied = order[first..].iter().take_while(|&&i| all[i] == all[order[first]]);
+        let tied = order[first..]
+            .iter()
+            .take_while(|&&i| all[i] == all[order[first]]);
         let count = tied.count();
         let rank = first as f64 + 0.5 * (count as f64 + 1.0);
         let score = normal_quantile((rank - 0.375) / (all.len() as f64 + 0.25));
@@ -193,7 +195,10 @@ mod tests {
     #[test]
     fn chains_that_disagree_are_seen() {
         let apart = mixing(&chains(0.0, &[0.0, 0.0, 0.0, 2.0], 500)).unwrap();
-        assert!(apart.r_hat > 1.1 && apart.bulk_effective < 50.0, "{apart:?}");
+        assert!(
+            apart.r_hat > 1.1 && apart.bulk_effective < 50.0,
+            "{apart:?}"
+        );
         let mut drifting = chains(0.0, &[0.0], 1000);
         for (i, v) in drifting[0].iter_mut().enumerate() {
             *v += 3.0 * i as f64 / 1000.0;

@@ -146,7 +146,9 @@ impl InputsKeys {
         BadSetting::unless(said, "inputs.from", format!("\"{name}\""), &rule)?;
         let second = own.contains(Input::StiffnessScale.name()) && (normal || tangential);
         let key = "inputs.stiffness_scale";
-        let rule = format!("must be absent: {name} states the stiffness, and this is a factor on top of it");
+        let rule = format!(
+            "must be absent: {name} states the stiffness, and this is a factor on top of it"
+        );
         BadSetting::unless(!second || together, key, "(given)", &rule)
     }
 }

@@ -83,7 +83,8 @@ fn changes(run: &StoredRun, path: &Path, text: &str) -> Result<Vec<Change>, Erro
         return Err(document.at_key("inputs", rule.to_owned()));
     }
     if run.record.design.correlated {
-        let rule = "must belong to a study without correlated inputs: their densities are no product";
+        let rule =
+            "must belong to a study without correlated inputs: their densities are no product";
         return Err(document.at_key("inputs", rule.to_owned()));
     }
     let mut changes = Vec::new();

@@ -14,7 +14,11 @@ const TRUTH: [f64; 2] = [1.4, 0.42];
 
 fn microslip(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::cargo_bin("microslip").unwrap();
-    command.current_dir(folder).args(arguments).output().unwrap()
+    command
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .unwrap()
 }
 
 /// The study `own-matrices` with 60 samples at two levels, and the response of the truth with three repetitions.
@@ -76,7 +80,11 @@ fn a_simulated_response_gives_its_truth_back() {
     let p = found["misfit_probability"].as_f64().unwrap();
     assert!((0.01..0.999).contains(&p), "{p}");
     let draws = read("posterior.csv");
-    assert_eq!(draws.lines().count(), 2 + 4 * 400, "a comment, names and draws");
+    assert_eq!(
+        draws.lines().count(),
+        2 + 4 * 400,
+        "a comment, names and draws"
+    );
     let text = std::fs::read_to_string(at.join("study.toml")).unwrap();
     let head = text.split("[inputs.").next().unwrap();
     let rest = &text[text.find("[frequency]").unwrap()..];
@@ -87,8 +95,14 @@ fn a_simulated_response_gives_its_truth_back() {
     assert!(text.contains("file, 60 samples"), "{text}\n{inspected:?}");
     let output = calibrate(at, &["--threads", "1", "--quiet"]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
-    assert!(draws == read("posterior.csv"), "one thread gives other draws");
-    assert!(summary == read("calibration.json"), "one thread gives another summary");
+    assert!(
+        draws == read("posterior.csv"),
+        "one thread gives other draws"
+    );
+    assert!(
+        summary == read("calibration.json"),
+        "one thread gives another summary"
+    );
 }
 
 /// A response that the prior cannot give brings warnings; one that cannot be taken is refused.
@@ -107,15 +121,27 @@ fn a_response_that_cannot_be_is_named() {
         String::from_utf8_lossy(&output.stderr).into_owned()
     };
     let level = refused(&good.replacen("\n1,", "\n1.5,", 1), &[]);
-    assert!(level.contains("response.csv") && level.contains("level = 1.5: must be one of the levels"), "{level}");
+    assert!(
+        level.contains("response.csv") && level.contains("level = 1.5: must be one of the levels"),
+        "{level}"
+    );
     let head: Vec<&str> = good.lines().collect();
     let single = format!("{}\n{}\n{}\n", head[0], head[1], head[4]);
     let lonely = refused(&single, &[]);
-    assert!(lonely.contains("frequency deviation = (absent): must be a column"), "{lonely}");
+    assert!(
+        lonely.contains("frequency deviation = (absent): must be a column"),
+        "{lonely}"
+    );
     let many = refused(&good, &["--samples", "61"]);
-    assert!(many.contains("--samples = 61: must be from 1 to the number of samples of the study, 60"), "{many}");
+    assert!(
+        many.contains("--samples = 61: must be from 1 to the number of samples of the study, 60"),
+        "{many}"
+    );
     let chains = refused(&good, &["--chains", "1"]);
-    assert!(chains.contains("--chains = 1: must be from 2 to 64"), "{chains}");
+    assert!(
+        chains.contains("--chains = 1: must be from 2 to 64"),
+        "{chains}"
+    );
     let moved: String = (good.lines().enumerate())
         .map(|(i, line)| match i {
             0 => format!("{line}\n"),

@@ -74,9 +74,16 @@ fn the_posterior_of_a_linear_response_is_the_closed_form() {
             let deviation = covariance[j][j].sqrt();
             let error = (average - mean[j]).abs() / deviation;
             let allowed = 4.0 / found.bulk_effective.sqrt();
-            assert!(error < allowed, "rho {rho}, input {j}: mean {average}, expected {}", mean[j]);
+            assert!(
+                error < allowed,
+                "rho {rho}, input {j}: mean {average}, expected {}",
+                mean[j]
+            );
             let ratio = square.sqrt() / deviation;
-            assert!((0.9..1.1).contains(&ratio), "rho {rho}, input {j}: deviation {ratio}");
+            assert!(
+                (0.9..1.1).contains(&ratio),
+                "rho {rho}, input {j}: deviation {ratio}"
+            );
         }
         let positions: Vec<&[f64]> = chains.all().collect();
         let p = misfit(&posterior, &positions);
@@ -90,7 +97,9 @@ fn the_posterior_of_a_linear_response_is_the_closed_form() {
 #[test]
 fn the_gradient_is_that_of_the_density() {
     let (prior, design) = normal_prior(0.5);
-    let fitted = surrogates(&prior, &design, |x| [100.0 + x[0] * x[1], x[0].sin() + x[1]]);
+    let fitted = surrogates(&prior, &design, |x| {
+        [100.0 + x[0] * x[1], x[0].sin() + x[1]]
+    });
     let mut data = observed([102.5, 2.7], [0.2, 0.05]);
     for (mean, slot) in data.means.iter_mut().zip(&mut data.scatter) {
         mean.stated_variance = None;
@@ -105,7 +114,11 @@ fn the_gradient_is_that_of_the_density() {
         amplitude: 0.05,
     };
     let posterior = Posterior::new(&prior, &fitted, &data, discrepancy);
-    assert_eq!(posterior.dimension(), 6, "two scores, two scatters, two discrepancies");
+    assert_eq!(
+        posterior.dimension(),
+        6,
+        "two scores, two scatters, two discrepancies"
+    );
     let at = [0.4, -0.8, 0.3, -0.2, 0.5, -0.6];
     let density = |x: &[f64]| posterior.log_density(x, &mut [0.0; 6]);
     let mut gradient = [0.0; 6];
@@ -119,7 +132,11 @@ fn the_gradient_is_that_of_the_density() {
         });
         let slope = (above - below) / 2e-6;
         let error = (gradient[j] - slope).abs();
-        assert!(error < 1e-5 * (1.0 + slope.abs()), "{j}: {} and {slope}", gradient[j]);
+        assert!(
+            error < 1e-5 * (1.0 + slope.abs()),
+            "{j}: {} and {slope}",
+            gradient[j]
+        );
     }
 }
 
@@ -144,7 +161,8 @@ fn chains_do_not_depend_on_threads() {
             ..few.clone()
         };
         let pool = pool.build().unwrap();
-        pool.install(|| Chains::draw(&posterior, &settings)).unwrap()
+        pool.install(|| Chains::draw(&posterior, &settings))
+            .unwrap()
     };
     assert!(on(1, 3) == on(3, 3), "one thread and three");
     assert!(on(1, 3) != on(1, 4), "another seed");

@@ -11,9 +11,9 @@ mod simulated;
 use microslip::calibrate::observation::{Observation, Observations};
 use microslip::calibrate::surrogate::SolvedPoints;
 use microslip::calibrate::{Prior, Quantity, Surrogates};
+use microslip::sampling::Uncertainty;
 use microslip::sampling::stream::uniform;
 use microslip::sampling::{Design, DesignSettings, Distribution, Input, KnownCorrelation, Shape};
-use microslip::sampling::Uncertainty;
 use microslip::special::normal_quantile;
 
 /// Samples that shape the surrogates of these tests.
@@ -47,11 +47,7 @@ fn normal_prior(rho: f64) -> (Prior, Design) {
 }
 
 /// Surrogates of a response that is known: frequency and ln amplitude of one level by the values of the inputs.
-fn surrogates(
-    prior: &Prior,
-    design: &Design,
-    response: impl Fn(&[f64]) -> [f64; 2],
-) -> Surrogates {
+fn surrogates(prior: &Prior, design: &Design, response: impl Fn(&[f64]) -> [f64; 2]) -> Surrogates {
     let inputs: Vec<Vec<f64>> = (0..SAMPLES).map(|i| design.sample(i)).collect();
     let points = SolvedPoints {
         results: inputs.iter().map(|values| vec![response(values)]).collect(),

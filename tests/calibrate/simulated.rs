@@ -10,7 +10,10 @@ const TRIALS: u64 = 60;
 const RANKED: usize = 10;
 
 fn response(x: &[f64]) -> [f64; 2] {
-    [100.0 + 4.0 * x[0] * x[0] - 2.0 * x[1], x[0] + (x[1] - 2.0) * x[0]]
+    [
+        100.0 + 4.0 * x[0] * x[0] - 2.0 * x[1],
+        x[0] + (x[1] - 2.0) * x[0],
+    ]
 }
 
 /// χ² of ranks in five classes: below 14.9 but for one case in 200 (Talts et al., arXiv 1804.06788).
@@ -22,7 +25,11 @@ fn chi_square(ranks: &[usize]) -> f64 {
     // ranks 0, 1, 2 | 3, 4 | 5, 6 | 7, 8 | 9, 10 of 0 ..= 10
     let shares = [3.0, 2.0, 2.0, 2.0, 2.0].map(|n| n / (RANKED + 1) as f64);
     let expected = shares.map(|share| share * ranks.len() as f64);
-    classes.iter().zip(expected).map(|(n, e)| (n - e) * (n - e) / e).sum()
+    classes
+        .iter()
+        .zip(expected)
+        .map(|(n, e)| (n - e) * (n - e) / e)
+        .sum()
 }
 
 /// The ranks of the truths are even.
@@ -59,6 +66,9 @@ fn truths_rank_evenly_among_the_draws() {
     }
     for (j, ranks) in ranks.iter().enumerate() {
         let found = chi_square(ranks);
-        assert!(found < 14.9, "input {j}: chi-square {found}, ranks {ranks:?}");
+        assert!(
+            found < 14.9,
+            "input {j}: chi-square {found}, ranks {ranks:?}"
+        );
     }
 }

@@ -49,9 +49,7 @@ fn moments(columns: [Vec<f64>; 2]) -> ([[f64; 2]; 2], f64) {
     let means = [mean(&columns[0]), mean(&columns[1])];
     let product = |a: usize, b: usize| {
         let both = columns[a].iter().zip(&columns[b]);
-        let products: Vec<f64> = both
-            .map(|(x, y)| (x - means[a]) * (y - means[b]))
-            .collect();
+        let products: Vec<f64> = both.map(|(x, y)| (x - means[a]) * (y - means[b])).collect();
         mean(&products)
     };
     let [s, t] = [product(0, 0).sqrt(), product(1, 1).sqrt()];
@@ -94,8 +92,13 @@ fn an_unmeasured_normal_stiffness_is_stated() {
     };
     let together = format!("{FROM}normal_stiffness = \"with-tangential\"\n");
     let found = names(study(TANGENTIAL, &together).unwrap());
-    assert_eq!(found, ["stiffness_scale", "friction_coefficient"], "together");
-    let own = format!("{FROM}[inputs.normal_stiffness_scale]\ndistribution = \"fixed\"\nvalue = 1\n");
+    assert_eq!(
+        found,
+        ["stiffness_scale", "friction_coefficient"],
+        "together"
+    );
+    let own =
+        format!("{FROM}[inputs.normal_stiffness_scale]\ndistribution = \"fixed\"\nvalue = 1\n");
     let found = names(study(TANGENTIAL, &own).unwrap());
     let expected = [
         "normal_stiffness_scale",
@@ -123,17 +126,45 @@ fn what_contradicts_the_file_is_refused() {
     };
     let friction = "friction_coefficient";
     let more = |text: &str| format!("{FROM}{text}");
-    let scale = |name: &str| more(&format!("[inputs.{name}]\ndistribution = \"fixed\"\nvalue = 1\n"));
+    let scale = |name: &str| {
+        more(&format!(
+            "[inputs.{name}]\ndistribution = \"fixed\"\nvalue = 1\n"
+        ))
+    };
     let together = more("normal_stiffness = \"with-tangential\"\n");
     let grid = more("[design]\nkind = \"grid\"\npoints = 3\n");
     for (json, inputs, expected) in [
-        (ALL, more(TABLE), "study.toml:29: inputs.friction_coefficient = (given): must be given once: inputs[0] of identified.json"),
-        (ALL, together, "study.toml:29: inputs.normal_stiffness = \"with-tangential\": must be absent: identified.json states a normal"),
-        (ALL, scale("stiffness_scale"), "study.toml:29: inputs.stiffness_scale = (given): must be absent: identified.json states"),
-        (ALL, pair(friction, "tangential_stiffness_scale"), "must be absent: identified.json states the correlation of these two, -0.6"),
-        (ALL, grid, "inputs.from = \"identified.json\", with correlated inputs: must be absent"),
+        (
+            ALL,
+            more(TABLE),
+            "study.toml:29: inputs.friction_coefficient = (given): must be given once: inputs[0] of identified.json",
+        ),
+        (
+            ALL,
+            together,
+            "study.toml:29: inputs.normal_stiffness = \"with-tangential\": must be absent: identified.json states a normal",
+        ),
+        (
+            ALL,
+            scale("stiffness_scale"),
+            "study.toml:29: inputs.stiffness_scale = (given): must be absent: identified.json states",
+        ),
+        (
+            ALL,
+            pair(friction, "tangential_stiffness_scale"),
+            "must be absent: identified.json states the correlation of these two, -0.6",
+        ),
+        (
+            ALL,
+            grid,
+            "inputs.from = \"identified.json\", with correlated inputs: must be absent",
+        ),
         (ALL, FROM.replace("identified", "absent"), "absent.json: "),
-        ("{", FROM.to_owned(), "identified.json:1: is no file of `microslip identify`"),
+        (
+            "{",
+            FROM.to_owned(),
+            "identified.json:1: is no file of `microslip identify`",
+        ),
     ] {
         let error = study(json, &inputs).unwrap_err();
         assert!(error.contains(expected), "{expected} is not in: {error}");
@@ -141,7 +172,10 @@ fn what_contradicts_the_file_is_refused() {
     let negative = ALL.replace("\"low\": 1.5", "\"low\": -1.5");
     let error = study(&negative, FROM).unwrap_err();
     let expected = "as input normal_stiffness_scale of the study inputs[2].distribution = uniform";
-    assert!(error.contains("identified.json: ") && error.contains(expected), "{error}");
+    assert!(
+        error.contains("identified.json: ") && error.contains(expected),
+        "{error}"
+    );
 }
 
 /// `[correlation]` adds pairs of other inputs to those of the file.
@@ -185,14 +219,18 @@ fn the_nominal_stiffness_is_that_of_an_interface() {
     let found = median(second(1, "2e5").unwrap());
     assert!((found - 0.5).abs() < 1e-12, "{found}");
     let error = second(1, "3e5").unwrap_err();
-    let expected = "k_t1 of interface 0: 0.2 N/µm, k_t1 of interface 1: 0.3 N/µm: must have the same";
+    let expected =
+        "k_t1 of interface 0: 0.2 N/µm, k_t1 of interface 1: 0.3 N/µm: must have the same";
     assert!(error.contains(expected), "{error}");
     let study = STUDY.replace(TABLE, FROM).replace("band_hz", "band_rad_s");
     let folder = identified(ALL, FROM);
     std::fs::write(folder.path().join("study.toml"), study).unwrap();
     let output = microslip(folder.path(), &["inspect", "study.toml"]);
     let error = String::from_utf8_lossy(&output.stderr);
-    assert!(error.contains("inputs.from = (given): must be absent: it needs a model in SI"), "{error}");
+    assert!(
+        error.contains("inputs.from = (given): must be absent: it needs a model in SI"),
+        "{error}"
+    );
 }
 
 /// The file is part of the run: `inspect` and the report name it, `run.json` has its hash, a changed file is another study, and
@@ -205,13 +243,17 @@ fn the_file_is_part_of_the_run() {
     let at = folder.path();
     let run = |arguments: &[&str]| microslip(at, arguments);
     let text = |output: &std::process::Output| {
-        let [out, err] = [&output.stdout, &output.stderr].map(|t| String::from_utf8_lossy(t).into_owned());
+        let [out, err] =
+            [&output.stdout, &output.stderr].map(|t| String::from_utf8_lossy(t).into_owned());
         out + &err
     };
     let shown = text(&run(&["inspect", "study.toml"]));
     let line = "tangential_stiffness_scale";
     let line = (shown.lines()).find(|l| l.trim().starts_with(line) && l.contains("lognormal"));
-    assert!(line.is_some_and(|l| l.ends_with("from identified.json")), "{shown}");
+    assert!(
+        line.is_some_and(|l| l.ends_with("from identified.json")),
+        "{shown}"
+    );
     let done = run(&["run", "study.toml", "--quiet"]);
     assert_eq!(done.status.code(), Some(0), "{done:?}");
     let record = std::fs::read_to_string(at.join("results/run.json")).unwrap();
@@ -222,16 +264,27 @@ fn the_file_is_part_of_the_run() {
     assert!(files.contains(&"identified.json"), "{files:?}");
     assert_eq!(record["inputs"][1]["origin"], "identified.json", "{record}");
     let page = std::fs::read_to_string(at.join("results/report.html")).unwrap();
-    assert!(page.contains("from identified.json"), "the report names the file");
-    let prior = "[inputs.friction_coefficient]\ndistribution = \"uniform\"\nlow = 0.3\nhigh = 0.5\n";
+    assert!(
+        page.contains("from identified.json"),
+        "the report names the file"
+    );
+    let prior =
+        "[inputs.friction_coefficient]\ndistribution = \"uniform\"\nlow = 0.3\nhigh = 0.5\n";
     std::fs::write(at.join("prior.toml"), prior).unwrap();
     let refused = text(&run(&["reweight", "results", "--prior", "prior.toml"]));
     assert!(refused.contains("without correlated inputs"), "{refused}");
     let exported = run(&["export", "study.toml", "--output", "copy"]);
     assert_eq!(exported.status.code(), Some(0), "{}", text(&exported));
-    assert!(Path::exists(&at.join("copy/identified.json")), "the export has the file");
+    assert!(
+        Path::exists(&at.join("copy/identified.json")),
+        "the export has the file"
+    );
     std::fs::write(at.join("identified.json"), ALL.replace("0.4,", "0.5,")).unwrap();
     let refused = run(&["extend", "results", "--samples", "12"]);
     assert_eq!(refused.status.code(), Some(2), "{refused:?}");
-    assert!(text(&refused).contains("identified.json"), "{}", text(&refused));
+    assert!(
+        text(&refused).contains("identified.json"),
+        "{}",
+        text(&refused)
+    );
 }
