@@ -147,7 +147,7 @@ mod tests {
         }
     }
 
-    /// Seen to fail with the numbers that the crate `csv` states: those of the comment before a row.
+    /// Seen to fail with comments and empty lines not counted.
     #[test]
     fn comments_and_empty_lines_count() {
         let text = "# note\na;b\n\n# note\n1;2\n\n3\n";

@@ -5,7 +5,7 @@ const LONGEST_NUMBER: usize = 64;
 /// Characters of a word that a message shows.
 const SHOWN: usize = 40;
 /// Decimal exponent up to which a number is written without one.
-const LONGEST_PLAIN: i32 = 15;
+const LONGEST_PLAIN: u32 = 15;
 
 /// The number that a word states. Fortran's `1.5D+03`, and `1.5+3` without a letter, are read as `1.5e+03`.
 #[must_use]
@@ -72,7 +72,7 @@ pub fn shortest_decimal(value: f64, power: i32) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
-    if !(-LONGEST_PLAIN..=LONGEST_PLAIN).contains(&exponent) {
+    if exponent.unsigned_abs() > LONGEST_PLAIN {
         return format!("{mantissa}e{exponent}");
     }
     let (sign, mantissa) = match mantissa.strip_prefix('-') {

@@ -156,7 +156,7 @@ impl Column {
             let known = known.chain(expected.labels.iter().map(|label| label.names()[0]));
             let known: Vec<_> = known.collect();
             return Err(format!(
-                "column {text:.40}: the first line must name columns among {}; begin its name with _ to pass over it",
+                "column {text:.40}: the first line without # must name columns among {}; begin its name with _ to pass over it",
                 known.join(", ")
             ));
         };

@@ -83,7 +83,7 @@ fn table(heading: &str, powers: [i32; 4], separator: &str, comma: bool) -> Strin
     text
 }
 
-/// Seen to fail with the comma as a separator before the semicolon.
+/// Seen to fail with the comma as the only separator.
 #[test]
 fn names_units_and_separators_of_laboratories_are_read() {
     let tables = [
@@ -153,7 +153,7 @@ fn further_columns_are_passed_over_by_their_names() {
 const DAMAGES: &str = r#"
 4   | time [s],relative displacement [um],tangential force [N]                         | :4: must have a column normal force [N]
 4   | relative displacement [um],tangential force [N],normal force [N]                 | :4: must have a column time [s]
-4   | 0,1,2,3,4                                                                        | :4: column 0: the first line must name columns among time,
+4   | 0,1,2,3,4                                                                        | :4: column 0: the first line without # must name columns among time,
 [s] |                                                                                  | :4: time: has no unit: must have one in brackets, as time [s]
 [s] | []                                                                               | :4: time: has no unit
 [s] | [um]                                                                             | :4: time [um]: must be in a unit of time: s, ms, us
@@ -187,7 +187,8 @@ normal displacement | displacement                                              
 3   | # frequency [Hz] = 200                                                           | :3: frequency: must be stated once
 "#;
 
-/// Seen to fail with each rule's check taken out.
+/// Seen to fail without the checks of the number of fields, of needed and of repeated columns, of the order of times, of the
+/// number of samples and of the sampling rate, one after the other.
 #[test]
 fn damaged_tables_are_refused() {
     let text = written(&[whole_contact("rig")]);

@@ -11,6 +11,7 @@ mod fuzz;
 #[path = "../shared/mat_file.rs"]
 mod mat_file;
 mod matlab;
+mod page;
 mod response;
 mod rules;
 #[path = "../shared/damage.rs"]

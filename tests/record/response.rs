@@ -62,7 +62,7 @@ const DAMAGES: &str = "
 2 | level [g],resonance frequency [Hz],amplitude [um]                    | :2: level [g]: must be in a unit of force
 2 | level [N],resonance frequency [rad/s],amplitude [um]                 | :2: resonance frequency [rad/s]: must be in a unit of frequency
 2 | level [N],resonance frequency [Hz],amplitude [m/s]                   | :2: amplitude [m/s]: must be in a unit of length
-2 | level [N],resonance frequency [Hz],amplitude [um],Q [-],d [um]       | :2: column Q [-]: the first line must name columns among level,
+2 | level [N],resonance frequency [Hz],amplitude [um],Q [-],d [um]       | :2: column Q [-]: the first line without # must name columns among level,
 2 | level [N],level [N],resonance frequency [Hz],amplitude [um],_        | :2: column level [N]: must be given once
 frequency deviation [Hz] | frequency deviation [um]                      | :2: frequency deviation [um]: must be in a unit of frequency
 amplitude deviation [um] | amplitude deviation                           | :2: amplitude deviation: has no unit
@@ -87,7 +87,7 @@ amplitude deviation [um] | amplitude deviation                           | :2: a
 5 | 2,1032.85\\0,36.9,0.3,0.2                                            | :5: has a null byte
 ";
 
-/// Seen to fail with each rule's check taken out.
+/// Seen to fail with numbers of any size taken.
 #[test]
 fn damaged_responses_are_refused() {
     let text = written(&record(true));

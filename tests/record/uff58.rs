@@ -208,7 +208,7 @@ fn datasets_of_every_form_are_read() {
 
 /// Line 9 has form and number of points, 10 and 11 the axes, 14 the first numbers; lines of the second dataset follow 47.
 const DAMAGES: &str = "
-1  | 0                                                                             | :1: column 0: the first line must name columns
+1  | 0                                                                             | :1: column 0: the first line without # must name columns
 2  |    151                                                                         | must have the signal relative displacement
 9  | 4 128                                                                         | :9: must have type, number of points, spacing, first abscissa and step
 9  | 5 128 1 0.0 1.5625E-04 0.0                                                    | :9: is complex: must be real
@@ -249,7 +249,7 @@ Displacement         um | Displacement         inch                            |
 48 | 151                                                                           | must have the signal tangential force
 ";
 
-/// Seen to fail with each rule's check taken out.
+/// Seen to fail with abscissas that are not compared.
 #[test]
 fn damaged_datasets_are_refused() {
     let form = forms()[3];
@@ -280,6 +280,48 @@ fn damaged_datasets_are_refused() {
     );
 }
 
+/// The first line of a binary dataset, and what the message must hold.
+const BINARY_DAMAGES: [(&str, &str); 11] = [
+    (
+        "    58b",
+        ":2: must have byte order, format, lines and bytes after 58b",
+    ),
+    (
+        "    58b     3     2          11        1024",
+        ":2: byte order 3: must be 1 or 2",
+    ),
+    (
+        "    58b     1     1          11        1024",
+        ":2: format of numbers 1: must be 2, IEEE 754",
+    ),
+    (
+        "    58b     1     2          12        1024",
+        ":2: lines before the numbers 12: must be 11",
+    ),
+    (
+        "    58b     1     2          11        many",
+        ":2: number of bytes: must be a whole number",
+    ),
+    (
+        "    58b     1     2          11          -1",
+        ":2: number of bytes: must be a whole number",
+    ),
+    (
+        "    58b     1     2          11        1023",
+        "has 1023 bytes: they do not fit 128 points of 8 bytes",
+    ),
+    (
+        "    58b     1     2          11         512",
+        "has 512 bytes: they do not fit 128 points of 8 bytes",
+    ),
+    (
+        "    58b     1     2          11   900000000",
+        "has 900000000 bytes: they do not fit",
+    ),
+    ("    58b     2     2          11        1024", ""),
+    ("    58", ""),
+];
+
 /// Damages of binary datasets. Seen to fail without the check of their bytes.
 #[test]
 fn damaged_binary_datasets_are_refused() {
@@ -292,47 +334,7 @@ fn damaged_binary_datasets_are_refused() {
         whole.windows(head.len()).any(|bytes| bytes == head),
         "{SAMPLES} numbers of 8 bytes"
     );
-    let damages = [
-        (
-            "    58b",
-            ":2: must have byte order, format, lines and bytes after 58b",
-        ),
-        (
-            "    58b     3     2          11        1024",
-            ":2: byte order 3: must be 1 or 2",
-        ),
-        (
-            "    58b     1     1          11        1024",
-            ":2: format of numbers 1: must be 2, IEEE 754",
-        ),
-        (
-            "    58b     1     2          12        1024",
-            ":2: lines before the numbers 12: must be 11",
-        ),
-        (
-            "    58b     1     2          11        many",
-            ":2: number of bytes: must be a whole number",
-        ),
-        (
-            "    58b     1     2          11          -1",
-            ":2: number of bytes: must be a whole number",
-        ),
-        (
-            "    58b     1     2          11        1023",
-            "has 1023 bytes: they do not fit 128 points of 8 bytes",
-        ),
-        (
-            "    58b     1     2          11         512",
-            "has 512 bytes: they do not fit 128 points of 8 bytes",
-        ),
-        (
-            "    58b     1     2          11   900000000",
-            "has 900000000 bytes: they do not fit",
-        ),
-        ("    58b     2     2          11        1024", ""),
-        ("    58", ""),
-    ];
-    for (new, fragment) in damages {
+    for (new, fragment) in BINARY_DAMAGES {
         let at = whole
             .windows(head.len())
             .position(|bytes| bytes == head)
