@@ -26,6 +26,7 @@
 //! `ARCHITECTURE.md`; `tests/architecture.rs` keeps that table true. Numbers are in SI units.
 
 pub mod aft;
+pub mod calibrate;
 pub mod contact;
 pub mod ensemble;
 pub mod error;

@@ -68,6 +68,7 @@ fn record(provenance: Provenance, names: &[String]) -> RunRecord {
     let input = |name: &String| InputRecord {
         name: name.clone(),
         prior: String::new(),
+        origin: None,
         distribution: None,
     };
     RunRecord {
@@ -82,6 +83,7 @@ fn record(provenance: Provenance, names: &[String]) -> RunRecord {
             outer_points: 1,
             further_points: 0,
             mixed_inputs: Vec::new(),
+            correlated: false,
         },
         frequency_tolerance: 3e-7,
         levels: LEVELS.to_vec(),

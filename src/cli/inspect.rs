@@ -76,6 +76,9 @@ fn show_samples(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> 
         names => names.join(", "),
     };
     writeln!(out, "random inputs       {inputs}")?;
+    for (name, distribution) in facts.inputs.iter().zip(&facts.distributions) {
+        writeln!(out, "  {name:26}{distribution}")?;
+    }
     writeln!(out, "design              {}", facts.design)?;
     if let Some(field) = &facts.pressure_field {
         writeln!(out, "pressure field      {field}")?;

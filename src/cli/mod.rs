@@ -3,6 +3,7 @@
 //!
 //! Each command is a file: its arguments, what it calls of the library, and what it shows.
 
+mod calibrate;
 mod compare;
 mod completions;
 mod devices;
@@ -35,6 +36,7 @@ use std::io::ErrorKind;
 use std::process::ExitCode;
 use std::sync::LazyLock;
 
+use calibrate::CalibrateArguments;
 use clap::{Parser, Subcommand};
 use compare::CompareArguments;
 use completions::CompletionsArguments;
@@ -85,6 +87,8 @@ Examples:
   microslip extend results --samples 800    more samples for these results; the old ones are kept
   microslip rig rig.toml --output tests     virtual measurements of a contact, with the truth beside them
   microslip identify loops.csv              friction and stiffness of a contact from measured hysteresis loops
+  microslip calibrate study.toml --measured response.csv --output calibrated
+                                            the inputs that a measured response tells of, as samples
   microslip serve study.toml --port 4242    the model for UM-Bridge clients: inputs in, resonances out
 
 Exit codes: 0 done, 2 bad input or a file that cannot be read or written, 3 stopped before the end.";
@@ -118,6 +122,8 @@ enum Command {
     Reweight(ReweightArguments),
     /// Simulate tests of a friction contact on a rig whose truth is known: hysteresis records, resonances, truth.json.
     Rig(RigArguments),
+    /// Calibrate the inputs of a study with a measured response: posterior.csv and calibration.json.
+    Calibrate(CalibrateArguments),
     /// Serve the model of a study to programs in other languages, by the UM-Bridge protocol: inputs in, resonances out.
     Serve(ServeArguments),
     /// Print the JSON Schema of the study file or of a result file, for editors and programs.
@@ -166,6 +172,7 @@ impl Command {
             Self::Compare(arguments) => arguments.execute(),
             Self::Reweight(arguments) => arguments.execute(),
             Self::Rig(arguments) => arguments.execute(),
+            Self::Calibrate(arguments) => arguments.execute(),
             Self::Serve(arguments) => arguments.execute(),
             Self::Schema(arguments) => arguments.execute(),
             Self::Inspect(arguments) => inspect::execute(arguments),

@@ -24,6 +24,7 @@ pub mod parameter;
 mod plateau;
 pub mod pooled;
 pub mod pooled_result;
+pub mod read;
 pub mod result;
 mod run_in;
 mod scatter;

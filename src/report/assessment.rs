@@ -142,7 +142,7 @@ impl Assessment {
 fn condition(record: &RunRecord, epistemic: Option<&EpistemicSummary>) -> String {
     let inputs = record.inputs.iter();
     let priors: Vec<String> = inputs
-        .map(|i| format!("{} ({})", i.name, i.prior))
+        .map(|i| format!("{} ({})", i.name, i.assumption()))
         .collect();
     match priors.is_empty() {
         true => "No input is random: the samples do not scatter.".to_owned(),

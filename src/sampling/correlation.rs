@@ -43,18 +43,67 @@ struct CorrelatedPair {
     value: f64,
 }
 
+/// Correlations that another file states, of inputs that are identified together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnownCorrelation {
+    /// Name of that file.
+    pub origin: String,
+    /// The inputs.
+    pub inputs: Vec<Input>,
+    /// Correlation of their normal scores. Shape: square, in the order of `inputs`.
+    pub matrix: Vec<Vec<f64>>,
+}
+
+impl KnownCorrelation {
+    /// The correlation of two inputs; `None` unless the file states both.
+    fn of(&self, a: Input, b: Input) -> Option<f64> {
+        let place = |input| self.inputs.iter().position(|other| *other == input);
+        Some(self.matrix[place(a)?][place(b)?])
+    }
+}
+
+/// Correlation matrix of the normal scores of `inputs`, in their order: what another file states, and what the table adds.
+/// `None` if no input is correlated.
+///
+/// # Errors
+/// [`BadSetting`] with a key relative to `[correlation]`, as [`CorrelationTable::matrix`].
+pub(super) fn correlation_matrix(
+    table: Option<&CorrelationTable>,
+    known: Option<&KnownCorrelation>,
+    inputs: &[Input],
+) -> Result<Option<Vec<Vec<f64>>>, BadSetting> {
+    match table {
+        Some(table) => table.matrix(inputs, known).map(Some),
+        None => Ok(Some(start(known, inputs)).filter(|matrix| *matrix != identity(inputs.len()))),
+    }
+}
+
+/// What is known before the table.
+fn start(known: Option<&KnownCorrelation>, inputs: &[Input]) -> Vec<Vec<f64>> {
+    let mut matrix = identity(inputs.len());
+    for (i, a) in inputs.iter().enumerate() {
+        for (j, b) in inputs.iter().enumerate().filter(|(j, _)| *j != i) {
+            matrix[i][j] = known.and_then(|known| known.of(*a, *b)).unwrap_or(0.0);
+        }
+    }
+    matrix
+}
+
 /// Least pivot of a correlation matrix: below it an input follows from others up to rounding.
 const LEAST_PIVOT: f64 = 1e-9;
 
 impl CorrelationTable {
-    /// Correlation matrix of the normal scores of `inputs`. Shape: square, in their order.
+    /// Correlation matrix of the normal scores of `inputs`, with what is `known` of them. Shape: square, in their order.
     ///
     /// # Errors
-    /// [`BadSetting`] with a key relative to `[correlation]`: an input that is not among `inputs`, a pair twice, a value
-    /// outside of −1 … 1, or values that contradict each other.
-    pub fn matrix(&self, inputs: &[Input]) -> Result<Vec<Vec<f64>>, BadSetting> {
-        let n = inputs.len();
-        let mut matrix = identity(n);
+    /// [`BadSetting`] with a key relative to `[correlation]`: an input that is not among `inputs`, a pair twice or already known,
+    /// a value outside of −1 … 1, or values that contradict each other.
+    pub fn matrix(
+        &self,
+        inputs: &[Input],
+        known: Option<&KnownCorrelation>,
+    ) -> Result<Vec<Vec<f64>>, BadSetting> {
+        let mut matrix = start(known, inputs);
         BadSetting::unless(!self.pairs.is_empty(), "pairs", "[]", "must not be empty")?;
         for (k, pair) in self.pairs.iter().enumerate() {
             let [i, j] = pair
@@ -62,6 +111,8 @@ impl CorrelationTable {
                 .map_err(|bad| bad.under(&format!("pairs[{k}]")))?;
             let key = format!("pairs[{k}]");
             let written = format!("{:?}", pair.inputs);
+            pair.check_unknown(known, [inputs[i], inputs[j]])
+                .map_err(|bad| bad.under(&key))?;
             let once = i != j && matrix[i][j] == 0.0;
             let rule = "must be two different inputs, and no other pair the same two";
             BadSetting::unless(once, &format!("{key}.inputs"), written, rule)?;
@@ -91,6 +142,22 @@ impl CorrelationTable {
 }
 
 impl CorrelatedPair {
+    /// Refuses a pair whose correlation another file states.
+    fn check_unknown(
+        &self,
+        known: Option<&KnownCorrelation>,
+        [a, b]: [Input; 2],
+    ) -> Result<(), BadSetting> {
+        let stated = known.and_then(|known| Some((known.of(a, b)?, &known.origin)));
+        let rule = match stated.filter(|_| a != b) {
+            Some((value, origin)) => {
+                format!("must be absent: {origin} states the correlation of these two, {value}")
+            }
+            None => return Ok(()),
+        };
+        BadSetting::unless(false, "inputs", format!("{:?}", self.inputs), &rule)
+    }
+
     fn places(&self, inputs: &[Input]) -> Result<[usize; 2], BadSetting> {
         let place = |name: &String| {
             let at = inputs.iter().position(|input| input.name() == name);
@@ -118,6 +185,20 @@ impl Copula {
         Some(Self {
             factor: cholesky(correlation).ok()?,
         })
+    }
+
+    /// L z: correlated normal scores of independent ones. Shape: `[inputs]`.
+    #[must_use]
+    pub fn scores(&self, z: &[f64]) -> Vec<f64> {
+        let row = |row: &Vec<f64>| row.iter().zip(z).map(|(l, z)| l * z).sum();
+        self.factor.iter().map(row).collect()
+    }
+
+    /// Lᵀ g: gradient by the independent scores of a function with gradient `g` by the correlated ones. Shape: `[inputs]`.
+    #[must_use]
+    pub fn pull_back(&self, g: &[f64]) -> Vec<f64> {
+        let column = |j: usize| self.factor.iter().zip(g).map(|(row, g)| row[j] * g).sum();
+        (0..g.len()).map(column).collect()
     }
 
     /// Correlates independent uniform numbers. Numbers of uncorrelated inputs keep every bit; none is ever 0 or 1.

@@ -21,8 +21,8 @@ pub struct Design {
     pub(super) drawn: Vec<Input>,
     pub(super) drawn_places: Vec<usize>,
     pub(super) plan: Plan,
-    /// Whether inputs are correlated, in the plan or by the copula.
-    pub(super) correlated: bool,
+    /// Correlation of the normal scores of the drawn inputs, in the plan or by the copula; absent where they are independent.
+    pub(super) correlation: Option<Vec<Vec<f64>>>,
     pub(super) copula: Option<Copula>,
     pub(super) file: Option<(Vec<usize>, Vec<Vec<f64>>)>,
     pub(super) outer: Option<(Vec<usize>, OuterPoints)>,
@@ -195,10 +195,23 @@ impl Design {
         }
     }
 
+    /// Whether inputs are correlated.
+    #[must_use]
+    pub fn is_correlated(&self) -> bool {
+        self.correlation.is_some()
+    }
+
+    /// Correlation of the normal scores of the inputs that are drawn, in the order of [`Design::drawn`]; `None` where they are
+    /// independent.
+    #[must_use]
+    pub fn correlation(&self) -> Option<&[Vec<f64>]> {
+        self.correlation.as_deref()
+    }
+
     /// Why the variance of a result is no sum of parts by the inputs, if that is so.
     #[must_use]
     pub fn indivisible(&self) -> Option<&'static str> {
-        if self.correlated {
+        if self.is_correlated() {
             return Some("inputs are correlated");
         }
         if self.outer.is_some() {

@@ -1,6 +1,6 @@
 //! What a study says about its samples, and the design that is made of it.
 
-use super::correlation::{Copula, CorrelationTable};
+use super::correlation::{Copula, CorrelationTable, KnownCorrelation, correlation_matrix};
 use super::design::Design;
 use super::distribution::{Distribution, Shape};
 use super::file::SampleTable;
@@ -23,6 +23,8 @@ pub struct DesignSettings {
     pub inputs: Vec<(Input, Uncertainty)>,
     /// `[correlation]`.
     pub correlation: Option<CorrelationTable>,
+    /// Correlations of inputs that another file states.
+    pub known_correlation: Option<KnownCorrelation>,
     /// `[epistemic]`.
     pub epistemic: Option<EpistemicTable>,
     /// Content of the file that `[design]` names.
@@ -74,9 +76,9 @@ impl DesignSettings {
             .filter(|&k| inputs[k].1.fixed_value().is_none())
             .collect();
         let drawn: Vec<Input> = drawn_places.iter().map(|&k| inputs[k].0).collect();
-        let correlation = (self.correlation.as_ref())
-            .map(|table| table.matrix(&drawn).map_err(|bad| bad.under("correlation")))
-            .transpose()?;
+        let (table, known) = (&self.correlation, &self.known_correlation);
+        let correlation = correlation_matrix(table.as_ref(), known.as_ref(), &drawn);
+        let correlation = correlation.map_err(|bad| bad.under("correlation"))?;
         let (plan, inner) = self.plan(n_outer, &drawn, correlation.as_deref())?;
         let samples = number_of_samples(inner.saturating_mul(n_outer))?;
         // a hypercube has the correlation in the order of its strata
@@ -97,7 +99,7 @@ impl DesignSettings {
             drawn,
             drawn_places,
             plan,
-            correlated: correlation.is_some(),
+            correlation,
             copula,
             file,
             outer: outer.map(|points| (outer_places, points)),
@@ -115,6 +117,12 @@ impl DesignSettings {
         let inner = self.inner_samples(n_outer)?;
         let planned = self.design.plan(self.seed, inner, drawn, correlation);
         let (plan, count) = planned.map_err(|mut bad| {
+            if let (None, Some(known)) = (&self.correlation, &self.known_correlation)
+                && bad.key == "correlation"
+            {
+                bad.key = "inputs.from".to_owned();
+                bad.value = format!("{:?}, with correlated inputs", known.origin);
+            }
             if bad.key == "samples" && n_outer > 1 {
                 bad.rule = format!("at each of the {n_outer} outer points: {}", bad.rule);
             }

@@ -30,11 +30,12 @@ pub mod outer;
 pub mod pick_freeze;
 pub mod plan;
 pub mod rectangles;
+pub mod scaled;
 pub mod sobol;
 pub mod stream;
 pub mod table;
 
-pub use correlation::CorrelationTable;
+pub use correlation::{CorrelationTable, KnownCorrelation};
 pub use design::{Design, SampleGroup};
 pub use design_settings::DesignSettings;
 pub use distribution::{Distribution, Shape};

@@ -39,7 +39,7 @@ impl Polynomials {
     }
 
     /// ψ_0 … ψ_degree at x, orthonormal under the inputs' law.
-    fn values(self, x: f64, degree: usize) -> Vec<f64> {
+    pub(super) fn values(self, x: f64, degree: usize) -> Vec<f64> {
         let mut values = vec![1.0; degree + 1];
         let t = match self {
             Self::Legendre => 2.0 * x - 1.0,
@@ -382,13 +382,18 @@ impl Chaos {
         self.values(inputs).iter().sum()
     }
 
-    /// Value of each term.
-    fn values(&self, inputs: &[f64]) -> Vec<f64> {
+    /// Polynomials of each input up to the highest degree that it has in a term.
+    pub(super) fn powers(&self, inputs: &[f64]) -> Vec<Vec<f64>> {
         let highest = |j: usize| self.terms.iter().map(|t| t.degrees[j]).max().unwrap_or(0);
         let powers = inputs.iter().zip(&self.polynomials).enumerate();
-        let powers: Vec<Vec<f64>> = powers
+        powers
             .map(|(j, (&x, basis))| basis.values(x, highest(j)))
-            .collect();
+            .collect()
+    }
+
+    /// Value of each term.
+    fn values(&self, inputs: &[f64]) -> Vec<f64> {
+        let powers = self.powers(inputs);
         let term = |term: &Term| {
             let factors = term.degrees.iter().zip(&powers).map(|(&k, v)| v[k]);
             term.coefficient * factors.product::<f64>()

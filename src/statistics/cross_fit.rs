@@ -49,6 +49,7 @@ pub struct CrossFit {
 #[derive(Debug, Clone, PartialEq)]
 struct HeldOut {
     part: usize,
+    sample: usize,
     inputs: Vec<f64>,
     /// Not finite for a failed sample.
     result: f64,
@@ -129,6 +130,7 @@ pub fn cross_fit(
         let (i, part) = (order[place], place % parts);
         HeldOut {
             part,
+            sample: i,
             predicted: expansions[part].predict(&samples.inputs[i]),
             inputs: samples.inputs[i].clone(),
             result: samples.results[i],
@@ -146,6 +148,12 @@ impl CrossFit {
     /// Solved samples.
     fn solved(&self) -> impl Iterator<Item = &HeldOut> + Clone {
         self.held.iter().filter(|held| held.result.is_finite())
+    }
+
+    /// Result minus prediction of each solved sample by the expansion of the other parts, with the number of the sample.
+    pub fn held_out_errors(&self) -> impl Iterator<Item = (usize, f64)> + Clone {
+        self.solved()
+            .map(|held| (held.sample, held.result - held.predicted))
     }
 
     /// Seed of the draw of the parts.

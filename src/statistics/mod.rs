@@ -23,6 +23,7 @@ pub mod band;
 pub mod bin;
 pub mod bootstrap;
 pub mod chaos;
+mod chaos_gradient;
 pub mod comparison;
 pub mod convergence;
 pub mod cross_fit;
@@ -36,6 +37,7 @@ pub mod joint;
 pub mod limit;
 pub mod looks;
 pub mod margin;
+pub mod markov_chain;
 mod mean;
 pub mod moment;
 pub mod observed;
@@ -78,6 +80,7 @@ pub use margin::{
     reserve_factor,
 };
 pub use mean::student;
+pub use markov_chain::{Mixing, mixing};
 pub use moment::{MomentEstimate, Moments, moment_estimate, moments};
 pub use observed::{Enclosed, Observed, Sorted};
 pub use order_statistic::{

@@ -82,17 +82,30 @@ impl<'t> Document<'t> {
     /// # Errors
     /// [`Error::Study`] if the section is no table, or the key is absent or no string.
     pub fn take_string(&mut self, section: &str, key: &str) -> Result<String, Error> {
-        let dotted = format!("{section}.{key}");
-        let value = self.root.get_mut(section).map(Spanned::get_mut);
-        let removed = match value {
-            Some(DeValue::Table(table)) => table.remove(key),
-            Some(_) => return Err(self.at_key(section, "must be a table".to_owned())),
-            None => return Err(self.at_key(section, format!("must be given, with a {key}"))),
-        };
-        match removed {
-            Some(value) => self.deserialize(value),
-            None => Err(self.at_key(&dotted, "must be given".to_owned())),
+        if !self.root.contains_key(section) {
+            return Err(self.at_key(section, format!("must be given, with a {key}")));
         }
+        if !self.is_table(section) {
+            return Err(self.at_key(section, "must be a table".to_owned()));
+        }
+        let taken = self.take_below(section, key)?;
+        taken.ok_or_else(|| self.at_key(&format!("{section}.{key}"), "must be given".to_owned()))
+    }
+
+    /// Takes a value out of a section that is read by other rules; `None` if one of them is absent.
+    ///
+    /// # Errors
+    /// [`Error::Study`] if it does not have the shape of `T`.
+    pub fn take_below<T: DeserializeOwned>(
+        &mut self,
+        section: &str,
+        key: &str,
+    ) -> Result<Option<T>, Error> {
+        let removed = match self.root.get_mut(section).map(Spanned::get_mut) {
+            Some(DeValue::Table(table)) => table.remove(key),
+            _ => None,
+        };
+        removed.map(|value| self.deserialize(value)).transpose()
     }
 
     /// The text with the number at the dotted `key` set to `value`; a top-level one in a line of its own where the key is absent.

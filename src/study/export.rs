@@ -48,7 +48,7 @@ pub fn export(study: &Study, output: &Path) -> Result<Exported, Error> {
     let text = study_text(study, &model, &kept)?;
     write_folder(output, |folder| {
         write_matrices(&model.reduced, folder)?;
-        if let Some(path) = &study.design_file {
+        for (_, _, path) in study.files_of_inputs() {
             let from = study.folder().join(path);
             let to = folder.join(path.file_name().unwrap_or_default());
             std::fs::copy(&from, to).map_err(|source| FileError::system(&from, source))?;
@@ -90,6 +90,16 @@ impl Study {
         Ok(())
     }
 
+    /// Files that the samples come from: section and key that name each, and the file.
+    fn files_of_inputs(&self) -> impl Iterator<Item = (&'static str, &'static str, &Path)> {
+        let design = self.design_file.as_deref();
+        let identified = self.identified.as_ref().map(|found| found.file.as_path());
+        let design = design.map(|path| ("design", "path", path));
+        design
+            .into_iter()
+            .chain(identified.map(|path| ("inputs", "from", path)))
+    }
+
     /// The keys of the study file that hold for matrices, too, and what of them had to change.
     fn kept(&self) -> Result<(Table, Option<String>), Error> {
         let no_table = |error: toml::de::Error| Error::Command {
@@ -101,12 +111,12 @@ impl Study {
         if let Some(Value::Table(contact)) = kept.get_mut("contact") {
             contact.retain(|key, _| !OF_INTERFACE.contains(&key));
         }
-        if let (Some(path), Some(Value::Table(design))) =
-            (&self.design_file, kept.get_mut("design"))
-        {
-            let name = path.file_name().unwrap_or_default();
-            let name = Value::String(name.to_string_lossy().into_owned());
-            design.insert("path".to_owned(), name);
+        for (section, key, path) in self.files_of_inputs() {
+            if let Some(Value::Table(table)) = kept.get_mut(section) {
+                let name = path.file_name().unwrap_or_default();
+                let name = Value::String(name.to_string_lossy().into_owned());
+                table.insert(key.to_owned(), name);
+            }
         }
         let folder = &self.output.folder;
         let inside = |part: Component<'_>| matches!(part, Component::Normal(_) | Component::CurDir);

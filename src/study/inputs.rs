@@ -4,25 +4,89 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::document::Document;
+use super::frequency::FrequencyUnit;
+use super::identified_inputs::{IdentifiedInputs, InputsKeys};
+use super::model::ModelSettings;
 use crate::Error;
-use crate::model::two_blade::PressureField;
 use crate::sampling::input::PRESSURE_MODES;
 use crate::sampling::{
     CorrelationTable, Design, DesignSettings, DesignTable, Distribution, DistributionTable,
     EpistemicTable, Input, SampleTable, Shape, Uncertainty,
 };
 
-/// Reads `[inputs.*]`, `[design]`, `[correlation]` and `[epistemic]`, and the file that `[design]` names; its name beside the design.
+/// What the design of a study is made from, beside the study file's own sections of it.
+pub(super) struct Surroundings<'s> {
+    /// Folder of the study file.
+    pub(super) folder: &'s Path,
+    /// The structure.
+    pub(super) model: &'s ModelSettings,
+    /// Unit of the frequencies.
+    pub(super) unit: FrequencyUnit,
+    /// The seed.
+    pub(super) seed: u64,
+    /// Number of samples, if it is given.
+    pub(super) samples: Option<u64>,
+}
+
+/// A design, and the files that it is made from.
+pub(super) struct StatedDesign {
+    /// The design.
+    pub(super) design: Design,
+    /// The file of `[design]`, relative to the study file's folder.
+    pub(super) file: Option<PathBuf>,
+    /// What the file of `[inputs]` states.
+    pub(super) identified: Option<IdentifiedInputs>,
+}
+
+/// Reads `[inputs]`, `[design]`, `[correlation]` and `[epistemic]`, and the files that they name.
 pub(super) fn design(
     document: &mut Document<'_>,
-    pressure: Option<PressureField>,
-    folder: &Path,
-    seed: u64,
-    samples: Option<u64>,
-) -> Result<(Design, Option<PathBuf>), Error> {
+    of: &Surroundings<'_>,
+) -> Result<StatedDesign, Error> {
+    let keys = InputsKeys::take(document)?;
     let tables: BTreeMap<String, DistributionTable> = document.take("inputs")?.unwrap_or_default();
+    let own = tables.keys().map(String::as_str).collect();
+    let mut inputs = own_inputs(document, &tables, of.model)?;
+    let identified = keys.read(document, of.folder, (of.model, of.unit), &own)?;
+    for (input, distribution) in identified.iter().flat_map(|found| &found.inputs) {
+        inputs.push((*input, Uncertainty::Aleatory(distribution.clone())));
+    }
+    let table: DesignTable = document.take("design")?.unwrap_or_default();
+    document.checked(table.validate().map_err(|bad| bad.under("design")))?;
+    let path = table.path().map(Path::to_owned);
+    let file = match &path {
+        Some(path) => Some(SampleTable::read(&of.folder.join(path))?),
+        None => None,
+    };
+    let settings = DesignSettings {
+        seed: of.seed,
+        samples: of.samples,
+        design: table,
+        inputs,
+        correlation: document.take::<CorrelationTable>("correlation")?,
+        known_correlation: (identified.as_ref()).map(|found| found.correlation.clone()),
+        epistemic: document.take::<EpistemicTable>("epistemic")?,
+        file,
+    };
+    Ok(StatedDesign {
+        design: document.checked(settings.build())?,
+        file: path,
+        identified,
+    })
+}
+
+/// Inputs with tables in the study file, and those of its pressure field.
+fn own_inputs(
+    document: &Document<'_>,
+    tables: &BTreeMap<String, DistributionTable>,
+    model: &ModelSettings,
+) -> Result<Vec<(Input, Uncertainty)>, Error> {
+    let pressure = match model {
+        ModelSettings::TwoBladeStrip { pressure, .. } => *pressure,
+        ModelSettings::Matrices(_) => None,
+    };
     let mut inputs = Vec::new();
-    for (name, table) in &tables {
+    for (name, table) in tables {
         let key = format!("inputs.{name}");
         let Some(input) = Input::from_name(name) else {
             let known = Input::ALL.map(Input::name).join(", ");
@@ -41,21 +105,5 @@ pub(super) fn design(
         let normal = document.checked(Distribution::new(shape, None))?;
         inputs.push((Input::PressureMode(k), Uncertainty::Aleatory(normal)));
     }
-    let table: DesignTable = document.take("design")?.unwrap_or_default();
-    document.checked(table.validate().map_err(|bad| bad.under("design")))?;
-    let path = table.path().map(Path::to_owned);
-    let file = match &path {
-        Some(path) => Some(SampleTable::read(&folder.join(path))?),
-        None => None,
-    };
-    let settings = DesignSettings {
-        seed,
-        samples,
-        design: table,
-        inputs,
-        correlation: document.take::<CorrelationTable>("correlation")?,
-        epistemic: document.take::<EpistemicTable>("epistemic")?,
-        file,
-    };
-    Ok((document.checked(settings.build())?, path))
+    Ok(inputs)
 }

@@ -7,6 +7,7 @@ use crate::hb::equations::jacobian::{DENSE_FALLBACK_LIMIT, DENSE_LIMIT};
 use crate::model::rigid::RigidModes;
 use crate::model::two_blade::{ComponentSummary, PressureInputs};
 use crate::report::asked::Stopping;
+use crate::report::run::InputRecord;
 use crate::sampling::Input;
 
 /// Number of frequencies that are shown.
@@ -40,6 +41,8 @@ pub struct Inspection {
     pub stuck: Vec<f64>,
     /// Names of the random inputs.
     pub inputs: Vec<&'static str>,
+    /// The distribution of each in words, with the file that states it where it is not the study file.
+    pub distributions: Vec<String>,
     /// The design of the samples, in words.
     pub design: String,
     /// The random field of the contact pressure in words, if there is one.
@@ -107,6 +110,9 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
             .inputs()
             .iter()
             .map(|(i, _)| Input::name(*i))
+            .collect(),
+        distributions: (study.input_records().iter())
+            .map(InputRecord::assumption)
             .collect(),
         design: study.design.description(),
         pressure_field: rig.and_then(|rig| pressure_field(rig.pressure())),

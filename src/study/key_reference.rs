@@ -75,18 +75,24 @@ impl<'a> Page<'a> {
 
     /// All inputs have the same table.
     fn inputs(&mut self, of: &'a Value) {
+        let all = of["properties"].as_object().into_iter().flatten();
+        let (tables, keys): (Vec<_>, Vec<_>) = all.partition(|(_, of)| of["allOf"].is_array());
+        self.heading("`[inputs]`", &paragraphs(&of["description"]));
+        self.text.push('\n');
+        let keys: Vec<_> = keys.iter().map(|(key, of)| (key.as_str(), *of)).collect();
+        let below = self.rows("inputs", &keys, &of["required"]);
+        self.write(below);
         let about = "An uncertain input: `kind = \"aleatory\"` with a distribution, or `kind = \"epistemic\"` with an interval. \
                      NAME is one of these; other numbers than those in the last column are refused.";
         self.heading("`[inputs.NAME]`", about);
         self.text
             .push_str("\n| name | meaning | numbers |\n| --- | --- | --- |\n");
-        let inputs = of["properties"].as_object().into_iter().flatten();
-        for (name, input) in inputs.clone() {
+        for (name, input) in &tables {
             let numbers = &input["allOf"][1]["properties"]["value"];
             let meaning = text(&input["description"]);
             self.row([&format!("`{name}`"), &meaning, &range(numbers)]);
         }
-        if let Some((_, input)) = inputs.into_iter().next() {
+        if let Some((_, input)) = tables.first() {
             let table = self.resolved(&input["allOf"][0]);
             self.text.push('\n');
             self.table_of_keys("inputs.NAME", table);

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::document::Document;
 use super::frequency::{FrequencySettings, FrequencyTable, ascending_positive};
-use super::inputs::design;
+use super::identified_inputs::IdentifiedInputs;
+use super::inputs::{Surroundings, design};
 use super::model::{ModelSettings, NO_POSITIONS, model};
 use super::output::OutputSettings;
 use super::requirements::{check_requirements, check_surrogate, requirements};
@@ -78,6 +79,8 @@ pub struct Study {
     pub design: Design,
     /// The file of the design, if it has one; relative to the study file's folder.
     pub design_file: Option<PathBuf>,
+    /// Inputs from the file of an identification, if `[inputs]` names one.
+    pub identified: Option<IdentifiedInputs>,
     /// Solver.
     pub solver: HbSettings,
     /// What gives the peaks of a sample.
@@ -139,19 +142,20 @@ impl Study {
         let levels: Vec<f64> = document.required("levels")?;
         let contact: ContactSection = document.take("contact")?.unwrap_or_default();
         let model = model(&mut document, &contact)?;
-        let pressure = match &model {
-            ModelSettings::TwoBladeStrip { pressure, .. } => *pressure,
-            ModelSettings::Matrices(_) => None,
-        };
-        let (design, design_file) = design(
-            &mut document,
-            pressure,
-            folder_of(path),
-            seed,
-            samples.most(),
-        )?;
-        let solver: SolverSection = document.take("solver")?.unwrap_or_default();
         let frequency: FrequencyTable = document.required("frequency")?;
+        let frequency = document.checked(frequencies(&frequency, &model))?;
+        let stated = design(
+            &mut document,
+            &Surroundings {
+                folder: folder_of(path),
+                model: &model,
+                unit: frequency.unit,
+                seed,
+                samples: samples.most(),
+            },
+        )?;
+        let design = stated.design;
+        let solver: SolverSection = document.take("solver")?.unwrap_or_default();
         let output: OutputSettings = document.take("output")?.unwrap_or_default();
         let requirements = requirements(&mut document)?;
         let surrogate: Option<SurrogateSettings> = document.take("surrogate")?;
@@ -160,7 +164,6 @@ impl Study {
         let at = |bad: BadSetting| document.bad_setting(&bad);
         validate_head(&name, &levels).map_err(at)?;
         output.validate().map_err(|bad| at(bad.under("output")))?;
-        let frequency = frequencies(&frequency, &model).map_err(at)?;
         check_requirements(&requirements, frequency.unit, &levels).map_err(at)?;
         let stopping = samples.plan(&requirements, &design).map_err(at)?;
         if let Some(settings) = &surrogate {
@@ -181,7 +184,8 @@ impl Study {
             levels,
             model,
             design,
-            design_file,
+            design_file: stated.file,
+            identified: stated.identified,
             solver: solver_settings,
             sample_solver,
             mirror: solver.mirror(),
@@ -214,9 +218,20 @@ impl Study {
             ModelSettings::TwoBladeStrip { .. } => Vec::new(),
             ModelSettings::Matrices(settings) => settings.files(),
         };
+        let identified = self.identified.iter().map(|found| found.file.as_path());
         let files = of_model.into_iter().chain(self.design_file.as_deref());
+        let files = files.chain(identified);
         let record = |path: &Path| FileRecord::in_folder(self.folder(), &path.to_string_lossy());
         Ok(files.map(record).collect::<Result<_, _>>()?)
+    }
+
+    /// File that states the distribution of `input`; `None` where the study file does.
+    #[must_use]
+    pub fn origin(&self, input: Input) -> Option<String> {
+        let found = self.identified.as_ref()?;
+        let mut stated = found.inputs.iter().map(|(stated, _)| *stated);
+        let from_file = stated.any(|stated| stated == input);
+        from_file.then(|| found.correlation.origin.clone())
     }
 
     /// Builds the nominal model and the nominal constants of its contact pairs.

@@ -6,11 +6,10 @@ use std::path::Path;
 use super::document::Document;
 use super::output::OutputFolder;
 use crate::Error;
-use crate::ensemble::store::{StoredStudy, read_study};
 use crate::report::StoredRun;
 use crate::report::reweighting::{LEAST_EFFECTIVE_SAMPLES, ReweightedInput, Reweighting};
 use crate::report::run::require_unchanged;
-use crate::sampling::{CorrelationTable, Distribution, DistributionTable, Input, Uncertainty};
+use crate::sampling::{Distribution, DistributionTable, Input, Uncertainty};
 
 /// Name of the file that [`reweight`] writes.
 pub const REWEIGHTED: &str = "reweighted.json";
@@ -41,9 +40,8 @@ pub fn reweight(folder: &Path, prior: &Path, output: &OutputFolder) -> Result<Re
     };
     require_unchanged(folder)?;
     let run = StoredRun::read(folder)?;
-    let kept = read_study(folder).map_err(|error| refused(error.to_string()))?;
     let text = crate::file::read_text(prior)?;
-    let changes = changes(&run, &kept, prior, &text)?;
+    let changes = changes(&run, prior, &text)?;
     let density = |of: fn(&Change) -> &Distribution| -> Vec<f64> {
         let product = |inputs: &[f64]| -> f64 {
             let factor = |c: &Change| of(c).density(inputs[c.column]).unwrap_or(0.0);
@@ -76,15 +74,7 @@ pub fn reweight(folder: &Path, prior: &Path, output: &OutputFolder) -> Result<Re
 }
 
 /// Reads the new distributions and finds the old ones.
-fn changes(
-    run: &StoredRun,
-    kept: &StoredStudy,
-    path: &Path,
-    text: &str,
-) -> Result<Vec<Change>, Error> {
-    let mut study = Document::parse(Path::new(&kept.path), &kept.text)?;
-    let sampled: BTreeMap<String, DistributionTable> = study.take("inputs")?.unwrap_or_default();
-    let correlated = study.take::<CorrelationTable>("correlation")?.is_some();
+fn changes(run: &StoredRun, path: &Path, text: &str) -> Result<Vec<Change>, Error> {
     let mut document = Document::parse(path, text)?;
     let tables: BTreeMap<String, DistributionTable> = document.take("inputs")?.unwrap_or_default();
     document.finish(&["inputs"])?;
@@ -92,8 +82,9 @@ fn changes(
         let rule = "must hold the new distribution of an input: [inputs.NAME]";
         return Err(document.at_key("inputs", rule.to_owned()));
     }
-    if correlated {
-        let rule = "must belong to a study without [correlation]: densities of correlated inputs are no product";
+    if run.record.design.correlated {
+        let rule =
+            "must belong to a study without correlated inputs: their densities are no product";
         return Err(document.at_key("inputs", rule.to_owned()));
     }
     let mut changes = Vec::new();
@@ -104,7 +95,7 @@ fn changes(
             .inputs
             .iter()
             .position(|input| input.name == *name);
-        let old = sampled.get(name).and_then(drawn);
+        let old = column.and_then(|j| run.record.inputs[j].distribution.clone());
         let (Some(column), Some(old), Some(input)) = (column, old, Input::from_name(name)) else {
             let rule = "must be an input that the study draws from a distribution";
             return Err(document.at_key(&key, rule.to_owned()));
@@ -125,16 +116,6 @@ fn changes(
         });
     }
     Ok(changes)
-}
-
-/// The distribution that a table states, unless it gives one value alone.
-fn drawn(table: &DistributionTable) -> Option<Distribution> {
-    match table.uncertainty() {
-        Ok(Uncertainty::Aleatory(distribution)) if distribution.fixed_value().is_none() => {
-            Some(distribution)
-        }
-        _ => None,
-    }
 }
 
 /// A part of the new distribution that the samples do not reach stays unseen whatever the weights.

@@ -35,7 +35,7 @@ pub(super) fn first_record(
     Ok(RunRecord {
         provenance: provenance(study, prepared.folded()),
         backend: BackendReport::default(),
-        inputs: input_records(study),
+        inputs: study.input_records(),
         design: DesignRecord {
             kind: design.kind(),
             description: design.description(),
@@ -44,6 +44,7 @@ pub(super) fn first_record(
             outer_points: design.outer_points(),
             further_points: 0,
             mixed_inputs: design.mixed_inputs().to_vec(),
+            correlated: design.is_correlated(),
         },
         frequency_tolerance: FREQUENCY_TOLERANCE,
         levels: study.levels.clone(),
@@ -104,17 +105,20 @@ fn component_records(components: &[(&'static str, ComponentSummary)]) -> Vec<Com
     components.iter().map(record).collect()
 }
 
-/// Names of the inputs with their distributions or intervals.
-fn input_records(study: &Study) -> Vec<InputRecord> {
-    let design = &study.design;
-    let inputs = design.inputs().iter().enumerate();
-    inputs
-        .map(|(j, (input, distribution))| InputRecord {
-            name: input.name().to_owned(),
-            prior: design.assumption(j),
-            distribution: design.drawn().contains(&j).then(|| distribution.clone()),
-        })
-        .collect()
+impl Study {
+    /// Names of the inputs with their distributions or intervals.
+    pub(super) fn input_records(&self) -> Vec<InputRecord> {
+        let design = &self.design;
+        let inputs = design.inputs().iter().enumerate();
+        inputs
+            .map(|(j, (input, distribution))| InputRecord {
+                name: input.name().to_owned(),
+                prior: design.assumption(j),
+                origin: self.origin(*input),
+                distribution: design.drawn().contains(&j).then(|| distribution.clone()),
+            })
+            .collect()
+    }
 }
 
 /// Linear response per unit level over the band, and its resonance.

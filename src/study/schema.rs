@@ -5,6 +5,7 @@ use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::{Map, Value, json};
 
 use super::frequency::FrequencyTable;
+use super::identified_inputs::InputsKeys;
 use super::output::OutputSettings;
 use super::read::{KEYS, LEVEL, MOST_LEVELS};
 use super::tables::{ContactSection, SolverSection};
@@ -217,13 +218,17 @@ fn inputs(generator: &mut SchemaGenerator) -> Value {
             ],
         })
     };
+    let keys = InputsKeys::json_schema(generator).to_value();
     let tables = Input::ALL.map(|input| (input.name().to_owned(), of_input(input)));
-    let properties: Map<String, Value> = tables.into_iter().collect();
+    let mut properties: Map<String, Value> = tables.into_iter().collect();
+    let files = keys["properties"].as_object().into_iter().flatten();
+    properties.extend(files.map(|(key, of)| (key.clone(), of.clone())));
     json!({
         "type": "object",
         "properties": properties,
+        "dependentRequired": keys["dependentRequired"],
         "additionalProperties": false,
-        "description": "The uncertain inputs, one table each; without any the samples do not scatter.",
+        "description": "The uncertain inputs: one table each, or from the file of an identification; without any the samples do not scatter.",
     })
 }
 

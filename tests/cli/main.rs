@@ -9,6 +9,7 @@ mod compare;
 mod designs;
 mod export;
 mod extend;
+mod identified;
 mod inputs;
 mod log;
 mod long_runs;

@@ -275,6 +275,7 @@ fn many_inputs_are_thinned() {
         let idle = InputRecord {
             name: format!("idle {j}"),
             prior: "fixed".to_owned(),
+            origin: None,
             distribution: None,
         };
         study.record.inputs.insert(0, idle);

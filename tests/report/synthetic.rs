@@ -139,6 +139,7 @@ fn record() -> RunRecord {
     let input = |name: &str, prior: &str| InputRecord {
         name: name.to_owned(),
         prior: prior.to_owned(),
+        origin: None,
         distribution: None,
     };
     RunRecord {
@@ -156,6 +157,7 @@ fn record() -> RunRecord {
             outer_points: 1,
             further_points: 0,
             mixed_inputs: Vec::new(),
+            correlated: false,
         },
         frequency_tolerance: 3e-7,
         levels: LEVELS.to_vec(),

@@ -117,7 +117,9 @@ fn designs(view: &View) -> Section {
             .inputs
             .iter()
             .filter(|i| comparison.design_inputs.contains(&i.name));
-        let own: Vec<String> = own.map(|i| format!("{} ({})", i.name, i.prior)).collect();
+        let own: Vec<String> = own
+            .map(|i| format!("{} ({})", i.name, i.assumption()))
+            .collect();
         let own = if own.is_empty() {
             DASH.to_owned()
         } else {

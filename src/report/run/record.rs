@@ -86,6 +86,9 @@ pub struct InputRecord {
     pub name: String,
     /// Its distribution in words: what every probability of the report depends on.
     pub prior: String,
+    /// File that states it, relative to the study file; absent where the study file does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub origin: Option<String>,
     /// The distribution that it is drawn from; absent where it is fixed, an interval or from a file.
     pub distribution: Option<Distribution>,
 }
@@ -108,6 +111,20 @@ pub struct DesignRecord {
     /// Inputs, by their number, that the mixed samples of a pick-freeze design take from B, in the order of their places;
     /// empty for any other design.
     pub mixed_inputs: Vec<usize>,
+    /// Whether inputs are correlated, so that their joint density is no product.
+    #[serde(default)]
+    pub correlated: bool,
+}
+
+impl InputRecord {
+    /// Its distribution in words, with the file that states it.
+    #[must_use]
+    pub fn assumption(&self) -> String {
+        match &self.origin {
+            Some(file) => format!("{}, from {file}", self.prior),
+            None => self.prior.clone(),
+        }
+    }
 }
 
 /// A linear limit of the structure.

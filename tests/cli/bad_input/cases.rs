@@ -19,6 +19,24 @@ pub(crate) const REFUSED: &[Case] = &[
         &[":33: solver.harmonics = 1000000000: ", "from 1 to 200"],
     ),
     (
+        "[inputs.friction_coefficient]",
+        "[inputs]\nfrom = 3\n[inputs.friction_coefficient]",
+        &[":28: inputs.from: ", "expected a file name in quotes"],
+    ),
+    (
+        "[inputs.friction_coefficient]",
+        "[inputs]\nnormal_stiffness = \"nominal\"\n[inputs.friction_coefficient]",
+        &[
+            ":28: inputs.normal_stiffness: ",
+            "unknown variant `nominal`",
+        ],
+    ),
+    (
+        "[inputs.friction_coefficient]",
+        "[inputs]\nnormal_stiffness = \"with-tangential\"\n[inputs.friction_coefficient]",
+        &[":28: inputs.normal_stiffness = (given): must be absent without inputs.from"],
+    ),
+    (
         "samples = 10",
         "samples = 0",
         &[":3: samples = 0: must be from 1"],

@@ -29,7 +29,7 @@ fn priors(view: &View) -> Block {
     sheet(
         title,
         "inputs",
-        inputs.map(|i| (i.name.clone(), i.prior.clone())),
+        inputs.map(|i| (i.name.clone(), i.assumption())),
     )
 }
 

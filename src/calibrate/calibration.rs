@@ -1,0 +1,192 @@
+//! From a study and a measured response to the posterior of its inputs.
+
+use std::path::{Path, PathBuf};
+
+use super::chains::Chains;
+use super::found::{Calibrated, Origin, Round};
+use super::observation::Observations;
+use super::posterior::Posterior;
+use super::prior::Prior;
+use super::settings::CalibrationSettings;
+use super::summary::{Drawn, summary};
+use super::surrogate::{SolvedPoints, Surrogate, Surrogates, root_mean_square};
+use super::warnings::largest_ratio;
+use crate::Error;
+use crate::ensemble::outcome::LevelOutcome;
+use crate::ensemble::program::Program;
+use crate::ensemble::stop::Stop;
+use crate::file::{FileError, FileRecord};
+use crate::record::read_response;
+use crate::study::{EvaluationError, Evaluator, Study};
+use libm::log;
+
+/// Solved samples that searches start from.
+const ANCHORS: u64 = 64;
+/// Rounds of fit, chains and check at most.
+const MOST_ROUNDS: usize = 4;
+
+/// What a calibration is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// Samples of the study are solved.
+    Samples(usize),
+    /// Chains draw, in a round counted from 1.
+    Chains(usize),
+    /// Draws of the posterior are solved.
+    Check(usize),
+}
+
+/// Calibrates the inputs of `study` with the response in the file `measured`.
+///
+/// # Errors
+/// [`Error::Study`] on inputs without a prior distribution; [`Error::File`] on a response that cannot be taken;
+/// [`Error::Command`] if no surrogate can be made or the chains cannot go on.
+pub fn calibrate(
+    study: Study,
+    measured: &Path,
+    settings: &CalibrationSettings,
+    progress: impl Fn(Stage),
+) -> Result<Calibrated, Error> {
+    let refused = Refused(study.path.clone());
+    (settings.validate()).map_err(|bad| refused.because(format!("--{bad}")))?;
+    let prior = Prior::of(&study.design).map_err(|bad| study.bad_setting(&bad))?;
+    let record = read_response(measured)?;
+    let observations = Observations::of(&record, &study.levels);
+    let observations = observations
+        .map_err(|bad| Error::File(FileError::content(measured, None, bad.to_string())))?;
+    let samples = number_of_samples(&study, settings).map_err(|rule| refused.because(rule))?;
+    let origin = Origin {
+        study: study.name.clone(),
+        program: Program::this(),
+        study_file: FileRecord::of(&study.file_name(), study.text.as_bytes()),
+        files: study.file_records()?,
+        measured_file: record_of(measured)?,
+        levels: study.levels.clone(),
+    };
+    progress(Stage::Samples(samples));
+    let never = Stop::default();
+    let stopped = |error: EvaluationError| refused.because(error.to_string());
+    let anchors = ANCHORS.min(samples as u64);
+    let evaluator = Evaluator::solved(study.into_prepared()?, anchors, &never, |_| {});
+    let evaluator = evaluator.map_err(stopped)?;
+    let design = &evaluator.study().design;
+    let of_prior: Vec<Vec<f64>> = (0..samples as u64).map(|i| design.sample(i)).collect();
+    let solve = |points: &[Vec<f64>]| evaluator.evaluate(points, &never).map_err(stopped);
+    let mut points = SolvedPoints {
+        results: solve(&of_prior)?.iter().map(|p| numbers(p)).collect(),
+        inputs: of_prior,
+        of_prior: samples,
+    };
+    let mut rounds: Vec<Round> = Vec::new();
+    loop {
+        let fitted = Surrogates::fit(&prior, &points, &observations.levels(), settings.seed);
+        let surrogates = fitted.map_err(|reason| refused.because(reason))?;
+        let discrepancy = settings.discrepancy;
+        let posterior = Posterior::new(&prior, &surrogates, &observations, discrepancy);
+        progress(Stage::Chains(rounds.len() + 1));
+        let chains = Chains::draw(&posterior, settings);
+        let chains = chains.map_err(|reason| refused.because(reason))?;
+        progress(Stage::Check(settings.checked));
+        let scores = spread(&chains, settings.checked, posterior.scores());
+        let values = |z: &Vec<f64>| prior.with_fixed(&prior.values(z));
+        let draws: Vec<Vec<f64>> = scores.iter().map(values).collect();
+        let results: Vec<_> = solve(&draws)?.iter().map(|p| numbers(p)).collect();
+        let errors = errors(&posterior, &surrogates, &scores, &results);
+        let round = round(&surrogates, points.inputs.len(), &errors, draws.len());
+        let enough = round.worst_ratio <= largest_ratio(round.checked - round.failed);
+        rounds.push(round);
+        if enough || rounds.len() == MOST_ROUNDS {
+            let drawn = Drawn {
+                posterior: &posterior,
+                surrogates: &surrogates,
+                chains: &chains,
+                errors: &errors,
+                settings,
+            };
+            return Ok(summary(origin, rounds, &drawn));
+        }
+        points.inputs.extend(draws);
+        points.results.extend(results);
+    }
+}
+
+/// Errors about the study as a whole.
+struct Refused(PathBuf);
+
+impl Refused {
+    fn because(&self, message: String) -> Error {
+        Error::Command {
+            path: self.0.clone(),
+            message,
+        }
+    }
+}
+
+fn number_of_samples(study: &Study, settings: &CalibrationSettings) -> Result<usize, String> {
+    let samples = settings.samples.unwrap_or(study.samples);
+    if samples == 0 || samples > study.samples {
+        return Err(format!(
+            "--samples = {samples}: must be from 1 to the number of samples of the study, {}",
+            study.samples
+        ));
+    }
+    usize::try_from(samples).map_err(|error| error.to_string())
+}
+
+fn record_of(path: &Path) -> Result<FileRecord, FileError> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let folder = path.parent().unwrap_or_else(|| Path::new(""));
+    FileRecord::in_folder(folder, &name)
+}
+
+/// Frequency (Hz) and ln amplitude (m) of each level; NaN without a solution.
+fn numbers(levels: &[LevelOutcome]) -> Vec<[f64; 2]> {
+    let of_level = |level: &LevelOutcome| {
+        let solved = level.peak.filter(|_| level.status.has_solution());
+        solved.map_or([f64::NAN; 2], |p| [p.frequency_hz, log(p.amplitude_m)])
+    };
+    levels.iter().map(of_level).collect()
+}
+
+/// Scores of `wanted` draws, evenly over all chains.
+fn spread(chains: &Chains, wanted: usize, scores: usize) -> Vec<Vec<f64>> {
+    let all: Vec<&[f64]> = chains.all().collect();
+    let place = |k: usize| k * all.len() / wanted;
+    (0..wanted.min(all.len()))
+        .map(|k| all[place(k)][..scores].to_vec())
+        .collect()
+}
+
+/// Solver minus surrogate at draws of the posterior, solved ones alone, in the order of the surrogates.
+fn errors(
+    posterior: &Posterior<'_>,
+    surrogates: &Surrogates,
+    scores: &[Vec<f64>],
+    results: &[Vec<[f64; 2]>],
+) -> Vec<Vec<f64>> {
+    let mut errors = vec![Vec::new(); surrogates.all.len()];
+    for (scores, results) in scores.iter().zip(results) {
+        let predicted = surrogates.predict(&posterior.prior().coordinates(scores));
+        let each = errors.iter_mut().zip(predicted).zip(&surrogates.all);
+        for ((slot, (predicted, _)), surrogate) in each {
+            let solved = results[surrogate.level][surrogate.quantity as usize];
+            slot.extend(Some(solved - predicted).filter(|error| error.is_finite()));
+        }
+    }
+    errors
+}
+
+fn round(surrogates: &Surrogates, points: usize, errors: &[Vec<f64>], checked: usize) -> Round {
+    let ratio = |(errors, surrogate): (&Vec<f64>, &Surrogate)| {
+        root_mean_square(errors) / surrogate.deviation
+    };
+    let solved = errors.iter().map(Vec::len).min().unwrap_or(0);
+    Round {
+        points,
+        checked,
+        failed: checked - solved,
+        worst_ratio: (errors.iter().zip(&surrogates.all))
+            .map(ratio)
+            .fold(0.0, f64::max),
+    }
+}

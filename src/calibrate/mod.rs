@@ -1,0 +1,30 @@
+//! Inputs of a study from measured forced responses: their posterior distribution.
+//!
+//! The prior is what the study states of its inputs. Solved samples shape a surrogate of frequency and amplitude at each measured
+//! level ([`surrogate`]), whose error enters the likelihood ([`posterior`]). Markov chains draw from the posterior ([`chains`]);
+//! some of the draws are solved, and where the surrogate is worse there than it was taken for, they shape it, too ([`calibration`]).
+//! Start reading at [`calibrate()`].
+
+pub mod calibration;
+pub mod chains;
+pub mod found;
+mod nuts;
+pub mod observation;
+pub mod posterior;
+pub mod predictive;
+pub mod prior;
+pub mod settings;
+mod summary;
+pub mod surrogate;
+mod warm_up;
+mod warnings;
+pub mod write;
+
+pub use calibration::{Stage, calibrate};
+pub use chains::Chains;
+pub use found::{Calibrated, CalibratedInput, Calibration};
+pub use observation::{Observations, Quantity};
+pub use posterior::Posterior;
+pub use prior::Prior;
+pub use settings::CalibrationSettings;
+pub use surrogate::Surrogates;

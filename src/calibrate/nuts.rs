@@ -1,0 +1,247 @@
+//! The no-U-turn sampler: Hoffman & Gelman, J. Mach. Learn. Res. 15 (2014) 1593–1623, with multinomial sampling of the path and the
+//! general criterion of a turn (Betancourt, arXiv 1701.02434), and the warm-up of Stan: step by dual averaging, diagonal mass matrix
+//! from windows of doubling length.
+//!
+//! Own code and no crate: sums run in one order on every processor, so a chain is the same bits on all of them.
+
+use super::warm_up::{WarmUp, Windows};
+use crate::special::normal_quantile;
+use libm::{exp, log};
+use rand::Rng;
+use rand_chacha::ChaCha20Rng;
+
+/// Logarithm of a density but for a constant; it writes the gradient. Not finite where there is none.
+pub(super) type LogDensity<'a> = dyn Fn(&[f64], &mut [f64]) -> f64 + 'a;
+
+/// Doublings of a path at most: 1023 steps.
+const MOST_DOUBLINGS: u32 = 10;
+/// Growth of the energy along a path beyond which its steps mean nothing.
+const DIVERGENT: f64 = 1000.0;
+
+/// A place on a path.
+#[derive(Debug, Clone)]
+struct Point {
+    position: Vec<f64>,
+    momentum: Vec<f64>,
+    gradient: Vec<f64>,
+    density: f64,
+}
+
+/// Part of a path, in the order in which it was walked.
+struct Part {
+    /// Momenta at its ends.
+    ends: [Vec<f64>; 2],
+    /// Sum of all momenta.
+    sum: Vec<f64>,
+    /// A place drawn from it by its weights.
+    drawn: Point,
+    /// Logarithm of the sum of the weights.
+    log_weight: f64,
+    /// Neither turned nor diverged.
+    whole: bool,
+}
+
+/// What the walk of one path tells of its step.
+#[derive(Debug, Clone, Copy, Default)]
+struct Tally {
+    steps: u32,
+    acceptance: f64,
+    diverged: bool,
+}
+
+/// A chain that goes on.
+pub(super) struct Chain<'a> {
+    density: &'a LogDensity<'a>,
+    generator: ChaCha20Rng,
+    at: Point,
+    step: f64,
+    /// Variances of the coordinates: the inverse of the mass matrix.
+    variances: Vec<f64>,
+}
+
+impl<'a> Chain<'a> {
+    /// A chain that starts at `position`; `None` where the density is not finite there.
+    pub(super) fn start(
+        density: &'a LogDensity<'a>,
+        position: Vec<f64>,
+        generator: ChaCha20Rng,
+    ) -> Option<Self> {
+        let n = position.len();
+        let mut gradient = vec![0.0; n];
+        let value = density(&position, &mut gradient);
+        let finite = value.is_finite() && gradient.iter().all(|g| g.is_finite());
+        finite.then(|| Self {
+            density,
+            generator,
+            at: Point {
+                position,
+                momentum: vec![0.0; n],
+                gradient,
+                density: value,
+            },
+            step: WarmUp::FIRST_STEP,
+            variances: vec![1.0; n],
+        })
+    }
+
+    /// Adapts step and mass matrix over `draws` draws.
+    pub(super) fn warm_up(&mut self, draws: usize) {
+        let mut windows = Windows::of(draws, self.at.position.len());
+        let mut step = WarmUp::from(self.step);
+        for draw in 0..draws {
+            let tally = self.transition();
+            self.step = step.next(tally.acceptance / f64::from(tally.steps.max(1)));
+            if let Some(variances) = windows.add(draw, &self.at.position) {
+                self.variances = variances;
+                step = WarmUp::from(self.step);
+            }
+        }
+        self.step = step.settled();
+    }
+
+    /// The next draw, and whether its path diverged.
+    pub(super) fn draw(&mut self) -> (&[f64], bool) {
+        let tally = self.transition();
+        (&self.at.position, tally.diverged)
+    }
+
+    /// Uniform number in (0, 1).
+    fn uniform(&mut self) -> f64 {
+        ((self.generator.next_u64() >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
+    }
+
+    fn transition(&mut self) -> Tally {
+        for i in 0..self.variances.len() {
+            let normal = normal_quantile(self.uniform());
+            self.at.momentum[i] = normal / self.variances[i].sqrt();
+        }
+        let start = self.energy(&self.at);
+        let momentum = self.at.momentum.clone();
+        let mut path = Part {
+            ends: [momentum.clone(), momentum.clone()],
+            sum: momentum,
+            drawn: self.at.clone(),
+            log_weight: 0.0,
+            whole: true,
+        };
+        let mut outermost = [self.at.clone(), self.at.clone()];
+        let mut tally = Tally::default();
+        for depth in 0..MOST_DOUBLINGS {
+            let side = usize::from(self.uniform() < 0.5);
+            let further = self.walk(&mut outermost[side], (side, depth), start, &mut tally);
+            if !further.whole {
+                break;
+            }
+            // later parts are preferred to earlier ones, which moves farther and keeps the distribution
+            let taken = log(self.uniform()) < further.log_weight - path.log_weight;
+            path = self.joined(path, further, side, taken);
+            if !path.whole {
+                break;
+            }
+        }
+        self.at = path.drawn;
+        tally
+    }
+
+    /// Walks 2^depth steps from `at`, which ends at the last one; side 1 is forwards.
+    fn walk(
+        &mut self,
+        at: &mut Point,
+        (side, depth): (usize, u32),
+        start: f64,
+        tally: &mut Tally,
+    ) -> Part {
+        if depth == 0 {
+            return self.one_step(at, side, start, tally);
+        }
+        let first = self.walk(at, (side, depth - 1), start, tally);
+        if !first.whole {
+            return first;
+        }
+        let second = self.walk(at, (side, depth - 1), start, tally);
+        if !second.whole {
+            return second;
+        }
+        let total = log_sum(first.log_weight, second.log_weight);
+        let taken = log(self.uniform()) < second.log_weight - total;
+        // both were walked away from the start, so that the second follows the first whatever the side
+        self.joined(first, second, 1, taken)
+    }
+
+    fn one_step(&self, at: &mut Point, side: usize, start: f64, tally: &mut Tally) -> Part {
+        let step = if side == 1 { self.step } else { -self.step };
+        for (p, g) in at.momentum.iter_mut().zip(&at.gradient) {
+            *p += 0.5 * step * g;
+        }
+        let moves = at.momentum.iter().zip(&self.variances);
+        for (q, (p, v)) in at.position.iter_mut().zip(moves) {
+            *q += step * v * p;
+        }
+        at.density = (self.density)(&at.position, &mut at.gradient);
+        for (p, g) in at.momentum.iter_mut().zip(&at.gradient) {
+            *p += 0.5 * step * g;
+        }
+        let log_weight = start - self.energy(at);
+        let finite = log_weight.is_finite();
+        let log_weight = if finite {
+            log_weight
+        } else {
+            f64::NEG_INFINITY
+        };
+        let whole = log_weight > -DIVERGENT;
+        tally.steps += 1;
+        tally.acceptance += exp(log_weight.min(0.0));
+        tally.diverged |= !whole;
+        Part {
+            ends: [at.momentum.clone(), at.momentum.clone()],
+            sum: at.momentum.clone(),
+            drawn: at.clone(),
+            log_weight,
+            whole,
+        }
+    }
+
+    /// `path` with `further` at its end of that side; `taken` says whose place is kept.
+    fn joined(&self, path: Part, further: Part, side: usize, taken: bool) -> Part {
+        let plus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect::<Vec<f64>>();
+        let sum = plus(&path.sum, &further.sum);
+        let [inner, outer] = &further.ends;
+        let (near, far) = (&path.ends[side], &path.ends[1 - side]);
+        // the whole, and each part with the first momentum of the other
+        let whole = self.goes_on(&sum, far, outer)
+            && self.goes_on(&plus(&path.sum, inner), far, inner)
+            && self.goes_on(&plus(&further.sum, near), near, outer);
+        let mut ends = path.ends.clone();
+        ends[side].clone_from(outer);
+        Part {
+            ends,
+            sum,
+            log_weight: log_sum(path.log_weight, further.log_weight),
+            drawn: if taken { further.drawn } else { path.drawn },
+            whole,
+        }
+    }
+
+    /// Whether a path with this sum of momenta still moves away at both ends.
+    fn goes_on(&self, sum: &[f64], one: &[f64], other: &[f64]) -> bool {
+        let along = |end: &[f64]| -> f64 {
+            let products = sum.iter().zip(end).zip(&self.variances);
+            products.map(|((s, p), v)| s * p * v).sum()
+        };
+        along(one) > 0.0 && along(other) > 0.0
+    }
+
+    fn energy(&self, at: &Point) -> f64 {
+        let squares = at.momentum.iter().zip(&self.variances);
+        0.5 * squares.map(|(p, v)| p * p * v).sum::<f64>() - at.density
+    }
+}
+
+/// ln(eᵃ + eᵇ).
+fn log_sum(a: f64, b: f64) -> f64 {
+    let most = a.max(b);
+    match most.is_finite() {
+        true => most + log(exp(a - most) + exp(b - most)),
+        false => most,
+    }
+}

@@ -1,0 +1,153 @@
+//! Measured numbers as a likelihood takes them: means over repetitions, and what is known of their scatter.
+
+use crate::record::{ResponsePoint, ResponseRecord};
+use crate::setting::BadSetting;
+use libm::log;
+
+/// A measured quantity of a resonance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// Resonance frequency (Hz).
+    Frequency,
+    /// Natural logarithm of the amplitude in m, so that scatter is relative.
+    LogAmplitude,
+}
+
+impl Quantity {
+    /// Both, in the order of every list by quantity.
+    pub const ALL: [Self; 2] = [Self::Frequency, Self::LogAmplitude];
+
+    fn of(self, point: &ResponsePoint) -> (f64, Option<f64>) {
+        match self {
+            Self::Frequency => (point.frequency_hz, point.frequency_deviation_hz),
+            Self::LogAmplitude => {
+                let relative = |deviation: f64| deviation / point.amplitude_m;
+                let deviation = point.amplitude_deviation_m.map(relative);
+                (log(point.amplitude_m), deviation)
+            }
+        }
+    }
+}
+
+/// Mean of one quantity at one level.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Observation {
+    /// Place of the level among those of the study.
+    pub level: usize,
+    /// The quantity.
+    pub quantity: Quantity,
+    /// Mean over the repetitions, weighted where they state deviations.
+    pub mean: f64,
+    /// Number of repetitions.
+    pub repetitions: usize,
+    /// Variance of the mean, where the deviations are stated; else the scatter of the repetitions gives it.
+    pub stated_variance: Option<f64>,
+}
+
+/// Scatter of one measurement as the repetitions show it, of all levels together.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Scatter {
+    /// Standard deviation: of a frequency in Hz, of an amplitude relative.
+    pub standard_deviation: f64,
+    /// Its degrees of freedom: repetitions without one for each level.
+    pub degrees_of_freedom: usize,
+}
+
+/// All that was measured.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Observations {
+    /// By level, then by quantity.
+    pub means: Vec<Observation>,
+    /// Scatter by quantity; absent where the deviations are stated.
+    pub scatter: [Option<Scatter>; 2],
+}
+
+/// Relative difference of two levels that are the same.
+const SAME_LEVEL: f64 = 1e-9;
+
+impl Observations {
+    /// Means of a measured response at the `levels` of a study.
+    ///
+    /// # Errors
+    /// [`BadSetting`] with the name of a column: a level that the study does not have, or deviations that neither the file nor
+    /// repetitions give.
+    pub fn of(record: &ResponseRecord, levels: &[f64]) -> Result<Self, BadSetting> {
+        let mut at: Vec<Vec<&ResponsePoint>> = vec![Vec::new(); levels.len()];
+        for point in &record.points {
+            let same = |level: &f64| (level / point.level_n - 1.0).abs() <= SAME_LEVEL;
+            let rule = || format!("must be one of the levels of the study: {levels:?}");
+            let place = levels.iter().position(same).ok_or_else(|| BadSetting {
+                key: "level".to_owned(),
+                value: point.level_n.to_string(),
+                rule: rule(),
+            })?;
+            at[place].push(point);
+        }
+        let mut means = Vec::new();
+        for (level, points) in at
+            .iter()
+            .enumerate()
+            .filter(|(_, points)| !points.is_empty())
+        {
+            means.extend(Quantity::ALL.map(|quantity| mean(level, quantity, points)));
+        }
+        let mut scatter = [None; 2];
+        for (slot, quantity) in scatter.iter_mut().zip(Quantity::ALL) {
+            let unstated = |o: &&Observation| o.quantity == quantity && o.stated_variance.is_none();
+            if means.iter().any(|o| unstated(&o)) {
+                *slot = Some(pooled(quantity, &at)?);
+            }
+        }
+        Ok(Self { means, scatter })
+    }
+
+    /// Places of the levels that were measured.
+    #[must_use]
+    pub fn levels(&self) -> Vec<usize> {
+        let mut levels: Vec<usize> = self.means.iter().map(|o| o.level).collect();
+        levels.dedup();
+        levels
+    }
+}
+
+fn mean(level: usize, quantity: Quantity, points: &[&ResponsePoint]) -> Observation {
+    let numbers: Vec<(f64, Option<f64>)> = points.iter().map(|p| quantity.of(p)).collect();
+    let deviations: Option<Vec<f64>> = numbers.iter().map(|(_, deviation)| *deviation).collect();
+    let weights = match &deviations {
+        Some(deviations) => deviations.iter().map(|d| 1.0 / (d * d)).collect(),
+        None => vec![1.0; numbers.len()],
+    };
+    let sum: f64 = weights.iter().sum();
+    let weighted = numbers.iter().zip(&weights).map(|((v, _), w)| v * w);
+    Observation {
+        level,
+        quantity,
+        mean: weighted.sum::<f64>() / sum,
+        repetitions: numbers.len(),
+        stated_variance: deviations.map(|_| 1.0 / sum),
+    }
+}
+
+/// Scatter of the repetitions about the means of their levels.
+fn pooled(quantity: Quantity, at: &[Vec<&ResponsePoint>]) -> Result<Scatter, BadSetting> {
+    let (mut square, mut degrees_of_freedom) = (0.0, 0);
+    for points in at.iter().filter(|points| points.len() > 1) {
+        let values: Vec<f64> = points.iter().map(|p| quantity.of(p).0).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        square += values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+        degrees_of_freedom += values.len() - 1;
+    }
+    let key = match quantity {
+        Quantity::Frequency => "frequency deviation",
+        Quantity::LogAmplitude => "amplitude deviation",
+    };
+    let rule = "must be a column of the file, or levels must be there more than once with numbers that differ: nothing else says \
+                how far a measurement is to be trusted";
+    let known = degrees_of_freedom > 0 && square > 0.0;
+    BadSetting::unless(known, key, "(absent)", rule)?;
+    Ok(Scatter {
+        standard_deviation: (square / degrees_of_freedom as f64).sqrt(),
+        degrees_of_freedom,
+    })
+}

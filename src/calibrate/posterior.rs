@@ -1,0 +1,186 @@
+//! Density of the posterior with its gradient.
+//!
+//! Mean of a measured number: y = m(z) + surrogate's error + discrepancy + measurement error, all normal, so that
+//! ln p = −½ |z|² − ½ Σ ((y − m)² / V + ln V) with V = σ²/n + s² + d² (Kennedy & O'Hagan, J. R. Stat. Soc. B 63 (2001) 425–464, with
+//! one discrepancy per level). Standard deviations that are not stated are unknowns, too: of the measurement by the scatter of the
+//! repetitions, of the discrepancy by its prior.
+
+use super::observation::{Observation, Observations, Quantity, Scatter};
+use super::prior::Prior;
+use super::settings::Discrepancy;
+use super::surrogate::Surrogates;
+use libm::{exp, log};
+
+/// A standard deviation that is an unknown, by the logarithm of its ratio to a scale.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Deviation {
+    /// Of one measurement. Repetitions with ν degrees of freedom estimate it as the scale: ν scale²/σ² has a χ² distribution, and
+    /// before them every ln σ is as likely.
+    Measurement(Quantity, Scatter),
+    /// Of the model, with its median as the scale.
+    Discrepancy(Quantity, f64),
+}
+
+impl Deviation {
+    fn quantity(self) -> Quantity {
+        match self {
+            Self::Measurement(quantity, _) | Self::Discrepancy(quantity, _) => quantity,
+        }
+    }
+
+    fn scale(self) -> f64 {
+        match self {
+            Self::Measurement(_, scatter) => scatter.standard_deviation,
+            Self::Discrepancy(_, scale) => scale,
+        }
+    }
+
+    /// Variance that it adds to the mean of an observation.
+    fn variance(self, log_ratio: f64, observation: &Observation) -> f64 {
+        let square = (self.scale() * exp(log_ratio)).powi(2);
+        match self {
+            _ if self.quantity() != observation.quantity => 0.0,
+            Self::Measurement(..) if observation.stated_variance.is_some() => 0.0,
+            Self::Measurement(..) => square / observation.repetitions as f64,
+            Self::Discrepancy(..) => square,
+        }
+    }
+
+    /// Logarithm of the density before the measured means, and its derivative.
+    fn prior(self, log_ratio: f64) -> [f64; 2] {
+        match self {
+            Self::Measurement(_, scatter) => {
+                let freedom = scatter.degrees_of_freedom as f64;
+                let square = exp(-2.0 * log_ratio);
+                [
+                    -freedom * (log_ratio + 0.5 * square),
+                    -freedom * (1.0 - square),
+                ]
+            }
+            Self::Discrepancy(..) => [-0.5 * log_ratio * log_ratio, -log_ratio],
+        }
+    }
+}
+
+/// The posterior of the inputs' scores, and of standard deviations that are not known.
+///
+/// A position has one score per random input, then one logarithm per [`Deviation`].
+#[derive(Debug, Clone)]
+pub struct Posterior<'a> {
+    prior: &'a Prior,
+    surrogates: &'a Surrogates,
+    observations: &'a Observations,
+    deviations: Vec<Deviation>,
+}
+
+impl<'a> Posterior<'a> {
+    /// The posterior. The surrogates must be those of the observed levels.
+    #[must_use]
+    pub fn new(
+        prior: &'a Prior,
+        surrogates: &'a Surrogates,
+        observations: &'a Observations,
+        discrepancy: Discrepancy,
+    ) -> Self {
+        let measured = Quantity::ALL.into_iter().zip(observations.scatter);
+        let measured = measured.filter_map(|(q, s)| Some(Deviation::Measurement(q, s?)));
+        let scales = [discrepancy.frequency_hz, discrepancy.amplitude];
+        let model = Quantity::ALL.into_iter().zip(scales);
+        let model = model.filter(|(_, scale)| *scale > 0.0);
+        let model = model.map(|(quantity, scale)| Deviation::Discrepancy(quantity, scale));
+        Self {
+            prior,
+            surrogates,
+            observations,
+            deviations: measured.chain(model).collect(),
+        }
+    }
+
+    /// Length of a position.
+    #[must_use]
+    pub fn dimension(&self) -> usize {
+        self.scores() + self.deviations.len()
+    }
+
+    /// Number of scores, which a position begins with.
+    #[must_use]
+    pub fn scores(&self) -> usize {
+        self.prior.inputs().len()
+    }
+
+    /// What is measured.
+    #[must_use]
+    pub fn observations(&self) -> &Observations {
+        self.observations
+    }
+
+    /// What is known before.
+    #[must_use]
+    pub fn prior(&self) -> &Prior {
+        self.prior
+    }
+
+    /// Unknown standard deviations, in the order of a position.
+    #[must_use]
+    pub fn deviations(&self) -> &[Deviation] {
+        &self.deviations
+    }
+
+    /// An unknown standard deviation, the `k`-th one, at a position.
+    #[must_use]
+    pub fn deviation(&self, position: &[f64], k: usize) -> f64 {
+        self.deviations[k].scale() * exp(position[self.scores() + k])
+    }
+
+    /// Mean and variance of each observation at a position: what the model predicts of it.
+    #[must_use]
+    pub fn predictions(&self, position: &[f64]) -> Vec<[f64; 2]> {
+        let (scores, logs) = position.split_at(self.scores());
+        let predicted = self.surrogates.predict(&self.prior.coordinates(scores));
+        let means = self.observations.means.iter().enumerate();
+        means
+            .map(|(o, of)| [predicted[o].0, self.variance(o, of, logs)])
+            .collect()
+    }
+
+    fn variance(&self, place: usize, observation: &Observation, logs: &[f64]) -> f64 {
+        let unknown = self.deviations.iter().zip(logs);
+        let unknown = unknown.map(|(deviation, log)| deviation.variance(*log, observation));
+        let surrogate = self.surrogates.all[place].deviation.powi(2);
+        observation.stated_variance.unwrap_or(0.0) + surrogate + unknown.sum::<f64>()
+    }
+
+    /// Logarithm of the density but for a constant, and its gradient. Shape: both of [`Posterior::dimension`].
+    #[must_use]
+    pub fn log_density(&self, position: &[f64], gradient: &mut [f64]) -> f64 {
+        let (scores, logs) = position.split_at(self.scores());
+        let (by_score, by_log) = gradient.split_at_mut(self.scores());
+        let at = self.prior.coordinates(scores);
+        let predicted = self.surrogates.predict(&at);
+        let mut density = -0.5 * scores.iter().map(|z| z * z).sum::<f64>();
+        for ((slot, log), deviation) in by_log.iter_mut().zip(logs).zip(&self.deviations) {
+            let [value, slope] = deviation.prior(*log);
+            density += value;
+            *slot = slope;
+        }
+        let mut by_coordinate = vec![0.0; scores.len()];
+        let means = self.observations.means.iter().enumerate();
+        for ((o, observation), (mean, slopes)) in means.zip(&predicted) {
+            let variance = self.variance(o, observation, logs);
+            let away = observation.mean - mean;
+            density -= 0.5 * (away * away / variance + log(variance));
+            for (slot, slope) in by_coordinate.iter_mut().zip(slopes) {
+                *slot += away / variance * slope;
+            }
+            let by_variance = 0.5 * (away * away / variance - 1.0) / variance;
+            for ((slot, log), deviation) in by_log.iter_mut().zip(logs).zip(&self.deviations) {
+                *slot += 2.0 * by_variance * deviation.variance(*log, observation);
+            }
+        }
+        let pulled = self.prior.gradient(&at, &by_coordinate);
+        for ((slot, z), g) in by_score.iter_mut().zip(scores).zip(pulled) {
+            *slot = g - z;
+        }
+        density
+    }
+}

@@ -1,0 +1,51 @@
+//! Files of a calibration.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use super::found::Calibrated;
+use crate::Error;
+use crate::study::OutputFolder;
+
+/// Summary of a calibration.
+pub const CALIBRATION: &str = "calibration.json";
+/// Draws of the posterior, which a design of kind "file" reads.
+pub const POSTERIOR: &str = "posterior.csv";
+
+impl Calibrated {
+    /// Writes `posterior.csv` and `calibration.json` into `folder`; the files.
+    ///
+    /// # Errors
+    /// [`Error::File`] if one cannot be written.
+    pub fn write(&self, folder: &OutputFolder) -> Result<Vec<PathBuf>, Error> {
+        let draws = folder.write(POSTERIOR, |out| self.write_draws(out))?;
+        let summary = folder.write(CALIBRATION, |out| {
+            serde_json::to_writer_pretty(&mut *out, &self.summary)?;
+            writeln!(out)
+        })?;
+        Ok(vec![draws, summary])
+    }
+
+    /// A line of names, then one line per draw. Draws of the chains alternate, so that the first ones are of all chains.
+    fn write_draws(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        writeln!(
+            out,
+            "# draws of the posterior, for [design] kind = \"file\""
+        )?;
+        let names: Vec<&str> = self
+            .summary
+            .inputs
+            .iter()
+            .map(|i| i.name.as_str())
+            .collect();
+        writeln!(out, "{}", names.join(","))?;
+        let draws = self.draws.first().map_or(0, Vec::len);
+        for draw in 0..draws {
+            for chain in &self.draws {
+                let values: Vec<String> = chain[draw].iter().map(|v| format!("{v:?}")).collect();
+                writeln!(out, "{}", values.join(","))?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,133 @@
+//! `calibrate`: arguments, progress and what was found.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use super::terminal::print;
+use super::threads::Threads;
+use clap::Args;
+use microslip::Error;
+use microslip::calibrate::settings::Discrepancy;
+use microslip::calibrate::{Calibration, CalibrationSettings, Stage, calibrate};
+use microslip::study::{OutputFolder, Study};
+
+#[derive(Args)]
+pub(super) struct CalibrateArguments {
+    /// Study file: its inputs with their distributions are what is known before.
+    study: PathBuf,
+    /// Table of the measured response: level [N], resonance frequency [Hz], amplitude [um], one row per level and repetition.
+    #[arg(long)]
+    measured: PathBuf,
+    /// Folder of calibration.json, posterior.csv and calibration.html.
+    #[arg(long)]
+    output: PathBuf,
+    /// Samples of the study that are solved for the surrogates, instead of all.
+    #[arg(long)]
+    samples: Option<u64>,
+    /// Markov chains.
+    #[arg(long, default_value_t = CalibrationSettings::default().chains)]
+    chains: usize,
+    /// Draws of each chain.
+    #[arg(long, default_value_t = CalibrationSettings::default().draws)]
+    draws: usize,
+    /// Seed of the chains.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// What the model may be wrong by in frequency, whatever its inputs: standard deviation (Hz), itself uncertain by a factor e.
+    #[arg(long, default_value_t = 0.0)]
+    discrepancy_hz: f64,
+    /// The same in amplitude, in percent.
+    #[arg(long, default_value_t = 0.0)]
+    discrepancy_percent: f64,
+    /// No table and no progress.
+    #[arg(long)]
+    quiet: bool,
+    #[command(flatten)]
+    threads: Threads,
+}
+
+impl CalibrateArguments {
+    pub(super) fn execute(&self) -> Result<(), Error> {
+        self.threads.start()?;
+        let settings = CalibrationSettings {
+            samples: self.samples,
+            chains: self.chains,
+            draws: self.draws,
+            seed: self.seed,
+            discrepancy: Discrepancy {
+                frequency_hz: self.discrepancy_hz,
+                amplitude: 0.01 * self.discrepancy_percent,
+            },
+            ..CalibrationSettings::default()
+        };
+        let study = Study::read(&self.study)?;
+        let output = OutputFolder::open(&self.output)?;
+        let found = calibrate(study, &self.measured, &settings, |stage| self.tell(stage))?;
+        let files = found.write(&output)?;
+        for warning in &found.summary.warnings {
+            eprintln!("warning: {warning}");
+        }
+        if self.quiet {
+            return Ok(());
+        }
+        print(|out| {
+            show(out, &found.summary)?;
+            for file in &files {
+                writeln!(out, "{}", file.display())?;
+            }
+            Ok(())
+        })
+    }
+
+    fn tell(&self, stage: Stage) {
+        if self.quiet {
+            return;
+        }
+        match stage {
+            Stage::Samples(n) => eprintln!("solving {n} samples"),
+            Stage::Chains(round) => eprintln!("round {round}: fit, and chains"),
+            Stage::Check(n) => eprintln!("solving {n} draws of the posterior"),
+        }
+    }
+}
+
+fn show(out: &mut dyn Write, found: &Calibration) -> std::io::Result<()> {
+    for input in &found.inputs {
+        let (before, after) = (input.prior, input.posterior);
+        writeln!(
+            out,
+            "{:28}{:.5} ({:.5} .. {:.5}); before {:.5} ({:.5} .. {:.5})",
+            input.name, after.q50, after.q025, after.q975, before.q50, before.q025, before.q975
+        )?;
+    }
+    let worst = found.inputs.iter().filter_map(|input| input.mixing);
+    let r_hat = worst.clone().map(|m| m.r_hat).fold(1.0, f64::max);
+    let effective = worst.map(|m| m.bulk_effective.min(m.tail_effective));
+    let effective = effective.fold(f64::INFINITY, f64::min);
+    writeln!(
+        out,
+        "R-hat at most {r_hat:.4}, {effective:.0} effective draws or more, {} divergences",
+        found.divergences
+    )?;
+    if let Some(last) = found.rounds.last() {
+        writeln!(
+            out,
+            "surrogates of {} points, checked at {} draws of the posterior: their error is at most {:.2} times what the \
+             likelihood takes it for ({} {})",
+            last.points,
+            last.checked - last.failed,
+            last.worst_ratio,
+            found.rounds.len(),
+            if found.rounds.len() == 1 {
+                "round"
+            } else {
+                "rounds"
+            },
+        )?;
+    }
+    writeln!(
+        out,
+        "posterior predictive p = {:.3}",
+        found.misfit_probability
+    )
+}

@@ -1,0 +1,169 @@
+//! A linear response of normal inputs has a posterior in closed form.
+
+use super::{normal_prior, observed, surrogates};
+use microslip::calibrate::predictive::misfit;
+use microslip::calibrate::settings::Discrepancy;
+use microslip::calibrate::{CalibrationSettings, Chains, Posterior};
+use microslip::statistics::mixing;
+
+/// Frequency 100 + 3 a − 2 b and ln amplitude a + b of the inputs a, b.
+const SLOPES: [[f64; 2]; 2] = [[3.0, -2.0], [1.0, 1.0]];
+
+fn response(x: &[f64]) -> [f64; 2] {
+    let [f, a] = SLOPES.map(|s| s[0] * x[0] + s[1] * x[1]);
+    [100.0 + f, a]
+}
+
+fn settings() -> CalibrationSettings {
+    CalibrationSettings {
+        draws: 1000,
+        warm_up: 300,
+        seed: 3,
+        ..CalibrationSettings::default()
+    }
+}
+
+/// Mean and covariance after `y` with deviations `s` under the covariance `p` before: Kalman's update, with 2 × 2 matrices.
+fn update(p: [[f64; 2]; 2], y: [f64; 2], s: [f64; 2]) -> ([f64; 2], [[f64; 2]; 2]) {
+    let mean = [1.0, 2.0];
+    let h = SLOPES;
+    let product = |a: [[f64; 2]; 2], b: [[f64; 2]; 2]| {
+        let at = |i: usize, j: usize| a[i][0] * b[0][j] + a[i][1] * b[1][j];
+        [[at(0, 0), at(0, 1)], [at(1, 0), at(1, 1)]]
+    };
+    let turned = [[h[0][0], h[1][0]], [h[0][1], h[1][1]]];
+    let mut of_data = product(product(h, p), turned);
+    (of_data[0][0], of_data[1][1]) = (of_data[0][0] + s[0] * s[0], of_data[1][1] + s[1] * s[1]);
+    let [[a, b], [c, d]] = of_data;
+    let det = a * d - b * c;
+    let inverse = [[d / det, -b / det], [-c / det, a / det]];
+    let gain = product(product(p, turned), inverse);
+    let expected = response(&mean);
+    let away = [y[0] - expected[0], y[1] - expected[1]];
+    let moved = |i: usize| mean[i] + gain[i][0] * away[0] + gain[i][1] * away[1];
+    let taken = product(product(gain, h), p);
+    let left = |i: usize, j: usize| p[i][j] - taken[i][j];
+    (
+        [moved(0), moved(1)],
+        [[left(0, 0), left(0, 1)], [left(1, 0), left(1, 1)]],
+    )
+}
+
+/// Means within four standard errors and standard deviations within a tenth of the closed form, of independent and correlated inputs.
+///
+/// Seen to fail with the correlation left out of the scores, and with the gradient not pulled back.
+#[test]
+fn the_posterior_of_a_linear_response_is_the_closed_form() {
+    for rho in [0.0, 0.7] {
+        let (prior, design) = normal_prior(rho);
+        let fitted = surrogates(&prior, &design, response);
+        let (y, s) = ([100.2, 3.15], [0.2, 0.05]);
+        let data = observed(y, s);
+        let posterior = Posterior::new(&prior, &fitted, &data, Discrepancy::default());
+        let chains = Chains::draw(&posterior, &settings()).unwrap();
+        let c = rho * 0.02;
+        let (mean, covariance) = update([[0.01, c], [c, 0.04]], y, s);
+        for j in 0..2 {
+            let draws = chains.each(|position| prior.values(position)[j]);
+            let found = mixing(&draws).unwrap();
+            assert!(found.r_hat < 1.01, "rho {rho}, input {j}: {found:?}");
+            let all = draws.concat();
+            let n = all.len() as f64;
+            let average = all.iter().sum::<f64>() / n;
+            let square = all.iter().map(|v| (v - average).powi(2)).sum::<f64>() / n;
+            let deviation = covariance[j][j].sqrt();
+            let error = (average - mean[j]).abs() / deviation;
+            let allowed = 4.0 / found.bulk_effective.sqrt();
+            assert!(
+                error < allowed,
+                "rho {rho}, input {j}: mean {average}, expected {}",
+                mean[j]
+            );
+            let ratio = square.sqrt() / deviation;
+            assert!(
+                (0.9..1.1).contains(&ratio),
+                "rho {rho}, input {j}: deviation {ratio}"
+            );
+        }
+        let positions: Vec<&[f64]> = chains.all().collect();
+        let p = misfit(&posterior, &positions);
+        assert!((0.02..0.98).contains(&p), "rho {rho}: p = {p}");
+    }
+}
+
+/// The gradient is that of the density, with unknown standard deviations of all kinds.
+///
+/// Seen to fail with the derivative of ln V left out.
+#[test]
+fn the_gradient_is_that_of_the_density() {
+    let (prior, design) = normal_prior(0.5);
+    let fitted = surrogates(&prior, &design, |x| {
+        [100.0 + x[0] * x[1], x[0].sin() + x[1]]
+    });
+    let mut data = observed([102.5, 2.7], [0.2, 0.05]);
+    for (mean, slot) in data.means.iter_mut().zip(&mut data.scatter) {
+        mean.stated_variance = None;
+        mean.repetitions = 3;
+        *slot = Some(microslip::calibrate::observation::Scatter {
+            standard_deviation: 0.1,
+            degrees_of_freedom: 4,
+        });
+    }
+    let discrepancy = Discrepancy {
+        frequency_hz: 0.3,
+        amplitude: 0.05,
+    };
+    let posterior = Posterior::new(&prior, &fitted, &data, discrepancy);
+    assert_eq!(
+        posterior.dimension(),
+        6,
+        "two scores, two scatters, two discrepancies"
+    );
+    let at = [0.4, -0.8, 0.3, -0.2, 0.5, -0.6];
+    let density = |x: &[f64]| posterior.log_density(x, &mut [0.0; 6]);
+    let mut gradient = [0.0; 6];
+    let value = posterior.log_density(&at, &mut gradient);
+    assert!(value.is_finite(), "{value}");
+    for j in 0..6 {
+        let [below, above] = [-1e-6, 1e-6].map(|d| {
+            let mut moved = at;
+            moved[j] += d;
+            density(&moved)
+        });
+        let slope = (above - below) / 2e-6;
+        let error = (gradient[j] - slope).abs();
+        assert!(
+            error < 1e-5 * (1.0 + slope.abs()),
+            "{j}: {} and {slope}",
+            gradient[j]
+        );
+    }
+}
+
+/// Chains are the same bits on one thread and on three, and others with another seed.
+///
+/// Seen to fail with the seed left out of the generator.
+#[test]
+fn chains_do_not_depend_on_threads() {
+    let (prior, design) = normal_prior(0.3);
+    let fitted = surrogates(&prior, &design, response);
+    let data = observed([100.2, 3.15], [0.2, 0.05]);
+    let posterior = Posterior::new(&prior, &fitted, &data, Discrepancy::default());
+    let few = CalibrationSettings {
+        draws: 100,
+        warm_up: 100,
+        ..settings()
+    };
+    let on = |threads: usize, seed: u64| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let settings = CalibrationSettings {
+            seed,
+            ..few.clone()
+        };
+        let pool = pool.build().unwrap();
+        pool.install(|| Chains::draw(&posterior, &settings))
+            .unwrap()
+    };
+    assert!(on(1, 3) == on(3, 3), "one thread and three");
+    assert!(on(1, 3) != on(1, 4), "another seed");
+}
