@@ -33,7 +33,11 @@ impl RigArguments {
         let (done, total) = (AtomicU64::new(0), rig.number_of_tests());
         let summary = write_tests(&rig, &self.output, || {
             let done = 1 + done.fetch_add(1, Ordering::Relaxed);
-            bar.show(Progress { done, total });
+            bar.show(Progress {
+                done,
+                total,
+                newton_iterations: 0,
+            });
         })?;
         bar.clear();
         if self.messages.quiet {

@@ -39,18 +39,6 @@ pub struct Identified {
     pub version: String,
 }
 
-impl ContactParameter {
-    /// Its name in files and messages, with the unit.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::FrictionCoefficient => "friction_coefficient",
-            Self::TangentialStiffnessNPerUm => "tangential_stiffness_n_per_um",
-            Self::NormalStiffnessNPerUm => "normal_stiffness_n_per_um",
-        }
-    }
-}
-
 /// A parameter of the contact and its distribution.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct IdentifiedInput {

@@ -146,6 +146,7 @@ fn counts(used: &[Used<'_>], parameter: ContactParameter) -> Counts {
         .filter_map(|u| value(u.estimate, parameter).map(|found| (u.group, found)))
         .collect();
     let mut groups: Vec<usize> = having.iter().map(|(group, _)| *group).collect();
+    groups.sort_unstable();
     groups.dedup();
     Counts {
         tests: having.len(),

@@ -79,8 +79,8 @@ pub use margin::{
     Criterion, Denominator, FrequencyMargin, Judgement, frequency_margin, goodman_allowable, judge,
     reserve_factor,
 };
-pub use mean::student;
 pub use markov_chain::{Mixing, mixing};
+pub use mean::student;
 pub use moment::{MomentEstimate, Moments, moment_estimate, moments};
 pub use observed::{Enclosed, Observed, Sorted};
 pub use order_statistic::{

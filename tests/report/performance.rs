@@ -92,7 +92,10 @@ fn curves_stand_over_the_ratio_of_each_sample() {
             );
         }
         let q = row[at("q_factor_q50")];
-        assert!((q * expected / 0.5 - 1.0).abs() < 1e-9, "Q {q} of {expected}");
+        assert!(
+            (q * expected / 0.5 - 1.0).abs() < 1e-9,
+            "Q {q} of {expected}"
+        );
     }
     let ends = [rows[0][0], rows[LEVELS.len() - 1][0]];
     let nominal = [LEVELS[0], LEVELS[LEVELS.len() - 1]].map(|level| level / 180.0);
