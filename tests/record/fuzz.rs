@@ -40,6 +40,8 @@ fn mutated_universal_files_are_survived() {
 fn mutated_variables_are_survived() {
     for form in mat_file::forms() {
         survive(|path| read_tests(path).is_ok(), "rig.mat", &form.test());
+    }
+    for form in mat_file::forms().into_iter().step_by(3) {
         survive(|path| read_tests(path).is_ok(), "rig.mat", &form.tests());
     }
 }

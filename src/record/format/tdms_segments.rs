@@ -207,7 +207,7 @@ impl Reader {
         if bytes.is_empty() {
             return Ok(());
         }
-        if chunk == 0 || bytes.len() % chunk != 0 {
+        if chunk == 0 || !bytes.len().is_multiple_of(chunk) {
             let n = bytes.len();
             return Err(format!(
                 "has {n} bytes of samples: must be whole chunks of {chunk} bytes"

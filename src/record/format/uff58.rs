@@ -62,9 +62,8 @@ fn tests(lines: &mut Lines<'_>) -> Result<Vec<Channels>, String> {
             rule
         })?
         else {
-            match binary {
-                Some(binary) => drop(lines.take(binary.bytes)?),
-                None => {}
+            if let Some(binary) = binary {
+                lines.take(binary.bytes)?;
             }
             lines.pass_to(MARK)?;
             continue;
@@ -154,6 +153,9 @@ struct Axis {
     unit: Option<String>,
 }
 
+/// What an ordinate is, and the units of abscissa and ordinate.
+type Signal = (Quantity, [Unit; 2]);
+
 /// Lines before the numbers.
 struct Head {
     identity: Vec<String>,
@@ -218,7 +220,7 @@ impl Head {
     ///
     /// # Errors
     /// Line and rule.
-    fn quantity(&self) -> Result<Option<(Quantity, [Unit; 2])>, (u64, String)> {
+    fn quantity(&self) -> Result<Option<Signal>, (u64, String)> {
         let is_time = self.abscissa.is_time
             || Quantity::named(&self.abscissa.label, &[Quantity::Time]).is_some();
         let names = [&self.identity[0], &self.ordinate.label];
