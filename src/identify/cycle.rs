@@ -306,7 +306,8 @@ fn take_drift_out(loops: &mut [MeanLoop], signal: fn(&mut MeanLoop) -> &mut Vec<
 }
 
 /// Replaces single values that lie far from those of the other cycles at the same phase by their median; how many. Where many
-/// neighbours lie far off the cycle is another one, and stays.
+/// neighbours lie far off the cycle is another one, and stays. Where a sensor gives steps the scatter at one phase may be next to
+/// nothing: that of the usual phase counts then.
 fn take_spikes_out(loops: &mut [MeanLoop]) -> usize {
     if loops.len() < LEAST_FOR_SPIKES {
         return 0;
@@ -320,11 +321,13 @@ fn take_spikes_out(loops: &mut [MeanLoop]) -> usize {
             .map(|cycle| signal(cycle).clone())
             .collect();
         let mean = columns.iter().map(|column| swing(column)).sum::<f64>() / columns.len() as f64;
-        let scales = (0..columns[0].len()).map(|m| {
-            let values: Vec<f64> = columns.iter().map(|column| column[m]).collect();
-            robust_scale(&values)
-        });
-        let scales: Vec<[f64; 2]> = scales.flatten().collect();
+        let phases =
+            (0..columns[0].len()).map(|m| columns.iter().map(|column| column[m]).collect());
+        let phases: Vec<Vec<f64>> = phases.collect();
+        let mut deviations: Vec<f64> = phases.iter().map(|values| deviation(values)).collect();
+        let usual = median(&mut deviations).unwrap_or(0.0);
+        let scales = phases.iter().filter_map(|values| robust_scale(values));
+        let scales: Vec<[f64; 2]> = scales.map(|[middle, d]| [middle, d.max(usual)]).collect();
         for (cycle, column) in loops.iter_mut().zip(&columns) {
             let far = |(value, [middle, deviation]): (&f64, &[f64; 2])| {
                 (value - middle).abs() > (SPIKE * deviation).max(SPIKE_OF_SWING * mean)
@@ -343,6 +346,13 @@ fn take_spikes_out(loops: &mut [MeanLoop]) -> usize {
         }
     }
     spikes
+}
+
+/// Standard deviation of values.
+fn deviation(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
 }
 
 /// Greatest less least value.
