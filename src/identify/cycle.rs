@@ -1,7 +1,9 @@
 //! A record cut into cycles: which of them are steady, and their means.
 
 use super::frequency::fundamental;
-use super::mean_loop::{MeanLoop, median, neighbour_correlation, robust_scale, smooth};
+use super::mean_loop::{
+    MeanLoop, inner_range, median, neighbour_correlation, robust_scale, smooth,
+};
 use super::result::Cycles;
 use super::run_in::run_in;
 use super::settings::IdentifySettings;
@@ -39,6 +41,8 @@ const SPIKE: f64 = 8.0;
 /// Least distance of a spike from the other cycles, over the swing of the signal.
 const SPIKE_OF_SWING: f64 = 0.02;
 
+/// Most samples of a spike.
+const LONGEST_SPIKE: usize = 3;
 /// Fewest samples of a cycle in which noise is told from high harmonics of the motion.
 const LEAST_TO_SMOOTH: usize = 64;
 /// Correlation of neighbours above which a rest is no noise. Lines between samples give noise up to 0.5, a seventh harmonic of 64
@@ -65,7 +69,6 @@ pub(super) fn cut(
     let motion = fundamental(&record.time, &record.displacement, stated).ok_or(
         "the displacement does not swing twice: state the frequency, or record more than two cycles",
     )?;
-    let grid = Grid::new(&record.time, motion.frequency, motion.first_top)?;
     if motion.share < PERIODIC {
         return Err(format!(
             "is no hysteresis loop: at {:.4} Hz the displacement holds {:.0} % of its variance, a periodic motion more than {:.0} %",
@@ -74,8 +77,17 @@ pub(super) fn cut(
             100.0 * PERIODIC,
         ));
     }
+    let grid = Grid::new(&record.time, motion.frequency, motion.first_top)?;
     let mut loops = grid.loops(record, settings.normal_force_offset_n);
-    let means = [displacement, tangential].map(|signal| take_means_out(&mut loops, signal));
+    let mut means = [displacement, tangential].map(|signal| take_means_out(&mut loops, signal));
+    let spikes = take_spikes_out(&mut loops);
+    for (means, signal) in means.iter_mut().zip([displacement, tangential]) {
+        let moved = take_means_out(&mut loops, signal);
+        means
+            .iter_mut()
+            .zip(moved)
+            .for_each(|(mean, by)| *mean += by);
+    }
     let whole = loops.len();
     let run_in = match settings.run_in_cycles {
         Some(stated) if stated < whole => stated,
@@ -89,7 +101,6 @@ pub(super) fn cut(
     let drift = means.each_ref().map(|means| drift(&means[run_in..]));
     take_drift_out(&mut loops, displacement, drift[0]);
     take_drift_out(&mut loops, tangential, drift[1]);
-    let spikes = take_spikes_out(&mut loops[run_in..]);
     align(&mut loops, run_in);
     smooth_motion(&mut loops, run_in);
     let steady = &loops[run_in..];
@@ -251,11 +262,13 @@ fn smooth_motion(loops: &mut [MeanLoop], run_in: usize) {
     }
 }
 
-/// Puts a signal of every loop about its mean; the means.
+/// Puts a signal of every loop about its mean without spikes; the means.
 fn take_means_out(loops: &mut [MeanLoop], signal: fn(&mut MeanLoop) -> &mut Vec<f64>) -> Vec<f64> {
     let centred = |cycle: &mut MeanLoop| {
         let values = signal(cycle);
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let [low, high] = inner_range(values);
+        let clipped = values.iter().map(|v| v.clamp(low, high));
+        let mean = clipped.sum::<f64>() / values.len() as f64;
         values.iter_mut().for_each(|v| *v -= mean);
         mean
     };
@@ -281,7 +294,8 @@ fn take_drift_out(loops: &mut [MeanLoop], signal: fn(&mut MeanLoop) -> &mut Vec<
     }
 }
 
-/// Replaces values that lie far from those of the other cycles at the same phase by their median; how many.
+/// Replaces single values that lie far from those of the other cycles at the same phase by their median; how many. Where many
+/// neighbours lie far off the cycle is another one, and stays.
 fn take_spikes_out(loops: &mut [MeanLoop]) -> usize {
     if loops.len() < LEAST_FOR_SPIKES {
         return 0;
@@ -295,16 +309,24 @@ fn take_spikes_out(loops: &mut [MeanLoop]) -> usize {
             .map(|cycle| signal(cycle).clone())
             .collect();
         let mean = columns.iter().map(|column| swing(column)).sum::<f64>() / columns.len() as f64;
-        for m in 0..columns[0].len() {
+        let scales = (0..columns[0].len()).map(|m| {
             let values: Vec<f64> = columns.iter().map(|column| column[m]).collect();
-            let Some([middle, deviation]) = robust_scale(&values) else {
-                continue;
+            robust_scale(&values)
+        });
+        let scales: Vec<[f64; 2]> = scales.flatten().collect();
+        for (cycle, column) in loops.iter_mut().zip(&columns) {
+            let far = |(value, [middle, deviation]): (&f64, &[f64; 2])| {
+                (value - middle).abs() > (SPIKE * deviation).max(SPIKE_OF_SWING * mean)
             };
-            let far = (SPIKE * deviation).max(SPIKE_OF_SWING * mean);
-            for (cycle, value) in loops.iter_mut().zip(values) {
-                if (value - middle).abs() > far {
-                    signal(cycle)[m] = middle;
-                    spikes += 1;
+            let flags: Vec<bool> = column.iter().zip(&scales).map(far).collect();
+            for run in flags.chunk_by(|a, b| a == b).scan(0, |end, run| {
+                *end += run.len();
+                Some((*end - run.len()..*end, run[0]))
+            }) {
+                let (places, is_far) = run;
+                if is_far && places.len() <= LONGEST_SPIKE {
+                    spikes += places.len();
+                    places.for_each(|m| signal(cycle)[m] = scales[m][0]);
                 }
             }
         }

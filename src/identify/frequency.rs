@@ -18,7 +18,7 @@ pub(super) struct Fundamental {
 /// Level of the trigger over the amplitude: noise below it makes no crossing.
 const TRIGGER: f64 = 0.3;
 /// Steps of the search for the frequency: each makes the interval 0.618 times as long.
-const STEPS: usize = 30;
+const STEPS: usize = 20;
 /// Part of the inverse of the record's length in which the frequency is sought around the one from crossings.
 const SEARCH: f64 = 0.5;
 /// Cycles over the whole record by which the phase of a stated frequency may be wrong.

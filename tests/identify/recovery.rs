@@ -40,7 +40,7 @@ fn recovers(bench: &Bench, [friction, stiffness]: [f64; 2]) {
 #[test]
 fn a_loop_without_faults_is_exact() {
     let bench = Bench::default();
-    recovers(&bench, [1e-9, 1e-9]);
+    recovers(&bench, [1e-8, 1e-8]);
     let found = estimate(&bench);
     let friction = found.friction.unwrap();
     let difference = friction.energy_difference.unwrap();
