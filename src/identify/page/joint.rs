@@ -78,10 +78,7 @@ fn forest(view: &View, pooled: &PooledParameter) -> Figure {
     let names = chosen.iter().map(|(_, test, _)| short_name(&test.name));
     let names: Vec<String> = names.chain(["Further contact".to_owned()]).collect();
     let last = -(chosen.len() as f64);
-    let title = format!(
-        "{} by test",
-        capitalised(name(parameter))
-    );
+    let title = format!("{} by test", capitalised(name(parameter)));
     let mut panel = Panel::new(Size::Rows(names.len()), title, x, Axis::of_names(names));
     let [low, high] = pooled.further_contact;
     panel.band("range", &[(low, last - 0.5, 0.5), (high, last - 0.5, 0.5)]);
