@@ -1,9 +1,10 @@
 //! What each single loop gives, over the number of the cycle.
 
-use super::parameter::{label, of_test};
+use super::parameter::label;
 use super::view::{View, short_name};
 use crate::identify::parameter::ContactParameter;
 use crate::identify::result::{LoopResult, LoopValue, TestResult};
+use crate::identify::uncertain::Uncertain;
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Figure, Key, Mark, Section};
 use crate::page::display::percent;
@@ -40,7 +41,7 @@ pub(super) fn section(view: &View) -> Option<Section> {
         Key::new(
             Mark::Band,
             "range",
-            format!("the test as a whole, with its {confidence} interval"),
+            format!("mean of the steady loops, with its {confidence} interval"),
         ),
         Key::new(Mark::Band, "speeds", "run-in, left out"),
     ];
@@ -69,36 +70,31 @@ fn figures(view: &View, level: usize, test: &TestResult) -> Vec<Figure> {
             found.tangential_stiffness_n_per_um[side]
         })
     });
+    let estimate = test.estimate.as_ref();
+    let coefficient = estimate.and_then(|e| e.friction).map(|f| f.coefficient);
+    let stiffness = |side: usize| estimate.and_then(|e| e.tangential.sides_n_per_um[side]);
     let name = short_name(&test.name);
-    let panel = |parameter, title: String, points: &[Point], file: &str| {
-        let shown: Vec<&Point> = match parameter {
-            ContactParameter::FrictionCoefficient => points.iter().collect(),
-            _ => sides.iter().flatten().collect(),
-        };
-        let mut panel = frame(test, parameter, title, &shown);
+    let both: Vec<&Point> = sides.iter().flatten().collect();
+    let figure = |file: &str, points: &[Point], mut panel: Panel| {
         draw(&mut panel, level, points);
         let caption = missing(test.loops.len(), points.len());
-        view.figure(&panel, format!("{file}-{level}"), caption)
+        view.figure(&panel, format!("cycles-{file}-{level}"), caption)
+    };
+    let plateaus = frame(
+        test,
+        label(friction),
+        format!("{name}: plateaus"),
+        (coefficient, &coefficients.iter().collect::<Vec<_>>()),
+    );
+    let side = |side: usize, words: &str| {
+        let title = format!("{name}: after {words}");
+        let panel = frame(test, label(tangential), title, (stiffness(side), &both));
+        figure(words, &sides[side], panel)
     };
     vec![
-        panel(
-            friction,
-            format!("{name}: plateaus"),
-            &coefficients,
-            "cycles-friction",
-        ),
-        panel(
-            tangential,
-            format!("{name}: after greatest"),
-            &sides[0],
-            "cycles-greatest",
-        ),
-        panel(
-            tangential,
-            format!("{name}: after least"),
-            &sides[1],
-            "cycles-least",
-        ),
+        figure("friction", &coefficients, plateaus),
+        side(0, "greatest"),
+        side(1, "least"),
     ]
 }
 
@@ -124,14 +120,18 @@ fn points(
     test.loops.iter().filter_map(point).collect()
 }
 
-/// An empty panel with the run-in and the value of the test; its axes hold what is `shown`.
-fn frame(test: &TestResult, parameter: ContactParameter, title: String, shown: &[&Point]) -> Panel {
-    let whole = test.estimate.as_ref().and_then(|e| of_test(parameter, e));
+/// An empty panel with the run-in and the value of the mean loop; its axes hold what is `shown`.
+fn frame(
+    test: &TestResult,
+    label: String,
+    title: String,
+    (whole, shown): (Option<Uncertain>, &[&Point]),
+) -> Panel {
     let limits = whole.into_iter().flat_map(|w| [w.lower, w.upper]);
     let last = test.loops.len() as f64 + 1.0;
     let x = Axis::linear("Cycle", 0.0, last);
     let values = shown.iter().flat_map(|p| p.ends);
-    let y = Axis::around(label(parameter), values.chain(limits));
+    let y = Axis::around(label, values.chain(limits));
     let [bottom, top] = y.range();
     let mut panel = Panel::new(Size::Small, title, x, y);
     let run_in = match test.cycles.map_or(0, |c| c.run_in) {

@@ -1,6 +1,6 @@
 //! The mean loop of each drawn test with what was fitted to it, force ratio and residual.
 
-use super::parameter::show;
+use super::parameter::show_all;
 use super::view::{View, short_name};
 use crate::identify::result::{LoopFigure, TestResult};
 use crate::page::axis::Axis;
@@ -146,12 +146,8 @@ impl Drawn<'_> {
             .as_ref()
             .map(|e| e.tangential.stiffness_n_per_um);
         let caption = stiffness.map(|k| {
-            format!(
-                "Stiffness {} ({} to {}) N/µm. ",
-                show(k.value),
-                show(k.lower),
-                show(k.upper)
-            )
+            let [value, lower, upper] = show_all(k);
+            format!("Stiffness {value} ({lower} to {upper}) N/µm. ")
         });
         self.figure(&panel, "loop", caption.unwrap_or_default())
     }
@@ -172,12 +168,8 @@ impl Drawn<'_> {
                 for side in [mu.value, -mu.value] {
                     panel.level_rule("quantile", side);
                 }
-                format!(
-                    "Plateau at ±{} ({} to {}). ",
-                    show(mu.value),
-                    show(mu.lower),
-                    show(mu.upper)
-                )
+                let [value, lower, upper] = show_all(mu);
+                format!("Plateau at ±{value} ({lower} to {upper}). ")
             }
             None => "No plateau: the contact does not slip as a whole. ".to_owned(),
         };

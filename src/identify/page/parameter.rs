@@ -5,6 +5,9 @@ use crate::identify::result::TestEstimate;
 use crate::identify::uncertain::Uncertain;
 use crate::page::display::{capitalised, with_digits};
 
+/// Digits of a number at most.
+const MOST_DIGITS: i32 = 6;
+
 /// All, in the order of the page.
 pub(super) const ALL: [ContactParameter; 3] = [
     ContactParameter::FrictionCoefficient,
@@ -41,6 +44,17 @@ pub(super) fn with_unit(parameter: ContactParameter, text: &str) -> String {
 /// A value of any of them.
 pub(super) fn show(value: f64) -> String {
     with_digits(value, 3)
+}
+
+/// A value and both ends of its interval, with as many digits as tell these apart.
+pub(super) fn show_all(found: Uncertain) -> [String; 3] {
+    let shown =
+        |digits: i32| [found.value, found.lower, found.upper].map(|v| with_digits(v, digits));
+    let apart = |digits: &i32| {
+        let [value, lower, upper] = shown(*digits);
+        value != lower && value != upper
+    };
+    shown((3..MOST_DIGITS).find(apart).unwrap_or(MOST_DIGITS))
 }
 
 /// What one test says of it.

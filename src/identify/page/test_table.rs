@@ -1,12 +1,12 @@
 //! All tests in a table, and what was noted of each.
 
-use super::parameter::{of_test, show};
+use super::parameter::{of_test, show, show_all};
 use super::view::View;
 use crate::identify::parameter::ContactParameter;
 use crate::identify::result::{TestEstimate, TestResult, TestStatus};
 use crate::identify::uncertain::Uncertain;
 use crate::page::block::{Block, Cell, Section, Table};
-use crate::page::display::{DASH, from_to, hertz, percent, with_digits};
+use crate::page::display::{DASH, from_to, hertz, percent};
 
 /// Fields of a value with its interval in the download.
 macro_rules! fields {
@@ -191,9 +191,10 @@ fn uncertain_cell(found: Option<Uncertain>) -> Cell {
         return Cell::number(DASH, None).with_raw([None; 2]);
     };
     let ends = [found.lower, found.upper];
-    Cell::number(show(found.value), Some(found.value))
+    let [value, lower, upper] = show_all(found);
+    Cell::number(value, Some(found.value))
         .with_raw(ends.map(Some))
-        .with_small(from_to(ends, |v| with_digits(v, 3)))
+        .with_small(format!("{lower} … {upper}"))
 }
 
 /// What was noted of the tests; absent where nothing was.
