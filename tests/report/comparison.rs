@@ -123,7 +123,7 @@ fn empty_comparisons_render() {
     page(&compared(&runs), &runs);
 }
 
-/// Performance curves of every design, beside each other and on common axes. Seen to fail with axes of each design alone.
+/// Performance curves of every design, beside each other and on common axes.
 #[test]
 fn performance_curves_stand_beside_each_other() {
     let runs = [design(60, 1.0), design(60, 3.0)];

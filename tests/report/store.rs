@@ -237,8 +237,7 @@ fn a_record_is_of_the_bytes_as_written() {
     assert_eq!(written, FileRecord::of("samples.parquet", &bytes));
 }
 
-/// A table of an older program has no damping ratios: the other numbers are read, and these are unknown. Seen to fail with the
-/// column required.
+/// A table of an older program has no damping ratios: the other numbers are read, and these are unknown.
 #[test]
 fn tables_without_damping_ratios_are_read() {
     let study = SyntheticStudy::new(50);

@@ -195,7 +195,6 @@ mod tests {
     use super::*;
 
     /// Straight on logarithmic axes, nothing beyond the ends and beside a gap, and the value itself at a point beside one.
-    /// Seen to fail with the ratio itself in place of its logarithm.
     #[test]
     fn lines_are_straight_on_logarithmic_axes() {
         let line = [(1.0, 2.0), (4.0, 8.0), (16.0, f64::NAN), (64.0, 8.0)];
