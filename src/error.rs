@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::ensemble::table::TableError;
 use crate::file::FileError;
 use crate::hb::ProblemError;
+use crate::identify::IdentifyError;
 use crate::import::ImportError;
 use crate::model::ModelError;
 use crate::model::matrices::MatricesError;
@@ -30,6 +31,9 @@ pub enum Error {
     /// The user's model breaks a rule.
     #[error(transparent)]
     Matrices(#[from] MatricesError),
+    /// Nothing can be identified from the tests.
+    #[error(transparent)]
+    Identify(#[from] IdentifyError),
     /// A model of another program cannot be imported.
     #[error(transparent)]
     Import(#[from] ImportError),

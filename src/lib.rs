@@ -39,6 +39,7 @@ pub mod identify;
 pub mod import;
 pub mod linalg;
 pub mod model;
+mod page;
 pub mod record;
 pub mod report;
 pub mod sampling;

@@ -27,6 +27,12 @@ pub fn n_per_um_to_n_per_m(stiffness: f64) -> f64 {
     stiffness * 1e6
 }
 
+/// N/m → N/µm.
+#[must_use]
+pub fn n_per_m_to_n_per_um(stiffness: f64) -> f64 {
+    stiffness / 1e6
+}
+
 /// m → µm.
 #[must_use]
 pub fn m_to_um(length: f64) -> f64 {

@@ -218,7 +218,7 @@ fn siblings(a: &str, b: &str) -> (String, String) {
 ///
 /// Seen to fail with `use crate::hb::{peak::{maxima::Maxima, track::track_mode}, Status};` in `src/hb/newton/rest.rs`, with
 /// `use super::track::track_mode;` in `src/hb/peak/maxima.rs`, and, where only folders make the circle, with
-/// `use crate::report::page::level_mark::shape;` in `src/report/numbers/summary.rs`.
+/// `use crate::report::page::view::View;` in `src/report/numbers/summary.rs`.
 #[test]
 fn files_do_not_import_each_other_in_circles() {
     let mut texts = BTreeMap::new();

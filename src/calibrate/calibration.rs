@@ -55,14 +55,7 @@ pub fn calibrate(
     let observations = observations
         .map_err(|bad| Error::File(FileError::content(measured, None, bad.to_string())))?;
     let samples = number_of_samples(&study, settings).map_err(|rule| refused.because(rule))?;
-    let origin = Origin {
-        study: study.name.clone(),
-        program: Program::this(),
-        study_file: FileRecord::of(&study.file_name(), study.text.as_bytes()),
-        files: study.file_records()?,
-        measured_file: record_of(measured)?,
-        levels: study.levels.clone(),
-    };
+    let origin = origin(&study, measured)?;
     progress(Stage::Samples(samples));
     let never = Stop::default();
     let stopped = |error: EvaluationError| refused.because(error.to_string());
@@ -110,6 +103,19 @@ pub fn calibrate(
     }
 }
 
+fn origin(study: &Study, measured: &Path) -> Result<Origin, Error> {
+    let name = measured.file_name().unwrap_or_default().to_string_lossy();
+    let folder = measured.parent().unwrap_or_else(|| Path::new(""));
+    Ok(Origin {
+        study: study.name.clone(),
+        program: Program::this(),
+        study_file: FileRecord::of(&study.file_name(), study.text.as_bytes()),
+        files: study.file_records()?,
+        measured_file: FileRecord::in_folder(folder, &name)?,
+        levels: study.levels.clone(),
+    })
+}
+
 /// Errors about the study as a whole.
 struct Refused(PathBuf);
 
@@ -131,12 +137,6 @@ fn number_of_samples(study: &Study, settings: &CalibrationSettings) -> Result<us
         ));
     }
     usize::try_from(samples).map_err(|error| error.to_string())
-}
-
-fn record_of(path: &Path) -> Result<FileRecord, FileError> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let folder = path.parent().unwrap_or_else(|| Path::new(""));
-    FileRecord::in_folder(folder, &name)
 }
 
 /// Frequency (Hz) and ln amplitude (m) of each level; NaN without a solution.

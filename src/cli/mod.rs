@@ -10,6 +10,7 @@ mod devices;
 mod export;
 mod extend;
 mod going_on;
+mod identify;
 mod import;
 mod inspect;
 mod levels;
@@ -40,6 +41,7 @@ use compare::CompareArguments;
 use completions::CompletionsArguments;
 use export::ExportArguments;
 use extend::ExtendArguments;
+use identify::IdentifyArguments;
 use import::{ImportArguments, PairsArguments};
 use log::{Event, Log};
 use man::ManArguments;
@@ -83,6 +85,7 @@ Examples:
   microslip extend results --samples 800    more samples for these results; the old ones are kept
   microslip calibrate study.toml --measured response.csv --output calibrated
                                             the inputs that a measured response tells of, as samples
+  microslip identify loops.csv              friction and stiffness of a contact from measured hysteresis loops
   microslip serve study.toml --port 4242    the model for UM-Bridge clients: inputs in, resonances out
 
 Exit codes: 0 done, 2 bad input or a file that cannot be read or written, 3 stopped before the end.";
@@ -128,6 +131,8 @@ enum Command {
     Export(ExportArguments),
     /// Propose contact pairs for `import`: each node of one surface with the nearest node of the other.
     Pairs(PairsArguments),
+    /// Identify friction and stiffness of a contact from measured hysteresis loops: identified.json, which a study reads.
+    Identify(IdentifyArguments),
     /// List the adapters that `run --backend gpu` can use, with a self-test of each.
     Devices,
     /// Print what a shell needs to complete commands and options.
@@ -167,6 +172,7 @@ impl Command {
             Self::Import(arguments) => arguments.execute(),
             Self::Export(arguments) => arguments.execute(),
             Self::Pairs(arguments) => arguments.execute(),
+            Self::Identify(arguments) => arguments.execute(),
             Self::Devices => devices::execute(),
             Self::Completions(arguments) => arguments.execute(),
             Self::Man(arguments) => arguments.execute(),

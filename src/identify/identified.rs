@@ -1,5 +1,10 @@
 //! `identified.json`: the joint distribution of the contact parameters, which a study reads by `[inputs] from`.
 
+pub use super::parameter::ContactParameter;
+use super::pooled_result::Pooled;
+use super::result::TestResult;
+use super::settings::IdentifySettings;
+use crate::file::FileRecord;
 use crate::sampling::Shape;
 
 /// Version of the format of `identified.json`.
@@ -14,30 +19,24 @@ pub struct Identified {
     pub inputs: Vec<IdentifiedInput>,
     /// Correlation of the normal scores of the parameters. Shape: square, in the order of `inputs`.
     pub correlation: Vec<Vec<f64>>,
-}
-
-/// A contact parameter, in the units of its name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ContactParameter {
-    /// Friction coefficient.
-    FrictionCoefficient,
-    /// Tangential stiffness of the interface (N/µm), as `[contact]` has it.
-    TangentialStiffnessNPerUm,
-    /// Normal stiffness of the interface (N/µm), as `[contact]` has it; absent where normal motion was not measured.
-    NormalStiffnessNPerUm,
-}
-
-impl ContactParameter {
-    /// Its name in files and messages, with the unit.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::FrictionCoefficient => "friction_coefficient",
-            Self::TangentialStiffnessNPerUm => "tangential_stiffness_n_per_um",
-            Self::NormalStiffnessNPerUm => "normal_stiffness_n_per_um",
-        }
-    }
+    /// What a reader should know, in sentences: what is not in the distributions, what could not be found.
+    #[serde(default)]
+    pub notes: Vec<String>,
+    /// What was stated for the identification; absent in a file that was written by hand.
+    #[serde(default)]
+    pub settings: Option<IdentifySettings>,
+    /// All tests together; absent in a file that was written by hand.
+    #[serde(default)]
+    pub pooled: Option<Pooled>,
+    /// Each test.
+    #[serde(default)]
+    pub tests: Vec<TestResult>,
+    /// Files that were read, with the hash of their content.
+    #[serde(default)]
+    pub files: Vec<FileRecord>,
+    /// Version of the program.
+    #[serde(default)]
+    pub version: String,
 }
 
 /// A parameter of the contact and its distribution.

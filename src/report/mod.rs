@@ -3,7 +3,7 @@
 //! The page shows the numbers of [`Summary`] and [`Assessment`] and adds figures. A sample without a solution is counted, shown
 //! and bounded, never dropped in silence. Knows how results look, not how they were computed.
 //!
-//! From the bottom up: [`convention`] (what every statement holds with), `display` (numbers as text), [`asked`] (by the study
+//! From the bottom up: [`convention`] (what every statement holds with), [`asked`] (by the study
 //! file), [`run`] (what a report is made from), [`numbers`] (`summary.json`), [`verdict`] (criteria judged),
 //! [`mod@assessment`] (`report.json`), `page` (`report.html`). Beside the report of one run: [`compare`] and [`reweighting`].
 //! Start reading in `write`, which makes the three files.
@@ -27,7 +27,6 @@ pub mod asked;
 pub mod assessment;
 pub mod compare;
 pub mod convention;
-mod display;
 mod enough;
 mod error;
 pub mod numbers;

@@ -2,8 +2,9 @@
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// Student's factor for a number of degrees of freedom; infinite where there is none.
-pub(super) fn student(freedom: f64, confidence: f64) -> f64 {
+/// Student's factor of an interval on both sides for a number of degrees of freedom; infinite where there is none.
+#[must_use]
+pub fn student(freedom: f64, confidence: f64) -> f64 {
     let student = StudentsT::new(0.0, 1.0, freedom);
     student.map_or(f64::INFINITY, |t| t.inverse_cdf((1.0 + confidence) / 2.0))
 }

@@ -80,6 +80,7 @@ pub use margin::{
     reserve_factor,
 };
 pub use markov_chain::{Mixing, mixing};
+pub use mean::student;
 pub use moment::{MomentEstimate, Moments, moment_estimate, moments};
 pub use observed::{Enclosed, Observed, Sorted};
 pub use order_statistic::{

@@ -1,4 +1,4 @@
-//! The page in a real browser: every figure is drawn, nothing leaves the window, no label is cut.
+//! Pages in a real browser: every figure is drawn, nothing leaves the window, no label is cut.
 //!
 //! Needs Chromium: `CHROMIUM`, or a usual name in `PATH`. Without one the tests say so and pass, unless
 //! `MICROSLIP_REQUIRE_BROWSER=1`.
@@ -10,6 +10,10 @@
 #[path = "../report/synthetic.rs"]
 #[expect(dead_code, reason = "shared with the tests of the report")]
 mod synthetic;
+
+mod identification;
+#[path = "../report/synthetic_contact.rs"]
+mod synthetic_contact;
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};

@@ -1,17 +1,19 @@
 //! `comparison.html`: designs compared on the same samples, as a page of its own.
 
 use super::comparison::{Compared, ComparedQuantity, DesignComparison, Pair, PointRanking};
+use crate::page::axis::Axis;
+use crate::page::block::{Block, Cell, Figure, Key, Mark, Section, Table};
+use crate::page::display::{
+    DASH, LengthUnit, capitalised, from_to, level_name, percent, with_digits,
+};
+use crate::page::distribution::{confidence_band, cumulative_steps};
+use crate::page::figure::{Panel, Size};
+use crate::page::style::figure_style;
 use crate::report::convention::CONFIDENCE;
-use crate::report::display::{DASH, LengthUnit, from_to, level_name, percent, with_digits};
 use crate::report::error::ReportError;
 use crate::report::numbers::outer_points::{chosen, outer_groups};
-use crate::report::page::axis::Axis;
-use crate::report::page::block::{Block, Cell, Figure, Key, Mark, Section, Table};
-use crate::report::page::confidence_band::confidence_band;
 use crate::report::page::document::page;
-use crate::report::page::figure::{Panel, Size};
 use crate::report::page::statistic_cell::{limits, share_cell};
-use crate::report::page::view::{cumulative_steps, figure_style};
 use crate::report::run::stored_run::StoredRun;
 use crate::statistics::Sorted;
 
@@ -307,13 +309,6 @@ fn pair_table(view: &View, quantity: Compared) -> Option<Block> {
         }
     }
     Some(table.block())
-}
-
-fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(letters).collect()
-    })
 }
 
 fn pair_row(view: &View, i: usize, quantity: Compared, pair: &Pair) -> Vec<Cell> {

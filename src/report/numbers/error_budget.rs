@@ -6,7 +6,7 @@ use super::peaks::usable_peak;
 use super::summary::{LevelSummary, Summary};
 use super::surrogate::{LevelSurrogates, SurrogateResult};
 use crate::contact::{Events, FrictionLaw};
-use crate::report::display::significant;
+use crate::page::display::significant;
 use crate::report::run::input::ReportInput;
 use crate::report::run::record::RunRecord;
 use crate::statistics::{Sorted, quantile};

@@ -1,15 +1,13 @@
-//! The page: one file, no network, no script.
+//! The pages of this room: what they are about, and that of a study.
 
-use super::block::Section;
-use super::level_mark::{Ground, colours};
 use super::section::sections;
-use super::view::{View, figure_style};
+use super::view::View;
+use crate::page::block::Section;
+use crate::page::document::Document;
 use crate::report::assessment::Assessment;
 use crate::report::error::ReportError;
 use crate::report::numbers::summary::Summary;
 use crate::report::run::input::ReportInput;
-use minijinja::value::Serde;
-use minijinja::{Environment, context};
 
 /// Renders the page of a study.
 pub(in crate::report) fn study_page(
@@ -28,17 +26,11 @@ pub(in crate::report) fn page(
     n_levels: usize,
     sections: &[Section],
 ) -> Result<String, ReportError> {
-    let mut environment = Environment::new();
-    // The names end in .html, which switches escaping on.
-    environment.add_template("report.html", include_str!("look/report.html.j2"))?;
-    environment.add_template("block.html", include_str!("look/block.html.j2"))?;
-    let page = environment.get_template("report.html")?.render(context! {
-        page_style => include_str!("look/page.css"),
-        figure_style => figure_style(n_levels),
-        dark_style => include_str!("look/dark.css"),
-        dark_levels => colours(n_levels, Ground::Dark),
-        study => title,
-        sections => Serde(sections),
-    })?;
-    Ok(page)
+    let document = Document {
+        subject: "Forced response under uncertainty",
+        title,
+        n_levels,
+        sections,
+    };
+    Ok(document.html()?)
 }

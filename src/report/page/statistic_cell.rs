@@ -1,8 +1,8 @@
 //! Cells of statistics: quantiles, bounds, shares and their ranges over the outer points, and the fields that each has in a
 //! download.
 
-use super::block::Cell;
-use crate::report::display::{DASH, percent};
+use crate::page::block::Cell;
+use crate::page::display::{DASH, percent};
 use crate::report::numbers::box_range::{BoxRange, Extreme};
 use crate::report::numbers::population::{Bound, Quantiles};
 use crate::statistics::{Interval, Limit, Share, ToleranceBound, wilks_sample_size};

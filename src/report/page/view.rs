@@ -1,20 +1,16 @@
 //! What every section of the page needs: the samples, their statistics, and the units in which they are shown.
 
-use super::axis::Axis;
-use super::block::{Block, Cell, Figure, Key};
-use super::figure::Panel;
-use super::level_mark::{Ground, colours};
 use crate::ensemble::outcome::{CurvePoint, PeakRecord, SampleOutcome};
+use crate::page::axis::Axis;
+use crate::page::block::{Block, Cell, Figure, Key};
+use crate::page::display::{LengthUnit, level_name};
+use crate::page::figure::Panel;
+use crate::page::style::figure_style;
 use crate::report::assessment::Assessment;
-use crate::report::display::{LengthUnit, level_name};
 use crate::report::numbers::epistemic::PointStatistics;
 use crate::report::numbers::peaks::usable_peak;
 use crate::report::numbers::summary::Summary;
 use crate::report::run::input::ReportInput;
-use crate::statistics::{Sorted, empirical_cdf};
-
-/// Dots per level and panel; more are thinned evenly.
-const MAX_DOTS: usize = 1500;
 
 /// The samples of a study as the page shows them.
 pub(super) struct View<'a> {
@@ -227,22 +223,4 @@ impl<'a> View<'a> {
             panel.note("no sample has a solution");
         }
     }
-}
-
-/// Style sheet of the figures, with a colour for each of so many levels.
-pub(in crate::report) fn figure_style(n_levels: usize) -> String {
-    include_str!("look/figure.css").to_owned() + &colours(n_levels, Ground::White)
-}
-
-/// Corners of the empirical distribution function, at most as many as a panel can show. Thinned from the last corner back, so
-/// that the steps still end at 1.
-pub(in crate::report) fn cumulative_steps(values: &Sorted) -> Vec<(f64, f64)> {
-    let from_the_end = empirical_cdf(values).into_iter().rev().collect();
-    thinned(from_the_end).into_iter().rev().collect()
-}
-
-/// At most so many points as a panel can show.
-pub(in crate::report) fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
-    let stride = points.len().div_ceil(MAX_DOTS).max(1);
-    points.into_iter().step_by(stride).collect()
 }

@@ -7,7 +7,7 @@
 
 use super::criterion_result::IgnoranceResult;
 use super::judged::Judged;
-use crate::report::display::short;
+use crate::page::display::short;
 use crate::report::numbers::outer_points::outer_groups;
 use crate::report::run::record::RunRecord;
 use crate::sampling::Shape;

@@ -3,7 +3,7 @@
 //! The box is known at its outer points and at those that the search for the worst case has met: a PASS is shown there and
 //! not between them.
 
-use crate::report::display::{from_to, short};
+use crate::page::display::{from_to, short};
 use crate::report::numbers::population::hull;
 use crate::statistics::Judgement;
 use schemars::JsonSchema;

@@ -1,8 +1,8 @@
 //! A judgement in plain words: what was found, what was asked, and what would decide.
 
 use super::criterion_result::{CriterionResult, LevelResult, Power};
+use crate::page::display::{level_name, percent, significant, with_digits};
 use crate::report::asked::requirement::{Criterion, Quantity};
-use crate::report::display::{level_name, percent, significant, with_digits};
 use crate::report::run::record::RunRecord;
 use crate::statistics::{Interval, Judgement, Remedy};
 

@@ -1,8 +1,9 @@
 //! Audit: what produced the numbers, and what they depend on.
 
 use crate::ensemble::backend::GpuReport;
-use crate::report::display::{percent, short};
-use crate::report::page::block::{Block, Cell, Section, Table};
+use crate::page::block::{Block, Cell, Section, Table};
+use crate::page::display::{percent, short};
+use crate::page::sheet::{fields, sheet};
 use crate::report::page::view::View;
 use crate::report::run::record::FileRecord;
 
@@ -21,17 +22,6 @@ pub(super) fn section(view: &View) -> Section {
     }
 }
 
-fn sheet(title: &str, file: &str, rows: impl IntoIterator<Item = (String, String)>) -> Block {
-    let mut table = Table::of(title, file, &[("Name", &["name"]), ("Value", &["value"])]);
-    for (name, value) in rows {
-        table.row(vec![
-            Cell::text(name),
-            Cell::text(value).with_class("text wide"),
-        ]);
-    }
-    table.block()
-}
-
 fn priors(view: &View) -> Block {
     let inputs = view.input.record.inputs.iter();
     let title =
@@ -46,11 +36,7 @@ fn priors(view: &View) -> Block {
 /// The provenance under the names that it has in the files.
 fn provenance(view: &View) -> Block {
     let record = view.input.record;
-    let value = serde_json::to_value(&record.provenance).unwrap_or_default();
-    let fields = value.as_object().into_iter().flatten();
-    // other programs, where there are none, need no line
-    let said = fields.filter(|(_, value)| value.as_array().is_none_or(|list| !list.is_empty()));
-    let stated = said.map(|(key, value)| (words(key), shown(value)));
+    let stated = fields(&record.provenance);
     let failed: usize = view.summary.levels.iter().map(|l| l.failed).sum();
     let solves = view.summary.samples * view.summary.levels.len();
     let absent = || "not used".to_owned();
@@ -72,7 +58,7 @@ fn provenance(view: &View) -> Block {
         ("Wall time", format!("{} s", short(record.wall_time_s))),
     ];
     let more = more.map(|(name, value)| (name.to_owned(), value));
-    sheet("Run", "run", stated.chain(more))
+    sheet("Run", "run", stated.into_iter().chain(more))
 }
 
 fn gpu_audit(gpu: &GpuReport) -> String {
@@ -84,35 +70,6 @@ fn gpu_audit(gpu: &GpuReport) -> String {
         gpu.largest_derivative_difference,
         gpu.fallbacks + gpu.beyond_limit
     )
-}
-
-/// `truncation_threshold` → `Truncation threshold`.
-fn words(key: &str) -> String {
-    let spaced = key.replace('_', " ");
-    let mut letters = spaced.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().collect::<String>() + letters.as_str()
-    })
-}
-
-fn shown(value: &serde_json::Value) -> String {
-    use serde_json::Value;
-    match value {
-        Value::Null => "not stated".to_owned(),
-        Value::Bool(yes) => if *yes { "yes" } else { "no" }.to_owned(),
-        Value::String(text) => text.clone(),
-        Value::Array(items) => {
-            let items: Vec<String> = items.iter().map(shown).collect();
-            items.join(", ")
-        }
-        Value::Object(fields) => {
-            let fields = fields
-                .iter()
-                .map(|(key, value)| format!("{key} {}", shown(value)));
-            fields.collect::<Vec<_>>().join(", ")
-        }
-        other => other.to_string(),
-    }
 }
 
 fn files(view: &View) -> Block {

@@ -1,12 +1,12 @@
 //! Campbell diagram: where engine orders cross the scattered resonance, and how far they stay away.
 
+use crate::page::axis::Axis;
+use crate::page::block::{Block, Cell, Figure, Key, Mark, Section, Table};
+use crate::page::display::{hertz, percent, short};
+use crate::page::figure::{Panel, Size};
 use crate::report::asked::requirement::{MarginBase, Operation};
-use crate::report::display::{hertz, percent, short};
 use crate::report::numbers::margins::OrderMargin;
 use crate::report::numbers::population::{Populations, hull};
-use crate::report::page::axis::Axis;
-use crate::report::page::block::{Block, Cell, Figure, Key, Mark, Section, Table};
-use crate::report::page::figure::{Panel, Size};
 use crate::report::page::statistic_cell::{
     BOUND_FIELDS, bound_cell, interval_fields, quantile_cell,
 };

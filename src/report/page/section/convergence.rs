@@ -1,9 +1,9 @@
 //! How far the number of samples leaves the estimates open: over the first 16, 32, 64, … samples, and between replicates.
 
-use crate::report::display::significant;
-use crate::report::page::axis::Axis;
-use crate::report::page::block::{Block, Cell, Figure, Section, Table};
-use crate::report::page::figure::{Panel, Size};
+use crate::page::axis::Axis;
+use crate::page::block::{Block, Cell, Figure, Section, Table};
+use crate::page::display::significant;
+use crate::page::figure::{Panel, Size};
 use crate::report::page::view::View;
 use crate::statistics::{Interval, Prefix, QuantileEstimate, ReplicateMean};
 

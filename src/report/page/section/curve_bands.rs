@@ -7,15 +7,15 @@ use super::response_frame::{
     FREQUENCY, add_linear_curves, amplitude_axis, largest_linear_amplitude, window,
 };
 use crate::ensemble::outcome::{LevelOutcome, SampleOutcome};
+use crate::page::axis::Axis;
+use crate::page::block::Figure;
+use crate::page::display::{percent, significant};
+use crate::page::figure::{Panel, Size};
 use crate::report::asked::bands::Bands;
 use crate::report::convention::{CONTENT, PROBABILITIES};
-use crate::report::display::{percent, significant};
 use crate::report::numbers::outer_points::outer_groups;
 use crate::report::numbers::peaks::usable_peak;
 use crate::report::numbers::population::{Populations, hull};
-use crate::report::page::axis::Axis;
-use crate::report::page::block::Figure;
-use crate::report::page::figure::{Panel, Size};
 use crate::report::page::view::{Shown, View};
 use crate::report::run::record::RunRecord;
 use crate::statistics::{

@@ -1,9 +1,9 @@
 //! The figure that decides a criterion: what was found at every level, beside the limit.
 
+use crate::page::axis::Axis;
+use crate::page::block::Figure;
+use crate::page::figure::{Panel, Size};
 use crate::report::asked::requirement::{Criterion, Quantity};
-use crate::report::page::axis::Axis;
-use crate::report::page::block::Figure;
-use crate::report::page::figure::{Panel, Size};
 use crate::report::page::statistic_cell::limits;
 use crate::report::page::view::View;
 use crate::report::verdict::criterion_result::{CriterionResult, LevelResult};

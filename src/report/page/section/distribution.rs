@@ -1,11 +1,11 @@
 //! Distribution functions and histograms.
 
+use crate::page::axis::Axis;
+use crate::page::block::{Block, Columns, Figure, Key, Mark, Row, Section};
+use crate::page::distribution::{confidence_band, cumulative_steps};
+use crate::page::figure::{Panel, Size};
 use crate::report::convention::PROBABILITIES;
-use crate::report::page::axis::Axis;
-use crate::report::page::block::{Block, Columns, Figure, Key, Mark, Row, Section};
-use crate::report::page::confidence_band::confidence_band;
-use crate::report::page::figure::{Panel, Size};
-use crate::report::page::view::{Shown, View, cumulative_steps};
+use crate::report::page::view::{Shown, View};
 use crate::statistics::{Sorted, histogram, quantile};
 
 /// Absent with epistemic inputs: their section has the tables and figures by outer point.

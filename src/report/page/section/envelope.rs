@@ -1,10 +1,10 @@
 //! Quantiles of frequency and amplitude, level by level, as tables.
 
+use crate::page::block::{Block, Cell, Section, Table};
+use crate::page::display::{DASH, hertz, significant, with_digits};
 use crate::report::convention::PROBABILITIES;
-use crate::report::display::{DASH, hertz, significant, with_digits};
 use crate::report::numbers::distribution::Distribution;
 use crate::report::numbers::summary::LevelSummary;
-use crate::report::page::block::{Block, Cell, Section, Table};
 use crate::report::page::statistic_cell::limits;
 use crate::report::page::view::View;
 use crate::statistics::QuantileEstimate;

@@ -1,13 +1,13 @@
 //! Ranges over the outer points of the epistemic inputs, as tables and as p-boxes.
 
 use super::worst_case;
-use crate::report::display::{hertz, percent, short, significant};
+use crate::page::axis::Axis;
+use crate::page::block::{Block, Cell, Figure, Key, Mark, Section, Table};
+use crate::page::display::{hertz, percent, short, significant};
+use crate::page::figure::{Panel, Size};
 use crate::report::numbers::box_range::QuantileRange;
 use crate::report::numbers::epistemic::{EpistemicLevel, EpistemicSummary};
 use crate::report::numbers::population::Populations;
-use crate::report::page::axis::Axis;
-use crate::report::page::block::{Block, Cell, Figure, Key, Mark, Section, Table};
-use crate::report::page::figure::{Panel, Size};
 use crate::report::page::statistic_cell::{extreme_cell, interval_fields, range_cell};
 use crate::report::page::view::{Shown, View};
 use crate::statistics::{Observed, Sorted};

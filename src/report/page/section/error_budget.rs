@@ -1,7 +1,7 @@
 //! Error budget: what each approximation can change, in one table, so that none hides behind another.
 
-use crate::report::display::{percent, significant};
-use crate::report::page::block::{Block, Cell, Section, Table};
+use crate::page::block::{Block, Cell, Section, Table};
+use crate::page::display::{percent, significant};
 use crate::report::page::view::View;
 
 pub(super) fn section(view: &View) -> Section {

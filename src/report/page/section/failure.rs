@@ -2,15 +2,16 @@
 
 use crate::ensemble::outcome::SampleOutcome;
 use crate::hb::{ContactFractions, PeakRoute, Status};
+use crate::page::axis::Axis;
+use crate::page::block::{Block, Cell, Figure, Section, Table};
+use crate::page::display::{DASH, from_to, percent, short, significant};
+use crate::page::figure::{Panel, Size};
+use crate::page::thinning::thinned;
 use crate::report::assessment::InputFailures;
-use crate::report::display::{DASH, from_to, percent, short, significant};
 use crate::report::numbers::peaks::usable_peak;
 use crate::report::numbers::population::hull;
-use crate::report::page::axis::Axis;
-use crate::report::page::block::{Block, Cell, Figure, Section, Table};
-use crate::report::page::figure::{Panel, Size};
 use crate::report::page::statistic_cell::range_fields;
-use crate::report::page::view::{View, thinned};
+use crate::report::page::view::View;
 use crate::statistics::{FailurePattern, Proportion, Sorted, histogram};
 
 pub(super) fn section(view: &View) -> Section {

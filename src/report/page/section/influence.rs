@@ -1,15 +1,16 @@
 //! Which input moves what.
 
-use crate::report::display::{DASH, from_to, minus_sign, percent, significant};
+use crate::page::axis::Axis;
+use crate::page::block::{Block, Cell, Figure, Section, Table};
+use crate::page::display::{DASH, from_to, minus_sign, percent, significant};
+use crate::page::figure::{Panel, Size};
+use crate::page::thinning::thinned;
 use crate::report::numbers::correlation::InputCorrelation;
 use crate::report::numbers::population::hull;
 use crate::report::numbers::sensitivity::{IndexResult, InputInfluence};
 use crate::report::numbers::summary::LevelSummary;
-use crate::report::page::axis::Axis;
-use crate::report::page::block::{Block, Cell, Figure, Section, Table};
-use crate::report::page::figure::{Panel, Size};
 use crate::report::page::statistic_cell::{interval_fields, range_cell, range_fields};
-use crate::report::page::view::{Shown, View, thinned};
+use crate::report::page::view::{Shown, View};
 use crate::statistics::{ConditionalMean, Index, Influence};
 
 /// Inputs that get a scatter panel, those with the strongest rank correlations.

@@ -20,8 +20,8 @@ mod surrogate;
 mod verdict;
 mod worst_case;
 
-use super::block::Section;
 use super::view::View;
+use crate::page::block::Section;
 
 /// All sections that the study has something for, in the order of the page.
 pub(super) fn sections(view: &View) -> Vec<Section> {

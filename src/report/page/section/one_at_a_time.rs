@@ -3,9 +3,9 @@
 use super::influence::{Leg, legs};
 use crate::ensemble::one_at_a_time::{ENDS, OneAtATime};
 use crate::ensemble::outcome::LevelOutcome;
-use crate::report::display::{minus_sign, short};
+use crate::page::block::{Block, Cell, Figure, Section, Table};
+use crate::page::display::{minus_sign, short};
 use crate::report::numbers::peaks::usable_peak;
-use crate::report::page::block::{Block, Cell, Figure, Section, Table};
 use crate::report::page::view::{Shown, View};
 
 /// Absent where the study does not ask for it.

@@ -1,9 +1,9 @@
 //! Performance curves: frequency and amplitude over the excitation, with fans.
 
+use crate::page::axis::Axis;
+use crate::page::block::{Block, Figure, Key, Mark, Section};
+use crate::page::figure::{Panel, Size};
 use crate::report::numbers::population::Populations;
-use crate::report::page::axis::Axis;
-use crate::report::page::block::{Block, Figure, Key, Mark, Section};
-use crate::report::page::figure::{Panel, Size};
 use crate::report::page::view::{RANGES, Shown, View};
 use crate::report::run::record::LinearRecord;
 

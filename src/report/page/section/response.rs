@@ -4,10 +4,11 @@ use super::curve_bands::{bands, meaning};
 use super::response_frame::{
     FREQUENCY, add_linear_curves, amplitude_axis, largest_linear_amplitude, window,
 };
-use crate::report::page::axis::Axis;
-use crate::report::page::block::{Block, Figure, Key, Mark, Section};
-use crate::report::page::figure::{Panel, Size};
-use crate::report::page::view::{RANGES, Shown, View, thinned};
+use crate::page::axis::Axis;
+use crate::page::block::{Block, Figure, Key, Mark, Section};
+use crate::page::figure::{Panel, Size};
+use crate::page::thinning::thinned;
+use crate::report::page::view::{RANGES, Shown, View};
 use crate::statistics::{Interval, Limit};
 
 pub(super) fn section(view: &View) -> Section {

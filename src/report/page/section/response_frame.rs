@@ -1,10 +1,10 @@
 //! What the panels of forced responses share: their window, their amplitude axis and the linear limits.
 
+use crate::page::axis::Axis;
+use crate::page::figure::Panel;
 use crate::report::numbers::outer_points::outer_groups;
 use crate::report::numbers::peaks::usable_peak;
 use crate::report::numbers::population::hull;
-use crate::report::page::axis::Axis;
-use crate::report::page::figure::Panel;
 use crate::report::page::view::{Shown, View};
 use crate::report::run::input::ReportInput;
 use crate::statistics::{Sorted, quantile};

@@ -1,13 +1,13 @@
 //! Alternating stress against the allowable one: Haigh diagram and reserve factors.
 
+use crate::page::axis::Axis;
+use crate::page::block::{Block, Cell, Figure, Key, Mark, Section, Table};
+use crate::page::display::{DASH, percent, significant, with_digits};
+use crate::page::figure::{Panel, Size};
 use crate::report::asked::requirement::Stress;
-use crate::report::display::{DASH, percent, significant, with_digits};
 use crate::report::numbers::allowable::{allowable_mpa, factor};
 use crate::report::numbers::margins::Reserve;
 use crate::report::numbers::population::{Exceeded, Populations};
-use crate::report::page::axis::Axis;
-use crate::report::page::block::{Block, Cell, Figure, Key, Mark, Section, Table};
-use crate::report::page::figure::{Panel, Size};
 use crate::report::page::statistic_cell::{
     BOUND_FIELDS, bound_cell, interval_fields, quantile_cell, range_cell, share_cell,
 };

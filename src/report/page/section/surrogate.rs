@@ -1,11 +1,11 @@
 //! What a surrogate says beyond the samples, and what it is worth.
 
 use super::influence::index_cell;
-use crate::report::display::{DASH, minus_sign, percent, significant};
+use crate::page::block::{Block, Cell, Section, Table};
+use crate::page::display::{DASH, minus_sign, percent, significant};
 use crate::report::numbers::surrogate::{
     ExceedanceBoth, LevelSurrogates, Surrogate, SurrogateResult,
 };
-use crate::report::page::block::{Block, Cell, Section, Table};
 use crate::report::page::statistic_cell::share_cell;
 use crate::report::page::view::{Shown, View};
 

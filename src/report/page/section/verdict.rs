@@ -2,11 +2,11 @@
 
 use super::decision;
 use crate::hb::Status;
+use crate::page::block::{Block, Cell, Section, Table, Verdict};
+use crate::page::display::{DASH, duration, hertz, percent, significant};
 use crate::report::asked::requirement::{Criterion, Quantity};
 use crate::report::assessment::pooling;
-use crate::report::display::{DASH, duration, hertz, percent, significant};
 use crate::report::numbers::summary::Summary;
-use crate::report::page::block::{Block, Cell, Section, Table, Verdict};
 use crate::report::page::statistic_cell::{bound_cell, limits};
 use crate::report::page::view::View;
 use crate::report::verdict::criterion_result::{CriterionResult, LevelResult};

@@ -1,10 +1,10 @@
 //! The number that a criterion judges along each epistemic input, at the points where it is known.
 
 use super::decision::{label, level_of};
-use crate::report::display::short;
-use crate::report::page::axis::Axis;
-use crate::report::page::block::{Block, Figure, Key, Mark};
-use crate::report::page::figure::{Panel, Size};
+use crate::page::axis::Axis;
+use crate::page::block::{Block, Figure, Key, Mark};
+use crate::page::display::short;
+use crate::page::figure::{Panel, Size};
 use crate::report::page::view::View;
 use crate::report::verdict::criterion_result::{CriterionResult, LevelResult};
 use crate::report::verdict::over_box::{OverBox, PointJudgement};

@@ -1,12 +1,13 @@
-//! Confidence interval of a distribution function, as a panel shows it.
+//! Distribution functions as a panel shows them: steps, and their confidence interval.
 
-use crate::statistics::{Sorted, share};
+use super::thinning::thinned;
+use crate::statistics::{Sorted, empirical_cdf, share};
 
 /// Values at which the confidence interval of a distribution function is drawn.
 const INTERVALS: usize = 100;
 
 /// Interval of the distribution function, with this confidence, at some of the known values of so many samples.
-pub(in crate::report) fn confidence_band(
+pub(crate) fn confidence_band(
     sorted: &Sorted,
     total: usize,
     confidence: f64,
@@ -22,4 +23,11 @@ pub(in crate::report) fn confidence_band(
         Some((value, share.lower, share.upper))
     };
     ranks.filter_map(at).collect()
+}
+
+/// Corners of the empirical distribution function, at most as many as a panel can show. Thinned from the last corner back, so
+/// that the steps still end at 1.
+pub(crate) fn cumulative_steps(values: &Sorted) -> Vec<(f64, f64)> {
+    let from_the_end = empirical_cdf(values).into_iter().rev().collect();
+    thinned(from_the_end).into_iter().rev().collect()
 }

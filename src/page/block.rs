@@ -9,21 +9,23 @@ use serde::Serialize;
 
 /// One section of the page.
 #[derive(Debug, Clone, Serialize)]
-pub(in crate::report) struct Section {
+pub(crate) struct Section {
     /// Anchor, for links inside the page and names of downloads.
-    pub(in crate::report) id: &'static str,
+    pub(crate) id: &'static str,
     /// Heading.
-    pub(in crate::report) title: String,
+    pub(crate) title: String,
     /// Content, from top to bottom.
-    pub(in crate::report) blocks: Vec<Block>,
+    pub(crate) blocks: Vec<Block>,
 }
 
 /// One part of a section.
 #[derive(Debug, Clone, Serialize)]
 #[serde(tag = "kind", content = "content", rename_all = "kebab-case")]
-pub(in crate::report) enum Block {
+pub(crate) enum Block {
     /// A smaller heading.
     Heading(String),
+    /// A paragraph.
+    Sentence(String),
     /// A paragraph in small print.
     Hint(String),
     /// A paragraph that sets the reader at ease.
@@ -44,30 +46,30 @@ pub(in crate::report) enum Block {
 
 /// A judgement in words.
 #[derive(Debug, Clone, Serialize)]
-pub(in crate::report) struct Verdict {
+pub(crate) struct Verdict {
     /// The judgement.
-    pub(in crate::report) word: String,
+    pub(crate) word: String,
     /// Class of its badge.
-    pub(in crate::report) class: &'static str,
+    pub(crate) class: &'static str,
     /// Name of the criterion.
-    pub(in crate::report) name: String,
+    pub(crate) name: String,
     /// What was found, asked and, if undecided, what would decide.
-    pub(in crate::report) sentence: String,
+    pub(crate) sentence: String,
 }
 
 /// Figures side by side.
 #[derive(Debug, Clone, Serialize)]
-pub(in crate::report) struct Row {
+pub(crate) struct Row {
     /// How many fit into a wide window.
-    pub(in crate::report) columns: Columns,
+    pub(crate) columns: Columns,
     /// The figures.
-    pub(in crate::report) figures: Vec<Figure>,
+    pub(crate) figures: Vec<Figure>,
 }
 
 /// How many figures fit into a wide window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub(in crate::report) enum Columns {
+pub(crate) enum Columns {
     /// Two.
     Two,
     /// Three.
@@ -78,7 +80,7 @@ pub(in crate::report) enum Columns {
 
 /// A panel in the page.
 #[derive(Debug, Clone, Serialize)]
-pub(in crate::report) struct Figure {
+pub(crate) struct Figure {
     /// SVG, inline.
     svg: String,
     /// The same with its own style sheet, as the target of a link.
@@ -91,21 +93,21 @@ pub(in crate::report) struct Figure {
 
 /// One line of a legend.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub(in crate::report) struct Key {
+pub(crate) struct Key {
     /// Shape.
-    pub(in crate::report) mark: Mark,
+    pub(crate) mark: Mark,
     /// Its class in the style sheet.
-    pub(in crate::report) class: String,
+    pub(crate) class: String,
     /// Of a chip: the shape of its level.
     shape: Option<&'static str>,
     /// What it means.
-    pub(in crate::report) text: String,
+    pub(crate) text: String,
 }
 
 /// Shape of a mark in a legend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub(in crate::report) enum Mark {
+pub(crate) enum Mark {
     /// A spot in the colour and the shape of a level.
     Chip,
     /// A line.
@@ -120,7 +122,7 @@ pub(in crate::report) enum Mark {
 
 impl Key {
     /// A mark with its meaning.
-    pub(in crate::report) fn new(mark: Mark, class: &str, text: impl Into<String>) -> Self {
+    pub(crate) fn new(mark: Mark, class: &str, text: impl Into<String>) -> Self {
         Self {
             mark,
             class: class.to_owned(),
@@ -130,7 +132,7 @@ impl Key {
     }
 
     /// The mark of excitation level `i`.
-    pub(in crate::report) fn level(i: usize, text: impl Into<String>) -> Self {
+    pub(crate) fn level(i: usize, text: impl Into<String>) -> Self {
         Self {
             shape: Some(shape(i)),
             ..Self::new(Mark::Chip, &format!("l{i}"), text)
@@ -140,12 +142,7 @@ impl Key {
 
 impl Figure {
     /// A panel with its download in the given style sheet; `file` without ending.
-    pub(in crate::report) fn new(
-        panel: &Panel,
-        style: &str,
-        file: String,
-        caption: String,
-    ) -> Self {
+    pub(crate) fn new(panel: &Panel, style: &str, file: String, caption: String) -> Self {
         let link = data_link("image/svg+xml", &panel.standalone(style));
         Self {
             svg: panel.svg(),
@@ -158,7 +155,7 @@ impl Figure {
 
 impl Block {
     /// Figures two to a row.
-    pub(in crate::report) fn pairs(figures: Vec<Figure>) -> Self {
+    pub(crate) fn pairs(figures: Vec<Figure>) -> Self {
         Self::Figures(Row {
             columns: Columns::Two,
             figures,
@@ -166,7 +163,7 @@ impl Block {
     }
 
     /// Figures three to a row.
-    pub(in crate::report) fn triples(figures: Vec<Figure>) -> Self {
+    pub(crate) fn triples(figures: Vec<Figure>) -> Self {
         Self::Figures(Row {
             columns: Columns::Three,
             figures,
@@ -176,7 +173,7 @@ impl Block {
 
 /// A table and its download.
 #[derive(Debug, Clone, Serialize)]
-pub(in crate::report) struct Table {
+pub(crate) struct Table {
     title: String,
     file: String,
     heads: Vec<Head>,
@@ -203,7 +200,7 @@ struct TableRow {
 
 /// One cell of a table.
 #[derive(Debug, Clone, Default, Serialize)]
-pub(in crate::report) struct Cell {
+pub(crate) struct Cell {
     text: String,
     small: Vec<String>,
     warning: Option<String>,
@@ -228,7 +225,7 @@ struct Chip {
 
 impl Table {
     /// An empty table; `columns` are the head in the page and the fields in the download, the latter with their units.
-    pub(in crate::report) fn new(
+    pub(crate) fn new(
         title: impl Into<String>,
         file: &str,
         columns: impl IntoIterator<Item = (String, &'static [&'static str])>,
@@ -249,7 +246,7 @@ impl Table {
     }
 
     /// As [`Table::new`], with columns that are known beforehand.
-    pub(in crate::report) fn of(
+    pub(crate) fn of(
         title: impl Into<String>,
         file: &str,
         columns: &[(&str, &'static [&'static str])],
@@ -259,7 +256,7 @@ impl Table {
     }
 
     /// Adds a row.
-    pub(in crate::report) fn row(&mut self, cells: Vec<Cell>) {
+    pub(crate) fn row(&mut self, cells: Vec<Cell>) {
         self.rows.push(TableRow {
             quiet: false,
             cells,
@@ -267,12 +264,12 @@ impl Table {
     }
 
     /// Adds a row that matters little.
-    pub(in crate::report) fn quiet_row(&mut self, cells: Vec<Cell>) {
+    pub(crate) fn quiet_row(&mut self, cells: Vec<Cell>) {
         self.rows.push(TableRow { quiet: true, cells });
     }
 
     /// The table with its download, as a part of a section.
-    pub(in crate::report) fn block(mut self) -> Block {
+    pub(crate) fn block(mut self) -> Block {
         let first = self.rows.first().map_or(&[][..], |row| &row.cells);
         for (head, cell) in self.heads.iter_mut().zip(first) {
             head.class.clone_from(&cell.class);
@@ -300,7 +297,7 @@ impl Table {
 
 impl Cell {
     /// Words.
-    pub(in crate::report) fn text(text: impl Into<String>) -> Self {
+    pub(crate) fn text(text: impl Into<String>) -> Self {
         let text = text.into();
         Self {
             raw: vec![text.clone()],
@@ -310,7 +307,7 @@ impl Cell {
     }
 
     /// A number as shown and as it is; empty in the download where it is absent.
-    pub(in crate::report) fn number(text: impl Into<String>, value: Option<f64>) -> Self {
+    pub(crate) fn number(text: impl Into<String>, value: Option<f64>) -> Self {
         Self {
             raw: vec![full(value)],
             text: text.into(),
@@ -319,16 +316,19 @@ impl Cell {
     }
 
     /// With further numbers for the download, such as the limits of an interval.
-    pub(in crate::report) fn with_raw(
-        mut self,
-        values: impl IntoIterator<Item = Option<f64>>,
-    ) -> Self {
+    pub(crate) fn with_raw(mut self, values: impl IntoIterator<Item = Option<f64>>) -> Self {
         self.raw.extend(values.into_iter().map(full));
         self
     }
 
+    /// With a further text for the download.
+    pub(crate) fn with_raw_text(mut self, text: impl Into<String>) -> Self {
+        self.raw.push(text.into());
+        self
+    }
+
     /// With a line in small print below, if there is one.
-    pub(in crate::report) fn with_small(mut self, text: impl Into<String>) -> Self {
+    pub(crate) fn with_small(mut self, text: impl Into<String>) -> Self {
         let text = text.into();
         if !text.is_empty() {
             self.small.push(text);
@@ -337,19 +337,19 @@ impl Cell {
     }
 
     /// With a line in small print that stands out.
-    pub(in crate::report) fn with_warning(mut self, text: Option<String>) -> Self {
+    pub(crate) fn with_warning(mut self, text: Option<String>) -> Self {
         self.warning = text;
         self
     }
 
     /// On a badge of the given class.
-    pub(in crate::report) fn with_badge(mut self, class: &'static str) -> Self {
+    pub(crate) fn with_badge(mut self, class: &'static str) -> Self {
         self.badge = Some(class);
         self
     }
 
     /// With the mark of a level before it.
-    pub(in crate::report) fn with_chip(mut self, level: usize) -> Self {
+    pub(crate) fn with_chip(mut self, level: usize) -> Self {
         self.chip = Some(Chip {
             level,
             shape: shape(level),
@@ -358,13 +358,13 @@ impl Cell {
     }
 
     /// With a class of the style sheet.
-    pub(in crate::report) fn with_class(mut self, class: &str) -> Self {
+    pub(crate) fn with_class(mut self, class: &str) -> Self {
         class.clone_into(&mut self.class);
         self
     }
 
     /// With a background of the given strength (%).
-    pub(in crate::report) fn with_shade(mut self, class: &str, strength: f64) -> Self {
+    pub(crate) fn with_shade(mut self, class: &str, strength: f64) -> Self {
         self.shade = Some(strength.round());
         self.with_class(class)
     }

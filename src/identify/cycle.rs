@@ -1,0 +1,320 @@
+//! A record cut into cycles: which of them are steady, and their means.
+
+use super::frequency::fundamental;
+use super::mean_loop::{MeanLoop, median, neighbour_correlation, robust_scale, smooth};
+use super::result::Cycles;
+use super::run_in::run_in;
+use super::settings::IdentifySettings;
+use crate::record::HysteresisRecord;
+
+/// The cycles of a record on one grid of phases.
+#[derive(Debug)]
+pub(super) struct Steady {
+    /// How the record was cut.
+    pub(super) cycles: Cycles,
+    /// Start of each whole cycle (s).
+    pub(super) starts: Vec<f64>,
+    /// Every whole cycle, about its own mean.
+    pub(super) loops: Vec<MeanLoop>,
+    /// Mean of the steady cycles.
+    pub(super) mean: MeanLoop,
+    /// Means of some consecutive steady cycles each; they tell the scatter of the mean.
+    pub(super) batches: Vec<MeanLoop>,
+    /// Mean of the tangential force over the steady cycles, which was taken out (N).
+    pub(super) tangential_mean: f64,
+}
+
+/// Fewest samples of a cycle from which a loop can be told.
+const LEAST_SAMPLES: f64 = 16.0;
+/// Samples of a cycle above which neighbours are averaged.
+const MOST_SAMPLES: usize = 2000;
+/// Share of the displacement's variance that must be periodic; below it there is no motion of one frequency.
+const PERIODIC: f64 = 0.5;
+/// Batches of cycles whose scatter gives standard errors: more make each too noisy, fewer leave few degrees of freedom.
+const MOST_BATCHES: usize = 12;
+/// Fewest cycles in which a spike is told from the others.
+const LEAST_FOR_SPIKES: usize = 5;
+/// Standard deviations (of the median absolute deviation) beyond which a value is a spike.
+const SPIKE: f64 = 8.0;
+/// Least distance of a spike from the other cycles, over the swing of the signal.
+const SPIKE_OF_SWING: f64 = 0.02;
+
+/// Fewest samples of a cycle in which noise is told from high harmonics of the motion.
+const LEAST_TO_SMOOTH: usize = 64;
+/// Correlation of neighbours above which a rest is no noise. Lines between samples give noise up to 0.5, a seventh harmonic of 64
+/// samples has 0.77.
+const NEIGHBOURS: f64 = 0.6;
+/// Rest of a displacement over its swing that is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Cuts a record into cycles.
+///
+/// # Errors
+/// Why it has none that can be used, for the status of the test.
+pub(super) fn cut(
+    record: &HysteresisRecord,
+    settings: &IdentifySettings,
+) -> Result<Steady, String> {
+    let stated = record.conditions.frequency_hz;
+    let samples = record.time.len();
+    if samples < LEAST_SAMPLES as usize {
+        return Err(format!(
+            "{samples} samples: a cycle needs at least {LEAST_SAMPLES}"
+        ));
+    }
+    let motion = fundamental(&record.time, &record.displacement, stated).ok_or(
+        "the displacement does not swing twice: state the frequency, or record more than two cycles",
+    )?;
+    let grid = Grid::new(&record.time, motion.frequency, motion.first_top)?;
+    if motion.share < PERIODIC {
+        return Err(format!(
+            "is no hysteresis loop: at {:.4} Hz the displacement holds {:.0} % of its variance, a periodic motion more than {:.0} %",
+            motion.frequency,
+            100.0 * motion.share,
+            100.0 * PERIODIC,
+        ));
+    }
+    let mut loops = grid.loops(record, settings.normal_force_offset_n);
+    let means = [displacement, tangential].map(|signal| take_means_out(&mut loops, signal));
+    let whole = loops.len();
+    let run_in = match settings.run_in_cycles {
+        Some(stated) if stated < whole => stated,
+        Some(stated) => {
+            return Err(format!(
+                "has {whole} cycles, of which {stated} are run-in: none is left"
+            ));
+        }
+        None => run_in(&loops),
+    };
+    let drift = means.each_ref().map(|means| drift(&means[run_in..]));
+    take_drift_out(&mut loops, displacement, drift[0]);
+    take_drift_out(&mut loops, tangential, drift[1]);
+    let spikes = take_spikes_out(&mut loops[run_in..]);
+    align(&mut loops, run_in);
+    smooth_motion(&mut loops, run_in);
+    let steady = &loops[run_in..];
+    let count = steady.len().min(MOST_BATCHES);
+    let batch =
+        |k: usize| MeanLoop::of(&steady[k * steady.len() / count..(k + 1) * steady.len() / count]);
+    let mean = MeanLoop::of(steady);
+    if neighbour_correlation(&mean.tangential) < NEIGHBOURS {
+        return Err(
+            "is no hysteresis loop: the mean tangential force over a cycle is noise".to_owned(),
+        );
+    }
+    Ok(Steady {
+        cycles: Cycles {
+            frequency_hz: motion.frequency,
+            frequency_stated: stated.is_some(),
+            whole,
+            run_in,
+            steady: steady.len(),
+            samples_per_cycle: grid.per_cycle,
+            displacement_drift_m_per_s: drift[0] * motion.frequency,
+            tangential_force_drift_n_per_s: drift[1] * motion.frequency,
+            spikes,
+        },
+        starts: (0..whole)
+            .map(|k| grid.start + k as f64 / grid.frequency)
+            .collect(),
+        mean,
+        batches: (0..count).map(batch).collect(),
+        tangential_mean: means[1][run_in..].iter().sum::<f64>() / steady.len() as f64,
+        loops,
+    })
+}
+
+/// Instants at which the signals are taken.
+struct Grid {
+    frequency: f64,
+    /// Start of the first cycle: a sample of the record, so that samples at whole fractions of the period are taken as they are.
+    start: f64,
+    whole: usize,
+    /// Samples of the record per cycle.
+    per_cycle: f64,
+    /// Samples of a loop.
+    samples: usize,
+    /// Neighbouring samples of the record that are averaged.
+    averaged: usize,
+}
+
+impl Grid {
+    fn new(time: &[f64], frequency: f64, first_top: f64) -> Result<Self, String> {
+        let last = time[time.len() - 1];
+        let step = (last - time[0]) / (time.len() - 1) as f64;
+        let per_cycle = 1.0 / (frequency * step);
+        if per_cycle < LEAST_SAMPLES {
+            return Err(format!(
+                "has {per_cycle:.1} samples per cycle at {frequency:.4} Hz: at least {LEAST_SAMPLES} are needed"
+            ));
+        }
+        // the last sample stands for its step, too: a period of n samples is n steps long
+        let from = |start: f64| ((last + step - start) * frequency + 1e-6).floor() as usize;
+        let nearest = time
+            .partition_point(|t| *t < first_top - 0.5 * step)
+            .min(time.len() - 1);
+        let start = match from(time[nearest]) {
+            0 => time[0],
+            _ => time[nearest],
+        };
+        let whole = from(start);
+        if whole == 0 {
+            return Err(format!(
+                "is shorter than one period of {frequency:.4} Hz: a loop needs a whole one"
+            ));
+        }
+        let averaged = (per_cycle / MOST_SAMPLES as f64).ceil() as usize;
+        let samples = (per_cycle / averaged as f64 + 1e-6).floor() as usize;
+        Ok(Self {
+            frequency,
+            start,
+            whole,
+            per_cycle,
+            samples,
+            averaged,
+        })
+    }
+
+    /// All whole cycles.
+    fn loops(&self, record: &HysteresisRecord, normal_offset: f64) -> Vec<MeanLoop> {
+        let time = averaged(&record.time, self.averaged);
+        let column = |signal: &[f64]| self.column(&time, &averaged(signal, self.averaged));
+        let displacement = column(&record.displacement);
+        let tangential = column(&record.tangential_force);
+        let normal = column(&record.normal_force);
+        let approach = record.approach.as_deref().map(column);
+        let part =
+            |signal: &[f64], k: usize| signal[k * self.samples..(k + 1) * self.samples].to_vec();
+        let cycle = |k: usize| MeanLoop {
+            displacement: part(&displacement, k),
+            tangential: part(&tangential, k),
+            normal: part(&normal, k).iter().map(|n| n - normal_offset).collect(),
+            approach: approach.as_deref().map(|a| part(a, k)),
+        };
+        (0..self.whole).map(cycle).collect()
+    }
+
+    /// A signal at all phases of all cycles, by straight lines between samples.
+    fn column(&self, time: &[f64], signal: &[f64]) -> Vec<f64> {
+        let count = self.whole * self.samples;
+        let step = 1.0 / (self.frequency * self.samples as f64);
+        let mut after = 1;
+        let at = |m: usize| {
+            let t = self.start + m as f64 * step;
+            while after + 1 < time.len() && time[after] < t {
+                after += 1;
+            }
+            let share = (t - time[after - 1]) / (time[after] - time[after - 1]);
+            signal[after - 1] + share.clamp(0.0, 1.0) * (signal[after] - signal[after - 1])
+        };
+        (0..count).map(at).collect()
+    }
+}
+
+/// Means of some neighbours each.
+fn averaged(signal: &[f64], neighbours: usize) -> Vec<f64> {
+    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+    match neighbours {
+        0 | 1 => signal.to_vec(),
+        n => signal.chunks_exact(n).map(mean).collect(),
+    }
+}
+
+fn displacement(cycle: &mut MeanLoop) -> &mut Vec<f64> {
+    &mut cycle.displacement
+}
+
+fn tangential(cycle: &mut MeanLoop) -> &mut Vec<f64> {
+    &mut cycle.tangential
+}
+
+/// Begins every loop at the greatest displacement of the mean steady loop.
+fn align(loops: &mut [MeanLoop], run_in: usize) {
+    let mean = smooth(&MeanLoop::of(&loops[run_in..]).displacement);
+    let top = (0..mean.len()).max_by(|a, b| mean[*a].total_cmp(&mean[*b]));
+    for cycle in loops {
+        cycle.rotate(top.unwrap_or(0));
+    }
+}
+
+/// Takes the lowest harmonics of every displacement in its place where they leave noise alone: what they leave of the mean steady
+/// loop has neighbours that know little of each other. Noise of the displacement makes slopes too small.
+fn smooth_motion(loops: &mut [MeanLoop], run_in: usize) {
+    let mean = MeanLoop::of(&loops[run_in..]).displacement;
+    let rest: Vec<f64> = mean.iter().zip(smooth(&mean)).map(|(u, s)| u - s).collect();
+    let noise =
+        swing(&rest) <= ROUNDING * swing(&mean) || neighbour_correlation(&rest) < NEIGHBOURS;
+    if mean.len() >= LEAST_TO_SMOOTH && noise {
+        for cycle in loops {
+            cycle.displacement = smooth(&cycle.displacement);
+        }
+    }
+}
+
+/// Puts a signal of every loop about its mean; the means.
+fn take_means_out(loops: &mut [MeanLoop], signal: fn(&mut MeanLoop) -> &mut Vec<f64>) -> Vec<f64> {
+    let centred = |cycle: &mut MeanLoop| {
+        let values = signal(cycle);
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        values.iter_mut().for_each(|v| *v -= mean);
+        mean
+    };
+    loops.iter_mut().map(centred).collect()
+}
+
+/// Drift per cycle: median of the slopes between cycle means half the record apart; 0 of one cycle.
+fn drift(means: &[f64]) -> f64 {
+    let apart = means.len().div_ceil(2);
+    let pairs = means.iter().zip(means.iter().skip(apart));
+    let mut slopes: Vec<f64> = pairs.map(|(a, b)| (b - a) / apart as f64).collect();
+    median(&mut slopes).unwrap_or(0.0)
+}
+
+/// Takes the part of a steady drift that lies inside each cycle out.
+fn take_drift_out(loops: &mut [MeanLoop], signal: fn(&mut MeanLoop) -> &mut Vec<f64>, drift: f64) {
+    for cycle in loops {
+        let values = signal(cycle);
+        let n = values.len() as f64;
+        for (m, value) in values.iter_mut().enumerate() {
+            *value -= drift * ((m as f64 + 0.5) / n - 0.5);
+        }
+    }
+}
+
+/// Replaces values that lie far from those of the other cycles at the same phase by their median; how many.
+fn take_spikes_out(loops: &mut [MeanLoop]) -> usize {
+    if loops.len() < LEAST_FOR_SPIKES {
+        return 0;
+    }
+    let signals: [fn(&mut MeanLoop) -> &mut Vec<f64>; 3] =
+        [displacement, tangential, |cycle| &mut cycle.normal];
+    let mut spikes = 0;
+    for signal in signals {
+        let columns: Vec<Vec<f64>> = loops
+            .iter_mut()
+            .map(|cycle| signal(cycle).clone())
+            .collect();
+        let mean = columns.iter().map(|column| swing(column)).sum::<f64>() / columns.len() as f64;
+        for m in 0..columns[0].len() {
+            let values: Vec<f64> = columns.iter().map(|column| column[m]).collect();
+            let Some([middle, deviation]) = robust_scale(&values) else {
+                continue;
+            };
+            let far = (SPIKE * deviation).max(SPIKE_OF_SWING * mean);
+            for (cycle, value) in loops.iter_mut().zip(values) {
+                if (value - middle).abs() > far {
+                    signal(cycle)[m] = middle;
+                    spikes += 1;
+                }
+            }
+        }
+    }
+    spikes
+}
+
+/// Greatest less least value.
+fn swing(values: &[f64]) -> f64 {
+    let ends = |(low, high): (f64, f64), v: &f64| (low.min(*v), high.max(*v));
+    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+    high - low
+}

@@ -1,0 +1,122 @@
+//! Frequency and phase of a motion.
+
+use super::equations::solve;
+use libm::{atan2, cos, sin};
+use std::f64::consts::TAU;
+
+/// Fundamental of a signal.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Fundamental {
+    /// Frequency (Hz).
+    pub(super) frequency: f64,
+    /// First instant after the start at which the fundamental is greatest (s).
+    pub(super) first_top: f64,
+    /// Share of the variance of the signal, its linear drift taken out, that the fundamental holds.
+    pub(super) share: f64,
+}
+
+/// Level of the trigger over the amplitude: noise below it makes no crossing.
+const TRIGGER: f64 = 0.3;
+/// Steps of the search for the frequency: each makes the interval 0.618 times as long.
+const STEPS: usize = 30;
+/// Part of the inverse of the record's length in which the frequency is sought around the one from crossings.
+const SEARCH: f64 = 0.5;
+/// Cycles over the whole record by which the phase of a stated frequency may be wrong.
+const CLOCKS: f64 = 0.01;
+/// Cycles of a record that is long enough to correct a stated frequency.
+const LONG: f64 = 5.0;
+/// Golden section.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// Fundamental of `signal`, where the frequency (Hz) is stated, or is counted from crossings. None where the signal does not swing.
+pub(super) fn fundamental(
+    time: &[f64],
+    signal: &[f64],
+    stated: Option<f64>,
+) -> Option<Fundamental> {
+    let rest = detrended(time, signal);
+    let length = time[time.len() - 1] - time[0];
+    let start = stated.or_else(|| from_crossings(time, &rest))?;
+    let found = sharpened(time, &rest, start, SEARCH / length);
+    // a stated frequency is exact but for the clocks of two instruments, which only a long record tells apart
+    let apart = (found - start).abs() * length;
+    let keep = stated.is_some() && (apart < CLOCKS || length * start < LONG);
+    let frequency = if keep { start } else { found };
+    let [a, b, share] = fitted(time, &rest, frequency);
+    let phase = atan2(b, a) / TAU;
+    Some(Fundamental {
+        frequency,
+        first_top: time[0] + (phase - phase.floor()) / frequency,
+        share,
+    })
+}
+
+/// The signal less its regression line.
+fn detrended(time: &[f64], signal: &[f64]) -> Vec<f64> {
+    let n = time.len() as f64;
+    let [t, x] = [time, signal].map(|v| v.iter().sum::<f64>() / n);
+    let both = || time.iter().zip(signal);
+    let product: f64 = both().map(|(a, b)| (a - t) * (b - x)).sum();
+    let square: f64 = time.iter().map(|a| (a - t).powi(2)).sum();
+    let slope = product / square;
+    both().map(|(a, b)| b - x - slope * (a - t)).collect()
+}
+
+/// From the first to the last rise through the upper level; each must follow a fall below the lower one.
+fn from_crossings(time: &[f64], rest: &[f64]) -> Option<f64> {
+    let mean_square = rest.iter().map(|x| x * x).sum::<f64>() / rest.len() as f64;
+    let level = TRIGGER * (2.0 * mean_square).sqrt();
+    let (mut low, mut rises) = (false, Vec::new());
+    for (t, x) in time.iter().zip(rest) {
+        if *x < -level {
+            low = true;
+        } else if *x > level && low {
+            low = false;
+            rises.push(*t);
+        }
+    }
+    let periods = rises.len().checked_sub(1).filter(|n| *n > 0)?;
+    Some(periods as f64 / (rises[periods] - rises[0]))
+}
+
+/// The frequency within `reach` of `start` whose wave holds most of the signal, by golden section.
+fn sharpened(time: &[f64], rest: &[f64], start: f64, reach: f64) -> f64 {
+    let held = |frequency: f64| fitted(time, rest, frequency)[2];
+    let (mut low, mut high) = ((start - reach).max(0.5 * start), start + reach);
+    let mut inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
+    let mut value = inner.map(held);
+    for _ in 0..STEPS {
+        if value[0] > value[1] {
+            high = inner[1];
+            inner = [high - GOLDEN * (high - low), inner[0]];
+            value = [held(inner[0]), value[0]];
+        } else {
+            low = inner[0];
+            inner = [inner[1], low + GOLDEN * (high - low)];
+            value = [value[1], held(inner[1])];
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// Least squares a cos ωt + b sin ωt + c + d t: a, b, and the share of the variance that the wave holds; t from the first instant on.
+fn fitted(time: &[f64], rest: &[f64], frequency: f64) -> [f64; 3] {
+    let length = time[time.len() - 1] - time[0];
+    let (mut m, mut v, mut square) = ([[0.0; 4]; 4], [0.0; 4], 0.0);
+    for (t, x) in time.iter().zip(rest) {
+        let phase = TAU * frequency * (t - time[0]);
+        let row = [1.0, (t - time[0]) / length, cos(phase), sin(phase)];
+        for i in 0..4 {
+            for j in 0..4 {
+                m[i][j] += row[i] * row[j];
+            }
+            v[i] += row[i] * x;
+        }
+        square += x * x;
+    }
+    let Some(solved) = solve(m, v) else {
+        return [0.0; 3];
+    };
+    let held: f64 = solved.iter().zip(v).map(|(a, b)| a * b).sum();
+    [solved[2], solved[3], held / square.max(f64::MIN_POSITIVE)]
+}

@@ -1,0 +1,91 @@
+//! From records to the distribution of the contact parameters.
+
+use super::identified::{FORMAT, Identified};
+use super::joint::joint;
+use super::pooled::pool;
+use super::result::{TestResult, TestStatus};
+use super::settings::IdentifySettings;
+use super::test_estimate::identify_test;
+use crate::file::{FileError, FileRecord};
+use crate::record::{HysteresisRecord, read_hysteresis};
+use crate::setting::BadSetting;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+
+/// Why nothing is identified.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum IdentifyError {
+    /// A file cannot be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A setting breaks a rule.
+    #[error(transparent)]
+    Setting(#[from] BadSetting),
+    /// No test can be used; each with its reason.
+    #[error("no test can be used: {0}")]
+    NoTest(String),
+    /// The page template is broken.
+    #[error("page of the identification: {0}")]
+    Page(#[from] minijinja::Error),
+}
+
+/// [`identify`] of the tests in files, which the result names with their hashes.
+///
+/// # Errors
+/// [`IdentifyError`] if a setting breaks a rule, a file cannot be read, or no test can be used.
+pub fn identify_files(
+    paths: &[PathBuf],
+    settings: &IdentifySettings,
+) -> Result<Identified, IdentifyError> {
+    settings.validate()?;
+    let record = |path: &PathBuf| {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        FileRecord::in_folder(folder, &name)
+    };
+    let records = read_hysteresis(paths)?;
+    let files = paths.iter().map(record).collect::<Result<_, _>>()?;
+    let identified = identify(&records, settings)?;
+    Ok(Identified {
+        files,
+        ..identified
+    })
+}
+
+/// Contact parameters from hysteresis tests: each test apart, all together, and the distribution of a further contact. The files are
+/// the caller's. The result does not depend on the number of threads.
+///
+/// # Errors
+/// [`IdentifyError`] if a setting breaks a rule or no test can be used.
+pub fn identify(
+    records: &[HysteresisRecord],
+    settings: &IdentifySettings,
+) -> Result<Identified, IdentifyError> {
+    settings.validate()?;
+    let tests: Vec<TestResult> = (records.par_iter())
+        .map(|record| identify_test(record, settings))
+        .collect();
+    let reasons = tests.iter().filter_map(|test| match &test.status {
+        TestStatus::Unusable(reason) => Some(format!("{} {reason}", test.name)),
+        _ => None,
+    });
+    let reasons: Vec<String> = reasons.collect();
+    if reasons.len() == tests.len() {
+        return Err(IdentifyError::NoTest(reasons.join("; ")));
+    }
+    let pooled = pool(&tests, settings);
+    let joint = joint(&pooled, settings)?;
+    let unused = reasons.iter().map(|reason| format!("not used: {reason}"));
+    Ok(Identified {
+        format: FORMAT,
+        inputs: joint.inputs,
+        correlation: joint.correlation,
+        notes: unused.chain(joint.notes).collect(),
+        settings: Some(*settings),
+        pooled: Some(pooled),
+        tests,
+        files: Vec::new(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+    })
+}

@@ -1,0 +1,147 @@
+//! Numbers of one loop, taken at the places of its test.
+
+use super::branch::slope;
+use super::loop_shape::LoopShape;
+use super::mean_loop::{MeanLoop, neighbour_correlation};
+use super::normal::normal_line;
+use super::slope::Line;
+
+/// Numbers of a loop, in SI units, with the rig's stiffness in series.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LoopNumbers {
+    /// Mean normal force.
+    pub(super) normal: f64,
+    /// Half the difference of the plateaus over the mean normal force there.
+    pub(super) friction: Option<PlateauNumbers>,
+    /// Lines of both stick branches.
+    pub(super) lines: [Option<Line>; 2],
+    /// Normal force over approach.
+    pub(super) normal_line: Option<Line>,
+    /// Energy of the cycle.
+    pub(super) energy: f64,
+}
+
+/// What the plateaus of a loop say.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PlateauNumbers {
+    /// Friction coefficient.
+    pub(super) coefficient: f64,
+    /// Its standard error, from the samples of the plateaus.
+    pub(super) standard_error: Option<f64>,
+    /// Offset of T.
+    pub(super) offset: f64,
+    /// Slip distance per cycle; absent without a stick slope.
+    pub(super) slip_distance: Option<f64>,
+    /// Mean normal force on the plateaus.
+    pub(super) normal: f64,
+}
+
+impl LoopNumbers {
+    /// Of one loop.
+    pub(super) fn of(cycle: &MeanLoop, shape: &LoopShape) -> Self {
+        let lines = [0, 1].map(|side| {
+            let window = shape.windows[side]?;
+            slope(&shape.halves[side], cycle, &window).filter(|line| line.slope > 0.0)
+        });
+        let mut numbers = Self {
+            normal: cycle.normal.iter().sum::<f64>() / cycle.samples() as f64,
+            friction: None,
+            lines,
+            normal_line: normal_line(cycle),
+            energy: cycle.energy(),
+        };
+        numbers.friction =
+            (shape.plateaus).map(|places| plateaus(cycle, shape, places, numbers.stick()));
+        numbers
+    }
+
+    /// Mean slope of the stick branches.
+    pub(super) fn stick(&self) -> Option<f64> {
+        let slopes: Vec<f64> = self.lines.iter().flatten().map(|line| line.slope).collect();
+        (!slopes.is_empty()).then(|| slopes.iter().sum::<f64>() / slopes.len() as f64)
+    }
+
+    /// Energy over slip distance and normal force.
+    pub(super) fn friction_from_energy(&self) -> Option<f64> {
+        let plateaus = self.friction?;
+        let slip = plateaus.slip_distance.filter(|slip| *slip > 0.0)?;
+        Some(self.energy / (slip * plateaus.normal))
+    }
+}
+
+/// T = ± μ N + offset on both plateaus: two equations of the means over the samples.
+fn plateaus(
+    cycle: &MeanLoop,
+    shape: &LoopShape,
+    places: [[usize; 2]; 2],
+    stick: Option<f64>,
+) -> PlateauNumbers {
+    let means = [0, 1].map(|side| {
+        let samples = samples(cycle, shape, side, places[side]);
+        let mean =
+            |values: &[f64]| samples.iter().map(|i| values[*i]).sum::<f64>() / samples.len() as f64;
+        [mean(&cycle.tangential), mean(&cycle.normal)]
+    });
+    let [down, up] = means;
+    let coefficient = (up[0] - down[0]) / (up[1] + down[1]);
+    let offset = up[0] - coefficient * up[1];
+    let errors = [0, 1].map(|side| {
+        let sign = shape.halves[side].sign;
+        let rest =
+            |i: &usize| cycle.tangential[*i] - offset - sign * coefficient * cycle.normal[*i];
+        mean_error(
+            &samples(cycle, shape, side, places[side])
+                .iter()
+                .map(rest)
+                .collect::<Vec<f64>>(),
+        )
+    });
+    let reversals = shape
+        .halves
+        .map(|half| half.sample(half.samples - 1, cycle));
+    let travel = cycle.displacement[reversals[1]] - cycle.displacement[reversals[0]];
+    let swing = coefficient * (cycle.normal[reversals[0]] + cycle.normal[reversals[1]]);
+    PlateauNumbers {
+        coefficient,
+        standard_error: errors[0]
+            .zip(errors[1])
+            .map(|(a, b)| a.hypot(b) / (up[1] + down[1])),
+        offset,
+        slip_distance: stick.map(|stick| 2.0 * (travel - swing / stick)),
+        normal: 0.5 * (up[1] + down[1]),
+    }
+}
+
+/// Samples of a plateau where the normal force is large enough.
+pub(super) fn samples(
+    cycle: &MeanLoop,
+    shape: &LoopShape,
+    side: usize,
+    [first, last]: [usize; 2],
+) -> Vec<usize> {
+    let all = (first..=last).map(|place| shape.halves[side].sample(place, cycle));
+    let closed: Vec<usize> = all
+        .clone()
+        .filter(|i| cycle.normal[*i] > shape.least_normal)
+        .collect();
+    if closed.is_empty() {
+        all.collect()
+    } else {
+        closed
+    }
+}
+
+/// Standard error of the mean of values whose neighbours may be alike; none of fewer than four.
+fn mean_error(values: &[f64]) -> Option<f64> {
+    let n = values.len() as f64;
+    if values.len() < 4 {
+        return None;
+    }
+    let mean = values.iter().sum::<f64>() / n;
+    let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    let alike = neighbour_correlation(values).clamp(0.0, MOST_ALIKE);
+    Some((square / (n - 1.0) / n * (1.0 + alike) / (1.0 - alike)).sqrt())
+}
+
+/// Largest correlation of neighbours that is believed.
+const MOST_ALIKE: f64 = 0.95;

@@ -1,0 +1,147 @@
+//! One cycle of all signals on a grid of phases, and means of several.
+
+use libm::{cos, sin};
+use std::f64::consts::TAU;
+
+/// Signals over one cycle, at equal steps of the phase; sample 0 is at the greatest displacement. In SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct MeanLoop {
+    /// Relative displacement, about its mean.
+    pub(super) displacement: Vec<f64>,
+    /// Tangential force, about its mean.
+    pub(super) tangential: Vec<f64>,
+    /// Normal force.
+    pub(super) normal: Vec<f64>,
+    /// Approach, where it was measured.
+    pub(super) approach: Option<Vec<f64>>,
+}
+
+/// A signal of a loop.
+pub(super) type Signal = fn(&MeanLoop) -> &[f64];
+
+/// Highest harmonic of a smooth motion.
+const HARMONICS: usize = 6;
+
+impl MeanLoop {
+    /// Samples of the cycle.
+    pub(super) fn samples(&self) -> usize {
+        self.displacement.len()
+    }
+
+    /// Sample by sample mean of at least one loop.
+    pub(super) fn of(loops: &[Self]) -> Self {
+        let mean = |signal: Signal| {
+            let n = loops.len() as f64;
+            let at = |i: usize| loops.iter().map(|l| signal(l)[i]).sum::<f64>() / n;
+            (0..loops[0].samples()).map(at).collect::<Vec<f64>>()
+        };
+        let measured = loops.iter().all(|l| l.approach.is_some());
+        Self {
+            displacement: mean(|l| &l.displacement),
+            tangential: mean(|l| &l.tangential),
+            normal: mean(|l| &l.normal),
+            approach: measured.then(|| mean(|l| l.approach.as_deref().unwrap_or(&l.displacement))),
+        }
+    }
+
+    /// The same with sample `first` as the first one.
+    pub(super) fn rotate(&mut self, first: usize) {
+        let signals = [
+            &mut self.displacement,
+            &mut self.tangential,
+            &mut self.normal,
+        ];
+        for signal in signals.into_iter().chain(&mut self.approach) {
+            signal.rotate_left(first);
+        }
+    }
+
+    /// T/N, sample by sample; none where the normal force is too small to divide by.
+    pub(super) fn ratio(&self, i: usize, least_normal: f64) -> Option<f64> {
+        (self.normal[i] > least_normal).then(|| self.tangential[i] / self.normal[i])
+    }
+
+    /// Energy per cycle ∮ T du (J), positive where the contact dissipates.
+    pub(super) fn energy(&self) -> f64 {
+        let n = self.samples();
+        let step = |i: usize| {
+            let j = (i + 1) % n;
+            let mean = 0.5 * (self.tangential[i] + self.tangential[j]);
+            mean * (self.displacement[j] - self.displacement[i])
+        };
+        (0..n).map(step).sum()
+    }
+}
+
+/// The mean and the lowest harmonics of a periodic signal: noise and steps are gone, a smooth motion stays.
+pub(super) fn smooth(signal: &[f64]) -> Vec<f64> {
+    let n = signal.len();
+    let mean = signal.iter().sum::<f64>() / n as f64;
+    let mut sum = vec![mean; n];
+    let waves: Vec<[f64; 2]> = (0..n)
+        .map(|i| TAU * i as f64 / n as f64)
+        .map(|phase| [cos(phase), sin(phase)])
+        .collect();
+    for harmonic in 1..=HARMONICS.min((n - 1) / 2) {
+        let wave = |i: usize| waves[(harmonic * i) % n];
+        let part = |k: usize| {
+            let products = signal.iter().enumerate().map(|(i, x)| x * wave(i)[k]);
+            2.0 / n as f64 * products.sum::<f64>()
+        };
+        let [a, b] = [part(0), part(1)];
+        for (i, value) in sum.iter_mut().enumerate() {
+            *value += a * wave(i)[0] + b * wave(i)[1];
+        }
+    }
+    sum
+}
+
+/// Middle of the values, of two the mean; none of no values.
+pub(super) fn median(values: &mut [f64]) -> Option<f64> {
+    let n = values.len();
+    if n == 0 {
+        return None;
+    }
+    let (below, middle, _) = values.select_nth_unstable_by(n / 2, f64::total_cmp);
+    let upper = *middle;
+    match n % 2 {
+        1 => Some(upper),
+        _ => below
+            .iter()
+            .copied()
+            .max_by(f64::total_cmp)
+            .map(|lower| 0.5 * (lower + upper)),
+    }
+}
+
+/// Standard deviation of normal values over their median absolute deviation.
+pub(super) const OF_MEDIAN_DEVIATION: f64 = 1.482_602_218_505_602;
+
+/// Median, and the standard deviation from the median absolute deviation; none of no values.
+pub(super) fn robust_scale(values: &[f64]) -> Option<[f64; 2]> {
+    let middle = median(&mut values.to_vec())?;
+    let mut deviations: Vec<f64> = values.iter().map(|v| (v - middle).abs()).collect();
+    median(&mut deviations).map(|deviation| [middle, OF_MEDIAN_DEVIATION * deviation])
+}
+
+/// Correlation of neighbouring values about their mean; 0 of equal values.
+pub(super) fn neighbour_correlation(values: &[f64]) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    let product = values
+        .windows(2)
+        .map(|pair| (pair[0] - mean) * (pair[1] - mean));
+    match square > 0.0 {
+        true => product.sum::<f64>() / square,
+        false => 0.0,
+    }
+}
+
+/// Standard deviation of the noise of a periodic signal, from its second differences, in which a smooth signal is gone.
+pub(super) fn noise(values: &[f64]) -> f64 {
+    let n = values.len();
+    let second = |i: usize| values[(i + n - 1) % n] - 2.0 * values[i] + values[(i + 1) % n];
+    let mut sizes: Vec<f64> = (0..n).map(|i| second(i).abs()).collect();
+    // the squares of 1, -2, 1 add up to 6
+    OF_MEDIAN_DEVIATION * median(&mut sizes).unwrap_or(0.0) / 6_f64.sqrt()
+}

@@ -1,0 +1,53 @@
+//! Words and units of the contact parameters, and where a test has them.
+
+use crate::identify::parameter::ContactParameter;
+use crate::identify::result::TestEstimate;
+use crate::identify::uncertain::Uncertain;
+use crate::page::display::{capitalised, with_digits};
+
+/// All, in the order of the page.
+pub(super) const ALL: [ContactParameter; 3] = [
+    ContactParameter::FrictionCoefficient,
+    ContactParameter::TangentialStiffnessNPerUm,
+    ContactParameter::NormalStiffnessNPerUm,
+];
+
+/// In sentences.
+pub(super) fn name(parameter: ContactParameter) -> &'static str {
+    match parameter {
+        ContactParameter::FrictionCoefficient => "friction coefficient",
+        ContactParameter::TangentialStiffnessNPerUm => "tangential stiffness",
+        ContactParameter::NormalStiffnessNPerUm => "normal stiffness",
+    }
+}
+
+/// Of an axis or a column.
+pub(super) fn label(parameter: ContactParameter) -> String {
+    let name = capitalised(name(parameter));
+    match parameter {
+        ContactParameter::FrictionCoefficient => name,
+        _ => format!("{name} (N/µm)"),
+    }
+}
+
+/// `34.1 N/µm`.
+pub(super) fn with_unit(parameter: ContactParameter, text: &str) -> String {
+    match parameter {
+        ContactParameter::FrictionCoefficient => text.to_owned(),
+        _ => format!("{text} N/µm"),
+    }
+}
+
+/// A value of any of them.
+pub(super) fn show(value: f64) -> String {
+    with_digits(value, 3)
+}
+
+/// What one test says of it.
+pub(super) fn of_test(parameter: ContactParameter, estimate: &TestEstimate) -> Option<Uncertain> {
+    match parameter {
+        ContactParameter::FrictionCoefficient => estimate.friction.map(|f| f.coefficient),
+        ContactParameter::TangentialStiffnessNPerUm => Some(estimate.tangential.stiffness_n_per_um),
+        ContactParameter::NormalStiffnessNPerUm => estimate.normal_stiffness_n_per_um,
+    }
+}

@@ -1,0 +1,70 @@
+//! What a study reads, and what produced the numbers.
+
+use super::parameter::name;
+use super::view::View;
+use crate::page::block::{Block, Cell, Section, Table};
+use crate::page::display::with_digits;
+use crate::page::sheet::{fields, sheet};
+use crate::sampling::Distribution;
+
+pub(super) fn section(view: &View) -> Section {
+    let found = view.found;
+    let program = ("Program".to_owned(), format!("microslip {}", found.version));
+    let stated = found.settings.as_ref().map(fields).unwrap_or_default();
+    let mut blocks = vec![
+        distributions(view),
+        sheet(
+            "Identification",
+            "settings",
+            [program].into_iter().chain(stated),
+        ),
+    ];
+    if !found.files.is_empty() {
+        blocks.push(files(view));
+    }
+    Section {
+        id: "provenance",
+        title: "For a study, and provenance".to_owned(),
+        blocks,
+    }
+}
+
+/// The distributions of `identified.json`, with their correlation.
+fn distributions(view: &View) -> Block {
+    let found = view.found;
+    let rows = found.inputs.iter().map(|input| {
+        let distribution = Distribution::new(input.shape, None);
+        let words = distribution.map_or_else(|fault| fault.to_string(), |d| d.to_string());
+        (name(input.parameter).to_owned(), words)
+    });
+    let count = found.inputs.len();
+    let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
+    let correlations = pairs.filter_map(|(a, b)| {
+        let value = *found.correlation.get(a)?.get(b)?;
+        let names = [a, b].map(|k| name(found.inputs[k].parameter));
+        Some((
+            format!("correlation of {} and {}", names[0], names[1]),
+            with_digits(value, 3),
+        ))
+    });
+    sheet(
+        "Distributions that a study reads from identified.json",
+        "inputs",
+        rows.chain(correlations),
+    )
+}
+
+fn files(view: &View) -> Block {
+    let mut table = Table::of(
+        "Files that were read",
+        "files",
+        &[("File", &["file"]), ("BLAKE3 of its content", &["blake3"])],
+    );
+    for file in &view.found.files {
+        table.row(vec![
+            Cell::text(&file.name).with_class("text brief"),
+            Cell::text(&file.blake3).with_class("text wide code"),
+        ]);
+    }
+    table.block()
+}

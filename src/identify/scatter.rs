@@ -1,0 +1,92 @@
+//! Standard errors of a test from the scatter of its batches, and errors of the measuring chain.
+
+use super::settings::IdentifySettings;
+
+/// Standard error of a mean, and its degrees of freedom.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct RandomError {
+    /// Standard error.
+    pub(super) standard_error: f64,
+    /// Degrees of freedom.
+    pub(super) freedom: f64,
+}
+
+/// From values of batches of equal length; none of fewer than two.
+pub(super) fn of_batches(values: &[Option<f64>]) -> Option<RandomError> {
+    let known: Vec<f64> = values.iter().copied().flatten().collect();
+    let n = known.len() as f64;
+    if known.len() < 2 {
+        return None;
+    }
+    let mean = known.iter().sum::<f64>() / n;
+    let square: f64 = known.iter().map(|v| (v - mean).powi(2)).sum();
+    Some(RandomError {
+        standard_error: (square / (n - 1.0) / n).sqrt(),
+        freedom: n - 1.0,
+    })
+}
+
+/// Correlation of two values over the batches that have both; 0 of fewer than four.
+pub(super) fn correlation(a: &[Option<f64>], b: &[Option<f64>]) -> f64 {
+    let pairs: Vec<(f64, f64)> = a.iter().zip(b).filter_map(|(a, b)| a.zip(*b)).collect();
+    let n = pairs.len() as f64;
+    if pairs.len() < LEAST_FOR_CORRELATION {
+        return 0.0;
+    }
+    let (x, y) = pairs
+        .iter()
+        .fold((0.0, 0.0), |(x, y), (a, b)| (x + a / n, y + b / n));
+    let sum = |product: fn(f64, f64) -> f64| -> f64 {
+        pairs.iter().map(|(a, b)| product(a - x, b - y)).sum()
+    };
+    let (xx, yy, xy) = (sum(|a, _| a * a), sum(|_, b| b * b), sum(|a, b| a * b));
+    match xx > 0.0 && yy > 0.0 {
+        true => xy / (xx * yy).sqrt(),
+        false => 0.0,
+    }
+}
+
+/// Fewest batches that tell a correlation.
+const LEAST_FOR_CORRELATION: usize = 4;
+
+/// Stated errors of the measuring chain, as standard uncertainties of logarithms: the gains of T, N and displacement are
+/// independent, and the same in all tests.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ChainError {
+    /// Of the gain of a force.
+    force: f64,
+    /// Of the gain of a displacement.
+    displacement: f64,
+}
+
+impl ChainError {
+    /// As stated.
+    pub(super) fn of(settings: &IdentifySettings) -> Self {
+        Self {
+            force: settings.force_error_percent / 100.0,
+            displacement: settings.displacement_error_percent / 100.0,
+        }
+    }
+
+    /// Of ln μ, ln k_t as measured, ln k_n and ln energy: T/N, T/u, N/v, T u.
+    pub(super) fn of_ratio(&self) -> f64 {
+        self.force.hypot(self.force)
+    }
+
+    /// Of ln k_t as measured, ln k_n and ln energy: T/u, N/v, T u.
+    pub(super) fn of_slope(&self) -> f64 {
+        self.force.hypot(self.displacement)
+    }
+
+    /// Covariance of ln μ, ln k_t and ln k_n, where that of k_t is `amplified` by the rig's stiffness. T is in μ and k_t, N in μ
+    /// and k_n, the displacement in k_t and k_n.
+    pub(super) fn covariance(&self, amplified: f64) -> [[f64; 3]; 3] {
+        let [t, u] = [self.force.powi(2), self.displacement.powi(2)];
+        let a = amplified;
+        [
+            [2.0 * t, a * t, -t],
+            [a * t, a * a * (t + u), a * u],
+            [-t, a * u, t + u],
+        ]
+    }
+}

@@ -1,0 +1,372 @@
+//! One test: from a record to the parameters of its contact with their uncertainty.
+
+use super::branch::leaves_line;
+use super::cycle::{Steady, cut};
+use super::figure::figure;
+use super::loop_estimate::LoopNumbers;
+use super::loop_shape::{LoopShape, shape};
+use super::mean_loop::{MeanLoop, noise};
+use super::misfit::{elastic_coulomb, misfit};
+use super::result::{
+    Friction, LoopResult, LoopValue, Onset, Tangential, TestEstimate, TestResult, TestStatus,
+};
+use super::scatter::{ChainError, RandomError, correlation, of_batches};
+use super::series::Series;
+use super::settings::IdentifySettings;
+use super::test_notes::notes;
+use super::uncertain::{Uncertain, factor};
+use crate::record::HysteresisRecord;
+use crate::units::n_per_m_to_n_per_um;
+
+/// What one test says.
+#[must_use]
+pub fn identify_test(record: &HysteresisRecord, settings: &IdentifySettings) -> TestResult {
+    let unusable = |reason| TestResult {
+        name: record.name.clone(),
+        conditions: record.conditions.clone(),
+        status: TestStatus::Unusable(reason),
+        cycles: None,
+        estimate: None,
+        loops: Vec::new(),
+        figure: None,
+        notes: Vec::new(),
+    };
+    let steady = match cut(record, settings) {
+        Ok(steady) => steady,
+        Err(reason) => return unusable(reason),
+    };
+    let cycles = Some(steady.cycles);
+    match Test::new(&steady, settings) {
+        Ok(test) => test.result(record),
+        Err(reason) => TestResult {
+            cycles,
+            ..unusable(reason)
+        },
+    }
+}
+
+/// The numbers of a test, of its mean loop and of its batches.
+struct Test<'a> {
+    settings: &'a IdentifySettings,
+    steady: &'a Steady,
+    shape: LoopShape,
+    mean: LoopNumbers,
+    batches: Vec<LoopNumbers>,
+    series: Series,
+    chain: ChainError,
+    /// Slope of the stick branches as measured (N/m), and of the contact.
+    slopes: [f64; 2],
+}
+
+impl<'a> Test<'a> {
+    fn new(steady: &'a Steady, settings: &'a IdentifySettings) -> Result<Self, String> {
+        let shape = shape(&steady.mean)?;
+        let mean = LoopNumbers::of(&steady.mean, &shape);
+        let series = Series::of(settings);
+        let measured = mean.stick().ok_or("has no stick branch that rises")?;
+        Ok(Self {
+            settings,
+            steady,
+            shape,
+            batches: steady
+                .batches
+                .iter()
+                .map(|batch| LoopNumbers::of(batch, &shape))
+                .collect(),
+            mean,
+            slopes: [measured, series.contact(measured)?],
+            series,
+            chain: ChainError::of(settings),
+        })
+    }
+
+    fn result(&self, record: &HysteresisRecord) -> TestResult {
+        let cycle = &self.steady.mean;
+        let coefficient = self.mean.friction.map(|plateaus| plateaus.coefficient);
+        let mut fitted = elastic_coulomb(cycle, self.slopes[0], coefficient);
+        let (rest, misfit) = misfit(&cycle.tangential, &mut fitted);
+        let friction = self.friction();
+        let estimate = TestEstimate {
+            normal_force_n: self.mean.normal,
+            normal_force_range_n: range(&cycle.normal),
+            displacement_amplitude_m: half_swing(&cycle.displacement),
+            tangential_force_amplitude_n: half_swing(&cycle.tangential),
+            friction,
+            friction_at_least: match friction {
+                None => self.friction_at_least(),
+                Some(_) => None,
+            },
+            tangential: self.tangential(),
+            normal_stiffness_n_per_um: self.normal_stiffness(),
+            energy_j: self.energy(),
+            onset: self.onset(),
+            error_correlation: correlation(
+                &self.of_batches(|numbers| numbers.friction.map(|p| p.coefficient)),
+                &self.of_batches(LoopNumbers::stick),
+            ),
+            misfit,
+        };
+        TestResult {
+            name: record.name.clone(),
+            conditions: record.conditions.clone(),
+            status: match friction {
+                Some(_) => TestStatus::Slips,
+                None => TestStatus::NoSlip,
+            },
+            cycles: Some(self.steady.cycles),
+            notes: notes(&estimate, &self.steady.cycles, record, self.settings),
+            estimate: Some(estimate),
+            loops: self.loops(),
+            figure: Some(figure(cycle, &self.shape, &self.mean, &fitted, &rest)),
+        }
+    }
+
+    fn of_batches(&self, number: impl Fn(&LoopNumbers) -> Option<f64>) -> Vec<Option<f64>> {
+        self.batches.iter().map(number).collect()
+    }
+
+    /// A value of the mean loop with the scatter of the batches, or with `inside`, the error inside the only loop.
+    fn uncertain(
+        &self,
+        value: f64,
+        number: impl Fn(&LoopNumbers) -> Option<f64>,
+        inside: RandomError,
+        systematic: f64,
+    ) -> Uncertain {
+        let random = of_batches(&self.of_batches(number)).unwrap_or(inside);
+        let errors = [random.standard_error, systematic];
+        Uncertain::new(value, errors, random.freedom, self.settings.confidence)
+    }
+
+    fn friction(&self) -> Option<Friction> {
+        let plateaus = self.mean.friction?;
+        let places = self.shape.plateaus?;
+        let samples = places
+            .iter()
+            .map(|[first, last]| last + 1 - first)
+            .sum::<usize>();
+        let inside = RandomError {
+            standard_error: plateaus.standard_error.unwrap_or(plateaus.coefficient),
+            freedom: samples as f64 - 2.0,
+        };
+        let from_energy = self.mean.friction_from_energy();
+        let offset = plateaus.offset + self.steady.tangential_mean;
+        let side = |sign: f64| plateaus.coefficient + sign * offset / plateaus.normal;
+        Some(Friction {
+            coefficient: self.uncertain(
+                plateaus.coefficient,
+                |numbers| numbers.friction.map(|p| p.coefficient),
+                inside,
+                plateaus.coefficient * self.chain.of_ratio(),
+            ),
+            sides: [side(1.0), side(-1.0)],
+            tangential_offset_n: offset,
+            from_energy,
+            energy_difference: from_energy.map(|energy| energy / plateaus.coefficient - 1.0),
+            slip_distance_m: plateaus.slip_distance.unwrap_or(0.0),
+        })
+    }
+
+    /// Half the swing of T/N, less what noise and the measuring chain may have added.
+    fn friction_at_least(&self) -> Option<f64> {
+        let half = |cycle: &MeanLoop| {
+            let [a, b] = self
+                .shape
+                .halves
+                .map(|half| half.end_ratio(cycle, self.shape.least_normal));
+            a.zip(b).map(|(a, b)| 0.5 * (a + b))
+        };
+        let value = half(&self.steady.mean)?;
+        let batches: Vec<Option<f64>> = self.steady.batches.iter().map(half).collect();
+        let random = of_batches(&batches).unwrap_or(RandomError {
+            standard_error: noise(&self.steady.mean.tangential) / self.mean.normal,
+            freedom: f64::INFINITY,
+        });
+        let error = random.standard_error.hypot(value * self.chain.of_ratio());
+        let one_side = factor(random.freedom, 2.0 * self.settings.confidence - 1.0);
+        Some((value - one_side * error).max(0.0))
+    }
+
+    fn tangential(&self) -> Tangential {
+        let windows = self.shape.windows;
+        let samples = windows.map(|w| w.map_or(0, |w| w.places[1] + 1 - w.places[0]));
+        let sides = [0, 1].map(|side| {
+            let line = self.mean.lines[side]?;
+            let number = move |numbers: &LoopNumbers| numbers.lines[side].map(|line| line.slope);
+            self.stiffness(line.slope, number, self.inside(side))
+        });
+        let insides: Vec<RandomError> = [0, 1]
+            .into_iter()
+            .filter(|side| self.mean.lines[*side].is_some())
+            .map(|side| self.inside(side))
+            .collect();
+        let count = insides.len() as f64;
+        let inside = RandomError {
+            standard_error: insides
+                .iter()
+                .map(|e| e.standard_error.powi(2))
+                .sum::<f64>()
+                .sqrt()
+                / count,
+            freedom: insides.iter().map(|e| e.freedom).sum(),
+        };
+        let [measured, contact] = self.slopes;
+        let both = self.stiffness(measured, LoopNumbers::stick, inside);
+        Tangential {
+            stiffness_n_per_um: both.unwrap_or(Uncertain::new(
+                n_per_m_to_n_per_um(contact),
+                [contact, 0.0],
+                1.0,
+                self.settings.confidence,
+            )),
+            sides_n_per_um: sides,
+            measured_n_per_um: n_per_m_to_n_per_um(measured),
+            samples,
+            window_end: windows.map(|w| w.map_or(0.0, |w| w.end)),
+            bent: windows.map(|w| w.is_some_and(|w| w.bent)),
+        }
+    }
+
+    /// Error of a slope inside the mean loop.
+    fn inside(&self, side: usize) -> RandomError {
+        let window = self.shape.windows[side];
+        let [first, last] = window.map_or([0, 0], |w| w.places);
+        let x = self.shape.halves[side].displacement(&self.steady.mean);
+        // two points, each with the noise of the force
+        let coarse = noise(&self.steady.mean.tangential) * 2_f64.sqrt() / (x[last] - x[first]);
+        let line = self.mean.lines[side].and_then(|line| line.standard_error);
+        RandomError {
+            standard_error: line.unwrap_or(coarse),
+            freedom: ((last + 1 - first) as f64 - 2.0).max(1.0),
+        }
+    }
+
+    /// Stiffness of the contact (N/µm) from a slope as measured (N/m); none where the rig's stiffness leaves none.
+    fn stiffness(
+        &self,
+        slope: f64,
+        number: impl Fn(&LoopNumbers) -> Option<f64>,
+        inside: RandomError,
+    ) -> Option<Uncertain> {
+        let contact = self.series.contact(slope).ok()?;
+        let measured = self.uncertain(slope, number, inside, slope * self.chain.of_slope());
+        let derivative = self.series.derivative(slope);
+        let errors = [measured.standard_error, measured.systematic]
+            .map(|error| n_per_m_to_n_per_um(error * derivative));
+        let confidence = self.settings.confidence;
+        Some(Uncertain::new(
+            n_per_m_to_n_per_um(contact),
+            errors,
+            measured.degrees_of_freedom,
+            confidence,
+        ))
+    }
+
+    fn normal_stiffness(&self) -> Option<Uncertain> {
+        let line = self.mean.normal_line?;
+        let inside = RandomError {
+            standard_error: line.standard_error?,
+            freedom: 0.5 * self.steady.mean.samples() as f64,
+        };
+        let number = |numbers: &LoopNumbers| numbers.normal_line.map(|line| line.slope);
+        let found = self.uncertain(
+            line.slope,
+            number,
+            inside,
+            line.slope * self.chain.of_slope(),
+        );
+        (line.slope > 0.0).then(|| found.scaled(n_per_m_to_n_per_um(1.0)))
+    }
+
+    fn energy(&self) -> Uncertain {
+        let cycle = &self.steady.mean;
+        let n = cycle.samples();
+        let steps = (0..n)
+            .map(|i| 0.5 * (cycle.displacement[(i + 1) % n] - cycle.displacement[(i + n - 1) % n]));
+        let inside = RandomError {
+            standard_error: noise(&cycle.tangential) * steps.map(|d| d * d).sum::<f64>().sqrt(),
+            freedom: n as f64,
+        };
+        let energy = self.mean.energy;
+        self.uncertain(
+            energy,
+            |numbers| Some(numbers.energy),
+            inside,
+            energy.abs() * self.chain.of_slope(),
+        )
+    }
+
+    fn onset(&self) -> Option<Onset> {
+        let plateaus = self.mean.friction?;
+        let cycle = &self.steady.mean;
+        let left: Vec<(f64, f64)> = (0..2)
+            .filter_map(|side| {
+                let half = &self.shape.halves[side];
+                let (way, place) = leaves_line(half, cycle, &self.mean.lines[side]?)?;
+                let force = half.force(cycle);
+                let swing = 2.0 * plateaus.coefficient * plateaus.normal;
+                Some((way, (force[place] - force[0]) / swing))
+            })
+            .collect();
+        let count = left.len() as f64;
+        (!left.is_empty()).then(|| Onset {
+            elastic_limit_m: plateaus.coefficient * plateaus.normal / self.slopes[1],
+            first_slip_m: left.iter().map(|(way, _)| way).sum::<f64>() / count,
+            first_slip_share: left.iter().map(|(_, share)| share).sum::<f64>() / count,
+        })
+    }
+
+    fn loops(&self) -> Vec<LoopResult> {
+        let numbered = self
+            .steady
+            .loops
+            .iter()
+            .zip(&self.steady.starts)
+            .enumerate();
+        let of = |(cycle, (one, start)): (usize, (&MeanLoop, &f64))| {
+            let numbers = LoopNumbers::of(one, &self.shape);
+            let stiffness = |side: usize| {
+                let line = numbers.lines[side]?;
+                let value = self.series.contact(line.slope).ok()?;
+                let error = line
+                    .standard_error
+                    .map(|e| e * self.series.derivative(line.slope));
+                Some(LoopValue {
+                    value: n_per_m_to_n_per_um(value),
+                    standard_error: error.map(n_per_m_to_n_per_um),
+                })
+            };
+            LoopResult {
+                cycle,
+                start_s: *start,
+                steady: cycle >= self.steady.cycles.run_in,
+                normal_force_n: numbers.normal,
+                friction_coefficient: numbers.friction.map(|p| LoopValue {
+                    value: p.coefficient,
+                    standard_error: p.standard_error,
+                }),
+                friction_from_energy: numbers.friction_from_energy(),
+                tangential_stiffness_n_per_um: [0, 1].map(stiffness),
+                normal_stiffness_n_per_um: numbers.normal_line.map(|line| LoopValue {
+                    value: n_per_m_to_n_per_um(line.slope),
+                    standard_error: line.standard_error.map(n_per_m_to_n_per_um),
+                }),
+                energy_j: numbers.energy,
+            }
+        };
+        numbered.map(of).collect()
+    }
+}
+
+fn range(values: &[f64]) -> [f64; 2] {
+    values
+        .iter()
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+            [low.min(*v), high.max(*v)]
+        })
+}
+
+fn half_swing(values: &[f64]) -> f64 {
+    let [low, high] = range(values);
+    0.5 * (high - low)
+}

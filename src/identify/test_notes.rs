@@ -1,0 +1,110 @@
+//! What a reader of a test should know.
+
+use super::result::{Cycles, TestEstimate};
+use super::settings::IdentifySettings;
+use crate::record::HysteresisRecord;
+
+/// Difference of the two friction coefficients that is told.
+const ENERGY_DIFFERENCE: f64 = 0.05;
+/// Measured over series stiffness above which the rig decides.
+const MOSTLY_RIG: f64 = 0.8;
+/// Difference of the stiffness after both reversals, over their mean, that is told.
+const SIDES_APART: f64 = 0.2;
+/// Energy over that of a rectangle of the same size, above which a loop that does not slip as a whole slips in part.
+const PARTIAL_SLIP: f64 = 0.01;
+/// Offset of T over the force at slip that is told.
+const OFFSET: f64 = 0.05;
+
+/// Sentences on one test.
+pub(super) fn notes(
+    estimate: &TestEstimate,
+    cycles: &Cycles,
+    record: &HysteresisRecord,
+    settings: &IdentifySettings,
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    of_cycles(cycles, record, &mut notes);
+    of_friction(estimate, &mut notes);
+    of_stiffness(estimate, settings, &mut notes);
+    if estimate.misfit.large {
+        let percent = 100.0 * estimate.misfit.relative_rms;
+        notes.push(format!(
+            "the loop differs from an elastic-Coulomb one by {percent:.1} % of its swing (rms): the parameters describe it less well"
+        ));
+    }
+    if record.approach.is_some() && estimate.normal_stiffness_n_per_um.is_none() {
+        notes.push("the approach is measured but is mostly noise: no normal stiffness".to_owned());
+    }
+    notes
+}
+
+fn of_cycles(cycles: &Cycles, record: &HysteresisRecord, notes: &mut Vec<String>) {
+    if let Some(stated) = record.conditions.frequency_hz
+        && stated != cycles.frequency_hz
+    {
+        let found = cycles.frequency_hz;
+        notes.push(format!(
+            "the frequency is stated as {stated} Hz, the record has {found:.6} Hz, which is used"
+        ));
+    }
+    if cycles.steady == 1 {
+        notes.push("one loop: the intervals hold the noise inside of it, not the scatter from loop to loop".to_owned());
+    }
+    if cycles.spikes > 0 {
+        let spikes = cycles.spikes;
+        notes.push(format!(
+            "{spikes} values far from those of the other cycles are replaced by their median"
+        ));
+    }
+}
+
+fn of_friction(estimate: &TestEstimate, notes: &mut Vec<String>) {
+    if let Some(least) = estimate.friction_at_least {
+        notes.push(format!(
+            "the contact never slips as a whole: the friction coefficient is at least {least:.3}, no more is known of it"
+        ));
+        let rectangle =
+            4.0 * estimate.displacement_amplitude_m * estimate.tangential_force_amplitude_n;
+        if estimate.energy_j.value > PARTIAL_SLIP * rectangle {
+            notes.push("a part of the contact slips: the loop has an area".to_owned());
+        }
+    }
+    let Some(friction) = estimate.friction else {
+        return;
+    };
+    if let Some(difference) = friction
+        .energy_difference
+        .filter(|d| d.abs() > ENERGY_DIFFERENCE)
+    {
+        let percent = 100.0 * difference;
+        notes.push(format!(
+            "the friction coefficient from the energy differs from that of the plateaus by {percent:+.1} %"
+        ));
+    }
+    let slip = friction.coefficient.value * estimate.normal_force_n;
+    if friction.tangential_offset_n.abs() > OFFSET * slip {
+        let offset = friction.tangential_offset_n;
+        notes.push(format!("the plateaus show an offset of the tangential force of {offset:.4} N, which is taken out"));
+    }
+}
+
+fn of_stiffness(estimate: &TestEstimate, settings: &IdentifySettings, notes: &mut Vec<String>) {
+    let tangential = &estimate.tangential;
+    if let [Some(a), Some(b)] = tangential.sides_n_per_um {
+        let difference = (a.value - b.value).abs() / (0.5 * (a.value + b.value));
+        let error = a.standard_error.hypot(b.standard_error);
+        if difference > SIDES_APART && (a.value - b.value).abs() > 2.0 * error {
+            notes.push(format!(
+                "the stiffness is {:.4} N/um after the reversal at the greatest displacement and {:.4} N/um after that at the least",
+                a.value, b.value
+            ));
+        }
+    }
+    if tangential.bent.contains(&true) {
+        notes.push("the stick branch bends from its start (partial slip): its slope is extrapolated to the reversal".to_owned());
+    }
+    let stated = settings.series_stiffness_n_per_um;
+    if stated.is_some_and(|series| tangential.measured_n_per_um > MOSTLY_RIG * series) {
+        notes.push("most of the measured compliance is the rig's: an error of the series stiffness changes the contact's by a multiple".to_owned());
+    }
+}

@@ -1,0 +1,11 @@
+//! Contact parameters from hysteresis loops that are made from equations: what is known is found again.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot read its own result fails"
+)]
+
+mod coverage;
+mod pooling;
+mod recovery;
+mod refusal;
+mod synthetic;

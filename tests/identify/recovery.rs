@@ -1,0 +1,278 @@
+//! Parameters of one test are found again, whatever the measurement adds.
+
+use crate::synthetic::Bench;
+use microslip::identify::result::TestEstimate;
+use microslip::identify::{IdentifySettings, TestResult, TestStatus, identify_test};
+
+pub(crate) fn result(bench: &Bench) -> TestResult {
+    identify_test(&bench.record(), &IdentifySettings::default())
+}
+
+pub(crate) fn estimate(bench: &Bench) -> TestEstimate {
+    let found = result(bench);
+    assert_eq!(
+        found.status,
+        TestStatus::Slips,
+        "{bench:?}: {:?}",
+        found.notes
+    );
+    found.estimate.unwrap()
+}
+
+/// Largest relative errors of the friction coefficient and of both stiffnesses.
+fn recovers(bench: &Bench, [friction, stiffness]: [f64; 2]) {
+    let found = estimate(bench);
+    let error = found.friction.unwrap().coefficient.value / bench.friction - 1.0;
+    assert!(
+        error.abs() < friction,
+        "friction coefficient off by {error:e}: {bench:?}"
+    );
+    for side in [0, 1] {
+        let value = found.tangential.sides_n_per_um[side].unwrap().value;
+        let error = 1e6 * value / bench.stiffness[side] - 1.0;
+        assert!(
+            error.abs() < stiffness,
+            "stiffness {side} off by {error:e}: {bench:?}"
+        );
+    }
+}
+
+#[test]
+fn a_loop_without_faults_is_exact() {
+    let bench = Bench::default();
+    recovers(&bench, [1e-9, 1e-9]);
+    let found = estimate(&bench);
+    let friction = found.friction.unwrap();
+    let difference = friction.energy_difference.unwrap();
+    assert!(
+        difference.abs() < 2e-3,
+        "energy gives another coefficient: {difference}"
+    );
+    // 4 μ N (X - X*) with X* = μ N / k
+    let limit = 0.6 * 100.0 / 50e6;
+    let energy = 4.0 * 60.0 * (5e-6 - limit);
+    assert!(
+        (found.energy_j.value / energy - 1.0).abs() < 1e-3,
+        "energy {}",
+        found.energy_j.value
+    );
+    let onset = found.onset.unwrap();
+    assert!(
+        (onset.elastic_limit_m / limit - 1.0).abs() < 1e-6,
+        "{onset:?}"
+    );
+    assert!((onset.first_slip_share - 1.0).abs() < 0.06, "{onset:?}");
+    assert!(
+        found.misfit.relative_rms < 1e-3 && !found.misfit.large,
+        "{:?}",
+        found.misfit
+    );
+}
+
+#[test]
+fn friction_and_stiffness_over_their_whole_range() {
+    for friction in [0.1, 0.3, 0.6, 1.2] {
+        for scale in [0.1, 1.0, 10.0] {
+            let stiffness = 50e6 * scale;
+            let limit = friction * 100.0 / stiffness;
+            for over in [1.3, 3.0, 10.0] {
+                let bench = Bench {
+                    friction,
+                    stiffness: [stiffness; 2],
+                    amplitude: over * limit,
+                    noise: [0.002 * limit, 0.002 * friction * 100.0, 0.1],
+                    ..Bench::default()
+                };
+                recovers(&bench, [0.01, 0.05]);
+            }
+        }
+    }
+}
+
+#[test]
+fn noise_drift_and_offsets_leave_the_parameters() {
+    let bench = Bench {
+        noise: [0.05e-6, 0.5, 0.5],
+        offset: [3e-6, 20.0],
+        drift: [0.1e-6, 0.3],
+        ..Bench::default()
+    };
+    recovers(&bench, [0.01, 0.05]);
+    let friction = estimate(&bench).friction.unwrap();
+    let offset = friction.tangential_offset_n - 20.0;
+    // 0.3 N per cycle over 20 cycles: the offset is that of their middle
+    assert!((offset - 3.2).abs() < 0.5, "offset {offset}");
+}
+
+#[test]
+fn both_reversals_are_told_apart() {
+    let bench = Bench {
+        stiffness: [30e6, 60e6],
+        ..Bench::default()
+    };
+    recovers(&bench, [1e-6, 1e-6]);
+    let found = result(&bench);
+    assert!(
+        found
+            .notes
+            .iter()
+            .any(|note| note.contains("after the reversal")),
+        "{:?}",
+        found.notes
+    );
+}
+
+#[test]
+fn a_normal_force_that_swings_is_followed_sample_by_sample() {
+    let bench = Bench {
+        normal_swing: 0.3,
+        amplitude: 10e-6,
+        ..Bench::default()
+    };
+    recovers(&bench, [1e-3, 1e-3]);
+}
+
+#[test]
+fn samples_that_do_not_divide_the_period() {
+    let bench = Bench {
+        per_cycle: 217.3,
+        noise: [0.0, 0.2, 0.2],
+        ..Bench::default()
+    };
+    recovers(&bench, [0.01, 0.03]);
+}
+
+#[test]
+fn run_in_is_left_out() {
+    let bench = Bench {
+        run_in: 0.3,
+        cycles: 40,
+        noise: [0.0, 0.3, 0.3],
+        ..Bench::default()
+    };
+    let found = result(&bench);
+    let cycles = found.cycles.unwrap();
+    assert!(
+        (5..=20).contains(&cycles.run_in),
+        "{} cycles",
+        cycles.run_in
+    );
+    recovers(&bench, [0.01, 0.05]);
+    let steady: Vec<bool> = found.loops.iter().map(|l| l.steady).collect();
+    assert_eq!(
+        steady.iter().filter(|s| **s).count(),
+        cycles.steady,
+        "cycles marked as steady"
+    );
+}
+
+#[test]
+fn a_steady_record_has_no_run_in() {
+    let none = (0..20).filter(|seed| {
+        let bench = Bench {
+            seed: *seed,
+            per_cycle: 100.0,
+            noise: [0.0, 0.5, 0.5],
+            ..Bench::default()
+        };
+        result(&bench).cycles.unwrap().run_in == 0
+    });
+    assert!(none.count() >= 18, "cycles of steady records are left out");
+}
+
+#[test]
+fn stiffness_in_series_is_taken_out() {
+    let bench = Bench {
+        series: Some(80e6),
+        amplitude: 8e-6,
+        ..Bench::default()
+    };
+    let settings = IdentifySettings {
+        series_stiffness_n_per_um: Some(80.0),
+        ..IdentifySettings::default()
+    };
+    let found = identify_test(&bench.record(), &settings);
+    let tangential = found.estimate.unwrap().tangential;
+    let measured = 1.0 / (1.0 / 50.0 + 1.0 / 80.0);
+    assert!(
+        (tangential.measured_n_per_um / measured - 1.0).abs() < 1e-3,
+        "{tangential:?}"
+    );
+    assert!(
+        (tangential.stiffness_n_per_um.value / 50.0 - 1.0).abs() < 3e-3,
+        "{tangential:?}"
+    );
+    let settings = IdentifySettings {
+        series_stiffness_n_per_um: Some(20.0),
+        ..settings
+    };
+    let refused = identify_test(&bench.record(), &settings).status;
+    assert!(
+        matches!(&refused, TestStatus::Unusable(why) if why.contains("series stiffness")),
+        "{refused:?}"
+    );
+}
+
+#[test]
+fn a_loop_that_never_slips_gives_a_bound() {
+    let bench = Bench {
+        amplitude: 1e-6,
+        noise: [0.0, 0.2, 0.2],
+        ..Bench::default()
+    };
+    let found = result(&bench);
+    assert_eq!(
+        found.status,
+        TestStatus::NoSlip,
+        "50 N below the limit of 60 N"
+    );
+    let estimate = found.estimate.unwrap();
+    let bound = estimate.friction_at_least.unwrap();
+    assert!((0.49..=0.501).contains(&bound), "bound {bound}");
+    assert!(estimate.friction.is_none(), "a coefficient without slip");
+    let stiffness = estimate.tangential.stiffness_n_per_um.value;
+    assert!((stiffness / 50.0 - 1.0).abs() < 0.02, "{stiffness}");
+    assert!(
+        found.notes.iter().any(|note| note.contains("at least 0.")),
+        "{:?}",
+        found.notes
+    );
+}
+
+#[test]
+fn normal_stiffness_where_the_approach_is_measured() {
+    let bench = Bench {
+        normal_swing: 0.2,
+        amplitude: 10e-6,
+        noise: [0.0, 0.0, 0.2],
+        ..Bench::default()
+    };
+    let mut record = bench.record();
+    let clean = Bench {
+        noise: [0.0; 3],
+        ..bench
+    }
+    .record();
+    record.approach = Some(clean.normal_force.iter().map(|n| n / 300e6).collect());
+    let found = identify_test(&record, &IdentifySettings::default())
+        .estimate
+        .unwrap();
+    let normal = found.normal_stiffness_n_per_um.unwrap();
+    assert!((normal.value / 300.0 - 1.0).abs() < 0.01, "{normal:?}");
+}
+
+#[test]
+fn spikes_are_replaced() {
+    let mut record = Bench {
+        noise: [0.0, 0.2, 0.2],
+        ..Bench::default()
+    }
+    .record();
+    for place in [1000, 2222, 3333] {
+        record.tangential_force[place] += 500.0;
+    }
+    let found = identify_test(&record, &IdentifySettings::default());
+    assert!(found.cycles.unwrap().spikes >= 3, "{:?}", found.cycles);
+    let friction = found.estimate.unwrap().friction.unwrap().coefficient.value;
+    assert!((friction / 0.6 - 1.0).abs() < 0.005, "{friction}");
+}

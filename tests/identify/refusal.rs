@@ -1,0 +1,113 @@
+//! Records that are no hysteresis loops are refused with their reason.
+
+use crate::synthetic::{Bench, normal};
+use microslip::identify::{IdentifyError, IdentifySettings, TestStatus, identify, identify_test};
+use microslip::record::HysteresisRecord;
+
+fn reason(record: &HysteresisRecord) -> String {
+    match identify_test(record, &IdentifySettings::default()).status {
+        TestStatus::Unusable(reason) => reason,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn random(values: &mut [f64], seed: u64) {
+    for (i, value) in values.iter_mut().enumerate() {
+        *value = normal(seed, i as u64, 7);
+    }
+}
+
+#[test]
+fn a_random_displacement_is_no_loop() {
+    let mut record = Bench::default().record();
+    random(&mut record.displacement, 3);
+    assert!(
+        reason(&record).contains("is no hysteresis loop"),
+        "{}",
+        reason(&record)
+    );
+}
+
+#[test]
+fn a_random_force_is_no_loop() {
+    let mut record = Bench::default().record();
+    random(&mut record.tangential_force, 4);
+    assert!(reason(&record).contains("is noise"), "{}", reason(&record));
+}
+
+#[test]
+fn a_force_of_the_wrong_sign_is_told() {
+    let mut record = Bench::default().record();
+    record.tangential_force.iter_mut().for_each(|t| *t = -*t);
+    assert!(reason(&record).contains("sign"), "{}", reason(&record));
+    let mut record = Bench::default().record();
+    record.normal_force.iter_mut().for_each(|n| *n = -*n);
+    assert!(
+        reason(&record).contains("compression is positive"),
+        "{}",
+        reason(&record)
+    );
+}
+
+#[test]
+fn part_of_a_period_is_no_loop() {
+    let mut record = Bench::default().record();
+    record.conditions.frequency_hz = Some(100.0);
+    for column in [
+        &mut record.time,
+        &mut record.displacement,
+        &mut record.tangential_force,
+        &mut record.normal_force,
+    ] {
+        column.truncate(300);
+    }
+    assert!(
+        reason(&record).contains("shorter than one period"),
+        "{}",
+        reason(&record)
+    );
+    record.conditions.frequency_hz = None;
+    assert!(
+        reason(&record).contains("state the frequency"),
+        "{}",
+        reason(&record)
+    );
+}
+
+#[test]
+fn one_bad_test_is_data_and_only_bad_ones_are_an_error() {
+    let good = Bench::default().record();
+    let mut bad = Bench::default().record();
+    bad.name = "bad".to_owned();
+    random(&mut bad.tangential_force, 4);
+    let settings = IdentifySettings::default();
+    let found = identify(&[bad.clone(), good], &settings).unwrap();
+    assert!(
+        matches!(found.tests[0].status, TestStatus::Unusable(_)),
+        "{:?}",
+        found.tests[0].status
+    );
+    assert!(
+        found.notes[0].starts_with("not used: bad "),
+        "{:?}",
+        found.notes
+    );
+    let refused = identify(&[bad], &settings).unwrap_err();
+    assert!(matches!(refused, IdentifyError::NoTest(_)), "{refused}");
+    assert!(
+        refused.to_string().contains("no test can be used: bad "),
+        "{refused}"
+    );
+}
+
+#[test]
+fn settings_out_of_range_name_their_key() {
+    let settings = IdentifySettings {
+        series_stiffness_n_per_um: Some(-1.0),
+        ..IdentifySettings::default()
+    };
+    let refused = identify(&[Bench::default().record()], &settings)
+        .unwrap_err()
+        .to_string();
+    assert!(refused.contains("series_stiffness_n_per_um"), "{refused}");
+}
