@@ -50,10 +50,7 @@ pub fn calibrate(
     let refused = Refused(study.path.clone());
     (settings.validate()).map_err(|bad| refused.because(format!("--{bad}")))?;
     let prior = Prior::of(&study.design).map_err(|bad| study.bad_setting(&bad))?;
-    let record = read_response(measured)?;
-    let observations = Observations::of(&record, &study.levels);
-    let observations = observations
-        .map_err(|bad| Error::File(FileError::content(measured, None, bad.to_string())))?;
+    let observations = observed(&study, measured)?;
     let samples = number_of_samples(&study, settings).map_err(|rule| refused.because(rule))?;
     let origin = origin(&study, measured)?;
     progress(Stage::Samples(samples));
@@ -74,8 +71,8 @@ pub fn calibrate(
     loop {
         let fitted = Surrogates::fit(&prior, &points, &observations.levels(), settings.seed);
         let surrogates = fitted.map_err(|reason| refused.because(reason))?;
-        let discrepancy = settings.discrepancy;
-        let posterior = Posterior::new(&prior, &surrogates, &observations, discrepancy);
+        let asked = settings.discrepancy;
+        let posterior = Posterior::new(&prior, &surrogates, &observations, asked);
         progress(Stage::Chains(rounds.len() + 1));
         let chains = Chains::draw(&posterior, settings);
         let chains = chains.map_err(|reason| refused.because(reason))?;
@@ -101,6 +98,11 @@ pub fn calibrate(
         points.inputs.extend(draws);
         points.results.extend(results);
     }
+}
+
+fn observed(study: &Study, measured: &Path) -> Result<Observations, FileError> {
+    let observations = Observations::of(&read_response(measured)?, &study.levels);
+    observations.map_err(|bad| FileError::content(measured, None, bad.to_string()))
 }
 
 fn origin(study: &Study, measured: &Path) -> Result<Origin, Error> {
