@@ -56,8 +56,6 @@ fn calibrate(folder: &Path, more: &[&str]) -> Output {
 }
 
 /// The posterior covers the truth and is narrower than the prior; its draws are a design; one thread and two give the same files.
-///
-/// Seen to fail with the amplitude in mm.
 #[test]
 fn a_simulated_response_gives_its_truth_back() {
     let folder = case();
@@ -116,7 +114,7 @@ fn a_simulated_response_gives_its_truth_back() {
 
 /// A response that the prior cannot give brings warnings; one that cannot be taken is refused.
 ///
-/// Seen to fail without the warnings, and with levels matched to the nearest.
+/// Seen to fail with the scatter of the repetitions as an unknown: its long tail explained any response.
 #[test]
 fn a_response_that_cannot_be_is_named() {
     let folder = case();
