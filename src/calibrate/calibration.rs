@@ -50,19 +50,9 @@ pub fn calibrate(
     let refused = Refused(study.path.clone());
     (settings.validate()).map_err(|bad| refused.because(format!("--{bad}")))?;
     let prior = Prior::of(&study.design).map_err(|bad| study.bad_setting(&bad))?;
-    let record = read_response(measured)?;
-    let observations = Observations::of(&record, &study.levels);
-    let observations = observations
-        .map_err(|bad| Error::File(FileError::content(measured, None, bad.to_string())))?;
+    let observations = observed(&study, measured)?;
     let samples = number_of_samples(&study, settings).map_err(|rule| refused.because(rule))?;
-    let origin = Origin {
-        study: study.name.clone(),
-        program: Program::this(),
-        study_file: FileRecord::of(&study.file_name(), study.text.as_bytes()),
-        files: study.file_records()?,
-        measured_file: record_of(measured)?,
-        levels: study.levels.clone(),
-    };
+    let origin = origin(&study, measured)?;
     progress(Stage::Samples(samples));
     let never = Stop::default();
     let stopped = |error: EvaluationError| refused.because(error.to_string());
@@ -81,8 +71,8 @@ pub fn calibrate(
     loop {
         let fitted = Surrogates::fit(&prior, &points, &observations.levels(), settings.seed);
         let surrogates = fitted.map_err(|reason| refused.because(reason))?;
-        let discrepancy = settings.discrepancy;
-        let posterior = Posterior::new(&prior, &surrogates, &observations, discrepancy);
+        let asked = settings.discrepancy;
+        let posterior = Posterior::new(&prior, &surrogates, &observations, asked);
         progress(Stage::Chains(rounds.len() + 1));
         let chains = Chains::draw(&posterior, settings);
         let chains = chains.map_err(|reason| refused.because(reason))?;
@@ -110,6 +100,24 @@ pub fn calibrate(
     }
 }
 
+fn observed(study: &Study, measured: &Path) -> Result<Observations, FileError> {
+    let observations = Observations::of(&read_response(measured)?, &study.levels);
+    observations.map_err(|bad| FileError::content(measured, None, bad.to_string()))
+}
+
+fn origin(study: &Study, measured: &Path) -> Result<Origin, Error> {
+    let name = measured.file_name().unwrap_or_default().to_string_lossy();
+    let folder = measured.parent().unwrap_or_else(|| Path::new(""));
+    Ok(Origin {
+        study: study.name.clone(),
+        program: Program::this(),
+        study_file: FileRecord::of(&study.file_name(), study.text.as_bytes()),
+        files: study.file_records()?,
+        measured_file: FileRecord::in_folder(folder, &name)?,
+        levels: study.levels.clone(),
+    })
+}
+
 /// Errors about the study as a whole.
 struct Refused(PathBuf);
 
@@ -131,12 +139,6 @@ fn number_of_samples(study: &Study, settings: &CalibrationSettings) -> Result<us
         ));
     }
     usize::try_from(samples).map_err(|error| error.to_string())
-}
-
-fn record_of(path: &Path) -> Result<FileRecord, FileError> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let folder = path.parent().unwrap_or_else(|| Path::new(""));
-    FileRecord::in_folder(folder, &name)
 }
 
 /// Frequency (Hz) and ln amplitude (m) of each level; NaN without a solution.

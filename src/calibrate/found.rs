@@ -4,6 +4,7 @@ use super::observation::{Observation, Quantity};
 use super::settings::CalibrationSettings;
 use crate::ensemble::program::Program;
 use crate::file::FileRecord;
+use crate::sampling::Distribution;
 use crate::statistics::{Mixing, PredictionError};
 use serde::Serialize;
 
@@ -47,7 +48,7 @@ pub struct Calibration {
     pub inputs: Vec<CalibratedInput>,
     /// Correlation of the ranks of the inputs under the posterior (Spearman). Shape: square.
     pub rank_correlation: Vec<Vec<f64>>,
-    /// Standard deviations that were unknown.
+    /// Standard deviations of the model, where a discrepancy was asked for.
     pub deviations: Vec<FoundDeviation>,
     /// What was measured beside what is predicted.
     pub observations: Vec<Checked>,
@@ -80,6 +81,9 @@ pub struct CalibratedInput {
     pub name: String,
     /// Its distribution in words.
     pub distribution: String,
+    /// The same as it is.
+    #[serde(skip)]
+    pub law: Distribution,
     /// Quantiles before.
     pub prior: Quantiles,
     /// Quantiles after.
@@ -135,11 +139,9 @@ impl Quantiles {
     }
 }
 
-/// A standard deviation that was unknown.
+/// A standard deviation of the model that was unknown.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FoundDeviation {
-    /// What it is of: `measurement` or `discrepancy`.
-    pub of: &'static str,
     /// The quantity; of a frequency in Hz, of an amplitude relative.
     pub quantity: Quantity,
     /// Its quantiles.

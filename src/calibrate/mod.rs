@@ -10,6 +10,7 @@ pub mod chains;
 pub mod found;
 mod nuts;
 pub mod observation;
+pub mod page;
 pub mod posterior;
 pub mod predictive;
 pub mod prior;

@@ -41,8 +41,8 @@ pub struct Observation {
     pub mean: f64,
     /// Number of repetitions.
     pub repetitions: usize,
-    /// Variance of the mean, where the deviations are stated; else the scatter of the repetitions gives it.
-    pub stated_variance: Option<f64>,
+    /// Variance of the mean: by the deviations that are stated, else by the scatter of the repetitions.
+    pub variance: f64,
 }
 
 /// Scatter of one measurement as the repetitions show it, of all levels together.
@@ -61,6 +61,17 @@ pub struct Observations {
     pub means: Vec<Observation>,
     /// Scatter by quantity; absent where the deviations are stated.
     pub scatter: [Option<Scatter>; 2],
+}
+
+/// Fewest degrees of freedom of a scatter that stands for a standard deviation: Student's distribution has a variance then.
+const FEWEST_FREEDOM: usize = 3;
+
+impl Scatter {
+    /// Variance of one measurement, with what so few repetitions leave unknown of it: that of Student's distribution.
+    fn variance(self) -> f64 {
+        let freedom = self.degrees_of_freedom as f64;
+        self.standard_deviation.powi(2) * freedom / (freedom - 2.0)
+    }
 }
 
 /// Relative difference of two levels that are the same.
@@ -84,21 +95,25 @@ impl Observations {
             })?;
             at[place].push(point);
         }
-        let mut means = Vec::new();
-        for (level, points) in at
-            .iter()
-            .enumerate()
-            .filter(|(_, points)| !points.is_empty())
-        {
-            means.extend(Quantity::ALL.map(|quantity| mean(level, quantity, points)));
-        }
+        let stated = |quantity: Quantity| {
+            let mut points = record.points.iter();
+            points.all(|point| quantity.of(point).1.is_some())
+        };
         let mut scatter = [None; 2];
         for (slot, quantity) in scatter.iter_mut().zip(Quantity::ALL) {
-            let unstated = |o: &&Observation| o.quantity == quantity && o.stated_variance.is_none();
-            if means.iter().any(|o| unstated(&o)) {
+            if !stated(quantity) {
                 *slot = Some(pooled(quantity, &at)?);
             }
         }
+        let measured = at
+            .iter()
+            .enumerate()
+            .filter(|(_, points)| !points.is_empty());
+        let means = measured.flat_map(|(level, points)| {
+            let quantities = Quantity::ALL.into_iter().zip(scatter);
+            quantities.map(move |(quantity, scatter)| mean(level, quantity, points, scatter))
+        });
+        let means = means.collect();
         Ok(Self { means, scatter })
     }
 
@@ -111,21 +126,27 @@ impl Observations {
     }
 }
 
-fn mean(level: usize, quantity: Quantity, points: &[&ResponsePoint]) -> Observation {
-    let numbers: Vec<(f64, Option<f64>)> = points.iter().map(|p| quantity.of(p)).collect();
-    let deviations: Option<Vec<f64>> = numbers.iter().map(|(_, deviation)| *deviation).collect();
-    let weights = match &deviations {
-        Some(deviations) => deviations.iter().map(|d| 1.0 / (d * d)).collect(),
-        None => vec![1.0; numbers.len()],
+fn mean(
+    level: usize,
+    quantity: Quantity,
+    points: &[&ResponsePoint],
+    scatter: Option<Scatter>,
+) -> Observation {
+    let variance = |stated: Option<f64>| match scatter {
+        Some(scatter) => scatter.variance(),
+        None => stated.unwrap_or(0.0).powi(2),
     };
-    let sum: f64 = weights.iter().sum();
-    let weighted = numbers.iter().zip(&weights).map(|((v, _), w)| v * w);
+    let numbers = points.iter().map(|point| quantity.of(point));
+    let weighted: Vec<(f64, f64)> = numbers
+        .map(|(value, deviation)| (value, 1.0 / variance(deviation)))
+        .collect();
+    let sum: f64 = weighted.iter().map(|(_, weight)| weight).sum();
     Observation {
         level,
         quantity,
-        mean: weighted.sum::<f64>() / sum,
-        repetitions: numbers.len(),
-        stated_variance: deviations.map(|_| 1.0 / sum),
+        mean: weighted.iter().map(|(v, w)| v * w).sum::<f64>() / sum,
+        repetitions: points.len(),
+        variance: 1.0 / sum,
     }
 }
 
@@ -142,9 +163,9 @@ fn pooled(quantity: Quantity, at: &[Vec<&ResponsePoint>]) -> Result<Scatter, Bad
         Quantity::Frequency => "frequency deviation",
         Quantity::LogAmplitude => "amplitude deviation",
     };
-    let rule = "must be a column of the file, or levels must be there more than once with numbers that differ: nothing else says \
-                how far a measurement is to be trusted";
-    let known = degrees_of_freedom > 0 && square > 0.0;
+    let rule = "must be a column of the file, or levels must be repeated, at least three rows more than levels, with numbers that \
+                differ: nothing else says how far a measurement is to be trusted";
+    let known = degrees_of_freedom >= FEWEST_FREEDOM && square > 0.0;
     BadSetting::unless(known, key, "(absent)", rule)?;
     Ok(Scatter {
         standard_deviation: (square / degrees_of_freedom as f64).sqrt(),

@@ -2,62 +2,29 @@
 //!
 //! Mean of a measured number: y = m(z) + surrogate's error + discrepancy + measurement error, all normal, so that
 //! ln p = −½ |z|² − ½ Σ ((y − m)² / V + ln V) with V = σ²/n + s² + d² (Kennedy & O'Hagan, J. R. Stat. Soc. B 63 (2001) 425–464, with
-//! one discrepancy per level). Standard deviations that are not stated are unknowns, too: of the measurement by the scatter of the
-//! repetitions, of the discrepancy by its prior.
+//! one discrepancy per level). The standard deviation d is an unknown, too, with a prior.
 
-use super::observation::{Observation, Observations, Quantity, Scatter};
+use super::observation::{Observation, Observations, Quantity};
 use super::prior::Prior;
 use super::settings::Discrepancy;
 use super::surrogate::Surrogates;
 use libm::{exp, log};
 
-/// A standard deviation that is an unknown, by the logarithm of its ratio to a scale.
+/// A standard deviation of the model that is an unknown, by the logarithm of its ratio to its median.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Deviation {
-    /// Of one measurement. Repetitions with ν degrees of freedom estimate it as the scale: ν scale²/σ² has a χ² distribution, and
-    /// before them every ln σ is as likely.
-    Measurement(Quantity, Scatter),
-    /// Of the model, with its median as the scale.
-    Discrepancy(Quantity, f64),
+pub struct Deviation {
+    /// Of which quantity.
+    pub quantity: Quantity,
+    /// Its median before.
+    pub scale: f64,
 }
 
 impl Deviation {
-    fn quantity(self) -> Quantity {
-        match self {
-            Self::Measurement(quantity, _) | Self::Discrepancy(quantity, _) => quantity,
-        }
-    }
-
-    fn scale(self) -> f64 {
-        match self {
-            Self::Measurement(_, scatter) => scatter.standard_deviation,
-            Self::Discrepancy(_, scale) => scale,
-        }
-    }
-
     /// Variance that it adds to the mean of an observation.
     fn variance(self, log_ratio: f64, observation: &Observation) -> f64 {
-        let square = (self.scale() * exp(log_ratio)).powi(2);
-        match self {
-            _ if self.quantity() != observation.quantity => 0.0,
-            Self::Measurement(..) if observation.stated_variance.is_some() => 0.0,
-            Self::Measurement(..) => square / observation.repetitions as f64,
-            Self::Discrepancy(..) => square,
-        }
-    }
-
-    /// Logarithm of the density before the measured means, and its derivative.
-    fn prior(self, log_ratio: f64) -> [f64; 2] {
-        match self {
-            Self::Measurement(_, scatter) => {
-                let freedom = scatter.degrees_of_freedom as f64;
-                let square = exp(-2.0 * log_ratio);
-                [
-                    -freedom * (log_ratio + 0.5 * square),
-                    -freedom * (1.0 - square),
-                ]
-            }
-            Self::Discrepancy(..) => [-0.5 * log_ratio * log_ratio, -log_ratio],
+        match self.quantity == observation.quantity {
+            true => (self.scale * exp(log_ratio)).powi(2),
+            false => 0.0,
         }
     }
 }
@@ -82,17 +49,16 @@ impl<'a> Posterior<'a> {
         observations: &'a Observations,
         discrepancy: Discrepancy,
     ) -> Self {
-        let measured = Quantity::ALL.into_iter().zip(observations.scatter);
-        let measured = measured.filter_map(|(q, s)| Some(Deviation::Measurement(q, s?)));
         let scales = [discrepancy.frequency_hz, discrepancy.amplitude];
-        let model = Quantity::ALL.into_iter().zip(scales);
-        let model = model.filter(|(_, scale)| *scale > 0.0);
-        let model = model.map(|(quantity, scale)| Deviation::Discrepancy(quantity, scale));
+        let each = Quantity::ALL.into_iter().zip(scales);
+        let asked = each.filter(|(_, scale)| *scale > 0.0);
         Self {
             prior,
             surrogates,
             observations,
-            deviations: measured.chain(model).collect(),
+            deviations: asked
+                .map(|(quantity, scale)| Deviation { quantity, scale })
+                .collect(),
         }
     }
 
@@ -129,7 +95,7 @@ impl<'a> Posterior<'a> {
     /// An unknown standard deviation, the `k`-th one, at a position.
     #[must_use]
     pub fn deviation(&self, position: &[f64], k: usize) -> f64 {
-        self.deviations[k].scale() * exp(position[self.scores() + k])
+        self.deviations[k].scale * exp(position[self.scores() + k])
     }
 
     /// Mean and variance of each observation at a position: what the model predicts of it.
@@ -147,7 +113,7 @@ impl<'a> Posterior<'a> {
         let unknown = self.deviations.iter().zip(logs);
         let unknown = unknown.map(|(deviation, log)| deviation.variance(*log, observation));
         let surrogate = self.surrogates.all[place].deviation.powi(2);
-        observation.stated_variance.unwrap_or(0.0) + surrogate + unknown.sum::<f64>()
+        observation.variance + surrogate + unknown.sum::<f64>()
     }
 
     /// Logarithm of the density but for a constant, and its gradient. Shape: both of [`Posterior::dimension`].
@@ -158,10 +124,9 @@ impl<'a> Posterior<'a> {
         let at = self.prior.coordinates(scores);
         let predicted = self.surrogates.predict(&at);
         let mut density = -0.5 * scores.iter().map(|z| z * z).sum::<f64>();
-        for ((slot, log), deviation) in by_log.iter_mut().zip(logs).zip(&self.deviations) {
-            let [value, slope] = deviation.prior(*log);
-            density += value;
-            *slot = slope;
+        for (slot, log) in by_log.iter_mut().zip(logs) {
+            density -= 0.5 * log * log;
+            *slot = -log;
         }
         let mut by_coordinate = vec![0.0; scores.len()];
         let means = self.observations.means.iter().enumerate();

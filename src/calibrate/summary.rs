@@ -82,6 +82,7 @@ fn inputs(drawn: &Drawn<'_>, draws: &[Vec<Vec<f64>>]) -> Vec<CalibratedInput> {
         CalibratedInput {
             name: input.name().to_owned(),
             distribution: law.to_string(),
+            law: law.clone(),
             prior: Quantiles::by(|p| law.quantile(p)),
             posterior: Quantiles::of(values),
             beyond_prior: outside.count() as f64 / chains.all().count() as f64,
@@ -97,13 +98,8 @@ fn deviations(drawn: &Drawn<'_>) -> Vec<FoundDeviation> {
         let found = drawn
             .chains
             .each(|position| posterior.deviation(position, k));
-        let (of, quantity) = match *deviation {
-            Deviation::Measurement(quantity, _) => ("measurement", quantity),
-            Deviation::Discrepancy(quantity, _) => ("discrepancy", quantity),
-        };
         FoundDeviation {
-            of,
-            quantity,
+            quantity: deviation.quantity,
             posterior: Quantiles::of(found.concat()),
             mixing: mixing(&found),
         }

@@ -45,7 +45,7 @@ pub(super) fn warnings(of: &Judged<'_>) -> Vec<String> {
     }
     found.extend(of.rounds.last().and_then(unchecked));
     let of_inputs = of.inputs.iter().map(|i| (i.name.clone(), i.mixing));
-    let name = |d: &FoundDeviation| format!("standard deviation of the {}", d.of);
+    let name = |_: &FoundDeviation| "the discrepancy".to_owned();
     let of_deviations = of.deviations.iter().map(|d| (name(d), d.mixing));
     found.extend(
         of_inputs

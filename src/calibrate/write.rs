@@ -4,16 +4,19 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::found::Calibrated;
+use super::page::html;
 use crate::Error;
 use crate::study::OutputFolder;
 
 /// Summary of a calibration.
 pub const CALIBRATION: &str = "calibration.json";
+/// Page of a calibration.
+pub const PAGE: &str = "calibration.html";
 /// Draws of the posterior, which a design of kind "file" reads.
 pub const POSTERIOR: &str = "posterior.csv";
 
 impl Calibrated {
-    /// Writes `posterior.csv` and `calibration.json` into `folder`; the files.
+    /// Writes `posterior.csv`, `calibration.json` and `calibration.html` into `folder`; the files.
     ///
     /// # Errors
     /// [`Error::File`] if one cannot be written.
@@ -23,7 +26,11 @@ impl Calibrated {
             serde_json::to_writer_pretty(&mut *out, &self.summary)?;
             writeln!(out)
         })?;
-        Ok(vec![draws, summary])
+        let page = folder.write(PAGE, |out| {
+            let page = html(self).map_err(std::io::Error::other)?;
+            out.write_all(page.as_bytes())
+        })?;
+        Ok(vec![draws, summary, page])
     }
 
     /// A line of names, then one line per draw. Draws of the chains alternate, so that the first ones are of all chains.

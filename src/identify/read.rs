@@ -107,7 +107,6 @@ mod tests {
         }
     }
 
-    /// Seen to fail with each check of [`Identified::validate`] left out.
     #[test]
     fn a_file_that_is_no_joint_distribution_is_refused_with_key_and_rule() {
         assert_eq!(message("format", "format"), "2 inputs", "the good file");
@@ -146,8 +145,6 @@ mod tests {
     }
 
     /// Three correlations, each possible alone, that no three numbers can have together.
-    ///
-    /// Seen to fail without the check of the whole matrix.
     #[test]
     fn correlations_that_contradict_each_other_are_refused() {
         let mut identified: Identified = serde_json::from_str(GOOD).unwrap();

@@ -59,8 +59,6 @@ mod tests {
     use super::*;
 
     /// Quantiles of the scaled distribution are the scaled quantiles, of every family.
-    ///
-    /// Seen to fail with the standard deviation of the logarithm scaled.
     #[test]
     fn quantiles_scale_with_the_number() {
         let shapes = [

@@ -175,8 +175,6 @@ mod tests {
     }
 
     /// A first-order autoregression of n draws counts for n (1 − ρ)/(1 + ρ).
-    ///
-    /// Seen to fail with the sum of correlations counted once.
     #[test]
     fn correlated_draws_count_for_fewer() {
         for rho in [0.0, 0.5, 0.9] {
@@ -190,8 +188,6 @@ mod tests {
     }
 
     /// Chains around other means, a chain that drifts, and chains of other widths disagree.
-    ///
-    /// Seen to fail without the split and without the folded draws.
     #[test]
     fn chains_that_disagree_are_seen() {
         let apart = mixing(&chains(0.0, &[0.0, 0.0, 0.0, 2.0], 500)).unwrap();

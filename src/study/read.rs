@@ -142,8 +142,7 @@ impl Study {
         let levels: Vec<f64> = document.required("levels")?;
         let contact: ContactSection = document.take("contact")?.unwrap_or_default();
         let model = model(&mut document, &contact)?;
-        let frequency: FrequencyTable = document.required("frequency")?;
-        let frequency = document.checked(frequencies(&frequency, &model))?;
+        let frequency = frequencies(&mut document, &model)?;
         let stated = design(
             &mut document,
             &Surroundings {
@@ -457,6 +456,14 @@ fn validate_head(name: &str, levels: &[f64]) -> Result<(), BadSetting> {
 
 /// The frequencies, for which the blades must be meshed finely enough.
 fn frequencies(
+    document: &mut Document<'_>,
+    model: &ModelSettings,
+) -> Result<FrequencySettings, Error> {
+    let table: FrequencyTable = document.required("frequency")?;
+    document.checked(fine_enough(&table, model))
+}
+
+fn fine_enough(
     table: &FrequencyTable,
     model: &ModelSettings,
 ) -> Result<FrequencySettings, BadSetting> {

@@ -64,7 +64,7 @@ fn observed(values: [f64; 2], deviations: [f64; 2]) -> Observations {
         quantity,
         mean,
         repetitions: 1,
-        stated_variance: Some(deviation * deviation),
+        variance: deviation * deviation,
     };
     let pairs = values.into_iter().zip(deviations);
     Observations {

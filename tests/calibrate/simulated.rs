@@ -33,8 +33,6 @@ fn chi_square(ranks: &[usize]) -> f64 {
 }
 
 /// The ranks of the truths are even.
-///
-/// Seen to fail with the measurement taken for twice and for half as accurate as it is.
 #[test]
 fn truths_rank_evenly_among_the_draws() {
     let (prior, design) = normal_prior(0.4);

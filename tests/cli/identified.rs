@@ -57,8 +57,6 @@ fn moments(columns: [Vec<f64>; 2]) -> ([[f64; 2]; 2], f64) {
 }
 
 /// Samples have the medians, scatters and correlation of the file; stiffnesses are divided by the nominal ones.
-///
-/// Seen to fail with the correlation left out, and with the stiffness not divided.
 #[test]
 fn samples_have_the_joint_distribution_of_the_file() {
     let study = study(ALL, FROM).unwrap();
@@ -82,8 +80,6 @@ fn samples_have_the_joint_distribution_of_the_file() {
 }
 
 /// Without normal motion both stiffnesses scale together, or the study states the normal one; it must say which.
-///
-/// Seen to fail with the tangential stiffness as `tangential_stiffness_scale` in both.
 #[test]
 fn an_unmeasured_normal_stiffness_is_stated() {
     let names = |study: Study| -> Vec<&str> {
@@ -117,8 +113,6 @@ fn an_unmeasured_normal_stiffness_is_stated() {
 }
 
 /// What contradicts the file is refused with both places.
-///
-/// Seen to fail with each rule left out.
 #[test]
 fn what_contradicts_the_file_is_refused() {
     let pair = |a: &str, b: &str| {
@@ -179,8 +173,6 @@ fn what_contradicts_the_file_is_refused() {
 }
 
 /// `[correlation]` adds pairs of other inputs to those of the file.
-///
-/// Seen to fail with the file's correlations dropped where the table stands.
 #[test]
 fn the_table_of_correlations_adds_pairs() {
     let inputs = format!(
@@ -197,8 +189,6 @@ fn the_table_of_correlations_adds_pairs() {
 }
 
 /// Sums over the pairs of an interface are the nominal stiffness; there must be one for all interfaces, in SI units.
-///
-/// Seen to fail with the stiffness of a single pair as the nominal one.
 #[test]
 fn the_nominal_stiffness_is_that_of_an_interface() {
     let second = |interface: u32, k_t1: &str| {
@@ -235,8 +225,6 @@ fn the_nominal_stiffness_is_that_of_an_interface() {
 
 /// The file is part of the run: `inspect` and the report name it, `run.json` has its hash, a changed file is another study, and
 /// `export` takes it along.
-///
-/// Seen to fail with the file left out of the study's files, and of the export.
 #[test]
 fn the_file_is_part_of_the_run() {
     let folder = identified(ALL, FROM);
