@@ -33,7 +33,7 @@ pub(super) fn shape(cycle: &MeanLoop) -> Result<LoopShape, String> {
         ));
     }
     let least_normal = LEAST_NORMAL * normal;
-    let halves = halves(cycle);
+    let halves = halves(cycle, least_normal);
     let ends = halves.map(|half| half.end_ratio(cycle, least_normal));
     let [Some(down), Some(up)] = ends else {
         return Err(
