@@ -282,6 +282,8 @@ fn take_drift_out(loops: &mut [MeanLoop], signal: fn(&mut MeanLoop) -> &mut Vec<
 }
 
 /// Replaces values that lie far from those of the other cycles at the same phase by their median; how many.
+///
+/// The scatter at one phase may be next to nothing where the sensor gives steps: then that of the usual phase counts.
 fn take_spikes_out(loops: &mut [MeanLoop]) -> usize {
     if loops.len() < LEAST_FOR_SPIKES {
         return 0;
@@ -295,11 +297,20 @@ fn take_spikes_out(loops: &mut [MeanLoop]) -> usize {
             .map(|cycle| signal(cycle).clone())
             .collect();
         let mean = columns.iter().map(|column| swing(column)).sum::<f64>() / columns.len() as f64;
-        for m in 0..columns[0].len() {
-            let values: Vec<f64> = columns.iter().map(|column| column[m]).collect();
+        let at = |m: usize| columns.iter().map(|column| column[m]).collect::<Vec<f64>>();
+        let phases = 0..columns[0].len();
+        let usual = median(
+            &mut phases
+                .clone()
+                .map(|m| scatter(&at(m)))
+                .collect::<Vec<f64>>(),
+        );
+        for m in phases {
+            let values = at(m);
             let Some([middle, deviation]) = robust_scale(&values) else {
                 continue;
             };
+            let deviation = deviation.max(usual.unwrap_or(0.0));
             let far = (SPIKE * deviation).max(SPIKE_OF_SWING * mean);
             for (cycle, value) in loops.iter_mut().zip(values) {
                 if (value - middle).abs() > far {
@@ -310,6 +321,14 @@ fn take_spikes_out(loops: &mut [MeanLoop]) -> usize {
         }
     }
     spikes
+}
+
+/// Standard deviation of values.
+fn scatter(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    (square / n).sqrt()
 }
 
 /// Greatest less least value.
