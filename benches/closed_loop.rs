@@ -23,7 +23,7 @@ const BEHIND: f64 = 136.0;
 /// Least and greatest amplitude of the platform.
 const AMPLITUDES_UM: [f64; 2] = [1.0, 20.0];
 /// Tests of a cell of the map: median errors.
-const REPEATED: u64 = 10;
+const REPEATED: u64 = 20;
 const COVERAGE_TESTS: u64 = 500;
 /// Published accuracies of friction coefficient and stiffness.
 const PUBLISHED: [f64; 2] = [0.01, 0.05];

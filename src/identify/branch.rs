@@ -1,8 +1,9 @@
 //! The stick branch after a reversal: where it is, and its slope.
 
 use super::half::Half;
+use super::knee::Knee;
 use super::mean_loop::{MeanLoop, median};
-use super::slope::{Line, pairwise_line, slope_at_start};
+use super::slope::{Line, pairwise_line};
 
 /// Part of a half in which the contact sticks, and how its slope is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,16 +12,24 @@ pub(super) struct Window {
     pub(super) places: [usize; 2],
     /// Share of the swing of T/N where it ends.
     pub(super) end: f64,
-    /// Whether the branch bends from its start.
-    pub(super) bent: bool,
+    /// The knee that the branch has, where a part of it slips before the whole.
+    pub(super) straightened: Option<Straightened>,
+}
+
+/// How the points of a branch with a knee are put on its first slope.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Straightened {
+    pub(super) knee: Knee,
+    /// T/N at the reversal before, against the motion, and its swing.
+    pub(super) levels: [f64; 2],
+    /// Relative standard uncertainty of the slope by the choice of the knee.
+    pub(super) model_error: f64,
 }
 
 /// Share of the swing of T/N after a reversal where a window begins.
 const BEGIN: f64 = 0.1;
 /// Where it ends: the first of these at which the branch is straight.
 const ENDS: [f64; 3] = [0.6, 0.45, 0.3];
-/// Where the window of a bent branch begins and ends.
-const BENT: [f64; 2] = [0.03, 0.6];
 /// Window of a branch that has too few samples in the others.
 const WIDE: [f64; 2] = [0.0, 0.85];
 /// Samples below which the wide window is taken.
@@ -32,33 +41,32 @@ const BEND: f64 = 0.02;
 /// ...and by more than so many standard errors. Less than two: a bend that is missed makes the stiffness too small.
 const SURE_BEND: f64 = 1.5;
 
-/// The window of a half, from the share of the swing at each place; none where it has fewer than two samples.
-pub(super) fn window(half: &Half, cycle: &MeanLoop, share: &[Option<f64>]) -> Option<Window> {
-    let straight = ENDS.iter().find_map(|end| {
+/// The window of a half, from the share of the swing at each place; none where it has fewer than two samples. Without a knee it ends
+/// where the branch is still straight.
+pub(super) fn window(
+    half: &Half,
+    cycle: &MeanLoop,
+    share: &[Option<f64>],
+    straightened: Option<Straightened>,
+) -> Option<Window> {
+    let last = ENDS.len() - 1;
+    let found = ENDS.iter().enumerate().find_map(|(i, end)| {
         let places = between(share, [BEGIN, *end])?;
-        (places[1] + 1 - places[0] >= FEW && !bends(half, cycle, places)).then_some(Window {
-            places,
-            end: *end,
-            bent: false,
-        })
+        let enough = places[1] + 1 - places[0] >= FEW;
+        let take = straightened.is_some() || i == last || !bends(half, cycle, places);
+        (enough && take).then_some((places, *end))
     });
-    straight
-        .or_else(|| {
-            let places = between(share, BENT).filter(|p| p[1] + 1 - p[0] >= LEAST_FOR_BEND);
-            places.map(|places| Window {
-                places,
-                end: BENT[1],
-                bent: true,
-            })
-        })
-        .or_else(|| {
-            let places = between(share, WIDE).filter(|p| p[1] > p[0])?;
-            Some(Window {
-                places,
-                end: WIDE[1],
-                bent: false,
-            })
-        })
+    let wide = || {
+        between(share, WIDE)
+            .filter(|p| p[1] > p[0])
+            .map(|p| (p, WIDE[1]))
+    };
+    let (places, end) = found.or_else(wide)?;
+    Some(Window {
+        places,
+        end,
+        straightened,
+    })
 }
 
 /// Places between two shares of the swing, around the place where the branch passes their middle.
@@ -93,22 +101,27 @@ fn bends(half: &Half, cycle: &MeanLoop, [first, last]: [usize; 2]) -> bool {
     count >= LEAST_FOR_BEND && fall > BEND * early.slope && fall > SURE_BEND * a.hypot(b)
 }
 
-/// The line of the branch in its window, over the displacement since the reversal.
+/// The line of the branch in its window, force in the direction of the motion over the displacement since the reversal.
 pub(super) fn slope(half: &Half, cycle: &MeanLoop, window: &Window) -> Option<Line> {
     let [first, last] = window.places;
-    let (x, y) = (half.displacement(cycle), half.force(cycle));
-    let (x, y) = (&x[first..=last], &y[first..=last]);
-    let line = pairwise_line(x, y)?;
-    if !window.bent {
-        return Some(line);
+    let (x, mut y) = (half.displacement(cycle), half.force(cycle));
+    if let Some(straightened) = &window.straightened {
+        let [before, swing] = straightened.levels;
+        let start = before * cycle.normal[half.sample(0, cycle)];
+        for (place, force) in y.iter_mut().enumerate().take(last + 1).skip(first) {
+            let ratio = *force / cycle.normal[half.sample(place, cycle)];
+            let share = (ratio + before) / swing;
+            if share > 0.0 {
+                *force = (*force + start) * straightened.knee.elastic(share) / share - start;
+            }
+        }
     }
-    let [intercept, slope] = slope_at_start(x, y)?;
-    // least squares of three unknowns: the variance at the end of the window is sixteen times that of a straight line
-    let standard_error = line.standard_error.map(|error| 4.0 * error);
+    let line = pairwise_line(&x[first..=last], &y[first..=last])?;
+    let model_error = window
+        .straightened
+        .map_or(0.0, |s| s.model_error * line.slope.abs());
     Some(Line {
-        slope,
-        intercept,
-        standard_error,
+        model_error,
         ..line
     })
 }

@@ -1,7 +1,8 @@
 //! Where the mean loop of a test sticks and where it slips; the same places then serve every loop of the test.
 
-use super::branch::{Window, slope, window};
+use super::branch::{Straightened, Window, slope, window};
 use super::half::{Half, halves};
+use super::knee::{Branch, LEAST_POINTS, REACH, fit};
 use super::mean_loop::MeanLoop;
 use super::plateau::plateau;
 
@@ -43,18 +44,82 @@ pub(super) fn shape(cycle: &MeanLoop) -> Result<LoopShape, String> {
     if down + up <= 0.0 {
         return Err("has a tangential force against the displacement: one of them needs the other sign, or this is no hysteresis loop".to_owned());
     }
-    let windows = [0, 1].map(|side| {
-        let before = [up, down][side];
-        let share = |r: Option<f64>| r.map(|r| (r + before) / (down + up));
-        let shares: Vec<_> = halves[side]
-            .ratio(cycle, least_normal)
-            .into_iter()
-            .map(share)
-            .collect();
-        window(&halves[side], cycle, &shares)
+    let sides = [0, 1].map(|side| Side {
+        half: halves[side],
+        levels: [[up, down][side], down + up],
+        least_normal,
     });
-    let lines = [0, 1].map(|side| windows[side].and_then(|w| slope(&halves[side], cycle, &w)));
-    let slopes: Vec<f64> = lines.iter().flatten().map(|line| line.slope).collect();
+    let first = sides.each_ref().map(|side| side.window(cycle, None));
+    let stick = stick(cycle, &sides, &first)?;
+    let [a, b] = halves.map(|half| plateau(&half, cycle, stick, least_normal));
+    let plateaus = a.zip(b).map(|(a, b)| [a, b]);
+    let windows = match plateaus {
+        None => first,
+        Some(_) => with_knee(cycle, &sides, stick),
+    };
+    Ok(LoopShape {
+        halves,
+        windows,
+        plateaus,
+        least_normal,
+    })
+}
+
+/// Half a cycle with T/N at its ends.
+struct Side {
+    half: Half,
+    /// T/N at the reversal before, against the motion, and its swing.
+    levels: [f64; 2],
+    least_normal: f64,
+}
+
+impl Side {
+    /// Share of the swing of T/N at each place.
+    fn shares(&self, cycle: &MeanLoop) -> Vec<Option<f64>> {
+        let [before, swing] = self.levels;
+        let ratio = self.half.ratio(cycle, self.least_normal);
+        ratio
+            .into_iter()
+            .map(|r| r.map(|r| (r + before) / swing))
+            .collect()
+    }
+
+    fn window(&self, cycle: &MeanLoop, straightened: Option<Straightened>) -> Option<Window> {
+        window(&self.half, cycle, &self.shares(cycle), straightened)
+    }
+
+    /// The branch up to well beyond its knee, for a first guess of its slope (N/m).
+    fn branch(&self, cycle: &MeanLoop, stick: f64) -> Branch {
+        let normal = cycle.normal.iter().sum::<f64>() / cycle.samples() as f64;
+        let full = self.levels[1] * normal / stick;
+        let x = self.half.displacement(cycle);
+        let last = x
+            .partition_point(|x| *x < REACH * full)
+            .min(self.half.last(cycle));
+        let step = last.div_ceil(MOST_POINTS).max(1);
+        let points = x.iter().zip(self.shares(cycle)).take(last).step_by(step);
+        let (displacement, share) = points.filter_map(|(x, s)| s.map(|s| (x / full, s))).unzip();
+        Branch {
+            displacement,
+            share,
+        }
+    }
+}
+
+/// Points of a branch that tell its knee, at most.
+const MOST_POINTS: usize = 60;
+
+/// Mean slope of the stick branches.
+fn stick(
+    cycle: &MeanLoop,
+    sides: &[Side; 2],
+    windows: &[Option<Window>; 2],
+) -> Result<f64, String> {
+    let lines = sides
+        .iter()
+        .zip(windows)
+        .map(|(side, w)| slope(&side.half, cycle, &(*w)?));
+    let slopes: Vec<f64> = lines.flatten().map(|line| line.slope).collect();
     if slopes.is_empty() {
         return Err(
             "has no sample in its stick branches: record more samples per cycle".to_owned(),
@@ -64,11 +129,22 @@ pub(super) fn shape(cycle: &MeanLoop) -> Result<LoopShape, String> {
     if stick <= 0.0 {
         return Err("has stick branches along which the force falls: one of the signals needs the other sign, or this is no hysteresis loop".to_owned());
     }
-    let [a, b] = halves.map(|half| plateau(&half, cycle, stick, least_normal));
-    Ok(LoopShape {
-        halves,
-        windows,
-        plateaus: a.zip(b).map(|(a, b)| [a, b]),
-        least_normal,
+    Ok(stick)
+}
+
+/// Windows of a loop that slips as a whole, with the knee of its branches.
+fn with_knee(cycle: &MeanLoop, sides: &[Side; 2], stick: f64) -> [Option<Window>; 2] {
+    let branches = sides.each_ref().map(|side| side.branch(cycle, stick));
+    let told = branches
+        .iter()
+        .all(|branch| branch.share.len() >= LEAST_POINTS);
+    let fitted = told.then(|| fit(&branches));
+    [0, 1].map(|side| {
+        let straightened = fitted.map(|found| Straightened {
+            knee: found.knee,
+            levels: sides[side].levels,
+            model_error: found.model_error[side],
+        });
+        sides[side].window(cycle, straightened)
     })
 }

@@ -13,6 +13,7 @@ mod hierarchical;
 pub mod identification;
 pub mod identified;
 mod joint;
+mod knee;
 mod loop_estimate;
 mod loop_shape;
 mod mean_loop;

@@ -42,5 +42,6 @@ pub(super) fn normal_line(cycle: &MeanLoop) -> Option<Line> {
         intercept: 0.5 * (rise.intercept + fall.intercept),
         deviation: rise.deviation.max(fall.deviation),
         standard_error: error.map(|(a, b)| 0.5 * a.hypot(b)),
+        model_error: 0.0,
     })
 }

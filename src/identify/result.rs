@@ -118,7 +118,7 @@ pub struct Tangential {
     pub samples: [usize; 2],
     /// Share of the swing of T/N where each window ends.
     pub window_end: [f64; 2],
-    /// Whether the branch bends from its start, so that its slope is extrapolated to the reversal.
+    /// Whether parts of the contact slip before the whole, so that the branch is straightened before its slope is taken.
     pub bent: [bool; 2],
 }
 

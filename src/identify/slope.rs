@@ -1,6 +1,5 @@
 //! Slopes that single points do not spoil.
 
-use super::equations::solve;
 use super::mean_loop::{median, robust_scale};
 
 /// A line through points.
@@ -14,6 +13,8 @@ pub(super) struct Line {
     pub(super) deviation: f64,
     /// Standard error of the slope by these; none of fewer than four points.
     pub(super) standard_error: Option<f64>,
+    /// Standard uncertainty of the slope because the points may lie on another curve; 0 where a line is all that is asked for.
+    pub(super) model_error: f64,
 }
 
 /// Points above which neighbours are averaged: the pairs grow with the square.
@@ -48,6 +49,7 @@ pub(super) fn pairwise_line(x: &[f64], y: &[f64]) -> Option<Line> {
         intercept,
         deviation,
         standard_error: (n >= LEAST_FOR_ERROR).then(|| variance.sqrt()),
+        model_error: 0.0,
     })
 }
 
@@ -58,24 +60,4 @@ fn thinned(values: &[f64]) -> Vec<f64> {
         .chunks(size)
         .map(|part| part.iter().sum::<f64>() / part.len() as f64)
         .collect()
-}
-
-/// Least squares of y = a + b x + c x²; the slope b at 0, with a. None of fewer than four points, or if they do not determine it.
-pub(super) fn slope_at_start(x: &[f64], y: &[f64]) -> Option<[f64; 2]> {
-    let far = x.iter().copied().fold(0.0, f64::max);
-    if x.len() < LEAST_FOR_ERROR || far <= 0.0 {
-        return None;
-    }
-    let (mut m, mut v) = ([[0.0; 3]; 3], [0.0; 3]);
-    for (x, y) in x.iter().zip(y) {
-        let t = x / far;
-        let row = [1.0, t, t * t];
-        for i in 0..3 {
-            for j in 0..3 {
-                m[i][j] += row[i] * row[j];
-            }
-            v[i] += row[i] * y;
-        }
-    }
-    solve(m, v).map(|[a, b, _]| [a, b / far])
 }

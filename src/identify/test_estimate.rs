@@ -193,7 +193,7 @@ impl<'a> Test<'a> {
         let sides = [0, 1].map(|side| {
             let line = self.mean.lines[side]?;
             let number = move |numbers: &LoopNumbers| numbers.lines[side].map(|line| line.slope);
-            self.stiffness(line.slope, number, self.inside(side))
+            self.stiffness(line.slope, number, self.inside(side), line.model_error)
         });
         let insides: Vec<RandomError> = [0, 1]
             .into_iter()
@@ -211,7 +211,18 @@ impl<'a> Test<'a> {
             freedom: insides.iter().map(|e| e.freedom).sum(),
         };
         let [measured, contact] = self.slopes;
-        let both = self.stiffness(measured, LoopNumbers::stick, inside);
+        let models = self
+            .mean
+            .lines
+            .iter()
+            .flatten()
+            .map(|line| line.model_error);
+        let both = self.stiffness(
+            measured,
+            LoopNumbers::stick,
+            inside,
+            models.sum::<f64>() / count,
+        );
         Tangential {
             stiffness_n_per_um: both.unwrap_or(Uncertain::new(
                 n_per_m_to_n_per_um(contact),
@@ -223,7 +234,10 @@ impl<'a> Test<'a> {
             measured_n_per_um: n_per_m_to_n_per_um(measured),
             samples,
             window_end: windows.map(|w| w.map_or(0.0, |w| w.end)),
-            bent: windows.map(|w| w.is_some_and(|w| w.bent)),
+            bent: windows.map(|w| {
+                w.and_then(|w| w.straightened)
+                    .is_some_and(|s| s.knee.exponent > 0.0)
+            }),
         }
     }
 
@@ -247,12 +261,16 @@ impl<'a> Test<'a> {
         slope: f64,
         number: impl Fn(&LoopNumbers) -> Option<f64>,
         inside: RandomError,
+        model_error: f64,
     ) -> Option<Uncertain> {
         let contact = self.series.contact(slope).ok()?;
         let measured = self.uncertain(slope, number, inside, slope * self.chain.of_slope());
         let derivative = self.series.derivative(slope);
-        let errors = [measured.standard_error, measured.systematic]
-            .map(|error| n_per_m_to_n_per_um(error * derivative));
+        let errors = [
+            measured.standard_error.hypot(model_error),
+            measured.systematic,
+        ]
+        .map(|error| n_per_m_to_n_per_um(error * derivative));
         let confidence = self.settings.confidence;
         Some(Uncertain::new(
             n_per_m_to_n_per_um(contact),

@@ -101,7 +101,7 @@ fn of_stiffness(estimate: &TestEstimate, settings: &IdentifySettings, notes: &mu
         }
     }
     if tangential.bent.contains(&true) {
-        notes.push("the stick branch bends from its start (partial slip): its slope is extrapolated to the reversal".to_owned());
+        notes.push("parts of the contact slip before the whole (microslip): the stick branches are straightened by the spread of the slip limits that fits them".to_owned());
     }
     let stated = settings.series_stiffness_n_per_um;
     if stated.is_some_and(|series| tangential.measured_n_per_um > MOSTLY_RIG * series) {

@@ -1,0 +1,152 @@
+//! The knee of a branch: how the slip limits of the parts of a contact are spread.
+
+use libm::{exp, log, pow};
+
+/// Slip limits p of the parts of a contact, over their mean: none is below `least`, and a share (1 − (x − m)/((1 − m)(1 + q)))^q of
+/// the parts still sticks where x is the elastic swing of the force over that of full slip.
+///
+/// q = 0 is one limit for all (elastic-Coulomb), q = 1 limits spread evenly, q = 1/2 with m = 0 a pressure like a parabola.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Knee {
+    /// m, from 0 to below 1.
+    pub(super) least: f64,
+    /// q ≥ 0.
+    pub(super) exponent: f64,
+}
+
+/// A branch: displacement since the reversal, and the share of the swing of T/N.
+#[derive(Debug, Clone)]
+pub(super) struct Branch {
+    /// Displacement over that at which an elastic branch of a first guess would reach full slip.
+    pub(super) displacement: Vec<f64>,
+    /// Share of the swing.
+    pub(super) share: Vec<f64>,
+}
+
+/// A knee and the relative standard uncertainty that the choice of the knee gives each stiffness.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct FittedKnee {
+    pub(super) knee: Knee,
+    pub(super) model_error: [f64; 2],
+}
+
+/// Least slip limits that are tried...
+const LEAST: [f64; 10] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
+/// ...and exponents, besides 0.
+const EXPONENTS: [f64; 5] = [0.25, 0.5, 0.75, 1.0, 2.0];
+/// Probability of one slip limit for all before the loop is seen.
+const ONE_LIMIT: f64 = 0.5;
+/// Range of the stiffness that is tried, over the first guess, and steps of the search.
+const RANGE: [f64; 2] = [0.7, 1.6];
+const STEPS: usize = 16;
+/// Golden section.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// Distance of a branch from the nearest knee of this family, as a share of the swing: no contact is exactly one of them.
+const FAMILY: f64 = 2e-3;
+/// Independent parts of a branch in which it lies so far off.
+const PARTS: f64 = 6.0;
+/// Displacement, over that of full slip without a knee, up to which a branch tells its knee.
+pub(super) const REACH: f64 = 2.5;
+
+impl Knee {
+    /// Share of the swing at an elastic swing of `x` times that of full slip.
+    fn share(&self, x: f64) -> f64 {
+        let (m, q) = (self.least, self.exponent);
+        if x <= m {
+            return x;
+        }
+        let z = (x - m) / ((1.0 - m) * (1.0 + q));
+        if z >= 1.0 {
+            1.0
+        } else {
+            m + (1.0 - m) * (1.0 - pow(1.0 - z, 1.0 + q))
+        }
+    }
+
+    /// The elastic swing at a share of the swing: the inverse.
+    pub(super) fn elastic(&self, share: f64) -> f64 {
+        let (m, q) = (self.least, self.exponent);
+        if share <= m || q == 0.0 {
+            return share;
+        }
+        let w = ((share - m) / (1.0 - m)).min(1.0);
+        m + (1.0 - m) * (1.0 + q) * (1.0 - pow(1.0 - w, 1.0 / (1.0 + q)))
+    }
+}
+
+/// The most probable knee of both branches, each with its own stiffness; the others give the model error by their probability.
+pub(super) fn fit(branches: &[Branch; 2]) -> FittedKnee {
+    let mut knees = vec![Knee {
+        least: 0.0,
+        exponent: 0.0,
+    }];
+    for least in LEAST {
+        knees.extend(EXPONENTS.map(|exponent| Knee { least, exponent }));
+    }
+    let fits: Vec<([f64; 2], f64)> = knees.iter().map(|knee| stiffness(branches, knee)).collect();
+    let points = branches
+        .iter()
+        .map(|branch| branch.share.len())
+        .sum::<usize>() as f64;
+    let smallest = fits
+        .iter()
+        .map(|(_, square)| *square)
+        .fold(f64::INFINITY, f64::min);
+    let noise = smallest / (points - 4.0).max(1.0);
+    let variance = noise.max(FAMILY * FAMILY * points / PARTS);
+    let others = (1.0 - ONE_LIMIT) / (knees.len() - 1) as f64;
+    let score = |place: usize| {
+        let before = if place == 0 { ONE_LIMIT } else { others };
+        log(before) - 0.5 * (fits[place].1 - smallest) / variance
+    };
+    let scores: Vec<f64> = (0..knees.len()).map(score).collect();
+    let best = (0..knees.len())
+        .max_by(|a, b| scores[*a].total_cmp(&scores[*b]))
+        .unwrap_or(0);
+    let weights: Vec<f64> = scores.iter().map(|s| exp(s - scores[best])).collect();
+    let whole: f64 = weights.iter().sum();
+    let error = |side: usize| {
+        let square = |place: usize| (fits[place].0[side] / fits[best].0[side] - 1.0).powi(2);
+        (weights
+            .iter()
+            .enumerate()
+            .map(|(place, w)| w * square(place))
+            .sum::<f64>()
+            / whole)
+            .sqrt()
+    };
+    FittedKnee {
+        knee: knees[best],
+        model_error: [error(0), error(1)],
+    }
+}
+
+/// Stiffness of both branches over its first guess, by least squares, and the sum of the squares.
+fn stiffness(branches: &[Branch; 2], knee: &Knee) -> ([f64; 2], f64) {
+    let [a, b] = branches.each_ref().map(|branch| {
+        let square = |k: f64| -> f64 {
+            let both = branch.displacement.iter().zip(&branch.share);
+            both.map(|(x, y)| (knee.share(k * x) - y).powi(2)).sum()
+        };
+        let [mut low, mut high] = RANGE;
+        let mut inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
+        let mut value = inner.map(square);
+        for _ in 0..STEPS {
+            if value[0] < value[1] {
+                high = inner[1];
+                inner = [high - GOLDEN * (high - low), inner[0]];
+                value = [square(inner[0]), value[0]];
+            } else {
+                low = inner[0];
+                inner = [inner[1], low + GOLDEN * (high - low)];
+                value = [value[1], square(inner[1])];
+            }
+        }
+        let best = 0.5 * (low + high);
+        (best, square(best))
+    });
+    ([a.0, b.0], a.1 + b.1)
+}
+
+/// Fewest points of a branch that tell its knee.
+pub(super) const LEAST_POINTS: usize = 5;
