@@ -87,7 +87,7 @@ fn between(share: &[Option<f64>], [begin, end]: [f64; 2]) -> Option<[usize; 2]> 
 }
 
 /// Whether the slope falls inside the window.
-fn bends(half: &Half, cycle: &MeanLoop, [first, last]: [usize; 2]) -> bool {
+pub(super) fn bends(half: &Half, cycle: &MeanLoop, [first, last]: [usize; 2]) -> bool {
     let (x, y) = (half.displacement(cycle), half.force(cycle));
     let (count, middle) = (last + 1 - first, usize::midpoint(first, last + 1));
     let line = |from: usize, to: usize| pairwise_line(&x[from..to], &y[from..to]);

@@ -18,19 +18,56 @@ const MARGIN: f64 = 0.01;
 /// Share of the cycle, before that, which gives T/N at the end of a half.
 const END: f64 = 0.03;
 
+/// Share of the cycle, on both sides of the turn of the smooth motion, in which a reversal is sought.
+const SEARCH: f64 = 0.125;
+/// Share of the samples whose T/N counts as at its limit when reversals are sought: a contact that is nearly open has larger ones.
+const LIMITED: f64 = 0.1;
+
 /// The way down from the greatest displacement, then the way up.
-pub(super) fn halves(cycle: &MeanLoop) -> [Half; 2] {
+///
+/// Where the rig gives way, the contact rests at a reversal while the force falls: the displacement has a flat top, and its
+/// smooth motion turns in the middle of it. The reversal is the corner of the loop before it, where displacement and T/N, each
+/// over its swing, are greatest together.
+pub(super) fn halves(cycle: &MeanLoop, least_normal: f64) -> [Half; 2] {
     let motion = smooth(&cycle.displacement);
     let n = motion.len();
-    let turn = (1..n)
-        .min_by(|a, b| motion[*a].total_cmp(&motion[*b]))
-        .unwrap_or(n / 2);
-    let half = |first, samples, sign| Half {
+    let by_motion = |sign: f64| {
+        let along = |i: &usize| sign * motion[*i];
+        (0..n)
+            .max_by(|a, b| along(a).total_cmp(&along(b)))
+            .unwrap_or(0)
+    };
+    let reach = swing(&motion);
+    let ratio: Vec<f64> = (0..n)
+        .map(|i| cycle.ratio(i, least_normal).unwrap_or(0.0))
+        .collect();
+    let mut sizes: Vec<f64> = ratio.iter().map(|r| r.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let limit = sizes[((1.0 - LIMITED) * (n - 1) as f64) as usize].max(f64::MIN_POSITIVE);
+    let corner = |sign: f64| {
+        let middle = by_motion(sign);
+        let around = (SEARCH * n as f64) as usize;
+        let height = |i: &usize| sign * (motion[*i] / reach + (ratio[*i] / limit).clamp(-1.0, 1.0));
+        (n - around..=n + around)
+            .map(|step| (middle + step) % n)
+            .max_by(|a, b| height(a).total_cmp(&height(b)))
+            .unwrap_or(middle)
+    };
+    let [top, bottom] = [1.0, -1.0].map(corner);
+    let half = |first: usize, last: usize, sign| Half {
         first,
-        samples,
+        samples: (last + n - first) % n + 1,
         sign,
     };
-    [half(0, turn + 1, -1.0), half(turn, n - turn + 1, 1.0)]
+    [half(top, bottom, -1.0), half(bottom, top, 1.0)]
+}
+
+/// Half of the distance between the ends of a signal; never 0.
+fn swing(signal: &[f64]) -> f64 {
+    let ends = signal.iter().fold([f64::MAX, f64::MIN], |[low, high], x| {
+        [low.min(*x), high.max(*x)]
+    });
+    (0.5 * (ends[1] - ends[0])).max(f64::MIN_POSITIVE)
 }
 
 impl Half {

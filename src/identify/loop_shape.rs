@@ -1,6 +1,6 @@
 //! Where the mean loop of a test sticks and where it slips; the same places then serve every loop of the test.
 
-use super::branch::{Straightened, Window, slope, window};
+use super::branch::{Straightened, Window, bends, slope, window};
 use super::half::{Half, halves};
 use super::knee::{Branch, LEAST_POINTS, REACH, fit};
 use super::mean_loop::MeanLoop;
@@ -34,7 +34,7 @@ pub(super) fn shape(cycle: &MeanLoop) -> Result<LoopShape, String> {
         ));
     }
     let least_normal = LEAST_NORMAL * normal;
-    let halves = halves(cycle);
+    let halves = halves(cycle, least_normal);
     let ends = halves.map(|half| half.end_ratio(cycle, least_normal));
     let [Some(down), Some(up)] = ends else {
         return Err(
@@ -55,6 +55,7 @@ pub(super) fn shape(cycle: &MeanLoop) -> Result<LoopShape, String> {
     let plateaus = a.zip(b).map(|(a, b)| [a, b]);
     let windows = match plateaus {
         None => first,
+        Some(_) if are_straight(cycle, &sides, &first) => first,
         Some(_) => with_knee(cycle, &sides, stick),
     };
     Ok(LoopShape {
@@ -104,6 +105,15 @@ impl Side {
             share,
         }
     }
+}
+
+/// Whether both branches are straight where their slopes are taken: then no knee is needed. A knee of the family would be a guess
+/// all the same; under a rigid punch, whose limits have a long tail, it makes the stiffness a third too large.
+fn are_straight(cycle: &MeanLoop, sides: &[Side; 2], windows: &[Option<Window>; 2]) -> bool {
+    let straight = |(side, window): (&Side, &Option<Window>)| {
+        window.is_some_and(|window| !bends(&side.half, cycle, window.places))
+    };
+    sides.iter().zip(windows).all(straight)
 }
 
 /// Points of a branch that tell its knee, at most.

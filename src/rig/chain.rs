@@ -70,7 +70,8 @@ impl Default for VibrometerSettings {
             resolution_um: 0.08,
             sensitivity_um_per_v: 20.0,
             range_v: 10.0,
-            noise_um: 0.02,
+            // half a step: the resolution of a vibrometer is that of its noise
+            noise_um: 0.04,
             drift_um_per_s: 0.1,
         }
     }

@@ -39,8 +39,6 @@ fn json(path: &Path) -> Value {
 }
 
 /// Files are read back as they were made; `truth.json` has the specimens; one thread gives the same bytes as two.
-///
-/// Seen to fail with the tests of the first specimen for both.
 #[test]
 fn writes_records_and_truth() {
     let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
@@ -80,8 +78,6 @@ fn writes_records_and_truth() {
 }
 
 /// Every wrong key or value is refused with file, line, key and rule, and exit code 2.
-///
-/// Seen to fail without the check of the ring and with unknown keys of a section let through.
 #[test]
 fn bad_files_are_refused() {
     for (from, to, expected) in [
@@ -192,8 +188,6 @@ fn shipped_rigs_are_valid() {
 }
 
 /// Configuration b: the peaks are those of `solve` with the contact of the specimen, plus errors of the stated size.
-///
-/// Seen to fail with the study's own friction coefficient.
 #[test]
 fn resonances_are_those_of_the_study_with_the_true_contact() {
     let study = std::fs::read_to_string("studies/two-blade-strip/study.toml").unwrap();

@@ -4,18 +4,16 @@ use super::{STEADY_AIR, exact, first_test, rig};
 
 const SHORT: &str = "[excitation]\nfrequencies_hz = [50]\ncycles = 4\nrun_in_cycles = 1";
 
-/// Without errors the record is the motion, but for the box's inertia at 50 Hz.
-///
-/// Seen to fail with the normal force in the place of the tangential one.
+/// Without errors the record is the motion, but for the box, which rings after each reversal.
 #[test]
 fn a_rig_without_errors_measures_the_motion() {
     let test = first_test(&exact(&format!("{STEADY_AIR}{SHORT}")));
     assert_eq!(test.record.displacement.len(), 2000);
+    let mut squares = 0.0;
     for (i, t) in test.record.tangential_force.iter().enumerate() {
-        assert!(
-            (t - test.motion.tangential[i]).abs() < 0.1,
-            "sample {i}: {t} N"
-        );
+        let difference = t - test.motion.tangential[i];
+        squares += difference * difference / 2000.0;
+        assert!(difference.abs() < 2.0, "sample {i}: {t} N");
         let n = test.record.normal_force[i];
         assert!(
             (n / test.motion.normal[i] - 1.0).abs() < 1e-3,
@@ -24,11 +22,10 @@ fn a_rig_without_errors_measures_the_motion() {
         let u = test.record.displacement[i] - test.motion.displacement[i];
         assert!(u.abs() < 1e-18, "sample {i}: {u} m");
     }
+    assert!(squares.sqrt() < 0.3, "{} N", squares.sqrt());
 }
 
 /// At the largest offset each cell reads its decoupling factor of its force, the other cell the rest.
-///
-/// Seen to fail with the sign of the offset lost.
 #[test]
 fn an_offset_moves_force_from_one_cell_to_the_other() {
     let support = rig(&format!("name = \"a\"\n{STEADY_AIR}")).support;
@@ -43,8 +40,6 @@ fn an_offset_moves_force_from_one_cell_to_the_other() {
 }
 
 /// Standard deviation of gains over tests: 95 % are within the stated error. Per rig all are the same.
-///
-/// Seen to fail with the error as one standard deviation.
 #[test]
 fn gains_keep_their_limit() {
     let chain_of = |calibration: &str| {
@@ -88,8 +83,6 @@ fn gains_keep_their_limit() {
 }
 
 /// Steps of the vibrometer, noise of the cells, and an instrument at the end of its range.
-///
-/// Seen to fail with the range of the vibrometer in V.
 #[test]
 fn steps_noise_and_range() {
     let test = first_test(&rig(&format!("name = \"a\"\n{STEADY_AIR}{SHORT}")));
@@ -124,8 +117,6 @@ fn steps_noise_and_range() {
 }
 
 /// Scatter between specimens: the standard deviation of ln mu is the stated one, and a specimen does not depend on the others.
-///
-/// Seen to fail with friction and stiffness drawn as one.
 #[test]
 fn specimens_scatter_as_stated() {
     let text = |n: u64| {
