@@ -12,6 +12,7 @@ use microslip::hb::response::curve::response_curve;
 use microslip::hb::structure::resonance::Band;
 use microslip::hb::{Balance, LinearModel, Problem, SliderAnchor, Solution};
 use microslip::linalg::symmetric_generalized_eigen;
+use microslip::model::ReducedModel;
 use microslip::model::two_blade::{TwoBladeSettings, build};
 use microslip::units::hz_to_rad_s;
 use std::f64::consts::PI;
@@ -132,12 +133,7 @@ fn the_stuck_rig_has_modal_damping() {
         let found = track_peaks(&problem, &settings, search, &[0.01]).expect("modes");
         let solution = found[0].solution.as_ref().expect("a peak");
         let ratio = solution.damping_ratio().expect("moves");
-        let modal = modal_ratio(
-            &stiffness,
-            &rig.reduced.mass,
-            &rig.reduced.damping,
-            solution.omega,
-        );
+        let modal = modal_ratio(&stiffness, &rig.reduced, solution.omega);
         let balance = Balance::new(&problem, settings.harmonics.clone(), settings.aft);
         let curve = response_curve(&balance, &solution.point(), band, settings.newton);
         let points: Vec<(f64, f64)> = curve.iter().map(|p| (p.omega, p.amplitude)).collect();
@@ -152,13 +148,18 @@ fn the_stuck_rig_has_modal_damping() {
     }
 }
 
-/// φᵀCφ / (2ω) of the mode next to `omega`, for φᵀMφ = 1.
-fn modal_ratio(stiffness: &Mat<f64>, mass: &Mat<f64>, damping: &Mat<f64>, omega: f64) -> f64 {
+/// φᵀCφ / (2ω), for φᵀMφ = 1, of the mode near `omega` that the force excites: in phase and out of phase lie close together.
+fn modal_ratio(stiffness: &Mat<f64>, model: &ReducedModel, omega: f64) -> f64 {
     let (lambda, phi) =
-        symmetric_generalized_eigen(stiffness.as_ref(), mass.as_ref()).expect("definite");
-    let distance = |i: &usize| (lambda[*i].max(0.0).sqrt() - omega).abs();
-    let nearest = (0..lambda.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-    let mode = nearest.expect("modes");
+        symmetric_generalized_eigen(stiffness.as_ref(), model.mass.as_ref()).expect("definite");
+    let force = |mode: usize| -> f64 {
+        let products = model.cosine_force.iter().enumerate();
+        products.map(|(i, f)| f * phi[(i, mode)]).sum::<f64>().abs()
+    };
+    let near = |mode: &usize| (lambda[*mode].max(0.0).sqrt() / omega - 1.0).abs() < 1e-3;
+    let modes = (0..lambda.len()).filter(near);
+    let excited = modes.max_by(|a, b| force(*a).total_cmp(&force(*b)));
+    let mode = excited.expect("a mode");
     let shape = phi.col(mode);
-    (shape.transpose() * damping * shape) / (2.0 * lambda[mode].sqrt())
+    (shape.transpose() * &model.damping * shape) / (2.0 * lambda[mode].sqrt())
 }
