@@ -277,7 +277,8 @@ fn spikes_are_replaced() {
     assert!((friction / 0.6 - 1.0).abs() < 0.005, "{friction}");
 }
 
-/// A sensor that gives steps of 0.08 um with noise of a quarter of a step, and a small motion.
+/// A sensor that gives steps of 0.08 um with noise of a quarter of a step, and a small motion. Seen to fail with the scatter of each
+/// phase alone as the measure of spikes.
 #[test]
 fn steps_of_a_sensor_are_no_spikes() {
     let bench = Bench {
