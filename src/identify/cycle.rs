@@ -1,6 +1,6 @@
 //! A record cut into cycles: which of them are steady, and their means.
 
-use super::frequency::fundamental;
+use super::frequency::{Fundamental, fundamental};
 use super::mean_loop::{
     MeanLoop, inner_range, median, neighbour_correlation, robust_scale, smooth,
 };
@@ -59,35 +59,10 @@ pub(super) fn cut(
     record: &HysteresisRecord,
     settings: &IdentifySettings,
 ) -> Result<Steady, String> {
-    let stated = record.conditions.frequency_hz;
-    let samples = record.time.len();
-    if samples < LEAST_SAMPLES as usize {
-        return Err(format!(
-            "{samples} samples: a cycle needs at least {LEAST_SAMPLES}"
-        ));
-    }
-    let motion = fundamental(&record.time, &record.displacement, stated).ok_or(
-        "the displacement does not swing twice: state the frequency, or record more than two cycles",
-    )?;
-    if motion.share < PERIODIC {
-        return Err(format!(
-            "is no hysteresis loop: at {:.4} Hz the displacement holds {:.0} % of its variance, a periodic motion more than {:.0} %",
-            motion.frequency,
-            100.0 * motion.share,
-            100.0 * PERIODIC,
-        ));
-    }
+    let motion = motion(record)?;
     let grid = Grid::new(&record.time, motion.frequency, motion.first_top)?;
     let mut loops = grid.loops(record, settings.normal_force_offset_n);
-    let mut means = [displacement, tangential].map(|signal| take_means_out(&mut loops, signal));
-    let spikes = take_spikes_out(&mut loops);
-    for (means, signal) in means.iter_mut().zip([displacement, tangential]) {
-        let moved = take_means_out(&mut loops, signal);
-        means
-            .iter_mut()
-            .zip(moved)
-            .for_each(|(mean, by)| *mean += by);
-    }
+    let (means, spikes) = centre(&mut loops);
     let whole = loops.len();
     let run_in = match settings.run_in_cycles {
         Some(stated) if stated < whole => stated,
@@ -116,7 +91,7 @@ pub(super) fn cut(
     Ok(Steady {
         cycles: Cycles {
             frequency_hz: motion.frequency,
-            frequency_stated: stated.is_some(),
+            frequency_stated: record.conditions.frequency_hz.is_some(),
             whole,
             run_in,
             steady: steady.len(),
@@ -133,6 +108,42 @@ pub(super) fn cut(
         tangential_mean: means[1][run_in..].iter().sum::<f64>() / steady.len() as f64,
         loops,
     })
+}
+
+/// The periodic motion of a record.
+fn motion(record: &HysteresisRecord) -> Result<Fundamental, String> {
+    let samples = record.time.len();
+    if samples < LEAST_SAMPLES as usize {
+        return Err(format!(
+            "has {samples} samples: a cycle needs at least {LEAST_SAMPLES}"
+        ));
+    }
+    let stated = record.conditions.frequency_hz;
+    let motion = fundamental(&record.time, &record.displacement, stated).ok_or(
+        "has a displacement that does not swing twice: state the frequency, or record more than two cycles",
+    )?;
+    match motion.share < PERIODIC {
+        false => Ok(motion),
+        true => Err(format!(
+            "is no hysteresis loop: at {:.4} Hz the displacement holds {:.0} % of its variance, a periodic motion more than {:.0} %",
+            motion.frequency,
+            100.0 * motion.share,
+            100.0 * PERIODIC,
+        )),
+    }
+}
+
+/// Puts displacement and tangential force of every loop about their means and takes spikes out; the means, and how many spikes.
+fn centre(loops: &mut [MeanLoop]) -> ([Vec<f64>; 2], usize) {
+    let signals = [displacement, tangential];
+    let mut means = signals.map(|signal| take_means_out(loops, signal));
+    let spikes = take_spikes_out(loops);
+    for (means, signal) in means.iter_mut().zip(signals) {
+        for (mean, by) in means.iter_mut().zip(take_means_out(loops, signal)) {
+            *mean += by;
+        }
+    }
+    (means, spikes)
 }
 
 /// Instants at which the signals are taken.
@@ -295,7 +306,8 @@ fn take_drift_out(loops: &mut [MeanLoop], signal: fn(&mut MeanLoop) -> &mut Vec<
 }
 
 /// Replaces single values that lie far from those of the other cycles at the same phase by their median; how many. Where many
-/// neighbours lie far off the cycle is another one, and stays.
+/// neighbours lie far off the cycle is another one, and stays. Where a sensor gives steps the scatter at one phase may be next to
+/// nothing: that of the usual phase counts then.
 fn take_spikes_out(loops: &mut [MeanLoop]) -> usize {
     if loops.len() < LEAST_FOR_SPIKES {
         return 0;
@@ -309,11 +321,13 @@ fn take_spikes_out(loops: &mut [MeanLoop]) -> usize {
             .map(|cycle| signal(cycle).clone())
             .collect();
         let mean = columns.iter().map(|column| swing(column)).sum::<f64>() / columns.len() as f64;
-        let scales = (0..columns[0].len()).map(|m| {
-            let values: Vec<f64> = columns.iter().map(|column| column[m]).collect();
-            robust_scale(&values)
-        });
-        let scales: Vec<[f64; 2]> = scales.flatten().collect();
+        let phases =
+            (0..columns[0].len()).map(|m| columns.iter().map(|column| column[m]).collect());
+        let phases: Vec<Vec<f64>> = phases.collect();
+        let mut deviations: Vec<f64> = phases.iter().map(|values| deviation(values)).collect();
+        let usual = median(&mut deviations).unwrap_or(0.0);
+        let scales = phases.iter().filter_map(|values| robust_scale(values));
+        let scales: Vec<[f64; 2]> = scales.map(|[middle, d]| [middle, d.max(usual)]).collect();
         for (cycle, column) in loops.iter_mut().zip(&columns) {
             let far = |(value, [middle, deviation]): (&f64, &[f64; 2])| {
                 (value - middle).abs() > (SPIKE * deviation).max(SPIKE_OF_SWING * mean)
@@ -332,6 +346,13 @@ fn take_spikes_out(loops: &mut [MeanLoop]) -> usize {
         }
     }
     spikes
+}
+
+/// Standard deviation of values.
+fn deviation(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
 }
 
 /// Greatest less least value.

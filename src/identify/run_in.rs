@@ -2,10 +2,10 @@
 
 use super::mean_loop::{MeanLoop, inner_range};
 
-/// Fewest cycles in which a run-in is sought.
-const LEAST_CYCLES: usize = 4;
+/// Fewest cycles that are left.
+const LEAST_CYCLES: usize = 5;
 /// The rule must make the variance of the mean this many times smaller; by chance it does so in one record of fifty.
-const GAIN: f64 = 0.25;
+const GAIN: f64 = 0.2;
 
 /// Cycles to leave out, at most half of them: those after which the mean of the others has the smallest standard error, for the
 /// energy of the loop or its mean |T/N|, whichever needs more.
@@ -48,7 +48,7 @@ fn truncated(values: &[f64]) -> usize {
         let mean = rest.iter().sum::<f64>() / n;
         rest.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n * n)
     };
-    let candidates = 0..=(values.len() / 2).min(values.len() - LEAST_CYCLES + 1);
+    let candidates = 0..=(values.len() / 2).min(values.len() - LEAST_CYCLES);
     let best = candidates.min_by(|a, b| error(*a).total_cmp(&error(*b)));
     best.filter(|first| error(*first) < GAIN * error(0))
         .unwrap_or(0)

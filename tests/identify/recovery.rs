@@ -276,3 +276,24 @@ fn spikes_are_replaced() {
     let friction = found.estimate.unwrap().friction.unwrap().coefficient.value;
     assert!((friction / 0.6 - 1.0).abs() < 0.005, "{friction}");
 }
+
+/// A sensor that gives steps of 0.08 um with noise of a quarter of a step, and a small motion.
+#[test]
+fn steps_of_a_sensor_are_no_spikes() {
+    let bench = Bench {
+        amplitude: 1.8e-6,
+        noise: [0.02e-6, 0.3, 0.3],
+        cycles: 60,
+        per_cycle: 300.0,
+        ..Bench::default()
+    };
+    let mut record = bench.record();
+    let step = 0.08e-6;
+    for value in &mut record.displacement {
+        *value = (*value / step).round() * step;
+    }
+    let found = identify_test(&record, &IdentifySettings::default());
+    assert!(found.cycles.unwrap().spikes < 10, "{:?}", found.cycles);
+    let stiffness = found.estimate.unwrap().tangential.stiffness_n_per_um;
+    assert!((stiffness.value / 50.0 - 1.0).abs() < 0.05, "{stiffness:?}");
+}
