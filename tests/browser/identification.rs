@@ -7,6 +7,7 @@ use microslip::identify::page::html;
 /// Widths of a telephone, a small and a large window, in pixels.
 const WIDTHS: [u32; 3] = [390, 1024, 1920];
 
+/// Seen to fail with ticks of 30 px: labels are cut.
 #[test]
 fn loops_are_drawn_and_nothing_overflows() {
     let Some(browser) = browser() else { return };
@@ -22,7 +23,7 @@ fn loops_are_drawn_and_nothing_overflows() {
     assert_sound(&found, PAPER, figures, "print");
 }
 
-/// Long names, a test that never slips and one that is not used, one test alone.
+/// Long names, a test that never slips and one that is not used, one test alone. Seen to fail with paragraphs of 3000 px.
 #[test]
 fn awkward_tests_are_drawn_too() {
     let Some(browser) = browser() else { return };
