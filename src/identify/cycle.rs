@@ -1,8 +1,8 @@
 //! A record cut into cycles: which of them are steady, and their means.
 
-use super::frequency::fundamental;
+use super::frequency::{Fundamental, fundamental};
 use super::mean_loop::{
-    MeanLoop, median, neighbour_correlation, noise as noise_of, robust_scale, smooth,
+    MeanLoop, inner_range, median, neighbour_correlation, noise as noise_of, robust_scale, smooth,
 };
 use super::result::Cycles;
 use super::run_in::run_in;
@@ -41,6 +41,8 @@ const SPIKE: f64 = 8.0;
 /// Least distance of a spike from the other cycles, over the swing of the signal.
 const SPIKE_OF_SWING: f64 = 0.02;
 
+/// Most samples of a spike.
+const LONGEST_SPIKE: usize = 3;
 /// Fewest samples of a cycle in which noise is told from high harmonics of the motion.
 const LEAST_TO_SMOOTH: usize = 64;
 /// Correlation of neighbours above which a rest is no noise. Lines between samples give noise up to 0.5, a seventh harmonic of 64
@@ -57,27 +59,10 @@ pub(super) fn cut(
     record: &HysteresisRecord,
     settings: &IdentifySettings,
 ) -> Result<Steady, String> {
-    let stated = record.conditions.frequency_hz;
-    let samples = record.time.len();
-    if samples < LEAST_SAMPLES as usize {
-        return Err(format!(
-            "{samples} samples: a cycle needs at least {LEAST_SAMPLES}"
-        ));
-    }
-    let motion = fundamental(&record.time, &record.displacement, stated).ok_or(
-        "the displacement does not swing twice: state the frequency, or record more than two cycles",
-    )?;
+    let motion = motion(record)?;
     let grid = Grid::new(&record.time, motion.frequency, motion.first_top)?;
-    if motion.share < PERIODIC {
-        return Err(format!(
-            "is no hysteresis loop: at {:.4} Hz the displacement holds {:.0} % of its variance, a periodic motion more than {:.0} %",
-            motion.frequency,
-            100.0 * motion.share,
-            100.0 * PERIODIC,
-        ));
-    }
     let mut loops = grid.loops(record, settings.normal_force_offset_n);
-    let means = [displacement, tangential].map(|signal| take_means_out(&mut loops, signal));
+    let (means, spikes) = centre(&mut loops);
     let whole = loops.len();
     let run_in = match settings.run_in_cycles {
         Some(stated) if stated < whole => stated,
@@ -91,7 +76,6 @@ pub(super) fn cut(
     let drift = means.each_ref().map(|means| drift(&means[run_in..]));
     take_drift_out(&mut loops, displacement, drift[0]);
     take_drift_out(&mut loops, tangential, drift[1]);
-    let spikes = take_spikes_out(&mut loops[run_in..]);
     align(&mut loops, run_in);
     smooth_motion(&mut loops, run_in);
     let steady = &loops[run_in..];
@@ -107,7 +91,7 @@ pub(super) fn cut(
     Ok(Steady {
         cycles: Cycles {
             frequency_hz: motion.frequency,
-            frequency_stated: stated.is_some(),
+            frequency_stated: record.conditions.frequency_hz.is_some(),
             whole,
             run_in,
             steady: steady.len(),
@@ -124,6 +108,42 @@ pub(super) fn cut(
         tangential_mean: means[1][run_in..].iter().sum::<f64>() / steady.len() as f64,
         loops,
     })
+}
+
+/// The periodic motion of a record.
+fn motion(record: &HysteresisRecord) -> Result<Fundamental, String> {
+    let samples = record.time.len();
+    if samples < LEAST_SAMPLES as usize {
+        return Err(format!(
+            "has {samples} samples: a cycle needs at least {LEAST_SAMPLES}"
+        ));
+    }
+    let stated = record.conditions.frequency_hz;
+    let motion = fundamental(&record.time, &record.displacement, stated).ok_or(
+        "has a displacement that does not swing twice: state the frequency, or record more than two cycles",
+    )?;
+    match motion.share < PERIODIC {
+        false => Ok(motion),
+        true => Err(format!(
+            "is no hysteresis loop: at {:.4} Hz the displacement holds {:.0} % of its variance, a periodic motion more than {:.0} %",
+            motion.frequency,
+            100.0 * motion.share,
+            100.0 * PERIODIC,
+        )),
+    }
+}
+
+/// Puts displacement and tangential force of every loop about their means and takes spikes out; the means, and how many spikes.
+fn centre(loops: &mut [MeanLoop]) -> ([Vec<f64>; 2], usize) {
+    let signals = [displacement, tangential];
+    let mut means = signals.map(|signal| take_means_out(loops, signal));
+    let spikes = take_spikes_out(loops);
+    for (means, signal) in means.iter_mut().zip(signals) {
+        for (mean, by) in means.iter_mut().zip(take_means_out(loops, signal)) {
+            *mean += by;
+        }
+    }
+    (means, spikes)
 }
 
 /// Instants at which the signals are taken.
@@ -266,11 +286,13 @@ fn smooth_motion(loops: &mut [MeanLoop], run_in: usize) {
     }
 }
 
-/// Puts a signal of every loop about its mean; the means.
+/// Puts a signal of every loop about its mean without spikes; the means.
 fn take_means_out(loops: &mut [MeanLoop], signal: fn(&mut MeanLoop) -> &mut Vec<f64>) -> Vec<f64> {
     let centred = |cycle: &mut MeanLoop| {
         let values = signal(cycle);
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let [low, high] = inner_range(values);
+        let clipped = values.iter().map(|v| v.clamp(low, high));
+        let mean = clipped.sum::<f64>() / values.len() as f64;
         values.iter_mut().for_each(|v| *v -= mean);
         mean
     };
@@ -296,9 +318,9 @@ fn take_drift_out(loops: &mut [MeanLoop], signal: fn(&mut MeanLoop) -> &mut Vec<
     }
 }
 
-/// Replaces values that lie far from those of the other cycles at the same phase by their median; how many.
-///
-/// The scatter at one phase may be next to nothing where the sensor gives steps: then that of the usual phase counts.
+/// Replaces single values that lie far from those of the other cycles at the same phase by their median; how many. Where many
+/// neighbours lie far off the cycle is another one, and stays. Where a sensor gives steps the scatter at one phase may be next to
+/// nothing: that of the usual phase counts then.
 fn take_spikes_out(loops: &mut [MeanLoop]) -> usize {
     if loops.len() < LEAST_FOR_SPIKES {
         return 0;
@@ -312,25 +334,26 @@ fn take_spikes_out(loops: &mut [MeanLoop]) -> usize {
             .map(|cycle| signal(cycle).clone())
             .collect();
         let mean = columns.iter().map(|column| swing(column)).sum::<f64>() / columns.len() as f64;
-        let at = |m: usize| columns.iter().map(|column| column[m]).collect::<Vec<f64>>();
-        let phases = 0..columns[0].len();
-        let usual = median(
-            &mut phases
-                .clone()
-                .map(|m| scatter(&at(m)))
-                .collect::<Vec<f64>>(),
-        );
-        for m in phases {
-            let values = at(m);
-            let Some([middle, deviation]) = robust_scale(&values) else {
-                continue;
+        let phases =
+            (0..columns[0].len()).map(|m| columns.iter().map(|column| column[m]).collect());
+        let phases: Vec<Vec<f64>> = phases.collect();
+        let mut deviations: Vec<f64> = phases.iter().map(|values| deviation(values)).collect();
+        let usual = median(&mut deviations).unwrap_or(0.0);
+        let scales = phases.iter().filter_map(|values| robust_scale(values));
+        let scales: Vec<[f64; 2]> = scales.map(|[middle, d]| [middle, d.max(usual)]).collect();
+        for (cycle, column) in loops.iter_mut().zip(&columns) {
+            let far = |(value, [middle, deviation]): (&f64, &[f64; 2])| {
+                (value - middle).abs() > (SPIKE * deviation).max(SPIKE_OF_SWING * mean)
             };
-            let deviation = deviation.max(usual.unwrap_or(0.0));
-            let far = (SPIKE * deviation).max(SPIKE_OF_SWING * mean);
-            for (cycle, value) in loops.iter_mut().zip(values) {
-                if (value - middle).abs() > far {
-                    signal(cycle)[m] = middle;
-                    spikes += 1;
+            let flags: Vec<bool> = column.iter().zip(&scales).map(far).collect();
+            for run in flags.chunk_by(|a, b| a == b).scan(0, |end, run| {
+                *end += run.len();
+                Some((*end - run.len()..*end, run[0]))
+            }) {
+                let (places, is_far) = run;
+                if is_far && places.len() <= LONGEST_SPIKE {
+                    spikes += places.len();
+                    places.for_each(|m| signal(cycle)[m] = scales[m][0]);
                 }
             }
         }
@@ -339,11 +362,10 @@ fn take_spikes_out(loops: &mut [MeanLoop]) -> usize {
 }
 
 /// Standard deviation of values.
-fn scatter(values: &[f64]) -> f64 {
+fn deviation(values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
-    let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    (square / n).sqrt()
+    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
 }
 
 /// Greatest less least value.

@@ -45,6 +45,8 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 const FAMILY: f64 = 2e-3;
 /// Independent parts of a branch in which it lies so far off.
 const PARTS: f64 = 6.0;
+/// Change of a branch by its knee that is told.
+const SEEN: f64 = 0.01;
 /// Displacement, over that of full slip without a knee, up to which a branch tells its knee.
 pub(super) const REACH: f64 = 2.5;
 
@@ -61,6 +63,11 @@ impl Knee {
         } else {
             m + (1.0 - m) * (1.0 - pow(1.0 - z, 1.0 + q))
         }
+    }
+
+    /// Whether it changes a branch up to this share of the swing.
+    pub(super) fn bends_before(&self, share: f64) -> bool {
+        self.elastic(share) > (1.0 + SEEN) * share
     }
 
     /// The elastic swing at a share of the swing: the inverse.

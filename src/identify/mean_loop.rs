@@ -145,3 +145,14 @@ pub(super) fn noise(values: &[f64]) -> f64 {
     // the squares of 1, -2, 1 add up to 6
     OF_MEDIAN_DEVIATION * median(&mut sizes).unwrap_or(0.0) / 6_f64.sqrt()
 }
+
+/// Share of the values at each end of their range that may be spikes.
+const CLIPPED: f64 = 0.02;
+
+/// Ends of the range of the values without the least and the greatest ones.
+pub(super) fn inner_range(values: &[f64]) -> [f64; 2] {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let place = (CLIPPED * sorted.len() as f64).ceil() as usize;
+    [sorted[place], sorted[sorted.len() - 1 - place]]
+}

@@ -1,6 +1,6 @@
 //! Cycles at the start in which the loop still changes.
 
-use super::mean_loop::MeanLoop;
+use super::mean_loop::{MeanLoop, inner_range};
 
 /// Fewest cycles in which a run-in is sought.
 const LEAST_CYCLES: usize = 4;
@@ -31,10 +31,7 @@ pub(super) fn run_in(loops: &[MeanLoop]) -> usize {
 
 /// The loop without the greatest and least forces, which may be spikes.
 fn clipped(cycle: &MeanLoop) -> MeanLoop {
-    let mut sorted = cycle.tangential.clone();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let place = (CLIPPED * sorted.len() as f64) as usize;
-    let (low, high) = (sorted[place], sorted[sorted.len() - 1 - place]);
+    let [low, high] = inner_range(&cycle.tangential);
     let mut clipped = cycle.clone();
     clipped
         .tangential
@@ -42,9 +39,6 @@ fn clipped(cycle: &MeanLoop) -> MeanLoop {
         .for_each(|t| *t = t.clamp(low, high));
     clipped
 }
-
-/// Share of the samples at each end of the range of the force that are clipped.
-const CLIPPED: f64 = 0.02;
 
 /// First value of the steady part of a series.
 fn truncated(values: &[f64]) -> usize {

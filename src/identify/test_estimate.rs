@@ -235,8 +235,7 @@ impl<'a> Test<'a> {
             samples,
             window_end: windows.map(|w| w.map_or(0.0, |w| w.end)),
             bent: windows.map(|w| {
-                w.and_then(|w| w.straightened)
-                    .is_some_and(|s| s.knee.exponent > 0.0)
+                w.is_some_and(|w| w.straightened.is_some_and(|s| s.knee.bends_before(w.end)))
             }),
         }
     }

@@ -5,6 +5,7 @@
 )]
 
 mod coverage;
+mod other_laws;
 mod pooling;
 mod recovery;
 mod refusal;
