@@ -2,7 +2,7 @@
 
 use super::frequency::{Fundamental, fundamental};
 use super::mean_loop::{
-    MeanLoop, inner_range, median, neighbour_correlation, robust_scale, smooth,
+    MeanLoop, inner_range, median, neighbour_correlation, noise as noise_of, robust_scale, smooth,
 };
 use super::result::Cycles;
 use super::run_in::run_in;

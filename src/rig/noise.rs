@@ -50,7 +50,6 @@ impl Noise {
 mod unit_tests {
     use super::*;
 
-    /// Seen to fail with the purpose left out of the key.
     #[test]
     fn streams_differ_by_seed_purpose_and_index_and_repeat() {
         let first = |seed, purpose, index| Noise::new(seed, purpose, index).normal();

@@ -2,51 +2,14 @@
 
 use super::noise::{Noise, Purpose};
 use super::read::Rig;
+use super::settings::ResponseSettings;
 use super::virtual_test::Specimen;
 use crate::Error;
 use crate::ensemble::stop::Stop;
 use crate::sampling::DesignSettings;
-use crate::setting::{BadSetting, non_negative};
+use crate::setting::BadSetting;
 use crate::study::{EvaluationError, Evaluator, ModelSettings, Study};
 use crate::units::{m_to_um, n_per_um_to_n_per_m};
-use std::path::PathBuf;
-
-/// What is measured of two blades.
-#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ResponseSettings {
-    /// Study of kind "two-blade-strip", relative to the rig file: its structure, levels, band and solver. Its contact is
-    /// replaced by that of the specimen, its random inputs are left out.
-    pub study: PathBuf,
-    /// Standard deviation of a resonance frequency (Hz).
-    #[serde(default = "default_frequency_deviation")]
-    pub frequency_deviation_hz: f64,
-    /// Standard deviation of an amplitude over the amplitude (%).
-    #[serde(default = "default_amplitude_deviation")]
-    pub amplitude_deviation_percent: f64,
-}
-
-fn default_frequency_deviation() -> f64 {
-    0.05
-}
-
-fn default_amplitude_deviation() -> f64 {
-    1.0
-}
-
-impl ResponseSettings {
-    /// Checks ranges.
-    ///
-    /// # Errors
-    /// [`BadSetting`] with a key relative to `[response]`.
-    pub fn validate(&self) -> Result<(), BadSetting> {
-        non_negative("frequency_deviation_hz", self.frequency_deviation_hz)?;
-        non_negative(
-            "amplitude_deviation_percent",
-            self.amplitude_deviation_percent,
-        )
-    }
-}
 
 /// A resonance of one specimen at one level, true and measured.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

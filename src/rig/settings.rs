@@ -1,8 +1,9 @@
-//! What `rig.toml` says of the specimen and of the strip.
+//! What `rig.toml` says of the specimen, of the strip and of the measured resonances.
 
 use crate::model::interface::{InterfaceSettings, STIFFNESS_N_PER_UM};
 use crate::model::two_blade::TwoBladeSettings;
 use crate::setting::{BadSetting, friction_coefficient, non_negative, positive, within};
+use std::path::PathBuf;
 
 /// Specimens at most.
 const MOST_SPECIMENS: u64 = 10_000;
@@ -147,5 +148,42 @@ impl StripSettings {
         let [_, length, thickness] = self.strip_mm;
         let free = self.gap_mm + 0.5 * self.overlap_mm();
         self.youngs_modulus_gpa * 1e9 * length * thickness / free * 1e-3
+    }
+}
+
+/// What is measured of two blades.
+#[derive(Debug, Clone, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ResponseSettings {
+    /// Study of kind "two-blade-strip", relative to the rig file: its structure, levels, band and solver. Its contact is
+    /// replaced by that of the specimen, its random inputs are left out.
+    pub study: PathBuf,
+    /// Standard deviation of a resonance frequency (Hz).
+    #[serde(default = "default_frequency_deviation")]
+    pub frequency_deviation_hz: f64,
+    /// Standard deviation of an amplitude over the amplitude (%).
+    #[serde(default = "default_amplitude_deviation")]
+    pub amplitude_deviation_percent: f64,
+}
+
+fn default_frequency_deviation() -> f64 {
+    0.05
+}
+
+fn default_amplitude_deviation() -> f64 {
+    1.0
+}
+
+impl ResponseSettings {
+    /// Checks ranges.
+    ///
+    /// # Errors
+    /// [`BadSetting`] with a key relative to `[response]`.
+    pub fn validate(&self) -> Result<(), BadSetting> {
+        non_negative("frequency_deviation_hz", self.frequency_deviation_hz)?;
+        non_negative(
+            "amplitude_deviation_percent",
+            self.amplitude_deviation_percent,
+        )
     }
 }

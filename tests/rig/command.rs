@@ -77,93 +77,96 @@ fn writes_records_and_truth() {
     assert!(error.contains("has content already"), "{error}");
 }
 
+/// What is replaced in the rig, by what, and part of the message.
+const DAMAGES: &[(&str, &str, &str)] = &[
+    (
+        "seed = 5",
+        "sead = 5",
+        "rig.toml:2: sead: unknown key; known are name",
+    ),
+    ("specimens = 2", "specimen = 2", "rig.toml:5: contact"),
+    (
+        "specimens = 2",
+        "specimens = 0",
+        "rig.toml:5: contact.specimens = 0: must be from 1",
+    ),
+    (
+        "\"air\"",
+        "\"water\"",
+        "rig.toml:9: loading.kind = water: must be \"air\" or \"punch\"",
+    ),
+    (
+        "\"air\"",
+        "\"air\"\nmargin_mm = 5",
+        "rig.toml:10: loading.margin_mm = 5: must be below",
+    ),
+    (
+        "\"air\"",
+        "\"air\"\nholes = 30",
+        "rig.toml:10: loading.holes = 30: must leave a film",
+    ),
+    (
+        "\"air\"",
+        "\"air\"\ninlet_mpa = 0.2",
+        "rig.toml:10: loading.inlet_mpa = 0.2: gives",
+    ),
+    ("\"air\"", "\"air\"\nweight_kg = 2", "rig.toml:10: loading"),
+    (
+        "[50, 100]",
+        "[50, 0]",
+        "rig.toml:12: excitation.frequencies_hz[1] = 0: must be from",
+    ),
+    (
+        "[50, 100]",
+        "[]",
+        "rig.toml:12: excitation.frequencies_hz = []: must not be empty",
+    ),
+    (
+        "cycles = 2\n",
+        "cycles = 0\n",
+        "rig.toml:13: excitation.cycles = 0: must be at least 1",
+    ),
+    (
+        "= 100\n",
+        "= 7\n",
+        "rig.toml:15: excitation.samples_per_cycle = 7: must be at least 8",
+    ),
+    (
+        "= 100\n",
+        "= 100\n[strip]\nstrip_mm = [10, 50]",
+        "expected a list of 3 values",
+    ),
+    (
+        "= 100\n",
+        "= 100\n[strip]\ngap_mm = 11",
+        "strip.gap_mm = 11: must be narrower",
+    ),
+    (
+        "= 100\n",
+        "= 100\n[support]\nk12_n_per_um = 200",
+        "support.k12_n_per_um = 200: must be",
+    ),
+    (
+        "= 100\n",
+        "= 100\n[force_cells]\nrange_n = -1",
+        "force_cells.range_n = -1: must be",
+    ),
+    (
+        "= 100\n",
+        "= 100\n[vibrometer]\nnoise_um = -1",
+        "vibrometer.noise_um = -1: must be",
+    ),
+    (
+        "= 100\n",
+        "= 100\n[response]\nstudy = \"none.toml\"",
+        "none.toml",
+    ),
+];
+
 /// Every wrong key or value is refused with file, line, key and rule, and exit code 2.
 #[test]
 fn bad_files_are_refused() {
-    for (from, to, expected) in [
-        (
-            "seed = 5",
-            "sead = 5",
-            "rig.toml:2: sead: unknown key; known are name",
-        ),
-        ("specimens = 2", "specimen = 2", "rig.toml:5: contact"),
-        (
-            "specimens = 2",
-            "specimens = 0",
-            "rig.toml:5: contact.specimens = 0: must be from 1",
-        ),
-        (
-            "\"air\"",
-            "\"water\"",
-            "rig.toml:9: loading.kind = water: must be \"air\" or \"punch\"",
-        ),
-        (
-            "\"air\"",
-            "\"air\"\nmargin_mm = 5",
-            "rig.toml:10: loading.margin_mm = 5: must be below",
-        ),
-        (
-            "\"air\"",
-            "\"air\"\nholes = 30",
-            "rig.toml:10: loading.holes = 30: must leave a film",
-        ),
-        (
-            "\"air\"",
-            "\"air\"\ninlet_mpa = 0.2",
-            "rig.toml:10: loading.inlet_mpa = 0.2: gives",
-        ),
-        ("\"air\"", "\"air\"\nweight_kg = 2", "rig.toml:10: loading"),
-        (
-            "[50, 100]",
-            "[50, 0]",
-            "rig.toml:12: excitation.frequencies_hz[1] = 0: must be from",
-        ),
-        (
-            "[50, 100]",
-            "[]",
-            "rig.toml:12: excitation.frequencies_hz = []: must not be empty",
-        ),
-        (
-            "cycles = 2\n",
-            "cycles = 0\n",
-            "rig.toml:13: excitation.cycles = 0: must be at least 1",
-        ),
-        (
-            "= 100\n",
-            "= 7\n",
-            "rig.toml:15: excitation.samples_per_cycle = 7: must be at least 8",
-        ),
-        (
-            "= 100\n",
-            "= 100\n[strip]\nstrip_mm = [10, 50]",
-            "expected a list of 3 values",
-        ),
-        (
-            "= 100\n",
-            "= 100\n[strip]\ngap_mm = 11",
-            "strip.gap_mm = 11: must be narrower",
-        ),
-        (
-            "= 100\n",
-            "= 100\n[support]\nk12_n_per_um = 200",
-            "support.k12_n_per_um = 200: must be",
-        ),
-        (
-            "= 100\n",
-            "= 100\n[force_cells]\nrange_n = -1",
-            "force_cells.range_n = -1: must be",
-        ),
-        (
-            "= 100\n",
-            "= 100\n[vibrometer]\nnoise_um = -1",
-            "vibrometer.noise_um = -1: must be",
-        ),
-        (
-            "= 100\n",
-            "= 100\n[response]\nstudy = \"none.toml\"",
-            "none.toml",
-        ),
-    ] {
+    for &(from, to, expected) in DAMAGES {
         let text = RIG.replacen(from, to, 1);
         assert_ne!(text, RIG, "{from} is not in the rig");
         let folder = tempfile::tempdir().unwrap();
