@@ -74,6 +74,7 @@ fn record(provenance: Provenance, names: &[String]) -> RunRecord {
     RunRecord {
         provenance,
         backend: BackendReport::default(),
+        static_load: None,
         inputs: names.iter().map(input).collect(),
         design: DesignRecord {
             kind: DesignKind::MonteCarlo,

@@ -250,6 +250,11 @@ fn tangential(cycle: &mut MeanLoop) -> &mut Vec<f64> {
     &mut cycle.tangential
 }
 
+/// Blocks of a cycle whose means show what noise hides in single samples...
+const BLOCKS: usize = 50;
+/// ...and their root mean square, over that of noise, above which they are no noise.
+const LIKE_NOISE: f64 = 1.3;
+
 /// Begins every loop at the greatest displacement of the mean steady loop.
 fn align(loops: &mut [MeanLoop], run_in: usize) {
     let mean = smooth(&MeanLoop::of(&loops[run_in..]).displacement);
@@ -260,12 +265,20 @@ fn align(loops: &mut [MeanLoop], run_in: usize) {
 }
 
 /// Takes the lowest harmonics of every displacement in its place where they leave noise alone: what they leave of the mean steady
-/// loop has neighbours that know little of each other. Noise of the displacement makes slopes too small.
+/// loop is no more than noise, sample by sample and in blocks: the rest of a motion that dwells at its reversals is small, but lies where
+/// the contact sticks. Noise of the displacement makes slopes too small.
 fn smooth_motion(loops: &mut [MeanLoop], run_in: usize) {
     let mean = MeanLoop::of(&loops[run_in..]).displacement;
     let rest: Vec<f64> = mean.iter().zip(smooth(&mean)).map(|(u, s)| u - s).collect();
-    let noise =
-        swing(&rest) <= ROUNDING * swing(&mean) || neighbour_correlation(&rest) < NEIGHBOURS;
+    let length = (rest.len() / BLOCKS).max(1);
+    let blocks: Vec<f64> = rest
+        .chunks_exact(length)
+        .map(|block| block.iter().sum::<f64>() / length as f64)
+        .collect();
+    let square = blocks.iter().map(|b| b * b).sum::<f64>() / blocks.len() as f64;
+    let in_blocks = noise_of(&rest) / (length as f64).sqrt();
+    let noise = swing(&rest) <= ROUNDING * swing(&mean)
+        || neighbour_correlation(&rest) < NEIGHBOURS && square.sqrt() < LIKE_NOISE * in_blocks;
     if mean.len() >= LEAST_TO_SMOOTH && noise {
         for cycle in loops {
             cycle.displacement = smooth(&cycle.displacement);
