@@ -33,6 +33,8 @@ fn chi_square(ranks: &[usize]) -> f64 {
 }
 
 /// The ranks of the truths are even.
+///
+/// Seen to fail with the measurement taken for 2.5 times as accurate as it is.
 #[test]
 fn truths_rank_evenly_among_the_draws() {
     let (prior, design) = normal_prior(0.4);
