@@ -137,13 +137,11 @@ impl InputsKeys {
         let table = own.contains(Input::NormalStiffnessScale.name());
         let rule = "must be absent: [inputs.normal_stiffness_scale] states the normal stiffness";
         BadSetting::unless(!(together && table), key, written, rule)?;
-        let rule = format!(
-            "states no normal stiffness, which was not measured: the study must say what it is, by a table \
+        let rule = "states no normal stiffness, which was not measured: the study must say what it is, by a table \
              [inputs.normal_stiffness_scale] or by normal_stiffness = \"with-tangential\" in [inputs], which scales both \
-             stiffnesses together"
-        );
+             stiffnesses together";
         let said = normal || together || table || !tangential;
-        BadSetting::unless(said, "inputs.from", format!("\"{name}\""), &rule)?;
+        BadSetting::unless(said, "inputs.from", format!("\"{name}\""), rule)?;
         let second = own.contains(Input::StiffnessScale.name()) && (normal || tangential);
         let key = "inputs.stiffness_scale";
         let rule = format!(
