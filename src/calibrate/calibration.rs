@@ -9,7 +9,7 @@ use super::posterior::Posterior;
 use super::prior::Prior;
 use super::settings::CalibrationSettings;
 use super::summary::{Drawn, summary};
-use super::surrogate::{SolvedPoints, Surrogate, Surrogates, root_mean_square};
+use super::surrogate::{SolvedPoints, Surrogates, root_mean_square};
 use super::warnings::largest_ratio;
 use crate::Error;
 use crate::ensemble::outcome::LevelOutcome;
@@ -24,6 +24,10 @@ use libm::log;
 const ANCHORS: u64 = 64;
 /// Rounds of fit, chains and check at most.
 const MOST_ROUNDS: usize = 4;
+
+/// Share of the measurement's standard deviation below which an error of a surrogate moves no posterior: it adds 1 % to the
+/// variance.
+const NEGLIGIBLE: f64 = 0.1;
 
 /// What a calibration is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,7 +86,8 @@ pub fn calibrate(
         let draws: Vec<Vec<f64>> = scores.iter().map(values).collect();
         let results: Vec<_> = solve(&draws)?.iter().map(|p| numbers(p)).collect();
         let errors = errors(&posterior, &surrogates, &scores, &results);
-        let round = round(&surrogates, points.inputs.len(), &errors, draws.len());
+        let ratio = worst_ratio(&surrogates, &observations, &errors);
+        let round = round(points.inputs.len(), draws.len(), &errors, ratio);
         let enough = round.worst_ratio <= largest_ratio(round.checked - round.failed);
         rounds.push(round);
         if enough || rounds.len() == MOST_ROUNDS {
@@ -178,17 +183,24 @@ fn errors(
     errors
 }
 
-fn round(surrogates: &Surrogates, points: usize, errors: &[Vec<f64>], checked: usize) -> Round {
-    let ratio = |(errors, surrogate): (&Vec<f64>, &Surrogate)| {
-        root_mean_square(errors) / surrogate.deviation
-    };
+/// Largest error of a surrogate at draws of the posterior over what enters the likelihood for it. An error far below that of the
+/// measurement moves no posterior, so that a share of the latter counts as known.
+fn worst_ratio(surrogates: &Surrogates, observations: &Observations, errors: &[Vec<f64>]) -> f64 {
+    let known = surrogates.all.iter().zip(&observations.means);
+    let known = known.map(|(s, o)| s.deviation.hypot(NEGLIGIBLE * o.variance.sqrt()));
+    let ratios = errors
+        .iter()
+        .zip(known)
+        .map(|(e, known)| root_mean_square(e) / known);
+    ratios.fold(0.0, f64::max)
+}
+
+fn round(points: usize, checked: usize, errors: &[Vec<f64>], worst_ratio: f64) -> Round {
     let solved = errors.iter().map(Vec::len).min().unwrap_or(0);
     Round {
         points,
         checked,
         failed: checked - solved,
-        worst_ratio: (errors.iter().zip(&surrogates.all))
-            .map(ratio)
-            .fold(0.0, f64::max),
+        worst_ratio,
     }
 }

@@ -70,7 +70,7 @@ pub struct Round {
     /// Those of them without a solution at a measured level.
     pub failed: usize,
     /// Largest ratio, over levels and quantities, of the error at these draws (root mean square) to the one that entered the
-    /// likelihood.
+    /// likelihood, or to a tenth of the measurement's standard deviation where that is larger.
     pub worst_ratio: f64,
 }
 
