@@ -181,7 +181,9 @@ fn fill(pooled: &mut Pooled, found: &Fit, chain: &DMatrix<f64>, tests: usize) {
         true => random[(i, j)],
         false => told * random[(i, j)],
     });
+    // products of matrices are symmetric up to rounding; a reader may ask for more
     let predictive = shrunk + chain;
+    let predictive = 0.5 * (&predictive + predictive.transpose());
     let deviation = |i: usize| predictive[(i, i)].sqrt();
     let correlation = DMatrix::from_fn(predictive.nrows(), predictive.ncols(), |i, j| {
         let product = deviation(i) * deviation(j);

@@ -24,10 +24,10 @@
 use std::path::Path;
 
 use super::prepared::PreparedStudy;
+use super::progress::{Meter, Progress};
 use super::read::Study;
 use super::resume::{Resumed, identity_of_results};
 use super::run_settings::RunSettings;
-use super::solve::{Meter, Progress};
 use crate::Error;
 use crate::ensemble::atlas::Atlas;
 use crate::ensemble::outcome::LevelOutcome;

@@ -4,12 +4,12 @@ use std::path::Path;
 
 use super::document::Document;
 use super::output::OutputFolder;
+use super::progress::Progress;
 use super::read::Study;
 use super::resume::{accepted, identity, identity_of_results, results_source, resumed};
 use super::run::run_after;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
-use super::solve::Progress;
 use crate::Error;
 use crate::ensemble::parts::{Difference, Merged, RunIdentity};
 use crate::ensemble::store::ATLAS_FILE;

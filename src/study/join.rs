@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::output::OutputFolder;
+use super::progress::{Meter, Progress};
 use super::read::Study;
 use super::resume::{accepted, has_results, identity, resumed};
 use super::run::run_alone;
@@ -16,7 +17,6 @@ use super::run_result::RunResult;
 use super::run_settings::RunSettings;
 use super::session::{Begun, Session, at_work};
 use super::share::{BLOCK, refuse_looks};
-use super::solve::{Meter, Progress};
 use crate::Error;
 use crate::ensemble::Known;
 use crate::ensemble::atlas::Anchor;

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use super::output::OutputFolder;
+use super::progress::Progress;
 use super::read::Study;
 use super::run::run;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
-use super::solve::Progress;
 use super::status::FolderStatus;
 use crate::Error;
 use crate::ensemble::parts::{PartFolder, RunIdentity};

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use super::output::{OutputFolder, write_arrow_tables};
 use super::profile::Stage;
+use super::progress::{Meter, Progress};
 use super::read::Study;
 use super::resume::{Resumed, add_solved_results, finished, identity, resumed};
 use super::run_record::first_record;
@@ -13,7 +14,6 @@ use super::run_result::RunResult;
 use super::run_settings::RunSettings;
 use super::search::worst_cases;
 use super::session::{Begun, Session, at_work};
-use super::solve::{Meter, Progress};
 use crate::Error;
 use crate::ensemble::Solved;
 use crate::ensemble::outcome::SampleOutcome;

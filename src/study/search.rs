@@ -4,7 +4,7 @@
 //! own, of the same random inputs as the others, so that points differ by the epistemic inputs alone. A point that one search
 //! has solved is there for all; what is found depends on the study and its samples alone.
 
-use super::solve::{Meter, Progress};
+use super::progress::{Meter, Progress};
 use crate::ensemble::further_points::FurtherPoint;
 use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::{Ensemble, Solved};

@@ -3,11 +3,11 @@
 use super::output::OutputFolder;
 use super::prepared::PreparedStudy;
 use super::profile::{Profiler, Stage};
+use super::progress::{Meter, Progress};
 use super::read::Study;
 use super::resume::{Resumed, refuse_other_results};
 use super::run_record::provenance;
 use super::run_settings::RunSettings;
-use super::solve::{Meter, Progress};
 use crate::Error;
 use crate::ensemble::Ensemble;
 use crate::ensemble::backend::OpenBackend;

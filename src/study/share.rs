@@ -4,11 +4,11 @@
 //! nothing of each other but the parts of earlier generations, and whoever solves a sample writes the same bits.
 
 use super::output::OutputFolder;
+use super::progress::{Meter, Progress};
 use super::read::Study;
 use super::resume::{identity, resumed};
 use super::run_settings::RunSettings;
 use super::session::{Begun, at_work};
-use super::solve::{Meter, Progress};
 use crate::Error;
 use crate::ensemble::runner::MOST_ANCHORS;
 use crate::file::FolderLock;

@@ -240,9 +240,10 @@ fn the_area_ratio_scales_stiffness_alone() {
     );
 }
 
+/// Seen to fail with a covariance that is symmetric up to rounding alone.
 #[test]
 fn the_file_is_read_as_it_was_written_for_any_number_of_threads() {
-    let records: Vec<_> = (0..3).map(|seed| contact(seed).record()).collect();
+    let records: Vec<_> = (0..8).map(|seed| contact(seed).record()).collect();
     let settings = IdentifySettings::default();
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new()
@@ -259,4 +260,6 @@ fn the_file_is_read_as_it_was_written_for_any_number_of_threads() {
     );
     let again: Identified = serde_json::from_str(&text).unwrap();
     assert_eq!(again, run(1), "the file loses something");
+    let valid = again.validate();
+    assert!(valid.is_ok(), "a study refuses it: {valid:?}");
 }

@@ -184,8 +184,8 @@ fn bad_files_are_refused() {
 /// The shipped rigs are valid.
 #[test]
 fn shipped_rigs_are_valid() {
-    for name in ["rig", "punch"] {
-        let path = format!("studies/virtual-rig/{name}.toml");
+    for name in ["air", "punch"] {
+        let path = format!("studies/rig-to-margin/{name}.toml");
         Rig::read(Path::new(&path)).unwrap();
     }
 }

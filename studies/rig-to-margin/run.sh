@@ -1,0 +1,15 @@
+#!/bin/sh
+# From virtual tests of a contact to three margins. Usage: run.sh [MICROSLIP]; results are written to results.
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+microslip=${1:-microslip}
+cd "$here"
+for loading in air punch; do
+    "$microslip" rig "$loading.toml" --output "results/tests-$loading"
+    "$microslip" identify "results/tests-$loading"/test-*.csv --output "results/identified-$loading" \
+        --force-error-percent 0.5 --displacement-error-percent 0
+done
+for study in box measured punched; do
+    "$microslip" run "$study.toml"
+done
+"$microslip" calibrate box.toml --measured results/tests-air/response-0001.csv --output results/calibrated
