@@ -94,8 +94,8 @@ pub struct PeakRecord {
     #[serde(deserialize_with = "number")]
     #[schemars(with = "Option<f64>")]
     pub work_friction_j: f64,
-    /// Equivalent damping ratio of the resonance ([`crate::hb::Solution::damping_ratio`]); absent where nothing is dissipated,
-    /// and in results of an older program, which did not compute it.
+    /// Equivalent damping ratio of the resonance: energy lost per cycle over 4π times the kinetic energy of the first harmonic.
+    /// Absent where nothing is dissipated, and in results of an older program, which did not compute it.
     pub damping_ratio: Option<f64>,
     /// Largest component of the residual over the fixed displacement scale.
     #[serde(deserialize_with = "number")]

@@ -40,6 +40,8 @@ const LEAST_FOR_BEND: usize = 8;
 const BEND: f64 = 0.02;
 /// ...and by more than so many standard errors. Less than two: a bend that is missed makes the stiffness too small.
 const SURE_BEND: f64 = 1.5;
+/// Largest bend that noise may hide in a branch that counts as straight.
+const HIDDEN_BEND: f64 = 0.05;
 
 /// The window of a half, from the share of the swing at each place; none where it has fewer than two samples. Without a knee it ends
 /// where the branch is still straight.
@@ -87,18 +89,29 @@ fn between(share: &[Option<f64>], [begin, end]: [f64; 2]) -> Option<[usize; 2]> 
 }
 
 /// Whether the slope falls inside the window.
-pub(super) fn bends(half: &Half, cycle: &MeanLoop, [first, last]: [usize; 2]) -> bool {
+fn bends(half: &Half, cycle: &MeanLoop, places: [usize; 2]) -> bool {
+    let fall = fall(half, cycle, places);
+    fall.is_some_and(|[fall, error]| fall > BEND && fall > SURE_BEND * error)
+}
+
+/// Whether the slope does not fall inside the widest window, and a bend that matters would be seen.
+pub(super) fn is_straight(half: &Half, cycle: &MeanLoop, window: &Window) -> bool {
+    let fall = fall(half, cycle, window.places).filter(|_| window.end == ENDS[0]);
+    fall.is_some_and(|[fall, error]| {
+        SURE_BEND * error < HIDDEN_BEND && fall <= BEND.max(SURE_BEND * error)
+    })
+}
+
+/// By how much the slope of the second half of a window is smaller than that of the first one, and the standard error, both over
+/// the latter.
+fn fall(half: &Half, cycle: &MeanLoop, [first, last]: [usize; 2]) -> Option<[f64; 2]> {
     let (x, y) = (half.displacement(cycle), half.force(cycle));
     let (count, middle) = (last + 1 - first, usize::midpoint(first, last + 1));
     let line = |from: usize, to: usize| pairwise_line(&x[from..to], &y[from..to]);
-    let (Some(early), Some(late)) = (line(first, middle), line(middle, last + 1)) else {
-        return false;
-    };
-    let (Some(a), Some(b)) = (early.standard_error, late.standard_error) else {
-        return false;
-    };
-    let fall = early.slope - late.slope;
-    count >= LEAST_FOR_BEND && fall > BEND * early.slope && fall > SURE_BEND * a.hypot(b)
+    let (early, late) = (line(first, middle)?, line(middle, last + 1)?);
+    let error = early.standard_error?.hypot(late.standard_error?);
+    let over = early.slope;
+    (count >= LEAST_FOR_BEND && over > 0.0).then(|| [(over - late.slope) / over, error / over])
 }
 
 /// The line of the branch in its window, force in the direction of the motion over the displacement since the reversal.

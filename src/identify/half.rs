@@ -20,6 +20,10 @@ const END: f64 = 0.03;
 
 /// Share of the cycle, on both sides of the turn of the smooth motion, in which a reversal is sought.
 const SEARCH: f64 = 0.125;
+/// Samples on both sides of the turn that tell T/N there.
+const NEAR: usize = 2;
+/// Share of the limit of T/N at the turn of the motion from which on it is the reversal itself: a corner among noise is none.
+const STILL_SLIPS: f64 = 0.95;
 /// Share of the samples whose T/N counts as at its limit when reversals are sought: a contact that is nearly open has larger ones.
 const LIMITED: f64 = 0.1;
 
@@ -27,7 +31,7 @@ const LIMITED: f64 = 0.1;
 ///
 /// Where the rig gives way, the contact rests at a reversal while the force falls: the displacement has a flat top, and its
 /// smooth motion turns in the middle of it. The reversal is the corner of the loop before it, where displacement and T/N, each
-/// over its swing, are greatest together.
+/// over its swing, are greatest together. Where T/N is at its limit when the motion turns, the turn is the reversal.
 pub(super) fn halves(cycle: &MeanLoop, least_normal: f64) -> [Half; 2] {
     let motion = smooth(&cycle.displacement);
     let n = motion.len();
@@ -45,13 +49,19 @@ pub(super) fn halves(cycle: &MeanLoop, least_normal: f64) -> [Half; 2] {
     sizes.sort_by(f64::total_cmp);
     let limit = sizes[((1.0 - LIMITED) * (n - 1) as f64) as usize].max(f64::MIN_POSITIVE);
     let corner = |sign: f64| {
-        let middle = by_motion(sign);
+        let turn = by_motion(sign);
+        let mut near: Vec<f64> = (n - NEAR..=n + NEAR)
+            .map(|step| sign * ratio[(turn + step) % n])
+            .collect();
+        if median(&mut near).is_some_and(|ratio| ratio >= STILL_SLIPS * limit) {
+            return turn;
+        }
         let around = (SEARCH * n as f64) as usize;
         let height = |i: &usize| sign * (motion[*i] / reach + (ratio[*i] / limit).clamp(-1.0, 1.0));
         (n - around..=n + around)
-            .map(|step| (middle + step) % n)
+            .map(|step| (turn + step) % n)
             .max_by(|a, b| height(a).total_cmp(&height(b)))
-            .unwrap_or(middle)
+            .unwrap_or(turn)
     };
     let [top, bottom] = [1.0, -1.0].map(corner);
     let half = |first: usize, last: usize, sign| Half {

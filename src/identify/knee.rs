@@ -1,17 +1,24 @@
 //! The knee of a branch: how the slip limits of the parts of a contact are spread.
 
-use libm::{exp, log, pow};
+use libm::{asin, exp, log, pow};
+use std::f64::consts::FRAC_2_PI;
 
-/// Slip limits p of the parts of a contact, over their mean: none is below `least`, and a share (1 − (x − m)/((1 − m)(1 + q)))^q of
-/// the parts still sticks where x is the elastic swing of the force over that of full slip.
-///
-/// q = 0 is one limit for all (elastic-Coulomb), q = 1 limits spread evenly, q = 1/2 with m = 0 a pressure like a parabola.
+/// How the slip limits of the parts of a contact are spread, over their mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Knee {
-    /// m, from 0 to below 1.
-    pub(super) least: f64,
-    /// q ≥ 0.
-    pub(super) exponent: f64,
+pub(super) enum Knee {
+    /// None is below `least` = m, and a share (1 − (x − m)/((1 − m)(1 + q)))^q of the parts still sticks where x is the elastic swing
+    /// of the force over that of full slip.
+    ///
+    /// q = 0 is one limit for all (elastic-Coulomb), q = 1 limits spread evenly, q = 1/2 with m = 0 a pressure like a parabola.
+    Spread {
+        /// m, from 0 to below 1.
+        least: f64,
+        /// q ≥ 0.
+        exponent: f64,
+    },
+    /// Those under a rigid flat punch, p = (2/π)/√(1 − t²) with t even from 0 to 1 (Johnson 1985, Contact Mechanics, sec. 2.8): none
+    /// is below 2/π, few are very large.
+    Punch,
 }
 
 /// A branch: displacement since the reversal, and the share of the swing of T/N.
@@ -39,6 +46,9 @@ const ONE_LIMIT: f64 = 0.5;
 /// Range of the stiffness that is tried, over the first guess, and steps of the search.
 const RANGE: [f64; 2] = [0.7, 1.6];
 const STEPS: usize = 16;
+/// Elastic swing, over that of full slip, up to which the inverse of the punch's branch is sought, and halvings of the search.
+const LONGEST_TAIL: f64 = 20.0;
+const HALVINGS: usize = 48;
 /// Golden section.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Distance of a branch from the nearest knee of this family, as a share of the swing: no contact is exactly one of them.
@@ -53,15 +63,21 @@ pub(super) const REACH: f64 = 2.5;
 impl Knee {
     /// Share of the swing at an elastic swing of `x` times that of full slip.
     fn share(&self, x: f64) -> f64 {
-        let (m, q) = (self.least, self.exponent);
-        if x <= m {
-            return x;
-        }
-        let z = (x - m) / ((1.0 - m) * (1.0 + q));
-        if z >= 1.0 {
-            1.0
-        } else {
-            m + (1.0 - m) * (1.0 - pow(1.0 - z, 1.0 + q))
+        match *self {
+            Self::Spread { least: m, .. } if x <= m => x,
+            Self::Spread {
+                least: m,
+                exponent: q,
+            } => {
+                let z = ((x - m) / ((1.0 - m) * (1.0 + q))).min(1.0);
+                m + (1.0 - m) * (1.0 - pow(1.0 - z, 1.0 + q))
+            }
+            Self::Punch if x <= FRAC_2_PI => x,
+            Self::Punch => {
+                // parts up to t slip
+                let t = (1.0 - (FRAC_2_PI / x).powi(2)).sqrt();
+                FRAC_2_PI * asin(t) + x * (1.0 - t)
+            }
         }
     }
 
@@ -72,23 +88,42 @@ impl Knee {
 
     /// The elastic swing at a share of the swing: the inverse.
     pub(super) fn elastic(&self, share: f64) -> f64 {
-        let (m, q) = (self.least, self.exponent);
-        if share <= m || q == 0.0 {
-            return share;
+        match *self {
+            Self::Spread {
+                least: m,
+                exponent: q,
+            } => {
+                if share <= m || q == 0.0 {
+                    return share;
+                }
+                let w = ((share - m) / (1.0 - m)).min(1.0);
+                m + (1.0 - m) * (1.0 + q) * (1.0 - pow(1.0 - w, 1.0 / (1.0 + q)))
+            }
+            Self::Punch if share <= FRAC_2_PI => share,
+            Self::Punch => {
+                let [mut low, mut high] = [FRAC_2_PI, LONGEST_TAIL];
+                for _ in 0..HALVINGS {
+                    let middle = 0.5 * (low + high);
+                    match self.share(middle) < share {
+                        true => low = middle,
+                        false => high = middle,
+                    }
+                }
+                0.5 * (low + high)
+            }
         }
-        let w = ((share - m) / (1.0 - m)).min(1.0);
-        m + (1.0 - m) * (1.0 + q) * (1.0 - pow(1.0 - w, 1.0 / (1.0 + q)))
     }
 }
 
 /// The most probable knee of both branches, each with its own stiffness; the others give the model error by their probability.
 pub(super) fn fit(branches: &[Branch; 2]) -> FittedKnee {
-    let mut knees = vec![Knee {
+    let one_limit = Knee::Spread {
         least: 0.0,
         exponent: 0.0,
-    }];
+    };
+    let mut knees = vec![one_limit, Knee::Punch];
     for least in LEAST {
-        knees.extend(EXPONENTS.map(|exponent| Knee { least, exponent }));
+        knees.extend(EXPONENTS.map(|exponent| Knee::Spread { least, exponent }));
     }
     let fits: Vec<([f64; 2], f64)> = knees.iter().map(|knee| stiffness(branches, knee)).collect();
     let points = branches

@@ -1,6 +1,6 @@
 //! Where the mean loop of a test sticks and where it slips; the same places then serve every loop of the test.
 
-use super::branch::{Straightened, Window, bends, slope, window};
+use super::branch::{Straightened, Window, is_straight, slope, window};
 use super::half::{Half, halves};
 use super::knee::{Branch, LEAST_POINTS, REACH, fit};
 use super::mean_loop::MeanLoop;
@@ -108,10 +108,10 @@ impl Side {
 }
 
 /// Whether both branches are straight where their slopes are taken: then no knee is needed. A knee of the family would be a guess
-/// all the same; under a rigid punch, whose limits have a long tail, it makes the stiffness a third too large.
+/// all the same.
 fn are_straight(cycle: &MeanLoop, sides: &[Side; 2], windows: &[Option<Window>; 2]) -> bool {
     let straight = |(side, window): (&Side, &Option<Window>)| {
-        window.is_some_and(|window| !bends(&side.half, cycle, window.places))
+        window.is_some_and(|window| is_straight(&side.half, cycle, &window))
     };
     sides.iter().zip(windows).all(straight)
 }
