@@ -162,7 +162,7 @@ fn pairs(found: &Calibrated, style: &str) -> Option<Section> {
         for b in 0..a {
             let (x, y) = (&columns[b], &columns[a]);
             let axis = |j: usize| Axis::around(inputs[j].name.clone(), columns[j].iter().copied());
-            let title = format!("{} over {}", inputs[a].name, inputs[b].name);
+            let title = "Draws of the posterior";
             let mut panel = Panel::new(Size::Small, title, axis(b), axis(a));
             let step = x.len().div_ceil(MOST_DOTS).max(1);
             let dots = x.iter().copied().zip(y.iter().copied());

@@ -6,8 +6,8 @@ microslip=${1:-microslip}
 cd "$here"
 for loading in air punch; do
     "$microslip" rig "$loading.toml" --output "results/tests-$loading"
-    "$microslip" identify "results/tests-$loading"/test-*.csv --output "results/identified-$loading" \
-        --force-error-percent 0.5 --displacement-error-percent 0
+    # the gains of the cells keep 1 % in 95 % of the tests
+    "$microslip" identify "results/tests-$loading"/test-*.csv --output "results/identified-$loading" --force-error-percent 0.5
 done
 for study in box measured punched; do
     "$microslip" run "$study.toml"
