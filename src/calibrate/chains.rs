@@ -1,4 +1,4 @@
-//! Draws from the posterior, by chains of the no-U-turn sampler ([`super::nuts`]).
+//! Draws from the posterior, by chains of the no-U-turn sampler (`nuts`).
 //!
 //! Chain c is a function of the posterior, the seed and c: chains run on any number of threads and give the same draws.
 
