@@ -12,7 +12,7 @@ mod chain;
 mod command;
 mod damage;
 mod fuzz;
-#[path = "../shared/mat_file.rs"]
+#[path = "../common/mat_file.rs"]
 mod mat_file;
 mod matlab;
 mod nastran;
@@ -20,9 +20,9 @@ mod numpy;
 mod op4;
 mod pairs;
 mod reduce;
-#[path = "../shared/damage.rs"]
+#[path = "../common/damage.rs"]
 mod shared_damage;
-#[path = "../shared/mutation.rs"]
+#[path = "../common/mutation.rs"]
 mod shared_mutation;
 mod tutorial;
 

@@ -8,15 +8,15 @@ mod contact;
 mod csv;
 mod damage;
 mod fuzz;
-#[path = "../shared/mat_file.rs"]
+#[path = "../common/mat_file.rs"]
 mod mat_file;
 mod matlab;
 mod page;
 mod response;
 mod rules;
-#[path = "../shared/damage.rs"]
+#[path = "../common/damage.rs"]
 mod shared_damage;
-#[path = "../shared/mutation.rs"]
+#[path = "../common/mutation.rs"]
 mod shared_mutation;
 mod tdms;
 mod uff58;
