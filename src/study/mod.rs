@@ -20,6 +20,7 @@
 //! ```
 
 pub mod compare;
+mod control_variate;
 pub mod document;
 pub mod evaluator;
 pub mod export;
