@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use super::going_on::GoingOn;
 use super::levels::show_result;
-use super::log::Messages;
+use super::process::Process;
 use super::terminal::Bar;
-use super::threads::Threads;
 use clap::Args;
 use microslip::Error;
 use microslip::study::extend;
@@ -19,22 +18,22 @@ pub(super) struct ExtendArguments {
     #[arg(long)]
     samples: u64,
     #[command(flatten)]
-    threads: Threads,
-    #[command(flatten)]
-    pub messages: Messages,
+    pub process: Process,
     #[command(flatten)]
     going_on: GoingOn,
 }
 
 impl ExtendArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
-        self.threads.start()?;
-        let settings = self.going_on.settings(&self.folder, self.messages.log)?;
-        let bar = Bar::new(&self.messages);
+        self.process.threads.start()?;
+        let settings = self
+            .going_on
+            .settings(&self.folder, self.process.messages.log)?;
+        let bar = Bar::new(&self.process.messages);
         let result = extend(&self.folder, self.samples, &settings, |progress| {
             bar.show(progress);
         })?;
         bar.clear();
-        show_result(&result, &self.folder, &self.messages)
+        show_result(&result, &self.folder, &self.process.messages)
     }
 }

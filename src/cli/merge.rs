@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::going_on::GoingOn;
 use super::levels::show_result;
-use super::log::Messages;
+use super::process::Process;
 use super::terminal::Bar;
-use super::threads::Threads;
 use clap::Args;
 use microslip::Error;
 use microslip::study::{OutputFolder, merge};
@@ -20,22 +19,22 @@ pub(super) struct MergeArguments {
     #[arg(long)]
     output: PathBuf,
     #[command(flatten)]
-    threads: Threads,
-    #[command(flatten)]
-    pub messages: Messages,
+    pub process: Process,
     #[command(flatten)]
     going_on: GoingOn,
 }
 
 impl MergeArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
-        self.threads.start()?;
+        self.process.threads.start()?;
         let output = OutputFolder::open(&self.output)?;
-        let settings = self.going_on.settings(&self.output, self.messages.log)?;
+        let settings = self
+            .going_on
+            .settings(&self.output, self.process.messages.log)?;
         let folders: Vec<&Path> = self.folders.iter().map(PathBuf::as_path).collect();
-        let bar = Bar::new(&self.messages);
+        let bar = Bar::new(&self.process.messages);
         let result = merge(&folders, &output, &settings, |progress| bar.show(progress))?;
         bar.clear();
-        show_result(&result, &self.output, &self.messages)
+        show_result(&result, &self.output, &self.process.messages)
     }
 }

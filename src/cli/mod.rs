@@ -18,6 +18,7 @@ mod log;
 mod man;
 mod merge;
 mod pace;
+mod process;
 mod report;
 mod reweight;
 mod rig;
@@ -152,10 +153,10 @@ impl Command {
         match self {
             Self::Run(arguments) => arguments.study.messages.log,
             Self::Solve(arguments) | Self::Inspect(arguments) => arguments.messages.log,
-            Self::Extend(arguments) => arguments.messages.log,
-            Self::Merge(arguments) => arguments.messages.log,
-            Self::Serve(arguments) => arguments.messages.log,
-            Self::Rig(arguments) => arguments.messages.log,
+            Self::Extend(arguments) => arguments.process.messages.log,
+            Self::Merge(arguments) => arguments.process.messages.log,
+            Self::Serve(arguments) => arguments.process.messages.log,
+            Self::Rig(arguments) => arguments.process.messages.log,
             _ => Log::Text,
         }
     }

@@ -4,9 +4,8 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::log::Messages;
+use super::process::Process;
 use super::terminal::{Bar, print};
-use super::threads::Threads;
 use clap::Args;
 use microslip::Error;
 use microslip::rig::{Rig, RigSummary, Slip, write_tests};
@@ -20,16 +19,14 @@ pub(super) struct RigArguments {
     #[arg(long)]
     output: PathBuf,
     #[command(flatten)]
-    threads: Threads,
-    #[command(flatten)]
-    pub messages: Messages,
+    pub process: Process,
 }
 
 impl RigArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
-        self.threads.start()?;
+        self.process.threads.start()?;
         let rig = Rig::read(&self.rig)?;
-        let bar = Bar::new(&self.messages);
+        let bar = Bar::new(&self.process.messages);
         let (done, total) = (AtomicU64::new(0), rig.number_of_tests());
         let summary = write_tests(&rig, &self.output, || {
             let done = 1 + done.fetch_add(1, Ordering::Relaxed);
@@ -40,7 +37,7 @@ impl RigArguments {
             });
         })?;
         bar.clear();
-        if self.messages.quiet {
+        if self.process.messages.quiet {
             return Ok(());
         }
         print(|out| {

@@ -4,9 +4,9 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use super::log::{Event, Messages};
+use super::log::Event;
+use super::process::Process;
 use super::terminal::{Bar, print};
-use super::threads::Threads;
 use clap::Args;
 use microslip::Error;
 use microslip::ensemble::runner::MOST_ANCHORS;
@@ -34,16 +34,14 @@ pub(super) struct ServeArguments {
     #[arg(long, value_name = "FOLDER")]
     results: Option<PathBuf>,
     #[command(flatten)]
-    threads: Threads,
-    #[command(flatten)]
-    pub messages: Messages,
+    pub process: Process,
 }
 
 impl ServeArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
-        self.threads.start()?;
+        self.process.threads.start()?;
         let study = Study::read(&self.study)?;
-        self.messages.log.warn(&study.warnings);
+        self.process.messages.log.warn(&study.warnings);
         let server = Server::bind(SocketAddr::new(self.bind, self.port))?;
         let ending = server.ending();
         let handled = ctrlc::set_handler(move || {
@@ -66,7 +64,7 @@ impl ServeArguments {
         if let Some(folder) = &self.results {
             return Evaluator::stored(prepared, folder, self.anchors).map(Some);
         }
-        let bar = Bar::new(&self.messages);
+        let bar = Bar::new(&self.process.messages);
         let ending = server.ending();
         let stop = ending.stop();
         let solved = Evaluator::solved(prepared, self.anchors, stop, |done| bar.show(done));
@@ -81,10 +79,10 @@ impl ServeArguments {
     fn say(&self, server: &Server, model: &Evaluator<'_>) -> Result<(), Error> {
         let (names, levels) = (model.input_names(), model.levels());
         let url = format!("http://{}", server.address());
-        self.messages.log.write(&Event::Started(json!({
+        self.process.messages.log.write(&Event::Started(json!({
             "url": url, "model": MODEL, "inputs": names, "levels": levels,
         })));
-        if self.messages.quiet {
+        if self.process.messages.quiet {
             return Ok(());
         }
         let levels: Vec<_> = levels.iter().map(f64::to_string).collect();

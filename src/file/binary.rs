@@ -11,6 +11,19 @@ pub enum Kind {
     Unsigned,
 }
 
+/// The next so many `bytes` of what is left.
+///
+/// # Errors
+/// With both numbers, if fewer are left; nothing is taken then.
+pub fn take<'b>(rest: &mut &'b [u8], bytes: usize) -> Result<&'b [u8], String> {
+    let left = rest.len();
+    let taken = rest.split_at_checked(bytes);
+    let (taken, after) =
+        taken.ok_or_else(|| format!("states {bytes} bytes, but only {left} are left"))?;
+    *rest = after;
+    Ok(taken)
+}
+
 /// The number that one to eight `bytes` are.
 #[must_use]
 pub fn number(bytes: &[u8], kind: Kind, big_endian: bool) -> f64 {

@@ -1,6 +1,7 @@
 //! Frequency and phase of a motion.
 
 use super::equations::solve;
+use super::golden::smallest;
 use libm::{atan2, cos, sin};
 use std::f64::consts::TAU;
 
@@ -17,7 +18,7 @@ pub(super) struct Fundamental {
 
 /// Level of the trigger over the amplitude: noise below it makes no crossing.
 const TRIGGER: f64 = 0.3;
-/// Steps of the search for the frequency: each makes the interval 0.618 times as long.
+/// Steps of the search for the frequency.
 const STEPS: usize = 20;
 /// Part of the inverse of the record's length in which the frequency is sought around the one from crossings.
 const SEARCH: f64 = 0.5;
@@ -25,8 +26,6 @@ const SEARCH: f64 = 0.5;
 const CLOCKS: f64 = 0.01;
 /// Cycles of a record that is long enough to correct a stated frequency.
 const LONG: f64 = 5.0;
-/// Golden section.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// Fundamental of `signal`, where the frequency (Hz) is stated, or is counted from crossings. None where the signal does not swing.
 pub(super) fn fundamental(
@@ -81,22 +80,8 @@ fn from_crossings(time: &[f64], rest: &[f64]) -> Option<f64> {
 
 /// The frequency within `reach` of `start` whose wave holds most of the signal, by golden section.
 fn sharpened(time: &[f64], rest: &[f64], start: f64, reach: f64) -> f64 {
-    let held = |frequency: f64| fitted(time, rest, frequency)[2];
-    let (mut low, mut high) = ((start - reach).max(0.5 * start), start + reach);
-    let mut inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
-    let mut value = inner.map(held);
-    for _ in 0..STEPS {
-        if value[0] > value[1] {
-            high = inner[1];
-            inner = [high - GOLDEN * (high - low), inner[0]];
-            value = [held(inner[0]), value[0]];
-        } else {
-            low = inner[0];
-            inner = [inner[1], low + GOLDEN * (high - low)];
-            value = [value[1], held(inner[1])];
-        }
-    }
-    0.5 * (low + high)
+    let ends = [(start - reach).max(0.5 * start), start + reach];
+    smallest(ends, STEPS, |frequency| -fitted(time, rest, frequency)[2])
 }
 
 /// Least squares a cos ωt + b sin ωt + c + d t: a, b, and the share of the variance that the wave holds; t from the first instant on.

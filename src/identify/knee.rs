@@ -1,5 +1,6 @@
 //! The knee of a branch: how the slip limits of the parts of a contact are spread.
 
+use super::golden::smallest;
 use libm::{asin, exp, log, pow};
 use std::f64::consts::FRAC_2_PI;
 
@@ -49,8 +50,6 @@ const STEPS: usize = 16;
 /// Elastic swing, over that of full slip, up to which the inverse of the punch's branch is sought, and halvings of the search.
 const LONGEST_TAIL: f64 = 20.0;
 const HALVINGS: usize = 48;
-/// Golden section.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Distance of a branch from the nearest knee of this family, as a share of the swing: no contact is exactly one of them.
 const FAMILY: f64 = 2e-3;
 /// Independent parts of a branch in which it lies so far off.
@@ -170,21 +169,7 @@ fn stiffness(branches: &[Branch; 2], knee: &Knee) -> ([f64; 2], f64) {
             let both = branch.displacement.iter().zip(&branch.share);
             both.map(|(x, y)| (knee.share(k * x) - y).powi(2)).sum()
         };
-        let [mut low, mut high] = RANGE;
-        let mut inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
-        let mut value = inner.map(square);
-        for _ in 0..STEPS {
-            if value[0] < value[1] {
-                high = inner[1];
-                inner = [high - GOLDEN * (high - low), inner[0]];
-                value = [square(inner[0]), value[0]];
-            } else {
-                low = inner[0];
-                inner = [inner[1], low + GOLDEN * (high - low)];
-                value = [value[1], square(inner[1])];
-            }
-        }
-        let best = 0.5 * (low + high);
+        let best = smallest(RANGE, STEPS, square);
         (best, square(best))
     });
     ([a.0, b.0], a.1 + b.1)

@@ -8,6 +8,7 @@ mod cycle;
 mod equations;
 mod figure;
 mod frequency;
+mod golden;
 mod half;
 mod hierarchical;
 pub mod identification;

@@ -26,14 +26,9 @@ impl Uncertain {
     /// The degrees of freedom of the sum are those of Welch and Satterthwaite, with infinitely many for the stated errors.
     /// Source: JCGM 100:2008 (GUM), G.4.
     #[must_use]
-    pub fn new(
-        value: f64,
-        [standard_error, systematic]: [f64; 2],
-        degrees_of_freedom: f64,
-        confidence: f64,
-    ) -> Self {
-        let variance = standard_error.powi(2) + systematic.powi(2);
-        let half = half_width(variance, standard_error, degrees_of_freedom, confidence);
+    pub fn new(value: f64, errors: [f64; 2], degrees_of_freedom: f64, confidence: f64) -> Self {
+        let half = half_width(errors, degrees_of_freedom, confidence);
+        let [standard_error, systematic] = errors;
         Self {
             value,
             standard_error,
@@ -48,12 +43,12 @@ impl Uncertain {
     #[must_use]
     pub fn of_logarithm(
         mean: f64,
-        [standard_error, systematic]: [f64; 2],
+        errors: [f64; 2],
         degrees_of_freedom: f64,
         confidence: f64,
     ) -> Self {
-        let variance = standard_error.powi(2) + systematic.powi(2);
-        let half = half_width(variance, standard_error, degrees_of_freedom, confidence);
+        let half = half_width(errors, degrees_of_freedom, confidence);
+        let [standard_error, systematic] = errors;
         let value = exp(mean);
         Self {
             value,
@@ -79,7 +74,9 @@ impl Uncertain {
     }
 }
 
-fn half_width(variance: f64, standard_error: f64, freedom: f64, confidence: f64) -> f64 {
+/// Half the interval of a value with a standard error of so many degrees of freedom and a systematic error.
+fn half_width([standard_error, systematic]: [f64; 2], freedom: f64, confidence: f64) -> f64 {
+    let variance = standard_error.powi(2) + systematic.powi(2);
     let share = match variance > 0.0 {
         true => standard_error.powi(2) / variance,
         false => 1.0,

@@ -5,7 +5,7 @@ use super::noise::{Noise, Purpose};
 use super::support::SupportSettings;
 use crate::record::quantised;
 use crate::setting::{BadSetting, non_negative, positive, within};
-use crate::units::{m_to_um, um_to_m};
+use crate::units::um_to_m;
 
 /// Standard deviations of a normal law from its mean to a limit that 95 % keep.
 const DEVIATIONS_OF_LIMIT: f64 = 1.959_964;
@@ -184,7 +184,7 @@ impl Chain<'_> {
             normal: Vec::with_capacity(n),
             out_of_range: 0,
         };
-        let most_um = self.vibrometer.range_v * self.vibrometer.sensitivity_um_per_v;
+        let most_seen = um_to_m(self.vibrometer.range_v * self.vibrometer.sensitivity_um_per_v);
         for (i, &t) in motion.time.iter().enumerate() {
             let read = self
                 .support
@@ -194,18 +194,19 @@ impl Chain<'_> {
                     instruments.gains[cell] * read[cell] + instruments.drift_n_per_s[cell] * t;
                 drifted + self.cells.noise_n * noise.normal()
             });
-            let drift = instruments.drift_um_per_s * t;
-            let seen = m_to_um(motion.displacement[i]) + drift;
-            let seen = seen + self.vibrometer.noise_um * noise.normal();
-            let seen = quantised(seen, self.vibrometer.resolution_um);
+            let added_um =
+                instruments.drift_um_per_s * t + self.vibrometer.noise_um * noise.normal();
+            let seen = motion.displacement[i] + um_to_m(added_um);
+            let seen = quantised(seen, um_to_m(self.vibrometer.resolution_um));
             let most = self.cells.range_n;
-            let out = forces.iter().any(|f| f.abs() > most) || seen.abs() > most_um;
+            let out = forces.iter().any(|f| f.abs() > most) || seen.abs() > most_seen;
             measured.out_of_range += usize::from(out);
             let [tangential, normal] = forces.map(|force| force.clamp(-most, most));
             measured.tangential.push(tangential);
             measured.normal.push(normal);
-            let seen = seen.clamp(-most_um, most_um);
-            measured.displacement.push(um_to_m(seen));
+            measured
+                .displacement
+                .push(seen.clamp(-most_seen, most_seen));
         }
         measured
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Output;
 
-use assert_cmd::Command;
+use crate::program::microslip;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -24,15 +24,6 @@ standard_deviation = 5
 truncation = [100, 200]
 
 "#;
-
-fn microslip(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::cargo_bin("microslip").unwrap();
-    command
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap()
-}
 
 /// A study of a function in place of the solver, and the response of the truth at two levels with three repetitions each.
 fn case() -> TempDir {

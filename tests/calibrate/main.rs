@@ -6,6 +6,8 @@
 
 mod command;
 mod linear;
+#[path = "../common/program.rs"]
+mod program;
 mod simulated;
 
 use microslip::calibrate::observation::{Observation, Observations};

@@ -15,6 +15,8 @@ mod inputs;
 mod log;
 mod long_runs;
 mod output_schemas;
+#[path = "../common/program.rs"]
+mod program;
 mod report;
 mod reweight;
 mod run;
@@ -29,10 +31,7 @@ mod test_functions;
 mod tutorial;
 mod worst_case;
 
-use std::path::Path;
-use std::process::Output;
-
-use assert_cmd::Command;
+use program::microslip;
 use tempfile::TempDir;
 
 const STUDY: &str = r#"name = "two masses"
@@ -105,13 +104,4 @@ fn folder(file: &str, old: &str, new: &str) -> TempDir {
         std::fs::write(folder.path().join(name), text).unwrap();
     }
     folder
-}
-
-fn microslip(folder: &Path, arguments: &[&str]) -> Output {
-    Command::cargo_bin("microslip")
-        .unwrap()
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap()
 }

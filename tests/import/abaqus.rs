@@ -1,7 +1,7 @@
 //! Abaqus and CalculiX: matrices as `node, dof, node, dof, value`, and user elements of substructures.
 
+use crate::chain::MODELS;
 use crate::chain::{ROWS, assert_is, dof, fortran, lower, mass, read_as, stiffness};
-use crate::damage::{refuse, refuse_bytes, refuse_cuts};
 use microslip::import::matrix::{Content, Rows};
 
 /// `node, dof, node, dof, value` of the given sides.
@@ -149,15 +149,15 @@ const DAMAGED_MATRICES: &str = "
 #[test]
 fn damaged_matrices_are_refused() {
     let both = matrix(stiffness, true, true);
-    assert!(refuse("K.mtx", &both, DAMAGED_MATRICES) > 30);
-    refuse_bytes("K.mtx", b"", "empty", "is of no format");
-    refuse_bytes(
+    assert!(MODELS.refuse("K.mtx", &both, DAMAGED_MATRICES) > 30);
+    MODELS.refuse_bytes("K.mtx", b"", "empty", "is of no format");
+    MODELS.refuse_bytes(
         "K.mtx",
         b"** nothing\n*HEADING\n",
         "no entry",
         "is of no format",
     );
-    refuse_bytes("K.mtx", b"\xff\xfe1\0", "UTF-16", "is UTF-16 text");
+    MODELS.refuse_bytes("K.mtx", b"\xff\xfe1\0", "UTF-16", "is UTF-16 text");
 }
 
 const DAMAGED_ELEMENTS: &str = "
@@ -199,11 +199,11 @@ NODES=4, | NODES=4, UNSYMM, | :4: is unsymmetric
 fn damaged_user_elements_are_refused() {
     let text = abaqus_element();
     let whole = &text[..text.find("** CLOAD").unwrap()];
-    assert!(refuse("super.mtx", whole, DAMAGED_ELEMENTS) > 30);
+    assert!(MODELS.refuse("super.mtx", whole, DAMAGED_ELEMENTS) > 30);
     let bytes = whole.as_bytes();
-    refuse_cuts("super.mtx", bytes, &[0.3, 0.5, 0.9, 0.97], "ends in row");
-    refuse_cuts("super.mtx", bytes, &[0.02, 0.05], "");
+    MODELS.refuse_cuts("super.mtx", bytes, &[0.3, 0.5, 0.9, 0.97], "ends in row");
+    MODELS.refuse_cuts("super.mtx", bytes, &[0.02, 0.05], "");
     let wrong = text.replace("** 120, 2, 1.5", "** 121, 2, 1.5");
     let expected = "load on 121.2: must be a degree of freedom";
-    refuse_bytes("super.mtx", wrong.as_bytes(), "load", expected);
+    MODELS.refuse_bytes("super.mtx", wrong.as_bytes(), "load", expected);
 }

@@ -1,7 +1,7 @@
 //! ANSYS: Harwell-Boeing files of HBMAT with their mapping, and the Matrix Market files of *EXPORT,,MMF.
 
+use crate::chain::MODELS;
 use crate::chain::{ROWS, assert_is, dof, fortran, lower, mass, read_as, stiffness};
-use crate::damage::{refuse, refuse_bytes, refuse_cuts};
 use microslip::import::matrix::Content;
 
 /// A symmetric file with one number a line, as HBMAT writes it; `load` is the right-hand side.
@@ -199,7 +199,7 @@ const DAMAGED_HEADERS: &str = "
 #[test]
 fn damaged_headers_are_refused() {
     let text = harwell_boeing(stiffness, Some(0.5));
-    assert!(refuse("K.matrix", &text, DAMAGED_HEADERS) > 30);
+    assert!(MODELS.refuse("K.matrix", &text, DAMAGED_HEADERS) > 30);
 }
 
 /// Of a file without loads: pointers from line 5 on, rows from 18 on, values from 39 on.
@@ -229,13 +229,13 @@ RSA | RUA | must be symmetric
 #[test]
 fn damaged_numbers_are_refused() {
     let text = harwell_boeing(stiffness, None);
-    refuse("K.matrix", &text, DAMAGED_NUMBERS);
+    MODELS.refuse("K.matrix", &text, DAMAGED_NUMBERS);
     let longer = format!("{text}0.1D+01\n");
     let expected = "must be the end of the file by its header";
-    refuse_bytes("K.matrix", longer.as_bytes(), "longer", expected);
+    MODELS.refuse_bytes("K.matrix", longer.as_bytes(), "longer", expected);
     let bytes = text.as_bytes();
-    refuse_cuts("K.matrix", bytes, &[0.2, 0.4, 0.5, 0.7, 0.9, 0.97], "");
-    refuse_cuts("K.matrix", bytes, &[0.0, 0.05], "is of no format");
+    MODELS.refuse_cuts("K.matrix", bytes, &[0.2, 0.4, 0.5, 0.7, 0.9, 0.97], "");
+    MODELS.refuse_cuts("K.matrix", bytes, &[0.0, 0.05], "is of no format");
 }
 
 const DAMAGED_MAPPINGS: &str = "
@@ -276,10 +276,10 @@ const DAMAGED_MAPPINGS: &str = "
 #[test]
 fn damaged_mappings_are_refused() {
     assert!(
-        refuse("K.mapping", &mapping(), DAMAGED_MAPPINGS) > 30,
+        MODELS.refuse("K.mapping", &mapping(), DAMAGED_MAPPINGS) > 30,
         "30 damages"
     );
-    refuse_bytes(
+    MODELS.refuse_bytes(
         "K.mapping",
         b"Matrix Eqn Node DOF\n",
         "no row",
@@ -293,14 +293,14 @@ fn damaged_mappings_are_refused() {
 #[test]
 fn damaged_markets_are_refused() {
     let text = sparse_market(stiffness).replace("symmetric", "general");
-    refuse_bytes(
+    MODELS.refuse_bytes(
         "K.mmf",
         text.as_bytes(),
         "one side",
         "has no entry on the other side",
     );
     let rectangle = "%%MatrixMarket matrix array real general\n2 3\n1\n2\n3\n4\n5\n6\n";
-    refuse_bytes(
+    MODELS.refuse_bytes(
         "K.mmf",
         rectangle.as_bytes(),
         "2 x 3",

@@ -1,7 +1,7 @@
 //! CalculiX: `.sti`, `.mas` and `.dof`.
 
+use crate::chain::MODELS;
 use crate::chain::{ROWS, assert_is, fortran, lower, name, read_as, stiffness};
-use crate::damage::{refuse, refuse_bytes};
 
 /// The upper triangle, as CalculiX writes it.
 pub(crate) fn matrix(entry: fn(usize, usize) -> f64) -> String {
@@ -62,7 +62,7 @@ const DAMAGED_MATRICES: &str = "
 /// Seen to fail without the check of duplicates.
 #[test]
 fn damaged_matrices_are_refused() {
-    let count = refuse("job.sti", &matrix(stiffness), DAMAGED_MATRICES);
+    let count = MODELS.refuse("job.sti", &matrix(stiffness), DAMAGED_MATRICES);
     let others = [
         (&b""[..], "empty", "has no entry"),
         (b"\n\n  \n", "blank", "has no entry"),
@@ -70,7 +70,7 @@ fn damaged_matrices_are_refused() {
         (b"1 1 1.0\xfc\n", "Latin-1", "is no UTF-8"),
     ];
     for (bytes, what, fragment) in others {
-        refuse_bytes("job.sti", bytes, what, fragment);
+        MODELS.refuse_bytes("job.sti", bytes, what, fragment);
     }
     assert!(count + others.len() > 30, "{count}");
 }
@@ -113,11 +113,11 @@ const DAMAGED_NAMES: &str = "
 #[test]
 fn damaged_names_are_refused() {
     assert!(
-        refuse("job.dof", &names(), DAMAGED_NAMES) > 30,
+        MODELS.refuse("job.dof", &names(), DAMAGED_NAMES) > 30,
         "30 damages"
     );
-    refuse_bytes("job.dof", b"\n", "blank", "has no name");
+    MODELS.refuse_bytes("job.dof", b"\n", "blank", "has no name");
     let many: String = (1..=1_000_001).map(|node| format!("{node}.1\n")).collect();
     let expected = ":1000001: has more than 1000000 degrees";
-    refuse_bytes("job.dof", many.as_bytes(), "many", expected);
+    MODELS.refuse_bytes("job.dof", many.as_bytes(), "many", expected);
 }

@@ -8,6 +8,8 @@ use microslip::import::symmetric::Symmetric;
 use microslip::import::{ImportedMatrix, Reading, read};
 use std::path::Path;
 
+use crate::damage::{Reader, message};
+
 /// Masses.
 pub(crate) const N: usize = 4;
 /// Rows.
@@ -66,6 +68,9 @@ pub(crate) fn lower(entry: fn(usize, usize) -> f64) -> Vec<(usize, usize, f64)> 
     let entries = places.map(|(row, column)| (row, column, entry(row, column)));
     entries.filter(|(.., value)| *value != 0.0).collect()
 }
+
+/// Reads models, for damaged files.
+pub(crate) const MODELS: Reader = Reader(|name, bytes| message(read_as(name, bytes)));
 
 /// Writes a file, reads it, and gives what was found.
 pub(crate) fn read_as(name: &str, text: &[u8]) -> Result<Reading, microslip::file::FileError> {

@@ -10,6 +10,7 @@ mod calculix;
 mod calculix_blade;
 mod chain;
 mod command;
+#[path = "../common/damage.rs"]
 mod damage;
 mod fuzz;
 #[path = "../common/mat_file.rs"]
@@ -19,27 +20,16 @@ mod nastran;
 mod numpy;
 mod op4;
 mod pairs;
+#[path = "../common/program.rs"]
+mod program;
 mod reduce;
-#[path = "../common/damage.rs"]
-mod shared_damage;
 #[path = "../common/mutation.rs"]
 mod shared_mutation;
 mod tutorial;
 
 use std::path::Path;
-use std::process::Output;
 
-use assert_cmd::Command;
-
-/// The program, run in `folder`.
-fn microslip(folder: &Path, arguments: &[&str]) -> Output {
-    Command::cargo_bin("microslip")
-        .unwrap()
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap()
-}
+use program::microslip;
 
 /// Exit code 2 and one message with all fragments; nothing is written.
 fn assert_refused(folder: &Path, arguments: &[&str], fragments: &[&str]) {

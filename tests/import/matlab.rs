@@ -1,7 +1,7 @@
 //! MATLAB: `.mat` files of level 5, in both byte orders, compressed or not, dense and sparse.
 
+use crate::chain::MODELS;
 use crate::chain::{ROWS, assert_is, lower, mass, read_as, stiffness};
-use crate::damage::{refuse_bytes, refuse_cuts};
 use crate::mat_file::*;
 use microslip::import::matrix::Content;
 
@@ -183,31 +183,31 @@ fn damaged_words_are_refused() {
     for (at, word, fragment) in DAMAGED_WORDS {
         let mut damaged = whole.clone();
         damaged[at..at + 4].copy_from_slice(&word.to_le_bytes());
-        refuse_bytes("K.mat", &damaged, &format!("{at}: {word}"), fragment);
+        MODELS.refuse_bytes("K.mat", &damaged, &format!("{at}: {word}"), fragment);
     }
-    refuse_cuts(
+    MODELS.refuse_cuts(
         "K.mat",
         &whole,
         &[0.005, 0.05, 0.09, 0.095, 0.1, 0.15, 0.5, 0.99],
         "",
     );
-    refuse_bytes(
+    MODELS.refuse_bytes(
         "K.mat",
         b"\0\0\0\0\x0c\0\0\0",
         "level 4",
         "is no MATLAB file",
     );
-    refuse_bytes("K.mat", b"\x89HDF\r\n\x1a\n", "HDF5", "version 7.3");
+    MODELS.refuse_bytes("K.mat", b"\x89HDF\r\n\x1a\n", "HDF5", "version 7.3");
     let packed = Form {
         compressed: true,
         ..form
     };
     let whole = packed.file(&[packed.dense("K", stiffness)]);
-    refuse_cuts("K.mat", &whole, &[0.65, 0.8, 0.99], "variable 1: ");
+    MODELS.refuse_cuts("K.mat", &whole, &[0.65, 0.8, 0.99], "variable 1: ");
     for at in [136, 137, 150, whole.len() - 1] {
         let mut damaged = whole.clone();
         damaged[at] ^= 0xff;
-        refuse_bytes("K.mat", &damaged, &format!("byte {at}"), "variable 1: ");
+        MODELS.refuse_bytes("K.mat", &damaged, &format!("byte {at}"), "variable 1: ");
     }
 }
 
@@ -251,14 +251,14 @@ fn impossible_arrays_are_refused() {
         let values = vec![value; shape.iter().product()];
         let data = (DOUBLE, form.reals(values));
         let file = form.file(&[form.variable(name, DOUBLE_CLASS, shape, &[data])]);
-        refuse_bytes("model.mat", &file, fragment, fragment);
+        MODELS.refuse_bytes("model.mat", &file, fragment, fragment);
     }
     let data = (DOUBLE, form.reals([1.0, 2.0, 3.0, 1.0]));
     let file = form.file(&[form.variable("K", DOUBLE_CLASS, &[2, 2], &[data])]);
-    refuse_bytes("model.mat", &file, "2, 3", "must be symmetric");
+    MODELS.refuse_bytes("model.mat", &file, "2, 3", "must be symmetric");
     let name = "K".repeat(129);
     let file = form.file(&[form.dense(&name, stiffness)]);
-    refuse_bytes(
+    MODELS.refuse_bytes(
         "model.mat",
         &file,
         "name",
@@ -289,7 +289,7 @@ fn impossible_lists_are_refused() {
     let form = Form::default();
     let refused = |shape: [usize; 2], data: &[(u32, Vec<u8>)], fragment: &str| {
         let file = form.file(&[form.variable("K", SPARSE_CLASS, &shape, data)]);
-        refuse_bytes("model.mat", &file, fragment, fragment);
+        MODELS.refuse_bytes("model.mat", &file, fragment, fragment);
     };
     for (at, count, value, fragment) in DAMAGED_LISTS {
         let mut data = form.sparse_data(stiffness, 0);
@@ -316,7 +316,7 @@ fn a_sparse_vector_is_read() {
         panic!("no column");
     };
     assert_eq!(force[..], [0.0, 0.0, 2.0]);
-    refuse_bytes(
+    MODELS.refuse_bytes(
         "F.mat",
         &file(3),
         "row 3",

@@ -1,7 +1,7 @@
 //! Nastran: DMIG entries, and the names of rows in bulk data.
 
+use crate::chain::MODELS;
 use crate::chain::{ROWS, assert_is, dof, lower, mass, read_as, stiffness};
-use crate::damage::{refuse, refuse_bytes};
 use microslip::import::matrix::{Content, Rows};
 
 /// A number as Nastran writes it in 16 columns.
@@ -188,9 +188,9 @@ fn a_complex_matrix_is_passed_over() {
 #[test]
 fn damaged_dmig_is_refused() {
     let text = free("KAAX", stiffness);
-    assert!(refuse("model.pch", &text, DAMAGED_DMIG) > 30);
-    refuse_bytes("model.pch", b"", "empty", "has no DMIG entry");
-    refuse_bytes(
+    assert!(MODELS.refuse("model.pch", &text, DAMAGED_DMIG) > 30);
+    MODELS.refuse_bytes("model.pch", b"", "empty", "has no DMIG entry");
+    MODELS.refuse_bytes(
         "model.pch",
         b"$ nothing\nPARAM,POST,-1\n",
         "other",
@@ -239,6 +239,6 @@ const DAMAGED_NAMES: &str = "
 /// Seen to fail without the check of THRU.
 #[test]
 fn damaged_names_are_refused() {
-    let count = refuse("model.asm", "EXTRN,11,123456\n", DAMAGED_NAMES);
+    let count = MODELS.refuse("model.asm", "EXTRN,11,123456\n", DAMAGED_NAMES);
     assert!(count > 30, "{count}");
 }

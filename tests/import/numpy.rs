@@ -5,8 +5,8 @@ use std::io::{Cursor, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
+use crate::chain::MODELS;
 use crate::chain::{ROWS, assert_is, lower, mass, read_as, stiffness};
-use crate::damage::{refuse_bytes, refuse_cuts};
 use microslip::import::matrix::Content;
 
 /// An array as numpy.lib.format writes it.
@@ -143,7 +143,7 @@ fn all_forms_are_the_chain() {
         "(2, 2)",
         &reals([1.0, 0.5, 0.0, 1.0].into_iter()),
     );
-    refuse_bytes(
+    MODELS.refuse_bytes(
         "K.npy",
         &lopsided,
         "one side",
@@ -210,20 +210,20 @@ const DAMAGED_ARRAYS: [(&str, &str, usize, &str); 20] = [
 fn damaged_arrays_are_refused() {
     for (descr, shape, bytes, fragment) in DAMAGED_ARRAYS {
         let array = npy(descr, false, shape, &vec![0; bytes]);
-        refuse_bytes("K.npy", &array, &format!("{descr} {shape}"), fragment);
+        MODELS.refuse_bytes("K.npy", &array, &format!("{descr} {shape}"), fragment);
     }
     let whole = square(stiffness);
-    refuse_cuts("K.npy", &whole, &[0.01, 0.05, 0.5, 0.99], "");
+    MODELS.refuse_cuts("K.npy", &whole, &[0.01, 0.05, 0.5, 0.99], "");
     let with = |at: usize, byte: u8| {
         let mut damaged = whole.clone();
         damaged[at] = byte;
         damaged
     };
-    refuse_bytes("K.npy", &with(6, 9), "version", "is no NumPy array");
-    refuse_bytes("K.npy", &with(9, 0xff), "header", "has a header of");
-    refuse_bytes("K.npy", &with(12, b'x'), "descr", "must state descr");
+    MODELS.refuse_bytes("K.npy", &with(6, 9), "version", "is no NumPy array");
+    MODELS.refuse_bytes("K.npy", &with(9, 0xff), "header", "has a header of");
+    MODELS.refuse_bytes("K.npy", &with(12, b'x'), "descr", "must state descr");
     let nan = npy("<f8", false, "(1, 1)", &f64::NAN.to_le_bytes());
-    refuse_bytes(
+    MODELS.refuse_bytes(
         "K.npy",
         &nan,
         "NaN",
@@ -299,10 +299,10 @@ fn damaged_sparse_archives_are_refused() {
             None => drop(arrays.remove(at)),
         }
         let damaged = archive(&arrays, CompressionMethod::Stored);
-        refuse_bytes("K.npz", &damaged, name, fragment);
+        MODELS.refuse_bytes("K.npz", &damaged, name, fragment);
     }
     let file = save_npz();
-    refuse_cuts(
+    MODELS.refuse_cuts(
         "K.npz",
         &file,
         &[0.1, 0.5, 0.9],

@@ -1,7 +1,7 @@
 //! Nastran OUTPUT4: text and binary, dense and sparse, both byte orders, 32 and 64 bits.
 
+use crate::chain::MODELS;
 use crate::chain::{ROWS, assert_is, mass, read_as, stiffness};
-use crate::damage::{refuse_bytes, refuse_cuts};
 use microslip::import::matrix::Content;
 
 /// How columns are written.
@@ -248,7 +248,7 @@ fn refuse_lines(text: &str, cases: &[(usize, &str, &str)]) {
         let mut lines: Vec<&str> = text.lines().collect();
         lines[number - 1] = new;
         let damaged = lines.join("\n") + "\n";
-        refuse_bytes("model.op4", damaged.as_bytes(), new, fragment);
+        MODELS.refuse_bytes("model.op4", damaged.as_bytes(), new, fragment);
     }
 }
 
@@ -365,7 +365,7 @@ fn damaged_text_is_refused() {
     refuse_lines(&dense, &DENSE_LINES);
     refuse_lines(&text("KXX", stiffness, Form::Strings), &STRING_LINES);
     assert!(DENSE_LINES.len() + STRING_LINES.len() > 30);
-    refuse_cuts(
+    MODELS.refuse_cuts(
         "model.op4",
         dense.as_bytes(),
         &[0.1, 0.3, 0.5, 0.8, 0.98],
@@ -433,10 +433,10 @@ fn damaged_binary_files_are_refused() {
     read_as("model.op4", &file).unwrap();
     for (at, value, fragment) in BINARY_WHOLES {
         let damaged = with_whole(&file, at, value);
-        refuse_bytes("model.op4", &damaged, &format!("{at}: {value}"), fragment);
+        MODELS.refuse_bytes("model.op4", &damaged, &format!("{at}: {value}"), fragment);
     }
     let nan = with_whole(&file, FIRST_COLUMN + 20, -1);
-    refuse_bytes(
+    MODELS.refuse_bytes(
         "model.op4",
         &nan,
         "NaN",
@@ -445,7 +445,7 @@ fn damaged_binary_files_are_refused() {
     let wrong = with_whole(&file, FIRST_COLUMN + 20, 0x4000_0000);
     let still = read_as("model.op4", &wrong);
     assert!(still.is_ok(), "another diagonal entry is another matrix");
-    refuse_cuts(
+    MODELS.refuse_cuts(
         "model.op4",
         &file,
         &[0.1, 0.3, 0.5, 0.7, 0.9, 0.99],
@@ -458,6 +458,6 @@ fn damaged_binary_files_are_refused() {
         (14 + (3 << 16), "from row 14 on"),
     ] {
         let damaged = with_whole(&strings, FIRST_COLUMN + 16, value);
-        refuse_bytes("model.op4", &damaged, fragment, fragment);
+        MODELS.refuse_bytes("model.op4", &damaged, fragment, fragment);
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::damage::{Reader, message};
 use microslip::file::FileError;
 use microslip::record::{HysteresisRecord, TestConditions, quantised, read_hysteresis};
 
@@ -54,6 +55,9 @@ pub(crate) fn whole_contact(name: &str) -> HysteresisRecord {
     };
     test
 }
+
+/// Reads records, for damaged files.
+pub(crate) const RECORDS: Reader = Reader(|name, bytes| message(read_as(name, bytes)));
 
 /// What is read from a file with these bytes.
 pub(crate) fn read_as(name: &str, bytes: &[u8]) -> Result<Vec<HysteresisRecord>, FileError> {

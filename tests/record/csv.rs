@@ -2,9 +2,8 @@
 
 use microslip::record::{HysteresisRecord, read_hysteresis, write_hysteresis};
 
-use crate::contact::{SAMPLES, contact, read_as, whole_contact};
-use crate::damage::{refuse, refuse_bytes};
-use crate::shared_damage::damaged;
+use crate::contact::{RECORDS, SAMPLES, contact, read_as, whole_contact};
+use crate::damage::damaged;
 
 /// The table that is written of tests.
 pub(crate) fn written(tests: &[HysteresisRecord]) -> String {
@@ -192,41 +191,41 @@ normal displacement | displacement                                              
 #[test]
 fn damaged_tables_are_refused() {
     let text = written(&[whole_contact("rig")]);
-    let count = refuse("rig.csv", &text, DAMAGES);
+    let count = RECORDS.refuse("rig.csv", &text, DAMAGES);
     assert!(count >= 30, "{count} damages");
     let rows: Vec<&str> = text.lines().collect();
     let short = rows[..20].join("\n");
-    refuse_bytes(
+    RECORDS.refuse_bytes(
         "rig.csv",
         short.as_bytes(),
         "16 samples",
         "has 16 samples: must have 20 at least",
     );
     let heading = rows[..4].join("\n");
-    refuse_bytes(
+    RECORDS.refuse_bytes(
         "rig.csv",
         heading.as_bytes(),
         "no rows",
         ":4: must be followed by rows of numbers",
     );
-    refuse_bytes("rig.csv", b"", "empty", "is empty");
-    refuse_bytes("rig.csv", b"# nothing\n\n", "comments", "is empty");
-    refuse_bytes("rig.csv", b"\xff\xfet\0", "UTF-16", "is UTF-16 text");
-    refuse_bytes(
+    RECORDS.refuse_bytes("rig.csv", b"", "empty", "is empty");
+    RECORDS.refuse_bytes("rig.csv", b"# nothing\n\n", "comments", "is empty");
+    RECORDS.refuse_bytes("rig.csv", b"\xff\xfet\0", "UTF-16", "is UTF-16 text");
+    RECORDS.refuse_bytes(
         "rig.csv",
         &[text.as_bytes(), b"\xb5"].concat(),
         "Latin-1",
         "is no UTF-8",
     );
     let long = damaged(&text, &format!("A | {}", "A".repeat(101)));
-    refuse_bytes(
+    RECORDS.refuse_bytes(
         "rig.csv",
         long.as_bytes(),
         "long name",
         ":3: specimen: has 101 characters: must have at most 100",
     );
     let wide = damaged(&text, &format!("4 | {}", vec!["_"; 1001].join(",")));
-    refuse_bytes(
+    RECORDS.refuse_bytes(
         "rig.csv",
         wide.as_bytes(),
         "wide",
@@ -244,7 +243,7 @@ fn marks_of_decimals_are_not_mixed() {
         9 | 1,09375;0,005;0,05;1,000,000  | :9: normal force = 1.000,000: must be a number
         9 | 1,09375;0,005;0,05            | :9: has 3 fields: must have 4
     ";
-    assert_eq!(refuse("rig.csv", &text, damages), 4);
+    assert_eq!(RECORDS.refuse("rig.csv", &text, damages), 4);
 }
 
 /// Damages of a file with several tests. Seen to fail with rows of a test joined wherever they stand.
@@ -269,9 +268,9 @@ fn rows_of_a_test_stand_together() {
         1  | # specimen = A           | :3: specimen: must be stated once
         1  | # frequency [Hz] = 5     | :3: frequency: must be stated once
     ";
-    assert_eq!(refuse("rig.csv", &text, damages), 8);
+    assert_eq!(RECORDS.refuse("rig.csv", &text, damages), 8);
     let cut: Vec<&str> = text.lines().take(2 + SAMPLES + 5).collect();
-    refuse_bytes(
+    RECORDS.refuse_bytes(
         "rig.csv",
         cut.join("\n").as_bytes(),
         "short",

@@ -6,6 +6,7 @@
 
 mod contact;
 mod csv;
+#[path = "../common/damage.rs"]
 mod damage;
 mod fuzz;
 #[path = "../common/mat_file.rs"]
@@ -14,8 +15,6 @@ mod matlab;
 mod page;
 mod response;
 mod rules;
-#[path = "../common/damage.rs"]
-mod shared_damage;
 #[path = "../common/mutation.rs"]
 mod shared_mutation;
 mod tdms;

@@ -1,7 +1,7 @@
 //! MATLAB files of tests: vectors, structures of vectors, units in names or in a structure.
 
+use crate::contact::RECORDS;
 use crate::contact::{SAMPLES, contact, read_as, whole_contact};
-use crate::damage::{refuse_bytes, refuse_cuts};
 use crate::mat_file::*;
 use microslip::record::HysteresisRecord;
 
@@ -301,29 +301,29 @@ fn damaged_files_are_refused() {
     for (name, damages) in damages {
         for (new, fragment) in damages {
             let file = replaced(&whole, name, &new);
-            refuse_bytes("rig.mat", &file, &format!("{name}: {fragment}"), fragment);
+            RECORDS.refuse_bytes("rig.mat", &file, &format!("{name}: {fragment}"), fragment);
             count += 1;
         }
     }
     assert!(count >= 30, "{count} damages");
-    refuse_cuts(
+    RECORDS.refuse_cuts(
         "rig.mat",
         &whole,
         &[0.003, 0.01, 0.02, 0.3, 0.5, 0.7, 0.9, 0.999],
         "",
     );
-    refuse_bytes(
+    RECORDS.refuse_bytes(
         "rig.mat",
         &whole[..128],
         "empty",
         "has no signal of a test: must have vectors such as time_s",
     );
-    refuse_bytes("rig.mat", b"\x89HDF\r\n\x1a\n", "HDF5", "version 7.3");
+    RECORDS.refuse_bytes("rig.mat", b"\x89HDF\r\n\x1a\n", "HDF5", "version 7.3");
     let packed = Form {
         compressed: true,
         ..form
     };
-    refuse_cuts("rig.mat", &packed.test(), &[0.3, 0.6, 0.9], "variable");
+    RECORDS.refuse_cuts("rig.mat", &packed.test(), &[0.3, 0.6, 0.9], "variable");
 }
 
 /// The file with another variable in place of the one of this name.
@@ -356,7 +356,7 @@ fn damaged_structures_are_refused() {
         let at = whole.windows(from.len()).position(|bytes| bytes == from);
         let mut file = whole.clone();
         file.splice(at.unwrap()..at.unwrap() + from.len(), to.iter().copied());
-        refuse_bytes("rig.mat", &file, fragment, fragment);
+        RECORDS.refuse_bytes("rig.mat", &file, fragment, fragment);
     };
     let length = [5, 0, 4, 0, 32, 0, 0, 0];
     damage(

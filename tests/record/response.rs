@@ -3,7 +3,7 @@
 use microslip::file::FileError;
 use microslip::record::{ResponsePoint, ResponseRecord, read_response, write_response};
 
-use crate::shared_damage::refuse;
+use crate::damage::{Reader, message};
 
 fn read_as(text: &str) -> Result<ResponseRecord, FileError> {
     let folder = tempfile::tempdir().unwrap();
@@ -12,10 +12,7 @@ fn read_as(text: &str) -> Result<ResponseRecord, FileError> {
     read_response(&path)
 }
 
-fn read(_: &str, bytes: &[u8]) -> Result<(), String> {
-    let found = read_as(std::str::from_utf8(bytes).unwrap());
-    found.map(drop).map_err(|error| error.to_string())
-}
+const TABLES: Reader = Reader(|_, bytes| message(read_as(std::str::from_utf8(bytes).unwrap())));
 
 fn record(deviations: bool) -> ResponseRecord {
     let point = |i: u8| ResponsePoint {
@@ -91,7 +88,7 @@ amplitude deviation [um] | amplitude deviation                           | :2: a
 #[test]
 fn damaged_responses_are_refused() {
     let text = written(&record(true));
-    let count = refuse(read, "blade.csv", &text, DAMAGES);
+    let count = TABLES.refuse("blade.csv", &text, DAMAGES);
     assert!(count >= 30, "{count} damages");
     let heading: Vec<&str> = text.lines().take(2).collect();
     let message = read_as(&heading.join("\n")).unwrap_err().to_string();

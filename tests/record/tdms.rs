@@ -1,7 +1,7 @@
 //! TDMS files: channels one behind the other and by turns, in one and in several segments.
 
+use crate::contact::RECORDS;
 use crate::contact::{SAMPLES, contact, read_as, whole_contact};
-use crate::damage::{refuse_bytes, refuse_cuts};
 use crate::matlab::assert_near;
 use microslip::record::HysteresisRecord;
 
@@ -229,7 +229,7 @@ fn the_time_may_be_a_channel() {
     let test = contact("rig");
     let found = read_as("rig.tdms", &with_time(&test.time)).unwrap();
     assert_near(&found[0], &test, 1e-14, "time");
-    refuse_bytes(
+    RECORDS.refuse_bytes(
         "rig.tdms",
         &with_time(&test.time[1..]),
         "short",
@@ -237,7 +237,7 @@ fn the_time_may_be_a_channel() {
     );
     let mut time = test.time.clone();
     time[7] = time[6];
-    refuse_bytes(
+    RECORDS.refuse_bytes(
         "rig.tdms",
         &with_time(&time),
         "standing",
@@ -429,7 +429,7 @@ fn damaged_files_are_refused() {
         match read_as("rig.tdms", &file) {
             read if fragment.is_empty() => assert!(read.is_ok(), "{read:?}"),
             _ => {
-                refuse_bytes("rig.tdms", &file, &format!("{fragment} at {at}"), fragment);
+                RECORDS.refuse_bytes("rig.tdms", &file, &format!("{fragment} at {at}"), fragment);
                 refused += 1;
             }
         }
@@ -438,7 +438,7 @@ fn damaged_files_are_refused() {
         refused + HARMLESS == all && refused >= 30,
         "{refused} damages"
     );
-    refuse_cuts(
+    RECORDS.refuse_cuts(
         "rig.tdms",
         &whole,
         &[0.001, 0.002, 0.005, 0.05, 0.1, 0.5, 0.9, 0.999],
@@ -446,14 +446,14 @@ fn damaged_files_are_refused() {
     );
     let mut open = whole.clone();
     open[12..20].fill(0xff);
-    refuse_bytes(
+    RECORDS.refuse_bytes(
         "rig.tdms",
         &open,
         "not closed",
         "segment 1: was not closed: its writer was stopped",
     );
     let twice = [&whole[..], b"TDSx"].concat();
-    refuse_bytes(
+    RECORDS.refuse_bytes(
         "rig.tdms",
         &twice,
         "second",

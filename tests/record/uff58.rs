@@ -1,7 +1,7 @@
 //! Universal files: datasets 58 in text and binary, even and uneven, single and double precision.
 
+use crate::contact::RECORDS;
 use crate::contact::{SAMPLES, contact, read_as, whole_contact};
-use crate::damage::{refuse, refuse_bytes, refuse_cuts};
 use crate::matlab::assert_near;
 use microslip::record::HysteresisRecord;
 
@@ -254,15 +254,15 @@ Displacement         um | Displacement         inch                            |
 fn damaged_datasets_are_refused() {
     let form = forms()[3];
     let whole = String::from_utf8(form.test("NONE", &whole_contact("rig"))).unwrap();
-    let count = refuse("rig.unv", &whole, DAMAGES);
+    let count = RECORDS.refuse("rig.unv", &whole, DAMAGES);
     assert!(count >= 30, "{count} damages");
-    refuse_cuts(
+    RECORDS.refuse_cuts(
         "rig.unv",
         whole.as_bytes(),
         &[0.01, 0.05, 0.1, 0.15, 0.3, 0.9, 0.99],
         "",
     );
-    refuse_bytes(
+    RECORDS.refuse_bytes(
         "rig.unv",
         b"    -1\n    58\n",
         "cut",
@@ -272,7 +272,7 @@ fn damaged_datasets_are_refused() {
         "\n        17    0    0    0 Time",
         "\n        18    0    0    0 Freq",
     );
-    refuse_bytes(
+    RECORDS.refuse_bytes(
         "rig.unv",
         time.as_bytes(),
         "no time",
@@ -342,7 +342,7 @@ fn damaged_binary_datasets_are_refused() {
         let end = at + whole[at..].iter().position(|byte| *byte == b'\n').unwrap();
         let mut damaged = whole.clone();
         damaged.splice(at..end, new.bytes());
-        refuse_bytes("rig.unv", &damaged, new, fragment);
+        RECORDS.refuse_bytes("rig.unv", &damaged, new, fragment);
     }
-    refuse_cuts("rig.unv", &whole, &[0.05, 0.2, 0.4, 0.6, 0.8, 0.99], "");
+    RECORDS.refuse_cuts("rig.unv", &whole, &[0.05, 0.2, 0.4, 0.6, 0.8, 0.99], "");
 }

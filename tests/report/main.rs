@@ -11,6 +11,8 @@ mod control_variate;
 mod epistemic;
 mod identification;
 mod page;
+#[path = "../common/page_rules.rs"]
+mod page_rules;
 mod performance;
 mod record;
 mod sensitivity;

@@ -1,6 +1,6 @@
 //! `microslip rig`, as a user runs it.
 
-use assert_cmd::Command;
+use crate::program::microslip;
 use microslip::record::read_hysteresis;
 use microslip::rig::Rig;
 use serde_json::Value;
@@ -27,11 +27,8 @@ samples_per_cycle = 100
 fn run(folder: &Path, text: &str, options: &[&str]) -> Output {
     let path = folder.join("rig.toml");
     std::fs::write(&path, text).unwrap();
-    let mut command = Command::cargo_bin("microslip").unwrap();
-    command
-        .current_dir(folder)
-        .args(["rig", "rig.toml", "--output", "out"]);
-    command.args(options).output().unwrap()
+    let fixed = ["rig", "rig.toml", "--output", "out"];
+    microslip(folder, &[&fixed, options].concat())
 }
 
 fn json(path: &Path) -> Value {

@@ -9,6 +9,8 @@ mod command;
 mod instruments;
 mod loading;
 mod motion;
+#[path = "../common/program.rs"]
+mod program;
 
 use microslip::rig::{Rig, VirtualTest};
 use std::path::Path;

@@ -91,12 +91,18 @@ fn table(view: &View) -> Block {
     table.block()
 }
 
+/// Word before the name of a specimen that does not begin with it.
+const SPECIMEN: &str = "specimen";
+
 fn name_cell(view: &View, i: usize, test: &TestResult) -> Cell {
     let specimen = test.conditions.specimen.as_deref().unwrap_or_default();
-    let cell = match specimen {
-        "" => view.test_cell(i),
-        specimen => view.test_cell(i).with_small(format!("specimen {specimen}")),
+    let named = specimen.to_lowercase().starts_with(SPECIMEN);
+    let small = match specimen {
+        "" => String::new(),
+        specimen if named => specimen.to_owned(),
+        specimen => format!("{SPECIMEN} {specimen}"),
     };
+    let cell = view.test_cell(i).with_small(small);
     let warning = match test.status {
         TestStatus::Slips => None,
         TestStatus::NoSlip => Some("does not slip as a whole"),

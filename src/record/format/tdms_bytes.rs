@@ -1,6 +1,6 @@
 //! Numbers, texts and properties of a TDMS file, all with the least byte first.
 
-use crate::file::binary::{Kind, number};
+use crate::file::binary::{Kind, number, take};
 
 /// Bytes of a text at most.
 const LONGEST_TEXT: usize = 1 << 16;
@@ -23,13 +23,9 @@ pub(super) enum Value {
 }
 
 impl<'b> Bytes<'b> {
+    /// So many bytes.
     pub(super) fn take(&mut self, bytes: usize) -> Result<&'b [u8], String> {
-        let rest = self.rest.len();
-        let taken = self.rest.split_at_checked(bytes);
-        let (taken, rest) =
-            taken.ok_or_else(|| format!("states {bytes} bytes, but only {rest} are left"))?;
-        self.rest = rest;
-        Ok(taken)
+        take(&mut self.rest, bytes)
     }
 
     fn array<const N: usize>(&mut self) -> Result<[u8; N], String> {

@@ -1,5 +1,6 @@
 //! Lines of a universal file, between which binary numbers may stand.
 
+use crate::file::binary::take;
 use std::borrow::Cow;
 
 /// Lines with their numbers. Bytes that are no UTF-8 are Latin-1, where µ is one byte.
@@ -32,12 +33,7 @@ impl<'b> Lines<'b> {
 
     /// So many bytes.
     pub(super) fn take(&mut self, bytes: usize) -> Result<&'b [u8], String> {
-        let rest = self.rest.len();
-        let taken = self.rest.split_at_checked(bytes);
-        let (taken, rest) =
-            taken.ok_or_else(|| format!("states {bytes} bytes, but only {rest} are left"))?;
-        self.rest = rest;
-        Ok(taken)
+        take(&mut self.rest, bytes)
     }
 }
 
