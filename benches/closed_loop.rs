@@ -2,8 +2,9 @@
 //!
 //! `map`: friction coefficient and stiffness over their range, under the instruments of the published rig and without their
 //! errors. `coverage`: how often the interval of a test holds the truth, 500 tests. `resolution`: how fine the displacement must
-//! be for the stiffness. 100 cycles at 100 Hz, 20 for the coverage, 5 without errors. The amplitude is what a careful operator takes: four times the travel to gross slip,
-//! from 1 to 20 µm.
+//! be for the stiffness. 100 cycles at 100 Hz, 20 for the coverage, 5 without errors. The amplitude is what a careful operator takes:
+//! four times the travel to gross slip, from 1 to 20 µm. All parts take some four minutes of processor time; [`REPEATED`] and
+//! [`COVERAGE_TESTS`] scale it.
 
 #![expect(clippy::expect_used, reason = "a benchmark without its rig fails")]
 
@@ -121,18 +122,23 @@ fn percent(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |v| format!("{:.2}", 100.0 * v))
 }
 
-/// Median errors (%) with their sign, and how many tests keep the published accuracies, of all tests that have a value.
+/// Median errors (%) with their sign, the median half of an interval of the stiffness, and how many tests keep the published accuracies, of all tests that have a value.
 fn row(case: &Case<'_>, settings: &IdentifySettings) {
     let found = case.identified(settings);
     let all: Vec<_> = found.iter().map(errors).collect();
     let of = |k: usize| all.iter().filter_map(|e| e[k]).collect::<Vec<f64>>();
     let within = |k: usize| of(k).iter().filter(|e| e.abs() <= PUBLISHED[k]).count();
     let gross = found.iter().filter(|(test, _)| test.slip == Slip::Gross);
+    let widths = found.iter().filter_map(|(_, result)| {
+        let k_t = result.estimate.as_ref()?.tangential.stiffness_n_per_um;
+        Some(0.5 * (k_t.upper - k_t.lower) / k_t.value)
+    });
+    let width = percent(median(widths.collect()));
     let reached = found
         .iter()
         .map(|(test, _)| test.motion.mobilised[0].min(test.motion.mobilised[1]));
     println!(
-        "| {} | {} | {:.3} | {} | {} | {} | {} of {} | {} | {} of {} |",
+        "| {} | {} | {:.3} | {} | {} | {} | {} of {} | {} | {} of {} | {width} |",
         case.mu,
         case.scale,
         median(reached.collect()).unwrap_or_default(),
@@ -150,9 +156,9 @@ fn row(case: &Case<'_>, settings: &IdentifySettings) {
 fn heading(title: &str) {
     println!("\n{title}\n");
     println!(
-        "| mu | scale | traction over limit | gross slip | mu found | median error of mu % | within 1 % | median error of k_t % | within 5 % |"
+        "| mu | scale | traction over limit | gross slip | mu found | median error of mu % | within 1 % | median error of k_t % | within 5 % | half of its interval % |"
     );
-    println!("|-|-|-|-|-|-|-|-|-|");
+    println!("|-|-|-|-|-|-|-|-|-|-|");
 }
 
 fn map(title: &str, base: Case<'_>, settings: &IdentifySettings) {
@@ -214,6 +220,7 @@ fn coverage() {
         (0.6, 1.0, ""),
         (0.3, 0.3, ""),
         (0.9, 3.0, ""),
+        (1.2, 0.1, ""),
         (0.6, 1.0, coarse),
     ] {
         let case = Case {

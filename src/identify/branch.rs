@@ -3,7 +3,7 @@
 use super::half::Half;
 use super::knee::Knee;
 use super::mean_loop::{MeanLoop, median};
-use super::slope::{Line, pairwise_line};
+use super::slope::{Line, branch_line};
 
 /// Part of a half in which the contact sticks, and how its slope is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,12 +94,16 @@ fn bends(half: &Half, cycle: &MeanLoop, places: [usize; 2]) -> bool {
     fall.is_some_and(|[fall, error]| fall > BEND && fall > SURE_BEND * error)
 }
 
-/// Whether the slope does not fall inside the widest window, and a bend that matters would be seen.
+/// Whether the slope does not fall inside the window, and a bend that matters would be seen.
 pub(super) fn is_straight(half: &Half, cycle: &MeanLoop, window: &Window) -> bool {
-    let fall = fall(half, cycle, window.places).filter(|_| window.end == ENDS[0]);
-    fall.is_some_and(|[fall, error]| {
-        SURE_BEND * error < HIDDEN_BEND && fall <= BEND.max(SURE_BEND * error)
-    })
+    // from the middle of the window to the reversal, over the distance of the middles of its halves: the more, the shorter it is
+    let beyond = |end: f64| (end + BEGIN) / (end - BEGIN);
+    let beyond = beyond(window.end) / beyond(ENDS[0]);
+    let fall = fall(half, cycle, window.places);
+    fall.map(|both| both.map(|of| beyond * of))
+        .is_some_and(|[fall, error]| {
+            SURE_BEND * error < HIDDEN_BEND && fall <= BEND.max(SURE_BEND * error)
+        })
 }
 
 /// By how much the slope of the second half of a window is smaller than that of the first one, and the standard error, both over
@@ -107,7 +111,7 @@ pub(super) fn is_straight(half: &Half, cycle: &MeanLoop, window: &Window) -> boo
 fn fall(half: &Half, cycle: &MeanLoop, [first, last]: [usize; 2]) -> Option<[f64; 2]> {
     let (x, y) = (half.displacement(cycle), half.force(cycle));
     let (count, middle) = (last + 1 - first, usize::midpoint(first, last + 1));
-    let line = |from: usize, to: usize| pairwise_line(&x[from..to], &y[from..to]);
+    let line = |from: usize, to: usize| branch_line(&x[from..to], &y[from..to]);
     let (early, late) = (line(first, middle)?, line(middle, last + 1)?);
     let error = early.standard_error?.hypot(late.standard_error?);
     let over = early.slope;
@@ -129,7 +133,7 @@ pub(super) fn slope(half: &Half, cycle: &MeanLoop, window: &Window) -> Option<Li
             }
         }
     }
-    let line = pairwise_line(&x[first..=last], &y[first..=last])?;
+    let line = branch_line(&x[first..=last], &y[first..=last])?;
     let model_error = window
         .straightened
         .map_or(0.0, |s| s.model_error * line.slope.abs());

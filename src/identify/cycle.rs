@@ -2,11 +2,12 @@
 
 use super::frequency::{Fundamental, fundamental};
 use super::mean_loop::{
-    MeanLoop, inner_range, median, neighbour_correlation, noise as noise_of, robust_scale, smooth,
+    MeanLoop, inner_range, median, neighbour_correlation, robust_scale, smooth,
 };
 use super::result::Cycles;
 use super::run_in::run_in;
 use super::settings::IdentifySettings;
+use super::smooth_motion::{NEIGHBOURS, sensor_step, smooth_motion};
 use crate::record::HysteresisRecord;
 
 /// The cycles of a record on one grid of phases.
@@ -22,6 +23,8 @@ pub(super) struct Steady {
     pub(super) mean: MeanLoop,
     /// Means of some consecutive steady cycles each; they tell the scatter of the mean.
     pub(super) batches: Vec<MeanLoop>,
+    /// Mean loop without each part of the phase, where all cycles have an error in common.
+    pub(super) without: Vec<MeanLoop>,
     /// Mean of the tangential force over the steady cycles, which was taken out (N).
     pub(super) tangential_mean: f64,
 }
@@ -43,13 +46,6 @@ const SPIKE_OF_SWING: f64 = 0.02;
 
 /// Most samples of a spike.
 const LONGEST_SPIKE: usize = 3;
-/// Fewest samples of a cycle in which noise is told from high harmonics of the motion.
-const LEAST_TO_SMOOTH: usize = 64;
-/// Correlation of neighbours above which a rest is no noise. Lines between samples give noise up to 0.5, a seventh harmonic of 64
-/// samples has 0.77.
-const NEIGHBOURS: f64 = 0.6;
-/// Rest of a displacement over its swing that is rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// Cuts a record into cycles.
 ///
@@ -77,7 +73,7 @@ pub(super) fn cut(
     take_drift_out(&mut loops, displacement, drift[0]);
     take_drift_out(&mut loops, tangential, drift[1]);
     align(&mut loops, run_in);
-    smooth_motion(&mut loops, run_in);
+    let without = smooth_motion(&mut loops, run_in, sensor_step(&record.displacement));
     let steady = &loops[run_in..];
     let count = steady.len().min(MOST_BATCHES);
     let batch =
@@ -105,6 +101,7 @@ pub(super) fn cut(
             .collect(),
         mean,
         batches: (0..count).map(batch).collect(),
+        without,
         tangential_mean: means[1][run_in..].iter().sum::<f64>() / steady.len() as f64,
         loops,
     })
@@ -250,39 +247,12 @@ fn tangential(cycle: &mut MeanLoop) -> &mut Vec<f64> {
     &mut cycle.tangential
 }
 
-/// Blocks of a cycle whose means show what noise hides in single samples...
-const BLOCKS: usize = 50;
-/// ...and their root mean square, over that of noise, above which they are no noise.
-const LIKE_NOISE: f64 = 1.3;
-
 /// Begins every loop at the greatest displacement of the mean steady loop.
 fn align(loops: &mut [MeanLoop], run_in: usize) {
     let mean = smooth(&MeanLoop::of(&loops[run_in..]).displacement);
     let top = (0..mean.len()).max_by(|a, b| mean[*a].total_cmp(&mean[*b]));
     for cycle in loops {
         cycle.rotate(top.unwrap_or(0));
-    }
-}
-
-/// Takes the lowest harmonics of every displacement in its place where they leave noise alone: what they leave of the mean steady
-/// loop is no more than noise, sample by sample and in blocks: the rest of a motion that dwells at its reversals is small, but lies where
-/// the contact sticks. Noise of the displacement makes slopes too small.
-fn smooth_motion(loops: &mut [MeanLoop], run_in: usize) {
-    let mean = MeanLoop::of(&loops[run_in..]).displacement;
-    let rest: Vec<f64> = mean.iter().zip(smooth(&mean)).map(|(u, s)| u - s).collect();
-    let length = (rest.len() / BLOCKS).max(1);
-    let blocks: Vec<f64> = rest
-        .chunks_exact(length)
-        .map(|block| block.iter().sum::<f64>() / length as f64)
-        .collect();
-    let square = blocks.iter().map(|b| b * b).sum::<f64>() / blocks.len() as f64;
-    let in_blocks = noise_of(&rest) / (length as f64).sqrt();
-    let noise = swing(&rest) <= ROUNDING * swing(&mean)
-        || neighbour_correlation(&rest) < NEIGHBOURS && square.sqrt() < LIKE_NOISE * in_blocks;
-    if mean.len() >= LEAST_TO_SMOOTH && noise {
-        for cycle in loops {
-            cycle.displacement = smooth(&cycle.displacement);
-        }
     }
 }
 

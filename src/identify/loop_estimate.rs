@@ -13,7 +13,7 @@ pub(super) struct LoopNumbers {
     pub(super) normal: f64,
     /// Half the difference of the plateaus over the mean normal force there.
     pub(super) friction: Option<PlateauNumbers>,
-    /// Lines of both stick branches.
+    /// Lines of both stick branches, of either sign.
     pub(super) lines: [Option<Line>; 2],
     /// Normal force over approach.
     pub(super) normal_line: Option<Line>,
@@ -41,7 +41,7 @@ impl LoopNumbers {
     pub(super) fn of(cycle: &MeanLoop, shape: &LoopShape) -> Self {
         let lines = [0, 1].map(|side| {
             let window = shape.windows[side]?;
-            slope(&shape.halves[side], cycle, &window).filter(|line| line.slope > 0.0)
+            slope(&shape.halves[side], cycle, &window)
         });
         let mut numbers = Self {
             normal: cycle.normal.iter().sum::<f64>() / cycle.samples() as f64,
@@ -55,10 +55,16 @@ impl LoopNumbers {
         numbers
     }
 
-    /// Mean slope of the stick branches.
+    /// Mean compliance of the stick branches (m/N): of either sign, where noise hides the travel.
+    pub(super) fn compliance(&self) -> Option<f64> {
+        let lines = self.lines.iter().flatten();
+        let each: Vec<f64> = lines.map(|line| 1.0 / line.slope).collect();
+        (!each.is_empty()).then(|| each.iter().sum::<f64>() / each.len() as f64)
+    }
+
+    /// Slope of the stick branches (N/m), of their mean compliance.
     pub(super) fn stick(&self) -> Option<f64> {
-        let slopes: Vec<f64> = self.lines.iter().flatten().map(|line| line.slope).collect();
-        (!slopes.is_empty()).then(|| slopes.iter().sum::<f64>() / slopes.len() as f64)
+        self.compliance().filter(|mean| *mean > 0.0).map(f64::recip)
     }
 
     /// Energy over slip distance and normal force.

@@ -119,7 +119,7 @@ fn are_straight(cycle: &MeanLoop, sides: &[Side; 2], windows: &[Option<Window>; 
 /// Points of a branch that tell its knee, at most.
 const MOST_POINTS: usize = 60;
 
-/// Mean slope of the stick branches.
+/// Slope of the stick branches (N/m), of their mean compliance.
 fn stick(
     cycle: &MeanLoop,
     sides: &[Side; 2],
@@ -129,17 +129,17 @@ fn stick(
         .iter()
         .zip(windows)
         .map(|(side, w)| slope(&side.half, cycle, &(*w)?));
-    let slopes: Vec<f64> = lines.flatten().map(|line| line.slope).collect();
-    if slopes.is_empty() {
+    let each: Vec<f64> = lines.flatten().map(|line| 1.0 / line.slope).collect();
+    if each.is_empty() {
         return Err(
             "has no sample in its stick branches: record more samples per cycle".to_owned(),
         );
     }
-    let stick = slopes.iter().sum::<f64>() / slopes.len() as f64;
-    if stick <= 0.0 {
+    let compliance = each.iter().sum::<f64>() / each.len() as f64;
+    if compliance <= 0.0 {
         return Err("has stick branches along which the force falls: one of the signals needs the other sign, or this is no hysteresis loop".to_owned());
     }
-    Ok(stick)
+    Ok(1.0 / compliance)
 }
 
 /// Windows of a loop that slips as a whole, with the knee of its branches.

@@ -20,7 +20,7 @@ pub(super) struct MeanLoop {
 pub(super) type Signal = fn(&MeanLoop) -> &[f64];
 
 /// Highest harmonic of a smooth motion.
-const HARMONICS: usize = 6;
+pub(super) const HARMONICS: usize = 6;
 
 impl MeanLoop {
     /// Samples of the cycle.
@@ -75,6 +75,11 @@ impl MeanLoop {
 
 /// The mean and the lowest harmonics of a periodic signal: noise and steps are gone, a smooth motion stays.
 pub(super) fn smooth(signal: &[f64]) -> Vec<f64> {
+    up_to_harmonic(signal, HARMONICS)
+}
+
+/// The mean and the harmonics up to one of a periodic signal.
+pub(super) fn up_to_harmonic(signal: &[f64], highest: usize) -> Vec<f64> {
     let n = signal.len();
     let mean = signal.iter().sum::<f64>() / n as f64;
     let mut sum = vec![mean; n];
@@ -82,7 +87,7 @@ pub(super) fn smooth(signal: &[f64]) -> Vec<f64> {
         .map(|i| TAU * i as f64 / n as f64)
         .map(|phase| [cos(phase), sin(phase)])
         .collect();
-    for harmonic in 1..=HARMONICS.min((n - 1) / 2) {
+    for harmonic in 1..=highest.min((n - 1) / 2) {
         let wave = |i: usize| waves[(harmonic * i) % n];
         let part = |k: usize| {
             let products = signal.iter().enumerate().map(|(i, x)| x * wave(i)[k]);

@@ -32,6 +32,7 @@ mod scatter;
 mod series;
 pub mod settings;
 mod slope;
+mod smooth_motion;
 pub mod test_estimate;
 mod test_notes;
 mod trend;

@@ -26,6 +26,16 @@ pub(super) fn of_batches(values: &[Option<f64>]) -> Option<RandomError> {
     })
 }
 
+/// From values without each part in turn (jackknife); none of fewer than two.
+pub(super) fn of_parts(values: &[Option<f64>]) -> Option<RandomError> {
+    let found = of_batches(values)?;
+    Some(RandomError {
+        // (n − 1)/n Σ (v − mean)²: the standard error of the mean, times n − 1
+        standard_error: found.standard_error * found.freedom,
+        ..found
+    })
+}
+
 /// Correlation of two values over the batches that have both; 0 of fewer than four.
 pub(super) fn correlation(a: &[Option<f64>], b: &[Option<f64>]) -> f64 {
     let pairs: Vec<(f64, f64)> = a.iter().zip(b).filter_map(|(a, b)| a.zip(*b)).collect();

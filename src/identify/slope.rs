@@ -53,6 +53,20 @@ pub(super) fn pairwise_line(x: &[f64], y: &[f64]) -> Option<Line> {
     })
 }
 
+/// Line of the force over the displacement of a stick branch, from the displacement over the force: where little of the displacement is
+/// elastic its noise may turn the line over, and the compliance passes through 0 where the slope does not. None without a rise or fall.
+pub(super) fn branch_line(displacement: &[f64], force: &[f64]) -> Option<Line> {
+    let compliance = pairwise_line(force, displacement)?;
+    let slope = 1.0 / compliance.slope;
+    slope.is_finite().then(|| Line {
+        slope,
+        intercept: -slope * compliance.intercept,
+        deviation: slope.abs() * compliance.deviation,
+        standard_error: compliance.standard_error.map(|error| slope * slope * error),
+        model_error: 0.0,
+    })
+}
+
 /// Means of neighbours, so many that few enough points are left.
 fn thinned(values: &[f64]) -> Vec<f64> {
     let size = values.len().div_ceil(MOST_POINTS).max(1);

@@ -10,7 +10,7 @@ use super::misfit::{elastic_coulomb, misfit};
 use super::result::{
     Friction, LoopResult, LoopValue, Onset, Tangential, TestEstimate, TestResult, TestStatus,
 };
-use super::scatter::{ChainError, RandomError, correlation, of_batches};
+use super::scatter::{ChainError, RandomError, correlation, of_batches, of_parts};
 use super::series::Series;
 use super::settings::IdentifySettings;
 use super::test_notes::notes;
@@ -52,6 +52,8 @@ struct Test<'a> {
     shape: LoopShape,
     mean: LoopNumbers,
     batches: Vec<LoopNumbers>,
+    /// Of the mean loop without each part of the phase.
+    without: Vec<LoopNumbers>,
     series: Series,
     chain: ChainError,
     /// Slope of the stick branches as measured (N/m), and of the contact.
@@ -63,16 +65,19 @@ impl<'a> Test<'a> {
         let shape = shape(&steady.mean)?;
         let mean = LoopNumbers::of(&steady.mean, &shape);
         let series = Series::of(settings);
+        let of_each = |loops: &[MeanLoop]| -> Vec<LoopNumbers> {
+            loops
+                .iter()
+                .map(|one| LoopNumbers::of(one, &shape))
+                .collect()
+        };
         let measured = mean.stick().ok_or("has no stick branch that rises")?;
         Ok(Self {
             settings,
             steady,
             shape,
-            batches: steady
-                .batches
-                .iter()
-                .map(|batch| LoopNumbers::of(batch, &shape))
-                .collect(),
+            batches: of_each(&steady.batches),
+            without: of_each(&steady.without),
             mean,
             slopes: [measured, series.contact(measured)?],
             series,
@@ -102,7 +107,7 @@ impl<'a> Test<'a> {
             onset: self.onset(),
             error_correlation: correlation(
                 &self.of_batches(|numbers| numbers.friction.map(|p| p.coefficient)),
-                &self.of_batches(LoopNumbers::stick),
+                &self.of_batches(|numbers| Some(-numbers.compliance()?)),
             ),
             misfit,
         };
@@ -191,47 +196,36 @@ impl<'a> Test<'a> {
         let windows = self.shape.windows;
         let samples = windows.map(|w| w.map_or(0, |w| w.places[1] + 1 - w.places[0]));
         let sides = [0, 1].map(|side| {
-            let line = self.mean.lines[side]?;
-            let number = move |numbers: &LoopNumbers| numbers.lines[side].map(|line| line.slope);
-            self.stiffness(line.slope, number, self.inside(side), line.model_error)
+            let line = self.mean.lines[side].filter(|line| line.slope > 0.0)?;
+            let contact = self.series.contact(line.slope).ok()?;
+            let number = move |numbers: &LoopNumbers| numbers.lines[side].map(|l| 1.0 / l.slope);
+            let model_error = line.model_error / line.slope;
+            Some(self.stiffness(
+                [line.slope, contact],
+                number,
+                self.inside(side),
+                model_error,
+            ))
         });
-        let insides: Vec<RandomError> = [0, 1]
-            .into_iter()
-            .filter(|side| self.mean.lines[*side].is_some())
-            .map(|side| self.inside(side))
-            .collect();
-        let count = insides.len() as f64;
+        let known = || (0..2).filter_map(|side| Some((side, self.mean.lines[side]?)));
+        let count = known().count() as f64;
+        let insides: Vec<RandomError> = known().map(|(side, _)| self.inside(side)).collect();
+        let square: f64 = insides.iter().map(|e| e.standard_error.powi(2)).sum();
         let inside = RandomError {
-            standard_error: insides
-                .iter()
-                .map(|e| e.standard_error.powi(2))
-                .sum::<f64>()
-                .sqrt()
-                / count,
+            standard_error: square.sqrt() / count,
             freedom: insides.iter().map(|e| e.freedom).sum(),
         };
-        let [measured, contact] = self.slopes;
-        let models = self
-            .mean
-            .lines
-            .iter()
-            .flatten()
-            .map(|line| line.model_error);
-        let both = self.stiffness(
-            measured,
-            LoopNumbers::stick,
-            inside,
-            models.sum::<f64>() / count,
-        );
+        let models = known().map(|(_, line)| (line.model_error / line.slope).abs());
+        let model_error = models.sum::<f64>() / count;
         Tangential {
-            stiffness_n_per_um: both.unwrap_or(Uncertain::new(
-                n_per_m_to_n_per_um(contact),
-                [contact, 0.0],
-                1.0,
-                self.settings.confidence,
-            )),
+            stiffness_n_per_um: self.stiffness(
+                self.slopes,
+                LoopNumbers::compliance,
+                inside,
+                model_error,
+            ),
             sides_n_per_um: sides,
-            measured_n_per_um: n_per_m_to_n_per_um(measured),
+            measured_n_per_um: n_per_m_to_n_per_um(self.slopes[0]),
             samples,
             window_end: windows.map(|w| w.map_or(0.0, |w| w.end)),
             bent: windows.map(|w| {
@@ -240,43 +234,56 @@ impl<'a> Test<'a> {
         }
     }
 
-    /// Error of a slope inside the mean loop.
+    /// Relative error of a slope inside the mean loop.
     fn inside(&self, side: usize) -> RandomError {
         let window = self.shape.windows[side];
         let [first, last] = window.map_or([0, 0], |w| w.places);
-        let x = self.shape.halves[side].displacement(&self.steady.mean);
+        let y = self.shape.halves[side].force(&self.steady.mean);
         // two points, each with the noise of the force
-        let coarse = noise(&self.steady.mean.tangential) * 2_f64.sqrt() / (x[last] - x[first]);
-        let line = self.mean.lines[side].and_then(|line| line.standard_error);
+        let coarse = noise(&self.steady.mean.tangential) * 2_f64.sqrt() / (y[last] - y[first]);
+        let line = self.mean.lines[side];
+        let own = line.and_then(|line| Some(line.standard_error? / line.slope));
         RandomError {
-            standard_error: line.unwrap_or(coarse),
+            standard_error: own.unwrap_or(coarse).abs(),
             freedom: ((last + 1 - first) as f64 - 2.0).max(1.0),
         }
     }
 
-    /// Stiffness of the contact (N/µm) from a slope as measured (N/m); none where the rig's stiffness leaves none.
+    /// Stiffness of the contact (N/µm) from the slope as measured and that of the contact (N/m). Its errors are those of its logarithm,
+    /// as of the compliance: noise of the displacement is even in the compliance, and may be as large. `inside` and `model_error` are
+    /// relative.
     fn stiffness(
         &self,
-        slope: f64,
-        number: impl Fn(&LoopNumbers) -> Option<f64>,
+        [measured, contact]: [f64; 2],
+        compliance: impl Fn(&LoopNumbers) -> Option<f64>,
         inside: RandomError,
         model_error: f64,
-    ) -> Option<Uncertain> {
-        let contact = self.series.contact(slope).ok()?;
-        let measured = self.uncertain(slope, number, inside, slope * self.chain.of_slope());
-        let derivative = self.series.derivative(slope);
+    ) -> Uncertain {
+        let relative = |found: RandomError| RandomError {
+            standard_error: measured * found.standard_error,
+            ..found
+        };
+        let batches = of_batches(&self.of_batches(&compliance)).map(relative);
+        let without: Vec<Option<f64>> = self.without.iter().map(compliance).collect();
+        let common = of_parts(&without).map(relative);
+        // what all cycles have in common, such as a rig that rings after each reversal, is inside the line or between its parts
+        let others = [batches, common].into_iter().flatten();
+        let larger = |a: RandomError, b: RandomError| match b.standard_error > a.standard_error {
+            true => b,
+            false => a,
+        };
+        let random = others.fold(inside, larger);
         let errors = [
-            measured.standard_error.hypot(model_error),
-            measured.systematic,
-        ]
-        .map(|error| n_per_m_to_n_per_um(error * derivative));
-        let confidence = self.settings.confidence;
-        Some(Uncertain::new(
-            n_per_m_to_n_per_um(contact),
-            errors,
-            measured.degrees_of_freedom,
-            confidence,
-        ))
+            random.standard_error.hypot(model_error),
+            self.chain.of_slope(),
+        ];
+        let amplified = self.series.derivative(measured) * measured / contact;
+        Uncertain::of_logarithm(
+            libm::log(n_per_m_to_n_per_um(contact)),
+            errors.map(|error| amplified * error),
+            random.freedom,
+            self.settings.confidence,
+        )
     }
 
     fn normal_stiffness(&self) -> Option<Uncertain> {
@@ -343,7 +350,7 @@ impl<'a> Test<'a> {
         let of = |(cycle, (one, start)): (usize, (&MeanLoop, &f64))| {
             let numbers = LoopNumbers::of(one, &self.shape);
             let stiffness = |side: usize| {
-                let line = numbers.lines[side]?;
+                let line = numbers.lines[side].filter(|line| line.slope > 0.0)?;
                 let value = self.series.contact(line.slope).ok()?;
                 let error = line
                     .standard_error

@@ -10,6 +10,8 @@ const ENERGY_DIFFERENCE: f64 = 0.05;
 const MOSTLY_RIG: f64 = 0.8;
 /// Difference of the stiffness after both reversals, over their mean, that is told.
 const SIDES_APART: f64 = 0.2;
+/// Half an interval of the stiffness, over its value, that is told: the published accuracy.
+const HARDLY_KNOWN: f64 = 0.05;
 /// Energy over that of a rectangle of the same size, above which a loop that does not slip as a whole slips in part.
 const PARTIAL_SLIP: f64 = 0.01;
 /// Offset of T over the force at slip that is told.
@@ -102,6 +104,14 @@ fn of_stiffness(estimate: &TestEstimate, settings: &IdentifySettings, notes: &mu
     }
     if tangential.bent.contains(&true) {
         notes.push("parts of the contact slip before the whole (microslip): the stick branches are straightened by the spread of the slip limits that fits them".to_owned());
+    }
+    let known = tangential.stiffness_n_per_um;
+    if known.upper - known.value > HARDLY_KNOWN * known.value {
+        let [below, above] =
+            [known.lower, known.upper].map(|end| 100.0 * (end / known.value - 1.0));
+        notes.push(format!(
+            "the stiffness is only known to {below:.0} and {above:+.0} %: its travel is small beside noise and steps of the displacement, or parts of the contact slip early"
+        ));
     }
     let stated = settings.series_stiffness_n_per_um;
     if stated.is_some_and(|series| tangential.measured_n_per_um > MOSTLY_RIG * series) {

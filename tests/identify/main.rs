@@ -9,4 +9,5 @@ mod other_laws;
 mod pooling;
 mod recovery;
 mod refusal;
+mod round_robin;
 mod synthetic;

@@ -104,6 +104,22 @@ fn noise_drift_and_offsets_leave_the_parameters() {
     assert!((offset - 3.2).abs() < 0.5, "offset {offset}");
 }
 
+/// Of a loop that is not even about its middle the mean force is no offset: the plateaus tell it. Seen to fail with the mean.
+#[test]
+fn plateaus_tell_the_offset_of_an_uneven_loop() {
+    let bench = Bench {
+        stiffness: [30e6, 60e6],
+        offset: [0.0, 20.0],
+        ..Bench::default()
+    };
+    let friction = estimate(&bench).friction.unwrap();
+    let offset = friction.tangential_offset_n - 20.0;
+    assert!(offset.abs() < 0.02, "offset {offset}");
+    for (side, sign) in friction.sides.into_iter().zip([1.0, -1.0]) {
+        assert!((side - 0.6 - sign * 0.2).abs() < 1e-3, "{side}");
+    }
+}
+
 #[test]
 fn both_reversals_are_told_apart() {
     let bench = Bench {

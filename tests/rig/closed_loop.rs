@@ -78,6 +78,56 @@ fn steps_and_noise_average_out() {
     }
 }
 
+/// An elastic travel of 0.17 and 0.034 um, below the steps of 0.08 um: all samples of the cycle tell the displacement of the few that stick.
+///
+/// Seen to fail without the multiple of the force in the displacement: no smooth motion is found, and the stiffness is far off.
+#[test]
+fn a_travel_below_a_step_is_found() {
+    let gains = "[force_cells]\nerror_percent = 0\n[support]\noffset_mm = 0\n";
+    for (mu, scale, amplitude, tolerance) in [(0.9, 3.0, 2.2, 0.03), (0.6, 10.0, 1.25, 0.06)] {
+        let text = contact(mu, scale, amplitude, 100);
+        let rig = rig(&format!(
+            "name = \"small\"\nseed = 1\n{text}{STEADY_AIR}{gains}"
+        ));
+        let test = first_test(&rig);
+        let result = found(&test);
+        let [friction, stiffness] = errors(&test, &result);
+        let case = format!("mu {mu}, scale {scale}: {friction:.4} {stiffness:.4}");
+        assert!(friction.abs() < 0.01, "{case}");
+        assert!(stiffness.abs() < tolerance, "{case}");
+        assert!(
+            holds_stiffness(&test, &result),
+            "{case}: not in its interval"
+        );
+    }
+}
+
+fn holds_stiffness(test: &VirtualTest, result: &TestResult) -> bool {
+    let estimate = result.estimate.as_ref().unwrap();
+    let interval = estimate.tangential.stiffness_n_per_um;
+    (interval.lower..=interval.upper).contains(&test.truth.tangential_stiffness_n_per_um)
+}
+
+/// Noise of a quarter of a step leaves the same error in all cycles; the intervals know of it. Of 20 intervals of 95 % fewer than 17
+/// hold the truth once in 60.
+///
+/// Seen to fail without the parts of the phase that are left out in turn.
+#[test]
+fn intervals_know_of_steps_that_do_not_average_out() {
+    let text = contact(0.6, 1.0, 2.0, 20).replace("[excitation]", "[excitation]\nrepetitions = 20");
+    let chain = "[force_cells]\nerror_percent = 0\n[support]\noffset_mm = 0\n\
+                 [vibrometer]\nnoise_um = 0.02\ndrift_um_per_s = 0.02\n";
+    let rig = rig(&format!(
+        "name = \"steps\"\nseed = 1\n{text}{STEADY_AIR}{chain}"
+    ));
+    let map = rig.load_map().unwrap();
+    let tests = (0..20).map(|index| rig.test(&map, index));
+    let held = tests
+        .filter(|test| holds_stiffness(test, &found(test)))
+        .count();
+    assert!(held >= 17, "{held} of 20");
+}
+
 /// A motion that is too small for slip: no friction coefficient, a bound below the truth, and the stiffness.
 #[test]
 fn a_contact_that_sticks_is_told() {

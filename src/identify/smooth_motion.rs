@@ -1,0 +1,265 @@
+//! The displacement of a rig that moves smoothly: noise and steps of the sensor are taken out of it.
+//!
+//! A platform moves as a few harmonics, p(t); the sensor sees that motion less what the rig between them gives way under the
+//! force, u(t) = p(t) − c T(t). Harmonics and the coefficient of T are fitted to a whole cycle, so that the few samples
+//! in which the contact sticks have the displacement that all samples tell: where the elastic travel is as small as a step of the
+//! sensor, the samples of the travel alone would not. A rig that holds the displacement itself has c = 0. The coefficient is found
+//! from the force above the harmonics, for of the others the motion has its own.
+
+use super::mean_loop::{
+    HARMONICS, MeanLoop, neighbour_correlation, noise as noise_of, up_to_harmonic,
+};
+use libm::{cos, exp, log, sin};
+use nalgebra::{DMatrix, DVector};
+use std::f64::consts::{PI, TAU};
+
+/// Fewest samples of a cycle in which noise is told from high harmonics of the motion.
+const LEAST_TO_SMOOTH: usize = 64;
+/// Correlation of neighbours above which a rest is no noise. Lines between samples give noise up to 0.5, a seventh harmonic of 64
+/// samples has 0.77.
+pub(super) const NEIGHBOURS: f64 = 0.6;
+/// Distance of a difference of values from a multiple of the step of a sensor, over the step, that is rounding.
+const OFF_STEP: f64 = 0.01;
+/// Rest of a displacement over its swing that is rounding.
+const ROUNDING: f64 = 1e-9;
+/// Blocks of a cycle whose means show what noise hides in single samples...
+const BLOCKS: usize = 50;
+/// ...and their root mean square, over that of noise, above which they are no noise.
+const LIKE_NOISE: f64 = 1.3;
+/// Steps left in a mean, over the noise of its blocks, below which they count as gone.
+const NEGLIGIBLE: f64 = 0.3;
+/// Parts of the phase that are left out in turn: a sensor stays on one step for about a twelfth of a cycle at a reversal.
+const TWELFTHS: usize = 12;
+
+/// Steps of a sensor, and what the noise before it leaves of them in a mean over cycles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Steps {
+    /// Error of a mean over cycles by the steps (root mean square).
+    pub(super) left: f64,
+}
+
+impl Steps {
+    /// Of a sensor with this step, of whose signal a sample scatters by `scatter` from cycle to cycle.
+    ///
+    /// Normal noise of the standard deviation σ leaves exp(−2π²σ²/q²) of the error of steps q. Source: Widrow, Kollár 2008,
+    /// Quantization Noise, sec. 9 (characteristic function of the noise at 2π/q).
+    pub(super) fn new(step: f64, scatter: f64) -> Self {
+        let of_rounding = step * step / 12.0;
+        let noise = (scatter * scatter - of_rounding).max(0.0);
+        let share = match step > 0.0 {
+            true => exp(-2.0 * (PI / step).powi(2) * noise),
+            false => 0.0,
+        };
+        Self {
+            left: of_rounding.sqrt() * share,
+        }
+    }
+}
+
+/// Step of the sensor that gave a signal: the least difference between two of its values, if all others are multiples of it; else 0.
+pub(super) fn sensor_step(signal: &[f64]) -> f64 {
+    let mut sorted = signal.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let swing = sorted[sorted.len() - 1] - sorted[0];
+    let differences = || {
+        let pairs = sorted.windows(2).map(|pair| pair[1] - pair[0]);
+        pairs.filter(|difference| *difference > ROUNDING * swing)
+    };
+    let least = differences().fold(f64::INFINITY, f64::min);
+    let off = |difference: f64| (difference / least - (difference / least).round()).abs();
+    match differences().all(|difference| off(difference) < OFF_STEP) {
+        true if least.is_finite() => least,
+        _ => 0.0,
+    }
+}
+
+/// Replaces the displacement of every loop by harmonics and a multiple of the force where these leave of the mean steady loop no more
+/// than noise and steps, sample by sample and in blocks. The rest of another motion is small, but lies where the contact sticks.
+///
+/// Where steps are left in the mean all cycles have the same error: then the mean loop as it is without each twelfth of the phase,
+/// which tells that error; else nothing.
+pub(super) fn smooth_motion(loops: &mut [MeanLoop], run_in: usize, step: f64) -> Vec<MeanLoop> {
+    let steady = &loops[run_in..];
+    let mean = MeanLoop::of(steady);
+    if mean.samples() < LEAST_TO_SMOOTH {
+        return Vec::new();
+    }
+    let model = SmoothMotion::of(&mean);
+    let rest = model.rest(&mean);
+    let rounding = largest(&rest) <= ROUNDING * largest(&mean.displacement);
+    let blocks = Blocks::of(&rest);
+    let steps = Steps::new(step, scatter(steady));
+    let alone = neighbour_correlation(&rest) < NEIGHBOURS || steps.left > blocks.by_noise;
+    let bound = LIKE_NOISE * blocks.by_noise.hypot(steps.left);
+    if !(rounding || alone && blocks.deviation < bound) {
+        return Vec::new();
+    }
+    for cycle in loops {
+        cycle.displacement = model.of_loop(cycle);
+    }
+    match !rounding && steps.left > NEGLIGIBLE * blocks.by_noise {
+        true => (0..TWELFTHS)
+            .map(|part| model.without(&mean, part))
+            .collect(),
+        false => Vec::new(),
+    }
+}
+
+/// Harmonics of the platform and the force that the rig gives way under.
+struct SmoothMotion {
+    /// Highest harmonic of the platform.
+    highest: usize,
+    /// Force of the mean loop above these harmonics.
+    instrument: Vec<f64>,
+}
+
+impl SmoothMotion {
+    /// As many harmonics as the mean loop shows by Schwarz' criterion, with as many independent samples as the rest has: a harmonic that is
+    /// not seen moves a stiffness by less than the noise of all of them would.
+    fn of(mean: &MeanLoop) -> Self {
+        let whole = Self::up_to(mean, HARMONICS);
+        let rest = whole.rest(mean);
+        let samples = rest.len() as f64;
+        let independent = samples / Blocks::of(&rest).alike(&rest);
+        let score = |model: &Self| {
+            let square: f64 = model.rest(mean).iter().map(|r| r * r).sum();
+            let unknowns = 2.0 * model.highest as f64;
+            independent * log(square.max(f64::MIN_POSITIVE)) + unknowns * log(independent)
+        };
+        let mut best = (score(&whole), whole);
+        for fewer in (1..HARMONICS).rev() {
+            let model = Self::up_to(mean, fewer);
+            let found = score(&model);
+            if found <= best.0 {
+                best = (found, model);
+            }
+        }
+        best.1
+    }
+
+    fn up_to(mean: &MeanLoop, highest: usize) -> Self {
+        Self {
+            highest,
+            instrument: above(&mean.tangential, highest),
+        }
+    }
+
+    /// Harmonics of the displacement and the multiple of the force above its harmonics. The multiple is found with the force of the mean
+    /// loop as the instrument: noise of a single loop's force, in both sums, does not make it smaller.
+    fn of_loop(&self, cycle: &MeanLoop) -> Vec<f64> {
+        let own = above(&cycle.tangential, self.highest);
+        let product = |signal: &[f64]| -> f64 {
+            let both = signal.iter().zip(&self.instrument);
+            both.map(|(a, b)| a * b).sum()
+        };
+        let (with_displacement, with_force) = (product(&cycle.displacement), product(&own));
+        let multiple = match with_force > 0.0 {
+            true => with_displacement / with_force,
+            false => 0.0,
+        };
+        let motion = up_to_harmonic(&cycle.displacement, self.highest);
+        let both = motion.iter().zip(own);
+        both.map(|(p, t)| p + multiple * t).collect()
+    }
+
+    fn rest(&self, cycle: &MeanLoop) -> Vec<f64> {
+        let fitted = self.of_loop(cycle);
+        let both = cycle.displacement.iter().zip(fitted);
+        both.map(|(u, f)| u - f).collect()
+    }
+
+    /// The mean loop with what the phases outside of a twelfth tell of its displacement; as it is where these do not tell it.
+    fn without(&self, mean: &MeanLoop, part: usize) -> MeanLoop {
+        let n = mean.samples();
+        // parts begin half of one before the reversal, so that it lies in their middle
+        let of_part = |i: usize| (2 * TWELFTHS * i / n).div_ceil(2) % TWELFTHS;
+        let row = |i: usize| {
+            let wave = |k: usize| {
+                let phase = TAU * ((k.div_ceil(2) * i) % n) as f64 / n as f64;
+                if k % 2 == 1 { cos(phase) } else { sin(phase) }
+            };
+            let waves = (1..=2 * self.highest).map(wave);
+            let row: Vec<f64> = [1.0, self.instrument[i]].into_iter().chain(waves).collect();
+            DVector::from_vec(row)
+        };
+        let unknowns = 2 + 2 * self.highest;
+        let mut normal = DMatrix::zeros(unknowns, unknowns);
+        let mut right = DVector::zeros(unknowns);
+        let scale = largest(&self.instrument).max(f64::MIN_POSITIVE);
+        let scaled = |i: usize| {
+            let mut row = row(i);
+            row[1] /= scale;
+            row
+        };
+        for i in (0..n).filter(|i| of_part(*i) != part) {
+            let row = scaled(i);
+            right += &row * mean.displacement[i];
+            normal += &row * row.transpose();
+        }
+        let mut of_others = mean.clone();
+        of_others.displacement = match normal.cholesky() {
+            Some(factor) => {
+                let found = factor.solve(&right);
+                (0..n).map(|i| scaled(i).dot(&found)).collect()
+            }
+            None => self.of_loop(mean),
+        };
+        of_others
+    }
+}
+
+/// A signal without its mean and its harmonics up to one.
+fn above(signal: &[f64], highest: usize) -> Vec<f64> {
+    let below = up_to_harmonic(signal, highest);
+    signal.iter().zip(below).map(|(v, s)| v - s).collect()
+}
+
+/// Means of a rest over blocks of the cycle.
+struct Blocks {
+    /// Samples of a block.
+    length: usize,
+    /// Root mean square of the means...
+    deviation: f64,
+    /// ...and what noise of single samples makes of it.
+    by_noise: f64,
+}
+
+impl Blocks {
+    fn of(rest: &[f64]) -> Self {
+        let length = (rest.len() / BLOCKS).max(1);
+        let mean = |block: &[f64]| block.iter().sum::<f64>() / length as f64;
+        let blocks: Vec<f64> = rest.chunks_exact(length).map(mean).collect();
+        let square = blocks.iter().map(|b| b * b).sum::<f64>() / blocks.len() as f64;
+        Self {
+            length,
+            deviation: square.sqrt(),
+            by_noise: noise_of(rest) / (length as f64).sqrt(),
+        }
+    }
+
+    /// Neighbours that are alike: one where all are independent.
+    fn alike(&self, rest: &[f64]) -> f64 {
+        let square = rest.iter().map(|r| r * r).sum::<f64>() / rest.len() as f64;
+        let alike = self.deviation.powi(2) * self.length as f64 / square.max(f64::MIN_POSITIVE);
+        alike.clamp(1.0, self.length as f64)
+    }
+}
+
+/// Greatest size of a value.
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, v| v.abs().max(most))
+}
+
+/// Standard deviation of a sample of the displacement from cycle to cycle; 0 of one cycle.
+fn scatter(loops: &[MeanLoop]) -> f64 {
+    let (n, samples) = (loops.len() as f64, loops[0].samples());
+    if loops.len() < 2 {
+        return 0.0;
+    }
+    let variance = |i: usize| {
+        let mean = loops.iter().map(|l| l.displacement[i]).sum::<f64>() / n;
+        let square = loops.iter().map(|l| (l.displacement[i] - mean).powi(2));
+        square.sum::<f64>() / (n - 1.0)
+    };
+    ((0..samples).map(variance).sum::<f64>() / samples as f64).sqrt()
+}
