@@ -66,8 +66,12 @@ pub fn calibrate(
     let design = &evaluator.study().design;
     let of_prior: Vec<Vec<f64>> = (0..samples as u64).map(|i| design.sample(i)).collect();
     let solve = |points: &[Vec<f64>]| evaluator.evaluate(points, &never).map_err(stopped);
+    let known = evaluator.sampled();
+    let mut results: Vec<_> = known.iter().map(|sample| numbers(&sample.levels)).collect();
+    let others = solve(&of_prior[results.len()..])?;
+    results.extend(others.iter().map(|levels| numbers(levels)));
     let mut points = SolvedPoints {
-        results: solve(&of_prior)?.iter().map(|p| numbers(p)).collect(),
+        results,
         inputs: of_prior,
         of_prior: samples,
     };

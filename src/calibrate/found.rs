@@ -6,6 +6,7 @@ use crate::ensemble::program::Program;
 use crate::file::FileRecord;
 use crate::sampling::Distribution;
 use crate::statistics::{Mixing, PredictionError};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A calibration with its draws.
@@ -18,7 +19,7 @@ pub struct Calibrated {
 }
 
 /// Where a calibration comes from.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Origin {
     /// Name of the study.
     pub study: String,
@@ -35,7 +36,7 @@ pub struct Origin {
 }
 
 /// A calibration: what went in, what is known now, and what checks it.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Calibration {
     /// Where it comes from.
     #[serde(flatten)]
@@ -61,7 +62,7 @@ pub struct Calibration {
 }
 
 /// A round of fit, chains and check.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Round {
     /// Solved points that shaped the surrogates.
     pub points: usize,
@@ -75,7 +76,7 @@ pub struct Round {
 }
 
 /// An input before and after.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct CalibratedInput {
     /// Name.
     pub name: String,
@@ -95,7 +96,7 @@ pub struct CalibratedInput {
 }
 
 /// Quantiles of a number.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Quantiles {
     /// 2.5 %.
     pub q025: f64,
@@ -140,7 +141,7 @@ impl Quantiles {
 }
 
 /// A standard deviation of the model that was unknown.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct FoundDeviation {
     /// The quantity; of a frequency in Hz, of an amplitude relative.
     pub quantity: Quantity,
@@ -151,7 +152,7 @@ pub struct FoundDeviation {
 }
 
 /// A measured mean beside what the model predicts of it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Checked {
     /// The measured mean.
     pub measured: Observation,

@@ -5,7 +5,7 @@ use crate::setting::BadSetting;
 use libm::log;
 
 /// A measured quantity of a resonance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
     /// Resonance frequency (Hz).
@@ -31,7 +31,7 @@ impl Quantity {
 }
 
 /// Mean of one quantity at one level.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Observation {
     /// Place of the level among those of the study.
     pub level: usize,

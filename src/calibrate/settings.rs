@@ -3,7 +3,7 @@
 use crate::setting::{BadSetting, within};
 
 /// Settings of a calibration.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct CalibrationSettings {
     /// Samples of the study that are solved to shape the surrogates; absent = those of the study.
     pub samples: Option<u64>,
@@ -23,7 +23,7 @@ pub struct CalibrationSettings {
 
 /// What the model may be wrong by at each level, whatever its inputs: standard deviation of a normal number, itself uncertain by a
 /// factor e (lognormal with this median and a logarithm of standard deviation 1). 0 = nothing.
-#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Discrepancy {
     /// Of the resonance frequency (Hz).
     pub frequency_hz: f64,

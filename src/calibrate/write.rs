@@ -3,10 +3,11 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::found::Calibrated;
+use super::found::{Calibrated, Calibration};
 use super::page::html;
 use crate::Error;
-use crate::study::OutputFolder;
+use crate::study::{OutputFolder, schema_of};
+use serde_json::Value;
 
 /// Summary of a calibration.
 pub const CALIBRATION: &str = "calibration.json";
@@ -14,6 +15,12 @@ pub const CALIBRATION: &str = "calibration.json";
 pub const PAGE: &str = "calibration.html";
 /// Draws of the posterior, which a design of kind "file" reads.
 pub const POSTERIOR: &str = "posterior.csv";
+
+/// The schema (JSON Schema, draft 2020-12) of `calibration.json`, with the meaning and unit of every field.
+#[must_use]
+pub fn schema() -> Value {
+    schema_of::<Calibration>("Microslip calibration.json")
+}
 
 impl Calibrated {
     /// Writes `posterior.csv`, `calibration.json` and `calibration.html` into `folder`; the files.

@@ -3,6 +3,7 @@
 use super::terminal::print;
 use clap::{Args, ValueEnum};
 use microslip::Error;
+use microslip::calibrate;
 use microslip::study::{OutputFile, key_reference, output_schema, schema};
 
 #[derive(Args)]
@@ -26,6 +27,8 @@ enum Described {
     Report,
     /// `solution.json`.
     Solution,
+    /// `calibration.json`.
+    Calibration,
 }
 
 impl SchemaArguments {
@@ -35,6 +38,7 @@ impl SchemaArguments {
             Described::Summary => output_schema(OutputFile::Summary),
             Described::Report => output_schema(OutputFile::Report),
             Described::Solution => output_schema(OutputFile::Solution),
+            Described::Calibration => calibrate::write::schema(),
         };
         print(|out| match self.markdown {
             true => write!(out, "{}", key_reference()),

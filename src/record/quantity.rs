@@ -74,6 +74,9 @@ const UNITS: [(&str, Unit); 21] = [
     ("kHz", unit(Dimension::Frequency, 3)),
 ];
 
+/// Unit of a level that is a factor.
+const FACTOR: &str = "-";
+
 const fn unit(dimension: Dimension, power: i32) -> Unit {
     Unit { dimension, power }
 }
@@ -212,7 +215,7 @@ impl Quantity {
         known.iter().find(has).copied()
     }
 
-    /// Its unit, from the symbol that follows its name in a file.
+    /// Its unit, from the symbol that follows its name in a file. The level of a model of one's own matrices is a factor on its forces.
     ///
     /// # Errors
     /// The rule, if there is none or it measures something else.
@@ -225,8 +228,18 @@ impl Quantity {
                 "{name}: has no unit: must have one in brackets, as {name} [{si}]; units of {words}"
             ));
         };
+        if self == Self::Level && symbol.trim() == FACTOR {
+            return Ok(unit(Dimension::Force, 0));
+        }
         let unit = Unit::of(symbol).filter(|unit| unit.dimension == self.dimension());
-        unit.ok_or_else(|| format!("{name} [{symbol:.20}]: must be in a unit of {words}"))
+        unit.ok_or_else(|| {
+            let or = if self == Self::Level {
+                ", or - for a factor on the forces of a model"
+            } else {
+                ""
+            };
+            format!("{name} [{symbol:.20}]: must be in a unit of {words}{or}")
+        })
     }
 }
 
@@ -330,6 +343,17 @@ mod tests {
         assert!(Unit::of("MN").is_none() && Unit::of("lbf").is_none());
         let rule = Quantity::Time.unit(Some("um")).unwrap_err();
         assert_eq!(rule, "time [um]: must be in a unit of time: s, ms, us");
+        let rule = Quantity::Level.unit(Some("mm")).unwrap_err();
+        assert!(
+            rule.ends_with("kN, or - for a factor on the forces of a model"),
+            "{rule}"
+        );
+        let factor = Quantity::Level.unit(Some("-")).unwrap();
+        assert_eq!(factor.to_si(2.5), 2.5, "a level without a unit");
+        assert!(
+            Quantity::NormalForce.unit(Some("-")).is_err(),
+            "a force needs a unit"
+        );
         let rule = Quantity::NormalForce.unit(None).unwrap_err();
         assert!(
             rule.starts_with("normal force: has no unit: must have"),

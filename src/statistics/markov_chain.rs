@@ -6,7 +6,7 @@
 use crate::special::normal_quantile;
 
 /// Diagnostics of one number of the chains.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Mixing {
     /// Split R̂: the larger one of the rank-normalised draws and of their distances from the median. 1 where chains agree.
     pub r_hat: f64,

@@ -22,6 +22,7 @@
 //! ```
 
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 use super::prepared::PreparedStudy;
 use super::progress::{Meter, Progress};
@@ -30,7 +31,7 @@ use super::resume::{Resumed, identity_of_results};
 use super::run_settings::RunSettings;
 use crate::Error;
 use crate::ensemble::atlas::Atlas;
-use crate::ensemble::outcome::LevelOutcome;
+use crate::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use crate::ensemble::parts::{Difference, RunIdentity};
 use crate::ensemble::program::Program;
 use crate::ensemble::runner::{MOST_ANCHORS, Stopped, Watch};
@@ -51,6 +52,7 @@ pub struct Evaluator<'s> {
     prepared: PreparedStudy<'s>,
     anchors: usize,
     atlas: Atlas,
+    sampled: Vec<SampleOutcome>,
 }
 
 /// Why points are not evaluated. A point without a resonance is no error: its levels say so by their status.
@@ -74,11 +76,14 @@ pub enum EvaluationError {
 struct Starting<'a, F> {
     stop: &'a Stop,
     meter: Meter<F>,
+    solved: Mutex<Vec<SampleOutcome>>,
 }
 
 impl<F: Fn(Progress) + Sync> Watch for Starting<'_, F> {
-    fn solved(&self, _: SolvedSample, times: SampleTimes) {
+    fn solved(&self, sample: SolvedSample, times: SampleTimes) {
         self.meter.one_more(times.newton_iterations);
+        let mut solved = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
+        solved.push(sample.outcome);
     }
 
     fn stops(&self) -> bool {
@@ -103,9 +108,20 @@ impl<'s> Evaluator<'s> {
         ensemble.curve_samples = 0;
         let mut known = Known::default();
         let meter = Meter::start(0, samples, progress);
-        let solved = ensemble.extend(&mut known, samples, &Starting { stop, meter });
+        let starting = Starting {
+            stop,
+            meter,
+            solved: Mutex::default(),
+        };
+        let solved = ensemble.extend(&mut known, samples, &starting);
         solved.map_err(|Stopped| EvaluationError::Stopped)?;
-        Ok(Self::starting_from(prepared, &known, samples))
+        let sampled = starting.solved.into_inner();
+        let mut sampled = sampled.unwrap_or_else(PoisonError::into_inner);
+        sampled.sort_by_key(|outcome| outcome.index);
+        Ok(Self {
+            sampled,
+            ..Self::starting_from(prepared, &known, samples)
+        })
     }
 
     /// Takes the first `anchors` samples from `folder`, the results of a run of the same study: nothing is solved.
@@ -126,6 +142,7 @@ impl<'s> Evaluator<'s> {
             prepared,
             anchors: anchors.len(),
             atlas: Atlas::default(),
+            sampled: Vec::new(),
         };
         evaluator.atlas.extend(anchors);
         evaluator
@@ -154,6 +171,12 @@ impl<'s> Evaluator<'s> {
     #[must_use]
     pub fn anchors(&self) -> usize {
         self.anchors
+    }
+
+    /// Outcomes of the samples that were solved to start from, the first of the study in their order; none from a stored run.
+    #[must_use]
+    pub fn sampled(&self) -> &[SampleOutcome] {
+        &self.sampled
     }
 
     /// Resonances at each of `points`, on all threads. Shape: points x inputs in, points x levels out. The levels are records as those

@@ -68,6 +68,7 @@ pub use key_reference::key_reference;
 pub use merge::merge;
 pub use model::ModelSettings;
 pub use output::{OutputFolder, OutputSettings, write_arrow_tables};
+pub(crate) use output_schema::schema_of;
 pub use output_schema::{OutputFile, output_schema};
 pub use prepared::PreparedStudy;
 pub use profile::{Profile, Stage};

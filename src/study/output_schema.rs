@@ -25,13 +25,14 @@ pub enum OutputFile {
 #[must_use]
 pub fn output_schema(file: OutputFile) -> Value {
     match file {
-        OutputFile::Summary => of::<Summary>("Microslip summary.json"),
-        OutputFile::Report => of::<Assessment>("Microslip report.json"),
-        OutputFile::Solution => of::<SolutionRecord<'_>>("Microslip solution.json"),
+        OutputFile::Summary => schema_of::<Summary>("Microslip summary.json"),
+        OutputFile::Report => schema_of::<Assessment>("Microslip report.json"),
+        OutputFile::Solution => schema_of::<SolutionRecord<'_>>("Microslip solution.json"),
     }
 }
 
-fn of<T: JsonSchema>(title: &str) -> Value {
+/// The schema of a file that is a `T`, under this title.
+pub(crate) fn schema_of<T: JsonSchema>(title: &str) -> Value {
     let settings = SchemaSettings::draft2020_12().for_serialize();
     let mut schema = settings.into_generator().into_root_schema_for::<T>();
     schema.insert("title".to_owned(), json!(title));

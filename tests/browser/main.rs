@@ -11,6 +11,9 @@
 #[expect(dead_code, reason = "shared with the tests of the report")]
 mod synthetic;
 
+mod calibration;
+#[path = "../common/function_case.rs"]
+mod function_case;
 mod identification;
 #[path = "../report/synthetic_contact.rs"]
 mod synthetic_contact;

@@ -3,56 +3,13 @@
 use std::path::Path;
 use std::process::Output;
 
+use crate::described::{assert_described, validator};
+use crate::function_case::{TRUTH, case};
+use crate::page_rules::assert_whole;
 use crate::program::microslip;
 use serde_json::Value;
-use tempfile::TempDir;
 
-/// The truth that the response is simulated from: resistance and load of the function 100 + load − resistance.
-const TRUTH: [f64; 2] = [190.0, 160.0];
-
-/// Two normal inputs in place of those of the study.
-const INPUTS: &str = r#"[inputs.stiffness_scale]
-distribution = "normal"
-mean = 200
-standard_deviation = 10
-truncation = [100, 300]
-
-[inputs.static_load_scale]
-distribution = "normal"
-mean = 150
-standard_deviation = 5
-truncation = [100, 200]
-
-"#;
-
-/// A study of a function in place of the solver, and the response of the truth at two levels with three repetitions each.
-fn case() -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let own = Path::new("studies/own-matrices");
-    for name in ["mass.mtx", "stiffness.mtx"] {
-        std::fs::copy(own.join(name), folder.path().join(name)).unwrap();
-    }
-    let text = std::fs::read_to_string(own.join("study.toml")).unwrap();
-    let head = text.split("[inputs.").next().unwrap();
-    let head = head.replacen(
-        "samples = 100",
-        "samples = 48\ntest_function = \"limit-state\"",
-        1,
-    );
-    let study = format!("{head}{INPUTS}[frequency]\nband_hz = [300, 400]\n");
-    std::fs::write(folder.path().join("study.toml"), study).unwrap();
-    let exact = 100.0 + TRUTH[1] - TRUTH[0];
-    let mut table = "level [N],resonance frequency [Hz],amplitude [um]\n".to_owned();
-    for level in [1.0, 20.0] {
-        for (df, da) in [(0.5, 1.012), (-0.4, 0.994), (-0.1, 0.994)] {
-            let (frequency, amplitude) = (exact + df, exact * da);
-            table.push_str(&format!("{level},{frequency},{amplitude}\n"));
-        }
-    }
-    std::fs::write(folder.path().join("response.csv"), table).unwrap();
-    folder
-}
-
+/// The command with the files of the case.
 fn calibrate(folder: &Path, more: &[&str]) -> Output {
     let mut arguments = vec!["calibrate", "study.toml", "--measured", "response.csv"];
     arguments.extend(["--output", "calibrated", "--draws", "400"]);
@@ -60,7 +17,8 @@ fn calibrate(folder: &Path, more: &[&str]) -> Output {
     microslip(folder, &arguments)
 }
 
-/// The posterior covers the truth and is narrower than the prior; its draws are a design; one thread and two give the same files.
+/// The posterior covers the truth and is narrower than the prior; its draws are a design; one thread and two give the same files; the
+/// summary has its schema.
 #[test]
 fn a_simulated_response_gives_its_truth_back() {
     let folder = case();
@@ -84,7 +42,9 @@ fn a_simulated_response_gives_its_truth_back() {
     }
     let p = found["misfit_probability"].as_f64().unwrap();
     assert!((0.01..0.999).contains(&p), "{p}");
+    assert_described(&validator("calibration"), &found, "calibration.json");
     let page = read("calibration.html");
+    assert_whole(&page);
     for shown in [
         "stiffness_scale",
         "What the model predicts",

@@ -5,7 +5,13 @@
 )]
 
 mod command;
+#[path = "../common/described.rs"]
+mod described;
+#[path = "../common/function_case.rs"]
+mod function_case;
 mod linear;
+#[path = "../common/page_rules.rs"]
+mod page_rules;
 #[path = "../common/program.rs"]
 mod program;
 mod simulated;

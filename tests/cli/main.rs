@@ -7,9 +7,13 @@
 mod bad_input;
 mod compare;
 mod control_variate;
+#[path = "../common/described.rs"]
+mod described;
 mod designs;
 mod export;
 mod extend;
+#[path = "../common/function_case.rs"]
+mod function_case;
 mod identified;
 mod inputs;
 mod log;

@@ -7,6 +7,7 @@ use crate::{STUDY, folder, microslip};
 
 pub(crate) mod cases;
 mod files;
+mod measurements;
 pub(crate) mod rig_cases;
 
 use cases::{BEYOND_SCHEMA, REFUSED};
