@@ -63,18 +63,8 @@ pub fn calibrate(
     let anchors = ANCHORS.min(samples as u64);
     let evaluator = Evaluator::solved(study.into_prepared()?, anchors, &never, |_| {});
     let evaluator = evaluator.map_err(stopped)?;
-    let design = &evaluator.study().design;
-    let of_prior: Vec<Vec<f64>> = (0..samples as u64).map(|i| design.sample(i)).collect();
     let solve = |points: &[Vec<f64>]| evaluator.evaluate(points, &never).map_err(stopped);
-    let known = evaluator.sampled();
-    let mut results: Vec<_> = known.iter().map(|sample| numbers(&sample.levels)).collect();
-    let others = solve(&of_prior[results.len()..])?;
-    results.extend(others.iter().map(|levels| numbers(levels)));
-    let mut points = SolvedPoints {
-        results,
-        inputs: of_prior,
-        of_prior: samples,
-    };
+    let mut points = prior_points(&evaluator, samples, solve)?;
     let mut rounds: Vec<Round> = Vec::new();
     loop {
         let fitted = Surrogates::fit(&prior, &points, &observations.levels(), settings.seed);
@@ -107,6 +97,25 @@ pub fn calibrate(
         points.inputs.extend(draws);
         points.results.extend(results);
     }
+}
+
+/// The first samples of the prior, solved; those that searches start from are so already.
+fn prior_points(
+    evaluator: &Evaluator<'_>,
+    samples: usize,
+    solve: impl Fn(&[Vec<f64>]) -> Result<Vec<Vec<LevelOutcome>>, Error>,
+) -> Result<SolvedPoints, Error> {
+    let design = &evaluator.study().design;
+    let inputs: Vec<Vec<f64>> = (0..samples as u64).map(|i| design.sample(i)).collect();
+    let known = evaluator.sampled().iter();
+    let mut results: Vec<_> = known.map(|sample| numbers(&sample.levels)).collect();
+    let others = solve(&inputs[results.len()..])?;
+    results.extend(others.iter().map(|levels| numbers(levels)));
+    Ok(SolvedPoints {
+        inputs,
+        results,
+        of_prior: samples,
+    })
 }
 
 fn observed(study: &Study, measured: &Path) -> Result<Observations, FileError> {

@@ -25,10 +25,7 @@ fn posteriors_are_drawn_and_nothing_overflows() {
             .unwrap();
         }
         let study = Study::read(&folder.path().join("study.toml")).unwrap();
-        let settings = CalibrationSettings {
-            draws: 200,
-            ..CalibrationSettings::default()
-        };
+        let settings = CalibrationSettings::default();
         let found = calibrate(study, &response, &settings, |_| {}).unwrap();
         assert_eq!(
             !found.summary.warnings.is_empty(),

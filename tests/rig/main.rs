@@ -11,6 +11,7 @@ mod loading;
 mod motion;
 #[path = "../common/program.rs"]
 mod program;
+mod signals;
 
 use microslip::rig::{Rig, VirtualTest};
 use std::path::Path;
