@@ -9,7 +9,7 @@ use microslip::study::Study;
 /// Widths of a telephone, a small and a large window, in pixels.
 const WIDTHS: [u32; 3] = [390, 1024, 1920];
 
-/// Also with a measurement that the prior cannot give, and its warnings. Seen to fail with ticks of 30 px: labels are cut.
+/// Also with a measurement that the prior cannot give, and its warnings. Seen to fail with 200 draws, whose warnings are not expected.
 #[test]
 fn posteriors_are_drawn_and_nothing_overflows() {
     let Some(browser) = browser() else { return };

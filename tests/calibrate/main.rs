@@ -10,6 +10,7 @@ mod described;
 #[path = "../common/function_case.rs"]
 mod function_case;
 mod linear;
+mod measured;
 #[path = "../common/page_rules.rs"]
 mod page_rules;
 #[path = "../common/program.rs"]

@@ -25,7 +25,6 @@ fn refused(folder: &Path, file: &str, text: &str, arguments: &[&str], fragments:
     assert!(!written, "{arguments:?}: something was written");
 }
 
-/// Seen to fail with the line left out of the message of a table.
 #[test]
 fn bad_loops_name_line_column_and_rule() {
     let folder = tempfile::tempdir().unwrap();
@@ -70,7 +69,6 @@ fn bad_loops_name_line_column_and_rule() {
     refused(folder.path(), "loops.csv", &text, &missing, &["none.csv: "]);
 }
 
-/// Seen to fail with the line left out of the message of a key.
 #[test]
 fn bad_rigs_name_line_key_and_rule() {
     let folder = tempfile::tempdir().unwrap();
@@ -93,7 +91,6 @@ fn bad_rigs_name_line_key_and_rule() {
     }
 }
 
-/// Seen to fail with a level that the study lacks taken for the nearest one.
 #[test]
 fn bad_responses_name_line_column_and_rule() {
     let folder = case();
