@@ -41,7 +41,7 @@ fn main() {
     let samples = value("--samples")
         .and_then(|n| n.parse().ok())
         .unwrap_or(64);
-    let device = match Device::open(adapter.as_deref(), Precision::F32) {
+    let device = match Device::open(adapter.as_deref(), 0, Precision::F32) {
         Ok(device) => device,
         Err(error) => {
             println!("nothing to measure: {error}");

@@ -124,10 +124,18 @@ fn show_cost(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
     )?;
     writeln!(
         out,
-        "time, one core      about {} (within a factor of two)",
-        duration(facts.time_s)
+        "processor time      about {} (within a factor of two)",
+        duration(facts.processor_time_s)
     )?;
-    Ok(())
+    let threads = match facts.threads {
+        1 => "1 thread".to_owned(),
+        n => format!("{n} threads"),
+    };
+    writeln!(
+        out,
+        "wall time           about {} on {threads}, each with a core of its own",
+        duration(facts.wall_time_s)
+    )
 }
 
 /// The first names and how many more there are.

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::going_on::GoingOn;
 use super::levels::{show_profile, show_result};
 use super::log::Event;
-use super::shares::{Shares, Work};
+use super::shares::{Shares, Work, local_rank};
 use super::study_arguments::StudyArguments;
 use super::terminal::{Bar, print};
 use clap::Args;
@@ -25,7 +25,7 @@ pub(super) struct RunArguments {
     #[arg(long, value_enum, default_value = "cpu")]
     backend: BackendName,
     /// Adapter of the GPU: index, PCI address or part of its name, as `devices` lists them. One that is software must be
-    /// named.
+    /// named. Where several fit, processes that Slurm or MPI start on one node take one each.
     #[arg(long)]
     adapter: Option<String>,
     /// Share of the GPU's evaluations that the processor repeats in double precision.
@@ -128,6 +128,7 @@ impl RunArguments {
             },
             gpu: GpuSettings {
                 adapter: self.adapter.clone(),
+                local_rank: local_rank(),
                 precision: match self.precision {
                     PrecisionName::F32 => Precision::F32,
                     PrecisionName::F64 => Precision::F64,

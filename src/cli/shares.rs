@@ -92,6 +92,17 @@ fn rank() -> u64 {
     names.into_iter().find_map(number).unwrap_or(0)
 }
 
+/// Number of this process among those started together on its node, from 0; 0 where nobody says it.
+pub(super) fn local_rank() -> u64 {
+    let names = [
+        "SLURM_LOCALID",
+        "OMPI_COMM_WORLD_LOCAL_RANK",
+        "MPI_LOCALRANKID",
+        "PALS_LOCAL_RANKID",
+    ];
+    names.into_iter().find_map(number).unwrap_or(0)
+}
+
 fn number(variable: &str) -> Option<u64> {
     std::env::var(variable).ok()?.parse().ok()
 }

@@ -137,20 +137,22 @@ impl OpenBackend {
         self.on_threads(samples, || ensemble.run(samples, done))
     }
 
-    /// Does the `work` of so many samples: with a GPU on a thread per sample in flight, of which only as many compute as the pool
-    /// has threads.
+    /// Does the `work`: with a GPU on a thread per sample in flight, `most_in_flight` of them, of which only as many compute as the
+    /// pool has threads.
     ///
     /// # Errors
     /// What the operating system says if it does not give the threads.
     pub fn on_threads<T: Send>(
         &self,
-        samples: u64,
+        most_in_flight: u64,
         work: impl FnOnce() -> T + Send,
     ) -> Result<T, rayon::ThreadPoolBuildError> {
         if self.gpu.is_none() {
             return Ok(work());
         }
-        let most = usize::try_from(samples).unwrap_or(MOST_IN_FLIGHT).max(1);
+        let most = usize::try_from(most_in_flight)
+            .unwrap_or(MOST_IN_FLIGHT)
+            .max(1);
         let in_flight = (SAMPLES_PER_TURN * self.turns)
             .min(MOST_IN_FLIGHT)
             .min(most);

@@ -28,6 +28,7 @@ pub mod atlas;
 pub mod backend;
 pub mod columns;
 pub mod further_points;
+pub mod memory;
 mod mode_search;
 pub mod one_at_a_time;
 pub mod outcome;

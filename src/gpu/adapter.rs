@@ -1,5 +1,6 @@
 //! Adapters of this machine, and an open device on one of them. Headless: nothing here knows a window.
 
+use super::choice::chosen;
 use super::error::GpuError;
 use super::report::AdapterFacts;
 use super::settings::Precision;
@@ -73,21 +74,21 @@ pub struct Device {
 }
 
 impl Device {
-    /// Opens the adapter that `wanted` names by index, PCI address or part of its name; without `wanted` the first
-    /// discrete one, else the first other piece of hardware, never one that is software.
+    /// Opens the adapter that `wanted` names by index, PCI address or part of its name; without `wanted` a
+    /// discrete one, else another piece of hardware, never one that is software. Of several it is that number `local_rank`.
     ///
     /// # Errors
     /// [`GpuError::NoAdapter`], [`GpuError::Lacks`], [`GpuError::Lost`] if it cannot be opened.
-    pub fn open(wanted: Option<&str>, precision: Precision) -> Result<Self, GpuError> {
+    pub fn open(
+        wanted: Option<&str>,
+        local_rank: u64,
+        precision: Precision,
+    ) -> Result<Self, GpuError> {
         let (_instance, all) = enumerate();
         let all_facts: Vec<_> = (all.iter().enumerate())
             .map(|(index, adapter)| facts(index, adapter))
             .collect();
-        let chosen = match wanted {
-            Some(wanted) => all_facts.iter().find(|f| f.is_called(wanted)),
-            None => (all_facts.iter().find(|f| f.kind == "discrete"))
-                .or_else(|| all_facts.iter().find(|f| f.is_hardware())),
-        };
+        let chosen = chosen(wanted, local_rank, &all_facts);
         let chosen = chosen.ok_or_else(|| no_adapter(wanted, &all_facts))?;
         Self::on(&all[chosen.index], chosen.clone(), precision)
     }

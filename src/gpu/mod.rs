@@ -20,6 +20,8 @@ mod adapter;
 #[cfg(feature = "gpu")]
 mod audit;
 #[cfg(feature = "gpu")]
+mod choice;
+#[cfg(feature = "gpu")]
 mod device;
 #[cfg(feature = "gpu")]
 mod kernels;

@@ -246,7 +246,11 @@ impl Queue {
 
 /// Opens the adapter of the settings and tests it.
 pub(super) fn open(settings: &GpuSettings) -> Result<Device, GpuError> {
-    let device = Device::open(settings.adapter.as_deref(), settings.precision)?;
+    let device = Device::open(
+        settings.adapter.as_deref(),
+        settings.local_rank,
+        settings.precision,
+    )?;
     self_test(&device, settings)?;
     Ok(device)
 }

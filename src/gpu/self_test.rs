@@ -104,7 +104,7 @@ fn known_states(set: &HarmonicSet) -> AftBatch<f64> {
 /// What `devices` says of one adapter.
 #[must_use]
 pub fn examined(index: usize) -> String {
-    let device = match Device::open(Some(&index.to_string()), Precision::F32) {
+    let device = match Device::open(Some(&index.to_string()), 0, Precision::F32) {
         Ok(device) => device,
         Err(error) => return format!("failed: {error}"),
     };

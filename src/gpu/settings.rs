@@ -60,8 +60,10 @@ pub enum Fault {
 /// How the device is used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GpuSettings {
-    /// Adapter by index, PCI address or part of its name; `None` = the first that is hardware.
+    /// Adapter by index, PCI address or part of its name; `None` = one that is hardware.
     pub adapter: Option<String>,
+    /// Number of this process among those of its node: where several adapters fit, each process takes one.
+    pub local_rank: u64,
     /// Numbers of the shaders.
     pub precision: Precision,
     /// Share of the evaluations that the processor repeats, 0 to 1.
@@ -80,6 +82,7 @@ impl Default for GpuSettings {
     fn default() -> Self {
         Self {
             adapter: None,
+            local_rank: 0,
             precision: Precision::F32,
             audit: 0.01,
             turns: 1,

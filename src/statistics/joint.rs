@@ -3,6 +3,7 @@
 use super::limit::{Interval, Limit};
 use super::observed::Observed;
 use super::tolerance::{tolerance_confidence, tolerance_order};
+use std::borrow::Cow;
 
 /// A rectangle that holds a share of the population of pairs.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
@@ -40,8 +41,12 @@ const SIDES: usize = 4;
 pub fn joint_region(pairs: &[(f64, f64)], content: f64, confidence: f64) -> JointRegion {
     let n = pairs.len();
     let known = |(x, y): &&(f64, f64)| x.is_finite() && y.is_finite();
-    let valid: Vec<(f64, f64)> = pairs.iter().filter(known).copied().collect();
-    let failed = n - valid.len();
+    let failed = n - pairs.iter().filter(known).count();
+    // a copy of a million pairs is left out where it would be the same
+    let valid: Cow<'_, [(f64, f64)]> = match failed {
+        0 => Cow::Borrowed(pairs),
+        _ => pairs.iter().filter(known).copied().collect(),
+    };
     let cuts = tolerance_order(n, content, confidence);
     let per_side = |side: usize| (cuts + SIDES - 1 - side) / SIDES;
     let [above_y, below_x, above_x, below_y] = if failed == 0 {
@@ -92,8 +97,18 @@ fn limit(side: usize, outward: Option<f64>) -> Limit {
 /// Limits after the sides took turns in cutting off the outermost pair left.
 fn cut_in_turns(valid: &[(f64, f64)], cuts: usize) -> [Limit; SIDES] {
     let order = |side: usize| {
+        let further_out = |&i: &usize, &j: &usize| {
+            let [of_i, of_j] = [i, j].map(|k| outwards(side, valid[k]));
+            of_j.total_cmp(&of_i).then(i.cmp(&j))
+        };
         let mut order: Vec<usize> = (0..valid.len()).collect();
-        order.sort_by(|&i, &j| outwards(side, valid[j]).total_cmp(&outwards(side, valid[i])));
+        // a side meets no more samples than are cut off in all: the others need no order
+        if cuts < order.len() {
+            order.select_nth_unstable_by(cuts, further_out);
+            order.truncate(cuts);
+            order.shrink_to_fit();
+        }
+        order.sort_unstable_by(further_out);
         order.into_iter()
     };
     let mut orders = [0, 1, 2, 3].map(order);

@@ -2,8 +2,9 @@
 
 use super::frequency::FrequencyUnit;
 use super::read::{Study, StudyModel};
+use super::size::{solve_memory, unknowns};
 use crate::Error;
-use crate::hb::equations::jacobian::{DENSE_FALLBACK_LIMIT, DENSE_LIMIT};
+use crate::ensemble::runner::generations;
 use crate::model::rigid::RigidModes;
 use crate::model::two_blade::{ComponentSummary, PressureInputs};
 use crate::report::asked::Stopping;
@@ -59,8 +60,12 @@ pub struct Inspection {
     pub unknowns: [usize; 2],
     /// Memory of one solve on the highest harmonics (bytes): usually, and at most.
     pub memory_bytes: [f64; 2],
-    /// Time of the whole study on one core (s), all further samples with it, within about a factor of two for studies like those shipped.
-    pub time_s: f64,
+    /// Processor time of the whole study (s), all further samples with it, within about a factor of two for studies like those shipped.
+    pub processor_time_s: f64,
+    /// Threads of this process.
+    pub threads: usize,
+    /// Wall time (s) on these threads, if each has a core of its own.
+    pub wall_time_s: f64,
     /// What looks like a mistake.
     pub warnings: Vec<String>,
 }
@@ -91,6 +96,8 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
     let stuck = in_unit(model.stuck_frequencies(&parameters).map_err(no_modes)?);
     let names = |rows: &[crate::model::Response]| rows.iter().map(|r| r.name.clone()).collect();
     let unknowns = unknowns(study, n_contacts);
+    let processor_time_s = processor_time(study, unknowns[0]);
+    let threads = rayon::current_num_threads();
     Ok(Inspection {
         name: study.name.clone(),
         unit,
@@ -121,8 +128,10 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         further_samples: further_samples(study),
         levels: study.levels.clone(),
         unknowns,
-        memory_bytes: memory(n_contacts, unknowns[1]),
-        time_s: time(study, unknowns[0]),
+        memory_bytes: solve_memory(n_contacts, unknowns[1]),
+        processor_time_s,
+        threads,
+        wall_time_s: processor_time_s * turns(study.samples, threads as u64),
         dof_names: model.dof_names,
     })
 }
@@ -136,16 +145,6 @@ fn pressure_field(inputs: &PressureInputs) -> Option<String> {
     (modes > 0).then_some(text)
 }
 
-/// Three relative displacements per pair and coefficient.
-fn unknowns(study: &Study, n_contacts: usize) -> [usize; 2] {
-    let first = study.solver.harmonics.n_coefficients();
-    let highest = study
-        .solver
-        .alert
-        .map_or(first, |alert| first.max(2 * alert.highest_harmonic + 1));
-    [first, highest].map(|n| 3 * n_contacts * n)
-}
-
 /// Work of a peak at one level, in factorisations of the first harmonic set, failures and the error alert included: of a sample
 /// that is predicted from many others.
 const WORK_OF_PREDICTED: f64 = 5.0;
@@ -155,6 +154,8 @@ const WORK_OF_FIRST: f64 = 24.0;
 const FIRST_SAMPLES: u64 = 64;
 /// Work of a curve.
 const WORK_OF_CURVE: f64 = 25.0;
+/// Share of that work in a study without an error alert.
+const SHARE_WITHOUT_ALERT: f64 = 0.15;
 /// Operations per second of a dense factorisation on one core.
 const FLOPS: f64 = 5e9;
 /// Time of everything but the factorisation, per unknown (s).
@@ -172,30 +173,8 @@ fn further_samples(study: &Study) -> u64 {
         .saturating_mul(inner)
 }
 
-/// Bytes of one solve with all pairs in motion: usually, and where iterations do not converge and the system is factorised
-/// densely, which systems of up to [`DENSE_FALLBACK_LIMIT`] unknowns are (matrix, copy, factors).
-///
-/// Compliances of all harmonics, from which the springs of the contacts are taken and which sweeps have in single precision,
-/// too; derivatives of the contact forces, seven blocks per pair in four copies; and, of a large system, factors of the
-/// blocks of the sweep and the directions of an exact solve. Small ones are factorised densely
-/// (`hb::equations::jacobian`).
-fn memory(n_contacts: usize, unknowns: usize) -> [f64; 2] {
-    let (n, rows) = (unknowns as f64, 3.0 * n_contacts as f64);
-    let m = n / rows;
-    let compliances = 0.5 * (m + 1.0) * rows.powi(2) * (16.0 + 16.0 + 8.0);
-    let derivatives = n_contacts as f64 * 7.0 * m.powi(2) * (3.0 * 8.0 + 4.0);
-    let (block_slots, directions) = (6.0, 60.0);
-    let iterative = rows * block_slots * m.powi(2) * 4.0 + 2.0 * 8.0 * directions * n;
-    let dense = 3.0 * 8.0 * n.min(DENSE_FALLBACK_LIMIT as f64).powi(2);
-    let shared = compliances + derivatives;
-    match unknowns {
-        ..=DENSE_LIMIT => [shared + dense; 2],
-        _ => [shared + iterative, shared + iterative + dense],
-    }
-}
-
 /// ⅔ n³ operations per factorisation and a linear part; the numbers of them are those of the shipped studies.
-fn time(study: &Study, unknowns: usize) -> f64 {
+fn processor_time(study: &Study, unknowns: usize) -> f64 {
     let n = unknowns as f64;
     let solve = 2.0 / 3.0 * n.powi(3) / FLOPS + ASSEMBLY_PER_UNKNOWN * n;
     let samples = study.samples.saturating_add(further_samples(study));
@@ -208,7 +187,21 @@ fn time(study: &Study, unknowns: usize) -> f64 {
     let work = WORK_OF_PREDICTED * samples as f64
         + WORK_OF_FIRST * first as f64
         + WORK_OF_CURVE * curves as f64;
-    study.levels.len() as f64 * work * solve
+    let share = match study.solver.alert {
+        Some(_) => 1.0,
+        None => SHARE_WITHOUT_ALERT,
+    };
+    study.levels.len() as f64 * work * share * solve
+}
+
+/// Rounds of so many threads over the samples, each the time of one sample, over the number of samples: a generation of the atlas waits
+/// for its last sample.
+fn turns(samples: u64, threads: u64) -> f64 {
+    let rounds = generations(samples).map(|generation| {
+        let samples = generation.end - generation.start;
+        samples.div_ceil(threads.max(1))
+    });
+    rounds.sum::<u64>() as f64 / samples.max(1) as f64
 }
 
 fn warnings(study: &Study, flexible: Option<f64>, asymmetric: bool) -> Vec<String> {
@@ -234,4 +227,17 @@ fn warnings(study: &Study, flexible: Option<f64>, asymmetric: bool) -> Vec<Strin
         warnings.push("no [inputs]: every sample will be the same".to_owned());
     }
     warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::turns;
+
+    /// 5, 2, 3 and 2 samples by four: 2 + 1 + 1 + 1 rounds. Seen to fail with samples that do not wait for their generation.
+    #[test]
+    fn generations_wait_for_their_last_sample() {
+        assert_eq!(turns(12, 1), 1.0);
+        assert_eq!(turns(12, 4), 5.0 / 12.0);
+        assert_eq!(turns(12, 100), 4.0 / 12.0);
+    }
 }

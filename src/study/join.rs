@@ -11,7 +11,7 @@ use std::time::Duration;
 use super::output::OutputFolder;
 use super::progress::{Meter, Progress};
 use super::read::Study;
-use super::resume::{accepted, has_results, identity, resumed};
+use super::resume::{accepted, has_results, identity, refuse_fewer, resumed};
 use super::run::run_alone;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
@@ -43,6 +43,7 @@ pub fn join(
 ) -> Result<RunResult, Error> {
     refuse_looks(study)?;
     let shared = FolderLock::shared(folder.path())?;
+    refuse_fewer(study, folder)?;
     let identity = identity(study, folder)?;
     if !has_results(folder, &identity, settings) {
         solve_together(study, folder, identity, rank, settings, &progress)?;

@@ -52,6 +52,7 @@ pub mod schema;
 mod search;
 mod session;
 pub mod share;
+mod size;
 pub mod solve;
 pub mod status;
 pub mod tables;

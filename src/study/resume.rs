@@ -10,7 +10,7 @@ use super::run_settings::RunSettings;
 use crate::Error;
 use crate::ensemble::atlas::Atlas;
 use crate::ensemble::outcome::{LevelOutcome, SampleOutcome};
-use crate::ensemble::parts::{Difference, Merged, PartFolder, RunIdentity, Source};
+use crate::ensemble::parts::{Difference, Merged, PartFolder, RunIdentity, Source, more_samples};
 use crate::ensemble::program::Program;
 use crate::ensemble::runner::MOST_ANCHORS;
 use crate::ensemble::store::{ATLAS_FILE, StoredStudy, read_indices, read_study};
@@ -273,6 +273,28 @@ pub(super) fn refusal(difference: &Difference) -> String {
     format!(
         "holds samples of {difference}: finish that run{program}, take another --output, or delete this folder with its samples"
     )
+}
+
+/// Refuses to put the results of fewer samples in the place of more of the same study.
+///
+/// # Errors
+/// [`Error::Command`] if the results in `folder` are of this study with more samples; [`Error::File`] if files that wait there cannot
+/// be placed.
+pub(super) fn refuse_fewer(study: &Study, folder: &OutputFolder) -> Result<(), Error> {
+    finish_placing(folder.path())?;
+    // what cannot be read is replaced
+    let stored = read_study(folder.path()).ok();
+    let Some(more) = stored.and_then(|stored| more_samples(&study.text, &stored.text)) else {
+        return Ok(());
+    };
+    let message = format!(
+        "holds {more} samples of this study, of which its file asks for {}: `report` makes their report anew; for fewer samples take another --output, or delete these",
+        study.samples
+    );
+    Err(Error::Command {
+        path: folder.path().to_owned(),
+        message,
+    })
 }
 
 /// Whether the whole results of this run lie in `folder`, and nothing of them is to be solved again. What cannot be read is replaced.

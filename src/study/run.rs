@@ -9,7 +9,7 @@ use super::output::{OPTIONAL_TABLES, OutputFolder, write_arrow_tables};
 use super::profile::Stage;
 use super::progress::{Meter, Progress};
 use super::read::Study;
-use super::resume::{Resumed, add_solved_results, finished, identity, resumed};
+use super::resume::{Resumed, add_solved_results, finished, identity, refuse_fewer, resumed};
 use super::run_record::first_record;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
@@ -35,8 +35,8 @@ use crate::report::{self, RunRecord, Summary};
 ///
 /// # Errors
 /// Whatever building the model refuses; [`Error::Problem`] if the nominal model is no harmonic balance problem;
-/// [`Error::Command`] if it has no resonance in the band, or `folder` holds parts of another run; [`Error::Threads`] if the
-/// system gives no more threads; [`Error::File`] if another process works in the folder; [`Error::Store`] or [`Error::Report`] if
+/// [`Error::Command`] if it has no resonance in the band, or `folder` holds parts of another run, or results of this study with more
+/// samples; [`Error::Threads`] if the system gives no more threads; [`Error::File`] if another process works in the folder; [`Error::Store`] or [`Error::Report`] if
 /// a result cannot be written; [`Error::Stopped`] if the run was stopped. Older results are then as they were.
 pub fn run(
     study: &Study,
@@ -58,6 +58,7 @@ pub(super) fn run_alone(
     settings: &RunSettings,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<RunResult, Error> {
+    refuse_fewer(study, folder)?;
     let identity = identity(study, folder)?;
     let mut resumed = resumed(study, folder, &identity, settings)?;
     if let Some(result) = finished(study, folder, &identity, settings)? {
@@ -99,7 +100,7 @@ pub(super) fn run_after(
                 let outcomes = resumed.outcomes(study, samples)?;
                 let solved = Solved { outcomes, anchors };
                 profiler.stage(Stage::WorstCases, || {
-                    worst_cases(ensemble, &record, &solved, &session.meter)
+                    worst_cases(ensemble, &record, &solved, session.meter)
                 })
             }
         };
@@ -120,7 +121,7 @@ pub(super) fn run_after(
             unfolded: study.unfolded(),
             taken_over,
             profile: profiler.read(),
-            notes: resumed.notes,
+            notes: [&session.notes[..], &resumed.notes].concat(),
         })
     })
 }

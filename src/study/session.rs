@@ -11,6 +11,7 @@ use super::run_settings::RunSettings;
 use crate::Error;
 use crate::ensemble::Ensemble;
 use crate::ensemble::backend::OpenBackend;
+use crate::ensemble::memory::{available_bytes, samples_at_once};
 use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::parts::{PartFolder, PartHead, PartWriter, RunIdentity};
 use crate::ensemble::runner::{Stopped, Watch};
@@ -54,17 +55,72 @@ pub(super) struct Session<'a, F> {
     pub head: PartHead,
     pub parts: PartFolder,
     pub settings: &'a RunSettings,
-    pub meter: Meter<F>,
+    pub meter: &'a Meter<F>,
     pub profiler: Profiler,
+    /// Samples that are in flight at most.
+    at_once: usize,
+    /// What a user should know, one line each.
+    pub notes: Vec<String>,
 }
 
-/// Builds the model, opens the backend, and does the `work`, of which `meter` counts the samples.
+/// Builds the model, opens the backend, and does the `work`, of which `meter` counts the samples. As many samples are solved at once as
+/// there are threads, or fewer where the memory is not enough.
 ///
 /// # Errors
-/// Whatever building the model refuses; [`Error::Command`] if sample 0 is not what it was; those of `work`.
-pub(super) fn at_work<T, F: Fn(Progress) + Sync>(
+/// Whatever building the model refuses; [`Error::Command`] if sample 0 is not what it was, or no sample fits into the memory;
+/// [`Error::Threads`] if the system gives no more threads; those of `work`.
+pub(super) fn at_work<T: Send, F: Fn(Progress) + Sync>(
     begun: Begun<'_>,
     meter: Meter<F>,
+    work: impl FnOnce(&Session<'_, F>) -> Result<T, Error> + Send,
+) -> Result<T, Error> {
+    let profiler = Profiler::default();
+    let prepared = profiler.stage(Stage::Model, || begun.study.prepared())?;
+    let at_once = samples_that_fit(&prepared)?;
+    let threads = rayon::current_num_threads();
+    if at_once >= threads {
+        return on_this_pool(
+            begun,
+            (&prepared, profiler),
+            (at_once, Vec::new()),
+            &meter,
+            work,
+        );
+    }
+    let note = format!(
+        "{at_once} of {threads} threads solve: a sample takes up to {:.0} MB of memory, of which there is not enough for more",
+        prepared.solve_memory()[1] / 1e6
+    );
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(at_once).build();
+    let pool = pool.map_err(|error| Error::Threads(error.to_string()))?;
+    pool.install(|| {
+        on_this_pool(
+            begun,
+            (&prepared, profiler),
+            (at_once, vec![note]),
+            &meter,
+            work,
+        )
+    })
+}
+
+/// Number of samples that the memory has room for at once.
+fn samples_that_fit(prepared: &PreparedStudy<'_>) -> Result<usize, Error> {
+    let Some(available) = available_bytes() else {
+        return Ok(usize::MAX);
+    };
+    samples_at_once(prepared.solve_memory(), available).map_err(|message| Error::Command {
+        path: prepared.study.path.clone(),
+        message,
+    })
+}
+
+/// The same on the threads of this pool.
+fn on_this_pool<T, F: Fn(Progress) + Sync>(
+    begun: Begun<'_>,
+    (prepared, profiler): (&PreparedStudy<'_>, Profiler),
+    (at_once, notes): (usize, Vec<String>),
+    meter: &Meter<F>,
     work: impl FnOnce(&Session<'_, F>) -> Result<T, Error>,
 ) -> Result<T, Error> {
     let Begun {
@@ -75,8 +131,6 @@ pub(super) fn at_work<T, F: Fn(Progress) + Sync>(
         first,
     } = begun;
     let backend = OpenBackend::open(&settings.backend, &study.solver);
-    let profiler = Profiler::default();
-    let prepared = profiler.stage(Stage::Model, || study.prepared())?;
     let ensemble = prepared.ensemble(backend.gpu());
     if let Some(first) = first.filter(|_| !settings.any_program) {
         refuse_other_results(study, &ensemble, &first)?;
@@ -92,10 +146,12 @@ pub(super) fn at_work<T, F: Fn(Progress) + Sync>(
             input_names: inputs.map(|(input, _)| input.name().to_owned()).collect(),
         },
         parts: PartFolder::of(folder.path()),
-        prepared: &prepared,
+        prepared,
         settings,
         meter,
         profiler,
+        at_once,
+        notes,
     })
 }
 
@@ -115,7 +171,8 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
             let (writer, collector) =
                 PartWriter::start(scope, &self.parts, &self.head, control, done);
             let ended = self.profiler.stage(Stage::Samples, || {
-                self.backend.on_threads(samples, || work(&collector))
+                let most = samples.min(self.at_once as u64);
+                self.backend.on_threads(most, || work(&collector))
             });
             drop(collector);
             writer.finish()?;

@@ -6,7 +6,7 @@
 use super::output::OutputFolder;
 use super::progress::{Meter, Progress};
 use super::read::Study;
-use super::resume::{identity, resumed};
+use super::resume::{identity, refuse_fewer, resumed};
 use super::run_settings::RunSettings;
 use super::session::{Begun, at_work};
 use crate::Error;
@@ -67,6 +67,7 @@ pub fn solve_share(
 ) -> Result<ShareResult, Error> {
     refuse_looks(study)?;
     let _lock = FolderLock::shared(folder.path())?;
+    refuse_fewer(study, folder)?;
     let identity = identity(study, folder)?;
     let mut resumed = resumed(study, folder, &identity, settings)?;
     let begun = Begun::with(&resumed, study, folder, settings, identity);
@@ -80,18 +81,19 @@ pub fn solve_share(
     let taken_over =
         known.indices.range(..anchors).count() as u64 + (others.len() - missing.len()) as u64;
     let meter = Meter::start(taken_over, samples, progress);
-    at_work(begun, meter, |session| {
+    let notes = at_work(begun, meter, |session| {
         let ensemble = session.ensemble;
         session.written(samples, |watch| {
             ensemble.extend(known, anchors, watch)?;
             ensemble.solve_from(&known.anchors_before(anchors), &missing, watch)
-        })
+        })?;
+        Ok(session.notes.clone())
     })?;
     Ok(ShareResult {
         samples,
         taken_over,
         of: study.samples,
-        notes: resumed.notes,
+        notes: [notes, resumed.notes].concat(),
     })
 }
 

@@ -21,7 +21,7 @@ fn device(test: &str, precision: Precision) -> Option<Device> {
     let wanted = std::env::var("MICROSLIP_ADAPTER").unwrap_or_else(|_| "0".to_owned());
     let opened = match adapters().is_empty() {
         true => Err("no adapter".to_owned()),
-        false => Device::open(Some(&wanted), precision).map_err(|error| error.to_string()),
+        false => Device::open(Some(&wanted), 0, precision).map_err(|error| error.to_string()),
     };
     match opened {
         Ok(device) => {

@@ -51,6 +51,25 @@ fn same_values(a: &str, b: &str) -> bool {
     a == b || values(a).is_some_and(|table| Some(table) == values(b))
 }
 
+/// Number of samples of the study `stored`, if it is the study `own` with more of them: such as `extend` makes.
+#[must_use]
+pub fn more_samples(own: &str, stored: &str) -> Option<i64> {
+    let parted = |text: &str| {
+        let mut table = text.parse::<toml::Table>().ok()?;
+        let number = match table.remove("samples") {
+            Some(toml::Value::Table(mut rule)) => {
+                let most = rule.remove("at_most");
+                table.insert("samples".to_owned(), toml::Value::Table(rule));
+                most
+            }
+            number => number,
+        };
+        Some((number.and_then(|n| n.as_integer()).unwrap_or(0), table))
+    };
+    let ((own, of_own), (stored, of_stored)) = (parted(own)?, parted(stored)?);
+    (stored > own && of_stored == of_own).then_some(stored)
+}
+
 /// Lines of `old` that are not in `new`, then those of `new` that are not in `old`; with their numbers.
 fn different_lines(old: &str, new: &str) -> Vec<String> {
     let only = |sign: char, of: &str, other: &str| -> Vec<String> {
@@ -122,5 +141,23 @@ mod tests {
         let other = run("seed = 1\nsamples = 4\n", "a", "2");
         let expected = "another program (2 on avx2)";
         assert_eq!(said(&other).as_deref(), Some(expected));
+    }
+
+    /// Seen to fail with other keys not compared, and with the numbers compared the other way around.
+    #[test]
+    fn longer_runs_of_a_study_are_known() {
+        let study = |samples: &str, seed: u32| format!("seed = {seed}\nsamples = {samples}\n");
+        let own = study("10", 1);
+        assert_eq!(more_samples(&own, &study("40 # more", 1)), Some(40));
+        assert_eq!(more_samples(&own, &study("4", 1)), None);
+        assert_eq!(more_samples(&own, &study("10", 1)), None);
+        assert_eq!(more_samples(&own, &study("40", 2)), None);
+        let rule = |most: u32, width: f64| {
+            let rule = format!("{{ until = 'width', width = {width}, at_most = {most} }}");
+            study(&rule, 1)
+        };
+        let own = rule(100, 0.1);
+        assert_eq!(more_samples(&own, &rule(200, 0.1)), Some(200));
+        assert_eq!(more_samples(&own, &rule(200, 0.2)), None);
     }
 }

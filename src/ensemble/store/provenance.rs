@@ -16,7 +16,8 @@ pub struct Provenance {
     pub version: String,
     /// Commit that it was built from, as stated at its build; absent if nobody stated one.
     pub commit: Option<String>,
-    /// Instruction set of the processor as far as results depend on it: `avx512`, `avx2`, `neon` or `baseline`.
+    /// Instruction set of the dense solves, on which the last bits depend: `avx512`, `avx2`, `neon` or `baseline`; `pinned-avx2` and so
+    /// on of a program that was built to take no wider one than AVX2.
     pub instruction_set: String,
     /// Programs that solved a part of the samples, where another one than this was accepted.
     #[serde(default)]

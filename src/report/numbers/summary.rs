@@ -35,7 +35,7 @@ pub struct Summary {
     pub stuck_frequency_hz: f64,
     /// Confidence of every interval.
     pub confidence: f64,
-    /// Wall time of the study (s).
+    /// Wall time of the command that wrote the results (s); earlier ones, whose samples it took over, are not in it.
     pub wall_time_s: f64,
     /// Who evaluated the contacts, with the audit of a GPU.
     pub backend: BackendReport,

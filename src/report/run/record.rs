@@ -81,7 +81,7 @@ pub struct RunRecord {
     pub files: Vec<FileRecord>,
     /// The tables of the run.
     pub tables: Vec<FileRecord>,
-    /// Wall time of the run (s).
+    /// Wall time of the command that wrote the results (s).
     pub wall_time_s: f64,
 }
 

@@ -1,10 +1,12 @@
-//! Faults of the machine under a run: a disk that is full, a folder that becomes read-only, an output that nobody reads, wrong clocks.
+//! Faults of the machine under a run: little memory, a disk that is full, a folder that becomes read-only, an output that nobody reads, wrong clocks.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, SystemTime};
 
-use super::{assert_same_results, parts, run, solved};
+use super::super::test_functions::LIMIT_STATE;
+use super::super::{STUDY, folder};
+use super::{assert_same_results, change, parts, run, solved};
 use assert_cmd::cargo::cargo_bin;
 use microslip::ensemble::parts::{Claims, PartFolder};
 
@@ -182,4 +184,53 @@ fn times_of_parts_do_not_matter() {
     let expected = format!("{solved} samples were solved before and taken over");
     assert!(text.contains(&expected), "{expected}: {text}");
     assert_same_results(path, "results");
+}
+
+/// Where the memory has no room for a sample on each thread, fewer are solved at once, with the same results; where it has none for
+/// one, the run says so before it begins. Seen to fail with as many samples at once as threads.
+#[test]
+#[cfg(target_os = "linux")]
+fn little_memory_means_fewer_samples_at_once() {
+    // each solve on 200 harmonics takes hundreds of megabytes, as far as the estimate knows; a function stands for it
+    let [resistance, load] = LIMIT_STATE;
+    let inputs = format!(
+        "[inputs.stiffness_scale]\n{resistance}\n[inputs.normal_stiffness_scale]\n{load}\n[output]\n"
+    );
+    let study = folder("study.toml", "[output]\n", &inputs);
+    let path = study.path();
+    change(
+        path,
+        "seed = 7",
+        "seed = 7\ntest_function = \"limit-state\"",
+    );
+    change(path, "harmonics = 5", "harmonics = 200\nalert = false");
+    change(path, "time_points = 128", "time_points = 1024");
+    let pairs = (2..7).map(|pair| {
+        let contact = &STUDY[STUDY.find("[[model.contact]]").unwrap()..];
+        let contact = &contact[..contact.find("[contact]").unwrap()];
+        contact.replace("\"c1\"", &format!("\"c{pair}\""))
+    });
+    let pairs: String = pairs.chain(["[contact]\n".to_owned()]).collect();
+    change(path, "[contact]\n", &pairs);
+    let limited = |kilobytes: u64, output: &str| {
+        let script = format!(
+            "ulimit -v {kilobytes} && exec \"$0\" run study.toml --quiet --threads 8 --output {output}"
+        );
+        let mut command = Command::new("sh");
+        command.args(["-c", &script]).arg(cargo_bin("microslip"));
+        let output = command.current_dir(path).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.code(), said)
+    };
+    run(path, "whole", &["--quiet"]);
+    let (code, said) = limited(2_000_000, "few");
+    assert_eq!(code, Some(0), "{said}");
+    let (number, rest) = said.split_once(" of 8 threads solve: ").expect(&said);
+    let number: usize = number.rsplit(' ').next().unwrap().parse().unwrap();
+    assert!((1..8).contains(&number), "{said}");
+    assert!(rest.starts_with("a sample takes up to 6"), "{said}");
+    assert_same_results(path, "few");
+    let (code, said) = limited(300_000, "none");
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("MB are available: fewer harmonics"), "{said}");
 }

@@ -127,6 +127,30 @@ fn parts_that_contradict_each_other_are_an_error() {
     assert_same_results(path, "results");
 }
 
+/// A run of a study whose results were extended would lose samples: it is refused in every way, and what there is stays.
+/// Seen to fail without the refusal, which solved the fewer samples and put them in the place of all.
+#[test]
+fn extended_results_are_not_replaced_by_fewer_samples() {
+    let study = solved(12);
+    let path = study.path();
+    let extended = microslip(path, &["extend", "whole", "--samples", "30", "--quiet"]);
+    assert!(extended.status.success(), "{extended:?}");
+    let table = || std::fs::read(path.join("whole/samples.parquet")).unwrap();
+    let before = table();
+    let expected = "holds 30 samples of this study, of which its file asks for 12";
+    for more in [None, Some("--join"), Some("--only-atlas")] {
+        let run = ["run", "study.toml", "--quiet", "--output", "whole"];
+        let arguments: Vec<&str> = run.into_iter().chain(more).collect();
+        refused(path, &arguments, expected);
+        assert!(table() == before, "{more:?} changed the results");
+    }
+    assert!(parts(path, "whole").is_empty(), "something was solved");
+    // another study replaces them, as ever
+    change(path, "seed = 7", "seed = 8");
+    run(path, "whole", &["--quiet"]);
+    assert!(table() != before, "another study solves its own samples");
+}
+
 /// A sample without a solution is taken over as it is, and solved again where that is asked for.
 /// Seen to fail with the option ignored.
 #[test]

@@ -55,7 +55,10 @@ fn provenance(view: &View) -> Block {
                 percent(failed as f64 / solves.max(1) as f64)
             ),
         ),
-        ("Wall time", format!("{} s", short(record.wall_time_s))),
+        (
+            "Wall time of the last command",
+            format!("{} s", short(record.wall_time_s)),
+        ),
     ];
     let more = more.map(|(name, value)| (name.to_owned(), value));
     sheet("Run", "run", stated.into_iter().chain(more))

@@ -279,7 +279,7 @@ fn facts(summary: &Summary) -> Vec<(String, String)> {
             "fully stuck",
             format!("{} Hz", hertz(summary.stuck_frequency_hz)),
         ),
-        ("wall time", duration(summary.wall_time_s)),
+        ("wall time, last command", duration(summary.wall_time_s)),
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .to_vec()

@@ -1,0 +1,45 @@
+//! Size of one nonlinear solve of a study: unknowns and memory.
+
+use super::prepared::PreparedStudy;
+use super::read::Study;
+use crate::hb::equations::jacobian::{DENSE_FALLBACK_LIMIT, DENSE_LIMIT};
+
+impl PreparedStudy<'_> {
+    /// Bytes of one solve on the highest harmonics: usually, and at most.
+    pub(super) fn solve_memory(&self) -> [f64; 2] {
+        let n_contacts = self.linear.n_contacts();
+        solve_memory(n_contacts, unknowns(&self.study, n_contacts)[1])
+    }
+}
+
+/// Unknowns at the first and at the highest harmonics: three relative displacements per pair and coefficient.
+pub(super) fn unknowns(study: &Study, n_contacts: usize) -> [usize; 2] {
+    let first = study.solver.harmonics.n_coefficients();
+    let highest = study
+        .solver
+        .alert
+        .map_or(first, |alert| first.max(2 * alert.highest_harmonic + 1));
+    [first, highest].map(|n| 3 * n_contacts * n)
+}
+
+/// Bytes of one solve with all pairs in motion: usually, and where iterations do not converge and the system is factorised
+/// densely, which systems of up to [`DENSE_FALLBACK_LIMIT`] unknowns are (matrix, copy, factors).
+///
+/// Compliances of all harmonics, from which the springs of the contacts are taken and which sweeps have in single precision,
+/// too; derivatives of the contact forces, seven blocks per pair in four copies; and, of a large system, factors of the
+/// blocks of the sweep and the directions of an exact solve. Small ones are factorised densely
+/// (`hb::equations::jacobian`).
+pub(super) fn solve_memory(n_contacts: usize, unknowns: usize) -> [f64; 2] {
+    let (n, rows) = (unknowns as f64, 3.0 * n_contacts as f64);
+    let m = n / rows;
+    let compliances = 0.5 * (m + 1.0) * rows.powi(2) * (16.0 + 16.0 + 8.0);
+    let derivatives = n_contacts as f64 * 7.0 * m.powi(2) * (3.0 * 8.0 + 4.0);
+    let (block_slots, directions) = (6.0, 60.0);
+    let iterative = rows * block_slots * m.powi(2) * 4.0 + 2.0 * 8.0 * directions * n;
+    let dense = 3.0 * 8.0 * n.min(DENSE_FALLBACK_LIMIT as f64).powi(2);
+    let shared = compliances + derivatives;
+    match unknowns {
+        ..=DENSE_LIMIT => [shared + dense; 2],
+        _ => [shared + iterative, shared + iterative + dense],
+    }
+}
