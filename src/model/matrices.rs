@@ -243,7 +243,7 @@ impl MatricesSettings {
     }
 
     /// Reads a square symmetric matrix of `size` rows with a further property.
-    fn checked(
+    pub(super) fn checked(
         &self,
         folder: &Path,
         file: &Path,
@@ -289,7 +289,7 @@ impl MatricesSettings {
         Ok(scaled * weighted.transpose())
     }
 
-    fn names(&self, folder: &Path, n: usize) -> Result<Vec<String>, MatricesError> {
+    pub(super) fn names(&self, folder: &Path, n: usize) -> Result<Vec<String>, MatricesError> {
         let names: Vec<String> = match &self.dof_names {
             None => (1..=n).map(|i| i.to_string()).collect(),
             Some(DofNames::List(names)) => names.clone(),
@@ -306,7 +306,7 @@ impl MatricesSettings {
         Ok(names)
     }
 
-    fn response_rows(
+    pub(super) fn response_rows(
         &self,
         dof_names: &[String],
         index: &DofIndex,
@@ -339,7 +339,7 @@ impl MatricesSettings {
 }
 
 /// The n values that a table or a file states.
-fn dense(
+pub(super) fn dense(
     folder: &Path,
     key: &str,
     vector: &Option<Vector>,
@@ -372,7 +372,10 @@ fn dense(
 }
 
 /// Refuses the first name that is empty or given twice.
-fn unique<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Result<(), BadSetting> {
+pub(super) fn unique<'a>(
+    key: &str,
+    names: impl Iterator<Item = &'a str>,
+) -> Result<(), BadSetting> {
     let mut seen = std::collections::BTreeSet::new();
     for name in names {
         BadSetting::unless(!name.trim().is_empty(), key, "\"\"", "must not be empty")?;

@@ -1,9 +1,12 @@
 //! What a study is about to compute: sizes, linear frequencies, memory and time.
 
+use super::built::{StudyDisk, StudyModel};
 use super::frequency::FrequencyUnit;
-use super::read::{Study, StudyModel};
+use super::read::Study;
 use crate::Error;
+use crate::contact::ContactParameters;
 use crate::hb::equations::jacobian::{DENSE_FALLBACK_LIMIT, DENSE_LIMIT};
+use crate::linalg::LinalgError;
 use crate::model::rigid::RigidModes;
 use crate::model::two_blade::{ComponentSummary, PressureInputs};
 use crate::report::asked::Stopping;
@@ -39,6 +42,10 @@ pub struct Inspection {
     pub free: Vec<f64>,
     /// First natural frequencies with every contact closed and stuck.
     pub stuck: Vec<f64>,
+    /// Of a disk: the engine order that excites it, and its nodal diameter, which the frequencies are of.
+    pub excited: Option<(usize, usize)>,
+    /// Of a disk: the first frequencies of every nodal diameter.
+    pub nodal_diameters: Vec<NodalFrequencies>,
     /// Names of the random inputs.
     pub inputs: Vec<&'static str>,
     /// The distribution of each in words, with the file that states it where it is not the study file.
@@ -65,6 +72,47 @@ pub struct Inspection {
     pub warnings: Vec<String>,
 }
 
+/// First natural frequencies of a nodal diameter.
+#[derive(Debug, Clone)]
+pub struct NodalFrequencies {
+    /// The nodal diameter.
+    pub number: usize,
+    /// First flexible frequencies without contact.
+    pub free: Vec<f64>,
+    /// First frequencies with every contact closed and stuck.
+    pub stuck: Vec<f64>,
+}
+
+/// Number of frequencies of a nodal diameter.
+const SHOWN_OF_DIAMETER: usize = 4;
+
+/// The frequencies of every nodal diameter of a disk.
+pub(super) fn nodal_diameters(
+    of: &StudyDisk,
+    contacts: &[ContactParameters<f64>],
+    unit: FrequencyUnit,
+) -> Result<Vec<NodalFrequencies>, LinalgError> {
+    let first = |omega: Vec<f64>| -> Vec<f64> {
+        let shown = omega.into_iter().take(SHOWN_OF_DIAMETER);
+        shown.map(|w| unit.of_rad_s(w)).collect()
+    };
+    let at = |number: usize| {
+        Ok(NodalFrequencies {
+            number,
+            free: first(flexible(of.disk.frequencies(number, None)?)),
+            stuck: first(of.disk.frequencies(number, Some(contacts))?),
+        })
+    };
+    (0..=of.disk.n_sectors / 2).map(at).collect()
+}
+
+/// Those that are more than the round-off of the highest one, whose squares the eigenvalues are.
+fn flexible(omega: Vec<f64>) -> Vec<f64> {
+    let highest = omega.last().copied().unwrap_or_default();
+    let floor = (10.0 * f64::EPSILON * omega.len() as f64).sqrt() * highest;
+    omega.into_iter().filter(|w| *w > floor).collect()
+}
+
 /// Gathers the facts.
 ///
 /// # Errors
@@ -75,20 +123,28 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
     let whole = n_contacts == built.reduced.n_contacts();
     let asymmetric = whole && study.folds() && built.reduced.mirror.is_some();
     let components = built.components();
-    let StudyModel {
-        reduced: model,
-        contacts: parameters,
-        rig,
-    } = built;
     let no_modes = |error| Error::Command {
         path: study.path.clone(),
         message: format!("linear modes of the model: {error}"),
     };
     let unit = study.frequency.unit;
     let in_unit = |omega: Vec<f64>| omega.iter().map(|w| unit.of_rad_s(*w)).collect::<Vec<_>>();
-    let (free, rigid) = model.free_modes().map_err(no_modes)?;
-    let free = in_unit(free);
-    let stuck = in_unit(model.stuck_frequencies(&parameters).map_err(no_modes)?);
+    let (mut free, rigid) = built.reduced.free_modes().map_err(no_modes)?;
+    let free = match &built.disk {
+        None => in_unit(free.split_off(rigid.count)),
+        Some(_) => in_unit(flexible(built.frequencies(false).map_err(no_modes)?)),
+    };
+    let stuck = in_unit(built.frequencies(true).map_err(no_modes)?);
+    let nodal_diameters = match &built.disk {
+        None => Vec::new(),
+        Some(of) => (nodal_diameters(of, &built.contacts, unit)).map_err(no_modes)?,
+    };
+    let excited = (built.disk.as_ref()).map(|of| (of.engine_order, of.nodal_diameter()));
+    let StudyModel {
+        reduced: model,
+        rig,
+        ..
+    } = built;
     let names = |rows: &[crate::model::Response]| rows.iter().map(|r| r.name.clone()).collect();
     let unknowns = unknowns(study, n_contacts);
     Ok(Inspection {
@@ -96,14 +152,16 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         unit,
         contact_names: model.contacts.iter().map(|c| c.name.clone()).collect(),
         response_names: names(&model.responses),
-        warnings: warnings(study, free.get(rigid.count).copied(), asymmetric),
+        warnings: warnings(study, free.first().copied(), asymmetric),
         components,
         total_mass: match &rig {
             Some(rig) => Some(rig.total_mass()),
             None => model.total_mass(),
         },
         rigid,
-        free: free.into_iter().skip(rigid.count).take(SHOWN).collect(),
+        free: free.into_iter().take(SHOWN).collect(),
+        excited,
+        nodal_diameters,
         stuck: stuck.into_iter().take(SHOWN).collect(),
         inputs: study
             .design

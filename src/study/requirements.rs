@@ -42,6 +42,21 @@ pub(super) fn check_requirements(
     requirements.validate(levels)
 }
 
+/// Requires the one engine order that excites a disk.
+///
+/// # Errors
+/// [`BadSetting`] with a key relative to the study file.
+pub(super) fn check_engine_order(requirements: &Requirements) -> Result<(), BadSetting> {
+    let Some(operation) = &requirements.operation else {
+        let rule = "must be given: its engine_orders name the engine order that excites the disk";
+        return BadSetting::unless(false, "operation", "(absent)", rule);
+    };
+    let orders = &operation.engine_orders;
+    let rule = "must be one engine order for a model of kind \"cyclic\": each excites another nodal diameter, and is a study of its own";
+    let key = "operation.engine_orders";
+    BadSetting::unless(orders.len() == 1, key, format!("{orders:?}"), rule)
+}
+
 /// Checks the surrogate of a study with the given design.
 ///
 /// # Errors
