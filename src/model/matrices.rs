@@ -191,9 +191,7 @@ impl MatricesSettings {
         let vector = |key, vector: &Option<Vector>| dense(folder, key, vector, n, &index);
         let cosine_force = vector("cosine_force", &self.cosine_force)?;
         let sine_force = vector("sine_force", &self.sine_force)?;
-        let excited = cosine_force.iter().chain(&sine_force).any(|f| *f != 0.0);
-        let rule = "must not be zero together with sine_force: nothing would vibrate";
-        BadSetting::unless(excited, "cosine_force", "0", rule)?;
+        excited(&cosine_force, &sine_force)?;
         let mut contacts = Vec::new();
         let mut parameters = Vec::new();
         for (i, table) in self.contact.iter().enumerate() {
@@ -336,6 +334,13 @@ impl MatricesSettings {
         unique("responses", responses.iter().map(|r| r.name.as_str()))?;
         Ok(responses)
     }
+}
+
+/// Requires a harmonic force.
+pub(super) fn excited(cosine_force: &[f64], sine_force: &[f64]) -> Result<(), BadSetting> {
+    let excited = cosine_force.iter().chain(sine_force).any(|f| *f != 0.0);
+    let rule = "must not be zero together with sine_force: nothing would vibrate";
+    BadSetting::unless(excited, "cosine_force", "0", rule)
 }
 
 /// The n values that a table or a file states.

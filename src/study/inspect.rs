@@ -1,7 +1,7 @@
 //! What a study is about to compute: sizes, linear frequencies, memory and time.
 
 use super::built::{StudyDisk, StudyModel};
-use super::frequency::FrequencyUnit;
+use super::frequency::{FrequencySettings, FrequencyUnit};
 use super::read::Study;
 use crate::Error;
 use crate::contact::ContactParameters;
@@ -44,7 +44,7 @@ pub struct Inspection {
     pub stuck: Vec<f64>,
     /// Of a disk: the engine order that excites it, and its nodal diameter, which the frequencies are of.
     pub excited: Option<(usize, usize)>,
-    /// Of a disk: the first frequencies of every nodal diameter.
+    /// Of a disk: the frequencies of every nodal diameter close to the band.
     pub nodal_diameters: Vec<NodalFrequencies>,
     /// Names of the random inputs.
     pub inputs: Vec<&'static str>,
@@ -72,29 +72,72 @@ pub struct Inspection {
     pub warnings: Vec<String>,
 }
 
-/// First natural frequencies of a nodal diameter.
+/// Natural frequencies of a nodal diameter.
 #[derive(Debug, Clone)]
 pub struct NodalFrequencies {
     /// The nodal diameter.
     pub number: usize,
-    /// First flexible frequencies without contact.
+    /// Flexible ones without contact.
     pub free: Vec<f64>,
-    /// First frequencies with every contact closed and stuck.
+    /// Those with every contact closed and stuck.
     pub stuck: Vec<f64>,
 }
 
-/// Number of frequencies of a nodal diameter.
-const SHOWN_OF_DIAMETER: usize = 4;
+/// Frequencies of nodal diameters up to so many times the end of the band are stored.
+const BEYOND_BAND: f64 = 1.5;
+/// Those of nodal diameters are shown as close to the band.
+const CLOSE_TO_BAND: f64 = 1.2;
+
+/// Natural frequencies of a study's model, in its unit.
+struct LinearFrequencies {
+    rigid: RigidModes,
+    /// Flexible ones without contact forces.
+    free: Vec<f64>,
+    /// With all contacts stuck.
+    stuck: Vec<f64>,
+    nodal_diameters: Vec<NodalFrequencies>,
+}
+
+impl LinearFrequencies {
+    fn of(built: &StudyModel, frequency: &FrequencySettings) -> Result<Self, LinalgError> {
+        let unit = frequency.unit;
+        let in_unit = |omega: Vec<f64>| omega.iter().map(|w| unit.of_rad_s(*w)).collect();
+        let [low, high] = frequency.band.map(|w| unit.of_rad_s(w));
+        let close = |mut of: NodalFrequencies| {
+            let is_close = |f: &f64| (low / CLOSE_TO_BAND..=high * CLOSE_TO_BAND).contains(f);
+            of.free.retain(is_close);
+            of.stuck.retain(is_close);
+            of
+        };
+        let (mut free, rigid) = built.reduced.free_modes()?;
+        Ok(Self {
+            free: match &built.disk {
+                None => in_unit(free.split_off(rigid.count)),
+                Some(_) => in_unit(flexible(built.frequencies(false)?)),
+            },
+            stuck: in_unit(built.frequencies(true)?),
+            nodal_diameters: match &built.disk {
+                None => Vec::new(),
+                Some(of) => {
+                    let all = nodal_diameters(of, &built.contacts, frequency)?;
+                    all.into_iter().map(close).collect()
+                }
+            },
+            rigid,
+        })
+    }
+}
 
 /// The frequencies of every nodal diameter of a disk.
 pub(super) fn nodal_diameters(
     of: &StudyDisk,
     contacts: &[ContactParameters<f64>],
-    unit: FrequencyUnit,
+    frequency: &FrequencySettings,
 ) -> Result<Vec<NodalFrequencies>, LinalgError> {
+    let highest = BEYOND_BAND * frequency.band[1];
     let first = |omega: Vec<f64>| -> Vec<f64> {
-        let shown = omega.into_iter().take(SHOWN_OF_DIAMETER);
-        shown.map(|w| unit.of_rad_s(w)).collect()
+        let low = omega.into_iter().filter(|w| *w <= highest);
+        low.map(|w| frequency.unit.of_rad_s(w)).collect()
     };
     let at = |number: usize| {
         Ok(NodalFrequencies {
@@ -123,22 +166,12 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
     let whole = n_contacts == built.reduced.n_contacts();
     let asymmetric = whole && study.folds() && built.reduced.mirror.is_some();
     let components = built.components();
-    let no_modes = |error| Error::Command {
-        path: study.path.clone(),
-        message: format!("linear modes of the model: {error}"),
-    };
     let unit = study.frequency.unit;
-    let in_unit = |omega: Vec<f64>| omega.iter().map(|w| unit.of_rad_s(*w)).collect::<Vec<_>>();
-    let (mut free, rigid) = built.reduced.free_modes().map_err(no_modes)?;
-    let free = match &built.disk {
-        None => in_unit(free.split_off(rigid.count)),
-        Some(_) => in_unit(flexible(built.frequencies(false).map_err(no_modes)?)),
-    };
-    let stuck = in_unit(built.frequencies(true).map_err(no_modes)?);
-    let nodal_diameters = match &built.disk {
-        None => Vec::new(),
-        Some(of) => (nodal_diameters(of, &built.contacts, unit)).map_err(no_modes)?,
-    };
+    let linear =
+        LinearFrequencies::of(&built, &study.frequency).map_err(|error| Error::Command {
+            path: study.path.clone(),
+            message: format!("linear modes of the model: {error}"),
+        })?;
     let excited = (built.disk.as_ref()).map(|of| (of.engine_order, of.nodal_diameter()));
     let StudyModel {
         reduced: model,
@@ -152,17 +185,18 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         unit,
         contact_names: model.contacts.iter().map(|c| c.name.clone()).collect(),
         response_names: names(&model.responses),
-        warnings: warnings(study, free.first().copied(), asymmetric),
-        components,
+        warnings: warnings(study, linear.free.first().copied(), asymmetric),
         total_mass: match &rig {
             Some(rig) => Some(rig.total_mass()),
+            None if excited.is_some() && !components.is_empty() => Some(mass_of(&components)),
             None => model.total_mass(),
         },
-        rigid,
-        free: free.into_iter().take(SHOWN).collect(),
+        components,
+        rigid: linear.rigid,
+        free: linear.free.into_iter().take(SHOWN).collect(),
         excited,
-        nodal_diameters,
-        stuck: stuck.into_iter().take(SHOWN).collect(),
+        nodal_diameters: linear.nodal_diameters,
+        stuck: linear.stuck.into_iter().take(SHOWN).collect(),
         inputs: study
             .design
             .inputs()
@@ -183,6 +217,11 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         time_s: time(study, unknowns[0]),
         dof_names: model.dof_names,
     })
+}
+
+/// Mass of a blade and a strip along x, y and z (kg).
+fn mass_of(components: &[(&'static str, ComponentSummary)]) -> [f64; 3] {
+    [0, 1, 2].map(|axis| components.iter().map(|(_, of)| of.mass[axis]).sum())
 }
 
 fn pressure_field(inputs: &PressureInputs) -> Option<String> {

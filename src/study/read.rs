@@ -142,9 +142,7 @@ impl Study {
         validate_head(&name, &levels).map_err(at)?;
         output.validate().map_err(|bad| at(bad.under("output")))?;
         check_requirements(&requirements, frequency.unit, &levels).map_err(at)?;
-        if let ModelSettings::Cyclic(_) = model {
-            check_engine_order(&requirements).map_err(at)?;
-        }
+        check_engine_order(&model, &requirements).map_err(at)?;
         let stopping = samples.plan(&requirements, &design).map_err(at)?;
         if let Some(settings) = &surrogate {
             check_surrogate(settings, &design).map_err(at)?;

@@ -2,6 +2,7 @@
 
 use super::document::Document;
 use super::frequency::FrequencyUnit;
+use super::model::ModelSettings;
 use crate::Error;
 use crate::report::asked::Requirements;
 use crate::report::asked::SurrogateSettings;
@@ -42,11 +43,17 @@ pub(super) fn check_requirements(
     requirements.validate(levels)
 }
 
-/// Requires the one engine order that excites a disk.
+/// Requires the one engine order that excites a disk, if the model is one.
 ///
 /// # Errors
 /// [`BadSetting`] with a key relative to the study file.
-pub(super) fn check_engine_order(requirements: &Requirements) -> Result<(), BadSetting> {
+pub(super) fn check_engine_order(
+    model: &ModelSettings,
+    requirements: &Requirements,
+) -> Result<(), BadSetting> {
+    if !matches!(model, ModelSettings::Cyclic(_)) {
+        return Ok(());
+    }
     let Some(operation) = &requirements.operation else {
         let rule = "must be given: its engine_orders name the engine order that excites the disk";
         return BadSetting::unless(false, "operation", "(absent)", rule);

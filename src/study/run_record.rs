@@ -1,6 +1,5 @@
 //! What `run.json` says of a study before its samples.
 
-use super::frequency::FrequencyUnit;
 use super::inspect::{NodalFrequencies, nodal_diameters};
 use super::model::{CyclicSettings, ModelSettings, SectorSettings};
 use super::prepared::{FREQUENCY_TOLERANCE, PreparedStudy};
@@ -96,7 +95,8 @@ fn disk(prepared: &PreparedStudy) -> Result<Option<DiskRecord>, Error> {
         return Ok(None);
     };
     let no_modes = |error: LinalgError| Error::Problem(error.into());
-    let found = nodal_diameters(of, &prepared.contacts, FrequencyUnit::Hertz).map_err(no_modes)?;
+    let found =
+        nodal_diameters(of, &prepared.contacts, &prepared.study.frequency).map_err(no_modes)?;
     let record = |of: NodalFrequencies| NodalRecord {
         nodal_diameter: of.number,
         free_hz: of.free,

@@ -7,6 +7,7 @@
 mod bad_input;
 mod compare;
 mod designs;
+mod disk;
 mod export;
 mod extend;
 mod identified;

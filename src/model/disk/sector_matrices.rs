@@ -8,7 +8,7 @@ use std::path::Path;
 
 use super::super::Response;
 use super::super::dof_index::DofIndex;
-use super::super::matrices::{MatricesError, MatricesSettings, dense, unique};
+use super::super::matrices::{MatricesError, MatricesSettings, dense, excited, unique};
 use super::super::matrix_checks::{dependent_wave_row, positive_semidefinite};
 use super::{CyclicMatrix, Disk};
 use crate::contact::ContactParameters;
@@ -117,9 +117,7 @@ impl SectorMatrices {
         unique("contact", contacts.iter().map(|pair| pair.name.as_str()))?;
         let cosine_force = harmonic("cosine_force", vector("cosine_force", &of.cosine_force)?)?;
         let sine_force = harmonic("sine_force", vector("sine_force", &of.sine_force)?)?;
-        let excited = cosine_force.iter().chain(&sine_force).any(|f| *f != 0.0);
-        let rule = "must not be zero together with sine_force: nothing would vibrate";
-        BadSetting::unless(excited, "cosine_force", "0", rule)?;
+        excited(&cosine_force, &sine_force)?;
         let static_force = places.gathered(&vector("static_force", &of.static_force)?);
         let responses: Vec<Response> = of.response_rows(&own, &index)?;
         let disk = Disk {

@@ -21,7 +21,7 @@ const LOAD: f64 = 180.0;
 
 /// A blade with three motions on a disk mass, which springs and a dashpot couple with the next one, and a strip between the
 /// blade and the next one. Nothing of it is mirror-symmetric, so that the waves have complex matrices.
-fn disk(n_sectors: usize) -> Disk {
+pub(super) fn disk(n_sectors: usize) -> Disk {
     let strip = 1.58e-3;
     let mass = diagonal(&[0.4, 0.4, 0.4, 2.0, strip, strip, strip]);
     let mut own = diagonal(&[1.6e6, 1.9e6, 3e6, 9e6, 0.0, 0.0, 0.0]);
@@ -66,16 +66,20 @@ fn disk(n_sectors: usize) -> Disk {
         loads: Vec::new(),
         cosine_force: vec![1.0, 0.3, 0.0, 0.0, 0.0, 0.0, 0.0],
         sine_force: vec![0.0, -0.4, 0.2, 0.0, 0.0, 0.0, 0.0],
-        responses: (0..N)
-            .map(|i| Response {
-                name: i.to_string(),
-                row: vec![(i, 1.0)],
-            })
-            .collect(),
+        responses: each(N),
     }
 }
 
-fn contacts(n_pairs: usize) -> Vec<ContactParameters<f64>> {
+/// Every displacement.
+fn each(n: usize) -> Vec<Response> {
+    let response = |i: usize| Response {
+        name: i.to_string(),
+        row: vec![(i, 1.0)],
+    };
+    (0..n).map(response).collect()
+}
+
+pub(super) fn contacts(n_pairs: usize) -> Vec<ContactParameters<f64>> {
     let contact = ContactParameters {
         k_n: 2.5e6,
         k_t: [0.58e6, 0.5e6],
@@ -142,12 +146,7 @@ fn ring(disk: &Disk, engine_order: usize) -> ReducedModel {
         loads: Vec::new(),
         cosine_force: force(|z| z.re),
         sine_force: force(|z| -z.im),
-        responses: (0..n)
-            .map(|i| Response {
-                name: i.to_string(),
-                row: vec![(i, 1.0)],
-            })
-            .collect(),
+        responses: each(n),
         mirror: None,
     }
 }
@@ -198,67 +197,80 @@ fn distance(ring: &Solution, sector: &Solution, n_sectors: usize, engine_order: 
     worst / largest
 }
 
-/// What contacts do at a level.
-const REGIMES: [(f64, &str); 3] = [(0.5, "stuck"), (30.0, "slip"), (600.0, "lift")];
+/// Excitation levels (N): contacts stick at the lowest and separate at the highest.
+const LEVELS: [f64; 4] = [0.5, 30.0, 100.0, 600.0];
 
-/// Compares sector and ring in all regimes; `bound` on the difference.
-fn compare(n_sectors: usize, engine_order: usize, bound: f64) {
+/// Solutions in which all contacts stick, some slip, some separate.
+#[derive(Debug, Default)]
+struct Seen {
+    stuck: usize,
+    slip: usize,
+    lift: usize,
+    /// Frequencies and levels at which both have a solution, and at which one has none.
+    solved: [usize; 2],
+}
+
+/// Compares sector and ring, each from its own start; `bound` on the difference.
+fn compare(n_sectors: usize, engine_order: usize, bound: f64, seen: &mut Seen) {
     let disk = disk(n_sectors);
     let sector = LinearModel::travelling_wave(&disk, engine_order).expect("definite");
     let whole = LinearModel::new(&ring(&disk, engine_order)).expect("definite");
     let hertz = [280.0, 318.0, 330.0, 345.0, 390.0];
-    for (level, regime) in REGIMES {
+    for level in LEVELS {
         let found = solutions(&sector, level, &hertz);
         let expected = solutions(&whole, level, &hertz);
-        let mut seen = 0;
         for (found, expected) in found.iter().zip(&expected) {
-            let shares = found.contact;
-            let solved = [found, expected].map(|s| s.status.has_solution());
-            println!(
-                "{n_sectors} sectors, order {engine_order}, {level} N {:.0} Hz: {:?} {:?} {shares:?}",
-                found.omega / TAU,
-                found.status,
-                expected.status
-            );
-            if solved != [true; 2] {
+            let solved = [found, expected].iter().all(|s| s.status.has_solution());
+            seen.solved[usize::from(!solved)] += 1;
+            if !solved {
                 continue;
             }
             let error = distance(expected, found, n_sectors, engine_order);
-            println!("  {error:.1e}");
-            assert!(error < bound, "{regime} {error:e}");
-            let work = [found.work.friction, found.work.viscous, found.work.input];
-            let of_ring = [
-                expected.work.friction,
-                expected.work.viscous,
-                expected.work.input,
-            ];
-            for (one, all) in work.iter().zip(of_ring) {
-                let error = (n_sectors as f64 * one - all).abs() / of_ring[2].abs();
-                assert!(error < bound, "{regime}: work {error:e}");
+            let place = format!(
+                "{n_sectors} sectors, order {engine_order}, {level} N at {:.0} Hz: {error:.1e}",
+                found.omega / TAU
+            );
+            println!("{place} {:?}", found.contact);
+            assert!(error < bound, "{place}");
+            let work = |s: &Solution| [s.work.friction, s.work.viscous, s.work.input];
+            let all = work(expected);
+            for (one, of_ring) in work(found).iter().zip(all) {
+                let error = (n_sectors as f64 * one - of_ring).abs() / all[2].abs();
+                assert!(error < bound, "{place}: work differs by {error:e}");
             }
-            seen += usize::from(match regime {
-                "stuck" => shares.slip == 0.0 && shares.separated == 0.0,
-                "slip" => shares.slip > 0.05,
-                _ => shares.separated > 0.05,
-            });
+            let shares = found.contact;
+            seen.stuck += usize::from(shares.stick == 1.0);
+            seen.slip += usize::from(shares.slip > 0.05);
+            seen.lift += usize::from(shares.separated > 0.05);
         }
-        assert!(seen >= 2, "{regime}: only {seen} frequencies");
     }
 }
 
-/// Stuck, slipping and lifting: the sector's harmonics are those of every sector of the ring, each with its phase.
+/// Stuck, slipping and lifting: the sector's harmonics are those of every sector of the ring, each with its phase, whose sectors
+/// could all differ. Seen to fail with the phase of the next sector turned round in the contact rows, with the springs attached as to
+/// a symmetric compliance, and with the order in place of the wave of each harmonic.
 #[test]
 fn a_sector_answers_like_the_ring() {
+    let mut seen = Seen::default();
     for (n_sectors, engine_order) in [(4, 1), (4, 2), (6, 1), (6, 2), (6, 5), (4, 7)] {
-        compare(n_sectors, engine_order, 1e-8);
+        compare(n_sectors, engine_order, 1e-8, &mut seen);
     }
+    println!("{seen:?}");
+    let least = [seen.stuck, seen.slip, seen.lift].into_iter().min();
+    assert!(least >= Some(20), "{seen:?}");
+    assert!(seen.solved[1] * 10 <= seen.solved[0], "{seen:?}");
 }
 
 /// Two sectors: in phase and out of phase.
 #[test]
 fn two_sectors_in_and_out_of_phase() {
-    compare(2, 2, 1e-9);
-    compare(2, 1, 1e-9);
+    let mut seen = Seen::default();
+    compare(2, 2, 1e-9, &mut seen);
+    compare(2, 1, 1e-9, &mut seen);
+    println!("{seen:?}");
+    let least = [seen.stuck, seen.slip, seen.lift].into_iter().min();
+    assert!(least >= Some(5), "{seen:?}");
+    assert!(seen.solved[1] <= 4, "{seen:?}");
 }
 
 /// The frequencies of the ring, free and stuck, are those of the sector at all nodal diameters, those between 0 and N/2
@@ -289,7 +301,7 @@ fn frequencies_of_the_ring_by_nodal_diameter() {
     }
 }
 
-/// Peaks with their own searches, with one harmonic more at a time: sector and ring.
+/// Peaks of sector and ring, each by its own search. Seen to fail with the modes of a wave ranked by their real parts.
 #[test]
 fn peaks_of_the_sector_are_those_of_the_ring() {
     let disk = disk(4);
@@ -300,7 +312,7 @@ fn peaks_of_the_sector_are_those_of_the_ring() {
         },
         frequency_tolerance: 1e-9,
     };
-    let levels = [0.5, 30.0, 120.0];
+    let levels = [0.5, 30.0, 45.0];
     let peaks = |linear: &LinearModel| {
         track_peaks(&problem(linear), &sharp(3), search, &levels).expect("modes")
     };
