@@ -13,13 +13,13 @@ fn solved(folder: &Path, orders: &[u32]) {
     for (name, text) in DISK_FILES {
         std::fs::write(folder.join(name), text).unwrap();
     }
-    let inputs =
-        "\n[inputs.stiffness_scale]\ndistribution = \"log-uniform\"\nlow = 0.5\nhigh = 2.0\n";
+    let more =
+        "\n[solver]\nharmonics = 3\nalert = false\n\n[inputs.stiffness_scale]\ndistribution = \"log-uniform\"\nlow = 0.5\nhigh = 2.0\n";
     for order in orders {
         let study = DISK
             .replace("engine_orders = [3]", &format!("engine_orders = [{order}]"))
             .replace("levels = [1.0]", "levels = [1.0, 20.0]\nsamples = 6")
-            + inputs;
+            + more;
         let name = format!("order-{order}.toml");
         std::fs::write(folder.join(&name), study).unwrap();
         let output = format!("order-{order}");

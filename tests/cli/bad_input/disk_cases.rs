@@ -78,7 +78,7 @@ pub(crate) const DISK_REFUSED: &[Case] = &[
     (
         "sector = \"matrices\"",
         "sector = \"ring\"",
-        &[":4: model.sector = ring: must be \"blade-strip\" or \"matrices\""],
+        &[":6: model.sector = ring: must be \"blade-strip\" or \"matrices\""],
     ),
     (
         "left = [\"left.x\"]",
