@@ -8,7 +8,7 @@ use super::identified_inputs::IdentifiedInputs;
 use super::inputs::{Surroundings, design};
 use super::model::{ModelSettings, NO_POSITIONS, model};
 use super::output::OutputSettings;
-use super::requirements::{check_engine_order, check_requirements, check_surrogate, requirements};
+use super::requirements::{check_requirements, check_surrogate, requirements};
 use super::samples::Samples;
 use super::tables::{ContactSection, SolverSection};
 use crate::Error;
@@ -141,8 +141,7 @@ impl Study {
         let at = |bad: BadSetting| document.bad_setting(&bad);
         validate_head(&name, &levels).map_err(at)?;
         output.validate().map_err(|bad| at(bad.under("output")))?;
-        check_requirements(&requirements, frequency.unit, &levels).map_err(at)?;
-        check_engine_order(&model, &requirements).map_err(at)?;
+        check_requirements(&requirements, (&model, frequency.unit), &levels).map_err(at)?;
         let stopping = samples.plan(&requirements, &design).map_err(at)?;
         if let Some(settings) = &surrogate {
             check_surrogate(settings, &design).map_err(at)?;

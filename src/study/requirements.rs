@@ -21,13 +21,13 @@ pub(super) fn requirements(document: &mut Document<'_>) -> Result<Requirements, 
     })
 }
 
-/// Checks the requirements of a study with the given frequency unit and levels.
+/// Checks the requirements of a study with the given model, frequency unit and levels.
 ///
 /// # Errors
 /// [`BadSetting`] with a key relative to the study file.
 pub(super) fn check_requirements(
     requirements: &Requirements,
-    unit: FrequencyUnit,
+    (model, unit): (&ModelSettings, FrequencyUnit),
     levels: &[f64],
 ) -> Result<(), BadSetting> {
     let given = [
@@ -40,20 +40,18 @@ pub(super) fn check_requirements(
         let rule = "needs SI units: give frequency.band_hz instead of band_rad_s";
         BadSetting::unless(holds, key, "(table)", rule)?;
     }
-    requirements.validate(levels)
+    requirements.validate(levels)?;
+    match model {
+        ModelSettings::Cyclic(_) => check_engine_order(requirements),
+        _ => Ok(()),
+    }
 }
 
-/// Requires the one engine order that excites a disk, if the model is one.
+/// Requires the one engine order that excites a disk.
 ///
 /// # Errors
 /// [`BadSetting`] with a key relative to the study file.
-pub(super) fn check_engine_order(
-    model: &ModelSettings,
-    requirements: &Requirements,
-) -> Result<(), BadSetting> {
-    if !matches!(model, ModelSettings::Cyclic(_)) {
-        return Ok(());
-    }
+fn check_engine_order(requirements: &Requirements) -> Result<(), BadSetting> {
     let Some(operation) = &requirements.operation else {
         let rule = "must be given: its engine_orders name the engine order that excites the disk";
         return BadSetting::unless(false, "operation", "(absent)", rule);

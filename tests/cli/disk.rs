@@ -13,8 +13,7 @@ fn solved(folder: &Path, orders: &[u32]) {
     for (name, text) in DISK_FILES {
         std::fs::write(folder.join(name), text).unwrap();
     }
-    let more =
-        "\n[solver]\nharmonics = 3\nalert = false\n\n[inputs.stiffness_scale]\ndistribution = \"log-uniform\"\nlow = 0.5\nhigh = 2.0\n";
+    let more = "\n[solver]\nharmonics = 3\nalert = false\n\n[inputs.stiffness_scale]\ndistribution = \"log-uniform\"\nlow = 0.5\nhigh = 2.0\n";
     for order in orders {
         let study = DISK
             .replace("engine_orders = [3]", &format!("engine_orders = [{order}]"))

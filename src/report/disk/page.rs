@@ -9,7 +9,6 @@ use crate::page::style::figure_style;
 use crate::report::error::ReportError;
 use crate::report::numbers::population::hull;
 use crate::report::page::document::page;
-use crate::report::page::statistic_cell::bound_cell;
 use crate::report::page::view::length_unit;
 use crate::report::run::input::ReportInput;
 use crate::report::run::stored_run::StoredRun;
@@ -354,43 +353,11 @@ fn numbers(view: &View) -> Section {
                 &["amplitude_q01_m", "amplitude_q50_m", "amplitude_q99_m"],
             ),
             ("Crossing (1/min)", &["crossing_rpm"]),
-            (
-                "Margin, lower bound",
-                &["margin_bound", "margin_bound_rank"],
-            ),
+            ("Margin, lower bound", &["margin_bound"]),
         ],
     );
-    let bar = |bar: &Option<[f64; 3]>, show: &dyn Fn(f64) -> String| match bar {
-        None => Cell::number(DASH, None).with_raw([None, None]),
-        Some([low, middle, high]) => Cell::number(
-            [low, middle, high].map(|value| show(*value)).join(", "),
-            Some(*low),
-        )
-        .with_raw([Some(*middle), Some(*high)]),
-    };
     for (order, i, level) in view.bars() {
-        let crossing = (level.frequency_hz)
-            .map(|[_, middle, _]| middle / excitation_hz(f64::from(order.engine_order), 1.0));
-        let margin = match &level.margin {
-            None => Cell::number(DASH, None),
-            Some(margin) => bound_cell(&margin.range_bound, &percent),
-        };
-        table.row(vec![
-            whole(order.engine_order as usize),
-            whole(order.nodal_diameter),
-            Cell::number(view.level_name(i), Some(level.level)).with_chip(i),
-            whole(order.samples),
-            whole(level.failed),
-            bar(&level.frequency_hz, &hertz),
-            bar(&level.amplitude_m, &|a| {
-                significant(a * view.unit.per_metre)
-            }),
-            Cell::number(
-                crossing.map_or(DASH.to_owned(), |v| format!("{v:.0}")),
-                crossing,
-            ),
-            margin,
-        ]);
+        table.row(number_row(view, order, i, level));
     }
     let hint = "Frequency and amplitude: 1 %, 50 % and 99 % of the samples. The lower bound of the margin over the range of speeds \
                 holds for 95 % of the assumed prior with 95 % confidence.";
@@ -399,4 +366,35 @@ fn numbers(view: &View) -> Section {
         title: "Numbers".to_owned(),
         blocks: vec![table.block(), Block::Hint(hint.to_owned())],
     }
+}
+
+fn number_row(view: &View, order: &OrderSummary, i: usize, level: &OrderLevel) -> Vec<Cell> {
+    let bar = |bar: &Option<[f64; 3]>, show: &dyn Fn(f64) -> String| match bar {
+        None => Cell::number(DASH, None).with_raw([None, None]),
+        Some([low, middle, high]) => {
+            let words = [low, middle, high].map(|value| show(*value)).join(", ");
+            Cell::number(words, Some(*low)).with_raw([Some(*middle), Some(*high)])
+        }
+    };
+    let slope = excitation_hz(f64::from(order.engine_order), 1.0);
+    let crossing = level.frequency_hz.map(|[_, middle, _]| middle / slope);
+    let speed = crossing.map_or(DASH.to_owned(), |v| format!("{v:.0}"));
+    let bound = level
+        .margin
+        .as_ref()
+        .and_then(|margin| margin.range_bound.value());
+    let margin = Cell::number(bound.map_or(DASH.to_owned(), percent), bound);
+    vec![
+        whole(order.engine_order as usize),
+        whole(order.nodal_diameter),
+        Cell::number(view.level_name(i), Some(level.level)).with_chip(i),
+        whole(order.samples),
+        whole(level.failed),
+        bar(&level.frequency_hz, &hertz),
+        bar(&level.amplitude_m, &|a| {
+            significant(a * view.unit.per_metre)
+        }),
+        Cell::number(speed, crossing),
+        margin,
+    ]
 }

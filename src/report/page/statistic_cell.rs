@@ -77,7 +77,7 @@ pub(super) fn quantile_cell(quantiles: &Quantiles, k: usize, show: &dyn Fn(f64) 
 }
 
 /// A bound, and the value of the samples or the outer point that it comes from.
-pub(in crate::report) fn bound_cell(bound: &Bound, show: &dyn Fn(f64) -> String) -> Cell {
+pub(super) fn bound_cell(bound: &Bound, show: &dyn Fn(f64) -> String) -> Cell {
     match bound {
         Bound::One(bound) => tolerance_cell(bound, show),
         Bound::Points(extreme) => extreme_cell(extreme, show),
