@@ -102,7 +102,7 @@ impl Disk {
     /// Whether the nodal pattern of a wave stands still: all sectors together, or each against its neighbours.
     #[must_use]
     pub fn stands(&self, wave: usize) -> bool {
-        2 * wave % self.n_sectors == 0
+        (2 * wave).is_multiple_of(self.n_sectors)
     }
 
     /// Whether only contacts couple the sectors.

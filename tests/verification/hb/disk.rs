@@ -4,7 +4,7 @@ use super::invariants::settings;
 use super::models::diagonal;
 use crate::response::at_frequencies;
 use faer::prelude::*;
-use microslip::contact::{ContactParameters, FrictionLaw};
+use microslip::contact::{ContactParameters, Events, FrictionLaw};
 use microslip::hb::branch::sweep::SweepDirection;
 use microslip::hb::newton::{Condition, Point, solve};
 use microslip::hb::peak::search::PeakSettings;
@@ -157,8 +157,10 @@ fn problem(linear: &LinearModel) -> Problem<'_> {
     Problem::new(linear, contacts, 1.0, SliderAnchor::Unloaded).expect("held")
 }
 
+/// Events are located: with those at samples a shift in time by no whole number of samples would change the forces.
 fn sharp(highest: usize) -> HbSettings {
     let mut settings = settings(highest, FrictionLaw::Box);
+    settings.aft.events = Events::Located;
     settings.newton.max_iterations = 200;
     settings
 }
