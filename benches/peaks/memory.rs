@@ -46,6 +46,7 @@ pub(crate) fn memory() {
         record: &record,
         outcomes: &outcomes,
         mixed: &[],
+        control: &[],
         changed: &[],
     };
     report::write(folder.path(), &input).expect("written");
@@ -101,6 +102,7 @@ fn record(provenance: Provenance, names: &[String]) -> RunRecord {
         requirements: Requirements::default(),
         stopping: None,
         surrogate: None,
+        control_variate: None,
         study_file: FileRecord::of("study.toml", b""),
         files: Vec::new(),
         tables: Vec::new(),

@@ -5,6 +5,7 @@
 
 use super::atlas::{Anchor, Atlas};
 use super::outcome::{LevelOutcome, SampleOutcome};
+use super::stop::Stop;
 use super::strips::Strips;
 use super::times::SampleTimes;
 use crate::contact::ContactParameters;
@@ -114,22 +115,23 @@ pub trait Watch: Sync {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stopped;
 
-/// A watch that keeps all samples and never stops.
-struct Keeping<F> {
+/// A watch that keeps all samples.
+struct Keeping<'s, F> {
     samples: Mutex<BTreeMap<u64, SampleOutcome>>,
+    stop: &'s Stop,
     done: F,
 }
 
-impl<F: Fn() + Sync> Watch for Keeping<F> {
-    fn solved(&self, sample: SolvedSample, _: SampleTimes) {
+impl<F: Fn(SampleTimes) + Sync> Watch for Keeping<'_, F> {
+    fn solved(&self, sample: SolvedSample, times: SampleTimes) {
         let kept = self.samples.lock();
         let mut kept = kept.unwrap_or_else(PoisonError::into_inner);
         kept.insert(sample.outcome.index, sample.outcome);
-        (self.done)();
+        (self.done)(times);
     }
 
     fn stops(&self) -> bool {
-        false
+        self.stop.asked()
     }
 }
 
@@ -143,21 +145,34 @@ impl Ensemble<'_> {
     /// The same with the starts that they give to further samples.
     #[must_use]
     pub fn solved(&self, samples: u64, done: impl Fn() + Sync) -> Solved {
-        let (mut known, watch) = (
-            Known::default(),
-            Keeping {
-                samples: Mutex::default(),
-                done,
-            },
-        );
-        // it never stops
-        let _ = self.extend(&mut known, samples, &watch);
+        // nobody asks it to stop
+        let solved = self.solved_until(samples, &Stop::default(), |_| done());
+        solved.unwrap_or_default()
+    }
+
+    /// The same unless `stop` is asked to; `done` is told the time of each sample.
+    ///
+    /// # Errors
+    /// [`Stopped`] if so.
+    pub fn solved_until(
+        &self,
+        samples: u64,
+        stop: &Stop,
+        done: impl Fn(SampleTimes) + Sync,
+    ) -> Result<Solved, Stopped> {
+        let mut known = Known::default();
+        let watch = Keeping {
+            samples: Mutex::default(),
+            stop,
+            done,
+        };
+        self.extend(&mut known, samples, &watch)?;
         let kept = watch.samples.into_inner();
         let kept = kept.unwrap_or_else(PoisonError::into_inner);
-        Solved {
+        Ok(Solved {
             outcomes: kept.into_values().collect(),
             anchors: known.anchors.into_values().collect(),
-        }
+        })
     }
 
     /// Solves at inputs that are no samples of the design, on the processor, started from `anchors`. The results depend on the

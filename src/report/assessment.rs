@@ -7,6 +7,7 @@ use super::convention::{CONFIDENCE, CONTENT};
 use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::store::Provenance;
 use crate::report::asked::stopping::Stopping;
+use crate::report::numbers::control_variate::{LevelControlVariate, control_variate};
 use crate::report::numbers::epistemic::EpistemicSummary;
 use crate::report::numbers::error_budget::{ErrorLine, error_budget};
 use crate::report::numbers::margins::{OrderMargin, Reserve, order_margins, reserve};
@@ -91,6 +92,9 @@ pub struct LevelAssessment {
     /// Surrogates of the results; absent unless the study wants them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surrogates: Option<LevelSurrogates>,
+    /// Means and probabilities with the help of a control variate; absent unless the study wants one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub control_variate: Option<LevelControlVariate>,
     /// 95 % quantile of the amplitude (m) over the first samples; empty where the samples belong to outer points.
     pub amplitude_q95_m: Vec<Prefix<Option<QuantileEstimate>>>,
     /// Median of the resonance frequency (Hz) over the first samples; empty where the samples belong to outer points.
@@ -195,6 +199,7 @@ impl LevelAssessment {
             reserve: (requirements.stress.as_ref()).map(|stress| reserve(input, i, stress)),
             influences: influences(input, i),
             surrogates: surrogates(input, i),
+            control_variate: control_variate(input, i),
             amplitude_q95_m: prefixes(&amplitude, 0.95),
             frequency_q50_hz: prefixes(&frequency, 0.5),
         }

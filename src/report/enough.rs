@@ -38,6 +38,7 @@ fn is_met(rule: StoppingRule, record: &RunRecord, outcomes: &[SampleOutcome]) ->
         record,
         outcomes,
         mixed: &[],
+        control: &[],
         changed: &[],
     };
     match rule {

@@ -25,6 +25,7 @@ pub mod bootstrap;
 pub mod chaos;
 mod chaos_gradient;
 pub mod comparison;
+pub mod control_variate;
 pub mod convergence;
 pub mod cross_fit;
 pub mod curve;
@@ -59,6 +60,7 @@ pub use bin::{Group, equal_count};
 pub use bootstrap::Bootstrap;
 pub use chaos::{Chaos, ChaosRefusal, ChaosSettings, Effect, Polynomials, fit_chaos};
 pub use comparison::{Better, Comparison, Ranking, compare, rank_designs};
+pub use control_variate::{ControlledExceedance, ControlledMean, ControlledSamples};
 pub use convergence::{Prefix, convergence, nested_prefixes};
 pub use cross_fit::{
     CrossFit, HoldOutSettings, PredictionError, SurrogateExceedance, SurrogateIndices,

@@ -21,6 +21,7 @@
 
 pub mod built;
 pub mod compare;
+mod control_variate;
 pub mod disk;
 pub mod document;
 pub mod evaluator;

@@ -7,7 +7,7 @@ use crate::Error;
 use crate::ensemble::arrow::write_arrow;
 use crate::file;
 use crate::report::asked::Bands;
-use crate::report::run::{FURTHER_POINTS, TABLES};
+use crate::report::run::{CONTROL_VARIATE, FURTHER_POINTS, TABLES};
 use crate::setting::BadSetting;
 
 /// What `run` and `solve` write.
@@ -50,20 +50,22 @@ impl OutputSettings {
     }
 }
 
+/// Tables that some studies have.
+pub(super) const OPTIONAL_TABLES: [&str; 2] = [FURTHER_POINTS, CONTROL_VARIATE];
+
 /// Writes the tables of the results in `folder` as Arrow files, too: `samples.arrow`, `curves.arrow` and, where there are
-/// such, `further_points.arrow`.
+/// such, `further_points.arrow` and `control_variate.arrow`.
 ///
 /// Those alone of which `wanted` says so by their name.
 ///
 /// # Errors
 /// [`Error::File`] with the Arrow file that cannot be written, or whose table cannot be read.
 pub fn write_arrow_tables(folder: &Path, wanted: impl Fn(&Path) -> bool) -> Result<(), Error> {
-    let further = folder.join(FURTHER_POINTS);
-    let tables = TABLES.map(|name| folder.join(name));
-    for table in tables
-        .into_iter()
-        .chain(further.exists().then_some(further))
-    {
+    let tables = TABLES.into_iter().chain(OPTIONAL_TABLES);
+    for table in tables.map(|name| folder.join(name)) {
+        if !table.exists() {
+            continue;
+        }
         let path = table.with_extension("arrow");
         if wanted(Path::new(path.file_name().unwrap_or_default())) {
             write_arrow(&table, &path)?;

@@ -16,6 +16,8 @@ pub enum Stage {
     OneAtATime,
     /// Search for worst cases of the epistemic inputs.
     WorstCases,
+    /// Samples on few harmonics.
+    ControlVariate,
     /// Tables are written from the parts.
     Tables,
     /// Statistics and report.
@@ -31,6 +33,7 @@ impl Stage {
             Self::Samples => "samples",
             Self::OneAtATime => "one input at a time",
             Self::WorstCases => "search for worst cases",
+            Self::ControlVariate => "control variate",
             Self::Tables => "tables",
             Self::Report => "report",
         }

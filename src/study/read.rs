@@ -8,7 +8,7 @@ use super::identified_inputs::IdentifiedInputs;
 use super::inputs::{Surroundings, design};
 use super::model::{ModelSettings, NO_POSITIONS, model};
 use super::output::OutputSettings;
-use super::requirements::{check_requirements, check_surrogate, requirements};
+use super::requirements::Asked;
 use super::samples::Samples;
 use super::tables::{ContactSection, SolverSection};
 use crate::Error;
@@ -18,12 +18,12 @@ use crate::hb::HbSettings;
 use crate::model::ReducedModel;
 use crate::model::matrices::MatricesSettings;
 use crate::model::two_blade::TwoBladeSettings;
-use crate::report::asked::{Requirements, Stopping, SurrogateSettings};
+use crate::report::asked::{ControlVariateSettings, Requirements, Stopping, SurrogateSettings};
 use crate::sampling::{Design, Input};
 use crate::setting::{BadSetting, within};
 
 /// Top-level keys of a study file.
-pub(super) const KEYS: [&str; 18] = [
+pub(super) const KEYS: [&str; 19] = [
     "name",
     "seed",
     "samples",
@@ -42,6 +42,7 @@ pub(super) const KEYS: [&str; 18] = [
     "stress",
     "criteria",
     "surrogate",
+    "control_variate",
 ];
 
 /// Excitation levels that can be meant, in whatever unit.
@@ -94,6 +95,8 @@ pub struct Study {
     pub requirements: Requirements,
     /// The surrogate that is wanted, if any.
     pub surrogate: Option<SurrogateSettings>,
+    /// The control variate that is wanted, if any.
+    pub control_variate: Option<ControlVariateSettings>,
     /// What may be meant but is unusual, with file, line, key and the usual range.
     pub warnings: Vec<String>,
 }
@@ -134,19 +137,17 @@ impl Study {
         let design = stated.design;
         let solver: SolverSection = document.take("solver")?.unwrap_or_default();
         let output: OutputSettings = document.take("output")?.unwrap_or_default();
-        let requirements = requirements(&mut document)?;
-        let surrogate: Option<SurrogateSettings> = document.take("surrogate")?;
+        let asked = Asked::take(&mut document)?;
         let sample_solver = sample_solver(&mut document, &design)?;
         document.finish(&KEYS)?;
         let at = |bad: BadSetting| document.bad_setting(&bad);
         validate_head(&name, &levels).map_err(at)?;
         output.validate().map_err(|bad| at(bad.under("output")))?;
-        check_requirements(&requirements, (&model, frequency.unit), &levels).map_err(at)?;
-        let stopping = samples.plan(&requirements, &design).map_err(at)?;
-        if let Some(settings) = &surrogate {
-            check_surrogate(settings, &design).map_err(at)?;
-        }
         let solver_settings = solver.settings(&contact).map_err(at)?;
+        let of_model = (&model, frequency.unit);
+        let checked = asked.check(of_model, &levels, &design, &solver_settings);
+        checked.map_err(at)?;
+        let stopping = samples.plan(&asked.requirements, &design).map_err(at)?;
         let unusual = unusual(&model, &design, &solver_settings);
         Ok(Self {
             path: path.to_owned(),
@@ -168,8 +169,9 @@ impl Study {
             mirror: solver.mirror(),
             frequency,
             output,
-            requirements,
-            surrogate,
+            requirements: asked.requirements,
+            surrogate: asked.surrogate,
+            control_variate: asked.control_variate,
         })
     }
 

@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Instant;
 
-use super::output::{OutputFolder, write_arrow_tables};
+use super::control_variate::control_samples;
+use super::output::{OPTIONAL_TABLES, OutputFolder, write_arrow_tables};
 use super::profile::Stage;
 use super::progress::{Meter, Progress};
 use super::read::Study;
@@ -20,7 +21,7 @@ use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::parts::{PartFolder, RunIdentity};
 use crate::ensemble::store::{ATLAS_FILE, SolvedFiles, write_samples};
 use crate::file::{FileRecord, FolderLock, Together};
-use crate::report::run::{FURTHER_POINTS, StoredRun, TABLES};
+use crate::report::run::{CONTROL_VARIATE, FURTHER_POINTS, StoredRun, TABLES};
 use crate::report::{self, RunRecord, Summary};
 
 /// Computes every sample and writes `samples.parquet`, `curves.parquet` (as Arrow files too, where the study wants them),
@@ -102,9 +103,16 @@ pub(super) fn run_after(
                 })
             }
         };
+        let control = match &study.control_variate {
+            None => Vec::new(),
+            Some(wanted) => {
+                profiler.stage(Stage::ControlVariate, || control_samples(session, *wanted))?
+            }
+        };
         record.backend = session.backend.report();
         record.wall_time_s = clock.elapsed().as_secs_f64();
-        let (summary, stored) = place_results(session, (&resumed, samples), &further, &mut record)?;
+        let beside = Beside { further, control };
+        let (summary, stored) = place_results(session, (&resumed, samples), &beside, &mut record)?;
         session.parts.remove()?;
         Ok(RunResult {
             stored,
@@ -171,11 +179,19 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
     }
 }
 
+/// Samples beside those of the design.
+struct Beside {
+    /// At further points of the epistemic inputs.
+    further: Vec<SampleOutcome>,
+    /// Of the control variate.
+    control: Vec<SampleOutcome>,
+}
+
 /// Writes all files of the results, which then replace older ones together.
 fn place_results<F>(
     session: &Session<'_, F>,
     (resumed, samples): (&Resumed, u64),
-    further: &[SampleOutcome],
+    beside: &Beside,
     record: &mut RunRecord,
 ) -> Result<(Summary, StoredRun), Error> {
     let (study, folder) = (&session.prepared.study, session.folder.path());
@@ -185,8 +201,7 @@ fn place_results<F>(
         write_tables(results.path(), session, (resumed, samples), record)
     });
     record.tables = tables?.to_vec();
-    let path = results.path().join(FURTHER_POINTS);
-    write_further_points(&path, names, further, record)?;
+    write_beside(results.path(), names, beside, record)?;
     let there = |name: &Path| folder.join(name).exists();
     let arrow = study.output.arrow;
     write_arrow_tables(results.path(), |name| arrow || there(name))?;
@@ -194,8 +209,11 @@ fn place_results<F>(
     // From the files alone, so that `report` gives the same bytes.
     let profiler = &session.profiler;
     let rendered = profiler.stage(Stage::Report, || report::render(results.path()))?;
-    let arrow = Path::new(FURTHER_POINTS).with_extension("arrow");
-    results.place(&[FURTHER_POINTS, &arrow.to_string_lossy()])?;
+    let arrow = OPTIONAL_TABLES.map(|name| name.replace(".parquet", ".arrow"));
+    let optional: Vec<&str> = (OPTIONAL_TABLES.into_iter())
+        .chain(arrow.iter().map(String::as_str))
+        .collect();
+    results.place(&optional)?;
     Ok(rendered)
 }
 
@@ -228,19 +246,23 @@ fn write_tables<F>(
     Ok(files.finish()?)
 }
 
-/// Writes the samples of further points, if there are such, and notes them in the record.
-fn write_further_points(
-    path: &Path,
+/// Writes the samples beside those of the design, where there are such, and notes them in the record.
+fn write_beside(
+    folder: &Path,
     input_names: &[String],
-    further: &[SampleOutcome],
+    beside: &Beside,
     record: &mut RunRecord,
 ) -> Result<(), Error> {
-    if further.is_empty() {
-        return Ok(());
+    let tables = [
+        (FURTHER_POINTS, &beside.further),
+        (CONTROL_VARIATE, &beside.control),
+    ];
+    for (name, samples) in tables.into_iter().filter(|(_, s)| !s.is_empty()) {
+        let path = folder.join(name);
+        let table = write_samples(&path, &record.provenance, input_names, samples)?;
+        record.tables.push(table);
     }
-    let table = write_samples(path, &record.provenance, input_names, further)?;
-    record.tables.push(table);
-    let points: BTreeSet<Option<u64>> = further.iter().map(|o| o.group.outer).collect();
+    let points: BTreeSet<Option<u64>> = beside.further.iter().map(|o| o.group.outer).collect();
     record.design.further_points = points.len() as u64;
     Ok(())
 }

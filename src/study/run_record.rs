@@ -65,6 +65,7 @@ pub(super) fn first_record(
         requirements: study.requirements.clone(),
         stopping: None,
         surrogate: study.surrogate,
+        control_variate: study.control_variate,
         study_file: FileRecord::of(&study.file_name(), study.text.as_bytes()),
         files: study.file_records()?,
         tables: Vec::new(),

@@ -12,9 +12,9 @@ use super::read::{KEYS, LEVEL, MOST_LEVELS};
 use super::tables::{ContactSection, SolverSection};
 use crate::model::matrices::MatricesSettings;
 use crate::model::two_blade::{PressureField, TwoBladeSettings};
-use crate::report::asked::StoppingTable;
-use crate::report::asked::SurrogateSettings;
-use crate::report::asked::{Criterion, Operation, Stress};
+use crate::report::asked::{
+    ControlVariateSettings, Criterion, Operation, StoppingTable, Stress, SurrogateSettings,
+};
 use crate::sampling::design_settings::MOST_SAMPLES;
 use crate::sampling::{CorrelationTable, DesignTable, DistributionTable, EpistemicTable, Input};
 use crate::setting::NOT_BLANK;
@@ -184,6 +184,7 @@ fn section(key: &str, generator: &mut SchemaGenerator) -> Value {
             "description": "What is judged; without any the report has no verdicts.",
         }),
         "surrogate" => of::<SurrogateSettings>(generator),
+        "control_variate" => of::<ControlVariateSettings>(generator),
         _ => Value::Bool(false),
     }
 }

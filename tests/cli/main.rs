@@ -6,6 +6,7 @@
 
 mod bad_input;
 mod compare;
+mod control_variate;
 mod designs;
 mod disk;
 mod export;

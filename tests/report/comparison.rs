@@ -9,6 +9,7 @@ use std::path::Path;
 fn run(study: SyntheticStudy) -> StoredRun {
     StoredRun {
         mixed: Vec::new(),
+        control: Vec::new(),
         record: study.record,
         outcomes: study.outcomes,
         changed: Vec::new(),

@@ -26,6 +26,7 @@ pub(crate) struct SyntheticStudy {
     pub(crate) record: RunRecord,
     pub(crate) outcomes: Vec<SampleOutcome>,
     pub(crate) mixed: Vec<SampleOutcome>,
+    pub(crate) control: Vec<SampleOutcome>,
 }
 
 impl SyntheticStudy {
@@ -36,6 +37,7 @@ impl SyntheticStudy {
                 .map(|i| sample(i, point(i, [0.618_033_988_7, 0.414_213_562_4])))
                 .collect(),
             mixed: Vec::new(),
+            control: Vec::new(),
         }
     }
 
@@ -66,6 +68,7 @@ impl SyntheticStudy {
             record: &self.record,
             outcomes: &self.outcomes,
             mixed: &self.mixed,
+            control: &self.control,
             changed: &[],
         }
     }
@@ -184,6 +187,7 @@ fn record() -> RunRecord {
         requirements: requirements(),
         stopping: None,
         surrogate: None,
+        control_variate: None,
         study_file: FileRecord::of("study.toml", b"name = \"synthetic\""),
         files: Vec::new(),
         tables: Vec::new(),

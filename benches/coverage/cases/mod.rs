@@ -1,6 +1,7 @@
 //! One case per interval, law and number of samples: does the interval of a repetition hold the truth?
 
 mod case;
+mod control_variate;
 mod independent;
 mod sensitivity;
 mod verdicts;
@@ -16,6 +17,7 @@ pub(crate) fn all() -> Vec<Case> {
     independent::moments(&mut cases);
     independent::curves(&mut cases);
     independent::weights(&mut cases);
+    control_variate::control_variates(&mut cases);
     sensitivity::replicates(&mut cases);
     sensitivity::given_data(&mut cases);
     sensitivity::pick_freeze(&mut cases);

@@ -6,6 +6,7 @@
 
 pub(super) mod allowable;
 pub mod box_range;
+pub mod control_variate;
 pub mod correlation;
 pub mod distribution;
 pub mod epistemic;

@@ -12,6 +12,8 @@ pub struct ReportInput<'a> {
     pub outcomes: &'a [SampleOutcome],
     /// The mixed samples of a pick-freeze design, for its indices alone.
     pub mixed: &'a [SampleOutcome],
+    /// The samples of the control variate on few harmonics, the first of them those of the population; empty without.
+    pub control: &'a [SampleOutcome],
     /// Tables of the run whose content has changed since.
     pub changed: &'a [String],
 }

@@ -8,7 +8,7 @@ pub mod stored_run;
 
 pub use input::ReportInput;
 pub use record::{
-    ComponentRecord, ContactGridRecord, DesignRecord, FURTHER_POINTS, FileRecord, InputRecord,
-    LinearRecord, RECORD, RunRecord, StaticLoadRecord, TABLES,
+    CONTROL_VARIATE, ComponentRecord, ContactGridRecord, DesignRecord, FURTHER_POINTS, FileRecord,
+    InputRecord, LinearRecord, RECORD, RunRecord, StaticLoadRecord, TABLES,
 };
 pub use stored_run::{CHANGED, StoredRun, require_unchanged};

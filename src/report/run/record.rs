@@ -6,6 +6,7 @@ use crate::ensemble::outcome::{CurvePoint, SampleOutcome, number};
 use crate::ensemble::store::Provenance;
 use crate::file::{self, FileError};
 use crate::report::asked::bands::Bands;
+use crate::report::asked::control_variate::ControlVariateSettings;
 use crate::report::asked::requirement::Requirements;
 use crate::report::asked::stopping::Stopping;
 use crate::report::asked::surrogate::SurrogateSettings;
@@ -25,6 +26,8 @@ pub const TABLES: [&str; 2] = ["samples.parquet", "curves.parquet"];
 
 /// Name of the table of samples beyond the outer points, where a study has such.
 pub const FURTHER_POINTS: &str = "further_points.parquet";
+/// Name of the table of samples on few harmonics, where a study has a control variate.
+pub const CONTROL_VARIATE: &str = "control_variate.parquet";
 
 /// Everything of a run that its tables do not hold.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -72,6 +75,9 @@ pub struct RunRecord {
     pub stopping: Option<Stopping>,
     /// The surrogate that is wanted, if any.
     pub surrogate: Option<SurrogateSettings>,
+    /// The control variate that is wanted, if any; absent in records of an older program.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub control_variate: Option<ControlVariateSettings>,
     /// The study file.
     pub study_file: FileRecord,
     /// The files that the study names.

@@ -1,7 +1,7 @@
 //! A run read back from its folder, and whether its files are still those that it wrote.
 
 use super::input::ReportInput;
-use super::record::{FURTHER_POINTS, RECORD, RunRecord, TABLES};
+use super::record::{CONTROL_VARIATE, FURTHER_POINTS, RECORD, RunRecord, TABLES};
 use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::store::{read_curves, read_samples};
 use crate::file::FileError;
@@ -16,6 +16,8 @@ pub struct StoredRun {
     pub outcomes: Vec<SampleOutcome>,
     /// Outcomes of the mixed samples of a pick-freeze design, which belong to no population.
     pub mixed: Vec<SampleOutcome>,
+    /// Outcomes of the control variate on few harmonics; empty without.
+    pub control: Vec<SampleOutcome>,
     /// Files whose content is not that of the run.
     pub changed: Vec<String>,
 }
@@ -44,6 +46,7 @@ impl StoredRun {
             record: &self.record,
             outcomes: &self.outcomes,
             mixed: &self.mixed,
+            control: &self.control,
             changed: &self.changed,
         }
     }
@@ -69,12 +72,16 @@ impl StoredRun {
             let further = read_samples(&folder.join(FURTHER_POINTS))?;
             stored.outcomes.extend(further.outcomes);
         }
+        let control = match record.control_variate {
+            Some(_) => read_samples(&folder.join(CONTROL_VARIATE))?.outcomes,
+            None => Vec::new(),
+        };
         let own = (!intact).then(|| RECORD.to_owned());
         let changed = own.into_iter().chain(record.changed(folder)).collect();
         let shape = |o: &SampleOutcome| {
             o.levels.len() == record.levels.len() && o.inputs.len() == record.inputs.len()
         };
-        if !stored.outcomes.iter().all(shape) {
+        if !stored.outcomes.iter().chain(&control).all(shape) {
             let rule = format!("must have the levels and inputs of {RECORD} in every sample");
             return Err(FileError::content(&samples, None, rule));
         }
@@ -86,6 +93,7 @@ impl StoredRun {
             record,
             outcomes,
             mixed,
+            control,
             changed,
         })
     }

@@ -24,6 +24,7 @@ pub fn badness(
         record,
         outcomes,
         mixed: &[],
+        control: &[],
         changed: &[],
     };
     let errors = NumericalErrors::of(&input, &[]);

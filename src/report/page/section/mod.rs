@@ -2,6 +2,7 @@
 
 mod audit;
 mod campbell;
+mod control_variate;
 mod convergence;
 mod curve_bands;
 mod decision;
@@ -37,6 +38,7 @@ pub(super) fn sections(view: &View) -> Vec<Section> {
         influence::section(view),
         one_at_a_time::section(view),
         surrogate::section(view),
+        control_variate::section(view),
         convergence::section(view),
         Some(error_budget::section(view)),
         Some(failure::section(view)),
