@@ -76,6 +76,7 @@ fn record(provenance: Provenance, names: &[String]) -> RunRecord {
         provenance,
         backend: BackendReport::default(),
         static_load: None,
+        disk: None,
         inputs: names.iter().map(input).collect(),
         design: DesignRecord {
             kind: DesignKind::MonteCarlo,

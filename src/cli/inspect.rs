@@ -60,13 +60,25 @@ fn show_structure(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()
     }
     show_mass(out, facts.total_mass, facts.unit == FrequencyUnit::Hertz)?;
     let unit = facts.unit.name();
+    if let Some((order, diameter)) = facts.excited {
+        writeln!(
+            out,
+            "excited             engine order {order}: nodal diameter {diameter}, which the frequencies below are of"
+        )?;
+    }
     writeln!(
         out,
         "free frequencies    {} {unit} ({})",
         numbers(&facts.free),
         facts.rigid
     )?;
-    writeln!(out, "stuck frequencies   {} {unit}", numbers(&facts.stuck))
+    writeln!(out, "stuck frequencies   {} {unit}", numbers(&facts.stuck))?;
+    for of in &facts.nodal_diameters {
+        let (free, stuck) = (numbers(&of.free), numbers(&of.stuck));
+        let name = format!("nodal diameter {}", of.number);
+        writeln!(out, "  {name:26}free {free}, stuck {stuck} {unit}")?;
+    }
+    Ok(())
 }
 
 /// Random inputs, and how many samples are solved at which levels.

@@ -7,6 +7,7 @@ mod calibrate;
 mod compare;
 mod completions;
 mod devices;
+mod disk;
 mod export;
 mod extend;
 mod going_on;
@@ -41,6 +42,7 @@ use calibrate::CalibrateArguments;
 use clap::{Parser, Subcommand};
 use compare::CompareArguments;
 use completions::CompletionsArguments;
+use disk::DiskArguments;
 use export::ExportArguments;
 use extend::ExtendArguments;
 use identify::IdentifyArguments;
@@ -84,6 +86,7 @@ Examples:
   microslip schema > study.schema.json      what editors need to check a study file
   microslip schema --of summary             what programs that read summary.json need to know
   microslip compare strip-a strip-b         designs on the same samples, from their results
+  microslip disk eo3 eo4 eo5                Campbell and SAFE diagram of a disk, a run per engine order
   microslip reweight results --prior p.toml the same samples under other distributions of the inputs
   microslip extend results --samples 800    more samples for these results; the old ones are kept
   microslip rig rig.toml --output tests     virtual measurements of a contact, with the truth beside them
@@ -119,6 +122,8 @@ enum Command {
     Report(ReportArguments),
     /// Compare designs sample by sample, from the results of their runs: comparison.json and comparison.html.
     Compare(CompareArguments),
+    /// Gather the engine orders of a tuned disk, from the results of their runs: disk.json and disk.html.
+    Disk(DiskArguments),
     /// Quantiles of the same samples under other distributions of the inputs, without solving: reweighted.json.
     Reweight(ReweightArguments),
     /// Simulate tests of a friction contact on a rig whose truth is known: hysteresis records, resonances, truth.json.
@@ -171,6 +176,7 @@ impl Command {
             Self::Verify(arguments) => arguments.verify(),
             Self::Report(arguments) => arguments.execute(),
             Self::Compare(arguments) => arguments.execute(),
+            Self::Disk(arguments) => arguments.execute(),
             Self::Reweight(arguments) => arguments.execute(),
             Self::Rig(arguments) => arguments.execute(),
             Self::Calibrate(arguments) => arguments.execute(),

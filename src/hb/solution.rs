@@ -197,7 +197,7 @@ fn flight_fraction(balance: &Balance<'_>, r: &[f64]) -> f64 {
         })
     };
     let phases = phases(balance.n_time());
-    let alternates = balance.problem.model.alternates();
+    let alternates = balance.problem.model.alternates;
     let n_open = phases
         .iter()
         .filter(|theta| open(**theta) && (!alternates || open(**theta + PI)))

@@ -1,4 +1,4 @@
-//! Dense generalised symmetric eigenvalue problem, accurate at the low end of a wide spectrum.
+//! Dense generalised eigenvalue problem of symmetric or Hermitian matrices, accurate at the low end of a wide spectrum.
 
 use super::LinalgError;
 use faer::diag::Diag;
@@ -6,12 +6,40 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::{
     ComputeEigenvectors, SelfAdjointEvdParams, self_adjoint_evd, self_adjoint_evd_scratch,
 };
-use faer::{Mat, MatRef, Par, Side, Spec};
+use faer::traits::ComplexField;
+use faer::{Mat, MatRef, Par, Side, Spec, c64};
+use std::ops::{Add, Div, Mul, Sub};
+
+/// An entry of a symmetric (real) or Hermitian (complex) matrix.
+pub trait Entry:
+    ComplexField<Real = f64>
+    + Copy
+    + From<f64>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
+{
+    /// Its real part.
+    fn real_part(self) -> f64;
+}
+
+impl Entry for f64 {
+    fn real_part(self) -> f64 {
+        self
+    }
+}
+
+impl Entry for c64 {
+    fn real_part(self) -> f64 {
+        self.re
+    }
+}
 
 /// Eigenvalues closer than this (relative) form a cluster: any orthonormal basis of it serves.
 const CLUSTER: f64 = 1e-5;
 
-/// All eigenpairs of a symmetric matrix (lower triangle read): eigenvalues ascending, orthonormal eigenvectors.
+/// All eigenpairs of a symmetric or Hermitian matrix (lower triangle read): eigenvalues ascending, orthonormal eigenvectors.
 ///
 /// By the implicit QR algorithm at every size. faer's own choice from 128 on, divide and conquer, is avoided: in
 /// version 0.24.4 it returned wrong pairs for a Lanczos projection with a densely packed spectrum (kept as a test:
@@ -19,13 +47,13 @@ const CLUSTER: f64 = 1e-5;
 ///
 /// # Errors
 /// [`LinalgError::EigenNotConverged`] for a matrix that is not finite.
-pub fn symmetric_eigen(a: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), LinalgError> {
+pub fn symmetric_eigen<E: Entry>(a: MatRef<'_, E>) -> Result<(Vec<f64>, Mat<E>), LinalgError> {
     let n = a.nrows();
-    let mut params: Spec<SelfAdjointEvdParams, f64> = Spec::default();
+    let mut params: Spec<SelfAdjointEvdParams, E> = Spec::default();
     params.config.recursion_threshold = usize::MAX;
     let mut values = Diag::zeros(n);
     let mut vectors = Mat::zeros(n, n);
-    let scratch = self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, params);
+    let scratch = self_adjoint_evd_scratch::<E>(n, ComputeEigenvectors::Yes, Par::Seq, params);
     self_adjoint_evd(
         a,
         values.as_mut(),
@@ -37,23 +65,23 @@ pub fn symmetric_eigen(a: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), Linal
     .map_err(|_| LinalgError::EigenNotConverged {
         residual: f64::INFINITY,
     })?;
-    Ok(((0..n).map(|i| values[i]).collect(), vectors))
+    Ok(((0..n).map(|i| values[i].real_part()).collect(), vectors))
 }
 
-/// All eigenpairs of K φ = λ M φ: λ ascending and Φ with Φᵀ M Φ = I.
+/// All eigenpairs of K φ = λ M φ: λ ascending and Φ with Φᴴ M Φ = I.
 ///
-/// K is positive semidefinite (rigid-body modes allowed), M positive definite. With M = L Lᵀ the routine diagonalises
-/// L⁻¹ K L⁻ᵀ, which leaves the lowest modes with a relative error of round-off times the spread of λ (many decades for
+/// K is symmetric or Hermitian and positive semidefinite (rigid-body modes allowed), M positive definite. With M = L Lᴴ the
+/// routine diagonalises L⁻¹ K L⁻ᴴ, which leaves the lowest modes with a relative error of round-off times the spread of λ (many decades for
 /// finite elements); one step of refinement on K and M themselves gives them their digits back.
 ///
 /// Shape: K, M, Φ n × n, λ `[n]`. Source: Golub & Van Loan 2013, §8.7.2.
 ///
 /// # Errors
 /// [`LinalgError::NotPositiveDefinite`] if M has no Cholesky factor.
-pub fn symmetric_generalized_eigen(
-    stiffness: MatRef<'_, f64>,
-    mass: MatRef<'_, f64>,
-) -> Result<(Vec<f64>, Mat<f64>), LinalgError> {
+pub fn symmetric_generalized_eigen<E: Entry>(
+    stiffness: MatRef<'_, E>,
+    mass: MatRef<'_, E>,
+) -> Result<(Vec<f64>, Mat<E>), LinalgError> {
     let n = stiffness.nrows();
     assert!(
         stiffness.ncols() == n && mass.nrows() == n && mass.ncols() == n,
@@ -68,40 +96,42 @@ pub fn symmetric_generalized_eigen(
     let lower = factor.L();
     let mut standard = stiffness.to_owned();
     lower.solve_lower_triangular_in_place(&mut standard);
-    let mut standard = standard.transpose().to_owned();
+    let mut standard = standard.adjoint().to_owned();
     lower.solve_lower_triangular_in_place(&mut standard);
     let (_, mut phi) = symmetric_eigen(standard.as_ref())?;
-    lower.transpose().solve_upper_triangular_in_place(&mut phi);
+    lower.adjoint().solve_upper_triangular_in_place(&mut phi);
     Ok(refined(stiffness, mass, &phi))
 }
 
 /// One step of iterative refinement of all pairs, in ascending order of λ.
 ///
-/// With K̂ = ΦᵀKΦ and M̂ = ΦᵀMΦ, φⱼ ← φⱼ + Σᵢ cᵢⱼ φᵢ, cᵢⱼ = (λⱼ M̂ᵢⱼ − K̂ᵢⱼ)/(λᵢ − λⱼ), cⱼⱼ = (1 − M̂ⱼⱼ)/2; within
+/// With K̂ = ΦᴴKΦ and M̂ = ΦᴴMΦ, φⱼ ← φⱼ + Σᵢ cᵢⱼ φᵢ, cᵢⱼ = (λⱼ M̂ᵢⱼ − K̂ᵢⱼ)/(λᵢ − λⱼ), cⱼⱼ = (1 − M̂ⱼⱼ)/2; within
 /// a cluster only the mass is orthogonalised. λ is the Rayleigh quotient.
 /// Source: Ogita & Aishima, Japan J. Indust. Appl. Math. 35 (2018) 1007, carried over to the pencil.
-fn refined(
-    stiffness: MatRef<'_, f64>,
-    mass: MatRef<'_, f64>,
-    phi: &Mat<f64>,
-) -> (Vec<f64>, Mat<f64>) {
+fn refined<E: Entry>(
+    stiffness: MatRef<'_, E>,
+    mass: MatRef<'_, E>,
+    phi: &Mat<E>,
+) -> (Vec<f64>, Mat<E>) {
     let n = phi.ncols();
-    let k = phi.transpose() * stiffness * phi;
-    let m = phi.transpose() * mass * phi;
-    let quotient: Vec<f64> = (0..n).map(|i| k[(i, i)] / m[(i, i)]).collect();
+    let k: Mat<E> = phi.adjoint() * stiffness * phi;
+    let m: Mat<E> = phi.adjoint() * mass * phi;
+    let quotient: Vec<f64> = (0..n)
+        .map(|i| k[(i, i)].real_part() / m[(i, i)].real_part())
+        .collect();
     // smaller quotients are round-off of the largest one: rigid-body modes, a cluster of their own
     let floor = n as f64 * f64::EPSILON * quotient.iter().fold(0.0, |a: f64, l| a.max(*l));
     let correction = Mat::from_fn(n, n, |i, j| {
         let (a, b) = (quotient[i], quotient[j]);
         if i == j {
-            0.5 * (1.0 - m[(i, i)])
+            E::from(0.5 * (1.0 - m[(i, i)].real_part()))
         } else if (a - b).abs() <= CLUSTER * a.abs().max(b.abs()) + floor {
-            -0.5 * m[(i, j)]
+            m[(i, j)] * -0.5
         } else {
-            (b * m[(i, j)] - k[(i, j)]) / (a - b)
+            (m[(i, j)] * b - k[(i, j)]) / (a - b)
         }
     });
-    let corrected = phi + phi * correction;
+    let corrected: Mat<E> = phi + phi * correction;
     let mut order: Vec<usize> = (0..n).collect();
     order.sort_by(|&a, &b| quotient[a].total_cmp(&quotient[b]));
     let lambda = order.iter().map(|&j| quotient[j]).collect();

@@ -191,9 +191,7 @@ impl MatricesSettings {
         let vector = |key, vector: &Option<Vector>| dense(folder, key, vector, n, &index);
         let cosine_force = vector("cosine_force", &self.cosine_force)?;
         let sine_force = vector("sine_force", &self.sine_force)?;
-        let excited = cosine_force.iter().chain(&sine_force).any(|f| *f != 0.0);
-        let rule = "must not be zero together with sine_force: nothing would vibrate";
-        BadSetting::unless(excited, "cosine_force", "0", rule)?;
+        excited(&cosine_force, &sine_force)?;
         let mut contacts = Vec::new();
         let mut parameters = Vec::new();
         for (i, table) in self.contact.iter().enumerate() {
@@ -243,7 +241,7 @@ impl MatricesSettings {
     }
 
     /// Reads a square symmetric matrix of `size` rows with a further property.
-    fn checked(
+    pub(super) fn checked(
         &self,
         folder: &Path,
         file: &Path,
@@ -289,7 +287,7 @@ impl MatricesSettings {
         Ok(scaled * weighted.transpose())
     }
 
-    fn names(&self, folder: &Path, n: usize) -> Result<Vec<String>, MatricesError> {
+    pub(super) fn names(&self, folder: &Path, n: usize) -> Result<Vec<String>, MatricesError> {
         let names: Vec<String> = match &self.dof_names {
             None => (1..=n).map(|i| i.to_string()).collect(),
             Some(DofNames::List(names)) => names.clone(),
@@ -306,7 +304,7 @@ impl MatricesSettings {
         Ok(names)
     }
 
-    fn response_rows(
+    pub(super) fn response_rows(
         &self,
         dof_names: &[String],
         index: &DofIndex,
@@ -338,8 +336,15 @@ impl MatricesSettings {
     }
 }
 
+/// Requires a harmonic force.
+pub(super) fn excited(cosine_force: &[f64], sine_force: &[f64]) -> Result<(), BadSetting> {
+    let excited = cosine_force.iter().chain(sine_force).any(|f| *f != 0.0);
+    let rule = "must not be zero together with sine_force: nothing would vibrate";
+    BadSetting::unless(excited, "cosine_force", "0", rule)
+}
+
 /// The n values that a table or a file states.
-fn dense(
+pub(super) fn dense(
     folder: &Path,
     key: &str,
     vector: &Option<Vector>,
@@ -372,7 +377,10 @@ fn dense(
 }
 
 /// Refuses the first name that is empty or given twice.
-fn unique<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Result<(), BadSetting> {
+pub(super) fn unique<'a>(
+    key: &str,
+    names: impl Iterator<Item = &'a str>,
+) -> Result<(), BadSetting> {
     let mut seen = std::collections::BTreeSet::new();
     for name in names {
         BadSetting::unless(!name.trim().is_empty(), key, "\"\"", "must not be empty")?;

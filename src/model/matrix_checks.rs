@@ -1,7 +1,7 @@
 //! Properties that the matrices of a structure must have.
 
 use faer::linalg::cholesky::llt::factor::LltError;
-use faer::{Mat, Side};
+use faer::{Mat, Side, c64};
 
 /// Largest asymmetry accepted as round-off, relative to the largest entry.
 const SYMMETRY_TOLERANCE: f64 = 1e-8;
@@ -104,6 +104,19 @@ pub(crate) fn positive_definite(a: &Mat<f64>) -> Result<(), String> {
 pub(crate) fn dependent_row(a: &Mat<f64>) -> Option<usize> {
     let (scaled, _) = unit_diagonal(a);
     let LltError::NonPositivePivot { index } = cholesky(&scaled, -DEFINITE_TOLERANCE).err()?;
+    Some(index)
+}
+
+/// The first row (from 0) up to which a Hermitian A is not positive definite.
+pub(crate) fn dependent_wave_row(a: &Mat<c64>) -> Option<usize> {
+    let n = a.nrows();
+    let size = |i: usize| a[(i, i)].re.abs().max(f64::MIN_POSITIVE).sqrt();
+    let scaled = Mat::from_fn(n, n, |i, j| match i == j {
+        true if a[(i, i)].re > 0.0 => c64::new(1.0 - DEFINITE_TOLERANCE, 0.0),
+        true => c64::new(0.0, 0.0),
+        false => a[(i, j)] / (size(i) * size(j)),
+    });
+    let LltError::NonPositivePivot { index } = scaled.llt(Side::Lower).err()?;
     Some(index)
 }
 

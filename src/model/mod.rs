@@ -34,6 +34,7 @@
 //! assert_eq!((model.n_dofs(), model.n_contacts()), (1, 1));
 //! ```
 
+pub mod disk;
 pub mod interface;
 pub(crate) mod lower_triangle;
 mod masters;

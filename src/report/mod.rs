@@ -27,6 +27,7 @@ pub mod asked;
 pub mod assessment;
 pub mod compare;
 pub mod convention;
+pub mod disk;
 mod enough;
 mod error;
 pub mod numbers;

@@ -9,8 +9,9 @@ use std::path::{Component, Path};
 
 use toml::{Table, Value};
 
+use super::built::StudyModel;
 use super::frequency::FrequencyUnit;
-use super::read::{Study, StudyModel, only_of_rig};
+use super::read::{Study, only_of_rig};
 use super::tables::OF_INTERFACE;
 use crate::Error;
 use crate::contact::ContactParameters;
@@ -41,6 +42,9 @@ pub struct Exported {
 /// has content or cannot be written. Then nothing is left behind.
 pub fn export(study: &Study, output: &Path) -> Result<Exported, Error> {
     refuse_content(output)?;
+    let rule = "must be another: the matrices of a sector depend on the nodal diameter, for which an export has no place";
+    let one_set = BadSetting::unless(!study.is_cyclic(), "model.kind", "\"cyclic\"", rule);
+    one_set.map_err(|bad| study.bad_setting(&bad))?;
     study.refuse_inputs_of_rig()?;
     let (kept, moved) = study.kept()?;
     let model = study.build_model()?;

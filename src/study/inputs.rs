@@ -83,7 +83,7 @@ fn own_inputs(
 ) -> Result<Vec<(Input, Uncertainty)>, Error> {
     let pressure = match model {
         ModelSettings::TwoBladeStrip { pressure, .. } => *pressure,
-        ModelSettings::Matrices(_) => None,
+        ModelSettings::Matrices(_) | ModelSettings::Cyclic(_) => None,
     };
     let mut inputs = Vec::new();
     for (name, table) in tables {

@@ -1,10 +1,13 @@
 //! What a study is about to compute: sizes, linear frequencies, memory and time.
 
-use super::frequency::FrequencyUnit;
-use super::read::{Study, StudyModel};
+use super::built::{StudyDisk, StudyModel};
+use super::frequency::{FrequencySettings, FrequencyUnit};
+use super::read::Study;
 use super::size::{solve_memory, unknowns};
 use crate::Error;
+use crate::contact::ContactParameters;
 use crate::ensemble::runner::generations;
+use crate::linalg::LinalgError;
 use crate::model::rigid::RigidModes;
 use crate::model::two_blade::{ComponentSummary, PressureInputs};
 use crate::report::asked::Stopping;
@@ -40,6 +43,10 @@ pub struct Inspection {
     pub free: Vec<f64>,
     /// First natural frequencies with every contact closed and stuck.
     pub stuck: Vec<f64>,
+    /// Of a disk: the engine order that excites it, and its nodal diameter, which the frequencies are of.
+    pub excited: Option<(usize, usize)>,
+    /// Of a disk: the frequencies of every nodal diameter close to the band.
+    pub nodal_diameters: Vec<NodalFrequencies>,
     /// Names of the random inputs.
     pub inputs: Vec<&'static str>,
     /// The distribution of each in words, with the file that states it where it is not the study file.
@@ -70,6 +77,90 @@ pub struct Inspection {
     pub warnings: Vec<String>,
 }
 
+/// Natural frequencies of a nodal diameter.
+#[derive(Debug, Clone)]
+pub struct NodalFrequencies {
+    /// The nodal diameter.
+    pub number: usize,
+    /// Flexible ones without contact.
+    pub free: Vec<f64>,
+    /// Those with every contact closed and stuck.
+    pub stuck: Vec<f64>,
+}
+
+/// Frequencies of nodal diameters up to so many times the end of the band are stored.
+const BEYOND_BAND: f64 = 1.5;
+/// Those of nodal diameters are shown as close to the band.
+const CLOSE_TO_BAND: f64 = 1.2;
+
+/// Natural frequencies of a study's model, in its unit.
+struct LinearFrequencies {
+    rigid: RigidModes,
+    /// Flexible ones without contact forces.
+    free: Vec<f64>,
+    /// With all contacts stuck.
+    stuck: Vec<f64>,
+    nodal_diameters: Vec<NodalFrequencies>,
+}
+
+impl LinearFrequencies {
+    fn of(built: &StudyModel, frequency: &FrequencySettings) -> Result<Self, LinalgError> {
+        let unit = frequency.unit;
+        let in_unit = |omega: Vec<f64>| omega.iter().map(|w| unit.of_rad_s(*w)).collect();
+        let [low, high] = frequency.band.map(|w| unit.of_rad_s(w));
+        let close = |mut of: NodalFrequencies| {
+            let is_close = |f: &f64| (low / CLOSE_TO_BAND..=high * CLOSE_TO_BAND).contains(f);
+            of.free.retain(is_close);
+            of.stuck.retain(is_close);
+            of
+        };
+        let (mut free, rigid) = built.reduced.free_modes()?;
+        Ok(Self {
+            free: match &built.disk {
+                None => in_unit(free.split_off(rigid.count)),
+                Some(_) => in_unit(flexible(built.frequencies(false)?)),
+            },
+            stuck: in_unit(built.frequencies(true)?),
+            nodal_diameters: match &built.disk {
+                None => Vec::new(),
+                Some(of) => {
+                    let all = nodal_diameters(of, &built.contacts, frequency)?;
+                    all.into_iter().map(close).collect()
+                }
+            },
+            rigid,
+        })
+    }
+}
+
+/// The frequencies of every nodal diameter of a disk.
+pub(super) fn nodal_diameters(
+    of: &StudyDisk,
+    contacts: &[ContactParameters<f64>],
+    frequency: &FrequencySettings,
+) -> Result<Vec<NodalFrequencies>, LinalgError> {
+    let highest = BEYOND_BAND * frequency.band[1];
+    let first = |omega: Vec<f64>| -> Vec<f64> {
+        let low = omega.into_iter().filter(|w| *w <= highest);
+        low.map(|w| frequency.unit.of_rad_s(w)).collect()
+    };
+    let at = |number: usize| {
+        Ok(NodalFrequencies {
+            number,
+            free: first(flexible(of.disk.frequencies(number, None)?)),
+            stuck: first(of.disk.frequencies(number, Some(contacts))?),
+        })
+    };
+    (0..=of.disk.n_sectors / 2).map(at).collect()
+}
+
+/// Those that are more than the round-off of the highest one, whose squares the eigenvalues are.
+fn flexible(omega: Vec<f64>) -> Vec<f64> {
+    let highest = omega.last().copied().unwrap_or_default();
+    let floor = (10.0 * f64::EPSILON * omega.len() as f64).sqrt() * highest;
+    omega.into_iter().filter(|w| *w > floor).collect()
+}
+
 /// Gathers the facts.
 ///
 /// # Errors
@@ -80,20 +171,18 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
     let whole = n_contacts == built.reduced.n_contacts();
     let asymmetric = whole && study.folds() && built.reduced.mirror.is_some();
     let components = built.components();
+    let unit = study.frequency.unit;
+    let linear =
+        LinearFrequencies::of(&built, &study.frequency).map_err(|error| Error::Command {
+            path: study.path.clone(),
+            message: format!("linear modes of the model: {error}"),
+        })?;
+    let excited = (built.disk.as_ref()).map(|of| (of.engine_order, of.nodal_diameter()));
     let StudyModel {
         reduced: model,
-        contacts: parameters,
         rig,
+        ..
     } = built;
-    let no_modes = |error| Error::Command {
-        path: study.path.clone(),
-        message: format!("linear modes of the model: {error}"),
-    };
-    let unit = study.frequency.unit;
-    let in_unit = |omega: Vec<f64>| omega.iter().map(|w| unit.of_rad_s(*w)).collect::<Vec<_>>();
-    let (free, rigid) = model.free_modes().map_err(no_modes)?;
-    let free = in_unit(free);
-    let stuck = in_unit(model.stuck_frequencies(&parameters).map_err(no_modes)?);
     let names = |rows: &[crate::model::Response]| rows.iter().map(|r| r.name.clone()).collect();
     let unknowns = unknowns(study, n_contacts);
     let processor_time_s = processor_time(study, unknowns[0]);
@@ -103,15 +192,18 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         unit,
         contact_names: model.contacts.iter().map(|c| c.name.clone()).collect(),
         response_names: names(&model.responses),
-        warnings: warnings(study, free.get(rigid.count).copied(), asymmetric),
-        components,
+        warnings: warnings(study, linear.free.first().copied(), asymmetric),
         total_mass: match &rig {
             Some(rig) => Some(rig.total_mass()),
+            None if excited.is_some() && !components.is_empty() => Some(mass_of(&components)),
             None => model.total_mass(),
         },
-        rigid,
-        free: free.into_iter().skip(rigid.count).take(SHOWN).collect(),
-        stuck: stuck.into_iter().take(SHOWN).collect(),
+        components,
+        rigid: linear.rigid,
+        free: linear.free.into_iter().take(SHOWN).collect(),
+        excited,
+        nodal_diameters: linear.nodal_diameters,
+        stuck: linear.stuck.into_iter().take(SHOWN).collect(),
         inputs: study
             .design
             .inputs()
@@ -134,6 +226,11 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         wall_time_s: processor_time_s * turns(study.samples, threads as u64),
         dof_names: model.dof_names,
     })
+}
+
+/// Mass of a blade and a strip along x, y and z (kg).
+fn mass_of(components: &[(&'static str, ComponentSummary)]) -> [f64; 3] {
+    [0, 1, 2].map(|axis| components.iter().map(|(_, of)| of.mass[axis]).sum())
 }
 
 fn pressure_field(inputs: &PressureInputs) -> Option<String> {

@@ -65,7 +65,10 @@ impl<'a> Page<'a> {
     fn models(&mut self, of: &'a Value) {
         for model in of["oneOf"].as_array().into_iter().flatten() {
             let kind = model["properties"]["kind"]["const"].as_str();
-            let title = format!("`[model]`, kind = \"{}\"", kind.unwrap_or_default());
+            let sector = model["properties"]["sector"]["const"].as_str();
+            let sector = sector.map(|name| format!(", sector = \"{name}\""));
+            let (kind, sector) = (kind.unwrap_or_default(), sector.unwrap_or_default());
+            let title = format!("`[model]`, kind = \"{kind}\"{sector}");
             self.write(vec![Section {
                 title,
                 table: model,

@@ -19,8 +19,10 @@
 //! # }
 //! ```
 
+pub mod built;
 pub mod compare;
 mod control_variate;
+pub mod disk;
 pub mod document;
 pub mod evaluator;
 pub mod export;
@@ -57,13 +59,15 @@ pub mod solve;
 pub mod status;
 pub mod tables;
 
+pub use built::{StudyDisk, StudyModel};
 pub use compare::compare;
+pub use disk::disk;
 pub use evaluator::{EvaluationError, Evaluator};
 pub use export::{Exported, export};
 pub use extend::extend;
 pub use frequency::{FrequencySettings, FrequencyUnit, Points};
 pub use identified_inputs::IdentifiedInputs;
-pub use inspect::{Inspection, inspect};
+pub use inspect::{Inspection, NodalFrequencies, inspect};
 pub use join::join;
 pub use key_reference::key_reference;
 pub use merge::merge;
@@ -74,7 +78,7 @@ pub use output_schema::{OutputFile, output_schema};
 pub use prepared::PreparedStudy;
 pub use profile::{Profile, Stage};
 pub use progress::Progress;
-pub use read::{Study, StudyModel};
+pub use read::Study;
 pub use reweight::reweight;
 pub use run::run;
 pub use run_result::RunResult;

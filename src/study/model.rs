@@ -3,9 +3,10 @@
 use super::document::Document;
 use super::tables::ContactSection;
 use crate::Error;
+use crate::model::disk::SectorMatrices;
 use crate::model::interface::InterfaceSettings;
 use crate::model::matrices::MatricesSettings;
-use crate::model::two_blade::{PressureField, TwoBladeSettings};
+use crate::model::two_blade::{Phase, PressureField, TwoBladeSettings};
 use crate::setting::BadSetting;
 
 /// Why a pressure cannot be shaped.
@@ -26,7 +27,97 @@ pub enum ModelSettings {
     },
     /// The user's own matrices.
     Matrices(MatricesSettings),
+    /// One sector of a tuned disk.
+    Cyclic(CyclicSettings),
 }
+
+impl ModelSettings {
+    /// The built-in blades, if the model has any.
+    #[must_use]
+    pub fn blades(&self) -> Option<&TwoBladeSettings> {
+        match self {
+            Self::TwoBladeStrip { blades, .. } => Some(blades),
+            Self::Matrices(_) => None,
+            Self::Cyclic(settings) => match &settings.sector {
+                SectorSettings::BladeStrip { blades, .. } => Some(blades),
+                SectorSettings::Matrices(_) => None,
+            },
+        }
+    }
+
+    /// Constants of the built-in interfaces, if the model has any.
+    #[must_use]
+    pub fn interface(&self) -> Option<&InterfaceSettings> {
+        match self {
+            Self::TwoBladeStrip { interface, .. } => Some(interface),
+            Self::Matrices(_) => None,
+            Self::Cyclic(settings) => match &settings.sector {
+                SectorSettings::BladeStrip { interface, .. } => Some(interface),
+                SectorSettings::Matrices(_) => None,
+            },
+        }
+    }
+
+    /// The user's own matrices, if the model is made from any.
+    #[must_use]
+    pub fn matrices(&self) -> Option<&MatricesSettings> {
+        match self {
+            Self::TwoBladeStrip { .. } => None,
+            Self::Matrices(settings) => Some(settings),
+            Self::Cyclic(settings) => match &settings.sector {
+                SectorSettings::BladeStrip { .. } => None,
+                SectorSettings::Matrices(matrices) => Some(&matrices.sector),
+            },
+        }
+    }
+}
+
+/// A tuned disk by one of its sectors.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CyclicSettings {
+    /// Number of sectors.
+    pub sectors: usize,
+    /// What a sector is.
+    pub sector: SectorSettings,
+}
+
+/// One sector of a disk.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SectorSettings {
+    /// A blade of the built-in rig and the strip between it and the next one.
+    BladeStrip {
+        /// Geometry and material.
+        blades: TwoBladeSettings,
+        /// Constants of both interfaces of a strip.
+        interface: InterfaceSettings,
+    },
+    /// The user's own matrices.
+    Matrices(SectorMatrices),
+}
+
+/// Keys of `[model]` that a tuned disk has beside those of its sector. Every sector does what the one before it did, later by the phase
+/// of the engine order that `[operation]` names: harmonic k of engine order r has the nodal diameter k r mod N.
+#[derive(Debug, Clone, Default, PartialEq, serde::Deserialize, schemars::JsonSchema)]
+pub struct CyclicKeys {
+    /// Number N of sectors.
+    #[schemars(range(min = 2, max = MOST_SECTORS))]
+    pub sectors: usize,
+}
+
+/// Keys of `[model]` that a sector of the user's own matrices has beside those of a model of kind "matrices", but for `mirror`. Contact
+/// rows may name a degree of freedom of the next sector as "next:NAME".
+#[derive(Debug, Clone, Default, PartialEq, serde::Deserialize, schemars::JsonSchema)]
+pub struct BoundaryKeys {
+    /// Degrees of freedom on the boundary to the sector before. None where only contacts couple the sectors.
+    #[serde(default)]
+    pub left: Vec<String>,
+    /// Those on the boundary to the next sector, each at the place of its counterpart in `left`. They are the next sector's left ones.
+    #[serde(default)]
+    pub right: Vec<String>,
+}
+
+/// Most sectors of a disk.
+pub(super) const MOST_SECTORS: usize = 1000;
 
 /// Reads `[model]` by its `kind`.
 pub(super) fn model(
@@ -63,10 +154,63 @@ pub(super) fn model(
             document.checked(contact.refuse_interface().map_err(of_contact))?;
             Ok(ModelSettings::Matrices(settings))
         }
+        "cyclic" => Ok(ModelSettings::Cyclic(cyclic(document, contact)?)),
         _ => Err(document.bad_setting(&BadSetting {
             key: "model.kind".to_owned(),
             value: kind,
-            rule: "must be \"two-blade-strip\" or \"matrices\"".to_owned(),
+            rule: "must be \"two-blade-strip\", \"matrices\" or \"cyclic\"".to_owned(),
         })),
     }
+}
+
+/// Reads `[model]` of a tuned disk by its `sector`.
+fn cyclic(document: &mut Document<'_>, contact: &ContactSection) -> Result<CyclicSettings, Error> {
+    let sector = document.take_string("model", "sector")?;
+    let sectors: Option<usize> = document.take_below("model", "sectors")?;
+    let Some(sectors) = sectors else {
+        return Err(document.at_key("model.sectors", "must be given".to_owned()));
+    };
+    let rule = format!("must be from 2 to {MOST_SECTORS}, the sectors of the whole disk");
+    let known = (2..=MOST_SECTORS).contains(&sectors);
+    document.checked(BadSetting::unless(known, "model.sectors", sectors, &rule))?;
+    if document.take::<PressureField>("pressure_field")?.is_some() {
+        let rule = "must be absent: a model of kind \"cyclic\" has no field of pressure";
+        return Err(document.at_key("pressure_field", rule.to_owned()));
+    }
+    let of_contact = |bad: BadSetting| bad.under("contact");
+    let sector = match sector.as_str() {
+        "blade-strip" => {
+            if document
+                .take_below::<Phase>("model", "excitation_phase")?
+                .is_some()
+            {
+                let rule = "must be absent: the engine order gives the phase between neighbours";
+                return Err(document.at_key("model.excitation_phase", rule.to_owned()));
+            }
+            let blades: TwoBladeSettings = document.required("model")?;
+            document.checked(blades.validate().map_err(|b| b.under("model")))?;
+            let interface = document.checked(contact.interface().map_err(of_contact))?;
+            SectorSettings::BladeStrip { blades, interface }
+        }
+        "matrices" => {
+            let mut names = |key| document.take_below::<Vec<String>>("model", key);
+            let (left, right) = (names("left")?, names("right")?);
+            let settings = SectorMatrices {
+                sector: document.required("model")?,
+                left: left.unwrap_or_default(),
+                right: right.unwrap_or_default(),
+            };
+            document.checked(settings.validate().map_err(|b| b.under("model")))?;
+            document.checked(contact.refuse_interface().map_err(of_contact))?;
+            SectorSettings::Matrices(settings)
+        }
+        _ => {
+            return Err(document.bad_setting(&BadSetting {
+                key: "model.sector".to_owned(),
+                value: sector,
+                rule: "must be \"blade-strip\" or \"matrices\"".to_owned(),
+            }));
+        }
+    };
+    Ok(CyclicSettings { sectors, sector })
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::frequency::FrequencyUnit;
 use super::model::ModelSettings;
-use crate::model::matrices::MatricesSettings;
+use crate::model::matrix_contacts::ContactTable;
 use crate::setting::BadSetting;
 use crate::units::n_per_um_to_n_per_m;
 
@@ -31,25 +31,24 @@ pub(super) fn nominal_stiffness(
     direction: Direction,
 ) -> Result<f64, BadSetting> {
     let of_rig = |stiffness: f64| stiffness / n_per_um_to_n_per_m(1.0);
-    match (model, direction) {
-        (ModelSettings::TwoBladeStrip { interface, .. }, Direction::Normal) => {
-            Ok(of_rig(interface.normal_stiffness))
-        }
-        (ModelSettings::TwoBladeStrip { interface, .. }, Direction::Tangential) => {
-            Ok(of_rig(interface.tangential_stiffness))
-        }
-        (ModelSettings::Matrices(settings), _) => {
-            let rule = "must be absent: it needs a model in SI units, with frequency.band_hz, because its stiffnesses are in N/µm";
-            let si = unit == FrequencyUnit::Hertz;
-            BadSetting::unless(si, "inputs.from", "(given)", rule)?;
-            of_pairs(settings, direction)
-        }
+    if let Some(interface) = model.interface() {
+        return Ok(of_rig(match direction {
+            Direction::Normal => interface.normal_stiffness,
+            Direction::Tangential => interface.tangential_stiffness,
+        }));
     }
+    let rule = "must be absent: it needs a model in SI units, with frequency.band_hz, because its stiffnesses are in N/µm";
+    let si = unit == FrequencyUnit::Hertz;
+    BadSetting::unless(si, "inputs.from", "(given)", rule)?;
+    let pairs = model
+        .matrices()
+        .map_or(&[][..], |settings| &settings.contact);
+    of_pairs(pairs, direction)
 }
 
-fn of_pairs(settings: &MatricesSettings, direction: Direction) -> Result<f64, BadSetting> {
+fn of_pairs(pairs: &[ContactTable], direction: Direction) -> Result<f64, BadSetting> {
     let mut sums: BTreeMap<(usize, &str), f64> = BTreeMap::new();
-    for pair in &settings.contact {
+    for pair in pairs {
         let springs = match direction {
             Direction::Normal => vec![("k_n", pair.k_n)],
             Direction::Tangential => vec![("k_t1", pair.k_t1), ("k_t2", pair.k_t2)],

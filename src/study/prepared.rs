@@ -1,7 +1,8 @@
 //! A study with its model built: what all its samples share.
 
+use super::built::{StudyDisk, StudyModel};
 use super::frequency::PeakSetting;
-use super::read::{Study, StudyModel};
+use super::read::Study;
 use crate::Error;
 use crate::contact::ContactParameters;
 use crate::ensemble::{Ensemble, Strips};
@@ -32,6 +33,8 @@ pub struct PreparedStudy<'s> {
     pub components: Vec<(&'static str, ComponentSummary)>,
     /// What is solved: the structure, or one half of it where the mirror gives the other.
     pub linear: LinearModel,
+    /// The disk whose sector is solved, if it is one.
+    pub disk: Option<StudyDisk>,
     /// Constants of the contact pairs that are solved.
     pub contacts: Vec<ContactParameters<f64>>,
     /// Interface of each of them.
@@ -67,8 +70,7 @@ impl Study {
     /// The peak that `frequency.peak` names, in the modes of what is solved.
     fn choice(
         &self,
-        model: &ReducedModel,
-        contacts: &[ContactParameters<f64>],
+        model: &StudyModel,
         (linear, solved): (&LinearModel, &[ContactParameters<f64>]),
     ) -> Result<PeakChoice, Error> {
         let number = match self.frequency.peak {
@@ -77,7 +79,7 @@ impl Study {
             PeakSetting::Mode(number) => number,
         };
         let no_modes = |error: crate::linalg::LinalgError| Error::Problem(error.into());
-        let stuck = model.stuck_frequencies(contacts).map_err(no_modes)?;
+        let stuck = model.frequencies(true).map_err(no_modes)?;
         let [low, high] = self.frequency.band;
         let found = candidates(linear, &stuck_stiffness(solved), Band { low, high });
         let found = found.map_err(no_modes)?;
@@ -107,9 +109,12 @@ impl Study {
         }))
     }
 
-    /// What is solved: `model`, or one half of it where the mirror gives the other.
+    /// What is solved: `model`, one half of it where the mirror gives the other, or a sector for its disk.
     pub(super) fn linear(&self, model: &StudyModel) -> Result<LinearModel, Error> {
         self.check_inputs(&model.reduced)?;
+        if let Some(of) = &model.disk {
+            return Ok(LinearModel::travelling_wave(&of.disk, of.engine_order)?);
+        }
         Ok(LinearModel::of(
             &model.reduced,
             &model.contacts,
@@ -127,6 +132,7 @@ impl<'s> PreparedStudy<'s> {
         let contacts: Vec<_> = linear.pairs.iter().map(contact).collect();
         let inputs = study.design.inputs().iter().map(|(input, _)| *input);
         let own_strips = inputs.clone().any(|input| input == Input::StripThickness);
+        let choice = study.choice(&model, (&linear, &contacts))?;
         Ok(Self {
             components: model.components(),
             interfaces: linear.pairs.iter().map(interface).collect(),
@@ -136,7 +142,8 @@ impl<'s> PreparedStudy<'s> {
                 contacts: model.contacts.clone(),
                 mirror: study.folds(),
             }),
-            choice: study.choice(&model.reduced, &model.contacts, (&linear, &contacts))?,
+            choice,
+            disk: model.disk,
             contacts,
             linear,
             reduced: model.reduced,

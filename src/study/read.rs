@@ -12,15 +12,12 @@ use super::requirements::Asked;
 use super::samples::Samples;
 use super::tables::{ContactSection, SolverSection};
 use crate::Error;
-use crate::contact::ContactParameters;
 use crate::ensemble::SampleSolver;
 use crate::file::FileRecord;
 use crate::hb::HbSettings;
-use crate::model::matrices::MatricesError;
-use crate::model::two_blade::{
-    self, ComponentSummary, PressureInputs, TwoBladeModel, TwoBladeSettings,
-};
-use crate::model::{ModelError, ReducedModel};
+use crate::model::ReducedModel;
+use crate::model::matrices::MatricesSettings;
+use crate::model::two_blade::TwoBladeSettings;
 use crate::report::asked::{ControlVariateSettings, Requirements, Stopping, SurrogateSettings};
 use crate::sampling::{Design, Input};
 use crate::setting::{BadSetting, within};
@@ -55,6 +52,8 @@ pub(super) const MOST_LEVELS: usize = 1000;
 
 /// Why a strip has no thickness.
 const NO_STRIP: &str = "a model of kind \"matrices\" has no strip that could be meshed anew";
+/// Why a sector has neither thickness nor pressure as an input.
+const NOT_CYCLIC: &str = "a model of kind \"cyclic\" has no such input";
 /// Why a punch and a field do not go together.
 const TWO_PRESSURES: &str =
     "the deviations of [pressure_field] are relative to model.pressure_weights, not to a punch";
@@ -102,27 +101,6 @@ pub struct Study {
     pub warnings: Vec<String>,
 }
 
-/// The nominal model of a study.
-#[derive(Debug, Clone)]
-pub struct StudyModel {
-    /// The structure.
-    pub reduced: ReducedModel,
-    /// Constants of its contact pairs. Shape: `[n_contacts]`.
-    pub contacts: Vec<ContactParameters<f64>>,
-    /// The built-in rig that it is of; none for the user's own matrices.
-    pub rig: Option<TwoBladeModel>,
-}
-
-impl StudyModel {
-    /// The components that it was reduced from, by name; none for the user's own matrices.
-    #[must_use]
-    pub fn components(&self) -> Vec<(&'static str, ComponentSummary)> {
-        let rig = self.rig.iter();
-        rig.flat_map(|rig| [("blade", rig.blade.clone()), ("strip", rig.strip.clone())])
-            .collect()
-    }
-}
-
 impl Study {
     /// Reads and checks a study file.
     ///
@@ -166,8 +144,8 @@ impl Study {
         validate_head(&name, &levels).map_err(at)?;
         output.validate().map_err(|bad| at(bad.under("output")))?;
         let solver_settings = solver.settings(&contact).map_err(at)?;
-        let on_levels = (frequency.unit, &levels[..]);
-        let checked = asked.check(on_levels, &design, &solver_settings);
+        let of_model = (&model, frequency.unit);
+        let checked = asked.check(of_model, &levels, &design, &solver_settings);
         checked.map_err(at)?;
         let stopping = samples.plan(&asked.requirements, &design).map_err(at)?;
         let unusual = unusual(&model, &design, &solver_settings);
@@ -215,10 +193,10 @@ impl Study {
     /// # Errors
     /// [`Error::File`] on the first one that cannot be read.
     pub fn file_records(&self) -> Result<Vec<FileRecord>, Error> {
-        let of_model = match &self.model {
-            ModelSettings::TwoBladeStrip { .. } => Vec::new(),
-            ModelSettings::Matrices(settings) => settings.files(),
-        };
+        let of_model = self
+            .model
+            .matrices()
+            .map_or(Vec::new(), MatricesSettings::files);
         let identified = self.identified.iter().map(|found| found.file.as_path());
         let files = of_model.into_iter().chain(self.design_file.as_deref());
         let files = files.chain(identified);
@@ -235,49 +213,6 @@ impl Study {
         from_file.then(|| found.correlation.origin.clone())
     }
 
-    /// Builds the nominal model and the nominal constants of its contact pairs.
-    ///
-    /// # Errors
-    /// [`Error::Study`] or [`Error::Matrices`] on the first rule that the model's tables or files break.
-    pub fn build_model(&self) -> Result<StudyModel, Error> {
-        match &self.model {
-            ModelSettings::TwoBladeStrip {
-                blades,
-                interface,
-                pressure,
-            } => {
-                let rig = two_blade::build(blades).map_err(|error| match error {
-                    ModelError::Setting(bad) => self.bad_setting(&bad.under("model")),
-                    error => Error::Model(error),
-                })?;
-                let edge = self.has_input(Input::EdgePressure);
-                let inputs = PressureInputs::new(blades, edge, pressure.as_ref());
-                let rig = rig.with_pressure(inputs.map_err(ModelError::from)?);
-                let mut reduced = rig.reduced.clone();
-                reduced.name.clone_from(&self.name);
-                Ok(StudyModel {
-                    contacts: interface.parameters(&reduced.contacts),
-                    reduced,
-                    rig: Some(rig),
-                })
-            }
-            ModelSettings::Matrices(settings) => {
-                let (reduced, contacts) =
-                    settings
-                        .build(&self.name, self.folder())
-                        .map_err(|error| match error {
-                            MatricesError::Setting(bad) => self.bad_setting(&bad.under("model")),
-                            error => Error::Matrices(error),
-                        })?;
-                Ok(StudyModel {
-                    reduced,
-                    contacts,
-                    rig: None,
-                })
-            }
-        }
-    }
-
     /// Names of the inputs that act on one side of the contacts alone.
     fn one_sided(&self) -> Vec<&'static str> {
         let inputs = self.design.inputs().iter().map(|(input, _)| *input);
@@ -288,14 +223,19 @@ impl Study {
     /// Whether samples may be solved on half of a mirror-symmetric model.
     #[must_use]
     pub fn folds(&self) -> bool {
-        self.mirror && self.one_sided().is_empty()
+        self.mirror && self.one_sided().is_empty() && !self.is_cyclic()
+    }
+
+    /// Whether the model is one sector of a disk.
+    pub(super) fn is_cyclic(&self) -> bool {
+        matches!(self.model, ModelSettings::Cyclic(_))
     }
 
     /// Why samples are not solved on half of a mirror-symmetric model although `mirror` allows it.
     #[must_use]
     pub fn unfolded(&self) -> Option<String> {
         let names = self.one_sided();
-        (self.mirror && !names.is_empty()).then(|| {
+        (self.mirror && !names.is_empty() && !self.is_cyclic()).then(|| {
             format!(
                 "solved on all contacts, not on one half of them: the sides differ by {}",
                 names.join(", ")
@@ -303,7 +243,7 @@ impl Study {
         })
     }
 
-    fn has_input(&self, input: Input) -> bool {
+    pub(super) fn has_input(&self, input: Input) -> bool {
         let mut inputs = self.design.inputs().iter();
         inputs.any(|(other, _)| *other == input)
     }
@@ -330,9 +270,10 @@ impl Study {
     /// What the model lacks for an input.
     fn lacking(&self, input: Input, model: &ReducedModel) -> Option<String> {
         let weighted = |blades: &TwoBladeSettings| blades.pressure_weights.is_some();
-        let rig = only_of_rig(input).filter(|_| matches!(self.model, ModelSettings::Matrices(_)));
-        if let Some(reason) = rig {
-            return Some(reason.to_owned());
+        match (&self.model, only_of_rig(input)) {
+            (ModelSettings::Matrices(_), Some(reason)) => return Some(reason.to_owned()),
+            (ModelSettings::Cyclic(_), Some(_)) => return Some(NOT_CYCLIC.to_owned()),
+            _ => {}
         }
         let reason = match (input, &self.model) {
             (
@@ -470,7 +411,7 @@ fn fine_enough(
     model: &ModelSettings,
 ) -> Result<FrequencySettings, BadSetting> {
     let frequency = table.settings().map_err(|bad| bad.under("frequency"))?;
-    if let ModelSettings::TwoBladeStrip { blades, .. } = model {
+    if let Some(blades) = model.blades() {
         let highest_hz = crate::units::rad_s_to_hz(frequency.band[1]);
         let checked = blades.check_band(highest_hz);
         checked.map_err(|bad| bad.under("model"))?;
@@ -481,13 +422,11 @@ fn fine_enough(
 /// What may be meant but is unusual, in the order of the file.
 fn unusual(model: &ModelSettings, design: &Design, solver: &HbSettings) -> Vec<BadSetting> {
     let mut found = Vec::new();
-    match model {
-        ModelSettings::TwoBladeStrip { interface, .. } => {
-            found.extend(interface.unusual().into_iter().map(|b| b.under("contact")));
-        }
-        ModelSettings::Matrices(settings) => {
-            found.extend(settings.unusual().into_iter().map(|b| b.under("model")));
-        }
+    if let Some(interface) = model.interface() {
+        found.extend(interface.unusual().into_iter().map(|b| b.under("contact")));
+    }
+    if let Some(matrices) = model.matrices() {
+        found.extend(matrices.unusual().into_iter().map(|b| b.under("model")));
     }
     let inputs = design.inputs().iter();
     let of_inputs = inputs.filter_map(|(input, distribution)| input.unusual(distribution));

@@ -2,6 +2,7 @@
 
 use super::document::Document;
 use super::frequency::FrequencyUnit;
+use super::model::ModelSettings;
 use crate::Error;
 use crate::hb::HbSettings;
 use crate::report::asked::Requirements;
@@ -33,17 +34,18 @@ impl Asked {
         })
     }
 
-    /// Checks them for a study with the given frequency unit, levels, design and solver.
+    /// Checks them for a study with the given model, frequency unit, levels, design and solver.
     ///
     /// # Errors
     /// [`BadSetting`] with a key relative to the study file.
     pub(super) fn check(
         &self,
-        (unit, levels): (FrequencyUnit, &[f64]),
+        of_model: (&ModelSettings, FrequencyUnit),
+        levels: &[f64],
         design: &Design,
         solver: &HbSettings,
     ) -> Result<(), BadSetting> {
-        check_requirements(&self.requirements, unit, levels)?;
+        check_requirements(&self.requirements, of_model, levels)?;
         if let Some(settings) = &self.surrogate {
             check_surrogate(settings, design)?;
         }
@@ -54,13 +56,13 @@ impl Asked {
     }
 }
 
-/// Checks the requirements of a study with the given frequency unit and levels.
+/// Checks the requirements of a study with the given model, frequency unit and levels.
 ///
 /// # Errors
 /// [`BadSetting`] with a key relative to the study file.
 fn check_requirements(
     requirements: &Requirements,
-    unit: FrequencyUnit,
+    (model, unit): (&ModelSettings, FrequencyUnit),
     levels: &[f64],
 ) -> Result<(), BadSetting> {
     let given = [
@@ -73,7 +75,26 @@ fn check_requirements(
         let rule = "needs SI units: give frequency.band_hz instead of band_rad_s";
         BadSetting::unless(holds, key, "(table)", rule)?;
     }
-    requirements.validate(levels)
+    requirements.validate(levels)?;
+    match model {
+        ModelSettings::Cyclic(_) => check_engine_order(requirements),
+        _ => Ok(()),
+    }
+}
+
+/// Requires the one engine order that excites a disk.
+///
+/// # Errors
+/// [`BadSetting`] with a key relative to the study file.
+fn check_engine_order(requirements: &Requirements) -> Result<(), BadSetting> {
+    let Some(operation) = &requirements.operation else {
+        let rule = "must be given: its engine_orders name the engine order that excites the disk";
+        return BadSetting::unless(false, "operation", "(absent)", rule);
+    };
+    let orders = &operation.engine_orders;
+    let rule = "must be one engine order for a model of kind \"cyclic\": each excites another nodal diameter, and is a study of its own";
+    let key = "operation.engine_orders";
+    BadSetting::unless(orders.len() == 1, key, format!("{orders:?}"), rule)
 }
 
 /// Checks the surrogate of a study with the given design.

@@ -1,6 +1,7 @@
 //! What `run.json` says of a study before its samples.
 
-use super::model::ModelSettings;
+use super::inspect::{NodalFrequencies, nodal_diameters};
+use super::model::{CyclicSettings, ModelSettings, SectorSettings};
 use super::prepared::{FREQUENCY_TOLERANCE, PreparedStudy};
 use super::read::Study;
 use crate::Error;
@@ -11,8 +12,10 @@ use crate::ensemble::program::Program;
 use crate::ensemble::store::Provenance;
 use crate::hb::structure::resonance::{Band, linear_resonance, linear_response};
 use crate::hb::{LinearModel, Problem};
+use crate::linalg::LinalgError;
 use crate::model::two_blade::ComponentSummary;
 use crate::report::RunRecord;
+use crate::report::run::record::{DiskRecord, NodalRecord};
 use crate::report::run::{
     ComponentRecord, ContactGridRecord, DesignRecord, FileRecord, InputRecord, LinearRecord,
     StaticLoadRecord,
@@ -58,6 +61,7 @@ pub(super) fn first_record(
         components: component_records(&prepared.components),
         contact_grid: contact_grid(study),
         static_load: static_load(study),
+        disk: disk(prepared)?,
         requirements: study.requirements.clone(),
         stopping: None,
         surrogate: study.surrogate,
@@ -86,11 +90,30 @@ fn contact_grid(study: &Study) -> Option<ContactGridRecord> {
     })
 }
 
+/// The disk that the model is a sector of.
+fn disk(prepared: &PreparedStudy) -> Result<Option<DiskRecord>, Error> {
+    let Some(of) = &prepared.disk else {
+        return Ok(None);
+    };
+    let no_modes = |error: LinalgError| Error::Problem(error.into());
+    let found =
+        nodal_diameters(of, &prepared.contacts, &prepared.study.frequency).map_err(no_modes)?;
+    let record = |of: NodalFrequencies| NodalRecord {
+        nodal_diameter: of.number,
+        free_hz: of.free,
+        stuck_hz: of.stuck,
+    };
+    Ok(Some(DiskRecord {
+        sectors: of.disk.n_sectors,
+        engine_order: of.engine_order as u32,
+        nodal_diameter: of.nodal_diameter(),
+        nodal_diameters: found.into_iter().map(record).collect(),
+    }))
+}
+
 /// The centrifugal load on the strip of the built-in rig.
 fn static_load(study: &Study) -> Option<StaticLoadRecord> {
-    let ModelSettings::TwoBladeStrip { blades, .. } = &study.model else {
-        return None;
-    };
+    let blades = study.model.blades()?;
     Some(StaticLoadRecord {
         load_n: blades.centrifugal_load_n,
         strip_thickness_mm: blades.strip_mm[2],
@@ -158,10 +181,27 @@ fn linear_record(
 }
 
 fn level_unit(study: &Study) -> &'static str {
-    match study.model {
-        ModelSettings::TwoBladeStrip { .. } => "N",
-        ModelSettings::Matrices(_) => "units of the harmonic force",
+    match study.model.blades() {
+        Some(_) => "N",
+        None => "units of the harmonic force",
     }
+}
+
+fn of_disk(study: &Study, settings: &CyclicSettings) -> String {
+    let sector = match settings.sector {
+        SectorSettings::BladeStrip { .. } => "blade and strip damper (built in)",
+        SectorSettings::Matrices(_) => "matrices of the user",
+    };
+    let operation = study.requirements.operation.iter();
+    let orders: Vec<String> = operation
+        .flat_map(|operation| &operation.engine_orders)
+        .map(u32::to_string)
+        .collect();
+    format!(
+        "one sector of a tuned disk of {}, {sector}, excited by engine order {}",
+        settings.sectors,
+        orders.join(", ")
+    )
 }
 
 pub(super) fn provenance(study: &Study, folded: bool) -> Provenance {
@@ -174,11 +214,13 @@ pub(super) fn provenance(study: &Study, folded: bool) -> Provenance {
         commit: program.commit,
         instruction_set: program.instruction_set,
         other_programs: Vec::new(),
-        model: match study.model {
-            ModelSettings::TwoBladeStrip { .. } => "two blades with a strip damper (built in)",
-            ModelSettings::Matrices(_) => "matrices of the user",
-        }
-        .to_owned(),
+        model: match &study.model {
+            ModelSettings::TwoBladeStrip { .. } => {
+                "two blades with a strip damper (built in)".to_owned()
+            }
+            ModelSettings::Matrices(_) => "matrices of the user".to_owned(),
+            ModelSettings::Cyclic(settings) => of_disk(study, settings),
+        },
         law: solver.aft.law,
         events: solver.aft.events,
         anchor: solver.anchor,

@@ -6,6 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::frequency::FrequencyTable;
 use super::identified_inputs::InputsKeys;
+use super::model::{BoundaryKeys, CyclicKeys};
 use super::output::OutputSettings;
 use super::read::{KEYS, LEVEL, MOST_LEVELS};
 use super::tables::{ContactSection, SolverSection};
@@ -36,6 +37,14 @@ pub fn schema() -> Value {
         "additionalProperties": false,
         "allOf": [
             { "if": of_kind("matrices"), "then": { "properties": without_interface() } },
+            { "if": of_sector("matrices"), "then": { "properties": without_interface() } },
+            { "if": of_kind("cyclic"), "then": {
+                "required": ["operation"],
+                "properties": {
+                    "operation": { "properties": { "engine_orders": { "maxItems": 1 } } },
+                    "pressure_field": false,
+                },
+            } },
             needs("frequency-margin-percent", "operation"),
             needs("reserve-factor", "stress"),
             needs("probability-of-exceedance", "stress"),
@@ -51,6 +60,12 @@ pub fn schema() -> Value {
 /// A study whose model is of this kind.
 fn of_kind(kind: &str) -> Value {
     let model = json!({ "properties": { "kind": { "const": kind } }, "required": ["kind"] });
+    json!({ "properties": { "model": model }, "required": ["model"] })
+}
+
+/// A study of a disk whose sector is of this kind.
+fn of_sector(sector: &str) -> Value {
+    let model = json!({ "properties": { "sector": { "const": sector } }, "required": ["sector"] });
     json!({ "properties": { "model": model }, "required": ["model"] })
 }
 
@@ -144,10 +159,12 @@ fn section(key: &str, generator: &mut SchemaGenerator) -> Value {
             "description": "Excitation levels, ascending: N on each blade for the built-in model, else factors on the harmonic force.",
         }),
         "model" => json!({
-            "description": "The structure: built in, or the user's own matrices.",
+            "description": "The structure: built in, the user's own matrices, or one sector of a tuned disk of either.",
             "oneOf": [
                 model::<TwoBladeSettings>("two-blade-strip", generator),
                 model::<MatricesSettings>("matrices", generator),
+                sector::<TwoBladeSettings>("blade-strip", &["excitation_phase"], generator),
+                sector::<MatricesSettings>("matrices", &["mirror"], generator),
             ],
         }),
         "contact" => of::<ContactSection>(generator),
@@ -192,6 +209,35 @@ fn model<T: JsonSchema>(kind: &str, generator: &mut SchemaGenerator) -> Value {
     let more = schema.get("required").and_then(Value::as_array);
     required.extend(more.into_iter().flatten().cloned());
     entry(&mut schema, "required", Value::Array(required));
+    schema
+}
+
+/// `[model]` of a tuned disk: the settings of its sector without those that it has no use for, and its own.
+fn sector<T: JsonSchema>(sector: &str, unused: &[&str], generator: &mut SchemaGenerator) -> Value {
+    let mut schema = model::<T>("cyclic", generator);
+    let mut own = CyclicKeys::json_schema(generator).to_value();
+    let description = own["description"].take();
+    let mut keys = own["properties"].take();
+    if sector == "matrices" {
+        let mut boundary = BoundaryKeys::json_schema(generator).to_value();
+        let of_boundary = boundary["properties"].take();
+        let (Some(keys), Value::Object(of_boundary)) = (keys.as_object_mut(), of_boundary) else {
+            return Value::Bool(false);
+        };
+        keys.extend(of_boundary);
+    }
+    let about = json!({ "const": sector, "description": "What a sector is made of." });
+    let (Some(properties), Value::Object(keys)) = (schema["properties"].as_object_mut(), keys)
+    else {
+        return Value::Bool(false);
+    };
+    properties.retain(|key, _| !unused.contains(&key.as_str()));
+    properties.insert("sector".to_owned(), about);
+    properties.extend(keys);
+    if let Some(required) = schema["required"].as_array_mut() {
+        required.extend([json!("sector"), json!("sectors")]);
+    }
+    schema["description"] = description;
     schema
 }
 

@@ -10,6 +10,7 @@ mod control_variate;
 #[path = "../common/described.rs"]
 mod described;
 mod designs;
+mod disk;
 mod export;
 mod extend;
 #[path = "../common/function_case.rs"]

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::bad_input::cases::{BEYOND_SCHEMA, REFUSED};
+use super::bad_input::disk_cases::{DISK, DISK_BEYOND_SCHEMA, DISK_REFUSED};
 use super::bad_input::rig_cases::{RIG, RIG_BEYOND_SCHEMA, RIG_REFUSED};
 use super::{STUDY, microslip};
 
@@ -80,6 +81,8 @@ fn the_schema_refuses_what_the_program_refuses() {
         (STUDY, BEYOND_SCHEMA, true),
         (RIG, RIG_REFUSED, false),
         (RIG, RIG_BEYOND_SCHEMA, true),
+        (DISK, DISK_REFUSED, false),
+        (DISK, DISK_BEYOND_SCHEMA, true),
     ];
     let mut wrong = Vec::new();
     for (study, cases, expected) in lists {

@@ -10,6 +10,7 @@ mod closed_form;
 mod compliance;
 mod curve;
 mod damping;
+mod disk;
 mod fold;
 mod invariants;
 mod jacobian;

@@ -6,6 +6,7 @@ use crate::contact::ContactParameters;
 use crate::hb::ProblemError;
 use crate::hb::settings::SliderAnchor;
 use crate::hb::structure::linear::{LinearModel, ModalPart};
+use crate::linalg::Entry;
 use faer::linalg::solvers::Llt;
 use faer::prelude::*;
 
@@ -137,18 +138,13 @@ impl StuckStatic {
             .iter()
             .map(|x| x * load_scale)
             .collect();
-        let eta_per_force = factor.solve(part.contact.transpose() * Scale(part.multiplicity));
-        let excited = model.part(1);
-        let factor = static_factor(excited, k_c)?;
-        let force = |f: fn(&c64) -> f64| excited.force.iter().map(f).collect::<Vec<f64>>();
-        let excitation_scale = [force(|f| f.re), force(|f| f.im)]
-            .iter()
-            .flat_map(|f| relative(excited, &solve(&factor, f)))
-            .fold(0.0, |m: f64, r| m.max(r.abs()));
+        let contact = &part.contact.real;
+        let eta_per_force = factor.solve(contact.transpose() * Scale(part.multiplicity));
+        let excitation_scale = static_excitation(model.part(1), k_c)?;
         if excitation_scale == 0.0 && model.n_contacts() > 0 {
             return Err(ProblemError::NoLoad);
         }
-        let (relative, compliance) = (relative(part, &eta), &part.contact * &eta_per_force);
+        let (relative, compliance) = (relative(part, &eta), contact * &eta_per_force);
         let n_t = 2 * contacts.len();
         let preload = Col::from_fn(3 * contacts.len(), |i| match i.checked_sub(n_t) {
             Some(pair) => contacts[pair].n_0.max(0.0), // an open gap transmits no force
@@ -174,24 +170,48 @@ fn solve(factor: &Llt<f64>, f: &[f64]) -> Vec<f64> {
 }
 
 fn relative(part: &ModalPart, eta: &[f64]) -> Vec<f64> {
-    let r = &part.contact * Col::from_fn(eta.len(), |i| eta[i]);
+    let r = &part.contact.real * Col::from_fn(eta.len(), |i| eta[i]);
     r.iter().copied().collect()
+}
+
+/// Largest relative displacement of the stuck structure under the unit excitation applied statically (m).
+fn static_excitation(part: &ModalPart, k_c: &[f64]) -> Result<f64, ProblemError> {
+    let largest = |r: &mut dyn Iterator<Item = f64>| r.fold(0.0, |m: f64, r| m.max(r.abs()));
+    if part.is_real() {
+        let factor = static_factor(part, k_c)?;
+        let force = |f: fn(&c64) -> f64| part.force.iter().map(f).collect::<Vec<f64>>();
+        let parts = [force(|f| f.re), force(|f| f.im)];
+        let moved = |f: &Vec<f64>| relative(part, &solve(&factor, f));
+        return Ok(largest(&mut parts.iter().flat_map(moved)));
+    }
+    let mut stiffness = part.wave_stiffness_with_springs(k_c);
+    if let Some(retention) = &part.retention {
+        stiffness += retention.complex();
+    }
+    let eta = cholesky(&stiffness)?.solve(Col::from_fn(part.force.len(), |i| part.force[i]));
+    let eta: Vec<c64> = eta.iter().copied().collect();
+    let moved = part.relative(&eta).into_iter();
+    Ok(largest(&mut moved.flat_map(|r| [r.re, r.im])))
 }
 
 /// Cholesky factor of Λ + retention + (BΦ)ᵀ diag(k) BΦ.
 fn static_factor(part: &ModalPart, k: &[f64]) -> Result<Llt<f64>, ProblemError> {
     let mut stiffness = part.stiffness_with_springs(k);
-    let n = stiffness.nrows();
     if let Some(retention) = &part.retention {
-        stiffness += retention;
+        stiffness += &retention.real;
     }
-    let largest = (0..n).map(|i| stiffness[(i, i)]).fold(0.0, f64::max);
+    cholesky(&stiffness)
+}
+
+/// Cholesky factor of a stiffness that holds the structure.
+fn cholesky<E: Entry>(stiffness: &Mat<E>) -> Result<Llt<E>, ProblemError> {
+    let n = stiffness.nrows();
+    let pivots = |a: MatRef<'_, E>| (0..n).map(|i| a[(i, i)].real_part()).collect::<Vec<f64>>();
+    let largest = pivots(stiffness.as_ref()).into_iter().fold(0.0, f64::max);
     let factor = stiffness
         .llt(faer::Side::Lower)
         .map_err(|_| ProblemError::NotHeld)?;
-    let smallest_pivot = (0..n)
-        .map(|i| factor.L()[(i, i)])
-        .fold(f64::INFINITY, f64::min);
+    let smallest_pivot = pivots(factor.L()).into_iter().fold(f64::INFINITY, f64::min);
     if smallest_pivot * smallest_pivot <= largest * f64::EPSILON {
         return Err(ProblemError::NotHeld);
     }
@@ -206,6 +226,7 @@ fn frictionless_equilibrium(
     load_scale: f64,
 ) -> Result<Vec<[f64; 2]>, ProblemError> {
     let part = model.part(0);
+    let contact = &part.contact.real;
     let n_c = contacts.len();
     let mut closed = vec![true; n_c];
     let limit = 2 * n_c + 10;
@@ -218,9 +239,8 @@ fn frictionless_equilibrium(
         }
         let factor = static_factor(part, &k)?;
         let load = Col::from_fn(part.n_coordinates(), |j| load_scale * part.static_force[j]);
-        let eta =
-            factor.solve(load - part.contact.transpose() * preload * Scale(part.multiplicity));
-        let r = &part.contact * eta;
+        let eta = factor.solve(load - contact.transpose() * preload * Scale(part.multiplicity));
+        let r = contact * eta;
         let now: Vec<bool> = (contacts.iter().enumerate())
             .map(|(i, c)| c.n_0 + c.k_n * r[2 * n_c + i] > 0.0)
             .collect();

@@ -4,21 +4,20 @@
 //! is then
 //!
 //! ```text
-//! η̂ₖ = Z_s(kω)⁻¹ (f̂ₖ − ΦᵀBᵀ ĝₖ),   Z_s = Z + ΦᵀBᵀ K_c BΦ
-//! r̂ₖ = BΦ η̂ₖ = r̂ₖ^stuck − Gₖ ĝₖ,    Gₖ(ω) = BΦ Z_s⁻¹ ΦᵀBᵀ
+//! η̂ₖ = Z_s(kω)⁻¹ (f̂ₖ − ΦᴴBᵀ ĝₖ),   Z_s = Z + ΦᴴBᵀ K_c BΦ
+//! r̂ₖ = BΦ η̂ₖ = r̂ₖ^stuck − Gₖ ĝₖ,    Gₖ(ω) = BΦ Z_s⁻¹ ΦᴴBᵀ
 //! ```
+//!
+//! G is symmetric where Φ is real. For a travelling wave it is not: its transpose is that of the wave in the other direction.
 //!
 //! G is finite also where the free strip can move as a rigid body. g is zero for a contact that sticks, so that only pairs
 //! that slip or open enter the nonlinear system.
 
+use super::condensed::{HeldModes, SplitModes};
 use super::linear::{LinearModel, ModalPart};
-use super::springs::Symmetric;
+use super::springs::ContactCompliance;
 use crate::linalg::vector::axpy_complex;
-use faer::linalg::matmul::matmul;
-use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
-use faer::{Accum, Par};
 use pulp::{Arch, Simd, WithSimd};
 
 /// The stuck structure at all harmonics above 0 of one excitation frequency.
@@ -64,23 +63,20 @@ struct FreeModes {
     receptance: Vec<c64>,
     /// Loose modes, the coupled ones first.
     loose: Vec<usize>,
-    /// R, relative displacements of the stuck structure per load on the loose modes. Shape: 3·n_contacts × loose.
-    per_load: Mat<c64>,
-    /// Factors of S, the dynamic stiffness of the loose modes.
-    dynamic: PartialPivLu<c64>,
+    /// How the loose modes move with the stuck contacts.
+    held: HeldModes,
 }
 
 impl<'p> Compliance<'p> {
     /// The stuck structure at `omega` for the stuck stiffness `k_c` (N/m, shape `[3·n_contacts]`).
     #[must_use]
     pub fn new(model: &'p LinearModel, k_c: &'p [f64], orders: &[usize], omega: f64) -> Self {
-        let held: Vec<Vec<f64>> = (model.parts.iter())
-            .map(|part| stiffness_against_modes(part, k_c))
-            .collect();
+        let mut held: Vec<Option<Vec<f64>>> = vec![None; model.parts.len()];
         let harmonics = (orders.iter().filter(|&&k| k > 0))
             .map(|&order| {
-                let held = &held[order % held.len()];
-                HarmonicCompliance::new(model.part(order), k_c, held, order, omega)
+                let (part, of_part) = (model.part(order), order % held.len());
+                let held = held[of_part].get_or_insert_with(|| stiffness_against_modes(part, k_c));
+                HarmonicCompliance::new(part, k_c, held, order, omega)
             })
             .collect();
         Self { omega, harmonics }
@@ -133,7 +129,7 @@ impl<'p> HarmonicCompliance<'p> {
     }
 
     /// Z_s⁻¹ `load`, as exact as G. With D, the receptance of all modes but the loose ones, and the load f,
-    /// r = (I − G K_c) BΦ D f + R f_l and η̂ = D (f − ΦᵀBᵀ K_c r). The loose modes follow from the symmetry of Z_s⁻¹.
+    /// r = (I − G K_c) BΦ D f + R f_l and η̂ = D (f − ΦᴴBᵀ K_c r); that of the loose modes is S⁻¹ (f_l − V K_c BΦ D f).
     #[inline(always)]
     fn solve_by_compliance(&self, load: &[c64]) -> Vec<c64> {
         let modes = &self.modes;
@@ -142,11 +138,11 @@ impl<'p> HarmonicCompliance<'p> {
         let pull = self.spring(&held);
         self.take_motion(&pull, &mut held);
         let mut loose = Col::from_fn(modes.loose.len(), |b| load[modes.loose[b]]);
-        modes.dynamic.solve_in_place(&mut loose);
+        modes.held.dynamic.solve_in_place(&mut loose);
         for (b, &mode) in modes.loose.iter().enumerate() {
-            let per_load = modes.per_load.col_as_slice(b);
+            let per_load = modes.held.per_load.col_as_slice(b);
             (held.iter_mut().zip(per_load)).for_each(|(r, p)| *r += p * load[mode]);
-            let pulled = per_load.iter().zip(&pull).map(|(p, f)| p * f);
+            let pulled = (modes.held.per_force(b).iter().zip(&pull)).map(|(p, f)| p * f);
             loose[b] -= pulled.sum::<c64>() * self.part.multiplicity;
         }
         let hold = self.part.contact_load(&self.spring(&held));
@@ -232,16 +228,13 @@ impl WithSimd for Solving<'_, '_> {
 }
 
 impl FreeModes {
-    /// The modes and G, with L = BΦ, K = K_c, and index l for the loose modes:
-    ///
-    /// ```text
-    /// H = L D Lᵀ                 compliance of the free structure without the loose modes
-    /// G' = (I + H K)⁻¹ H          the same with stuck contacts
-    /// W = (I − G' K) L_l          relative displacements per motion of a loose mode
-    /// S = Z_l + L_lᵀ K W          dynamic stiffness of the loose modes
-    /// R = W S⁻¹,  G = G' + R Wᵀ
-    /// ```
-    fn new(part: &ModalPart, k_c: &[f64], held: &[f64], frequency: f64) -> (Self, Symmetric) {
+    /// The modes, and G. `held` is the stiffness of the stuck contacts against each mode.
+    fn new(
+        part: &ModalPart,
+        k_c: &[f64],
+        held: &[f64],
+        frequency: f64,
+    ) -> (Self, ContactCompliance) {
         let structure = &part.structure;
         let impedance: Vec<c64> = (structure.lambda.iter().zip(&structure.damping))
             .map(|(&l, &c)| c64::new(l - frequency * frequency, frequency * c))
@@ -256,31 +249,26 @@ impl FreeModes {
         for &j in &loose {
             receptance[j] = c64::new(0.0, 0.0);
         }
-        let springs: Vec<c64> = k_c.iter().map(|&k| c64::new(k, 0.0)).collect();
-        let mut stuck = receptance_at_contacts(part, &receptance).with_springs(&springs);
-        let (moved, pull) = motion_of_loose_modes(part, k_c, &loose, &stuck);
-        let held = [&moved[0], &moved[1]].map(|w| pull.transpose() * w);
-        let n = loose.len();
-        let dynamic = Mat::from_fn(n, n, |a, b| {
-            let spring = c64::new(held[0][(a, b)], held[1][(a, b)]) * part.multiplicity;
-            let free = match a == b {
-                true => impedance[loose[a]],
-                false if a.max(b) < coupled.len() => {
-                    c64::new(0.0, frequency * structure.coupling.damping[(a, b)])
-                }
-                false => c64::new(0.0, 0.0),
-            };
-            spring + free
+        let free = Mat::from_fn(loose.len(), loose.len(), |a, b| match a == b {
+            true => impedance[loose[a]],
+            false if a.max(b) < coupled.len() => {
+                structure.coupling.damping.entry(a, b) * c64::new(0.0, frequency)
+            }
+            false => c64::new(0.0, 0.0),
         });
-        let dynamic = dynamic.partial_piv_lu();
-        let per_load = add_loose_modes(&mut stuck, part.multiplicity, &moved, &dynamic);
+        let split = SplitModes {
+            part,
+            receptance: &receptance,
+            loose: &loose,
+            free,
+        };
+        let (held, stuck) = split.with_stuck_contacts(k_c);
         let modes = Self {
             frequency,
             impedance,
             receptance,
             loose,
-            per_load,
-            dynamic,
+            held,
         };
         (modes, stuck)
     }
@@ -295,108 +283,17 @@ impl FreeModes {
     }
 }
 
-/// Real and imaginary part of W, the relative displacements of the stuck structure per motion of a loose mode, and K L_l, the
-/// forces of the stuck contacts per such motion. Shape: 3·n_contacts × loose.
-fn motion_of_loose_modes(
-    part: &ModalPart,
-    k_c: &[f64],
-    loose: &[usize],
-    stuck: &Symmetric,
-) -> ([Mat<f64>; 2], Mat<f64>) {
-    let (m, n) = (k_c.len(), loose.len());
-    let mut moved = [Mat::zeros(m, n), Mat::zeros(m, n)];
-    for (b, &j) in loose.iter().enumerate() {
-        moved[0]
-            .col_as_slice_mut(b)
-            .copy_from_slice(part.contact.col_as_slice(j));
-    }
-    let mut pull = moved[0].clone();
-    for b in 0..n {
-        (pull.col_as_slice_mut(b).iter_mut().zip(k_c)).for_each(|(x, k)| *x *= k);
-    }
-    for (moved, g) in moved.iter_mut().zip([&stuck.real, &stuck.imaginary]) {
-        add_product(moved, -1.0, g.as_ref(), pull.as_ref());
-    }
-    (moved, pull)
-}
-
-/// Adds R Wᵀ to the compliance G' of the structure without loose modes, and returns R = W S⁻¹. `moved` are the parts of W,
-/// `dynamic` the factors of S.
-fn add_loose_modes(
-    stuck: &mut Symmetric,
-    multiplicity: f64,
-    moved: &[Mat<f64>; 2],
-    dynamic: &PartialPivLu<c64>,
-) -> Mat<c64> {
-    let (m, n) = (moved[0].nrows(), moved[0].ncols());
-    // column by column: with a closure for each entry the compliance takes a tenth more time
-    let mut transposed = Mat::zeros(n, m);
-    for b in 0..n {
-        let [real, imaginary] = moved.each_ref().map(|w| w.col_as_slice(b));
-        for (i, (&re, &im)) in real.iter().zip(imaginary).enumerate() {
-            transposed[(b, i)] = c64::new(re, im);
-        }
-    }
-    dynamic.solve_in_place(&mut transposed);
-    let mut per_load = Mat::zeros(m, n);
-    let [mut real, mut imaginary] = [Mat::zeros(m, n), Mat::zeros(m, n)];
-    for i in 0..m {
-        for (b, &r) in transposed.col_as_slice(i).iter().enumerate() {
-            per_load[(i, b)] = r;
-            real[(i, b)] = multiplicity * r.re;
-            imaginary[(i, b)] = multiplicity * r.im;
-        }
-    }
-    let [moved_real, moved_imaginary] = moved.each_ref().map(Mat::transpose);
-    add_product(&mut stuck.real, 1.0, real.as_ref(), moved_real);
-    add_product(&mut stuck.real, -1.0, imaginary.as_ref(), moved_imaginary);
-    add_product(&mut stuck.imaginary, 1.0, real.as_ref(), moved_imaginary);
-    add_product(&mut stuck.imaginary, 1.0, imaginary.as_ref(), moved_real);
-    per_load
-}
-
-/// y += factor a b.
-fn add_product(y: &mut Mat<f64>, factor: f64, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
-    matmul(y.as_mut(), Accum::Add, a, b, factor, Par::Seq);
-}
-
 /// Stiffness of the stuck contacts against each mode. Shape: `[n]`.
 fn stiffness_against_modes(part: &ModalPart, k_c: &[f64]) -> Vec<f64> {
-    let against = |j| {
-        let shape = part.contact.col_as_slice(j);
+    let energy = |shape: &[f64]| -> f64 {
         let energies = shape.iter().zip(k_c).map(|(x, k)| k * x * x);
-        part.multiplicity * energies.sum::<f64>()
+        energies.sum()
+    };
+    let against = |j| {
+        let real = energy(part.contact.real.col_as_slice(j));
+        let imaginary = part.contact.imaginary.as_ref();
+        let both = imaginary.map_or(real, |shape| real + energy(shape.col_as_slice(j)));
+        part.multiplicity * both
     };
     (0..part.n_coordinates()).map(against).collect()
-}
-
-/// H = L D Lᵀ. Shape: `receptance` `[n]`.
-fn receptance_at_contacts(part: &ModalPart, receptance: &[c64]) -> Symmetric {
-    let l = &part.contact;
-    let product = |f: fn(&c64) -> f64| {
-        let mut scaled = l.clone();
-        for (j, d) in receptance.iter().enumerate() {
-            let factor = part.multiplicity * f(d);
-            (scaled.col_as_slice_mut(j).iter_mut()).for_each(|x| *x *= factor);
-        }
-        let mut h = Mat::zeros(l.nrows(), l.nrows());
-        let (full, lower) = (BlockStructure::Rectangular, BlockStructure::TriangularLower);
-        let (left, right) = (scaled.as_ref(), l.transpose());
-        triangular::matmul(
-            h.as_mut(),
-            lower,
-            Accum::Replace,
-            left,
-            full,
-            right,
-            full,
-            1.0,
-            Par::Seq,
-        );
-        h
-    };
-    Symmetric {
-        real: product(|z| z.re),
-        imaginary: product(|z| z.im),
-    }
 }

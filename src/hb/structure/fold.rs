@@ -81,6 +81,7 @@ impl LinearModel {
             parts,
             pairs,
             floats,
+            alternates: parities.len() > 1,
         }))
     }
 }

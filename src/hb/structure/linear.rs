@@ -1,12 +1,13 @@
 //! The linear model in the modes of the free structure (all contacts open).
 //!
-//! With q = Φ η, Φᵀ M Φ = I and Φᵀ K Φ = Λ its equation of motion is η̈ + Ĉ η̇ + Λ η = Φᵀ f, with all modes. At the frequency
+//! With q = Φ η, Φᴴ M Φ = I and Φᴴ K Φ = Λ its equation of motion is η̈ + Ĉ η̇ + Λ η = Φᴴ f, with all modes. At the frequency
 //! Ω its dynamic stiffness is Z = Λ − Ω² I + iΩ Ĉ. With modal or proportional damping Ĉ and Z are diagonal, and the inverse
-//! takes one division per mode. Other damping couples some of the modes.
+//! takes one division per mode. Other damping couples some of the modes. Φ is real but for the travelling waves of a disk
+//! ([`super::waves`]).
 
 use crate::hb::ProblemError;
-use crate::linalg::symmetric_generalized_eigen;
-use crate::linalg::vector::dot;
+use crate::linalg::split::SplitMat;
+use crate::linalg::{Entry, symmetric_generalized_eigen};
 use crate::model::{ReducedModel, SparseRow};
 use faer::prelude::*;
 use pulp::{Arch, Simd, WithSimd};
@@ -14,16 +15,18 @@ use pulp::{Arch, Simd, WithSimd};
 /// An off-diagonal entry of Ĉ counts as round-off below this share of its diagonal neighbours, |Ĉᵢⱼ| / √(Ĉᵢᵢ Ĉⱼⱼ).
 const ROUND_OFF: f64 = 1e-8;
 
-/// A [`ReducedModel`] in modal coordinates: one [`ModalPart`], or two where even and odd harmonics have different structures.
+/// A model in modal coordinates: one [`ModalPart`], or several where harmonics have different structures.
 #[derive(Debug, Clone)]
 pub struct LinearModel {
-    /// Harmonic k belongs to part k mod length: one part for all, or one for the even and one for the odd harmonics of a
-    /// folded model ([`super::fold`]).
+    /// Harmonic k belongs to part k mod length: one part for all, one for the even and one for the odd harmonics of a
+    /// folded model ([`super::fold`]), or one for each wave of a disk ([`super::waves`]). Part 0 is real.
     pub parts: Vec<ModalPart>,
     /// Contact pairs of the [`ReducedModel`] whose displacements are unknowns; those of the others follow by the mirror.
     pub pairs: Vec<usize>,
     /// Whether the free structure can move as a rigid body, in part or as a whole: such as a strip that only contacts hold.
     pub floats: bool,
+    /// Whether the model is folded and the mirror images do the same half a period later.
+    pub alternates: bool,
 }
 
 /// The linear structure for one class of harmonics, in coordinates η: matrices, contact, load and response vectors.
@@ -31,19 +34,19 @@ pub struct LinearModel {
 pub struct ModalPart {
     /// Stiffness and damping of the free structure.
     pub structure: Structure,
-    /// Φᵀ K₀ Φ, a stiffness that acts on harmonic 0 only.
-    pub retention: Option<Mat<f64>>,
+    /// Φᴴ K₀ Φ, a stiffness that acts on harmonic 0 only.
+    pub retention: Option<SplitMat>,
     /// B Φ: η → relative contact displacements. Shape: 3·n_contacts × n, rows ordered t1 of every pair, t2, n.
-    pub contact: Mat<f64>,
+    pub contact: SplitMat,
     /// Number of contacts that each pair stands for: 2 with its mirror image, else 1.
     pub multiplicity: f64,
     /// η → response coordinates. Shape: n_responses × n.
-    pub response: Mat<f64>,
-    /// Φᵀ f₀. Shape: `[n]`.
+    pub response: SplitMat,
+    /// Φᵀ f₀. Shape: `[n]`; empty in a part that harmonic 0 does not belong to.
     pub static_force: Vec<f64>,
-    /// Φᵀ f of each load that is an input. Shape: loads × n.
+    /// Φᵀ f of each load that is an input. Shape: loads × n; empty in a part that harmonic 0 does not belong to.
     pub loads: Vec<Vec<f64>>,
-    /// Φᵀ (f_c − i f_s) per unit level. Shape: `[n]`.
+    /// Φᴴ (f_c − i f_s) per unit level. Shape: `[n]`.
     pub force: Vec<c64>,
 }
 
@@ -64,7 +67,7 @@ pub struct Coupling {
     /// Modes that are coupled to any other, ascending; none for classical damping.
     pub modes: Vec<usize>,
     /// Ĉ among them (1/s) with zeros on the diagonal. Shape: modes × modes.
-    pub damping: Mat<f64>,
+    pub damping: SplitMat,
 }
 
 impl LinearModel {
@@ -78,6 +81,7 @@ impl LinearModel {
             parts: vec![part],
             pairs: (0..model.n_contacts()).collect(),
             floats,
+            alternates: false,
         })
     }
 
@@ -85,7 +89,7 @@ impl LinearModel {
     pub fn scale_damping(&mut self, factor: f64) {
         for part in &mut self.parts {
             (part.structure.damping.iter_mut()).for_each(|c| *c *= factor);
-            part.structure.coupling.damping *= Scale(factor);
+            part.structure.coupling.damping.scale(factor);
         }
     }
 
@@ -93,12 +97,6 @@ impl LinearModel {
     #[must_use]
     pub fn part(&self, k: usize) -> &ModalPart {
         &self.parts[k % self.parts.len()]
-    }
-
-    /// Whether the model is folded and the mirror images do the same half a period later.
-    #[must_use]
-    pub fn alternates(&self) -> bool {
-        self.parts.len() > 1
     }
 
     /// Number of contact pairs that are unknowns.
@@ -128,13 +126,12 @@ impl ModalPart {
         let damping = modes.transpose() * &model.damping * &modes;
         // the code for G needs symmetric matrices; differences between the triangles are round-off of the largest entries
         let damping = Scale(0.5) * (damping.transpose() + &damping);
-        let round_off = 10.0 * f64::EPSILON * lambda.len() as f64;
-        let floats = lambda.first() <= lambda.last().map(|l| round_off * l).as_ref();
         let structure = Structure {
             damping: (0..lambda.len()).map(|i| damping[(i, i)]).collect(),
-            coupling: Coupling::of(&damping),
+            coupling: Coupling::of(&damping.into()),
             lambda,
         };
+        let floats = structure.floats();
         Ok((
             Self::in_modes(model, structure, &modes, multiplicity),
             floats,
@@ -160,10 +157,10 @@ impl ModalPart {
         let (cosine, sine) = (project(&model.cosine_force), project(&model.sine_force));
         Self {
             structure,
-            retention: model.retention.as_ref().map(|k| phi.transpose() * k * phi),
-            contact: rows_times(&rows, phi),
+            retention: (model.retention.as_ref()).map(|k| (phi.transpose() * k * phi).into()),
+            contact: rows_times(&rows, phi).into(),
             multiplicity,
-            response: rows_times(&responses, phi),
+            response: rows_times(&responses, phi).into(),
             static_force: project(&model.static_force),
             loads: model.loads.iter().map(|load| project(load)).collect(),
             force: cosine
@@ -180,20 +177,36 @@ impl ModalPart {
         self.force.len()
     }
 
-    /// Static stiffness of the free structure. Shape: n × n.
+    /// Whether all of it is real: no travelling wave.
     #[must_use]
-    pub fn stiffness(&self) -> Mat<f64> {
-        let (lambda, n) = (&self.structure.lambda, self.n_coordinates());
-        Mat::from_fn(n, n, |i, j| if i == j { lambda[i] } else { 0.0 })
+    pub fn is_real(&self) -> bool {
+        self.contact.is_real()
     }
 
-    /// Stiffness of the structure with springs `k` (N/m, shape `[3·n_contacts]`) between the contacts.
+    /// Static stiffness of the free structure. Shape: n × n.
+    fn stiffness<E: Entry>(&self) -> Mat<E> {
+        let (lambda, n) = (&self.structure.lambda, self.n_coordinates());
+        Mat::from_fn(n, n, |i, j| E::from(if i == j { lambda[i] } else { 0.0 }))
+    }
+
+    /// Stiffness of the structure with springs `k` (N/m, shape `[3·n_contacts]`) between the contacts; of a real part.
     #[must_use]
     pub fn stiffness_with_springs(&self, k: &[f64]) -> Mat<f64> {
+        let contact = &self.contact.real;
         let springs = Mat::from_fn(k.len(), self.n_coordinates(), |i, j| {
-            self.multiplicity * k[i] * self.contact[(i, j)]
+            self.multiplicity * k[i] * contact[(i, j)]
         });
-        self.stiffness() + self.contact.transpose() * springs
+        self.stiffness::<f64>() + contact.transpose() * springs
+    }
+
+    /// The same of any part, Hermitian.
+    #[must_use]
+    pub fn wave_stiffness_with_springs(&self, k: &[f64]) -> Mat<c64> {
+        let contact = self.contact.complex();
+        let springs = Mat::from_fn(k.len(), self.n_coordinates(), |i, j| {
+            contact[(i, j)] * (self.multiplicity * k[i])
+        });
+        self.stiffness::<c64>() + contact.adjoint() * springs
     }
 
     /// (dZ/dω) η for harmonic k at ω: (−2k²ω + ik Ĉ) η.
@@ -209,16 +222,16 @@ impl ModalPart {
     #[must_use]
     #[inline(always)]
     pub fn relative(&self, eta: &[c64]) -> Vec<c64> {
-        times(&self.contact, eta)
+        self.contact.times(eta)
     }
 
     /// Response coordinates of η. Shape: `[n]` → `[n_responses]`.
     #[must_use]
     pub fn responses(&self, eta: &[c64]) -> Vec<c64> {
-        times(&self.response, eta)
+        self.response.times(eta)
     }
 
-    /// Φᵀ Bᵀ f, the load by the contact forces f (N) and those of the mirror images. Shape: `[3·n_contacts]` → `[n]`.
+    /// Φᴴ Bᵀ f, the load by the contact forces f (N) and those of the mirror images. Shape: `[3·n_contacts]` → `[n]`.
     #[must_use]
     pub fn contact_load(&self, force: &[c64]) -> Vec<c64> {
         Arch::new().dispatch(ContactLoad { part: self, force })
@@ -242,14 +255,20 @@ impl WithSimd for ContactLoad<'_> {
         // a loop: the code of a closure would not use the instruction set found at run time
         let mut load = Vec::with_capacity(part.n_coordinates());
         for j in 0..part.n_coordinates() {
-            let moved = part.contact.col_as_slice(j);
-            load.push(c64::new(dot(moved, &real), dot(moved, &imaginary)) * part.multiplicity);
+            load.push(part.contact.adjoint_times(j, [&real, &imaginary]) * part.multiplicity);
         }
         load
     }
 }
 
 impl Structure {
+    /// Whether it can move as a rigid body.
+    pub(in crate::hb) fn floats(&self) -> bool {
+        let lambda = &self.lambda;
+        let round_off = 10.0 * f64::EPSILON * lambda.len() as f64;
+        lambda.first() <= lambda.last().map(|l| round_off * l).as_ref()
+    }
+
     /// Ĉ η.
     #[must_use]
     pub fn damp(&self, eta: &[c64]) -> Vec<c64> {
@@ -262,26 +281,33 @@ impl Structure {
 
 impl Coupling {
     /// The entries beside the diagonal of Ĉ that are more than round-off.
-    fn of(full: &Mat<f64>) -> Self {
+    pub(in crate::hb) fn of(full: &SplitMat) -> Self {
         let n = full.nrows();
-        let largest = (0..n).map(|i| full[(i, i)]).fold(0.0, f64::max);
+        let diagonal = |i: usize| full.real[(i, i)];
+        let largest = (0..n).map(diagonal).fold(0.0, f64::max);
         let floor = largest * f64::EPSILON * n as f64;
         let counts = |i: usize, j: usize| {
-            let neighbours = (full[(i, i)].abs() * full[(j, j)].abs()).sqrt();
-            i != j && full[(i, j)].abs() > ROUND_OFF * neighbours + floor
+            let neighbours = (diagonal(i).abs() * diagonal(j).abs()).sqrt();
+            i != j && full.entry(i, j).norm() > ROUND_OFF * neighbours + floor
         };
         let modes: Vec<usize> = (0..n).filter(|&i| (0..n).any(|j| counts(i, j))).collect();
-        let damping = Mat::from_fn(modes.len(), modes.len(), |a, b| match a == b {
-            true => 0.0,
-            false => full[(modes[a], modes[b])],
-        });
+        let among = |part: &Mat<f64>| {
+            Mat::from_fn(modes.len(), modes.len(), |a, b| match a == b {
+                true => 0.0,
+                false => part[(modes[a], modes[b])],
+            })
+        };
+        let damping = SplitMat {
+            real: among(&full.real),
+            imaginary: full.imaginary.as_ref().map(among),
+        };
         Self { modes, damping }
     }
 
     /// y += factor (Ĉ − diag Ĉ) η.
     pub(in crate::hb) fn add_product(&self, factor: c64, eta: &[c64], y: &mut [c64]) {
         let coupled: Vec<c64> = self.modes.iter().map(|&j| eta[j]).collect();
-        for (&i, c_eta) in self.modes.iter().zip(times(&self.damping, &coupled)) {
+        for (&i, c_eta) in self.modes.iter().zip(self.damping.times(&coupled)) {
             y[i] += factor * c_eta;
         }
     }
@@ -294,16 +320,4 @@ fn rows_times(rows: &[&SparseRow], phi: &Mat<f64>) -> Mat<f64> {
             .map(|&(dof, weight)| weight * phi[(dof, j)])
             .sum()
     })
-}
-
-/// A x for a real matrix A and a complex vector x, column by column.
-#[inline(always)]
-pub(in crate::hb) fn times(a: &Mat<f64>, x: &[c64]) -> Vec<c64> {
-    let mut y = vec![c64::new(0.0, 0.0); a.nrows()];
-    for (j, x) in x.iter().enumerate() {
-        for (y, a) in y.iter_mut().zip(a.col(j).iter()) {
-            *y += x * *a;
-        }
-    }
-    y
 }

@@ -3,7 +3,7 @@
 
 use super::compliance::Compliance;
 use super::linear::{LinearModel, ModalPart};
-use crate::linalg::{LinalgError, symmetric_generalized_eigen};
+use crate::linalg::{Entry, LinalgError, symmetric_generalized_eigen};
 use faer::prelude::*;
 
 /// Least damping ratio assumed when modes are ranked: an undamped mode would have an infinite amplitude.
@@ -98,20 +98,30 @@ struct LinearMode {
     residue: f64,
     /// Amplitude of response 0 at resonance per unit level, by this mode alone (m).
     amplitude: f64,
-    /// Its components in the modes of the free structure, of unit modal mass: their squares sum to 1.
-    shape: Vec<f64>,
+    /// Its components in the modes of the free structure, of unit modal mass: the squares of their sizes sum to 1.
+    shape: Vec<c64>,
 }
 
 impl LinearMode {
     /// The modes of `part` with springs `k` between the contacts, ascending in frequency.
     fn all(part: &ModalPart, k: &[f64]) -> Result<Vec<Self>, LinalgError> {
-        let stiffness = part.stiffness_with_springs(k);
-        let unit = Mat::identity(stiffness.nrows(), stiffness.ncols());
-        let (lambda, modes) = symmetric_generalized_eigen(stiffness.as_ref(), unit.as_ref())?;
-        let mode = |(j, l): (usize, &f64)| {
-            Self::new(part, l.max(0.0).sqrt(), modes.col_as_slice(j).to_vec())
+        let (lambda, shapes) = match part.is_real() {
+            true => {
+                let (lambda, modes) = eigen(&part.stiffness_with_springs(k))?;
+                let complex = |x: &f64| c64::new(*x, 0.0);
+                let shape = |j| modes.col_as_slice(j).iter().map(complex).collect();
+                let shapes: Vec<Vec<c64>> = (0..lambda.len()).map(shape).collect();
+                (lambda, shapes)
+            }
+            false => {
+                let (lambda, modes) = eigen(&part.wave_stiffness_with_springs(k))?;
+                let shape = |j| modes.col_as_slice(j).to_vec();
+                let shapes = (0..lambda.len()).map(shape).collect();
+                (lambda, shapes)
+            }
         };
-        Ok(lambda.iter().enumerate().map(mode).collect())
+        let mode = |(shape, l): (Vec<c64>, &f64)| Self::new(part, l.max(0.0).sqrt(), shape);
+        Ok(shapes.into_iter().zip(&lambda).map(mode).collect())
     }
 
     /// The modes inside `band` with springs `k`, largest amplitude first.
@@ -126,17 +136,22 @@ impl LinearMode {
     /// The free modes of `part`.
     fn free(part: &ModalPart) -> Vec<Self> {
         let n = part.n_coordinates();
-        let unit = |j: usize| (0..n).map(|i| f64::from(u8::from(i == j))).collect();
+        let unit = |j: usize| {
+            (0..n)
+                .map(|i| c64::from(f64::from(u8::from(i == j))))
+                .collect()
+        };
         (part.structure.lambda.iter().enumerate())
             .map(|(j, l)| Self::new(part, l.max(0.0).sqrt(), unit(j)))
             .collect()
     }
 
-    fn new(part: &ModalPart, omega: f64, shape: Vec<f64>) -> Self {
-        let mode: Vec<c64> = shape.iter().map(|x| c64::new(*x, 0.0)).collect();
-        let force: c64 = shape.iter().zip(&part.force).map(|(x, f)| x * f).sum();
-        let half_bandwidth = 0.5 * damping_of(part, &mode);
-        let residue = (force * part.responses(&mode)[0]).norm();
+    fn new(part: &ModalPart, omega: f64, shape: Vec<c64>) -> Self {
+        let force: c64 = (shape.iter().zip(&part.force))
+            .map(|(x, f)| x.conj() * f)
+            .sum();
+        let half_bandwidth = 0.5 * damping_of(part, &shape);
+        let residue = (force * part.responses(&shape)[0]).norm();
         Self {
             omega,
             half_bandwidth,
@@ -186,7 +201,7 @@ pub fn candidates(
     let part = model.part(1);
     let stuck = LinearMode::all(part, stuck_stiffness)?;
     let free = LinearMode::free(part);
-    let share = |mode: usize, free: usize| stuck[mode].shape[free].powi(2);
+    let share = |mode: usize, free: usize| stuck[mode].shape[free].norm_sqr();
     let heirs = (0..free.len()).filter(|&f| band.contains(free[f].omega));
     let heir = |f: usize| (0..stuck.len()).max_by(|&a, &b| share(a, f).total_cmp(&share(b, f)));
     let mut modes: Vec<usize> = heirs.filter_map(heir).collect();
@@ -221,6 +236,12 @@ pub fn linear_response(model: &LinearModel, k: &[f64], omega: f64) -> c64 {
     let at = Compliance::new(model, k, &[0, 1], omega);
     let first = &at.harmonics[0];
     first.part.responses(&first.solve(&first.part.force))[0]
+}
+
+/// Eigenpairs of a stiffness in coordinates of unit mass.
+fn eigen<E: Entry>(stiffness: &Mat<E>) -> Result<(Vec<f64>, Mat<E>), LinalgError> {
+    let unit: Mat<E> = Mat::identity(stiffness.nrows(), stiffness.ncols());
+    symmetric_generalized_eigen(stiffness.as_ref(), unit.as_ref())
 }
 
 fn damping_of(part: &ModalPart, mode: &[c64]) -> f64 {

@@ -1,9 +1,10 @@
 //! The compliance of a structure after springs are attached to it, one by one.
 //!
-//! A spring k at point i changes the compliance H to H − k/(1 + k Hᵢᵢ) hᵢ hᵢᵀ, where hᵢ is the i-th column of H (Sherman and
-//! Morrison). With all springs it is (I + H K)⁻¹ H: one symmetric update of rank one per spring, a third of the operations of
-//! a solve with I + H K, and without cancellation for soft springs. The pivot 1 + k Hᵢᵢ is small where the structure with
-//! this spring resonates, so the spring with the largest pivot is attached first.
+//! A spring k at point i changes the compliance H to H − k/(1 + k Hᵢᵢ) hᵢ gᵢᵀ, where hᵢ is the i-th column of H and gᵢᵀ its
+//! i-th row (Sherman and Morrison). With all springs it is (I + H K)⁻¹ H: one update of rank one per spring, without
+//! cancellation for soft springs. The pivot 1 + k Hᵢᵢ is small where the structure with this spring resonates, so the spring
+//! with the largest pivot is attached first. A structure that is no travelling wave has a symmetric H, gᵢ = hᵢ: updates of
+//! its lower triangle take a third of the operations of a solve with I + H K.
 
 use faer::prelude::*;
 use pulp::{Arch, Simd, WithSimd};
@@ -11,14 +12,32 @@ use pulp::{Arch, Simd, WithSimd};
 /// Number of updates that are applied together, in one pass over the matrix.
 const WIDTH: usize = 4;
 
-/// Real and imaginary part of a symmetric matrix; only the lower triangle counts.
+/// A compliance H by its real and its imaginary part.
 #[derive(Debug, Clone)]
-pub(in crate::hb) struct Symmetric {
+pub(in crate::hb) struct ContactCompliance {
     pub(in crate::hb) real: Mat<f64>,
     pub(in crate::hb) imaginary: Mat<f64>,
+    /// Whether it is symmetric; then only the lower triangle counts where springs are attached.
+    pub(in crate::hb) symmetric: bool,
 }
 
-impl Symmetric {
+impl ContactCompliance {
+    /// That of a travelling wave.
+    pub(in crate::hb) fn of_wave(g: &Mat<c64>) -> Self {
+        let part = |of: fn(c64) -> f64| Mat::from_fn(g.nrows(), g.ncols(), |i, j| of(g[(i, j)]));
+        Self {
+            real: part(|z| z.re),
+            imaginary: part(|z| z.im),
+            symmetric: false,
+        }
+    }
+
+    /// Its complex entries.
+    pub(in crate::hb) fn complex(&self) -> Mat<c64> {
+        let entry = |i, j| c64::new(self.real[(i, j)], self.imaginary[(i, j)]);
+        Mat::from_fn(self.real.nrows(), self.real.ncols(), entry)
+    }
+
     /// The compliance (m/N) with springs `k` (N/m) at the points, both triangles. The imaginary part of a spring is its damping
     /// constant times the frequency.
     pub(in crate::hb) fn with_springs(mut self, k: &[c64]) -> Self {
@@ -26,6 +45,9 @@ impl Symmetric {
             compliance: &mut self,
             springs: k,
         });
+        if !self.symmetric {
+            return self;
+        }
         for matrix in [&mut self.real, &mut self.imaginary] {
             for j in 0..k.len() {
                 for i in 0..j {
@@ -64,19 +86,19 @@ impl Symmetric {
         }
     }
 
-    /// Adds a group of updates to the lower triangle.
+    /// Adds a group of updates, to the lower triangle of a symmetric compliance.
     #[inline(always)]
     fn apply(&mut self, group: &[Update; WIDTH]) {
         let m = self.real.nrows();
         for j in 0..m {
-            let n = m - j;
-            let real = &mut self.real.col_as_slice_mut(j)[j..][..n];
-            let imaginary = &mut self.imaginary.col_as_slice_mut(j)[j..][..n];
+            let first = if self.symmetric { j } else { 0 };
+            let n = m - first;
+            let real = &mut self.real.col_as_slice_mut(j)[first..][..n];
+            let imaginary = &mut self.imaginary.col_as_slice_mut(j)[first..][..n];
             let factor: [[f64; 2]; WIDTH] =
                 std::array::from_fn(|u| [group[u].scaled[0][j], group[u].scaled[1][j]]);
-            let column: [[&[f64]; 2]; WIDTH] = std::array::from_fn(|u| {
-                [&group[u].column[0][j..][..n], &group[u].column[1][j..][..n]]
-            });
+            let column: [[&[f64]; 2]; WIDTH] =
+                std::array::from_fn(|u| [0, 1].map(|part| &group[u].column[part][first..][..n]));
             for i in 0..n {
                 let (mut re, mut im) = (real[i], imaginary[i]);
                 for (f, c) in factor.iter().zip(&column) {
@@ -89,11 +111,11 @@ impl Symmetric {
     }
 }
 
-/// An update −f h hᵀ with a column h of the compliance; real and imaginary parts.
+/// An update −f h gᵀ with a column h and a row gᵀ of the compliance; real and imaginary parts.
 struct Update {
     /// h.
     column: [Vec<f64>; 2],
-    /// f h.
+    /// f g.
     scaled: [Vec<f64>; 2],
 }
 
@@ -107,33 +129,39 @@ impl Update {
         }
     }
 
-    /// Column i of the compliance, with the updates that the matrix does not have yet.
+    /// Column and row i of the compliance, with the updates that the matrix does not have yet.
     #[inline(always)]
-    fn read(&mut self, compliance: &Symmetric, i: usize, earlier: &[Self]) {
+    fn read(&mut self, compliance: &ContactCompliance, i: usize, earlier: &[Self]) {
         let parts = [&compliance.real, &compliance.imaginary];
         for (column, matrix) in self.column.iter_mut().zip(parts) {
-            (0..i).for_each(|j| column[j] = matrix[(i, j)]);
-            column[i..].copy_from_slice(&matrix.col_as_slice(i)[i..]);
-        }
-        let [real, imaginary] = &mut self.column;
-        for update in earlier {
-            let [f_real, f_imaginary] = [update.scaled[0][i], update.scaled[1][i]];
-            let other = update.column[0].iter().zip(&update.column[1]);
-            for ((re, im), (a, b)) in real.iter_mut().zip(imaginary.iter_mut()).zip(other) {
-                *re -= f_real * a - f_imaginary * b;
-                *im -= f_real * b + f_imaginary * a;
+            column.copy_from_slice(matrix.col_as_slice(i));
+            if compliance.symmetric {
+                (0..i).for_each(|j| column[j] = matrix[(i, j)]);
             }
+        }
+        for update in earlier {
+            let f = [update.scaled[0][i], update.scaled[1][i]];
+            take_product(&mut self.column, f, &update.column);
+        }
+        if compliance.symmetric {
+            self.scaled.clone_from(&self.column);
+            return;
+        }
+        for (row, matrix) in self.scaled.iter_mut().zip(parts) {
+            (0..row.len()).for_each(|j| row[j] = matrix[(i, j)]);
+        }
+        for update in earlier {
+            let h = [update.column[0][i], update.column[1][i]];
+            take_product(&mut self.scaled, h, &update.scaled);
         }
     }
 
-    /// Sets f.
+    /// Multiplies the row by f.
     #[inline(always)]
     fn scale(&mut self, f: c64) {
         let [real, imaginary] = &mut self.scaled;
-        let column = self.column[0].iter().zip(&self.column[1]);
-        for ((re, im), (a, b)) in real.iter_mut().zip(imaginary).zip(column) {
-            *re = f.re * a - f.im * b;
-            *im = f.re * b + f.im * a;
+        for (re, im) in real.iter_mut().zip(imaginary) {
+            (*re, *im) = (f.re * *re - f.im * *im, f.re * *im + f.im * *re);
         }
     }
 
@@ -150,8 +178,18 @@ impl Update {
     }
 }
 
+/// y −= f x, real and imaginary parts.
+#[inline(always)]
+fn take_product([real, imaginary]: &mut [Vec<f64>; 2], f: [f64; 2], x: &[Vec<f64>; 2]) {
+    let other = x[0].iter().zip(&x[1]);
+    for ((re, im), (a, b)) in real.iter_mut().zip(imaginary).zip(other) {
+        *re -= f[0] * a - f[1] * b;
+        *im -= f[0] * b + f[1] * a;
+    }
+}
+
 struct Attachment<'a> {
-    compliance: &'a mut Symmetric,
+    compliance: &'a mut ContactCompliance,
     springs: &'a [c64],
 }
 

@@ -1,12 +1,11 @@
 //! The components put together: matrices, contact pairs, loads, responses.
 
 use super::components::ContactCell;
+use super::placed_strip::{PlacedStrip, names_of};
 use super::{Blade, Component, Phase, TwoBladeSettings};
-use crate::model::{ContactPair, Mirror, ReducedModel, Response, SparseRow};
+use crate::model::{ContactPair, Mirror, ReducedModel, Response};
 use crate::units::hz_to_rad_s;
 use faer::{Mat, Scale};
-
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Places of the components in the system's degrees of freedom: blade 1, blade 2, strip.
 struct System<'a> {
@@ -42,9 +41,9 @@ pub(super) fn reduced_model(
             &strip_damping,
         ),
         stiffness: system.block_diagonal(&system.blade.reduced.stiffness, &strip.reduced.stiffness),
-        retention: Some(system.retention()),
+        retention: Some(system.strip().retention()),
         contacts: system.contact_pairs(),
-        static_force: system.centrifugal_force(),
+        static_force: system.strip().centrifugal_force(),
         loads: Vec::new(),
         cosine_force: system.excitation(),
         sine_force: vec![0.0; system.n_dofs()],
@@ -54,7 +53,7 @@ pub(super) fn reduced_model(
 }
 
 /// M Φ diag(2ζω) Φᵀ M: the same damping ratio in every mode of the component.
-fn modal_damping(blade: &Blade, ratio: f64) -> Mat<f64> {
+pub(super) fn modal_damping(blade: &Blade, ratio: f64) -> Mat<f64> {
     let momenta = &blade.component.reduced.mass * &blade.shapes;
     let n = momenta.nrows();
     let scaled = Mat::from_fn(n, n, |i, j| {
@@ -64,7 +63,7 @@ fn modal_damping(blade: &Blade, ratio: f64) -> Mat<f64> {
 }
 
 /// β of C = β K with the given ratio at 1 kHz: ζ = βω/2.
-fn strip_damping_time(settings: &TwoBladeSettings) -> f64 {
+pub(super) fn strip_damping_time(settings: &TwoBladeSettings) -> f64 {
     2.0 * settings.strip_damping_ratio / hz_to_rad_s(1e3)
 }
 
@@ -82,9 +81,14 @@ impl System<'_> {
         blade * self.n_blade() + self.blade.nodes[node]
     }
 
-    /// First degree of freedom of the strip under contact node `node` of blade `blade`.
-    fn strip_node(&self, blade: usize, node: usize) -> usize {
-        2 * self.n_blade() + self.strip.nodes[blade * self.contact.len() + node]
+    fn strip(&self) -> PlacedStrip<'_> {
+        PlacedStrip {
+            settings: self.settings,
+            contact: self.contact,
+            strip: self.strip,
+            first: 2 * self.n_blade(),
+            n_dofs: self.n_dofs(),
+        }
     }
 
     fn block_diagonal(&self, blade: &Mat<f64>, strip: &Mat<f64>) -> Mat<f64> {
@@ -104,69 +108,24 @@ impl System<'_> {
     }
 
     fn dof_names(&self) -> Vec<String> {
-        let names = |body: &str, component: &Component| -> Vec<String> {
-            let b = component.reduced.n_masters;
-            let name = |q: usize| match q < b {
-                true => format!("{body}.node{}.{}", q / 3, AXES[q % 3]),
-                false => format!("{body}.mode{}", q - b),
-            };
-            (0..component.reduced.n_dofs()).map(name).collect()
-        };
         [
-            names("blade1", self.blade),
-            names("blade2", self.blade),
-            names("strip", self.strip),
+            names_of("blade1", self.blade),
+            names_of("blade2", self.blade),
+            names_of("strip", self.strip),
         ]
         .concat()
     }
 
     /// Pairs of blade 1, then of blade 2, each in the order of the contact nodes. t1 = x, t2 = y, n = z.
     fn contact_pairs(&self) -> Vec<ContactPair> {
-        let pair = |blade: usize, node: usize| {
-            let row = |axis: usize| -> SparseRow {
-                vec![
-                    (self.strip_node(blade, node) + axis, 1.0),
-                    (self.blade_node(blade, node) + axis, -1.0),
-                ]
-            };
-            ContactPair {
-                name: format!("blade{}.contact{node}", blade + 1),
-                t1: row(0),
-                t2: row(1),
-                n: row(2),
-                area: self.contact[node].area,
-                interface: blade,
-            }
-        };
+        let strip = self.strip();
         (0..2)
             .flat_map(|blade| (0..self.contact.len()).map(move |node| (blade, node)))
-            .map(|(blade, node)| pair(blade, node))
+            .map(|(blade, node)| {
+                let name = format!("blade{}.contact{node}", blade + 1);
+                strip.pair(name, (blade, node), self.blade_node(blade, node))
+            })
             .collect()
-    }
-
-    /// Load on the strip towards +z: nodal shares if given, otherwise F M r / rᵀMr with r the unit translation in z.
-    fn centrifugal_force(&self) -> Vec<f64> {
-        let load = self.settings.centrifugal_load_n;
-        let mut force = vec![0.0; self.n_dofs()];
-        if let Some(weights) = &self.settings.pressure_weights {
-            let total: f64 = weights.iter().sum();
-            for (pair, weight) in weights.iter().enumerate() {
-                let (blade, node) = (pair / self.contact.len(), pair % self.contact.len());
-                force[self.strip_node(blade, node) + 2] = load * weight / total;
-            }
-            return force;
-        }
-        // Constraint modes hold rigid-body motion exactly, so r has no modal part.
-        let masters = self.strip.reduced.n_masters;
-        let along_z = Mat::from_fn(self.strip.reduced.n_dofs(), 1, |q, _| {
-            if q < masters && q % 3 == 2 { 1.0 } else { 0.0 }
-        });
-        let momentum = &self.strip.reduced.mass * &along_z;
-        let mass = (along_z.transpose() * &momentum)[(0, 0)];
-        for q in 0..momentum.nrows() {
-            force[2 * self.n_blade() + q] = load * momentum[(q, 0)] / mass;
-        }
-        force
     }
 
     /// Unit force on each blade.
@@ -229,30 +188,5 @@ impl System<'_> {
             image[mode].1 = correlation.signum();
         }
         image
-    }
-
-    /// k Σ w wᵀ with w the mean displacement of the strip's contact cells in x and y, weighed by area, and their mean
-    /// rotation about z times the radius of gyration.
-    fn retention(&self) -> Mat<f64> {
-        let whole: f64 = 2.0 * self.contact.iter().map(|cell| cell.area).sum::<f64>();
-        let mut places = Vec::new();
-        for (blade, side) in [(0, 1.0), (1, -1.0)] {
-            places.extend(self.contact.iter().enumerate().map(|(node, cell)| {
-                let [x, y] = cell.patch.centre();
-                let dof = self.strip_node(blade, node);
-                (dof, [side * x, y], cell.area / whole)
-            }));
-        }
-        let square = |[x, y]: [f64; 2]| x * x + y * y;
-        let gyration: f64 = places.iter().map(|(_, at, part)| part * square(*at)).sum();
-        let radius = gyration.sqrt();
-        let mut w = Mat::zeros(self.n_dofs(), 3);
-        for (dof, [x, y], part) in places {
-            w[(dof, 0)] = part;
-            w[(dof + 1, 1)] = part;
-            w[(dof, 2)] = -y * part / radius;
-            w[(dof + 1, 2)] = x * part / radius;
-        }
-        Scale(self.settings.retention_n_per_m) * (&w * w.transpose())
     }
 }

@@ -128,9 +128,20 @@ impl Layout {
         ]
     }
 
-    /// Blade 1, clamped at z = 0, with grid lines through edges and middles of the contact patches and the airfoil points
+    /// The patches of the other platform edge of a blade in a disk, where the strip of the gap before it lies.
+    pub(super) fn other_patches(&self, contact: &[ContactCell]) -> Vec<Rectangle> {
+        let mirrored = |x: f64| -2.0 * self.axis - x;
+        (contact.iter())
+            .map(|cell| Rectangle {
+                x: [mirrored(cell.patch.x[1]), mirrored(cell.patch.x[0])],
+                ..cell.patch
+            })
+            .collect()
+    }
+
+    /// Blade 1, clamped at z = 0, with grid lines through edges and middles of the contact `patches` and the airfoil points
     /// at `heights`.
-    pub(super) fn blade(&self, heights: &[f64]) -> Result<FeModel, FeError> {
+    pub(super) fn blade(&self, patches: &[Rectangle], heights: &[f64]) -> Result<FeModel, FeError> {
         let levels = [
             0.0,
             self.neck[2],
@@ -151,11 +162,11 @@ impl Layout {
             prism(self.airfoil, self.airfoil_offset, 2),
         ];
         let faces = |axis: usize| boxes.iter().flat_map(move |b| [b.min[axis], b.max[axis]]);
-        let x: Vec<f64> = faces(0).chain(patch_lines(&self.across)).collect();
-        let y: Vec<f64> = faces(1)
-            .chain(patch_lines(&self.along))
-            .chain([self.airfoil_offset])
-            .collect();
+        let lines = |[from, to]: [f64; 2]| [from, 0.5 * (from + to), to];
+        let across = patches.iter().flat_map(|patch| lines(patch.x));
+        let along = patches.iter().flat_map(|patch| lines(patch.y));
+        let x: Vec<f64> = faces(0).chain(across).collect();
+        let y: Vec<f64> = faces(1).chain(along).chain([self.airfoil_offset]).collect();
         let z: Vec<f64> = faces(2)
             .chain(heights.iter().map(|&h| self.airfoil_point(h)[2]))
             .collect();

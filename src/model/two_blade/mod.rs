@@ -12,13 +12,16 @@ mod components;
 mod grid_error;
 mod interface_cells;
 mod linear;
+mod placed_strip;
 mod pressure;
+mod sector;
 mod settings;
 
 pub use grid_error::GridError;
 pub use interface_cells::{InterfaceCell, interface_cells};
 pub use linear::{LinearModes, TrackedMode};
 pub use pressure::{PressureField, PressureInputs};
+pub use sector::{SectorModel, sector};
 pub use settings::{Phase, TwoBladeSettings};
 
 use super::{CraigBampton, ModelError, ReducedModel, ReductionError, SparseRow};
@@ -98,7 +101,8 @@ pub fn build(settings: &TwoBladeSettings) -> Result<TwoBladeModel, ModelError> {
     settings.validate()?;
     let layout = Layout::new(settings)?;
     let contact = layout.contact_cells();
-    let (first_blade, blade) = Blade::new(settings, &layout, &contact)?;
+    let patches: Vec<Rectangle> = contact.iter().map(|cell| cell.patch).collect();
+    let (first_blade, blade) = Blade::new(settings, &layout, &patches)?;
     let cut_off = ("strip_cut_off_hz", settings.strip_cut_off_hz);
     let fe = layout.strip()?;
     let strip = Component::new(&fe, &strip_patches(&contact), &[], |masters| {
@@ -195,15 +199,14 @@ impl Blade {
     fn new(
         settings: &TwoBladeSettings,
         layout: &Layout,
-        contact: &[ContactCell],
+        patches: &[Rectangle],
     ) -> Result<(Self, ComponentSummary), ModelError> {
         let heights = [settings.excitation_height, settings.response_height];
-        let fe = layout.blade(&heights)?;
+        let fe = layout.blade(patches, &heights)?;
         let points = heights.map(|height| layout.airfoil_point(height));
         let cut_off = ("blade_cut_off_hz", settings.blade_cut_off_hz);
         let reduce = |masters: &[SparseRow]| below(&fe, masters, cut_off);
-        let patches: Vec<Rectangle> = contact.iter().map(|cell| cell.patch).collect();
-        let component = Component::new(&fe, &patches, &points, reduce)?;
+        let component = Component::new(&fe, patches, &points, reduce)?;
         let reduced = &component.reduced;
         let (lambda, shapes) = reduced.modes()?;
         let summary = ComponentSummary::new(&fe, reduced, &lambda, cut_off.1, 0.0)?;

@@ -66,6 +66,9 @@ pub struct RunRecord {
     /// The load against which performance curves show the excitation; absent for the user's own matrices, and in records of an
     /// older program.
     pub static_load: Option<StaticLoadRecord>,
+    /// The tuned disk that the model is a sector of; absent for other models.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disk: Option<DiskRecord>,
     /// What the designer asks for.
     pub requirements: Requirements,
     /// How the number of samples came out of the results; absent where it was given.
@@ -174,6 +177,30 @@ pub struct StaticLoadRecord {
     pub load_n: f64,
     /// Thickness of the nominal strip (mm): the load grows with it.
     pub strip_thickness_mm: f64,
+}
+
+/// A tuned disk under an engine order.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DiskRecord {
+    /// Number of sectors.
+    pub sectors: usize,
+    /// The engine order that excites it.
+    pub engine_order: u32,
+    /// The nodal diameter that it excites.
+    pub nodal_diameter: usize,
+    /// Linear frequencies at nominal inputs, by nodal diameter.
+    pub nodal_diameters: Vec<NodalRecord>,
+}
+
+/// First natural frequencies of a nodal diameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NodalRecord {
+    /// The nodal diameter.
+    pub nodal_diameter: usize,
+    /// Flexible ones without contact forces (Hz).
+    pub free_hz: Vec<f64>,
+    /// With all contacts stuck (Hz).
+    pub stuck_hz: Vec<f64>,
 }
 
 impl RunRecord {

@@ -6,11 +6,13 @@ use std::process::Output;
 use crate::{STUDY, folder, microslip};
 
 pub(crate) mod cases;
+pub(crate) mod disk_cases;
 mod files;
 mod measurements;
 pub(crate) mod rig_cases;
 
 use cases::{BEYOND_SCHEMA, REFUSED};
+use disk_cases::{DISK, DISK_BEYOND_SCHEMA, DISK_FILES, DISK_REFUSED};
 use rig_cases::{RIG, RIG_BEYOND_SCHEMA, RIG_REFUSED};
 
 /// Exit code 2, nothing on stdout, and one line `error: …` that holds every fragment.
@@ -67,6 +69,50 @@ fn bad_studies_name_line_key_and_rule() {
         assert!(RIG.contains(old), "{old}");
         std::fs::write(folder.path().join("study.toml"), RIG.replacen(old, new, 1)).unwrap();
         let output = microslip(folder.path(), &["inspect", "study.toml"]);
+        assert_refused(new, &output, fragments);
+    }
+}
+
+/// A disk by one sector is inspected by nodal diameter; what cannot be one is refused with the rule. Seen to fail without the check of
+/// the directions, and with the right boundary kept.
+#[test]
+fn bad_disks_name_line_key_and_rule() {
+    let inspect = |study: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in DISK_FILES.into_iter().chain([("study.toml", study)]) {
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+        let output = microslip(folder.path(), &["inspect", "study.toml"]);
+        let export = microslip(folder.path(), &["export", "study.toml", "--output", "out"]);
+        (output, export)
+    };
+    let (output, export) = inspect(DISK);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let text = String::from_utf8_lossy(&output.stdout);
+    for fragment in [
+        "degrees of freedom  4: left.x, blade.x, strip.x, strip.z",
+        "engine order 3: nodal diameter 3",
+        "nodal diameter 6",
+    ] {
+        assert!(text.contains(fragment), "{fragment}: {text}");
+    }
+    // springs 1e6 to the blade, 1e6 to the ground and 2e6 to each neighbour, which moves against it:
+    // (10e6 - λ)(1e6 - 0.4 λ) = 1e12
+    let root = 1.06e13_f64.sqrt();
+    let out_of_phase = [(5e6 - root) / 0.8].map(|l: f64| l.sqrt() / std::f64::consts::TAU);
+    let line = text.lines().find(|line| line.contains("nodal diameter 6"));
+    for hertz in out_of_phase {
+        let digits = format!("{hertz:.6}");
+        assert!(line.unwrap().contains(&digits), "{digits}: {line:?}");
+    }
+    assert_refused(
+        "export",
+        &export,
+        &["model.kind = \"cyclic\"", "nodal diameter"],
+    );
+    for (old, new, fragments) in DISK_REFUSED.iter().chain(DISK_BEYOND_SCHEMA) {
+        assert!(DISK.contains(old), "{old}");
+        let (output, _) = inspect(&DISK.replacen(old, new, 1));
         assert_refused(new, &output, fragments);
     }
 }

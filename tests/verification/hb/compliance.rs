@@ -1,5 +1,6 @@
 //! The compliance of the stuck structure against the structure itself.
 
+use super::disk::{contacts as disk_contacts, disk};
 use super::models::short;
 use crate::two_blade::folded;
 use faer::prelude::c64;
@@ -85,6 +86,25 @@ fn compliance_is_that_of_the_stuck_structure(
 fn compliance_at_free_resonances() {
     let (linear, contacts) = folded(1.0, 0.6);
     compliance_is_that_of_the_stuck_structure(&linear, &contacts);
+}
+
+/// The waves of a disk with damping that couples modes: compliances that are not symmetric. Seen to fail with the loose modes moved as
+/// by a symmetric one.
+#[test]
+fn compliance_of_travelling_waves() {
+    let linear = LinearModel::travelling_wave(&disk(6), 1).expect("definite");
+    let waves = linear.parts.iter().filter(|part| !part.is_real()).count();
+    assert_eq!((linear.parts.len(), waves), (6, 4), "parts of the waves");
+    assert!(
+        !linear.part(1).structure.coupling.modes.is_empty(),
+        "damping is classical"
+    );
+    let at = Compliance::new(&linear, &[1e5; 6], &[0, 1], 2000.0);
+    let g = &at.harmonics[0].real;
+    let largest = g.norm_max();
+    let symmetric = (0..6).all(|i| (0..i).all(|j| (g[(i, j)] - g[(j, i)]).abs() < 1e-3 * largest));
+    assert!(!symmetric, "the compliance of this wave is symmetric");
+    compliance_is_that_of_the_stuck_structure(&linear, &disk_contacts(2));
 }
 
 /// Blades whose damping couples 32 of 92 modes. Seen to fail without the coupling in the loose modes.

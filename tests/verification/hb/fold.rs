@@ -95,7 +95,7 @@ fn what_breaks_the_mirror_is_not_folded() {
     let even = contacts(whole, 1.0, 0.6);
     let folds = |model: &ReducedModel, contacts: &[ContactParameters<f64>]| {
         let folded = LinearModel::folded(model, contacts).expect("definite");
-        folded.map(|linear| linear.alternates())
+        folded.map(|linear| linear.alternates)
     };
     assert_eq!(folds(whole, &even), Some(true));
     let mut other = even.clone();

@@ -17,6 +17,7 @@ use microslip::hb::peak::track::track_peaks;
 use microslip::hb::structure::linear::{ModalPart, Structure};
 use microslip::hb::structure::resonance::Band;
 use microslip::hb::{Balance, LinearModel, NewtonSettings, Problem, SliderAnchor};
+use microslip::linalg::split::SplitMat;
 use std::f64::consts::TAU;
 
 /// Modal oscillators η with sliders w, marched in time.
@@ -56,7 +57,7 @@ impl<'a> March<'a> {
         let mut march = Self {
             problem,
             columns: (0..lambda.len())
-                .map(|j| part.contact.col_as_slice(j).to_vec())
+                .map(|j| part.contact.real.col_as_slice(j).to_vec())
                 .collect(),
             lambda,
             damping,
@@ -94,7 +95,7 @@ impl<'a> March<'a> {
         let model = self.problem.model.part(0);
         self.constant.clone_from(&model.static_force);
         if let Some(k) = &model.retention {
-            let held = k * Col::from_fn(mean.len(), |i| mean[i]);
+            let held = &k.real * Col::from_fn(mean.len(), |i| mean[i]);
             for (f, h) in self.constant.iter_mut().zip(held.iter()) {
                 *f -= h;
             }
@@ -150,7 +151,7 @@ impl<'a> March<'a> {
             self.relative_at(&now);
             self.contact_forces();
             let response: f64 = (0..now.len())
-                .map(|j| model.response[(0, j)] * now[j])
+                .map(|j| model.response.real[(0, j)] * now[j])
                 .sum();
             y += c64::new(cos, -sin) * (response * 2.0 / self.n_steps as f64);
             for j in 0..now.len() {
@@ -292,14 +293,15 @@ fn truncated(hertz: f64) -> LinearModel {
         .iter()
         .filter(|l| **l < (TAU * hertz).powi(2))
         .count();
-    let columns = |a: &Mat<f64>| a.submatrix(0, 0, a.nrows(), n).to_owned();
+    let columns = |a: &SplitMat| SplitMat::from(a.real.subcols(0, n).to_owned());
+    let square = |k: &SplitMat| SplitMat::from(k.real.submatrix(0, 0, n, n).to_owned());
     let truncated = ModalPart {
         structure: Structure {
             lambda: lambda[..n].to_vec(),
             damping: damping[..n].to_vec(),
             coupling: coupling.clone(),
         },
-        retention: (part.retention.as_ref()).map(|k| k.submatrix(0, 0, n, n).to_owned()),
+        retention: part.retention.as_ref().map(square),
         contact: columns(&part.contact),
         multiplicity: part.multiplicity,
         response: columns(&part.response),

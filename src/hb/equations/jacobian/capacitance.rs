@@ -18,7 +18,7 @@
 use super::PairTangent;
 use crate::hb::equations::layout::Layout;
 use crate::hb::structure::compliance::Compliance;
-use crate::hb::structure::springs::Symmetric;
+use crate::hb::structure::springs::ContactCompliance;
 use crate::linalg::vector::{axpy, axpy_complex};
 use faer::prelude::*;
 use pulp::{Arch, Simd, WithSimd};
@@ -33,7 +33,7 @@ const ORDER: [usize; 3] = [2, 0, 1];
 pub(super) struct Capacitance {
     pub(super) layout: Layout,
     /// G' (m/N) of harmonic 0 and of those above, in the order of the set.
-    pub(super) compliance: Vec<Symmetric>,
+    pub(super) compliance: Vec<ContactCompliance>,
     pub(super) slots: Vec<Slot>,
 }
 
@@ -65,15 +65,17 @@ impl Capacitance {
             })
             .collect();
         let n = layout.n_relative();
-        let rest = Symmetric {
+        let rest = ContactCompliance {
             real: static_compliance.clone(),
             imaginary: Mat::zeros(n, n),
+            symmetric: true,
         };
-        let moving = compliance.harmonics.iter().map(|h| Symmetric {
+        let moving = compliance.harmonics.iter().map(|h| ContactCompliance {
             real: h.real.clone(),
             imaginary: h.imaginary.clone(),
+            symmetric: h.part.is_real(),
         });
-        let with_springs = |(order, stuck): (usize, Symmetric)| {
+        let with_springs = |(order, stuck): (usize, ContactCompliance)| {
             let mut springs = vec![c64::new(0.0, 0.0); n];
             for slot in &slots {
                 springs[slot.row] = slot.springs[order];

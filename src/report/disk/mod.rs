@@ -1,0 +1,11 @@
+//! The engine orders of a tuned disk on one page: `disk.json` and `disk.html`.
+//!
+//! Each order excites a nodal diameter of its own and has a run of its own. Knows stored runs alone: nothing is solved. Start
+//! reading in [`mod@summary`].
+
+mod page;
+pub mod summary;
+mod write;
+
+pub use summary::{DiskSummary, OrderLevel, OrderSummary};
+pub use write::write;

@@ -1,0 +1,44 @@
+//! The engine orders of a tuned disk, from the results of their runs.
+
+use std::path::Path;
+
+use super::output::OutputFolder;
+use crate::Error;
+use crate::report::StoredRun;
+use crate::report::disk::{self, DiskSummary};
+
+/// Gathers the runs in `folders`, one per engine order of one disk, and writes `disk.json` and `disk.html` into `output`.
+///
+/// Nothing is solved. The runs must have the same sector, number of sectors and levels, and an engine order each.
+///
+/// # Errors
+/// [`Error::Report`] if a folder holds no results; [`Error::Command`] on the first run that is not of the disk of the first of
+/// them, or has the engine order of another; [`Error::File`] or [`Error::Report`] if the results cannot be written.
+pub fn disk(folders: &[&Path], output: &OutputFolder) -> Result<DiskSummary, Error> {
+    let runs: Vec<StoredRun> = (folders.iter())
+        .map(|folder| StoredRun::read(folder).map(StoredRun::without_search))
+        .collect::<Result<_, _>>()?;
+    let refused = |place: usize, message: String| Error::Command {
+        path: folders
+            .get(place)
+            .map_or(output.path(), |folder| *folder)
+            .to_owned(),
+        message,
+    };
+    let summary = DiskSummary::of(folders, &runs).map_err(|(place, why)| refused(place, why))?;
+    let order = |place: usize| {
+        runs[place]
+            .record
+            .disk
+            .as_ref()
+            .map(|disk| disk.engine_order)
+    };
+    for place in 0..runs.len() {
+        if let Some(other) = (0..place).find(|&other| order(other) == order(place)) {
+            let other = folders[other].display();
+            return Err(refused(place, format!("has the engine order of {other}")));
+        }
+    }
+    disk::write(output.path(), &summary, &runs)?;
+    Ok(summary)
+}

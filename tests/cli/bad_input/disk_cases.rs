@@ -1,0 +1,137 @@
+//! Studies of a tuned disk that the program refuses.
+
+use super::cases::Case;
+
+/// A study of a disk by one sector.
+pub(crate) const DISK: &str = "\
+name = \"disk\"
+levels = [1.0]
+
+[model]
+kind = \"cyclic\"
+sector = \"matrices\"
+sectors = 12
+mass = \"mass.mtx\"
+stiffness = \"stiffness.mtx\"
+modal_damping_ratio = 0.01
+dof_names = [\"left.x\", \"blade.x\", \"strip.x\", \"strip.z\", \"right.x\"]
+left = [\"left.x\"]
+right = [\"right.x\"]
+static_force = { \"strip.z\" = 5.0 }
+cosine_force = { \"blade.x\" = 1.0 }
+responses = [\"blade.x\"]
+
+[[model.contact]]
+name = \"next\"
+t1 = { \"strip.x\" = 1.0, \"next:blade.x\" = -1.0 }
+n = { \"strip.z\" = 1.0 }
+k_t1 = 2e5
+k_n = 1e6
+mu = 0.3
+
+[operation]
+speed_rpm = [1000, 2000]
+engine_orders = [3]
+
+[frequency]
+band_hz = [100, 400]
+";
+
+/// Files of [`DISK`]: the right boundary has no mass of its own.
+pub(crate) const DISK_FILES: [(&str, &str); 2] = [
+    (
+        "mass.mtx",
+        "%%MatrixMarket matrix coordinate real symmetric\n5 5 4\n1 1 1.0\n2 2 0.4\n3 3 0.001\n4 4 0.001\n",
+    ),
+    (
+        "stiffness.mtx",
+        "%%MatrixMarket matrix coordinate real symmetric\n5 5 5\n1 1 4e6\n2 1 -1e6\n2 2 1e6\n5 1 -2e6\n5 5 2e6\n",
+    ),
+];
+
+/// Changes of [`DISK`] that the program and the schema refuse.
+pub(crate) const DISK_REFUSED: &[Case] = &[
+    (
+        "engine_orders = [3]",
+        "engine_orders = [0]",
+        &[":28: operation.engine_orders[0] = 0: must be a whole number >= 1"],
+    ),
+    (
+        "engine_orders = [3]",
+        "engine_orders = [3, 4]",
+        &[
+            ":28: operation.engine_orders = [3, 4]: must be one engine order",
+            "each excites another nodal diameter",
+        ],
+    ),
+    (
+        "[operation]\nspeed_rpm = [1000, 2000]\nengine_orders = [3]\n",
+        "",
+        &[":1: operation = (absent): must be given: its engine_orders name the engine order"],
+    ),
+    (
+        "sectors = 12",
+        "sectors = 1",
+        &[":7: model.sectors = 1: must be from 2 to 1000"],
+    ),
+    ("sectors = 12\n", "", &[":4: model.sectors: must be given"]),
+    (
+        "sector = \"matrices\"",
+        "sector = \"ring\"",
+        &[":6: model.sector = ring: must be \"blade-strip\" or \"matrices\""],
+    ),
+    (
+        "left = [\"left.x\"]",
+        "left = [\"left.x\"]\nmirror = \"mirror.mtx\"",
+        &[":13: model.mirror = mirror.mtx: must be absent: one sector of a disk is not folded"],
+    ),
+];
+
+/// Changes of [`DISK`] that the program alone refuses.
+pub(crate) const DISK_BEYOND_SCHEMA: &[Case] = &[
+    (
+        "right = [\"right.x\"]",
+        "right = []",
+        &[":13: model.right = 0 names: must be as many as in left (1)"],
+    ),
+    (
+        "right = [\"right.x\"]",
+        "right = [\"strip.z\"]",
+        &[
+            ":13: model.right[0] = strip.z: must meet a displacement of the same direction, but left[0] is left.x",
+        ],
+    ),
+    (
+        "right = [\"right.x\"]",
+        "right = [\"left.x\"]",
+        &[":13: model.right[0] = left.x: must not be on both boundaries"],
+    ),
+    (
+        "right = [\"right.x\"]",
+        "right = [\"nobody.x\"]",
+        &[":13: model.right[0] = nobody.x: must name a degree of freedom of the sector"],
+    ),
+    (
+        "cosine_force = { \"blade.x\" = 1.0 }",
+        "cosine_force = { \"right.x\" = 1.0 }",
+        &[":15: model.cosine_force.right.x = 1: must be 0 on the right boundary"],
+    ),
+    (
+        "\"next:blade.x\" = -1.0",
+        "\"next:nobody.x\" = -1.0",
+        &[":20: model.contact[0].t1.next:nobody.x = -1: must name a degree of freedom"],
+    ),
+    (
+        "left = [\"left.x\"]\nright = [\"right.x\"]",
+        "left = []\nright = []",
+        &[
+            ":8: model.mass = (matrix): must be positive definite",
+            "nodal diameter 0 row 5",
+        ],
+    ),
+    (
+        "[frequency]",
+        "[inputs.strip_thickness_mm]\ndistribution = \"uniform\"\nlow = 0.3\nhigh = 0.5\n\n[frequency]",
+        &[":30: inputs.strip_thickness_mm = (given): must be absent: a model of kind \"cyclic\""],
+    ),
+];
