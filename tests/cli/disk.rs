@@ -27,8 +27,7 @@ fn solved(folder: &Path, orders: &[u32]) {
     }
 }
 
-/// Each order has its nodal diameter and its resonance; order 9 of 12 sectors is 3 backwards. Seen to fail with the order taken for the
-/// nodal diameter.
+/// Each order has its nodal diameter and its resonance; order 9 of 12 sectors is 3 backwards.
 #[test]
 fn engine_orders_of_a_disk_come_to_one_page() {
     let folder = tempfile::tempdir().unwrap();

@@ -73,8 +73,7 @@ fn bad_studies_name_line_key_and_rule() {
     }
 }
 
-/// A disk by one sector is inspected by nodal diameter; what cannot be one is refused with the rule. Seen to fail without the check of
-/// the directions, and with the right boundary kept.
+/// A disk by one sector is inspected by nodal diameter; what cannot be one is refused with the rule.
 #[test]
 fn bad_disks_name_line_key_and_rule() {
     let inspect = |study: &str| {
