@@ -95,10 +95,15 @@ impl Line {
     }
 }
 
-/// The controls without gaps.
-struct Filled {
+/// The samples, and the line through those that are solved.
+struct Fitted {
+    /// Controls without gaps.
     controls: Vec<f64>,
+    /// Those of further samples.
     further: Vec<f64>,
+    /// Control and result of each solved sample.
+    pairs: Vec<(f64, f64)>,
+    line: Line,
 }
 
 impl ControlledSamples<'_> {
@@ -110,16 +115,21 @@ impl ControlledSamples<'_> {
     /// `None` with fewer than 20 solved samples, fewer than 2 further ones, or with confidence outside (0, 1).
     #[must_use]
     pub fn mean(&self, possible: Interval, confidence: f64) -> Option<ControlledMean> {
-        let (filled, pairs, line) = self.line(confidence)?;
-        let (n, m) = (self.results.len() as f64, filled.further.len() as f64);
+        let Fitted {
+            controls,
+            further,
+            pairs,
+            line,
+        } = self.fitted(confidence)?;
+        let (n, m) = (self.results.len() as f64, further.len() as f64);
         let weight = line.slope * m / (n + m);
-        let shifted: Vec<f64> = filled.further.iter().map(|c| weight * c).collect();
+        let shifted: Vec<f64> = further.iter().map(|c| weight * c).collect();
         let further = Term::of(&shifted, confidence, 1.0);
         let widening = ((pairs.len() as f64 - 1.0) / (pairs.len() as f64 - 2.0)).sqrt();
         let failed = self.results.iter().any(|r| !r.is_finite());
         // the failed ones at one end, or left out
         let terms = |end: Option<f64>, weight: f64, widening: f64| {
-            let all = self.results.iter().zip(&filled.controls);
+            let all = self.results.iter().zip(&controls);
             let values = all.filter_map(|(&result, control)| {
                 let result = if result.is_finite() {
                     Some(result)
@@ -160,20 +170,25 @@ impl ControlledSamples<'_> {
     /// the lower limit and as exceeding for the upper one. `None` as [`Self::mean`], and for a threshold that is NaN.
     #[must_use]
     pub fn exceedance(&self, threshold: f64, confidence: f64) -> Option<ControlledExceedance> {
-        let (filled, pairs, line) = self.line(confidence)?;
+        let Fitted {
+            controls,
+            further,
+            pairs,
+            line,
+        } = self.fitted(confidence)?;
         if threshold.is_nan() {
             return None;
         }
         let says = |control: f64| line.at(control) > threshold;
-        let above = filled.further.iter().filter(|&&c| says(c)).count();
-        let alone = proportion(above, filled.further.len(), confidence)?;
+        let above = further.iter().filter(|&&c| says(c)).count();
+        let alone = proportion(above, further.len(), confidence)?;
         let differs = |put: bool| {
             let wrong = |(c, r): &&(f64, f64)| says(*c) == put && (*r > threshold) != put;
             pairs.iter().filter(wrong).count()
         };
         let (missed, false_alarms) = (differs(false), differs(true));
         let lost = |put: bool| {
-            let all = self.results.iter().zip(&filled.controls);
+            let all = self.results.iter().zip(&controls);
             all.filter(|(r, c)| !r.is_finite() && says(**c) == put)
                 .count()
         };
@@ -210,29 +225,24 @@ impl ControlledSamples<'_> {
         })
     }
 
-    /// The controls without gaps, the solved pairs (control, result) and the line through them.
-    fn line(&self, confidence: f64) -> Option<(Filled, Vec<(f64, f64)>, Line)> {
+    /// The line through the solved samples; none with too few of them.
+    fn fitted(&self, confidence: f64) -> Option<Fitted> {
         let solved = || self.further.iter().filter(|c| c.is_finite());
         let mean = solved().sum::<f64>() / solved().count() as f64;
         let fill = |controls: &[f64]| -> Vec<f64> {
-            let filled = controls
-                .iter()
-                .map(|&c| if c.is_finite() { c } else { mean });
-            filled.collect()
+            let known = |&c: &f64| if c.is_finite() { c } else { mean };
+            controls.iter().map(known).collect()
         };
-        let filled = Filled {
-            controls: fill(self.controls),
-            further: fill(self.further),
-        };
-        let all = filled
-            .controls
-            .iter()
-            .copied()
-            .zip(self.results.iter().copied());
+        let controls = fill(self.controls);
+        let all = controls.iter().copied().zip(self.results.iter().copied());
         let pairs: Vec<(f64, f64)> = all.filter(|(_, result)| result.is_finite()).collect();
         let enough = pairs.len() >= FEWEST_PAIRS && solved().count() >= 2;
-        let line = (enough && confidence > 0.0 && confidence < 1.0).then(|| Line::of(&pairs))?;
-        Some((filled, pairs, line))
+        (enough && confidence > 0.0 && confidence < 1.0).then(|| Fitted {
+            line: Line::of(&pairs),
+            further: fill(self.further),
+            controls,
+            pairs,
+        })
     }
 }
 
