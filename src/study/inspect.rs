@@ -13,6 +13,7 @@ use crate::model::two_blade::{ComponentSummary, PressureInputs};
 use crate::report::asked::Stopping;
 use crate::report::run::InputRecord;
 use crate::sampling::Input;
+use rayon::current_num_threads;
 
 /// Number of frequencies that are shown.
 const SHOWN: usize = 10;
@@ -186,7 +187,6 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
     let names = |rows: &[crate::model::Response]| rows.iter().map(|r| r.name.clone()).collect();
     let unknowns = unknowns(study, n_contacts);
     let processor_time_s = processor_time(study, unknowns[0]);
-    let threads = rayon::current_num_threads();
     Ok(Inspection {
         name: study.name.clone(),
         unit,
@@ -222,8 +222,8 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         unknowns,
         memory_bytes: solve_memory(n_contacts, unknowns[1]),
         processor_time_s,
-        threads,
-        wall_time_s: processor_time_s * turns(study.samples, threads as u64),
+        threads: current_num_threads(),
+        wall_time_s: processor_time_s * turns(study.samples, current_num_threads() as u64),
         dof_names: model.dof_names,
     })
 }
