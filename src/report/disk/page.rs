@@ -116,7 +116,7 @@ fn verdicts(view: &View) -> Section {
             table.row(vec![
                 whole(order.engine_order as usize),
                 whole(order.nodal_diameter),
-                Cell::text(&result.criterion.name),
+                Cell::text(&result.criterion.name).with_class("text"),
                 Cell::text(word(result.judgement)).with_badge(class),
                 Cell::text(&result.sentence).with_class("text wide"),
             ]);
