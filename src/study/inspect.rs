@@ -185,6 +185,7 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         ..
     } = built;
     let names = |rows: &[crate::model::Response]| rows.iter().map(|r| r.name.clone()).collect();
+    let inputs = study.design.inputs().iter();
     let unknowns = unknowns(study, n_contacts);
     let processor_time_s = processor_time(study, unknowns[0]);
     Ok(Inspection {
@@ -204,12 +205,7 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         excited,
         nodal_diameters: linear.nodal_diameters,
         stuck: linear.stuck.into_iter().take(SHOWN).collect(),
-        inputs: study
-            .design
-            .inputs()
-            .iter()
-            .map(|(i, _)| Input::name(*i))
-            .collect(),
+        inputs: inputs.map(|(i, _)| Input::name(*i)).collect(),
         distributions: (study.input_records().iter())
             .map(InputRecord::assumption)
             .collect(),
