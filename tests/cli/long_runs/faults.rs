@@ -207,6 +207,7 @@ fn little_memory_means_fewer_samples_at_once() {
     );
     change(path, "harmonics = 5", "harmonics = 200\nalert = false");
     change(path, "time_points = 128", "time_points = 1024");
+    change(path, "band_hz = [100, 200]", "band_hz = [50, 1000]");
     let pairs = (2..7).map(|pair| {
         let contact = &STUDY[STUDY.find("[[model.contact]]").unwrap()..];
         let contact = &contact[..contact.find("[contact]").unwrap()];
