@@ -48,6 +48,11 @@ pub(in crate::report) fn limits(interval: Interval, show: &dyn Fn(f64) -> String
     interval.in_words(" … ", show)
 }
 
+/// `1 % … 2 %`.
+pub(super) fn percent_range(lower: f64, upper: f64) -> String {
+    format!("{} … {}", percent(lower), percent(upper))
+}
+
 /// A share of the samples, and what it can be at least and at most.
 pub(in crate::report) fn share_cell(share: Option<&Share>) -> Cell {
     let Some(share) = share else {
@@ -57,7 +62,7 @@ pub(in crate::report) fn share_cell(share: Option<&Share>) -> Cell {
     let [lower, upper] = [share.lower, share.upper];
     Cell::number(known.map_or_else(|| DASH.to_owned(), percent), known)
         .with_raw([lower, upper].map(Some))
-        .with_small(format!("{} … {}", percent(lower), percent(upper)))
+        .with_small(percent_range(lower, upper))
 }
 
 /// A quantile by its place among 5, 50, 95 %, or its range over the outer points.

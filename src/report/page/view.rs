@@ -3,7 +3,7 @@
 use crate::ensemble::outcome::{CurvePoint, PeakRecord, SampleOutcome};
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Cell, Figure, Key};
-use crate::page::display::{LengthUnit, level_name, per_level};
+use crate::page::display::{LengthUnit, level_name, per_level, significant};
 use crate::page::figure::Panel;
 use crate::page::style::figure_style;
 use crate::report::assessment::Assessment;
@@ -95,6 +95,12 @@ impl<'a> View<'a> {
     pub(super) fn level_cell(&self, i: usize) -> Cell {
         let level = self.input.record.levels[i];
         Cell::number(self.level_name(i), Some(level)).with_chip(i)
+    }
+
+    /// A limit of the amplitude (m), in the unit of the page; in m in the download.
+    pub(super) fn limit_cell(&self, limit_m: f64) -> Cell {
+        let limit = significant(limit_m * self.unit.per_metre);
+        Cell::number(format!("{limit} {}", self.unit.symbol), Some(limit_m))
     }
 
     /// One key per level.

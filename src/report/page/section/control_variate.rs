@@ -3,7 +3,7 @@
 use crate::page::block::{Block, Cell, Section, Table};
 use crate::page::display::{DASH, minus_sign, percent, significant};
 use crate::report::numbers::control_variate::{ControlledAndPlain, LevelControlVariate};
-use crate::report::page::statistic_cell::{limits, share_cell};
+use crate::report::page::statistic_cell::{limits, percent_range, share_cell};
 use crate::report::page::view::{Shown, View};
 use crate::statistics::{ControlledMean, Interval};
 
@@ -151,7 +151,6 @@ fn exceedances(view: &View) -> Option<Block> {
 
 fn exceedance_row(view: &View, i: usize, both: &ControlledAndPlain) -> Vec<Cell> {
     let found = &both.controlled;
-    let limit = significant(found.threshold * view.unit.per_metre);
     let share = found.probability;
     let wrong = found.missed + found.false_alarms;
     let raw = [
@@ -163,17 +162,10 @@ fn exceedance_row(view: &View, i: usize, both: &ControlledAndPlain) -> Vec<Cell>
     ];
     vec![
         view.level_cell(i),
-        Cell::number(
-            format!("{limit} {}", view.unit.symbol),
-            Some(found.threshold),
-        ),
+        view.limit_cell(found.threshold),
         Cell::number(percent(share.estimate), Some(share.estimate))
             .with_raw(raw.map(Some))
-            .with_small(format!(
-                "{} … {}",
-                percent(share.lower),
-                percent(share.upper)
-            ))
+            .with_small(percent_range(share.lower, share.upper))
             .with_small(format!("the control is wrong at {wrong} samples")),
         share_cell(both.samples.as_ref().map(|s| s.probability).as_ref()),
         ratio_cell(Some(found.variance_ratio)),

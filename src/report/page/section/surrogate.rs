@@ -6,7 +6,7 @@ use crate::page::display::{DASH, minus_sign, percent, significant};
 use crate::report::numbers::surrogate::{
     ExceedanceBoth, LevelSurrogates, Surrogate, SurrogateResult,
 };
-use crate::report::page::statistic_cell::share_cell;
+use crate::report::page::statistic_cell::{percent_range, share_cell};
 use crate::report::page::view::{Shown, View};
 
 /// Absent where the study wants none.
@@ -192,15 +192,11 @@ fn exceedances(view: &View) -> Option<Block> {
 
 fn exceedance_row(view: &View, i: usize, both: &ExceedanceBoth) -> Vec<Cell> {
     let found = &both.surrogate;
-    let limit = significant(found.threshold * view.unit.per_metre);
     let share = found.probability;
     let samples = both.samples.map(|s| s.probability);
     vec![
         view.level_cell(i),
-        Cell::number(
-            format!("{limit} {}", view.unit.symbol),
-            Some(found.threshold),
-        ),
+        view.limit_cell(found.threshold),
         Cell::number(percent(share.estimate), Some(share.estimate))
             .with_raw(
                 [
@@ -212,11 +208,7 @@ fn exceedance_row(view: &View, i: usize, both: &ExceedanceBoth) -> Vec<Cell> {
                 ]
                 .map(Some),
             )
-            .with_small(format!(
-                "{} … {}",
-                percent(share.lower),
-                percent(share.upper)
-            ))
+            .with_small(percent_range(share.lower, share.upper))
             .with_small(format!(
                 "wrong at {} samples",
                 found.missed + found.false_alarms
