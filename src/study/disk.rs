@@ -26,19 +26,6 @@ pub fn disk(folders: &[&Path], output: &OutputFolder) -> Result<DiskSummary, Err
         message,
     };
     let summary = DiskSummary::of(folders, &runs).map_err(|(place, why)| refused(place, why))?;
-    let order = |place: usize| {
-        runs[place]
-            .record
-            .disk
-            .as_ref()
-            .map(|disk| disk.engine_order)
-    };
-    for place in 0..runs.len() {
-        if let Some(other) = (0..place).find(|&other| order(other) == order(place)) {
-            let other = folders[other].display();
-            return Err(refused(place, format!("has the engine order of {other}")));
-        }
-    }
     disk::write(output.path(), &summary, &runs)?;
     Ok(summary)
 }

@@ -83,3 +83,44 @@ fn engine_orders_of_a_disk_come_to_one_page() {
     let solve = microslip(folder.path(), &["solve", "order-3.toml", "--quiet"]);
     assert_eq!(solve.status.code(), Some(0), "{solve:?}");
 }
+
+/// A displacement on the right boundary is that of the left one of the next sector: as large, and later. Two displacements of one sector and
+/// of the next may make one response. Seen to fail (a panic) with responses of the next sector taken as those of this one where all
+/// sectors do the same.
+#[test]
+fn responses_may_be_of_the_next_sector() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in DISK_FILES {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let amplitude = |response: &str, order: u32| {
+        let study = DISK
+            .replace("engine_orders = [3]", &format!("engine_orders = [{order}]"))
+            .replace(
+                "responses = [\"blade.x\"]",
+                &format!("responses = [{response}]"),
+            )
+            + "\n[solver]\nharmonics = 3\nalert = false\n";
+        std::fs::write(folder.path().join("study.toml"), study).unwrap();
+        let solved = microslip(
+            folder.path(),
+            &["solve", "study.toml", "--output", "out", "--quiet"],
+        );
+        assert_eq!(solved.status.code(), Some(0), "{solved:?}");
+        let json = std::fs::read_to_string(folder.path().join("out/solution.json")).unwrap();
+        let json: Value = serde_json::from_str(&json).unwrap();
+        json["levels"][0]["largest_amplitude"]["amplitude"]
+            .as_f64()
+            .unwrap()
+    };
+    let differs = "{ name = \"difference\", row = { \"blade.x\" = 1.0, \"next:blade.x\" = -1.0 } }";
+    for order in [3, 6] {
+        let [left, right] =
+            ["left.x", "right.x"].map(|name| amplitude(&format!("\"{name}\""), order));
+        assert!((right / left - 1.0).abs() < 1e-6, "{left} {right}");
+        // |1 − e^(−iθ)| with θ = 2π order/12
+        let apart = 2.0 * (std::f64::consts::PI * f64::from(order) / 12.0).sin();
+        let ratio = amplitude(differs, order) / amplitude("\"blade.x\"", order);
+        assert!((ratio / apart - 1.0).abs() < 1e-6, "{ratio} {apart}");
+    }
+}

@@ -63,7 +63,7 @@ pub struct Disk {
     pub cosine_force: Vec<f64>,
     /// f_s per unit level, on sector 0. Shape: `[names]`.
     pub sine_force: Vec<f64>,
-    /// Response coordinates of a sector; the amplitude of the first one defines resonance.
+    /// Response coordinates of a sector, numbered as in the contacts; the amplitude of the first one defines resonance.
     pub responses: Vec<Response>,
 }
 
@@ -158,7 +158,12 @@ impl Disk {
             loads: self.loads.iter().map(padded).collect(),
             cosine_force: padded(&self.cosine_force),
             sine_force: padded(&self.sine_force),
-            responses: self.responses.clone(),
+            responses: (self.responses.iter())
+                .map(|response| Response {
+                    name: response.name.clone(),
+                    row: row(&response.row),
+                })
+                .collect(),
             mirror: None,
             mass,
         }

@@ -103,17 +103,12 @@ pub fn build(settings: &TwoBladeSettings) -> Result<TwoBladeModel, ModelError> {
     let contact = layout.contact_cells();
     let patches: Vec<Rectangle> = contact.iter().map(|cell| cell.patch).collect();
     let (first_blade, blade) = Blade::new(settings, &layout, &patches)?;
-    let cut_off = ("strip_cut_off_hz", settings.strip_cut_off_hz);
-    let fe = layout.strip()?;
-    let strip = Component::new(&fe, &strip_patches(&contact), &[], |masters| {
-        below(&fe, masters, cut_off)
-    })?;
-    let (lambda, _) = strip.reduced.modes()?;
+    let (strip, of_strip) = Component::strip(settings, &layout, &contact)?;
     Ok(TwoBladeModel {
         reduced: assembly::reduced_model(settings, &contact, &first_blade, &strip),
         settings: settings.clone(),
         blade,
-        strip: ComponentSummary::new(&fe, &strip.reduced, &lambda, cut_off.1, STRIP_SHIFT)?,
+        strip: of_strip,
         first_blade,
         pressure: PressureInputs::default(),
     })
@@ -224,6 +219,22 @@ impl Blade {
 }
 
 impl Component {
+    /// The strip of the settings, reduced below their cut-off.
+    fn strip(
+        settings: &TwoBladeSettings,
+        layout: &Layout,
+        contact: &[ContactCell],
+    ) -> Result<(Self, ComponentSummary), ModelError> {
+        let cut_off = ("strip_cut_off_hz", settings.strip_cut_off_hz);
+        let fe = layout.strip()?;
+        let strip = Self::new(&fe, &strip_patches(contact), &[], |masters| {
+            below(&fe, masters, cut_off)
+        })?;
+        let (lambda, _) = strip.reduced.modes()?;
+        let summary = ComponentSummary::new(&fe, &strip.reduced, &lambda, cut_off.1, STRIP_SHIFT)?;
+        Ok((strip, summary))
+    }
+
     /// The component with the mean displacements of `patches` and the displacements of the nodes at `points` as masters,
     /// which `reduce` keeps.
     fn new(

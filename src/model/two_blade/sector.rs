@@ -6,7 +6,7 @@
 
 use super::assembly::{modal_damping, strip_damping_time};
 use super::placed_strip::{PlacedStrip, names_of};
-use super::{Blade, ComponentSummary, STRIP_SHIFT, TwoBladeSettings, below, strip_patches};
+use super::{Blade, ComponentSummary, TwoBladeSettings};
 use super::{Component, components::Layout};
 use crate::fe::Rectangle;
 use crate::model::disk::{CyclicMatrix, Disk};
@@ -35,13 +35,7 @@ pub fn sector(settings: &TwoBladeSettings, n_sectors: usize) -> Result<SectorMod
     let mut patches: Vec<Rectangle> = contact.iter().map(|cell| cell.patch).collect();
     patches.extend(layout.other_patches(&contact));
     let (blade, of_blade) = Blade::new(settings, &layout, &patches)?;
-    let cut_off = ("strip_cut_off_hz", settings.strip_cut_off_hz);
-    let fe = layout.strip()?;
-    let strip = Component::new(&fe, &strip_patches(&contact), &[], |masters| {
-        below(&fe, masters, cut_off)
-    })?;
-    let (lambda, _) = strip.reduced.modes()?;
-    let summary = ComponentSummary::new(&fe, &strip.reduced, &lambda, cut_off.1, STRIP_SHIFT)?;
+    let (strip, of_strip) = Component::strip(settings, &layout, &contact)?;
     let first = blade.component.reduced.n_dofs();
     let placed = PlacedStrip {
         settings,
@@ -53,7 +47,7 @@ pub fn sector(settings: &TwoBladeSettings, n_sectors: usize) -> Result<SectorMod
     Ok(SectorModel {
         disk: assembled(settings, n_sectors, &blade, &placed),
         blade: of_blade,
-        strip: summary,
+        strip: of_strip,
     })
 }
 

@@ -2,9 +2,9 @@
 
 use crate::report::assessment::Assessment;
 use crate::report::numbers::margins::OrderMargin;
-use crate::report::numbers::peaks::usable_peak;
 use crate::report::numbers::population::Populations;
 use crate::report::numbers::summary::Summary;
+use crate::report::run::input::ReportInput;
 use crate::report::run::record::{DiskRecord, NodalRecord, RunRecord};
 use crate::report::run::stored_run::StoredRun;
 use crate::report::verdict::criterion_result::CriterionResult;
@@ -74,22 +74,34 @@ impl DiskSummary {
     /// Gathers the runs of `folders`, which are of one disk.
     ///
     /// # Errors
-    /// The place of a run that is not of the disk of the first, and why; place 0 without any run.
+    /// The place of a run that is not of the disk of the first, or has the engine order of another, and why; place 0 without any
+    /// run.
     pub fn of(folders: &[&Path], runs: &[StoredRun]) -> Result<Self, (usize, String)> {
         let Some(first) = runs.first() else {
             return Err((0, "no run is given".to_owned()));
         };
-        let mut orders = Vec::new();
+        let mut orders: Vec<OrderSummary> = Vec::new();
+        let mut condition = None;
         let mut speeds: Vec<f64> = Vec::new();
         for (i, (folder, run)) in folders.iter().zip(runs).enumerate() {
             let disk = same_disk(&first.record, &run.record).map_err(|reason| (i, reason))?;
-            orders.push(OrderSummary::of(folder, run, disk));
+            let same_order = |other: &&OrderSummary| other.engine_order == disk.engine_order;
+            if let Some(other) = orders.iter().find(same_order) {
+                return Err((i, format!("has the engine order of {}", other.folder)));
+            }
+            let input = run.input();
+            let summary = Summary::of(&input);
+            let assessment = Assessment::of(&input, &summary);
+            condition.get_or_insert(assessment.condition.clone());
+            orders.push(OrderSummary::of(
+                folder,
+                (&input, summary, assessment),
+                disk,
+            ));
             let operation = run.record.requirements.operation.iter();
             speeds.extend(operation.flat_map(|operation| operation.speed_rpm));
         }
         orders.sort_by_key(|order| order.engine_order);
-        let input = first.input();
-        let assessment = Assessment::of(&input, &Summary::of(&input));
         let disk = first.record.disk.as_ref();
         let operation = first.record.requirements.operation.as_ref();
         Ok(Self {
@@ -103,7 +115,7 @@ impl DiskSummary {
             dwell_rpm: operation.map_or(Vec::new(), |operation| operation.dwell_rpm.clone()),
             orders,
             nodal_diameters: disk.map_or(Vec::new(), |disk| disk.nodal_diameters.clone()),
-            condition: assessment.condition,
+            condition: condition.unwrap_or_default(),
         })
     }
 }
@@ -126,26 +138,25 @@ fn same_disk<'a>(first: &RunRecord, run: &'a RunRecord) -> Result<&'a DiskRecord
 }
 
 impl OrderSummary {
-    fn of(folder: &Path, run: &StoredRun, disk: &DiskRecord) -> Self {
-        let input = run.input();
-        let assessment = Assessment::of(&input, &Summary::of(&input));
-        let levels = assessment.levels.into_iter().enumerate();
-        let levels = levels.map(|(i, level)| {
-            let unsolved = |at: usize| usable_peak(&run.outcomes[at].levels[i]).is_none();
-            OrderLevel {
-                level: level.level,
-                failed: (0..run.outcomes.len()).filter(|&at| unsolved(at)).count(),
-                frequency_hz: Populations::of(&input, i, |peak| peak.frequency_hz).scatter(BAR),
-                amplitude_m: Populations::of(&input, i, |peak| peak.amplitude_m).scatter(BAR),
-                margin: level.margins.into_iter().next(),
-            }
+    fn of(
+        folder: &Path,
+        (input, summary, assessment): (&ReportInput, Summary, Assessment),
+        disk: &DiskRecord,
+    ) -> Self {
+        let levels = assessment.levels.into_iter().zip(&summary.levels);
+        let levels = levels.enumerate().map(|(i, (level, counted))| OrderLevel {
+            level: level.level,
+            failed: counted.failed,
+            frequency_hz: Populations::of(input, i, |peak| peak.frequency_hz).scatter(BAR),
+            amplitude_m: Populations::of(input, i, |peak| peak.amplitude_m).scatter(BAR),
+            margin: level.margins.into_iter().next(),
         });
         Self {
             engine_order: disk.engine_order,
             nodal_diameter: disk.nodal_diameter,
-            study: run.record.provenance.study.clone(),
+            study: summary.provenance.study.clone(),
             folder: folder.display().to_string(),
-            samples: run.outcomes.len(),
+            samples: summary.samples,
             levels: levels.collect(),
             criteria: assessment.criteria,
         }
