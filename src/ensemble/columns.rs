@@ -41,7 +41,7 @@ const fn column(
 }
 
 /// Columns of `samples.parquet` and `further_points.parquet`, but for those of the inputs.
-pub const SAMPLE_COLUMNS: [DescribedColumn; 23] = [
+pub const SAMPLE_COLUMNS: [DescribedColumn; 29] = [
     column("sample", "", "index of the sample, from 0"),
     column(
         "outer",
@@ -118,6 +118,28 @@ pub const SAMPLE_COLUMNS: [DescribedColumn; 23] = [
         "other_amplitudes_m",
         "m",
         "amplitudes of these maxima, in the same order",
+    ),
+    column(
+        "upward_frequency_hz",
+        "Hz",
+        "where a slow sweep upwards through the band meets its largest amplitude; this and the next five are null without a curve from one end of the band to the other",
+    ),
+    column("upward_amplitude_m", "m", "that amplitude"),
+    column(
+        "downward_frequency_hz",
+        "Hz",
+        "where a slow sweep downwards meets its largest amplitude",
+    ),
+    column("downward_amplitude_m", "m", "that amplitude"),
+    column(
+        "several_from_hz",
+        "Hz",
+        "lowest frequency with several solutions, where the downward sweep jumps; null where every frequency has one",
+    ),
+    column(
+        "several_to_hz",
+        "Hz",
+        "highest frequency with several solutions, where the upward sweep jumps",
     ),
     column("newton_iterations", "", "Newton iterations for this row"),
     column("factorizations", "", "linear factorisations for this row"),

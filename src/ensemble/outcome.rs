@@ -39,6 +39,10 @@ pub struct LevelOutcome {
     pub others: Vec<OtherMaximum>,
     /// Forced response around the peak, ascending in frequency, single-valued; may be empty.
     pub curve: Vec<CurvePoint>,
+    /// What slow sweeps through the band meet; absent without a curve from one end of the band to the other, and in results of an
+    /// older program.
+    #[serde(default)]
+    pub sweeps: Option<SweepRecord>,
     /// Newton iterations spent on this level.
     pub newton_iterations: usize,
     /// Linear factorisations spent on this level.
@@ -112,6 +116,17 @@ pub struct OtherMaximum {
     /// Amplitude |q̂₁| of the first response coordinate (m).
     #[serde(deserialize_with = "number")]
     pub amplitude_m: f64,
+}
+
+/// What slow sweeps through the band meet. They differ where the curve folds over.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SweepRecord {
+    /// The largest amplitude of the sweep from low to high frequencies.
+    pub upward: CurvePoint,
+    /// The largest amplitude of the sweep from high to low frequencies.
+    pub downward: CurvePoint,
+    /// Lowest and highest frequency (Hz) between which there are several solutions; absent where every frequency has one.
+    pub several_hz: Option<[f64; 2]>,
 }
 
 /// One point of a forced response curve.

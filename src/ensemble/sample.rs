@@ -7,7 +7,8 @@ use super::applied::Applied;
 use super::atlas::{Anchor, Atlas, ModePeaks};
 use super::mode_search::ModeOfSample;
 use super::outcome::{
-    CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, newton_iterations,
+    CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
+    newton_iterations,
 };
 use super::times::SampleTimes;
 use super::{Ensemble, SampleSolver};
@@ -15,7 +16,7 @@ use crate::gpu::Gpu;
 use crate::hb::newton::rest::stiffness_at_rest;
 use crate::hb::peak::maxima::{Maxima, search_maxima};
 use crate::hb::peak::predicted::{PeakPrediction, maximum_near, phase_locked};
-use crate::hb::response::curve::response_curve;
+use crate::hb::response::curve::{self, response_curve};
 use crate::hb::structure::resonance::{Candidate, candidates};
 use crate::hb::{Balance, Problem, ProblemError, Solution, Status};
 use crate::units::rad_s_to_hz;
@@ -159,6 +160,7 @@ impl Ensemble<'_> {
             peak: Some(peak),
             others: Vec::new(),
             curve: Vec::new(),
+            sweeps: None,
             newton_iterations: 0,
             factorizations: 0,
         };
@@ -210,8 +212,8 @@ impl Ensemble<'_> {
         let mut count = maxima.count;
         let before = problem.effort.count();
         let peak = maxima.peak();
-        let curve = (peak.filter(|_| with_curve))
-            .map_or_else(Vec::new, |solution| self.curve(problem, solution));
+        let (curve, sweeps) = (peak.filter(|_| with_curve))
+            .map_or_else(Default::default, |solution| self.curve(problem, solution));
         count += problem.effort.count().since(before);
         LevelOutcome {
             level,
@@ -219,13 +221,19 @@ impl Ensemble<'_> {
             peak: peak.map(record),
             others: peak.map_or_else(Vec::new, |_| others(maxima)),
             curve,
+            sweeps,
             newton_iterations: count.iterations,
             factorizations: count.factorizations,
         }
     }
 
-    /// The forced response through a peak, on the study's own harmonics. They are enough for a plot; the peak may have more.
-    fn curve(&self, problem: &Problem<'_>, solution: &Solution) -> Vec<CurvePoint> {
+    /// The forced response through a peak, on the study's own harmonics, and what sweeps meet. These harmonics are enough for a plot;
+    /// the peak may have more.
+    fn curve(
+        &self,
+        problem: &Problem<'_>,
+        solution: &Solution,
+    ) -> (Vec<CurvePoint>, Option<SweepRecord>) {
         let newton = self.settings.newton;
         let harmonics = &self.settings.harmonics;
         let balance = Balance::new(problem, harmonics.clone(), self.settings.aft);
@@ -245,15 +253,15 @@ impl Ensemble<'_> {
             }
         };
         let Ok(start) = start else {
-            return Vec::new();
+            return Default::default();
         };
-        let curve = response_curve(&balance, &start, self.peak.band, newton);
-        (curve.iter())
-            .map(|point| CurvePoint {
-                frequency_hz: rad_s_to_hz(point.omega),
-                amplitude_m: point.amplitude,
-            })
-            .collect()
+        let found = response_curve(&balance, &start, self.peak.band, newton);
+        let sweeps = found.sweeps.map(|sweeps| SweepRecord {
+            upward: in_hertz(sweeps.upward),
+            downward: in_hertz(sweeps.downward),
+            several_hz: sweeps.several.map(|ends| ends.map(rad_s_to_hz)),
+        });
+        (found.points.into_iter().map(in_hertz).collect(), sweeps)
     }
 
     /// A sample that fails at every level, without peaks.
@@ -264,6 +272,7 @@ impl Ensemble<'_> {
             peak: None,
             others: Vec::new(),
             curve: Vec::new(),
+            sweeps: None,
             newton_iterations: 0,
             factorizations: 0,
         });
@@ -280,6 +289,13 @@ fn status_of(error: ProblemError) -> Status {
     match error {
         ProblemError::Linalg(_) => Status::NonFinite,
         _ => Status::NotHeld,
+    }
+}
+
+fn in_hertz(point: curve::CurvePoint) -> CurvePoint {
+    CurvePoint {
+        frequency_hz: rad_s_to_hz(point.omega),
+        amplitude_m: point.amplitude,
     }
 }
 

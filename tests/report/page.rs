@@ -52,6 +52,30 @@ fn failed_samples_are_counted_and_shown() {
     );
 }
 
+/// The table whose download has the given name.
+fn table<'a>(page: &'a str, name: &str) -> &'a str {
+    let start = page.find(&format!("download=\"{name}.csv\"")).unwrap();
+    let length = page[start..].find("</table>").unwrap();
+    &page[start..start + length]
+}
+
+/// Beside every margin stands how many curves have several solutions. Seen to fail with the levels of the reserves alone.
+#[test]
+fn margins_say_how_often_there_are_several_answers() {
+    let study = SyntheticStudy::new(60);
+    let page = page(&study.input());
+    for name in ["criteria", "margins", "dwell-margins", "reserve"] {
+        let table = table(&page, name);
+        let rows = table.matches("<tr").count() - 1;
+        let said = table.matches("several answers on ").count();
+        assert_eq!(said, rows, "{name}: {table}");
+    }
+    assert!(
+        page.contains("several answers on 0 of 60 curves"),
+        "levels without folds"
+    );
+}
+
 /// The synthetic failures lie at stiff contacts with much friction: both inputs say so, on the page and in the report, and
 /// no failure, no pattern. Seen to fail with the samples that failed at level 0 alone.
 #[test]

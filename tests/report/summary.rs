@@ -63,6 +63,39 @@ fn statuses_add_up_to_the_samples() {
     }
 }
 
+/// Curves of the highest level fold over, those of the others do not. Seen to fail with all samples counted as curves, and with the
+/// ratio the other way round.
+#[test]
+fn curves_with_several_solutions_are_counted() {
+    let mut study = SyntheticStudy::new(100);
+    // a sample without a curve tells nothing
+    let top = LEVELS.len() - 1;
+    study.outcomes[3].levels[top].sweeps = None;
+    let summary = Summary::of(&study.input());
+    let known = |i: usize| {
+        study
+            .outcomes
+            .iter()
+            .filter(move |o| o.levels[i].sweeps.is_some())
+    };
+    for (i, level) in summary.levels.iter().enumerate() {
+        let found = level.several_answers;
+        let curves = known(i).count();
+        let several = if i == top { curves } else { 0 };
+        assert_eq!((found.curves, found.several), (curves, several), "{i}");
+        let share = found.share.expect("curves");
+        assert_eq!(share.estimate, several as f64 / curves as f64);
+        assert!(share.lower < share.upper, "{share:?}");
+        let ratio = if i == top { 0.9 } else { 1.0 };
+        assert!(
+            (found.lowest_ratio.expect("curves") - ratio).abs() < 1e-12,
+            "{found:?}"
+        );
+        assert_eq!(found.widest_hz, (i == top).then_some(0.75));
+    }
+    assert!(known(top).count() < 100, "one sample has no curve");
+}
+
 /// A converged status with a number that is not finite is no solution.
 /// Seen to fail with the status counted as it stands.
 #[test]

@@ -4,7 +4,7 @@ use microslip::contact::{Events, FrictionLaw};
 use microslip::ensemble::SolvedSample;
 use microslip::ensemble::backend::BackendReport;
 use microslip::ensemble::outcome::{
-    CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome,
+    CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
 };
 use microslip::ensemble::store::{ATLAS_FILE, Provenance, SolvedFiles, StoredStudy};
 use microslip::hb::{PeakRoute, SliderAnchor, Status};
@@ -302,8 +302,29 @@ fn level(index: u64, [scale, mu]: [f64; 2], i: usize) -> LevelOutcome {
         } else {
             lorentz(frequency, amplitude * force, width, 14.0)
         },
+        sweeps: (!failed).then(|| sweeps(i, frequency, amplitude * force)),
         newton_iterations: 8 + (noise * 20.0) as usize + if failed { 60 } else { 0 },
         factorizations: 4 + (noise * 9.0) as usize,
+    }
+}
+
+/// At the highest level every curve leans to low frequencies, and the sweep upwards meets nine tenths of the peak.
+fn sweeps(i: usize, frequency_hz: f64, amplitude_m: f64) -> SweepRecord {
+    let peak = CurvePoint {
+        frequency_hz,
+        amplitude_m,
+    };
+    let folds = i + 1 == LEVELS.len();
+    SweepRecord {
+        upward: match folds {
+            true => CurvePoint {
+                frequency_hz: frequency_hz + 0.5,
+                amplitude_m: 0.9 * amplitude_m,
+            },
+            false => peak,
+        },
+        downward: peak,
+        several_hz: folds.then_some([frequency_hz - 0.25, frequency_hz + 0.5]),
     }
 }
 

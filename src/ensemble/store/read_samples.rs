@@ -1,7 +1,9 @@
 //! The rows of a table of samples as outcomes.
 
-use super::samples::{GROUP_COLUMNS, INPUTS_KEY, OTHER_COLUMNS};
-use crate::ensemble::outcome::{LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome};
+use super::samples::{GROUP_COLUMNS, INPUTS_KEY, OTHER_COLUMNS, SWEEP_COLUMNS};
+use crate::ensemble::outcome::{
+    CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
+};
 use crate::ensemble::table::{
     RowCursor, Rows, TableReader, missing, number, optional, real, whole,
 };
@@ -97,6 +99,8 @@ pub(super) struct SampleBatch {
     peak: PeakColumns,
     /// As [`OTHER_COLUMNS`].
     others: [ListArray; 2],
+    /// As [`SWEEP_COLUMNS`]; absent in tables of an older program.
+    sweeps: [Option<Float64Array>; 6],
     newton_iterations: Int64Array,
     factorizations: Int64Array,
 }
@@ -158,6 +162,7 @@ impl SampleBatch {
             status: rows.texts("status")?.clone(),
             peak: PeakColumns::of(rows)?,
             others: [frequencies?, amplitudes?],
+            sweeps: SWEEP_COLUMNS.map(|(name, _)| rows.reals(name).ok().cloned()),
             newton_iterations: rows.counts("newton_iterations")?.clone(),
             factorizations: rows.counts("factorizations")?.clone(),
         })
@@ -195,6 +200,7 @@ impl SampleBatch {
             peak: self.peak.record(at)?,
             others: self.others(at)?,
             curve: Vec::new(),
+            sweeps: self.sweeps(at),
             newton_iterations: whole(&self.newton_iterations, at, "newton_iterations")?,
             factorizations: whole(&self.factorizations, at, "factorizations")?,
         })
@@ -211,6 +217,22 @@ impl SampleBatch {
             amplitude_m,
         });
         Ok(others.collect())
+    }
+
+    /// What sweeps meet, where that is known.
+    fn sweeps(&self, at: usize) -> Option<SweepRecord> {
+        let number = |i: usize| optional(self.sweeps[i].as_ref()?, at);
+        let point = |i: usize| {
+            Some(CurvePoint {
+                frequency_hz: number(i)?,
+                amplitude_m: number(i + 1)?,
+            })
+        };
+        Some(SweepRecord {
+            upward: point(0)?,
+            downward: point(2)?,
+            several_hz: Option::zip(number(4), number(5)).map(|(from, to)| [from, to]),
+        })
     }
 }
 

@@ -5,7 +5,9 @@
 
 use super::provenance::Provenance;
 use crate::ensemble::columns::SAMPLE_COLUMNS;
-use crate::ensemble::outcome::{LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome};
+use crate::ensemble::outcome::{
+    LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
+};
 use crate::ensemble::table::{Column, Table, TableError, TableLayout, TableWriter, count};
 use crate::file::{FileError, FileRecord};
 use crate::hb::PeakRoute;
@@ -30,12 +32,23 @@ pub(super) const OTHER_COLUMNS: [OtherColumn; 2] = [
     ("other_amplitudes_m", |other| other.amplitude_m),
 ];
 
+/// Columns of what sweeps meet.
+type SweepColumn = (&'static str, fn(&SweepRecord) -> Option<f64>);
+pub(super) const SWEEP_COLUMNS: [SweepColumn; 6] = [
+    ("upward_frequency_hz", |s| Some(s.upward.frequency_hz)),
+    ("upward_amplitude_m", |s| Some(s.upward.amplitude_m)),
+    ("downward_frequency_hz", |s| Some(s.downward.frequency_hz)),
+    ("downward_amplitude_m", |s| Some(s.downward.amplitude_m)),
+    ("several_from_hz", |s| Some(s.several_hz?[0])),
+    ("several_to_hz", |s| Some(s.several_hz?[1])),
+];
+
 /// Writes one row per sample and level.
 ///
 /// Columns: `sample`, those of [`SampleGroup`] that the design has, the inputs by name, `level`, `status`, then the fields
 /// of [`PeakRecord`] (null without a solution), `other_frequencies_hz` and `other_amplitudes_m` (lists of the lower maxima,
-/// highest first, empty without a solution), `newton_iterations`, `factorizations`. [`SAMPLE_COLUMNS`] has their units and
-/// meanings, and so has the metadata of each column.
+/// highest first, empty without a solution), what sweeps meet (null without a curve), `newton_iterations`, `factorizations`.
+/// [`SAMPLE_COLUMNS`] has their units and meanings, and so has the metadata of each column.
 ///
 /// # Errors
 /// [`TableError`]; then `path` is as it was.
@@ -123,7 +136,7 @@ fn input_columns(input_names: &[String], group: SampleGroup, rows: &[LevelRow]) 
     table
 }
 
-/// The peaks of the rows, and the lower maxima; empty where the search has no solution.
+/// The peaks of the rows, the lower maxima and what sweeps meet; empty where the search has no solution.
 fn peak_columns(rows: &[LevelRow]) -> Table {
     let peak = |level: &LevelOutcome| level.peak.filter(|_| level.status.has_solution());
     let real = |name: &str, f: fn(&PeakRecord) -> Option<f64>| {
@@ -159,6 +172,10 @@ fn peak_columns(rows: &[LevelRow]) -> Table {
             name,
             Column::Reals(rows.iter().map(others).collect()),
         ));
+    }
+    for (name, of) in SWEEP_COLUMNS {
+        let sweeps = |(_, l): &LevelRow| l.sweeps.as_ref().and_then(of).and_then(finite);
+        table.push(named(name, Column::Real(rows.iter().map(sweeps).collect())));
     }
     table
 }

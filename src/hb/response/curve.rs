@@ -3,7 +3,8 @@
 //! Between two solutions the dynamic stiffness 1/ŷ is a cubic Hermite polynomial in the frequency ω. The tangents are known,
 //! and 1/ŷ is smooth: for one oscillator ŷ draws a circle, but 1/ŷ is a parabola in ω. Around folds 1/ŷ and ω are cubics in
 //! arclength. Solutions are added until the cubics are as exact as [`CURVE_ERROR`] says. The curve consists of the points that
-//! a sweep away from the peak meets: the part behind a fold is left out.
+//! a sweep away from the peak meets: the part behind a fold is left out. What slow sweeps through the band meet is found on the
+//! whole branch.
 
 use crate::hb::branch::branch_point::BranchPoint;
 use crate::hb::branch::continuation::{StepSettings, continue_branch};
@@ -21,6 +22,31 @@ pub struct CurvePoint {
     pub omega: f64,
     /// Amplitude |ŷ| of response 0 (m).
     pub amplitude: f64,
+}
+
+/// The forced response through a peak.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ResponseCurve {
+    /// What a sweep away from the peak meets on either side. Ascending in frequency, one point per frequency.
+    pub points: Vec<CurvePoint>,
+    /// What slow sweeps through the whole band meet; absent where the branch could not be followed from one end of the band to
+    /// the other.
+    pub sweeps: Option<Sweeps>,
+}
+
+/// Slow sweeps through the band. Where the branch folds back, the response jumps from the fold to that later part of the branch
+/// which goes on in the direction of the sweep.
+///
+/// Source: Krack and Gross, Harmonic Balance for Nonlinear Vibration Problems, 2019, section 4 (turning points).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sweeps {
+    /// The largest amplitude of the sweep from low to high frequencies.
+    pub upward: CurvePoint,
+    /// The largest amplitude of the sweep from high to low frequencies.
+    pub downward: CurvePoint,
+    /// Lowest and highest frequency (rad/s) between which there are several solutions: the sweeps jump at these ends. Absent where
+    /// every frequency of the band has one.
+    pub several: Option<[f64; 2]>,
 }
 
 /// Largest distance between the curve and the solutions, over the amplitude of the peak; along the frequency axis over the
@@ -47,14 +73,14 @@ const MOST_POINTS: f64 = 24.0;
 /// study's tolerance.
 const TOLERANCE: f64 = 1e-4;
 
-/// The forced response through `peak` inside `band`, ascending in frequency. Where the continuation fails the curve ends.
+/// The forced response through `peak` inside `band`. Where the continuation fails the curve ends.
 #[must_use]
 pub fn response_curve(
     balance: &Balance<'_>,
     peak: &Point,
     band: Band,
     newton: NewtonSettings,
-) -> Vec<CurvePoint> {
+) -> ResponseCurve {
     let newton = NewtonSettings {
         tolerance: newton
             .tolerance
@@ -64,13 +90,60 @@ pub fn response_curve(
     let side = |upwards: bool| {
         let mut side = CurveSide::outwards(balance, peak, upwards, band, newton);
         side.refine();
-        side.points(band)
+        (side.branch(), side.scales.width)
     };
-    let mut curve = side(false);
-    curve.reverse();
-    curve.pop();
-    curve.extend(side(true));
-    curve
+    let [(below, width), (above, _)] = [false, true].map(side);
+    let mut points = met(below.iter().copied(), false, band);
+    points.reverse();
+    points.pop();
+    points.extend(met(above.iter().copied(), true, band));
+    let branch: Vec<CurvePoint> = (below.into_iter().rev())
+        .chain(above.into_iter().skip(1))
+        .collect();
+    ResponseCurve {
+        points,
+        sweeps: sweeps(&branch, band, CURVE_ERROR * width),
+    }
+}
+
+/// The points of `branch`, in the band, that a sweep in the direction of the branch meets: `upwards` to higher frequencies.
+fn met(branch: impl Iterator<Item = CurvePoint>, upwards: bool, band: Band) -> Vec<CurvePoint> {
+    let sign = if upwards { 1.0 } else { -1.0 };
+    let mut front = f64::NEG_INFINITY;
+    let ahead = branch.filter(|point| {
+        let ahead = sign * point.omega > front;
+        front = front.max(sign * point.omega);
+        ahead
+    });
+    ahead.filter(|point| band.contains(point.omega)).collect()
+}
+
+/// What slow sweeps meet on a branch from below the band to above it. Parts that go back by less than `resolution` (rad/s) are no
+/// folds.
+fn sweeps(branch: &[CurvePoint], band: Band, resolution: f64) -> Option<Sweeps> {
+    let [first, last] = [branch.first()?.omega, branch.last()?.omega];
+    if first > band.low || last < band.high {
+        return None;
+    }
+    let highest = |points: Vec<CurvePoint>| {
+        points
+            .into_iter()
+            .max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
+    };
+    let mut front = first;
+    let mut several: Option<[f64; 2]> = None;
+    for omega in branch.iter().map(|point| point.omega) {
+        front = front.max(omega);
+        if front - omega > resolution {
+            let [low, high] = several.unwrap_or([omega, front]);
+            several = Some([low.min(omega), high.max(front)]);
+        }
+    }
+    Some(Sweeps {
+        upward: highest(met(branch.iter().copied(), true, band))?,
+        downward: highest(met(branch.iter().rev().copied(), false, band))?,
+        several,
+    })
 }
 
 /// The solutions on one side of the peak, in the order of the continuation.
@@ -184,25 +257,20 @@ impl<'b, 'p> CurveSide<'b, 'p> {
         true
     }
 
-    /// Points that a sweep away from the peak meets.
-    fn points(&self, band: Band) -> Vec<CurvePoint> {
+    /// The points of the branch from the peak on, in the order of the continuation.
+    fn branch(&self) -> Vec<CurvePoint> {
         let peak = &self.points[0];
-        let mut front = peak.iterate.point.omega;
         let mut points = vec![CurvePoint {
-            omega: front,
+            omega: peak.iterate.point.omega,
             amplitude: peak.response.norm(),
         }];
-        let sign = peak.tangent.omega.signum();
         for i in 0..self.lengths.len() {
-            for (omega, response) in self.segment(i).points(&self.scales) {
-                if sign * (omega - front) > 0.0 {
-                    front = omega;
-                    if band.contains(omega) {
-                        let amplitude = response.norm();
-                        points.push(CurvePoint { omega, amplitude });
-                    }
-                }
-            }
+            let segment = self.segment(i);
+            let of_segment = segment.points(&self.scales);
+            points.extend(of_segment.map(|(omega, response)| CurvePoint {
+                omega,
+                amplitude: response.norm(),
+            }));
         }
         points
     }
@@ -352,5 +420,59 @@ impl CubicSegment {
         let n = (dot(chord, chord).sqrt() / SPACING).ceil();
         let n = n.clamp(2.0, MOST_POINTS);
         (1..=n as usize).map(move |i| self.at(i as f64 / n))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{CurvePoint, Sweeps, sweeps};
+    use crate::hb::structure::resonance::Band;
+
+    /// Points (frequency, amplitude) in the order of a branch.
+    fn branch(points: &[[f64; 2]]) -> Vec<CurvePoint> {
+        let point = |&[omega, amplitude]: &[f64; 2]| CurvePoint { omega, amplitude };
+        points.iter().map(point).collect()
+    }
+
+    const BAND: Band = Band {
+        low: 1.0,
+        high: 9.0,
+    };
+
+    /// A curve that leans to low frequencies: upwards the response jumps from 6 past the top at 4, downwards it meets the top and jumps at 3.
+    /// Seen to fail with both sweeps in the direction of the branch, and with the ends of the range exchanged.
+    #[test]
+    fn sweeps_jump_at_folds() {
+        let leaning = branch(&[
+            [0.5, 1.0],
+            [5.0, 2.0],
+            [6.0, 3.0],
+            [4.0, 5.0],
+            [3.0, 7.0],
+            [4.0, 8.0],
+            [6.5, 4.0],
+            [9.5, 1.0],
+        ]);
+        let found = sweeps(&leaning, BAND, 0.1).expect("a branch through the band");
+        let at = |omega, amplitude| CurvePoint { omega, amplitude };
+        let expected = Sweeps {
+            upward: at(6.5, 4.0),
+            downward: at(4.0, 8.0),
+            several: Some([3.0, 6.0]),
+        };
+        assert_eq!(found, expected);
+        // a step back that the curve does not resolve is no fold, and the top is met from both sides
+        let upright = branch(&[[0.5, 1.0], [4.0, 7.0], [3.95, 8.0], [4.0, 7.0], [9.5, 1.0]]);
+        let found = sweeps(&upright, BAND, 0.1).expect("a branch through the band");
+        assert_eq!(found.several, None);
+    }
+
+    /// A branch that ends in the band tells nothing of a sweep through it. Seen to fail without this rule.
+    #[test]
+    fn a_branch_that_ends_in_the_band_has_no_sweeps() {
+        let whole = [[0.5, 1.0], [4.0, 7.0], [9.5, 1.0]];
+        assert!(sweeps(&branch(&whole), BAND, 0.1).is_some(), "whole");
+        assert_eq!(sweeps(&branch(&whole[1..]), BAND, 0.1), None);
+        assert_eq!(sweeps(&branch(&whole[..2]), BAND, 0.1), None);
     }
 }

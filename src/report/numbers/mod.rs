@@ -19,6 +19,7 @@ pub(super) mod performance;
 pub mod population;
 pub mod replicate_means;
 pub mod sensitivity;
+pub mod several_answers;
 pub mod summary;
 pub mod surrogate;
 

@@ -7,6 +7,7 @@ use super::outer_points::nested;
 use super::peak_error::work_imbalance;
 use super::peaks::{counted_status, mean_fractions, usable_peak};
 use super::replicate_means::ReplicateMeans;
+use super::several_answers::SeveralAnswers;
 use crate::ensemble::backend::BackendReport;
 use crate::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
 use crate::ensemble::store::Provenance;
@@ -85,6 +86,8 @@ pub struct LevelSummary {
     pub highest_harmonics: BTreeMap<usize, usize>,
     /// Samples whose search met other, lower maxima too.
     pub several_maxima: usize,
+    /// Samples with several solutions at some frequency, of those with a curve.
+    pub several_answers: SeveralAnswers,
     /// Mean shares of the contact states; absent where the samples belong to outer points.
     pub mean_contact_fractions: Option<ContactFractions>,
     /// Largest |input − viscous − friction| work per cycle over the input work.
@@ -218,6 +221,7 @@ impl LevelSummary {
             several_maxima: (records.iter())
                 .filter(|r| usable_peak(r).is_some() && !r.others.is_empty())
                 .count(),
+            several_answers: SeveralAnswers::of(&records, !pooled, input.record.confidence()),
             mean_contact_fractions: mean_fractions(population.iter(), i),
             worst_work_balance: worst_work_balance(peaks()),
             newton_iterations: WorkPerSample::of(records.iter().map(|r| r.newton_iterations)),

@@ -97,6 +97,12 @@ impl<'a> View<'a> {
         Cell::number(self.level_name(i), Some(level)).with_chip(i)
     }
 
+    /// The same in a table of margins, beside which it stands how often there are several answers.
+    pub(super) fn level_cell_of_margin(&self, i: usize) -> Cell {
+        self.level_cell(i)
+            .with_small(self.summary.levels[i].several_answers.in_words())
+    }
+
     /// A limit of the amplitude (m), in the unit of the page; in m in the download.
     pub(super) fn limit_cell(&self, limit_m: f64) -> Cell {
         let limit = significant(limit_m * self.unit.per_metre);

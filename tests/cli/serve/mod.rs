@@ -38,6 +38,7 @@ fn bits(levels: &[LevelOutcome]) -> Vec<String> {
     let of = |level: &LevelOutcome| {
         let level = LevelOutcome {
             curve: Vec::new(),
+            sweeps: None,
             ..level.clone()
         };
         serde_json::to_string(&level).unwrap()

@@ -7,7 +7,7 @@ use crate::two_blade::folded;
 use microslip::contact::{Events, FrictionLaw};
 use microslip::hb::peak::search::PeakSettings;
 use microslip::hb::peak::track::track_peaks;
-use microslip::hb::response::curve::{CURVE_ERROR, CurvePoint, response_curve};
+use microslip::hb::response::curve::{CURVE_ERROR, CurvePoint, ResponseCurve, response_curve};
 use microslip::hb::structure::resonance::Band;
 use microslip::hb::{Balance, LinearModel, Problem, SliderAnchor, Solution};
 use std::f64::consts::TAU;
@@ -41,7 +41,54 @@ fn distance(curve: &[CurvePoint], dense: &[Solution], [width, top]: [f64; 2]) ->
     curve.iter().map(nearest).fold(0.0, f64::max)
 }
 
-fn check(problem: &Problem<'_>, band: Band, levels: &[f64]) {
+/// Largest amplitude of the points of `dense` that lie beyond all before them in the direction `sign` of the frequency: those that a
+/// slow sweep meets, which jumps at folds.
+fn met<'a>(dense: impl Iterator<Item = &'a Solution>, sign: f64) -> f64 {
+    let mut front = f64::NEG_INFINITY;
+    let ahead = dense.filter(|s| {
+        let ahead = sign * s.omega > front;
+        front = front.max(sign * s.omega);
+        ahead
+    });
+    ahead.map(|s| s.amplitude(0)).fold(0.0, f64::max)
+}
+
+/// What sweeps meet against the dense branch. Whether there are several solutions at some frequency.
+fn check_sweeps(curve: &ResponseCurve, dense: &[Solution], [width, top]: [f64; 2]) -> bool {
+    let sweeps = curve.sweeps.expect("a branch through the band");
+    let upward = met(dense.iter(), 1.0);
+    let downward = met(dense.iter().rev(), -1.0);
+    println!("sweeps {sweeps:?}, dense {upward:.6e} {downward:.6e}");
+    for (found, dense) in [(sweeps.upward, upward), (sweeps.downward, downward)] {
+        assert!(
+            (found.amplitude - dense).abs() < 1.5 * CURVE_ERROR * top,
+            "{found:?} {dense}"
+        );
+    }
+    let pairs = || dense.windows(2);
+    let back = pairs().filter(|s| s[1].omega < s[0].omega);
+    let ends = back.fold(None, |ends: Option<[f64; 2]>, s| {
+        let [low, high] = ends.unwrap_or([s[1].omega, s[0].omega]);
+        Some([low.min(s[1].omega), high.max(s[0].omega)])
+    });
+    // folds narrower than the error of the curve are none
+    let range = ends.map_or(0.0, |[low, high]| high - low);
+    match sweeps.several {
+        Some(_) => assert!(range > 0.0, "no fold: {sweeps:?}"),
+        None => assert!(range < 2.0 * CURVE_ERROR * width, "missed: {ends:?}"),
+    }
+    for (found, dense) in sweeps.several.iter().flatten().zip(ends.iter().flatten()) {
+        assert!(
+            (found - dense).abs() < 2.0 * CURVE_ERROR * width,
+            "{sweeps:?} {ends:?} {width}"
+        );
+    }
+    sweeps.several.is_some()
+}
+
+/// The curves at some levels against dense ones. Levels at which there are several solutions at some frequency.
+fn check(problem: &Problem<'_>, band: Band, levels: &[f64]) -> Vec<f64> {
+    let mut folded = Vec::new();
     let mut settings = settings(3, FrictionLaw::Box);
     settings.aft.events = Events::Located;
     settings.newton.tolerance = 1e-9;
@@ -58,6 +105,10 @@ fn check(problem: &Problem<'_>, band: Band, levels: &[f64]) {
         let before = problem.effort.count();
         let curve = response_curve(&balance, &peak.point(), band, settings.newton);
         let count = problem.effort.count().since(before);
+        if check_sweeps(&curve, &dense, [width, top]) {
+            folded.push(found.level);
+        }
+        let curve = curve.points;
         let error = distance(&curve, &dense, [width, top]);
         println!(
             "{} N: {} points, {count:?}, error {error:.1e}",
@@ -73,6 +124,7 @@ fn check(problem: &Problem<'_>, band: Band, levels: &[f64]) {
         assert!(curve.is_sorted_by(|a, b| a.omega < b.omega), "ascending");
         assert!(error < CURVE_ERROR, "{} N: {error:e}", found.level);
     }
+    folded
 }
 
 /// The rig from stick to lift-off, and lumped blades whose curve folds over at 40 N. Seen to fail with long steps over
@@ -87,9 +139,15 @@ fn curves_are_as_exact_as_they_say() {
     let anchor = SliderAnchor::Unloaded;
     let (linear, contacts) = folded(1.0, 0.4);
     let problem = Problem::new(&linear, contacts, 1.0, anchor).expect("held");
-    check(&problem, band(2605.0, 2635.0), &[0.1, 5.0, 20.0, 100.0]);
+    let rig = check(&problem, band(2605.0, 2635.0), &[0.1, 5.0, 20.0, 100.0]);
     let case = plane(-1.0);
     let linear = LinearModel::new(&case.model).expect("definite");
     let problem = Problem::new(&linear, case.contacts, 1.0, anchor).expect("held");
-    check(&problem, band(320.0, 450.0), &[1.0, 20.0, 40.0]);
+    let blades = check(&problem, band(320.0, 450.0), &[1.0, 20.0, 40.0]);
+    println!("several solutions at {rig:?} N and {blades:?} N");
+    assert!(
+        rig.contains(&5.0) && !rig.contains(&0.1),
+        "slip leans the curve over"
+    );
+    assert_eq!(blades, [40.0], "contacts that open lean the curve over");
 }

@@ -129,7 +129,11 @@ fn the_stuck_rig_has_modal_damping() {
         let modal = modal_ratio(&stiffness, &rig.reduced, solution.omega);
         let balance = Balance::new(&problem, settings.harmonics.clone(), settings.aft);
         let curve = response_curve(&balance, &solution.point(), band, settings.newton);
-        let points: Vec<(f64, f64)> = curve.iter().map(|p| (p.omega, p.amplitude)).collect();
+        let points: Vec<(f64, f64)> = curve
+            .points
+            .iter()
+            .map(|p| (p.omega, p.amplitude))
+            .collect();
         let width = half_power(&points);
         println!(
             "stiffness {scale}: damping ratio {ratio:.6e}, modal {:.1e}, half-power {:.1e}",

@@ -237,7 +237,7 @@ fn margins(view: &View) -> Block {
                 ..
             } = margin;
             table.row(vec![
-                view.level_cell(i),
+                view.level_cell_of_margin(i),
                 Cell::number(engine_order.to_string(), Some(f64::from(*engine_order))),
                 quantile_cell(crossing_rpm, 0, &speed),
                 quantile_cell(crossing_rpm, 2, &speed),
@@ -271,7 +271,7 @@ fn dwell(view: &View, operation: &Operation) -> Option<Block> {
             for dwell in &margin.dwell {
                 let order = margin.engine_order;
                 table.row(vec![
-                    view.level_cell(i),
+                    view.level_cell_of_margin(i),
                     Cell::number(order.to_string(), Some(f64::from(order))),
                     Cell::number(short(dwell.speed_rpm), Some(dwell.speed_rpm)),
                     quantile_cell(&dwell.quantiles, 0, &percent),

@@ -29,6 +29,7 @@ pub(super) fn section(view: &View) -> Section {
         truncation_table(view),
         contact_table(view),
         routes(view),
+        answers_table(view),
         work_table(view),
     ]);
     blocks.push(Block::Hint(
@@ -39,7 +40,9 @@ pub(super) fn section(view: &View) -> Section {
     blocks.push(Block::Hint(
         "The peak is the highest maximum that grows from the modes of the stuck and the free structure in the band (or \
          from the mode that the study names). Several maxima met: samples with lower ones, too. Isolated branches of \
-         solutions are not searched."
+         solutions are not searched. Several answers: where a curve folds over, a slow sweep upwards and one downwards jump \
+         at different frequencies and may meet different largest amplitudes; the peak is the higher one. Known of samples with \
+         a curve."
             .to_owned(),
     ));
     Section {
@@ -365,6 +368,43 @@ fn contact_table(view: &View) -> Block {
             range(|f| f.stick),
             range(|f| f.slip),
             range(|f| f.separated),
+        ]);
+    }
+    table.block()
+}
+
+/// How many curves have several solutions at one frequency.
+fn answers_table(view: &View) -> Block {
+    let mut table = Table::of(
+        "Several answers: curves that fold over",
+        "several-answers",
+        &[
+            ("Level", &["level"]),
+            ("Curves through the band", &["curves"]),
+            ("Several solutions", &["several"]),
+            ("Share", &["share", "share_lower", "share_upper"]),
+            ("Widest range", &["widest_hz"]),
+            ("Lower over higher sweep, least", &["lowest_ratio"]),
+        ],
+    );
+    for (i, level) in view.summary.levels.iter().enumerate() {
+        let answers = &level.several_answers;
+        let count = |n: usize| Cell::number(n.to_string(), Some(n as f64));
+        let width = |v: f64| format!("{} Hz", significant(v));
+        let of_share = answers.share.as_ref();
+        let limits = |p: &Proportion| format!("{} to {}", percent(p.lower), percent(p.upper));
+        table.row(vec![
+            view.level_cell(i),
+            count(answers.curves),
+            count(answers.several),
+            share(of_share.map(|p| p.estimate))
+                .with_raw([of_share.map(|p| p.lower), of_share.map(|p| p.upper)])
+                .with_small(of_share.map_or_else(String::new, limits)),
+            Cell::number(
+                answers.widest_hz.map_or_else(|| DASH.to_owned(), width),
+                answers.widest_hz,
+            ),
+            share(answers.lowest_ratio),
         ]);
     }
     table.block()

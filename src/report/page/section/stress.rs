@@ -176,7 +176,7 @@ fn row(view: &View, i: usize, reserve: &Reserve) -> Vec<Cell> {
     let amplitude = reserve.allowable_amplitude_m;
     let shown = significant(amplitude * view.unit.per_metre);
     vec![
-        view.level_cell(i),
+        view.level_cell_of_margin(i),
         Cell::number(format!("{shown} {}", view.unit.symbol), Some(amplitude)),
         quantile(0),
         quantile(1),

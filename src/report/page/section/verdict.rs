@@ -126,7 +126,7 @@ fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> 
             .with_small(source.join(", "))
             .with_class("text strong"),
         place
-            .map_or_else(|| Cell::text(DASH), |i| view.level_cell(i))
+            .map_or_else(|| Cell::text(DASH), |i| view.level_cell_of_margin(i))
             .with_small(extent)
             .with_small(outer)
             .with_class("text brief"),
