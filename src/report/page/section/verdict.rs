@@ -126,7 +126,7 @@ fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> 
             .with_small(source.join(", "))
             .with_class("text strong"),
         place
-            .map_or_else(|| Cell::text(DASH), |i| view.level_cell_of_margin(i))
+            .map_or_else(|| Cell::text(DASH), |i| view.level_cell(i))
             .with_small(extent)
             .with_small(outer)
             .with_class("text brief"),
@@ -141,7 +141,7 @@ fn criterion_row(view: &View, result: &CriterionResult, level: &LevelResult) -> 
         .with_small(share)
         .with_small(power(&level.power))
         .with_class("text prose"),
-        trust_cell(level, show),
+        trust_cell(view, level, show),
         as_intervals_cell(result),
     ]
 }
@@ -194,8 +194,8 @@ fn as_intervals_cell(result: &CriterionResult) -> Cell {
     }
 }
 
-/// Counts of the samples, and what their numerical error does to the interval.
-fn trust_cell(level: &LevelResult, show: fn(f64) -> String) -> Cell {
+/// Counts of the samples and of curves with several answers, and what their numerical error does to the interval.
+fn trust_cell(view: &View, level: &LevelResult, show: fn(f64) -> String) -> Cell {
     let counted = &level.counted;
     let error = &level.numerical_error;
     let moved = [error.lower, error.upper].map(|v| v.map_or_else(|| DASH.to_owned(), show));
@@ -204,6 +204,8 @@ fn trust_cell(level: &LevelResult, show: fn(f64) -> String) -> Cell {
         0 => String::new(),
         n => format!("{n} unknown: {}", reasons(level)),
     };
+    let (i, _) = decision::level_of(view, level);
+    let answers = view.summary.levels[i].several_answers.in_words();
     let not_in_it = match error.not_estimated.is_empty() {
         true => String::new(),
         false => format!(
@@ -218,6 +220,7 @@ fn trust_cell(level: &LevelResult, show: fn(f64) -> String) -> Cell {
     .with_raw(numbers)
     .with_raw([error.lower, error.upper])
     .with_small(unknown)
+    .with_small(answers)
     .with_small(format!(
         "numerical error widens by {} and {}",
         moved[0], moved[1]
