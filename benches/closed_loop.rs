@@ -9,8 +9,7 @@
 #![expect(clippy::expect_used, reason = "a benchmark without its rig fails")]
 
 use microslip::identify::{IdentifySettings, TestResult, identify_test};
-use microslip::rig::loading::LoadMap;
-use microslip::rig::{Rig, Slip, VirtualTest};
+use microslip::rig::{Rig, Slip, Stand, VirtualTest};
 use rayon::prelude::*;
 use std::path::Path;
 use std::time::Instant;
@@ -72,8 +71,8 @@ impl Case<'_> {
 
     fn identified(&self, settings: &IdentifySettings) -> Vec<(VirtualTest, TestResult)> {
         let rig = self.rig();
-        let map = rig.load_map().expect("a contact grid");
-        let one = |index| identified(&rig, &map, index, settings);
+        let stand = rig.stand().expect("a contact grid");
+        let one = |index| identified(&rig, &stand, index, settings);
         (0..rig.number_of_tests())
             .into_par_iter()
             .map(one)
@@ -83,11 +82,11 @@ impl Case<'_> {
 
 fn identified(
     rig: &Rig,
-    map: &LoadMap,
+    stand: &Stand,
     index: u64,
     settings: &IdentifySettings,
 ) -> (VirtualTest, TestResult) {
-    let test = rig.test(map, index);
+    let test = rig.test(stand, index);
     let result = identify_test(&test.record, settings);
     (test, result)
 }

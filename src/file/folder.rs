@@ -4,6 +4,33 @@ use std::path::{Path, PathBuf};
 
 use super::FileError;
 
+/// Folders that were made for files to come; dropped, it takes away those that are still empty.
+#[derive(Debug)]
+pub struct MadeFolders(Vec<PathBuf>);
+
+impl MadeFolders {
+    /// Makes `path` and the folders above it, as far as they are missing.
+    ///
+    /// # Errors
+    /// [`FileError`] if one cannot be made.
+    pub fn make(path: &Path) -> Result<Self, FileError> {
+        let missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
+        let innermost_first = path.ancestors().take_while(missing);
+        let made = Self(innermost_first.map(Path::to_owned).collect());
+        std::fs::create_dir_all(path).map_err(|source| FileError::system(path, source))?;
+        Ok(made)
+    }
+}
+
+impl Drop for MadeFolders {
+    fn drop(&mut self) {
+        for folder in &self.0 {
+            // a folder with files stays
+            let _ = std::fs::remove_dir(folder);
+        }
+    }
+}
+
 /// An older folder may hold what a user has edited.
 ///
 /// # Errors
@@ -39,7 +66,7 @@ pub fn write_folder<E: From<FileError>>(
         Some(parent) if parent != Path::new("") => parent.to_owned(),
         _ => PathBuf::from("."),
     };
-    std::fs::create_dir_all(&parent).map_err(system(&parent))?;
+    let _parents = MadeFolders::make(&parent)?;
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     {

@@ -48,7 +48,7 @@ fn writes_records_and_truth() {
     }
     let [first, second] = folders.each_ref().map(|folder| folder.path().join("out"));
     let rig = Rig::read(&folders[0].path().join("rig.toml")).unwrap();
-    let map = rig.load_map().unwrap();
+    let stand = rig.stand().unwrap();
     let truth = json(&first.join("truth.json"));
     for index in 0..4 {
         let name = format!("test-{:04}.csv", index + 1);
@@ -56,7 +56,7 @@ fn writes_records_and_truth() {
             [&first, &second].map(|folder| std::fs::read(folder.join(&name)).unwrap());
         assert_eq!(bytes, others, "{name}: one thread and two");
         let records = read_hysteresis(&[first.join(&name)]).unwrap();
-        let made = rig.test(&map, index).record;
+        let made = rig.test(&stand, index).record;
         assert_eq!(records, [made], "{name}");
         let specimen = &truth["tests"][index as usize]["specimen"];
         assert_eq!(specimen, index / 2, "{name}");
