@@ -4,6 +4,7 @@
     reason = "a test that cannot set up its rig fails"
 )]
 
+mod blade;
 mod closed_loop;
 mod command;
 mod instruments;
