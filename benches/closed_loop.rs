@@ -215,20 +215,22 @@ fn coverage() {
     );
     println!("|-|-|-|-|-|-|-|-|");
     let coarse = "[vibrometer]\nnoise_um = 0.02\n";
-    for (mu, scale, instruments) in [
-        (0.6, 1.0, ""),
-        (0.3, 0.3, ""),
-        (0.9, 3.0, ""),
-        (1.2, 0.1, ""),
-        (0.6, 10.0, ""),
-        (0.1, 1.0, ""),
-        (0.1, 3.0, ""),
-        (0.6, 1.0, coarse),
+    for (mu, scale, loading, instruments) in [
+        (0.6, 1.0, "air", ""),
+        (0.3, 0.3, "air", ""),
+        (0.9, 3.0, "air", ""),
+        (1.2, 0.1, "air", ""),
+        (0.6, 10.0, "air", ""),
+        (0.1, 1.0, "air", ""),
+        (0.1, 3.0, "air", ""),
+        (0.1, 1.0, "punch", ""),
+        (0.1, 3.0, "punch", ""),
+        (0.6, 1.0, "air", coarse),
     ] {
         let case = Case {
             mu,
             scale,
-            loading: "air",
+            loading,
             instruments,
             tests: COVERAGE_TESTS,
             cycles: 20,
@@ -252,7 +254,7 @@ fn coverage() {
             let n = held.len() as f64;
             let share = held.iter().filter(|held| **held).count() as f64 / n;
             println!(
-                "| {mu} | {scale} | {} | {COVERAGE_TESTS} | {name} | {n} | {:.1} | {:.1} |",
+                "| {mu} | {scale} | {loading}, {} | {COVERAGE_TESTS} | {name} | {n} | {:.1} | {:.1} |",
                 if instruments.is_empty() {
                     "0.04 um noise"
                 } else {

@@ -74,8 +74,9 @@ pub(super) fn checked(
     }
     place.rising()?;
     place.frequency()?;
-    place.swing()?;
+    // before the swings: a normal force that does not change would be taken for a tangential one in a wrong unit
     place.normal_force()?;
+    place.swing()?;
     place.signs()?;
     let mut signal = |quantity| channels.signals.remove(&quantity);
     let mut needed = |quantity| signal(quantity).unwrap_or_default();

@@ -53,8 +53,8 @@ impl Default for BladeSettings {
     fn default() -> Self {
         let model = TwoBladeSettings::default();
         Self {
-            force_n: 20.0,
-            settling_cycles: 2000,
+            force_n: 100.0,
+            settling_cycles: 3000,
             neck_mm: model.neck_mm,
             platform_mm: model.platform_mm,
             airfoil_mm: model.airfoil_mm,

@@ -177,7 +177,7 @@ const DAMAGES: &[(&str, &str, &str)] = &[
     (
         "= 100\n",
         "= 100\n[blade]\nforce = 1",
-        "rig.toml:17: blade: unknown field `force`",
+        "rig.toml:17: blade.force: unknown field `force`",
     ),
     (
         "= 100\n",
