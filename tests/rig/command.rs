@@ -249,7 +249,7 @@ fn bad_files_are_refused() {
 /// The shipped rigs are valid.
 #[test]
 fn shipped_rigs_are_valid() {
-    for name in ["air", "punch"] {
+    for name in ["air", "punch", "around-resonance"] {
         let path = format!("studies/rig-to-margin/{name}.toml");
         Rig::read(Path::new(&path)).unwrap();
     }
