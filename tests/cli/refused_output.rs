@@ -8,7 +8,7 @@ const RIG: &str = "name = \"rig\"\n[loading]\nkind = \"air\"\n[excitation]\ncycl
 /// A test whose normal force pulls.
 const LOOP: &str = "time [s],displacement [um],tangential [N],normal [N]\n0,0,1,-5\n0.1,1,2,-5\n";
 
-/// Seen to fail with folders that are made and stay: `calibrate`, `disk`, `compare`, `merge`, `reweight`, `rig` and `import` left one.
+/// Seen to fail with folders that are made and stay: `calibrate`, `disk`, `compare`, `merge` and `rig` left one.
 #[test]
 fn a_refused_command_leaves_no_folder() {
     let folder = folder("study.toml", "", "");
