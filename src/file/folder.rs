@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::FileError;
+use super::{FileError, FolderLock};
 
-/// Folders that were made for files to come; dropped, it takes away those that are still empty.
+/// Folders that were made for files to come; dropped, it takes away those that are still empty but for the file of a lock.
 #[derive(Debug)]
 pub struct MadeFolders(Vec<PathBuf>);
 
@@ -24,6 +24,9 @@ impl MadeFolders {
 
 impl Drop for MadeFolders {
     fn drop(&mut self) {
+        if let Some(innermost) = self.0.first() {
+            FolderLock::remove_where_unused(innermost);
+        }
         for folder in &self.0 {
             // a folder with files stays
             let _ = std::fs::remove_dir(folder);

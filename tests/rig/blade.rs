@@ -142,7 +142,7 @@ fn a_stuck_blade_has_its_linear_resonance() {
         let found = found(test);
         let error = (found - expected).norm() / expected.norm();
         println!("{frequency:.1} Hz: {error:.1e}, {:.3e} m", found.norm());
-        assert!(error < 5e-3, "{frequency} Hz: {found} {expected}");
+        assert!(error < 1e-3, "{frequency} Hz: {found} {expected}");
         amplitudes.push(found.norm());
     }
     assert!(
@@ -201,7 +201,6 @@ fn a_slipping_blade_is_that_of_harmonic_balance() {
     let frequencies = [0.98, 0.998, 1.0, 1.004].map(|share| share * peak);
     let rig = blade_rig(&frequencies, 0.6, FORCE);
     let solutions = harmonic_balance(&rig, &model, FORCE, &frequencies);
-    let mut gross = 0;
     for (test, solution) in tests(&rig).iter().zip(&solutions) {
         assert!(solution.status.has_solution(), "{:?}", solution.status);
         let frequency = test.record.conditions.frequency_hz.unwrap();
@@ -213,16 +212,14 @@ fn a_slipping_blade_is_that_of_harmonic_balance() {
         let work: f64 = (0..cycle)
             .map(|i| 0.5 * (t[i] + t[i + 1]) * (u[i + 1] - u[i]))
             .sum();
-        // where all pairs stick both are rounding
-        let work_error = (work - solution.work.friction) / solution.work.input;
+        let work_error = work / solution.work.friction - 1.0;
         println!(
             "{frequency:.1} Hz: {error:.1e}, work {work_error:.1e}, {:?}, {:.3e} m",
             test.slip,
             expected.norm()
         );
-        assert!(error < 5e-3, "{frequency} Hz: {} {expected}", found(test));
-        assert!(work_error.abs() < 1e-2, "{frequency} Hz: {work} J");
-        gross += usize::from(test.slip == Slip::Gross);
+        assert!(error < 1e-3, "{frequency} Hz: {} {expected}", found(test));
+        assert!(work_error.abs() < 2e-3, "{frequency} Hz: {work} J");
+        assert_eq!(test.slip, Slip::Gross, "{frequency} Hz");
     }
-    assert!(gross > 0, "nothing slips");
 }
