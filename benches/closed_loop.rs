@@ -3,7 +3,7 @@
 //! `map`: friction coefficient and stiffness over their range, under the instruments of the published rig and without their
 //! errors. `coverage`: how often the interval of a test holds the truth, 500 tests. `resolution`: how fine the displacement must
 //! be for the stiffness. 100 cycles at 100 Hz, 20 for the coverage, 5 without errors. The amplitude is what a careful operator takes:
-//! four times the travel to gross slip, from 1 to 20 µm. All parts take some four minutes of processor time; [`REPEATED`] and
+//! four times the travel to gross slip, from 1 to 20 µm. All parts take some six minutes of processor time; [`REPEATED`] and
 //! [`COVERAGE_TESTS`] scale it.
 
 #![expect(clippy::expect_used, reason = "a benchmark without its rig fails")]
