@@ -1,6 +1,6 @@
 //! The blade that carries the platform: what a constant force on its airfoil makes of the platform's motion.
 //!
-//! Its modes are those of blade 1 of the two-blade rig (`model::two_blade`). Modes below [`KEPT_HZ`] move; the others follow at rest,
+//! Its modes are those of blade 1 of the two-blade rig (`model::two_blade`). Modes up to 20 kHz move; the others follow at rest,
 //! as a flexibility of the platform. The strip's traction acts on the platform against the displacement, so that near a resonance
 //! amplitude and phase of the platform are those of blade and strip together.
 
@@ -12,7 +12,7 @@ use crate::units::{hz_to_rad_s, rad_s_to_hz};
 
 /// Modes up to this frequency (Hz) move; those above are at rest.
 const KEPT_HZ: f64 = 20e3;
-/// Frequencies of a test (Hz): four harmonics are below [`KEPT_HZ`]; slower tests have too many steps.
+/// Frequencies of a test (Hz): four harmonics are below `KEPT_HZ`; slower tests have too many steps.
 const FREQUENCY_HZ: [f64; 2] = [1.0, 5e3];
 /// Steps of the fastest mode's period.
 const STEPS_OF_FASTEST: f64 = 20.0;
