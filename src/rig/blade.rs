@@ -18,7 +18,7 @@ const FREQUENCY_HZ: [f64; 2] = [1.0, 5e3];
 const STEPS_OF_FASTEST: f64 = 20.0;
 /// Steps in 1/ω of the kept modes on the contact's stiffness. The scheme of the modes is stable up to a step of √12/ω.
 const STEPS_OF_CONTACT: f64 = 2.0;
-/// Cycles of a test at most, those before the record counted.
+/// Settling cycles at most.
 const MOST_CYCLES: usize = 1_000_000;
 
 /// `[blade]`: the force, and the blade that it excites. Geometry, names and defaults are those of `[model]` in a study file.
