@@ -3,14 +3,13 @@
 //! `map`: friction coefficient and stiffness over their range, under the instruments of the published rig and without their
 //! errors. `coverage`: how often the interval of a test holds the truth, 500 tests. `resolution`: how fine the displacement must
 //! be for the stiffness. 100 cycles at 100 Hz, 20 for the coverage, 5 without errors. The amplitude is what a careful operator takes:
-//! four times the travel to gross slip, from 1 to 20 µm. All parts take some four minutes of processor time; [`REPEATED`] and
+//! four times the travel to gross slip, from 1 to 20 µm. All parts take some six minutes of processor time; [`REPEATED`] and
 //! [`COVERAGE_TESTS`] scale it.
 
 #![expect(clippy::expect_used, reason = "a benchmark without its rig fails")]
 
 use microslip::identify::{IdentifySettings, TestResult, identify_test};
-use microslip::rig::loading::LoadMap;
-use microslip::rig::{Rig, Slip, VirtualTest};
+use microslip::rig::{Rig, Slip, Stand, VirtualTest};
 use rayon::prelude::*;
 use std::path::Path;
 use std::time::Instant;
@@ -72,8 +71,8 @@ impl Case<'_> {
 
     fn identified(&self, settings: &IdentifySettings) -> Vec<(VirtualTest, TestResult)> {
         let rig = self.rig();
-        let map = rig.load_map().expect("a contact grid");
-        let one = |index| identified(&rig, &map, index, settings);
+        let stand = rig.stand().expect("a contact grid");
+        let one = |index| identified(&rig, &stand, index, settings);
         (0..rig.number_of_tests())
             .into_par_iter()
             .map(one)
@@ -83,11 +82,11 @@ impl Case<'_> {
 
 fn identified(
     rig: &Rig,
-    map: &LoadMap,
+    stand: &Stand,
     index: u64,
     settings: &IdentifySettings,
 ) -> (VirtualTest, TestResult) {
-    let test = rig.test(map, index);
+    let test = rig.test(stand, index);
     let result = identify_test(&test.record, settings);
     (test, result)
 }
@@ -216,17 +215,22 @@ fn coverage() {
     );
     println!("|-|-|-|-|-|-|-|-|");
     let coarse = "[vibrometer]\nnoise_um = 0.02\n";
-    for (mu, scale, instruments) in [
-        (0.6, 1.0, ""),
-        (0.3, 0.3, ""),
-        (0.9, 3.0, ""),
-        (1.2, 0.1, ""),
-        (0.6, 1.0, coarse),
+    for (mu, scale, loading, instruments) in [
+        (0.6, 1.0, "air", ""),
+        (0.3, 0.3, "air", ""),
+        (0.9, 3.0, "air", ""),
+        (1.2, 0.1, "air", ""),
+        (0.6, 10.0, "air", ""),
+        (0.1, 1.0, "air", ""),
+        (0.1, 3.0, "air", ""),
+        (0.1, 1.0, "punch", ""),
+        (0.1, 3.0, "punch", ""),
+        (0.6, 1.0, "air", coarse),
     ] {
         let case = Case {
             mu,
             scale,
-            loading: "air",
+            loading,
             instruments,
             tests: COVERAGE_TESTS,
             cycles: 20,
@@ -250,7 +254,7 @@ fn coverage() {
             let n = held.len() as f64;
             let share = held.iter().filter(|held| **held).count() as f64 / n;
             println!(
-                "| {mu} | {scale} | {} | {COVERAGE_TESTS} | {name} | {n} | {:.1} | {:.1} |",
+                "| {mu} | {scale} | {loading}, {} | {COVERAGE_TESTS} | {name} | {n} | {:.1} | {:.1} |",
                 if instruments.is_empty() {
                     "0.04 um noise"
                 } else {

@@ -57,6 +57,7 @@ fn show(out: &mut dyn Write, summary: &RigSummary) -> std::io::Result<()> {
         pressure.largest_mpa,
         100.0 * pressure.within_tenth
     )?;
+    show_blade(out, summary)?;
     let gross = summary.tests.iter().filter(|test| test.slip == Slip::Gross);
     writeln!(
         out,
@@ -85,6 +86,33 @@ fn show(out: &mut dyn Write, summary: &RigSummary) -> std::io::Result<()> {
                 "specimen {specimen}, level {level}: {}",
                 resonance.status
             )?,
+        }
+    }
+    Ok(())
+}
+
+/// Natural frequencies of a blade, and the platform's motion in each test; nothing without one.
+fn show_blade(out: &mut dyn Write, summary: &RigSummary) -> std::io::Result<()> {
+    let Some(blade) = &summary.blade else {
+        return Ok(());
+    };
+    let shown = |all: &[f64]| {
+        let each: Vec<String> = all.iter().map(|f| format!("{f:.1}")).collect();
+        each.join(", ")
+    };
+    writeln!(out, "blade: {} Hz", shown(&blade.free_hz))?;
+    writeln!(
+        out,
+        "with a strip that sticks: {} Hz",
+        shown(&blade.stuck_hz)
+    )?;
+    for test in &summary.tests {
+        if let Some(platform) = test.platform {
+            writeln!(
+                out,
+                "  {} {} Hz: platform {:.3} um, {:.0} degrees after the force",
+                test.file, test.frequency_hz, platform.amplitude_um, platform.lag_deg
+            )?;
         }
     }
     Ok(())

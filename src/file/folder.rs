@@ -2,7 +2,37 @@
 
 use std::path::{Path, PathBuf};
 
-use super::FileError;
+use super::{FileError, FolderLock};
+
+/// Folders that were made for files to come; dropped, it takes away those that are still empty but for the file of a lock.
+#[derive(Debug)]
+pub struct MadeFolders(Vec<PathBuf>);
+
+impl MadeFolders {
+    /// Makes `path` and the folders above it, as far as they are missing.
+    ///
+    /// # Errors
+    /// [`FileError`] if one cannot be made.
+    pub fn make(path: &Path) -> Result<Self, FileError> {
+        let missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
+        let innermost_first = path.ancestors().take_while(missing);
+        let made = Self(innermost_first.map(Path::to_owned).collect());
+        std::fs::create_dir_all(path).map_err(|source| FileError::system(path, source))?;
+        Ok(made)
+    }
+}
+
+impl Drop for MadeFolders {
+    fn drop(&mut self) {
+        if let Some(innermost) = self.0.first() {
+            FolderLock::remove_where_unused(innermost);
+        }
+        for folder in &self.0 {
+            // a folder with files stays
+            let _ = std::fs::remove_dir(folder);
+        }
+    }
+}
 
 /// An older folder may hold what a user has edited.
 ///
@@ -39,7 +69,7 @@ pub fn write_folder<E: From<FileError>>(
         Some(parent) if parent != Path::new("") => parent.to_owned(),
         _ => PathBuf::from("."),
     };
-    std::fs::create_dir_all(&parent).map_err(system(&parent))?;
+    let _parents = MadeFolders::make(&parent)?;
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     {

@@ -4,7 +4,8 @@ use super::FileError;
 use std::fs::{File, TryLockError};
 use std::path::Path;
 
-/// Name of the file that is locked. It stays: to delete it would let two processes lock two files of that name.
+/// Name of the file that is locked. It stays in a folder that is used: to delete it would let two processes lock two files of that
+/// name.
 const LOCK: &str = ".lock";
 
 /// The right to work in a folder, until it is dropped or the process ends in whatever way.
@@ -39,6 +40,20 @@ impl FolderLock {
     pub fn shared(folder: &Path) -> Result<Self, FileError> {
         let lock = Self::taken(folder, File::try_lock_shared)?;
         lock.ok_or_else(|| FileError::content(folder, None, BUSY))
+    }
+
+    /// Takes the file of the lock out of a folder that holds nothing else, unless another process works there.
+    pub(super) fn remove_where_unused(folder: &Path) {
+        let Ok(entries) = std::fs::read_dir(folder) else {
+            return;
+        };
+        let names: Vec<_> = entries.flatten().map(|entry| entry.file_name()).collect();
+        if names == [LOCK]
+            && let Ok(Some(_alone)) = Self::try_alone(folder)
+        {
+            // what cannot be deleted stays, and the folder with it
+            let _ = std::fs::remove_file(folder.join(LOCK));
+        }
     }
 
     fn taken(

@@ -7,7 +7,7 @@ use super::result::{TestResult, TestStatus};
 use super::settings::IdentifySettings;
 use super::test_estimate::identify_test;
 use crate::file::{FileError, FileRecord};
-use crate::record::{HysteresisRecord, read_hysteresis};
+use crate::record::{HysteresisRecord, TestInFile, read_hysteresis};
 use crate::setting::BadSetting;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -44,9 +44,21 @@ pub fn identify_files(
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         FileRecord::in_folder(folder, &name)
     };
-    let records = read_hysteresis(paths)?;
+    let tests = read_hysteresis(paths)?;
     let files = paths.iter().map(record).collect::<Result<_, _>>()?;
-    let identified = identify(&records, settings)?;
+    let place = |test: &TestInFile| {
+        let line = test
+            .line
+            .map_or_else(String::new, |line| format!(":{line}"));
+        format!("{}{line}: {}", test.path.display(), test.record.name)
+    };
+    let (records, places): (Vec<_>, Vec<_>) = (tests.into_iter())
+        .map(|test| {
+            let place = place(&test);
+            (test.record, place)
+        })
+        .unzip();
+    let identified = identify_at(&records, &places, settings)?;
     Ok(Identified {
         files,
         ..identified
@@ -62,21 +74,37 @@ pub fn identify(
     records: &[HysteresisRecord],
     settings: &IdentifySettings,
 ) -> Result<Identified, IdentifyError> {
+    let names: Vec<String> = records.iter().map(|record| record.name.clone()).collect();
+    identify_at(records, &names, settings)
+}
+
+/// [`identify`] of tests, which the error names by their `places`.
+fn identify_at(
+    records: &[HysteresisRecord],
+    places: &[String],
+    settings: &IdentifySettings,
+) -> Result<Identified, IdentifyError> {
     settings.validate()?;
     let tests: Vec<TestResult> = (records.par_iter())
         .map(|record| identify_test(record, settings))
         .collect();
-    let reasons = tests.iter().filter_map(|test| match &test.status {
-        TestStatus::Unusable(reason) => Some(format!("{} {reason}", test.name)),
-        _ => None,
-    });
-    let reasons: Vec<String> = reasons.collect();
+    let reasons = tests
+        .iter()
+        .zip(places)
+        .filter_map(|(test, place)| match &test.status {
+            TestStatus::Unusable(reason) => Some((place, &test.name, reason)),
+            _ => None,
+        });
+    let reasons: Vec<(&String, &String, &String)> = reasons.collect();
     if reasons.len() == tests.len() {
-        return Err(IdentifyError::NoTest(reasons.join("; ")));
+        let each = reasons
+            .iter()
+            .map(|(place, _, reason)| format!("{place} {reason}"));
+        return Err(IdentifyError::NoTest(each.collect::<Vec<_>>().join("; ")));
     }
     let pooled = pool(&tests, settings);
     let joint = joint(&pooled, settings)?;
-    let unused = reasons.iter().map(|reason| format!("not used: {reason}"));
+    let unused = (reasons.iter()).map(|(_, name, reason)| format!("not used: {name} {reason}"));
     Ok(Identified {
         format: FORMAT,
         inputs: joint.inputs,

@@ -33,9 +33,10 @@ struct Place<'c> {
 }
 
 impl Place<'_> {
-    /// Of the whole test.
+    /// Of the whole test, which begins on a line if the file has such.
     fn test(&self, rule: &str) -> FileError {
-        FileError::content(self.path, None, format!("{}{rule}", self.label()))
+        let line = self.channels.lines.first().copied();
+        FileError::content(self.path, line, format!("{}{rule}", self.label()))
     }
 
     /// Of a sample.
@@ -73,8 +74,9 @@ pub(super) fn checked(
     }
     place.rising()?;
     place.frequency()?;
-    place.swing()?;
+    // before the swings: a normal force that does not change would be taken for a tangential one in a wrong unit
     place.normal_force()?;
+    place.swing()?;
     place.signs()?;
     let mut signal = |quantity| channels.signals.remove(&quantity);
     let mut needed = |quantity| signal(quantity).unwrap_or_default();
@@ -182,7 +184,9 @@ impl<'c> Place<'c> {
 
     /// The normal force is positive in compression, and is not exchanged with the tangential one.
     fn normal_force(&self) -> Result<(), FileError> {
-        let (positive, negative) = signs(self.signal(Quantity::NormalForce));
+        let force = self.signal(Quantity::NormalForce);
+        let first = force.iter().position(|n| *n <= 0.0).unwrap_or(0);
+        let (positive, negative) = signs(force);
         let tangential = signs(self.signal(Quantity::TangentialForce));
         let one_sign = tangential.0.max(tangential.1) >= ONE_SIGN;
         if positive.min(negative) >= EACH_SIGN && one_sign {
@@ -191,7 +195,7 @@ impl<'c> Place<'c> {
         }
         if negative >= ONE_SIGN {
             let rule = "normal force is negative: must be positive in compression; change its sign";
-            return Err(self.test(rule));
+            return Err(self.sample(first, rule));
         }
         if 1.0 - positive <= MOST_OPEN {
             return Ok(());
@@ -201,7 +205,7 @@ impl<'c> Place<'c> {
             100.0 * (1.0 - positive),
             100.0 * (1.0 - MOST_OPEN)
         );
-        Err(self.test(&rule))
+        Err(self.sample(first, &rule))
     }
 
     /// A contact takes energy, and its force grows with the displacement while it sticks.

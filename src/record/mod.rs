@@ -17,7 +17,7 @@ mod format;
 mod table;
 
 pub use quantity::Quantity;
-pub use read::{read_hysteresis, read_tests};
+pub use read::{TestInFile, read_hysteresis, read_tests};
 pub use response::{ResponsePoint, ResponseRecord, read_response, write_response};
 pub use signals::{HysteresisRecord, TestConditions};
 pub use write::{quantised, write_hysteresis};

@@ -12,34 +12,45 @@ use crate::file::{self, FileError};
 /// Bytes of a file of measurements at most: an hour of four signals at 2 kHz.
 pub(super) const LONGEST_FILE: u64 = 256 << 20;
 
+/// A test and where it stands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TestInFile {
+    /// The test.
+    pub record: HysteresisRecord,
+    /// Its file.
+    pub path: PathBuf,
+    /// Line of its first sample, in a file of lines.
+    pub line: Option<u64>,
+}
+
 /// The tests of all files, in their order.
 ///
 /// # Errors
 /// [`FileError`] if a file cannot be read, is of no known format or breaks a rule, or two tests have one name.
-pub fn read_hysteresis(paths: &[PathBuf]) -> Result<Vec<HysteresisRecord>, FileError> {
-    let mut records: Vec<HysteresisRecord> = Vec::new();
+pub fn read_hysteresis(paths: &[PathBuf]) -> Result<Vec<TestInFile>, FileError> {
+    let mut tests: Vec<TestInFile> = Vec::new();
     let mut from: BTreeMap<String, &Path> = BTreeMap::new();
     for path in paths {
-        for record in read_tests(path)? {
-            if let Some(other) = from.insert(record.name.clone(), path) {
+        for test in read_tests(path)? {
+            let name = &test.record.name;
+            if let Some(other) = from.insert(name.clone(), path) {
                 let rule = format!(
-                    "test {}: its name must differ from that in {}",
-                    record.name,
+                    "test {name}: its name must differ from that in {}",
                     other.display()
                 );
-                return Err(FileError::content(path, None, rule));
+                return Err(FileError::content(path, test.line, rule));
             }
-            records.push(record);
+            tests.push(test);
         }
     }
-    Ok(records)
+    Ok(tests)
 }
 
 /// The tests of one file.
 ///
 /// # Errors
 /// As [`read_hysteresis`].
-pub fn read_tests(path: &Path) -> Result<Vec<HysteresisRecord>, FileError> {
+pub fn read_tests(path: &Path) -> Result<Vec<TestInFile>, FileError> {
     let bytes = file::read_bytes(path, LONGEST_FILE)?;
     let tests = tests(path, bytes)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -49,7 +60,12 @@ pub fn read_tests(path: &Path) -> Result<Vec<HysteresisRecord>, FileError> {
             Some(label) if several => format!("{stem} {label}"),
             _ => stem.to_string(),
         };
-        checked(path, name, channels)
+        let line = channels.lines.first().copied();
+        Ok(TestInFile {
+            record: checked(path, name, channels)?,
+            path: path.to_owned(),
+            line,
+        })
     });
     records.collect()
 }

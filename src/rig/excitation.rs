@@ -1,4 +1,4 @@
-//! Step-sine motion of the platform: one frequency after the other at one amplitude.
+//! Step-sine: one frequency after the other at one amplitude, of the platform's motion or of the force on a blade.
 
 use crate::setting::{BadSetting, positive, within};
 use crate::units::{hz_to_rad_s, um_to_m};
@@ -9,15 +9,17 @@ const FREQUENCY_HZ: [f64; 2] = [1e-3, 1e5];
 const MOST_SAMPLES: usize = 10_000_000;
 /// Tests of a specimen at most.
 const MOST_TESTS: u64 = 10_000;
+/// Amplitude of the platform that is not given (µm).
+const AMPLITUDE_UM: f64 = 5.0;
 
-/// The motion of the platform, and how long it is recorded.
+/// The step-sine, and how long it is recorded.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Excitation {
     /// Frequencies (Hz), in the order of the tests.
     pub frequencies_hz: Vec<f64>,
-    /// Amplitude of the platform (µm), the same at every frequency.
-    pub amplitude_um: f64,
+    /// Amplitude of the platform (µm), the same at every frequency; 5 if absent. A blade has a force in its place.
+    pub amplitude_um: Option<f64>,
     /// Tests at each frequency.
     pub repetitions: u64,
     /// Cycles before the record begins, with an amplitude that grows to the whole.
@@ -32,7 +34,7 @@ impl Default for Excitation {
     fn default() -> Self {
         Self {
             frequencies_hz: vec![100.0],
-            amplitude_um: 5.0,
+            amplitude_um: None,
             repetitions: 1,
             run_in_cycles: 5,
             cycles: 20,
@@ -52,8 +54,10 @@ impl Excitation {
         for (i, frequency) in self.frequencies_hz.iter().enumerate() {
             within(&format!("frequencies_hz[{i}]"), *frequency, FREQUENCY_HZ)?;
         }
-        positive("amplitude_um", self.amplitude_um)?;
-        within("amplitude_um", self.amplitude_um, [0.0, 1e4])?;
+        if let Some(amplitude_um) = self.amplitude_um {
+            positive("amplitude_um", amplitude_um)?;
+            within("amplitude_um", amplitude_um, [0.0, 1e4])?;
+        }
         let tests = self
             .repetitions
             .saturating_mul(self.frequencies_hz.len() as u64);
@@ -75,9 +79,15 @@ impl Excitation {
         BadSetting::unless(samples <= MOST_SAMPLES, "cycles", self.cycles, &rule)
     }
 
-    /// Displacement of the platform (m) at the time `t` (s) after its start from rest.
+    /// Amplitude of the platform (m), where its motion is given.
     #[must_use]
-    pub fn displacement(&self, frequency_hz: f64, t: f64) -> f64 {
+    pub fn amplitude(&self) -> f64 {
+        um_to_m(self.amplitude_um.unwrap_or(AMPLITUDE_UM))
+    }
+
+    /// A sine of this amplitude at the time `t` (s) after its start from rest: it grows through the run-in.
+    #[must_use]
+    pub fn sine(&self, amplitude: f64, frequency_hz: f64, t: f64) -> f64 {
         let turns = frequency_hz * t;
         let grown = match self.run_in_cycles {
             0 => 1.0,
@@ -85,6 +95,6 @@ impl Excitation {
         };
         // no jump of velocity or acceleration at either end
         let grown = grown * grown * grown * (10.0 + grown * (6.0 * grown - 15.0));
-        um_to_m(self.amplitude_um) * grown * libm::sin(hz_to_rad_s(frequency_hz) * t)
+        amplitude * grown * libm::sin(hz_to_rad_s(frequency_hz) * t)
     }
 }

@@ -1,7 +1,8 @@
 //! What the contact of configuration a does: strip, box and friction in time.
 //!
 //! Unknowns: tangential displacement s of the strip's contact zone, and displacements b and c of the box along its transducers.
-//! The platform moves by p(t); every contact pair sees the same u = p − s, with its own stiffness and Coulomb limit:
+//! The platform moves by p(t), which is given or that of a blade under a force and the traction (`platform`); every contact pair sees
+//! the same u = p − s, with its own stiffness and Coulomb limit:
 //!
 //! m s̈ = Σ T_i(u) − k (s − b) − d (ṡ − ḃ),   M b̈ = k (s − b) + d (ṡ − ḃ) − K11 b − K12 c − …,   M c̈ = N − K12 b − K22 c − …
 //!
@@ -13,9 +14,11 @@
 //! step does not resolve (the strip's mode above 100 kHz), and is of second order for what it does. Harmonic balance would give the steady
 //! state at less cost, but no run-in and no load that fluctuates. Each step is one monotone equation in u, since the linear part has three unknowns.
 
+use super::blade::Blade;
 use super::excitation::Excitation;
 use super::loading::{LoadMap, Loading};
 use super::noise::Noise;
+use super::platform::Platform;
 use super::settings::StripSettings;
 use super::support::SupportSettings;
 use crate::contact::law::box_step;
@@ -26,7 +29,7 @@ use std::f64::consts::TAU;
 const STEPS_PER_CYCLE: usize = 1000;
 /// Most iterations of a step; Newton's method takes two or three.
 const MOST_ITERATIONS: usize = 100;
-/// Error of u in a step over the amplitude of the platform.
+/// Error of u in a step over the amplitude of the platform, or over what it is under a force.
 const TOLERANCE: f64 = 1e-13;
 
 /// Contact pairs that see one displacement.
@@ -79,6 +82,11 @@ impl Interface {
     pub fn whole_limit(&self) -> f64 {
         self.limit.iter().sum()
     }
+
+    /// Stiffness of all pairs (N/m).
+    fn whole_stiffness(&self) -> f64 {
+        self.stiffness.iter().sum()
+    }
 }
 
 /// Structure between platform and ground.
@@ -112,6 +120,11 @@ impl Structure {
             damping_time: time,
         }
     }
+
+    /// Mass, diagonal, and stiffness of strip and box along both cells.
+    pub(super) fn matrices(&self) -> (&Matrix3<f64>, &Matrix3<f64>) {
+        (&self.mass, &self.stiffness)
+    }
 }
 
 /// True signals of a test and what the transducers feel. Shape of each: `[samples]`.
@@ -119,6 +132,8 @@ impl Structure {
 pub struct Motion {
     /// Time from the start of the record (s).
     pub time: Vec<f64>,
+    /// p: platform (m).
+    pub platform: Vec<f64>,
     /// u: platform less strip (m).
     pub displacement: Vec<f64>,
     /// Contact force T (N).
@@ -174,8 +189,10 @@ impl<'a> Step<'a> {
 pub struct March<'a> {
     /// Strip, loading and support.
     pub structure: &'a Structure,
-    /// Motion of the platform.
+    /// Step-sine of platform or force.
     pub excitation: &'a Excitation,
+    /// What carries the platform; absent, the platform moves as the excitation says.
+    pub blade: Option<&'a Blade>,
     /// Standard deviation of the load over its mean and its time constant (s).
     pub fluctuation: Option<(f64, f64)>,
     /// Normal load (N).
@@ -187,7 +204,8 @@ impl March<'_> {
     #[must_use]
     pub fn run(&self, mut interface: Interface, frequency_hz: f64, noise: &mut Noise) -> Motion {
         let excitation = self.excitation;
-        let per_sample = STEPS_PER_CYCLE.div_ceil(excitation.samples_per_cycle);
+        let per_sample =
+            (self.least_steps(&interface, frequency_hz)).div_ceil(excitation.samples_per_cycle);
         let per_cycle = per_sample * excitation.samples_per_cycle;
         let h = 1.0 / (frequency_hz * per_cycle as f64);
         let mut motion = Motion::default();
@@ -200,16 +218,20 @@ impl March<'_> {
             q: [at_rest; 2],
             v: [zero; 2],
         };
-        let begin = excitation.run_in_cycles * per_cycle;
+        let settling = self.blade.map_or(0, |blade| blade.settling_cycles);
+        let begin = (excitation.run_in_cycles + settling) * per_cycle;
         let end = begin + excitation.cycles * per_cycle;
+        let mut platform = Platform::at_rest(excitation, self.blade, frequency_hz, h);
         let (mut load, mut u) = (Fluctuation::new(self.fluctuation, h), 0.0);
         for k in 1..end {
             let factor = load.next(noise);
-            let p = excitation.displacement(frequency_hz, k as f64 * h);
+            let p = platform.without_traction(k as f64 * h);
             let free = step.without_traction(&history, factor * self.load);
-            let flexibility = step.inverse[(0, 0)];
-            u = self.displacement(&interface, factor, (p - free[0], flexibility), u);
+            let flexibility = step.inverse[(0, 0)] + platform.flexibility();
+            let given = [p - free[0], flexibility, platform.scale(p)];
+            u = displacement(&interface, factor, given, u);
             let traction = interface.advance(u, factor);
+            platform.add_traction(traction);
             let q = free + step.inverse.column(0) * traction;
             let v = q * (1.5 / h) - step.behind(&history.q[0], &history.q[1]);
             history.q = [q, history.q[0]];
@@ -222,6 +244,7 @@ impl March<'_> {
             motion.mobilised[1] = motion.mobilised[1].max(share);
             if (k - begin).is_multiple_of(per_sample) {
                 motion.time.push((k - begin) as f64 * h);
+                motion.platform.push(p - platform.flexibility() * traction);
                 motion.displacement.push(u);
                 motion.tangential.push(traction);
                 motion.normal.push(factor * self.load);
@@ -244,38 +267,43 @@ impl March<'_> {
         [0, 1].map(|i| structure.transducers[i] * (q[1 + i] + structure.damping_time * v[1 + i]))
     }
 
-    /// u with u + G T(u) = d: by Newton's method from the last u, kept between bounds, since u + G T(u) grows with u.
-    fn displacement(
-        &self,
-        interface: &Interface,
-        factor: f64,
-        (d, flexibility): (f64, f64),
-        start: f64,
-    ) -> f64 {
-        let reach = flexibility * factor * interface.whole_limit();
-        let (mut low, mut high) = (d - reach, d + reach);
-        let mut u = start.clamp(low, high);
-        let tolerance = TOLERANCE * crate::units::um_to_m(self.excitation.amplitude_um);
-        for _ in 0..MOST_ITERATIONS {
-            let (traction, slope) = interface.traction(u, factor);
-            let residual = u + flexibility * traction - d;
-            if residual > 0.0 {
-                high = u;
-            } else {
-                low = u;
-            }
-            if residual.abs() <= tolerance {
-                break;
-            }
-            let newton = u - residual / (1.0 + flexibility * slope);
-            u = if newton > low && newton < high {
-                newton
-            } else {
-                0.5 * (low + high)
-            };
-        }
-        u
+    fn least_steps(&self, interface: &Interface, frequency_hz: f64) -> usize {
+        let of_blade = |blade: &Blade| blade.least_steps(frequency_hz, interface.whole_stiffness());
+        self.blade.map_or(0, of_blade).max(STEPS_PER_CYCLE)
     }
+}
+
+/// u with u + G T(u) = d: by Newton's method from the last u, kept between bounds, since u + G T(u) grows with u. `scale` is the
+/// displacement that a tolerance is of.
+fn displacement(
+    interface: &Interface,
+    factor: f64,
+    [d, flexibility, scale]: [f64; 3],
+    start: f64,
+) -> f64 {
+    let reach = flexibility * factor * interface.whole_limit();
+    let (mut low, mut high) = (d - reach, d + reach);
+    let mut u = start.clamp(low, high);
+    let tolerance = TOLERANCE * scale;
+    for _ in 0..MOST_ITERATIONS {
+        let (traction, slope) = interface.traction(u, factor);
+        let residual = u + flexibility * traction - d;
+        if residual > 0.0 {
+            high = u;
+        } else {
+            low = u;
+        }
+        if residual.abs() <= tolerance {
+            break;
+        }
+        let newton = u - residual / (1.0 + flexibility * slope);
+        u = if newton > low && newton < high {
+            newton
+        } else {
+            0.5 * (low + high)
+        };
+    }
+    u
 }
 
 /// Load over its mean: 1, and what the regulator adds, as a first-order autoregressive process.

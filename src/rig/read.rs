@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use super::air::AirSettings;
+use super::blade::BladeSettings;
 use super::chain::{CellSettings, VibrometerSettings};
 use super::excitation::Excitation;
 use super::loading::{Loading, PunchSettings};
-use super::motion::Structure;
 use super::settings::{ContactTruth, ResponseSettings, StripSettings};
 use super::support::SupportSettings;
 use crate::Error;
@@ -14,7 +14,7 @@ use crate::setting::BadSetting;
 use crate::study::document::Document;
 
 /// Top-level keys.
-const KEYS: [&str; 10] = [
+const KEYS: [&str; 11] = [
     "name",
     "seed",
     "contact",
@@ -22,6 +22,7 @@ const KEYS: [&str; 10] = [
     "loading",
     "support",
     "excitation",
+    "blade",
     "force_cells",
     "vibrometer",
     "response",
@@ -44,8 +45,10 @@ pub struct Rig {
     pub loading: Loading,
     /// Measuring box and its support.
     pub support: SupportSettings,
-    /// Motion of the platform.
+    /// Step-sine of the platform, or of the force on the blade.
     pub excitation: Excitation,
+    /// What carries the platform; absent, its motion is given.
+    pub blade: Option<BladeSettings>,
     /// Force cells.
     pub force_cells: CellSettings,
     /// Vibrometer.
@@ -79,6 +82,7 @@ impl Rig {
             loading: loading(&mut document)?,
             support: document.take("support")?.unwrap_or_default(),
             excitation: document.take("excitation")?.unwrap_or_default(),
+            blade: document.take("blade")?,
             force_cells: document.take("force_cells")?.unwrap_or_default(),
             vibrometer: document.take("vibrometer")?.unwrap_or_default(),
             response: document.take("response")?,
@@ -98,18 +102,21 @@ impl Rig {
         loading.map_err(under("loading"))?;
         self.support.validate().map_err(under("support"))?;
         self.excitation.validate().map_err(under("excitation"))?;
+        if let Some(blade) = &self.blade {
+            blade.validate(&self.strip).map_err(under("blade"))?;
+            let checked = blade.check_frequencies(&self.excitation.frequencies_hz);
+            checked.map_err(under("excitation"))?;
+            let rule = "must not be given with [blade], whose force_n moves the platform";
+            let given = self.excitation.amplitude_um;
+            let written = given.unwrap_or_default();
+            BadSetting::unless(given.is_none(), "excitation.amplitude_um", written, rule)?;
+        }
         self.force_cells.validate().map_err(under("force_cells"))?;
         self.vibrometer.validate().map_err(under("vibrometer"))?;
         match &self.response {
             Some(response) => response.validate().map_err(under("response")),
             None => Ok(()),
         }
-    }
-
-    /// Strip, loading and support.
-    #[must_use]
-    pub fn structure(&self) -> Structure {
-        Structure::new(&self.strip, &self.loading, &self.support)
     }
 
     /// Folder of the file: what its file names are relative to.

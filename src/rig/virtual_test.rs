@@ -5,9 +5,10 @@ use super::loading::LoadMap;
 use super::motion::{Interface, March, Motion};
 use super::noise::{Noise, Purpose};
 use super::read::Rig;
+use super::stand::Stand;
 use crate::model::ModelError;
 use crate::record::{HysteresisRecord, TestConditions};
-use crate::units::n_per_um_to_n_per_m;
+use crate::units::{hz_to_rad_s, m_to_um, n_per_um_to_n_per_m};
 
 /// Traction over its limit from which a direction counts as in gross slip.
 const GROSS: f64 = 1.0 - 1e-9;
@@ -33,6 +34,31 @@ pub enum Slip {
     Partial,
 }
 
+/// First harmonic of the platform of a blade.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct PlatformMotion {
+    /// Amplitude (µm).
+    pub amplitude_um: f64,
+    /// Phase after the force (degrees), from 0 to below 360: 90 at a resonance that little else moves.
+    pub lag_deg: f64,
+}
+
+impl PlatformMotion {
+    /// Of the samples of a record of whole cycles, whose force is a sine from its start.
+    fn new(motion: &Motion, frequency_hz: f64) -> Self {
+        let samples = motion.time.iter().zip(&motion.platform);
+        let [sine, cosine] = samples.fold([0.0; 2], |[sine, cosine], (t, p)| {
+            let phase = hz_to_rad_s(frequency_hz) * t;
+            [sine + p * libm::sin(phase), cosine + p * libm::cos(phase)]
+        });
+        let amplitude = 2.0 * sine.hypot(cosine) / motion.time.len() as f64;
+        Self {
+            amplitude_um: m_to_um(amplitude),
+            lag_deg: libm::atan2(-cosine, sine).to_degrees().rem_euclid(360.0),
+        }
+    }
+}
+
 /// A test and what is true of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VirtualTest {
@@ -48,6 +74,8 @@ pub struct VirtualTest {
     pub instruments: Instruments,
     /// Whether slip was reached.
     pub slip: Slip,
+    /// Motion of the platform, where a blade carries it.
+    pub platform: Option<PlatformMotion>,
     /// Samples at which an instrument was at the end of its range.
     pub out_of_range: usize,
 }
@@ -88,23 +116,23 @@ impl Rig {
 
     /// The test `index`, 0-based: the frequencies run fastest, then the repetitions, then the specimens.
     ///
-    /// `map` is [`Rig::load_map`], the same for all tests.
+    /// `stand` is [`Rig::stand`], the same for all tests.
     #[must_use]
-    pub fn test(&self, map: &LoadMap, index: u64) -> VirtualTest {
+    pub fn test(&self, stand: &Stand, index: u64) -> VirtualTest {
         let specimen = index / self.tests_of_specimen();
         let frequencies = &self.excitation.frequencies_hz;
         let frequency_hz = frequencies[index as usize % frequencies.len()];
         let truth = self.specimen(specimen);
         let stream = |purpose| Noise::new(self.seed, purpose, index);
-        let structure = self.structure();
         let march = March {
-            structure: &structure,
+            structure: &stand.structure,
             excitation: &self.excitation,
+            blade: stand.blade.as_ref(),
             fluctuation: self.loading.fluctuation(),
-            load: map.loads.iter().sum(),
+            load: stand.map.loads.iter().sum(),
         };
         let k_t = n_per_um_to_n_per_m(truth.tangential_stiffness_n_per_um);
-        let interface = Interface::new(map, k_t, truth.friction_coefficient);
+        let interface = Interface::new(&stand.map, k_t, truth.friction_coefficient);
         let motion = march.run(interface, frequency_hz, &mut stream(Purpose::Regulator));
         let chain = Chain {
             support: &self.support,
@@ -127,6 +155,7 @@ impl Rig {
                     specimen: Some(format!("specimen-{}", specimen + 1)),
                 },
             },
+            platform: (stand.blade.as_ref()).map(|_| PlatformMotion::new(&motion, frequency_hz)),
             slip: if gross { Slip::Gross } else { Slip::Partial },
             motion,
             specimen,

@@ -9,7 +9,8 @@ use super::chain::Instruments;
 use super::loading::PressureFacts;
 use super::read::Rig;
 use super::response::MeasuredResonance;
-use super::virtual_test::{Slip, Specimen, VirtualTest};
+use super::stand::BladeFrequencies;
+use super::virtual_test::{PlatformMotion, Slip, Specimen, VirtualTest};
 use crate::Error;
 use crate::file::{replace, write_folder};
 use crate::record::{ResponsePoint, ResponseRecord, write_hysteresis, write_response};
@@ -32,6 +33,9 @@ pub struct RigSummary {
     pub load_n: f64,
     /// Pressure map.
     pub pressure: PressureFacts,
+    /// Natural frequencies of the blade, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub blade: Option<BladeFrequencies>,
     /// Specimens, in their order.
     pub specimens: Vec<Specimen>,
     /// Tests of configuration a.
@@ -53,6 +57,9 @@ pub struct TestTruth {
     pub slip: Slip,
     /// Largest |T| over the Coulomb limit of the interface, in both directions.
     pub mobilised: [f64; 2],
+    /// Motion of the platform, where a blade carries it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub platform: Option<PlatformMotion>,
     /// Gains, offset and drifts of the instruments.
     pub instruments: Instruments,
     /// Samples at which an instrument was at the end of its range.
@@ -67,6 +74,7 @@ impl TestTruth {
             frequency_hz: test.record.conditions.frequency_hz.unwrap_or_default(),
             slip: test.slip,
             mobilised: test.motion.mobilised,
+            platform: test.platform,
             instruments: test.instruments,
             out_of_range: test.out_of_range,
         }
@@ -78,13 +86,15 @@ impl TestTruth {
 /// # Errors
 /// [`Error::File`] if the folder has content or cannot be written; what the study of `[response]` or a model refuses.
 pub fn write_tests(rig: &Rig, output: &Path, done: impl Fn() + Sync) -> Result<RigSummary, Error> {
-    let map = rig.load_map()?;
+    let stand = rig.stand()?;
+    let map = &stand.map;
     let mut summary = RigSummary {
         format: FORMAT,
         name: rig.name.clone(),
         seed: rig.seed,
         load_n: map.loads.iter().sum(),
         pressure: map.pressure,
+        blade: rig.blade_frequencies(&stand),
         specimens: (0..rig.contact.specimens)
             .map(|i| rig.specimen(i))
             .collect(),
@@ -94,7 +104,7 @@ pub fn write_tests(rig: &Rig, output: &Path, done: impl Fn() + Sync) -> Result<R
     write_folder(output, |folder| -> Result<(), Error> {
         let note = format!("virtual rig \"{}\", seed {}", rig.name, rig.seed);
         let written = |index| -> Result<TestTruth, Error> {
-            let test = rig.test(&map, index);
+            let test = rig.test(&stand, index);
             let truth = TestTruth::new(&test);
             let path = folder.join(&truth.file);
             write_hysteresis(&path, std::slice::from_ref(&test.record), &[note.as_str()])?;

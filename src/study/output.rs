@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::Error;
 use crate::ensemble::arrow::write_arrow;
-use crate::file;
+use crate::file::{self, MadeFolders};
 use crate::report::asked::Bands;
 use crate::report::run::{CONTROL_VARIATE, FURTHER_POINTS, TABLES};
 use crate::setting::BadSetting;
@@ -74,9 +74,13 @@ pub fn write_arrow_tables(folder: &Path, wanted: impl Fn(&Path) -> bool) -> Resu
     Ok(())
 }
 
-/// A folder that exists and can be written to.
-#[derive(Debug, Clone)]
-pub struct OutputFolder(PathBuf);
+/// A folder that exists and can be written to. If it was made for this and nothing was written, it goes when this is dropped: a
+/// command that is refused leaves none behind.
+#[derive(Debug)]
+pub struct OutputFolder {
+    path: PathBuf,
+    _made: MadeFolders,
+}
 
 impl OutputFolder {
     /// Makes the folder where it is missing and tries to write to it, before any work is spent.
@@ -84,15 +88,18 @@ impl OutputFolder {
     /// # Errors
     /// [`Error::File`] if it cannot be made or written to.
     pub fn open(path: &Path) -> Result<Self, Error> {
-        std::fs::create_dir_all(path).map_err(|source| Error::file(path, source))?;
+        let made = MadeFolders::make(path)?;
         tempfile::tempfile_in(path).map_err(|source| Error::file(path, source))?;
-        Ok(Self(path.to_owned()))
+        Ok(Self {
+            path: path.to_owned(),
+            _made: made,
+        })
     }
 
     /// The path.
     #[must_use]
     pub fn path(&self) -> &Path {
-        &self.0
+        &self.path
     }
 
     /// Writes a file whole or not at all: an older file of that name stays until the new one is on the disk.
@@ -104,7 +111,7 @@ impl OutputFolder {
         name: &str,
         content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> Result<PathBuf, Error> {
-        let path = self.0.join(name);
+        let path = self.path.join(name);
         file::replace(&path, |file| {
             let mut buffer = BufWriter::new(file);
             content(&mut buffer)?;

@@ -22,6 +22,7 @@ mod long_runs;
 mod output_schemas;
 #[path = "../common/program.rs"]
 mod program;
+mod refused_output;
 mod report;
 mod reweight;
 mod run;

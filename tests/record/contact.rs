@@ -64,5 +64,6 @@ pub(crate) fn read_as(name: &str, bytes: &[u8]) -> Result<Vec<HysteresisRecord>,
     let folder = tempfile::tempdir().unwrap();
     let path: PathBuf = folder.path().join(name);
     std::fs::write(&path, bytes).unwrap();
-    read_hysteresis(&[path])
+    let tests = read_hysteresis(&[path])?;
+    Ok(tests.into_iter().map(|test| test.record).collect())
 }

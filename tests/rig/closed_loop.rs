@@ -120,8 +120,8 @@ fn intervals_know_of_steps_that_do_not_average_out() {
     let rig = rig(&format!(
         "name = \"steps\"\nseed = 1\n{text}{STEADY_AIR}{chain}"
     ));
-    let map = rig.load_map().unwrap();
-    let tests = (0..20).map(|index| rig.test(&map, index));
+    let stand = rig.stand().unwrap();
+    let tests = (0..20).map(|index| rig.test(&stand, index));
     let held = tests
         .filter(|test| holds_stiffness(test, &found(test)))
         .count();

@@ -48,7 +48,7 @@ fn writes_records_and_truth() {
     }
     let [first, second] = folders.each_ref().map(|folder| folder.path().join("out"));
     let rig = Rig::read(&folders[0].path().join("rig.toml")).unwrap();
-    let map = rig.load_map().unwrap();
+    let stand = rig.stand().unwrap();
     let truth = json(&first.join("truth.json"));
     for index in 0..4 {
         let name = format!("test-{:04}.csv", index + 1);
@@ -56,8 +56,9 @@ fn writes_records_and_truth() {
             [&first, &second].map(|folder| std::fs::read(folder.join(&name)).unwrap());
         assert_eq!(bytes, others, "{name}: one thread and two");
         let records = read_hysteresis(&[first.join(&name)]).unwrap();
-        let made = rig.test(&map, index).record;
-        assert_eq!(records, [made], "{name}");
+        let made = rig.test(&stand, index).record;
+        assert_eq!(records.len(), 1, "{name}");
+        assert_eq!(records[0].record, made, "{name}");
         let specimen = &truth["tests"][index as usize]["specimen"];
         assert_eq!(specimen, index / 2, "{name}");
     }
@@ -158,7 +159,74 @@ const DAMAGES: &[(&str, &str, &str)] = &[
         "= 100\n[response]\nstudy = \"none.toml\"",
         "none.toml",
     ),
+    (
+        "= 100\n",
+        "= 100\n[blade]\nforce_n = 0",
+        "rig.toml:17: blade.force_n = 0: must be a finite number > 0",
+    ),
+    (
+        "= 100\n",
+        "= 100\n[blade]\ndamping_ratio = 0.6",
+        "rig.toml:17: blade.damping_ratio = 0.6: must be from 0 to 0.5",
+    ),
+    (
+        "= 100\n",
+        "= 100\n[blade]\nsettling_cycles = 2000000",
+        "rig.toml:17: blade.settling_cycles = 2000000: must be at most 1000000",
+    ),
+    (
+        "= 100\n",
+        "= 100\n[blade]\nforce = 1",
+        "rig.toml:17: blade.force: unknown field `force`",
+    ),
+    (
+        "= 100\n",
+        "= 100\namplitude_um = 5\n[blade]",
+        "rig.toml:16: excitation.amplitude_um = 5: must not be given with [blade]",
+    ),
 ];
+
+/// A blade shows frequencies from 1 Hz to 5 kHz.
+#[test]
+fn a_blade_is_not_shown_beyond_its_modes() {
+    for (frequency, shown) in [("0.5", "0.5"), ("6000", "6000")] {
+        let text = RIG.replacen("[50, 100]", &format!("[50, {frequency}]"), 1);
+        let folder = tempfile::tempdir().unwrap();
+        let output = run(folder.path(), &format!("{text}[blade]\n"), &[]);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        let expected =
+            format!("rig.toml:12: excitation.frequencies_hz[1] = {shown}: must be from 1 to 5000");
+        assert!(error.contains(&expected), "{error}");
+        assert_eq!(output.status.code(), Some(2), "{error}");
+    }
+}
+
+/// With a blade: natural frequencies, and amplitude and phase of the platform in each test, the same for one thread and two.
+#[test]
+fn a_blade_has_its_truth() {
+    let text = format!("{RIG}[blade]\nforce_n = 5\nsettling_cycles = 10\n");
+    let truths = ["1", "2"].map(|threads| {
+        let folder = tempfile::tempdir().unwrap();
+        let output = run(folder.path(), &text, &["--threads", threads]);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{error}");
+        let shown = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(shown.contains("test-0001.csv 50 Hz: platform "), "{shown}");
+        json(&folder.path().join("out/truth.json"))
+    });
+    assert_eq!(truths[0], truths[1], "one thread and two");
+    let listed = |name: &str| -> Vec<f64> {
+        let all = truths[0]["blade"][name].as_array().unwrap();
+        all.iter().map(|f| f.as_f64().unwrap()).collect()
+    };
+    let (free, stuck) = (listed("free_hz"), listed("stuck_hz"));
+    let rises = |all: &[f64]| all.windows(2).all(|two| two[0] < two[1]);
+    assert!(rises(&free) && rises(&stuck), "{free:?} {stuck:?}");
+    assert!(stuck[0] > free[0], "the strip holds: {free:?} {stuck:?}");
+    let platform = &truths[0]["tests"][0]["platform"];
+    let amplitude = platform["amplitude_um"].as_f64().unwrap();
+    assert!((0.001..1000.0).contains(&amplitude), "{platform}");
+}
 
 /// Every wrong key or value is refused with file, line, key and rule, and exit code 2.
 #[test]
@@ -181,7 +249,7 @@ fn bad_files_are_refused() {
 /// The shipped rigs are valid.
 #[test]
 fn shipped_rigs_are_valid() {
-    for name in ["air", "punch"] {
+    for name in ["air", "punch", "around-resonance"] {
         let path = format!("studies/rig-to-margin/{name}.toml");
         Rig::read(Path::new(&path)).unwrap();
     }

@@ -4,6 +4,7 @@
     reason = "a test that cannot set up its rig fails"
 )]
 
+mod blade;
 mod closed_loop;
 mod command;
 mod instruments;
@@ -43,5 +44,5 @@ fn exact(sections: &str) -> Rig {
 const STEADY_AIR: &str = "[loading]\nkind = \"air\"\nregulator_noise_percent = 0\n";
 
 fn first_test(rig: &Rig) -> VirtualTest {
-    rig.test(&rig.load_map().unwrap(), 0)
+    rig.test(&rig.stand().unwrap(), 0)
 }

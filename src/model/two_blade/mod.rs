@@ -8,6 +8,7 @@
 //! the default geometry is tuned to: Gastaldi, Berruti & Gola 2018, Exp. Tech., doi 10.1007/s40799-018-0248-z.
 
 mod assembly;
+mod blade_modes;
 mod components;
 mod grid_error;
 mod interface_cells;
@@ -17,6 +18,7 @@ mod pressure;
 mod sector;
 mod settings;
 
+pub use blade_modes::{BladeModes, blade_modes};
 pub use grid_error::GridError;
 pub use interface_cells::{InterfaceCell, interface_cells};
 pub use linear::{LinearModes, TrackedMode};

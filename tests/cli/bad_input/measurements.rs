@@ -56,7 +56,7 @@ fn bad_loops_name_line_column_and_rule() {
         refused(folder.path(), "loops.csv", &text, &identify, &[expected]);
     }
     let text = table(200, "0,0,0,100", "0,0,0,100");
-    let fragment = &["no test can be used: loops "];
+    let fragment = &["no test can be used: loops.csv:2: loops "];
     refused(folder.path(), "loops.csv", &text, &identify, fragment);
     let more = [&identify[..], &["--confidence", "2"]].concat();
     refused(
@@ -68,6 +68,72 @@ fn bad_loops_name_line_column_and_rule() {
     );
     let missing = ["identify", "none.csv", "--output", "out"];
     refused(folder.path(), "loops.csv", &text, &missing, &["none.csv: "]);
+}
+
+/// Ten cycles of an elastic-Coulomb loop, 64 samples each, under 100 N: time, u (um), T and N of each sample.
+fn good_loop() -> Vec<[f64; 4]> {
+    let (mut slider, mut rows) = (0.0_f64, Vec::new());
+    for i in 0..640 {
+        let turns = f64::from(i) / 64.0;
+        let u = 10.0 * (std::f64::consts::TAU * turns).sin();
+        slider = slider.clamp(u - 2.5, u + 2.5);
+        rows.push([turns, u, 20.0 * (u - slider), 100.0]);
+    }
+    rows
+}
+
+fn written(before: &str, rows: &[[f64; 4]]) -> String {
+    let row = |row: &[f64; 4]| row.map(|value| value.to_string()).join(",");
+    let rows: Vec<String> = rows.iter().map(row).collect();
+    format!("{before}{LOOP}{}\n", rows.join("\n"))
+}
+
+/// Every kind of bad loop: no loop, N <= 0, less than a period, no number, T and N exchanged. (A missing unit is above.)
+///
+/// Seen to fail without the line of the test in the messages on a whole test.
+#[test]
+fn every_kind_of_bad_loop_is_one_message() {
+    let folder = tempfile::tempdir().unwrap();
+    let identify = ["identify", "loops.csv", "--output", "out"];
+    let with = |change: fn(usize, [f64; 4]) -> [f64; 4]| {
+        let rows: Vec<[f64; 4]> = (good_loop().into_iter().enumerate())
+            .map(|(i, row)| change(i, row))
+            .collect();
+        written("", &rows)
+    };
+    let cases = [
+        (
+            with(|i, [t, _, f, n]| [t, (i * i * 7919 % 1013) as f64, f, n]),
+            "loops.csv:2: loops is no hysteresis loop: ",
+        ),
+        (
+            with(|_, [t, u, f, n]| [t, u, f, -n]),
+            "loops.csv:2: normal force is negative: must be positive in compression",
+        ),
+        (
+            with(|i, [t, u, f, n]| [t, u, f, if i < 40 { n } else { 0.0 }]),
+            "loops.csv:42: normal force is <= 0 in 94 % of the samples: must be positive",
+        ),
+        (
+            written("# frequency [Hz] = 1\n", &good_loop()[..40]),
+            "loops.csv:3: loops is shorter than one period",
+        ),
+        (
+            with(|i, [t, u, f, n]| [t, u, if i == 4 { f64::NAN } else { f }, n]),
+            "loops.csv:6: tangential force = NaN: must be a",
+        ),
+        (
+            with(|_, [t, u, f, n]| [t, u, n, f]),
+            "loops.csv:2: normal force changes its sign and tangential force does not: are the two exchanged?",
+        ),
+    ];
+    for (text, expected) in &cases {
+        refused(folder.path(), "loops.csv", text, &identify, &[expected]);
+    }
+    let good = written("", &good_loop());
+    std::fs::write(folder.path().join("loops.csv"), good).unwrap();
+    let output = microslip(folder.path(), &identify);
+    assert_eq!(output.status.code(), Some(0), "the good loop: {output:?}");
 }
 
 #[test]
