@@ -50,6 +50,7 @@ impl LinearModel {
         Ok(Self {
             floats: parts.iter().any(|part| part.structure.floats()),
             parts,
+            breaking: None,
             pairs: (0..disk.contacts.len()).collect(),
             alternates: false,
         })

@@ -21,7 +21,7 @@ use microslip::linalg::split::SplitMat;
 use std::f64::consts::TAU;
 
 /// Modal oscillators η with sliders w, marched in time.
-struct March<'a> {
+pub(super) struct March<'a> {
     problem: &'a Problem<'a>,
     /// Rows of the contact matrix, one column of it per mode, mode-major.
     columns: Vec<Vec<f64>>,
@@ -44,7 +44,7 @@ struct March<'a> {
 
 impl<'a> March<'a> {
     /// Starts at the periodic solution, with the sliders that it has after two periods.
-    fn new(problem: &'a Problem<'a>, iterate: &Iterate<'_>, n_steps: usize) -> Self {
+    pub(super) fn new(problem: &'a Problem<'a>, iterate: &Iterate<'_>, n_steps: usize) -> Self {
         let model = problem.model;
         let part = model.part(0);
         let Structure {
@@ -141,6 +141,13 @@ impl<'a> March<'a> {
 
     /// One period; first harmonic of response 0.
     fn cycle(&mut self) -> c64 {
+        let (y, mean) = self.period();
+        self.hold(&mean);
+        y
+    }
+
+    /// One period with the reaction of the retention as it is; first harmonic of response 0 and mean of η.
+    pub(super) fn period(&mut self) -> (c64, Vec<f64>) {
         let model = self.problem.model.part(0);
         let mut y = c64::new(0.0, 0.0);
         let mut mean = vec![0.0; self.now.len()];
@@ -169,8 +176,25 @@ impl<'a> March<'a> {
             }
             self.now = std::mem::replace(&mut self.before, now);
         }
-        self.hold(&mean);
-        y
+        (y, mean)
+    }
+
+    /// Adds a disturbance of η, η̇ and sliders (pair, direction, m).
+    pub(super) fn disturb(&mut self, eta: &[f64], rate: &[f64], sliders: &[([usize; 2], f64)]) {
+        for (j, (x, v)) in eta.iter().zip(rate).enumerate() {
+            self.now[j] += x;
+            self.before[j] += x - self.step * v;
+        }
+        for &([pair, d], w) in sliders {
+            self.sliders[pair][d] += w;
+        }
+    }
+
+    /// η and η̇.
+    pub(super) fn state(&self) -> Vec<f64> {
+        let rates = self.now.iter().zip(&self.before);
+        let rates = rates.map(|(now, before)| (now - before) / self.step);
+        self.now.iter().copied().chain(rates).collect()
     }
 }
 
