@@ -47,7 +47,7 @@ pub use equations::effort::WorkCount;
 pub use equations::problem::Problem;
 pub use error::ProblemError;
 pub use route::PeakRoute;
-pub use settings::{AlertSettings, HbSettings, NewtonSettings, SliderAnchor};
+pub use settings::{AlertSettings, HbSettings, NewtonSettings, SliderAnchor, StabilityScope};
 pub use solution::{ContactFractions, CycleWork, Solution};
 pub use stability::Stability;
 pub use status::Status;

@@ -5,7 +5,7 @@ use crate::hb::equations::problem::Problem;
 use faer::prelude::c64;
 
 /// Steps of the march per period.
-pub const STEPS: usize = 512;
+pub const STEPS: usize = 256;
 
 /// A disturbance that grows by less than this share per period is not told from one that stays.
 pub const MARGIN: f64 = 1e-3;
@@ -24,7 +24,9 @@ pub struct Stability {
 }
 
 /// How a stable solution becomes unstable, by where its multiplier leaves the unit circle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Instability {
     /// At +1: the vibration leaves for another one of the same period, beyond a fold or with another symmetry.
@@ -92,6 +94,7 @@ pub fn assess_with(
     n_steps: usize,
 ) -> Option<Stability> {
     let maps = PeriodMap::all(problem, motion, n_steps)?;
-    let multipliers: Vec<Vec<c64>> = (maps.iter().map(PeriodMap::multipliers)).collect::<Option<_>>()?;
+    let multipliers: Vec<Vec<c64>> =
+        (maps.iter().map(PeriodMap::multipliers)).collect::<Option<_>>()?;
     Stability::of(multipliers.into_iter().flatten())
 }

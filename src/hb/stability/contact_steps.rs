@@ -8,7 +8,7 @@ use crate::contact::law::{circle_step, closing_instant};
 use crate::contact::{ContactParameters, FrictionLaw};
 
 /// Samples of the motion per step of the march.
-pub(super) const SAMPLES: usize = 8;
+pub(super) const SAMPLES: usize = 16;
 
 /// Most laps from the anchor to the steady cycle of a slider; the box law takes two.
 const MOST_LAPS: usize = 200;
@@ -71,11 +71,16 @@ impl PairSteps {
                 let _ = advance(p, law, slider, &motion[i], &motion[(i + 1) % n]);
             });
         };
-        let size = motion.iter().flatten().fold(0.0, |m: f64, r| m.max(r.abs()));
+        let size = motion
+            .iter()
+            .flatten()
+            .fold(0.0, |m: f64, r| m.max(r.abs()));
         for laps in 1..=MOST_LAPS {
             let before = slider;
             lap(&mut slider);
-            let change = (slider[0] - before[0]).abs().max((slider[1] - before[1]).abs());
+            let change = (slider[0] - before[0])
+                .abs()
+                .max((slider[1] - before[1]).abs());
             if laps > 1 && change <= PERIODIC * size {
                 break;
             }
@@ -114,18 +119,12 @@ impl PairStep {
             }
             let end = (i + 1) as f64 * weight;
             let (start, last, kept) = (step.by_start, step.by_end, step.kept);
-            for d in 0..2 {
-                let through = |before: &dyn Fn(usize) -> f64| -> f64 {
-                    (0..2).map(|e| sample.kept[d][e] * before(e)).sum()
-                };
-                for c in 0..3 {
-                    let direct = sample.by_displacement[d][c];
-                    step.by_start[d][c] = (1.0 - end) * direct + through(&|e| start[e][c]);
-                    step.by_end[d][c] = end * direct + through(&|e| last[e][c]);
+            for (d, row) in sample.kept.iter().enumerate() {
+                for (c, direct) in sample.by_displacement[d].iter().enumerate() {
+                    step.by_start[d][c] = (1.0 - end) * direct + through(row, &start, c);
+                    step.by_end[d][c] = end * direct + through(row, &last, c);
                 }
-                for c in 0..2 {
-                    step.kept[d][c] = through(&|e| kept[e][c]);
-                }
+                step.kept[d] = [0, 1].map(|c| through(row, &kept, c));
             }
         }
         step
@@ -133,21 +132,24 @@ impl PairStep {
 
     /// Adds the share `weight` of dT = k_t (du − dw) at a sample.
     fn add_traction(&mut self, p: &ContactParameters<f64>, sample: &Sample, weight: f64) {
-        for d in 0..2 {
+        for (d, row) in sample.kept.iter().enumerate() {
             let k = weight * p.k_t[d];
-            for c in 0..3 {
-                let remembered: f64 = (0..2)
-                    .map(|e| sample.kept[d][e] * (self.by_start[e][c] + self.by_end[e][c]))
-                    .sum();
-                let slider = sample.by_displacement[d][c] + remembered;
-                self.stiffness[d][c] += k * (FOLLOWS[d][c] - slider);
+            for (c, follows) in FOLLOWS[d].iter().enumerate() {
+                let before = through(row, &self.by_start, c) + through(row, &self.by_end, c);
+                let slider = sample.by_displacement[d][c] + before;
+                self.stiffness[d][c] += k * (follows - slider);
             }
-            for c in 0..2 {
-                let slider: f64 = (0..2).map(|e| sample.kept[d][e] * self.kept[e][c]).sum();
-                self.memory[d][c] -= k * slider;
-            }
+            let memory = [0, 1].map(|c| k * through(row, &self.kept, c));
+            (self.memory[d].iter_mut().zip(memory)).for_each(|(m, part)| *m -= part);
         }
     }
+}
+
+/// Entry c of the row of a product: Σ row[e] before[e][c].
+fn through<const N: usize>(row: &[f64; 2], before: &[[f64; N]; 2], c: usize) -> f64 {
+    (row.iter().zip(before))
+        .map(|(q, before)| q * before[c])
+        .sum()
 }
 
 /// Moves the slider (m) from the sample `before` to the sample `now`.
@@ -236,7 +238,13 @@ impl Sample {
         let (placed, kept) = (self.by_displacement, self.kept);
         for d in 0..2 {
             let turned = |trial: &dyn Fn(usize) -> f64| -> f64 {
-                let across = |c: usize| if c == d { 1.0 - e[d] * e[c] } else { -e[d] * e[c] };
+                let across = |c: usize| {
+                    if c == d {
+                        1.0 - e[d] * e[c]
+                    } else {
+                        -e[d] * e[c]
+                    }
+                };
                 let sum: f64 = (0..2).map(|c| across(c) * p.k_t[c] * trial(c)).sum();
                 step.ratio * sum
             };
@@ -245,9 +253,7 @@ impl Sample {
                 let traction = limit_slope + turned(&|i| FOLLOWS[i][c] - placed[i][c]);
                 self.by_displacement[d][c] = FOLLOWS[d][c] - flexibility[d] * traction;
             }
-            for c in 0..2 {
-                self.kept[d][c] = -flexibility[d] * turned(&|i| -kept[i][c]);
-            }
+            self.kept[d] = [0, 1].map(|c| -flexibility[d] * turned(&|i| -kept[i][c]));
         }
         self.moves = [true; 2];
     }

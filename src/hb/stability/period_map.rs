@@ -10,7 +10,12 @@
 //! ```
 //!
 //! by Gauss' method with two stages. The polynomial has the roots a, ā = 3 ± i√3, so that a step takes one solve with the dynamic
-//! stiffness at the complex frequency s = a/h, Z = K + s Ĉ + s² I.
+//! stiffness at the complex frequency s = a/h:
+//!
+//! ```text
+//! p = Z⁻¹ (K η₀ + Bᵀ E' w − s η̇₀)/h,   Z = K + s Ĉ + s² I
+//! η₁ = η₀ + 4√3 h Im p,   η̇₁ = η̇₀ + 4√3 Im (a p)
+//! ```
 
 use super::contact_steps::{Displacement, PairStep, PairSteps, SAMPLES};
 use super::structure::Disturbed;
@@ -74,14 +79,17 @@ impl PeriodMap {
 }
 
 /// The linearised law of every pair over the period.
-fn pair_steps(problem: &Problem<'_>, motion: &PeriodicMotion<'_>, n_steps: usize) -> Vec<PairSteps> {
+fn pair_steps(
+    problem: &Problem<'_>,
+    motion: &PeriodicMotion<'_>,
+    n_steps: usize,
+) -> Vec<PairSteps> {
     let n_pairs = problem.contacts.len();
     let samples = displacements(motion, n_steps * SAMPLES, 3 * n_pairs);
     (problem.contacts.iter().enumerate())
         .map(|(pair, contact)| {
-            let of_pair = |r: &[f64]| -> Displacement {
-                [r[pair], r[n_pairs + pair], r[2 * n_pairs + pair]]
-            };
+            let of_pair =
+                |r: &[f64]| -> Displacement { [r[pair], r[n_pairs + pair], r[2 * n_pairs + pair]] };
             let displacement: Vec<_> = samples.chunks_exact(3 * n_pairs).map(of_pair).collect();
             PairSteps::new(contact, motion.law, &displacement)
         })
@@ -126,7 +134,7 @@ struct March<'a> {
 
 /// A step with the contact derivatives in it.
 struct Prepared {
-    /// D' B and E'.
+    /// r by η and by the sliders: B − H D' B and −H E'.
     by_eta: Mat<f64>,
     by_slider: Mat<f64>,
     /// K, and `factor` Bᵀ E'.
@@ -189,7 +197,13 @@ impl<'a> March<'a> {
             self.advance(step, prepared);
         }
         let (n, n_pairs) = (self.eta.nrows(), self.structure.n_pairs());
-        let sign = |i: usize| if i < self.structure.first_odd { 1.0 } else { -1.0 };
+        let sign = |i: usize| {
+            if i < self.structure.first_odd {
+                1.0
+            } else {
+                -1.0
+            }
+        };
         let width = self.eta.ncols();
         let matrix = Mat::from_fn(width, width, |i, j| match i.checked_sub(2 * n) {
             None if i < n => sign(i) * self.eta[(i, j)],
@@ -222,7 +236,8 @@ impl<'a> March<'a> {
                 for (column, &d) in stiffness.iter().enumerate().filter(|(_, d)| **d != 0.0) {
                     let from = column * n_pairs + pair;
                     (0..n).for_each(|j| by_eta[(i, j)] += d * b[(from, j)]);
-                    (0..3 * n_pairs).for_each(|j| held[(i, j)] += d * structure.residual[(from, j)]);
+                    (0..3 * n_pairs)
+                        .for_each(|j| held[(i, j)] += d * structure.residual[(from, j)]);
                 }
             }
             for (row, memory) in at.memory.iter().enumerate() {
@@ -242,27 +257,25 @@ impl<'a> March<'a> {
             let inertia = if i == j { s * s } else { c64::new(0.0, 0.0) };
             inertia + s * structure.damping[(i, j)] + stiffness[(i, j)]
         });
+        let residual = &structure.residual;
         Prepared {
             slider_load: &load * &by_slider,
-            by_eta,
-            by_slider,
+            by_eta: b - residual * by_eta,
+            by_slider: residual * by_slider * Scale(-1.0),
             stiffness,
             dynamic: dynamic.partial_piv_lu(),
         }
     }
 
     fn advance(&mut self, step: usize, prepared: &Prepared) {
-        let (h, damping) = (self.step, &self.structure.damping);
+        let h = self.step;
         let before = self.displacement(prepared);
-        let pull = &prepared.stiffness * &self.eta + damping * &self.rate;
-        let acceleration = pull + &prepared.slider_load * &self.slider;
-        let damped = damping * &self.rate;
+        let pull = &prepared.stiffness * &self.eta + &prepared.slider_load * &self.slider;
         let a = c64::new(ROOT[0], ROOT[1]);
         let s = a / h;
         let (n, width) = (self.eta.nrows(), self.eta.ncols());
         let mut p = Mat::from_fn(n, width, |i, j| {
-            let rate = s * self.rate[(i, j)] + damped[(i, j)];
-            (rate - acceleration[(i, j)]) * (-1.0 / h)
+            (s * self.rate[(i, j)] - pull[(i, j)]) * (-1.0 / h)
         });
         prepared.dynamic.solve_in_place(&mut p);
         let factor = 4.0 * ROOT[1];
@@ -278,8 +291,7 @@ impl<'a> March<'a> {
 
     /// r = B η − H (D' B η + E' w).
     fn displacement(&self, prepared: &Prepared) -> Mat<f64> {
-        let force = &prepared.by_eta * &self.eta + &prepared.by_slider * &self.slider;
-        &self.structure.contact * &self.eta - &self.structure.residual * force
+        &prepared.by_eta * &self.eta + &prepared.by_slider * &self.slider
     }
 
     fn move_sliders(&mut self, step: usize, before: &Mat<f64>, after: &Mat<f64>) {

@@ -4,7 +4,7 @@ use crate::hb::structure::linear::{LinearModel, ModalPart};
 use faer::prelude::*;
 
 /// Modes up to this multiple of the excitation frequency move with their inertia; those above follow the forces statically.
-pub(super) const HIGHEST: f64 = 40.0;
+pub(super) const HIGHEST: f64 = 30.0;
 
 /// The structure for disturbances of one symmetry, in coordinates η: η̈ + Ĉ η̇ + Λ η = −`factor` Bᵀ f, r = B η − H f.
 #[derive(Debug)]
@@ -26,8 +26,8 @@ pub(super) struct Disturbed {
 }
 
 impl Disturbed {
-    /// The structure for every symmetry that disturbances of a solution of `model` may have; `None` for travelling waves, whose
-    /// disturbances belong to all nodal diameters.
+    /// The structure for every symmetry that disturbances of a solution of `model` may have; `None` for a sector of a
+    /// disk, where they belong to all nodal diameters.
     pub(super) fn all(model: &LinearModel, omega: f64) -> Option<Vec<Self>> {
         if model.alternates {
             return Some(vec![Self::new(&[&model.parts[0], &model.parts[1]], omega)]);
@@ -35,6 +35,9 @@ impl Disturbed {
         let [part] = &model.parts[..] else {
             return None;
         };
+        if model.sector {
+            return None;
+        }
         let parts = [part].into_iter().chain(&model.breaking);
         Some(parts.map(|part| Self::new(&[part], omega)).collect())
     }

@@ -85,6 +85,7 @@ impl LinearModel {
             alternates: parts.len() > 1,
             parts,
             breaking,
+            sector: false,
             pairs,
             floats,
         }))

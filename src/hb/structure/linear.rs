@@ -27,6 +27,8 @@ pub struct LinearModel {
     pub pairs: Vec<usize>,
     /// Whether the free structure can move as a rigid body, in part or as a whole: such as a strip that only contacts hold.
     pub floats: bool,
+    /// Whether it is one sector of a disk, whose other sectors do the same one after the other.
+    pub sector: bool,
     /// Whether the model is folded and the mirror images do the same half a period later.
     pub alternates: bool,
 }
@@ -82,6 +84,7 @@ impl LinearModel {
         Ok(Self {
             parts: vec![part],
             breaking: None,
+            sector: false,
             pairs: (0..model.n_contacts()).collect(),
             floats,
             alternates: false,

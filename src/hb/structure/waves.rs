@@ -51,6 +51,7 @@ impl LinearModel {
             floats: parts.iter().any(|part| part.structure.floats()),
             parts,
             breaking: None,
+            sector: true,
             pairs: (0..disk.contacts.len()).collect(),
             alternates: false,
         })

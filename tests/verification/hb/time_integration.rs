@@ -36,6 +36,7 @@ pub(super) struct March<'a> {
     now: Vec<f64>,
     before: Vec<f64>,
     sliders: Vec<[f64; 2]>,
+    law: FrictionLaw,
     r: Vec<f64>,
     f: Vec<f64>,
     /// Samples that stick, slip, separate.
@@ -44,7 +45,8 @@ pub(super) struct March<'a> {
 
 impl<'a> March<'a> {
     /// Starts at the periodic solution, with the sliders that it has after two periods.
-    pub(super) fn new(problem: &'a Problem<'a>, iterate: &Iterate<'_>, n_steps: usize) -> Self {
+    pub(super) fn new(balance: &Balance<'a>, iterate: &Iterate<'_>, n_steps: usize) -> Self {
+        let problem = balance.problem;
         let model = problem.model;
         let part = model.part(0);
         let Structure {
@@ -69,6 +71,7 @@ impl<'a> March<'a> {
             now: at(0.0),
             before: at(-1.0),
             sliders: problem.contacts.iter().map(|c| c.anchor).collect(),
+            law: balance.law(),
             r: vec![0.0; 3 * n_pairs],
             f: vec![0.0; 3 * n_pairs],
             states: [0; 3],
@@ -122,13 +125,19 @@ impl<'a> March<'a> {
             .enumerate()
         {
             let normal = (c.n_0 + c.k_n * self.r[2 * n + i]).max(0.0);
+            let limit = c.mu * normal;
+            let u = [self.r[i], self.r[n + i]];
+            let trial = [0, 1].map(|d| c.k_t[d] * (u[d] - w[d]));
+            let length = trial[0].hypot(trial[1]);
+            let returned = match self.law {
+                FrictionLaw::Box => trial.map(|t| t.clamp(-limit, limit)),
+                FrictionLaw::Circle if length > limit => trial.map(|t| t * limit / length),
+                FrictionLaw::Circle => trial,
+            };
             let mut slips = false;
-            for (d, w) in w.iter_mut().enumerate() {
-                let u = self.r[d * n + i];
-                let trial = c.k_t[d] * (u - *w);
-                let t = trial.clamp(-c.mu * normal, c.mu * normal);
-                if t != trial {
-                    *w = u - t / c.k_t[d];
+            for (d, t) in returned.into_iter().enumerate() {
+                if t != trial[d] {
+                    w[d] = u[d] - t / c.k_t[d];
                     slips = true;
                 }
                 self.f[d * n + i] = t;
@@ -190,11 +199,17 @@ impl<'a> March<'a> {
         }
     }
 
-    /// η and η̇.
-    pub(super) fn state(&self) -> Vec<f64> {
+    /// η, η̇ and the displacements of `sliders` (pair, direction).
+    pub(super) fn state(&self, sliders: &[[usize; 2]]) -> Vec<f64> {
         let rates = self.now.iter().zip(&self.before);
         let rates = rates.map(|(now, before)| (now - before) / self.step);
-        self.now.iter().copied().chain(rates).collect()
+        let sliders = sliders.iter().map(|&[pair, d]| self.sliders[pair][d]);
+        self.now
+            .iter()
+            .copied()
+            .chain(rates)
+            .chain(sliders)
+            .collect()
     }
 }
 
@@ -294,7 +309,7 @@ fn time_integration_of_the_lumped_blades_agrees() {
             balance = larger;
         }
         for rest in [false, true] {
-            let march = March::new(&problem, &iterate, 8000);
+            let march = March::new(&balance, &iterate, 8000);
             let march = if rest { march.at_rest() } else { march };
             let end = run(march, 400);
             assert!(level < 20.0 || end.states[2] > 0, "separates at 40 N");
@@ -372,6 +387,6 @@ fn time_integration_of_the_rig_agrees() {
     let padded = start.padded(&first, &balance);
     let fixed = Condition::FixedFrequency;
     let iterate = solve(&balance, padded, fixed, settings.newton).expect("a solution");
-    let end = run(March::new(&problem, &iterate, 2000), 700);
+    let end = run(March::new(&balance, &iterate, 2000), 700);
     compare(0.01, &balance, &end, &iterate);
 }
