@@ -6,6 +6,9 @@ use faer::prelude::*;
 /// Modes up to this multiple of the excitation frequency move with their inertia; those above follow the forces statically.
 pub(super) const HIGHEST: f64 = 30.0;
 
+/// Most modes with inertia; of more than these the lowest ones.
+const MOST_MODES: usize = 250;
+
 /// The structure for disturbances of one symmetry, in coordinates η: η̈ + Ĉ η̇ + Λ η = −`factor` Bᵀ f, r = B η − H f.
 #[derive(Debug)]
 pub(super) struct Disturbed {
@@ -48,6 +51,7 @@ impl Disturbed {
         let cut = (HIGHEST * omega).powi(2);
         let moving: Vec<usize> = (parts.iter())
             .map(|part| part.structure.lambda.partition_point(|&l| l <= cut))
+            .map(|n| n.min(MOST_MODES / sides))
             .collect();
         let n: usize = moving.iter().sum();
         let rows = parts[0].contact.nrows();
