@@ -7,16 +7,20 @@ mod relations;
 
 use super::models::plane;
 use crate::response::over_band;
+use crate::two_blade::RIG;
 use microslip::aft::{AftSettings, Laps};
 use microslip::contact::{ContactParameters, Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::newton::{Condition, Iterate, solve};
+use microslip::hb::peak::search::PeakSettings;
+use microslip::hb::peak::track::track_peaks;
 use microslip::hb::stability::period_map::PeriodicMotion;
 use microslip::hb::structure::resonance::Band;
 use microslip::hb::{
     Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Solution,
     StabilityScope,
 };
+use microslip::model::ReducedModel;
 use std::f64::consts::TAU;
 
 fn settings(highest: usize) -> HbSettings {
@@ -96,4 +100,32 @@ fn motion<'a>(balance: &'a Balance<'_>, iterate: &'a Iterate<'_>) -> PeriodicMot
         omega: iterate.point.omega,
         law: balance.law(),
     }
+}
+
+/// The rig, with the force on one of its blades turned round or not.
+fn rig(turned: bool) -> ReducedModel {
+    let mut model = RIG.reduced.clone();
+    let image = &model.mirror.as_ref().expect("a mirror").image;
+    for (i, force) in model.cosine_force.iter_mut().enumerate() {
+        if turned && image[i].0 < i {
+            *force = -*force;
+        }
+    }
+    model
+}
+
+/// Peaks of the rig at ascending levels.
+fn rig_peaks(problem: &Problem<'_>, levels: &[f64]) -> Vec<Solution> {
+    let free = RIG.free_neck_bending();
+    let search = PeakSettings {
+        band: Band {
+            low: (free - 8.0) * TAU,
+            high: (free + 22.0) * TAU,
+        },
+        frequency_tolerance: 1e-9,
+    };
+    let mut settings = settings(3);
+    settings.aft.n_time = 128;
+    let found = track_peaks(problem, &settings, search, levels).expect("modes");
+    found.into_iter().filter_map(|peak| peak.solution).collect()
 }

@@ -18,6 +18,7 @@ use microslip::hb::structure::linear::{ModalPart, Structure};
 use microslip::hb::structure::resonance::Band;
 use microslip::hb::{Balance, LinearModel, NewtonSettings, Problem, SliderAnchor};
 use microslip::linalg::split::SplitMat;
+use microslip::model::ReducedModel;
 use std::f64::consts::TAU;
 
 /// Modal oscillators η with sliders w, marched in time.
@@ -319,9 +320,9 @@ fn time_integration_of_the_lumped_blades_agrees() {
     }
 }
 
-/// The rig without its modes above `hertz`.
-fn truncated(hertz: f64) -> LinearModel {
-    let full = LinearModel::new(&RIG.reduced).expect("definite");
+/// A rig without its modes above `hertz`.
+pub(super) fn truncated(model: &ReducedModel, hertz: f64) -> LinearModel {
+    let full = LinearModel::new(model).expect("definite");
     let part = full.part(0);
     let Structure {
         lambda,
@@ -361,7 +362,7 @@ fn truncated(hertz: f64) -> LinearModel {
 /// Seen to fail with: a lower limit of −0.9 mu N in the solver.
 #[test]
 fn time_integration_of_the_rig_agrees() {
-    let linear = truncated(60e3);
+    let linear = truncated(&RIG.reduced, 60e3);
     let contacts = contacts(&RIG.reduced, 1.0, 0.6);
     let anchor = SliderAnchor::Unloaded;
     let problem = Problem::new(&linear, contacts, 1.0, anchor).expect("held");

@@ -2,18 +2,20 @@
 //! period map. The share of their difference in this eigenvector must grow by its multiplier from period to period.
 
 use super::super::models::space;
-use super::super::time_integration::March;
-use super::{blades, branch, motion, passing, raised, settings};
+use super::super::time_integration::{March, truncated};
+use super::{blades, branch, motion, passing, raised, rig, rig_peaks, settings};
 use crate::response::at_frequencies;
+use crate::two_blade::contacts;
 use faer::linalg::solvers::DenseSolveCore;
 use faer::prelude::*;
 use microslip::contact::FrictionLaw;
+use microslip::harmonics::HarmonicSet;
 use microslip::hb::branch::sweep::SweepDirection;
-use microslip::hb::newton::Iterate;
+use microslip::hb::newton::{Condition, Iterate, solve};
 use microslip::hb::stability::assessment::STEPS;
 use microslip::hb::stability::period_map::PeriodMap;
 use microslip::hb::stability::{Instability, assess};
-use microslip::hb::{Balance, LinearModel, Problem, SliderAnchor};
+use microslip::hb::{Balance, LinearModel, Problem, SliderAnchor, Solution};
 use std::f64::consts::TAU;
 
 /// Steps of the march per period.
@@ -197,8 +199,7 @@ const STATES: [State; 13] = [
     ),
 ];
 
-/// Seen to fail without the memory of sliders that stick, and with the slider of a contact that closes taken where it was at the
-/// sample before.
+/// Seen to fail without the memory of sliders that stick.
 #[test]
 fn disturbances_grow_by_the_multipliers() {
     let failed: Vec<String> = STATES
@@ -237,7 +238,8 @@ fn disturbances_grow_by_the_multipliers() {
     assert!(failed.is_empty(), "{failed:#?}");
 }
 
-/// The same with the circle law, both directions sliding. Seen to fail with the box law in the march.
+/// The same with the circle law, both directions sliding, at those of nine states that slip. Seen to fail with the box law in
+/// the march.
 #[test]
 fn disturbances_grow_by_the_multipliers_with_the_circle_law() {
     let case = space();
@@ -246,19 +248,71 @@ fn disturbances_grow_by_the_multipliers_with_the_circle_law() {
     let problem = Problem::new(&linear, case.contacts, 1.0, anchor).expect("held");
     let mut settings = settings(5);
     settings.aft.law = FrictionLaw::Circle;
-    for (level, hertz, allowed) in [(10.0, 330.0, 1e-2), (30.0, 350.0, 3e-2)] {
-        let omega = [hertz * TAU];
-        let found = at_frequencies(&problem, &settings, level, &omega, SweepDirection::Upward);
-        assert!(found[0].contact.slip > 0.0, "{:?}", found[0].contact);
-        let (balance, iterate) = raised(&problem, &found[0], hertz, FrictionLaw::Circle);
-        let compared = compare(&balance, &iterate, [0, 5]);
-        println!(
-            "{level} N, {hertz} Hz, {:?}: {:.5} and {:.5} ({:.1e})",
-            found[0].contact,
-            compared.computed,
-            compared.marched,
-            compared.error()
-        );
-        assert!(compared.error() < allowed, "{:e}", compared.error());
+    settings.aft.n_time = 256;
+    let mut compared = 0;
+    for level in [20.0, 40.0, 80.0] {
+        for hertz in [325.0, 340.0, 355.0] {
+            let omega = [hertz * TAU];
+            let found = at_frequencies(&problem, &settings, level, &omega, SweepDirection::Upward);
+            let slips = |s: &&Solution| s.status.has_solution() && s.contact.slip > 0.02;
+            let Some(start) = found.iter().find(slips) else {
+                continue;
+            };
+            let balance = Balance::new(&problem, start.harmonics.clone(), settings.aft);
+            let iterate = Iterate::new(&balance, start.point());
+            let result = compare(&balance, &iterate, [0, 4]);
+            println!(
+                "{level} N, {hertz} Hz, {:?}: {:.5} and {:.5} by the march ({:.1e})",
+                start.contact,
+                result.computed,
+                result.marched,
+                result.error()
+            );
+            let clear = start.contact.separated == 0.0;
+            compared += usize::from(clear);
+            assert!(!clear || result.error() < 0.02, "{:e}", result.error());
+        }
     }
+    assert!(compared >= 2, "{compared} states that slip and stay closed");
+}
+
+/// The rig without modes above 60 kHz, forces as they are and turned round.
+#[test]
+fn disturbances_of_the_rig_grow_by_the_multipliers() {
+    let mut worst: f64 = 0.0;
+    for turned in [false, true] {
+        let model = rig(turned);
+        let linear = truncated(&model, 60e3);
+        let contacts = contacts(&model, 1.0, 0.6);
+        let anchor = SliderAnchor::Unloaded;
+        let problem = Problem::new(&linear, contacts, 1.0, anchor).expect("held");
+        for peak in rig_peaks(&problem, &[20.0, 50.0, 100.0]) {
+            let mut settings = settings(3);
+            settings.aft.n_time = 256;
+            let first = Balance::new(&problem, peak.harmonics.clone(), settings.aft);
+            let balance = Balance::new(&problem, HarmonicSet::up_to(12), settings.aft);
+            let padded = peak.point().padded(&first, &balance);
+            let fixed = Condition::FixedFrequency;
+            let Ok(iterate) = solve(&balance, padded, fixed, settings.newton) else {
+                println!(
+                    "turned {turned}, {} N: no solution with 12 harmonics",
+                    peak.level
+                );
+                continue;
+            };
+            let found = compare(&balance, &iterate, [0, 3]);
+            println!(
+                "turned {turned}, {} N, open {:.2}: {:.5} and {:.5} by the march ({:.1e})",
+                peak.level,
+                peak.contact.separated,
+                found.computed,
+                found.marched,
+                found.error()
+            );
+            if peak.level < 40.0 {
+                worst = worst.max(found.error());
+            }
+        }
+    }
+    assert!(worst < 0.05, "{worst:e}");
 }
