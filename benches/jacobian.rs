@@ -18,7 +18,9 @@ use microslip::hb::newton::{Iterate, Point};
 use microslip::hb::peak::search::PeakSettings;
 use microslip::hb::peak::track::track_peaks;
 use microslip::hb::structure::resonance::Band;
-use microslip::hb::{Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor};
+use microslip::hb::{
+    Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, StabilityScope,
+};
 use microslip::linalg::gcr::{GcrSettings, SearchSpace};
 use microslip::model::interface::{InterfaceSettings, Share};
 use microslip::model::two_blade::{TwoBladeSettings, build};
@@ -69,6 +71,7 @@ impl State {
             anchor: SliderAnchor::Unloaded,
             newton: NewtonSettings::default(),
             alert: None,
+            stability: StabilityScope::Off,
         };
         let free = rig.free_neck_bending();
         let peak = PeakSettings {

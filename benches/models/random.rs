@@ -8,7 +8,9 @@ use microslip::hb::peak::level_peak::LevelPeak;
 use microslip::hb::peak::search::PeakSettings;
 use microslip::hb::peak::track::track_peaks;
 use microslip::hb::structure::resonance::Band;
-use microslip::hb::{HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor};
+use microslip::hb::{
+    HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, StabilityScope,
+};
 use microslip::model::{ContactPair, ReducedModel, Response, SparseRow};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -108,6 +110,7 @@ impl RandomModel {
             anchor: SliderAnchor::Unloaded,
             newton,
             alert: None,
+            stability: StabilityScope::Off,
         };
         let linear = LinearModel::new(&self.reduced).expect("modes");
         let [free, stuck] = self.frequencies();

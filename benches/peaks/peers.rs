@@ -10,7 +10,7 @@ use microslip::hb::peak::maxima::PeakChoice;
 use microslip::hb::peak::search::PeakSettings;
 use microslip::hb::peak::track::track_peaks;
 use microslip::hb::structure::resonance::Band;
-use microslip::hb::{Balance, HbSettings, LinearModel, Problem};
+use microslip::hb::{Balance, HbSettings, LinearModel, Problem, StabilityScope};
 use microslip::sampling::{Design, Distribution, Input, Shape};
 use microslip::study::Study;
 use microslip::units::hz_to_rad_s;
@@ -30,6 +30,7 @@ pub(crate) fn peers() {
             laps: Laps::Periodic,
         },
         alert: None,
+        stability: StabilityScope::Off,
         ..study.solver.clone()
     };
     let design = wide_box();

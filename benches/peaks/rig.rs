@@ -8,7 +8,7 @@ use microslip::hb::peak::maxima::PeakChoice;
 use microslip::hb::peak::search::PeakSettings;
 use microslip::hb::structure::resonance::Band;
 use microslip::hb::{
-    AlertSettings, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor,
+    AlertSettings, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, StabilityScope,
 };
 use microslip::model::two_blade::{TwoBladeSettings, build};
 use microslip::sampling::{Design, Distribution, Input, Shape};
@@ -102,6 +102,7 @@ pub(crate) fn settings(highest: usize, alert: Option<AlertSettings>) -> HbSettin
         anchor: SliderAnchor::Unloaded,
         newton: NewtonSettings::default(),
         alert,
+        stability: StabilityScope::Off,
     }
 }
 

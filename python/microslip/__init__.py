@@ -134,7 +134,7 @@ class Model:
         (n, levels). One point of the shape (k,) gives results of the shape (levels,). Where nothing was found the numbers are NaN and
         the status says why; a failed point is no exception.
 
-        A status other than ``converged`` may go with a number (``truncation-above-threshold``, ``bouncing-contact``): verdicts of a
+        A status other than ``converged`` may go with a number (``truncation-above-threshold``, ``unstable``, ``bouncing-contact``): verdicts of a
         run count such samples as unknown.
 
         Raises :class:`StudyError` with row, input and rule for a value that cannot be meant, before anything is solved.

@@ -41,7 +41,7 @@ const fn column(
 }
 
 /// Columns of `samples.parquet` and `further_points.parquet`, but for those of the inputs.
-pub const SAMPLE_COLUMNS: [DescribedColumn; 29] = [
+pub const SAMPLE_COLUMNS: [DescribedColumn; 31] = [
     column("sample", "", "index of the sample, from 0"),
     column(
         "outer",
@@ -71,6 +71,16 @@ pub const SAMPLE_COLUMNS: [DescribedColumn; 29] = [
         "truncation_error",
         "1",
         "stated relative error of the amplitude by the harmonics left out; null without an alert, or where nothing was found with other harmonics",
+    ),
+    column(
+        "multiplier_real",
+        "1",
+        "real part of the Floquet multiplier of the largest modulus: above 1 in modulus the peak is unstable; null where stability was not assessed, and in results of an older program",
+    ),
+    column(
+        "multiplier_imaginary",
+        "1",
+        "its imaginary part, not negative",
     ),
     column("highest_harmonic", "", "highest harmonic of the solution"),
     column(

@@ -72,6 +72,10 @@ pub struct PeakRecord {
     /// Stated relative error of the amplitude by the harmonics left out; absent without an alert, or where nothing was found
     /// with twice the harmonics.
     pub truncation_error: Option<f64>,
+    /// Floquet multiplier of the largest modulus, its real and its imaginary part (not negative); absent where stability was not
+    /// assessed, and in results of an older program.
+    #[serde(default)]
+    pub multiplier: Option<[f64; 2]>,
     /// Highest harmonic of the solution.
     pub highest_harmonic: usize,
     /// Share of (pair, time) that sticks.

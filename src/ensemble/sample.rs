@@ -211,15 +211,17 @@ impl Ensemble<'_> {
     ) -> LevelOutcome {
         let mut count = maxima.count;
         let before = problem.effort.count();
-        let peak = maxima.peak();
-        let (curve, sweeps) = (peak.filter(|_| with_curve))
+        let peak = (maxima.peak()).map(|peak| peak.clone().with_stability(problem, self.settings));
+        let (curve, sweeps) = (peak.as_ref().filter(|_| with_curve))
             .map_or_else(Default::default, |solution| self.curve(problem, solution));
         count += problem.effort.count().since(before);
         LevelOutcome {
             level,
-            status: maxima.status(),
-            peak: peak.map(record),
-            others: peak.map_or_else(Vec::new, |_| others(maxima)),
+            status: peak
+                .as_ref()
+                .map_or_else(|| maxima.status(), |peak| peak.status),
+            others: peak.as_ref().map_or_else(Vec::new, |_| others(maxima)),
+            peak: peak.as_ref().map(record),
             curve,
             sweeps,
             newton_iterations: count.iterations,
@@ -316,6 +318,9 @@ fn record(solution: &Solution) -> PeakRecord {
         amplitude_m: solution.amplitude(0),
         route: solution.route,
         truncation_error: solution.truncation_error,
+        multiplier: solution
+            .stability
+            .map(|s| [s.multiplier.re, s.multiplier.im]),
         highest_harmonic: solution.harmonics.highest(),
         stick_fraction: solution.contact.stick,
         slip_fraction: solution.contact.slip,

@@ -74,6 +74,7 @@ impl TestFunction {
             amplitude_m: 1e-6 * value,
             route: None,
             truncation_error: None,
+            multiplier: None,
             highest_harmonic: 1,
             stick_fraction: 1.0,
             slip_fraction: 0.0,

@@ -10,7 +10,7 @@ pub struct SampleTimes {
     pub peaks: Duration,
     /// Error alert: peaks on larger harmonic sets.
     pub larger_sets: Duration,
-    /// Forced response curves.
+    /// Forced response curves, and the stability of the peaks.
     pub curves: Duration,
     /// Newton iterations for all of these.
     pub newton_iterations: u64,

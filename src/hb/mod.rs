@@ -38,6 +38,7 @@ pub mod response;
 pub mod route;
 pub mod settings;
 pub mod solution;
+pub mod stability;
 pub mod status;
 pub mod structure;
 
@@ -46,7 +47,8 @@ pub use equations::effort::WorkCount;
 pub use equations::problem::Problem;
 pub use error::ProblemError;
 pub use route::PeakRoute;
-pub use settings::{AlertSettings, HbSettings, NewtonSettings, SliderAnchor};
+pub use settings::{AlertSettings, HbSettings, NewtonSettings, SliderAnchor, StabilityScope};
 pub use solution::{ContactFractions, CycleWork, Solution};
+pub use stability::Stability;
 pub use status::Status;
 pub use structure::linear::LinearModel;

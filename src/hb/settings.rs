@@ -70,6 +70,29 @@ impl Default for AlertSettings {
     }
 }
 
+/// Which solutions are assessed for stability.
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    Default,
+    PartialEq,
+    Eq,
+    serde::Deserialize,
+    serde::Serialize,
+    schemars::JsonSchema,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum StabilityScope {
+    /// None.
+    Off,
+    /// Those at which a contact is open for part of the period.
+    #[default]
+    LiftOff,
+    /// Those at which a contact slips or is open. With all contacts stuck a damped structure is stable.
+    All,
+}
+
 /// All settings of the harmonic balance solver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HbSettings {
@@ -83,6 +106,8 @@ pub struct HbSettings {
     pub newton: NewtonSettings,
     /// Error alert; `None` switches it off.
     pub alert: Option<AlertSettings>,
+    /// Which solutions are assessed for stability.
+    pub stability: StabilityScope,
 }
 
 impl HbSettings {

@@ -1,10 +1,14 @@
 //! What one nonlinear solve returns.
 
 use super::route::PeakRoute;
+use super::settings::{HbSettings, StabilityScope};
+use super::stability::period_map::PeriodicMotion;
+use super::stability::{Stability, assess};
 use super::status::Status;
 use crate::harmonics::{HarmonicSet, phases};
 use crate::hb::equations::balance::Balance;
 use crate::hb::equations::effort::WorkCount;
+use crate::hb::equations::problem::Problem;
 use crate::hb::newton::{Iterate, Point};
 use faer::prelude::c64;
 use std::f64::consts::PI;
@@ -62,6 +66,8 @@ pub struct Solution {
     /// Stated error of the amplitude by the harmonics left out: relative, not below the change by twice the harmonics
     /// ([`super::peak::alert`]). `None` without an alert, or where no solution was found with twice the harmonics.
     pub truncation_error: Option<f64>,
+    /// Stability; `None` where it was not assessed.
+    pub stability: Option<Stability>,
     /// Sharpness of a peak (see [`crate::hb::peak::search::Located`]).
     pub sharpness: Option<f64>,
     /// How a peak was found; `None` where the frequency was given.
@@ -111,6 +117,7 @@ impl Solution {
             work: CycleWork::new(balance, iterate),
             kinetic_energy: kinetic_energy(iterate),
             truncation_error: None,
+            stability: None,
             sharpness: None,
             route: None,
             work_count: WorkCount::default(),
@@ -122,11 +129,46 @@ impl Solution {
     }
 
     /// Whether the contacts of a part that only they hold bounce so much that a response with the period of the
-    /// excitation is not to be trusted: the strip flies, or the pairs are open for most of the time. Time integration of the rig settles to one period up to
+    /// excitation is not to be trusted, as far as that can be told without its stability: the strip flies, or the pairs are open for most of the time. Time integration of the rig settles to one period up to
     /// shares of about one half (100 N) and does not any more at 300 N, where it is two thirds and more.
     #[must_use]
     pub fn bounces(&self) -> bool {
         self.flight_fraction > 0.0 || self.contact.separated > MOST_SEPARATED
+    }
+
+    /// The same with its stability, where `settings` ask for it and it can be assessed, and with the status that follows.
+    #[must_use]
+    pub fn with_stability(mut self, problem: &Problem<'_>, settings: &HbSettings) -> Self {
+        let ContactFractions {
+            slip, separated, ..
+        } = self.contact;
+        let wanted = match settings.stability {
+            StabilityScope::Off => false,
+            StabilityScope::LiftOff => separated > 0.0,
+            StabilityScope::All => slip > 0.0 || separated > 0.0,
+        };
+        if !wanted || !self.status.has_solution() {
+            return self;
+        }
+        let motion = PeriodicMotion {
+            harmonics: &self.harmonics,
+            relative: &self.relative,
+            omega: self.omega,
+            law: settings.aft.law,
+        };
+        self.stability = assess(problem, &motion);
+        let Some(stability) = self.stability else {
+            return self;
+        };
+        let certified = settings
+            .alert
+            .is_none_or(|alert| self.truncation_error.is_some_and(|e| e <= alert.threshold));
+        self.status = match (certified, stability.is_stable()) {
+            (false, _) => Status::TruncationAboveThreshold,
+            (true, true) => Status::Converged,
+            (true, false) => Status::Unstable,
+        };
+        self
     }
 
     /// Unknowns, frequency and level: a start for others.

@@ -11,7 +11,9 @@ pub enum Status {
     /// Converged, but the stated truncation error is above the threshold, or not known, and the solution has no more
     /// harmonics: the study allows none, or it was not found with more.
     TruncationAboveThreshold,
-    /// Converged, but the contacts bounce: a period-1 response is not to be trusted.
+    /// Converged, but a small disturbance grows from period to period: the structure does not stay in this vibration.
+    Unstable,
+    /// Converged and not assessed for stability, but a part that only contacts hold lifts off for most of the time.
     BouncingContact,
     /// Newton's method used up its iterations.
     MaxIterations,
@@ -35,9 +37,10 @@ pub enum Status {
 
 impl Status {
     /// Every status, in the order of reports.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Converged,
         Self::TruncationAboveThreshold,
+        Self::Unstable,
         Self::BouncingContact,
         Self::MaxIterations,
         Self::StepTooSmall,
@@ -55,11 +58,14 @@ impl Status {
     pub fn has_solution(self) -> bool {
         matches!(
             self,
-            Self::Converged | Self::TruncationAboveThreshold | Self::BouncingContact
+            Self::Converged
+                | Self::TruncationAboveThreshold
+                | Self::Unstable
+                | Self::BouncingContact
         )
     }
 
-    /// Whether verdicts may use these numbers: the error is not above the threshold, and the contacts do not bounce.
+    /// Whether verdicts may use these numbers: the error is not above the threshold, and the solution is not unstable.
     #[must_use]
     pub fn is_trusted(self) -> bool {
         matches!(self, Self::Converged)
@@ -71,6 +77,7 @@ impl Status {
         match self {
             Self::Converged => "converged",
             Self::TruncationAboveThreshold => "truncation-above-threshold",
+            Self::Unstable => "unstable",
             Self::BouncingContact => "bouncing-contact",
             Self::MaxIterations => "max-iterations",
             Self::StepTooSmall => "step-too-small",
@@ -94,8 +101,11 @@ impl Status {
             Self::TruncationAboveThreshold => {
                 "the balance equations hold, but the truncation error is above the threshold, or not known because no solution was found with twice the harmonics; if the sample has the alert's highest_harmonic, raise it"
             }
+            Self::Unstable => {
+                "the balance equations hold, but a small disturbance grows from period to period: the structure does not stay in this vibration"
+            }
             Self::BouncingContact => {
-                "the balance equations hold, but a part that only contacts hold, such as the strip, lifts off: its real vibration may not have the period of the excitation"
+                "the balance equations hold and stability was not assessed, but a part that only contacts hold, such as the strip, lifts off for most of the time: its real vibration may not have the period of the excitation"
             }
             Self::MaxIterations => "Newton's method did not converge from any of the starts",
             Self::StepTooSmall => "the continuation of the branch failed with the smallest step",

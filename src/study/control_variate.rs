@@ -10,7 +10,7 @@ use crate::ensemble::Ensemble;
 use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::runner::Stopped;
 use crate::harmonics::HarmonicSet;
-use crate::hb::HbSettings;
+use crate::hb::{HbSettings, StabilityScope};
 use crate::report::asked::ControlVariateSettings;
 
 /// The samples of the control variate on few harmonics.
@@ -24,6 +24,7 @@ pub(super) fn control_samples<F: Fn(Progress) + Sync>(
     let settings = HbSettings {
         harmonics: HarmonicSet::up_to(wanted.highest_harmonic()),
         alert: None,
+        stability: StabilityScope::Off,
         ..session.prepared.study.solver.clone()
     };
     let ensemble = Ensemble {

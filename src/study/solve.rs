@@ -72,6 +72,12 @@ pub fn solve(
                 at_frequencies(&problem, &study.solver, level, sweep, progress)
             }
         };
+        let judged = response.solutions.into_iter();
+        let judged = judged.map(|point| point.with_stability(&problem, &study.solver));
+        let response = Response {
+            solutions: judged.collect(),
+            ..response
+        };
         progress(1.0);
         curves.push(LevelCurve {
             level,
@@ -219,6 +225,9 @@ struct PointRecord<'a> {
     /// Stated relative error of the amplitude by the harmonics left out; null with `alert = false`, or where no solution with
     /// other harmonics was found.
     truncation_error: Option<f64>,
+    /// Floquet multiplier of the largest modulus [real part, imaginary part]: above 1 in modulus the solution is unstable; null
+    /// where stability was not assessed.
+    multiplier: Option<[f64; 2]>,
     /// Largest residual of the equations over the static displacement of the contacts; null where it is not finite.
     #[schemars(with = "Option<f64>")]
     residual: f64,
@@ -279,11 +288,18 @@ impl<'a> PointRecord<'a> {
             contact_fractions: solved.then_some(solution.contact),
             work_j: solved.then_some(solution.work),
             truncation_error: solution.truncation_error,
+            multiplier: multiplier(solution),
             residual: solution.residual,
             newton_iterations: solution.work_count.iterations,
             factorizations: solution.work_count.factorizations,
         }
     }
+}
+
+/// Real and imaginary part of the largest multiplier.
+fn multiplier(solution: &Solution) -> Option<[f64; 2]> {
+    let stability = solution.stability?;
+    Some([stability.multiplier.re, stability.multiplier.im])
 }
 
 fn write_csv(
@@ -319,11 +335,13 @@ fn write_csv(
 }
 
 /// Columns of `curve.csv` after the amplitudes.
-const LAST_COLUMNS: [&str; 7] = [
+const LAST_COLUMNS: [&str; 9] = [
     "stick_fraction",
     "slip_fraction",
     "separated_fraction",
     "truncation_error",
+    "multiplier_real",
+    "multiplier_imaginary",
     "residual",
     "newton_iterations",
     "factorizations",
@@ -344,6 +362,8 @@ fn row(place: [String; 2], solution: &Solution, n_responses: usize) -> Vec<Strin
     row.extend((0..n_responses).map(|i| if_solved(solution.amplitude(i))));
     row.extend([stick, slip, separated].map(if_solved));
     row.push(optional(solution.truncation_error.filter(|_| solved)));
+    let multiplier = multiplier(solution);
+    row.extend([0, 1].map(|part| optional(multiplier.map(|m| m[part]))));
     row.push(optional(Some(solution.residual).filter(|r| r.is_finite())));
     let count = &solution.work_count;
     row.extend([count.iterations, count.factorizations].map(|n| n.to_string()));
@@ -370,6 +390,7 @@ mod tests {
             work: CycleWork::default(),
             kinetic_energy: 0.0,
             truncation_error: None,
+            stability: None,
             sharpness: None,
             route: None,
             force: Vec::new(),
@@ -431,7 +452,7 @@ mod tests {
         );
         let columns = |line: &str| line.matches(',').count();
         assert_eq!(columns(lines[1]), columns(lines[2]));
-        assert_eq!(lines[3], "2,50,non-finite,,,,,,,,3,2");
+        assert_eq!(lines[3], "2,50,non-finite,,,,,,,,,,3,2");
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::harmonics::HarmonicSet;
 use crate::hb::settings::{
     HIGHEST_HARMONIC, MOST_BUDGET, MOST_ITERATIONS, THRESHOLD, TOLERANCE, highest_harmonic,
 };
-use crate::hb::{AlertSettings, HbSettings, NewtonSettings, SliderAnchor};
+use crate::hb::{AlertSettings, HbSettings, NewtonSettings, SliderAnchor, StabilityScope};
 use crate::model::interface::{InterfaceSettings, STIFFNESS_N_PER_UM, Share};
 use crate::setting::{BadSetting, FRICTION};
 use crate::units::n_per_um_to_n_per_m;
@@ -148,6 +148,10 @@ pub struct SolverSection {
     /// error is above the threshold. `false` checks nothing and adds none; `true` takes the defaults.
     #[schemars(extend("default" = true))]
     alert: Option<Alert>,
+    /// Which solutions are assessed for stability by their Floquet multipliers: those with lift-off, all that slip or lift off, or
+    /// none. Those that are unstable have the status `unstable`.
+    #[schemars(extend("default" = StabilityScope::default()))]
+    stability: Option<StabilityScope>,
     /// Whether a mirror-symmetric model is solved on one half of its contacts. `false` solves both halves, and so also finds
     /// solutions that break the symmetry.
     #[schemars(extend("default" = true))]
@@ -248,6 +252,7 @@ impl SolverSection {
             anchor: contact.anchor.unwrap_or(DEFAULT_ANCHOR),
             newton: self.newton(),
             alert: self.alert(&harmonics),
+            stability: self.stability.unwrap_or_default(),
             harmonics,
         };
         settings.validate().map_err(|mut bad| {

@@ -30,6 +30,7 @@ mod schema;
 mod serve;
 mod shell;
 mod solve;
+mod stability;
 mod stick_limit;
 mod stopping;
 mod strip;

@@ -355,6 +355,7 @@ fn peak(force: f64, frequency_hz: f64, amplitude_m: f64, stick: f64, noise: f64)
         frequency_hz,
         amplitude_m,
         route: Some(route_of(noise)),
+        multiplier: (noise > 0.3).then_some([0.95 - 0.3 * noise, 0.2]),
         truncation_error: Some(1e-4 * 10f64.powf(1.9 * noise + 0.3 * (1.0 - stick))),
         highest_harmonic: if noise > 0.7 { 5 } else { 3 },
         stick_fraction: stick,

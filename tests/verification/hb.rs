@@ -18,6 +18,7 @@ mod maxima;
 mod models;
 mod peak;
 mod random_models;
+mod stability;
 mod status;
 mod sweep;
 mod symmetry;

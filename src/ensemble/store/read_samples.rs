@@ -112,6 +112,8 @@ struct PeakColumns {
     route: StringArray,
     truncation_error: Float64Array,
     /// Absent in tables of an older program.
+    multiplier: Option<[Float64Array; 2]>,
+    /// Absent in tables of an older program.
     damping_ratio: Option<Float64Array>,
     highest_harmonic: Int64Array,
     /// Shares of stick, slip and separation, works of input, damping and friction, residual.
@@ -244,6 +246,9 @@ impl PeakColumns {
             amplitude: real("amplitude_m")?,
             route: rows.texts("route")?.clone(),
             truncation_error: real("truncation_error")?,
+            multiplier: (real("multiplier_real").ok())
+                .zip(real("multiplier_imaginary").ok())
+                .map(|(real, imaginary)| [real, imaginary]),
             damping_ratio: real("damping_ratio").ok(),
             highest_harmonic: rows.counts("highest_harmonic")?.clone(),
             rest: [
@@ -270,6 +275,9 @@ impl PeakColumns {
             amplitude_m,
             route: named(&self.route, at, &PeakRoute::ALL, PeakRoute::name)?,
             truncation_error: optional(&self.truncation_error, at),
+            multiplier: (self.multiplier.as_ref()).and_then(|[real, imaginary]| {
+                Some([optional(real, at)?, optional(imaginary, at)?])
+            }),
             damping_ratio: (self.damping_ratio.as_ref()).and_then(|ratios| optional(ratios, at)),
             highest_harmonic: whole(&self.highest_harmonic, at, "highest_harmonic")?,
             stick_fraction: number(stick, at),

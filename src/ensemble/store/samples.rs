@@ -150,6 +150,8 @@ fn peak_columns(rows: &[LevelRow]) -> Table {
         real("amplitude_m", |p| Some(p.amplitude_m)),
         named("route", Column::Text(rows.iter().map(route).collect())),
         real("truncation_error", |p| p.truncation_error),
+        real("multiplier_real", |p| p.multiplier.map(|[re, _]| re)),
+        real("multiplier_imaginary", |p| p.multiplier.map(|[_, im]| im)),
         named(
             "highest_harmonic",
             Column::Count(rows.iter().map(highest).collect()),

@@ -17,7 +17,7 @@ use crate::aft::{
     Accuracy, AftBatch, AftForces, AftPlan, AftSettings, Block, Laps, Periodicity, StateSummary,
     Tangent, Want,
 };
-use crate::contact::Events;
+use crate::contact::{Events, FrictionLaw};
 use crate::harmonics::HarmonicSet;
 use crate::hb::settings::HbSettings;
 use crate::hb::structure::compliance::{Compliance, HarmonicCompliance};
@@ -105,6 +105,12 @@ impl<'p> Balance<'p> {
     #[must_use]
     pub fn events(&self) -> Events {
         self.plan.settings().events
+    }
+
+    /// The friction law.
+    #[must_use]
+    pub fn law(&self) -> FrictionLaw {
+        self.plan.settings().law
     }
 
     /// The compliance of the stuck structure at the excitation frequency `omega` (rad/s).

@@ -245,6 +245,7 @@ mod tests {
             work: CycleWork::default(),
             kinetic_energy: 0.0,
             truncation_error: None,
+            stability: None,
             sharpness: None,
             route: None,
             work_count: WorkCount::default(),

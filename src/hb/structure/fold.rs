@@ -77,11 +77,17 @@ impl LinearModel {
             parts.push(part);
             floats |= part_floats;
         }
+        let breaking = match parities.len() {
+            1 => Some(ModalPart::new(&half(model, mirror, Parity::Odd, &pairs), 2.0)?.0),
+            _ => None,
+        };
         Ok(Some(Self {
+            alternates: parts.len() > 1,
             parts,
+            breaking,
+            sector: false,
             pairs,
             floats,
-            alternates: parities.len() > 1,
         }))
     }
 }

@@ -21,10 +21,14 @@ pub struct LinearModel {
     /// Harmonic k belongs to part k mod length: one part for all, one for the even and one for the odd harmonics of a
     /// folded model ([`super::fold`]), or one for each wave of a disk ([`super::waves`]). Part 0 is real.
     pub parts: Vec<ModalPart>,
+    /// Of a folded model with one part: the structure for motions that break the mirror symmetry, which only disturbances have.
+    pub breaking: Option<ModalPart>,
     /// Contact pairs of the [`ReducedModel`] whose displacements are unknowns; those of the others follow by the mirror.
     pub pairs: Vec<usize>,
     /// Whether the free structure can move as a rigid body, in part or as a whole: such as a strip that only contacts hold.
     pub floats: bool,
+    /// Whether it is one sector of a disk, whose other sectors do the same one after the other.
+    pub sector: bool,
     /// Whether the model is folded and the mirror images do the same half a period later.
     pub alternates: bool,
 }
@@ -79,6 +83,8 @@ impl LinearModel {
         let (part, floats) = ModalPart::new(model, 1.0)?;
         Ok(Self {
             parts: vec![part],
+            breaking: None,
+            sector: false,
             pairs: (0..model.n_contacts()).collect(),
             floats,
             alternates: false,
@@ -87,7 +93,7 @@ impl LinearModel {
 
     /// Multiplies the damping matrix by `factor`.
     pub fn scale_damping(&mut self, factor: f64) {
-        for part in &mut self.parts {
+        for part in self.parts.iter_mut().chain(&mut self.breaking) {
             (part.structure.damping.iter_mut()).for_each(|c| *c *= factor);
             part.structure.coupling.damping.scale(factor);
         }

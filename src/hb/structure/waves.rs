@@ -50,6 +50,8 @@ impl LinearModel {
         Ok(Self {
             floats: parts.iter().any(|part| part.structure.floats()),
             parts,
+            breaking: None,
+            sector: true,
             pairs: (0..disk.contacts.len()).collect(),
             alternates: false,
         })

@@ -66,7 +66,7 @@ pub struct LevelResult {
 pub struct Unknown {
     /// Without a solution.
     pub failed: usize,
-    /// With one that is not to be trusted: bouncing, or with a truncation error above the threshold.
+    /// With one that is not to be trusted: unstable, bouncing, or with a truncation error above the threshold.
     pub untrusted: usize,
     /// With the limit inside their numerical error.
     pub within_error: usize,

@@ -8,7 +8,8 @@ use microslip::harmonics::{HarmonicSet, phases};
 use microslip::hb::branch::sweep::SweepDirection;
 use microslip::hb::newton::{Iterate, Point};
 use microslip::hb::{
-    Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Solution, Status,
+    Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Solution,
+    StabilityScope, Status,
 };
 use microslip::model::ReducedModel;
 use rand::{RngExt, SeedableRng};
@@ -27,6 +28,7 @@ pub(super) fn settings(highest: usize, law: FrictionLaw) -> HbSettings {
             ..NewtonSettings::default()
         },
         alert: None,
+        stability: StabilityScope::Off,
     }
 }
 

@@ -18,10 +18,11 @@ use microslip::hb::structure::linear::{ModalPart, Structure};
 use microslip::hb::structure::resonance::Band;
 use microslip::hb::{Balance, LinearModel, NewtonSettings, Problem, SliderAnchor};
 use microslip::linalg::split::SplitMat;
+use microslip::model::ReducedModel;
 use std::f64::consts::TAU;
 
 /// Modal oscillators η with sliders w, marched in time.
-struct March<'a> {
+pub(super) struct March<'a> {
     problem: &'a Problem<'a>,
     /// Rows of the contact matrix, one column of it per mode, mode-major.
     columns: Vec<Vec<f64>>,
@@ -36,6 +37,7 @@ struct March<'a> {
     now: Vec<f64>,
     before: Vec<f64>,
     sliders: Vec<[f64; 2]>,
+    law: FrictionLaw,
     r: Vec<f64>,
     f: Vec<f64>,
     /// Samples that stick, slip, separate.
@@ -44,7 +46,8 @@ struct March<'a> {
 
 impl<'a> March<'a> {
     /// Starts at the periodic solution, with the sliders that it has after two periods.
-    fn new(problem: &'a Problem<'a>, iterate: &Iterate<'_>, n_steps: usize) -> Self {
+    pub(super) fn new(balance: &Balance<'a>, iterate: &Iterate<'_>, n_steps: usize) -> Self {
+        let problem = balance.problem;
         let model = problem.model;
         let part = model.part(0);
         let Structure {
@@ -69,6 +72,7 @@ impl<'a> March<'a> {
             now: at(0.0),
             before: at(-1.0),
             sliders: problem.contacts.iter().map(|c| c.anchor).collect(),
+            law: balance.law(),
             r: vec![0.0; 3 * n_pairs],
             f: vec![0.0; 3 * n_pairs],
             states: [0; 3],
@@ -122,13 +126,19 @@ impl<'a> March<'a> {
             .enumerate()
         {
             let normal = (c.n_0 + c.k_n * self.r[2 * n + i]).max(0.0);
+            let limit = c.mu * normal;
+            let u = [self.r[i], self.r[n + i]];
+            let trial = [0, 1].map(|d| c.k_t[d] * (u[d] - w[d]));
+            let length = trial[0].hypot(trial[1]);
+            let returned = match self.law {
+                FrictionLaw::Box => trial.map(|t| t.clamp(-limit, limit)),
+                FrictionLaw::Circle if length > limit => trial.map(|t| t * limit / length),
+                FrictionLaw::Circle => trial,
+            };
             let mut slips = false;
-            for (d, w) in w.iter_mut().enumerate() {
-                let u = self.r[d * n + i];
-                let trial = c.k_t[d] * (u - *w);
-                let t = trial.clamp(-c.mu * normal, c.mu * normal);
-                if t != trial {
-                    *w = u - t / c.k_t[d];
+            for (d, t) in returned.into_iter().enumerate() {
+                if t != trial[d] {
+                    w[d] = u[d] - t / c.k_t[d];
                     slips = true;
                 }
                 self.f[d * n + i] = t;
@@ -141,6 +151,13 @@ impl<'a> March<'a> {
 
     /// One period; first harmonic of response 0.
     fn cycle(&mut self) -> c64 {
+        let (y, mean) = self.period();
+        self.hold(&mean);
+        y
+    }
+
+    /// One period with the reaction of the retention as it is; first harmonic of response 0 and mean of η.
+    pub(super) fn period(&mut self) -> (c64, Vec<f64>) {
         let model = self.problem.model.part(0);
         let mut y = c64::new(0.0, 0.0);
         let mut mean = vec![0.0; self.now.len()];
@@ -169,8 +186,31 @@ impl<'a> March<'a> {
             }
             self.now = std::mem::replace(&mut self.before, now);
         }
-        self.hold(&mean);
-        y
+        (y, mean)
+    }
+
+    /// Adds a disturbance of η, η̇ and sliders (pair, direction, m).
+    pub(super) fn disturb(&mut self, eta: &[f64], rate: &[f64], sliders: &[([usize; 2], f64)]) {
+        for (j, (x, v)) in eta.iter().zip(rate).enumerate() {
+            self.now[j] += x;
+            self.before[j] += x - self.step * v;
+        }
+        for &([pair, d], w) in sliders {
+            self.sliders[pair][d] += w;
+        }
+    }
+
+    /// η, η̇ and the displacements of `sliders` (pair, direction).
+    pub(super) fn state(&self, sliders: &[[usize; 2]]) -> Vec<f64> {
+        let rates = self.now.iter().zip(&self.before);
+        let rates = rates.map(|(now, before)| (now - before) / self.step);
+        let sliders = sliders.iter().map(|&[pair, d]| self.sliders[pair][d]);
+        self.now
+            .iter()
+            .copied()
+            .chain(rates)
+            .chain(sliders)
+            .collect()
     }
 }
 
@@ -270,7 +310,7 @@ fn time_integration_of_the_lumped_blades_agrees() {
             balance = larger;
         }
         for rest in [false, true] {
-            let march = March::new(&problem, &iterate, 8000);
+            let march = March::new(&balance, &iterate, 8000);
             let march = if rest { march.at_rest() } else { march };
             let end = run(march, 400);
             assert!(level < 20.0 || end.states[2] > 0, "separates at 40 N");
@@ -280,9 +320,9 @@ fn time_integration_of_the_lumped_blades_agrees() {
     }
 }
 
-/// The rig without its modes above `hertz`.
-fn truncated(hertz: f64) -> LinearModel {
-    let full = LinearModel::new(&RIG.reduced).expect("definite");
+/// A rig without its modes above `hertz`.
+pub(super) fn truncated(model: &ReducedModel, hertz: f64) -> LinearModel {
+    let full = LinearModel::new(model).expect("definite");
     let part = full.part(0);
     let Structure {
         lambda,
@@ -322,7 +362,7 @@ fn truncated(hertz: f64) -> LinearModel {
 /// Seen to fail with: a lower limit of −0.9 mu N in the solver.
 #[test]
 fn time_integration_of_the_rig_agrees() {
-    let linear = truncated(60e3);
+    let linear = truncated(&RIG.reduced, 60e3);
     let contacts = contacts(&RIG.reduced, 1.0, 0.6);
     let anchor = SliderAnchor::Unloaded;
     let problem = Problem::new(&linear, contacts, 1.0, anchor).expect("held");
@@ -348,6 +388,6 @@ fn time_integration_of_the_rig_agrees() {
     let padded = start.padded(&first, &balance);
     let fixed = Condition::FixedFrequency;
     let iterate = solve(&balance, padded, fixed, settings.newton).expect("a solution");
-    let end = run(March::new(&problem, &iterate, 2000), 700);
+    let end = run(March::new(&balance, &iterate, 2000), 700);
     compare(0.01, &balance, &end, &iterate);
 }

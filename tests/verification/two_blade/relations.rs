@@ -9,7 +9,8 @@ use microslip::hb::peak::search::PeakSettings;
 use microslip::hb::peak::track::track_peaks;
 use microslip::hb::structure::resonance::{Band, linear_resonance, linear_response};
 use microslip::hb::{
-    HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Solution, Status,
+    HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Solution, StabilityScope,
+    Status,
 };
 use microslip::model::two_blade::TwoBladeSettings;
 use microslip::units::{hz_to_rad_s, rad_s_to_hz};
@@ -91,6 +92,7 @@ fn peaks(mu: f64, levels: &[f64]) -> Vec<Peak> {
         anchor: SliderAnchor::Unloaded,
         newton: NewtonSettings::default(),
         alert: None,
+        stability: StabilityScope::Off,
     };
     let free = RIG.free_neck_bending();
     let peak = PeakSettings {

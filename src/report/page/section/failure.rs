@@ -1,6 +1,7 @@
 //! Failures and error alerts: how many, and where they lie.
 
 use crate::ensemble::outcome::SampleOutcome;
+use crate::hb::stability::assessment::MARGIN;
 use crate::hb::{ContactFractions, PeakRoute, Status};
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Cell, Figure, Section, Table};
@@ -32,6 +33,7 @@ pub(super) fn section(view: &View) -> Section {
         answers_table(view),
         work_table(view),
     ]);
+    blocks.extend(stability(view).map(Block::Hint));
     blocks.push(Block::Hint(
         "Work balance: |input − viscous − frictional work| per cycle over the input work; it measures how well the \
          equations are solved, not how many harmonics are needed."
@@ -50,6 +52,21 @@ pub(super) fn section(view: &View) -> Section {
         title: "Failures, error alerts, solver".to_owned(),
         blocks,
     }
+}
+
+/// How many peaks were assessed for stability, and what was found; absent where none was.
+fn stability(view: &View) -> Option<String> {
+    let peaks: Vec<_> = (0..view.n_levels()).flat_map(|i| view.peaks(i)).collect();
+    let multipliers = peaks.iter().filter_map(|(_, peak)| peak.multiplier);
+    let sizes: Vec<f64> = multipliers.map(|[re, im]| re.hypot(im)).collect();
+    let largest = sizes.iter().copied().reduce(f64::max)?;
+    let unstable = sizes.iter().filter(|&&size| size > 1.0 + MARGIN).count();
+    Some(format!(
+        "Stability: {} of {} peaks were assessed by their Floquet multipliers, {unstable} of them are unstable. The largest \
+         modulus of a multiplier is {largest:.4}.",
+        sizes.len(),
+        peaks.len(),
+    ))
 }
 
 fn statuses(view: &View) -> Block {

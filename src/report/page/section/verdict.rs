@@ -25,8 +25,8 @@ pub(super) fn section(view: &View) -> Section {
         blocks.push(criteria(view));
         blocks.push(Block::Hint(
             "PASS or FAIL: the whole confidence interval lies on that side of the limit, each side with the stated \
-             confidence, whatever unknown samples would have given (failed, bouncing, or with a truncation error above \
-             the threshold) and wherever the others lie within their numerical error. UNDECIDED: the limit lies inside, \
+             confidence, whatever unknown samples would have given (failed, unstable, bouncing, or with a truncation error \
+             above the threshold) and wherever the others lie within their numerical error. UNDECIDED: the limit lies inside, \
              or too few samples bound the side. (indication): the samples are no independent draws, so there is no \
              confidence. Flat inputs as intervals: uniform and log-uniform inputs may say no more than that a value lies \
              somewhere in an interval. Limits, standards and clauses are the user’s."

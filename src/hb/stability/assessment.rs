@@ -1,0 +1,100 @@
+//! Whether a periodic solution is stable, by its largest Floquet multiplier.
+
+use super::period_map::{PeriodMap, PeriodicMotion};
+use crate::hb::equations::problem::Problem;
+use faer::prelude::c64;
+
+/// Steps of the march per period.
+pub const STEPS: usize = 256;
+
+/// A disturbance that grows by less than this share per period is not told from one that stays.
+pub const MARGIN: f64 = 1e-3;
+
+/// Multipliers this close to 1 belong to neutral directions, such as the mean position of a strip in gross slip.
+const NEUTRAL: f64 = 1e-6;
+
+/// Stability of a periodic solution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stability {
+    /// The Floquet multiplier of the largest modulus, with Im ≥ 0: what one period makes of the disturbance that lasts longest.
+    /// Neutral directions are left out.
+    pub multiplier: c64,
+    /// Number of multipliers whose modulus is above 1.
+    pub n_unstable: usize,
+}
+
+/// How a stable solution becomes unstable, by where its multiplier leaves the unit circle.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Instability {
+    /// At +1: the vibration leaves for another one of the same period, beyond a fold or with another symmetry.
+    Fold,
+    /// At −1: every second period becomes alike.
+    PeriodDoubling,
+    /// Elsewhere: the vibration gets a second frequency.
+    NeimarkSacker,
+}
+
+impl Stability {
+    /// Whether every small disturbance dies out.
+    #[must_use]
+    pub fn is_stable(&self) -> bool {
+        self.n_unstable == 0
+    }
+
+    /// Share by which the most lasting disturbance grows in one period; negative where it decays.
+    #[must_use]
+    pub fn growth(&self) -> f64 {
+        self.multiplier.norm() - 1.0
+    }
+
+    /// What kind of instability it is; `None` if it is stable.
+    #[must_use]
+    pub fn instability(&self) -> Option<Instability> {
+        let multiplier = self.multiplier;
+        match self.is_stable() {
+            true => None,
+            false if multiplier.im != 0.0 => Some(Instability::NeimarkSacker),
+            false if multiplier.re > 0.0 => Some(Instability::Fold),
+            false => Some(Instability::PeriodDoubling),
+        }
+    }
+
+    /// The largest of all multipliers; `None` without any.
+    fn of(multipliers: impl Iterator<Item = c64>) -> Option<Self> {
+        let mut largest: Option<c64> = None;
+        let mut n_unstable = 0;
+        for multiplier in multipliers.filter(|m| (m - 1.0).norm() > NEUTRAL) {
+            n_unstable += usize::from(multiplier.norm() > 1.0 + MARGIN);
+            if largest.is_none_or(|m| multiplier.norm_sqr() > m.norm_sqr()) {
+                largest = Some(multiplier);
+            }
+        }
+        largest.map(|m| Self {
+            multiplier: c64::new(m.re, m.im.abs()),
+            n_unstable,
+        })
+    }
+}
+
+/// Stability of `motion`, a solution of `problem`. `None` for a disk, whose disturbances belong to all nodal diameters, and
+/// if the eigenvalues were not found.
+#[must_use]
+pub fn assess(problem: &Problem<'_>, motion: &PeriodicMotion<'_>) -> Option<Stability> {
+    assess_with(problem, motion, STEPS)
+}
+
+/// The same with `n_steps` steps per period, an even number.
+#[must_use]
+pub fn assess_with(
+    problem: &Problem<'_>,
+    motion: &PeriodicMotion<'_>,
+    n_steps: usize,
+) -> Option<Stability> {
+    let maps = PeriodMap::all(problem, motion, n_steps)?;
+    let multipliers: Vec<Vec<c64>> =
+        (maps.iter().map(PeriodMap::multipliers)).collect::<Option<_>>()?;
+    Stability::of(multipliers.into_iter().flatten())
+}

@@ -1,0 +1,107 @@
+//! Stability in the files of `solve` and `run`, on two lumped blades with a strip that lifts off and whose response folds over.
+
+use std::path::Path;
+
+use crate::microslip;
+use tempfile::TempDir;
+
+/// The folder of a study of the blades at 40 N, with a line in `[solver]` and tables at its end.
+fn blades(solver: &str, tables: &str) -> TempDir {
+    let source = Path::new("tests/reference/lb2");
+    let folder = tempfile::tempdir().unwrap();
+    for matrix in ["mass", "stiffness", "damping", "retention"] {
+        let name = format!("{matrix}.mtx");
+        std::fs::copy(source.join(&name), folder.path().join(&name)).unwrap();
+    }
+    let study = std::fs::read_to_string(source.join("study.toml")).unwrap();
+    let study = study
+        .replace("levels = [1, 10, 20, 40, 100]", "levels = [40]")
+        .replace("[300.0, 450.0]", "[310.0, 390.0]")
+        .replace("alert = false", &format!("alert = false\n{solver}"));
+    let study = format!("samples = 4\nseed = 1\n{study}\n{tables}");
+    std::fs::write(folder.path().join("study.toml"), study).unwrap();
+    folder
+}
+
+/// Status, shares of slip and separation, and modulus of the multiplier of each point of the curve.
+fn curve(solver: &str) -> Vec<(String, [f64; 2], Option<f64>)> {
+    let folder = blades(solver, "");
+    let output = microslip(folder.path(), &["solve", "study.toml", "--output", "out"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let mut table = csv::Reader::from_path(folder.path().join("out/curve.csv")).unwrap();
+    let head: Vec<String> = table.headers().unwrap().iter().map(str::to_owned).collect();
+    let column = |name: &str| head.iter().position(|h| h == name).unwrap();
+    let [slip, open, real, imaginary] = [
+        "slip_fraction",
+        "separated_fraction",
+        "multiplier_real",
+        "multiplier_imaginary",
+    ]
+    .map(column);
+    let records = table.records().map(|record| {
+        let record = record.unwrap();
+        let number = |i: usize| record[i].parse::<f64>().ok();
+        let multiplier = number(real).zip(number(imaginary));
+        let shares = [slip, open].map(|i| number(i).unwrap());
+        (
+            record[2].to_owned(),
+            shares,
+            multiplier.map(|(re, im)| re.hypot(im)),
+        )
+    });
+    records.collect()
+}
+
+/// Which points have a multiplier follows from the study, and their status from the multiplier. Seen to fail with points of
+/// `solve` left as they are.
+#[test]
+fn curves_say_where_they_are_unstable() {
+    let all = curve("stability = \"all\"");
+    let unstable = all
+        .iter()
+        .filter(|(status, ..)| status == "unstable")
+        .count();
+    println!("{unstable} of {} points are unstable", all.len());
+    assert!(unstable > 5 && unstable < all.len() - 5, "{unstable}");
+    for (status, [slip, open], multiplier) in &all {
+        assert_eq!(multiplier.is_some(), slip + open > 0.0, "{status}");
+        let size = multiplier.unwrap_or_default();
+        let expected = if size > 1.001 {
+            "unstable"
+        } else {
+            "converged"
+        };
+        assert_eq!(status, expected, "{size}");
+    }
+    for (_, [_, open], multiplier) in curve("") {
+        assert_eq!(multiplier.is_some(), open > 0.0);
+    }
+    let off = curve("stability = \"off\"");
+    let said = |(status, _, multiplier): &(String, _, Option<f64>)| {
+        multiplier.is_some() || status == "unstable"
+    };
+    assert!(!off.iter().any(said));
+}
+
+/// A run counts its unstable peaks, and the page says how many were assessed.
+#[test]
+fn runs_count_unstable_peaks() {
+    let input =
+        "[inputs.friction_coefficient]\ndistribution = \"uniform\"\nlow = 0.5\nhigh = 0.7\n";
+    let folder = blades("", input);
+    let output = microslip(folder.path(), &["run", "study.toml", "--output", "out"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let read = |name: &str| std::fs::read_to_string(folder.path().join("out").join(name)).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
+    let statuses = &summary["levels"][0]["statuses"];
+    let count = |status: &str| statuses[status].as_u64().unwrap();
+    println!("{statuses}");
+    assert_eq!(count("bouncing-contact"), 0);
+    let found = count("converged") + count("unstable");
+    assert!(found > 0, "{statuses}");
+    let words = format!(
+        "Stability: {found} of {found} peaks were assessed by their Floquet multipliers, {} of them are unstable.",
+        count("unstable")
+    );
+    assert!(read("report.html").contains(&words), "{words}");
+}
