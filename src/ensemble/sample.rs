@@ -7,7 +7,7 @@ use super::applied::Applied;
 use super::atlas::{Anchor, Atlas, ModePeaks};
 use super::mode_search::ModeOfSample;
 use super::outcome::{
-    CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, newton_iterations,
+    CurvePoint, LevelOutcome, Lists, OtherMaximum, PeakRecord, SampleOutcome, newton_iterations,
 };
 use super::times::SampleTimes;
 use super::{Ensemble, SampleSolver};
@@ -87,8 +87,8 @@ impl Ensemble<'_> {
         let outcome = SampleOutcome {
             index,
             group,
-            inputs,
-            levels,
+            inputs: inputs.into(),
+            levels: levels.into(),
         };
         (outcome, Anchor { place, peaks }, times)
     }
@@ -157,8 +157,7 @@ impl Ensemble<'_> {
             level,
             status: Status::Converged,
             peak: Some(peak),
-            others: Vec::new(),
-            curve: Vec::new(),
+            lists: Lists::default(),
             newton_iterations: 0,
             factorizations: 0,
         };
@@ -217,10 +216,9 @@ impl Ensemble<'_> {
             level,
             status: maxima.status(),
             peak: peak.map(record),
-            others: peak.map_or_else(Vec::new, |_| others(maxima)),
-            curve,
-            newton_iterations: count.iterations,
-            factorizations: count.factorizations,
+            lists: Lists::new(peak.map_or_else(Vec::new, |_| others(maxima)), curve),
+            newton_iterations: in_32_bits(count.iterations),
+            factorizations: in_32_bits(count.factorizations),
         }
     }
 
@@ -262,8 +260,7 @@ impl Ensemble<'_> {
             level,
             status,
             peak: None,
-            others: Vec::new(),
-            curve: Vec::new(),
+            lists: Lists::default(),
             newton_iterations: 0,
             factorizations: 0,
         });
@@ -294,20 +291,25 @@ fn others(maxima: &Maxima) -> Vec<OtherMaximum> {
         .collect()
 }
 
+/// A count as outcomes hold it. Budgets keep counts far below the largest one.
+fn in_32_bits(count: usize) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
+}
+
 fn record(solution: &Solution) -> PeakRecord {
     PeakRecord {
         frequency_hz: rad_s_to_hz(solution.omega),
         amplitude_m: solution.amplitude(0),
         route: solution.route,
-        truncation_error: solution.truncation_error,
-        highest_harmonic: solution.harmonics.highest(),
+        truncation_error: solution.truncation_error.into(),
+        highest_harmonic: in_32_bits(solution.harmonics.highest()),
         stick_fraction: solution.contact.stick,
         slip_fraction: solution.contact.slip,
         separated_fraction: solution.contact.separated,
         work_input_j: solution.work.input,
         work_viscous_j: solution.work.viscous,
         work_friction_j: solution.work.friction,
-        damping_ratio: solution.damping_ratio(),
+        damping_ratio: solution.damping_ratio().into(),
         residual: solution.residual,
     }
 }

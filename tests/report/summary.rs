@@ -109,7 +109,7 @@ fn replicates_show_the_error_of_the_mean() {
     let plain = serde_json::to_value(Summary::of(&study.input())).unwrap();
     assert!(plain["levels"][0].get("replicate_means").is_none());
     for (i, outcome) in study.outcomes.iter_mut().enumerate() {
-        outcome.group.replicate = Some(i as u64 % 3);
+        outcome.group.replicate = Some(i as u32 % 3);
         outcome.levels[0].peak.as_mut().unwrap().frequency_hz = 100.0 + i as f64;
     }
     study.outcomes[10].levels[0].status = Status::MaxIterations;

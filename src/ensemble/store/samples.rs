@@ -16,7 +16,7 @@ use std::path::Path;
 /// Key of the names of the inputs.
 pub(super) const INPUTS_KEY: &str = "inputs";
 /// Columns of what a sample belongs to.
-pub(super) type GroupColumn = (&'static str, fn(&SampleGroup) -> Option<u64>);
+pub(super) type GroupColumn = (&'static str, fn(&SampleGroup) -> Option<u32>);
 pub(super) const GROUP_COLUMNS: [GroupColumn; 3] = [
     ("outer", |group| group.outer),
     ("replicate", |group| group.replicate),
@@ -104,7 +104,7 @@ fn input_columns(input_names: &[String], group: SampleGroup, rows: &[LevelRow]) 
     let mut table = vec![named("sample", Column::Count(sample.collect()))];
     for (name, of) in GROUP_COLUMNS {
         if of(&group).is_some() {
-            let number = |o: &SampleOutcome| of(&o.group).and_then(|n| i64::try_from(n).ok());
+            let number = |o: &SampleOutcome| of(&o.group).map(i64::from);
             let numbers = rows.iter().map(|(o, _)| number(o));
             table.push(named(name, Column::Count(numbers.collect())));
         }
@@ -136,7 +136,7 @@ fn peak_columns(rows: &[LevelRow]) -> Table {
         real("frequency_hz", |p| Some(p.frequency_hz)),
         real("amplitude_m", |p| Some(p.amplitude_m)),
         named("route", Column::Text(rows.iter().map(route).collect())),
-        real("truncation_error", |p| p.truncation_error),
+        real("truncation_error", |p| p.truncation_error.get()),
         named(
             "highest_harmonic",
             Column::Count(rows.iter().map(highest).collect()),
@@ -147,12 +147,12 @@ fn peak_columns(rows: &[LevelRow]) -> Table {
         real("work_input_j", |p| Some(p.work_input_j)),
         real("work_viscous_j", |p| Some(p.work_viscous_j)),
         real("work_friction_j", |p| Some(p.work_friction_j)),
-        real("damping_ratio", |p| p.damping_ratio),
+        real("damping_ratio", |p| p.damping_ratio.get()),
         real("residual", |p| Some(p.residual)),
     ];
     for (name, of) in OTHER_COLUMNS {
         let others = |(_, l): &LevelRow| match peak(l) {
-            Some(_) => l.others.iter().map(of).collect(),
+            Some(_) => l.lists.others().iter().map(of).collect(),
             None => Vec::new(),
         };
         table.push(named(

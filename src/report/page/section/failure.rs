@@ -269,7 +269,7 @@ fn truncation(view: &View) -> Option<Figure> {
     let levels = 0..view.n_levels();
     let errors = levels
         .flat_map(|i| view.peaks(i))
-        .filter_map(|(_, p)| p.truncation_error);
+        .filter_map(|(_, p)| p.truncation_error.get());
     // Errors of 0 have no logarithm; they cannot be a cause for worry.
     let sorted = Sorted::finite(errors.map(f64::log10));
     let bins = histogram(&sorted, 40);
