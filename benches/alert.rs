@@ -49,7 +49,7 @@ fn main() {
         clock.elapsed().as_secs_f64()
     );
     for (i, level) in LEVELS.iter().enumerate() {
-        let mut fates: BTreeMap<(&str, usize), usize> = BTreeMap::new();
+        let mut fates: BTreeMap<(&str, u32), usize> = BTreeMap::new();
         for outcome in &solved.outcomes {
             let found = &outcome.levels[i];
             let highest = found.peak.map_or(0, |p| p.highest_harmonic);
@@ -96,9 +96,16 @@ fn compared(
     let trusted = level.status != Status::BouncingContact;
     (trusted && record.separated_fraction > 0.0).then(|| Compared {
         level: level.level,
-        stated: record.truncation_error,
+        stated: record.truncation_error.get(),
         truths: (TRUTHS.iter())
-            .map(|factor| true_error(ensemble, problem, peak, factor * record.highest_harmonic))
+            .map(|factor| {
+                true_error(
+                    ensemble,
+                    problem,
+                    peak,
+                    factor * record.highest_harmonic as usize,
+                )
+            })
             .collect(),
     })
 }

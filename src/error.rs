@@ -49,6 +49,9 @@ pub enum Error {
     /// Outcomes could not be stored.
     #[error(transparent)]
     Store(#[from] TableError),
+    /// A part or the results of a run could not be written. What stands in parts is kept.
+    #[error("{0}; what was solved before is kept: mend this, then the same command goes on")]
+    Unwritten(Box<Error>),
     /// The report could not be written.
     #[error(transparent)]
     Report(#[from] ReportError),

@@ -104,8 +104,10 @@ fn main() {
     let mut results = Results::new();
     for (name, study) in studies() {
         let outcomes = solved(&study);
-        let iterations: usize = levels(&outcomes).map(|l| l.newton_iterations).sum();
-        let factorizations: usize = levels(&outcomes).map(|l| l.factorizations).sum();
+        let iterations: usize = levels(&outcomes)
+            .map(|l| l.newton_iterations as usize)
+            .sum();
+        let factorizations: usize = levels(&outcomes).map(|l| l.factorizations as usize).sum();
         print!("{name}: {iterations} iterations, {factorizations} factorisations");
         if let Some(before) = before.as_ref().and_then(|results| results.get(name)) {
             let ([frequency, amplitude], others) = differences(before, &outcomes);

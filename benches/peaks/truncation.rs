@@ -33,7 +33,7 @@ pub(crate) fn certified() {
     for (i, level) in levels.iter().enumerate() {
         let peaks: Vec<&LevelOutcome> = solved.outcomes.iter().map(|o| &o.levels[i]).collect();
         describe(&format!("{level} N"), &peaks);
-        let mut fates: BTreeMap<(&str, usize), usize> = BTreeMap::new();
+        let mut fates: BTreeMap<(&str, u32), usize> = BTreeMap::new();
         for peak in &peaks {
             let highest = peak.peak.map_or(0, |p| p.highest_harmonic);
             *fates.entry((peak.status.name(), highest)).or_default() += 1;

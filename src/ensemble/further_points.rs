@@ -34,12 +34,12 @@ impl Ensemble<'_> {
             let levels = solved(&inputs);
             done(newton_iterations(&levels));
             let mut group = design.group(i * design.outer_points());
-            group.outer = Some(point.outer);
+            group.outer = u32::try_from(point.outer).ok();
             SampleOutcome {
                 index: point.outer * inner + i,
                 group,
-                inputs,
-                levels,
+                inputs: inputs.into(),
+                levels: levels.into(),
             }
         };
         let all: Vec<(&FurtherPoint, u64)> = (points.iter())

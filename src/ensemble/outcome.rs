@@ -2,7 +2,7 @@
 
 use crate::hb::{PeakRoute, Status};
 use crate::sampling::SampleGroup;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// All that is stored of one sample.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -12,9 +12,9 @@ pub struct SampleOutcome {
     /// Outer point, replicate and place in a row, where the design has such.
     pub group: SampleGroup,
     /// Sampled inputs, in the order of the study's input names.
-    pub inputs: Vec<f64>,
+    pub inputs: Box<[f64]>,
     /// One record per excitation level, in the order of the study's levels.
-    pub levels: Vec<LevelOutcome>,
+    pub levels: Box<[LevelOutcome]>,
 }
 
 impl SampleOutcome {
@@ -35,18 +35,140 @@ pub struct LevelOutcome {
     pub status: Status,
     /// The resonance peak, if found.
     pub peak: Option<PeakRecord>,
+    /// What is known beside the peak.
+    #[serde(flatten)]
+    pub around: AroundPeak,
+    /// Newton iterations spent on this level.
+    pub newton_iterations: u32,
+    /// Linear factorisations spent on this level.
+    pub factorizations: u32,
+}
+
+/// What is known beside the peak of a level. Most levels of most samples have nothing, and a report holds millions of levels: then
+/// it takes one pointer.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(from = "KnownAround")]
+pub struct AroundPeak(Option<Box<KnownAround>>);
+
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+struct KnownAround {
+    others: Vec<OtherMaximum>,
+    curve: Vec<CurvePoint>,
+    #[serde(default)]
+    sweeps: Option<SweepRecord>,
+}
+
+impl AroundPeak {
     /// Lower maxima of the amplitude, highest first: of other modes that compete, or found in the search for the peak.
-    pub others: Vec<OtherMaximum>,
-    /// Forced response around the peak, ascending in frequency, single-valued; may be empty.
-    pub curve: Vec<CurvePoint>,
+    #[must_use]
+    pub fn others(&self) -> &[OtherMaximum] {
+        self.0.as_ref().map_or(&[], |known| &known.others)
+    }
+
+    /// Forced response around the peak, ascending in frequency, single-valued.
+    #[must_use]
+    pub fn curve(&self) -> &[CurvePoint] {
+        self.0.as_ref().map_or(&[], |known| &known.curve)
+    }
+
     /// What slow sweeps through the band meet; absent without a curve from one end of the band to the other, and in results of an
     /// older program.
-    #[serde(default)]
-    pub sweeps: Option<SweepRecord>,
-    /// Newton iterations spent on this level.
-    pub newton_iterations: usize,
-    /// Linear factorisations spent on this level.
-    pub factorizations: usize,
+    #[must_use]
+    pub fn sweeps(&self) -> Option<&SweepRecord> {
+        self.0.as_ref()?.sweeps.as_ref()
+    }
+
+    /// The lower maxima, to be changed.
+    pub fn others_mut(&mut self) -> &mut Vec<OtherMaximum> {
+        &mut self.0.get_or_insert_default().others
+    }
+
+    /// The forced response, to be changed.
+    pub fn curve_mut(&mut self) -> &mut Vec<CurvePoint> {
+        &mut self.0.get_or_insert_default().curve
+    }
+
+    /// These lower maxima, this forced response and what sweeps meet.
+    #[must_use]
+    pub fn new(
+        others: Vec<OtherMaximum>,
+        curve: Vec<CurvePoint>,
+        sweeps: Option<SweepRecord>,
+    ) -> Self {
+        KnownAround {
+            others,
+            curve,
+            sweeps,
+        }
+        .into()
+    }
+}
+
+impl From<KnownAround> for AroundPeak {
+    fn from(known: KnownAround) -> Self {
+        let empty = known.others.is_empty() && known.curve.is_empty() && known.sweeps.is_none();
+        Self((!empty).then(|| Box::new(known)))
+    }
+}
+
+impl Serialize for AroundPeak {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match &self.0 {
+            Some(known) => known.serialize(serializer),
+            None => KnownAround::default().serialize(serializer),
+        }
+    }
+}
+
+/// A number that may be absent, in the eight bytes of a number: NaN counts as absent, as it does in the tables.
+#[derive(Clone, Copy)]
+pub struct MaybeReal(f64);
+
+impl MaybeReal {
+    /// No number.
+    pub const NONE: Self = Self(f64::NAN);
+
+    /// The number, where there is one.
+    #[must_use]
+    pub fn get(self) -> Option<f64> {
+        Some(self.0).filter(|value| !value.is_nan())
+    }
+}
+
+impl From<Option<f64>> for MaybeReal {
+    fn from(value: Option<f64>) -> Self {
+        value.map_or(Self::NONE, Self)
+    }
+}
+
+impl Default for MaybeReal {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
+impl PartialEq for MaybeReal {
+    fn eq(&self, other: &Self) -> bool {
+        self.get() == other.get()
+    }
+}
+
+impl std::fmt::Debug for MaybeReal {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.get().fmt(f)
+    }
+}
+
+impl Serialize for MaybeReal {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.get().serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for MaybeReal {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Ok(Option::<f64>::deserialize(deserializer)?.into())
+    }
 }
 
 /// Newton iterations on all levels of a sample.
@@ -54,7 +176,7 @@ pub struct LevelOutcome {
 pub fn newton_iterations(levels: &[LevelOutcome]) -> u64 {
     levels
         .iter()
-        .map(|level| level.newton_iterations as u64)
+        .map(|level| u64::from(level.newton_iterations))
         .sum()
 }
 
@@ -71,13 +193,20 @@ pub struct PeakRecord {
     pub route: Option<PeakRoute>,
     /// Stated relative error of the amplitude by the harmonics left out; absent without an alert, or where nothing was found
     /// with twice the harmonics.
-    pub truncation_error: Option<f64>,
-    /// Floquet multiplier of the largest modulus, its real and its imaginary part (not negative); absent where stability was not
-    /// assessed, and in results of an older program.
     #[serde(default)]
-    pub multiplier: Option<[f64; 2]>,
+    #[schemars(with = "Option<f64>")]
+    pub truncation_error: MaybeReal,
+    /// Real part of the Floquet multiplier of the largest modulus; absent where stability was not assessed, and in results of an older
+    /// program.
+    #[serde(default)]
+    #[schemars(with = "Option<f64>")]
+    pub multiplier_real: MaybeReal,
+    /// Its imaginary part, not negative.
+    #[serde(default)]
+    #[schemars(with = "Option<f64>")]
+    pub multiplier_imaginary: MaybeReal,
     /// Highest harmonic of the solution.
-    pub highest_harmonic: usize,
+    pub highest_harmonic: u32,
     /// Share of (pair, time) that sticks.
     #[serde(deserialize_with = "number")]
     #[schemars(with = "Option<f64>")]
@@ -104,11 +233,22 @@ pub struct PeakRecord {
     pub work_friction_j: f64,
     /// Equivalent damping ratio of the resonance: energy lost per cycle over 4π times the kinetic energy of the first harmonic.
     /// Absent where nothing is dissipated, and in results of an older program, which did not compute it.
-    pub damping_ratio: Option<f64>,
+    #[serde(default)]
+    #[schemars(with = "Option<f64>")]
+    pub damping_ratio: MaybeReal,
     /// Largest component of the residual over the fixed displacement scale.
     #[serde(deserialize_with = "number")]
     #[schemars(with = "Option<f64>")]
     pub residual: f64,
+}
+
+impl PeakRecord {
+    /// Modulus of the Floquet multiplier, above 1 for an unstable peak; absent where stability was not assessed.
+    #[must_use]
+    pub fn multiplier_modulus(&self) -> Option<f64> {
+        let real = self.multiplier_real.get()?;
+        Some(real.hypot(self.multiplier_imaginary.get()?))
+    }
 }
 
 /// A maximum that is not the highest.
@@ -151,4 +291,35 @@ pub struct CurvePoint {
 pub fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     let number = Option::<f64>::deserialize(deserializer)?;
     Ok(number.unwrap_or(f64::NAN))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A report holds all samples in memory: a million of them at two levels take 320 MB (`benches/README.md`). Seen to fail with
+    /// absent numbers as `Option<f64>`, and with the two lists beside each other.
+    #[test]
+    fn outcomes_are_small() {
+        assert!(size_of::<LevelOutcome>() <= 128, "a level");
+        assert!(size_of::<SampleOutcome>() <= 64, "a sample");
+    }
+
+    /// The names and values in `run.json`, with and without lists and numbers. Seen to fail with the lists under a name of their own.
+    #[test]
+    fn levels_keep_their_form_in_json() {
+        for others in [r#"{"frequency_hz":1.5,"amplitude_m":0.25}"#, ""] {
+            let text = format!(
+                r#"{{"level":2.0,"status":"max-iterations","peak":null,"others":[{others}],"curve":[],"sweeps":null,"newton_iterations":3,"factorizations":2}}"#
+            );
+            let level: LevelOutcome = serde_json::from_str(&text).unwrap();
+            assert_eq!(level.around.others().is_empty(), others.is_empty());
+            assert_eq!(serde_json::to_string(&level).unwrap(), text);
+        }
+        let number = |text: &str| serde_json::from_str::<MaybeReal>(text).unwrap();
+        for (text, expected) in [("null", None), ("0.1", Some(0.1))] {
+            assert_eq!(number(text).get(), expected, "{text}");
+            assert_eq!(serde_json::to_string(&number(text)).unwrap(), text);
+        }
+    }
 }

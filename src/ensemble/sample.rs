@@ -7,7 +7,7 @@ use super::applied::Applied;
 use super::atlas::{Anchor, Atlas, ModePeaks};
 use super::mode_search::ModeOfSample;
 use super::outcome::{
-    CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
+    AroundPeak, CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
     newton_iterations,
 };
 use super::times::SampleTimes;
@@ -88,8 +88,8 @@ impl Ensemble<'_> {
         let outcome = SampleOutcome {
             index,
             group,
-            inputs,
-            levels,
+            inputs: inputs.into(),
+            levels: levels.into(),
         };
         (outcome, Anchor { place, peaks }, times)
     }
@@ -158,9 +158,7 @@ impl Ensemble<'_> {
             level,
             status: Status::Converged,
             peak: Some(peak),
-            others: Vec::new(),
-            curve: Vec::new(),
-            sweeps: None,
+            around: AroundPeak::default(),
             newton_iterations: 0,
             factorizations: 0,
         };
@@ -220,12 +218,14 @@ impl Ensemble<'_> {
             status: peak
                 .as_ref()
                 .map_or_else(|| maxima.status(), |peak| peak.status),
-            others: peak.as_ref().map_or_else(Vec::new, |_| others(maxima)),
+            around: AroundPeak::new(
+                peak.as_ref().map_or_else(Vec::new, |_| others(maxima)),
+                curve,
+                sweeps,
+            ),
             peak: peak.as_ref().map(record),
-            curve,
-            sweeps,
-            newton_iterations: count.iterations,
-            factorizations: count.factorizations,
+            newton_iterations: in_32_bits(count.iterations),
+            factorizations: in_32_bits(count.factorizations),
         }
     }
 
@@ -272,9 +272,7 @@ impl Ensemble<'_> {
             level,
             status,
             peak: None,
-            others: Vec::new(),
-            curve: Vec::new(),
-            sweeps: None,
+            around: AroundPeak::default(),
             newton_iterations: 0,
             factorizations: 0,
         });
@@ -312,23 +310,27 @@ fn others(maxima: &Maxima) -> Vec<OtherMaximum> {
         .collect()
 }
 
+/// A count as outcomes hold it. Budgets keep counts far below the largest one.
+fn in_32_bits(count: usize) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
+}
+
 fn record(solution: &Solution) -> PeakRecord {
     PeakRecord {
         frequency_hz: rad_s_to_hz(solution.omega),
         amplitude_m: solution.amplitude(0),
         route: solution.route,
-        truncation_error: solution.truncation_error,
-        multiplier: solution
-            .stability
-            .map(|s| [s.multiplier.re, s.multiplier.im]),
-        highest_harmonic: solution.harmonics.highest(),
+        truncation_error: solution.truncation_error.into(),
+        multiplier_real: solution.stability.map(|s| s.multiplier.re).into(),
+        multiplier_imaginary: solution.stability.map(|s| s.multiplier.im).into(),
+        highest_harmonic: in_32_bits(solution.harmonics.highest()),
         stick_fraction: solution.contact.stick,
         slip_fraction: solution.contact.slip,
         separated_fraction: solution.contact.separated,
         work_input_j: solution.work.input,
         work_viscous_j: solution.work.viscous,
         work_friction_j: solution.work.friction,
-        damping_ratio: solution.damping_ratio(),
+        damping_ratio: solution.damping_ratio().into(),
         residual: solution.residual,
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Only there with the feature `test-functions`; no release build has it.
 
-use super::outcome::PeakRecord;
+use super::outcome::{MaybeReal, PeakRecord};
 use std::f64::consts::TAU;
 
 /// A function of the random inputs, in their order.
@@ -73,8 +73,9 @@ impl TestFunction {
             frequency_hz: value,
             amplitude_m: 1e-6 * value,
             route: None,
-            truncation_error: None,
-            multiplier: None,
+            truncation_error: MaybeReal::NONE,
+            multiplier_real: MaybeReal::NONE,
+            multiplier_imaginary: MaybeReal::NONE,
             highest_harmonic: 1,
             stick_fraction: 1.0,
             slip_fraction: 0.0,
@@ -82,7 +83,7 @@ impl TestFunction {
             work_input_j: 0.0,
             work_viscous_j: 0.0,
             work_friction_j: 0.0,
-            damping_ratio: None,
+            damping_ratio: MaybeReal::NONE,
             residual: 0.0,
         }
     }

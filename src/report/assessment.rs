@@ -4,7 +4,7 @@
 //! study assumes; [`Assessment::condition`] says so wherever they go.
 
 use super::convention::{CONFIDENCE, CONTENT};
-use crate::ensemble::outcome::SampleOutcome;
+use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
 use crate::ensemble::store::Provenance;
 use crate::report::asked::stopping::Stopping;
 use crate::report::numbers::control_variate::{LevelControlVariate, control_variate};
@@ -174,36 +174,46 @@ pub(super) fn pooling(epistemic: &EpistemicSummary) -> String {
 
 impl LevelAssessment {
     fn of(input: &ReportInput, i: usize) -> Self {
-        let frequency = values(input.outcomes, i, |p| p.frequency_hz);
-        let amplitude = values(input.outcomes, i, |p| p.amplitude_m);
-        let frequencies = Populations::of(input, i, |p| p.frequency_hz);
-        let amplitudes = Populations::of(input, i, |p| p.amplitude_m);
-        let pairs = frequency.iter().copied().zip(amplitude.iter().copied());
-        let pairs: Vec<(f64, f64)> = pairs.collect();
+        // columns of a million samples are held no longer than they are needed
+        let results: [fn(&PeakRecord) -> f64; 2] = [|p| p.frequency_hz, |p| p.amplitude_m];
+        let bounds = |result| {
+            let populations = Populations::of(input, i, result);
+            [Side::Lower, Side::Upper].map(|side| populations.bound(side))
+        };
         let pooled = nested(input.outcomes);
-        let prefixes = |values: &[f64], p: f64| match pooled {
+        let prefixes = |result, p: f64| match pooled {
             true => Vec::new(),
-            false => convergence(values, FIRST_PREFIX, |o| {
+            false => convergence(&values(input.outcomes, i, result), FIRST_PREFIX, |o| {
                 quantile_estimate(o, p, input.record.confidence())
             }),
         };
         let requirements = &input.record.requirements;
+        let [_, amplitude_bound_m] = bounds(results[1]);
         Self {
             level: input.record.levels[i],
-            frequency_bounds_hz: [Side::Lower, Side::Upper].map(|side| frequencies.bound(side)),
-            amplitude_bound_m: amplitudes.bound(Side::Upper),
-            joint_region: (!pooled)
-                .then(|| joint_region(&pairs, CONTENT, input.record.confidence())),
+            frequency_bounds_hz: bounds(results[0]),
+            amplitude_bound_m,
+            joint_region: (!pooled).then(|| region(input, i)),
             margins: (requirements.operation.as_ref())
                 .map_or_else(Vec::new, |operation| order_margins(input, i, operation)),
             reserve: (requirements.stress.as_ref()).map(|stress| reserve(input, i, stress)),
             influences: influences(input, i),
             surrogates: surrogates(input, i),
             control_variate: control_variate(input, i),
-            amplitude_q95_m: prefixes(&amplitude, 0.95),
-            frequency_q50_hz: prefixes(&frequency, 0.5),
+            amplitude_q95_m: prefixes(results[1], 0.95),
+            frequency_q50_hz: prefixes(results[0], 0.5),
         }
     }
+}
+
+/// Region of frequency and amplitude at level `i`.
+fn region(input: &ReportInput, i: usize) -> JointRegion {
+    let result = |o: &SampleOutcome| {
+        let peak = usable_peak(&o.levels[i]);
+        peak.map_or((f64::NAN, f64::NAN), |p| (p.frequency_hz, p.amplitude_m))
+    };
+    let pairs: Vec<(f64, f64)> = input.outcomes.iter().map(result).collect();
+    joint_region(&pairs, CONTENT, input.record.confidence())
 }
 
 fn failures(input: &ReportInput) -> Vec<InputFailures> {

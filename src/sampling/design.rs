@@ -32,11 +32,11 @@ pub struct Design {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct SampleGroup {
     /// Outer point of a nested design.
-    pub outer: Option<u64>,
+    pub outer: Option<u32>,
     /// Replicate of a quasi-random design with several.
-    pub replicate: Option<u64>,
+    pub replicate: Option<u32>,
     /// Place in a row of a pick-freeze design: 0 = A, 1 = B, 2 + j = A with the j-th random input of B.
-    pub place: Option<u64>,
+    pub place: Option<u32>,
 }
 
 impl SampleGroup {
@@ -44,7 +44,7 @@ impl SampleGroup {
     /// others, so no statistic of the population may count them.
     #[must_use]
     pub fn of_population(&self) -> bool {
-        self.place.is_none_or(is_independent)
+        self.place.is_none_or(|place| is_independent(place.into()))
     }
 }
 
@@ -173,9 +173,9 @@ impl Design {
     pub fn group(&self, i: u64) -> SampleGroup {
         let n_outer = self.outer_points();
         SampleGroup {
-            outer: self.outer.as_ref().map(|_| i % n_outer),
-            replicate: self.plan.replicates().map(|n| i / n_outer % n),
-            place: self.plan.place(i),
+            outer: self.outer.as_ref().map(|_| in_32_bits(i % n_outer)),
+            replicate: (self.plan.replicates()).map(|n| in_32_bits(i / n_outer % n)),
+            place: self.plan.place(i).map(in_32_bits),
         }
     }
 
@@ -280,4 +280,9 @@ impl Design {
 /// Index into memory; a design never asks for more samples than it holds.
 fn in_memory(i: u64) -> usize {
     usize::try_from(i).unwrap_or(usize::MAX)
+}
+
+/// A number of a group as outcomes hold it: points, replicates and places of a design are in memory, far fewer than 2³².
+fn in_32_bits(i: u64) -> u32 {
+    u32::try_from(i).unwrap_or(u32::MAX)
 }

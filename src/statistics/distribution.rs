@@ -71,15 +71,12 @@ pub fn histogram(sorted: &Sorted, max_bins: usize) -> Vec<Bin> {
 /// Pairs with a non-finite member are left out.
 #[must_use]
 pub fn rank_correlation(pairs: &[(f64, f64)]) -> Option<f64> {
-    let kept: Vec<&(f64, f64)> = pairs
-        .iter()
-        .filter(|(x, y)| x.is_finite() && y.is_finite())
-        .collect();
-    if !varies(kept.iter().map(|p| p.0)) || !varies(kept.iter().map(|p| p.1)) {
+    let kept = || pairs.iter().filter(|(x, y)| x.is_finite() && y.is_finite());
+    if !varies(kept().map(|p| p.0)) || !varies(kept().map(|p| p.1)) {
         return None;
     }
-    let x = centred_ranks(&kept.iter().map(|p| p.0).collect::<Vec<_>>());
-    let y = centred_ranks(&kept.iter().map(|p| p.1).collect::<Vec<_>>());
+    let x = centred_ranks(&kept().map(|p| p.0).collect::<Vec<_>>());
+    let y = centred_ranks(&kept().map(|p| p.1).collect::<Vec<_>>());
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let scale = (dot(&x, &x) * dot(&y, &y)).sqrt();
     (scale > 0.0).then(|| (dot(&x, &y) / scale).clamp(-1.0, 1.0))
@@ -88,7 +85,8 @@ pub fn rank_correlation(pairs: &[(f64, f64)]) -> Option<f64> {
 /// Ranks minus their mean (n + 1)/2; equal values share their mean rank.
 fn centred_ranks(values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
+    // equal values share a rank, whatever their order
+    order.sort_unstable_by(|&i, &j| values[i].total_cmp(&values[j]));
     let mut ranks = vec![0.0; values.len()];
     let mut start = 0;
     for tie in order.chunk_by(|&i, &j| values[i] == values[j]) {

@@ -80,7 +80,8 @@ pub fn first_order_index(data: &GivenData) -> Result<GivenDataIndex, Sensitivity
     if !varies(ordered.iter().map(|s| s.result)) {
         return Err(SensitivityRefusal::Constant);
     }
-    if !varies(ordered.iter().map(|s| s.input)) {
+    let solved = (data.inputs.iter().zip(data.results)).filter(|(_, result)| result.is_finite());
+    if !varies(solved.map(|(input, _)| *input)) {
         return Err(SensitivityRefusal::FixedInput);
     }
     let replicates = data.replicates.map(|all| {
@@ -105,7 +106,6 @@ pub fn first_order_index(data: &GivenData) -> Result<GivenDataIndex, Sensitivity
 
 /// A solved sample.
 struct Solved {
-    input: f64,
     result: f64,
     /// Its replicate, or a number of its own.
     group: u64,
@@ -121,12 +121,13 @@ fn in_order(data: &GivenData) -> Vec<Solved> {
         confidence: data.confidence,
     };
     let random = draw.permutation(0, n);
-    places.sort_by(|&a, &b| {
+    // random numbers are distinct, so that there is one order
+    places.sort_unstable_by(|&a, &b| {
         let by_input = data.inputs[a].total_cmp(&data.inputs[b]);
         by_input.then(random[a].cmp(&random[b]))
     });
+    drop(random);
     let solved = |i: usize| Solved {
-        input: data.inputs[i],
         result: data.results[i],
         group: data.replicates.map_or(i as u64, |all| all[i]),
     };
@@ -164,14 +165,15 @@ impl Neighbours {
                 Some((half - share) / variance)
             }
         };
-        let terms: Vec<Option<f64>> = ordered.windows(2).map(term).collect();
+        // computed again for each lag: kept, they would take as much memory as the results
+        let terms = |first: usize| ordered[first..].windows(2).map(term);
         let covariance = |lag: usize| {
-            let pairs = terms.iter().zip(&terms[lag..]);
-            average(pairs.filter_map(|(a, b)| Some((*a)? * (*b)?)))
+            let pairs = terms(0).zip(terms(lag));
+            average(pairs.filter_map(|(a, b)| Some(a? * b?)))
         };
         let own = covariance(0);
         let spread = (own + 2.0 * (covariance(1) - covariance(2))).max(0.5 * own);
-        let count = terms.iter().flatten().count() as f64;
+        let count = terms(0).flatten().count() as f64;
         Self {
             rest,
             error: (spread / count).sqrt(),

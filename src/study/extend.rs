@@ -122,7 +122,7 @@ fn refuse_other_samples(study: &Study, old: &Study, folder: &Path) -> Result<(),
     let mut found = 0;
     while let Some(sample) = samples.take().map_err(|error| error.to_string())? {
         let (index, inputs) = (sample.outcome.index, sample.outcome.inputs);
-        if inputs != study.design.sample(index) {
+        if *inputs != *study.design.sample(index) {
             return Err(format!(
                 "sample {index} has other inputs now: the file of samples or the program has changed; `run` anew"
             ));

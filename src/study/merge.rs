@@ -47,7 +47,7 @@ pub fn merge(
             };
             if let Some(difference) = identity.difference(&part.identity) {
                 let message = format!(
-                    "holds samples of {difference} than {}",
+                    "holds samples of {difference} than {}: leave one of the two out",
                     folders[0].display()
                 );
                 return Err(refused(folder, message));

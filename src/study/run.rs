@@ -16,10 +16,10 @@ use super::run_settings::RunSettings;
 use super::search::worst_cases;
 use super::session::{Begun, Session, at_work};
 use crate::Error;
-use crate::ensemble::Solved;
 use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::parts::{PartFolder, RunIdentity};
 use crate::ensemble::store::{ATLAS_FILE, SolvedFiles, write_samples};
+use crate::ensemble::{Known, Solved};
 use crate::file::{FileRecord, FolderLock, Together};
 use crate::report::run::{CONTROL_VARIATE, FURTHER_POINTS, StoredRun, TABLES};
 use crate::report::{self, RunRecord, Summary};
@@ -90,6 +90,8 @@ pub(super) fn run_after(
         let samples = solve_samples(session, &mut resumed, &mut record)?;
         record.provenance.other_programs = std::mem::take(&mut resumed.other_programs);
         let anchors = resumed.known.anchors_before(samples);
+        // the report of a million samples has the room
+        resumed.known = Known::default();
         let alone = study.output.one_at_a_time;
         let profiler = &session.profiler;
         record.one_at_a_time =
@@ -113,7 +115,8 @@ pub(super) fn run_after(
         record.backend = session.backend.report();
         record.wall_time_s = clock.elapsed().as_secs_f64();
         let beside = Beside { further, control };
-        let (summary, stored) = place_results(session, (&resumed, samples), &beside, &mut record)?;
+        let placed = place_results(session, (&resumed, samples), &beside, &mut record);
+        let (summary, stored) = placed.map_err(|error| Error::Unwritten(Box::new(error)))?;
         session.parts.remove()?;
         Ok(RunResult {
             stored,
@@ -172,7 +175,7 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
             }
             self.meter.expect(samples - there);
         }
-        let message = "parts are deleted while the run writes them".to_owned();
+        let message = "parts are deleted or damaged while the run writes them: find out by whom, then `run` again".to_owned();
         Err(Error::Command {
             path: self.parts.path().to_owned(),
             message,
@@ -263,7 +266,7 @@ fn write_beside(
         let table = write_samples(&path, &record.provenance, input_names, samples)?;
         record.tables.push(table);
     }
-    let points: BTreeSet<Option<u64>> = beside.further.iter().map(|o| o.group.outer).collect();
+    let points: BTreeSet<Option<u32>> = beside.further.iter().map(|o| o.group.outer).collect();
     record.design.further_points = points.len() as u64;
     Ok(())
 }

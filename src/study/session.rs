@@ -175,7 +175,8 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
                 self.backend.on_threads(most, || work(&collector))
             });
             drop(collector);
-            writer.finish()?;
+            let written = writer.finish();
+            written.map_err(|error| Error::Unwritten(Box::new(error.into())))?;
             ended.map_err(|error| Error::Threads(error.to_string()))
         })?;
         ended.map_err(|Stopped| self.stopped())

@@ -1,6 +1,7 @@
 //! The control variate of a study: its samples and further ones on few harmonics.
 
 use microslip::ensemble::store::{StoredSamples, read_samples};
+use microslip::study::{Study, inspect};
 use serde_json::Value;
 use std::path::Path;
 use tempfile::TempDir;
@@ -75,6 +76,31 @@ fn a_run_has_its_control() {
             .join("results/control_variate.parquet")
             .exists()
     );
+}
+
+/// The time that `inspect` states grows with the samples of the control, each far cheaper than one of the study. Seen to fail with
+/// the time of the study alone.
+#[test]
+fn inspect_counts_the_control() {
+    let stated = |folder: &TempDir| {
+        let study = Study::read(&folder.path().join("study.toml")).unwrap();
+        inspect(&study).unwrap().processor_time_s
+    };
+    let alone = stated(&folder("study.toml", "samples = 10", "samples = 30"));
+    let control = |samples: u64| {
+        let folder = with_control("samples = 30");
+        let path = folder.path().join("study.toml");
+        let text = std::fs::read_to_string(&path).unwrap();
+        let text = text.replacen("samples = 80", &format!("samples = {samples}"), 1);
+        std::fs::write(&path, text).unwrap();
+        stated(&folder) - alone
+    };
+    let [few, more, most] = [80, 40_000, 80_000].map(control);
+    assert!(0.0 < few && few < alone, "{few} s beside {alone} s");
+    // the first samples cost more than those that start from others
+    let further = (most - more) / 40_000.0;
+    assert!(further < few / 80.0, "{further} s each");
+    assert!(further > 0.1 * few / 80.0, "{further} s each");
 }
 
 /// The table belongs to the results: a changed one is noticed, and a run without it removes it.

@@ -359,8 +359,11 @@ fn samples_know_their_outer_point_and_replicate() {
     let stored = microslip::ensemble::store::read_samples(&path).unwrap();
     for outcome in &stored.outcomes {
         let outer = outcome.group.outer.unwrap();
-        assert_eq!(outer, outcome.index % 3);
-        assert_eq!(outcome.group.replicate, Some(outcome.index / 3 % 2));
+        assert_eq!(u64::from(outer), outcome.index % 3);
+        assert_eq!(
+            outcome.group.replicate,
+            Some((outcome.index / 3 % 2) as u32)
+        );
         assert_eq!(outcome.inputs[0], [0.5, 2.0, 1.25][outer as usize]);
     }
     let friction = |i: usize| stored.outcomes[i].inputs[1];

@@ -122,7 +122,7 @@ fn a_pass_says_what_was_searched() {
         let twin = &design[3 * (k % 100)];
         assert_eq!(sample.inputs[1].to_bits(), twin.inputs[1].to_bits());
         assert_eq!(sample.index, 300 + k as u64);
-        assert_eq!(sample.group.outer, Some(3 + k as u64 / 100));
+        assert_eq!(sample.group.outer, Some(3 + k as u32 / 100));
     }
 }
 

@@ -31,8 +31,8 @@ fn store(folder: &Path) {
     }
     assert_eq!(study.input_names().len(), INPUTS.len(), "inputs");
     for outcome in &mut study.outcomes {
-        outcome.inputs.push(0.5);
-        outcome.group.outer = Some(outcome.index % 3);
+        outcome.inputs = outcome.inputs.iter().copied().chain([0.5]).collect();
+        outcome.group.outer = Some((outcome.index % 3) as u32);
         outcome.group.replicate = Some(0);
         outcome.group.place = Some(1);
     }

@@ -20,7 +20,7 @@ fn nested(samples: u64) -> SyntheticStudy {
     study.record.design.outer_points = 3;
     for (i, outcome) in study.outcomes.iter_mut().enumerate() {
         let outer = i % 3;
-        outcome.group.outer = Some(outer as u64);
+        outcome.group.outer = Some(outer as u32);
         outcome.inputs[0] = STIFFNESS[outer];
         for peak in outcome.levels.iter_mut().filter_map(|l| l.peak.as_mut()) {
             peak.amplitude_m *= if outer == 1 { 1.6 } else { 1.0 };
@@ -67,7 +67,7 @@ fn ranges_are_those_of_the_points() {
         let of_point = study
             .outcomes
             .iter()
-            .filter(|o| o.group.outer == Some(outer));
+            .filter(|o| o.group.outer.map(u64::from) == Some(outer));
         let amplitudes = of_point.map(|o| o.levels[i].peak.map_or(f64::NAN, |p| p.amplitude_m));
         quantile_estimate(&Observed::of(amplitudes), 0.5, 0.95)
             .unwrap()
@@ -84,7 +84,7 @@ fn ranges_are_those_of_the_points() {
         assert_eq!(level.points[2].amplitude_m.valid, 60);
     }
     for (outer, point) in (0..).zip(&epistemic.levels[7].points) {
-        let of_point = |o: &&SampleOutcome| o.group.outer == Some(outer);
+        let of_point = |o: &&SampleOutcome| o.group.outer.map(u64::from) == Some(outer);
         let levels = study.outcomes.iter().filter(of_point).map(|o| &o.levels[7]);
         let sticks: Vec<f64> = levels
             .filter_map(|l| Some(l.peak?.stick_fraction))
@@ -167,7 +167,7 @@ fn margins_and_reserves_are_those_of_the_points() {
             let outcomes = study
                 .outcomes
                 .iter()
-                .filter(|o| o.group.outer == Some(outer));
+                .filter(|o| o.group.outer.map(u64::from) == Some(outer));
             let peaks = outcomes.map(|o| o.levels[2].peak.unwrap());
             Observed::of(peaks.map(|p| value(p.frequency_hz, p.amplitude_m)))
         };
@@ -212,7 +212,7 @@ fn margins_and_reserves_are_those_of_the_points() {
 fn replicates_are_those_of_the_points() {
     let mut study = nested(180);
     for (i, outcome) in study.outcomes.iter_mut().enumerate() {
-        outcome.group.replicate = Some(i as u64 / 3 % 4);
+        outcome.group.replicate = Some(i as u32 / 3 % 4);
     }
     let summary = Summary::of(&study.input());
     assert!(summary.levels[0].replicate_means.is_none());
@@ -244,7 +244,7 @@ fn a_criterion_must_hold_at_every_point() {
         let of_point = study
             .outcomes
             .iter()
-            .filter(|o| o.group.outer == Some(outer));
+            .filter(|o| o.group.outer.map(u64::from) == Some(outer));
         let values: Vec<f64> = of_point
             .filter_map(|o| Some(o.levels[2].peak?.amplitude_m))
             .collect();
@@ -320,7 +320,7 @@ fn influence_is_that_of_the_points() {
     let i = 2;
     let of_point = |outer: u64| -> Vec<(f64, f64)> {
         let outcomes = study.outcomes.iter();
-        let outcomes = outcomes.filter(|o| o.group.outer == Some(outer));
+        let outcomes = outcomes.filter(|o| o.group.outer.map(u64::from) == Some(outer));
         let pair = |o: &SampleOutcome| (o.inputs[1], o.levels[i].peak.unwrap().amplitude_m);
         outcomes.map(pair).collect()
     };

@@ -138,7 +138,7 @@ fn bands_are_those_that_the_study_asks_for() {
                 amplitude_m: amplitude / (1.0 + (t / 2e-4).powi(2)).sqrt(),
             }
         };
-        level.curve = (-100..=100).map(point).collect();
+        *level.around.curve_mut() = (-100..=100).map(point).collect();
     }
     let mut captions = |bands: Bands| {
         study.record.bands = bands;
@@ -175,7 +175,7 @@ fn narrow_peaks_that_scatter_far_stand_over_their_resonance() {
             frequency_hz: peak.frequency_hz * (1.0 + 1e-5 * f64::from(j)),
             amplitude_m: 1e-7 / (1.0 + (0.1 * f64::from(j)).powi(2)).sqrt(),
         };
-        level.curve = (-100..=100).map(point).collect();
+        *level.around.curve_mut() = (-100..=100).map(point).collect();
     }
     let page = page(&study.input());
     assert!(figure(&page, "band-0").contains("Frequency over resonance frequency</text>"));
@@ -228,9 +228,11 @@ fn samples_without_spread_render() {
     study.record.levels.truncate(1);
     study.record.requirements.criteria.clear();
     let mut nominal = first;
-    nominal.levels.truncate(1);
+    nominal.levels = nominal.levels[..1].into();
     study.record.nominal = Some(nominal);
-    study.outcomes.iter_mut().for_each(|o| o.levels.truncate(1));
+    for outcome in &mut study.outcomes {
+        outcome.levels = outcome.levels[..1].into();
+    }
     page(&study.input());
 }
 
@@ -242,9 +244,9 @@ fn non_finite_numbers_stay_out() {
     for outcome in &mut study.outcomes {
         if let Some(peak) = &mut outcome.levels[0].peak {
             peak.amplitude_m = f64::NAN;
-            peak.truncation_error = Some(f64::INFINITY);
+            peak.truncation_error = Some(f64::INFINITY).into();
         }
-        outcome.levels[1].curve[3] = CurvePoint {
+        outcome.levels[1].around.curve_mut()[3] = CurvePoint {
             frequency_hz: f64::NAN,
             amplitude_m: f64::NAN,
         };
@@ -290,7 +292,8 @@ fn many_inputs_are_thinned() {
         };
         study.record.inputs.insert(0, idle);
         for outcome in &mut study.outcomes {
-            outcome.inputs.insert(0, f64::from(j));
+            let inputs = outcome.inputs.iter().copied();
+            outcome.inputs = [f64::from(j)].into_iter().chain(inputs).collect();
         }
     }
     let page = page(&study.input());

@@ -1,6 +1,7 @@
 //! Performance curves over the ratio of excitation to centrifugal load.
 
 use crate::synthetic::{LEVELS, SyntheticStudy};
+use microslip::ensemble::outcome::MaybeReal;
 use microslip::report::{self, ReportInput, RunRecord, Summary};
 
 fn page(input: &ReportInput) -> String {
@@ -56,11 +57,11 @@ fn scaled(n: u64) -> SyntheticStudy {
     for outcome in &mut study.outcomes {
         let turn = |k: u64| 0.8 + 0.4 * ((outcome.index * k) % 17) as f64 / 17.0;
         let scales = [turn(3), turn(5), turn(7)];
-        outcome.inputs = vec![scales[0], scales[1], 0.4 * scales[2]];
+        outcome.inputs = [scales[0], scales[1], 0.4 * scales[2]].into();
         for level in &mut outcome.levels {
             let ratio = level.level * scales[0] / (180.0 * scales[1] * scales[2]);
             if let Some(peak) = &mut level.peak {
-                peak.damping_ratio = Some(0.01 * ratio.powf(0.3));
+                peak.damping_ratio = Some(0.01 * ratio.powf(0.3)).into();
             }
         }
     }
@@ -156,7 +157,7 @@ fn results_without_damping_ratios_say_so() {
         .flat_map(|o| &mut o.levels)
     {
         if let Some(peak) = &mut level.peak {
-            peak.damping_ratio = None;
+            peak.damping_ratio = MaybeReal::NONE;
         }
     }
     let page = page(&study.input());

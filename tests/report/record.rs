@@ -1,7 +1,7 @@
 //! A report needs no solver: the files of a run are enough, to the last byte.
 
 use crate::synthetic::SyntheticStudy;
-use microslip::ensemble::outcome::CurvePoint;
+use microslip::ensemble::outcome::{CurvePoint, MaybeReal};
 use microslip::report::run::require_unchanged;
 use microslip::report::{self, ReportError};
 use std::path::Path;
@@ -25,9 +25,9 @@ fn spoil(study: &mut SyntheticStudy) {
     }
     if let Some(peak) = &mut study.outcomes[6].levels[0].peak {
         peak.work_input_j = f64::NAN;
-        peak.truncation_error = None;
+        peak.truncation_error = MaybeReal::NONE;
     }
-    study.outcomes[7].levels[1].curve[2] = CurvePoint {
+    study.outcomes[7].levels[1].around.curve_mut()[2] = CurvePoint {
         frequency_hz: f64::NAN,
         amplitude_m: 1.0,
     };

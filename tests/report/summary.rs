@@ -1,6 +1,7 @@
 //! The summary: stable names, sums that close, no dependence on the order of the samples.
 
 use crate::synthetic::{LEVELS, SyntheticStudy};
+use microslip::ensemble::outcome::AroundPeak;
 use microslip::hb::Status;
 use microslip::report::Summary;
 use serde_json::Value;
@@ -70,13 +71,14 @@ fn curves_with_several_solutions_are_counted() {
     let mut study = SyntheticStudy::new(100);
     // a sample without a curve tells nothing
     let top = LEVELS.len() - 1;
-    study.outcomes[3].levels[top].sweeps = None;
+    let without = &mut study.outcomes[3].levels[top].around;
+    *without = AroundPeak::new(without.others().to_vec(), Vec::new(), None);
     let summary = Summary::of(&study.input());
     let known = |i: usize| {
         study
             .outcomes
             .iter()
-            .filter(move |o| o.levels[i].sweeps.is_some())
+            .filter(move |o| o.levels[i].around.sweeps().is_some())
     };
     for (i, level) in summary.levels.iter().enumerate() {
         let found = level.several_answers;
@@ -142,7 +144,7 @@ fn replicates_show_the_error_of_the_mean() {
     let plain = serde_json::to_value(Summary::of(&study.input())).unwrap();
     assert!(plain["levels"][0].get("replicate_means").is_none());
     for (i, outcome) in study.outcomes.iter_mut().enumerate() {
-        outcome.group.replicate = Some(i as u64 % 3);
+        outcome.group.replicate = Some(i as u32 % 3);
         outcome.levels[0].peak.as_mut().unwrap().frequency_hz = 100.0 + i as f64;
     }
     study.outcomes[10].levels[0].status = Status::MaxIterations;

@@ -4,7 +4,7 @@ use microslip::contact::{Events, FrictionLaw};
 use microslip::ensemble::SolvedSample;
 use microslip::ensemble::backend::BackendReport;
 use microslip::ensemble::outcome::{
-    CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
+    AroundPeak, CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
 };
 use microslip::ensemble::store::{ATLAS_FILE, Provenance, SolvedFiles, StoredStudy};
 use microslip::hb::{PeakRoute, SliderAnchor, Status};
@@ -53,7 +53,7 @@ impl SyntheticStudy {
             let inputs = [a, b, [b[0], a[1]], [a[0], b[1]]];
             for (place, inputs) in (0..).zip(inputs) {
                 let mut outcome = sample(4 * row + place, inputs);
-                outcome.group.place = Some(place);
+                outcome.group.place = Some(place as u32);
                 match outcome.group.of_population() {
                     true => study.outcomes.push(outcome),
                     false => study.mixed.push(outcome),
@@ -117,7 +117,7 @@ impl SyntheticStudy {
         for level in self.outcomes.iter_mut().flat_map(|o| &mut o.levels) {
             if let Some(peak) = &mut level.peak {
                 level.status = Status::Converged;
-                peak.truncation_error = Some(0.0);
+                peak.truncation_error = Some(0.0).into();
                 // no work, no share of it missing
                 peak.work_input_j = 0.0;
             }
@@ -129,7 +129,7 @@ impl SyntheticStudy {
         for outcome in &mut self.outcomes {
             outcome.levels[i].status = Status::MaxIterations;
             outcome.levels[i].peak = None;
-            outcome.levels[i].curve.clear();
+            outcome.levels[i].around.curve_mut().clear();
         }
     }
 }
@@ -264,7 +264,7 @@ fn sample(index: u64, inputs: [f64; 2]) -> SampleOutcome {
     SampleOutcome {
         index,
         group: SampleGroup::default(),
-        inputs: inputs.to_vec(),
+        inputs: inputs.into(),
         levels: (0..LEVELS.len()).map(|i| level(index, inputs, i)).collect(),
     }
 }
@@ -293,18 +293,16 @@ fn level(index: u64, [scale, mu]: [f64; 2], i: usize) -> LevelOutcome {
         level: force,
         status,
         peak: (!failed).then(|| peak(force, frequency, amplitude * force, stick, noise)),
-        others: match failed {
-            true => Vec::new(),
-            false => others(index, frequency, amplitude),
+        around: match failed {
+            true => AroundPeak::default(),
+            false => AroundPeak::new(
+                others(index, frequency, amplitude),
+                lorentz(frequency, amplitude * force, width, 14.0),
+                Some(sweeps(i, frequency, amplitude * force)),
+            ),
         },
-        curve: if failed {
-            Vec::new()
-        } else {
-            lorentz(frequency, amplitude * force, width, 14.0)
-        },
-        sweeps: (!failed).then(|| sweeps(i, frequency, amplitude * force)),
-        newton_iterations: 8 + (noise * 20.0) as usize + if failed { 60 } else { 0 },
-        factorizations: 4 + (noise * 9.0) as usize,
+        newton_iterations: 8 + (noise * 20.0) as u32 + if failed { 60 } else { 0 },
+        factorizations: 4 + (noise * 9.0) as u32,
     }
 }
 
@@ -355,8 +353,9 @@ fn peak(force: f64, frequency_hz: f64, amplitude_m: f64, stick: f64, noise: f64)
         frequency_hz,
         amplitude_m,
         route: Some(route_of(noise)),
-        multiplier: (noise > 0.3).then_some([0.95 - 0.3 * noise, 0.2]),
-        truncation_error: Some(1e-4 * 10f64.powf(1.9 * noise + 0.3 * (1.0 - stick))),
+        multiplier_real: (noise > 0.3).then_some(0.95 - 0.3 * noise).into(),
+        multiplier_imaginary: (noise > 0.3).then_some(0.2).into(),
+        truncation_error: Some(1e-4 * 10f64.powf(1.9 * noise + 0.3 * (1.0 - stick))).into(),
         highest_harmonic: if noise > 0.7 { 5 } else { 3 },
         stick_fraction: stick,
         slip_fraction: 1.0 - stick - separated,
@@ -364,7 +363,7 @@ fn peak(force: f64, frequency_hz: f64, amplitude_m: f64, stick: f64, noise: f64)
         work_input_j: work,
         work_viscous_j: 0.6 * work,
         work_friction_j: 0.4 * work * (1.0 - 1e-9 * noise),
-        damping_ratio: Some(0.5 / q_factor),
+        damping_ratio: Some(0.5 / q_factor).into(),
         residual: 1e-11,
     }
 }

@@ -88,7 +88,7 @@ fn the_numerical_error_widens_what_is_judged() {
     assert_eq!(only_level(&exact).numerical_error.upper, Some(0.0));
     for outcome in &mut study.outcomes {
         let peak = outcome.levels[LEVEL].peak.as_mut().unwrap();
-        peak.truncation_error = Some(0.04);
+        peak.truncation_error = Some(0.04).into();
     }
     let result = judged(&study);
     let level = only_level(&result);
@@ -141,10 +141,10 @@ fn margins_are_as_uncertain_as_the_frequency() {
     let operation = study.record.requirements.operation.as_mut().unwrap();
     operation.engine_orders = vec![6, 54];
     study.record.requirements.criteria.truncate(1);
-    study.record.requirements.criteria[0].level = Some(0.1);
+    study.record.requirements.criteria[0].level = Some(0.1).into();
     for outcome in &mut study.outcomes {
         let peak = outcome.levels[0].peak.as_mut().unwrap();
-        peak.truncation_error = Some(0.1);
+        peak.truncation_error = Some(0.1).into();
         peak.work_input_j = 2.0;
         peak.work_viscous_j = 1.0;
         peak.work_friction_j = 1.0;
@@ -302,7 +302,7 @@ fn verdicts_over_a_box_name_their_points() {
     let mut study = study(300, 250.0);
     study.record.design.outer_points = 3;
     for (k, outcome) in study.outcomes.iter_mut().enumerate() {
-        outcome.group.outer = Some(k as u64 % 3);
+        outcome.group.outer = Some(k as u32 % 3);
         outcome.inputs[0] = [0.1, 1.0, 10.0][k % 3];
         let amplitude = if k % 3 == 1 { 300e-6 } else { 200e-6 };
         outcome.levels[LEVEL].peak.as_mut().unwrap().amplitude_m = amplitude;
@@ -347,7 +347,7 @@ fn a_fail_at_one_of_several_points_has_the_confidence_of_all() {
         study.record.design.outer_points = points;
         for (k, outcome) in study.outcomes.iter_mut().enumerate() {
             let k = k as u64;
-            outcome.group.outer = Some(k % points);
+            outcome.group.outer = Some((k % points) as u32);
             outcome.inputs[0] = (k % points) as f64;
             let breaks = k.is_multiple_of(points) && k / points < broken;
             let amplitude = if breaks { 300e-6 } else { 200e-6 };

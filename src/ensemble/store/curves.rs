@@ -71,7 +71,7 @@ impl CurveCursor {
             .row()?
             .map(|(batch, at)| whole(&batch.sample, at, "sample"));
         let found = self.0.reader.checked(found.transpose())?;
-        Ok(found.map(|sample| sample as u64))
+        Ok(found)
     }
 
     /// The sample of a curve, which must be there.
@@ -86,7 +86,7 @@ impl CurveCursor {
             let level = real(&batch.level, at, "level")?;
             let record = outcome.levels.iter_mut().find(|l| l.level == level);
             let record = record.ok_or_else(|| missing("the level of a curve"))?;
-            record.curve.push(CurvePoint {
+            record.around.curve_mut().push(CurvePoint {
                 frequency_hz: number(&batch.frequency, at),
                 amplitude_m: number(&batch.amplitude, at),
             });
@@ -101,7 +101,7 @@ fn curve_columns(outcomes: &[SampleOutcome]) -> Table {
     let (mut frequency, mut amplitude) = (Vec::new(), Vec::new());
     for outcome in outcomes {
         for record in &outcome.levels {
-            for point in &record.curve {
+            for point in record.around.curve() {
                 sample.push(i64::try_from(outcome.index).ok());
                 level.push(Some(record.level).filter(|v| v.is_finite()));
                 frequency.push(Some(point.frequency_hz).filter(|v| v.is_finite()));

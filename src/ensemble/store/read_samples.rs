@@ -2,7 +2,7 @@
 
 use super::samples::{GROUP_COLUMNS, INPUTS_KEY, OTHER_COLUMNS, SWEEP_COLUMNS};
 use crate::ensemble::outcome::{
-    CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
+    AroundPeak, CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
 };
 use crate::ensemble::table::{
     RowCursor, Rows, TableReader, missing, number, optional, real, whole,
@@ -65,7 +65,7 @@ pub(in crate::ensemble) fn indices_of(reader: TableReader) -> Result<Vec<(u64, b
     let row = |(samples, statuses): &(Int64Array, StringArray), at: usize| {
         let status = named(statuses, at, &Status::ALL, Status::name)?;
         let status = status.ok_or_else(|| missing("status"))?;
-        let index = whole(samples, at, "sample")? as u64;
+        let index = whole(samples, at, "sample")?;
         Ok((index, status.has_solution()))
     };
     let mut found: Vec<(u64, bool)> = Vec::new();
@@ -112,7 +112,7 @@ struct PeakColumns {
     route: StringArray,
     truncation_error: Float64Array,
     /// Absent in tables of an older program.
-    multiplier: Option<[Float64Array; 2]>,
+    multiplier: [Option<Float64Array>; 2],
     /// Absent in tables of an older program.
     damping_ratio: Option<Float64Array>,
     highest_harmonic: Int64Array,
@@ -141,13 +141,18 @@ impl SampleCursor {
 
     /// The next sample, with all its levels and no curve.
     pub(super) fn take(&mut self) -> Result<Option<SampleOutcome>, FileError> {
-        let Some(mut outcome) = self.rows.take(SampleBatch::outcome)? else {
+        let first = self.rows.take(|batch, at| {
+            let outcome = batch.without_levels(at)?;
+            Ok((outcome, batch.level(at)?))
+        })?;
+        let Some((mut outcome, level)) = first else {
             return Ok(None);
         };
+        let mut levels = vec![level];
         while self.index()? == Some(outcome.index) {
-            outcome.levels.extend(self.rows.take(SampleBatch::level)?);
+            levels.extend(self.rows.take(SampleBatch::level)?);
         }
-        outcome.levels.shrink_to_fit();
+        outcome.levels = levels.into();
         Ok(Some(outcome))
     }
 }
@@ -171,16 +176,19 @@ impl SampleBatch {
     }
 
     fn index(&self, at: usize) -> Result<u64, Fault> {
-        Ok(whole(&self.sample, at, "sample")? as u64)
+        whole(&self.sample, at, "sample")
     }
 
-    /// The sample of a row with the level of this row alone.
-    fn outcome(&self, at: usize) -> Result<SampleOutcome, Fault> {
-        let inputs = self.inputs.iter();
-        let inputs = inputs.map(|input| real(input, at, "the value of an input"));
+    /// The sample of a row.
+    fn without_levels(&self, at: usize) -> Result<SampleOutcome, Fault> {
+        // of their own length, which `collect` does not know before
+        let mut inputs = Vec::with_capacity(self.inputs.len());
+        for input in &self.inputs {
+            inputs.push(real(input, at, "the value of an input")?);
+        }
         let number = |i: usize| {
             let column = self.group[i].as_ref()?;
-            Some(whole(column, at, "group").ok()? as u64)
+            whole(column, at, "group").ok()
         };
         Ok(SampleOutcome {
             index: self.index(at)?,
@@ -189,8 +197,8 @@ impl SampleBatch {
                 replicate: number(1),
                 place: number(2),
             },
-            inputs: inputs.collect::<Result<_, _>>()?,
-            levels: vec![self.level(at)?],
+            inputs: inputs.into(),
+            levels: Box::default(),
         })
     }
 
@@ -200,9 +208,7 @@ impl SampleBatch {
             level: real(&self.level, at, "level")?,
             status: status?.ok_or_else(|| missing("status"))?,
             peak: self.peak.record(at)?,
-            others: self.others(at)?,
-            curve: Vec::new(),
-            sweeps: self.sweeps(at),
+            around: AroundPeak::new(self.others(at)?, Vec::new(), self.sweeps(at)),
             newton_iterations: whole(&self.newton_iterations, at, "newton_iterations")?,
             factorizations: whole(&self.factorizations, at, "factorizations")?,
         })
@@ -246,9 +252,7 @@ impl PeakColumns {
             amplitude: real("amplitude_m")?,
             route: rows.texts("route")?.clone(),
             truncation_error: real("truncation_error")?,
-            multiplier: (real("multiplier_real").ok())
-                .zip(real("multiplier_imaginary").ok())
-                .map(|(real, imaginary)| [real, imaginary]),
+            multiplier: ["multiplier_real", "multiplier_imaginary"].map(|name| real(name).ok()),
             damping_ratio: real("damping_ratio").ok(),
             highest_harmonic: rows.counts("highest_harmonic")?.clone(),
             rest: [
@@ -270,15 +274,15 @@ impl PeakColumns {
             return Ok(None);
         };
         let [stick, slip, separated, input, viscous, friction, residual] = &self.rest;
+        let of_older = |column: &Option<Float64Array>| optional(column.as_ref()?, at);
         Ok(Some(PeakRecord {
             frequency_hz,
             amplitude_m,
             route: named(&self.route, at, &PeakRoute::ALL, PeakRoute::name)?,
-            truncation_error: optional(&self.truncation_error, at),
-            multiplier: (self.multiplier.as_ref()).and_then(|[real, imaginary]| {
-                Some([optional(real, at)?, optional(imaginary, at)?])
-            }),
-            damping_ratio: (self.damping_ratio.as_ref()).and_then(|ratios| optional(ratios, at)),
+            truncation_error: optional(&self.truncation_error, at).into(),
+            multiplier_real: of_older(&self.multiplier[0]).into(),
+            multiplier_imaginary: of_older(&self.multiplier[1]).into(),
+            damping_ratio: of_older(&self.damping_ratio).into(),
             highest_harmonic: whole(&self.highest_harmonic, at, "highest_harmonic")?,
             stick_fraction: number(stick, at),
             slip_fraction: number(slip, at),

@@ -18,7 +18,7 @@ use std::path::Path;
 /// Key of the names of the inputs.
 pub(super) const INPUTS_KEY: &str = "inputs";
 /// Columns of what a sample belongs to.
-pub(super) type GroupColumn = (&'static str, fn(&SampleGroup) -> Option<u64>);
+pub(super) type GroupColumn = (&'static str, fn(&SampleGroup) -> Option<u32>);
 pub(super) const GROUP_COLUMNS: [GroupColumn; 3] = [
     ("outer", |group| group.outer),
     ("replicate", |group| group.replicate),
@@ -117,7 +117,7 @@ fn input_columns(input_names: &[String], group: SampleGroup, rows: &[LevelRow]) 
     let mut table = vec![named("sample", Column::Count(sample.collect()))];
     for (name, of) in GROUP_COLUMNS {
         if of(&group).is_some() {
-            let number = |o: &SampleOutcome| of(&o.group).and_then(|n| i64::try_from(n).ok());
+            let number = |o: &SampleOutcome| of(&o.group).map(i64::from);
             let numbers = rows.iter().map(|(o, _)| number(o));
             table.push(named(name, Column::Count(numbers.collect())));
         }
@@ -149,9 +149,9 @@ fn peak_columns(rows: &[LevelRow]) -> Table {
         real("frequency_hz", |p| Some(p.frequency_hz)),
         real("amplitude_m", |p| Some(p.amplitude_m)),
         named("route", Column::Text(rows.iter().map(route).collect())),
-        real("truncation_error", |p| p.truncation_error),
-        real("multiplier_real", |p| p.multiplier.map(|[re, _]| re)),
-        real("multiplier_imaginary", |p| p.multiplier.map(|[_, im]| im)),
+        real("truncation_error", |p| p.truncation_error.get()),
+        real("multiplier_real", |p| p.multiplier_real.get()),
+        real("multiplier_imaginary", |p| p.multiplier_imaginary.get()),
         named(
             "highest_harmonic",
             Column::Count(rows.iter().map(highest).collect()),
@@ -162,12 +162,12 @@ fn peak_columns(rows: &[LevelRow]) -> Table {
         real("work_input_j", |p| Some(p.work_input_j)),
         real("work_viscous_j", |p| Some(p.work_viscous_j)),
         real("work_friction_j", |p| Some(p.work_friction_j)),
-        real("damping_ratio", |p| p.damping_ratio),
+        real("damping_ratio", |p| p.damping_ratio.get()),
         real("residual", |p| Some(p.residual)),
     ];
     for (name, of) in OTHER_COLUMNS {
         let others = |(_, l): &LevelRow| match peak(l) {
-            Some(_) => l.others.iter().map(of).collect(),
+            Some(_) => l.around.others().iter().map(of).collect(),
             None => Vec::new(),
         };
         table.push(named(
@@ -176,7 +176,7 @@ fn peak_columns(rows: &[LevelRow]) -> Table {
         ));
     }
     for (name, of) in SWEEP_COLUMNS {
-        let sweeps = |(_, l): &LevelRow| l.sweeps.as_ref().and_then(of).and_then(finite);
+        let sweeps = |(_, l): &LevelRow| l.around.sweeps().and_then(of).and_then(finite);
         table.push(named(name, Column::Real(rows.iter().map(sweeps).collect())));
     }
     table

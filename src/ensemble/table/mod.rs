@@ -29,8 +29,8 @@ pub(super) const ROW_GROUP: usize = 4096;
 pub(super) type Table = Vec<(String, Column)>;
 
 /// A number as a table stores it.
-pub(super) fn count(value: usize) -> Option<i64> {
-    i64::try_from(value).ok()
+pub(super) fn count(value: impl TryInto<i64>) -> Option<i64> {
+    value.try_into().ok()
 }
 
 /// A column or key that this program writes is absent.

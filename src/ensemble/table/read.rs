@@ -185,13 +185,13 @@ pub(in crate::ensemble) fn optional(column: &Float64Array, at: usize) -> Option<
 }
 
 /// A count that is there.
-pub(in crate::ensemble) fn whole(
+pub(in crate::ensemble) fn whole<N: TryFrom<i64>>(
     column: &Int64Array,
     at: usize,
     name: &str,
-) -> Result<usize, Fault> {
+) -> Result<N, Fault> {
     let value = column.is_valid(at).then(|| column.value(at));
-    let value = value.and_then(|value| usize::try_from(value).ok());
+    let value = value.and_then(|value| N::try_from(value).ok());
     value.ok_or_else(|| missing(name))
 }
 

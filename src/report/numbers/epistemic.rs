@@ -137,7 +137,7 @@ impl EpistemicLevel {
                     let samples = members.iter().map(|&m| &input.outcomes[m]);
                     let failed = frequency.failed();
                     let ratios = (samples.clone())
-                        .filter_map(|sample| usable_peak(&sample.levels[i])?.damping_ratio);
+                        .filter_map(|sample| usable_peak(&sample.levels[i])?.damping_ratio.get());
                     PointStatistics {
                         outer: *outer,
                         failed,

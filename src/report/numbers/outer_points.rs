@@ -13,7 +13,8 @@ use std::collections::BTreeMap;
 pub fn outer_groups(outcomes: &[SampleOutcome]) -> Vec<(Option<u64>, Vec<usize>)> {
     let mut groups: BTreeMap<Option<u64>, Vec<usize>> = BTreeMap::new();
     for (i, outcome) in outcomes.iter().enumerate() {
-        groups.entry(outcome.group.outer).or_default().push(i);
+        let outer = outcome.group.outer.map(u64::from);
+        groups.entry(outer).or_default().push(i);
     }
     groups.into_iter().collect()
 }

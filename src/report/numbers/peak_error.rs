@@ -20,7 +20,7 @@ pub(in crate::report) fn harmonics_shift(
     peak: &PeakRecord,
 ) -> Option<f64> {
     let losses = peak.work_input_j / peak.work_viscous_j;
-    let shift = peak.truncation_error? * damping_ratio? * losses;
+    let shift = peak.truncation_error.get()? * damping_ratio? * losses;
     (shift.is_finite() && shift >= 0.0).then_some(shift)
 }
 

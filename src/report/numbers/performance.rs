@@ -41,7 +41,7 @@ impl Measure {
 
     /// NaN where the peak does not have it.
     fn of(self, peak: &PeakRecord, excitation: f64) -> f64 {
-        let ratio = peak.damping_ratio.unwrap_or(f64::NAN);
+        let ratio = peak.damping_ratio.get().unwrap_or(f64::NAN);
         match self {
             Self::Frequency => peak.frequency_hz,
             Self::AmplitudePerExcitation => peak.amplitude_m / excitation,
@@ -162,13 +162,18 @@ fn places(input: &ReportInput) -> Vec<f64> {
 
 /// The fan of all samples. Places without a solution are left out.
 pub(in crate::report) fn fan(input: &ReportInput, measure: Measure) -> Vec<FanPlace> {
-    let lines: Vec<Line> = (input.outcomes.iter())
-        .map(|sample| line(input.record, measure, sample))
-        .collect();
+    let places = places(input);
+    // the values at the places are fewer than the points of the lines
+    let mut columns = vec![Vec::with_capacity(input.outcomes.len()); places.len()];
+    for sample in input.outcomes {
+        let line = line(input.record, measure, sample);
+        for (values, ratio) in columns.iter_mut().zip(&places) {
+            values.push(at(&line, *ratio));
+        }
+    }
     let groups = outer_groups(input.outcomes);
     let nested = groups.iter().any(|(outer, _)| outer.is_some());
-    let place = |ratio: f64| {
-        let values: Vec<f64> = lines.iter().map(|line| at(line, ratio)).collect();
+    let place = |(ratio, values): (f64, Vec<f64>)| {
         let populations = groups
             .iter()
             .map(|(_, members)| Sorted::finite(chosen(&values, members)));
@@ -187,7 +192,7 @@ pub(in crate::report) fn fan(input: &ReportInput, measure: Measure) -> Vec<FanPl
             median: (!nested).then_some(medians[0]),
         })
     };
-    places(input).into_iter().filter_map(place).collect()
+    places.into_iter().zip(columns).filter_map(place).collect()
 }
 
 #[cfg(test)]

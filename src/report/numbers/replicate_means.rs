@@ -27,7 +27,10 @@ impl ReplicateMeans {
         let of = |value: fn(&PeakRecord) -> f64| -> Vec<(u64, f64)> {
             let one = |o: &SampleOutcome| {
                 let peak = usable_peak(&o.levels[i]);
-                Some((o.group.replicate?, peak.map_or(f64::NAN, |p| value(&p))))
+                Some((
+                    o.group.replicate?.into(),
+                    peak.map_or(f64::NAN, |p| value(&p)),
+                ))
             };
             outcomes.clone().filter_map(one).collect()
         };

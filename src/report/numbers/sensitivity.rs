@@ -117,7 +117,7 @@ fn indices(input: &ReportInput, i: usize, value: Results) -> Vec<IndexResult> {
 /// Replicate of every sample of a design of quasi-random points, 0 where these are one sequence; absent for any other.
 fn replicates(input: &ReportInput) -> Option<Vec<u64>> {
     let quasi_random = input.record.design.kind == DesignKind::Sobol;
-    let replicate = |o: &SampleOutcome| o.group.replicate.unwrap_or(0);
+    let replicate = |o: &SampleOutcome| o.group.replicate.unwrap_or(0).into();
     quasi_random.then(|| input.outcomes.iter().map(replicate).collect())
 }
 

@@ -24,7 +24,7 @@ pub struct SeveralAnswers {
 impl SeveralAnswers {
     /// Of the samples of one level; `population` tells whether they are draws of one population.
     pub(super) fn of(records: &[&LevelOutcome], population: bool, confidence: f64) -> Self {
-        let sweeps = || records.iter().filter_map(|record| record.sweeps.as_ref());
+        let sweeps = || records.iter().filter_map(|record| record.around.sweeps());
         let widths = || {
             sweeps()
                 .filter_map(|s| s.several_hz)

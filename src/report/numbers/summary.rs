@@ -198,7 +198,9 @@ impl LevelSummary {
         };
         let mut highest_harmonics = BTreeMap::new();
         for peak in peaks() {
-            *highest_harmonics.entry(peak.highest_harmonic).or_insert(0) += 1;
+            *highest_harmonics
+                .entry(peak.highest_harmonic as usize)
+                .or_insert(0) += 1;
         }
         Self {
             level,
@@ -214,12 +216,12 @@ impl LevelSummary {
             frequency_hz: of_blades(&|p| Some(p.frequency_hz)),
             amplitude_m: of_blades(&|p| Some(p.amplitude_m)),
             amplitude_per_unit_level_m: of_blades(&|p| Some(p.amplitude_m / level)),
-            damping_ratio: of_blades(&|p| p.damping_ratio),
+            damping_ratio: of_blades(&|p| p.damping_ratio.get()),
             replicate_means: ReplicateMeans::of(population.iter(), i),
-            truncation_error: distribution(&|p| p.truncation_error),
+            truncation_error: distribution(&|p| p.truncation_error.get()),
             highest_harmonics,
             several_maxima: (records.iter())
-                .filter(|r| usable_peak(r).is_some() && !r.others.is_empty())
+                .filter(|r| usable_peak(r).is_some() && !r.around.others().is_empty())
                 .count(),
             several_answers: SeveralAnswers::of(&records, !pooled, input.record.confidence()),
             mean_contact_fractions: mean_fractions(population.iter(), i),
@@ -245,12 +247,12 @@ impl MixedSummary {
 }
 
 impl WorkPerSample {
-    fn of(counts: impl Iterator<Item = usize> + Clone) -> Self {
-        let sorted = Sorted::finite(counts.clone().map(|c| c as f64));
+    fn of(counts: impl Iterator<Item = u32> + Clone) -> Self {
+        let sorted = Sorted::finite(counts.clone().map(f64::from));
         Self {
             median: quantile(&sorted, 0.5),
             q95: quantile(&sorted, 0.95),
-            total: counts.sum(),
+            total: counts.map(|c| c as usize).sum(),
         }
     }
 }

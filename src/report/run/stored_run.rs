@@ -54,7 +54,9 @@ impl StoredRun {
     /// The same without the points that a search has met: they are others in each study, so that nothing pairs with them.
     #[must_use]
     pub fn without_search(mut self) -> Self {
-        let of_design = |o: &SampleOutcome| o.group.outer < Some(self.record.design.outer_points);
+        let points = self.record.design.outer_points;
+        let of_design =
+            |o: &SampleOutcome| o.group.outer.is_none_or(|point| u64::from(point) < points);
         self.outcomes.retain(of_design);
         self
     }

@@ -74,7 +74,7 @@ impl NumericalErrors {
 
     /// Ends of the amplitude of a peak (m).
     pub(super) fn amplitude(&self, peak: &PeakRecord) -> Enclosed {
-        let known = [peak.truncation_error, work_imbalance(peak)];
+        let known = [peak.truncation_error.get(), work_imbalance(peak)];
         let relative = known.into_iter().flatten().sum::<f64>() + self.common[1];
         Enclosed {
             lower: peak.amplitude_m * (1.0 - relative).max(0.0),

@@ -8,6 +8,7 @@ use super::{
 };
 use microslip::ensemble::SolvedSample;
 use microslip::ensemble::parts::{Merged, PartFolder, PartHead, Source, StoredPart};
+use microslip::ensemble::program::this_process;
 use microslip::hb::Status;
 use microslip::report::RunRecord;
 use microslip::study::Study;
@@ -85,8 +86,8 @@ fn parts_of_another_program_are_refused_or_named() {
     assert!(page.contains("a wide one"), "the report names it");
 }
 
-/// The same sample in two parts is taken once; another result of it is an error that names both files.
-/// Seen to fail with the first result taken.
+/// The same samples in two parts are taken once; another result of one, in parts of the same samples, is an error that names both
+/// files with the processes that wrote them. Seen to fail with the first result taken, and without the second writer.
 #[test]
 fn parts_that_contradict_each_other_are_an_error() {
     let study = solved(SAMPLES);
@@ -100,10 +101,10 @@ fn parts_that_contradict_each_other_are_an_error() {
         microslip(path, &["verify", "results"]).status.success(),
         "equal samples"
     );
-    let mut other = known[0].clone();
-    other.outcome.levels[0].newton_iterations += 1;
+    let mut other = known[..3].to_vec();
+    other[0].outcome.levels[0].newton_iterations += 1;
     let before = parts(path, "results");
-    folder.write(&head, vec![other]).unwrap();
+    folder.write(&head, other).unwrap();
     let mut after = parts(path, "results");
     after.retain(|name| !before.contains(name));
     let new = after
@@ -114,10 +115,16 @@ fn parts_that_contradict_each_other_are_an_error() {
         &["run", "study.toml", "--quiet"][..],
         &["verify", "results"],
     ] {
-        refused(
-            path,
-            arguments,
-            "has another result of sample 0 (written by ",
+        refused(path, arguments, "has another result of sample 0");
+        let message = microslip(path, arguments).stderr;
+        let message = String::from_utf8_lossy(&message).into_owned();
+        let writers: Vec<&str> = message.split("(written by ").skip(1).collect();
+        assert_eq!(writers.len(), 2, "{message}");
+        let this = this_process();
+        assert!(writers.iter().any(|w| w.starts_with(&this)), "{message}");
+        assert!(
+            writers.iter().all(|w| w.contains(", process ")),
+            "{message}"
         );
     }
     for name in after.iter().filter(|name| name[..38] == new[..38]) {
@@ -165,8 +172,8 @@ fn failed_samples_are_solved_again_on_demand() {
     let mut failed = known[0].clone();
     failed.outcome.levels[0].status = Status::StepTooSmall;
     failed.outcome.levels[0].peak = None;
-    failed.outcome.levels[0].curve.clear();
-    failed.outcome.levels[0].others.clear();
+    failed.outcome.levels[0].around.curve_mut().clear();
+    failed.outcome.levels[0].around.others_mut().clear();
     let mut text = String::new();
     for output in ["results", "again"] {
         folder.remove().unwrap();

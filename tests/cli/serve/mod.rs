@@ -7,7 +7,7 @@ mod requests;
 use std::path::Path;
 
 use super::folder;
-use microslip::ensemble::outcome::LevelOutcome;
+use microslip::ensemble::outcome::{AroundPeak, LevelOutcome};
 use microslip::ensemble::stop::Stop;
 use microslip::study::{Evaluator, Study};
 use tempfile::TempDir;
@@ -36,11 +36,8 @@ fn model(folder: &Path, anchors: u64) -> Evaluator<'static> {
 /// All that must be the same to the bit.
 fn bits(levels: &[LevelOutcome]) -> Vec<String> {
     let of = |level: &LevelOutcome| {
-        let level = LevelOutcome {
-            curve: Vec::new(),
-            sweeps: None,
-            ..level.clone()
-        };
+        let mut level = level.clone();
+        level.around = AroundPeak::new(level.around.others().to_vec(), Vec::new(), None);
         serde_json::to_string(&level).unwrap()
     };
     levels.iter().map(of).collect()

@@ -125,9 +125,9 @@ impl Receptance {
 fn bits(outcomes: &[SampleOutcome]) -> Vec<[u64; 4]> {
     let of = |o: &SampleOutcome| {
         let peak = o.levels[0].peak.expect("a peak");
-        let others = &o.levels[0].others;
+        let others = o.levels[0].around.others();
         let next = others.first().map_or(0.0, |next| next.amplitude_m);
-        let counts = (o.levels[0].factorizations + 1000 * others.len()) as u64;
+        let counts = u64::from(o.levels[0].factorizations) + 1000 * others.len() as u64;
         [
             peak.frequency_hz.to_bits(),
             peak.amplitude_m.to_bits(),
@@ -190,7 +190,7 @@ fn the_highest_of_two_near_maxima_is_the_peak() {
             // where the other mode competes it is reported, too
             if maxima.len() > 1 && maxima[1][1] > 0.6 * maxima[0][1] {
                 two += 1;
-                let next = record.others.first().expect("a second maximum");
+                let next = record.around.others().first().expect("a second maximum");
                 errors[0] = errors[0].max((next.frequency_hz / maxima[1][0] - 1.0).abs());
                 errors[1] = errors[1].max((next.amplitude_m / maxima[1][1] - 1.0).abs());
             }
@@ -292,7 +292,11 @@ fn a_named_mode_is_followed() {
         let ensemble: Ensemble<'_> = prepared.ensemble(None);
         let found = ensemble.nominal().levels.remove(0);
         let peak = found.peak.expect("a peak");
-        Ok::<_, String>((ensemble.choice, (peak, found.others), frequencies))
+        Ok::<_, String>((
+            ensemble.choice,
+            (peak, found.around.others().to_vec()),
+            frequencies,
+        ))
     };
     let (choice, (highest, others), stuck) = nominal(&named("\"all\"")).expect("a study");
     assert_eq!(choice, PeakChoice::All);

@@ -324,7 +324,7 @@ fn pick_freeze_rows_are_those_of_the_indices() {
             assert!((found[j] - expected).abs() < 1e-12, "sample {i}");
         }
         let group = design.group(i as u64);
-        assert_eq!(group.place, Some(i as u64 % 5));
+        assert_eq!(group.place, Some(i as u32 % 5));
         assert_eq!(group.of_population(), i % 5 < 2);
     }
     // Points of a sequence differ by fixed binary digits: taken for A and B some pair is at 1/2 or more.

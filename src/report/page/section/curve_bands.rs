@@ -103,7 +103,7 @@ impl Window {
 /// Median width (Hz) of the curves of level `i` where the power is half of that of the peak; `None` without curves.
 fn half_power_width(view: &View, i: usize) -> Option<f64> {
     let outcomes = view.input.outcomes.iter();
-    let curves = outcomes.map(|o| view.curve(&o.levels[i].curve, o.levels[i].level));
+    let curves = outcomes.map(|o| view.curve(o.levels[i].around.curve(), o.levels[i].level));
     let widths = curves.filter_map(|points| width_of(&points));
     quantile(&Sorted::finite(widths), 0.5)
 }
@@ -268,7 +268,7 @@ fn curves(view: &View, i: usize, samples: &[usize], window: Window) -> Vec<Optio
     let solved = |o: &SampleOutcome| {
         let record: &LevelOutcome = &o.levels[i];
         let resonance_hz = usable_peak(record)?.frequency_hz;
-        let curve = Curve::through(view.curve(&record.curve, record.level))?;
+        let curve = Curve::through(view.curve(record.around.curve(), record.level))?;
         curve.aligned(window.unit(resonance_hz))
     };
     let asked = |o: &&SampleOutcome| o.index < view.input.record.curve_samples;
@@ -290,7 +290,7 @@ fn band_panel(view: &View, i: usize, level: &LevelBands, top: f64) -> Figure {
     let nominal = view.input.record.nominal.as_ref();
     if let (Some(nominal), Some(resonance)) = (nominal, view.nominal(Shown::Frequency, i)) {
         let record = &nominal.levels[i];
-        let curve = view.curve(&record.curve, record.level).into_iter();
+        let curve = view.curve(record.around.curve(), record.level).into_iter();
         let unit = window.unit(resonance);
         panel.line("nominal", curve.map(|(f, a)| (f / unit, a)));
     }

@@ -57,8 +57,9 @@ pub(super) fn section(view: &View) -> Section {
 /// How many peaks were assessed for stability, and what was found; absent where none was.
 fn stability(view: &View) -> Option<String> {
     let peaks: Vec<_> = (0..view.n_levels()).flat_map(|i| view.peaks(i)).collect();
-    let multipliers = peaks.iter().filter_map(|(_, peak)| peak.multiplier);
-    let sizes: Vec<f64> = multipliers.map(|[re, im]| re.hypot(im)).collect();
+    let sizes: Vec<f64> = (peaks.iter())
+        .filter_map(|(_, peak)| peak.multiplier_modulus())
+        .collect();
     let largest = sizes.iter().copied().reduce(f64::max)?;
     let unstable = sizes.iter().filter(|&&size| size > 1.0 + MARGIN).count();
     Some(format!(
@@ -289,7 +290,7 @@ fn truncation(view: &View) -> Option<Figure> {
     let levels = 0..view.n_levels();
     let errors = levels
         .flat_map(|i| view.peaks(i))
-        .filter_map(|(_, p)| p.truncation_error);
+        .filter_map(|(_, p)| p.truncation_error.get());
     // Errors of 0 have no logarithm; they cannot be a cause for worry.
     let sorted = Sorted::finite(errors.map(f64::log10));
     let bins = histogram(&sorted, 40);

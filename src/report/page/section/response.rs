@@ -71,7 +71,7 @@ fn nominal_responses(view: &View) -> Option<Figure> {
     add_linear_curves(view, &mut panel, |_| 1.0);
     let mut labels = Vec::new();
     for (i, record) in nominal.levels.iter().enumerate() {
-        let curve = view.curve(&record.curve, record.level);
+        let curve = view.curve(record.around.curve(), record.level);
         panel.line(&format!("level l{i}"), curve.into_iter());
         let peak = Shown::ALL.map(|shown| view.nominal(shown, i));
         if let [Some(x), Some(y)] = peak {
