@@ -5,18 +5,18 @@ use crate::rig::{LEVELS, Rig, design, settings};
 use microslip::ensemble::Ensemble;
 use microslip::ensemble::outcome::{LevelOutcome, SampleOutcome};
 
-fn rank(sorted: &[usize], share: f64) -> usize {
+fn rank(sorted: &[u32], share: f64) -> u32 {
     sorted[((sorted.len() - 1) as f64 * share) as usize]
 }
 
 /// One line on the work and the fate of the peaks.
 pub(crate) fn describe(name: &str, peaks: &[&LevelOutcome]) {
-    let mut factors: Vec<usize> = peaks.iter().map(|p| p.factorizations).collect();
+    let mut factors: Vec<u32> = peaks.iter().map(|p| p.factorizations).collect();
     factors.sort_unstable();
     let failed = peaks.iter().filter(|p| !p.status.has_solution()).count();
     println!(
         "{name}: factorisations mean {:.2}, median {}, 95 % {}, most {}; {failed} of {} not solved",
-        factors.iter().sum::<usize>() as f64 / factors.len() as f64,
+        f64::from(factors.iter().sum::<u32>()) / factors.len() as f64,
         rank(&factors, 0.5),
         rank(&factors, 0.95),
         rank(&factors, 1.0),

@@ -141,7 +141,7 @@ fn margins_are_as_uncertain_as_the_frequency() {
     let operation = study.record.requirements.operation.as_mut().unwrap();
     operation.engine_orders = vec![6, 54];
     study.record.requirements.criteria.truncate(1);
-    study.record.requirements.criteria[0].level = Some(0.1).into();
+    study.record.requirements.criteria[0].level = Some(0.1);
     for outcome in &mut study.outcomes {
         let peak = outcome.levels[0].peak.as_mut().unwrap();
         peak.truncation_error = Some(0.1).into();

@@ -9,7 +9,9 @@ use microslip::harmonics::HarmonicSet;
 use microslip::hb::branch::sweep::SweepDirection;
 use microslip::hb::response::values::{SlowSweep, at_frequencies};
 use microslip::hb::structure::resonance::Band;
-use microslip::hb::{HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Solution};
+use microslip::hb::{
+    HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, Solution, StabilityScope,
+};
 use microslip::model::two_blade::build;
 use microslip::model::{ContactPair, ReducedModel, Response, SparseRow};
 use microslip::rig::{Rig, Slip, VirtualTest};
@@ -176,6 +178,7 @@ fn harmonic_balance(rig: &Rig, model: &ReducedModel, force: f64, hz: &[f64]) -> 
         anchor,
         newton: NewtonSettings::default(),
         alert: None,
+        stability: StabilityScope::Off,
     };
     let omega: Vec<f64> = hz.iter().map(|f| hz_to_rad_s(*f)).collect();
     let sweep = SlowSweep {

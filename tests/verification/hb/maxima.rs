@@ -290,7 +290,8 @@ fn a_named_mode_is_followed() {
             .stuck_frequencies(&contacts)
             .expect("modes");
         let ensemble: Ensemble<'_> = prepared.ensemble(None);
-        let found = ensemble.nominal().levels.remove(0);
+        let nominal = ensemble.nominal();
+        let found = &nominal.levels[0];
         let peak = found.peak.expect("a peak");
         Ok::<_, String>((
             ensemble.choice,
