@@ -222,7 +222,7 @@ fn a_slipping_blade_is_that_of_harmonic_balance() {
             expected.norm()
         );
         assert!(error < 1e-3, "{frequency} Hz: {} {expected}", found(test));
-        assert!(work_error.abs() < 5e-3, "{frequency} Hz: {work} J");
+        assert!(work_error.abs() < 1e-2, "{frequency} Hz: {work} J");
         assert_eq!(test.slip, Slip::Gross, "{frequency} Hz");
     }
 }
