@@ -186,7 +186,7 @@ fn meets_curves(name: &str, stride: usize) {
     let peaks: Peaks = json(name, "peaks.json");
     let settings = case.settings(peaks.highest_harmonic, peaks.time_points);
     for level in &peaks.levels {
-        let curve = level.lists.curve();
+        let curve = &level.curve;
         let frequency: Vec<f64> = curve.frequency.iter().copied().step_by(stride).collect();
         let lengths = [curve.frequency.len(), curve.amplitude.len()];
         assert_eq!(lengths[0], lengths[1], "frequencies of {name}");

@@ -290,7 +290,7 @@ fn a_named_mode_is_followed() {
             .stuck_frequencies(&contacts)
             .expect("modes");
         let ensemble: Ensemble<'_> = prepared.ensemble(None);
-        let found = ensemble.nominal().levels.remove(0);
+        let found = ensemble.nominal().levels[0].clone();
         let peak = found.peak.expect("a peak");
         Ok::<_, String>((
             ensemble.choice,

@@ -228,7 +228,7 @@ fn a_nested_design_repeats_its_random_numbers_at_every_outer_point() {
     for i in 0..35 {
         let sample = design.sample(i);
         let (inner, at) = (i / 7, (i % 7) as usize);
-        assert_eq!(design.group(i).outer, Some(i % 7));
+        assert_eq!(design.group(i).outer, Some((i % 7) as u32));
         assert_eq!(sample[1..], plain.sample(inner)[1..]);
         if inner == 0 {
             outer[at] = sample[0];
