@@ -233,7 +233,8 @@ impl Sample {
         if !step.slips {
             return;
         }
-        let length = step.trial[0].hypot(step.trial[1]);
+        let [t1, t2] = step.trial;
+        let length = (t1 * t1 + t2 * t2).sqrt();
         let e = step.trial.map(|t| t / length);
         let (placed, kept) = (self.by_displacement, self.kept);
         for d in 0..2 {
