@@ -297,7 +297,7 @@ pub fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Erro
 mod tests {
     use super::*;
 
-    /// A report holds all samples in memory: a million of them at two levels take 320 MB (`benches/README.md`). Seen to fail with
+    /// A report holds all samples in memory: `benches/README.md` has the figures of a million. Seen to fail with
     /// absent numbers as `Option<f64>`, and with the two lists beside each other.
     #[test]
     fn outcomes_are_small() {

@@ -147,7 +147,7 @@ fn curves_are_as_exact_as_they_say() {
     println!("several solutions at {rig:?} N and {blades:?} N");
     assert!(
         rig.contains(&5.0) && !rig.contains(&0.1),
-        "slip leans the curve over"
+        "contacts that open lean the curve over"
     );
     assert_eq!(blades, [40.0], "contacts that open lean the curve over");
 }
