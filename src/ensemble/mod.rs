@@ -15,9 +15,9 @@
 //!     let peak = outcome.levels[0].peak.expect("a peak");
 //!     println!("{:?}: {:.2} Hz by {:?}", outcome.inputs, peak.frequency_hz, peak.route);
 //! }
-//! assert!(outcomes.iter().all(|outcome| outcome.levels[0].curve.is_empty()));
+//! assert!(outcomes.iter().all(|outcome| outcome.levels[0].around.curve().is_empty()));
 //! // the nominal model has its curve whatever the samples have
-//! assert!(!ensemble.nominal().levels[0].curve.is_empty());
+//! assert!(!ensemble.nominal().levels[0].around.curve().is_empty());
 //! # Ok(())
 //! # }
 //! ```

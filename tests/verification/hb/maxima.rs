@@ -151,7 +151,7 @@ fn assert_alike_on_one_thread(ensemble: &Ensemble<'_>, outcomes: &[SampleOutcome
     assert_eq!(bits(outcomes), bits(&alone.install(|| part(10))), "threads");
 }
 
-/// Stuck, two near-equal maxima in the band: each sample of three seeds against the receptance, the peak and the maximum
+/// Stuck, two near-equal maxima in the band: each sample of two seeds against the receptance, the peak and the maximum
 /// next to it (very stiff contacts slip at one of them); the same bits from one thread and for fewer samples.
 ///
 /// Seen to fail with the strongest stuck mode alone: 6 of the first 24 samples have the lower maximum, none another beside it.
@@ -159,7 +159,7 @@ fn assert_alike_on_one_thread(ensemble: &Ensemble<'_>, outcomes: &[SampleOutcome
 fn the_highest_of_two_near_maxima_is_the_peak() {
     let mut errors = [0.0f64; 2];
     let (mut two, mut slipping) = (0, 0);
-    for seed in 1..=3 {
+    for seed in 1..=2 {
         let study = study(&[
             ("[1.0, 50.0]", "[1.0]"),
             ("seed = 1", &format!("seed = {seed}")),
@@ -210,7 +210,7 @@ fn the_highest_of_two_near_maxima_is_the_peak() {
     }
     println!("largest errors {errors:?}, {two} samples with two maxima, {slipping} slip");
     assert!(
-        two > 15 && slipping < 24,
+        two > 10 && slipping < 16,
         "{two} samples with a second maximum, {slipping} slip"
     );
 }
