@@ -56,17 +56,16 @@ pub(super) fn section(view: &View) -> Section {
 
 /// How many peaks were assessed for stability, and what was found; absent where none was.
 fn stability(view: &View) -> Option<String> {
-    let peaks: Vec<_> = (0..view.n_levels()).flat_map(|i| view.peaks(i)).collect();
-    let sizes: Vec<f64> = (peaks.iter())
-        .filter_map(|(_, peak)| peak.multiplier_modulus())
-        .collect();
-    let largest = sizes.iter().copied().reduce(f64::max)?;
-    let unstable = sizes.iter().filter(|&&size| size > 1.0 + MARGIN).count();
+    // copies of a million peaks would take as much memory as the samples
+    let peaks = || (0..view.n_levels()).flat_map(|i| view.peaks(i));
+    let moduli = || peaks().filter_map(|(_, peak)| peak.multiplier_modulus());
+    let largest = moduli().reduce(f64::max)?;
+    let unstable = moduli().filter(|modulus| *modulus > 1.0 + MARGIN).count();
     Some(format!(
         "Stability: {} of {} peaks were assessed by their Floquet multipliers, {unstable} of them are unstable. The largest \
          modulus of a multiplier is {largest:.4}.",
-        sizes.len(),
-        peaks.len(),
+        moduli().count(),
+        peaks().count(),
     ))
 }
 
