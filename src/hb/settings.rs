@@ -85,9 +85,9 @@ impl Default for AlertSettings {
 #[serde(rename_all = "kebab-case")]
 pub enum StabilityScope {
     /// None.
+    #[default]
     Off,
     /// Those at which a contact is open for part of the period.
-    #[default]
     LiftOff,
     /// Those at which a contact slips or is open. With all contacts stuck a damped structure is stable.
     All,

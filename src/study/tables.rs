@@ -149,7 +149,8 @@ pub struct SolverSection {
     #[schemars(extend("default" = true))]
     alert: Option<Alert>,
     /// Which solutions are assessed for stability by their Floquet multipliers: those with lift-off, all that slip or lift off, or
-    /// none. Those that are unstable have the status `unstable`.
+    /// none. Those that are unstable have the status `unstable`. What is not assessed and is open for most of the period has the status
+    /// `bouncing-contact`.
     #[schemars(extend("default" = StabilityScope::default()))]
     stability: Option<StabilityScope>,
     /// Whether a mirror-symmetric model is solved on one half of its contacts. `false` solves both halves, and so also finds

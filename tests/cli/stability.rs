@@ -73,10 +73,10 @@ fn curves_say_where_they_are_unstable() {
         };
         assert_eq!(status, expected, "{size}");
     }
-    for (_, [_, open], multiplier) in curve("") {
+    for (_, [_, open], multiplier) in curve("stability = \"lift-off\"") {
         assert_eq!(multiplier.is_some(), open > 0.0);
     }
-    let off = curve("stability = \"off\"");
+    let off = curve("");
     let said = |(status, _, multiplier): &(String, _, Option<f64>)| {
         multiplier.is_some() || status == "unstable"
     };
@@ -88,7 +88,7 @@ fn curves_say_where_they_are_unstable() {
 fn runs_count_unstable_peaks() {
     let input =
         "[inputs.friction_coefficient]\ndistribution = \"uniform\"\nlow = 0.5\nhigh = 0.7\n";
-    let folder = blades("", input);
+    let folder = blades("stability = \"lift-off\"", input);
     let output = microslip(folder.path(), &["run", "study.toml", "--output", "out"]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let read = |name: &str| std::fs::read_to_string(folder.path().join("out").join(name)).unwrap();

@@ -22,7 +22,6 @@ law = "box"
 [solver]
 harmonics = 1
 alert = false
-stability = "off"
 [frequency]
 band_hz = [2600, 3100]
 [output]
