@@ -4,9 +4,9 @@
 //! become after one period is a linear map of what it was: the monodromy matrix. Its eigenvalues are the Floquet multipliers; the
 //! solution is unstable if one of them lies outside the unit circle.
 //!
-//! - **Structure** ([`structure`]): the modes of the free structure up to [`structure::HIGHEST`] times the excitation frequency
+//! - **Structure** (`structure`): the modes of the free structure up to `structure::HIGHEST` times the excitation frequency
 //!   with their inertia, the others by their static compliance. The disturbance is not cut off at the harmonics of the solution.
-//! - **Contact** ([`contact_steps`]): the law is marched along the solution on a fine grid, and its derivative with it. A
+//! - **Contact** (`contact_steps`): the law is marched along the solution on a fine grid, and its derivative with it. A
 //!   slider that sticks keeps the disturbance that it had when stick began; a contact that closes takes the one of the place
 //!   and of the instant of closing; slip and separation forget.
 //! - **March** ([`period_map`]): in each step the contact stiffness is its mean over the step, and the step is that of Gauss'
