@@ -3,6 +3,7 @@
 use super::Ensemble;
 use super::atlas::Anchor;
 use super::outcome::{SampleOutcome, newton_iterations};
+use crate::sampling::design::in_32_bits;
 use rayon::prelude::*;
 
 /// A point of the box beside the outer points of the design.
@@ -34,7 +35,7 @@ impl Ensemble<'_> {
             let levels = solved(&inputs);
             done(newton_iterations(&levels));
             let mut group = design.group(i * design.outer_points());
-            group.outer = u32::try_from(point.outer).ok();
+            group.outer = Some(in_32_bits(point.outer));
             SampleOutcome {
                 index: point.outer * inner + i,
                 group,

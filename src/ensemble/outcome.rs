@@ -246,8 +246,11 @@ impl PeakRecord {
     /// Modulus of the Floquet multiplier, above 1 for an unstable peak; absent where stability was not assessed.
     #[must_use]
     pub fn multiplier_modulus(&self) -> Option<f64> {
-        let real = self.multiplier_real.get()?;
-        Some(real.hypot(self.multiplier_imaginary.get()?))
+        let [re, im] = [
+            self.multiplier_real.get()?,
+            self.multiplier_imaginary.get()?,
+        ];
+        Some((re * re + im * im).sqrt())
     }
 }
 

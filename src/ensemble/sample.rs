@@ -19,6 +19,7 @@ use crate::hb::peak::predicted::{PeakPrediction, maximum_near, phase_locked};
 use crate::hb::response::curve::{self, response_curve};
 use crate::hb::structure::resonance::{Candidate, candidates};
 use crate::hb::{Balance, Problem, ProblemError, Solution, Status};
+use crate::sampling::design::in_32_bits;
 use crate::units::rad_s_to_hz;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
@@ -308,11 +309,6 @@ fn others(maxima: &Maxima) -> Vec<OtherMaximum> {
             amplitude_m: other.amplitude(0),
         })
         .collect()
-}
-
-/// A count as outcomes hold it. Budgets keep counts far below the largest one.
-fn in_32_bits(count: usize) -> u32 {
-    u32::try_from(count).unwrap_or(u32::MAX)
 }
 
 fn record(solution: &Solution) -> PeakRecord {

@@ -70,6 +70,14 @@ impl Default for AlertSettings {
     }
 }
 
+impl AlertSettings {
+    /// Whether a stated error of the amplitude is not above the threshold.
+    #[must_use]
+    pub fn accepts(&self, error: f64) -> bool {
+        error <= self.threshold
+    }
+}
+
 /// Which solutions are assessed for stability.
 #[derive(
     Debug,

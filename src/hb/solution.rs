@@ -160,9 +160,10 @@ impl Solution {
         let Some(stability) = self.stability else {
             return self;
         };
-        let certified = settings
-            .alert
-            .is_none_or(|alert| self.truncation_error.is_some_and(|e| e <= alert.threshold));
+        let certified = settings.alert.is_none_or(|alert| {
+            self.truncation_error
+                .is_some_and(|error| alert.accepts(error))
+        });
         self.status = match (certified, stability.is_stable()) {
             (false, _) => Status::TruncationAboveThreshold,
             (true, true) => Status::Converged,

@@ -282,7 +282,8 @@ fn in_memory(i: u64) -> usize {
     usize::try_from(i).unwrap_or(usize::MAX)
 }
 
-/// A number of a group as outcomes hold it: points, replicates and places of a design are in memory, far fewer than 2³².
-fn in_32_bits(i: u64) -> u32 {
-    u32::try_from(i).unwrap_or(u32::MAX)
+/// A count as outcomes hold it: points, replicates and places of a design are in memory, and budgets bound the work of a sample, so
+/// all are far below 2³².
+pub(crate) fn in_32_bits<N: TryInto<u32>>(count: N) -> u32 {
+    count.try_into().unwrap_or(u32::MAX)
 }

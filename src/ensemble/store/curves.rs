@@ -70,8 +70,7 @@ impl CurveCursor {
             .0
             .row()?
             .map(|(batch, at)| whole(&batch.sample, at, "sample"));
-        let found = self.0.reader.checked(found.transpose())?;
-        Ok(found)
+        self.0.reader.checked(found.transpose())
     }
 
     /// The sample of a curve, which must be there.

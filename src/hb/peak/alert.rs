@@ -275,7 +275,7 @@ impl<'s, 'p> AlertSets<'s, 'p> {
     /// Whether an estimated error is not above the threshold.
     #[must_use]
     pub fn is_accepted(&self, error: f64) -> bool {
-        error <= self.alert.threshold
+        self.alert.accepts(error)
     }
 
     /// The solution with its stated truncation error, if that is known, and with the status that follows from the error.

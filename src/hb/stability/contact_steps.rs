@@ -4,7 +4,7 @@
 //! disturbance by the derivative of the law: dw = P dr + Q dw₋, with the disturbance dr of the displacements and dw₋ of the slider
 //! one sample before. The samples of a step together give the mean stiffness, and the slider at the end.
 
-use crate::contact::law::{circle_step, closing_instant};
+use crate::contact::law::{anchored_at_closing, box_slider, circle_step, closing_instant};
 use crate::contact::{ContactParameters, FrictionLaw};
 
 /// Samples of the motion per step of the march.
@@ -177,8 +177,8 @@ fn advance(
         sample.follow();
         let instant = closing_instant(gap_before, gap);
         for d in 0..2 {
+            slider[d] = anchored_at_closing(before[d], now[d], instant);
             let way = now[d] - before[d];
-            slider[d] = before[d] + instant * way;
             sample.by_displacement[d][2] = -way * p.k_n / (gap - gap_before);
         }
     }
@@ -207,12 +207,13 @@ impl Sample {
         slider: &mut [f64; 2],
         now: &Displacement,
     ) {
-        let trial = p.k_t[d] * (now[d] - slider[d]);
-        if trial.abs() <= limit {
+        let [path, held] = [now[d], slider[d]].map(|x| p.k_t[d] * x);
+        let placed = box_slider(limit, path, held);
+        if placed == held {
             return;
         }
-        let sign = trial.signum();
-        slider[d] = now[d] - sign * limit / p.k_t[d];
+        let sign = (path - held).signum();
+        slider[d] = placed / p.k_t[d];
         self.moves[d] = true;
         self.by_displacement[d] = FOLLOWS[d];
         self.by_displacement[d][2] = -sign * p.mu * p.k_n / p.k_t[d];

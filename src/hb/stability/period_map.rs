@@ -20,7 +20,7 @@
 use super::contact_steps::{Displacement, PairStep, PairSteps, SAMPLES};
 use super::structure::Disturbed;
 use crate::contact::FrictionLaw;
-use crate::harmonics::HarmonicSet;
+use crate::harmonics::{HarmonicSet, phases};
 use crate::hb::equations::problem::Problem;
 use faer::linalg::solvers::PartialPivLu;
 use faer::prelude::*;
@@ -98,9 +98,7 @@ fn pair_steps(
 
 /// Displacements at `n` equidistant phases. Shape: `[n][width]`.
 fn displacements(motion: &PeriodicMotion<'_>, n: usize, width: usize) -> Vec<f64> {
-    let circle: Vec<(f64, f64)> = (0..n)
-        .map(|i| libm::sincos(TAU * i as f64 / n as f64))
-        .collect();
+    let circle: Vec<(f64, f64)> = phases(n).into_iter().map(libm::sincos).collect();
     let mut out = Vec::with_capacity(n * width);
     for i in 0..n {
         let first = out.len();

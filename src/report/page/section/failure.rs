@@ -11,7 +11,7 @@ use crate::page::thinning::thinned;
 use crate::report::assessment::InputFailures;
 use crate::report::numbers::peaks::usable_peak;
 use crate::report::numbers::population::hull;
-use crate::report::page::statistic_cell::range_fields;
+use crate::report::page::statistic_cell::{percent_range, range_fields};
 use crate::report::page::view::View;
 use crate::statistics::{FailurePattern, Proportion, Sorted, histogram};
 
@@ -409,7 +409,7 @@ fn answers_table(view: &View) -> Block {
         let count = |n: usize| Cell::number(n.to_string(), Some(n as f64));
         let width = |v: f64| format!("{} Hz", significant(v));
         let of_share = answers.share.as_ref();
-        let limits = |p: &Proportion| format!("{} to {}", percent(p.lower), percent(p.upper));
+        let limits = |p: &Proportion| percent_range(p.lower, p.upper);
         table.row(vec![
             view.level_cell(i),
             count(answers.curves),
