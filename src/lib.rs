@@ -25,30 +25,24 @@
 //! [`report`] what is made of them. The rooms, from the ground floor up, and what each may import stand in
 //! `ARCHITECTURE.md`; `tests/architecture.rs` keeps that table true. Numbers are in SI units.
 
-pub mod aft;
 pub mod calibrate;
-pub mod contact;
-pub mod ensemble;
 pub mod error;
-pub mod fe;
-pub mod file;
-pub mod gpu;
-pub mod harmonics;
-pub mod hb;
 pub mod identify;
 pub mod import;
-pub mod linalg;
-pub mod model;
 mod page;
 pub mod record;
 pub mod report;
 pub mod rig;
-pub mod sampling;
 pub mod serve;
-pub mod setting;
-pub mod special;
-pub mod statistics;
 pub mod study;
-pub mod units;
 
 pub use error::Error;
+
+#[doc(inline)]
+pub use microslip_base::{file, setting, units};
+#[doc(inline)]
+pub use microslip_probability::{special, statistics};
+#[doc(inline)]
+pub use microslip_samples::{ensemble, sampling};
+#[doc(inline)]
+pub use microslip_solver::{aft, contact, fe, gpu, harmonics, hb, linalg, model};

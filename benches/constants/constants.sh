@@ -2,7 +2,7 @@
 # What happens to four small studies where one constant of the source has another value:
 #
 #     benches/constants/constants.sh FILE NAME VALUE [FILE NAME VALUE ...]
-#     benches/constants/constants.sh src/hb/newton/solve.rs PATIENCE 6 src/hb/newton/solve.rs PATIENCE 24
+#     benches/constants/constants.sh src/solver/hb/newton/solve.rs PATIENCE 6 src/solver/hb/newton/solve.rs PATIENCE 24
 #
 # Works on a copy of the source under target/, one build per value. Only what the constant touches is compiled again.
 set -euo pipefail

@@ -7,6 +7,7 @@ use super::{
     study, wait_for_a_part,
 };
 use microslip::ensemble::SolvedSample;
+use microslip::ensemble::outcome::AroundPeak;
 use microslip::ensemble::parts::{Merged, PartFolder, PartHead, Source, StoredPart};
 use microslip::ensemble::program::this_process;
 use microslip::hb::Status;
@@ -172,8 +173,7 @@ fn failed_samples_are_solved_again_on_demand() {
     let mut failed = known[0].clone();
     failed.outcome.levels[0].status = Status::StepTooSmall;
     failed.outcome.levels[0].peak = None;
-    failed.outcome.levels[0].around.curve_mut().clear();
-    failed.outcome.levels[0].around.others_mut().clear();
+    failed.outcome.levels[0].around = AroundPeak::default();
     let mut text = String::new();
     for output in ["results", "again"] {
         folder.remove().unwrap();

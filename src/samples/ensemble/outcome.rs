@@ -78,11 +78,6 @@ impl AroundPeak {
         self.0.as_ref()?.sweeps.as_ref()
     }
 
-    /// The lower maxima, to be changed.
-    pub fn others_mut(&mut self) -> &mut Vec<OtherMaximum> {
-        &mut self.0.get_or_insert_default().others
-    }
-
     /// The forced response, to be changed.
     pub fn curve_mut(&mut self) -> &mut Vec<CurvePoint> {
         &mut self.0.get_or_insert_default().curve

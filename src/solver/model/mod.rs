@@ -36,15 +36,15 @@
 
 pub mod disk;
 pub mod interface;
-pub(crate) mod lower_triangle;
+pub mod lower_triangle;
 mod masters;
 pub mod matrices;
-pub(crate) mod matrix_checks;
+pub mod matrix_checks;
 pub mod matrix_contacts;
-pub(crate) mod matrix_market;
-pub(crate) mod matrix_writer;
+pub mod matrix_market;
+pub mod matrix_writer;
 pub mod mirror;
-pub(crate) mod model_text;
+pub mod model_text;
 pub mod modes;
 pub mod rigid;
 

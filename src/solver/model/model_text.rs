@@ -7,7 +7,7 @@ use super::matrix_contacts::ContactTable;
 impl ContactTable {
     /// The table `[[model.contact]]` with an empty line before it; with units beside the numbers if it is in `si`.
     #[must_use]
-    pub(crate) fn text(&self, si: bool) -> String {
+    pub fn text(&self, si: bool) -> String {
         let unit = |unit: &str| match si {
             true => format!(" # {unit}"),
             false => String::new(),
@@ -36,7 +36,7 @@ impl ContactTable {
 }
 
 /// `{ "12.1" = 1.0, "34.1" = -1.0 }`.
-pub(crate) fn inline<'e>(entries: impl Iterator<Item = (&'e String, &'e f64)>) -> String {
+pub fn inline<'e>(entries: impl Iterator<Item = (&'e String, &'e f64)>) -> String {
     let entries: Vec<_> = entries
         .map(|(name, value)| format!("{} = {value:?}", quoted(name)))
         .collect();
@@ -44,7 +44,7 @@ pub(crate) fn inline<'e>(entries: impl Iterator<Item = (&'e String, &'e f64)>) -
 }
 
 /// A text as TOML writes it, in one line.
-pub(crate) fn quoted(text: &str) -> String {
+pub fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for c in text.chars() {
         let _ = match c {

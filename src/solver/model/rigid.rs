@@ -57,7 +57,7 @@ impl fmt::Display for RigidModes {
 
 /// Axis (0, 1, 2) of each degree of freedom that is a displacement: the name `node.1` is one along x, `node.2` along y,
 /// `node.3` along z, with a node > 0.
-pub(crate) fn axes(names: impl Iterator<Item = String>) -> Vec<Option<usize>> {
+pub fn axes(names: impl Iterator<Item = String>) -> Vec<Option<usize>> {
     let axis = |name: String| {
         let (node, component) = name.rsplit_once('.')?;
         node.parse::<i64>().ok().filter(|node| *node > 0)?;
@@ -69,7 +69,7 @@ pub(crate) fn axes(names: impl Iterator<Item = String>) -> Vec<Option<usize>> {
 /// r'Mr of the unit displacement along x, y and z; nothing if no degree of freedom is one.
 ///
 /// `mass` are the entries (row, column, value) of the lower triangle; `axes` has one element per row.
-pub(crate) fn total_mass(
+pub fn total_mass(
     mass: impl Iterator<Item = (usize, usize, f64)>,
     axes: &[Option<usize>],
 ) -> Option<[f64; 3]> {
@@ -87,13 +87,13 @@ pub(crate) fn total_mass(
 }
 
 /// Entries (row, column, value) of the lower triangles of a structure.
-pub(crate) struct Triangles<S, M> {
+pub struct Triangles<S, M> {
     /// Of K.
-    pub(crate) stiffness: S,
+    pub stiffness: S,
     /// Most significant digits of a number of K.
-    pub(crate) digits: u32,
+    pub digits: u32,
     /// Of M.
-    pub(crate) mass: M,
+    pub mass: M,
 }
 
 impl<S, M, E, F> Triangles<S, M>
@@ -107,7 +107,7 @@ where
     ///
     /// A mode is one if λ is not above what round-off and the rounding of K to its digits explain:
     /// λ ≤ (1e-12 + rounding) Σ |φ_i| |K_ij| |φ_j|.
-    pub(crate) fn rigid_modes(
+    pub fn rigid_modes(
         &self,
         lambda: &[f64],
         shapes: &Mat<f64>,
@@ -164,7 +164,7 @@ where
 
 /// Most significant digits that a number needs to be told from others, at most 17: how exactly a matrix that was read states
 /// them.
-pub(crate) fn digits(values: impl Iterator<Item = (usize, usize, f64)>) -> u32 {
+pub fn digits(values: impl Iterator<Item = (usize, usize, f64)>) -> u32 {
     let mut most = 0;
     for (.., value) in values {
         most = most.max(significant_digits(&format!("{value:e}")));

@@ -44,20 +44,6 @@ impl Bootstrap {
         indices
     }
 
-    /// m distinct indices below n, ascending.
-    #[must_use]
-    pub fn subsample(&self, replicate: u32, n: usize, m: usize) -> Vec<usize> {
-        let mut generator = self.generator(replicate);
-        let mut indices: Vec<usize> = (0..n).collect();
-        for i in 0..m.min(n) {
-            let j = i + below(&mut generator, n - i);
-            indices.swap(i, j);
-        }
-        indices.truncate(m);
-        indices.sort_unstable();
-        indices
-    }
-
     /// Interval between the (1 ∓ confidence)/2 quantiles of the replicates of a statistic; `None` if one is not finite.
     pub(super) fn percentiles(&self, statistic: impl Fn(u32) -> f64) -> Option<(f64, f64)> {
         let values = Sorted::finite((0..self.replicates).map(statistic));

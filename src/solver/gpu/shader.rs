@@ -221,9 +221,9 @@ impl Shape {
     #[must_use]
     pub fn text(&self, hardware: bool) -> String {
         let mut text = self.constants(hardware);
-        text.push_str(include_str!("../../shaders/shared.wgsl"));
-        text.push_str(include_str!("../../shaders/transform.wgsl"));
-        text.push_str(include_str!("../../shaders/forces.wgsl"));
+        text.push_str(include_str!("../../../shaders/shared.wgsl"));
+        text.push_str(include_str!("../../../shaders/transform.wgsl"));
+        text.push_str(include_str!("../../../shaders/forces.wgsl"));
         self.parts().iter().for_each(|part| text.push_str(part));
         text
     }
@@ -269,35 +269,35 @@ impl Shape {
     fn parts(&self) -> &'static [&'static str] {
         match self.march {
             March::Box => &[
-                include_str!("../../shaders/polynomial.wgsl"),
-                include_str!("../../shaders/masks.wgsl"),
-                include_str!("../../shaders/box_march.wgsl"),
-                include_str!("../../shaders/box_spectra.wgsl"),
-                include_str!("../../shaders/box_forces.wgsl"),
-                include_str!("../../shaders/box_tangents.wgsl"),
+                include_str!("../../../shaders/polynomial.wgsl"),
+                include_str!("../../../shaders/masks.wgsl"),
+                include_str!("../../../shaders/box_march.wgsl"),
+                include_str!("../../../shaders/box_spectra.wgsl"),
+                include_str!("../../../shaders/box_forces.wgsl"),
+                include_str!("../../../shaders/box_tangents.wgsl"),
             ],
             March::SampledCircle { .. } => &[
-                include_str!("../../shaders/circle.wgsl"),
-                include_str!("../../shaders/circle_sampled_lap.wgsl"),
-                include_str!("../../shaders/circle_sampled_forces.wgsl"),
-                include_str!("../../shaders/circle_sampled_tangents.wgsl"),
+                include_str!("../../../shaders/circle.wgsl"),
+                include_str!("../../../shaders/circle_sampled_lap.wgsl"),
+                include_str!("../../../shaders/circle_sampled_forces.wgsl"),
+                include_str!("../../../shaders/circle_sampled_tangents.wgsl"),
             ],
             March::LocatedCircle => &[
-                include_str!("../../shaders/polynomial.wgsl"),
-                include_str!("../../shaders/masks.wgsl"),
-                include_str!("../../shaders/circle.wgsl"),
-                include_str!("../../shaders/circle_slip.wgsl"),
-                include_str!("../../shaders/roots.wgsl"),
-                include_str!("../../shaders/circle_located_lap.wgsl"),
-                include_str!("../../shaders/circle_located_sensitivity.wgsl"),
-                include_str!("../../shaders/circle_located_node.wgsl"),
-                include_str!("../../shaders/circle_located_course.wgsl"),
-                include_str!("../../shaders/circle_located_kink.wgsl"),
-                include_str!("../../shaders/circle_located_transition.wgsl"),
-                include_str!("../../shaders/circle_located_walk.wgsl"),
-                include_str!("../../shaders/circle_gap_roots.wgsl"),
-                include_str!("../../shaders/circle_located_forces.wgsl"),
-                include_str!("../../shaders/circle_located_tangents.wgsl"),
+                include_str!("../../../shaders/polynomial.wgsl"),
+                include_str!("../../../shaders/masks.wgsl"),
+                include_str!("../../../shaders/circle.wgsl"),
+                include_str!("../../../shaders/circle_slip.wgsl"),
+                include_str!("../../../shaders/roots.wgsl"),
+                include_str!("../../../shaders/circle_located_lap.wgsl"),
+                include_str!("../../../shaders/circle_located_sensitivity.wgsl"),
+                include_str!("../../../shaders/circle_located_node.wgsl"),
+                include_str!("../../../shaders/circle_located_course.wgsl"),
+                include_str!("../../../shaders/circle_located_kink.wgsl"),
+                include_str!("../../../shaders/circle_located_transition.wgsl"),
+                include_str!("../../../shaders/circle_located_walk.wgsl"),
+                include_str!("../../../shaders/circle_gap_roots.wgsl"),
+                include_str!("../../../shaders/circle_located_forces.wgsl"),
+                include_str!("../../../shaders/circle_located_tangents.wgsl"),
             ],
         }
     }

@@ -11,40 +11,45 @@ use faer::Mat;
 use crate::file::{self, FileError, parse_number, significant_digits};
 
 /// Largest number of rows or columns: a dense matrix of this size takes 200 MB, its modes some minutes.
-pub(crate) const LARGEST: usize = 5_000;
+pub const LARGEST: usize = 5_000;
 /// Bytes of a line at most.
 const LONGEST_LINE: u64 = 4096;
 
 /// A matrix, and how exactly its file states it.
 #[derive(Debug)]
-pub(crate) struct Stated {
+pub struct Stated {
     /// The matrix.
-    pub(crate) matrix: Mat<f64>,
+    pub matrix: Mat<f64>,
     /// Most significant digits that an entry has.
-    pub(crate) digits: u32,
+    pub digits: u32,
 }
 
 /// What a file states of its matrix before its entries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Shape {
-    pub(crate) rows: usize,
-    pub(crate) columns: usize,
+pub struct Shape {
+    /// Rows.
+    pub rows: usize,
+    /// Columns.
+    pub columns: usize,
     /// Only the lower triangle is stored.
-    pub(crate) symmetric: bool,
+    pub symmetric: bool,
 }
 
 /// An entry, with indices from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Entry {
-    pub(crate) row: usize,
-    pub(crate) column: usize,
-    pub(crate) value: f64,
+pub struct Entry {
+    /// Row.
+    pub row: usize,
+    /// Column.
+    pub column: usize,
+    /// Value, in the unit of the matrix.
+    pub value: f64,
     /// Where it stands in the file.
-    pub(crate) line: u64,
+    pub line: u64,
 }
 
 /// What takes the entries of a file.
-pub(crate) trait Collects {
+pub trait Collects {
     /// An empty collection; `coordinate` if entries come in any order, so that one may come twice.
     fn empty(shape: Shape, coordinate: bool) -> Self;
 
@@ -62,7 +67,7 @@ pub(crate) trait Collects {
 /// # Errors
 /// [`FileError`] if the file cannot be read, or on the first line that does not belong to such a matrix: an entry given
 /// twice among them.
-pub(crate) fn read_matrix(path: &Path) -> Result<Stated, FileError> {
+pub fn read_matrix(path: &Path) -> Result<Stated, FileError> {
     let (dense, digits) = read_entries::<Dense>(path, LARGEST)?;
     Ok(Stated {
         matrix: dense.matrix,
@@ -74,7 +79,7 @@ pub(crate) fn read_matrix(path: &Path) -> Result<Stated, FileError> {
 ///
 /// # Errors
 /// As [`read_matrix`].
-pub(crate) fn read_entries<C: Collects>(path: &Path, most: usize) -> Result<(C, u32), FileError> {
+pub fn read_entries<C: Collects>(path: &Path, most: usize) -> Result<(C, u32), FileError> {
     let mut lines = Lines {
         path,
         reader: BufReader::new(file::open(path)?),

@@ -7,7 +7,7 @@ use super::matrix_checks::rounding;
 use crate::file::{self, FileError};
 
 /// Digits that a binary number of double precision has.
-pub(crate) const DOUBLE_DIGITS: u32 = 17;
+pub const DOUBLE_DIGITS: u32 = 17;
 
 /// Writes a symmetric matrix of `n` rows by `entries` (row, column, value) of its lower triangle, indices from 0.
 ///
@@ -16,7 +16,7 @@ pub(crate) const DOUBLE_DIGITS: u32 = 17;
 ///
 /// # Errors
 /// [`FileError`] if the operating system refuses.
-pub(crate) fn write_symmetric(
+pub fn write_symmetric(
     path: &Path,
     n: usize,
     entries: &[(usize, usize, f64)],
@@ -39,7 +39,7 @@ pub(crate) fn write_symmetric(
 ///
 /// # Errors
 /// [`FileError`] if the operating system refuses.
-pub(crate) fn write_column(path: &Path, values: &[f64], digits: u32) -> Result<(), FileError> {
+pub fn write_column(path: &Path, values: &[f64], digits: u32) -> Result<(), FileError> {
     let written = file::replace(path, |out| {
         let mut out = BufWriter::new(out);
         writeln!(out, "%%MatrixMarket matrix array real general")?;

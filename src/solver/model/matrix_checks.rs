@@ -6,7 +6,7 @@ use faer::{Mat, Side, c64};
 /// Largest asymmetry accepted as round-off, relative to the largest entry.
 const SYMMETRY_TOLERANCE: f64 = 1e-8;
 /// Most negative eigenvalue accepted as round-off, of a matrix with unit diagonal.
-pub(crate) const SEMIDEFINITE_TOLERANCE: f64 = 1e-9;
+pub const SEMIDEFINITE_TOLERANCE: f64 = 1e-9;
 /// From so many significant digits on, the numbers of a file count as rounded to these.
 const FEWEST_DIGITS: u32 = 6;
 /// Factorisations that enclose a negative eigenvalue for its message.
@@ -18,7 +18,7 @@ const DEFINITE_TOLERANCE: f64 = 1e-12;
 ///
 /// # Errors
 /// The rule that A breaks.
-pub(crate) fn symmetric(a: &Mat<f64>) -> Result<Mat<f64>, String> {
+pub fn symmetric(a: &Mat<f64>) -> Result<Mat<f64>, String> {
     let n = a.nrows();
     let mut largest = 0.0_f64;
     let mut worst = (0.0_f64, 0, 0);
@@ -47,14 +47,14 @@ pub(crate) fn symmetric(a: &Mat<f64>) -> Result<Mat<f64>, String> {
 /// # Errors
 /// The rule, unless A is positive semidefinite up to round-off and to the rounding of its file, which states numbers with so
 /// many `digits`.
-pub(crate) fn positive_semidefinite(a: &Mat<f64>, digits: u32) -> Result<(), String> {
+pub fn positive_semidefinite(a: &Mat<f64>, digits: u32) -> Result<(), String> {
     let (scaled, largest) = unit_diagonal(a);
     semidefinite(|shift| cholesky(&scaled, shift).is_ok(), largest, digits)
 }
 
 /// The same of a matrix scaled to a unit diagonal, of which only two things are known: whether it is definite with a shift of
 /// its diagonal, and the `largest` sum of absolute values in a row.
-pub(crate) fn semidefinite(
+pub fn semidefinite(
     definite_with: impl Fn(f64) -> bool,
     largest: f64,
     digits: u32,
@@ -69,7 +69,7 @@ pub(crate) fn semidefinite(
 
 /// # Errors
 /// The rule, if an `eigenvalue` of a matrix with unit diagonal is below `-tolerance`, which follows from the `digits`.
-pub(crate) fn not_negative(eigenvalue: f64, tolerance: f64, digits: u32) -> Result<(), String> {
+pub fn not_negative(eigenvalue: f64, tolerance: f64, digits: u32) -> Result<(), String> {
     if eigenvalue >= -tolerance {
         return Ok(());
     }
@@ -83,7 +83,7 @@ pub(crate) fn not_negative(eigenvalue: f64, tolerance: f64, digits: u32) -> Resu
 
 /// # Errors
 /// The rule, unless A is positive definite.
-pub(crate) fn positive_definite(a: &Mat<f64>) -> Result<(), String> {
+pub fn positive_definite(a: &Mat<f64>) -> Result<(), String> {
     if let Some(i) = (0..a.nrows()).find(|&i| a[(i, i)] <= 0.0) {
         let value = a[(i, i)];
         return Err(format!(
@@ -101,14 +101,14 @@ pub(crate) fn positive_definite(a: &Mat<f64>) -> Result<(), String> {
 }
 
 /// The first row (from 0) up to which A is not positive definite.
-pub(crate) fn dependent_row(a: &Mat<f64>) -> Option<usize> {
+pub fn dependent_row(a: &Mat<f64>) -> Option<usize> {
     let (scaled, _) = unit_diagonal(a);
     let LltError::NonPositivePivot { index } = cholesky(&scaled, -DEFINITE_TOLERANCE).err()?;
     Some(index)
 }
 
 /// The first row (from 0) up to which a Hermitian A is not positive definite.
-pub(crate) fn dependent_wave_row(a: &Mat<c64>) -> Option<usize> {
+pub fn dependent_wave_row(a: &Mat<c64>) -> Option<usize> {
     let n = a.nrows();
     let size = |i: usize| a[(i, i)].re.abs().max(f64::MIN_POSITIVE).sqrt();
     let scaled = Mat::from_fn(n, n, |i, j| match i == j {
@@ -122,7 +122,7 @@ pub(crate) fn dependent_wave_row(a: &Mat<c64>) -> Option<usize> {
 
 /// Largest relative error of a number that was rounded to so many digits. Numbers with few digits are taken as exact: people
 /// write them, not programs.
-pub(crate) fn rounding(digits: u32) -> f64 {
+pub fn rounding(digits: u32) -> f64 {
     match digits {
         0..FEWEST_DIGITS => 0.0,
         _ => 0.5 * 0.1_f64.powi(digits.min(18) as i32 - 1),

@@ -5,6 +5,7 @@
 //! ```
 //! use microslip::study::Study;
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # std::env::set_current_dir("../..")?; // to the root of the project
 //! let mut study = Study::read("studies/own-matrices/study.toml".as_ref())?;
 //! study.solver.alert = None; // keep to the harmonics of the study
 //! let prepared = study.prepared()?;

@@ -3,14 +3,14 @@
 use faer::Mat;
 
 /// Entries of the lower triangle of (A + Aᵀ)/2 that are not zero, column by column.
-pub(crate) fn lower(a: &Mat<f64>) -> impl Iterator<Item = (usize, usize, f64)> {
+pub fn lower(a: &Mat<f64>) -> impl Iterator<Item = (usize, usize, f64)> {
     let places = (0..a.ncols()).flat_map(|j| (j..a.nrows()).map(move |i| (i, j)));
     let entries = places.map(|(i, j)| (i, j, 0.5 * (a[(i, j)] + a[(j, i)])));
     entries.filter(|(.., value)| *value != 0.0)
 }
 
 /// Σ |x_i| |A_ij| |x_j|: rounding the entries of A moves xᵀAx by at most so much times their relative error.
-pub(crate) fn unsigned_energy(
+pub fn unsigned_energy(
     lower: impl Iterator<Item = (usize, usize, f64)>,
     x: impl Fn(usize) -> f64,
 ) -> f64 {
@@ -22,7 +22,7 @@ pub(crate) fn unsigned_energy(
 }
 
 /// For each of `n` rows the least row that it is connected with, by entries that are not zero.
-pub(crate) fn parts(n: usize, lower: impl Iterator<Item = (usize, usize, f64)>) -> Vec<usize> {
+pub fn parts(n: usize, lower: impl Iterator<Item = (usize, usize, f64)>) -> Vec<usize> {
     let mut parent: Vec<usize> = (0..n).collect();
     for (row, column, _) in lower.filter(|(.., value)| *value != 0.0) {
         let (a, b) = (root(&mut parent, row), root(&mut parent, column));

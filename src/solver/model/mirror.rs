@@ -37,7 +37,7 @@ impl Mirror {
     ///
     /// # Errors
     /// The rule, unless each column has one entry, 1 or −1, and the matrix is its own inverse.
-    pub(crate) fn of_matrix(a: &Mat<f64>) -> Result<Self, String> {
+    pub fn of_matrix(a: &Mat<f64>) -> Result<Self, String> {
         let rule = "must be a mirror: one entry 1 or -1 in each column, and its own inverse";
         let image = |i: usize| {
             let entries = a
@@ -62,7 +62,7 @@ impl Mirror {
     }
 
     /// Entries (row, column, value) of the lower triangle of its matrix, which is symmetric.
-    pub(crate) fn lower(&self) -> Vec<(usize, usize, f64)> {
+    pub fn lower(&self) -> Vec<(usize, usize, f64)> {
         let images = self.image.iter().enumerate();
         let lower = images.filter(|(i, (j, _))| j >= i);
         lower.map(|(i, &(j, sign))| (j, i, sign)).collect()
