@@ -27,10 +27,6 @@
 
 pub mod calibrate;
 pub mod error;
-pub mod identify;
-pub mod import;
-mod page;
-pub mod record;
 pub mod report;
 pub mod rig;
 pub mod serve;
@@ -41,7 +37,12 @@ pub use error::Error;
 #[doc(inline)]
 pub use microslip_base::{file, setting, units};
 #[doc(inline)]
+pub use microslip_identification::identify;
+use microslip_pages::page;
+#[doc(inline)]
 pub use microslip_probability::{special, statistics};
+#[doc(inline)]
+pub use microslip_readers::{import, record};
 #[doc(inline)]
 pub use microslip_samples::{ensemble, sampling};
 #[doc(inline)]

@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 /// Size of a panel in its own units; the page scales it to its column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Size {
+pub enum Size {
     /// Three or four in a row.
     Small,
     /// Two in a row.
@@ -39,7 +39,7 @@ const REACH: f64 = 14.0;
 
 /// A panel under construction: marks are drawn in the order of the calls.
 #[derive(Debug, Clone)]
-pub(crate) struct Panel {
+pub struct Panel {
     width: f64,
     height: f64,
     left: f64,
@@ -53,7 +53,7 @@ pub(crate) struct Panel {
 
 impl Panel {
     /// An empty panel.
-    pub(crate) fn new(size: Size, title: impl Into<String>, x: Axis, y: Axis) -> Self {
+    pub fn new(size: Size, title: impl Into<String>, x: Axis, y: Axis) -> Self {
         let (width, height) = match size {
             Size::Small => (310.0, 214.0),
             Size::Large => (430.0, 305.0),
@@ -109,13 +109,13 @@ impl Panel {
     }
 
     /// A line through the points, interrupted where a point has no place.
-    pub(crate) fn line(&mut self, class: &str, points: impl Iterator<Item = (f64, f64)>) {
+    pub fn line(&mut self, class: &str, points: impl Iterator<Item = (f64, f64)>) {
         let data = self.polyline(points);
         self.path(&format!("line {class}"), &data);
     }
 
     /// A filled band (x, lower, upper).
-    pub(crate) fn band(&mut self, class: &str, points: &[(f64, f64, f64)]) {
+    pub fn band(&mut self, class: &str, points: &[(f64, f64, f64)]) {
         let upper = points.iter().map(|p| (p.0, p.2));
         let lower = points.iter().rev().map(|p| (p.0, p.1));
         let data = self.polyline(upper.chain(lower));
@@ -123,12 +123,12 @@ impl Panel {
     }
 
     /// Dots of an excitation level, in its colour and shape; one path for all of them keeps the file small.
-    pub(crate) fn dots(&mut self, level: usize, points: impl Iterator<Item = (f64, f64)>) {
+    pub fn dots(&mut self, level: usize, points: impl Iterator<Item = (f64, f64)>) {
         self.shapes(&format!("dots l{level}"), shape(level), points);
     }
 
     /// One mark of an excitation level, large enough to stand on a line.
-    pub(crate) fn mark(&mut self, level: usize, point: (f64, f64)) {
+    pub fn mark(&mut self, level: usize, point: (f64, f64)) {
         if let Some((x, y)) = self.place(point) {
             let shape = shape(level);
             let _ = write!(
@@ -139,7 +139,7 @@ impl Panel {
     }
 
     /// Dots of samples that a figure shows behind others.
-    pub(crate) fn pale_dots(&mut self, points: impl Iterator<Item = (f64, f64)>) {
+    pub fn pale_dots(&mut self, points: impl Iterator<Item = (f64, f64)>) {
         self.shapes("dots solved", shape(0), points);
     }
 
@@ -152,7 +152,7 @@ impl Panel {
     }
 
     /// Some marks of an excitation level along a line through the points.
-    pub(crate) fn marks_along(&mut self, level: usize, points: &[(f64, f64)]) {
+    pub fn marks_along(&mut self, level: usize, points: &[(f64, f64)]) {
         let stride = points.len().div_ceil(MARKS_PER_LINE).max(1);
         // Marks of different levels stand at different places, so that lines that coincide show both.
         let first = (stride * (level % MARKS_PER_LINE)) / MARKS_PER_LINE;
@@ -162,7 +162,7 @@ impl Panel {
     }
 
     /// Crosses.
-    pub(crate) fn crosses(&mut self, class: &str, points: impl Iterator<Item = (f64, f64)>) {
+    pub fn crosses(&mut self, class: &str, points: impl Iterator<Item = (f64, f64)>) {
         let mut data = String::new();
         for (x, y) in points.filter_map(|p| self.place(p)) {
             let _ = write!(data, "M{:.1} {:.1}l6 6m-6 0l6-6", x - 3.0, y - 3.0);
@@ -171,7 +171,7 @@ impl Panel {
     }
 
     /// A ring around a nominal value.
-    pub(crate) fn ring(&mut self, class: &str, point: (f64, f64)) {
+    pub fn ring(&mut self, class: &str, point: (f64, f64)) {
         if let Some((x, y)) = self.place(point) {
             let _ = write!(
                 self.marks,
@@ -181,7 +181,7 @@ impl Panel {
     }
 
     /// A staircase that starts at `base`, runs level to each corner and steps there.
-    pub(crate) fn steps(&mut self, class: &str, corners: &[(f64, f64)], base: f64) {
+    pub fn steps(&mut self, class: &str, corners: &[(f64, f64)], base: f64) {
         let mut height = base;
         let stairs = corners.iter().flat_map(|&(x, y)| {
             let foot = (x, height);
@@ -193,7 +193,7 @@ impl Panel {
     }
 
     /// Bars (left, right, height) on the zero line.
-    pub(crate) fn bars(&mut self, class: &str, bars: impl Iterator<Item = (f64, f64, f64)>) {
+    pub fn bars(&mut self, class: &str, bars: impl Iterator<Item = (f64, f64, f64)>) {
         let mut data = String::new();
         for (left, right, height) in bars {
             let corners = (self.place((left, 0.0)), self.place((right, height)));
@@ -207,7 +207,7 @@ impl Panel {
     }
 
     /// A vertical line over the whole height.
-    pub(crate) fn rule(&mut self, class: &str, x: f64) {
+    pub fn rule(&mut self, class: &str, x: f64) {
         let (width, height) = self.inner();
         if let Some(x) = self.x.position(x) {
             let data = format!("M{:.1} 0V{height:.1}", x.clamp(-9.0, 9.0) * width);
@@ -216,7 +216,7 @@ impl Panel {
     }
 
     /// A level line over the whole width.
-    pub(crate) fn level_rule(&mut self, class: &str, y: f64) {
+    pub fn level_rule(&mut self, class: &str, y: f64) {
         let (width, height) = self.inner();
         if let Some(y) = self.y.position(y) {
             let data = format!("M0 {:.1}H{width:.1}", (1.0 - y.clamp(-9.0, 9.0)) * height);
@@ -225,7 +225,7 @@ impl Panel {
     }
 
     /// A vertical line from `low` to `high` at `x` with a bar at each end.
-    pub(crate) fn whisker(&mut self, class: &str, x: f64, [low, high]: [f64; 2]) {
+    pub fn whisker(&mut self, class: &str, x: f64, [low, high]: [f64; 2]) {
         if let (Some((x, y0)), Some((_, y1))) = (self.place((x, low)), self.place((x, high))) {
             let bar = |y: f64| format!("M{:.1} {y:.1}h8", x - 4.0);
             let data = format!("M{x:.1} {y0:.1}V{y1:.1}{}{}", bar(y0), bar(y1));
@@ -234,7 +234,7 @@ impl Panel {
     }
 
     /// A level line from `low` to `high` at `y` with a bar at each end.
-    pub(crate) fn level_whisker(&mut self, class: &str, y: f64, [low, high]: [f64; 2]) {
+    pub fn level_whisker(&mut self, class: &str, y: f64, [low, high]: [f64; 2]) {
         if let (Some((x0, y)), Some((x1, _))) = (self.place((low, y)), self.place((high, y))) {
             let bar = |x: f64| format!("M{x:.1} {:.1}v8", y - 4.0);
             let data = format!("M{x0:.1} {y:.1}H{x1:.1}{}{}", bar(x0), bar(x1));
@@ -243,7 +243,7 @@ impl Panel {
     }
 
     /// A bar from `low` to `high` around the line `y`, `thickness` of the distance between lines.
-    pub(crate) fn level_bar(&mut self, class: &str, y: f64, [low, high]: [f64; 2], thickness: f64) {
+    pub fn level_bar(&mut self, class: &str, y: f64, [low, high]: [f64; 2], thickness: f64) {
         let corners = (
             self.place((low, y - 0.5 * thickness)),
             self.place((high, y + 0.5 * thickness)),
@@ -255,7 +255,7 @@ impl Panel {
     }
 
     /// Words beside points, moved up or down where they would hide each other, each with a thin line to its point.
-    pub(crate) fn labels(&mut self, labels: &[((f64, f64), String)]) {
+    pub fn labels(&mut self, labels: &[((f64, f64), String)]) {
         let (width, height) = self.inner();
         let mut placed: Vec<(f64, f64, &str)> = labels
             .iter()
@@ -279,7 +279,7 @@ impl Panel {
     }
 
     /// Words that show while the pointer is at `x` within `half_width` (of the axis), over the whole height.
-    pub(crate) fn readout_at(&mut self, x: f64, half_width: f64, lines: &[String]) {
+    pub fn readout_at(&mut self, x: f64, half_width: f64, lines: &[String]) {
         let ends = [x - half_width, x + half_width].map(|x| self.x.position(x));
         let [Some(from), Some(to)] = ends else { return };
         let (width, height) = self.inner();
@@ -290,7 +290,7 @@ impl Panel {
     }
 
     /// Words that show while the pointer is on a mark.
-    pub(crate) fn readout_mark(&mut self, point: (f64, f64), lines: &[String]) {
+    pub fn readout_mark(&mut self, point: (f64, f64), lines: &[String]) {
         if let Some((x, y)) = self.place(point) {
             let room = 0.5 * REACH;
             self.readout([x - room, x + room], [y - room, y + room], lines);
@@ -298,7 +298,7 @@ impl Panel {
     }
 
     /// Words that show while the pointer is on the upright line from `low` to `high` at `x`.
-    pub(crate) fn readout_upright(&mut self, x: f64, [low, high]: [f64; 2], lines: &[String]) {
+    pub fn readout_upright(&mut self, x: f64, [low, high]: [f64; 2], lines: &[String]) {
         if let (Some((x, top)), Some((_, bottom))) = (self.place((x, high)), self.place((x, low))) {
             let room = 0.5 * REACH;
             self.readout([x - room, x + room], [top - room, bottom + room], lines);
@@ -306,7 +306,7 @@ impl Panel {
     }
 
     /// Words that show while the pointer is on the level line from `low` to `high` at `y`.
-    pub(crate) fn readout_level(&mut self, y: f64, [low, high]: [f64; 2], lines: &[String]) {
+    pub fn readout_level(&mut self, y: f64, [low, high]: [f64; 2], lines: &[String]) {
         if let (Some((left, y)), Some((right, _))) = (self.place((low, y)), self.place((high, y))) {
             let room = 0.5 * REACH;
             self.readout([left - room, right + room], [y - room, y + room], lines);
@@ -332,17 +332,17 @@ impl Panel {
     }
 
     /// A sentence in the middle of the panel, for when there is nothing to draw.
-    pub(crate) fn note(&mut self, text: &str) {
+    pub fn note(&mut self, text: &str) {
         self.note = Some(text.to_owned());
     }
 
     /// The panel as SVG inside a page, with values that show under the pointer.
-    pub(crate) fn svg(&self) -> String {
+    pub fn svg(&self) -> String {
         self.picture("", "", &self.readouts)
     }
 
     /// The panel as a file of its own, in the given style sheet.
-    pub(crate) fn standalone(&self, style: &str) -> String {
+    pub fn standalone(&self, style: &str) -> String {
         let attributes = format!(
             " xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\"",
             2.0 * self.width,

@@ -7,11 +7,7 @@ use crate::statistics::{Sorted, empirical_cdf, share};
 const INTERVALS: usize = 100;
 
 /// Interval of the distribution function, with this confidence, at some of the known values of so many samples.
-pub(crate) fn confidence_band(
-    sorted: &Sorted,
-    total: usize,
-    confidence: f64,
-) -> Vec<(f64, f64, f64)> {
+pub fn confidence_band(sorted: &Sorted, total: usize, confidence: f64) -> Vec<(f64, f64, f64)> {
     let n = sorted.values().len();
     let failed = total - n;
     let stride = n.div_ceil(INTERVALS).max(1);
@@ -27,7 +23,7 @@ pub(crate) fn confidence_band(
 
 /// Corners of the empirical distribution function, at most as many as a panel can show. Thinned from the last corner back, so
 /// that the steps still end at 1.
-pub(crate) fn cumulative_steps(values: &Sorted) -> Vec<(f64, f64)> {
+pub fn cumulative_steps(values: &Sorted) -> Vec<(f64, f64)> {
     let from_the_end = empirical_cdf(values).into_iter().rev().collect();
     thinned(from_the_end).into_iter().rev().collect()
 }

@@ -34,13 +34,13 @@ const ON_DARK: [[f64; 3]; 6] = [
 ];
 
 /// Shape of the marks of level `i`.
-pub(crate) fn shape(i: usize) -> &'static str {
+pub(super) fn shape(i: usize) -> &'static str {
     SHAPES[i % SHAPES.len()]
 }
 
 /// What the marks stand on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Ground {
+pub(super) enum Ground {
     /// Paper, and windows with a light scheme.
     White,
     /// Windows with a dark scheme.
@@ -48,7 +48,7 @@ pub(crate) enum Ground {
 }
 
 /// Style sheet rules with the colours of `n` levels.
-pub(crate) fn colours(n: usize, ground: Ground) -> String {
+pub(super) fn colours(n: usize, ground: Ground) -> String {
     let stops = match ground {
         Ground::White => &ON_WHITE,
         Ground::Dark => &ON_DARK,

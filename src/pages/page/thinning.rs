@@ -4,7 +4,7 @@
 const MAX_DOTS: usize = 1500;
 
 /// At most so many points as a panel can show.
-pub(crate) fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+pub fn thinned(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     let stride = points.len().div_ceil(MAX_DOTS).max(1);
     points.into_iter().step_by(stride).collect()
 }

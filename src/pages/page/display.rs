@@ -1,20 +1,20 @@
 //! Numbers for people: units, decimals, typographic signs.
 
 /// What stands where there is no number.
-pub(crate) const DASH: &str = "–";
+pub const DASH: &str = "–";
 
 /// Unit in which the report shows displacements, one for the whole report.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct LengthUnit {
+pub struct LengthUnit {
     /// Units per metre.
-    pub(crate) per_metre: f64,
+    pub per_metre: f64,
     /// Symbol.
-    pub(crate) symbol: &'static str,
+    pub symbol: &'static str,
 }
 
 impl LengthUnit {
     /// The largest unit in which `largest_m` (m) is at least 1/2; µm when nothing is known.
-    pub(crate) fn for_largest(largest_m: f64) -> Self {
+    pub fn for_largest(largest_m: f64) -> Self {
         const UNITS: [(f64, &str); 5] = [
             (1.0, "m"),
             (1e3, "mm"),
@@ -31,12 +31,12 @@ impl LengthUnit {
 }
 
 /// Four significant digits, powers of ten where that is long.
-pub(crate) fn significant(value: f64) -> String {
+pub fn significant(value: f64) -> String {
     with_digits(value, 4)
 }
 
 /// The given number of significant digits, powers of ten where that is long.
-pub(crate) fn with_digits(value: f64, digits: i32) -> String {
+pub fn with_digits(value: f64, digits: i32) -> String {
     if !value.is_finite() {
         return DASH.to_owned();
     }
@@ -53,7 +53,7 @@ pub(crate) fn with_digits(value: f64, digits: i32) -> String {
 }
 
 /// A number as short as it can be written: excitation levels, inputs.
-pub(crate) fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     let plain = value.to_string();
     if plain.len() <= 7 {
         minus_sign(&plain)
@@ -63,7 +63,7 @@ pub(crate) fn short(value: f64) -> String {
 }
 
 /// A frequency: two decimals from 100 Hz on, four digits below.
-pub(crate) fn hertz(value: f64) -> String {
+pub fn hertz(value: f64) -> String {
     if value.is_finite() && value.abs() >= 100.0 {
         format!("{value:.2}")
     } else {
@@ -72,7 +72,7 @@ pub(crate) fn hertz(value: f64) -> String {
 }
 
 /// A share as a percentage with two digits.
-pub(crate) fn percent(share: f64) -> String {
+pub fn percent(share: f64) -> String {
     let value = 100.0 * share;
     match value.abs() {
         0.0 => "0 %".to_owned(),
@@ -83,7 +83,7 @@ pub(crate) fn percent(share: f64) -> String {
 }
 
 /// A duration in the unit that fits.
-pub(crate) fn duration(seconds: f64) -> String {
+pub fn duration(seconds: f64) -> String {
     match seconds {
         s if !s.is_finite() => DASH.to_owned(),
         s if s < 60.0 => format!("{s:.1} s"),
@@ -97,19 +97,19 @@ pub(crate) fn duration(seconds: f64) -> String {
 }
 
 /// A whole number in superscript digits.
-pub(crate) fn superscript(number: i32) -> String {
+pub fn superscript(number: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let digit = |c: char| c.to_digit(10).map_or('⁻', |d| DIGITS[d as usize]);
     number.to_string().chars().map(digit).collect()
 }
 
 /// The text with a true minus sign instead of a hyphen.
-pub(crate) fn minus_sign(text: &str) -> String {
+pub fn minus_sign(text: &str) -> String {
     text.replace('-', "−")
 }
 
 /// The text with a capital letter at the start.
-pub(crate) fn capitalised(text: &str) -> String {
+pub fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or_else(String::new, |first| {
         first.to_uppercase().chain(letters).collect()
@@ -117,7 +117,7 @@ pub(crate) fn capitalised(text: &str) -> String {
 }
 
 /// `1 % … 5 %`, or `1 %` where both ends are shown alike.
-pub(crate) fn from_to(ends: [f64; 2], show: impl Fn(f64) -> String) -> String {
+pub fn from_to(ends: [f64; 2], show: impl Fn(f64) -> String) -> String {
     let [low, high] = ends.map(show);
     match low == high {
         true => low,
@@ -126,7 +126,7 @@ pub(crate) fn from_to(ends: [f64; 2], show: impl Fn(f64) -> String) -> String {
 }
 
 /// `µm/N`; `µm per level` where the unit of the level is a sentence.
-pub(crate) fn per_level(symbol: &str, unit: &str) -> String {
+pub fn per_level(symbol: &str, unit: &str) -> String {
     match unit.contains(' ') {
         true => format!("{symbol} per level"),
         false => format!("{symbol}/{unit}"),
@@ -134,7 +134,7 @@ pub(crate) fn per_level(symbol: &str, unit: &str) -> String {
 }
 
 /// `10 N`; `level 10` where the unit is a sentence.
-pub(crate) fn level_name(level: f64, unit: &str) -> String {
+pub fn level_name(level: f64, unit: &str) -> String {
     let level = short(level);
     match unit.contains(' ') {
         true => format!("level {level}"),

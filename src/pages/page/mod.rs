@@ -4,13 +4,13 @@
 //! axes. [`mod@document`] makes the file of them; `look` holds the templates and the styles. Numbers become text in
 //! [`display`]. Knows no results: what is shown, and in which order, is said by the room that has them.
 
-pub(crate) mod axis;
-pub(crate) mod block;
-pub(crate) mod display;
-pub(crate) mod distribution;
-pub(crate) mod document;
-pub(crate) mod figure;
+pub mod axis;
+pub mod block;
+pub mod display;
+pub mod distribution;
+pub mod document;
+pub mod figure;
 mod level_mark;
-pub(crate) mod sheet;
-pub(crate) mod style;
-pub(crate) mod thinning;
+pub mod sheet;
+pub mod style;
+pub mod thinning;

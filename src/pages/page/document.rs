@@ -7,15 +7,15 @@ use minijinja::{Environment, context};
 
 /// A page before it is written as HTML.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Document<'a> {
+pub struct Document<'a> {
     /// What pages of this kind are about.
-    pub(crate) subject: &'a str,
+    pub subject: &'a str,
     /// What this one is about.
-    pub(crate) title: &'a str,
+    pub title: &'a str,
     /// Number of excitation levels, or of what else has a colour and a shape of its own.
-    pub(crate) n_levels: usize,
+    pub n_levels: usize,
     /// Content, from top to bottom.
-    pub(crate) sections: &'a [Section],
+    pub sections: &'a [Section],
 }
 
 impl Document<'_> {
@@ -23,7 +23,7 @@ impl Document<'_> {
     ///
     /// # Errors
     /// [`minijinja::Error`] if the template is broken.
-    pub(crate) fn html(&self) -> Result<String, minijinja::Error> {
+    pub fn html(&self) -> Result<String, minijinja::Error> {
         let mut environment = Environment::new();
         // The names end in .html, which switches escaping on.
         environment.add_template("page.html", include_str!("look/page.html.j2"))?;

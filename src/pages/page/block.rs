@@ -9,19 +9,19 @@ use serde::Serialize;
 
 /// One section of the page.
 #[derive(Debug, Clone, Serialize)]
-pub(crate) struct Section {
+pub struct Section {
     /// Anchor, for links inside the page and names of downloads.
-    pub(crate) id: &'static str,
+    pub id: &'static str,
     /// Heading.
-    pub(crate) title: String,
+    pub title: String,
     /// Content, from top to bottom.
-    pub(crate) blocks: Vec<Block>,
+    pub blocks: Vec<Block>,
 }
 
 /// One part of a section.
 #[derive(Debug, Clone, Serialize)]
 #[serde(tag = "kind", content = "content", rename_all = "kebab-case")]
-pub(crate) enum Block {
+pub enum Block {
     /// A smaller heading.
     Heading(String),
     /// A paragraph.
@@ -46,30 +46,30 @@ pub(crate) enum Block {
 
 /// A judgement in words.
 #[derive(Debug, Clone, Serialize)]
-pub(crate) struct Verdict {
+pub struct Verdict {
     /// The judgement.
-    pub(crate) word: String,
+    pub word: String,
     /// Class of its badge.
-    pub(crate) class: &'static str,
+    pub class: &'static str,
     /// Name of the criterion.
-    pub(crate) name: String,
+    pub name: String,
     /// What was found, asked and, if undecided, what would decide.
-    pub(crate) sentence: String,
+    pub sentence: String,
 }
 
 /// Figures side by side.
 #[derive(Debug, Clone, Serialize)]
-pub(crate) struct Row {
+pub struct Row {
     /// How many fit into a wide window.
-    pub(crate) columns: Columns,
+    pub columns: Columns,
     /// The figures.
-    pub(crate) figures: Vec<Figure>,
+    pub figures: Vec<Figure>,
 }
 
 /// How many figures fit into a wide window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub(crate) enum Columns {
+pub enum Columns {
     /// Two.
     Two,
     /// Three.
@@ -80,7 +80,7 @@ pub(crate) enum Columns {
 
 /// A panel in the page.
 #[derive(Debug, Clone, Serialize)]
-pub(crate) struct Figure {
+pub struct Figure {
     /// SVG, inline.
     svg: String,
     /// The same with its own style sheet, as the target of a link.
@@ -93,21 +93,21 @@ pub(crate) struct Figure {
 
 /// One line of a legend.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub(crate) struct Key {
+pub struct Key {
     /// Shape.
-    pub(crate) mark: Mark,
+    pub mark: Mark,
     /// Its class in the style sheet.
-    pub(crate) class: String,
+    pub class: String,
     /// Of a chip: the shape of its level.
     shape: Option<&'static str>,
     /// What it means.
-    pub(crate) text: String,
+    pub text: String,
 }
 
 /// Shape of a mark in a legend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub(crate) enum Mark {
+pub enum Mark {
     /// A spot in the colour and the shape of a level.
     Chip,
     /// A line.
@@ -122,7 +122,7 @@ pub(crate) enum Mark {
 
 impl Key {
     /// A mark with its meaning.
-    pub(crate) fn new(mark: Mark, class: &str, text: impl Into<String>) -> Self {
+    pub fn new(mark: Mark, class: &str, text: impl Into<String>) -> Self {
         Self {
             mark,
             class: class.to_owned(),
@@ -132,7 +132,7 @@ impl Key {
     }
 
     /// The mark of excitation level `i`.
-    pub(crate) fn level(i: usize, text: impl Into<String>) -> Self {
+    pub fn level(i: usize, text: impl Into<String>) -> Self {
         Self {
             shape: Some(shape(i)),
             ..Self::new(Mark::Chip, &format!("l{i}"), text)
@@ -142,7 +142,7 @@ impl Key {
 
 impl Figure {
     /// A panel with its download in the given style sheet; `file` without ending.
-    pub(crate) fn new(panel: &Panel, style: &str, file: String, caption: String) -> Self {
+    pub fn new(panel: &Panel, style: &str, file: String, caption: String) -> Self {
         let link = data_link("image/svg+xml", &panel.standalone(style));
         Self {
             svg: panel.svg(),
@@ -155,7 +155,7 @@ impl Figure {
 
 impl Block {
     /// Figures two to a row.
-    pub(crate) fn pairs(figures: Vec<Figure>) -> Self {
+    pub fn pairs(figures: Vec<Figure>) -> Self {
         Self::Figures(Row {
             columns: Columns::Two,
             figures,
@@ -163,7 +163,7 @@ impl Block {
     }
 
     /// Figures three to a row.
-    pub(crate) fn triples(figures: Vec<Figure>) -> Self {
+    pub fn triples(figures: Vec<Figure>) -> Self {
         Self::Figures(Row {
             columns: Columns::Three,
             figures,
@@ -173,7 +173,7 @@ impl Block {
 
 /// A table and its download.
 #[derive(Debug, Clone, Serialize)]
-pub(crate) struct Table {
+pub struct Table {
     title: String,
     file: String,
     heads: Vec<Head>,
@@ -200,7 +200,7 @@ struct TableRow {
 
 /// One cell of a table.
 #[derive(Debug, Clone, Default, Serialize)]
-pub(crate) struct Cell {
+pub struct Cell {
     text: String,
     small: Vec<String>,
     warning: Option<String>,
@@ -225,7 +225,7 @@ struct Chip {
 
 impl Table {
     /// An empty table; `columns` are the head in the page and the fields in the download, the latter with their units.
-    pub(crate) fn new(
+    pub fn new(
         title: impl Into<String>,
         file: &str,
         columns: impl IntoIterator<Item = (String, &'static [&'static str])>,
@@ -246,7 +246,7 @@ impl Table {
     }
 
     /// As [`Table::new`], with columns that are known beforehand.
-    pub(crate) fn of(
+    pub fn of(
         title: impl Into<String>,
         file: &str,
         columns: &[(&str, &'static [&'static str])],
@@ -256,7 +256,7 @@ impl Table {
     }
 
     /// Adds a row.
-    pub(crate) fn row(&mut self, cells: Vec<Cell>) {
+    pub fn row(&mut self, cells: Vec<Cell>) {
         self.rows.push(TableRow {
             quiet: false,
             cells,
@@ -264,12 +264,12 @@ impl Table {
     }
 
     /// Adds a row that matters little.
-    pub(crate) fn quiet_row(&mut self, cells: Vec<Cell>) {
+    pub fn quiet_row(&mut self, cells: Vec<Cell>) {
         self.rows.push(TableRow { quiet: true, cells });
     }
 
     /// The table with its download, as a part of a section.
-    pub(crate) fn block(mut self) -> Block {
+    pub fn block(mut self) -> Block {
         let first = self.rows.first().map_or(&[][..], |row| &row.cells);
         for (head, cell) in self.heads.iter_mut().zip(first) {
             head.class.clone_from(&cell.class);
@@ -297,7 +297,7 @@ impl Table {
 
 impl Cell {
     /// Words.
-    pub(crate) fn text(text: impl Into<String>) -> Self {
+    pub fn text(text: impl Into<String>) -> Self {
         let text = text.into();
         Self {
             raw: vec![text.clone()],
@@ -307,7 +307,7 @@ impl Cell {
     }
 
     /// A number as shown and as it is; empty in the download where it is absent.
-    pub(crate) fn number(text: impl Into<String>, value: Option<f64>) -> Self {
+    pub fn number(text: impl Into<String>, value: Option<f64>) -> Self {
         Self {
             raw: vec![full(value)],
             text: text.into(),
@@ -316,19 +316,19 @@ impl Cell {
     }
 
     /// With further numbers for the download, such as the limits of an interval.
-    pub(crate) fn with_raw(mut self, values: impl IntoIterator<Item = Option<f64>>) -> Self {
+    pub fn with_raw(mut self, values: impl IntoIterator<Item = Option<f64>>) -> Self {
         self.raw.extend(values.into_iter().map(full));
         self
     }
 
     /// With a further text for the download.
-    pub(crate) fn with_raw_text(mut self, text: impl Into<String>) -> Self {
+    pub fn with_raw_text(mut self, text: impl Into<String>) -> Self {
         self.raw.push(text.into());
         self
     }
 
     /// With a line in small print below, if there is one.
-    pub(crate) fn with_small(mut self, text: impl Into<String>) -> Self {
+    pub fn with_small(mut self, text: impl Into<String>) -> Self {
         let text = text.into();
         if !text.is_empty() {
             self.small.push(text);
@@ -337,19 +337,19 @@ impl Cell {
     }
 
     /// With a line in small print that stands out.
-    pub(crate) fn with_warning(mut self, text: Option<String>) -> Self {
+    pub fn with_warning(mut self, text: Option<String>) -> Self {
         self.warning = text;
         self
     }
 
     /// On a badge of the given class.
-    pub(crate) fn with_badge(mut self, class: &'static str) -> Self {
+    pub fn with_badge(mut self, class: &'static str) -> Self {
         self.badge = Some(class);
         self
     }
 
     /// With the mark of a level before it.
-    pub(crate) fn with_chip(mut self, level: usize) -> Self {
+    pub fn with_chip(mut self, level: usize) -> Self {
         self.chip = Some(Chip {
             level,
             shape: shape(level),
@@ -358,13 +358,13 @@ impl Cell {
     }
 
     /// With a class of the style sheet.
-    pub(crate) fn with_class(mut self, class: &str) -> Self {
+    pub fn with_class(mut self, class: &str) -> Self {
         class.clone_into(&mut self.class);
         self
     }
 
     /// With a background of the given strength (%).
-    pub(crate) fn with_shade(mut self, class: &str, strength: f64) -> Self {
+    pub fn with_shade(mut self, class: &str, strength: f64) -> Self {
         self.shade = Some(strength.round());
         self.with_class(class)
     }

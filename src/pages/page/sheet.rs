@@ -6,11 +6,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 /// A table of names and values.
-pub(crate) fn sheet(
-    title: &str,
-    file: &str,
-    rows: impl IntoIterator<Item = (String, String)>,
-) -> Block {
+pub fn sheet(title: &str, file: &str, rows: impl IntoIterator<Item = (String, String)>) -> Block {
     let mut table = Table::of(title, file, &[("Name", &["name"]), ("Value", &["value"])]);
     for (name, value) in rows {
         table.row(vec![
@@ -22,7 +18,7 @@ pub(crate) fn sheet(
 }
 
 /// The fields of a record under the names that they have in its file.
-pub(crate) fn fields(record: &impl Serialize) -> Vec<(String, String)> {
+pub fn fields(record: &impl Serialize) -> Vec<(String, String)> {
     let value = serde_json::to_value(record).unwrap_or_default();
     let fields = value.as_object().into_iter().flatten();
     // an empty list needs no line

@@ -4,7 +4,7 @@ use super::display::{minus_sign, superscript};
 
 /// How values map to positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Scale {
+pub enum Scale {
     /// Equal distances for equal differences.
     Linear,
     /// Equal distances for equal ratios.
@@ -13,9 +13,9 @@ pub(crate) enum Scale {
 
 /// One axis of a figure.
 #[derive(Debug, Clone)]
-pub(crate) struct Axis {
+pub struct Axis {
     /// Quantity and unit.
-    pub(crate) label: String,
+    pub label: String,
     scale: Scale,
     low: f64,
     high: f64,
@@ -25,7 +25,7 @@ pub(crate) struct Axis {
 
 impl Axis {
     /// One line per name, the first on top: name i stands at −i.
-    pub(crate) fn of_names(names: Vec<String>) -> Self {
+    pub fn of_names(names: Vec<String>) -> Self {
         Self {
             label: String::new(),
             scale: Scale::Linear,
@@ -36,7 +36,7 @@ impl Axis {
     }
 
     /// Logarithmic from `low` to `high`, both positive.
-    pub(crate) fn log(label: impl Into<String>, low: f64, high: f64) -> Self {
+    pub fn log(label: impl Into<String>, low: f64, high: f64) -> Self {
         Self {
             label: label.into(),
             scale: Scale::Log,
@@ -47,12 +47,12 @@ impl Axis {
     }
 
     /// Both ends.
-    pub(crate) fn range(&self) -> [f64; 2] {
+    pub fn range(&self) -> [f64; 2] {
         [self.low, self.high]
     }
 
     /// Linear from `low` to `high`; widened where they coincide.
-    pub(crate) fn linear(label: impl Into<String>, low: f64, high: f64) -> Self {
+    pub fn linear(label: impl Into<String>, low: f64, high: f64) -> Self {
         let least = 1e-9 * low.abs().max(high.abs()).max(1e-6);
         let widen = if high - low > least {
             0.0
@@ -70,7 +70,7 @@ impl Axis {
 
     /// An axis that shows all finite values with some room; logarithmic where they are positive and spread
     /// over more than a factor of 20. From 0 to 1 without values.
-    pub(crate) fn around(label: impl Into<String>, values: impl Iterator<Item = f64>) -> Self {
+    pub fn around(label: impl Into<String>, values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = values
             .filter(|v| v.is_finite())
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
@@ -88,7 +88,7 @@ impl Axis {
     }
 
     /// The same axis starting at zero.
-    pub(crate) fn starting_at_zero(mut self) -> Self {
+    pub fn starting_at_zero(mut self) -> Self {
         if self.scale == Scale::Linear && self.high > 0.0 {
             self.low = 0.0;
         }
@@ -96,7 +96,7 @@ impl Axis {
     }
 
     /// Position of a value: 0 at the low end, 1 at the high end; `None` for what has no place on the axis.
-    pub(crate) fn position(&self, value: f64) -> Option<f64> {
+    pub fn position(&self, value: f64) -> Option<f64> {
         let position = match self.scale {
             Scale::Linear => (value - self.low) / (self.high - self.low),
             Scale::Log => (value / self.low).ln() / (self.high / self.low).ln(),
@@ -106,7 +106,7 @@ impl Axis {
 
     /// Values and labels of the ticks; at most as many as fit when a label of c characters takes `room(c)` of
     /// the axis length.
-    pub(crate) fn ticks(&self, room: impl Fn(usize) -> f64) -> Vec<(f64, String)> {
+    pub fn ticks(&self, room: impl Fn(usize) -> f64) -> Vec<(f64, String)> {
         if !self.names.is_empty() {
             let name = |(i, name): (usize, &String)| (-(i as f64), name.clone());
             return self.names.iter().enumerate().map(name).collect();

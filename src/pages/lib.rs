@@ -1,0 +1,5 @@
+//! The room of all HTML and SVG.
+
+use microslip_probability::statistics;
+
+pub mod page;
