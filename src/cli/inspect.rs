@@ -139,6 +139,13 @@ fn show_cost(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
         "processor time      about {} (within a factor of two)",
         duration(facts.processor_time_s)
     )?;
+    if let Some(pilot) = facts.pilot {
+        writeln!(
+            out,
+            "pilot               {} samples solved for it in {:.1} s of processor time",
+            pilot.samples, pilot.processor_time_s
+        )?;
+    }
     let threads = match facts.threads {
         1 => "1 thread".to_owned(),
         n => format!("{n} threads"),

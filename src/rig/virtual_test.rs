@@ -153,6 +153,7 @@ impl Rig {
                 conditions: TestConditions {
                     frequency_hz: Some(frequency_hz),
                     specimen: Some(format!("specimen-{}", specimen + 1)),
+                    even_area: Some(stand.map.pressure.within_tenth),
                 },
             },
             platform: (stand.blade.as_ref()).map(|_| PlatformMotion::new(&motion, frequency_hz)),

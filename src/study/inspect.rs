@@ -2,6 +2,7 @@
 
 use super::built::{StudyDisk, StudyModel};
 use super::frequency::{FrequencySettings, FrequencyUnit};
+use super::pilot::Pilot;
 use super::read::Study;
 use super::size::{solve_memory, unknowns};
 use crate::Error;
@@ -21,7 +22,7 @@ const SHOWN: usize = 10;
 /// Range in which the first flexible frequency of a blade in SI units must lie (Hz).
 const PLAUSIBLE_HZ: [f64; 2] = [0.1, 1e6];
 
-/// Facts about a study, none of which needs a nonlinear solution.
+/// Facts about a study. None needs a nonlinear solution, but the time of a model of one's own.
 #[derive(Debug, Clone)]
 pub struct Inspection {
     /// Name of the study.
@@ -69,9 +70,10 @@ pub struct Inspection {
     pub unknowns: [usize; 2],
     /// Memory of one solve on the highest harmonics (bytes): usually, and at most.
     pub memory_bytes: [f64; 2],
-    /// Processor time of the whole study (s), all further samples with it, within about a factor of two
-    /// where most peaks are predicted, as in all shipped studies but `calculix-blade`, which takes six times as long.
+    /// Processor time of the whole study (s), all further samples with it, within about a factor of two for the shipped studies.
     pub processor_time_s: f64,
+    /// Samples that were solved for it, of a model of one's own.
+    pub pilot: Option<Pilot>,
     /// Threads of this process.
     pub threads: usize,
     /// Wall time (s) on these threads, if each has a core of its own.
@@ -189,7 +191,13 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
     let names = |rows: &[crate::model::Response]| rows.iter().map(|r| r.name.clone()).collect();
     let inputs = study.design.inputs().iter();
     let unknowns = unknowns(study, n_contacts);
-    let processor_time_s = processor_time(study, n_contacts);
+    let pilot = match components.is_empty() {
+        true => Pilot::of(study)?,
+        false => None,
+    };
+    let of_sample = time_of_sample(study, n_contacts);
+    let factor = pilot.map_or(1.0, |pilot| pilot.factor(of_sample));
+    let processor_time_s = factor * processor_time(study, n_contacts);
     Ok(Inspection {
         name: study.name.clone(),
         unit,
@@ -220,6 +228,7 @@ pub fn inspect(study: &Study) -> Result<Inspection, Error> {
         unknowns,
         memory_bytes: solve_memory(n_contacts, unknowns[1]),
         processor_time_s,
+        pilot,
         threads: current_num_threads(),
         wall_time_s: processor_time_s * turns(study.samples, current_num_threads() as u64),
         dof_names: model.dof_names,
@@ -274,6 +283,21 @@ fn time_of_factorisation(unknowns: usize) -> f64 {
     2.0 / 3.0 * n.powi(3) / FLOPS + ASSEMBLY_PER_UNKNOWN * n
 }
 
+/// Time of one of the first samples at all levels (s), without its curves.
+fn time_of_sample(study: &Study, n_contacts: usize) -> f64 {
+    let [unknowns, _] = unknowns(study, n_contacts);
+    let work = share_of_work(study) * work_of_peaks(1, 0);
+    study.levels.len() as f64 * work * time_of_factorisation(unknowns)
+}
+
+/// Share of the work of a study with an error alert.
+fn share_of_work(study: &Study) -> f64 {
+    match study.solver.alert {
+        Some(_) => 1.0,
+        None => SHARE_WITHOUT_ALERT,
+    }
+}
+
 /// The numbers of factorisations are those of the shipped studies.
 fn processor_time(study: &Study, n_contacts: usize) -> f64 {
     let levels = study.levels.len() as f64;
@@ -284,10 +308,7 @@ fn processor_time(study: &Study, n_contacts: usize) -> f64 {
     };
     let curves = study.output.curve_samples.min(study.samples);
     let work = work_of_peaks(samples, alone) + WORK_OF_CURVE * curves as f64;
-    let share = match study.solver.alert {
-        Some(_) => 1.0,
-        None => SHARE_WITHOUT_ALERT,
-    };
+    let share = share_of_work(study);
     let [unknowns, _] = unknowns(study, n_contacts);
     let control = study.control_variate.map_or(0.0, |control| {
         let coefficients = HarmonicSet::up_to(control.highest_harmonic()).n_coefficients();

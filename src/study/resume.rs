@@ -10,7 +10,9 @@ use super::run_settings::RunSettings;
 use crate::Error;
 use crate::ensemble::atlas::Atlas;
 use crate::ensemble::outcome::{LevelOutcome, SampleOutcome};
-use crate::ensemble::parts::{Difference, Merged, PartFolder, RunIdentity, Source, more_samples};
+use crate::ensemble::parts::{
+    Difference, Merged, PartFolder, RunIdentity, Source, StoredPart, more_samples,
+};
 use crate::ensemble::program::Program;
 use crate::ensemble::runner::MOST_ANCHORS;
 use crate::ensemble::store::{ATLAS_FILE, StoredStudy, read_indices, read_study};
@@ -29,6 +31,8 @@ pub(super) struct Resumed {
     /// Where they stand: whole results, and parts.
     results: Vec<Source>,
     parts: Vec<Source>,
+    /// Parts whose hashes were compared.
+    compared: Vec<StoredPart>,
     /// Who solved some of them, beside this program.
     pub other_programs: Vec<Program>,
     /// What a user should know, one line each.
@@ -121,6 +125,12 @@ impl Resumed {
         Ok(outcomes)
     }
 
+    /// Forgets all but where the samples stand: the report of a million samples has the room.
+    pub(super) fn forget(&mut self) {
+        self.known = Known::default();
+        self.compared = Vec::new();
+    }
+
     /// Looks again which samples stand in results and in the parts of `folder`. Somebody may have deleted or damaged some.
     ///
     /// # Errors
@@ -139,8 +149,16 @@ impl Resumed {
         Ok(())
     }
 
+    /// Notes that so many samples were solved and are in no part that can be used.
+    pub(super) fn say_missing(&mut self, samples: u64) {
+        let parts = "parts that were deleted or damaged during the run";
+        self.notes.push(format!(
+            "{samples} samples stood in {parts}, and are solved again"
+        ));
+    }
+
     /// Notes the parts of `folder` as they are now, and gives their samples, each with whether it has a solution. A damaged part is
-    /// left out.
+    /// left out. Each part is hashed once, unless its files were changed.
     fn list_parts(
         &mut self,
         folder: &PartFolder,
@@ -149,7 +167,8 @@ impl Resumed {
     ) -> Result<Vec<(u64, bool)>, Error> {
         let mut stood = Vec::new();
         self.parts.clear();
-        for part in folder.list()? {
+        let compared = std::mem::take(&mut self.compared);
+        for part in folder.list_again(compared)? {
             match part {
                 Ok(part) => {
                     let other = accepted(identity, &part.identity, settings);
@@ -159,7 +178,8 @@ impl Resumed {
                     })?;
                     self.add_programs(other.into_iter());
                     self.parts.push(Source::of(&part));
-                    stood.extend(part.samples);
+                    stood.extend(&part.samples);
+                    self.compared.push(part);
                 }
                 Err(damaged) => {
                     let note = format!("{damaged}; its samples are solved again");

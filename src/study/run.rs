@@ -16,10 +16,10 @@ use super::run_settings::RunSettings;
 use super::search::worst_cases;
 use super::session::{Begun, Session, at_work};
 use crate::Error;
+use crate::ensemble::Solved;
 use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::parts::{PartFolder, RunIdentity};
 use crate::ensemble::store::{ATLAS_FILE, SolvedFiles, write_samples};
-use crate::ensemble::{Known, Solved};
 use crate::file::{FileRecord, FolderLock, Together};
 use crate::report::run::{CONTROL_VARIATE, FURTHER_POINTS, StoredRun, TABLES};
 use crate::report::{self, RunRecord, Summary};
@@ -90,8 +90,7 @@ pub(super) fn run_after(
         let samples = solve_samples(session, &mut resumed, &mut record)?;
         record.provenance.other_programs = std::mem::take(&mut resumed.other_programs);
         let anchors = resumed.known.anchors_before(samples);
-        // the report of a million samples has the room
-        resumed.known = Known::default();
+        resumed.forget();
         let alone = study.output.one_at_a_time;
         let profiler = &session.profiler;
         record.one_at_a_time =
@@ -173,6 +172,7 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
             if there == samples {
                 return Ok(());
             }
+            resumed.say_missing(samples - there);
             self.meter.expect(samples - there);
         }
         let message = "parts are deleted or damaged while the run writes them: find out by whom, then `run` again".to_owned();

@@ -52,6 +52,7 @@ pub(crate) fn whole_contact(name: &str) -> HysteresisRecord {
     test.conditions = TestConditions {
         frequency_hz: Some(FREQUENCY_HZ),
         specimen: Some("A".to_owned()),
+        ..TestConditions::default()
     };
     test
 }

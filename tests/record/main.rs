@@ -8,6 +8,7 @@ mod contact;
 mod csv;
 #[path = "../common/damage.rs"]
 mod damage;
+mod even_area;
 mod fuzz;
 #[path = "../common/mat_file.rs"]
 mod mat_file;

@@ -327,7 +327,7 @@ fn damaged_files_are_refused() {
 }
 
 /// The file with another variable in place of the one of this name.
-fn replaced(file: &[u8], name: &str, new: &[u8]) -> Vec<u8> {
+pub(crate) fn replaced(file: &[u8], name: &str, new: &[u8]) -> Vec<u8> {
     let mut at = 128;
     let mut all = file[..128].to_vec();
     while at < file.len() {

@@ -19,7 +19,7 @@ fn examples() -> Vec<String> {
 #[test]
 fn all_names_and_units_are_on_the_page() {
     let text = std::fs::read_to_string(PAGE).unwrap();
-    let signals = Quantity::SIGNALS.into_iter().chain([Quantity::Frequency]);
+    let signals = (Quantity::SIGNALS.into_iter()).chain(Quantity::CONDITIONS);
     for quantity in signals {
         for name in quantity.names() {
             assert!(text.contains(&format!("`{name}`")), "{PAGE} lacks {name}");
@@ -45,6 +45,7 @@ fn examples_of_the_page_are_files() {
     test.conditions = TestConditions {
         frequency_hz: Some(100.0),
         specimen: Some("A".to_owned()),
+        ..TestConditions::default()
     };
     let text = written(&[test]);
     let lines = |text: &str| text.lines().map(str::to_owned).collect::<Vec<_>>();

@@ -8,7 +8,7 @@ use microslip::record::HysteresisRecord;
 /// Types of numbers and texts.
 const I32: u32 = 3;
 const SINGLE: u32 = 9;
-const DOUBLE: u32 = 10;
+pub(crate) const DOUBLE: u32 = 10;
 const TEXT: u32 = 0x20;
 /// Flags of a segment.
 const METADATA: u32 = 2;
@@ -19,11 +19,11 @@ const BY_TURNS: u32 = 32;
 /// A property: name, type, bytes.
 type Property = (&'static str, u32, Vec<u8>);
 
-fn text(text: &str) -> Vec<u8> {
+pub(crate) fn text(text: &str) -> Vec<u8> {
     [&(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat()
 }
 
-fn real(value: f64) -> Vec<u8> {
+pub(crate) fn real(value: f64) -> Vec<u8> {
     value.to_le_bytes().to_vec()
 }
 
@@ -248,7 +248,7 @@ fn the_time_may_be_a_channel() {
 /// Bytes of the whole file, what they become, and what the message must hold.
 type Damages = Vec<(Vec<u8>, Vec<u8>, &'static str)>;
 
-fn word(value: u32) -> Vec<u8> {
+pub(crate) fn word(value: u32) -> Vec<u8> {
     value.to_le_bytes().to_vec()
 }
 

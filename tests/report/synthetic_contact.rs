@@ -100,6 +100,7 @@ fn test(i: usize) -> TestResult {
         conditions: TestConditions {
             frequency_hz: Some(100.0),
             specimen: Some(format!("pair {}", i / 3)),
+            ..TestConditions::default()
         },
         status: TestStatus::Slips,
         cycles: Some(Cycles {

@@ -59,6 +59,8 @@ fn writes_records_and_truth() {
         let made = rig.test(&stand, index).record;
         assert_eq!(records.len(), 1, "{name}");
         assert_eq!(records[0].record, made, "{name}");
+        let even = records[0].record.conditions.even_area;
+        assert_eq!(even, truth["pressure"]["within_tenth"].as_f64(), "{name}");
         let specimen = &truth["tests"][index as usize]["specimen"];
         assert_eq!(specimen, index / 2, "{name}");
     }

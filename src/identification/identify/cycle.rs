@@ -23,6 +23,8 @@ pub(super) struct Steady {
     pub(super) mean: MeanLoop,
     /// Means of some consecutive steady cycles each; they tell the scatter of the mean.
     pub(super) batches: Vec<MeanLoop>,
+    /// Cycles of each of them.
+    pub(super) batch_cycles: Vec<usize>,
     /// Mean loop without each part of the phase, where all cycles have an error in common.
     pub(super) without: Vec<MeanLoop>,
     /// Mean of the tangential force over the steady cycles, which was taken out (N).
@@ -76,8 +78,7 @@ pub(super) fn cut(
     let without = smooth_motion(&mut loops, run_in, sensor_step(&record.displacement));
     let steady = &loops[run_in..];
     let count = steady.len().min(MOST_BATCHES);
-    let batch =
-        |k: usize| MeanLoop::of(&steady[k * steady.len() / count..(k + 1) * steady.len() / count]);
+    let batch = |k: usize| &steady[k * steady.len() / count..(k + 1) * steady.len() / count];
     let mean = MeanLoop::of(steady);
     if neighbour_correlation(&mean.tangential) < NEIGHBOURS {
         return Err(
@@ -100,7 +101,8 @@ pub(super) fn cut(
             .map(|k| grid.start + k as f64 / grid.frequency)
             .collect(),
         mean,
-        batches: (0..count).map(batch).collect(),
+        batches: (0..count).map(|k| MeanLoop::of(batch(k))).collect(),
+        batch_cycles: (0..count).map(|k| batch(k).len()).collect(),
         without,
         tangential_mean: means[1][run_in..].iter().sum::<f64>() / steady.len() as f64,
         loops,

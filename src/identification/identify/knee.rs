@@ -42,7 +42,14 @@ pub(super) struct FittedKnee {
 const LEAST: [f64; 10] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
 /// ...and exponents, besides 0.
 const EXPONENTS: [f64; 5] = [0.25, 0.5, 0.75, 1.0, 2.0];
-/// Probability of one slip limit for all before the loop is seen.
+/// Exponents besides these where a map of the pressure is known: most of the contact near the mean, the rest far below it, as where air
+/// presses and escapes at the edges.
+const FINE_EXPONENTS: [f64; 3] = [0.05, 0.1, 0.15];
+/// "About the mean": within this share of it.
+const TENTH: f64 = 0.1;
+/// Standard uncertainty of the share of the contact about the mean: of the map, and because no contact is exactly a knee of the family.
+const OF_MAP: f64 = 0.05;
+/// Probability of one slip limit for all before the loop is seen, where no map is known.
 const ONE_LIMIT: f64 = 0.5;
 /// Range of the stiffness that is tried, over the first guess, and steps of the search.
 const RANGE: [f64; 2] = [0.7, 1.6];
@@ -80,6 +87,25 @@ impl Knee {
         }
     }
 
+    /// Share of the parts whose slip limit is above `x` times the mean.
+    fn above(&self, x: f64) -> f64 {
+        match *self {
+            Self::Spread { least: m, .. } if x <= m => 1.0,
+            Self::Spread { exponent: 0.0, .. } => f64::from(u8::from(x < 1.0)),
+            Self::Spread {
+                least: m,
+                exponent: q,
+            } => pow((1.0 - (x - m) / ((1.0 - m) * (1.0 + q))).max(0.0), q),
+            Self::Punch if x <= FRAC_2_PI => 1.0,
+            Self::Punch => 1.0 - (1.0 - (FRAC_2_PI / x).powi(2)).sqrt(),
+        }
+    }
+
+    /// Share of the parts whose slip limit is within a tenth of the mean.
+    fn even_area(&self) -> f64 {
+        self.above(1.0 - TENTH) - self.above(1.0 + TENTH)
+    }
+
     /// Whether it changes a branch up to this share of the swing.
     pub(super) fn bends_before(&self, share: f64) -> bool {
         self.elastic(share) > (1.0 + SEEN) * share
@@ -115,15 +141,9 @@ impl Knee {
 }
 
 /// The most probable knee of both branches, each with its own stiffness; the others give the model error by their probability.
-pub(super) fn fit(branches: &[Branch; 2]) -> FittedKnee {
-    let one_limit = Knee::Spread {
-        least: 0.0,
-        exponent: 0.0,
-    };
-    let mut knees = vec![one_limit, Knee::Punch];
-    for least in LEAST {
-        knees.extend(EXPONENTS.map(|exponent| Knee::Spread { least, exponent }));
-    }
+/// `even_area`: share of the contact whose slip limit is within a tenth of their mean, where it is known.
+pub(super) fn fit(branches: &[Branch; 2], even_area: Option<f64>) -> FittedKnee {
+    let (knees, before): (Vec<Knee>, Vec<f64>) = possible(even_area).into_iter().unzip();
     let fits: Vec<([f64; 2], f64)> = knees.iter().map(|knee| stiffness(branches, knee)).collect();
     let points = branches
         .iter()
@@ -135,11 +155,7 @@ pub(super) fn fit(branches: &[Branch; 2]) -> FittedKnee {
         .fold(f64::INFINITY, f64::min);
     let noise = smallest / (points - 4.0).max(1.0);
     let variance = noise.max(FAMILY * FAMILY * points / PARTS);
-    let others = (1.0 - ONE_LIMIT) / (knees.len() - 1) as f64;
-    let score = |place: usize| {
-        let before = if place == 0 { ONE_LIMIT } else { others };
-        log(before) - 0.5 * (fits[place].1 - smallest) / variance
-    };
+    let score = |place: usize| log(before[place]) - 0.5 * (fits[place].1 - smallest) / variance;
     let scores: Vec<f64> = (0..knees.len()).map(score).collect();
     let best = (0..knees.len())
         .max_by(|a, b| scores[*a].total_cmp(&scores[*b]))
@@ -160,6 +176,28 @@ pub(super) fn fit(branches: &[Branch; 2]) -> FittedKnee {
         knee: knees[best],
         model_error: [error(0), error(1)],
     }
+}
+
+/// Knees with their probability before the loop is seen, up to a factor.
+///
+/// Where nothing is known of the pressure one limit for all is as probable as all others. Where a map of it is known, those are probable
+/// whose share of the contact about the mean limit is that of the map.
+fn possible(even_area: Option<f64>) -> Vec<(Knee, f64)> {
+    let spread = |least, exponent| Knee::Spread { least, exponent };
+    let mut knees = vec![spread(0.0, 0.0), Knee::Punch];
+    for least in LEAST {
+        let fine = FINE_EXPONENTS.iter().filter(|_| even_area.is_some());
+        knees.extend(fine.chain(&EXPONENTS).map(|q| spread(least, *q)));
+    }
+    let others = (1.0 - ONE_LIMIT) / (knees.len() - 1) as f64;
+    let before = |place: usize, knee: &Knee| match even_area {
+        None if place == 0 => ONE_LIMIT,
+        None => others,
+        Some(stated) => exp(-0.5 * ((knee.even_area() - stated) / OF_MAP).powi(2)),
+    };
+    let both = knees.iter().enumerate();
+    both.map(|(place, knee)| (*knee, before(place, knee)))
+        .collect()
 }
 
 /// Stiffness of both branches over its first guess, by least squares, and the sum of the squares.

@@ -22,11 +22,11 @@ pub(super) struct LoopShape {
 /// Normal force over its mean, below which the contact may be open and T/N is not taken.
 const LEAST_NORMAL: f64 = 0.02;
 
-/// Places of the mean loop.
+/// Places of the mean loop. `even_area`: share of the contact whose pressure is within a tenth of its mean, where it is known.
 ///
 /// # Errors
 /// Why it is no loop.
-pub(super) fn shape(cycle: &MeanLoop) -> Result<LoopShape, String> {
+pub(super) fn shape(cycle: &MeanLoop, even_area: Option<f64>) -> Result<LoopShape, String> {
     let normal = cycle.normal.iter().sum::<f64>() / cycle.samples() as f64;
     if normal <= 0.0 {
         return Err(format!(
@@ -56,7 +56,7 @@ pub(super) fn shape(cycle: &MeanLoop) -> Result<LoopShape, String> {
     let windows = match plateaus {
         None => first,
         Some(_) if are_straight(cycle, &sides, &first) => first,
-        Some(_) => with_knee(cycle, &sides, stick),
+        Some(_) => with_knee(cycle, &sides, stick, even_area),
     };
     Ok(LoopShape {
         halves,
@@ -143,12 +143,17 @@ fn stick(
 }
 
 /// Windows of a loop that slips as a whole, with the knee of its branches.
-fn with_knee(cycle: &MeanLoop, sides: &[Side; 2], stick: f64) -> [Option<Window>; 2] {
+fn with_knee(
+    cycle: &MeanLoop,
+    sides: &[Side; 2],
+    stick: f64,
+    even_area: Option<f64>,
+) -> [Option<Window>; 2] {
     let branches = sides.each_ref().map(|side| side.branch(cycle, stick));
     let told = branches
         .iter()
         .all(|branch| branch.share.len() >= LEAST_POINTS);
-    let fitted = told.then(|| fit(&branches));
+    let fitted = told.then(|| fit(&branches, even_area));
     [0, 1].map(|side| {
         let straightened = fitted.map(|found| Straightened {
             knee: found.knee,

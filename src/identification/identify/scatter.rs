@@ -11,24 +11,33 @@ pub(super) struct RandomError {
     pub(super) freedom: f64,
 }
 
-/// From values of batches of equal length; none of fewer than two.
-pub(super) fn of_batches(values: &[Option<f64>]) -> Option<RandomError> {
-    let known: Vec<f64> = values.iter().copied().flatten().collect();
+/// From values of batches of so many `cycles`; none of fewer than two.
+///
+/// The variance of a value is that of one cycle over its cycles: twelve batches of twenty cycles have one or two each, and taken
+/// as equal ones they would make the variance of the mean a ninth too large.
+pub(super) fn of_batches(values: &[Option<f64>], cycles: &[usize]) -> Option<RandomError> {
+    let both = values.iter().zip(cycles);
+    let known: Vec<(f64, f64)> = both
+        .filter_map(|(value, cycles)| Some(((*value)?, *cycles as f64)))
+        .collect();
     let n = known.len() as f64;
     if known.len() < 2 {
         return None;
     }
-    let mean = known.iter().sum::<f64>() / n;
-    let square: f64 = known.iter().map(|v| (v - mean).powi(2)).sum();
+    let all: f64 = known.iter().map(|(_, cycles)| cycles).sum();
+    let mean = known.iter().map(|(v, cycles)| v * cycles).sum::<f64>() / all;
+    let square: f64 = (known.iter())
+        .map(|(v, cycles)| cycles * (v - mean).powi(2))
+        .sum();
     Some(RandomError {
-        standard_error: (square / (n - 1.0) / n).sqrt(),
+        standard_error: (square / (n - 1.0) / all).sqrt(),
         freedom: n - 1.0,
     })
 }
 
 /// From values without each part in turn (jackknife); none of fewer than two.
 pub(super) fn of_parts(values: &[Option<f64>]) -> Option<RandomError> {
-    let found = of_batches(values)?;
+    let found = of_batches(values, &vec![1; values.len()])?;
     Some(RandomError {
         // (n − 1)/n Σ (v − mean)²: the standard error of the mean, times n − 1
         standard_error: found.standard_error * found.freedom,

@@ -10,7 +10,7 @@ use super::misfit::{elastic_coulomb, misfit};
 use super::result::{
     Friction, LoopResult, LoopValue, Onset, Tangential, TestEstimate, TestResult, TestStatus,
 };
-use super::scatter::{ChainError, RandomError, correlation, of_batches, of_parts};
+use super::scatter::{self, ChainError, RandomError, correlation, of_parts};
 use super::series::Series;
 use super::settings::IdentifySettings;
 use super::test_notes::notes;
@@ -36,7 +36,8 @@ pub fn identify_test(record: &HysteresisRecord, settings: &IdentifySettings) -> 
         Err(reason) => return unusable(reason),
     };
     let cycles = Some(steady.cycles);
-    match Test::new(&steady, settings) {
+    let even_area = record.conditions.even_area;
+    match Test::new(&steady, even_area, settings) {
         Ok(test) => test.result(record),
         Err(reason) => TestResult {
             cycles,
@@ -61,8 +62,12 @@ struct Test<'a> {
 }
 
 impl<'a> Test<'a> {
-    fn new(steady: &'a Steady, settings: &'a IdentifySettings) -> Result<Self, String> {
-        let shape = shape(&steady.mean)?;
+    fn new(
+        steady: &'a Steady,
+        even_area: Option<f64>,
+        settings: &'a IdentifySettings,
+    ) -> Result<Self, String> {
+        let shape = shape(&steady.mean, even_area)?;
         let mean = LoopNumbers::of(&steady.mean, &shape);
         let series = Series::of(settings);
         let of_each = |loops: &[MeanLoop]| -> Vec<LoopNumbers> {
@@ -130,6 +135,11 @@ impl<'a> Test<'a> {
         self.batches.iter().map(number).collect()
     }
 
+    /// Error of the mean loop by the scatter of values of the batches.
+    fn scatter(&self, of_batches: &[Option<f64>]) -> Option<RandomError> {
+        scatter::of_batches(of_batches, &self.steady.batch_cycles)
+    }
+
     /// A value of the mean loop with the scatter of the batches, or with `inside`, the error inside the only loop.
     fn uncertain(
         &self,
@@ -138,7 +148,7 @@ impl<'a> Test<'a> {
         inside: RandomError,
         systematic: f64,
     ) -> Uncertain {
-        let random = of_batches(&self.of_batches(number)).unwrap_or(inside);
+        let random = self.scatter(&self.of_batches(number)).unwrap_or(inside);
         let errors = [random.standard_error, systematic];
         Uncertain::new(value, errors, random.freedom, self.settings.confidence)
     }
@@ -183,7 +193,7 @@ impl<'a> Test<'a> {
         };
         let value = half(&self.steady.mean)?;
         let batches: Vec<Option<f64>> = self.steady.batches.iter().map(half).collect();
-        let random = of_batches(&batches).unwrap_or(RandomError {
+        let random = self.scatter(&batches).unwrap_or(RandomError {
             standard_error: noise(&self.steady.mean.tangential) / self.mean.normal,
             freedom: f64::INFINITY,
         });
@@ -263,7 +273,7 @@ impl<'a> Test<'a> {
             standard_error: measured * found.standard_error,
             ..found
         };
-        let batches = of_batches(&self.of_batches(&compliance)).map(relative);
+        let batches = self.scatter(&self.of_batches(&compliance)).map(relative);
         let without: Vec<Option<f64>> = self.without.iter().map(compliance).collect();
         let common = of_parts(&without).map(relative);
         // what all cycles have in common, such as a rig that rings after each reversal, is inside the line or between its parts
@@ -278,10 +288,15 @@ impl<'a> Test<'a> {
             self.chain.of_slope(),
         ];
         let amplified = self.series.derivative(measured) * measured / contact;
+        // Welch and Satterthwaite: the model error has no degrees of freedom that the batches could limit
+        let share = match random.standard_error > 0.0 {
+            true => (model_error / random.standard_error).powi(2),
+            false => 0.0,
+        };
         Uncertain::of_logarithm(
             libm::log(n_per_m_to_n_per_um(contact)),
             errors.map(|error| amplified * error),
-            random.freedom,
+            random.freedom * (1.0 + share).powi(2),
             self.settings.confidence,
         )
     }

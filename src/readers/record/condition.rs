@@ -1,8 +1,8 @@
 //! Conditions of a test that a file states beside its signals: `frequency [Hz] = 100`, `specimen = A`.
 
-use super::quantity::{Quantity, is_name, name_and_unit};
+use super::quantity::{Quantity, is_name, name_and_unit, written_unit as unit};
 use super::signals::TestConditions;
-use crate::file::scaled_number;
+use crate::file::{scaled_number, shortest_decimal};
 
 /// Names of a specimen in a file.
 pub(super) const SPECIMEN: [&str; 3] = ["specimen", "specimen id", "contact pair"];
@@ -47,14 +47,15 @@ impl TestConditions {
         if is_one_of(name, &SPECIMEN) {
             return self.set_specimen(value);
         }
-        if Quantity::named(name, &[Quantity::Frequency]).is_none() {
+        let Some(quantity) = Quantity::named(name, &Quantity::CONDITIONS) else {
             return Ok(());
-        }
-        let unit = Quantity::Frequency.unit(unit)?;
+        };
+        let unit = quantity.unit(unit)?;
         // no list of numbers stands here: a comma is that of a decimal
         let value = value.trim().replacen(',', ".", 1);
         let value = scaled_number(&value, unit.power);
-        self.set_frequency(value.map_err(|rule| format!("frequency = {rule}"))?)
+        let named = |rule| format!("{} = {rule}", quantity.name());
+        self.set(quantity, value.map_err(named)?)
     }
 
     /// # Errors
@@ -66,9 +67,36 @@ impl TestConditions {
         }
     }
 
+    /// Takes a number in SI units; one of another quantity is passed over.
+    ///
+    /// # Errors
+    /// The rule that it breaks.
+    pub(super) fn set(&mut self, quantity: Quantity, value: f64) -> Result<(), String> {
+        match quantity {
+            Quantity::Frequency => self.set_frequency(value),
+            Quantity::EvenArea => self.set_even_area(value),
+            _ => Ok(()),
+        }
+    }
+
+    /// # Errors
+    /// The rule, if it is not from 0 to 1 or stated before.
+    fn set_even_area(&mut self, value: f64) -> Result<(), String> {
+        let name = Quantity::EvenArea.name();
+        if !(0.0..=1.0).contains(&value) {
+            let (unit, power) = unit(Quantity::EvenArea);
+            let shown = shortest_decimal(value, power);
+            return Err(format!("{name} = {shown} {unit}: must be from 0 to 100 %"));
+        }
+        match self.even_area.replace(value) {
+            None => Ok(()),
+            Some(_) => Err(format!("{name}: must be stated once")),
+        }
+    }
+
     /// # Errors
     /// The rule, if it is not above 0 (Hz) or stated before.
-    pub(super) fn set_frequency(&mut self, value: f64) -> Result<(), String> {
+    fn set_frequency(&mut self, value: f64) -> Result<(), String> {
         if !(value.is_finite() && value > 0.0) {
             return Err(format!(
                 "frequency = {value} Hz: must be a finite number > 0"

@@ -15,6 +15,8 @@ pub enum Quantity {
     Approach,
     /// Frequency of the motion of a hysteresis test.
     Frequency,
+    /// Share of the contact's area whose pressure is within a tenth of its mean.
+    EvenArea,
     /// Excitation level of a forced response.
     Level,
     /// Resonance frequency.
@@ -38,6 +40,8 @@ pub enum Dimension {
     Force,
     /// In hertz.
     Frequency,
+    /// A part of a whole.
+    Share,
 }
 
 /// A unit: the SI unit of its dimension times a power of ten.
@@ -50,7 +54,7 @@ pub struct Unit {
 }
 
 /// Symbols of the units. The micro sign has two code points.
-const UNITS: [(&str, Unit); 21] = [
+const UNITS: [(&str, Unit); 23] = [
     ("s", unit(Dimension::Time, 0)),
     ("sec", unit(Dimension::Time, 0)),
     ("ms", unit(Dimension::Time, -3)),
@@ -72,6 +76,8 @@ const UNITS: [(&str, Unit); 21] = [
     ("Hz", unit(Dimension::Frequency, 0)),
     ("hz", unit(Dimension::Frequency, 0)),
     ("kHz", unit(Dimension::Frequency, 3)),
+    ("%", unit(Dimension::Share, -2)),
+    ("percent", unit(Dimension::Share, -2)),
 ];
 
 /// Unit of a level that is a factor.
@@ -111,10 +117,11 @@ impl Dimension {
             Self::Length => "length: m, mm, um, nm",
             Self::Force => "force: N, mN, kN",
             Self::Frequency => "frequency: Hz, kHz",
+            Self::Share => "a share: %",
         }
     }
 
-    /// Symbol of its SI unit.
+    /// Symbol of its SI unit; of a share that of files.
     #[must_use]
     pub fn si(self) -> &'static str {
         match self {
@@ -122,6 +129,7 @@ impl Dimension {
             Self::Length => "m",
             Self::Force => "N",
             Self::Frequency => "Hz",
+            Self::Share => "%",
         }
     }
 }
@@ -135,6 +143,9 @@ impl Quantity {
         Self::NormalForce,
         Self::Approach,
     ];
+
+    /// Those that are stated once for a hysteresis test.
+    pub const CONDITIONS: [Self; 2] = [Self::Frequency, Self::EvenArea];
 
     /// Those of a forced response.
     pub const RESPONSE: [Self; 5] = [
@@ -179,6 +190,7 @@ impl Quantity {
                 "approach",
             ],
             Self::Frequency => &["frequency", "excitation frequency", "f"],
+            Self::EvenArea => &["area within a tenth of the mean pressure", "even area"],
             Self::Level => &["level", "excitation level", "excitation", "force"],
             Self::ResonanceFrequency => &["resonance frequency", "frequency"],
             Self::Amplitude => &["amplitude", "resonance amplitude", "peak amplitude"],
@@ -205,6 +217,7 @@ impl Quantity {
             Self::Frequency | Self::ResonanceFrequency | Self::FrequencyDeviation => {
                 Dimension::Frequency
             }
+            Self::EvenArea => Dimension::Share,
         }
     }
 
@@ -240,6 +253,16 @@ impl Quantity {
             };
             format!("{name} [{symbol:.20}]: must be in a unit of {words}{or}")
         })
+    }
+}
+
+/// Unit in which files are written, and its power of ten.
+#[must_use]
+pub fn written_unit(quantity: Quantity) -> (&'static str, i32) {
+    match quantity.dimension() {
+        Dimension::Length => ("um", -6),
+        Dimension::Share => ("%", -2),
+        dimension => (dimension.si(), 0),
     }
 }
 

@@ -3,10 +3,9 @@
 use std::io::Write;
 use std::path::Path;
 
-use super::quantity::Quantity;
+use super::quantity::{Quantity, written_unit as unit};
 use super::read::LONGEST_FILE;
 use super::table::{self, Expected};
-use super::write::unit;
 use crate::file::{self, FileError, FileRecord, replace, shortest_decimal};
 
 /// Points of a response at most.

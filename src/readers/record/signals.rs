@@ -29,4 +29,8 @@ pub struct TestConditions {
     pub frequency_hz: Option<f64>,
     /// Contact pair or specimen that was tested: tests of one specimen share its scatter.
     pub specimen: Option<String>,
+    /// Share of the contact's area whose pressure is within a tenth of its mean, from 0 to 1, as a map of the pressure shows it. It tells
+    /// how much of the contact may slip before the whole where noise hides it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub even_area: Option<f64>,
 }

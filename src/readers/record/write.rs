@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use super::condition::{SPECIMEN, TEST};
-use super::quantity::Quantity;
+use super::quantity::{Quantity, written_unit as unit};
 use super::signals::HysteresisRecord;
 use crate::file::{FileError, FileRecord, replace, shortest_decimal};
 
@@ -103,12 +103,22 @@ impl Layout {
                 value: |test| Some(test.name.clone()),
             });
         }
-        let frequency = Quantity::Frequency;
+        let [frequency, even] = Quantity::CONDITIONS;
         layout.place(
             tests,
             Constant {
                 name: format!("{} [{}]", frequency.name(), unit(frequency).0),
                 value: |test| Some(shortest_decimal(test.conditions.frequency_hz?, 0)),
+            },
+        )?;
+        layout.place(
+            tests,
+            Constant {
+                name: format!("{} [{}]", even.name(), unit(even).0),
+                value: |test| {
+                    let area = test.conditions.even_area?;
+                    Some(shortest_decimal(area, unit(Quantity::EvenArea).1))
+                },
             },
         )?;
         layout.place(
@@ -158,14 +168,6 @@ fn signal(test: &HysteresisRecord, quantity: Quantity) -> Option<&[f64]> {
         Quantity::NormalForce => Some(&test.normal_force),
         Quantity::Approach => test.approach.as_deref(),
         _ => None,
-    }
-}
-
-/// Unit in which a quantity is written, and its power of ten.
-pub(super) fn unit(quantity: Quantity) -> (&'static str, i32) {
-    match quantity.dimension() {
-        super::quantity::Dimension::Length => ("um", -6),
-        dimension => (dimension.si(), 0),
     }
 }
 

@@ -63,7 +63,7 @@ pub enum SampleSolver {
 
 /// Number of samples of the first generation, which start from no other sample. Each later generation has half as many samples
 /// as all before it.
-pub(super) const FIRST_ANCHORS: u64 = 5;
+pub const FIRST_ANCHORS: u64 = 5;
 /// Most samples in the atlas.
 pub const MOST_ANCHORS: u64 = 1024;
 

@@ -1,6 +1,10 @@
 //! Parts that were damaged, and a disk that takes no more.
 
 use std::path::Path;
+use std::process::Stdio;
+
+use assert_cmd::cargo::CommandCargoExt;
+use microslip::ensemble::parts::{PartFolder, StoredPart};
 
 use super::{
     assert_same_results, killed_after, microslip, parts, refused, run, solved, start,
@@ -56,6 +60,66 @@ fn damaged_parts_are_solved_again() {
     refused(path, &["verify", "results"], companion);
     run(path, "results", &["--quiet"]);
     assert_same_results(path, "results");
+}
+
+/// A part that is damaged while the run goes on is named at its end, with how many samples were solved again for it.
+#[test]
+fn a_part_that_is_damaged_during_the_run_is_named() {
+    let study = solved(SAMPLES);
+    let path = study.path();
+    let arguments = ["run", "study.toml", "--flush-every", "20ms"];
+    let mut child = std::process::Command::cargo_bin("microslip")
+        .unwrap()
+        .current_dir(path)
+        .args(arguments)
+        .args(["--output", "results"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    wait_for_a_part(path, "results");
+    let name = damage(path, "results", ".samples.parquet", |bytes| bytes[100] ^= 4);
+    assert!(child.try_wait().unwrap().is_none(), "the run has ended");
+    let output = child.wait_with_output().unwrap();
+    let said = [output.stdout, output.stderr].concat();
+    let said = String::from_utf8_lossy(&said);
+    assert!(output.status.success(), "{said}");
+    let fault = format!("{name}: is not the file that was written; its samples are solved again");
+    assert!(said.contains(&fault), "{said}");
+    let count = "samples stood in parts that were deleted or damaged during the run";
+    assert!(said.contains(count), "{said}");
+    assert_same_results(path, "results");
+}
+
+/// A part is hashed once: a second listing reads again what has another length or time, and nothing else.
+#[test]
+fn parts_are_hashed_once() {
+    let study = solved(SAMPLES);
+    let path = study.path();
+    killed_after(path, "results", 2);
+    let folder = PartFolder::of(&path.join("results"));
+    let list = |known: Vec<StoredPart>| -> Vec<Option<StoredPart>> {
+        let parts = folder.list_again(known).unwrap();
+        parts.into_iter().map(Result::ok).collect()
+    };
+    let known: Vec<StoredPart> = list(Vec::new()).into_iter().flatten().collect();
+    assert!(known.len() >= 2, "parts");
+    let name = parts(path, "results")
+        .into_iter()
+        .find(|name| name.ends_with(".curves.parquet"));
+    let file = path.join("results/parts").join(name.unwrap());
+    let time = std::fs::metadata(&file).unwrap().modified().unwrap();
+    damage(path, "results", ".curves.parquet", |bytes| bytes[100] ^= 4);
+    let dated = |time| {
+        let file = std::fs::File::options().write(true).open(&file).unwrap();
+        file.set_modified(time).unwrap();
+    };
+    dated(time);
+    let sound = |parts: Vec<Option<StoredPart>>| parts.iter().flatten().count();
+    assert_eq!(sound(list(known.clone())), known.len(), "not read again");
+    assert_eq!(sound(list(Vec::new())), known.len() - 1, "hashed");
+    dated(time + std::time::Duration::from_secs(1));
+    assert_eq!(sound(list(known.clone())), known.len() - 1, "another time");
 }
 
 /// Companions without the table that makes a part count, as a kill leaves them, are no part and no fault.

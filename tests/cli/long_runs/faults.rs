@@ -29,7 +29,7 @@ fn unshared(options: &[&str], trial: &str) -> Option<Command> {
 
 /// On a disk that fills up while parts or results are written, the run ends with the reason, older results are as they were, and
 /// with more room the same command goes on. Seen to fail with the error of a part ignored, with tables written in their places, and without
-/// the word that the same command goes on, of parts (results do not fail here).
+/// the word that the same command goes on, of parts (results fail in the test after this one).
 #[test]
 fn a_full_disk_destroys_nothing() {
     let study = solved(SAMPLES);
@@ -59,6 +59,53 @@ fn a_full_disk_destroys_nothing() {
         for file in samples.parquet curves.parquet; do
             cmp other/$file disk/results/$file
         done"#;
+    let Some(mut command) = unshared(&["-rm"], "mount -t tmpfs -o size=1M tmpfs /tmp") else {
+        return;
+    };
+    let output = command
+        .current_dir(path)
+        .env("MICROSLIP", cargo_bin("microslip"))
+        .args(["sh", "-c", script])
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{output:?}");
+}
+
+/// Where all samples are solved and their results find no room on the disk, the run ends with the reason, older results are as they were,
+/// and no sample is solved again once there is room.
+#[test]
+fn results_without_room_are_not_placed() {
+    let study = solved(SAMPLES);
+    let path = study.path();
+    std::fs::create_dir(path.join("disk")).unwrap();
+    let script = r#"set -e
+        mount -t tmpfs -o size=64M tmpfs disk
+        cp -r whole disk/results
+        sed -i 's/seed = 7/seed = 8/' study.toml
+        "$MICROSLIP" run study.toml --quiet --shard 0/1 --output disk/results
+        used=$(df -k --output=used disk | tail -1)
+        for room in 8 64; do
+            mount -o remount,size=$((used + room))k disk
+            status=0
+            "$MICROSLIP" run study.toml --quiet --output disk/results 2> message || status=$?
+            cat message
+            test $status = 2
+            grep -q 'No space left' message
+            grep -q 'the same command goes on' message
+            test "$(wc -l < message)" = 1
+            for file in samples.parquet curves.parquet atlas.parquet run.json report.html; do
+                cmp whole/$file disk/results/$file
+            done
+        done
+        mount -o remount,size=64M disk
+        "$MICROSLIP" run study.toml --output disk/results > said 2>&1
+        cat said
+        grep -q '120 samples were solved before and taken over' said
+        "$MICROSLIP" run study.toml --quiet --output other
+        for file in samples.parquet curves.parquet; do
+            cmp other/$file disk/results/$file
+        done
+        test ! -e disk/results/.unfinished"#;
     let Some(mut command) = unshared(&["-rm"], "mount -t tmpfs -o size=1M tmpfs /tmp") else {
         return;
     };

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::super::channels::Channels;
-use super::super::quantity::Quantity;
+use super::super::quantity::{Quantity, written_unit as unit};
 use super::super::signals::TestConditions;
 use super::super::table::{self, Expected, Label, Table};
-use crate::file::FileError;
+use crate::file::{FileError, shortest_decimal};
 
 /// What a table of hysteresis tests holds.
 const EXPECTED: Expected<'static> = Expected {
@@ -17,7 +17,7 @@ const EXPECTED: Expected<'static> = Expected {
         Quantity::TangentialForce,
         Quantity::NormalForce,
     ],
-    optional: &[Quantity::Approach, Quantity::Frequency],
+    optional: &[Quantity::Approach, Quantity::Frequency, Quantity::EvenArea],
     labels: &[Label::Test, Label::Specimen],
 };
 
@@ -72,16 +72,18 @@ fn test(
     let mut signals = BTreeMap::new();
     for (quantity, numbers) in &table.numbers {
         let numbers = &numbers[rows.clone()];
-        if *quantity != Quantity::Frequency {
+        if !Quantity::CONDITIONS.contains(quantity) {
             signals.insert(*quantity, numbers.to_vec());
             continue;
         }
         if let Some(at) = numbers.iter().position(|value| *value != numbers[0]) {
-            let (first, value) = (numbers[0], numbers[at]);
-            let rule = format!("frequency = {value} Hz: must be {first} Hz in the whole test");
+            let (unit, power) = unit(*quantity);
+            let [first, value] = [numbers[0], numbers[at]].map(|v| shortest_decimal(v, power));
+            let name = quantity.name();
+            let rule = format!("{name} = {value} {unit}: must be {first} {unit} in the whole test");
             return Err((rows.start + at, rule));
         }
-        let set = conditions.set_frequency(numbers[0]);
+        let set = conditions.set(*quantity, numbers[0]);
         set.map_err(|rule| (rows.start, rule))?;
     }
     if let Some(runs) = table.texts.get(&Label::Specimen) {

@@ -71,12 +71,12 @@ fn channels(variables: &[Variable], units: &[Variable]) -> Result<Channels, Stri
         if is_one_of(name, &SPECIMEN) {
             let text = text(variable).ok_or_else(|| format!("{name}: must be a text"))?;
             channels.conditions.set_specimen(text)?;
-        } else if Quantity::named(name, &[Quantity::Frequency]).is_some() {
-            let unit = Quantity::Frequency.unit(unit)?;
+        } else if let Some(quantity) = Quantity::named(name, &Quantity::CONDITIONS) {
+            let unit = quantity.unit(unit)?;
             let (true, Values::Dense { numbers, .. }) = (is_number, &variable.values) else {
                 return Err(format!("{name}: must be one real number"));
             };
-            channels.conditions.set_frequency(unit.to_si(numbers[0]))?;
+            channels.conditions.set(quantity, unit.to_si(numbers[0]))?;
         } else if let Some(quantity) = Quantity::named(name, &Quantity::SIGNALS) {
             // a number N is not the normal force
             if is_number {

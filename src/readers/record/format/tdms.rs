@@ -131,12 +131,14 @@ fn test(channels: &[&Object]) -> Result<Channels, String> {
 fn take_conditions(conditions: &mut TestConditions, object: &Object) -> Result<(), String> {
     for (property, value) in &object.properties {
         let (name, unit) = name_and_unit(property);
-        let is_frequency = Quantity::named(name, &[Quantity::Frequency]).is_some();
-        match value {
-            Value::Text(text) if is_one_of(name, &SPECIMEN) => conditions.set_specimen(text)?,
-            Value::Number(value) if is_frequency => {
-                let unit = Quantity::Frequency.unit(unit)?;
-                conditions.set_frequency(unit.to_si(*value))?;
+        let quantity = Quantity::named(name, &Quantity::CONDITIONS);
+        match (value, quantity) {
+            (Value::Text(text), _) if is_one_of(name, &SPECIMEN) => {
+                conditions.set_specimen(text)?;
+            }
+            (Value::Number(value), Some(quantity)) => {
+                let unit = quantity.unit(unit)?;
+                conditions.set(quantity, unit.to_si(*value))?;
             }
             _ => {}
         }

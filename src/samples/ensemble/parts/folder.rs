@@ -4,6 +4,7 @@ use super::super::runner::SolvedSample;
 use super::super::table::TableError;
 use super::part::{PartHead, SAMPLES, StoredPart, write_part};
 use crate::file::{FileError, remove_folder};
+use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -54,8 +55,26 @@ impl PartFolder {
     /// # Errors
     /// [`FileError`] if the folder cannot be listed.
     pub fn list(&self) -> Result<Vec<Result<StoredPart, FileError>>, FileError> {
-        let tables = self.tables()?;
-        Ok(tables.iter().map(|path| StoredPart::open(path)).collect())
+        self.list_again(Vec::new())
+    }
+
+    /// The same; a part of `known` whose files have kept their length and time is not read again.
+    ///
+    /// # Errors
+    /// As [`PartFolder::list`].
+    pub fn list_again(
+        &self,
+        known: Vec<StoredPart>,
+    ) -> Result<Vec<Result<StoredPart, FileError>>, FileError> {
+        let named = known
+            .into_iter()
+            .map(|part| (part.paths()[0].clone(), part));
+        let mut known: BTreeMap<PathBuf, StoredPart> = named.collect();
+        let open = |path: &PathBuf| match known.remove(path) {
+            Some(part) if part.is_untouched() => Ok(part),
+            _ => StoredPart::open(path),
+        };
+        Ok(self.tables()?.iter().map(open).collect())
     }
 
     /// Writes samples as a part; the folder is made where it is missing.

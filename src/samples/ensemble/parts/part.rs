@@ -14,6 +14,7 @@ use crate::file::{self, FileError, FileRecord};
 use parquet::file::metadata::KeyValue;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 /// Ends of the names of the three tables of a part: the last one makes it count.
 const CURVES: &str = ".curves.parquet";
@@ -96,6 +97,8 @@ fn write_files(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), FileErr
 pub struct StoredPart {
     /// Its tables: samples, curves, anchors.
     paths: [PathBuf; 3],
+    /// Length and time of the last change of each, from before it was read.
+    stamps: [(u64, SystemTime); 3],
     /// The run that it belongs to.
     pub identity: RunIdentity,
     /// Its samples, ascending, and whether every level of each has a solution.
@@ -112,6 +115,7 @@ impl StoredPart {
         let stem = name.strip_suffix(SAMPLES).unwrap_or(&name);
         let beside = |end: &str| samples.with_file_name(format!("{stem}{end}"));
         let paths = [samples.to_owned(), beside(CURVES), beside(ATLAS)];
+        let stamps = stamps(&paths)?;
         let damaged =
             |path: &Path| FileError::content(path, None, "is not the file that was written");
         let hash = |path: &Path| -> Result<String, FileError> {
@@ -137,8 +141,14 @@ impl StoredPart {
         Ok(Self {
             samples: indices_of(table)?,
             paths,
+            stamps,
             identity,
         })
+    }
+
+    /// Whether its tables have the length and the time of change that they had when they were read.
+    pub(super) fn is_untouched(&self) -> bool {
+        stamps(&self.paths).is_ok_and(|now| now == self.stamps)
     }
 
     /// Copies the part into the folder of the parts of other results.
@@ -161,4 +171,14 @@ impl StoredPart {
     pub fn paths(&self) -> &[PathBuf; 3] {
         &self.paths
     }
+}
+
+/// Length and time of the last change of each file.
+fn stamps(paths: &[PathBuf; 3]) -> Result<[(u64, SystemTime); 3], FileError> {
+    let stamp = |path: &PathBuf| {
+        let known = std::fs::metadata(path).and_then(|m| Ok((m.len(), m.modified()?)));
+        known.map_err(|source| FileError::system(path, source))
+    };
+    let [samples, curves, atlas] = paths;
+    Ok([stamp(samples)?, stamp(curves)?, stamp(atlas)?])
 }

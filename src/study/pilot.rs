@@ -1,0 +1,118 @@
+//! A few samples of a study, solved to see what a sample takes.
+//!
+//! The numbers of factorisations behind the estimate of `inspect` are those of the built-in rig. How many harmonics the slip of
+//! one's own model takes, and whether its peaks are predicted or searched for, no number tells that is known without a solution.
+
+use super::read::Study;
+use crate::Error;
+use crate::ensemble::atlas::Atlas;
+use crate::ensemble::runner::{FIRST_ANCHORS, generations};
+use std::time::Instant;
+
+/// Samples of a pilot: the first generation, which starts from nothing near, and the next two.
+const SAMPLES: u64 = 10;
+/// Processor time after which no other sample of a pilot begins (s).
+const LONGEST_S: f64 = 20.0;
+/// Time of a sample over the estimate up to which the estimate stands: single samples scatter as much.
+const BEYOND: f64 = 2.0;
+
+/// What a pilot has shown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pilot {
+    /// Samples that were solved, without curves.
+    pub samples: u64,
+    /// Processor time of all of them (s).
+    pub processor_time_s: f64,
+    /// Mean processor time of one of those that start from others (s).
+    pub of_later_s: f64,
+}
+
+impl Pilot {
+    /// Solves the first samples of `study` on this thread; nothing if it has none that starts from others, or the time is over before.
+    ///
+    /// # Errors
+    /// Whatever building the model refuses.
+    pub(super) fn of(study: &Study) -> Result<Option<Self>, Error> {
+        let prepared = study.prepared()?;
+        let mut ensemble = prepared.ensemble(None);
+        ensemble.curve_samples = 0;
+        let clock = ThreadClock::start();
+        let (mut atlas, mut samples, mut of_first) = (Atlas::default(), 0, 0.0);
+        for generation in generations(SAMPLES.min(study.samples)) {
+            let mut anchors = Vec::new();
+            for index in generation {
+                if clock.seconds() > LONGEST_S {
+                    break;
+                }
+                anchors.push(ensemble.sample(index, &atlas).1);
+                samples += 1;
+                if samples == FIRST_ANCHORS {
+                    of_first = clock.seconds();
+                }
+            }
+            atlas.extend(anchors.into_iter());
+        }
+        let later = samples.saturating_sub(FIRST_ANCHORS);
+        let processor_time_s = clock.seconds();
+        Ok((later > 0).then(|| Self {
+            samples,
+            processor_time_s,
+            of_later_s: (processor_time_s - of_first) / later as f64,
+        }))
+    }
+
+    /// By how much an estimate of `seconds` per sample is too low; 1 where it stands.
+    pub(super) fn factor(&self, seconds: f64) -> f64 {
+        match self.of_later_s / seconds {
+            ratio if ratio.is_finite() && ratio > BEYOND => ratio,
+            _ => 1.0,
+        }
+    }
+}
+
+/// Processor time of this thread; where the system does not tell it, the time of a clock.
+struct ThreadClock {
+    at_start: Option<f64>,
+    clock: Instant,
+}
+
+impl ThreadClock {
+    fn start() -> Self {
+        Self {
+            at_start: on_processor(),
+            clock: Instant::now(),
+        }
+    }
+
+    fn seconds(&self) -> f64 {
+        let of_clock = self.clock.elapsed().as_secs_f64();
+        let both = on_processor().zip(self.at_start);
+        both.map_or(of_clock, |(now, before)| now - before)
+    }
+}
+
+/// Seconds that this thread has been on a processor; Linux alone tells them.
+fn on_processor() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let nanoseconds: f64 = text.split_whitespace().next()?.parse().ok()?;
+    Some(1e-9 * nanoseconds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Pilot;
+
+    /// Seen to fail with the factor of samples that are cheaper than estimated, and without that of expensive ones.
+    #[test]
+    fn an_estimate_stands_unless_samples_take_much_more() {
+        let pilot = Pilot {
+            samples: 10,
+            processor_time_s: 20.0,
+            of_later_s: 2.0,
+        };
+        assert_eq!(pilot.factor(0.5), 4.0);
+        assert_eq!(pilot.factor(1.1), 1.0);
+        assert_eq!(pilot.factor(20.0), 1.0);
+        assert_eq!(pilot.factor(0.0), 1.0, "an estimate of nothing");
+    }
+}
