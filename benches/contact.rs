@@ -9,6 +9,8 @@
 //! rows padded to whole vectors) are not counted. Only the table products multiply and add at once; every other operation
 //! counts once and takes the place of two. Every time is the best of several runs, of 64 states each; on a shared machine
 //! compare ratios within one run only.
+//!
+//! Before that: mathematical functions of `libm` against those of the C library; `-- functions` ends there.
 
 mod states;
 
@@ -31,6 +33,10 @@ const POINTS: [usize; 4] = [64, 128, 256, 512];
 const RUNS: usize = 15;
 
 fn main() {
+    functions();
+    if std::env::args().any(|a| a == "functions") {
+        return;
+    }
     let peak = fused_multiply_add_peak();
     println!(
         "peak: {:.1} Gflop/s per core, {:?}",
@@ -97,6 +103,44 @@ fn single_precision() {
         "single precision, H = 5, Nt = 128, box: {:.0} k forces/s",
         rate / 1e3
     );
+}
+
+/// Nanoseconds per call of `libm` and of the C library, of the functions that events and samples call.
+fn functions() {
+    const CALLS: usize = 100_000;
+    let phase = |i: usize| std::f64::consts::TAU * (i as f64 + 0.5) / CALLS as f64;
+    let points: Vec<f64> = (0..CALLS).map(phase).collect();
+    let nanoseconds = |function: fn(f64) -> f64| {
+        let sum = || points.iter().map(|&x| function(x)).sum::<f64>();
+        let runs = (0..RUNS).map(|_| {
+            fastest(|| {
+                black_box(sum());
+            })
+        });
+        runs.fold(f64::INFINITY, f64::min) * 1e9 / CALLS as f64
+    };
+    type Function = fn(f64) -> f64;
+    let cases: [(&str, Function, Function); 4] = [
+        (
+            "sine and cosine",
+            |x| {
+                let (sine, cosine) = libm::sincos(x);
+                sine + cosine
+            },
+            |x| {
+                let (sine, cosine) = x.sin_cos();
+                sine + cosine
+            },
+        ),
+        ("exp", libm::exp, f64::exp),
+        ("log", libm::log, f64::ln),
+        ("hypot", |x| libm::hypot(x, 1.0), |x| x.hypot(1.0)),
+    ];
+    for (name, own, c) in cases {
+        let [own, c] = [own, c].map(nanoseconds);
+        let ratio = own / c;
+        println!("{name:<16} libm {own:>5.1} ns, C library {c:>5.1} ns, ratio {ratio:.2}");
+    }
 }
 
 /// Node-states per second.

@@ -82,6 +82,9 @@ const TOP: u32 = 0u;
 const START: u32 = 1u;
 const END: u32 = 2u;
 
+// Largest error of the cubic between two nodes, as a share of its rise above the ends.
+const CUBIC_ERROR: real = real(0.25);
+
 // The function that is zero there, with its slope and curvature.
 fn searched_function(what: u32, here: Node, share: real) -> vec3<real> {
     let node = trial_node(share);
@@ -102,7 +105,7 @@ fn guess_of_start(here: Node, start: vec3<real>, end: vec3<real>, width: real) -
     let rates = width * vec2<real>(start.y, end.y);
     let held = tolerance * (here.limit + here.limit + tolerance);
     if here.event && start.z < zero {
-        // slip ended at `here`, or the contact closed: a double zero, and a cubic beyond it
+        // slip ended at `here`, or the contact closed: a double zero, and a cubic or a quartic beyond it
         let fall = real(-0.5) * start.z * width * width;
         return sqrt(fall / (end.x + fall));
     }
@@ -141,7 +144,10 @@ fn event_between(here: Node, next: Node, after: HalfAngle, state: u32) -> Found 
         let rest = one - guess;
         let top = rest * rest * (one + guess + guess) * start.x + guess * guess * (one + rest + rest) * end.x
             + guess * rest * (rest * rates.x - guess * rates.y);
-        if top <= zero {
+        // where slip ended at `here` the traction falls from its limit: the cubic starts from an exact maximum
+        let rise = max(top - start.x, top - end.x);
+        let missed = select(CUBIC_ERROR * rise, zero, here.event);
+        if top + missed <= zero {
             return NOTHING;
         }
     } else {

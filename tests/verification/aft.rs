@@ -1,6 +1,7 @@
 //! Verification of `aft`: the batch evaluation and its exact derivative.
 
 mod batch;
+mod fine_march;
 mod located;
 mod located_circle;
 mod plain_march;

@@ -49,6 +49,12 @@ impl PeakRoute {
         Self::SweptOnFew,
     ];
 
+    /// Whether the peak was found from those of other samples, and not from the structure at rest or the band.
+    #[must_use]
+    pub fn is_from_others(self) -> bool {
+        matches!(self, Self::Predicted | Self::Damped | Self::Followed)
+    }
+
     /// Name in files and reports.
     #[must_use]
     pub fn name(self) -> &'static str {

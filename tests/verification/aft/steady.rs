@@ -10,7 +10,7 @@ const POINTS: usize = 16;
 const LAPS: usize = 1000;
 
 /// A state whose slider creeps or slips a little: a path that is nearly straight, over a limit near half of its length.
-fn border_state(rng: &mut ChaCha8Rng, set: &HarmonicSet) -> State {
+pub(super) fn border_state(rng: &mut ChaCha8Rng, set: &HarmonicSet) -> State {
     let m = set.n_coefficients();
     let amplitude = 10f64.powf(rng.random_range(-1.0..1.0));
     let [side, lift] = [0, 1].map(|_| amplitude * 10f64.powf(rng.random_range(-5.0..-0.5)));

@@ -151,15 +151,16 @@ fn assert_alike_on_one_thread(ensemble: &Ensemble<'_>, outcomes: &[SampleOutcome
     assert_eq!(bits(outcomes), bits(&alone.install(|| part(10))), "threads");
 }
 
-/// Stuck, two near-equal maxima in the band: each sample of two seeds against the receptance, the peak and the maximum
+/// Stuck, two near-equal maxima in the band: each sample of three seeds against the receptance, the peak and the maximum
 /// next to it (very stiff contacts slip at one of them); the same bits from one thread and for fewer samples.
 ///
-/// Seen to fail with the strongest stuck mode alone: 6 of the first 24 samples have the lower maximum, none another beside it.
+/// Seen to fail with the strongest stuck mode alone: 6 of the first 24 samples have the lower maximum, none another beside it; and, of
+/// seed 3, without the second search of a mode whose prediction ends at the maximum of another: samples 10 and 18 lack one.
 #[test]
 fn the_highest_of_two_near_maxima_is_the_peak() {
     let mut errors = [0.0f64; 2];
     let (mut two, mut slipping) = (0, 0);
-    for seed in 1..=2 {
+    for seed in 1..=3 {
         let study = study(&[
             ("[1.0, 50.0]", "[1.0]"),
             ("seed = 1", &format!("seed = {seed}")),

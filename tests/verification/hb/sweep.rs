@@ -266,3 +266,29 @@ fn the_edge_of_a_band_is_no_peak() {
         }
     });
 }
+
+/// The reference problem with a small friction coefficient at 0.5 N, where almost all of its 16 pairs slip and events at samples leave
+/// the branch ragged: every one of its 95 frequencies is solved. Seen to fail at 315 Hz (step-too-small) where a frequency between
+/// two solutions of the sweep was left alone once it could not be located on the way from one to the other.
+#[test]
+fn every_frequency_of_a_ragged_branch_is_solved() {
+    let file = Path::new("tests/reference/blades-strip-oop/study.toml");
+    let study = Study::read(file).expect("a study");
+    let mut built = study.build_model().expect("a model");
+    built.contacts.iter_mut().for_each(|pair| pair.mu = 1e-2);
+    let linear = LinearModel::new(&built.reduced).expect("definite");
+    let problem = Problem::new(&linear, built.contacts, 1.0, study.solver.anchor).expect("held");
+    let omega: Vec<f64> = (0..95)
+        .map(|i| (278.0 + 0.5 * f64::from(i)) * TAU)
+        .collect();
+    let sweep = SlowSweep {
+        band: band(278.0, 325.0),
+        direction: SweepDirection::Upward,
+        omega: &omega,
+    };
+    let response = at_frequencies(&problem, &study.solver, 0.5, sweep, |_| ());
+    let failed = response.solutions.iter();
+    let failed = failed.filter(|solution| !solution.status.has_solution());
+    let failed: Vec<_> = failed.map(|s| (s.omega / TAU, s.status)).collect();
+    assert!(failed.is_empty(), "{failed:?}");
+}

@@ -198,7 +198,10 @@ fn as_intervals_cell(result: &CriterionResult) -> Cell {
 fn trust_cell(view: &View, level: &LevelResult, show: fn(f64) -> String) -> Cell {
     let counted = &level.counted;
     let error = &level.numerical_error;
-    let moved = [error.lower, error.upper].map(|v| v.map_or_else(|| DASH.to_owned(), show));
+    let moved = [(error.lower, "below"), (error.upper, "above")].map(|(width, side)| match width {
+        Some(width) => format!("{} {side}", show(width)),
+        None => format!("no number {side}, where it is open"),
+    });
     let numbers = [counted.samples, counted.broken, counted.unknown].map(|n| Some(n as f64));
     let unknown = match counted.unknown {
         0 => String::new(),
@@ -221,10 +224,7 @@ fn trust_cell(view: &View, level: &LevelResult, show: fn(f64) -> String) -> Cell
     .with_raw([error.lower, error.upper])
     .with_small(unknown)
     .with_small(answers)
-    .with_small(format!(
-        "numerical error widens by {} and {}",
-        moved[0], moved[1]
-    ))
+    .with_small(format!("numerical error widens by {}", moved.join(", ")))
     .with_small(not_in_it)
     .with_class("text prose")
 }

@@ -17,8 +17,9 @@ use crate::aft::vector::dot;
 use crate::aft::vector::size;
 use crate::contact::Real;
 
-/// Most laps with Newton steps; after them the search continues with plain laps.
-const NEWTON_LAPS: u32 = 40;
+/// Most laps with Newton steps; after them the search continues with plain laps. Just above the onset of slip across a mean traction
+/// a step takes a third of what is left, and every second lap is a plain one: 60 laps for the eighth digit.
+const NEWTON_LAPS: u32 = 100;
 /// Most laps; after them the cycle counts as not found.
 pub(in crate::aft) const MAX_LAPS: u32 = 200;
 /// Plain laps from the anchor after which the search first looks for a creeping slider. It looks again whenever their number

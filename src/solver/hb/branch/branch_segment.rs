@@ -102,7 +102,33 @@ impl<'s, 'p> BranchSegment<'s, 'p> {
         self.crossing_within(balance, omega, newton, MOST_HALVINGS)
     }
 
-    /// The same with at most so many `halvings` of the segment.
+    /// The solution at `omega` on a segment on which it could not be located, because the branch is ragged there: from its ends, the nearer
+    /// one first, no farther from them than they are apart.
+    ///
+    /// # Errors
+    /// `failure`, if neither end leads to a solution.
+    pub(in crate::hb) fn solved_from_ends(
+        &self,
+        balance: &Balance<'p>,
+        omega: f64,
+        newton: NewtonSettings,
+        failure: Status,
+    ) -> Result<Iterate<'p>, Status> {
+        let away = |end: &BranchPoint<'_>| (end.iterate.point.omega - omega).abs();
+        let mut ends = [self.from, self.to];
+        ends.sort_by(|a, b| away(a).total_cmp(&away(b)));
+        let found = ends.into_iter().find_map(|end| {
+            let start = Point {
+                omega,
+                ..end.iterate.point.clone()
+            };
+            let found = solve(balance, start.clone(), Condition::FixedFrequency, newton).ok()?;
+            (distance(balance, &found.point, &start) <= self.length).then_some(found)
+        });
+        found.ok_or(failure)
+    }
+
+    /// [`Self::crossing`] with at most so many `halvings` of the segment.
     fn crossing_within(
         &self,
         balance: &Balance<'p>,

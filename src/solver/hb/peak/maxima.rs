@@ -7,6 +7,7 @@
 
 use super::level_peak::LevelPeak;
 use crate::hb::equations::effort::WorkCount;
+use crate::hb::route::PeakRoute;
 use crate::hb::solution::Solution;
 use crate::hb::status::Status;
 use crate::hb::structure::resonance::Candidate;
@@ -81,8 +82,18 @@ pub fn search_maxima<E>(
             continue;
         }
         let found = search(candidate, &wanted, &maxima)?;
-        for (i, search) in wanted.into_iter().zip(found) {
-            maxima[i].add(candidate, search);
+        for (&i, found) in wanted.iter().zip(found) {
+            maxima[i].add(candidate, found);
+        }
+        for i in wanted {
+            for misled in maxima[i].misled(candidate.mode) {
+                let other = candidates.iter().filter(|other| other.mode == misled);
+                for other in other {
+                    for again in search(other, &[i], &maxima)? {
+                        maxima[i].correct(other, candidate.mode, again);
+                    }
+                }
+            }
         }
     }
     Ok(maxima)
@@ -124,6 +135,42 @@ impl Maxima {
         let found = peak.solution.into_iter().chain(others);
         self.found
             .extend(found.map(|solution| (candidate.mode, solution)));
+    }
+
+    /// The maximum to which `mode` was tracked, not predicted from other samples.
+    fn tracked(&self, mode: usize) -> Option<&Solution> {
+        let is_tracked = |s: &Solution| s.route.is_some_and(|route| !route.is_from_others());
+        let own = self.found.iter().filter(|(of, _)| *of == mode);
+        own.map(|(_, solution)| solution).find(|s| is_tracked(s))
+    }
+
+    /// Modes whose prediction from other samples has led to the maximum to which `mode` was tracked: where two maxima are equally
+    /// high, the amplitude does not tell that a prediction has gone to the other one.
+    fn misled(&self, mode: usize) -> Vec<usize> {
+        let Some(tracked) = self.tracked(mode) else {
+            return Vec::new();
+        };
+        let predicted = |s: &Solution| s.route.is_some_and(PeakRoute::is_from_others);
+        let taken = self.found.iter().filter(|(of, solution)| {
+            *of != mode && predicted(solution) && is_same_maximum(solution, tracked)
+        });
+        let mut modes: Vec<usize> = taken.map(|(of, _)| *of).collect();
+        modes.dedup();
+        modes
+    }
+
+    /// Takes the second search of a mode whose first one had led to the maximum of the mode `owner`. If it has led elsewhere, that
+    /// maximum is no longer counted for the mode.
+    fn correct(&mut self, candidate: &Candidate, owner: usize, again: ModeSearch) {
+        self.count += again.peak.count;
+        let (Some(own), Some(tracked)) = (again.peak.solution, self.tracked(owner).cloned()) else {
+            return;
+        };
+        if !is_same_maximum(&own, &tracked) {
+            self.found
+                .retain(|(of, s)| *of != candidate.mode || !is_same_maximum(s, &tracked));
+            self.found.push((candidate.mode, own));
+        }
     }
 
     /// The highest maximum found; the first of equal ones, so that it depends only on the problem and its starts.
@@ -294,6 +341,41 @@ mod tests {
         assert_eq!(end(vec![maximum(100.001, 1.9, 3)]), (100.0, 1), "lower");
         let [lower, higher] = [maximum(99.0, 1.0, 3), maximum(101.0, 3.0, 3)];
         assert_eq!(end(vec![lower, higher.clone(), higher]), (101.0, 2));
+    }
+
+    /// A prediction for mode 4 ends at the maximum of mode 7, as high as its own. Mode 7 is tracked there, so that mode 4 is searched
+    /// again and its own maximum counts for it, unless the second search ends there, too, or in nothing. Seen to fail without the
+    /// second search: one maximum.
+    #[test]
+    fn a_mode_whose_prediction_took_the_maximum_of_another_is_searched_again() {
+        let modes = [mode(4, 3.0), mode(7, 2.0)];
+        let by = |omega: f64, route| Solution {
+            route: Some(route),
+            ..maximum(omega, 2.0, 3)
+        };
+        let run = |second: &dyn Fn() -> ModeSearch| {
+            let mut asked = Vec::new();
+            let found = search_maxima(&modes, PeakChoice::Highest, &[1.0], |mode, _, _| {
+                asked.push(mode.mode);
+                Ok::<_, ()>(vec![match asked.len() {
+                    1 => search(by(103.0, PeakRoute::Predicted), Vec::new()),
+                    2 => search(by(103.0, PeakRoute::Tracked), Vec::new()),
+                    _ => second(),
+                }])
+            });
+            let found = &found.unwrap()[0];
+            assert_eq!(asked, [4, 7, 4]);
+            let by_mode = found.by_mode().into_iter().map(|(m, s)| (m, s.omega));
+            (found.distinct().len(), by_mode.collect::<Vec<_>>())
+        };
+        let own = run(&|| search(by(99.0, PeakRoute::Tracked), Vec::new()));
+        assert_eq!(own, (2, vec![(7, 103.0), (4, 99.0)]));
+        let same = (1, vec![(4, 103.0), (7, 103.0)]);
+        assert_eq!(
+            run(&|| search(by(103.0, PeakRoute::Tracked), Vec::new())),
+            same
+        );
+        assert_eq!(run(&|| failed(Status::StepTooSmall)), same);
     }
 
     /// Modes are searched where they may be higher than what is known, and a failed search hides the peak where its mode

@@ -201,16 +201,17 @@ impl<'p> LevelProblem<'_, 'p> {
         let reached = to.iterate.point.omega;
         while let Some(i) = open.pop_if(|i| sign * (answers.omega[*i] - reached) <= 0.0) {
             let omega = answers.omega[i];
-            answers.found[i] =
-                Some(
-                    self.with_own_budget(|| match segment.crossing(balance, omega, newton) {
-                        Ok(iterate) => self.raised(iterate),
-                        Err(status) => Answer {
-                            solution: self.unsolved(omega, status),
-                            point: None,
-                        },
-                    }),
-                );
+            answers.found[i] = Some(self.with_own_budget(|| {
+                let located = (segment.crossing(balance, omega, newton))
+                    .or_else(|status| segment.solved_from_ends(balance, omega, newton, status));
+                match located {
+                    Ok(iterate) => self.raised(iterate),
+                    Err(status) => Answer {
+                        solution: self.unsolved(omega, status),
+                        point: None,
+                    },
+                }
+            }));
         }
         reached
     }
