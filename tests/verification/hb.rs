@@ -12,6 +12,7 @@ mod curve;
 mod damping;
 mod disk;
 mod fold;
+mod free;
 mod invariants;
 mod jacobian;
 mod maxima;

@@ -2,6 +2,7 @@
 
 pub mod balance;
 pub mod effort;
+pub mod free;
 pub mod jacobian;
 pub mod layout;
 pub mod problem;
