@@ -26,16 +26,21 @@ impl DiskArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
         let folders: Vec<&Path> = self.folders.iter().map(PathBuf::as_path).collect();
         let output = OutputFolder::open(&self.output)?;
-        let summary = disk(&folders, &output)?;
-        if self.quiet {
-            return Ok(());
-        }
-        print(|out| {
-            show(out, &summary)?;
-            let path = output.path().display();
-            writeln!(out, "disk.json and disk.html are in {path}")
-        })
+        gather(&folders, &output, self.quiet)
     }
+}
+
+/// Writes what the results in `folders` say together, and shows it.
+pub(super) fn gather(folders: &[&Path], output: &OutputFolder, quiet: bool) -> Result<(), Error> {
+    let summary = disk(folders, output)?;
+    if quiet {
+        return Ok(());
+    }
+    print(|out| {
+        show(out, &summary)?;
+        let path = output.path().display();
+        writeln!(out, "disk.json and disk.html are in {path}")
+    })
 }
 
 fn show(out: &mut dyn Write, disk: &DiskSummary) -> std::io::Result<()> {

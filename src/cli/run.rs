@@ -1,8 +1,9 @@
 //! `run`: all samples, statistics and report.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use super::disk::gather;
 use super::going_on::GoingOn;
 use super::levels::{show_profile, show_result};
 use super::log::Event;
@@ -14,7 +15,7 @@ use microslip::Error;
 use microslip::ensemble::backend::{BackendChoice, BackendSettings};
 use microslip::gpu::{GpuSettings, Precision};
 use microslip::report::Summary;
-use microslip::study::{RunSettings, ShareResult, Study, join, run, solve_share};
+use microslip::study::{OutputFolder, RunSettings, ShareResult, Study, join, run, solve_share};
 use serde_json::json;
 
 #[derive(Args)]
@@ -78,29 +79,57 @@ impl RunArguments {
             retry_failed: self.retry_failed,
             ..self.going_on.settings(folder.path(), messages.log)?
         };
+        let Some(orders) = study.several_engine_orders() else {
+            return self.one(&study, &folder, &settings).map(|_| ());
+        };
+        let mut solved = Vec::new();
+        for &order in orders {
+            let of_order = study.of_engine_order(order)?;
+            let own = folder.path().join(format!("order-{order}"));
+            if self.one(&of_order, &OutputFolder::open(&own)?, &settings)? {
+                solved.push(own);
+            }
+        }
+        // shares of the samples make no results yet
+        if solved.len() < orders.len() {
+            return Ok(());
+        }
+        let folders: Vec<&Path> = solved.iter().map(PathBuf::as_path).collect();
+        gather(&folders, &folder, messages.quiet)
+    }
+
+    /// One study; whether its results are there.
+    fn one(
+        &self,
+        study: &Study,
+        folder: &OutputFolder,
+        settings: &RunSettings,
+    ) -> Result<bool, Error> {
+        let messages = &self.study.messages;
         let bar = Bar::new(messages);
         let progress = |progress| bar.show(progress);
         let result = match self.shares.work()? {
-            Work::Alone => run(&study, &folder, &settings, progress)?,
-            Work::Together(rank) => join(&study, &folder, rank, &settings, progress)?,
+            Work::Alone => run(study, folder, settings, progress)?,
+            Work::Together(rank) => join(study, folder, rank, settings, progress)?,
             Work::Share(share) => {
-                let kept = solve_share(&study, &folder, share, &settings, progress)?;
+                let kept = solve_share(study, folder, share, settings, progress)?;
                 bar.clear();
-                return self.show_share(&kept, folder.path());
+                self.show_share(&kept, folder.path())?;
+                return Ok(false);
             }
         };
         bar.clear();
         show_result(&result, folder.path(), messages)?;
-        if messages.quiet {
-            return Ok(());
+        if !messages.quiet {
+            print(|out| {
+                show_gpu(out, &result.summary, self.profile)?;
+                match self.profile {
+                    true => show_profile(out, &result.profile),
+                    false => Ok(()),
+                }
+            })?;
         }
-        print(|out| {
-            show_gpu(out, &result.summary, self.profile)?;
-            match self.profile {
-                true => show_profile(out, &result.profile),
-                false => Ok(()),
-            }
-        })
+        Ok(true)
     }
 
     fn show_share(&self, share: &ShareResult, folder: &Path) -> Result<(), Error> {

@@ -82,6 +82,7 @@ impl Study {
     /// # Errors
     /// [`Error::Study`] or [`Error::Matrices`] on the first rule that the model's tables or files break.
     pub fn build_model(&self) -> Result<StudyModel, Error> {
+        self.one_engine_order()?;
         match &self.model {
             ModelSettings::TwoBladeStrip {
                 blades,

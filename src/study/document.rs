@@ -108,9 +108,10 @@ impl<'t> Document<'t> {
         removed.map(|value| self.deserialize(value)).transpose()
     }
 
-    /// The text with the number at the dotted `key` set to `value`; a top-level one in a line of its own where the key is absent.
+    /// The text with what stands at the dotted `key` replaced by `value`, written as TOML; a top-level one in a line of its own where
+    /// the key is absent.
     #[must_use]
-    pub fn with_number(&self, key: &str, value: u64) -> String {
+    pub fn with_value(&self, key: &str, value: &str) -> String {
         match self.places.iter().find(|place| place.key == key) {
             None => format!("{key} = {value}\n{}", self.text),
             Some(place) => {

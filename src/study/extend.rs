@@ -70,7 +70,7 @@ pub fn extend(
         Some(_) => "samples.at_most",
         None => "samples",
     };
-    let text = Document::parse(&path, &stored.study.text)?.with_number(key, samples);
+    let text = Document::parse(&path, &stored.study.text)?.with_value(key, &samples.to_string());
     let study = Study::parse(&path, &text)?;
     let identity = identity(&study, &folder)?;
     let mut resumed = resumed(&study, &folder, &identity, settings)?;

@@ -24,6 +24,7 @@ pub mod compare;
 mod control_variate;
 pub mod disk;
 pub mod document;
+mod engine_orders;
 pub mod evaluator;
 pub mod export;
 pub mod extend;

@@ -41,7 +41,7 @@ pub fn schema() -> Value {
             { "if": of_kind("cyclic"), "then": {
                 "required": ["operation"],
                 "properties": {
-                    "operation": { "properties": { "engine_orders": { "maxItems": 1 } } },
+                    "solver": { "properties": { "stability": { "const": "off" } } },
                     "pressure_field": false,
                 },
             } },

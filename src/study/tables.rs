@@ -150,7 +150,7 @@ pub struct SolverSection {
     alert: Option<Alert>,
     /// Which solutions are assessed for stability by their Floquet multipliers: those with lift-off, all that slip or lift off, or
     /// none. Those that are unstable have the status `unstable`. What is not assessed and is open for most of the period has the status
-    /// `bouncing-contact`.
+    /// `bouncing-contact`. A model of kind `cyclic` is not assessed.
     #[schemars(extend("default" = StabilityScope::default()))]
     stability: Option<StabilityScope>,
     /// Whether a mirror-symmetric model is solved on one half of its contacts. `false` solves both halves, and so also finds
@@ -233,11 +233,15 @@ const DEFAULT_LAW: FrictionLaw = FrictionLaw::Box;
 const DEFAULT_ANCHOR: SliderAnchor = SliderAnchor::Unloaded;
 
 impl SolverSection {
-    /// Settings of the harmonic balance solver.
+    /// Settings of the harmonic balance solver of a model of kind "cyclic" or of another kind.
     ///
     /// # Errors
     /// [`BadSetting`] with a key relative to the file: `solver.…` or `contact.…`.
-    pub fn settings(&self, contact: &ContactSection) -> Result<HbSettings, BadSetting> {
+    pub fn settings(
+        &self,
+        contact: &ContactSection,
+        cyclic: bool,
+    ) -> Result<HbSettings, BadSetting> {
         let harmonics = self.harmonics()?;
         let law = contact.law.unwrap_or(DEFAULT_LAW);
         let settings = HbSettings {
@@ -253,7 +257,7 @@ impl SolverSection {
             anchor: contact.anchor.unwrap_or(DEFAULT_ANCHOR),
             newton: self.newton(),
             alert: self.alert(&harmonics),
-            stability: self.stability.unwrap_or_default(),
+            stability: self.stability(cyclic)?,
             harmonics,
         };
         settings.validate().map_err(|mut bad| {
@@ -266,6 +270,20 @@ impl SolverSection {
             bad.under(section)
         })?;
         Ok(settings)
+    }
+
+    /// Which solutions are assessed: of a disk none.
+    fn stability(&self, cyclic: bool) -> Result<StabilityScope, BadSetting> {
+        match (self.stability, cyclic) {
+            (None | Some(StabilityScope::Off), true) => Ok(StabilityScope::Off),
+            (Some(_), true) => {
+                let rule = "must be \"off\" for a model of kind \"cyclic\": a disturbance may have any nodal diameter, of which one sector knows one";
+                let given = "(given)";
+                BadSetting::unless(false, "solver.stability", given, rule)
+                    .map(|()| StabilityScope::Off)
+            }
+            (stated, false) => Ok(stated.unwrap_or_default()),
+        }
     }
 
     /// Whether a mirror-symmetric model is solved on one half of its contacts.

@@ -84,6 +84,49 @@ fn engine_orders_of_a_disk_come_to_one_page() {
     assert_eq!(solve.status.code(), Some(0), "{solve:?}");
 }
 
+/// A study that names several engine orders is solved for each, with the bits of a study of its own, and gathered; commands that
+/// take one order say so.
+#[test]
+fn one_run_takes_several_engine_orders() {
+    let folder = tempfile::tempdir().unwrap();
+    solved(folder.path(), &[3, 5]);
+    let both = std::fs::read_to_string(folder.path().join("order-3.toml")).unwrap();
+    let both = both.replace("engine_orders = [3]", "engine_orders = [3, 5]");
+    std::fs::write(folder.path().join("both.toml"), both).unwrap();
+    let run = microslip(folder.path(), &["run", "both.toml", "--output", "both"]);
+    assert_eq!(run.status.code(), Some(0), "{run:?}");
+    let text = String::from_utf8_lossy(&run.stdout);
+    assert!(text.contains("engine order 5, nodal diameter 5"), "{text}");
+    assert!(folder.path().join("both/disk.html").exists());
+    let disk = ["disk", "order-3", "order-5", "--output", "alone", "--quiet"];
+    assert_eq!(microslip(folder.path(), &disk).status.code(), Some(0));
+    let levels = |name: &str| -> Vec<Value> {
+        let text = std::fs::read_to_string(folder.path().join(name)).unwrap();
+        let json: Value = serde_json::from_str(&text).unwrap();
+        let orders = json["orders"].as_array().unwrap().iter();
+        orders.map(|order| order["levels"].clone()).collect()
+    };
+    assert_eq!(levels("both/disk.json"), levels("alone/disk.json"));
+    assert_eq!(levels("both/disk.json").len(), 2);
+    let again = microslip(
+        folder.path(),
+        &["run", "both.toml", "--output", "both", "--quiet"],
+    );
+    assert_eq!(again.status.code(), Some(0), "{again:?}");
+    let facts = microslip(folder.path(), &["inspect", "both.toml"]);
+    let text = String::from_utf8_lossy(&facts.stdout);
+    assert!(
+        text.contains("engine orders [3, 5] are solved one after the other"),
+        "{text}"
+    );
+    let solve = microslip(folder.path(), &["solve", "both.toml", "--quiet"]);
+    assert_refused(
+        "solve",
+        &solve,
+        &["operation.engine_orders = [3, 5]: must be one engine order here"],
+    );
+}
+
 /// A displacement on the right boundary is that of the left one of the next sector: as large, and later. Two displacements of one sector and
 /// of the next may make one response. Seen to fail (a panic) with responses of the next sector taken as those of this one where all
 /// sectors do the same.

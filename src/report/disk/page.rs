@@ -2,7 +2,7 @@
 
 use super::summary::{DiskSummary, OrderLevel, OrderSummary};
 use crate::page::axis::Axis;
-use crate::page::block::{Block, Cell, Figure, Key, Mark, Section, Table};
+use crate::page::block::{Block, Cell, Figure, Key, Mark, Section, Table, Verdict};
 use crate::page::display::{DASH, LengthUnit, hertz, level_name, percent, significant};
 use crate::page::figure::{Panel, Size};
 use crate::page::style::figure_style;
@@ -12,11 +12,14 @@ use crate::report::page::document::page;
 use crate::report::page::view::length_unit;
 use crate::report::run::input::ReportInput;
 use crate::report::run::stored_run::StoredRun;
+use crate::report::verdict::criterion_result::CriterionResult;
 use crate::report::verdict::sentence::word;
 use crate::statistics::Judgement;
 
 /// Room between the bars of two levels at one nodal diameter.
 const BESIDE: f64 = 0.12;
+/// Half the gap between two bands of the Campbell diagram, as a share of its width.
+const GAP: f64 = 0.003;
 
 /// A disk as the page shows it.
 struct View<'a> {
@@ -93,38 +96,10 @@ impl View<'_> {
 }
 
 fn verdicts(view: &View) -> Section {
-    let mut table = Table::of(
-        "Criteria by engine order",
-        "disk-criteria",
-        &[
-            ("Order", &["engine_order"]),
-            ("Nodal diameter", &["nodal_diameter"]),
-            ("Criterion", &["criterion"]),
-            ("Verdict", &["verdict"]),
-            ("In words", &["sentence"]),
-        ],
-    );
-    let mut judged = false;
-    for order in &view.disk.orders {
-        for result in &order.criteria {
-            judged = true;
-            let class = match result.judgement {
-                Judgement::Pass => "pass",
-                Judgement::Fail => "fail",
-                Judgement::Undecided => "open",
-            };
-            table.row(vec![
-                whole(order.engine_order as usize),
-                whole(order.nodal_diameter),
-                Cell::text(&result.criterion.name).with_class("text"),
-                Cell::text(word(result.judgement)).with_badge(class),
-                Cell::text(&result.sentence).with_class("text wide"),
-            ]);
-        }
-    }
+    let orders = &view.disk.orders;
     let mut blocks = Vec::new();
-    match judged {
-        true => blocks.push(table.block()),
+    match orders.iter().any(|order| !order.criteria.is_empty()) {
+        true => blocks.extend([criteria(orders), Block::Verdicts(sentences(orders))]),
         false => blocks.push(Block::Sentence("The studies state no criteria.".to_owned())),
     }
     let hint = format!(
@@ -138,6 +113,67 @@ fn verdicts(view: &View) -> Section {
         title: "Verdict by engine order".to_owned(),
         blocks,
     }
+}
+
+/// The word of a judgement and the class of its badge.
+fn badge(result: &CriterionResult) -> (&'static str, &'static str) {
+    let class = match result.judgement {
+        Judgement::Pass => "pass",
+        Judgement::Fail => "fail",
+        Judgement::Undecided => "undecided",
+    };
+    (word(result.judgement), class)
+}
+
+/// The judgements of all orders at a glance; narrow, so that a phone shows all of it. The sentences are in the download.
+fn criteria(orders: &[OrderSummary]) -> Block {
+    let mut table = Table::of(
+        "Criteria by engine order",
+        "disk-criteria",
+        &[
+            ("Order", &["engine_order", "nodal_diameter"]),
+            ("Criterion", &["criterion"]),
+            ("Verdict", &["verdict", "sentence"]),
+        ],
+    );
+    for order in orders {
+        for result in &order.criteria {
+            let (word, class) = badge(result);
+            let nodal_diameter = Some(order.nodal_diameter as f64);
+            table.row(vec![
+                whole(order.engine_order as usize)
+                    .with_raw([nodal_diameter])
+                    .with_small(format!("nodal diameter {}", order.nodal_diameter))
+                    .with_class("text brief"),
+                Cell::text(&result.criterion.name).with_class("text brief"),
+                Cell::text(word)
+                    .with_badge(class)
+                    .with_raw_text(&result.sentence)
+                    .with_class("text"),
+            ]);
+        }
+    }
+    table.block()
+}
+
+/// What each judgement says, order by order.
+fn sentences(orders: &[OrderSummary]) -> Vec<Verdict> {
+    let of_order = |order: &OrderSummary| -> Vec<Verdict> {
+        let verdict = |result: &CriterionResult| {
+            let (word, class) = badge(result);
+            Verdict {
+                word: word.to_owned(),
+                class,
+                name: format!(
+                    "Engine order {}: {}",
+                    order.engine_order, result.criterion.name
+                ),
+                sentence: result.sentence.clone(),
+            }
+        };
+        order.criteria.iter().map(verdict).collect()
+    };
+    orders.iter().flat_map(of_order).collect()
 }
 
 fn whole(number: usize) -> Cell {
@@ -195,11 +231,10 @@ fn campbell(view: &View) -> Figure {
         panel.rule("limit", *speed);
     }
     let mut labels = Vec::new();
-    for order in &view.disk.orders {
+    for (order, [from, to]) in view.disk.orders.iter().zip(stretches(view, [slow, fast])) {
         // one band per family, over all levels
-        let ends = order.levels.iter().filter_map(|level| level.frequency_hz);
-        if let Some([lower, upper]) = hull(ends.flat_map(|[lower, _, upper]| [lower, upper])) {
-            panel.band("range", &[(slow, lower, upper), (fast, lower, upper)]);
+        if let Some([lower, upper]) = order_range(order) {
+            panel.band("range", &[(from, lower, upper), (to, lower, upper)]);
         }
         let slope = excitation_hz(f64::from(order.engine_order), 1.0);
         let [enters, leaves] = [slow.max(low / slope), fast.min(high / slope)];
@@ -227,9 +262,56 @@ fn campbell(view: &View) -> Figure {
         panel.readout_upright(speed, [lower, upper], &words);
     }
     panel.labels(&labels);
-    let caption = "A band spans the scatter of one nodal diameter over all levels; bars stand where the engine order crosses \
-                   their middle.";
+    let caption = "A band spans the scatter of one nodal diameter over all levels. The bands lie on each other, so each is drawn \
+                   at the speeds nearest to those where its engine order crosses; bars stand where it crosses their middle.";
     view.figure(&panel, "campbell", caption)
+}
+
+/// Lowest and highest frequency (Hz) of the bars of an order.
+fn order_range(order: &OrderSummary) -> Option<[f64; 2]> {
+    let bars = order.levels.iter().filter_map(|level| level.frequency_hz);
+    hull(bars.flat_map(|[lower, _, upper]| [lower, upper]))
+}
+
+/// The speeds (1/min) at which the band of each order is drawn: up to halfway to the crossings of its neighbours, with a gap
+/// between them, and within `ends`.
+fn stretches(view: &View, [slow, fast]: [f64; 2]) -> Vec<[f64; 2]> {
+    let orders = &view.disk.orders;
+    let crossing = |order: &OrderSummary| {
+        let [lower, upper] = order_range(order)?;
+        let slope = excitation_hz(f64::from(order.engine_order), 1.0);
+        Some(0.5 * (lower + upper) / slope)
+    };
+    let crossings: Vec<Option<f64>> = orders.iter().map(crossing).collect();
+    let gap = GAP * (fast - slow);
+    let of = |i: usize| {
+        let Some(own) = crossings[i] else {
+            return [slow, slow];
+        };
+        let others = || {
+            (0..orders.len())
+                .filter(|j| *j != i)
+                .filter_map(|j| crossings[j])
+        };
+        let below = others()
+            .filter(|speed| *speed < own)
+            .fold(f64::NAN, f64::max);
+        let above = others()
+            .filter(|speed| *speed > own)
+            .fold(f64::NAN, f64::min);
+        let from = if below.is_nan() {
+            slow
+        } else {
+            0.5 * (below + own) + gap
+        };
+        let to = if above.is_nan() {
+            fast
+        } else {
+            0.5 * (above + own) - gap
+        };
+        [from.min(own), to.max(own)]
+    };
+    (0..orders.len()).map(of).collect()
 }
 
 fn safe(view: &View) -> Figure {

@@ -58,10 +58,10 @@ pub(crate) const DISK_REFUSED: &[Case] = &[
     ),
     (
         "engine_orders = [3]",
-        "engine_orders = [3, 4]",
+        "engine_orders = [3]\n[solver]\nstability = \"all\"",
         &[
-            ":28: operation.engine_orders = [3, 4]: must be one engine order",
-            "each excites another nodal diameter",
+            ": solver.stability = (given): must be \"off\" for a model of kind \"cyclic\"",
+            "a disturbance may have any nodal diameter",
         ],
     ),
     (
