@@ -15,8 +15,6 @@ fn stated(name: &str, bytes: &[u8]) -> Option<f64> {
 }
 
 /// A table in text: what is written is read back, several tests have a column, and values that break a rule are refused.
-///
-/// Seen to fail with a percentage taken as a share, without the bounds, and with a second statement taken.
 #[test]
 fn tables_state_it() {
     let mut tests = ["a", "b"].map(whole_contact);
@@ -57,7 +55,6 @@ fn tables_state_it() {
     assert_eq!(stated("rig.csv", absent.as_bytes()), None);
 }
 
-/// Seen to fail with frequencies as the only numbers among conditions.
 #[test]
 fn files_of_matlab_state_it() {
     let form = Form::default();
@@ -83,7 +80,7 @@ fn files_of_matlab_state_it() {
     }
 }
 
-/// In place of a property of the same length. Seen to fail with frequencies as the only numbers among conditions.
+/// In place of a property of the same length.
 #[test]
 fn tdms_files_state_it() {
     let started = [text("started"), word(0x44), vec![0; 16]].concat();
@@ -101,7 +98,7 @@ fn tdms_files_state_it() {
     RECORDS.refuse_bytes("rig.tdms", &file(177.0), "too much", &rule);
 }
 
-/// In place of the date. Seen to fail with frequencies as the only numbers among conditions.
+/// In place of the date.
 #[test]
 fn universal_files_state_it() {
     // text, double precision, even spacing
