@@ -152,6 +152,6 @@ fn narrow_ellipses_err_by_as_much_as_is_stated() {
             largest = [largest[0].max(error), largest[1].max(error / ratio.sqrt())];
         }
     }
-    println!("largest {largest:.1e?}");
+    println!("largest {largest:?}");
     assert!(largest[0] < 6e-2 && largest[1] < 4e-4, "{largest:?}");
 }
