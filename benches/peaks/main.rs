@@ -2,7 +2,7 @@
 //!
 //! Sections: `parts` (one Newton iteration), `study` (random samples over the box of the default study, levels up to
 //! 100 N), `sweep` (this program's own continuation, 60 points around the peak), `slow-path` (the same peaks found by
-//! each sample alone), `strip` (a structure with a strip of its own), `harmonics` (rate on more harmonics), `pairs` (rate
+//! each sample alone), `curves` (cost of the curve of a sample beside its peak), `strip` (a structure with a strip of its own), `harmonics` (rate on more harmonics), `pairs` (rate
 //! with more contact pairs), `certified` (rate at a truncation threshold of 1e-3, against 31 harmonics), `memory` (results
 //! of 100 000 samples), `peers` (the reference problem blades-strip-oop). Rates are per second of processor time of all
 //! threads; without arguments all sections run.
@@ -10,6 +10,7 @@
 #![expect(clippy::expect_used, reason = "a benchmark without its state fails")]
 
 mod clock;
+mod curves;
 mod iteration;
 mod memory;
 mod peers;
@@ -23,12 +24,13 @@ fn main() {
         .skip(1)
         .filter(|a| !a.starts_with('-'))
         .collect();
-    let sections: [(&str, fn()); 10] = [
+    let sections: [(&str, fn()); 11] = [
         ("parts", iteration::parts),
         ("strip", iteration::strip),
         ("study", rates::study),
         ("sweep", routes::sweep),
         ("slow-path", routes::slow_path),
+        ("curves", curves::curves),
         ("harmonics", rates::harmonics),
         ("pairs", rates::pairs),
         ("certified", truncation::certified),

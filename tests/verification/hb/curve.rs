@@ -86,7 +86,7 @@ fn check_sweeps(curve: &ResponseCurve, dense: &[Solution], [width, top]: [f64; 2
     sweeps.several.is_some()
 }
 
-/// The curves at some levels against dense ones. Levels at which there are several solutions at some frequency.
+/// The curves at some levels, on harmonics up to 3, against dense ones. Levels at which there are several solutions at some frequency.
 fn check(problem: &Problem<'_>, band: Band, levels: &[f64]) -> Vec<f64> {
     let mut folded = Vec::new();
     let mut settings = settings(3, FrictionLaw::Box);
@@ -150,4 +150,60 @@ fn curves_are_as_exact_as_they_say() {
         "contacts that open lean the curve over"
     );
     assert_eq!(blades, [40.0], "contacts that open lean the curve over");
+}
+
+/// Random samples of the rig, at levels at which every contact sticks, and at higher ones, which must not be taken for linear.
+#[test]
+fn curves_of_random_samples_are_as_exact_as_they_say() {
+    let band = Band {
+        low: 2605.0 * TAU,
+        high: 2635.0 * TAU,
+    };
+    for (scale, mu) in [
+        (0.13, 0.71),
+        (0.31, 0.16),
+        (0.62, 0.44),
+        (1.4, 0.27),
+        (2.7, 0.58),
+        (5.2, 0.12),
+        (9.1, 0.77),
+    ] {
+        println!("stiffness x {scale}, friction coefficient {mu}");
+        let (linear, contacts) = folded(scale, mu);
+        let problem = Problem::new(&linear, contacts, 1.0, SliderAnchor::Unloaded).expect("held");
+        check(&problem, band, &[0.02, 0.1, 1.0, 8.0]);
+    }
+}
+
+/// At 0.1 N every contact of the rig sticks: the curve takes no continuation, which took 78 iterations there on all harmonics and so
+/// failed this test. At 20 N pairs slip, and it does take it.
+#[test]
+fn curves_of_sticking_contacts_are_cheap() {
+    let band = Band {
+        low: 2605.0 * TAU,
+        high: 2635.0 * TAU,
+    };
+    let (linear, contacts) = folded(1.0, 0.4);
+    let problem = Problem::new(&linear, contacts, 1.0, SliderAnchor::Unloaded).expect("held");
+    let mut settings = settings(3, FrictionLaw::Box);
+    settings.aft.events = Events::Located;
+    let search = PeakSettings {
+        band,
+        frequency_tolerance: 1e-7,
+    };
+    let balance = Balance::new(&problem, settings.harmonics.clone(), settings.aft);
+    let found = track_peaks(&problem, &settings, search, &[0.1, 20.0]).expect("modes");
+    let steps = found.into_iter().map(|found| {
+        let peak = found.solution.expect("a peak").point();
+        let before = problem.effort.count();
+        let curve = response_curve(&balance, &peak, band, settings.newton);
+        assert!(
+            curve.sweeps.is_some(),
+            "from one end of the band to the other"
+        );
+        problem.effort.count().since(before).iterations
+    });
+    let steps: Vec<usize> = steps.collect();
+    println!("Newton iterations {steps:?}");
+    assert!(steps[0] < 40 && steps[1] > 60, "{steps:?}");
 }

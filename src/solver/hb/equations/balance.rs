@@ -95,6 +95,12 @@ impl<'p> Balance<'p> {
         }
     }
 
+    /// The same problem on other harmonics, with the same time points.
+    #[must_use]
+    pub fn on(&self, harmonics: HarmonicSet) -> Self {
+        Self::new(self.problem, harmonics, self.plan.settings())
+    }
+
     /// Time points per period.
     #[must_use]
     pub fn n_time(&self) -> usize {

@@ -5,14 +5,18 @@
 //! arclength. Solutions are added until the cubics are as exact as [`CURVE_ERROR`] says. The curve consists of the points that
 //! a sweep away from the peak meets: the part behind a fold is left out. What slow sweeps through the band meet is found on the
 //! whole branch.
+//!
+//! Where every contact sticks or is open over the whole period, its dynamic force is linear in the displacements. Then the harmonics
+//! above the first vanish, the branch has no folds, and its solutions are found at frequencies of choice on harmonics 0 and 1 alone.
 
+use super::cubic_segment::{ComplexScales, CubicSegment};
+use crate::harmonics::HarmonicSet;
 use crate::hb::branch::branch_point::BranchPoint;
 use crate::hb::branch::continuation::{StepSettings, continue_branch};
 use crate::hb::equations::balance::Balance;
-use crate::hb::newton::{Iterate, Point};
+use crate::hb::newton::{Condition, Iterate, Point, solve};
 use crate::hb::settings::NewtonSettings;
 use crate::hb::structure::resonance::Band;
-use faer::prelude::c64;
 use std::ops::ControlFlow;
 
 /// A point of the curve.
@@ -63,12 +67,12 @@ const MOST_ROUNDS: usize = 4;
 /// Estimated error that the step control aims at, and estimated error above which solutions are added. Kinks make the
 /// estimate too low, by a factor of two at most where it was checked.
 const ESTIMATES: [f64; 2] = [0.1 * CURVE_ERROR, CURVE_ERROR / 3.0];
-/// If the slopes dω/dt at the ends of a segment, over that of its chord, are in this range, the parameter is ω.
-const STRAIGHT: std::ops::Range<f64> = 0.1..10.0;
-/// Scaled distance between two points of the curve.
-const SPACING: f64 = 0.04;
-/// Points per segment at most.
-const MOST_POINTS: f64 = 24.0;
+/// Where contacts are linear: first and longest step over the half-width of the peak, and longest step over the band.
+const LINEAR_STEPS: [f64; 3] = [0.3, 4.0, 0.125];
+/// Range of the length of such a step over that of the step before.
+const LINEAR_GROWTH: [f64; 2] = [0.5, 2.0];
+/// Deviation of a dynamic contact force from that of a contact that sticks or is open, over the largest one, below which it is linear.
+const LINEAR_FORCE: f64 = 1e-6;
 /// Residual over the largest dynamic displacement at the peak. That is enough for a plot; the peak itself is solved to the
 /// study's tolerance.
 const TOLERANCE: f64 = 1e-4;
@@ -87,12 +91,14 @@ pub fn response_curve(
             .max(TOLERANCE * peak.dynamic_share(balance).min(1.0)),
         ..newton
     };
-    let side = |upwards: bool| {
-        let mut side = CurveSide::outwards(balance, peak, upwards, band, newton);
-        side.refine();
-        (side.branch(), side.scales.width)
-    };
-    let [(below, width), (above, _)] = [false, true].map(side);
+    let linear = linear_sides(balance, peak, band, newton);
+    let [(below, width), (above, _)] = linear.unwrap_or_else(|| {
+        [false, true].map(|upwards| {
+            let mut side = CurveSide::outwards(balance, peak, upwards, band, newton);
+            side.refine();
+            (side.branch(), side.scales.width)
+        })
+    });
     let mut points = met(below.iter().copied(), false, band);
     points.reverse();
     points.pop();
@@ -104,6 +110,40 @@ pub fn response_curve(
         points,
         sweeps: sweeps(&branch, band, CURVE_ERROR * width),
     }
+}
+
+/// Both sides of a peak on harmonics 0 and 1 with the half-width (rad/s); none where a contact force is not linear.
+fn linear_sides(
+    balance: &Balance<'_>,
+    peak: &Point,
+    band: Band,
+    newton: NewtonSettings,
+) -> Option<[(Vec<CurvePoint>, f64); 2]> {
+    if !is_linear(balance, &Iterate::new(balance, peak.clone())) {
+        return None;
+    }
+    let few = balance.on(HarmonicSet::up_to(1));
+    let peak = peak.padded(balance, &few);
+    let side = |upwards| {
+        let mut side = CurveSide::linear(&few, &peak, upwards, band, newton)?;
+        side.refine();
+        let all = side.points.iter().all(|p| is_linear(&few, &p.iterate));
+        all.then(|| (side.branch(), side.scales.width))
+    };
+    Some([side(false)?, side(true)?])
+}
+
+/// Whether every contact sticks or is open over the whole period, so that its dynamic force is linear in the displacements. Its mean
+/// force may still depend on the amplitude: a contact that has slipped on the way may stick afterwards.
+fn is_linear(balance: &Balance<'_>, iterate: &Iterate<'_>) -> bool {
+    let force = &iterate.contact.force;
+    let deviation = balance.deviation(&iterate.point.r, force);
+    let n = balance.layout.n_relative();
+    let largest = |x: &[f64]| x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let allowed = LINEAR_FORCE * largest(&force[n..]);
+    let of_row =
+        |x: &[f64], row: usize| (x[n..].iter().skip(row).step_by(n)).all(|x| x.abs() <= allowed);
+    iterate.contact.steady && (0..n).all(|row| of_row(&deviation, row) || of_row(force, row))
 }
 
 /// The points of `branch`, in the band, that a sweep in the direction of the branch meets: `upwards` to higher frequencies.
@@ -155,6 +195,8 @@ struct CurveSide<'b, 'p> {
     points: Vec<BranchPoint<'p>>,
     /// Lengths of the steps between the points. Shape: `[points - 1]`.
     lengths: Vec<f64>,
+    /// Whether contacts are linear: then solutions are at frequencies of choice.
+    linear: bool,
 }
 
 impl<'b, 'p> CurveSide<'b, 'p> {
@@ -201,10 +243,71 @@ impl<'b, 'p> CurveSide<'b, 'p> {
             scales,
             points,
             lengths,
+            linear: false,
         }
     }
 
+    /// The same by solutions at frequencies of choice, where contacts are linear; none where they are not.
+    fn linear(
+        balance: &'b Balance<'p>,
+        peak: &Point,
+        upwards: bool,
+        band: Band,
+        newton: NewtonSettings,
+    ) -> Option<Self> {
+        let omega_scale = StepSettings::for_band(band.width()).omega_scale;
+        let sign = if upwards { 1.0 } else { -1.0 };
+        let iterate = Iterate::new(balance, peak.clone());
+        let start = BranchPoint::new(balance, iterate, omega_scale, None, None).towards(sign);
+        let scales = ComplexScales::of(&start, band);
+        let mut side = Self {
+            balance,
+            newton,
+            omega_scale,
+            scales,
+            points: vec![start],
+            lengths: Vec::new(),
+            linear: true,
+        };
+        let longest = f64::min(
+            LINEAR_STEPS[1] * scales.width,
+            LINEAR_STEPS[2] * band.width(),
+        );
+        let mut step = f64::min(LINEAR_STEPS[0] * scales.width, longest);
+        for i in 0..MOST_STEPS {
+            let omega = side.points[i].iterate.point.omega;
+            if !band.contains(omega) {
+                return Some(side);
+            }
+            let next = side.at(i, omega + sign * step)?;
+            let mut growth = LINEAR_GROWTH[1];
+            if let Some(before) = i.checked_sub(1) {
+                let share = side.segment(before).error(&scales, 1.0, &next) / ESTIMATES[0];
+                growth = share.sqrt().sqrt().recip();
+            }
+            step = (step * growth.clamp(LINEAR_GROWTH[0], LINEAR_GROWTH[1])).min(longest);
+            side.points.push(next);
+            side.lengths.push(1.0);
+        }
+        None
+    }
+
+    /// The solution at `omega` (rad/s) next to solution i, where contacts are linear.
+    fn at(&self, i: usize, omega: f64) -> Option<BranchPoint<'p>> {
+        let from = &self.points[i];
+        let point = Point {
+            omega,
+            ..from.iterate.point.clone()
+        };
+        let solved = solve(self.balance, point, Condition::FixedFrequency, self.newton).ok()?;
+        let found = BranchPoint::new(self.balance, solved, self.omega_scale, None, None);
+        Some(found.towards(from.tangent.omega))
+    }
+
     fn segment(&self, i: usize) -> CubicSegment {
+        if self.linear {
+            return CubicSegment::over_frequency(&self.points[i], &self.points[i + 1]);
+        }
         CubicSegment::new(
             self.balance,
             &self.points[i],
@@ -240,6 +343,14 @@ impl<'b, 'p> CurveSide<'b, 'p> {
 
     /// Whether a solution could be added in the middle of segment i.
     fn halve(&mut self, i: usize) -> bool {
+        if self.linear {
+            let [a, b] = [i, i + 1].map(|i| self.points[i].iterate.point.omega);
+            let middle = self.at(i, 0.5 * (a + b));
+            let is_found = middle.is_some();
+            self.points.splice(i + 1..i + 1, middle);
+            self.lengths.resize(self.points.len() - 1, 1.0);
+            return is_found;
+        }
         let (from, half) = (&self.points[i], 0.5 * self.lengths[i]);
         let solved = from.step(self.balance, half, self.newton);
         let Ok(iterate) = solved else {
@@ -273,153 +384,6 @@ impl<'b, 'p> CurveSide<'b, 'p> {
             }));
         }
         points
-    }
-}
-
-/// Scales of the frequency and of the complex response.
-#[derive(Debug, Clone, Copy)]
-struct ComplexScales {
-    width: f64,
-    height: f64,
-}
-
-impl ComplexScales {
-    fn of(peak: &BranchPoint<'_>, band: Band) -> Self {
-        let half_width = (peak.tangent.omega / peak.phase_rate()).abs();
-        Self {
-            width: half_width.min(band.width()),
-            height: peak.response.norm(),
-        }
-    }
-
-    /// Scaled frequency, real and imaginary part of the response.
-    fn place(&self, omega: f64, response: c64) -> [f64; 3] {
-        [
-            omega / self.width,
-            response.re / self.height,
-            response.im / self.height,
-        ]
-    }
-
-    /// Distance of a place from the tangent at `point`: differences along the curve do not count.
-    fn distance(&self, omega: f64, response: c64, point: &BranchPoint<'_>) -> f64 {
-        let omega = omega - point.iterate.point.omega;
-        let away = self.place(omega, response - point.response);
-        let along = self.place(point.tangent.omega, point.response_rate);
-        let share = dot(away, along) / dot(along, along);
-        let normal: [f64; 3] = std::array::from_fn(|i| away[i] - share * along[i]);
-        dot(normal, normal).sqrt()
-    }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// The cubics between two solutions, over a parameter that runs from 0 to 1.
-#[derive(Debug, Clone, Copy)]
-struct CubicSegment {
-    omega: [f64; 2],
-    omega_rate: [f64; 2],
-    stiffness: [c64; 2],
-    stiffness_rate: [c64; 2],
-    /// Arclength in the metric of the start, and in that of the end.
-    length: f64,
-    length_at_end: f64,
-    /// Whether the parameter is the frequency, not the arclength.
-    by_frequency: bool,
-}
-
-impl CubicSegment {
-    fn new(
-        balance: &Balance<'_>,
-        from: &BranchPoint<'_>,
-        to: &BranchPoint<'_>,
-        length: f64,
-    ) -> Self {
-        // each tangent has unit length in the metric of its own point; both rates must be per the same arclength
-        let length_at_end = from.length_at(balance, to, length);
-        let rate = |p: &BranchPoint<'_>, length: f64| {
-            -p.response_rate / (p.response * p.response) * length
-        };
-        Self {
-            omega: [from.iterate.point.omega, to.iterate.point.omega],
-            omega_rate: [
-                from.tangent.omega * length,
-                to.tangent.omega * length_at_end,
-            ],
-            stiffness: [from.response.inv(), to.response.inv()],
-            stiffness_rate: [rate(from, length), rate(to, length_at_end)],
-            length,
-            length_at_end,
-            by_frequency: false,
-        }
-        .straightened()
-    }
-
-    /// The same segment with the frequency as its parameter, unless it has or nearly has a fold.
-    fn straightened(mut self) -> Self {
-        let chord = self.omega[1] - self.omega[0];
-        if self
-            .omega_rate
-            .iter()
-            .all(|rate| STRAIGHT.contains(&(rate / chord)))
-        {
-            for i in 0..2 {
-                self.stiffness_rate[i] *= chord / self.omega_rate[i];
-                self.omega_rate[i] = chord;
-            }
-            self.by_frequency = true;
-        }
-        self
-    }
-
-    /// The same segment in the opposite direction.
-    fn reversed(self) -> Self {
-        let swap = |[a, b]: [f64; 2]| [b, a];
-        let [a, b] = self.stiffness_rate;
-        Self {
-            omega: swap(self.omega),
-            omega_rate: swap(self.omega_rate).map(|r| -r),
-            stiffness: [self.stiffness[1], self.stiffness[0]],
-            stiffness_rate: [-b, -a],
-            length: self.length_at_end,
-            length_at_end: self.length,
-            by_frequency: self.by_frequency,
-        }
-    }
-
-    /// Frequency and response at the parameter `t`, in or beyond [0, 1].
-    fn at(&self, t: f64) -> (f64, c64) {
-        let u = 1.0 - t;
-        let value = [u * u * (1.0 + 2.0 * t), t * t * (3.0 - 2.0 * t)];
-        let slope = [t * u * u, -t * t * u];
-        let omega = (0..2).map(|i| self.omega[i] * value[i] + self.omega_rate[i] * slope[i]);
-        let stiffness = (0..2)
-            .map(|i| self.stiffness[i] * value[i] + self.stiffness_rate[i] * slope[i])
-            .sum::<c64>();
-        (omega.sum(), stiffness.inv())
-    }
-
-    /// Largest error of the cubics on the segment, from their distance to the solution `next`, which lies `length` beyond its
-    /// end. The error is taken to vary as t²(1 − t)², which is 1/16 in the middle.
-    fn error(&self, scales: &ComplexScales, length: f64, next: &BranchPoint<'_>) -> f64 {
-        let t = match self.by_frequency {
-            true => (next.iterate.point.omega - self.omega[0]) / (self.omega[1] - self.omega[0]),
-            false => 1.0 + length / self.length_at_end,
-        };
-        let (omega, response) = self.at(t);
-        let missed = scales.distance(omega, response, next);
-        missed / (16.0 * (t * (t - 1.0)).powi(2))
-    }
-
-    /// Frequencies and responses at even parameters in (0, 1], close together after scaling.
-    fn points(&self, scales: &ComplexScales) -> impl Iterator<Item = (f64, c64)> {
-        let [a, b] = [0, 1].map(|i| scales.place(self.omega[i], self.stiffness[i].inv()));
-        let chord: [f64; 3] = std::array::from_fn(|i| b[i] - a[i]);
-        let n = (dot(chord, chord).sqrt() / SPACING).ceil();
-        let n = n.clamp(2.0, MOST_POINTS);
-        (1..=n as usize).map(move |i| self.at(i as f64 / n))
     }
 }
 

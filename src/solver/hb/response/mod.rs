@@ -1,5 +1,6 @@
 //! Forced response curves: through a band, at prescribed frequencies, around a peak.
 
+mod cubic_segment;
 pub mod curve;
 pub mod forced_response;
 mod gap;
