@@ -12,7 +12,7 @@
 //!
 //! A free structure may float, so harmonic 0 is held by reference springs K_ref, the same ones for all samples
 //! ([`StaticReference`]). Both forms have the same solutions and Newton steps: R of this form is (I + H K_c) times that of
-//! the other, H being the compliance of the free structure. Where H K_c is large this residual holds less digits; P R with
+//! the other, H being the compliance of the free structure. Where H K_c is large this residual holds fewer digits; P R with
 //! P ≈ J⁻¹ holds as many.
 
 use super::balance::{Balance, ContactResponse};
@@ -116,11 +116,6 @@ impl<'a> FreeBalance<'a> {
 
     fn part(&self, i: usize) -> &'a ModalPart {
         self.model().part(self.orders[i])
-    }
-
-    /// Parts of the model with the numbers of their harmonics above 0.
-    pub(in crate::hb) fn groups(&self) -> &[(usize, Vec<usize>)] {
-        &self.groups
     }
 
     /// Motion at the frequency `omega` (rad/s) under the excitation `level` and the contact forces `force` (N).
@@ -292,7 +287,7 @@ impl<'a> FreeBalance<'a> {
 }
 
 /// Number of the coefficient whose column has the number `j` beside those of the harmonics `of_part`: cosine and sine of each.
-pub(in crate::hb) fn coefficient(of_part: &[usize], j: usize) -> usize {
+fn coefficient(of_part: &[usize], j: usize) -> usize {
     2 * of_part[j / 2] + 1 + j % 2
 }
 
