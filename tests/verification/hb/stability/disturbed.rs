@@ -31,6 +31,26 @@ impl Compared {
     }
 }
 
+/// The modal displacements of coordinates of the map: the march has all modes.
+fn in_modes(map: &PeriodMap, coordinates: &[f64]) -> Vec<f64> {
+    let eta = &map.shapes[0] * Col::from_fn(coordinates.len(), |i| coordinates[i]);
+    eta.iter().copied().collect()
+}
+
+/// The share of the coordinates in modal displacements and rates, followed by the sliders as they are: shapes have unit mass.
+fn in_coordinates(map: &PeriodMap, state: &[f64]) -> Vec<f64> {
+    let shapes = &map.shapes[0];
+    let modes = shapes.nrows();
+    let (motion, sliders) = state.split_at(2 * modes);
+    let mut all: Vec<f64> = Vec::new();
+    for part in motion.chunks_exact(modes) {
+        let of = shapes.transpose() * Col::from_fn(modes, |i| part[i]);
+        all.extend(of.iter());
+    }
+    all.extend(sliders);
+    all
+}
+
 /// The largest multiplier and the same by marches over `periods`, after `settle` periods in which the march finds its own periodic
 /// state.
 fn compare(
@@ -53,12 +73,6 @@ fn compare(
     let size = (0..n).map(|i| right[(i, top)].norm()).fold(0.0, f64::max);
     let scale = SMALL * iterate.response(balance).norm() / size;
     let vector: Vec<f64> = (0..width).map(|i| scale * right[(i, top)].re).collect();
-    // the march has all modes; the shapes of the coordinates have unit mass
-    let shapes = &map.shapes[0];
-    let in_modes = |x: &[f64]| -> Vec<f64> {
-        let eta = shapes * Col::from_fn(n, |i| x[i]);
-        eta.iter().copied().collect()
-    };
     let mut base = March::new(balance, iterate, MARCH);
     let mut other = March::new(balance, iterate, MARCH);
     for march in [&mut base, &mut other] {
@@ -69,11 +83,8 @@ fn compare(
     let sliders: Vec<_> = (map.sliders.iter().copied())
         .zip(vector[2 * n..].iter().copied())
         .collect();
-    other.disturb(
-        &in_modes(&vector[..n]),
-        &in_modes(&vector[n..2 * n]),
-        &sliders,
-    );
+    let [eta, rate] = [&vector[..n], &vector[n..2 * n]].map(|x| in_modes(map, x));
+    other.disturb(&eta, &rate, &sliders);
     let share = |base: &March<'_>, other: &March<'_>| -> c64 {
         let states = [other, base].map(|march| march.state(&map.sliders));
         let difference: Vec<f64> = states[0]
@@ -81,15 +92,8 @@ fn compare(
             .zip(&states[1])
             .map(|(a, b)| a - b)
             .collect();
-        let modes = shapes.nrows();
-        let coordinates = |x: &[f64]| -> Vec<f64> {
-            let of = shapes.transpose() * Col::from_fn(modes, |i| x[i]);
-            of.iter().copied().collect()
-        };
-        let (motion, sliders) = difference.split_at(2 * modes);
-        let [eta, rate] = [&motion[..modes], &motion[modes..]].map(coordinates);
-        let all = eta.iter().chain(&rate).chain(sliders);
-        all.enumerate().map(|(i, d)| left[(top, i)] * *d).sum()
+        let moved = in_coordinates(map, &difference).into_iter();
+        moved.enumerate().map(|(i, d)| left[(top, i)] * d).sum()
     };
     let before = share(&base, &other);
     let mut turns = 0.0;
