@@ -115,7 +115,7 @@ fn rig(turned: bool) -> ReducedModel {
 }
 
 /// Peaks of the rig at ascending levels.
-fn rig_peaks(problem: &Problem<'_>, levels: &[f64]) -> Vec<Solution> {
+fn rig_peaks(problem: &Problem<'_>, levels: &[f64], law: FrictionLaw) -> Vec<Solution> {
     let free = RIG.free_neck_bending();
     let search = PeakSettings {
         band: Band {
@@ -126,6 +126,7 @@ fn rig_peaks(problem: &Problem<'_>, levels: &[f64]) -> Vec<Solution> {
     };
     let mut settings = settings(3);
     settings.aft.n_time = 128;
+    settings.aft.law = law;
     let found = track_peaks(problem, &settings, search, levels).expect("modes");
     found.into_iter().filter_map(|peak| peak.solution).collect()
 }

@@ -8,7 +8,7 @@ use faer::prelude::c64;
 pub const STEPS: usize = 256;
 
 /// A disturbance that grows by less than this share per period is not told from one that stays.
-pub const MARGIN: f64 = 1e-3;
+pub const MARGIN: f64 = 1e-2;
 
 /// Multipliers this close to 1 belong to neutral directions, such as the mean position of a strip in gross slip.
 const NEUTRAL: f64 = 1e-6;
@@ -19,7 +19,7 @@ pub struct Stability {
     /// The Floquet multiplier of the largest modulus, with Im ≥ 0: what one period makes of the disturbance that lasts longest.
     /// Neutral directions are left out.
     pub multiplier: c64,
-    /// Number of multipliers whose modulus is above 1.
+    /// Number of multipliers whose modulus is above 1 + [`MARGIN`].
     pub n_unstable: usize,
 }
 
@@ -79,8 +79,8 @@ impl Stability {
     }
 }
 
-/// Stability of `motion`, a solution of `problem`. `None` for a disk, whose disturbances belong to all nodal diameters, and
-/// if the eigenvalues were not found.
+/// Stability of `motion`, a solution of `problem`. `None` for a disk, whose disturbances belong to all nodal diameters, for a
+/// structure that needs too many coordinates, and if the eigenvalues were not found.
 #[must_use]
 pub fn assess(problem: &Problem<'_>, motion: &PeriodicMotion<'_>) -> Option<Stability> {
     assess_with(problem, motion, STEPS)

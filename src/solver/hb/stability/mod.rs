@@ -4,8 +4,8 @@
 //! become after one period is a linear map of what it was: the monodromy matrix. Its eigenvalues are the Floquet multipliers; the
 //! solution is unstable if one of them lies outside the unit circle.
 //!
-//! - **Structure** (`structure`): the modes of the free structure up to `structure::HIGHEST` times the excitation frequency
-//!   with their inertia, the others by their static compliance. The disturbance is not cut off at the harmonics of the solution.
+//! - **Structure** (`structure`): low modes of the free structure, and what the high ones do together under forces of the contacts,
+//!   all with their mass. The disturbance is not cut off at the harmonics of the solution.
 //! - **Contact** (`contact_steps`): the law is marched along the solution on a fine grid, and its derivative with it. A
 //!   slider that sticks keeps the disturbance that it had when stick began; a contact that closes takes the one of the place
 //!   and of the instant of closing; slip and separation forget.

@@ -1,11 +1,10 @@
 //! What one period makes of a small disturbance.
 //!
-//! Over one step the contact has the constant derivatives D (forces by displacements) and E (tractions by sliders). With the
-//! static compliance H of the modes above the cut, f = D' B η + E' w where D' = (I + D H)⁻¹ D and E' = (I + D H)⁻¹ E. So a step is a
-//! linear system with constant coefficients,
+//! Over one step the contact has the constant derivatives D (forces by displacements) and E (tractions by sliders), so that
+//! f = D B η + E w. A step is a linear system with constant coefficients,
 //!
 //! ```text
-//! y' = A y + b,   y = (η, η̇),   A = [0, I; −K, −Ĉ],   K = Λ + Bᵀ D' B,   b = −(0, Bᵀ E' w)
+//! y' = A y + b,   y = (η, η̇),   A = [0, I; −K, −Ĉ],   K = Λ + Bᵀ D B,   b = −(0, Bᵀ E w)
 //! y₁ = y₀ + h (I − h A/2 + h² A²/12)⁻¹ (A y₀ + b)
 //! ```
 //!
@@ -13,7 +12,7 @@
 //! stiffness at the complex frequency s = a/h:
 //!
 //! ```text
-//! p = Z⁻¹ (K η₀ + Bᵀ E' w − s η̇₀)/h,   Z = K + s Ĉ + s² I
+//! p = Z⁻¹ (K η₀ + Bᵀ E w − s η̇₀)/h,   Z = K + s Ĉ + s² I
 //! η₁ = η₀ + 4√3 h Im p,   η̇₁ = η̇₀ + 4√3 Im (a p)
 //! ```
 
@@ -44,8 +43,10 @@ pub struct PeriodicMotion<'a> {
 pub struct PeriodMap {
     /// Disturbance at the end of the lap by the one at its start, of η, η̇ and `sliders`.
     pub matrix: Mat<f64>,
-    /// Number of modes η with inertia.
+    /// Number of coordinates η.
     pub n_modes: usize,
+    /// Shapes of the coordinates in the modes of the linear model's parts, part by part. Shape: modes × coordinates of the part.
+    pub shapes: Vec<Mat<f64>>,
     /// Sliders that remember: pair and direction.
     pub sliders: Vec<[usize; 2]>,
     /// Laps in one period: 2 where the pairs of both sides are marched over half a period and then change their sides.
@@ -56,14 +57,15 @@ pub struct PeriodMap {
 const ROOT: [f64; 2] = [3.0, 1.732_050_807_568_877_2];
 
 impl PeriodMap {
-    /// The maps of `motion` of `problem`, one for each symmetry, with `n_steps` steps per period; `None` for travelling waves.
+    /// The maps of `motion` of `problem`, one for each symmetry, with `n_steps` steps per period; `None` for travelling waves,
+    /// and for a structure that needs too many coordinates.
     #[must_use]
     pub fn all(
         problem: &Problem<'_>,
         motion: &PeriodicMotion<'_>,
         n_steps: usize,
     ) -> Option<Vec<Self>> {
-        let structures = Disturbed::all(problem.model, motion.omega)?;
+        let structures = Disturbed::all(problem, motion.omega)?;
         let pairs = pair_steps(problem, motion, n_steps);
         let map = |structure: &Disturbed| March::new(structure, &pairs, motion.omega).lap();
         Some(structures.iter().map(map).collect())
@@ -128,14 +130,13 @@ struct March<'a> {
     eta: Mat<f64>,
     rate: Mat<f64>,
     slider: Mat<f64>,
+    /// B η now.
+    relative: Mat<f64>,
 }
 
 /// A step with the contact derivatives in it.
 struct Prepared {
-    /// r by η and by the sliders: B − H D' B and −H E'.
-    by_eta: Mat<f64>,
-    by_slider: Mat<f64>,
-    /// K, and `factor` Bᵀ E'.
+    /// K, and `factor` Bᵀ E.
     stiffness: Mat<f64>,
     slider_load: Mat<f64>,
     /// Factors of Z.
@@ -155,6 +156,7 @@ impl<'a> March<'a> {
             eta: Mat::new(),
             rate: Mat::new(),
             slider: Mat::new(),
+            relative: Mat::new(),
         };
         let remembers = |pair: usize, d: usize| {
             let first = march.at(0, pair);
@@ -169,6 +171,7 @@ impl<'a> March<'a> {
         let unit = |first: usize| move |i: usize, j: usize| f64::from(u8::from(j == first + i));
         march.eta = Mat::from_fn(n, width, unit(0));
         march.rate = Mat::from_fn(n, width, unit(n));
+        march.relative = &structure.contact * &march.eta;
         march.slider = Mat::zeros(2 * n_pairs, width);
         for (i, &[pair, d]) in sliders.iter().enumerate() {
             march.slider[(d * n_pairs + pair, 2 * n + i)] = 1.0;
@@ -215,6 +218,7 @@ impl<'a> March<'a> {
         PeriodMap {
             matrix,
             n_modes: n,
+            shapes: self.structure.shapes.clone(),
             sliders: self.sliders,
             laps: sides,
         }
@@ -224,9 +228,8 @@ impl<'a> March<'a> {
         let structure = self.structure;
         let (n, n_pairs) = (structure.lambda.len(), structure.n_pairs());
         let b = &structure.contact;
-        let mut by_eta = Mat::zeros(3 * n_pairs, n);
-        let mut by_slider = Mat::zeros(3 * n_pairs, 2 * n_pairs);
-        let mut held = Mat::<f64>::identity(3 * n_pairs, 3 * n_pairs);
+        let mut by_eta = Mat::<f64>::zeros(3 * n_pairs, n);
+        let mut by_slider = Mat::<f64>::zeros(3 * n_pairs, 2 * n_pairs);
         for pair in 0..n_pairs {
             let at = self.at(step, pair);
             for (row, stiffness) in at.stiffness.iter().enumerate() {
@@ -234,8 +237,6 @@ impl<'a> March<'a> {
                 for (column, &d) in stiffness.iter().enumerate().filter(|(_, d)| **d != 0.0) {
                     let from = column * n_pairs + pair;
                     (0..n).for_each(|j| by_eta[(i, j)] += d * b[(from, j)]);
-                    (0..3 * n_pairs)
-                        .for_each(|j| held[(i, j)] += d * structure.residual[(from, j)]);
                 }
             }
             for (row, memory) in at.memory.iter().enumerate() {
@@ -244,9 +245,6 @@ impl<'a> March<'a> {
                 }
             }
         }
-        let held = held.partial_piv_lu();
-        held.solve_in_place(&mut by_eta);
-        held.solve_in_place(&mut by_slider);
         let load = b.transpose() * Scale(structure.factor);
         let mut stiffness = &load * &by_eta;
         (0..n).for_each(|i| stiffness[(i, i)] += structure.lambda[i]);
@@ -255,11 +253,8 @@ impl<'a> March<'a> {
             let inertia = if i == j { s * s } else { c64::new(0.0, 0.0) };
             inertia + s * structure.damping[(i, j)] + stiffness[(i, j)]
         });
-        let residual = &structure.residual;
         Prepared {
             slider_load: &load * &by_slider,
-            by_eta: b - residual * by_eta,
-            by_slider: residual * by_slider * Scale(-1.0),
             stiffness,
             dynamic: dynamic.partial_piv_lu(),
         }
@@ -267,7 +262,6 @@ impl<'a> March<'a> {
 
     fn advance(&mut self, step: usize, prepared: &Prepared) {
         let h = self.step;
-        let before = self.displacement(prepared);
         let pull = &prepared.stiffness * &self.eta + &prepared.slider_load * &self.slider;
         let a = c64::new(ROOT[0], ROOT[1]);
         let s = a / h;
@@ -283,16 +277,13 @@ impl<'a> March<'a> {
                 self.rate[(i, j)] += factor * (a * p[(i, j)]).im;
             }
         }
-        let after = self.displacement(prepared);
-        self.move_sliders(step, &before, &after);
+        let after = &self.structure.contact * &self.eta;
+        let before = std::mem::replace(&mut self.relative, after);
+        self.move_sliders(step, &before);
     }
 
-    /// r = B η − H (D' B η + E' w).
-    fn displacement(&self, prepared: &Prepared) -> Mat<f64> {
-        &prepared.by_eta * &self.eta + &prepared.by_slider * &self.slider
-    }
-
-    fn move_sliders(&mut self, step: usize, before: &Mat<f64>, after: &Mat<f64>) {
+    /// Moves the sliders through a step that began at the displacements `before`.
+    fn move_sliders(&mut self, step: usize, before: &Mat<f64>) {
         let n_pairs = self.structure.n_pairs();
         for pair in 0..n_pairs {
             let at = self.at(step, pair);
@@ -303,7 +294,7 @@ impl<'a> March<'a> {
                     for c in 0..3 {
                         let row = c * n_pairs + pair;
                         moved += at.by_start[d][c] * before[(row, j)];
-                        moved += at.by_end[d][c] * after[(row, j)];
+                        moved += at.by_end[d][c] * self.relative[(row, j)];
                     }
                     self.slider[(d * n_pairs + pair, j)] = moved;
                 }

@@ -1,15 +1,29 @@
-//! The structure that disturbances move in: one set of modes for each symmetry that disturbances may have.
+//! The structure that disturbances move in: one set of coordinates for each symmetry that disturbances may have.
+//!
+//! Its shapes are the low modes of the free structure, and of the high modes what they do together under static forces of the
+//! contacts, each with its mass (component modes with residual inertia). A static compliance without mass will not do: where friction
+//! slips under a normal force which moves with it, such contacts let disturbances grow that die out once all modes have their
+//! mass, on the rig by up to 1e6 per period.
+//!
+//! Source: Rubin, AIAA J. 13, 995–1006, 1975 (residual modes with their inertia).
 
-use crate::hb::structure::linear::{LinearModel, ModalPart};
+use crate::hb::equations::problem::Problem;
+use crate::hb::structure::linear::ModalPart;
+use crate::linalg::symmetric_generalized_eigen;
+use faer::Side;
 use faer::prelude::*;
 
-/// Modes up to this multiple of the excitation frequency move with their inertia; those above follow the forces statically.
-pub(super) const HIGHEST: f64 = 30.0;
+/// Modes of the free structure up to this multiple of the excitation frequency are coordinates of their own.
+const HIGHEST: f64 = 20.0;
 
-/// Most modes with inertia; of more than these the lowest ones.
-const MOST_MODES: usize = 250;
+/// A pattern of contact forces that moves the higher modes by more than this share of what it deforms the stuck contacts becomes a
+/// coordinate.
+const SOFT: f64 = 0.1;
 
-/// The structure for disturbances of one symmetry, in coordinates η: η̈ + Ĉ η̇ + Λ η = −`factor` Bᵀ f, r = B η − H f.
+/// Most coordinates; a structure that needs more is not assessed.
+const MOST_COORDINATES: usize = 400;
+
+/// The structure for disturbances of one symmetry, in coordinates η: η̈ + Ĉ η̇ + Λ η = −`factor` Bᵀ f, r = B η.
 #[derive(Debug)]
 pub(super) struct Disturbed {
     /// Λ, diagonal (1/s²). Shape: `[n]`.
@@ -20,20 +34,23 @@ pub(super) struct Disturbed {
     pub(super) contact: Mat<f64>,
     /// Contacts that one of the pairs stands for.
     pub(super) factor: f64,
-    /// H, static compliance of the other modes (m/N). Shape: 3 · pairs square.
-    pub(super) residual: Mat<f64>,
     /// 2 if the pairs are those of both sides, and the motion of the other side is that of this one half a period later; else 1.
     pub(super) sides: usize,
     /// Coordinates from this one on change their sign under the mirror.
     pub(super) first_odd: usize,
+    /// Shapes of the coordinates in the modes of the parts, part by part.
+    pub(super) shapes: Vec<Mat<f64>>,
 }
 
 impl Disturbed {
-    /// The structure for every symmetry that disturbances of a solution of `model` may have; `None` for a sector of a
-    /// disk, where they belong to all nodal diameters.
-    pub(super) fn all(model: &LinearModel, omega: f64) -> Option<Vec<Self>> {
+    /// The structure for every symmetry that disturbances of a solution of `problem` may have; `None` for a sector of a
+    /// disk, where they belong to all nodal diameters, and for a structure that needs too many coordinates.
+    pub(super) fn all(problem: &Problem<'_>, omega: f64) -> Option<Vec<Self>> {
+        let model = problem.model;
+        let stuck = &problem.stuck_stiffness;
         if model.alternates {
-            return Some(vec![Self::new(&[&model.parts[0], &model.parts[1]], omega)]);
+            let both = Self::new(&[&model.parts[0], &model.parts[1]], stuck, omega);
+            return Some(vec![both?]);
         }
         let [part] = &model.parts[..] else {
             return None;
@@ -42,66 +59,102 @@ impl Disturbed {
             return None;
         }
         let parts = [part].into_iter().chain(&model.breaking);
-        Some(parts.map(|part| Self::new(&[part], omega)).collect())
+        parts.map(|part| Self::new(&[part], stuck, omega)).collect()
     }
 
-    /// Both parities with the pairs of both sides, or one part alone.
-    fn new(parts: &[&ModalPart], omega: f64) -> Self {
+    /// Both parities with the pairs of both sides, or one part alone, with contacts of the stiffness `stuck` (N/m).
+    fn new(parts: &[&ModalPart], stuck: &[f64], omega: f64) -> Option<Self> {
         let sides = parts.len();
         let cut = (HIGHEST * omega).powi(2);
-        let moving: Vec<usize> = (parts.iter())
-            .map(|part| part.structure.lambda.partition_point(|&l| l <= cut))
-            .map(|n| n.min(MOST_MODES / sides))
-            .collect();
-        let n: usize = moving.iter().sum();
-        let rows = parts[0].contact.nrows();
-        let factor = parts[0].multiplicity / sides as f64;
+        let shapes: Vec<(Vec<f64>, Mat<f64>)> = (parts.iter())
+            .map(|part| shapes(part, stuck, cut))
+            .collect::<Option<_>>()?;
+        let n = shapes.iter().map(|(lambda, _)| lambda.len()).sum();
+        if n > MOST_COORDINATES {
+            return None;
+        }
+        let rows = sides * parts[0].contact.nrows();
         let mut disturbed = Self {
             lambda: Vec::with_capacity(n),
             damping: Mat::zeros(n, n),
-            contact: Mat::zeros(sides * rows, n),
-            factor,
-            residual: Mat::zeros(sides * rows, sides * rows),
+            contact: Mat::zeros(rows, n),
+            factor: parts[0].multiplicity / sides as f64,
             sides,
-            first_odd: if sides == 2 { moving[0] } else { n },
+            first_odd: if sides == 2 { shapes[0].0.len() } else { n },
+            shapes: Vec::with_capacity(sides),
         };
-        for (parity, (part, &n)) in parts.iter().zip(&moving).enumerate() {
-            disturbed.add(part, n, parity == 1);
+        for (parity, (part, (lambda, shapes))) in parts.iter().zip(shapes).enumerate() {
+            disturbed.add(part, &lambda, shapes, parity == 1);
         }
-        disturbed
+        Some(disturbed)
     }
 
-    /// Adds the first `n` modes of a part as coordinates, and the others by their compliance.
-    fn add(&mut self, part: &ModalPart, n: usize, odd: bool) {
-        let first = self.lambda.len();
+    /// Adds coordinates with these `shapes` in the modes of a part.
+    fn add(&mut self, part: &ModalPart, lambda: &[f64], shapes: Mat<f64>, odd: bool) {
+        let (first, n) = (self.lambda.len(), lambda.len());
         let structure = &part.structure;
-        self.lambda.extend(&structure.lambda[..n]);
-        for (i, &c) in structure.damping[..n].iter().enumerate() {
-            self.damping[(first + i, first + i)] = c;
-        }
+        let mut damped = Mat::from_fn(shapes.nrows(), n, |i, j| {
+            structure.damping[i] * shapes[(i, j)]
+        });
         let coupled = &structure.coupling;
-        for (a, &i) in coupled.modes.iter().enumerate().filter(|(_, i)| **i < n) {
-            for (b, &j) in coupled.modes.iter().enumerate().filter(|(_, j)| **j < n) {
-                if a != b {
-                    self.damping[(first + i, first + j)] = coupled.damping.real[(a, b)];
-                }
+        for (a, &i) in coupled.modes.iter().enumerate() {
+            for (b, &k) in coupled.modes.iter().enumerate() {
+                let c = coupled.damping.real[(a, b)];
+                (0..n).for_each(|j| damped[(i, j)] += c * shapes[(k, j)]);
             }
         }
-        let contact = both_sides(&part.contact.real, self.sides, odd);
+        let damping = shapes.transpose() * damped;
+        let contact = both_sides(&(&part.contact.real * &shapes), self.sides, odd);
         for j in 0..n {
+            (0..n).for_each(|i| self.damping[(first + i, first + j)] = damping[(i, j)]);
             self.contact.col_mut(first + j).copy_from(contact.col(j));
         }
-        let rest = contact.subcols(n, contact.ncols() - n);
-        let compliance = Mat::from_fn(rest.nrows(), rest.ncols(), |i, j| {
-            rest[(i, j)] * self.factor / structure.lambda[n + j]
-        });
-        self.residual += compliance * rest.transpose();
+        self.lambda.extend(lambda);
+        self.shapes.push(shapes);
     }
 
     /// Number of pairs, of both sides where there are two.
     pub(super) fn n_pairs(&self) -> usize {
         self.contact.nrows() / 3
     }
+}
+
+/// Λ of the coordinates, and their shapes in the modes of the part: its modes up to `cut` (1/s²), and of the others those
+/// deflections under patterns of contact forces that are soft beside contacts of the stiffness `stuck` (N/m). `None` if an
+/// eigenvalue iteration fails.
+fn shapes(part: &ModalPart, stuck: &[f64], cut: f64) -> Option<(Vec<f64>, Mat<f64>)> {
+    let lambda = &part.structure.lambda;
+    let low = lambda.partition_point(|&l| l <= cut);
+    let n = lambda.len();
+    let contact = &part.contact.real;
+    // forces of the contacts on the higher modes, as large as the contacts are stiff: F = Bᵀ K^½, and what they move: Λ⁻¹ F
+    let forces = Mat::from_fn(n - low, stuck.len(), |j, i| {
+        contact[(i, low + j)] * (part.multiplicity * stuck[i]).sqrt()
+    });
+    let moved = Mat::from_fn(n - low, stuck.len(), |j, i| {
+        forces[(j, i)] / lambda[low + j]
+    });
+    let compliance = forces.transpose() * &moved;
+    let patterns = compliance.self_adjoint_eigen(Side::Lower).ok()?;
+    let soft: Vec<usize> = (0..stuck.len())
+        .filter(|&k| patterns.S()[k] > SOFT)
+        .collect();
+    let soft = Mat::from_fn(stuck.len(), soft.len(), |i, k| patterns.U()[(i, soft[k])]);
+    let moved = moved * soft;
+    let pushed = Mat::from_fn(moved.nrows(), moved.ncols(), |j, k| {
+        lambda[low + j] * moved[(j, k)]
+    });
+    let (stiffness, mass) = (moved.transpose() * pushed, moved.transpose() * &moved);
+    let (high, turned) = symmetric_generalized_eigen(stiffness.as_ref(), mass.as_ref()).ok()?;
+    let high_shapes = moved * turned;
+    let shapes = Mat::from_fn(n, low + high.len(), |i, j| {
+        match (i.checked_sub(low), j.checked_sub(low)) {
+            (Some(i), Some(j)) => high_shapes[(i, j)],
+            (None, None) if i == j => 1.0,
+            _ => 0.0,
+        }
+    });
+    Some((lambda[..low].iter().copied().chain(high).collect(), shapes))
 }
 
 /// Rows of one side, followed component by component by those of the other side where there are two.
