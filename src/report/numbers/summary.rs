@@ -1,5 +1,6 @@
 //! The numbers of a study: `summary.json`.
 
+use super::amplification::AmplificationSummary;
 use super::correlation::{InputCorrelation, correlations};
 use super::distribution::Distribution;
 use super::epistemic::{EpistemicSummary, PointStatistics};
@@ -76,6 +77,9 @@ pub struct LevelSummary {
     pub amplitude_per_unit_level_m: Distribution,
     /// Equivalent damping ratio of the resonance; `valid` counts the peaks that have one.
     pub damping_ratio: Distribution,
+    /// Amplification factors of a mistuned disk; absent of any other model, and where the samples belong to outer points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplification: Option<AmplificationSummary>,
     /// Means over the replicates of a quasi-random design; absent for any other, and where the samples belong to outer
     /// points.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -217,6 +221,9 @@ impl LevelSummary {
             amplitude_m: of_blades(&|p| Some(p.amplitude_m)),
             amplitude_per_unit_level_m: of_blades(&|p| Some(p.amplitude_m / level)),
             damping_ratio: of_blades(&|p| p.damping_ratio.get()),
+            amplification: (!pooled)
+                .then(|| AmplificationSummary::of(&records, input.record.confidence()))
+                .flatten(),
             replicate_means: ReplicateMeans::of(population.iter(), i),
             truncation_error: distribution(&|p| p.truncation_error.get()),
             highest_harmonics,
