@@ -16,7 +16,6 @@ use crate::ensemble::SampleSolver;
 use crate::file::FileRecord;
 use crate::hb::HbSettings;
 use crate::model::ReducedModel;
-use crate::model::matrices::MatricesSettings;
 use crate::model::two_blade::TwoBladeSettings;
 use crate::report::asked::{ControlVariateSettings, Requirements, Stopping, SurrogateSettings};
 use crate::sampling::{Design, Input};

@@ -22,7 +22,7 @@ use crate::setting::BadSetting;
 use faer::{Mat, c64};
 
 /// What stands for the nodal diameter in the name of a file.
-pub const NODAL_DIAMETER: &str = "{nd}";
+const NODAL_DIAMETER: &str = "{nd}";
 /// Largest difference of entries that must be equal, relative to the largest entry.
 const ROUND_OFF: f64 = 1e-8;
 

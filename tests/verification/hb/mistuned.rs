@@ -93,11 +93,22 @@ const HERTZ: [f64; 9] = [
     250.0, 300.0, 308.0, 312.0, 316.0, 320.0, 326.0, 345.0, 390.0,
 ];
 
-/// Largest error of the blades' responses, stuck and open, against the ring that is not reduced.
-fn linear_error(coupled: bool, highest_hz: f64) -> f64 {
+/// Adds to the blade's stiffness along z.
+fn stiffen(disk: &mut Disk, k: f64) {
+    if let CyclicMatrix::Neighbours { own, .. } = &mut disk.stiffness {
+        own[(2, 2)] += k;
+    }
+    if let Some(of_blade) = &mut disk.blade_stiffness {
+        of_blade[(2, 2)] += k;
+    }
+}
+
+/// Largest error of the blades' responses, stuck and open, against the ring that is not reduced; `stiffer` is added along z (N/m).
+fn linear_error(coupled: bool, highest_hz: f64, stiffer: f64) -> f64 {
     let mut worst = 0.0_f64;
     for (n_sectors, engine_order) in [(5, 1), (6, 2), (6, 3), (8, 3)] {
-        let disk = bladed(n_sectors, coupled);
+        let mut disk = bladed(n_sectors, coupled);
+        stiffen(&mut disk, stiffer);
         let model = MistunedRing::new(&disk, engine_order, TAU * highest_hz).expect("definite");
         let deviations = deviations(n_sectors as u64, n_sectors, 0.01);
         let ours = model.linear(&deviations).expect("finite");
@@ -118,18 +129,19 @@ fn linear_error(coupled: bool, highest_hz: f64) -> f64 {
 }
 
 /// Where all modes may combine, and where only contacts couple the sectors, nothing is left out; a subset of the nominal modes up to twice
-/// the band has an error of less than 1e-3 (2.5e-4 with a scatter of 1 %). Seen to fail with the stiffness of the next blade, with
+/// the band has an error of less than 5e-3 (2.4e-3 with a scatter of 1 %, and a mode of the blade left out). Seen to fail with the stiffness of the next blade, with
 /// the factor 1 + δ, and with the sine pattern of a wave left out of the contacts.
 #[test]
 fn linear_responses_are_those_of_the_unreduced_ring() {
-    let errors = [(true, 1e6), (false, 400.0), (true, 400.0)].map(|(coupled, highest)| {
-        let error = linear_error(coupled, highest);
+    let cases = [(true, 1e6, 0.0), (false, 400.0, 0.0), (true, 400.0, 2.7e7)];
+    let errors = cases.map(|(coupled, highest, stiffer)| {
+        let error = linear_error(coupled, highest, stiffer);
         println!("coupled {coupled}, modes up to 2 × {highest} Hz: {error:.1e}");
         error
     });
     assert!(errors[0] < 1e-9, "all modes: {:e}", errors[0]);
     assert!(errors[1] < 1e-9, "uncoupled: {:e}", errors[1]);
-    assert!(errors[2] < 1e-3, "subset: {:e}", errors[2]);
+    assert!(errors[2] < 5e-3, "subset: {:e}", errors[2]);
     assert!(errors[2] > 1e-9, "the subset leaves nothing out");
 }
 
@@ -158,7 +170,7 @@ fn without_deviations_it_is_the_tuned_disk() {
         let model = MistunedRing::new(&disk, engine_order, search().band.high).expect("definite");
         let linear = model.linear(&vec![0.0; n_sectors]).expect("finite");
         let (sector, whole) = (problem(&sector), problem(&linear));
-        let levels = [0.5, 30.0, 45.0];
+        let levels = [0.5, 30.0, 38.0];
         let tuned = track_peaks(&sector, &sharp(3), search(), &levels).expect("modes");
         let mut seen = [0.0_f64; 2];
         for tuned in &tuned {
@@ -195,9 +207,9 @@ fn solutions_with_friction_are_those_of_the_unreduced_ring() {
     let ours = model.linear(&deviations).expect("finite");
     let whole = mistuned_ring(&disk, engine_order, &deviations);
     let whole = LinearModel::new(&whole).expect("definite");
-    let omega = [318.0, 330.0, 345.0].map(|hertz| TAU * hertz);
+    let omega = [312.0, 318.0, 324.0, 345.0].map(|hertz| TAU * hertz);
     let mut slip = 0;
-    for level in [0.5, 30.0, 100.0] {
+    for level in [0.5, 60.0, 100.0, 200.0] {
         let [found, exact] = [&ours, &whole].map(|linear| {
             let problem = problem(linear);
             at_frequencies(&problem, &sharp(3), level, &omega, SweepDirection::Upward)
@@ -227,14 +239,29 @@ fn solutions_with_friction_are_those_of_the_unreduced_ring() {
     assert!(slip >= 3, "{slip}");
 }
 
+/// The disk with one family of modes in the band, equally damped: what the bound is for.
+fn one_family(n_sectors: usize) -> Disk {
+    let mut disk = bladed(n_sectors, true);
+    let CyclicMatrix::Neighbours { own, .. } = &mut disk.stiffness else {
+        panic!("the lumped disk has matrices of neighbours")
+    };
+    own[(1, 1)] += 6e6;
+    own[(2, 2)] += 6e6;
+    let CyclicMatrix::Neighbours { own: mass, .. } = &disk.mass else {
+        panic!("the lumped disk has matrices of neighbours")
+    };
+    disk.damping = CyclicMatrix::uncoupled(mass * Scale(8.0));
+    disk
+}
+
 /// The linear disk: the largest amplitude that the modes near the band give is that of the ring that is not reduced, and no disk exceeds
-/// (1 + √N)/2 times the tuned one. Seen to fail with the largest amplitude of blade 0 alone, and with blades of twice the scatter
+/// (1 + √N)/2 times the tuned one, with one family of modes that are equally damped. Seen to fail with the largest amplitude of blade 0 alone, and with blades of twice the scatter
 /// in the tuned disk.
 /// Source: Whitehead 1966, J. Mech. Eng. Sci. 8, 15–21.
 #[test]
 fn amplification_without_friction_stays_below_whiteheads_bound() {
     let (n_sectors, engine_order) = (6, 2);
-    let disk = bladed(n_sectors, true);
+    let disk = one_family(n_sectors);
     let pairs = contacts(2);
     let linear = LinearRing::new(
         &disk.with_stuck_contacts(&pairs),

@@ -226,21 +226,21 @@ fn what_is_no_matrix_of_a_nodal_diameter_is_refused() {
         assert!(!error.contains('\n'), "{error}");
         error
     };
-    let [_, k] = reduced(TAU / 5.0);
+    let [k, _] = reduced(TAU / 5.0);
     let mut askew = k.clone();
     askew[(0, 3)] = askew[(0, 3)].conj();
     let complex = written(&k, Some(Form::General));
     let pairs = written(&k, Some(Form::Pairs));
     let cases = [
-        ("stiffness-0.mtx", complex.clone(), "must be real: this nodal diameter stands still"),
-        ("stiffness-1.mtx", written(&askew, Some(Form::General)), "must be Hermitian: entry (4, 1)"),
+        ("mass-0.mtx", complex.clone(), "must be real: this nodal diameter stands still"),
+        ("mass-1.mtx", written(&askew, Some(Form::General)), "must be Hermitian: entry (4, 1)"),
         (
             "stiffness-2.mtx",
             "%%MatrixMarket matrix coordinate complex general\n3 3 1\n1 1 1.0 0.0\n".to_owned(),
             "is 3 x 3: must be 4 x 4, or real and 8 x 8",
         ),
         (
-            "stiffness-1.mtx",
+            "mass-1.mtx",
             format!("{}\n7e6\n", pairs.trim_end().rsplit_once('\n').expect("lines").0),
             "must be [A, -B; B, A] for the cosine and the sine part",
         ),
