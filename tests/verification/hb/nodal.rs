@@ -10,7 +10,8 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::path::Path;
 
-/// A blade on a disk, whose neighbours' boundary a spring of the blade meets; a strip towards the next blade.
+/// A blade on a disk; springs of blade and strip meet the disk of the next sector, so that no phase of a coordinate makes the matrices
+/// real. A strip towards the next blade.
 fn study(n_sectors: usize, matrices: &str) -> String {
     format!(
         "name = \"disk\"\nlevels = [0.5, 4.0, 12.0]\n\n[model]\nkind = \"cyclic\"\nsector = \"matrices\"\nsectors = {n_sectors}\n{matrices}\n\
@@ -39,7 +40,7 @@ fn with_boundaries(folder: &Path) {
         ),
         (
             "stiffness.mtx",
-            "5 5 7\n1 1 4e6\n2 1 -1e6\n2 2 1.3e6\n5 1 -2e6\n5 2 -3e5\n5 5 2.3e6\n3 3 0.0\n",
+            "5 5 8\n1 1 4e6\n2 1 -1e6\n2 2 1.3e6\n5 1 -2e6\n5 2 -3e5\n5 5 2.4e6\n3 3 1e5\n5 3 -1e5\n",
         ),
     ];
     for (name, text) in files {
@@ -56,12 +57,15 @@ fn reduced(theta: f64) -> [Mat<c64>; 2] {
     let diagonal =
         |d: [f64; 4]| Mat::from_fn(4, 4, |i, j| c64::from(if i == j { d[i] } else { 0.0 }));
     let mass = diagonal([0.4, 0.001, 0.001, 1.0]);
-    let mut stiffness = diagonal([1.3e6, 0.0, 0.0, 6.3e6 - 4e6 * theta.cos()]);
+    let mut stiffness = diagonal([1.3e6, 1e5, 0.0, 6.4e6 - 4e6 * theta.cos()]);
     stiffness[(0, 3)] = c64::from(-1e6) + turn * -3e5;
     stiffness[(3, 0)] = stiffness[(0, 3)].conj();
+    stiffness[(1, 3)] = turn * -1e5;
+    stiffness[(3, 1)] = stiffness[(1, 3)].conj();
     let disk = stiffness[(3, 3)];
     let mut to = Mat::<c64>::identity(4, 4);
     to[(3, 0)] = -stiffness[(3, 0)] / disk;
+    to[(3, 1)] = -stiffness[(3, 1)] / disk;
     // a mode has any phase and size
     to[(3, 3)] = c64::new(0.6, 0.8 * theta.sin());
     [mass, stiffness].map(|a| to.adjoint() * a * &to)
