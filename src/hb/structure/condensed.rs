@@ -173,16 +173,16 @@ fn add_product(y: &mut Mat<f64>, factor: f64, a: MatRef<'_, f64>, b: MatRef<'_, 
     matmul(y.as_mut(), Accum::Add, a, b, factor, Par::Seq);
 }
 
-/// Rows from which on zeros of L are left out of H, and share of L that may then be other than zero: sectors of a ring that
-/// only contacts couple.
-const SPARSE: (usize, f64) = (100, 0.125);
+/// Rows from which on zeros of L are left out of H.
+const SPARSE_ROWS: usize = 100;
+/// Largest share of L that may then be other than zero: sectors of a ring that only contacts couple.
+const SPARSE_SHARE: f64 = 0.125;
 
 /// H = L D Lᵀ by the entries of L that are not zero; none where these are many.
 fn sparse_receptance(l: &Mat<f64>, receptance: &[c64]) -> Option<ContactCompliance> {
     let (m, n) = (l.nrows(), l.ncols());
     let filled = (0..n).map(|j| l.col_as_slice(j).iter().filter(|x| **x != 0.0).count());
-    let (least, share) = SPARSE;
-    if m < least || filled.sum::<usize>() as f64 > share * (m * n) as f64 {
+    if m < SPARSE_ROWS || filled.sum::<usize>() as f64 > SPARSE_SHARE * (m * n) as f64 {
         return None;
     }
     let [mut real, mut imaginary] = [Mat::zeros(m, m), Mat::zeros(m, m)];

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 use super::super::complex_market::{StatedComplex, read_complex};
 use super::super::dof_index::DofIndex;
-use super::super::matrices::{MatricesError, dense, excited, unique};
+use super::super::matrices::{MatricesError, dense, excited};
 use super::super::matrix_checks::positive_semidefinite;
 use super::sector_matrices::{NEXT, definite, modal_damping};
 use super::{CyclicMatrix, Disk, SectorMatrices};
@@ -123,12 +123,7 @@ impl SectorMatrices {
         let index = DofIndex(both.zip(0..).collect());
         let own = DofIndex(dof_names.iter().cloned().zip(0..).collect());
         let vector = |key, vector| dense(folder, key, vector, named, &own);
-        let (mut contacts, mut parameters) = (Vec::new(), Vec::new());
-        for (i, table) in of.contact.iter().enumerate() {
-            contacts.push(table.pair(&format!("contact[{i}]"), &index)?);
-            parameters.push(table.parameters());
-        }
-        unique("contact", contacts.iter().map(|pair| pair.name.as_str()))?;
+        let (contacts, parameters) = self.contacts(&index)?;
         let cosine_force = vector("cosine_force", &of.cosine_force)?;
         let sine_force = vector("sine_force", &of.sine_force)?;
         excited(&cosine_force, &sine_force)?;

@@ -6,10 +6,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::super::Response;
 use super::super::dof_index::DofIndex;
 use super::super::matrices::{MatricesError, MatricesSettings, dense, excited, unique};
 use super::super::matrix_checks::{dependent_wave_row, positive_semidefinite};
+use super::super::{ContactPair, Response};
 use super::{CyclicMatrix, Disk};
 use crate::contact::ContactParameters;
 use crate::linalg::symmetric_generalized_eigen;
@@ -118,13 +118,7 @@ impl SectorMatrices {
         let blade_stiffness = self.blade_stiffness(&own, &stiffness)?;
         let vector = |key, vector| dense(folder, key, vector, n, &whole_index(&all_names));
         let harmonic = |key: &str, vector: Vec<f64>| places.harmonic(key, &vector, &all_names);
-        let mut contacts = Vec::new();
-        let mut parameters = Vec::new();
-        for (i, table) in of.contact.iter().enumerate() {
-            contacts.push(table.pair(&format!("contact[{i}]"), &index)?);
-            parameters.push(table.parameters());
-        }
-        unique("contact", contacts.iter().map(|pair| pair.name.as_str()))?;
+        let (contacts, parameters) = self.contacts(&index)?;
         let cosine_force = harmonic("cosine_force", vector("cosine_force", &of.cosine_force)?)?;
         let sine_force = harmonic("sine_force", vector("sine_force", &of.sine_force)?)?;
         excited(&cosine_force, &sine_force)?;
@@ -147,6 +141,21 @@ impl SectorMatrices {
             responses,
         };
         Ok((disk, parameters))
+    }
+
+    /// Contact pairs of a sector and their constants.
+    pub(super) fn contacts(
+        &self,
+        index: &DofIndex,
+    ) -> Result<(Vec<ContactPair>, Vec<ContactParameters<f64>>), BadSetting> {
+        let mut contacts = Vec::new();
+        let mut parameters = Vec::new();
+        for (i, table) in self.sector.contact.iter().enumerate() {
+            contacts.push(table.pair(&format!("contact[{i}]"), index)?);
+            parameters.push(table.parameters());
+        }
+        unique("contact", contacts.iter().map(|pair| pair.name.as_str()))?;
+        Ok((contacts, parameters))
     }
 
     /// What the stiffness of a sector has among the blade's degrees of freedom.
