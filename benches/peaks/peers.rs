@@ -39,6 +39,7 @@ pub(crate) fn peers() {
     let ensemble = Ensemble {
         linear: &linear,
         strips: None,
+        mistuned: None,
         contacts: &model.contacts,
         interfaces: &[],
         loads: &[],

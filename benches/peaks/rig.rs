@@ -65,6 +65,7 @@ impl Rig {
         Ensemble {
             linear: &self.linear,
             strips: None,
+            mistuned: None,
             contacts: &self.contacts,
             interfaces: &[],
             loads: &[],

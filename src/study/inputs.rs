@@ -8,11 +8,12 @@ use super::frequency::FrequencyUnit;
 use super::identified_inputs::{IdentifiedInputs, InputsKeys};
 use super::model::ModelSettings;
 use crate::Error;
-use crate::sampling::input::PRESSURE_MODES;
+use crate::sampling::input::{LARGEST_DEVIATION, MOST_BLADES, PRESSURE_MODES};
 use crate::sampling::{
     CorrelationTable, Design, DesignSettings, DesignTable, Distribution, DistributionTable,
     EpistemicTable, Input, SampleTable, Shape, Uncertainty,
 };
+use crate::setting::BadSetting;
 
 /// What the design of a study is made from, beside the study file's own sections of it.
 pub(super) struct Surroundings<'s> {
@@ -85,6 +86,10 @@ fn own_inputs(
         ModelSettings::TwoBladeStrip { pressure, .. } => *pressure,
         ModelSettings::Matrices(_) | ModelSettings::Cyclic(_) => None,
     };
+    let scatter = match model {
+        ModelSettings::Cyclic(disk) => (disk.sectors, disk.blade_frequency_scatter),
+        _ => (0, 0.0),
+    };
     let mut inputs = Vec::new();
     for (name, table) in tables {
         let key = format!("inputs.{name}");
@@ -105,5 +110,23 @@ fn own_inputs(
         let normal = document.checked(Distribution::new(shape, None))?;
         inputs.push((Input::PressureMode(k), Uncertainty::Aleatory(normal)));
     }
+    inputs.extend(document.checked(blade_deviations(scatter))?);
     Ok(inputs)
+}
+
+/// The deviations of all blades of a disk with so many and such a scatter; none of a tuned disk.
+fn blade_deviations(
+    (blades, scatter): (usize, f64),
+) -> Result<Vec<(Input, Uncertainty)>, BadSetting> {
+    let blades = if scatter > 0.0 { blades } else { 0 };
+    let deviation = |blade: u8| {
+        let shape = Shape::Normal {
+            mean: 0.0,
+            standard_deviation: scatter,
+        };
+        let most = Some([-LARGEST_DEVIATION, LARGEST_DEVIATION]);
+        let normal = Distribution::new(shape, most)?;
+        Ok((Input::BladeFrequency(blade), Uncertainty::Aleatory(normal)))
+    };
+    (0..MOST_BLADES as u8).take(blades).map(deviation).collect()
 }

@@ -7,7 +7,9 @@ use crate::model::disk::SectorMatrices;
 use crate::model::interface::InterfaceSettings;
 use crate::model::matrices::MatricesSettings;
 use crate::model::two_blade::{Phase, PressureField, TwoBladeSettings};
+use crate::sampling::input::MOST_BLADES;
 use crate::setting::BadSetting;
+use std::path::{Path, PathBuf};
 
 /// Why a pressure cannot be shaped.
 pub(super) const NO_POSITIONS: &str =
@@ -58,6 +60,18 @@ impl ModelSettings {
         }
     }
 
+    /// The files that it is made from, relative to the study file's folder.
+    #[must_use]
+    pub fn files(&self) -> Vec<PathBuf> {
+        if let Self::Cyclic(disk) = self
+            && let SectorSettings::Matrices(sector) = &disk.sector
+        {
+            return sector.files(disk.sectors);
+        }
+        let files = self.matrices().map_or(Vec::new(), MatricesSettings::files);
+        files.into_iter().map(Path::to_owned).collect()
+    }
+
     /// The user's own matrices, if the model is made from any.
     #[must_use]
     pub fn matrices(&self) -> Option<&MatricesSettings> {
@@ -72,11 +86,13 @@ impl ModelSettings {
     }
 }
 
-/// A tuned disk by one of its sectors.
+/// A disk by one of its sectors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CyclicSettings {
     /// Number of sectors.
     pub sectors: usize,
+    /// Standard deviation of a blade's frequency over the nominal one; 0 for a tuned disk.
+    pub blade_frequency_scatter: f64,
     /// What a sector is.
     pub sector: SectorSettings,
 }
@@ -102,10 +118,22 @@ pub struct CyclicKeys {
     /// Number N of sectors.
     #[schemars(range(min = 2, max = MOST_SECTORS))]
     pub sectors: usize,
+    /// Scatter of the blades' frequencies: standard deviation of the frequency of a blade alone over the nominal one, 0.002 for 0.2 %. Every
+    /// blade of every sample gets a number of its own from a normal distribution, the input `blade_N_frequency_deviation`, and the whole
+    /// disk of at least 3 and at most 128 sectors is solved. Without it, or with 0, the disk is tuned.
+    #[serde(default)]
+    #[schemars(range(min = 0, max = LARGEST_SCATTER))]
+    pub blade_frequency_scatter: Option<f64>,
 }
 
+/// Largest scatter of the blades' frequencies: beyond, blades of one disk are hardly meant.
+const LARGEST_SCATTER: f64 = 0.1;
+/// Fewest sectors of a disk whose blades differ.
+const FEWEST_BLADES: usize = 3;
+
 /// Keys of `[model]` that a sector of the user's own matrices has beside those of a model of kind "matrices", but for `mirror`. Contact
-/// rows may name a degree of freedom of the next sector as "next:NAME".
+/// rows may name a degree of freedom of the next sector as "next:NAME". Matrices that are reduced for each nodal diameter have "{nd}" in
+/// the names of their files, such as "mass-{nd}.mtx", for 0 to N/2; they may be complex.
 #[derive(Debug, Clone, Default, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 pub struct BoundaryKeys {
     /// Degrees of freedom on the boundary to the sector before. None where only contacts couple the sectors.
@@ -114,6 +142,10 @@ pub struct BoundaryKeys {
     /// Those on the boundary to the next sector, each at the place of its counterpart in `left`. They are the next sector's left ones.
     #[serde(default)]
     pub right: Vec<String>,
+    /// Degrees of freedom of the blade, for `blade_frequency_scatter`: those that are free where the blade is held at the disk and vibrates
+    /// alone. The stiffness among them is what differs from blade to blade.
+    #[serde(default)]
+    pub blade: Vec<String>,
 }
 
 /// Most sectors of a disk.
@@ -125,6 +157,10 @@ pub(super) fn model(
     contact: &ContactSection,
 ) -> Result<ModelSettings, Error> {
     let kind = document.take_string("model", "kind")?;
+    if kind != "cyclic" && document.take_below::<f64>("model", SCATTER)?.is_some() {
+        let rule = "must be absent: only a disk (kind = \"cyclic\") has blades that differ";
+        return Err(document.at_key(&format!("model.{SCATTER}"), rule.to_owned()));
+    }
     let of_contact = |bad: BadSetting| bad.under("contact");
     match kind.as_str() {
         "two-blade-strip" => {
@@ -163,7 +199,30 @@ pub(super) fn model(
     }
 }
 
-/// Reads `[model]` of a tuned disk by its `sector`.
+/// The scatter of the blades' frequencies.
+const SCATTER: &str = "blade_frequency_scatter";
+
+/// Reads it, for a disk of so many sectors.
+fn scatter(document: &mut Document<'_>, sectors: usize) -> Result<f64, Error> {
+    let given: Option<f64> = document.take_below("model", SCATTER)?;
+    let Some(scatter) = given.filter(|scatter| *scatter != 0.0) else {
+        return Ok(0.0);
+    };
+    let rule = format!(
+        "must be from 0 to {LARGEST_SCATTER}: the standard deviation of a blade's frequency over the nominal one, 0.002 for 0.2 %"
+    );
+    let can_be = (0.0..=LARGEST_SCATTER).contains(&scatter);
+    let key = format!("model.{SCATTER}");
+    document.checked(BadSetting::unless(can_be, &key, scatter, &rule))?;
+    let rule = format!(
+        "must be from {FEWEST_BLADES} to {MOST_BLADES} where {SCATTER} is given: every blade of the disk is solved"
+    );
+    let many = (FEWEST_BLADES..=MOST_BLADES).contains(&sectors);
+    document.checked(BadSetting::unless(many, "model.sectors", sectors, &rule))?;
+    Ok(scatter)
+}
+
+/// Reads `[model]` of a disk by its `sector`.
 fn cyclic(document: &mut Document<'_>, contact: &ContactSection) -> Result<CyclicSettings, Error> {
     let sector = document.take_string("model", "sector")?;
     let sectors: Option<usize> = document.take_below("model", "sectors")?;
@@ -173,6 +232,7 @@ fn cyclic(document: &mut Document<'_>, contact: &ContactSection) -> Result<Cycli
     let rule = format!("must be from 2 to {MOST_SECTORS}, the sectors of the whole disk");
     let known = (2..=MOST_SECTORS).contains(&sectors);
     document.checked(BadSetting::unless(known, "model.sectors", sectors, &rule))?;
+    let blade_frequency_scatter = scatter(document, sectors)?;
     if document.take::<PressureField>("pressure_field")?.is_some() {
         let rule = "must be absent: a model of kind \"cyclic\" has no field of pressure";
         return Err(document.at_key("pressure_field", rule.to_owned()));
@@ -194,12 +254,17 @@ fn cyclic(document: &mut Document<'_>, contact: &ContactSection) -> Result<Cycli
         }
         "matrices" => {
             let mut names = |key| document.take_below::<Vec<String>>("model", key);
-            let (left, right) = (names("left")?, names("right")?);
+            let [left, right, blade] = [names("left")?, names("right")?, names("blade")?];
             let settings = SectorMatrices {
                 sector: document.required("model")?,
                 left: left.unwrap_or_default(),
                 right: right.unwrap_or_default(),
+                blade: blade.unwrap_or_default(),
             };
+            let has_blade = blade_frequency_scatter == 0.0 || !settings.blade.is_empty();
+            let rule =
+                format!("must name the degrees of freedom of the blade where {SCATTER} is given");
+            document.checked(BadSetting::unless(has_blade, "model.blade", "[]", &rule))?;
             document.checked(settings.validate().map_err(|b| b.under("model")))?;
             document.checked(contact.refuse_interface().map_err(of_contact))?;
             SectorSettings::Matrices(settings)
@@ -212,5 +277,9 @@ fn cyclic(document: &mut Document<'_>, contact: &ContactSection) -> Result<Cycli
             }));
         }
     };
-    Ok(CyclicSettings { sectors, sector })
+    Ok(CyclicSettings {
+        sectors,
+        blade_frequency_scatter,
+        sector,
+    })
 }

@@ -5,7 +5,7 @@ use super::frequency::PeakSetting;
 use super::read::Study;
 use crate::Error;
 use crate::contact::ContactParameters;
-use crate::ensemble::{Ensemble, Strips};
+use crate::ensemble::{Ensemble, MistunedDisk, Strips};
 use crate::gpu::Gpu;
 use crate::hb::LinearModel;
 use crate::hb::equations::problem::stuck_stiffness;
@@ -43,6 +43,8 @@ pub struct PreparedStudy<'s> {
     loads: Vec<Input>,
     /// What gives a sample its own strip, where the thickness of the strip is an input.
     strips: Option<Strips>,
+    /// The disk that samples are, where its blades differ.
+    mistuned: Option<MistunedDisk>,
     /// Which of the maxima is the peak.
     choice: PeakChoice,
 }
@@ -123,6 +125,22 @@ impl Study {
     }
 }
 
+impl Study {
+    /// The whole disk, if its blades differ.
+    fn mistuned(&self, of: &StudyDisk) -> Result<Option<MistunedDisk>, Error> {
+        let differ = |(input, _): &(Input, _)| matches!(input, Input::BladeFrequency(_));
+        if !self.design.inputs().iter().any(differ) {
+            return Ok(None);
+        }
+        let [_, high] = self.frequency.band;
+        Ok(Some(MistunedDisk::new(
+            of.disk.clone(),
+            of.engine_order,
+            high,
+        )?))
+    }
+}
+
 impl<'s> PreparedStudy<'s> {
     fn of(study: Cow<'s, Study>) -> Result<Self, Error> {
         let model = study.build_model()?;
@@ -133,6 +151,10 @@ impl<'s> PreparedStudy<'s> {
         let inputs = study.design.inputs().iter().map(|(input, _)| *input);
         let own_strips = inputs.clone().any(|input| input == Input::StripThickness);
         let choice = study.choice(&model, (&linear, &contacts))?;
+        let mistuned = match &model.disk {
+            Some(of) => study.mistuned(of)?,
+            None => None,
+        };
         Ok(Self {
             components: model.components(),
             interfaces: linear.pairs.iter().map(interface).collect(),
@@ -142,6 +164,7 @@ impl<'s> PreparedStudy<'s> {
                 contacts: model.contacts.clone(),
                 mirror: study.folds(),
             }),
+            mistuned,
             choice,
             disk: model.disk,
             contacts,
@@ -172,6 +195,7 @@ impl PreparedStudy<'_> {
         Ensemble {
             linear: &self.linear,
             strips: self.strips.as_ref(),
+            mistuned: self.mistuned.as_ref(),
             contacts: &self.contacts,
             interfaces: &self.interfaces,
             loads: &self.loads,

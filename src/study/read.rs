@@ -16,7 +16,6 @@ use crate::ensemble::SampleSolver;
 use crate::file::FileRecord;
 use crate::hb::HbSettings;
 use crate::model::ReducedModel;
-use crate::model::matrices::MatricesSettings;
 use crate::model::two_blade::TwoBladeSettings;
 use crate::report::asked::{ControlVariateSettings, Requirements, Stopping, SurrogateSettings};
 use crate::sampling::{Design, Input};
@@ -194,12 +193,10 @@ impl Study {
     /// # Errors
     /// [`Error::File`] on the first one that cannot be read.
     pub fn file_records(&self) -> Result<Vec<FileRecord>, Error> {
-        let of_model = self
-            .model
-            .matrices()
-            .map_or(Vec::new(), MatricesSettings::files);
+        let of_model = self.model.files();
         let identified = self.identified.iter().map(|found| found.file.as_path());
-        let files = of_model.into_iter().chain(self.design_file.as_deref());
+        let of_model = of_model.iter().map(PathBuf::as_path);
+        let files = of_model.chain(self.design_file.as_deref());
         let files = files.chain(identified);
         let record = |path: &Path| FileRecord::in_folder(self.folder(), &path.to_string_lossy());
         Ok(files.map(record).collect::<Result<_, _>>()?)

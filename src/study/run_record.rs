@@ -192,14 +192,20 @@ fn of_disk(study: &Study, settings: &CyclicSettings) -> String {
         SectorSettings::BladeStrip { .. } => "blade and strip damper (built in)",
         SectorSettings::Matrices(_) => "matrices of the user",
     };
+    let disk = match settings.blade_frequency_scatter {
+        0.0 => format!("one sector of a tuned disk of {}", settings.sectors),
+        scatter => format!(
+            "a mistuned disk of {} blades whose frequencies scatter by {scatter}",
+            settings.sectors
+        ),
+    };
     let operation = study.requirements.operation.iter();
     let orders: Vec<String> = operation
         .flat_map(|operation| &operation.engine_orders)
         .map(u32::to_string)
         .collect();
     format!(
-        "one sector of a tuned disk of {}, {sector}, excited by engine order {}",
-        settings.sectors,
+        "{disk}, {sector}, excited by engine order {}",
         orders.join(", ")
     )
 }

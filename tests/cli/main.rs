@@ -19,6 +19,7 @@ mod identified;
 mod inputs;
 mod log;
 mod long_runs;
+mod mistuned;
 mod output_schemas;
 #[path = "../common/program.rs"]
 mod program;

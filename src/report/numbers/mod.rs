@@ -5,6 +5,7 @@
 //! [`mod@population`].
 
 pub(super) mod allowable;
+pub mod amplification;
 pub mod box_range;
 pub mod control_variate;
 pub mod correlation;

@@ -1,5 +1,6 @@
 //! The numbers of a study: `summary.json`.
 
+use super::amplification::AmplificationSummary;
 use super::correlation::{InputCorrelation, correlations};
 use super::distribution::Distribution;
 use super::epistemic::{EpistemicSummary, PointStatistics};
@@ -76,6 +77,9 @@ pub struct LevelSummary {
     pub amplitude_per_unit_level_m: Distribution,
     /// Equivalent damping ratio of the resonance; `valid` counts the peaks that have one.
     pub damping_ratio: Distribution,
+    /// Amplification factors of a mistuned disk; absent of any other model, and where the samples belong to outer points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplification: Option<AmplificationSummary>,
     /// Means over the replicates of a quasi-random design; absent for any other, and where the samples belong to outer
     /// points.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -174,18 +178,14 @@ impl Summary {
 
 impl LevelSummary {
     fn of(input: &ReportInput, i: usize) -> Self {
-        let level = input.record.levels[i];
+        let (level, confidence) = (input.record.levels[i], input.record.confidence());
         let records: Vec<&LevelOutcome> = input.outcomes.iter().map(|o| &o.levels[i]).collect();
         // copies of a million peaks would take as much memory as the samples
         let peaks = || records.iter().filter_map(|r| usable_peak(r));
         let solved = peaks().count();
         let failed = records.len() - solved;
         let distribution = |value: &dyn Fn(&PeakRecord) -> Option<f64>| {
-            Distribution::of(
-                peaks().filter_map(|peak| value(&peak)),
-                failed,
-                input.record.confidence(),
-            )
+            Distribution::of(peaks().filter_map(|peak| value(&peak)), failed, confidence)
         };
         let pooled = nested(input.outcomes);
         let population = if pooled { &[] } else { input.outcomes };
@@ -207,7 +207,7 @@ impl LevelSummary {
             statuses: count_statuses(&records),
             routes: count_routes(peaks()),
             failed,
-            failure_rate: proportion(failed, population.len(), input.record.confidence()),
+            failure_rate: proportion(failed, population.len(), confidence),
             nominal: input
                 .record
                 .nominal
@@ -217,13 +217,14 @@ impl LevelSummary {
             amplitude_m: of_blades(&|p| Some(p.amplitude_m)),
             amplitude_per_unit_level_m: of_blades(&|p| Some(p.amplitude_m / level)),
             damping_ratio: of_blades(&|p| p.damping_ratio.get()),
+            amplification: AmplificationSummary::of(&records, pooled, confidence),
             replicate_means: ReplicateMeans::of(population.iter(), i),
             truncation_error: distribution(&|p| p.truncation_error.get()),
             highest_harmonics,
             several_maxima: (records.iter())
                 .filter(|r| usable_peak(r).is_some() && !r.around.others().is_empty())
                 .count(),
-            several_answers: SeveralAnswers::of(&records, !pooled, input.record.confidence()),
+            several_answers: SeveralAnswers::of(&records, !pooled, confidence),
             mean_contact_fractions: mean_fractions(population.iter(), i),
             worst_work_balance: worst_work_balance(peaks()),
             newton_iterations: WorkPerSample::of(records.iter().map(|r| r.newton_iterations)),

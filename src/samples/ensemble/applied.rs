@@ -12,7 +12,7 @@ use std::borrow::Cow;
 #[derive(Debug, Clone)]
 pub(super) struct Applied<'m> {
     linear: Cow<'m, LinearModel>,
-    contacts: Vec<ContactParameters<f64>>,
+    pub(super) contacts: Vec<ContactParameters<f64>>,
     load_scale: f64,
     gpu: Option<&'m Gpu>,
     /// Factor on the excitation levels.
@@ -25,13 +25,24 @@ impl Ensemble<'_> {
     /// # Errors
     /// The [`Status`] of a sample whose strip makes no model.
     pub(super) fn applied(&self, inputs: &[f64]) -> Result<Applied<'_>, Status> {
+        // the other inputs act on what the thickness makes
+        let linear = match self.thickness_mm(inputs) {
+            Some((strips, mm)) => Cow::Owned(strips.linear(mm, self.linear)?),
+            None => Cow::Borrowed(self.linear),
+        };
+        Ok(self.applied_to(linear, self.contacts.to_vec(), inputs))
+    }
+
+    /// The same of another structure with contacts of its own: those of the nominal one, as often as they fit in.
+    pub(super) fn applied_to<'m>(
+        &'m self,
+        linear: Cow<'m, LinearModel>,
+        contacts: Vec<ContactParameters<f64>>,
+        inputs: &[f64],
+    ) -> Applied<'m> {
         let mut applied = Applied {
-            // the other inputs act on what the thickness makes
-            linear: match self.thickness_mm(inputs) {
-                Some((strips, mm)) => Cow::Owned(strips.linear(mm, self.linear)?),
-                None => Cow::Borrowed(self.linear),
-            },
-            contacts: self.contacts.to_vec(),
+            linear,
+            contacts,
             load_scale: 1.0,
             gpu: self.gpu,
             excitation_scale: 1.0,
@@ -39,7 +50,7 @@ impl Ensemble<'_> {
         for ((input, _), value) in self.design.inputs().iter().zip(inputs) {
             applied.apply_input(*input, *value, self);
         }
-        Ok(applied)
+        applied
     }
 
     fn thickness_mm(&self, inputs: &[f64]) -> Option<(&Strips, f64)> {
@@ -76,9 +87,11 @@ impl Applied<'_> {
                     entries.for_each(|(force, f)| *force += value * f);
                 }
             }
-            Input::StripThickness => {}
+            Input::StripThickness | Input::BladeFrequency(_) => {}
             _ => {
-                let of_side = |pair: usize| input.interface().is_none_or(|i| interfaces[pair] == i);
+                // a ring has the pairs of a sector again and again
+                let interface = |pair: usize| interfaces[pair % interfaces.len()];
+                let of_side = |pair: usize| input.interface().is_none_or(|i| interface(pair) == i);
                 for (pair, contact) in self.contacts.iter_mut().enumerate() {
                     if of_side(pair) {
                         apply_to_contact(contact, input, value);
@@ -106,6 +119,7 @@ fn apply_to_contact(contact: &mut ContactParameters<f64>, input: Input, value: f
         | Input::ExcitationScale
         | Input::EdgePressure
         | Input::StripThickness
+        | Input::BladeFrequency(_)
         | Input::PressureMode(_) => {}
     }
 }

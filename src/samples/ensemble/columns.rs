@@ -41,7 +41,7 @@ const fn column(
 }
 
 /// Columns of `samples.parquet` and `further_points.parquet`, but for those of the inputs.
-pub const SAMPLE_COLUMNS: [DescribedColumn; 31] = [
+pub const SAMPLE_COLUMNS: [DescribedColumn; 35] = [
     column("sample", "", "index of the sample, from 0"),
     column(
         "outer",
@@ -150,6 +150,26 @@ pub const SAMPLE_COLUMNS: [DescribedColumn; 31] = [
         "several_to_hz",
         "Hz",
         "highest frequency with several solutions, where the upward sweep jumps",
+    ),
+    column(
+        "largest_blade",
+        "",
+        "blade with the largest amplitude, from 0, to which `amplitude_m` belongs; this and the next three only of a disk whose blades differ",
+    ),
+    column(
+        "amplification",
+        "1",
+        "amplification factor: that amplitude over the peak of the tuned disk with the same inputs; null where that was not found",
+    ),
+    column(
+        "amplification_over_linear",
+        "1",
+        "that amplitude over the peak of the tuned disk with all contacts stuck",
+    ),
+    column(
+        "linear_amplification",
+        "1",
+        "amplification factor of the disk with all contacts stuck: mistuned over tuned",
     ),
     column("newton_iterations", "", "Newton iterations for this row"),
     column("factorizations", "", "linear factorisations for this row"),

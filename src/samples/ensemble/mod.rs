@@ -30,6 +30,7 @@ pub mod backend;
 pub mod columns;
 pub mod further_points;
 pub mod memory;
+pub mod mistuned;
 mod mode_search;
 pub mod one_at_a_time;
 pub mod outcome;
@@ -45,5 +46,6 @@ pub mod table;
 pub mod test_function;
 pub mod times;
 
+pub use mistuned::MistunedDisk;
 pub use runner::{Ensemble, Known, SampleSolver, Solved, SolvedSample};
 pub use strips::Strips;

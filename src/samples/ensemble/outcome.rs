@@ -56,6 +56,8 @@ struct KnownAround {
     curve: Vec<CurvePoint>,
     #[serde(default)]
     sweeps: Option<SweepRecord>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    mistuned: Option<MistunedRecord>,
 }
 
 impl AroundPeak {
@@ -78,6 +80,17 @@ impl AroundPeak {
         self.0.as_ref()?.sweeps.as_ref()
     }
 
+    /// What mistuning makes of the peak; absent of a tuned disk and any other model.
+    #[must_use]
+    pub fn mistuned(&self) -> Option<&MistunedRecord> {
+        self.0.as_ref()?.mistuned.as_ref()
+    }
+
+    /// States what mistuning makes of the peak.
+    pub fn set_mistuned(&mut self, record: MistunedRecord) {
+        self.0.get_or_insert_default().mistuned = Some(record);
+    }
+
     /// The forced response, to be changed.
     pub fn curve_mut(&mut self) -> &mut Vec<CurvePoint> {
         &mut self.0.get_or_insert_default().curve
@@ -94,6 +107,7 @@ impl AroundPeak {
             others,
             curve,
             sweeps,
+            mistuned: None,
         }
         .into()
     }
@@ -101,7 +115,10 @@ impl AroundPeak {
 
 impl From<KnownAround> for AroundPeak {
     fn from(known: KnownAround) -> Self {
-        let empty = known.others.is_empty() && known.curve.is_empty() && known.sweeps.is_none();
+        let empty = known.others.is_empty()
+            && known.curve.is_empty()
+            && known.sweeps.is_none()
+            && known.mistuned.is_none();
         Self((!empty).then(|| Box::new(known)))
     }
 }
@@ -269,6 +286,19 @@ pub struct SweepRecord {
     pub downward: CurvePoint,
     /// Lowest and highest frequency (Hz) between which there are several solutions; absent where every frequency has one.
     pub several_hz: Option<[f64; 2]>,
+}
+
+/// What mistuning makes of the peak of a disk, whose amplitude is the largest of all blades.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MistunedRecord {
+    /// The blade with the largest amplitude, from 0.
+    pub blade: u32,
+    /// Amplification factor: that amplitude over the peak of the tuned disk with the same inputs; absent where that was not found.
+    pub amplification: MaybeReal,
+    /// The same over the peak of the tuned disk with all contacts stuck, which is linear.
+    pub over_linear: MaybeReal,
+    /// Amplification factor of the linear disk: with all contacts stuck, mistuned over tuned.
+    pub linear_amplification: MaybeReal,
 }
 
 /// One point of a forced response curve.

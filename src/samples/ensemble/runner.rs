@@ -4,6 +4,7 @@
 //! decides from which other samples it starts. So neither the number of threads nor the order of solving changes a bit.
 
 use super::atlas::{Anchor, Atlas};
+use super::mistuned::MistunedDisk;
 use super::outcome::{LevelOutcome, SampleOutcome};
 use super::stop::Stop;
 use super::strips::Strips;
@@ -26,6 +27,8 @@ pub struct Ensemble<'a> {
     pub linear: &'a LinearModel,
     /// Makes the strip of a sample, if the thickness of the strip is an input.
     pub strips: Option<&'a Strips>,
+    /// The disk that samples are, if its blades differ; its tuned sector is `linear`.
+    pub mistuned: Option<&'a MistunedDisk>,
     /// Nominal constants of the contact pairs.
     pub contacts: &'a [ContactParameters<f64>],
     /// Interface of each contact pair: 0 = left, 1 = right. Shape as `contacts`; read for inputs of one side only.

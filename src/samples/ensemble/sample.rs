@@ -34,12 +34,12 @@ enum Subject {
 }
 
 /// What is found at some inputs.
-struct Found {
+pub(super) struct Found {
     /// Shape: `[levels]`.
-    levels: Vec<LevelOutcome>,
+    pub(super) levels: Vec<LevelOutcome>,
     /// The peaks as starts for other samples. Shape: `[levels]`.
-    peaks: Vec<ModePeaks>,
-    times: SampleTimes,
+    pub(super) peaks: Vec<ModePeaks>,
+    pub(super) times: SampleTimes,
 }
 
 impl Ensemble<'_> {
@@ -107,10 +107,14 @@ impl Ensemble<'_> {
 
     /// Records of the levels, with the forced response if wanted.
     fn found_at(&self, inputs: &[f64], place: &[f64], atlas: &Atlas, curve: bool) -> Found {
-        let solved = || match self.solver {
-            SampleSolver::HarmonicBalance => self.balanced(inputs, place, atlas, curve),
+        let solved = || match (self.solver, self.mistuned) {
+            // without inputs it is the nominal disk, which is tuned
+            (SampleSolver::HarmonicBalance, Some(disk)) if !inputs.is_empty() => {
+                self.mistuned(disk, inputs, place)
+            }
+            (SampleSolver::HarmonicBalance, _) => self.balanced(inputs, place, atlas, curve),
             #[cfg(feature = "test-functions")]
-            SampleSolver::Function(function) => self.evaluated(function, inputs),
+            (SampleSolver::Function(function), _) => self.evaluated(function, inputs),
         };
         // a defect of the program costs this sample, not the run
         let solved = catch_unwind(AssertUnwindSafe(solved));
@@ -178,7 +182,7 @@ impl Ensemble<'_> {
     }
 
     /// Maxima at the sample's own `levels`.
-    fn peaks(
+    pub(super) fn peaks(
         &self,
         problem: &Problem<'_>,
         levels: &[f64],
@@ -224,7 +228,7 @@ impl Ensemble<'_> {
                 curve,
                 sweeps,
             ),
-            peak: peak.as_ref().map(record),
+            peak: (peak.as_ref()).map(|peak| record(peak, peak.amplitude(0))),
             newton_iterations: in_32_bits(count.iterations),
             factorizations: in_32_bits(count.factorizations),
         }
@@ -268,7 +272,7 @@ impl Ensemble<'_> {
     }
 
     /// A sample that fails at every level, without peaks.
-    fn without_solution(&self, status: Status) -> Found {
+    pub(super) fn without_solution(&self, status: Status) -> Found {
         let levels = (self.levels.iter()).map(|&level| LevelOutcome {
             level,
             status,
@@ -286,7 +290,7 @@ impl Ensemble<'_> {
 }
 
 /// How a sample ends whose constants make no harmonic balance problem.
-fn status_of(error: ProblemError) -> Status {
+pub(super) fn status_of(error: ProblemError) -> Status {
     match error {
         ProblemError::Linalg(_) => Status::NonFinite,
         _ => Status::NotHeld,
@@ -311,10 +315,11 @@ fn others(maxima: &Maxima) -> Vec<OtherMaximum> {
         .collect()
 }
 
-fn record(solution: &Solution) -> PeakRecord {
+/// What is stored of a peak; `amplitude_m` is that of the response that defines it.
+pub(super) fn record(solution: &Solution, amplitude_m: f64) -> PeakRecord {
     PeakRecord {
         frequency_hz: rad_s_to_hz(solution.omega),
-        amplitude_m: solution.amplitude(0),
+        amplitude_m,
         route: solution.route,
         truncation_error: solution.truncation_error.into(),
         multiplier_real: solution.stability.map(|s| s.multiplier.re).into(),

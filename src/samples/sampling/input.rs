@@ -3,6 +3,7 @@
 use super::distribution::Distribution;
 use crate::setting::{BadSetting, FRICTION, USUAL_FRICTION, unusual};
 use schemars::{JsonSchema, SchemaGenerator};
+use std::sync::LazyLock;
 
 /// A quantity that may be random. The order is the order of the sampled values everywhere.
 ///
@@ -43,7 +44,20 @@ pub enum Input {
     /// Standard normal coefficient of a mode of the contact pressure's random field, below [`PRESSURE_MODES`].
     #[schemars(skip)]
     PressureMode(u8),
+    /// Relative deviation of the frequency of one blade of a disk, below [`MOST_BLADES`], from the nominal one.
+    #[schemars(skip)]
+    BladeFrequency(u8),
 }
+
+/// Most blades of a disk whose frequencies may deviate one by one.
+pub const MOST_BLADES: usize = 128;
+/// Names of their deviations.
+static BLADE_NAMES: LazyLock<Vec<String>> = LazyLock::new(|| {
+    let name = |blade| format!("blade_{blade}_frequency_deviation");
+    (0..MOST_BLADES).map(name).collect()
+});
+/// Largest relative deviation of a blade's frequency.
+pub const LARGEST_DEVIATION: f64 = 0.9;
 
 /// Coefficients of the pressure field at most.
 pub const PRESSURE_MODES: usize = PRESSURE_NAMES.len();
@@ -94,7 +108,7 @@ impl Input {
     /// [`BadSetting`] on `key`.
     pub fn accepts_value(self, key: &str, value: f64) -> Result<(), BadSetting> {
         let most = self.largest();
-        if let Self::PressureMode(_) = self {
+        if self.may_be_negative() {
             let rule = format!("must be from -{most} to {most}: {}", self.meaning());
             return BadSetting::unless(value.abs() <= most, key, value, &rule);
         }
@@ -107,6 +121,11 @@ impl Input {
         BadSetting::unless(above, key, value, rule)?;
         let rule = format!("must be at most {most}: {}", self.meaning());
         BadSetting::unless(value <= most, key, value, &rule)
+    }
+
+    /// Whether its values lie on both sides of 0.
+    fn may_be_negative(self) -> bool {
+        matches!(self, Self::PressureMode(_) | Self::BladeFrequency(_))
     }
 
     /// Whether 0 has a meaning.
@@ -133,6 +152,7 @@ impl Input {
             Self::StripThickness => 1e3,
             // no probability that a number can hold lies beyond
             Self::PressureMode(_) => 40.0,
+            Self::BladeFrequency(_) => LARGEST_DEVIATION,
             _ => 1e6,
         }
     }
@@ -147,6 +167,7 @@ impl Input {
             | Self::RightFrictionCoefficient => "a friction coefficient, no percentage",
             Self::StripThickness => "a thickness in mm",
             Self::PressureMode(_) => "a standard normal number",
+            Self::BladeFrequency(_) => "a share of the nominal frequency",
             _ => "a factor on the nominal value",
         }
     }
@@ -163,7 +184,10 @@ impl Input {
             | Self::LeftStiffnessScale
             | Self::RightStiffnessScale => Some([1e-3, 1e3]),
             Self::StaticLoadScale | Self::DampingScale | Self::ExcitationScale => Some([1e-2, 1e2]),
-            Self::EdgePressure | Self::StripThickness | Self::PressureMode(_) => None,
+            Self::EdgePressure
+            | Self::StripThickness
+            | Self::PressureMode(_)
+            | Self::BladeFrequency(_) => None,
         }
     }
 
@@ -194,6 +218,7 @@ impl Input {
             Self::EdgePressure => "edge_pressure",
             Self::StripThickness => "strip_thickness_mm",
             Self::PressureMode(k) => PRESSURE_NAMES[usize::from(k)],
+            Self::BladeFrequency(blade) => &BLADE_NAMES[usize::from(blade)],
         }
     }
 
@@ -203,12 +228,15 @@ impl Input {
         Self::ALL.into_iter().find(|input| input.name() == name)
     }
 
-    /// The input with that column in the tables of samples: one that `[inputs]` can name, or a mode of the pressure field.
+    /// The input with that column in the tables of samples: one that `[inputs]` can name, a mode of the pressure field, or the deviation of
+    /// a blade.
     #[must_use]
     pub fn of_column(name: &str) -> Option<Self> {
         let mode = || PRESSURE_NAMES.iter().position(|mode| *mode == name);
         let of_field = || Some(Self::PressureMode(u8::try_from(mode()?).ok()?));
-        Self::from_name(name).or_else(of_field)
+        let blade = || BLADE_NAMES.iter().position(|blade| blade == name);
+        let of_blade = || Some(Self::BladeFrequency(u8::try_from(blade()?).ok()?));
+        Self::from_name(name).or_else(of_field).or_else(of_blade)
     }
 
     /// Unit of its values; 1 for a number without.
@@ -227,6 +255,11 @@ impl Input {
             let mode = k + 1;
             return format!(
                 "Standard normal coefficient of mode {mode} of the contact pressure's random field."
+            );
+        }
+        if let Self::BladeFrequency(blade) = self {
+            return format!(
+                "Relative deviation of the frequency of blade {blade}, alone and held at the disk, from the nominal one."
             );
         }
         let schema = Self::json_schema(&mut SchemaGenerator::default()).to_value();
@@ -256,6 +289,7 @@ impl Input {
             Self::EdgePressure => 11,
             Self::StripThickness => 12,
             Self::PressureMode(k) => 64 + u32::from(k),
+            Self::BladeFrequency(blade) => 128 + u32::from(blade),
         }
     }
 
@@ -286,7 +320,7 @@ impl Input {
     /// # Errors
     /// [`BadSetting`] on `truncation` or `value`, relative to the input.
     pub fn accepts(self, distribution: &Distribution) -> Result<(), BadSetting> {
-        if matches!(self, Self::PressureMode(_)) {
+        if self.may_be_negative() {
             return Ok(());
         }
         let [low, high] = distribution.support();

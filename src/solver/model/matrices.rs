@@ -288,6 +288,19 @@ impl MatricesSettings {
     }
 
     pub(super) fn names(&self, folder: &Path, n: usize) -> Result<Vec<String>, MatricesError> {
+        let names = self.first_names(folder, n)?;
+        let rule = format!("must be {n}, one per row of the mass matrix");
+        let given = format!("{} names", names.len());
+        BadSetting::unless(names.len() == n, "dof_names", given, &rule)?;
+        Ok(names)
+    }
+
+    /// The names of the first of `n` degrees of freedom, as many as it states.
+    pub(super) fn first_names(
+        &self,
+        folder: &Path,
+        n: usize,
+    ) -> Result<Vec<String>, MatricesError> {
         let names: Vec<String> = match &self.dof_names {
             None => (1..=n).map(|i| i.to_string()).collect(),
             Some(DofNames::List(names)) => names.clone(),
@@ -299,7 +312,7 @@ impl MatricesSettings {
         };
         let rule = format!("must be {n}, one per row of the mass matrix");
         let given = format!("{} names", names.len());
-        BadSetting::unless(names.len() == n, "dof_names", given, &rule)?;
+        BadSetting::unless(names.len() <= n, "dof_names", given, &rule)?;
         unique("dof_names", names.iter().map(String::as_str))?;
         Ok(names)
     }

@@ -3,17 +3,16 @@
 //! Format: <https://math.nist.gov/MatrixMarket/formats.html>. A reader of our own, since the one at hand panics on numbers
 //! beyond 64 bits and cannot say where an entry stands.
 
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use faer::Mat;
 
+use super::bounded_lines::Lines;
 use crate::file::{self, FileError, parse_number, significant_digits};
 
 /// Largest number of rows or columns: a dense matrix of this size takes 200 MB, its modes some minutes.
 pub const LARGEST: usize = 5_000;
-/// Bytes of a line at most.
-const LONGEST_LINE: u64 = 4096;
 
 /// A matrix, and how exactly its file states it.
 #[derive(Debug)]
@@ -33,6 +32,8 @@ pub struct Shape {
     pub columns: usize,
     /// Only the lower triangle is stored.
     pub symmetric: bool,
+    /// The upper triangle is its conjugate.
+    pub hermitian: bool,
 }
 
 /// An entry, with indices from 0.
@@ -44,12 +45,17 @@ pub struct Entry {
     pub column: usize,
     /// Value, in the unit of the matrix.
     pub value: f64,
+    /// 0 in a real matrix.
+    pub imaginary: f64,
     /// Where it stands in the file.
     pub line: u64,
 }
 
 /// What takes the entries of a file.
 pub trait Collects {
+    /// Whether entries may be complex.
+    const COMPLEX: bool = false;
+
     /// An empty collection; `coordinate` if entries come in any order, so that one may come twice.
     fn empty(shape: Shape, coordinate: bool) -> Self;
 
@@ -80,15 +86,11 @@ pub fn read_matrix(path: &Path) -> Result<Stated, FileError> {
 /// # Errors
 /// As [`read_matrix`].
 pub fn read_entries<C: Collects>(path: &Path, most: usize) -> Result<(C, u32), FileError> {
-    let mut lines = Lines {
-        path,
-        reader: BufReader::new(file::open(path)?),
-        number: 0,
-    };
-    let header = Header::read(&mut lines)?;
+    let mut lines = Lines::of(path, BufReader::new(file::open(path)?));
+    let header = Header::read(&mut lines, C::COMPLEX)?;
     let (number, line) = loop {
         match lines.next()? {
-            None => return Err(lines.at(lines.number, "the size line is missing".to_owned())),
+            None => return Err(lines.at(lines.number(), "the size line is missing".to_owned())),
             Some((_, line)) if line.starts_with('%') => {}
             Some(found) => break found,
         }
@@ -139,52 +141,19 @@ impl Collects for Dense {
     }
 }
 
-/// Lines with their numbers, each of bounded length.
-struct Lines<'p, R> {
-    path: &'p Path,
-    reader: R,
-    number: u64,
-}
-
-impl<R: BufRead> Lines<'_, R> {
-    /// The next line that is not empty, without white space around it.
-    fn next(&mut self) -> Result<Option<(u64, String)>, FileError> {
-        loop {
-            let mut bytes = Vec::new();
-            let mut bounded = self.reader.by_ref().take(LONGEST_LINE);
-            let read = bounded.read_until(b'\n', &mut bytes);
-            if read.map_err(|source| FileError::system(self.path, source))? == 0 {
-                return Ok(None);
-            }
-            self.number += 1;
-            if bytes.len() as u64 == LONGEST_LINE {
-                let rule = format!("must be shorter than {LONGEST_LINE} bytes");
-                return Err(self.at(self.number, rule));
-            }
-            let text = file::text(bytes).map_err(|(_, rule)| self.at(self.number, rule))?;
-            let line = text.trim_start_matches('\u{feff}').trim();
-            if !line.is_empty() {
-                return Ok(Some((self.number, line.to_owned())));
-            }
-        }
-    }
-
-    fn at(&self, line: u64, rule: String) -> FileError {
-        FileError::content(self.path, Some(line), rule)
-    }
-}
-
 /// What the first line states.
 struct Header {
     coordinate: bool,
     symmetric: bool,
+    complex: bool,
+    hermitian: bool,
 }
 
 const HEADER_RULE: &str = "must start with a Matrix Market header such as \
     `%%MatrixMarket matrix coordinate real symmetric`";
 
 impl Header {
-    fn read<R: BufRead>(lines: &mut Lines<'_, R>) -> Result<Self, FileError> {
+    fn read<R: BufRead>(lines: &mut Lines<'_, R>, may_be_complex: bool) -> Result<Self, FileError> {
         let Some((number, line)) = lines.next()? else {
             return Err(lines.at(1, "the file is empty".to_owned()));
         };
@@ -194,17 +163,32 @@ impl Header {
         let ["%%matrixmarket", "matrix", format, field, symmetry] = words[..] else {
             return Err(rule(HEADER_RULE));
         };
-        if !matches!(field, "real" | "integer" | "double") {
+        let complex = field == "complex" && may_be_complex;
+        if !complex && !matches!(field, "real" | "integer" | "double") {
             return Err(rule("must be a real or integer matrix"));
         }
-        if !matches!(format, "coordinate" | "array") || !matches!(symmetry, "general" | "symmetric")
+        let hermitian = symmetry == "hermitian" && complex;
+        if !matches!(format, "coordinate" | "array")
+            || !(hermitian || matches!(symmetry, "general" | "symmetric"))
         {
             return Err(rule(HEADER_RULE));
         }
         Ok(Self {
             coordinate: format == "coordinate",
-            symmetric: symmetry == "symmetric",
+            symmetric: hermitian || symmetry == "symmetric",
+            complex,
+            hermitian,
         })
+    }
+
+    /// What a line with an entry must have.
+    fn entry_rule(&self) -> &'static str {
+        match (self.coordinate, self.complex) {
+            (true, false) => "must be an entry: row column value",
+            (false, false) => "must be an entry: one value",
+            (true, true) => "must be an entry: row column real imaginary",
+            (false, true) => "must be an entry: real imaginary",
+        }
     }
 
     /// Rows, columns and number of entries that the size line states.
@@ -267,6 +251,7 @@ impl<'h, C: Collects> Entries<'h, C> {
             rows: size.rows,
             columns: size.columns,
             symmetric: header.symmetric,
+            hermitian: header.hermitian,
         };
         Self {
             header,
@@ -288,22 +273,22 @@ impl<'h, C: Collects> Entries<'h, C> {
             ));
         }
         let words: Vec<&str> = line.split_whitespace().collect();
-        let (i, j, word) = match (self.header.coordinate, &words[..]) {
-            (true, [row, column, value]) => {
+        let (indices, values) =
+            words.split_at(words.len().min(2 * usize::from(self.header.coordinate)));
+        let (i, j) = match indices {
+            [row, column] => {
                 let i = index(row, self.size.rows, "row")?;
-                let j = index(column, self.size.columns, "column")?;
-                (i, j, value)
+                (i, index(column, self.size.columns, "column")?)
             }
-            (false, [value]) => (self.next.0, self.next.1, value),
-            (true, _) => return Err("must be an entry: row column value".to_owned()),
-            (false, _) => return Err("must be an entry: one value".to_owned()),
+            _ => self.next,
         };
-        let value: f64 = parse_number(word)
-            .ok_or_else(|| format!("{} = {word}: must be a number", place(i, j)))?;
-        if !value.is_finite() {
-            let place = place(i, j);
-            return Err(format!("{place} = {word}: must be a finite number"));
-        }
+        let (word, imaginary) = match (self.header.complex, values) {
+            (false, [value]) => (value, None),
+            (true, [real, imaginary]) => (real, Some(imaginary)),
+            _ => return Err(self.header.entry_rule().to_owned()),
+        };
+        let value = finite_number(word, i, j)?;
+        let imaginary = imaginary.map_or(Ok(0.0), |word| finite_number(word, i, j))?;
         if self.header.symmetric && i < j {
             let rule = "a symmetric matrix must store its lower triangle (row >= column) only";
             return Err(format!("{}: {rule}", place(i, j)));
@@ -313,6 +298,7 @@ impl<'h, C: Collects> Entries<'h, C> {
             row: i,
             column: j,
             value,
+            imaginary,
             line: number,
         })?;
         self.read += 1;
@@ -335,8 +321,19 @@ impl<'h, C: Collects> Entries<'h, C> {
     }
 }
 
+/// The number that a word states, of the entry in this place.
+fn finite_number(word: &str, row: usize, column: usize) -> Result<f64, String> {
+    let place = place(row, column);
+    let value: f64 =
+        parse_number(word).ok_or_else(|| format!("{place} = {word}: must be a number"))?;
+    match value.is_finite() {
+        true => Ok(value),
+        false => Err(format!("{place} = {word}: must be a finite number")),
+    }
+}
+
 /// An entry as messages name it.
-fn place(row: usize, column: usize) -> String {
+pub(super) fn place(row: usize, column: usize) -> String {
     format!("entry ({}, {})", row + 1, column + 1)
 }
 

@@ -34,6 +34,8 @@
 //! assert_eq!((model.n_dofs(), model.n_contacts()), (1, 1));
 //! ```
 
+mod bounded_lines;
+mod complex_market;
 pub mod disk;
 pub mod interface;
 pub mod lower_triangle;

@@ -74,6 +74,27 @@ pub(crate) const DISK_REFUSED: &[Case] = &[
         "sectors = 1",
         &[":7: model.sectors = 1: must be from 2 to 1000"],
     ),
+    (
+        "sectors = 12",
+        "sectors = 12\nblade_frequency_scatter = -0.01\nblade = [\"blade.x\"]",
+        &[
+            ":8: model.blade_frequency_scatter = -0.01: must be from 0 to 0.1",
+            "standard deviation",
+        ],
+    ),
+    (
+        "sectors = 12",
+        "sectors = 12\nblade_frequency_scatter = 0.2\nblade = [\"blade.x\"]",
+        &[":8: model.blade_frequency_scatter = 0.2: must be from 0 to 0.1"],
+    ),
+    (
+        "kind = \"cyclic\"\nsector = \"matrices\"\nsectors = 12",
+        "kind = \"matrices\"\nblade_frequency_scatter = 0.01",
+        &[
+            ":6: model.blade_frequency_scatter: must be absent: only a disk",
+            "has blades that differ",
+        ],
+    ),
     ("sectors = 12\n", "", &[":4: model.sectors: must be given"]),
     (
         "sector = \"matrices\"",
@@ -89,6 +110,33 @@ pub(crate) const DISK_REFUSED: &[Case] = &[
 
 /// Changes of [`DISK`] that the program alone refuses.
 pub(crate) const DISK_BEYOND_SCHEMA: &[Case] = &[
+    (
+        "sectors = 12",
+        "sectors = 2\nblade_frequency_scatter = 0.01\nblade = [\"blade.x\"]",
+        &[":7: model.sectors = 2: must be from 3 to 128 where blade_frequency_scatter is given"],
+    ),
+    (
+        "sectors = 12",
+        "sectors = 12\nblade_frequency_scatter = 0.01",
+        &[":4: model.blade = []: must name the degrees of freedom of the blade"],
+    ),
+    (
+        "sectors = 12",
+        "sectors = 12\nblade_frequency_scatter = 0.01\nblade = [\"right.x\"]",
+        &[
+            ":9: model.blade[0] = right.x: must name a degree of freedom of the sector that is not on",
+        ],
+    ),
+    (
+        "stiffness = \"stiffness.mtx\"",
+        "stiffness = \"stiffness-{nd}.mtx\"",
+        &[":8: model.mass = mass.mtx: must have {nd} in its name, as the other matrices have"],
+    ),
+    (
+        "mass = \"mass.mtx\"\nstiffness = \"stiffness.mtx\"",
+        "mass = \"mass-{nd}.mtx\"\nstiffness = \"stiffness-{nd}.mtx\"",
+        &[":12: model.left = 1 names: must be absent: the matrices of a nodal diameter"],
+    ),
     (
         "right = [\"right.x\"]",
         "right = []",

@@ -62,6 +62,7 @@ pub(super) fn disk(n_sectors: usize) -> Disk {
         },
         stiffness: CyclicMatrix::Neighbours { own, next },
         retention: Some(retention),
+        blade_stiffness: None,
         contacts: vec![pair(0, 0.3), pair(1, -0.2)],
         static_force,
         loads: Vec::new(),
@@ -92,7 +93,7 @@ pub(super) fn contacts(n_pairs: usize) -> Vec<ContactParameters<f64>> {
 }
 
 /// All sectors, one after the other: excited by `engine_order`, or each with the force of sector 0 for none.
-fn ring(disk: &Disk, engine_order: usize) -> ReducedModel {
+pub(super) fn ring(disk: &Disk, engine_order: usize) -> ReducedModel {
     let (n_sectors, n) = (disk.n_sectors, disk.n_sectors * N);
     let whole = |a: &CyclicMatrix| {
         let CyclicMatrix::Neighbours { own, next } = a else {
@@ -158,7 +159,7 @@ fn problem(linear: &LinearModel) -> Problem<'_> {
 }
 
 /// Events are located: with those at samples a shift in time by no whole number of samples would change the forces.
-fn sharp(highest: usize) -> HbSettings {
+pub(super) fn sharp(highest: usize) -> HbSettings {
     let mut settings = settings(highest, FrictionLaw::Box);
     settings.aft.events = Events::Located;
     settings.newton.max_iterations = 200;

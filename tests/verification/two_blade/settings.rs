@@ -13,7 +13,7 @@ fn settings_name_the_broken_rule() {
         ("strip_mm", |s| s.strip_mm = [10.0, 50.0, 19.0]),
         ("blade_cut_off_hz", |s| s.blade_cut_off_hz = 0.0),
         ("strip_cut_off_hz", |s| s.strip_cut_off_hz = f64::INFINITY),
-        ("contact_nodes", |s| s.contact_nodes = [1, 5]),
+        ("contact_nodes", |s| s.contact_nodes = [5, 1]),
         ("poisson_ratio", |s| s.poisson_ratio = 0.5),
         ("pressure_weights", |s| {
             s.pressure_weights = Some(vec![1.0; 3])

@@ -93,7 +93,7 @@ fn table(view: &View, quantity: &Quantity) -> Block {
     table.block()
 }
 
-fn quantile_cells(
+pub(super) fn quantile_cells(
     distribution: &Distribution,
     failed: usize,
     show: &dyn Fn(f64) -> String,

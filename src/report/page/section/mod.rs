@@ -1,5 +1,6 @@
 //! The sections of the page, from what a designer signs to what an auditor asks.
 
+mod amplification;
 mod audit;
 mod campbell;
 mod control_variate;
@@ -32,6 +33,7 @@ pub(super) fn sections(view: &View) -> Vec<Section> {
         stress::section(view),
         epistemic::section(view),
         envelope::section(view),
+        amplification::section(view),
         performance::section(view),
         Some(response::section(view)),
         distribution::section(view),

@@ -1,8 +1,11 @@
 //! The rows of a table of samples as outcomes.
 
-use super::samples::{GROUP_COLUMNS, INPUTS_KEY, OTHER_COLUMNS, SWEEP_COLUMNS};
+use super::samples::{
+    BLADE_COLUMN, GROUP_COLUMNS, INPUTS_KEY, MISTUNED_COLUMNS, OTHER_COLUMNS, SWEEP_COLUMNS,
+};
 use crate::ensemble::outcome::{
-    AroundPeak, CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
+    AroundPeak, CurvePoint, LevelOutcome, MistunedRecord, OtherMaximum, PeakRecord, SampleOutcome,
+    SweepRecord,
 };
 use crate::ensemble::table::{
     RowCursor, Rows, TableReader, missing, number, optional, real, whole,
@@ -101,6 +104,9 @@ pub(super) struct SampleBatch {
     others: [ListArray; 2],
     /// As [`SWEEP_COLUMNS`]; absent in tables of an older program.
     sweeps: [Option<Float64Array>; 6],
+    /// Largest blade, and as [`MISTUNED_COLUMNS`]; only of disks whose blades differ.
+    blade: Option<Int64Array>,
+    mistuned: [Option<Float64Array>; 3],
     newton_iterations: Int64Array,
     factorizations: Int64Array,
 }
@@ -170,6 +176,8 @@ impl SampleBatch {
             peak: PeakColumns::of(rows)?,
             others: [frequencies?, amplitudes?],
             sweeps: SWEEP_COLUMNS.map(|(name, _)| rows.reals(name).ok().cloned()),
+            blade: rows.counts(BLADE_COLUMN).ok().cloned(),
+            mistuned: MISTUNED_COLUMNS.map(|(name, _)| rows.reals(name).ok().cloned()),
             newton_iterations: rows.counts("newton_iterations")?.clone(),
             factorizations: rows.counts("factorizations")?.clone(),
         })
@@ -204,11 +212,15 @@ impl SampleBatch {
 
     fn level(&self, at: usize) -> Result<LevelOutcome, Fault> {
         let status = named(&self.status, at, &Status::ALL, Status::name);
+        let mut around = AroundPeak::new(self.others(at)?, Vec::new(), self.sweeps(at));
+        if let Some(record) = self.mistuned(at) {
+            around.set_mistuned(record);
+        }
         Ok(LevelOutcome {
             level: real(&self.level, at, "level")?,
             status: status?.ok_or_else(|| missing("status"))?,
             peak: self.peak.record(at)?,
-            around: AroundPeak::new(self.others(at)?, Vec::new(), self.sweeps(at)),
+            around,
             newton_iterations: whole(&self.newton_iterations, at, "newton_iterations")?,
             factorizations: whole(&self.factorizations, at, "factorizations")?,
         })
@@ -225,6 +237,18 @@ impl SampleBatch {
             amplitude_m,
         });
         Ok(others.collect())
+    }
+
+    /// What mistuning makes of the peak, where there is such.
+    fn mistuned(&self, at: usize) -> Option<MistunedRecord> {
+        let blade = whole(self.blade.as_ref()?, at, BLADE_COLUMN).ok()?;
+        let factor = |i: usize| optional(self.mistuned[i].as_ref()?, at);
+        Some(MistunedRecord {
+            blade,
+            amplification: factor(0).into(),
+            over_linear: factor(1).into(),
+            linear_amplification: factor(2).into(),
+        })
     }
 
     /// What sweeps meet, where that is known.

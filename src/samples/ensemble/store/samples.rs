@@ -6,12 +6,12 @@
 use super::provenance::Provenance;
 use crate::ensemble::columns::SAMPLE_COLUMNS;
 use crate::ensemble::outcome::{
-    LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
+    LevelOutcome, MistunedRecord, OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
 };
 use crate::ensemble::table::{Column, Table, TableError, TableLayout, TableWriter, count};
 use crate::file::{FileError, FileRecord};
 use crate::hb::PeakRoute;
-use crate::sampling::SampleGroup;
+use crate::sampling::{Input, SampleGroup};
 use parquet::file::metadata::KeyValue;
 use std::path::Path;
 
@@ -41,6 +41,15 @@ pub(super) const SWEEP_COLUMNS: [SweepColumn; 6] = [
     ("downward_amplitude_m", |s| Some(s.downward.amplitude_m)),
     ("several_from_hz", |s| Some(s.several_hz?[0])),
     ("several_to_hz", |s| Some(s.several_hz?[1])),
+];
+
+/// Columns of what mistuning makes of a peak; only of disks whose blades differ.
+type MistunedColumn = (&'static str, fn(&MistunedRecord) -> Option<f64>);
+pub(super) const BLADE_COLUMN: &str = "largest_blade";
+pub(super) const MISTUNED_COLUMNS: [MistunedColumn; 3] = [
+    ("amplification", |m| m.amplification.get()),
+    ("amplification_over_linear", |m| m.over_linear.get()),
+    ("linear_amplification", |m| m.linear_amplification.get()),
 ];
 
 /// Writes one row per sample and level.
@@ -93,6 +102,11 @@ fn sample_columns(input_names: &[String], group: SampleGroup, outcomes: &[Sample
         .collect();
     let mut table = input_columns(input_names, group, &rows);
     table.extend(peak_columns(&rows));
+    let has_blades =
+        |name: &String| matches!(Input::of_column(name), Some(Input::BladeFrequency(_)));
+    if input_names.iter().any(has_blades) {
+        table.extend(mistuned_columns(&rows));
+    }
     let newton = rows.iter().map(|(_, l)| count(l.newton_iterations));
     let factorizations = rows.iter().map(|(_, l)| count(l.factorizations));
     table.extend([
@@ -178,6 +192,18 @@ fn peak_columns(rows: &[LevelRow]) -> Table {
     for (name, of) in SWEEP_COLUMNS {
         let sweeps = |(_, l): &LevelRow| l.around.sweeps().and_then(of).and_then(finite);
         table.push(named(name, Column::Real(rows.iter().map(sweeps).collect())));
+    }
+    table
+}
+
+/// What mistuning makes of the peaks of the rows.
+fn mistuned_columns(rows: &[LevelRow]) -> Table {
+    let blade = |(_, l): &LevelRow| l.around.mistuned().and_then(|m| count(m.blade));
+    let blades = rows.iter().map(blade).collect();
+    let mut table = vec![named(BLADE_COLUMN, Column::Count(blades))];
+    for (name, of) in MISTUNED_COLUMNS {
+        let factor = |(_, l): &LevelRow| l.around.mistuned().and_then(of).and_then(finite);
+        table.push(named(name, Column::Real(rows.iter().map(factor).collect())));
     }
     table
 }

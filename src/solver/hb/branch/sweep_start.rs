@@ -58,6 +58,28 @@ pub(in crate::hb) fn first_solution<'p>(
     sweep_start.at(omega)
 }
 
+/// The same, first tried at that frequency itself: where many resonances lie between it and a frequency far outside, as below the band of
+/// a mistuned disk, the way from there is long.
+///
+/// # Errors
+/// The status of the last attempt.
+pub(in crate::hb) fn solution_at_end<'p>(
+    rungs: &[Balance<'p>],
+    newton: NewtonSettings,
+    level: f64,
+    omega: f64,
+    direction: SweepDirection,
+) -> Result<Iterate<'p>, Status> {
+    let sweep_start = SweepStart {
+        rungs,
+        newton,
+        level,
+        direction,
+    };
+    let raised = sweep_start.raised(&rungs[0], omega);
+    (raised.and_then(|start| sweep_start.climb(start))).or_else(|_| sweep_start.at(omega))
+}
+
 impl<'p> SweepStart<'_, 'p> {
     fn at(&self, omega: f64) -> Solved<'p> {
         if !(omega.is_finite() && self.level.is_finite()) {

@@ -278,7 +278,7 @@ impl<'p> Balance<'p> {
         }
     }
 
-    /// Derivative of the first harmonic of response 0 (m) along the path whose derivatives are `rates`.
+    /// Derivative of the first harmonic of the response that defines resonance (m) along the path whose derivatives are `rates`.
     #[must_use]
     pub fn response_rate(&self, at: &Compliance<'_>, motion: &Motion, rate: &LoadRate<'_>) -> c64 {
         let (first, eta) = (&at.harmonics[0], &motion.dynamic[0]);
@@ -288,7 +288,7 @@ impl<'p> Balance<'p> {
         for ((load, inertia), force) in load.iter_mut().zip(&inertia).zip(&part.force) {
             *load = force * rate.level - *load - inertia * rate.omega;
         }
-        part.responses(&first.solve_rate(&load))[0]
+        part.responses(&first.solve_rate(&load))[self.problem.leading]
     }
 
     /// Largest relative displacement (m) of the stuck structure, static or dynamic.

@@ -23,6 +23,8 @@ pub struct Problem<'m> {
     pub stuck_static: StuckStatic,
     /// Factor on the static force f₀.
     pub static_load_scale: f64,
+    /// Number of the response whose amplitude defines resonance: 0, but for the blades of a mistuned disk.
+    pub leading: usize,
     /// What evaluates the contact forces: the processor, unless it is set otherwise.
     pub backend: Backend<'m>,
     /// Work so far, and Newton iterations left to the search that runs (no bound until [`Effort::grant`]).
@@ -31,7 +33,7 @@ pub struct Problem<'m> {
 
 /// The stuck structure at rest under the mean force deviation g₀: η₀ = `eta` − `eta_per_force` g₀ and
 /// r₀ = `relative` − `compliance` g₀.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct StuckStatic {
     /// Modal coordinates under the static load. Shape: `[n]`.
     pub eta: Vec<f64>,
@@ -90,9 +92,25 @@ impl<'m> Problem<'m> {
             stuck_stiffness,
             stuck_static,
             static_load_scale,
+            leading: 0,
             backend: Backend::Cpu,
             effort: Effort::default(),
         })
+    }
+
+    /// The same problem with the response `leading` as the one that defines resonance, and no work yet.
+    #[must_use]
+    pub fn led_by(&self, leading: usize) -> Self {
+        Self {
+            model: self.model,
+            contacts: self.contacts.clone(),
+            stuck_stiffness: self.stuck_stiffness.clone(),
+            stuck_static: self.stuck_static.clone(),
+            static_load_scale: self.static_load_scale,
+            leading,
+            backend: self.backend,
+            effort: Effort::default(),
+        }
     }
 
     /// Displacement (m) that residuals are divided by at an excitation level. It does not depend on the unknowns: else a point

@@ -125,14 +125,17 @@ impl<'p> Iterate<'p> {
         )
     }
 
-    /// Complex amplitude of the first harmonic of response 0 (m).
+    /// Complex amplitude of the first harmonic of the response that defines resonance (m).
     #[must_use]
     pub fn response(&self, balance: &Balance<'_>) -> c64 {
-        balance
-            .problem
-            .model
-            .part(1)
-            .responses(&self.motion.dynamic[0])[0]
+        self.responses(balance)[balance.problem.leading]
+    }
+
+    /// Complex amplitudes of the first harmonics of all responses (m).
+    #[must_use]
+    pub fn responses(&self, balance: &Balance<'_>) -> Vec<c64> {
+        let part = balance.problem.model.part(1);
+        part.responses(&self.motion.dynamic[0])
     }
 
     /// The Newton step at a fixed frequency, −J⁻¹ R (m), and dr/dω (m/(rad/s)) along the branch of solutions, −J⁻¹ ∂R/∂ω, solved

@@ -2,6 +2,7 @@
 
 pub mod alert;
 mod band;
+pub mod blades;
 mod growth;
 pub mod level_peak;
 pub mod maxima;

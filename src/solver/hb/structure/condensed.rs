@@ -173,9 +173,49 @@ fn add_product(y: &mut Mat<f64>, factor: f64, a: MatRef<'_, f64>, b: MatRef<'_, 
     matmul(y.as_mut(), Accum::Add, a, b, factor, Par::Seq);
 }
 
+/// Rows from which on zeros of L are left out of H.
+const SPARSE_ROWS: usize = 100;
+/// Largest share of L that may then be other than zero: sectors of a ring that only contacts couple.
+const SPARSE_SHARE: f64 = 0.125;
+
+/// H = L D Lᵀ by the entries of L that are not zero; none where these are many.
+fn sparse_receptance(l: &Mat<f64>, receptance: &[c64]) -> Option<ContactCompliance> {
+    let (m, n) = (l.nrows(), l.ncols());
+    let filled = (0..n).map(|j| l.col_as_slice(j).iter().filter(|x| **x != 0.0).count());
+    if m < SPARSE_ROWS || filled.sum::<usize>() as f64 > SPARSE_SHARE * (m * n) as f64 {
+        return None;
+    }
+    let [mut real, mut imaginary] = [Mat::zeros(m, m), Mat::zeros(m, m)];
+    let condensed = receptance
+        .iter()
+        .enumerate()
+        .filter(|(_, d)| d.norm_sqr() > 0.0);
+    for (j, d) in condensed {
+        let column = l.col_as_slice(j);
+        let rows: Vec<usize> = (0..m).filter(|&i| column[i] != 0.0).collect();
+        for (at, &b) in rows.iter().enumerate() {
+            let scaled = d * column[b];
+            for &a in &rows[at..] {
+                real[(a, b)] += column[a] * scaled.re;
+                imaginary[(a, b)] += column[a] * scaled.im;
+            }
+        }
+    }
+    Some(ContactCompliance {
+        real,
+        imaginary,
+        symmetric: true,
+    })
+}
+
 /// H = L D Lᵀ. Shape: `receptance` `[n]`.
 fn receptance_at_contacts(part: &ModalPart, receptance: &[c64]) -> ContactCompliance {
     let l = &part.contact.real;
+    if part.multiplicity == 1.0
+        && let Some(sparse) = sparse_receptance(l, receptance)
+    {
+        return sparse;
+    }
     let product = |f: fn(&c64) -> f64| {
         let mut scaled = l.clone();
         for (j, d) in receptance.iter().enumerate() {

@@ -8,7 +8,7 @@
 use crate::hb::ProblemError;
 use crate::linalg::split::SplitMat;
 use crate::linalg::{Entry, symmetric_generalized_eigen};
-use crate::model::{ReducedModel, SparseRow};
+use crate::model::{ContactPair, ReducedModel, SparseRow};
 use faer::prelude::*;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -150,11 +150,7 @@ impl ModalPart {
         phi: &Mat<f64>,
         multiplicity: f64,
     ) -> Self {
-        let pairs = &model.contacts;
-        let rows: Vec<&SparseRow> = (pairs.iter().map(|p| &p.t1))
-            .chain(pairs.iter().map(|p| &p.t2))
-            .chain(pairs.iter().map(|p| &p.n))
-            .collect();
+        let rows = rows_of_pairs(&model.contacts).concat();
         let responses: Vec<&SparseRow> = model.responses.iter().map(|r| &r.row).collect();
         let project = |f: &[f64]| -> Vec<f64> {
             let f = Col::from_fn(f.len(), |i| f[i]);
@@ -286,6 +282,14 @@ impl Structure {
 }
 
 impl Coupling {
+    /// Classical damping.
+    pub(in crate::hb) fn none() -> Self {
+        Self {
+            modes: Vec::new(),
+            damping: Mat::<f64>::zeros(0, 0).into(),
+        }
+    }
+
     /// The entries beside the diagonal of Ĉ that are more than round-off.
     pub(in crate::hb) fn of(full: &SplitMat) -> Self {
         let n = full.nrows();
@@ -317,6 +321,15 @@ impl Coupling {
             y[i] += factor * c_eta;
         }
     }
+}
+
+/// The linear forms t1 of every pair, t2, n.
+pub(super) fn rows_of_pairs(pairs: &[ContactPair]) -> [Vec<&SparseRow>; 3] {
+    [
+        pairs.iter().map(|p| &p.t1).collect(),
+        pairs.iter().map(|p| &p.t2).collect(),
+        pairs.iter().map(|p| &p.n).collect(),
+    ]
 }
 
 fn rows_times(rows: &[&SparseRow], phi: &Mat<f64>) -> Mat<f64> {

@@ -4,6 +4,8 @@ pub mod compliance;
 mod condensed;
 pub mod fold;
 pub mod linear;
+pub mod mistuned;
 pub mod resonance;
+mod ring;
 pub(in crate::hb) mod springs;
 pub mod waves;

@@ -62,6 +62,7 @@ impl ContactCompliance {
     #[inline(always)]
     fn attach(&mut self, k: &[c64]) {
         let m = k.len();
+        let real = self.imaginary.norm_max() == 0.0 && k.iter().all(|k| k.im == 0.0);
         let mut diagonal: [Vec<f64>; 2] =
             [&self.real, &self.imaginary].map(|matrix| (0..m).map(|i| matrix[(i, i)]).collect());
         let none = c64::new(0.0, 0.0);
@@ -82,7 +83,31 @@ impl ContactCompliance {
                 rest[0].scale(pivot(i).inv() * k[i]);
                 rest[0].apply_to_diagonal(&mut diagonal);
             }
-            self.apply(&group);
+            match real {
+                true => self.apply_real(&group),
+                false => self.apply(&group),
+            }
+        }
+    }
+
+    /// The same as [`Self::apply`] where nothing has an imaginary part, as at rest.
+    #[inline(always)]
+    fn apply_real(&mut self, group: &[Update; WIDTH]) {
+        let m = self.real.nrows();
+        for j in 0..m {
+            let first = if self.symmetric { j } else { 0 };
+            let n = m - first;
+            let real = &mut self.real.col_as_slice_mut(j)[first..][..n];
+            let factor: [f64; WIDTH] = std::array::from_fn(|u| group[u].scaled[0][j]);
+            let column: [&[f64]; WIDTH] =
+                std::array::from_fn(|u| &group[u].column[0][first..][..n]);
+            for i in 0..n {
+                let mut re = real[i];
+                for (f, c) in factor.iter().zip(&column) {
+                    re -= f * c[i];
+                }
+                real[i] = re;
+            }
         }
     }
 

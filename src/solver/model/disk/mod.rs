@@ -12,6 +12,7 @@
 //! Displacements are those along the radius, the axis and the circumference at the sector itself, so that no sector is turned
 //! against another. Source: Petrov 2004, J. Turbomach. 126, 175–183, doi 10.1115/1.1644558.
 
+mod nodal_matrices;
 mod sector_matrices;
 
 pub use sector_matrices::SectorMatrices;
@@ -53,6 +54,9 @@ pub struct Disk {
     pub stiffness: CyclicMatrix,
     /// Stiffness added in the 0th harmonic only. Shape: as the names.
     pub retention: Option<Mat<f64>>,
+    /// Stiffness of the blade alone, held where it meets the rest, in the degrees of freedom of a sector: what deviates from blade to
+    /// blade in a mistuned disk. None where it is not known which they are. Shape: as the matrices.
+    pub blade_stiffness: Option<Mat<f64>>,
     /// Contact pairs of a sector. The degree of freedom i of the next sector has the number i plus that of the names.
     pub contacts: Vec<ContactPair>,
     /// f₀. Shape: `[names]`.
@@ -238,6 +242,25 @@ impl Disk {
         Ok(lambda.iter().map(|l| l.max(0.0).sqrt()).collect())
     }
 
+    /// The disk with all contacts stuck: springs take their place. Shape: `stuck` `[contacts]`.
+    #[must_use]
+    pub fn with_stuck_contacts(&self, stuck: &[ContactParameters<f64>]) -> Self {
+        let mut disk = self.clone();
+        let springs = |of: fn(&ContactPair) -> &SparseRow,
+                       k: fn(&ContactParameters<f64>) -> f64| {
+            let rows = self.contacts.iter().map(of);
+            rows.zip(stuck.iter().map(k))
+        };
+        let rows = springs(|pair| &pair.t1, |c| c.k_t[0])
+            .chain(springs(|pair| &pair.t2, |c| c.k_t[1]))
+            .chain(springs(|pair| &pair.n, |c| c.k_n));
+        for (row, k) in rows {
+            disk.stiffness.add_spring(row, k, self);
+        }
+        disk.contacts.clear();
+        disk
+    }
+
     /// A linear form in a wave: the next sector's displacements are those of this one, later.
     fn row(&self, row: &SparseRow, wave: usize) -> Vec<(usize, c64)> {
         let (named, turn) = (self.dof_names.len(), turn(wave, self.n_sectors));
@@ -262,6 +285,34 @@ impl CyclicMatrix {
     pub fn uncoupled(own: Mat<f64>) -> Self {
         let next = Mat::zeros(own.nrows(), own.ncols());
         Self::Neighbours { own, next }
+    }
+
+    /// Adds the spring `k` (N/m) against a linear form on the displacements of a sector of `disk` and the next one.
+    fn add_spring(&mut self, row: &SparseRow, k: f64, disk: &Disk) {
+        let named = disk.dof_names.len();
+        match self {
+            Self::Neighbours { own, next } => {
+                for &(i, a) in row {
+                    for &(j, b) in row {
+                        match (i < named, j < named) {
+                            (true, true) => own[(i, j)] += k * a * b,
+                            (false, false) => own[(i - named, j - named)] += k * a * b,
+                            (true, false) => next[(i, j - named)] += k * a * b,
+                            // the transpose of the case before
+                            (false, true) => {}
+                        }
+                    }
+                }
+            }
+            Self::Nodal(matrices) => {
+                for (wave, matrix) in matrices.iter_mut().enumerate() {
+                    let row = disk.row(row, wave);
+                    for &(i, a) in &row {
+                        (row.iter()).for_each(|&(j, b)| matrix[(i, j)] += a.conj() * b * k);
+                    }
+                }
+            }
+        }
     }
 
     /// The matrix in a wave of `n_sectors`.

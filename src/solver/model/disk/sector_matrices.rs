@@ -6,10 +6,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::super::Response;
 use super::super::dof_index::DofIndex;
 use super::super::matrices::{MatricesError, MatricesSettings, dense, excited, unique};
 use super::super::matrix_checks::{dependent_wave_row, positive_semidefinite};
+use super::super::{ContactPair, Response};
 use super::{CyclicMatrix, Disk};
 use crate::contact::ContactParameters;
 use crate::linalg::symmetric_generalized_eigen;
@@ -17,7 +17,7 @@ use crate::setting::BadSetting;
 use faer::Mat;
 
 /// What stands before the name of a degree of freedom of the next sector.
-const NEXT: &str = "next:";
+pub(super) const NEXT: &str = "next:";
 
 /// The user's matrices of one sector of a disk. The keys of a model of kind "matrices" hold for the sector, but for `mirror`.
 /// Contact rows name a degree of freedom of the next sector with `next:` before it.
@@ -27,6 +27,8 @@ pub struct SectorMatrices {
     pub sector: MatricesSettings,
     /// Degrees of freedom on the left boundary.
     pub left: Vec<String>,
+    /// Degrees of freedom of the blade: those that are not held where a blade vibrates alone. None where the disk is tuned.
+    pub blade: Vec<String>,
     /// Those on the right boundary, each the one that meets its counterpart of the next sector's left boundary.
     pub right: Vec<String>,
 }
@@ -50,6 +52,9 @@ impl SectorMatrices {
         let mirror = self.sector.mirror.as_ref();
         let given = mirror.map(|file| file.display().to_string());
         BadSetting::unless(mirror.is_none(), "mirror", given.unwrap_or_default(), rule)?;
+        if self.is_nodal() {
+            return self.validate_nodal();
+        }
         let (left, right) = (self.left.len(), self.right.len());
         let rule = format!(
             "must be as many as in left ({left}): the boundaries of a sector meet those of its neighbours, in this order"
@@ -57,6 +62,7 @@ impl SectorMatrices {
         BadSetting::unless(left == right, "right", format!("{right} names"), &rule)?;
         unique("left", self.left.iter().map(String::as_str))?;
         unique("right", self.right.iter().map(String::as_str))?;
+        unique("blade", self.blade.iter().map(String::as_str))?;
         for (i, name) in self.right.iter().enumerate() {
             let rule = "must not be on both boundaries";
             let only_right = !self.left.contains(name);
@@ -84,6 +90,9 @@ impl SectorMatrices {
         n_sectors: usize,
     ) -> Result<(Disk, Vec<ContactParameters<f64>>), MatricesError> {
         self.validate()?;
+        if self.is_nodal() {
+            return self.build_nodal(name, folder, n_sectors);
+        }
         let of = &self.sector;
         let read = |file: &Path, size| of.checked(folder, file, size, positive_semidefinite);
         let mass = read(&of.mass, None)?;
@@ -106,15 +115,10 @@ impl SectorMatrices {
             None => None,
         };
         let (index, own) = places.index(&all_names);
+        let blade_stiffness = self.blade_stiffness(&own, &stiffness)?;
         let vector = |key, vector| dense(folder, key, vector, n, &whole_index(&all_names));
         let harmonic = |key: &str, vector: Vec<f64>| places.harmonic(key, &vector, &all_names);
-        let mut contacts = Vec::new();
-        let mut parameters = Vec::new();
-        for (i, table) in of.contact.iter().enumerate() {
-            contacts.push(table.pair(&format!("contact[{i}]"), &index)?);
-            parameters.push(table.parameters());
-        }
-        unique("contact", contacts.iter().map(|pair| pair.name.as_str()))?;
+        let (contacts, parameters) = self.contacts(&index)?;
         let cosine_force = harmonic("cosine_force", vector("cosine_force", &of.cosine_force)?)?;
         let sine_force = harmonic("sine_force", vector("sine_force", &of.sine_force)?)?;
         excited(&cosine_force, &sine_force)?;
@@ -128,6 +132,7 @@ impl SectorMatrices {
             damping,
             stiffness,
             retention,
+            blade_stiffness,
             contacts,
             static_force,
             loads: Vec::new(),
@@ -136,6 +141,49 @@ impl SectorMatrices {
             responses,
         };
         Ok((disk, parameters))
+    }
+
+    /// Contact pairs of a sector and their constants.
+    pub(super) fn contacts(
+        &self,
+        index: &DofIndex,
+    ) -> Result<(Vec<ContactPair>, Vec<ContactParameters<f64>>), BadSetting> {
+        let mut contacts = Vec::new();
+        let mut parameters = Vec::new();
+        for (i, table) in self.sector.contact.iter().enumerate() {
+            contacts.push(table.pair(&format!("contact[{i}]"), index)?);
+            parameters.push(table.parameters());
+        }
+        unique("contact", contacts.iter().map(|pair| pair.name.as_str()))?;
+        Ok((contacts, parameters))
+    }
+
+    /// What the stiffness of a sector has among the blade's degrees of freedom.
+    fn blade_stiffness(
+        &self,
+        own: &[String],
+        stiffness: &CyclicMatrix,
+    ) -> Result<Option<Mat<f64>>, BadSetting> {
+        if self.blade.is_empty() {
+            return Ok(None);
+        }
+        let CyclicMatrix::Neighbours { own: of_sector, .. } = stiffness else {
+            return Ok(None);
+        };
+        let mut is_blade = vec![false; own.len()];
+        for (i, name) in self.blade.iter().enumerate() {
+            let place = own.iter().position(|other| other == name);
+            let rule =
+                "must name a degree of freedom of the sector that is not on its right boundary";
+            BadSetting::unless(place.is_some(), &format!("blade[{i}]"), name, rule)?;
+            place.into_iter().for_each(|place| is_blade[place] = true);
+        }
+        let n = of_sector.nrows();
+        let entry = |i: usize, j: usize| match is_blade[i] && is_blade[j] {
+            true => of_sector[(i, j)],
+            false => 0.0,
+        };
+        Ok(Some(Mat::from_fn(n, n, entry)))
     }
 
     fn places(&self, names: &[String]) -> Result<Places, BadSetting> {
@@ -230,7 +278,7 @@ fn whole_index(names: &[String]) -> DofIndex {
 }
 
 /// Requires a mass that is positive definite in every wave.
-fn definite(mass: &CyclicMatrix, n_sectors: usize) -> Result<(), BadSetting> {
+pub(super) fn definite(mass: &CyclicMatrix, n_sectors: usize) -> Result<(), BadSetting> {
     for diameter in 0..=n_sectors / 2 {
         if let Some(row) = dependent_wave_row(&mass.at(diameter, n_sectors)) {
             let rule = format!(
@@ -244,7 +292,7 @@ fn definite(mass: &CyclicMatrix, n_sectors: usize) -> Result<(), BadSetting> {
 }
 
 /// C(θ) = M Φ diag(2ζω) Φᴴ M: the same damping ratio in every free mode of every wave.
-fn modal_damping(
+pub(super) fn modal_damping(
     ratio: f64,
     [stiffness, mass]: [&CyclicMatrix; 2],
     n_sectors: usize,

@@ -91,6 +91,10 @@ fn assembled(
         ),
         stiffness: beside(&component.reduced.stiffness, &strip.strip.reduced.stiffness),
         retention: Some(strip.retention()),
+        blade_stiffness: Some(Mat::from_fn(n, n, |i, j| match i.max(j) < strip.first {
+            true => component.reduced.stiffness[(i, j)],
+            false => 0.0,
+        })),
         contacts: (0..2)
             .flat_map(|side| (0..nodes).map(move |node| (side, node)))
             .map(|(side, node)| pair(side, node))

@@ -61,9 +61,10 @@ pub struct TwoBladeSettings {
     /// Density (kg/m³).
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub density_kg_m3: f64,
-    /// Contact nodes per interface, [across the gap, along it]: points of Gauss' rule, each with a patch around it.
+    /// Contact nodes per interface, [across the gap, along it]: points of Gauss' rule, each with a patch around it. At least two along the
+    /// gap; one across it holds no moment about the gap.
     #[serde(deserialize_with = "crate::setting::exactly")]
-    #[schemars(inner(range(min = 2, max = MOST_CONTACT_NODES)))]
+    #[schemars(inner(range(min = 1, max = MOST_CONTACT_NODES)))]
     pub contact_nodes: [usize; 2],
     /// Longest element edges in the blades along x, y, z (mm).
     #[serde(deserialize_with = "crate::setting::exactly")]
@@ -222,13 +223,14 @@ impl TwoBladeSettings {
             positive(key, cut_off)?;
             within(key, cut_off, [0.0, HIGHEST_CUT_OFF_HZ])?;
         }
+        let [across, along] = self.contact_nodes;
         BadSetting::unless(
-            self.contact_nodes
-                .iter()
-                .all(|n| (2..=MOST_CONTACT_NODES).contains(n)),
+            (1..=MOST_CONTACT_NODES).contains(&across) && (2..=MOST_CONTACT_NODES).contains(&along),
             "contact_nodes",
             format!("{:?}", self.contact_nodes),
-            &format!("needs 2 to {MOST_CONTACT_NODES} nodes in each direction"),
+            &format!(
+                "needs 2 to {MOST_CONTACT_NODES} nodes along the gap, 1 to {MOST_CONTACT_NODES} across it"
+            ),
         )?;
         self.validate_elements()?;
         for (key, height) in [

@@ -1,0 +1,70 @@
+//! Complex matrices from Matrix Market files; real ones as complex.
+
+use super::matrix_market::{Collects, Entry, LARGEST, Shape, place, read_entries};
+use crate::file::FileError;
+use faer::{Mat, c64};
+use std::path::Path;
+
+/// A complex matrix, and how exactly its file states it.
+#[derive(Debug)]
+pub(super) struct StatedComplex {
+    pub(super) matrix: Mat<c64>,
+    /// Most significant digits of a real part.
+    pub(super) digits: u32,
+}
+
+/// Reads a complex, real or integer matrix: as [`super::matrix_market::read_matrix`], and complex ones may be `hermitian`.
+///
+/// # Errors
+/// As there.
+pub(super) fn read_complex(path: &Path) -> Result<StatedComplex, FileError> {
+    let (dense, digits) = read_entries::<Complex>(path, LARGEST)?;
+    Ok(StatedComplex {
+        matrix: dense.matrix,
+        digits,
+    })
+}
+
+/// A dense matrix with both triangles.
+struct Complex {
+    shape: Shape,
+    matrix: Mat<c64>,
+    /// Which entries of a coordinate matrix are there already, column by column.
+    given: Vec<bool>,
+}
+
+impl Collects for Complex {
+    const COMPLEX: bool = true;
+
+    fn empty(shape: Shape, coordinate: bool) -> Self {
+        let Shape { rows, columns, .. } = shape;
+        Self {
+            shape,
+            matrix: Mat::zeros(rows, columns),
+            given: vec![false; if coordinate { rows * columns } else { 0 }],
+        }
+    }
+
+    fn add(&mut self, entry: Entry) -> Result<(), String> {
+        let Entry { row, column, .. } = entry;
+        let given = self.given.get_mut(row + column * self.shape.rows);
+        if given.is_some_and(|given| std::mem::replace(given, true)) {
+            return Err(format!("{}: must be given once", place(row, column)));
+        }
+        let value = c64::new(entry.value, entry.imaginary);
+        if self.shape.hermitian && row == column && entry.imaginary != 0.0 {
+            let place = place(row, column);
+            return Err(format!(
+                "{place} = {value}: must be real in a Hermitian matrix"
+            ));
+        }
+        self.matrix[(row, column)] = value;
+        if self.shape.symmetric && row != column {
+            self.matrix[(column, row)] = match self.shape.hermitian {
+                true => value.conj(),
+                false => value,
+            };
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,105 @@
+//! A mistuned disk from study file to page.
+
+use std::path::Path;
+
+use microslip::ensemble::outcome::SampleOutcome;
+use microslip::ensemble::store::read_samples;
+use serde_json::Value;
+
+use super::bad_input::disk_cases::{DISK, DISK_FILES};
+use crate::microslip;
+
+/// Runs a disk of so many blades with this scatter into a folder; `more` are options.
+fn run(folder: &Path, (sectors, scatter): (usize, &str), output: &str, more: &[&str]) {
+    for (name, text) in DISK_FILES {
+        std::fs::write(folder.join(name), text).unwrap();
+    }
+    let disk =
+        format!("sectors = {sectors}\nblade = [\"blade.x\"]\nblade_frequency_scatter = {scatter}");
+    let study = DISK
+        .replace("sectors = 12", &disk)
+        .replace("engine_orders = [3]", "engine_orders = [1]")
+        .replace(
+            "levels = [1.0]",
+            "levels = [1.0, 20.0]\nseed = 5\nsamples = 6",
+        )
+        + "\n[solver]\nharmonics = 1\nalert = false\n\n[output]\ncurve_samples = 0\n\n\
+           [inputs.friction_coefficient]\ndistribution = \"uniform\"\nlow = 0.2\nhigh = 0.4\n";
+    std::fs::write(folder.join("study.toml"), study).unwrap();
+    let options = [&["run", "study.toml", "--quiet", "--output", output], more].concat();
+    let run = microslip(folder, &options);
+    assert_eq!(run.status.code(), Some(0), "{run:?}");
+}
+
+fn samples(folder: &Path, output: &str) -> (Vec<String>, Vec<SampleOutcome>) {
+    let stored = read_samples(&folder.join(output).join("samples.parquet")).unwrap();
+    (stored.input_names, stored.outcomes)
+}
+
+/// Every sample has its largest blade and its factors, which page and summary show; each deviation is a function of seed, sample and blade:
+/// the same on a disk with more blades and however many threads there are.
+#[test]
+fn amplification_of_every_sample_reaches_page_and_tables() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    run(folder, (4, "0.01"), "four", &["--threads", "1"]);
+    run(folder, (4, "0.01"), "again", &["--threads", "2"]);
+    run(folder, (5, "0.01"), "five", &[]);
+    let bytes = |of: &str| std::fs::read(folder.join(of).join("samples.parquet")).unwrap();
+    assert!(
+        bytes("four") == bytes("again"),
+        "threads change the samples"
+    );
+    let (names, four) = samples(folder, "four");
+    let (_, five) = samples(folder, "five");
+    assert_eq!(names[0], "friction_coefficient");
+    assert_eq!(names[4], "blade_3_frequency_deviation");
+    for (a, b) in four.iter().zip(&five) {
+        assert_eq!(a.inputs[..5], b.inputs[..5]);
+        let deviations = &a.inputs[1..];
+        let largest = deviations.iter().fold(0.0, |m: f64, d| m.max(d.abs()));
+        assert!((1e-4..0.05).contains(&largest), "{deviations:?}");
+        for level in &a.levels {
+            let peak = level.peak.expect("a peak");
+            let mistuned = level.around.mistuned().expect("a blade");
+            assert!(mistuned.blade < 4);
+            let factor = mistuned.amplification.get().expect("a factor");
+            assert!((0.3..1.6).contains(&factor), "{factor}");
+            let linear = mistuned.linear_amplification.get().expect("a factor");
+            // (1 + √4)/2
+            assert!((0.3..1.5).contains(&linear), "{linear}");
+            assert!(mistuned.over_linear.get().is_some() && peak.amplitude_m > 0.0);
+        }
+    }
+    let read = |name: &str| std::fs::read_to_string(folder.join("four").join(name)).unwrap();
+    let summary: Value = serde_json::from_str(&read("summary.json")).unwrap();
+    let of_level = &summary["levels"][0]["amplification"];
+    let counted = of_level["largest_blades"].as_array().unwrap();
+    assert_eq!(counted.iter().filter_map(Value::as_u64).sum::<u64>(), 6);
+    let quantiles = of_level["amplification"]["distribution"]["quantiles"].as_array();
+    assert_eq!(quantiles.map(Vec::len), Some(3));
+    let page = read("report.html");
+    for text in [
+        "Amplification by mistuning",
+        "Amplification factor: same friction",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+}
+
+/// No scatter: the study is that of the tuned disk, without the columns.
+#[test]
+fn without_scatter_the_disk_is_tuned() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    run(folder, (4, "0"), "tuned", &[]);
+    let (names, outcomes) = samples(folder, "tuned");
+    assert_eq!(names, ["friction_coefficient"]);
+    assert!(
+        outcomes
+            .iter()
+            .all(|o| o.levels[0].around.mistuned().is_none())
+    );
+    let page = std::fs::read_to_string(folder.join("tuned/report.html")).unwrap();
+    assert!(!page.contains("Amplification by mistuning"));
+}
