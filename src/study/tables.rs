@@ -353,7 +353,7 @@ mod tests {
             ("events = \"sampled\"", Events::Sampled),
         ] {
             let contact: ContactSection = toml::from_str(text).unwrap();
-            let settings = SolverSection::default().settings(&contact).unwrap();
+            let settings = SolverSection::default().settings(&contact, false).unwrap();
             assert_eq!(settings.aft.events, expected, "{text}");
         }
     }
