@@ -23,12 +23,12 @@ pub struct Pilot {
     pub samples: u64,
     /// Processor time of all of them (s).
     pub processor_time_s: f64,
-    /// Mean processor time of one of those that start from others (s).
+    /// Mean processor time of one of those that start from others (s); of all where the time is over before, which is an upper bound.
     pub of_later_s: f64,
 }
 
 impl Pilot {
-    /// Solves the first samples of `study` on this thread; nothing if it has none that starts from others, or the time is over before.
+    /// Solves the first samples of `study` on this thread; nothing if it has none that starts from others.
     ///
     /// # Errors
     /// Whatever building the model refuses.
@@ -52,12 +52,15 @@ impl Pilot {
             }
             atlas.extend(anchors.into_iter());
         }
-        let later = samples.saturating_sub(FIRST_ANCHORS);
         let processor_time_s = clock.seconds();
-        Ok((later > 0).then(|| Self {
+        let of_later_s = match samples.saturating_sub(FIRST_ANCHORS) {
+            0 => processor_time_s / samples as f64,
+            later => (processor_time_s - of_first) / later as f64,
+        };
+        Ok((study.samples > FIRST_ANCHORS).then_some(Self {
             samples,
             processor_time_s,
-            of_later_s: (processor_time_s - of_first) / later as f64,
+            of_later_s,
         }))
     }
 
@@ -102,7 +105,6 @@ fn on_processor() -> Option<f64> {
 mod tests {
     use super::Pilot;
 
-    /// Seen to fail with the factor of samples that are cheaper than estimated, and without that of expensive ones.
     #[test]
     fn an_estimate_stands_unless_samples_take_much_more() {
         let pilot = Pilot {
