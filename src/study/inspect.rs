@@ -166,6 +166,21 @@ fn flexible(omega: Vec<f64>) -> Vec<f64> {
     omega.into_iter().filter(|w| *w > floor).collect()
 }
 
+/// Processor time of the whole study (s), and the samples of a model of one's own that were solved for it.
+fn estimated_time(
+    study: &Study,
+    n_contacts: usize,
+    built_in: bool,
+) -> Result<(f64, Option<Pilot>), Error> {
+    let pilot = match built_in {
+        true => None,
+        false => Pilot::of(study)?,
+    };
+    let of_sample = time_of_sample(study, n_contacts);
+    let factor = pilot.map_or(1.0, |pilot| pilot.factor(of_sample));
+    Ok((factor * processor_time(study, n_contacts), pilot))
+}
+
 /// Gathers the facts; of a disk under several engine orders those of the first, with the times of all.
 ///
 /// # Errors
@@ -205,13 +220,7 @@ fn inspect_one(study: &Study) -> Result<Inspection, Error> {
     let names = |rows: &[crate::model::Response]| rows.iter().map(|r| r.name.clone()).collect();
     let inputs = study.design.inputs().iter();
     let unknowns = unknowns(study, n_contacts);
-    let pilot = match components.is_empty() {
-        true => Pilot::of(study)?,
-        false => None,
-    };
-    let of_sample = time_of_sample(study, n_contacts);
-    let factor = pilot.map_or(1.0, |pilot| pilot.factor(of_sample));
-    let processor_time_s = factor * processor_time(study, n_contacts);
+    let (processor_time_s, pilot) = estimated_time(study, n_contacts, !components.is_empty())?;
     Ok(Inspection {
         name: study.name.clone(),
         unit,

@@ -50,7 +50,7 @@ impl Pilot {
                     of_first = clock.seconds();
                 }
             }
-            atlas.extend(anchors.into_iter());
+            atlas.extend(anchors);
         }
         let processor_time_s = clock.seconds();
         let of_later_s = match samples.saturating_sub(FIRST_ANCHORS) {

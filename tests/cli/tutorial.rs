@@ -21,7 +21,13 @@ fn the_tutorial_shows_what_the_program_prints() {
         let output = microslip(Path::new("."), &arguments);
         assert_eq!(output.status.code(), Some(0), "{output:?}");
         let text = String::from_utf8(output.stdout).unwrap();
-        let estimates = ["memory", "processor time", "wall time", "curve.csv"];
+        let estimates = [
+            "memory",
+            "processor time",
+            "pilot",
+            "wall time",
+            "curve.csv",
+        ];
         let lines = (text.lines()).filter(|line| !estimates.iter().any(|e| line.starts_with(e)));
         missing.extend(
             lines

@@ -52,7 +52,7 @@ pub(super) fn section(view: &View) -> Option<Section> {
 
 fn table(view: &View, (against, file, factor): Factor) -> Block {
     let mut table = Table::of(
-        &format!("Amplification factor: {against}"),
+        format!("Amplification factor: {against}"),
         &format!("amplification-{file}"),
         &[
             ("Level", &["level"]),

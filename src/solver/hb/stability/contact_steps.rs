@@ -391,8 +391,8 @@ mod tests {
     /// What the derivatives of a step make of a disturbance.
     fn applied(step: &PairStep, by: &Disturbance) -> [f64; 5] {
         let mut out = [0.0; 5];
-        for row in 0..3 {
-            out[row] = (0..3).map(|c| step.stiffness[row][c] * by.start[c]).sum();
+        for (out, row) in out.iter_mut().zip(&step.stiffness) {
+            *out = (0..3).map(|c| row[c] * by.start[c]).sum();
         }
         for d in 0..2 {
             out[d] += (0..2)
