@@ -11,7 +11,7 @@ use std::fs::File;
 use std::path::Path;
 
 /// Inputs by name, unit and the first words of their description.
-const INPUTS: [(&str, &str, &str); 3] = [
+const INPUTS: [(&str, &str, &str); 4] = [
     ("friction_coefficient", "1", "Friction coefficient of every"),
     ("strip_thickness_mm", "mm", "Thickness of the strip"),
     (
@@ -19,19 +19,25 @@ const INPUTS: [(&str, &str, &str); 3] = [
         "1",
         "Standard normal coefficient of mode 2 ",
     ),
+    (
+        "blade_3_frequency_deviation",
+        "1",
+        "Relative deviation of the frequency of blade 3",
+    ),
 ];
 
-/// Tables of a study whose samples have outer points, replicates and places, with the inputs above.
+/// Tables of a study whose samples have outer points, replicates and places, with the inputs above, that of a mistuned disk among
+/// them.
 fn store(folder: &Path) {
     let mut study = SyntheticStudy::new(20);
     let more = study.record.inputs[0].clone();
-    study.record.inputs.push(more);
+    study.record.inputs.extend([more.clone(), more]);
     for (record, (name, _, _)) in study.record.inputs.iter_mut().zip(INPUTS) {
         record.name = name.to_owned();
     }
     assert_eq!(study.input_names().len(), INPUTS.len(), "inputs");
     for outcome in &mut study.outcomes {
-        outcome.inputs = outcome.inputs.iter().copied().chain([0.5]).collect();
+        outcome.inputs = outcome.inputs.iter().copied().chain([0.5, 0.01]).collect();
         outcome.group.outer = Some((outcome.index % 3) as u32);
         outcome.group.replicate = Some(0);
         outcome.group.place = Some(1);
