@@ -1,7 +1,7 @@
 //! A mistuned disk: blades whose stiffness differs, by a component-mode model.
 //!
 //! The frequency of blade j alone deviates by the share δ from the nominal one, so that its stiffness has the factor (1 + δ)². In the
-//! modes of the tuned ring ([`super::ring`]) that is
+//! modes of the tuned ring (`ring`) that is
 //!
 //! ```text
 //! Λ + Σⱼ (2δⱼ + δⱼ²) Φⱼᵀ K_blade Φⱼ
