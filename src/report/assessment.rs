@@ -144,10 +144,7 @@ impl Assessment {
 
 /// The sentence that goes with every statement of probability.
 fn condition(record: &RunRecord, epistemic: Option<&EpistemicSummary>) -> String {
-    let inputs = record.inputs.iter();
-    let priors: Vec<String> = inputs
-        .map(|i| format!("{} ({})", i.name, i.assumption()))
-        .collect();
+    let priors = priors(&record.inputs);
     match priors.is_empty() {
         true => "No input is random: the samples do not scatter.".to_owned(),
         false => format!(
@@ -157,6 +154,29 @@ fn condition(record: &RunRecord, epistemic: Option<&EpistemicSummary>) -> String
             epistemic.map_or_else(String::new, |e| format!(" {}", pooling(e)))
         ),
     }
+}
+
+/// Most neighbouring inputs of one distribution that are named one by one.
+const NAMED: usize = 3;
+
+/// Inputs with their distributions; many neighbours of one distribution, as the blades of a disk have, by the first and the last.
+fn priors(inputs: &[InputRecord]) -> Vec<String> {
+    let of_one = inputs.chunk_by(|a, b| a.assumption() == b.assumption());
+    let named = |inputs: &[InputRecord]| -> Vec<String> {
+        match inputs {
+            [first, .., last] if inputs.len() > NAMED => vec![format!(
+                "{} to {} ({} inputs, each {})",
+                first.name,
+                last.name,
+                inputs.len(),
+                first.assumption()
+            )],
+            _ => (inputs.iter())
+                .map(|i| format!("{} ({})", i.name, i.assumption()))
+                .collect(),
+        }
+    };
+    of_one.flat_map(named).collect()
 }
 
 /// What statistics over all samples are not, where some inputs are epistemic.
