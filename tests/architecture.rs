@@ -4,6 +4,10 @@
     reason = "a test that cannot read the sources fails"
 )]
 
+#[path = "common/packages.rs"]
+mod packages;
+
+use packages::below_package;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -50,16 +54,6 @@ fn source_files(folder: &Path) -> Vec<PathBuf> {
     }
     files.sort();
     files
-}
-
-/// `hb/peak/track.rs` for `src/solver/hb/peak/track.rs`: the path below the package.
-fn below_package(file: &Path) -> &Path {
-    let path = file.strip_prefix("src").unwrap();
-    let first = path.iter().next().unwrap();
-    match Path::new("src").join(first).join("Cargo.toml").exists() {
-        true => path.strip_prefix(first).unwrap(),
-        false => path,
-    }
 }
 
 /// First folder or file name below the package.

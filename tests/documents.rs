@@ -4,6 +4,10 @@
     reason = "a test that cannot read the documents fails"
 )]
 
+#[path = "common/packages.rs"]
+mod packages;
+
+use packages::below_package;
 use std::path::{Path, PathBuf};
 
 /// Most lines of the README: all else belongs to the book.
@@ -186,16 +190,6 @@ fn declared(line: &str) -> Option<&str> {
         None => line.strip_prefix("pub ").unwrap_or(line),
     };
     visible.strip_prefix("const ")
-}
-
-/// `hb/peak/track.rs` for `src/solver/hb/peak/track.rs`: the path below the package.
-fn below_package(file: &Path) -> &Path {
-    let path = file.strip_prefix("src").unwrap();
-    let first = path.iter().next().unwrap();
-    match Path::new("src").join(first).join("Cargo.toml").exists() {
-        true => path.strip_prefix(first).unwrap(),
-        false => path,
-    }
 }
 
 /// Numbers that a file declares, outside of functions and tests.

@@ -4,6 +4,7 @@ use crate::synthetic::SyntheticStudy;
 use microslip::hb::Status;
 use microslip::report::asked::{MarginBase, Quantity};
 use microslip::report::numbers::{Exceeded, Quantiles};
+use microslip::report::run::InputRecord;
 use microslip::report::verdict::CriterionResult;
 use microslip::report::{Assessment, Summary};
 use microslip::statistics::Judgement;
@@ -142,6 +143,34 @@ fn reserves_follow_from_goodman() {
         let below = factors.iter().filter(|f| **f < 1.0).count();
         assert_eq!(exceedance.probability.yes, below);
     }
+}
+
+/// Many neighbouring inputs of one distribution, as the blades of a disk have, are named by the first and the last; others one by one.
+#[test]
+fn blades_are_named_by_the_first_and_the_last() {
+    let mut study = SyntheticStudy::new(40);
+    let blade = |i: usize| InputRecord {
+        name: format!("blade_{i}"),
+        prior: "normal: mean 0".to_owned(),
+        ..study.record.inputs[0].clone()
+    };
+    let blades: Vec<_> = (0..24).map(blade).collect();
+    study.record.inputs.extend(blades);
+    for outcome in &mut study.outcomes {
+        let deviations = (0..24).map(|blade| f64::from(blade) * 1e-3);
+        outcome.inputs = outcome.inputs.iter().copied().chain(deviations).collect();
+    }
+    let condition = assess(&study).condition;
+    let expected =
+        "mu (uniform: low 0.1, high 0.8); blade_0 to blade_23 (24 inputs, each normal: mean 0).";
+    assert!(condition.contains(expected), "{condition}");
+    study.record.inputs.truncate(5);
+    for outcome in &mut study.outcomes {
+        outcome.inputs = outcome.inputs[..5].into();
+    }
+    let condition = assess(&study).condition;
+    let expected = "blade_0 (normal: mean 0); blade_1 (normal: mean 0); blade_2 (normal: mean 0).";
+    assert!(condition.contains(expected), "{condition}");
 }
 
 /// Every statement of probability says what it depends on, in the file and in the sections of the page.

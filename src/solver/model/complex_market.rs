@@ -1,6 +1,6 @@
 //! Complex matrices from Matrix Market files; real ones as complex.
 
-use super::matrix_market::{Collects, Entry, LARGEST, Shape, place, read_entries};
+use super::matrix_market::{Collects, Entry, Given, LARGEST, Shape, place, read_entries};
 use crate::file::FileError;
 use faer::{Mat, c64};
 use std::path::Path;
@@ -29,28 +29,23 @@ pub(super) fn read_complex(path: &Path) -> Result<StatedComplex, FileError> {
 struct Complex {
     shape: Shape,
     matrix: Mat<c64>,
-    /// Which entries of a coordinate matrix are there already, column by column.
-    given: Vec<bool>,
+    given: Given,
 }
 
 impl Collects for Complex {
     const COMPLEX: bool = true;
 
     fn empty(shape: Shape, coordinate: bool) -> Self {
-        let Shape { rows, columns, .. } = shape;
         Self {
             shape,
-            matrix: Mat::zeros(rows, columns),
-            given: vec![false; if coordinate { rows * columns } else { 0 }],
+            matrix: Mat::zeros(shape.rows, shape.columns),
+            given: Given::none(shape, coordinate),
         }
     }
 
     fn add(&mut self, entry: Entry) -> Result<(), String> {
         let Entry { row, column, .. } = entry;
-        let given = self.given.get_mut(row + column * self.shape.rows);
-        if given.is_some_and(|given| std::mem::replace(given, true)) {
-            return Err(format!("{}: must be given once", place(row, column)));
-        }
+        self.given.add(entry)?;
         let value = c64::new(entry.value, entry.imaginary);
         if self.shape.hermitian && row == column && entry.imaginary != 0.0 {
             let place = place(row, column);

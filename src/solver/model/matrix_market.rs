@@ -113,26 +113,49 @@ pub fn read_entries<C: Collects>(path: &Path, most: usize) -> Result<(C, u32), F
 struct Dense {
     shape: Shape,
     matrix: Mat<f64>,
-    /// Which entries of a coordinate matrix are there already, column by column.
-    given: Vec<bool>,
+    given: Given,
+}
+
+/// Which entries of a coordinate matrix are there already, column by column; none of an array, whose entries come in order.
+pub(super) struct Given {
+    rows: usize,
+    entries: Vec<bool>,
+}
+
+impl Given {
+    pub(super) fn none(shape: Shape, coordinate: bool) -> Self {
+        let Shape { rows, columns, .. } = shape;
+        Self {
+            rows,
+            entries: vec![false; if coordinate { rows * columns } else { 0 }],
+        }
+    }
+
+    /// Notes an entry.
+    ///
+    /// # Errors
+    /// The rule, if it is there already.
+    pub(super) fn add(&mut self, Entry { row, column, .. }: Entry) -> Result<(), String> {
+        let given = self.entries.get_mut(row + column * self.rows);
+        match given.is_some_and(|given| std::mem::replace(given, true)) {
+            true => Err(format!("{}: must be given once", place(row, column))),
+            false => Ok(()),
+        }
+    }
 }
 
 impl Collects for Dense {
     fn empty(shape: Shape, coordinate: bool) -> Self {
-        let Shape { rows, columns, .. } = shape;
         Self {
             shape,
-            matrix: Mat::zeros(rows, columns),
-            given: vec![false; if coordinate { rows * columns } else { 0 }],
+            matrix: Mat::zeros(shape.rows, shape.columns),
+            given: Given::none(shape, coordinate),
         }
     }
 
     fn add(&mut self, entry: Entry) -> Result<(), String> {
         let Entry { row, column, .. } = entry;
-        let given = self.given.get_mut(row + column * self.shape.rows);
-        if given.is_some_and(|given| std::mem::replace(given, true)) {
-            return Err(format!("{}: must be given once", place(row, column)));
-        }
+        self.given.add(entry)?;
         self.matrix[(row, column)] = entry.value;
         if self.shape.symmetric {
             self.matrix[(column, row)] = entry.value;

@@ -27,95 +27,87 @@ fn unshared(options: &[&str], trial: &str) -> Option<Command> {
     Some(command)
 }
 
+/// Of the scripts on a disk of 64 MB at `disk`, on which the whole results of another seed lie: `measure` notes what it holds, `leave` lets it
+/// have so many more kB, `refused` runs the study and finds the reason in one line and the older results as they were, `as_undisturbed`
+/// compares what is there with a run elsewhere.
+const ON_A_SMALL_DISK: &str = r#"set -e
+    measure() { used=$(df -k --output=used disk | tail -1); }
+    leave() { mount -o remount,size=$((used + $1))k disk; }
+    refused() {
+        status=0
+        "$MICROSLIP" run study.toml --quiet "$@" --output disk/results 2> message || status=$?
+        cat message
+        test $status = 2
+        grep -q 'No space left' message
+        grep -q 'the same command goes on' message
+        test "$(wc -l < message)" = 1
+        for file in samples.parquet curves.parquet atlas.parquet run.json report.html; do
+            cmp whole/$file disk/results/$file
+        done
+    }
+    as_undisturbed() {
+        "$MICROSLIP" run study.toml --quiet --output other
+        for file in samples.parquet curves.parquet; do
+            cmp other/$file disk/results/$file
+        done
+    }
+    mount -t tmpfs -o size=64M tmpfs disk
+    cp -r whole disk/results
+"#;
+
+/// Runs a script after [`ON_A_SMALL_DISK`], where the machine has namespaces.
+fn on_a_small_disk(script: &str) {
+    let study = solved(SAMPLES);
+    std::fs::create_dir(study.path().join("disk")).unwrap();
+    let Some(mut command) = unshared(&["-rm"], "mount -t tmpfs -o size=1M tmpfs /tmp") else {
+        return;
+    };
+    let output = command
+        .current_dir(study.path())
+        .env("MICROSLIP", cargo_bin("microslip"))
+        .args(["sh", "-c", &format!("{ON_A_SMALL_DISK}{script}")])
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{output:?}");
+}
+
 /// On a disk that fills up while parts or results are written, the run ends with the reason, older results are as they were, and
 /// with more room the same command goes on. Seen to fail with the error of a part ignored, with tables written in their places, and without
 /// the word that the same command goes on, of parts (results fail in the test after this one).
 #[test]
 fn a_full_disk_destroys_nothing() {
-    let study = solved(SAMPLES);
-    let path = study.path();
-    std::fs::create_dir(path.join("disk")).unwrap();
-    let script = r#"set -e
-        mount -t tmpfs -o size=64M tmpfs disk
-        cp -r whole disk/results
-        used=$(df -k --output=used disk | tail -1)
+    let script = r#"
+        measure
         sed -i 's/seed = 7/seed = 8/' study.toml
         for room in 16 128 600; do
-            mount -o remount,size=$((used + room))k disk
-            status=0
-            "$MICROSLIP" run study.toml --quiet --flush-every 20ms --output disk/results 2> message || status=$?
-            cat message
-            test $status = 2
-            grep -q 'No space left' message
-            grep -q 'the same command goes on' message
-            test "$(wc -l < message)" = 1
-            for file in samples.parquet curves.parquet atlas.parquet run.json report.html; do
-                cmp whole/$file disk/results/$file
-            done
+            leave $room
+            refused --flush-every 20ms
         done
         mount -o remount,size=64M disk
         "$MICROSLIP" run study.toml --quiet --output disk/results
-        "$MICROSLIP" run study.toml --quiet --output other
-        for file in samples.parquet curves.parquet; do
-            cmp other/$file disk/results/$file
-        done"#;
-    let Some(mut command) = unshared(&["-rm"], "mount -t tmpfs -o size=1M tmpfs /tmp") else {
-        return;
-    };
-    let output = command
-        .current_dir(path)
-        .env("MICROSLIP", cargo_bin("microslip"))
-        .args(["sh", "-c", script])
-        .output()
-        .unwrap();
-    assert!(output.status.success(), "{output:?}");
+        as_undisturbed"#;
+    on_a_small_disk(script);
 }
 
 /// Where all samples are solved and their results find no room on the disk, the run ends with the reason, older results are as they were,
 /// and no sample is solved again once there is room.
 #[test]
 fn results_without_room_are_not_placed() {
-    let study = solved(SAMPLES);
-    let path = study.path();
-    std::fs::create_dir(path.join("disk")).unwrap();
-    let script = r#"set -e
-        mount -t tmpfs -o size=64M tmpfs disk
-        cp -r whole disk/results
+    let script = r#"
         sed -i 's/seed = 7/seed = 8/' study.toml
         "$MICROSLIP" run study.toml --quiet --shard 0/1 --output disk/results
-        used=$(df -k --output=used disk | tail -1)
+        measure
         for room in 8 64; do
-            mount -o remount,size=$((used + room))k disk
-            status=0
-            "$MICROSLIP" run study.toml --quiet --output disk/results 2> message || status=$?
-            cat message
-            test $status = 2
-            grep -q 'No space left' message
-            grep -q 'the same command goes on' message
-            test "$(wc -l < message)" = 1
-            for file in samples.parquet curves.parquet atlas.parquet run.json report.html; do
-                cmp whole/$file disk/results/$file
-            done
+            leave $room
+            refused
         done
         mount -o remount,size=64M disk
         "$MICROSLIP" run study.toml --output disk/results > said 2>&1
         cat said
         grep -q '120 samples were solved before and taken over' said
-        "$MICROSLIP" run study.toml --quiet --output other
-        for file in samples.parquet curves.parquet; do
-            cmp other/$file disk/results/$file
-        done
+        as_undisturbed
         test ! -e disk/results/.unfinished"#;
-    let Some(mut command) = unshared(&["-rm"], "mount -t tmpfs -o size=1M tmpfs /tmp") else {
-        return;
-    };
-    let output = command
-        .current_dir(path)
-        .env("MICROSLIP", cargo_bin("microslip"))
-        .args(["sh", "-c", script])
-        .output()
-        .unwrap();
-    assert!(output.status.success(), "{output:?}");
+    on_a_small_disk(script);
 }
 
 /// A folder that takes no more files ends the run with the reason; once it does again, the same command goes on.
