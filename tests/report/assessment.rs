@@ -146,6 +146,8 @@ fn reserves_follow_from_goodman() {
 }
 
 /// Many neighbouring inputs of one distribution, as the blades of a disk have, are named by the first and the last; others one by one.
+///
+/// Seen to fail with all named one by one.
 #[test]
 fn blades_are_named_by_the_first_and_the_last() {
     let mut study = SyntheticStudy::new(40);

@@ -91,13 +91,15 @@ fn a_full_disk_destroys_nothing() {
 
 /// Where all samples are solved and their results find no room on the disk, the run ends with the reason, older results are as they were,
 /// and no sample is solved again once there is room.
+///
+/// Seen to fail with the tables written in their places, of which 1200 kB hold all but the report.
 #[test]
 fn results_without_room_are_not_placed() {
     let script = r#"
         sed -i 's/seed = 7/seed = 8/' study.toml
         "$MICROSLIP" run study.toml --quiet --shard 0/1 --output disk/results
         measure
-        for room in 8 64; do
+        for room in 8 64 600 1200; do
             leave $room
             refused
         done
