@@ -226,6 +226,8 @@ fn coverage() {
         (0.1, 1.0, "punch", ""),
         (0.1, 3.0, "punch", ""),
         (0.6, 1.0, "air", coarse),
+        (0.6, 3.0, "air", coarse),
+        (0.6, 10.0, "air", coarse),
     ] {
         let case = Case {
             mu,

@@ -3,12 +3,11 @@
 use super::built::{StudyDisk, StudyModel};
 use super::frequency::{FrequencySettings, FrequencyUnit};
 use super::pilot::Pilot;
+use super::processor_time::{estimated_time, further_samples, turns};
 use super::read::Study;
-use super::size::{solve_memory, unknowns};
+use super::size::SolveSize;
 use crate::Error;
 use crate::contact::ContactParameters;
-use crate::ensemble::runner::generations;
-use crate::harmonics::HarmonicSet;
 use crate::linalg::LinalgError;
 use crate::model::rigid::RigidModes;
 use crate::model::two_blade::{ComponentSummary, PressureInputs};
@@ -166,21 +165,6 @@ fn flexible(omega: Vec<f64>) -> Vec<f64> {
     omega.into_iter().filter(|w| *w > floor).collect()
 }
 
-/// Processor time of the whole study (s), and the samples of a model of one's own that were solved for it.
-fn estimated_time(
-    study: &Study,
-    n_contacts: usize,
-    built_in: bool,
-) -> Result<(f64, Option<Pilot>), Error> {
-    let pilot = match built_in {
-        true => None,
-        false => Pilot::of(study)?,
-    };
-    let of_sample = time_of_sample(study, n_contacts);
-    let factor = pilot.map_or(1.0, |pilot| pilot.factor(of_sample));
-    Ok((factor * processor_time(study, n_contacts), pilot))
-}
-
 /// Gathers the facts; of a disk under several engine orders those of the first, with the times of all.
 ///
 /// # Errors
@@ -215,12 +199,13 @@ fn inspect_one(study: &Study) -> Result<Inspection, Error> {
     let StudyModel {
         reduced: model,
         rig,
+        disk,
         ..
     } = built;
     let names = |rows: &[crate::model::Response]| rows.iter().map(|r| r.name.clone()).collect();
     let inputs = study.design.inputs().iter();
-    let unknowns = unknowns(study, n_contacts);
-    let (processor_time_s, pilot) = estimated_time(study, n_contacts, !components.is_empty())?;
+    let sizes = SolveSize::of(study, n_contacts, disk.as_ref());
+    let (processor_time_s, pilot) = estimated_time(study, sizes, !components.is_empty())?;
     Ok(Inspection {
         name: study.name.clone(),
         unit,
@@ -248,8 +233,8 @@ fn inspect_one(study: &Study) -> Result<Inspection, Error> {
         stopping: study.stopping.clone(),
         further_samples: further_samples(study),
         levels: study.levels.clone(),
-        unknowns,
-        memory_bytes: solve_memory(n_contacts, unknowns[1]),
+        unknowns: [sizes.unknowns, sizes.most_unknowns],
+        memory_bytes: sizes.memory(),
         processor_time_s,
         pilot,
         threads: current_num_threads(),
@@ -270,91 +255,6 @@ fn pressure_field(inputs: &PressureInputs) -> Option<String> {
         100.0 * share
     );
     (modes > 0).then_some(text)
-}
-
-/// Work of a peak at one level, in factorisations of the first harmonic set, failures and the error alert included: of a sample
-/// that is predicted from many others.
-const WORK_OF_PREDICTED: f64 = 5.0;
-/// What one of the first samples takes more, which has few or no others to start from.
-const WORK_OF_FIRST: f64 = 24.0;
-/// Number of such samples.
-const FIRST_SAMPLES: u64 = 64;
-/// Work of a curve.
-const WORK_OF_CURVE: f64 = 25.0;
-/// Share of that work in a study without an error alert.
-const SHARE_WITHOUT_ALERT: f64 = 0.15;
-/// Operations per second of a dense factorisation on one core.
-const FLOPS: f64 = 5e9;
-/// Time of everything but the factorisation, per unknown (s).
-const ASSEMBLY_PER_UNKNOWN: f64 = 1e-5;
-
-/// Samples at the points of a search for each number that a criterion judges.
-fn further_samples(study: &Study) -> u64 {
-    let design = &study.design;
-    let criteria = study.requirements.criteria.iter();
-    let judged: usize = criteria.map(|c| c.levels(&study.levels).len()).sum();
-    let points = design.outer().map_or(0, |outer| outer.search);
-    let inner = study.samples / design.outer_points();
-    (points as u64)
-        .saturating_mul(judged as u64)
-        .saturating_mul(inner)
-}
-
-/// Seconds of a factorisation and what goes with it: ⅔ n³ operations and a linear part.
-fn time_of_factorisation(unknowns: usize) -> f64 {
-    let n = unknowns as f64;
-    2.0 / 3.0 * n.powi(3) / FLOPS + ASSEMBLY_PER_UNKNOWN * n
-}
-
-/// Time of one of the first samples at all levels (s), without its curves.
-fn time_of_sample(study: &Study, n_contacts: usize) -> f64 {
-    let [unknowns, _] = unknowns(study, n_contacts);
-    let work = share_of_work(study) * work_of_peaks(1, 0);
-    study.levels.len() as f64 * work * time_of_factorisation(unknowns)
-}
-
-/// Share of the work of a study with an error alert.
-fn share_of_work(study: &Study) -> f64 {
-    match study.solver.alert {
-        Some(_) => 1.0,
-        None => SHARE_WITHOUT_ALERT,
-    }
-}
-
-/// The numbers of factorisations are those of the shipped studies.
-fn processor_time(study: &Study, n_contacts: usize) -> f64 {
-    let levels = study.levels.len() as f64;
-    let samples = study.samples.saturating_add(further_samples(study));
-    let alone = match study.output.one_at_a_time {
-        true => 1 + 2 * study.design.drawn().len() as u64,
-        false => 0,
-    };
-    let curves = study.output.curve_samples.min(study.samples);
-    let work = work_of_peaks(samples, alone) + WORK_OF_CURVE * curves as f64;
-    let share = share_of_work(study);
-    let [unknowns, _] = unknowns(study, n_contacts);
-    let control = study.control_variate.map_or(0.0, |control| {
-        let coefficients = HarmonicSet::up_to(control.highest_harmonic()).n_coefficients();
-        let work = SHARE_WITHOUT_ALERT * work_of_peaks(control.samples(), 0);
-        work * time_of_factorisation(3 * n_contacts * coefficients)
-    });
-    levels * (work * share * time_of_factorisation(unknowns) + control)
-}
-
-/// Work of so many samples at one level without their curves, and of so many solutions that start from nothing near.
-fn work_of_peaks(samples: u64, alone: u64) -> f64 {
-    let first = samples.min(FIRST_SAMPLES) + alone;
-    WORK_OF_PREDICTED * samples as f64 + WORK_OF_FIRST * first as f64
-}
-
-/// Rounds of so many threads over the samples, each the time of one sample, over the number of samples: a generation of the atlas waits
-/// for its last sample.
-fn turns(samples: u64, threads: u64) -> f64 {
-    let rounds = generations(samples).map(|generation| {
-        let samples = generation.end - generation.start;
-        samples.div_ceil(threads.max(1))
-    });
-    rounds.sum::<u64>() as f64 / samples.max(1) as f64
 }
 
 fn warnings(study: &Study, flexible: Option<f64>, asymmetric: bool) -> Vec<String> {
@@ -380,17 +280,4 @@ fn warnings(study: &Study, flexible: Option<f64>, asymmetric: bool) -> Vec<Strin
         warnings.push("no [inputs]: every sample will be the same".to_owned());
     }
     warnings
-}
-
-#[cfg(test)]
-mod tests {
-    use super::turns;
-
-    /// 5, 2, 3 and 2 samples by four: 2 + 1 + 1 + 1 rounds. Seen to fail with samples that do not wait for their generation.
-    #[test]
-    fn generations_wait_for_their_last_sample() {
-        assert_eq!(turns(12, 1), 1.0);
-        assert_eq!(turns(12, 4), 5.0 / 12.0);
-        assert_eq!(turns(12, 100), 4.0 / 12.0);
-    }
 }

@@ -41,6 +41,7 @@ pub mod output;
 pub mod output_schema;
 mod pilot;
 pub mod prepared;
+mod processor_time;
 pub mod profile;
 pub mod progress;
 pub mod read;

@@ -126,10 +126,15 @@ impl Study {
 }
 
 impl Study {
+    /// Whether the blades of its disk differ.
+    pub(super) fn is_mistuned(&self) -> bool {
+        let differ = |(input, _): &(Input, _)| matches!(input, Input::BladeFrequency(_));
+        self.design.inputs().iter().any(differ)
+    }
+
     /// The whole disk, if its blades differ.
     fn mistuned(&self, of: &StudyDisk) -> Result<Option<MistunedDisk>, Error> {
-        let differ = |(input, _): &(Input, _)| matches!(input, Input::BladeFrequency(_));
-        if !self.design.inputs().iter().any(differ) {
+        if !self.is_mistuned() {
             return Ok(None);
         }
         let [_, high] = self.frequency.band;

@@ -1,25 +1,59 @@
 //! Size of one nonlinear solve of a study: unknowns and memory.
 
+use super::built::StudyDisk;
 use super::prepared::PreparedStudy;
 use super::read::Study;
+use crate::harmonics::HarmonicSet;
 use crate::hb::equations::jacobian::{DENSE_FALLBACK_LIMIT, DENSE_LIMIT};
+
+/// Size of one nonlinear solve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct SolveSize {
+    /// Contact pairs that are solved together: of a mistuned disk those of all sectors.
+    pub(super) contacts: usize,
+    /// Blades of a mistuned disk.
+    pub(super) mistuned_blades: Option<usize>,
+    /// Unknowns on the first harmonics: three relative displacements per pair and coefficient.
+    pub(super) unknowns: usize,
+    /// Unknowns on the highest harmonics.
+    pub(super) most_unknowns: usize,
+}
+
+impl SolveSize {
+    /// Of a study whose model, or what is solved of it, has so many contact pairs.
+    pub(super) fn of(study: &Study, n_contacts: usize, disk: Option<&StudyDisk>) -> Self {
+        let mistuned = disk.filter(|_| study.is_mistuned());
+        let mistuned_blades = mistuned.map(|of| of.disk.n_sectors);
+        let contacts = n_contacts * mistuned_blades.unwrap_or(1);
+        let first = study.solver.harmonics.n_coefficients();
+        let highest = study
+            .solver
+            .alert
+            .map_or(first, |alert| first.max(2 * alert.highest_harmonic + 1));
+        Self {
+            contacts,
+            mistuned_blades,
+            unknowns: 3 * contacts * first,
+            most_unknowns: 3 * contacts * highest,
+        }
+    }
+
+    /// Unknowns on the harmonics up to `highest`.
+    pub(super) fn unknowns_up_to(self, highest: usize) -> usize {
+        3 * self.contacts * HarmonicSet::up_to(highest).n_coefficients()
+    }
+
+    /// Bytes on the highest harmonics: usually, and at most.
+    pub(super) fn memory(self) -> [f64; 2] {
+        solve_memory(self.contacts, self.most_unknowns)
+    }
+}
 
 impl PreparedStudy<'_> {
     /// Bytes of one solve on the highest harmonics: usually, and at most.
     pub(super) fn solve_memory(&self) -> [f64; 2] {
-        let n_contacts = self.linear.n_contacts();
-        solve_memory(n_contacts, unknowns(&self.study, n_contacts)[1])
+        SolveSize::of(&self.study, self.linear.n_contacts(), self.disk.as_ref()).memory()
     }
-}
-
-/// Unknowns at the first and at the highest harmonics: three relative displacements per pair and coefficient.
-pub(super) fn unknowns(study: &Study, n_contacts: usize) -> [usize; 2] {
-    let first = study.solver.harmonics.n_coefficients();
-    let highest = study
-        .solver
-        .alert
-        .map_or(first, |alert| first.max(2 * alert.highest_harmonic + 1));
-    [first, highest].map(|n| 3 * n_contacts * n)
 }
 
 /// Bytes of one solve with all pairs in motion: usually, and where iterations do not converge and the system is factorised
@@ -29,7 +63,7 @@ pub(super) fn unknowns(study: &Study, n_contacts: usize) -> [usize; 2] {
 /// too; derivatives of the contact forces, seven blocks per pair in four copies; and, of a large system, factors of the
 /// blocks of the sweep and the directions of an exact solve. Small ones are factorised densely
 /// (`hb::equations::jacobian`).
-pub(super) fn solve_memory(n_contacts: usize, unknowns: usize) -> [f64; 2] {
+fn solve_memory(n_contacts: usize, unknowns: usize) -> [f64; 2] {
     let (n, rows) = (unknowns as f64, 3.0 * n_contacts as f64);
     let m = n / rows;
     let compliances = 0.5 * (m + 1.0) * rows.powi(2) * (16.0 + 16.0 + 8.0);

@@ -9,8 +9,8 @@ use serde_json::Value;
 use super::bad_input::disk_cases::{DISK, DISK_FILES};
 use crate::microslip;
 
-/// Runs a disk of so many blades with this scatter into a folder; `more` are options.
-fn run(folder: &Path, (sectors, scatter): (usize, &str), output: &str, more: &[&str]) {
+/// Writes the study of a disk of so many blades with this scatter.
+fn write_study(folder: &Path, (sectors, scatter): (usize, &str)) {
     for (name, text) in DISK_FILES {
         std::fs::write(folder.join(name), text).unwrap();
     }
@@ -26,6 +26,11 @@ fn run(folder: &Path, (sectors, scatter): (usize, &str), output: &str, more: &[&
         + "\n[solver]\nharmonics = 1\nalert = false\n\n[output]\ncurve_samples = 0\n\n\
            [inputs.friction_coefficient]\ndistribution = \"uniform\"\nlow = 0.2\nhigh = 0.4\n";
     std::fs::write(folder.join("study.toml"), study).unwrap();
+}
+
+/// Runs that disk into a folder; `more` are options.
+fn run(folder: &Path, disk: (usize, &str), output: &str, more: &[&str]) {
+    write_study(folder, disk);
     let options = [&["run", "study.toml", "--quiet", "--output", output], more].concat();
     let run = microslip(folder, &options);
     assert_eq!(run.status.code(), Some(0), "{run:?}");
@@ -34,6 +39,31 @@ fn run(folder: &Path, (sectors, scatter): (usize, &str), output: &str, more: &[&
 fn samples(folder: &Path, output: &str) -> (Vec<String>, Vec<SampleOutcome>) {
     let stored = read_samples(&folder.join(output).join("samples.parquet")).unwrap();
     (stored.input_names, stored.outcomes)
+}
+
+/// `inspect` counts the contacts of all sectors.
+///
+/// Seen to fail with the contacts of one sector.
+#[test]
+fn inspect_counts_all_sectors() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let of = |sectors: usize| {
+        write_study(folder, (sectors, "0.01"));
+        let inspect = microslip(folder, &["inspect", "study.toml"]);
+        assert_eq!(inspect.status.code(), Some(0), "{inspect:?}");
+        String::from_utf8(inspect.stdout).unwrap()
+    };
+    let unknowns = |text: &str| -> usize {
+        let line = text.lines().find(|l| l.starts_with("unknowns per solve"));
+        let words = line.unwrap().trim_start_matches("unknowns per solve");
+        let (first, _) = words.trim().split_once(',').unwrap();
+        first.parse().unwrap()
+    };
+    let [four, eight] = [4, 8].map(of);
+    // one pair in each gap, three directions, the mean and one harmonic
+    assert_eq!(unknowns(&four), 4 * 3 * 3);
+    assert_eq!(unknowns(&eight), 8 * 3 * 3);
 }
 
 /// Every sample has its largest blade and its factors, which page and summary show; each deviation is a function of seed, sample and blade:

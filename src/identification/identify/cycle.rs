@@ -7,7 +7,7 @@ use super::mean_loop::{
 use super::result::Cycles;
 use super::run_in::run_in;
 use super::settings::IdentifySettings;
-use super::smooth_motion::{NEIGHBOURS, sensor_step, smooth_motion};
+use super::smooth_motion::{CommonError, NEIGHBOURS, sensor_step, smooth_motion};
 use crate::record::HysteresisRecord;
 
 /// The cycles of a record on one grid of phases.
@@ -25,8 +25,8 @@ pub(super) struct Steady {
     pub(super) batches: Vec<MeanLoop>,
     /// Cycles of each of them.
     pub(super) batch_cycles: Vec<usize>,
-    /// Mean loop without each part of the phase, where all cycles have an error in common.
-    pub(super) without: Vec<MeanLoop>,
+    /// Error of the displacement that all cycles have in common.
+    pub(super) common: CommonError,
     /// Mean of the tangential force over the steady cycles, which was taken out (N).
     pub(super) tangential_mean: f64,
 }
@@ -75,7 +75,7 @@ pub(super) fn cut(
     take_drift_out(&mut loops, displacement, drift[0]);
     take_drift_out(&mut loops, tangential, drift[1]);
     align(&mut loops, run_in);
-    let without = smooth_motion(&mut loops, run_in, sensor_step(&record.displacement));
+    let common = smooth_motion(&mut loops, run_in, sensor_step(&record.displacement));
     let steady = &loops[run_in..];
     let count = steady.len().min(MOST_BATCHES);
     let batch = |k: usize| &steady[k * steady.len() / count..(k + 1) * steady.len() / count];
@@ -103,7 +103,7 @@ pub(super) fn cut(
         mean,
         batches: (0..count).map(|k| MeanLoop::of(batch(k))).collect(),
         batch_cycles: (0..count).map(|k| batch(k).len()).collect(),
-        without,
+        common,
         tangential_mean: means[1][run_in..].iter().sum::<f64>() / steady.len() as f64,
         loops,
     })

@@ -34,6 +34,8 @@ const TWELFTHS: usize = 12;
 /// Steps of a sensor, and what the noise before it leaves of them in a mean over cycles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Steps {
+    /// Step of the sensor.
+    step: f64,
     /// Error of a mean over cycles by the steps (root mean square).
     pub(super) left: f64,
 }
@@ -51,9 +53,34 @@ impl Steps {
             false => 0.0,
         };
         Self {
+            step,
             left: of_rounding.sqrt() * share,
         }
     }
+
+    /// Relative standard error of a slope over a travel below one step; 0 over a longer one, in which the error changes its sign, so that
+    /// the parts of the phase tell it.
+    ///
+    /// What noise leaves is a wave A sin(2π x/q + φ) of the displacement x. A line through it over the travel L has the slope
+    /// 6A/L · j₁(πL/q) cos φ, with the spherical Bessel function j₁; where on its steps the sensor reverses nobody knows, so all φ are alike.
+    pub(super) fn error_of_slope(&self, travel: f64) -> f64 {
+        if !(travel > 0.0 && travel < self.step) {
+            return 0.0;
+        }
+        let k = PI * travel / self.step;
+        let bessel = (sin(k) - k * cos(k)) / (k * k);
+        // root mean square of A cos φ: that of the wave
+        6.0 * self.left / travel * bessel
+    }
+}
+
+/// What smoothing has left of the error that all cycles have in common.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct CommonError {
+    /// Mean loop without each part of the phase.
+    pub(super) without: Vec<MeanLoop>,
+    /// Steps of the sensor; none where noise has blurred them.
+    pub(super) steps: Option<Steps>,
 }
 
 /// Step of the sensor that gave a signal: the least difference between two of its values, if all others are multiples of it; else 0.
@@ -76,13 +103,12 @@ pub(super) fn sensor_step(signal: &[f64]) -> f64 {
 /// Replaces the displacement of every loop by harmonics and a multiple of the force where these leave of the mean steady loop no more
 /// than noise and steps, sample by sample and in blocks. The rest of another motion is small, but lies where the contact sticks.
 ///
-/// Where steps are left in the mean all cycles have the same error: then the mean loop as it is without each twelfth of the phase,
-/// which tells that error; else nothing.
-pub(super) fn smooth_motion(loops: &mut [MeanLoop], run_in: usize, step: f64) -> Vec<MeanLoop> {
+/// Where steps are left in the mean all cycles have the same error, which the mean loop without each twelfth of the phase tells.
+pub(super) fn smooth_motion(loops: &mut [MeanLoop], run_in: usize, step: f64) -> CommonError {
     let steady = &loops[run_in..];
     let mean = MeanLoop::of(steady);
     if mean.samples() < LEAST_TO_SMOOTH {
-        return Vec::new();
+        return CommonError::default();
     }
     let model = SmoothMotion::of(&mean);
     let rest = model.rest(&mean);
@@ -92,16 +118,19 @@ pub(super) fn smooth_motion(loops: &mut [MeanLoop], run_in: usize, step: f64) ->
     let alone = neighbour_correlation(&rest) < NEIGHBOURS || steps.left > blocks.by_noise;
     let bound = LIKE_NOISE * blocks.by_noise.hypot(steps.left);
     if !(rounding || alone && blocks.deviation < bound) {
-        return Vec::new();
+        return CommonError::default();
     }
     for cycle in loops {
         cycle.displacement = model.of_loop(cycle);
     }
     match !rounding && steps.left > NEGLIGIBLE * blocks.by_noise {
-        true => (0..TWELFTHS)
-            .map(|part| model.without(&mean, part))
-            .collect(),
-        false => Vec::new(),
+        true => CommonError {
+            without: (0..TWELFTHS)
+                .map(|part| model.without(&mean, part))
+                .collect(),
+            steps: Some(steps),
+        },
+        false => CommonError::default(),
     }
 }
 

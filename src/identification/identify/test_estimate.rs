@@ -82,7 +82,7 @@ impl<'a> Test<'a> {
             steady,
             shape,
             batches: of_each(&steady.batches),
-            without: of_each(&steady.without),
+            without: of_each(&steady.common.without),
             mean,
             slopes: [measured, series.contact(measured)?],
             series,
@@ -276,8 +276,13 @@ impl<'a> Test<'a> {
         let batches = self.scatter(&self.of_batches(&compliance)).map(relative);
         let without: Vec<Option<f64>> = self.without.iter().map(compliance).collect();
         let common = of_parts(&without).map(relative);
+        let steps = self.steady.common.steps.map(|steps| RandomError {
+            standard_error: steps
+                .error_of_slope(2.0 * half_swing(&self.steady.mean.tangential) / measured),
+            freedom: f64::INFINITY,
+        });
         // what all cycles have in common, such as a rig that rings after each reversal, is inside the line or between its parts
-        let others = [batches, common].into_iter().flatten();
+        let others = [batches, common, steps].into_iter().flatten();
         let larger = |a: RandomError, b: RandomError| match b.standard_error > a.standard_error {
             true => b,
             false => a,

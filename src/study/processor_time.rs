@@ -1,0 +1,145 @@
+//! What a study takes of the processor, estimated from its sizes.
+//!
+//! The numbers of factorisations are those of the shipped studies; the table of what was stated and what was used is in
+//! `benches/README.md`.
+
+use super::pilot::Pilot;
+use super::read::Study;
+use super::size::SolveSize;
+use crate::Error;
+use crate::ensemble::runner::generations;
+
+/// Processor time of the whole study (s), and the samples of a model of one's own that were solved for it.
+pub(super) fn estimated_time(
+    study: &Study,
+    size: SolveSize,
+    built_in: bool,
+) -> Result<(f64, Option<Pilot>), Error> {
+    let pilot = match built_in {
+        true => None,
+        false => Pilot::of(study)?,
+    };
+    let of_sample = time_of_sample(study, size);
+    let factor = pilot.map_or(1.0, |pilot| pilot.factor(of_sample));
+    Ok((factor * processor_time(study, size), pilot))
+}
+
+/// Work of a peak at one level, in factorisations of the first harmonic set, failures and the error alert included: of a sample
+/// that is predicted from many others.
+const WORK_OF_PREDICTED: f64 = 6.0;
+/// What one of the first samples takes more, which has few or no others to start from.
+const WORK_OF_FIRST: f64 = 18.0;
+/// Number of such samples.
+const FIRST_SAMPLES: u64 = 64;
+/// Work of a curve.
+const WORK_OF_CURVE: f64 = 12.0;
+/// Share of that work in a study without an error alert.
+const SHARE_WITHOUT_ALERT: f64 = 0.15;
+/// Operations per second of a dense factorisation on one core.
+const FLOPS: f64 = 5e9;
+/// Time of everything but the factorisation, per unknown (s).
+const ASSEMBLY_PER_UNKNOWN: f64 = 1e-5;
+/// Newton iterations of a mistuned disk at one level, per blade, on one harmonic.
+const ITERATIONS_PER_BLADE: f64 = 21.0;
+/// Those that locate its highest maxima, on all harmonics.
+const ITERATIONS_OF_MAXIMA: f64 = 10.0;
+/// Time of the iterative solves of a Newton iteration, per square of the number of unknowns (s).
+const SOLVE_PER_SQUARE: f64 = 3.5e-8;
+
+/// Samples at the points of a search for each number that a criterion judges.
+pub(super) fn further_samples(study: &Study) -> u64 {
+    let design = &study.design;
+    let criteria = study.requirements.criteria.iter();
+    let judged: usize = criteria.map(|c| c.levels(&study.levels).len()).sum();
+    let points = design.outer().map_or(0, |outer| outer.search);
+    let inner = study.samples / design.outer_points();
+    (points as u64)
+        .saturating_mul(judged as u64)
+        .saturating_mul(inner)
+}
+
+/// Seconds of a factorisation and what goes with it: ⅔ n³ operations and a linear part.
+fn time_of_factorisation(unknowns: usize) -> f64 {
+    let n = unknowns as f64;
+    2.0 / 3.0 * n.powi(3) / FLOPS + ASSEMBLY_PER_UNKNOWN * n
+}
+
+/// Time of one of the first samples at all levels (s), without its curves.
+fn time_of_sample(study: &Study, size: SolveSize) -> f64 {
+    let levels = study.levels.len() as f64;
+    if let Some(blades) = size.mistuned_blades {
+        return levels * time_of_mistuned(size, blades);
+    }
+    let work = share_of_work(study) * work_of_peaks(1, 0);
+    levels * work * time_of_factorisation(size.unknowns)
+}
+
+/// Time of a mistuned disk at one level (s): a sweep that passes the resonances of all blades, and the highest maxima located.
+fn time_of_mistuned(size: SolveSize, blades: usize) -> f64 {
+    ITERATIONS_PER_BLADE * blades as f64 * time_of_iteration(size.unknowns_up_to(1))
+        + ITERATIONS_OF_MAXIMA * time_of_iteration(size.unknowns)
+}
+
+/// Seconds of a Newton iteration of many contacts, whose linear systems are solved by iterations.
+fn time_of_iteration(unknowns: usize) -> f64 {
+    let n = unknowns as f64;
+    SOLVE_PER_SQUARE * n.powi(2) + ASSEMBLY_PER_UNKNOWN * n
+}
+
+/// Share of the work of a study with an error alert.
+fn share_of_work(study: &Study) -> f64 {
+    match study.solver.alert {
+        Some(_) => 1.0,
+        None => SHARE_WITHOUT_ALERT,
+    }
+}
+
+fn processor_time(study: &Study, size: SolveSize) -> f64 {
+    let levels = study.levels.len() as f64;
+    let samples = study.samples.saturating_add(further_samples(study));
+    if size.mistuned_blades.is_some() {
+        // a disk hardly gains from those before it: no other has the same modes
+        return samples as f64 * time_of_sample(study, size);
+    }
+    let alone = match study.output.one_at_a_time {
+        true => 1 + 2 * study.design.drawn().len() as u64,
+        false => 0,
+    };
+    let curves = study.output.curve_samples.min(study.samples);
+    let work = work_of_peaks(samples, alone) + WORK_OF_CURVE * curves as f64;
+    let share = share_of_work(study);
+    let control = study.control_variate.map_or(0.0, |control| {
+        let work = SHARE_WITHOUT_ALERT * work_of_peaks(control.samples(), 0);
+        work * time_of_factorisation(size.unknowns_up_to(control.highest_harmonic()))
+    });
+    levels * (work * share * time_of_factorisation(size.unknowns) + control)
+}
+
+/// Work of so many samples at one level without their curves, and of so many solutions that start from nothing near.
+fn work_of_peaks(samples: u64, alone: u64) -> f64 {
+    let first = samples.min(FIRST_SAMPLES) + alone;
+    WORK_OF_PREDICTED * samples as f64 + WORK_OF_FIRST * first as f64
+}
+
+/// Rounds of so many threads over the samples, each the time of one sample, over the number of samples: a generation of the atlas waits
+/// for its last sample.
+pub(super) fn turns(samples: u64, threads: u64) -> f64 {
+    let rounds = generations(samples).map(|generation| {
+        let samples = generation.end - generation.start;
+        samples.div_ceil(threads.max(1))
+    });
+    rounds.sum::<u64>() as f64 / samples.max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::turns;
+
+    /// 5, 2, 3 and 2 samples by four: 2 + 1 + 1 + 1 rounds. Seen to fail with samples that do not wait for their generation.
+    #[test]
+    fn generations_wait_for_their_last_sample() {
+        assert_eq!(turns(12, 1), 1.0);
+        assert_eq!(turns(12, 4), 5.0 / 12.0);
+        assert_eq!(turns(12, 100), 4.0 / 12.0);
+    }
+}
