@@ -8,6 +8,7 @@ use super::read::Study;
 use super::size::SolveSize;
 use crate::Error;
 use crate::ensemble::runner::generations;
+use crate::hb::StabilityScope;
 
 /// Processor time of the whole study (s), and the samples of a model of one's own that were solved for it.
 pub(super) fn estimated_time(
@@ -31,6 +32,8 @@ const WORK_OF_PREDICTED: f64 = 6.0;
 const WORK_OF_FIRST: f64 = 18.0;
 /// Number of such samples.
 const FIRST_SAMPLES: u64 = 64;
+/// Work of the stability of a peak.
+const WORK_OF_STABILITY: f64 = 5.0;
 /// Work of a curve.
 const WORK_OF_CURVE: f64 = 12.0;
 /// Share of that work in a study without an error alert.
@@ -107,12 +110,17 @@ fn processor_time(study: &Study, size: SolveSize) -> f64 {
     };
     let curves = study.output.curve_samples.min(study.samples);
     let work = work_of_peaks(samples, alone) + WORK_OF_CURVE * curves as f64;
+    let assessed = match study.solver.stability {
+        StabilityScope::Off => 0.0,
+        StabilityScope::LiftOff | StabilityScope::All => WORK_OF_STABILITY,
+    };
+    let stability = assessed * (samples + alone) as f64;
     let share = share_of_work(study);
     let control = study.control_variate.map_or(0.0, |control| {
         let work = SHARE_WITHOUT_ALERT * work_of_peaks(control.samples(), 0);
         work * time_of_factorisation(size.unknowns_up_to(control.highest_harmonic()))
     });
-    levels * (work * share * time_of_factorisation(size.unknowns) + control)
+    levels * ((work * share + stability) * time_of_factorisation(size.unknowns) + control)
 }
 
 /// Work of so many samples at one level without their curves, and of so many solutions that start from nothing near.

@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 use std::io::Write;
 
+use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -72,7 +73,7 @@ pub fn solve(
                 at_frequencies(&problem, &study.solver, level, sweep, progress)
             }
         };
-        let judged = response.solutions.into_iter();
+        let judged = response.solutions.into_par_iter();
         let judged = judged.map(|point| point.with_stability(&problem, &study.solver));
         let response = Response {
             solutions: judged.collect(),

@@ -93,9 +93,9 @@ impl AlertSettings {
 #[serde(rename_all = "kebab-case")]
 pub enum StabilityScope {
     /// None.
-    #[default]
     Off,
     /// Those at which a contact is open for part of the period.
+    #[default]
     LiftOff,
     /// Those at which a contact slips or is open. With all contacts stuck a damped structure is stable.
     All,
