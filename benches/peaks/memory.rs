@@ -48,6 +48,7 @@ pub(crate) fn memory() {
         mixed: &[],
         control: &[],
         changed: &[],
+        folder: "results",
     };
     report::write(folder.path(), &input).expect("written");
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
