@@ -128,5 +128,6 @@ fn provenance(settings: &HbSettings) -> Provenance {
         folded: true,
         truncation_threshold: settings.alert.map(|alert| alert.threshold),
         highest_harmonic: settings.alert.map(|alert| alert.highest_harmonic),
+        followed_modes: Vec::new(),
     }
 }

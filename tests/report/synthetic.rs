@@ -247,6 +247,7 @@ pub(crate) fn provenance() -> Provenance {
         folded: true,
         truncation_threshold: Some(0.01),
         highest_harmonic: Some(9),
+        followed_modes: Vec::new(),
     }
 }
 
