@@ -48,6 +48,7 @@ pub(crate) fn memory() {
         mixed: &[],
         control: &[],
         changed: &[],
+        folder: "results",
     };
     report::write(folder.path(), &input).expect("written");
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -127,5 +128,6 @@ fn provenance(settings: &HbSettings) -> Provenance {
         folded: true,
         truncation_threshold: settings.alert.map(|alert| alert.threshold),
         highest_harmonic: settings.alert.map(|alert| alert.highest_harmonic),
+        followed_modes: Vec::new(),
     }
 }

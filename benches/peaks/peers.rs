@@ -51,6 +51,7 @@ pub(crate) fn peers() {
             frequency_tolerance: 1e-6,
         },
         choice: PeakChoice::Highest,
+        mode_numbers: &[],
         curve_samples: 0,
         gpu: None,
         solver: SampleSolver::HarmonicBalance,

@@ -74,6 +74,7 @@ impl Rig {
             settings,
             peak: search(),
             choice: PeakChoice::Highest,
+            mode_numbers: &[],
             curve_samples: 0,
             gpu: None,
             solver: SampleSolver::HarmonicBalance,

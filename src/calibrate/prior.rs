@@ -41,6 +41,14 @@ impl Prior {
     pub fn of(design: &Design) -> Result<Self, BadSetting> {
         let rule = "must be no \"epistemic\" input: an interval is no prior distribution";
         BadSetting::unless(design.outer().is_none(), "inputs", "(interval)", rule)?;
+        let numbered = design
+            .inputs()
+            .iter()
+            .find(|(input, _)| input.numbers_draws());
+        let key =
+            numbered.map_or_else(String::new, |(input, _)| format!("inputs.{}", input.name()));
+        let rule = "must be absent: its values only number the draws of a field, which no surrogate follows";
+        BadSetting::unless(numbered.is_none(), &key, "(given)", rule)?;
         let places = design.drawn().to_vec();
         let varied = |j: &usize| design.inputs()[*j].1.fixed_value().is_none();
         let random = (0..design.inputs().len()).filter(varied).count();

@@ -5,7 +5,7 @@ use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
 use crate::report::asked::stopping::{ResultOfSample, Stopping, StoppingRule};
 use crate::report::numbers::peaks::values;
 use crate::report::numbers::summary::Summary;
-use crate::report::run::input::ReportInput;
+use crate::report::run::input::{RESULTS, ReportInput};
 use crate::report::run::record::RunRecord;
 use crate::statistics::{Judgement, Observed, quantile_estimate};
 
@@ -40,6 +40,7 @@ fn is_met(rule: StoppingRule, record: &RunRecord, outcomes: &[SampleOutcome]) ->
         mixed: &[],
         control: &[],
         changed: &[],
+        folder: RESULTS,
     };
     match rule {
         StoppingRule::Decided => {

@@ -15,9 +15,13 @@ use crate::report::disk::{self, DiskSummary};
 /// [`Error::Report`] if a folder holds no results; [`Error::Command`] on the first run that is not of the disk of the first of
 /// them, or has the engine order of another; [`Error::File`] or [`Error::Report`] if the results cannot be written.
 pub fn disk(folders: &[&Path], output: &OutputFolder) -> Result<DiskSummary, Error> {
-    let runs: Vec<StoredRun> = (folders.iter())
-        .map(|folder| StoredRun::read(folder).map(StoredRun::without_search))
-        .collect::<Result<_, _>>()?;
+    let read = |folder: &&Path| {
+        let run = StoredRun::read(folder)?.without_search();
+        // what decides is to be done in the folder of this order
+        let folder = folder.display().to_string();
+        Ok::<_, Error>(StoredRun { folder, ..run })
+    };
+    let runs: Vec<StoredRun> = folders.iter().map(read).collect::<Result<_, _>>()?;
     let refused = |place: usize, message: String| Error::Command {
         path: folders
             .get(place)

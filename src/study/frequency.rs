@@ -149,8 +149,9 @@ pub struct FrequencyTable {
     /// Which way `points` and values are swept, and so which solution they give where there are several.
     #[schemars(extend("default" = SweepDirection::default()))]
     sweep: Option<SweepDirection>,
-    /// Which maximum in the band is the result of a sample of `run`: the `highest`, also the highest but with every mode in
-    /// the band searched (`all`), or that of one mode by its number among the stuck frequencies, 1 for the lowest.
+    /// Which maximum in the band is the result of a sample of `run`: the `highest`; also the highest, but with every mode in
+    /// the band searched, and with statistics of each in table and report (`all`); or that of one mode by its number among the stuck
+    /// frequencies, 1 for the lowest.
     #[schemars(extend("default" = "highest"))]
     peak: Option<PeakTable>,
 }

@@ -5,17 +5,20 @@ use super::frequency::PeakSetting;
 use super::read::Study;
 use crate::Error;
 use crate::contact::ContactParameters;
+use crate::ensemble::store::FollowedMode;
 use crate::ensemble::{Ensemble, MistunedDisk, Strips};
 use crate::gpu::Gpu;
-use crate::hb::LinearModel;
 use crate::hb::equations::problem::stuck_stiffness;
 use crate::hb::peak::maxima::PeakChoice;
 use crate::hb::peak::search::PeakSettings;
-use crate::hb::structure::resonance::{Band, candidates};
+use crate::hb::structure::resonance::{Band, Candidate, candidates, natural_frequencies};
+use crate::hb::{LinearModel, Problem, SliderAnchor};
+use crate::linalg::LinalgError;
 use crate::model::ReducedModel;
 use crate::model::two_blade::ComponentSummary;
 use crate::sampling::Input;
 use crate::setting::BadSetting;
+use crate::units::rad_s_to_hz;
 use std::borrow::Cow;
 
 /// Relative change of frequency at which a peak counts as located: a peak reached on two ways, or with two backends,
@@ -47,10 +50,35 @@ pub struct PreparedStudy<'s> {
     mistuned: Option<MistunedDisk>,
     /// Which of the maxima is the peak.
     choice: PeakChoice,
+    /// Numbers of the modes that maxima are attributed to; empty where the study does not follow all modes.
+    mode_numbers: Vec<u32>,
+    /// Those of them that are searched in the band.
+    pub followed_modes: Vec<FollowedMode>,
 }
 
 /// Relative distance of two frequencies of one mode, computed in two ways.
 const SAME_MODE: f64 = 1e-6;
+
+/// Modes of what is solved, with their numbers as `inspect` counts them.
+struct NumberedModes {
+    /// Numbers of all, by their index; 0 where there is none.
+    numbers: Vec<u32>,
+    /// Those that are searched in the band, ascending.
+    in_band: Vec<(u32, Candidate)>,
+}
+
+/// Numbers, as `inspect` counts the frequencies `stuck` (rad/s), of the modes with the frequencies `solved` of what is solved: 0 where
+/// there is none. Both ascend; each number is given once.
+fn mode_numbers(stuck: &[f64], solved: &[f64]) -> Vec<u32> {
+    let mut numbers = (1..).zip(stuck).peekable();
+    let mut number = |&omega: &f64| {
+        let below = |&(_, of): &(u32, &f64)| *of < omega * (1.0 - SAME_MODE);
+        while numbers.next_if(below).is_some() {}
+        let same = |&(_, of): &(u32, &f64)| *of <= omega * (1.0 + SAME_MODE);
+        numbers.next_if(same).map_or(0, |(number, _)| number)
+    };
+    solved.iter().map(&mut number).collect()
+}
 
 impl Study {
     /// Builds the model and folds it where the study lets it.
@@ -80,23 +108,14 @@ impl Study {
             PeakSetting::All => return Ok(PeakChoice::All),
             PeakSetting::Mode(number) => number,
         };
-        let no_modes = |error: crate::linalg::LinalgError| Error::Problem(error.into());
-        let stuck = model.frequencies(true).map_err(no_modes)?;
-        let [low, high] = self.frequency.band;
-        let found = candidates(linear, &stuck_stiffness(solved), Band { low, high });
-        let found = found.map_err(no_modes)?;
-        let same = |a: f64, b: f64| (a / b - 1.0).abs() <= SAME_MODE;
-        let named = stuck.get(number - 1);
-        let mode = named.and_then(|omega| found.iter().find(|c| same(c.omega, *omega)));
-        if let Some(candidate) = mode {
+        let found = self.numbered_modes(model, (linear, solved))?.in_band;
+        let mode = found.iter().find(|(n, _)| *n as usize == number);
+        if let Some((_, candidate)) = mode {
             return Ok(PeakChoice::Mode(candidate.mode));
         }
-        let mut numbers: Vec<String> = (stuck.iter().zip(1..))
-            .filter(|(omega, _)| found.iter().any(|c| same(c.omega, **omega)))
-            .map(|(omega, n): (_, usize)| {
-                let unit = self.frequency.unit;
-                format!("{n} ({:.5} {})", unit.of_rad_s(*omega), unit.name())
-            })
+        let unit = self.frequency.unit;
+        let mut numbers: Vec<String> = (found.iter())
+            .map(|(n, c)| format!("{n} ({:.5} {})", unit.of_rad_s(c.omega), unit.name()))
             .collect();
         if numbers.is_empty() {
             numbers.push("none".to_owned());
@@ -109,6 +128,46 @@ impl Study {
                 numbers.join(", ")
             ),
         }))
+    }
+
+    /// Numbers of all modes of what is solved, by their index, and the modes in the band with theirs, ascending.
+    fn numbered_modes(
+        &self,
+        model: &StudyModel,
+        (linear, solved): (&LinearModel, &[ContactParameters<f64>]),
+    ) -> Result<NumberedModes, Error> {
+        let no_modes = |error: LinalgError| Error::Problem(error.into());
+        let stuck = model.frequencies(true).map_err(no_modes)?;
+        let springs = stuck_stiffness(solved);
+        let own = natural_frequencies(linear, &springs).map_err(no_modes)?;
+        let numbers = mode_numbers(&stuck, &own);
+        let [low, high] = self.frequency.band;
+        let found = candidates(linear, &springs, Band { low, high }).map_err(no_modes)?;
+        let named = found.into_iter().map(|c| (numbers[c.mode], c));
+        let mut named: Vec<_> = named.filter(|(number, _)| *number > 0).collect();
+        named.sort_by_key(|(number, _)| *number);
+        Ok(NumberedModes {
+            numbers,
+            in_band: named,
+        })
+    }
+
+    /// Numbers of the modes that maxima are attributed to, and those in the band, where the study follows all modes. The blades of a
+    /// mistuned disk have no modes in common.
+    fn followed(
+        &self,
+        model: &StudyModel,
+        solved: (&LinearModel, &[ContactParameters<f64>]),
+    ) -> Result<(Vec<u32>, Vec<FollowedMode>), Error> {
+        if self.frequency.peak != PeakSetting::All || self.is_mistuned() {
+            return Ok((Vec::new(), Vec::new()));
+        }
+        let found = self.numbered_modes(model, solved)?;
+        let mode = |(mode, c): (u32, Candidate)| FollowedMode {
+            mode,
+            stuck_frequency_hz: rad_s_to_hz(c.omega),
+        };
+        Ok((found.numbers, found.in_band.into_iter().map(mode).collect()))
     }
 
     /// What is solved: `model`, one half of it where the mirror gives the other, or a sector for its disk.
@@ -155,7 +214,13 @@ impl<'s> PreparedStudy<'s> {
         let contacts: Vec<_> = linear.pairs.iter().map(contact).collect();
         let inputs = study.design.inputs().iter().map(|(input, _)| *input);
         let own_strips = inputs.clone().any(|input| input == Input::StripThickness);
+        if study.has_input(Input::InitialTraction) {
+            // a sample without such a rest could only fail
+            let rest = SliderAnchor::StaticEquilibrium;
+            Problem::new(&linear, contacts.clone(), 1.0, rest)?;
+        }
         let choice = study.choice(&model, (&linear, &contacts))?;
+        let (mode_numbers, followed_modes) = study.followed(&model, (&linear, &contacts))?;
         let mistuned = match &model.disk {
             Some(of) => study.mistuned(of)?,
             None => None,
@@ -171,6 +236,8 @@ impl<'s> PreparedStudy<'s> {
             }),
             mistuned,
             choice,
+            mode_numbers,
+            followed_modes,
             disk: model.disk,
             contacts,
             linear,
@@ -212,6 +279,7 @@ impl PreparedStudy<'_> {
                 frequency_tolerance: FREQUENCY_TOLERANCE,
             },
             choice: self.choice,
+            mode_numbers: &self.mode_numbers,
             curve_samples: self.study.output.curve_samples,
             gpu,
             solver: self.study.sample_solver,

@@ -98,7 +98,13 @@ fn check_engine_orders(requirements: &Requirements) -> Result<(), BadSetting> {
 /// [`BadSetting`] with a key relative to the study file.
 fn check_surrogate(settings: &SurrogateSettings, design: &Design) -> Result<(), BadSetting> {
     settings.validate().map_err(|bad| bad.under("surrogate"))?;
-    let reason = design.indivisible();
+    let numbered = design
+        .inputs()
+        .iter()
+        .any(|(input, _)| input.numbers_draws());
+    let no_polynomial =
+        "no polynomial follows an input whose values only number the draws of a field";
+    let reason = design.indivisible().or(numbered.then_some(no_polynomial));
     let rule = format!("must be absent: {}", reason.unwrap_or_default());
     BadSetting::unless(reason.is_none(), "surrogate", "(table)", &rule)
 }

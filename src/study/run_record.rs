@@ -36,7 +36,7 @@ pub(super) fn first_record(
     let nominal = Problem::new(linear, prepared.contacts.clone(), 1.0, study.solver.anchor)?;
     let design = &study.design;
     Ok(RunRecord {
-        provenance: provenance(study, prepared.folded()),
+        provenance: provenance(prepared),
         backend: BackendReport::default(),
         inputs: study.input_records(),
         design: DesignRecord {
@@ -210,7 +210,8 @@ fn of_disk(study: &Study, settings: &CyclicSettings) -> String {
     )
 }
 
-pub(super) fn provenance(study: &Study, folded: bool) -> Provenance {
+pub(super) fn provenance(prepared: &PreparedStudy) -> Provenance {
+    let study = &prepared.study;
     let solver = &study.solver;
     let program = Program::this();
     Provenance {
@@ -232,8 +233,9 @@ pub(super) fn provenance(study: &Study, folded: bool) -> Provenance {
         anchor: solver.anchor,
         harmonics: solver.harmonics.orders().to_vec(),
         time_points: solver.aft.n_time,
-        folded,
+        folded: prepared.folded(),
         truncation_threshold: solver.alert.map(|alert| alert.threshold),
         highest_harmonic: solver.alert.map(|alert| alert.highest_harmonic),
+        followed_modes: prepared.followed_modes.clone(),
     }
 }

@@ -142,7 +142,7 @@ fn on_this_pool<T, F: Fn(Progress) + Sync>(
         backend: &backend,
         head: PartHead {
             identity,
-            provenance: provenance(study, prepared.folded()),
+            provenance: provenance(prepared),
             input_names: inputs.map(|(input, _)| input.name().to_owned()).collect(),
         },
         parts: PartFolder::of(folder.path()),

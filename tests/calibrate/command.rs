@@ -134,3 +134,21 @@ fn a_response_that_cannot_be_is_named() {
         assert!(text.contains(expected), "{expected} is not in: {text}");
     }
 }
+
+/// An input whose values only number the draws of a field has no posterior that a surrogate could give. Seen to fail without the rule.
+#[test]
+fn an_input_that_numbers_draws_is_refused() {
+    let folder = case();
+    let path = folder.path().join("study.toml");
+    let study = std::fs::read_to_string(&path).unwrap();
+    let [from, to] = ["[inputs.static_load_scale]", "[frequency]"].map(|name| study.find(name));
+    let drawn = "[inputs.initial_traction]\ndistribution = \"uniform\"\nlow = 0.0\nhigh = 1.0\n\n";
+    let study = study.replace(&study[from.unwrap()..to.unwrap()], drawn);
+    std::fs::write(&path, study).unwrap();
+    let output = calibrate(folder.path(), &[]);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    let text = String::from_utf8_lossy(&output.stderr);
+    let rule =
+        "inputs.initial_traction = (given): must be absent: its values only number the draws";
+    assert!(text.contains(rule), "{text}");
+}

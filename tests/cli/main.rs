@@ -16,10 +16,12 @@ mod extend;
 #[path = "../common/function_case.rs"]
 mod function_case;
 mod identified;
+mod initial_traction;
 mod inputs;
 mod log;
 mod long_runs;
 mod mistuned;
+mod modes;
 mod output_schemas;
 #[path = "../common/program.rs"]
 mod program;

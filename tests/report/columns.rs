@@ -4,6 +4,7 @@ use crate::synthetic::SyntheticStudy;
 use arrow_ipc::reader::FileReader as ArrowReader;
 use microslip::ensemble::arrow::write_arrow;
 use microslip::ensemble::columns::{CURVE_COLUMNS, DescribedColumn, SAMPLE_COLUMNS};
+use microslip::ensemble::store::FollowedMode;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::arrow::parquet_to_arrow_schema;
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -27,7 +28,7 @@ const INPUTS: [(&str, &str, &str); 4] = [
 ];
 
 /// Tables of a study whose samples have outer points, replicates and places, with the inputs above, that of a mistuned disk among
-/// them.
+/// them, and that follows all modes.
 fn store(folder: &Path) {
     let mut study = SyntheticStudy::new(20);
     let more = study.record.inputs[0].clone();
@@ -36,6 +37,10 @@ fn store(folder: &Path) {
         record.name = name.to_owned();
     }
     assert_eq!(study.input_names().len(), INPUTS.len(), "inputs");
+    study.record.provenance.followed_modes = vec![FollowedMode {
+        mode: 2,
+        stuck_frequency_hz: 2973.95,
+    }];
     for outcome in &mut study.outcomes {
         outcome.inputs = outcome.inputs.iter().copied().chain([0.5, 0.01]).collect();
         outcome.group.outer = Some((outcome.index % 3) as u32);

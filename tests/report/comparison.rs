@@ -13,6 +13,7 @@ fn run(study: SyntheticStudy) -> StoredRun {
         record: study.record,
         outcomes: study.outcomes,
         changed: Vec::new(),
+        folder: "results".to_owned(),
     }
 }
 

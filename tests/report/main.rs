@@ -10,6 +10,7 @@ mod comparison;
 mod control_variate;
 mod epistemic;
 mod identification;
+mod modes;
 mod page;
 #[path = "../common/page_rules.rs"]
 mod page_rules;

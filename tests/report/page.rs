@@ -59,7 +59,8 @@ fn table<'a>(page: &'a str, name: &str) -> &'a str {
     &page[start..start + length]
 }
 
-/// Beside every margin stands how many curves have several solutions. Seen to fail with the levels of the reserves alone.
+/// Beside every margin stands how many curves have several solutions. Seen to fail with the levels of the reserves alone, without the
+/// words in the criteria, and without them in the tables of margins and reserves.
 #[test]
 fn margins_say_how_often_there_are_several_answers() {
     let study = SyntheticStudy::new(60);

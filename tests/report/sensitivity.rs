@@ -224,3 +224,48 @@ fn distributions_are_stored() {
     let bad = r#"{ "shape": { "uniform": { "low": 1.0, "high": 0.0 } }, "truncation": null }"#;
     assert!(serde_json::from_str::<Distribution>(bad).is_err());
 }
+
+/// An input whose values only number draws: nothing is told along it, and a pick-freeze design alone gives its share of the variance. Seen to
+/// fail with each of the numbers of any other input.
+#[test]
+fn nothing_is_told_along_an_input_that_numbers_draws() {
+    let of = |mut study: SyntheticStudy| {
+        study.record.inputs[1].name = "initial_traction".to_owned();
+        study
+    };
+    let study = of(SyntheticStudy::new(400));
+    let summary = Summary::of(&study.input());
+    for level in &summary.levels {
+        let [stiffness, traction] = &level.rank_correlations[..] else {
+            panic!("two inputs")
+        };
+        assert!(stiffness.frequency.is_some() && traction.frequency.is_none());
+        assert_eq!(traction.amplitude, None);
+    }
+    let assessment = Assessment::of(&study.input(), &summary);
+    for level in &assessment.levels {
+        let [stiffness, traction] = &level.influences[..] else {
+            panic!("two inputs")
+        };
+        assert!(
+            matches!(&traction.frequency, IndexResult::Refused(why) if why.contains("pick-freeze"))
+        );
+        assert!(traction.frequency_means_hz.is_empty() && traction.amplitude_means_m.is_empty());
+        assert!(
+            !stiffness.frequency_means_hz.is_empty(),
+            "means of the stiffness"
+        );
+    }
+    let page = page(&study);
+    assert!(page.contains("Frequency over contact stiffness scale"));
+    assert!(
+        !page.contains("Frequency over initial_traction"),
+        "a scatter without order"
+    );
+    let rows = of(SyntheticStudy::pick_freeze(128));
+    assert!(
+        frequency_indices(&rows, 0)
+            .iter()
+            .all(|index| matches!(index, IndexResult::PickFreeze(_)))
+    );
+}

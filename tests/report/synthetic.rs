@@ -70,6 +70,7 @@ impl SyntheticStudy {
             mixed: &self.mixed,
             control: &self.control,
             changed: &[],
+            folder: "results",
         }
     }
 
@@ -246,6 +247,7 @@ pub(crate) fn provenance() -> Provenance {
         folded: true,
         truncation_threshold: Some(0.01),
         highest_harmonic: Some(9),
+        followed_modes: Vec::new(),
     }
 }
 

@@ -248,7 +248,7 @@ fn the_remedy_decides() {
 
 /// With a log-uniform and a uniform input taken as intervals one sample that breaks the limit fails it, none proves nothing,
 /// and a random input beside them leaves open whether its share is kept at each value. Seen to fail with the judgement on the
-/// prior repeated.
+/// prior repeated, and with the numbers of draws taken for an interval.
 #[test]
 fn flat_inputs_are_judged_as_intervals_too() {
     let mut study = study(200, 199.5);
@@ -285,6 +285,18 @@ fn flat_inputs_are_judged_as_intervals_too() {
             .basis
             .contains("`kind = \"epistemic\"` for contact stiffness scale")
     );
+    // uniform numbers of draws are no interval of anything
+    let (low, high) = (0.0, 1.0);
+    study.record.inputs[1].distribution = law(Shape::Uniform { low, high });
+    let name = std::mem::replace(
+        &mut study.record.inputs[1].name,
+        "initial_traction".to_owned(),
+    );
+    let found = judged(&study).as_intervals.unwrap();
+    assert_eq!(found.inputs, ["contact stiffness scale"]);
+    assert_eq!(found.judgement, Judgement::Undecided);
+    study.record.inputs[1].name = name;
+    study.record.inputs[1].distribution = law(normal);
     study.record.requirements.criteria[0].limit = 100.0;
     let result = judged(&study);
     let found = result.as_intervals.unwrap();

@@ -18,6 +18,7 @@ mod jacobian;
 mod maxima;
 mod mistuned;
 mod models;
+mod modes;
 mod nodal;
 mod peak;
 mod random_models;

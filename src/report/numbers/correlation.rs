@@ -5,8 +5,8 @@ use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
 use crate::report::run::record::RunRecord;
 use crate::statistics::rank_correlation;
 
-/// Spearman's rank correlation of one input with the results; absent where either does not vary, and over samples that belong
-/// to outer points.
+/// Spearman's rank correlation of one input with the results; absent where either does not vary, where the values of the input only
+/// number draws, and over samples that belong to outer points.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct InputCorrelation {
     /// Name of the input.
@@ -26,6 +26,9 @@ pub(super) fn correlations<'a>(
     let with = |j: usize, value: fn(&PeakRecord) -> f64| {
         let pair =
             |o: &SampleOutcome| Some((*o.inputs.get(j)?, value(&usable_peak(&o.levels[i])?)));
+        if record.inputs[j].numbers_draws() {
+            return None;
+        }
         rank_correlation(&outcomes.clone().filter_map(pair).collect::<Vec<_>>())
     };
     let names = record.inputs.iter().enumerate();

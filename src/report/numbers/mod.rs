@@ -13,6 +13,7 @@ pub mod distribution;
 pub mod epistemic;
 pub mod error_budget;
 pub mod margins;
+pub mod modes;
 pub mod outer_points;
 pub(super) mod peak_error;
 pub(super) mod peaks;

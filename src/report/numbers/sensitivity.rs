@@ -15,6 +15,9 @@ use serde::Serialize;
 
 /// Replicates of a resampling interval.
 const REPLICATES: u32 = 200;
+/// Why samples of another design do not tell how much of the variance a field has.
+const NUMBERED: &str =
+    "its values only number the draws of a field: design.kind = \"pick-freeze\" tells its share";
 /// Groups of a conditional mean.
 const GROUPS: usize = 5;
 
@@ -27,9 +30,10 @@ pub struct InputInfluence {
     pub frequency: IndexResult,
     /// Share of the variance of the amplitude.
     pub amplitude: IndexResult,
-    /// Mean resonance frequency (Hz) over groups of samples along the input; empty where samples belong to outer points.
+    /// Mean resonance frequency (Hz) over groups of samples along the input; empty where samples belong to outer points, and for an input
+    /// whose values only number draws.
     pub frequency_means_hz: Vec<ConditionalMean>,
-    /// Mean amplitude (m) over groups of samples along the input; empty where samples belong to outer points.
+    /// Mean amplitude (m) over the same groups.
     pub amplitude_means_m: Vec<ConditionalMean>,
 }
 
@@ -58,7 +62,7 @@ pub(in crate::report) fn influences(input: &ReportInput, i: usize) -> Vec<InputI
         .zip(frequency.into_iter().zip(amplitude))
         .map(|((j, record), (frequency, amplitude))| {
             let (x, open) = (column(input, j), Interval::UNBOUNDED);
-            let means = |results: &[f64]| match pooled {
+            let means = |results: &[f64]| match pooled || record.numbers_draws() {
                 true => Vec::new(),
                 false => conditional_means(&x, results, GROUPS, open, input.record.confidence()),
             };
@@ -94,7 +98,10 @@ fn indices(input: &ReportInput, i: usize, value: Results) -> Vec<IndexResult> {
     let results = values(input.outcomes, i, value);
     let replicates = replicates(input);
     let pooled = nested(input.outcomes);
-    let index = |j| {
+    let index = |j: usize| {
+        if input.record.inputs[j].numbers_draws() {
+            return IndexResult::Refused(NUMBERED.to_owned());
+        }
         let x = column(input, j);
         let data = GivenData {
             inputs: &x,

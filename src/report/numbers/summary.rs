@@ -4,6 +4,7 @@ use super::amplification::AmplificationSummary;
 use super::correlation::{InputCorrelation, correlations};
 use super::distribution::Distribution;
 use super::epistemic::{EpistemicSummary, PointStatistics};
+use super::modes::{ModeSummary, of_modes};
 use super::outer_points::nested;
 use super::peak_error::work_imbalance;
 use super::peaks::{counted_status, mean_fractions, usable_peak};
@@ -80,6 +81,9 @@ pub struct LevelSummary {
     /// Amplification factors of a mistuned disk; absent of any other model, and where the samples belong to outer points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplification: Option<AmplificationSummary>,
+    /// The maximum of each mode; absent where the study does not follow all modes, and where the samples belong to outer points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub modes: Option<Vec<ModeSummary>>,
     /// Means over the replicates of a quasi-random design; absent for any other, and where the samples belong to outer
     /// points.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -218,6 +222,7 @@ impl LevelSummary {
             amplitude_per_unit_level_m: of_blades(&|p| Some(p.amplitude_m / level)),
             damping_ratio: of_blades(&|p| p.damping_ratio.get()),
             amplification: AmplificationSummary::of(&records, pooled, confidence),
+            modes: of_modes(input, &records, confidence),
             replicate_means: ReplicateMeans::of(population.iter(), i),
             truncation_error: distribution(&|p| p.truncation_error.get()),
             highest_harmonics,

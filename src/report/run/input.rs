@@ -3,6 +3,9 @@
 use super::record::RunRecord;
 use crate::ensemble::outcome::SampleOutcome;
 
+/// Folder of the results in commands, where there is one run.
+pub const RESULTS: &str = "results";
+
 /// Everything a report is made from.
 #[derive(Debug, Clone, Copy)]
 pub struct ReportInput<'a> {
@@ -16,4 +19,6 @@ pub struct ReportInput<'a> {
     pub control: &'a [SampleOutcome],
     /// Tables of the run whose content has changed since.
     pub changed: &'a [String],
+    /// Folder of the results in commands that a reader may give. A page of one run says [`RESULTS`], wherever it lies.
+    pub folder: &'a str,
 }

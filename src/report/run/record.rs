@@ -11,7 +11,7 @@ use crate::report::asked::requirement::Requirements;
 use crate::report::asked::stopping::Stopping;
 use crate::report::asked::surrogate::SurrogateSettings;
 use crate::report::convention::CONFIDENCE;
-use crate::sampling::{DesignKind, Distribution, Growth};
+use crate::sampling::{DesignKind, Distribution, Growth, Input};
 use crate::statistics::confidence_at;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
@@ -126,6 +126,12 @@ pub struct DesignRecord {
 }
 
 impl InputRecord {
+    /// Whether its values only number the draws of a field: nothing is to be told along it.
+    #[must_use]
+    pub fn numbers_draws(&self) -> bool {
+        Input::of_column(&self.name).is_some_and(Input::numbers_draws)
+    }
+
     /// Its distribution in words, with the file that states it.
     #[must_use]
     pub fn assumption(&self) -> String {

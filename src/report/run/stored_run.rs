@@ -1,6 +1,6 @@
 //! A run read back from its folder, and whether its files are still those that it wrote.
 
-use super::input::ReportInput;
+use super::input::{RESULTS, ReportInput};
 use super::record::{CONTROL_VARIATE, FURTHER_POINTS, RECORD, RunRecord, TABLES};
 use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::store::{read_curves, read_samples};
@@ -20,6 +20,8 @@ pub struct StoredRun {
     pub control: Vec<SampleOutcome>,
     /// Files whose content is not that of the run.
     pub changed: Vec<String>,
+    /// Folder of the results in commands that a reader may give.
+    pub folder: String,
 }
 
 /// Refuses a folder with files that are not those that the run wrote: what is computed from them would pass for its results.
@@ -48,6 +50,7 @@ impl StoredRun {
             mixed: &self.mixed,
             control: &self.control,
             changed: &self.changed,
+            folder: &self.folder,
         }
     }
 
@@ -97,6 +100,7 @@ impl StoredRun {
             mixed,
             control,
             changed,
+            folder: RESULTS.to_owned(),
         })
     }
 }

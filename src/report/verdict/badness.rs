@@ -7,7 +7,7 @@ use super::judged::Judged;
 use super::numerical_error::NumericalErrors;
 use crate::ensemble::outcome::SampleOutcome;
 use crate::report::asked::requirement::Criterion;
-use crate::report::run::input::ReportInput;
+use crate::report::run::input::{RESULTS, ReportInput};
 use crate::report::run::record::RunRecord;
 use crate::statistics::{Observed, quantile_rank};
 
@@ -26,6 +26,7 @@ pub fn badness(
         mixed: &[],
         control: &[],
         changed: &[],
+        folder: RESULTS,
     };
     let errors = NumericalErrors::of(&input, &[]);
     let judged = Judged::new(input, criterion, &errors, level);

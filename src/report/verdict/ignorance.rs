@@ -10,7 +10,7 @@ use super::judged::Judged;
 use crate::page::display::short;
 use crate::report::numbers::outer_points::outer_groups;
 use crate::report::run::record::RunRecord;
-use crate::sampling::Shape;
+use crate::sampling::{Distribution, Shape};
 use crate::statistics::Judgement;
 
 /// Judges with inputs of flat distributions as intervals, after `judgement` on the prior; absent without such inputs.
@@ -44,13 +44,15 @@ pub(super) fn as_intervals(judgement: Judgement, levels: &[Judged]) -> Option<Ig
 }
 
 fn is_flat(record: &RunRecord, j: usize) -> bool {
-    let law = record.inputs[j].distribution.as_ref();
-    law.is_some_and(|law| {
+    let input = &record.inputs[j];
+    let flat = |law: &Distribution| {
         matches!(
             law.shape(),
             Shape::Uniform { .. } | Shape::LogUniform { .. }
         )
-    })
+    };
+    // the values of such an input say nothing of the contacts
+    !input.numbers_draws() && input.distribution.as_ref().is_some_and(flat)
 }
 
 /// A sample that surely breaks the limit, where nothing but the flat inputs differs between samples: a value at which no

@@ -50,7 +50,7 @@ fn result(input: &ReportInput, criterion: &Criterion, errors: &NumericalErrors) 
         as_intervals: as_intervals(judgement, &judged),
         levels,
     };
-    result.sentence = sentence(input.record, &result);
+    result.sentence = sentence(input, &result);
     result
 }
 

@@ -3,6 +3,7 @@
 use super::criterion_result::{CriterionResult, LevelResult, Power};
 use crate::page::display::{level_name, percent, significant, with_digits};
 use crate::report::asked::requirement::{Criterion, Quantity};
+use crate::report::run::input::ReportInput;
 use crate::report::run::record::RunRecord;
 use crate::statistics::{Interval, Judgement, Remedy};
 
@@ -17,7 +18,8 @@ pub(in crate::report) fn shown(quantity: Quantity) -> fn(f64) -> String {
 }
 
 /// The judgement of a criterion in one or two sentences.
-pub(super) fn sentence(record: &RunRecord, result: &CriterionResult) -> String {
+pub(super) fn sentence(input: &ReportInput, result: &CriterionResult) -> String {
+    let record = input.record;
     let Some(level) = result.deciding() else {
         return "No level was judged.".to_owned();
     };
@@ -37,8 +39,9 @@ pub(super) fn sentence(record: &RunRecord, result: &CriterionResult) -> String {
     let end = match result.judgement {
         Judgement::Pass => String::new(),
         Judgement::Fail => " The limit is not kept.".to_owned(),
-        Judgement::Undecided => remedy(record, level)
-            .map_or_else(String::new, |remedy| format!(" Undecided: {remedy}.")),
+        Judgement::Undecided => {
+            remedy(input, level).map_or_else(String::new, |remedy| format!(" Undecided: {remedy}."))
+        }
     };
     let over_box = level
         .over_box
@@ -100,7 +103,7 @@ fn between(interval: Interval, show: fn(f64) -> String) -> String {
 }
 
 /// What would decide, with its number; absent where a level is decided.
-pub(super) fn remedy(record: &RunRecord, level: &LevelResult) -> Option<String> {
+pub(super) fn remedy(input: &ReportInput, level: &LevelResult) -> Option<String> {
     let counted = &level.counted;
     Some(match level.remedy? {
         Remedy::Samples(n) => {
@@ -109,7 +112,7 @@ pub(super) fn remedy(record: &RunRecord, level: &LevelResult) -> Option<String> 
                 true => format!("{n} samples needed"),
                 false => format!("about {n} samples needed"),
             };
-            format!("{needed}{}", more_samples(record, n))
+            format!("{needed}{}", more_samples(input, n))
         }
         Remedy::FewerUnknown => format!(
             "{} of {} samples are unknown ({}), and no number of samples decides as long as so large a share is",
@@ -121,7 +124,7 @@ pub(super) fn remedy(record: &RunRecord, level: &LevelResult) -> Option<String> 
             "the share that keeps the limit lies too close to the one that must for a number of samples to be named; at the best \
              that {} samples allow, about {n} decide{}",
             counted.samples,
-            more_samples(record, n)
+            more_samples(input, n)
         ),
         Remedy::TooClose => {
             "the share that keeps the limit is too close to the one that must: more than a million samples needed"
@@ -131,7 +134,8 @@ pub(super) fn remedy(record: &RunRecord, level: &LevelResult) -> Option<String> 
 }
 
 /// Where and how the samples come from.
-fn more_samples(record: &RunRecord, n: usize) -> String {
+fn more_samples(input: &ReportInput, n: usize) -> String {
+    let (record, folder) = (input.record, input.folder);
     let outer = record.design.outer_points;
     let each = match outer {
         1 => "",
@@ -142,7 +146,7 @@ fn more_samples(record: &RunRecord, n: usize) -> String {
         None => record.design.growth.total(n as u64),
     };
     match total.and_then(|total| total.checked_mul(outer)) {
-        Some(total) => format!("{each}: `microslip extend results --samples {total}`"),
+        Some(total) => format!("{each}: `microslip extend {folder} --samples {total}`"),
         None => format!("{each}: this design cannot be extended, `run` one of so many"),
     }
 }

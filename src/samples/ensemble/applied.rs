@@ -1,5 +1,6 @@
 //! The nominal model with the inputs of one sample applied.
 
+use super::initial_tractions::shares;
 use super::{Ensemble, Strips};
 use crate::aft::Backend;
 use crate::contact::ContactParameters;
@@ -14,6 +15,8 @@ pub(super) struct Applied<'m> {
     linear: Cow<'m, LinearModel>,
     pub(super) contacts: Vec<ContactParameters<f64>>,
     load_scale: f64,
+    /// Initial tractions over the friction limit, where they are drawn. Shape: `[pairs]`.
+    tractions: Option<Vec<[f64; 2]>>,
     gpu: Option<&'m Gpu>,
     /// Factor on the excitation levels.
     pub(super) excitation_scale: f64,
@@ -44,6 +47,7 @@ impl Ensemble<'_> {
             linear,
             contacts,
             load_scale: 1.0,
+            tractions: None,
             gpu: self.gpu,
             excitation_scale: 1.0,
         };
@@ -68,6 +72,9 @@ impl Applied<'_> {
     pub(super) fn problem(&self, anchor: SliderAnchor) -> Result<Problem<'_>, ProblemError> {
         let mut problem =
             Problem::new(&self.linear, self.contacts.clone(), self.load_scale, anchor)?;
+        if let Some(shares) = &self.tractions {
+            problem.begin_with_tractions(shares)?;
+        }
         problem.backend = self.gpu.map_or(Backend::Cpu, |gpu| Backend::Device(gpu));
         Ok(problem)
     }
@@ -86,6 +93,10 @@ impl Applied<'_> {
                     let entries = part.static_force.iter_mut().zip(&part.loads[load]);
                     entries.for_each(|(force, f)| *force += value * f);
                 }
+            }
+            Input::InitialTraction => {
+                let law = ensemble.settings.aft.law;
+                self.tractions = Some(shares(value, self.contacts.len(), law));
             }
             Input::StripThickness | Input::BladeFrequency(_) => {}
             _ => {
@@ -119,6 +130,7 @@ fn apply_to_contact(contact: &mut ContactParameters<f64>, input: Input, value: f
         | Input::ExcitationScale
         | Input::EdgePressure
         | Input::StripThickness
+        | Input::InitialTraction
         | Input::BladeFrequency(_)
         | Input::PressureMode(_) => {}
     }

@@ -41,7 +41,7 @@ const fn column(
 }
 
 /// Columns of `samples.parquet` and `further_points.parquet`, but for those of the inputs.
-pub const SAMPLE_COLUMNS: [DescribedColumn; 35] = [
+pub const SAMPLE_COLUMNS: [DescribedColumn; 40] = [
     column("sample", "", "index of the sample, from 0"),
     column(
         "outer",
@@ -128,6 +128,31 @@ pub const SAMPLE_COLUMNS: [DescribedColumn; 35] = [
         "other_amplitudes_m",
         "m",
         "amplitudes of these maxima, in the same order",
+    ),
+    column(
+        "mode",
+        "",
+        "mode of the peak by its number among the stuck frequencies, 1 for the lowest, 0 where none is known; this and the next four only where all modes are followed (`peak = \"all\"`)",
+    ),
+    column(
+        "mode_share",
+        "1",
+        "how clearly the peak is of this mode: its part of the correlations with all modes, 1 where no other mode comes near",
+    ),
+    column(
+        "other_modes",
+        "",
+        "modes of the lower maxima, in the order of `other_frequencies_hz`",
+    ),
+    column(
+        "other_mode_shares",
+        "1",
+        "how clearly these are of their modes",
+    ),
+    column(
+        "unfinished_modes",
+        "",
+        "modes whose maximum was searched and not found, though nothing says that it lies outside the band",
     ),
     column(
         "upward_frequency_hz",

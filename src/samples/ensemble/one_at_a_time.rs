@@ -18,7 +18,7 @@ pub const ENDS: [f64; 2] = [0.05, 0.95];
 pub struct OneAtATime {
     /// All inputs at their medians. Shape: `[levels]`.
     pub median: Vec<LevelOutcome>,
-    /// One entry per random input.
+    /// One entry per random input along which results go: none for one whose values only number draws.
     pub swings: Vec<Swing>,
 }
 
@@ -55,10 +55,9 @@ impl Ensemble<'_> {
                 ends,
             }
         };
-        let (median, swings) = rayon::join(
-            || solved(&medians),
-            || self.design.drawn().par_iter().map(swing).collect(),
-        );
+        let has_order = |&&input: &&usize| !laws[input].0.numbers_draws();
+        let ordered = self.design.drawn().par_iter().filter(has_order);
+        let (median, swings) = rayon::join(|| solved(&medians), || ordered.map(swing).collect());
         OneAtATime { median, swings }
     }
 }

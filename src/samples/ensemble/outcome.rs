@@ -58,6 +58,8 @@ struct KnownAround {
     sweeps: Option<SweepRecord>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     mistuned: Option<MistunedRecord>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    modes: Option<FollowedModes>,
 }
 
 impl AroundPeak {
@@ -91,6 +93,17 @@ impl AroundPeak {
         self.0.get_or_insert_default().mistuned = Some(record);
     }
 
+    /// The modes of the maxima; absent where the study does not follow all modes.
+    #[must_use]
+    pub fn modes(&self) -> Option<&FollowedModes> {
+        self.0.as_ref()?.modes.as_ref()
+    }
+
+    /// States the modes of the maxima.
+    pub fn set_modes(&mut self, modes: FollowedModes) {
+        self.0.get_or_insert_default().modes = Some(modes);
+    }
+
     /// The forced response, to be changed.
     pub fn curve_mut(&mut self) -> &mut Vec<CurvePoint> {
         &mut self.0.get_or_insert_default().curve
@@ -108,6 +121,7 @@ impl AroundPeak {
             curve,
             sweeps,
             mistuned: None,
+            modes: None,
         }
         .into()
     }
@@ -118,7 +132,8 @@ impl From<KnownAround> for AroundPeak {
         let empty = known.others.is_empty()
             && known.curve.is_empty()
             && known.sweeps.is_none()
-            && known.mistuned.is_none();
+            && known.mistuned.is_none()
+            && known.modes.is_none();
         Self((!empty).then(|| Box::new(known)))
     }
 }
@@ -275,6 +290,25 @@ pub struct OtherMaximum {
     /// Amplitude |q̂₁| of the first response coordinate (m).
     #[serde(deserialize_with = "number")]
     pub amplitude_m: f64,
+}
+
+/// The modes of the maxima of a level, where the study follows all modes.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct FollowedModes {
+    /// The mode of each maximum, the peak first, then the lower ones; empty without a peak.
+    pub of_maxima: Vec<ModeOfMaximum>,
+    /// Modes whose maximum was searched and not found, though nothing says that it lies outside the band.
+    pub unfinished: u32,
+}
+
+/// The mode of a maximum.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ModeOfMaximum {
+    /// Its number among the stuck frequencies of the nominal structure, 1 for the lowest; 0 where none is known.
+    pub number: u32,
+    /// Its part of the correlations with all modes.
+    #[serde(deserialize_with = "number")]
+    pub share: f64,
 }
 
 /// What slow sweeps through the band meet. They differ where the curve folds over.

@@ -45,6 +45,9 @@ pub struct Ensemble<'a> {
     pub peak: PeakSettings,
     /// Which of the maxima is the peak.
     pub choice: PeakChoice,
+    /// Numbers, as a study counts them, of the modes that maxima are attributed to, by their index among those that harmonic 1
+    /// excites; empty where a study does not follow all modes.
+    pub mode_numbers: &'a [u32],
     /// Samples with a forced response curve: 0 … this − 1.
     pub curve_samples: u64,
     /// A device that drafts contact forces, if any. The processor computes everything that decides a result.

@@ -130,7 +130,17 @@ impl Ensemble<'_> {
             let peaks = self.peaks(&problem, &levels, place, atlas);
             let peaks = peaks.map_err(status_of)?;
             let (larger_sets, to_peaks) = (problem.effort.alert_time(), begun.elapsed());
-            let level = |(found, nominal)| self.level(&problem, found, nominal, curve);
+            let shapes = self.mode_shapes(problem.model);
+            let level = |(found, nominal)| {
+                let mut level = self.level(&problem, found, nominal, curve);
+                let modes = shapes
+                    .as_ref()
+                    .map(|shapes| self.followed_modes(&problem, shapes, found));
+                if let Some(modes) = modes {
+                    level.around.set_modes(modes);
+                }
+                level
+            };
             let of_levels = peaks.iter().zip(self.levels.iter().copied());
             let levels: Vec<_> = of_levels.map(level).collect();
             Ok(Found {

@@ -156,6 +156,10 @@ impl Design {
         }
         match &self.file {
             Some((columns, _)) if columns.contains(&j) => "values of a file".to_owned(),
+            _ if self.inputs[j].0.numbers_draws() => {
+                "a number by which every contact is drawn, evenly within its friction limit"
+                    .to_owned()
+            }
             _ => distribution.to_string(),
         }
     }

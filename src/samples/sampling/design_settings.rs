@@ -79,6 +79,7 @@ impl DesignSettings {
         let (table, known) = (&self.correlation, &self.known_correlation);
         let correlation = correlation_matrix(table.as_ref(), known.as_ref(), &drawn);
         let correlation = correlation.map_err(|bad| bad.under("correlation"))?;
+        refuse_correlated_draws(&drawn, correlation.as_deref())?;
         let (plan, inner) = self.plan(n_outer, &drawn, correlation.as_deref())?;
         let samples = number_of_samples(inner.saturating_mul(n_outer))?;
         // a hypercube has the correlation in the order of its strata
@@ -150,6 +151,10 @@ impl DesignSettings {
         for (input, uncertainty) in &self.inputs {
             let accepted = match uncertainty {
                 Uncertainty::Aleatory(distribution) => input.accepts(distribution),
+                Uncertainty::Epistemic(_) if input.numbers_draws() => {
+                    let rule = "must be \"aleatory\": its values only number the draws of a field, so that none is worse than others";
+                    BadSetting::unless(false, "kind", "\"epistemic\"", rule)
+                }
                 Uncertainty::Epistemic(known) => (input.accepts_value("lower", known.lower))
                     .and_then(|()| input.accepts_value("upper", known.upper)),
             };
@@ -235,6 +240,22 @@ impl DesignSettings {
         inputs.sort_by_key(|(input, _)| *input);
         Ok(inputs)
     }
+}
+
+/// Refuses a correlation with an input whose values only number draws.
+fn refuse_correlated_draws(
+    drawn: &[Input],
+    correlation: Option<&[Vec<f64>]>,
+) -> Result<(), BadSetting> {
+    let correlated = |&(k, input): &(usize, &Input)| {
+        let row = correlation.map_or(&[][..], |matrix| &matrix[k]);
+        input.numbers_draws() && row.iter().enumerate().any(|(j, rho)| j != k && *rho != 0.0)
+    };
+    let found = drawn.iter().enumerate().find(correlated);
+    let name = found.map_or("", |(_, input)| input.name());
+    let rule =
+        "must be independent of all other inputs: its values only number the draws of a field";
+    BadSetting::unless(found.is_none(), "correlation.pairs", name, rule)
 }
 
 /// Most samples of a study: beyond it the tables of the report do not fit into memory.

@@ -1,6 +1,6 @@
 //! The quantities of a study that may be random.
 
-use super::distribution::Distribution;
+use super::distribution::{Distribution, Shape};
 use crate::setting::{BadSetting, FRICTION, USUAL_FRICTION, unusual};
 use schemars::{JsonSchema, SchemaGenerator};
 use std::sync::LazyLock;
@@ -41,6 +41,10 @@ pub enum Input {
     /// only.
     #[schemars(rename = "strip_thickness_mm")]
     StripThickness,
+    /// Number by which the tractions that all contacts begin with are drawn, each evenly within its friction limit at rest. They stay
+    /// in part where a contact never slips through. `uniform` from 0 to 1; in place of `contact.anchor`; ends the mirror symmetry.
+    /// Not for a disk.
+    InitialTraction,
     /// Standard normal coefficient of a mode of the contact pressure's random field, below [`PRESSURE_MODES`].
     #[schemars(skip)]
     PressureMode(u8),
@@ -85,7 +89,7 @@ const SELDOM: f64 = 1e-6;
 
 impl Input {
     /// Every input that `[inputs]` can name, in order; the modes of the pressure field come after them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::StiffnessScale,
         Self::NormalStiffnessScale,
         Self::TangentialStiffnessScale,
@@ -99,6 +103,7 @@ impl Input {
         Self::ExcitationScale,
         Self::EdgePressure,
         Self::StripThickness,
+        Self::InitialTraction,
     ];
 
     /// Refuses a value that cannot be meant (negative, not finite, beyond any use; a factor of 0). A coefficient of the pressure may
@@ -138,6 +143,7 @@ impl Input {
                 | Self::RightFrictionCoefficient
                 | Self::StaticLoadScale
                 | Self::EdgePressure
+                | Self::InitialTraction
         )
     }
 
@@ -145,7 +151,7 @@ impl Input {
     #[must_use]
     pub fn largest(self) -> f64 {
         match self {
-            Self::EdgePressure => 1.0,
+            Self::EdgePressure | Self::InitialTraction => 1.0,
             Self::FrictionCoefficient
             | Self::LeftFrictionCoefficient
             | Self::RightFrictionCoefficient => FRICTION[1],
@@ -162,6 +168,7 @@ impl Input {
     pub fn meaning(self) -> &'static str {
         match self {
             Self::EdgePressure => "1 is the pressure of a rigid punch",
+            Self::InitialTraction => "a number to draw by",
             Self::FrictionCoefficient
             | Self::LeftFrictionCoefficient
             | Self::RightFrictionCoefficient => "a friction coefficient, no percentage",
@@ -186,6 +193,7 @@ impl Input {
             Self::StaticLoadScale | Self::DampingScale | Self::ExcitationScale => Some([1e-2, 1e2]),
             Self::EdgePressure
             | Self::StripThickness
+            | Self::InitialTraction
             | Self::PressureMode(_)
             | Self::BladeFrequency(_) => None,
         }
@@ -217,6 +225,7 @@ impl Input {
             Self::ExcitationScale => "excitation_scale",
             Self::EdgePressure => "edge_pressure",
             Self::StripThickness => "strip_thickness_mm",
+            Self::InitialTraction => "initial_traction",
             Self::PressureMode(k) => PRESSURE_NAMES[usize::from(k)],
             Self::BladeFrequency(blade) => &BLADE_NAMES[usize::from(blade)],
         }
@@ -288,6 +297,7 @@ impl Input {
             Self::ExcitationScale => 10,
             Self::EdgePressure => 11,
             Self::StripThickness => 12,
+            Self::InitialTraction => 13,
             Self::PressureMode(k) => 64 + u32::from(k),
             Self::BladeFrequency(blade) => 128 + u32::from(blade),
         }
@@ -306,7 +316,13 @@ impl Input {
     /// Whether the input makes the two sides of a mirror-symmetric model differ.
     #[must_use]
     pub fn one_sided(self) -> bool {
-        self.interface().is_some() || matches!(self, Self::PressureMode(_))
+        self.interface().is_some() || matches!(self, Self::PressureMode(_) | Self::InitialTraction)
+    }
+
+    /// Whether its values only number the draws of a field: they have no order, and close ones have nothing in common.
+    #[must_use]
+    pub fn numbers_draws(self) -> bool {
+        self == Self::InitialTraction
     }
 
     /// Whether the input is a factor on a static load that the model has for it.
@@ -322,6 +338,17 @@ impl Input {
     pub fn accepts(self, distribution: &Distribution) -> Result<(), BadSetting> {
         if self.may_be_negative() {
             return Ok(());
+        }
+        if self.numbers_draws() {
+            let rule = "must be uniform from 0 to 1, without truncation: its values only number the draws of a field";
+            let all = Distribution::new(
+                Shape::Uniform {
+                    low: 0.0,
+                    high: 1.0,
+                },
+                None,
+            )?;
+            return BadSetting::unless(*distribution == all, "distribution", distribution, rule);
         }
         let [low, high] = distribution.support();
         if let Some(value) = distribution.fixed_value() {

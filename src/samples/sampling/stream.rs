@@ -6,7 +6,8 @@
 //!
 //! Dimensions below 2¹⁶ are those of the inputs in a Monte Carlo design; the ones above are taken in blocks of 2¹⁶ by
 //! what other designs need: the place within a stratum of a Latin hypercube, the keys that scramble Sobol' points, those of
-//! the outer points of a nested design, the points at which a surrogate is evaluated, and starts of Markov chains.
+//! the outer points of a nested design, the points at which a surrogate is evaluated, starts of Markov chains, and fields that an input
+//! numbers.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha20Rng;
@@ -30,6 +31,8 @@ pub(super) const OUTER: u32 = 3 << 16;
 pub const SURROGATE: u32 = 4 << 16;
 /// First dimension of the places where the chains of a calibration start; the sample is the chain.
 pub const CALIBRATION: u32 = 5 << 16;
+/// First dimension of the initial tractions of a contact pair, the sample; the seed are the bits of the input.
+pub const INITIAL_TRACTION: u32 = 6 << 16;
 
 /// Middle of cell `x` of the 2⁵² cells of (0, 1).
 pub(super) fn unit(x: u64) -> f64 {

@@ -182,4 +182,11 @@ pub(crate) const DISK_BEYOND_SCHEMA: &[Case] = &[
         "[inputs.strip_thickness_mm]\ndistribution = \"uniform\"\nlow = 0.3\nhigh = 0.5\n\n[frequency]",
         &[":30: inputs.strip_thickness_mm = (given): must be absent: a model of kind \"cyclic\""],
     ),
+    (
+        "[frequency]",
+        "[inputs.initial_traction]\ndistribution = \"uniform\"\nlow = 0.0\nhigh = 1.0\n\n[frequency]",
+        &[
+            ": inputs.initial_traction = (given): must be absent: every sector would begin with the same tractions",
+        ],
+    ),
 ];

@@ -73,7 +73,8 @@ fn bad_studies_name_line_key_and_rule() {
     }
 }
 
-/// A disk by one sector is inspected by nodal diameter; what cannot be one is refused with the rule.
+/// A disk by one sector is inspected by nodal diameter; what cannot be one is refused with the rule. Seen to fail with a study without
+/// `[operation]` taken, and with initial tractions.
 #[test]
 fn bad_disks_name_line_key_and_rule() {
     let inspect = |study: &str| {

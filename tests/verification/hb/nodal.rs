@@ -243,7 +243,7 @@ fn refused_files() -> Vec<(&'static str, String, &'static str)> {
     ]
 }
 
-/// One line for each rule.
+/// One line for each rule. Seen to fail with a matrix taken that is not Hermitian.
 #[test]
 fn what_is_no_matrix_of_a_nodal_diameter_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");

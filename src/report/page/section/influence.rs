@@ -369,7 +369,9 @@ fn strongest(view: &View) -> Vec<usize> {
             .flatten()
             .fold(0.0, |a: f64, b| a.max(b.abs()))
     };
-    let mut order: Vec<usize> = (0..view.input.record.inputs.len()).collect();
+    let inputs = view.input.record.inputs.iter().enumerate();
+    let has_order = inputs.filter(|(_, input)| !input.numbers_draws());
+    let mut order: Vec<usize> = has_order.map(|(j, _)| j).collect();
     if order.len() > MOST_SCATTER_PANELS {
         order.sort_by(|&a, &b| strength(b).total_cmp(&strength(a)));
         order.truncate(MOST_SCATTER_PANELS);

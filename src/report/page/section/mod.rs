@@ -13,6 +13,7 @@ mod epistemic;
 mod error_budget;
 mod failure;
 mod influence;
+mod modes;
 mod one_at_a_time;
 mod performance;
 mod response;
@@ -33,6 +34,7 @@ pub(super) fn sections(view: &View) -> Vec<Section> {
         stress::section(view),
         epistemic::section(view),
         envelope::section(view),
+        modes::section(view),
         amplification::section(view),
         performance::section(view),
         Some(response::section(view)),

@@ -10,7 +10,7 @@ mod solved;
 
 pub use anchors::{ATLAS_FILE, StoredStudy, read_study};
 pub use curves::read_curves;
-pub use provenance::Provenance;
+pub use provenance::{FollowedMode, Provenance};
 pub use read_samples::{StoredSamples, read_indices, read_samples};
 pub use samples::write_samples;
 pub use solved::{SolvedCursor, SolvedFiles};

@@ -40,6 +40,20 @@ pub struct Provenance {
     pub truncation_threshold: Option<f64>,
     /// Harmonics are raised up to this order; absent if they are fixed.
     pub highest_harmonic: Option<usize>,
+    /// The modes that are searched in the band, where the study follows all modes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub followed_modes: Vec<FollowedMode>,
+}
+
+/// A mode that a study follows.
+#[derive(
+    Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
+pub struct FollowedMode {
+    /// Its number among the stuck frequencies, 1 for the lowest.
+    pub mode: u32,
+    /// Its stuck frequency at nominal inputs (Hz).
+    pub stuck_frequency_hz: f64,
 }
 
 impl Provenance {

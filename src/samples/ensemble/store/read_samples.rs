@@ -1,11 +1,12 @@
 //! The rows of a table of samples as outcomes.
 
 use super::samples::{
-    BLADE_COLUMN, GROUP_COLUMNS, INPUTS_KEY, MISTUNED_COLUMNS, OTHER_COLUMNS, SWEEP_COLUMNS,
+    BLADE_COLUMN, GROUP_COLUMNS, INPUTS_KEY, MISTUNED_COLUMNS, MODE_COLUMNS, OTHER_COLUMNS,
+    SWEEP_COLUMNS,
 };
 use crate::ensemble::outcome::{
-    AroundPeak, CurvePoint, LevelOutcome, MistunedRecord, OtherMaximum, PeakRecord, SampleOutcome,
-    SweepRecord,
+    AroundPeak, CurvePoint, FollowedModes, LevelOutcome, MistunedRecord, ModeOfMaximum,
+    OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
 };
 use crate::ensemble::table::{
     RowCursor, Rows, TableReader, missing, number, optional, real, whole,
@@ -14,7 +15,7 @@ use crate::file::{Fault, FileError};
 use crate::hb::{PeakRoute, Status};
 use crate::sampling::SampleGroup;
 use arrow_array::cast::AsArray;
-use arrow_array::types::Float64Type;
+use arrow_array::types::{ArrowPrimitiveType, Float64Type, Int64Type};
 use arrow_array::{Array, Float64Array, Int64Array, ListArray, StringArray};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -107,6 +108,8 @@ pub(super) struct SampleBatch {
     /// Largest blade, and as [`MISTUNED_COLUMNS`]; only of disks whose blades differ.
     blade: Option<Int64Array>,
     mistuned: [Option<Float64Array>; 3],
+    /// Only where all modes are followed.
+    modes: Option<ModeColumns>,
     newton_iterations: Int64Array,
     factorizations: Int64Array,
 }
@@ -124,6 +127,13 @@ struct PeakColumns {
     highest_harmonic: Int64Array,
     /// Shares of stick, slip and separation, works of input, damping and friction, residual.
     rest: [Float64Array; 7],
+}
+
+/// As [`MODE_COLUMNS`].
+struct ModeColumns {
+    of_peak: (Int64Array, Float64Array),
+    of_others: [ListArray; 2],
+    unfinished: Int64Array,
 }
 
 impl SampleCursor {
@@ -178,6 +188,7 @@ impl SampleBatch {
             sweeps: SWEEP_COLUMNS.map(|(name, _)| rows.reals(name).ok().cloned()),
             blade: rows.counts(BLADE_COLUMN).ok().cloned(),
             mistuned: MISTUNED_COLUMNS.map(|(name, _)| rows.reals(name).ok().cloned()),
+            modes: ModeColumns::of(rows).ok(),
             newton_iterations: rows.counts("newton_iterations")?.clone(),
             factorizations: rows.counts("factorizations")?.clone(),
         })
@@ -216,6 +227,10 @@ impl SampleBatch {
         if let Some(record) = self.mistuned(at) {
             around.set_mistuned(record);
         }
+        let modes = self.modes.as_ref().map(|columns| columns.at(at));
+        if let Some(modes) = modes.transpose()?.flatten() {
+            around.set_modes(modes);
+        }
         Ok(LevelOutcome {
             level: real(&self.level, at, "level")?,
             status: status?.ok_or_else(|| missing("status"))?,
@@ -229,8 +244,8 @@ impl SampleBatch {
     fn others(&self, at: usize) -> Result<Vec<OtherMaximum>, Fault> {
         let [(frequencies, _), (amplitudes, _)] = OTHER_COLUMNS;
         let [of_frequency, of_amplitude] = &self.others;
-        let frequency_hz = list(of_frequency, at, frequencies)?;
-        let amplitude_m = list(of_amplitude, at, amplitudes)?;
+        let frequency_hz = list::<Float64Type>(of_frequency, at, frequencies)?;
+        let amplitude_m = list::<Float64Type>(of_amplitude, at, amplitudes)?;
         let places = frequency_hz.into_iter().zip(amplitude_m);
         let others = places.map(|(frequency_hz, amplitude_m)| OtherMaximum {
             frequency_hz,
@@ -265,6 +280,42 @@ impl SampleBatch {
             downward: point(2)?,
             several_hz: Option::zip(number(4), number(5)).map(|(from, to)| [from, to]),
         })
+    }
+}
+
+impl ModeColumns {
+    fn of(rows: &Rows) -> Result<Self, Fault> {
+        let [number, share, numbers, shares, unfinished] = MODE_COLUMNS;
+        Ok(Self {
+            of_peak: (rows.counts(number)?.clone(), rows.reals(share)?.clone()),
+            of_others: [rows.lists(numbers)?.clone(), rows.lists(shares)?.clone()],
+            unfinished: rows.counts(unfinished)?.clone(),
+        })
+    }
+
+    /// The modes of the maxima of a row, where they are known.
+    fn at(&self, at: usize) -> Result<Option<FollowedModes>, Fault> {
+        let [of_peak, _, of_others, of_shares, unfinished] = MODE_COLUMNS;
+        if self.unfinished.is_null(at) {
+            return Ok(None);
+        }
+        let mut of_maxima = Vec::new();
+        if self.of_peak.0.is_valid(at) {
+            of_maxima.push(ModeOfMaximum {
+                number: whole(&self.of_peak.0, at, of_peak)?,
+                share: number(&self.of_peak.1, at),
+            });
+        }
+        let numbers = list::<Int64Type>(&self.of_others[0], at, of_others)?;
+        let shares = list::<Float64Type>(&self.of_others[1], at, of_shares)?;
+        for (number, share) in numbers.into_iter().zip(shares) {
+            let number = u32::try_from(number).map_err(|_| missing(of_others))?;
+            of_maxima.push(ModeOfMaximum { number, share });
+        }
+        Ok(Some(FollowedModes {
+            of_maxima,
+            unfinished: whole(&self.unfinished, at, unfinished)?,
+        }))
     }
 }
 
@@ -336,9 +387,13 @@ fn named<T: Copy>(
 }
 
 /// The numbers of a list.
-fn list(lists: &ListArray, at: usize, name: &str) -> Result<Vec<f64>, Fault> {
+fn list<T: ArrowPrimitiveType>(
+    lists: &ListArray,
+    at: usize,
+    name: &str,
+) -> Result<Vec<T::Native>, Fault> {
     let elements = lists.value(at);
-    let numbers = elements.as_primitive_opt::<Float64Type>();
+    let numbers = elements.as_primitive_opt::<T>();
     let numbers = numbers.filter(|numbers| numbers.null_count() == 0);
     numbers
         .map(|numbers| numbers.values().to_vec())

@@ -6,7 +6,8 @@
 use super::provenance::Provenance;
 use crate::ensemble::columns::SAMPLE_COLUMNS;
 use crate::ensemble::outcome::{
-    LevelOutcome, MistunedRecord, OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
+    FollowedModes, LevelOutcome, MistunedRecord, ModeOfMaximum, OtherMaximum, PeakRecord,
+    SampleOutcome, SweepRecord,
 };
 use crate::ensemble::table::{Column, Table, TableError, TableLayout, TableWriter, count};
 use crate::file::{FileError, FileRecord};
@@ -52,11 +53,21 @@ pub(super) const MISTUNED_COLUMNS: [MistunedColumn; 3] = [
     ("linear_amplification", |m| m.linear_amplification.get()),
 ];
 
+/// Columns of the modes of the maxima; only where all modes are followed.
+pub(super) const MODE_COLUMNS: [&str; 5] = [
+    "mode",
+    "mode_share",
+    "other_modes",
+    "other_mode_shares",
+    "unfinished_modes",
+];
+
 /// Writes one row per sample and level.
 ///
 /// Columns: `sample`, those of [`SampleGroup`] that the design has, the inputs by name, `level`, `status`, then the fields
 /// of [`PeakRecord`] (null without a solution), `other_frequencies_hz` and `other_amplitudes_m` (lists of the lower maxima,
-/// highest first, empty without a solution), what sweeps meet (null without a curve), `newton_iterations`, `factorizations`.
+/// highest first, empty without a solution), what sweeps meet (null without a curve), the modes of the maxima where all modes are
+/// followed, `newton_iterations`, `factorizations`.
 /// [`SAMPLE_COLUMNS`] has their units and meanings, and so has the metadata of each column.
 ///
 /// # Errors
@@ -84,18 +95,24 @@ pub(in crate::ensemble) fn samples_layout<'t>(
     let mut metadata = provenance.key_values()?;
     let names = serde_json::to_string(input_names)?;
     metadata.push(KeyValue::new(INPUTS_KEY.to_owned(), names));
+    let with_modes = !provenance.followed_modes.is_empty();
     Ok(TableLayout {
         metadata,
         described: &SAMPLE_COLUMNS,
-        columns: Box::new(move |outcomes| sample_columns(input_names, group, outcomes)),
+        columns: Box::new(move |outcomes| {
+            sample_columns((input_names, group, with_modes), outcomes)
+        }),
     })
 }
 
 /// A sample at one of its levels: a row of the table of samples.
 type LevelRow<'a> = (&'a SampleOutcome, &'a LevelOutcome);
 
-/// `group` tells which of its columns there are.
-fn sample_columns(input_names: &[String], group: SampleGroup, outcomes: &[SampleOutcome]) -> Table {
+/// `group` tells which of its columns there are, and `with_modes` whether all modes are followed.
+fn sample_columns(
+    (input_names, group, with_modes): (&[String], SampleGroup, bool),
+    outcomes: &[SampleOutcome],
+) -> Table {
     let rows: Vec<LevelRow> = outcomes
         .iter()
         .flat_map(|outcome| outcome.levels.iter().map(move |level| (outcome, level)))
@@ -106,6 +123,9 @@ fn sample_columns(input_names: &[String], group: SampleGroup, outcomes: &[Sample
         |name: &String| matches!(Input::of_column(name), Some(Input::BladeFrequency(_)));
     if input_names.iter().any(has_blades) {
         table.extend(mistuned_columns(&rows));
+    }
+    if with_modes {
+        table.extend(mode_columns(&rows));
     }
     let newton = rows.iter().map(|(_, l)| count(l.newton_iterations));
     let factorizations = rows.iter().map(|(_, l)| count(l.factorizations));
@@ -206,4 +226,38 @@ fn mistuned_columns(rows: &[LevelRow]) -> Table {
         table.push(named(name, Column::Real(rows.iter().map(factor).collect())));
     }
     table
+}
+
+/// The modes of the maxima of the rows.
+fn mode_columns(rows: &[LevelRow]) -> Table {
+    let modes: Vec<Option<&FollowedModes>> =
+        rows.iter().map(|(_, level)| level.around.modes()).collect();
+    let peaks = || {
+        modes
+            .iter()
+            .map(|modes| modes.and_then(|modes| modes.of_maxima.first()))
+    };
+    let others = || {
+        let maxima = modes
+            .iter()
+            .map(|modes| modes.map_or(&[][..], |modes| &modes.of_maxima));
+        maxima.map(|maxima| maxima.iter().skip(1))
+    };
+    let number = |of: &ModeOfMaximum| i64::from(of.number);
+    let unfinished = |modes: &FollowedModes| i64::from(modes.unfinished);
+    let columns = [
+        Column::Count(peaks().map(|of| of.map(number)).collect()),
+        Column::Real(
+            peaks()
+                .map(|of| of.and_then(|of| finite(of.share)))
+                .collect(),
+        ),
+        Column::Counts(others().map(|of| of.map(number).collect()).collect()),
+        Column::Reals(others().map(|of| of.map(|of| of.share).collect()).collect()),
+        Column::Count(modes.iter().map(|modes| modes.map(unfinished)).collect()),
+    ];
+    let named = MODE_COLUMNS.into_iter().zip(columns);
+    named
+        .map(|(name, column)| (name.to_owned(), column))
+        .collect()
 }

@@ -13,6 +13,8 @@ pub(in crate::ensemble) enum Column {
     Real(Vec<Option<f64>>),
     /// A list per row.
     Reals(Vec<Vec<f64>>),
+    /// A list per row.
+    Counts(Vec<Vec<i64>>),
     Text(Vec<Option<&'static str>>),
     Bytes(Vec<Vec<u8>>),
 }
@@ -23,6 +25,7 @@ impl Column {
             Self::Count(_) => (Physical::INT64, None, Repetition::OPTIONAL),
             Self::Real(_) => (Physical::DOUBLE, None, Repetition::OPTIONAL),
             Self::Reals(_) => return list_schema(name, Physical::DOUBLE),
+            Self::Counts(_) => return list_schema(name, Physical::INT64),
             Self::Text(_) => (
                 Physical::BYTE_ARRAY,
                 Some(LogicalType::String),
@@ -48,6 +51,10 @@ impl Column {
                 w.write_batch(&present, Some(&levels), None)?;
             }
             (Self::Reals(lists), ColumnWriter::DoubleColumnWriter(w)) => {
+                let (present, levels, repetitions) = flatten(lists);
+                w.write_batch(&present, Some(&levels), Some(&repetitions))?;
+            }
+            (Self::Counts(lists), ColumnWriter::Int64ColumnWriter(w)) => {
                 let (present, levels, repetitions) = flatten(lists);
                 w.write_batch(&present, Some(&levels), Some(&repetitions))?;
             }

@@ -78,7 +78,8 @@ impl<'m> Problem<'m> {
         let anchors = match anchor {
             SliderAnchor::Unloaded => vec![[0.0; 2]; contacts.len()],
             SliderAnchor::StaticEquilibrium => {
-                frictionless_equilibrium(model, &contacts, static_load_scale)?
+                let rest = frictionless_equilibrium(model, &contacts, static_load_scale)?;
+                rest.into_iter().map(|[t1, t2, _]| [t1, t2]).collect()
             }
         };
         for (contact, anchor) in contacts.iter_mut().zip(anchors) {
@@ -96,6 +97,29 @@ impl<'m> Problem<'m> {
             backend: Backend::Cpu,
             effort: Effort::default(),
         })
+    }
+
+    /// Begins every slider where its contact, at rest without friction, would carry these shares of its friction limit along t1 and t2.
+    /// Shape: `[n_contacts]`.
+    ///
+    /// # Errors
+    /// [`ProblemError::NotHeld`] or [`ProblemError::NoStaticEquilibrium`] if there is no such rest.
+    pub fn begin_with_tractions(&mut self, shares: &[[f64; 2]]) -> Result<(), ProblemError> {
+        assert_eq!(
+            shares.len(),
+            self.contacts.len(),
+            "one pair of shares per contact pair"
+        );
+        let rest = frictionless_equilibrium(self.model, &self.contacts, self.static_load_scale)?;
+        for ((contact, at), share) in self.contacts.iter_mut().zip(rest).zip(shares) {
+            let limit = contact.mu * (contact.n_0 + contact.k_n * at[2]).max(0.0);
+            let anchor = |d: usize| match contact.k_t[d] {
+                k if k > 0.0 => at[d] - share[d] * limit / k,
+                _ => at[d],
+            };
+            contact.anchor = [anchor(0), anchor(1)];
+        }
+        Ok(())
     }
 
     /// The same problem with the response `leading` as the one that defines resonance, and no work yet.
@@ -236,13 +260,13 @@ fn cholesky<E: Entry>(stiffness: &Mat<E>) -> Result<Llt<E>, ProblemError> {
     Ok(factor)
 }
 
-/// Tangential displacements at rest of contacts without friction that can push but not pull, by an active-set method on the
+/// Displacements t1, t2, n (m) at rest of contacts without friction that can push but not pull, by an active-set method on the
 /// closed pairs.
 fn frictionless_equilibrium(
     model: &LinearModel,
     contacts: &[ContactParameters<f64>],
     load_scale: f64,
-) -> Result<Vec<[f64; 2]>, ProblemError> {
+) -> Result<Vec<[f64; 3]>, ProblemError> {
     let part = model.part(0);
     let contact = &part.contact.real;
     let n_c = contacts.len();
@@ -263,7 +287,8 @@ fn frictionless_equilibrium(
             .map(|(i, c)| c.n_0 + c.k_n * r[2 * n_c + i] > 0.0)
             .collect();
         if now == closed {
-            return Ok((0..n_c).map(|i| [r[i], r[n_c + i]]).collect());
+            let of_pair = |i: usize| [r[i], r[n_c + i], r[2 * n_c + i]];
+            return Ok((0..n_c).map(of_pair).collect());
         }
         closed = now;
     }

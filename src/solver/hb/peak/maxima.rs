@@ -57,6 +57,8 @@ pub struct Maxima {
     found: Vec<(usize, Solution)>,
     /// Searches that failed: largest amplitude that the mode can have (m), and status of the search.
     failed: Vec<(f64, Status)>,
+    /// Searches that have not found the maximum of their mode, though nothing says that it lies outside the band.
+    pub unfinished: usize,
     /// Work of all searches.
     pub count: WorkCount,
 }
@@ -106,6 +108,7 @@ impl Maxima {
             level,
             found: Vec::new(),
             failed: Vec::new(),
+            unfinished: 0,
             count: WorkCount::default(),
         }
     }
@@ -128,6 +131,8 @@ impl Maxima {
     fn add(&mut self, candidate: &Candidate, search: ModeSearch) {
         let ModeSearch { peak, others } = search;
         self.count += peak.count;
+        let is_lost = peak.solution.is_none() && peak.status != Status::NoPeakInBand;
+        self.unfinished += usize::from(is_lost);
         if peak.solution.is_none() && others.is_empty() {
             self.failed
                 .push((candidate.reach * self.level, peak.status));

@@ -89,7 +89,7 @@ pub(in crate::hb) fn linear_resonances(
 
 /// An undamped mode of the structure with linear springs, and its damping.
 #[derive(Debug, Clone)]
-struct LinearMode {
+pub(in crate::hb) struct LinearMode {
     /// Natural frequency (rad/s).
     omega: f64,
     /// Damping constant (rad/s).
@@ -99,12 +99,12 @@ struct LinearMode {
     /// Amplitude of response 0 at resonance per unit level, by this mode alone (m).
     amplitude: f64,
     /// Its components in the modes of the free structure, of unit modal mass: the squares of their sizes sum to 1.
-    shape: Vec<c64>,
+    pub(in crate::hb) shape: Vec<c64>,
 }
 
 impl LinearMode {
     /// The modes of `part` with springs `k` between the contacts, ascending in frequency.
-    fn all(part: &ModalPart, k: &[f64]) -> Result<Vec<Self>, LinalgError> {
+    pub(in crate::hb) fn all(part: &ModalPart, k: &[f64]) -> Result<Vec<Self>, LinalgError> {
         let (lambda, shapes) = match part.is_real() {
             true => {
                 let (lambda, modes) = eigen(&part.stiffness_with_springs(k))?;
@@ -228,6 +228,23 @@ pub fn candidates(
         .collect();
     found.sort_by(|a, b| b.reach.total_cmp(&a.reach));
     Ok(found)
+}
+
+/// Natural frequencies (rad/s) with linear springs `k` (N/m, shape `[3·n_contacts]`) between the contacts of what harmonic 1 excites,
+/// ascending: those of the modes that [`Candidate::mode`] counts.
+///
+/// # Errors
+/// [`LinalgError`] if the eigensolver fails.
+pub fn natural_frequencies(model: &LinearModel, k: &[f64]) -> Result<Vec<f64>, LinalgError> {
+    let modes = LinearMode::all(model.part(1), k)?;
+    Ok(modes.iter().map(|mode| mode.omega).collect())
+}
+
+/// Those of the `modes` that the excitation moves and the response shows, by their numbers.
+pub(in crate::hb) fn excited(modes: &[LinearMode]) -> impl Iterator<Item = usize> + Clone {
+    let most = modes.iter().map(|mode| mode.residue).fold(0.0, f64::max);
+    let is_excited = move |&mode: &usize| modes[mode].residue > EXCITED * most;
+    (0..modes.len()).filter(is_excited)
 }
 
 /// First harmonic of response 0 at `omega` per unit level (m) with linear springs `k` between the contacts.
