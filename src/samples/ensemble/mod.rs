@@ -29,6 +29,7 @@ pub mod atlas;
 pub mod backend;
 pub mod columns;
 pub mod further_points;
+mod inverses;
 pub mod memory;
 pub mod mistuned;
 mod mode_search;
@@ -45,6 +46,7 @@ pub mod table;
 #[cfg(feature = "test-functions")]
 pub mod test_function;
 pub mod times;
+mod with_inverse;
 
 pub use mistuned::MistunedDisk;
 pub use runner::{Ensemble, Known, SampleSolver, Solved, SolvedSample};
