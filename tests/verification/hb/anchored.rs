@@ -2,7 +2,8 @@
 
 use super::models::aft;
 use crate::two_blade::folded;
-use microslip::contact::FrictionLaw;
+use microslip::aft::AftSettings;
+use microslip::contact::{Events, FrictionLaw};
 use microslip::ensemble::atlas::Anchor;
 use microslip::ensemble::outcome::{PeakRecord, SampleOutcome};
 use microslip::ensemble::runner::{SolvedSample, Watch};
@@ -72,6 +73,38 @@ fn peaks(outcomes: &[SampleOutcome]) -> Vec<Option<PeakRecord>> {
     levels.map(|level| level.peak).collect()
 }
 
+fn settings() -> HbSettings {
+    HbSettings {
+        harmonics: HarmonicSet::up_to(2),
+        // decided at the time points forces have kinks: then neither way ends, and peaks are tracked
+        aft: AftSettings {
+            events: Events::Located,
+            ..aft(128, FrictionLaw::Box)
+        },
+        anchor: SliderAnchor::Unloaded,
+        newton: NewtonSettings::default(),
+        alert: None,
+        stability: StabilityScope::Off,
+    }
+}
+
+fn assert_same(with: &[SampleOutcome], without: &[SampleOutcome]) {
+    for (a, b) in with.iter().zip(without) {
+        for (a, b) in a.levels.iter().zip(&b.levels) {
+            assert_eq!(a.status, b.status);
+            if let (Some(a), Some(b)) = (&a.peak, &b.peak) {
+                assert_eq!(a.highest_harmonic, b.highest_harmonic);
+                let frequency = (a.frequency_hz / b.frequency_hz - 1.0).abs();
+                let amplitude = (a.amplitude_m / b.amplitude_m - 1.0).abs();
+                assert!(
+                    frequency < 1e-9 && amplitude < 1e-9,
+                    "{frequency:e} {amplitude:e}"
+                );
+            }
+        }
+    }
+}
+
 /// Both ways find the same peaks, to the tolerance of the search; the inverse is used by most samples, and its results do not
 /// depend on the order of solving and on what is solved beside, to the bit. Seen to fail with a tangent that is not refined in
 /// double precision, and with the inverse taken from the anchors that were solved last.
@@ -79,14 +112,7 @@ fn peaks(outcomes: &[SampleOutcome]) -> Vec<Option<PeakRecord>> {
 fn inverses_of_anchors_change_no_peak() {
     let (linear, contacts) = folded(1.0, 0.6);
     let (design, levels) = (design(), [1.0, 20.0]);
-    let settings = HbSettings {
-        harmonics: HarmonicSet::up_to(2),
-        aft: aft(128, FrictionLaw::Box),
-        anchor: SliderAnchor::Unloaded,
-        newton: NewtonSettings::default(),
-        alert: None,
-        stability: StabilityScope::Off,
-    };
+    let settings = settings();
     let ensemble = Ensemble {
         linear: &linear,
         strips: None,
@@ -114,23 +140,21 @@ fn inverses_of_anchors_change_no_peak() {
     let without = solved(&ensemble, &anchors[..LEAST_ANCHORS - 1], &indices);
     let with = solved(&ensemble, &anchors, &indices);
     // a search with an inverse factorises nothing; at the lower level many contacts stick, and nothing is factorised either way
-    let used = (with.iter().zip(&without))
-        .filter(|(a, b)| a.levels[1].factorizations == 0 && b.levels[1].factorizations > 0);
-    assert!(10 * used.count() > 8 * indices.len());
-    for (a, b) in with.iter().zip(&without) {
-        for (a, b) in a.levels.iter().zip(&b.levels) {
-            assert_eq!(a.status, b.status);
-            if let (Some(a), Some(b)) = (&a.peak, &b.peak) {
-                assert_eq!(a.highest_harmonic, b.highest_harmonic);
-                let frequency = (a.frequency_hz / b.frequency_hz - 1.0).abs();
-                let amplitude = (a.amplitude_m / b.amplitude_m - 1.0).abs();
-                assert!(
-                    frequency < 1e-9 && amplitude < 1e-9,
-                    "{frequency:e} {amplitude:e}"
-                );
-            }
-        }
-    }
+    let work = |outcomes: &[SampleOutcome]| -> Vec<u32> {
+        let of_level = outcomes
+            .iter()
+            .map(|outcome| outcome.levels[1].factorizations);
+        of_level.collect()
+    };
+    let (with_inverse, without_inverse) = (work(&with), work(&without));
+    let both = || with_inverse.iter().zip(&without_inverse);
+    let factorise = both().filter(|(_, b)| **b > 0).count();
+    let used = both().filter(|(a, b)| **a == 0 && **b > 0).count();
+    assert!(
+        10 * used > 8 * factorise && factorise > 10,
+        "{with_inverse:?} {without_inverse:?}"
+    );
+    assert_same(&with, &without);
     let (last, few): (Vec<u64>, Vec<u64>) = (indices.iter().rev().copied().collect(), vec![5007]);
     assert_eq!(peaks(&solved(&ensemble, &anchors, &last)), peaks(&with));
     assert_eq!(
