@@ -65,7 +65,10 @@ impl RecycledSpace {
             for (left, x) in left.iter_mut().zip(&mut x) {
                 self.new.take(from, 1.0, left, x);
             }
-            let is_open = |left: &[f32], goal: f32| !(norm(left) <= goal);
+            let is_open = |left: &[f32], goal: f32| {
+                let left = norm(left);
+                left.is_nan() || left > goal
+            };
             let open = (left.iter().zip(goals)).filter(|(left, goal)| is_open(left, **goal));
             let directions: Vec<Vec<f32>> = open.map(|(left, _)| self.direction(left)).collect();
             if directions.is_empty() {
