@@ -6,6 +6,7 @@
 )]
 
 mod alert;
+mod anchored;
 mod closed_form;
 mod compliance;
 mod curve;

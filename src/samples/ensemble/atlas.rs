@@ -4,6 +4,7 @@
 //! samples gives a start from which a few Newton iterations converge. A prediction is only a start: every reported result
 //! solves the balance equations of its own sample.
 
+use super::inverses::Inverses;
 use crate::harmonics::HarmonicSet;
 use crate::hb::Solution;
 use crate::hb::newton::Point;
@@ -11,11 +12,14 @@ use crate::hb::peak::maxima::Maxima;
 use crate::hb::peak::predicted::PeakPrediction;
 use faer::prelude::c64;
 use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
 
 /// Solved samples by their place in the unit cube of the inputs.
 #[derive(Debug, Clone, Default)]
 pub struct Atlas {
     anchors: Vec<Anchor>,
+    /// Of the first anchors; clones share them.
+    inverses: Arc<Inverses>,
 }
 
 /// One solved sample.
@@ -98,6 +102,17 @@ impl ModePeaks {
         peaks
             .find(|(other, _)| *other == mode)
             .map(|(_, peak)| peak)
+    }
+}
+
+impl Anchor {
+    /// Its peak of the mode at the level of the place, if it has one.
+    fn near(&self, at: &Place<'_>) -> Option<NearAnchor<'_>> {
+        Some(NearAnchor {
+            distance: distance(at.inputs, &self.place),
+            place: &self.place,
+            peak: self.peaks[at.level].of_mode(at.mode)?,
+        })
     }
 }
 
@@ -196,6 +211,31 @@ impl Atlas {
         self.anchors.extend(anchors);
     }
 
+    /// Number of anchors.
+    pub(super) fn len(&self) -> usize {
+        self.anchors.len()
+    }
+
+    /// Inverse Jacobians at the peaks of the first anchors.
+    pub(super) fn inverses(&self) -> &Inverses {
+        &self.inverses
+    }
+
+    /// Of the `first` anchors that were added, the nearest whose peak of this mode at this level has these `harmonics`, and its
+    /// number.
+    pub(super) fn nearest_of_first(
+        &self,
+        first: usize,
+        at: &Place<'_>,
+        harmonics: &HarmonicSet,
+    ) -> Option<(usize, NearAnchor<'_>)> {
+        let anchors = self.anchors.iter().take(first).enumerate();
+        let near = anchors
+            .filter_map(|(i, anchor)| Some((i, anchor.near(at)?)))
+            .filter(|(_, anchor)| anchor.peak.harmonics == *harmonics);
+        near.min_by(|(_, a), (_, b)| a.distance.total_cmp(&b.distance))
+    }
+
     /// The predicted peak at `at`; `None` if no anchor has a peak of this mode at this level.
     #[must_use]
     pub fn predict(&self, at: &Place<'_>) -> Option<AtlasPrediction> {
@@ -216,16 +256,8 @@ impl Atlas {
 
     /// Anchors with a peak of this mode at this level, the nearest first.
     fn by_distance(&self, at: &Place<'_>) -> Vec<NearAnchor<'_>> {
-        let mut near: Vec<_> = (self.anchors.iter())
-            .filter_map(|anchor| {
-                let place = anchor.place.as_slice();
-                Some(NearAnchor {
-                    distance: distance(at.inputs, place),
-                    place,
-                    peak: anchor.peaks[at.level].of_mode(at.mode)?,
-                })
-            })
-            .collect();
+        let anchors = self.anchors.iter();
+        let mut near: Vec<_> = anchors.filter_map(|anchor| anchor.near(at)).collect();
         near.sort_by(|a, b| a.distance.total_cmp(&b.distance));
         near
     }

@@ -31,6 +31,7 @@ pub mod columns;
 mod followed_modes;
 pub mod further_points;
 mod initial_tractions;
+mod inverses;
 pub mod memory;
 pub mod mistuned;
 mod mode_search;
@@ -47,6 +48,7 @@ pub mod table;
 #[cfg(feature = "test-functions")]
 pub mod test_function;
 pub mod times;
+mod with_inverse;
 
 pub use mistuned::MistunedDisk;
 pub use runner::{Ensemble, Known, SampleSolver, Solved, SolvedSample};

@@ -1,6 +1,7 @@
 //! The maximum of one mode of a sample, from the samples solved before it.
 //!
-//! The maximum is predicted from the atlas and corrected by Newton steps: undamped ones, or else damped ones. If that fails, it
+//! The maximum is predicted from the atlas and corrected by Newton steps: undamped ones, in large studies at first with the inverse Jacobian
+//! of an anchor ([`super::with_inverse`]), or else damped ones. If that fails, it
 //! is followed from the nearest anchor along the straight line between the inputs. If that fails too, it is tracked over the
 //! levels from the stuck structure, as without an atlas. [`crate::hb::PeakRoute`] lists all routes.
 
@@ -10,7 +11,7 @@ use crate::hb::equations::balance::balance_on;
 use crate::hb::peak::level_peak::LevelPeak;
 use crate::hb::peak::maxima::{Maxima, ModeSearch};
 use crate::hb::peak::predicted::correct;
-use crate::hb::peak::refine::refined_near;
+use crate::hb::peak::refine::{refined_anchored, refined_near};
 use crate::hb::peak::search::PeakSettings;
 use crate::hb::peak::track::track_mode;
 use crate::hb::structure::resonance::Candidate;
@@ -45,6 +46,12 @@ impl ModeOfSample<'_> {
             level,
             mode: self.mode.mode,
         }
+    }
+
+    /// Whether a peak at level number `level` is the one that was predicted with this `amplitude`.
+    fn expects(&self, level: usize, found: &Solution, amplitude: f64) -> bool {
+        !surprising(found.amplitude(0), amplitude)
+            && !self.known[level].is_of_another(self.mode.mode, found)
     }
 }
 
@@ -83,7 +90,8 @@ impl Ensemble<'_> {
         let mut others = Vec::new();
         let found = atlas.predict(&at).and_then(|prediction| {
             let prediction = prediction.at_level(of.levels[level]);
-            let predicted = self.predicted(of, level, prediction, &mut others);
+            let anchored = self.anchored(of, &at, atlas, &prediction);
+            let predicted = anchored.or_else(|| self.predicted(of, level, prediction, &mut others));
             predicted.or_else(|| self.followed(of, level, atlas.nearest(&at)?, &mut others))
         });
         let count = effort.count().since(before);
@@ -92,6 +100,29 @@ impl Ensemble<'_> {
             None => LevelPeak::failed(of.levels[level], Status::StepTooSmall, count),
         };
         ModeSearch { peak, others }
+    }
+
+    /// The peak found from a prediction with the inverse Jacobian of an anchor: the one that is found without, for less
+    /// time. None if there is no inverse, or if the peak is none that [`Self::predicted`] would take.
+    fn anchored(
+        &self,
+        of: &ModeOfSample<'_>,
+        at: &Place<'_>,
+        atlas: &Atlas,
+        prediction: &AtlasPrediction,
+    ) -> Option<Solution> {
+        let found = self.with_inverse(atlas, at, prediction, |inverse| {
+            let (harmonics, peak) = (&prediction.harmonics, prediction.peak.clone());
+            refined_anchored(
+                of.problem,
+                harmonics,
+                (peak, inverse),
+                self.settings,
+                self.peak,
+            )
+            .ok()
+        })?;
+        (of.expects(at.level, &found, prediction.amplitude)).then_some(found)
     }
 
     /// The peak found from a prediction. If its amplitude is too far from the predicted one, or if it is the maximum of another
@@ -109,9 +140,7 @@ impl Ensemble<'_> {
             amplitude,
         } = prediction;
         let found = refined_near(of.problem, &harmonics, peak, self.settings, self.peak).ok()?;
-        let is_expected = !surprising(found.amplitude(0), amplitude)
-            && !of.known[level].is_of_another(of.mode.mode, &found);
-        if !is_expected {
+        if !of.expects(level, &found, amplitude) {
             others.push(found);
             return None;
         }

@@ -163,6 +163,14 @@ pub fn round(x: &[f64], single: &mut [f32]) {
     }
 }
 
+/// `x` in single precision.
+#[must_use]
+pub fn rounded(x: &[f64]) -> Vec<f32> {
+    let mut single = vec![0.0; x.len()];
+    round(x, &mut single);
+    single
+}
+
 /// Columns of `rows` numbers in single precision, each filled up with zeros to whole vectors.
 #[must_use]
 pub fn filled<'a>(rows: usize, columns: impl ExactSizeIterator<Item = &'a [f64]>) -> Vec<f32> {

@@ -118,6 +118,11 @@ impl<'a> FreeBalance<'a> {
         self.model().part(self.orders[i])
     }
 
+    /// Parts of the model with the numbers of their harmonics above 0.
+    pub(in crate::hb) fn groups(&self) -> &[(usize, Vec<usize>)] {
+        &self.groups
+    }
+
     /// Motion at the frequency `omega` (rad/s) under the excitation `level` and the contact forces `force` (N).
     #[must_use]
     pub fn motion(&self, omega: f64, level: f64, force: &[f64]) -> FreeMotion {
@@ -287,7 +292,7 @@ impl<'a> FreeBalance<'a> {
 }
 
 /// Number of the coefficient whose column has the number `j` beside those of the harmonics `of_part`: cosine and sine of each.
-fn coefficient(of_part: &[usize], j: usize) -> usize {
+pub(in crate::hb) fn coefficient(of_part: &[usize], j: usize) -> usize {
     2 * of_part[j / 2] + 1 + j % 2
 }
 

@@ -1,6 +1,7 @@
 //! The resonance peak: which maximum it is, how it is located, and how many harmonics it needs.
 
 pub mod alert;
+pub mod anchored;
 pub mod attribution;
 mod band;
 pub mod blades;

@@ -53,9 +53,9 @@ impl PeakPrediction {
 }
 
 /// Step of the phase (rad) that measures the sharpness if all iterations were closer together.
-const MEASURING_STEP: f64 = 0.1;
+pub(super) const MEASURING_STEP: f64 = 0.1;
 /// Newton steps spent on this measurement.
-const CORRECTIONS: usize = 3;
+pub(super) const CORRECTIONS: usize = 3;
 /// Residual over the dynamic displacement at which damped steps have led close enough to a solution.
 const ROUGH: f64 = 1e-3;
 
@@ -137,7 +137,7 @@ fn next_iterate<'p>(
 }
 
 /// How exactly the peak close to `predicted` is searched.
-fn limits(
+pub(super) fn limits(
     balance: &Balance<'_>,
     predicted: &Point,
     settings: PeakSettings,

@@ -5,6 +5,7 @@
 //! harmonics, and by a solve with twice the harmonics ([`super::alert`]). [`refined`] tries them in this order.
 
 use super::alert::{AlertSets, TruncationEstimate};
+use super::anchored::{AnchorInverse, anchored};
 use super::predicted::{PeakPrediction, correct, maximum_near};
 use super::search::{Located, PeakSettings, highest_on_both_sides};
 use crate::harmonics::HarmonicSet;
@@ -249,12 +250,44 @@ pub fn refined_near(
     peak: PeakSettings,
 ) -> Result<Solution, Status> {
     let balance = balance_on(problem, harmonics.clone(), settings);
-    let newton = settings.newton;
-    let (route, found) = maximum_from(&balance, prediction, peak, newton)?;
-    let sets = AlertSets::new(problem, harmonics, settings);
+    let (route, found) = maximum_from(&balance, prediction, peak, settings.newton)?;
+    Ok(with_route(&balance, route, found, settings, peak))
+}
+
+/// The same by undamped Newton steps that take the inverse Jacobian of another sample's peak as preconditioner.
+///
+/// # Errors
+/// The statuses of [`anchored`].
+pub fn refined_anchored(
+    problem: &Problem<'_>,
+    harmonics: &HarmonicSet,
+    (prediction, inverse): (PeakPrediction, AnchorInverse<'_>),
+    settings: &HbSettings,
+    peak: PeakSettings,
+) -> Result<Solution, Status> {
+    let balance = balance_on(problem, harmonics.clone(), settings);
+    let found = anchored(&balance, inverse, prediction, peak, settings.newton)?;
+    Ok(with_route(
+        &balance,
+        PeakRoute::Predicted,
+        found,
+        settings,
+        peak,
+    ))
+}
+
+/// The maximum `found` of `balance` with as many harmonics as the alert asks for.
+fn with_route<'p>(
+    balance: &Balance<'p>,
+    route: PeakRoute,
+    found: Located<'p>,
+    settings: &HbSettings,
+    peak: PeakSettings,
+) -> Solution {
+    let sets = AlertSets::new(balance.problem, &balance.harmonics, settings);
     let target = RefinementTarget::Maximum(peak);
-    Ok(Solution {
+    Solution {
         route: Some(route),
-        ..refined(&balance, found, sets.as_ref(), target, newton)
-    })
+        ..refined(balance, found, sets.as_ref(), target, settings.newton)
+    }
 }

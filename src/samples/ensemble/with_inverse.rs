@@ -1,0 +1,75 @@
+//! Peaks that are found with the inverse Jacobian of an anchor.
+//!
+//! Which inverse a sample takes is decided by its inputs and by the first anchors, which all processes of a run share. So neither the
+//! number of threads nor the order of solving changes a bit.
+
+use super::Ensemble;
+use super::atlas::{Atlas, AtlasPrediction, NearAnchor, Place};
+use crate::hb::equations::balance::balance_on;
+use crate::hb::equations::free::StaticReference;
+use crate::hb::equations::inverse::InverseJacobian;
+use crate::hb::peak::anchored::AnchorInverse;
+
+/// Samples in the atlas from which on inverses pay: before, there are too few samples left for what they cost.
+const LEAST_ANCHORS: usize = 244;
+/// The inverses of this many first anchors may be used.
+const ANCHORS_WITH_INVERSE: usize = 15;
+/// Most unknowns: the memory and the time of an inverse grow with their square and cube.
+const MOST_UNKNOWNS: usize = 800;
+/// Most memory of all inverses (bytes); fewer anchors have one where they would take more.
+const MOST_BYTES: usize = 128 << 20;
+
+impl Ensemble<'_> {
+    /// What `search` finds with the inverse of an anchor near `at`; none without inverse.
+    pub(super) fn with_inverse<T>(
+        &self,
+        atlas: &Atlas,
+        at: &Place<'_>,
+        prediction: &AtlasPrediction,
+        search: impl FnOnce(AnchorInverse<'_>) -> Option<T>,
+    ) -> Option<T> {
+        // a strip of another thickness is another structure; a device drafts contact forces in its own way
+        if atlas.len() < LEAST_ANCHORS || self.strips.is_some() || self.gpu.is_some() {
+            return None;
+        }
+        let unknowns = prediction.peak.point.r.len();
+        let bytes = unknowns * unknowns * size_of::<f32>() * self.levels.len();
+        let first = ANCHORS_WITH_INVERSE.min(MOST_BYTES / bytes.max(1));
+        if unknowns > MOST_UNKNOWNS || first == 0 {
+            return None;
+        }
+        let (number, anchor) = atlas.nearest_of_first(first, at, &prediction.harmonics)?;
+        let inverses = atlas.inverses();
+        let reference = inverses.reference.get_or_init(|| self.reference());
+        let reference = reference.as_ref()?;
+        let cell = inverses.at((number, at.level, at.mode));
+        let inverse = cell.get_or_init(|| self.inverse(reference, at.level, &anchor));
+        let inverse = inverse.as_ref()?;
+        search(AnchorInverse { reference, inverse })
+    }
+
+    /// The nominal structure at rest.
+    fn reference(&self) -> Option<StaticReference> {
+        let applied = self.applied(&[]).ok()?;
+        let problem = applied.problem(self.settings.anchor).ok()?;
+        Some(StaticReference::new(&problem))
+    }
+
+    /// The inverse Jacobian at the peak of `anchor` at level number `level`.
+    fn inverse(
+        &self,
+        reference: &StaticReference,
+        level: usize,
+        anchor: &NearAnchor<'_>,
+    ) -> Option<InverseJacobian> {
+        let inputs: Vec<f64> = (self.design.inputs().iter().zip(anchor.place))
+            .map(|((_, distribution), share)| distribution.quantile(*share))
+            .collect();
+        let applied = self.applied(&inputs).ok()?;
+        let problem = applied.problem(self.settings.anchor).ok()?;
+        let prediction =
+            (anchor.peak.as_prediction()).at_level(self.applied_levels(&applied)[level]);
+        let balance = balance_on(&problem, prediction.harmonics, self.settings);
+        AnchorInverse::inverse_at(reference, &balance, &prediction.peak.point)
+    }
+}
