@@ -131,6 +131,7 @@ fn inverses_of_anchors_change_no_peak() {
             frequency_tolerance: 1e-9,
         },
         choice: PeakChoice::Highest,
+        mode_numbers: &[],
         curve_samples: 0,
         gpu: None,
         solver: SampleSolver::HarmonicBalance,
