@@ -53,7 +53,7 @@ fn curve(solver: &str) -> Vec<(String, [f64; 2], Option<f64>)> {
 }
 
 /// Which points have a multiplier follows from the study, and their status from the multiplier. Seen to fail with points of
-/// `solve` left as they are.
+/// `solve` left as they are, and with `"off"` as the default.
 #[test]
 fn curves_say_where_they_are_unstable() {
     let all = curve("stability = \"all\"");
@@ -69,8 +69,11 @@ fn curves_say_where_they_are_unstable() {
         let expected = if size > 1.01 { "unstable" } else { "converged" };
         assert_eq!(status, expected, "{size}");
     }
-    for (_, [_, open], multiplier) in curve("stability = \"lift-off\"") {
-        assert_eq!(multiplier.is_some(), open > 0.0);
+    // lift-off is assessed where nothing is said
+    for solver in ["stability = \"lift-off\"", ""] {
+        for (_, [_, open], multiplier) in curve(solver) {
+            assert_eq!(multiplier.is_some(), open > 0.0, "{solver}");
+        }
     }
     let off = curve("stability = \"off\"");
     let said = |(status, _, multiplier): &(String, _, Option<f64>)| {

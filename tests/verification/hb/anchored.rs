@@ -91,9 +91,9 @@ fn settings() -> HbSettings {
 fn assert_same(with: &[SampleOutcome], without: &[SampleOutcome]) {
     for (a, b) in with.iter().zip(without) {
         for (a, b) in a.levels.iter().zip(&b.levels) {
-            assert_eq!(a.status, b.status);
+            assert_eq!(a.status, b.status, "status");
             if let (Some(a), Some(b)) = (&a.peak, &b.peak) {
-                assert_eq!(a.highest_harmonic, b.highest_harmonic);
+                assert_eq!(a.highest_harmonic, b.highest_harmonic, "harmonics");
                 let frequency = (a.frequency_hz / b.frequency_hz - 1.0).abs();
                 let amplitude = (a.amplitude_m / b.amplitude_m - 1.0).abs();
                 assert!(
