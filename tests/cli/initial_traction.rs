@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::bad_input::assert_refused;
-use crate::microslip;
+use crate::{microslip, reference_study};
 use microslip::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use microslip::ensemble::store::read_samples;
 use tempfile::TempDir;
@@ -16,13 +16,7 @@ const STIFFNESS: &str =
 
 /// The study of the two blades, with the changes `law` and `levels`, what goes before it and what follows it.
 fn study((law, levels): (&str, &str), samples: u64, more: &str) -> TempDir {
-    let source = Path::new("tests/reference/lb2");
-    let folder = tempfile::tempdir().unwrap();
-    for matrix in ["mass", "stiffness", "damping", "retention"] {
-        let name = format!("{matrix}.mtx");
-        std::fs::copy(source.join(&name), folder.path().join(&name)).unwrap();
-    }
-    let study = std::fs::read_to_string(source.join("study.toml")).unwrap();
+    let (folder, study) = reference_study("lb2");
     let study = study.replace(
         "levels = [1, 10, 20, 40, 100]",
         &format!("levels = {levels}"),

@@ -44,6 +44,20 @@ mod worst_case;
 use program::microslip;
 use tempfile::TempDir;
 
+/// A folder with the matrices of a case of `tests/reference`, and the text of its study.
+fn reference_study(case: &str) -> (TempDir, String) {
+    let source = std::path::Path::new("tests/reference").join(case);
+    let folder = tempfile::tempdir().unwrap();
+    for entry in std::fs::read_dir(&source).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|of| of == "mtx") {
+            std::fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
+        }
+    }
+    let study = std::fs::read_to_string(source.join("study.toml")).unwrap();
+    (folder, study)
+}
+
 const STUDY: &str = r#"name = "two masses"
 seed = 7
 samples = 10

@@ -1,8 +1,6 @@
 //! All modes of the band followed, from the study file to table, summary and page.
 
-use std::path::Path;
-
-use crate::microslip;
+use crate::{microslip, reference_study};
 use microslip::ensemble::outcome::SampleOutcome;
 use microslip::ensemble::store::read_samples;
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -11,12 +9,7 @@ use tempfile::TempDir;
 
 /// A run of two lumped blades with this `peak`, on so many threads.
 fn run(peak: &str, threads: &str) -> TempDir {
-    let source = Path::new("tests/reference/two-peaks-7dof");
-    let folder = tempfile::tempdir().unwrap();
-    for matrix in ["mass.mtx", "stiffness.mtx"] {
-        std::fs::copy(source.join(matrix), folder.path().join(matrix)).unwrap();
-    }
-    let study = std::fs::read_to_string(source.join("study.toml")).unwrap();
+    let (folder, study) = reference_study("two-peaks-7dof");
     let study = format!("{study}peak = {peak}\n").replace("[1.0, 50.0]", "[1.0]");
     std::fs::write(folder.path().join("study.toml"), study).unwrap();
     let run = ["run", "study.toml", "--output", "out", "--threads", threads];

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::microslip;
+use crate::{microslip, reference_study};
 
 /// The study file of a published-code comparison, solved by the command: every coefficient to 1e-9 of the largest.
 ///
@@ -10,13 +10,9 @@ use crate::microslip;
 #[test]
 fn solve_reproduces_the_reference_solutions_of_three_problems() {
     for case in ["jenkins-1dof", "varying-normal-3dof", "blades-strip-oop"] {
-        let source = Path::new("tests/reference").join(case);
-        let study = std::fs::read_to_string(source.join("study.toml")).unwrap();
-        let fixed = std::fs::read_to_string(source.join("fixed.json")).unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        for matrix in ["mass.mtx", "stiffness.mtx", "damping.mtx"] {
-            std::fs::copy(source.join(matrix), folder.path().join(matrix)).unwrap();
-        }
+        let (folder, study) = reference_study(case);
+        let fixed = Path::new("tests/reference").join(case).join("fixed.json");
+        let fixed = std::fs::read_to_string(fixed).unwrap();
         for solution in serde_json::from_str::<Vec<Fixed>>(&fixed).unwrap() {
             let text = solution.study(&study);
             std::fs::write(folder.path().join("study.toml"), text).unwrap();

@@ -1,19 +1,11 @@
 //! Stability in the files of `solve` and `run`, on two lumped blades with a strip that lifts off and whose response folds over.
 
-use std::path::Path;
-
-use crate::microslip;
+use crate::{microslip, reference_study};
 use tempfile::TempDir;
 
 /// The folder of a study of the blades at 40 N, with a line in `[solver]` and tables at its end.
 fn blades(solver: &str, tables: &str) -> TempDir {
-    let source = Path::new("tests/reference/lb2");
-    let folder = tempfile::tempdir().unwrap();
-    for matrix in ["mass", "stiffness", "damping", "retention"] {
-        let name = format!("{matrix}.mtx");
-        std::fs::copy(source.join(&name), folder.path().join(&name)).unwrap();
-    }
-    let study = std::fs::read_to_string(source.join("study.toml")).unwrap();
+    let (folder, study) = reference_study("lb2");
     let study = study
         .replace("levels = [1, 10, 20, 40, 100]", "levels = [40]")
         .replace("[300.0, 450.0]", "[310.0, 390.0]")

@@ -133,10 +133,8 @@ impl Ensemble<'_> {
             let shapes = self.mode_shapes(problem.model);
             let level = |(found, nominal)| {
                 let mut level = self.level(&problem, found, nominal, curve);
-                let modes = shapes
-                    .as_ref()
-                    .map(|shapes| self.followed_modes(&problem, shapes, found));
-                if let Some(modes) = modes {
+                if let Some(shapes) = &shapes {
+                    let modes = self.followed_modes(&problem, shapes, found);
                     level.around.set_modes(modes);
                 }
                 level

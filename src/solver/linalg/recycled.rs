@@ -4,6 +4,7 @@
 //! before are kept, Z with orthonormal products Q, and precondition the next: v is replaced by Z Qᵀv + (v − Q Qᵀv). If A
 //! has not changed, these directions need no product any more. Source: Parks et al. 2006, SIAM J. Sci. Comput. 28, 1651–1674.
 
+use super::vector::{axpy, single_dot};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Most directions that are kept for the next system.
@@ -144,7 +145,7 @@ impl WithSimd for Norm<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> f32 {
-        dot(self.0, self.0).sqrt()
+        single_dot(self.0, self.0).sqrt()
     }
 }
 
@@ -165,42 +166,12 @@ impl WithSimd for Take<'_> {
         // loops: a closure would not be compiled for the instruction set
         let mut lengths = Vec::with_capacity(self.q.len());
         for q in self.q {
-            lengths.push(dot(q, self.v));
+            lengths.push(single_dot(q, self.v));
         }
         for ((length, q), z) in lengths.iter().zip(self.q).zip(self.z) {
             axpy(-length, q, self.v);
             axpy(self.sign * length, z, self.x);
         }
-    }
-}
-
-/// Inner product in partial sums, in a fixed order.
-#[inline(always)]
-fn dot(a: &[f32], b: &[f32]) -> f32 {
-    const SUMS: usize = 64;
-    let ((a, a_left), (b, b_left)) = (a.as_chunks::<SUMS>(), b.as_chunks::<SUMS>());
-    let mut sums = [0.0; SUMS];
-    for (a, b) in a.iter().zip(b) {
-        for ((sum, x), y) in sums.iter_mut().zip(a).zip(b) {
-            *sum += x * y;
-        }
-    }
-    let rest: f32 = a_left.iter().zip(b_left).map(|(x, y)| x * y).sum();
-    let mut width = SUMS;
-    while width > 1 {
-        width /= 2;
-        for i in 0..width {
-            sums[i] += sums[i + width];
-        }
-    }
-    sums[0] + rest
-}
-
-/// y += factor x.
-#[inline(always)]
-fn axpy(factor: f32, x: &[f32], y: &mut [f32]) {
-    for (y, x) in y.iter_mut().zip(x) {
-        *y += factor * x;
     }
 }
 

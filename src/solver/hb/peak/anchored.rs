@@ -21,7 +21,7 @@ use crate::hb::settings::NewtonSettings;
 use crate::hb::status::Status;
 use crate::linalg::recycled::{RecycledSpace, norm};
 use crate::linalg::single::{round, rounded};
-use crate::linalg::vector::axpy;
+use crate::linalg::vector::{self, axpy};
 
 /// Tolerance of a linear solve over the size of the residual: Newton's method leaves about its square.
 const FORCING: f64 = 0.1;
@@ -176,7 +176,7 @@ impl<'a> FreeIterate<'a> {
 
     /// Largest component of P R over the displacement scale of the problem.
     fn size(&self, inverse: &InverseJacobian) -> f64 {
-        let [(whole, b)] = [&self.residual].map(|x| scaled(x));
+        let (whole, b) = scaled(&self.residual);
         let preconditioned = inverse.times(&[b]);
         let largest = (preconditioned.iter().flatten()).fold(0.0, |m: f32, x| {
             if x.is_nan() { *x } else { m.max(x.abs()) }
@@ -304,7 +304,7 @@ impl PreconditionedSolver<'_> {
 /// Residuals at which the correction and the tangent are solved, for right-hand sides of these `sizes`.
 fn goals_of(sizes: [f64; 2], tangent: &[f64], size: f64) -> [f64; 2] {
     let forcing = FORCING * size;
-    let known = tangent.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let known = vector::norm(tangent);
     let [loosest, finest] = TANGENT;
     [
         sizes[0] * forcing.clamp(CORRECTION, loosest),
