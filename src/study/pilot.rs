@@ -1,12 +1,16 @@
-//! A few samples of a study, solved to see what a sample takes.
+//! A few samples of a study, solved to see what a sample takes; and the nominal one, to see where contacts lift off.
 //!
 //! The numbers of factorisations behind the estimate of `inspect` are those of the built-in rig. How many harmonics the slip of
 //! one's own model takes, and whether its peaks are predicted or searched for, no number tells that is known without a solution.
 
 use super::read::Study;
 use crate::Error;
+use crate::ensemble::Ensemble;
 use crate::ensemble::atlas::Atlas;
+use crate::ensemble::outcome::PeakRecord;
 use crate::ensemble::runner::{FIRST_ANCHORS, generations};
+use crate::harmonics::HarmonicSet;
+use crate::hb::{HbSettings, StabilityScope};
 use std::time::Instant;
 
 /// Samples of a pilot: the first generation, which starts from nothing near, and the next two.
@@ -71,6 +75,29 @@ impl Pilot {
             _ => 1.0,
         }
     }
+}
+
+/// Levels at which contacts lift off at the nominal peak, on one harmonic; a level without a peak counts as one.
+///
+/// # Errors
+/// Whatever building the model refuses.
+pub(super) fn levels_with_lift_off(study: &Study) -> Result<usize, Error> {
+    let prepared = study.prepared()?;
+    let settings = HbSettings {
+        harmonics: HarmonicSet::up_to(1),
+        alert: None,
+        stability: StabilityScope::Off,
+        ..study.solver.clone()
+    };
+    let ensemble = Ensemble {
+        settings: &settings,
+        ..prepared.ensemble(None)
+    };
+    let nominal = ensemble.levels(&[], &Atlas::default());
+    let lifts = |peak: PeakRecord| peak.separated_fraction > 0.0;
+    Ok((nominal.iter())
+        .filter(|level| level.peak.is_none_or(lifts))
+        .count())
 }
 
 /// Processor time of this thread; where the system does not tell it, the time of a clock.

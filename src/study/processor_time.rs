@@ -3,7 +3,7 @@
 //! The numbers of factorisations are those of the shipped studies; the table of what was stated and what was used is in
 //! `benches/README.md`.
 
-use super::pilot::Pilot;
+use super::pilot::{Pilot, levels_with_lift_off};
 use super::read::Study;
 use super::size::SolveSize;
 use crate::Error;
@@ -22,7 +22,12 @@ pub(super) fn estimated_time(
     };
     let of_sample = time_of_sample(study, size);
     let factor = pilot.map_or(1.0, |pilot| pilot.factor(of_sample));
-    Ok((factor * processor_time(study, size), pilot))
+    let assessed = match study.solver.stability {
+        StabilityScope::Off => 0,
+        StabilityScope::LiftOff => levels_with_lift_off(study)?,
+        StabilityScope::All => study.levels.len(),
+    };
+    Ok((factor * processor_time(study, size, assessed), pilot))
 }
 
 /// Work of a peak at one level, in factorisations of the first harmonic set, failures and the error alert included: of a sample
@@ -97,7 +102,8 @@ fn share_of_work(study: &Study) -> f64 {
     }
 }
 
-fn processor_time(study: &Study, size: SolveSize) -> f64 {
+/// Time of all samples (s), whose stability is assessed at so many levels.
+fn processor_time(study: &Study, size: SolveSize, assessed: usize) -> f64 {
     let levels = study.levels.len() as f64;
     let samples = study.samples.saturating_add(further_samples(study));
     if size.mistuned_blades.is_some() {
@@ -110,17 +116,13 @@ fn processor_time(study: &Study, size: SolveSize) -> f64 {
     };
     let curves = study.output.curve_samples.min(study.samples);
     let work = work_of_peaks(samples, alone) + WORK_OF_CURVE * curves as f64;
-    let assessed = match study.solver.stability {
-        StabilityScope::Off => 0.0,
-        StabilityScope::LiftOff | StabilityScope::All => WORK_OF_STABILITY,
-    };
-    let stability = assessed * (samples + alone) as f64;
+    let stability = WORK_OF_STABILITY * assessed as f64 * (samples + alone) as f64;
     let share = share_of_work(study);
     let control = study.control_variate.map_or(0.0, |control| {
         let work = SHARE_WITHOUT_ALERT * work_of_peaks(control.samples(), 0);
         work * time_of_factorisation(size.unknowns_up_to(control.highest_harmonic()))
     });
-    levels * ((work * share + stability) * time_of_factorisation(size.unknowns) + control)
+    (levels * work * share + stability) * time_of_factorisation(size.unknowns) + levels * control
 }
 
 /// Work of so many samples at one level without their curves, and of so many solutions that start from nothing near.

@@ -1,6 +1,8 @@
 //! Stability in the files of `solve` and `run`, on two lumped blades with a strip that lifts off and whose response folds over.
 
 use crate::{microslip, reference_study};
+use microslip::study::{Study, inspect};
+use std::path::Path;
 use tempfile::TempDir;
 
 /// The folder of a study of the blades at 40 N, with a line in `[solver]` and tables at its end.
@@ -97,4 +99,23 @@ fn runs_count_unstable_peaks() {
         count("unstable")
     );
     assert!(read("report.html").contains(&words), "{words}");
+}
+
+/// `inspect` counts assessments at the levels that have them: at 0.1 N every contact sticks, at 20 N some lift off.
+/// Seen to fail with assessments at every level.
+#[test]
+fn inspect_counts_assessments_where_contacts_lift_off() {
+    let path = Path::new("studies/two-blade-strip/study.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let stated = |level: &str, scope: &str| {
+        let text = text
+            .replace("levels = [0.1, 5.0, 20.0]", &format!("levels = [{level}]"))
+            .replace("[solver]", &format!("[solver]\nstability = \"{scope}\""));
+        let study = Study::parse(path, &text).unwrap();
+        assert_eq!(study.levels.len(), 1, "the level was replaced");
+        inspect(&study).unwrap().processor_time_s
+    };
+    let stuck = ["off", "lift-off", "all"].map(|scope| stated("0.1", scope));
+    assert!(stuck[0] == stuck[1] && stuck[1] < stuck[2], "{stuck:?}");
+    assert!(stated("20.0", "off") < stated("20.0", "lift-off"));
 }

@@ -1,15 +1,23 @@
 //! Several maxima in one band: the highest is the peak.
 
-use crate::response::over_band;
+use super::invariants;
+use super::models::aft;
+use crate::response::{at_frequencies, over_band};
+use crate::two_blade::{K_N, K_T, folded};
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use faer::prelude::c64;
-use microslip::contact::ContactParameters;
+use microslip::aft::AftSettings;
+use microslip::contact::{ContactParameters, Events, FrictionLaw};
 use microslip::ensemble::Ensemble;
 use microslip::ensemble::outcome::SampleOutcome;
+use microslip::harmonics::HarmonicSet;
+use microslip::hb::branch::sweep::SweepDirection;
 use microslip::hb::peak::maxima::PeakChoice;
+use microslip::hb::peak::search::PeakSettings;
 use microslip::hb::peak::track::track_peaks;
-use microslip::hb::{Problem, SliderAnchor};
+use microslip::hb::structure::resonance::Band;
+use microslip::hb::{HbSettings, Problem, SliderAnchor};
 use microslip::model::{ReducedModel, SparseRow};
 use microslip::study::Study;
 use std::f64::consts::TAU;
@@ -271,6 +279,50 @@ fn the_peak_of_slipping_blades_is_the_top_of_the_curve() {
         assert!(share < 1.0 + 1e-3 && share > 0.97, "{share}");
     }
     assert!(slips > 0, "nothing slips");
+}
+
+/// At 5 N this pair of blades has a flat top, and a contact bends the curve beside it: two maxima 0.14 Hz and 1.2e-4 of the amplitude
+/// apart. The peak is the highest point of a dense sweep through both.
+/// Seen to fail without the search beside flat maxima: the track ends at the lower one.
+#[test]
+fn the_higher_of_two_maxima_on_a_flat_top_is_the_peak() {
+    let (scale, mu) = (1.3688363656047002, 0.11973887406030667);
+    let (linear, mut contacts) = folded(1.0, mu);
+    // in this case the pairs share the stiffness equally
+    let share = scale / contacts.len() as f64;
+    for contact in &mut contacts {
+        (contact.k_n, contact.k_t) = (share * K_N, [share * K_T; 2]);
+    }
+    let problem = Problem::new(&linear, contacts, 1.0, SliderAnchor::Unloaded).expect("held");
+    let settings = HbSettings {
+        harmonics: HarmonicSet::up_to(5),
+        aft: AftSettings {
+            events: Events::Located,
+            ..aft(128, FrictionLaw::Box)
+        },
+        ..invariants::settings(5, FrictionLaw::Box)
+    };
+    let search = PeakSettings {
+        band: Band {
+            low: TAU * 2605.0,
+            high: TAU * 2635.0,
+        },
+        frequency_tolerance: 1e-9,
+    };
+    let found = track_peaks(&problem, &settings, search, &[5.0]).expect("modes");
+    let peak = found[0].solution.as_ref().expect("a peak");
+    let omega: Vec<f64> = (0..60)
+        .map(|i| TAU * (2625.9 + 0.01 * f64::from(i)))
+        .collect();
+    let swept = at_frequencies(&problem, &settings, 5.0, &omega, SweepDirection::Upward);
+    let height: Vec<f64> = swept.iter().map(|s| s.amplitude(0)).collect();
+    let tops: Vec<usize> = (1..height.len() - 1)
+        .filter(|&i| height[i] > height[i - 1] && height[i] > height[i + 1])
+        .collect();
+    assert_eq!(tops.len(), 2, "maxima of the sweep at {tops:?}");
+    let highest = height.iter().copied().fold(0.0, f64::max);
+    let share = peak.amplitude(0) / highest - 1.0;
+    assert!((0.0..1e-5).contains(&share), "{share:e}");
 }
 
 /// A mode is named by its number among the stuck frequencies, where it alone is followed and where all are. Seen to fail with the number of

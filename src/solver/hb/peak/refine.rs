@@ -7,7 +7,7 @@
 use super::alert::{AlertSets, TruncationEstimate};
 use super::anchored::{AnchorInverse, anchored};
 use super::predicted::{PeakPrediction, correct, maximum_near};
-use super::search::{Located, PeakSettings, highest_on_both_sides};
+use super::search::{Located, PeakSettings, highest_beside, highest_on_both_sides};
 use crate::harmonics::HarmonicSet;
 use crate::hb::equations::balance::Balance;
 use crate::hb::equations::balance::balance_on;
@@ -52,7 +52,23 @@ impl RefinementTarget {
                 let iterate = solve(balance, start.point, fixed, newton)?;
                 Ok(iterate.into())
             }
-            Self::Maximum(peak) => Ok(maximum_from(balance, start, peak, newton)?.1),
+            Self::Maximum(peak) => {
+                let (_, found) = maximum_from(balance, start, peak, newton)?;
+                Ok(highest_beside(balance, found, peak, newton))
+            }
+        }
+    }
+
+    /// The solution that counts where `found` is one of several side by side: of maxima the highest.
+    fn chosen<'p>(
+        self,
+        balance: &Balance<'p>,
+        found: Located<'p>,
+        newton: NewtonSettings,
+    ) -> Located<'p> {
+        match self {
+            Self::Frequency => found,
+            Self::Maximum(peak) => highest_beside(balance, found, peak, newton),
         }
     }
 
@@ -71,7 +87,7 @@ impl RefinementTarget {
     }
 }
 
-/// Raises the harmonics of the solution `found` of `balance` as far as the alert asks. The first of `sets` has the harmonics
+/// Raises the harmonics of the solution `found` of `balance`, or of a higher maximum beside it, as far as the alert asks. The first of `sets` has the harmonics
 /// of `balance`; without `sets` the solution stays as it is.
 ///
 /// If the solution cannot be found on larger sets it stays on the smaller one, with [`Status::TruncationAboveThreshold`].
@@ -83,6 +99,7 @@ pub fn refined<'p>(
     target: RefinementTarget,
     newton: NewtonSettings,
 ) -> Solution {
+    let found = target.chosen(balance, found, newton);
     let Some(sets) = sets else {
         return found.solution(balance);
     };

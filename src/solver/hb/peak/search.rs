@@ -66,6 +66,10 @@ const MAX_POINTS: usize = 40;
 const NEARBY: [f64; 4] = [-3e-3, -1.5e-3, 1.5e-3, 3e-3];
 /// Distances at which [`highest_on_both_sides`] starts its searches, on each side.
 const BOTH_SIDES: [f64; 3] = [0.05, 0.1, 0.2];
+/// Below this sharpness the amplitude changes so little around a maximum that a second one may lie beside it.
+const FLAT: f64 = 0.5;
+/// Relative difference of height from which two maxima are two; searches of one maximum differ by less.
+const HIGHER: f64 = 1e-9;
 /// Most halvings of one step.
 const MAX_HALVINGS: usize = 8;
 
@@ -199,6 +203,25 @@ pub fn highest_on_both_sides<'p>(
     let sides = [-1.0, 1.0].into_iter();
     let maxima = sides.filter_map(|side| BOTH_SIDES.iter().find_map(|step| search(side * step)));
     maxima.reduce(|best, other| higher(larger, best, other))
+}
+
+/// The highest maximum next to the maximum `found`, if that one is flat or its sharpness unknown.
+///
+/// Where a contact begins or ends to slip or to lift off in a period, the slope of the amplitude may jump. At a flat maximum a small
+/// jump is enough for two maxima side by side, and which of them a search meets depends on its start.
+pub fn highest_beside<'p>(
+    balance: &Balance<'p>,
+    found: Located<'p>,
+    settings: PeakSettings,
+    newton: NewtonSettings,
+) -> Located<'p> {
+    if found.sharpness.is_some_and(|sharpness| sharpness >= FLAT) {
+        return found;
+    }
+    let height = |peak: &Located<'_>| peak.iterate.response(balance).norm();
+    let least = (1.0 + HIGHER) * height(&found);
+    let other = highest_on_both_sides(balance, &found.iterate, balance, settings, newton);
+    other.filter(|other| height(other) > least).unwrap_or(found)
 }
 
 fn along_branch<'p>(
