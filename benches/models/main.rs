@@ -1,7 +1,7 @@
 //! Small random models, parameters over six decades: how many peaks are found, by which route, how the others end, and whether those
 //! structures vibrate with the period of the excitation at all, by time integration.
 //!
-//! `cargo bench --bench models [-- seeds [first seed [harmonics [budget]]] [control]]`; with `control` those with a peak are
+//! `cargo bench --bench models [-- seeds [first seed [harmonics [budget [time points]]]] [control]]`; with `control` those with a peak are
 //! integrated, too.
 
 #![allow(clippy::expect_used, reason = "a benchmark that cannot be set up ends")]
@@ -28,8 +28,15 @@ fn main() {
     let or = |at: usize, default: u64| numbers.get(at).copied().unwrap_or(default);
     let (seeds, first, harmonics) = (or(0, 200), or(1, 0), or(2, 5));
     let budget = or(3, NewtonSettings::default().budget as u64);
+    let points = or(4, random::TIME_POINTS as u64) as usize;
     let control = std::env::args().any(|a| a == "control");
-    let outcome = |seed: u64| outcome_of(seed, harmonics as usize, budget as usize, control);
+    let outcome = |seed: u64| {
+        let model = RandomModel {
+            n_time: points,
+            ..RandomModel::of_seed(seed)
+        };
+        outcome_of(&model, harmonics as usize, budget as usize, control)
+    };
     let seeds: Vec<u64> = (first..first + seeds).collect();
     // one at a time, so that no thread waits with models behind another's slow one
     let seeds = seeds.into_par_iter().with_max_len(1);
@@ -40,13 +47,12 @@ fn main() {
 }
 
 /// Searches for the peak of one model. One without a peak is integrated in time and printed, with `control` any.
-fn outcome_of(seed: u64, harmonics: usize, budget: usize, control: bool) -> Outcome {
-    let model = RandomModel::of_seed(seed);
+fn outcome_of(model: &RandomModel, harmonics: usize, budget: usize, control: bool) -> Outcome {
     let found = model.peak(harmonics, budget);
     let (status, iterations) = (found.status, found.count.iterations);
     let route = found.solution.as_ref().and_then(|peak| peak.route);
     let wanted = control || !status.has_solution();
-    let vibration = wanted.then(|| march::not_periodic(&model));
+    let vibration = wanted.then(|| march::not_periodic(model));
     if let Some(vibration) = vibration {
         let vibration = match vibration {
             Some((omega, change)) => {

@@ -15,6 +15,9 @@ use microslip::model::{ContactPair, ReducedModel, Response, SparseRow};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+/// Time points of the contact forces of a study that does not say.
+pub(crate) const TIME_POINTS: usize = 128;
+
 /// Everything that a search for the peak needs.
 pub(crate) struct RandomModel {
     pub(crate) reduced: ReducedModel,
@@ -22,6 +25,8 @@ pub(crate) struct RandomModel {
     /// Excitation level; the force is 1 N at the first mass.
     pub(crate) level: f64,
     pub(crate) law: FrictionLaw,
+    /// Time points of the contact forces.
+    pub(crate) n_time: usize,
     /// The numbers drawn, in words.
     pub(crate) text: String,
 }
@@ -79,6 +84,7 @@ impl RandomModel {
             contacts,
             level,
             law,
+            n_time: TIME_POINTS,
             text: format!(
                 "seed {seed}: {n} masses, {n_contacts} contacts of {ratio:.1e} N/m, preload {preload:.1e} N, mu {mu:.1e}, \
                  level {level:.1e}, {law:?}"
@@ -102,7 +108,7 @@ impl RandomModel {
         let settings = HbSettings {
             harmonics: HarmonicSet::up_to(highest),
             aft: AftSettings {
-                n_time: 128,
+                n_time: self.n_time,
                 law: self.law,
                 events: Events::Located,
                 laps: Laps::Periodic,
