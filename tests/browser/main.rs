@@ -134,7 +134,7 @@ fn on_paper(page: &str) -> String {
 
 /// Seen to fail with `.row` as wide as 1300 px, without the right margin of a panel (ticks cut), with the marks left out of
 /// the panels, with the last column of the error budget on one line, with figures that fill whatever column they are in (letters
-/// from 9.5 to 14.1 px), and with the name of an engine order on a speed that is held.
+/// from 8.6 to 11.9 px), and with the name of an engine order on a speed that is held.
 #[test]
 fn every_figure_is_drawn_and_nothing_overflows() {
     let Some(browser) = browser() else { return };
