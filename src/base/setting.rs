@@ -73,7 +73,7 @@ pub fn positive(key: &str, value: f64) -> Result<(), BadSetting> {
     BadSetting::unless(
         value.is_finite() && value > 0.0,
         key,
-        value,
+        Plain(value),
         "must be a finite number > 0",
     )
 }
@@ -86,7 +86,7 @@ pub fn non_negative(key: &str, value: f64) -> Result<(), BadSetting> {
     BadSetting::unless(
         value.is_finite() && value >= 0.0,
         key,
-        value,
+        Plain(value),
         "must be a finite number >= 0",
     )
 }
@@ -110,7 +110,8 @@ pub fn unusual(key: &str, value: f64, usual: [f64; 2]) -> Option<BadSetting> {
 }
 
 /// A number as people write it: 0.05, 1e9.
-struct Plain(f64);
+#[derive(Debug, Clone, Copy)]
+pub struct Plain(pub f64);
 
 impl std::fmt::Display for Plain {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

@@ -132,14 +132,19 @@ fn show_ranking(
         .iter()
         .map(|&k| comparison.designs[k].label.as_str());
     let order: Vec<&str> = labels.collect();
+    let [least, most] = [ranking.surely, ranking.possibly].map(|share| 100.0 * share);
+    let holds = match least < most {
+        false => format!("in {least:.1} % of the resamples"),
+        true => format!(
+            "in {least:.1} % to {most:.1} % of the resamples, as the samples that failed would have been"
+        ),
+    };
     writeln!(
         out,
-        "  {:<20} {} by the {} % quantile{}: in {:.1} % of the resamples surely, in {:.1} % possibly",
+        "  {:<20} {} by the {} % quantile{}: {holds}",
         "",
         order.join(" before "),
         100.0 * found.quantile,
         at_point(found.outer),
-        100.0 * ranking.surely,
-        100.0 * ranking.possibly,
     )
 }

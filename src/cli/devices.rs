@@ -2,11 +2,13 @@
 
 use std::io::Write;
 
+use super::device_layer;
 use super::terminal::print;
 use microslip::Error;
 use microslip::gpu::{adapters, examined};
 
 pub(super) fn execute() -> Result<(), Error> {
+    device_layer::leave_out();
     print(show)
 }
 

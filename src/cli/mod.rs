@@ -6,6 +6,7 @@
 mod calibrate;
 mod compare;
 mod completions;
+mod device_layer;
 mod devices;
 mod disk;
 mod export;

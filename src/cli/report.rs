@@ -3,10 +3,12 @@
 use std::path::PathBuf;
 
 use super::levels::show_levels;
+use super::log::Log;
 use super::terminal::print;
 use clap::Args;
 use microslip::Error;
 use microslip::report::render;
+use microslip::report::run::CHANGED;
 use microslip::study::write_arrow_tables;
 
 #[derive(Args)]
@@ -23,7 +25,9 @@ pub(super) struct ReportArguments {
 
 impl ReportArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
-        let (summary, _) = render(&self.folder)?;
+        let (summary, run) = render(&self.folder)?;
+        let changed = |name: &String| format!("{}: {CHANGED}", self.folder.join(name).display());
+        Log::Text.warn(&run.changed.iter().map(changed).collect::<Vec<_>>());
         if self.arrow {
             write_arrow_tables(&self.folder, |_| true)?;
         }

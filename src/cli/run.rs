@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use super::device_layer;
 use super::disk::gather;
 use super::going_on::GoingOn;
 use super::levels::{show_profile, show_result};
@@ -15,6 +16,7 @@ use microslip::Error;
 use microslip::ensemble::backend::{BackendChoice, BackendSettings};
 use microslip::gpu::{GpuSettings, Precision};
 use microslip::report::Summary;
+use microslip::report::run::order_folder;
 use microslip::study::{OutputFolder, RunSettings, ShareResult, Study, join, run, solve_share};
 use serde_json::json;
 
@@ -63,6 +65,9 @@ enum PrecisionName {
 impl RunArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
         let Self { study: common, .. } = self;
+        if !matches!(self.backend, BackendName::Cpu) {
+            device_layer::leave_out();
+        }
         common.threads.start()?;
         let study = Study::read(&common.study)?;
         let messages = &common.messages;
@@ -85,7 +90,7 @@ impl RunArguments {
         let mut solved = Vec::new();
         for &order in orders {
             let of_order = study.of_engine_order(order)?;
-            let own = folder.path().join(format!("order-{order}"));
+            let own = folder.path().join(order_folder(order));
             if self.one(&of_order, &OutputFolder::open(&own)?, &settings)? {
                 solved.push(own);
             }

@@ -14,14 +14,13 @@ pub(super) struct Threads {
 }
 
 impl Threads {
-    /// Starts as many threads as were asked for.
+    /// Starts as many threads as were asked for, or one for each core.
     pub(super) fn start(&self) -> Result<(), Error> {
-        match self.threads {
-            None => Ok(()),
-            Some(threads) => rayon::ThreadPoolBuilder::new()
-                .num_threads(usize::from(threads))
-                .build_global()
-                .map_err(|error| Error::Threads(error.to_string())),
-        }
+        // without a number of ours, Rayon would start as many as its variable of the environment says, however many these are
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(self.threads.map_or_else(cores, usize::from))
+            .build_global()
+            .map_err(|error| Error::Threads(error.to_string()))
     }
 }

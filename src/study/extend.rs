@@ -17,6 +17,7 @@ use crate::file::{FileError, FolderLock, finish_placing};
 use crate::report::RunRecord;
 use crate::report::asked::Stopping;
 use crate::sampling::Growth;
+use crate::sampling::design_settings::MOST_SAMPLES;
 
 /// Solves the samples that `folder`, the results of a run, lacks of `samples`, and writes all result files anew.
 ///
@@ -61,11 +62,7 @@ pub fn extend(
     let stopping = RunRecord::of_folder(folder.path())?.stopping;
     refuse_other_looks(stopping.as_ref(), samples).map_err(refused)?;
     let n = old.samples;
-    if samples <= n {
-        return Err(refused(format!(
-            "--samples {samples}: must be more than the {n} there are"
-        )));
-    }
+    refuse_number(samples, n).map_err(refused)?;
     let key = match stopping {
         Some(_) => "samples.at_most",
         None => "samples",
@@ -84,6 +81,19 @@ pub fn extend(
     added.map_err(unreadable)?;
     refuse_other_samples(&study, &old, folder.path()).map_err(refused)?;
     run_after(&study, &folder, (identity, resumed), settings, progress)
+}
+
+/// More samples than there are, and no more than a design has.
+fn refuse_number(samples: u64, there: u64) -> Result<(), String> {
+    match samples {
+        _ if samples <= there => Err(format!(
+            "--samples {samples}: must be more than the {there} there are"
+        )),
+        _ if samples > MOST_SAMPLES => Err(format!(
+            "--samples {samples}: must be at most {MOST_SAMPLES}"
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// Why results are not extended, and what to do.

@@ -150,7 +150,7 @@ impl Study {
         let checked = asked.check(of_model, &levels, &design, &solver_settings);
         checked.map_err(at)?;
         let stopping = samples.plan(&asked.requirements, &design).map_err(at)?;
-        let unusual = unusual(&model, &design, &solver_settings);
+        let unusual = unusual(&model, &design, &solver_settings, &asked.requirements);
         Ok(Self {
             path: path.to_owned(),
             text: text.to_owned(),
@@ -423,7 +423,12 @@ fn fine_enough(
 }
 
 /// What may be meant but is unusual, in the order of the file.
-fn unusual(model: &ModelSettings, design: &Design, solver: &HbSettings) -> Vec<BadSetting> {
+fn unusual(
+    model: &ModelSettings,
+    design: &Design,
+    solver: &HbSettings,
+    requirements: &Requirements,
+) -> Vec<BadSetting> {
     let mut found = Vec::new();
     if let Some(interface) = model.interface() {
         found.extend(interface.unusual().into_iter().map(|b| b.under("contact")));
@@ -435,5 +440,6 @@ fn unusual(model: &ModelSettings, design: &Design, solver: &HbSettings) -> Vec<B
     let of_inputs = inputs.filter_map(|(input, distribution)| input.unusual(distribution));
     found.extend(of_inputs.map(|bad| bad.under("inputs")));
     found.extend(solver.unusual().map(|bad| bad.under("solver")));
+    found.extend(requirements.unusual());
     found
 }

@@ -1,6 +1,6 @@
 // Measures the page and sends the findings as JSON to the page around it.
 const width = document.documentElement.clientWidth;
-const found = { width, figures: 0, empty: [], outside: [], cut: [], overlapping: [], scrolling: [] };
+const found = { width, figures: 0, empty: [], outside: [], cut: [], overlapping: [], struck: [], scrolling: [], letters: [] };
 const name = (e) => `${e.tagName}.${e.getAttribute('class') || ''} ${(e.textContent || '').trim().slice(0, 40)}`;
 const box = (e) => e.getBoundingClientRect();
 
@@ -32,6 +32,16 @@ for (const panel of document.querySelectorAll('svg.panel')) {
     const inside = b.left > frame.left - 1 && b.right < frame.right + 1 && b.top > frame.top - 1 && b.bottom < frame.bottom + 1;
     if (!inside) found.cut.push(`${title}: ${text.textContent}`);
   }
+  // A name that an upright line runs through.
+  const upright = [...panel.querySelectorAll('.rule')].map(box).filter((b) => b.width < 4);
+  for (const text of panel.querySelectorAll('.words:not(.readout .words)')) {
+    const b = box(text);
+    const struck = (line) => line.left > b.left && line.right < b.right && line.top < b.bottom && line.bottom > b.top;
+    if (upright.some(struck)) found.struck.push(`${title}: ${text.textContent}`);
+  }
+  // Height of the ticks' letters in the window.
+  const tick = panel.querySelector('.tick');
+  if (tick) found.letters.push(parseFloat(getComputedStyle(tick).fontSize) * tick.getScreenCTM().d);
   for (const axis of ['x', 'y']) {
     const ticks = [...panel.querySelectorAll(`.tick.${axis}`)].map((t) => [box(t), t.textContent]);
     for (let i = 1; i < ticks.length; i += 1) {

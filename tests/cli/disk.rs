@@ -87,7 +87,8 @@ fn engine_orders_of_a_disk_come_to_one_page() {
 /// A study that names several engine orders is solved for each, with the bits of a study of its own, and gathered; commands that
 /// take one order say so.
 ///
-/// Seen to fail with the first order solved under the name of each, and with `extend results` whatever the folder of an order.
+/// Seen to fail with the first order solved under the name of each, and with `extend results`
+/// whatever the folder of an order, on the page of the disk or on that of the order.
 #[test]
 fn one_run_takes_several_engine_orders() {
     let folder = tempfile::tempdir().unwrap();
@@ -107,6 +108,13 @@ fn one_run_takes_several_engine_orders() {
         assert!(text.contains(&words), "{words} is not in {text}");
         let words = words.trim_start_matches('`');
         assert!(page.contains(words), "{words} is not in the page");
+        let own = folder.path().join(format!("both/{order}/report.html"));
+        let own = std::fs::read_to_string(own).unwrap();
+        let own = own.replace("&#x2f;", "/");
+        assert!(own.contains(words), "{words} is not in its own page");
+        let other = format!("both/{order}/report.json");
+        let json = std::fs::read_to_string(folder.path().join(other)).unwrap();
+        assert!(json.contains(words), "{words} is not in its report.json");
     }
     let disk = ["disk", "order-3", "order-5", "--output", "alone", "--quiet"];
     assert_eq!(microslip(folder.path(), &disk).status.code(), Some(0));

@@ -111,7 +111,7 @@ fn refused(output: &Output, fragment: &str) {
     );
 }
 
-/// Seen to fail with every design said to grow.
+/// Seen to fail with every design said to grow, and with a number of samples that is refused as one of the study file.
 #[test]
 fn what_cannot_be_extended_is_refused() {
     let study_folder = folder("study.toml", "samples = 10", "samples = 10");
@@ -121,6 +121,8 @@ fn what_cannot_be_extended_is_refused() {
     let run = ["run", "study.toml", "--quiet"];
     succeed(path, &run);
     refused(&extend("10"), "--samples 10: must be more than the 10");
+    let rule = "results: --samples 1000000000000: must be at most 100000000";
+    refused(&extend("1000000000000"), rule);
     let stiffness = path.join("stiffness.mtx");
     let text = std::fs::read_to_string(&stiffness).unwrap();
     std::fs::write(&stiffness, text.replace("8e5", "8.1e5")).unwrap();
@@ -157,7 +159,8 @@ fn what_cannot_be_extended_is_refused() {
 
 /// Tables, anchors and record that the run did not write are refused by whatever computes from them.
 ///
-/// Seen to fail without the hash of `atlas.parquet`, and in `extend` and `reweight` without any look at the hashes.
+/// Seen to fail without the hash of `atlas.parquet`, in `extend` and `reweight` without any look at the hashes, and with a `report`
+/// that says nothing.
 #[test]
 fn changed_files_are_refused() {
     let study_folder = folder("study.toml", "two masses", "two masses");
@@ -191,6 +194,11 @@ fn changed_files_are_refused() {
         refused(&microslip(path, &reweight), &expected);
         let expected = format!("{name} is not the file that the run wrote");
         refused(&microslip(path, &["compare", "same", "results"]), &expected);
+        // a report is made from what there is, and says so
+        let output = microslip(path, &["report", "results", "--quiet"]);
+        let message = String::from_utf8_lossy(&output.stderr);
+        let expected = format!("warning: results/{name}: is not the file that the run wrote");
+        assert!(message.contains(&expected), "{name}: {message}");
         std::fs::write(&file, own).unwrap();
     }
     succeed(path, &["compare", "same", "results"]);

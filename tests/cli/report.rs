@@ -77,12 +77,30 @@ fn a_report_can_be_rendered_again() {
     }
 }
 
-/// Seen to fail without the path of the file.
+/// Seen to fail without the path of the file, and for a file in place of the folder with the name of a hidden folder in it.
 #[test]
 fn a_folder_without_results_is_refused() {
     let empty = tempfile::tempdir().unwrap();
     let output = microslip(empty.path(), &["report", "results"]);
     assert_refused("report", &output, &["results/run.json", "No such file"]);
+    std::fs::write(empty.path().join("study.toml"), "").unwrap();
+    for command in ["report", "disk"] {
+        let output = microslip(empty.path(), &[command, "study.toml"]);
+        assert_refused(command, &output, &["study.toml: ", "folder"]);
+    }
+}
+
+/// More engine orders than a figure shows, or speeds. Seen to fail without the limit.
+#[test]
+fn long_lists_are_refused() {
+    let list = |n: u32| format!("{:?}", (1..=n).collect::<Vec<_>>());
+    let many = format!("engine_orders = {}", list(1001));
+    let few = format!("engine_orders = {}", list(1000));
+    let rule = "operation.engine_orders = [1001 values]: must be at most 1000 values";
+    refuse_requirements(&[("engine_orders = [3, 4]", &many, &[rule])]);
+    let study = small_study(&REQUIREMENTS.replacen("engine_orders = [3, 4]", &few, 1));
+    let output = microslip(study.path(), &["inspect", "study.toml"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
 }
 
 /// Requirements do not change a sample. Seen to fail with a seed that knew of `[stress]`.

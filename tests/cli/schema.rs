@@ -4,8 +4,9 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::bad_input::cases::{BEYOND_SCHEMA, REFUSED};
+use super::bad_input::cases::REFUSED;
 use super::bad_input::disk_cases::{DISK, DISK_BEYOND_SCHEMA, DISK_REFUSED};
+use super::bad_input::program_cases::BEYOND_SCHEMA;
 use super::bad_input::rig_cases::{RIG, RIG_BEYOND_SCHEMA, RIG_REFUSED};
 use super::{STUDY, microslip};
 

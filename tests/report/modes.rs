@@ -107,7 +107,8 @@ fn maxima_are_counted_by_mode() {
     assert!(Summary::of(&unfollowed.input()).levels[0].modes.is_none());
 }
 
-/// The page has a row for each level and mode, also for one without a maximum. Seen to fail without the section.
+/// The page has a row for each level and mode, also for one without a maximum. Seen to fail without the
+/// section, and with the clearness as a number beside a percentage.
 #[test]
 fn the_page_shows_every_mode() {
     let mut study = study();
@@ -127,6 +128,7 @@ fn the_page_shows_every_mode() {
         "mode 5",
         "stuck 3100.00 Hz",
         "mode 7",
+        ">90 %<small>at least 90 %</small>",
     ] {
         assert!(page.contains(words), "{words}");
     }

@@ -201,11 +201,14 @@ fn levels_stand_at_their_mean_stress() {
 
 /// Values show under the pointer in the page; a picture that is saved has none of them.
 ///
-/// Seen to fail with the readouts drawn among the marks.
+/// Seen to fail with the readouts drawn among the marks, and without those of the histograms.
 #[test]
 fn values_show_in_the_page_alone() {
     let page = page(&SyntheticStudy::new(40).input());
-    assert!(figure(&page, "band-0").contains("class=\"readout"));
+    for name in ["band-0", "nominal-response", "histogram-frequency-0"] {
+        let found = figure(&page, name).contains("class=\"readout");
+        assert!(found, "{name} has no values");
+    }
     let saved = page.split("data:image/svg+xml,").skip(1);
     for link in saved.map(|rest| rest.split('"').next().unwrap()) {
         assert!(!link.contains("class%3D%22readout") && !link.contains("class=%22readout"));

@@ -82,6 +82,10 @@ pub fn finish_placing(folder: &Path) -> Result<(), FileError> {
     let placing = folder.join(PLACING);
     let entries = match std::fs::read_dir(&placing) {
         Err(source) if source.kind() == ErrorKind::NotFound => return Ok(()),
+        Err(_) if folder.exists() && !folder.is_dir() => {
+            let rule = "is a file: must be the folder of the results of a run";
+            return Err(FileError::content(folder, None, rule));
+        }
         entries => entries.map_err(|source| FileError::system(&placing, source))?,
     };
     for entry in entries {

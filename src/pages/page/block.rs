@@ -74,8 +74,6 @@ pub enum Columns {
     Two,
     /// Three.
     Three,
-    /// Four.
-    Four,
 }
 
 /// A panel in the page.
@@ -378,7 +376,9 @@ fn full(value: Option<f64>) -> String {
 
 /// A text that a spreadsheet would take for a formula with an apostrophe, which makes it a text.
 fn no_formula(field: &str) -> String {
-    let formula = field.starts_with(['=', '+', '-', '@']) && field.parse::<f64>().is_err();
+    // white space before it does not stop every spreadsheet
+    let text = field.trim_start();
+    let formula = text.starts_with(['=', '+', '-', '@']) && text.parse::<f64>().is_err();
     match formula {
         true => format!("'{field}"),
         false => field.to_owned(),
@@ -423,10 +423,19 @@ mod tests {
         assert_eq!(table.csv(), expected);
     }
 
-    /// A name is never a formula; numbers stay numbers. Seen to fail without the look at the first character.
+    /// A name is never a formula; numbers stay numbers. Seen to fail without the look at the first character, and without
+    /// that past white space.
     #[test]
     fn texts_are_no_formulas() {
-        for formula in ["=1+1", "+1+1", "-a1", "@sum(a1)", "=cmd(1,2)"] {
+        for formula in [
+            "=1+1",
+            "+1+1",
+            "-a1",
+            "@sum(a1)",
+            "=cmd(1,2)",
+            "\t=1+1",
+            " =1",
+        ] {
             assert_eq!(no_formula(formula), format!("'{formula}"));
         }
         for other in ["-1.5e-3", "+2", "a=b", "", "margin -5 %"] {

@@ -9,7 +9,7 @@ use std::fmt::Write;
 /// Size of a panel in its own units; the page scales it to its column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Size {
-    /// Three or four in a row.
+    /// Three in a row.
     Small,
     /// Two in a row.
     Large,
@@ -49,6 +49,8 @@ pub struct Panel {
     marks: String,
     readouts: String,
     note: Option<String>,
+    /// Places of the upright lines.
+    upright: Vec<f64>,
 }
 
 impl Panel {
@@ -71,6 +73,7 @@ impl Panel {
             marks: String::new(),
             readouts: String::new(),
             note: None,
+            upright: Vec::new(),
         }
     }
 
@@ -210,8 +213,9 @@ impl Panel {
     pub fn rule(&mut self, class: &str, x: f64) {
         let (width, height) = self.inner();
         if let Some(x) = self.x.position(x) {
-            let data = format!("M{:.1} 0V{height:.1}", x.clamp(-9.0, 9.0) * width);
-            self.path(&format!("rule {class}"), &data);
+            let x = x.clamp(-9.0, 9.0) * width;
+            self.upright.push(x);
+            self.path(&format!("rule {class}"), &format!("M{x:.1} 0V{height:.1}"));
         }
     }
 
@@ -256,7 +260,7 @@ impl Panel {
 
     /// Words beside points, moved up or down where they would hide each other, each with a thin line to its point.
     pub fn labels(&mut self, labels: &[((f64, f64), String)]) {
-        let (width, height) = self.inner();
+        let (_, height) = self.inner();
         let mut placed: Vec<(f64, f64, &str)> = labels
             .iter()
             .filter_map(|(point, text)| {
@@ -268,13 +272,32 @@ impl Panel {
         let mut lines = stacked(placed.iter().map(|p| p.1), height);
         for (x, y, text) in placed {
             let line = lines.pop_front().unwrap_or(y);
-            let (class, side) = match x < 0.7 * width {
-                true => ("words", 1.0),
-                false => ("words end", -1.0),
+            let side = self.side_of_label(x, text);
+            let class = match side > 0.0 {
+                true => "words",
+                false => "words end",
             };
             let [from, to] = [5.0, 15.0].map(|distance| x + side * distance);
             self.path("pointer", &format!("M{from:.1} {y:.1}L{to:.1} {line:.1}"));
             write_text(&mut self.marks, class, (to + 2.0 * side, line + 3.5), text);
+        }
+    }
+
+    /// 1 where the name of a place stands on its right, -1 on its left: to the right where there is room, but on the other side where
+    /// an upright line would run through it.
+    fn side_of_label(&self, x: f64, text: &str) -> f64 {
+        let (width, _) = self.inner();
+        let room = CHARACTER * text.chars().count() as f64;
+        let free = |side: f64| {
+            let ends = [17.0, 17.0 + room].map(|distance| x + side * distance);
+            let [from, to] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+            let struck = self.upright.iter().any(|line| (from..=to).contains(line));
+            from >= 0.0 && to <= width && !struck
+        };
+        let usual = if x < 0.7 * width { 1.0 } else { -1.0 };
+        match !free(usual) && free(-usual) {
+            true => -usual,
+            false => usual,
         }
     }
 

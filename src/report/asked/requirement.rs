@@ -2,7 +2,9 @@
 //!
 //! No number here is a standard's: every limit is the user's, who names the document that it comes from.
 
-use crate::setting::{BadSetting, LARGEST, NOT_BLANK, non_negative, positive, within};
+use crate::setting::{
+    BadSetting, LARGEST, NOT_BLANK, Plain, non_negative, positive, unusual, within,
+};
 use crate::statistics::{Demonstration, confidence_at};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -11,6 +13,15 @@ use serde::{Deserialize, Serialize};
 const DEFAULT_SHARE: f64 = 0.95;
 /// Confidence of a judgement if the study does not say.
 const DEFAULT_CONFIDENCE: f64 = 0.95;
+
+/// Largest engine order that can be meant.
+const LARGEST_ORDER: u32 = 100_000;
+/// Engine orders, or speeds that are held, at most: each has a row and a line in the figures.
+const MOST: usize = 1000;
+/// Largest stress or strength that can be meant (MPa): a larger number is one in Pa.
+const LARGEST_MPA: f64 = 1e6;
+/// Strengths of metals (MPa): a smaller number may be one in GPa.
+const USUAL_STRENGTH_MPA: [f64; 2] = [10.0, 1e4];
 
 /// Requirements of a study; all may be absent.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -32,11 +43,11 @@ pub struct Operation {
     #[schemars(inner(range(max = 1e7)), transform = crate::setting::positive_items)]
     pub speed_rpm: [f64; 2],
     /// Orders of the excitation: multiples of the speed.
-    #[schemars(length(min = 1), inner(range(min = 1)), extend("uniqueItems" = true))]
+    #[schemars(length(min = 1, max = MOST), inner(range(min = 1, max = LARGEST_ORDER)), extend("uniqueItems" = true))]
     pub engine_orders: Vec<u32>,
     /// Speeds that are held for long (1/min), inside the range.
     #[serde(default)]
-    #[schemars(transform = crate::setting::positive_items)]
+    #[schemars(length(max = MOST), inner(range(max = 1e7)), transform = crate::setting::positive_items)]
     pub dwell_rpm: Vec<f64>,
     /// What a frequency margin is a share of.
     #[serde(default)]
@@ -59,16 +70,16 @@ pub enum MarginBase {
 #[serde(deny_unknown_fields)]
 pub struct Stress {
     /// Alternating stress at the critical place per amplitude of the first response coordinate (MPa/µm).
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(range(max = LARGEST_MPA), extend("exclusiveMinimum" = 0))]
     pub modal_stress_mpa_per_um: f64,
     /// Mean stress at the critical place (MPa).
-    #[schemars(range(min = 0))]
+    #[schemars(range(min = 0, max = LARGEST_MPA))]
     pub mean_stress_mpa: f64,
     /// Alternating stress that the material bears for ever without mean stress (MPa).
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(range(max = LARGEST_MPA), extend("exclusiveMinimum" = 0))]
     pub endurance_limit_mpa: f64,
     /// Ultimate strength (MPa).
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(range(max = LARGEST_MPA), extend("exclusiveMinimum" = 0))]
     pub ultimate_strength_mpa: f64,
 }
 
@@ -187,6 +198,13 @@ impl Criterion {
     }
 }
 
+/// Requires a list that a figure can show.
+fn at_most(key: &str, values: usize) -> Result<(), BadSetting> {
+    let value = format!("[{values} values]");
+    let rule = format!("must be at most {MOST} values");
+    BadSetting::unless(values <= MOST, key, value, &rule)
+}
+
 impl Operation {
     fn validate(&self) -> Result<(), BadSetting> {
         let [low, high] = self.speed_rpm;
@@ -194,18 +212,23 @@ impl Operation {
         positive("speed_rpm[1]", high)?;
         within("speed_rpm[1]", high, [0.0, 1e7])?;
         let rule = "must be [low, high] with low <= high";
-        BadSetting::unless(low <= high, "speed_rpm", format!("[{low}, {high}]"), rule)?;
+        let value = format!("[{}, {}]", Plain(low), Plain(high));
+        BadSetting::unless(low <= high, "speed_rpm", value, rule)?;
         let some = !self.engine_orders.is_empty();
         BadSetting::unless(some, "engine_orders", "[]", "must not be empty")?;
+        at_most("engine_orders", self.engine_orders.len())?;
+        at_most("dwell_rpm", self.dwell_rpm.len())?;
         for (i, order) in self.engine_orders.iter().enumerate() {
             let key = format!("engine_orders[{i}]");
             let new = *order > 0 && !self.engine_orders[..i].contains(order);
             BadSetting::unless(new, &key, order, "must be a whole number >= 1, given once")?;
+            let rule = format!("must be at most {LARGEST_ORDER}");
+            BadSetting::unless(*order <= LARGEST_ORDER, &key, order, &rule)?;
         }
         for (i, speed) in self.dwell_rpm.iter().enumerate() {
             let key = format!("dwell_rpm[{i}]");
             let rule = "must lie in the range speed_rpm";
-            BadSetting::unless((low..=high).contains(speed), &key, speed, rule)?;
+            BadSetting::unless((low..=high).contains(speed), &key, Plain(*speed), rule)?;
         }
         Ok(())
     }
@@ -213,14 +236,20 @@ impl Operation {
 
 impl Stress {
     fn validate(&self) -> Result<(), BadSetting> {
-        positive("modal_stress_mpa_per_um", self.modal_stress_mpa_per_um)?;
-        positive("endurance_limit_mpa", self.endurance_limit_mpa)?;
-        positive("ultimate_strength_mpa", self.ultimate_strength_mpa)?;
+        for (key, value) in [
+            ("modal_stress_mpa_per_um", self.modal_stress_mpa_per_um),
+            ("endurance_limit_mpa", self.endurance_limit_mpa),
+            ("ultimate_strength_mpa", self.ultimate_strength_mpa),
+        ] {
+            positive(key, value)?;
+            within(key, value, [0.0, LARGEST_MPA])?;
+        }
         non_negative("mean_stress_mpa", self.mean_stress_mpa)?;
+        within("mean_stress_mpa", self.mean_stress_mpa, [0.0, LARGEST_MPA])?;
         BadSetting::unless(
             self.mean_stress_mpa < self.ultimate_strength_mpa,
             "mean_stress_mpa",
-            self.mean_stress_mpa,
+            Plain(self.mean_stress_mpa),
             "must be below ultimate_strength_mpa",
         )
     }
@@ -242,8 +271,8 @@ impl Requirements {
             let under = |bad: BadSetting| bad.under(&format!("criteria[{i}]"));
             criterion.validate().map_err(under)?;
             self.supports(criterion).map_err(under)?;
-            let names = self.criteria[..i].iter().map(|other| &other.name);
-            let new = !names.into_iter().any(|name| *name == criterion.name);
+            let mut names = self.criteria[..i].iter().map(|other| other.name.trim());
+            let new = !names.any(|name| name == criterion.name.trim());
             let rule = "must not be given twice";
             BadSetting::unless(new, "name", &criterion.name, rule).map_err(under)?;
             let known = criterion.level.is_none_or(|level| levels.contains(&level));
@@ -251,6 +280,19 @@ impl Requirements {
             BadSetting::unless(known, "level", value, "must be one of levels").map_err(under)?;
         }
         Ok(())
+    }
+
+    /// What may be meant but is unusual.
+    #[must_use]
+    pub fn unusual(&self) -> Vec<BadSetting> {
+        let strengths = self.stress.iter().flat_map(|stress| {
+            [
+                ("stress.endurance_limit_mpa", stress.endurance_limit_mpa),
+                ("stress.ultimate_strength_mpa", stress.ultimate_strength_mpa),
+            ]
+        });
+        let found = strengths.filter_map(|(key, value)| unusual(key, value, USUAL_STRENGTH_MPA));
+        found.collect()
     }
 
     fn supports(&self, criterion: &Criterion) -> Result<(), BadSetting> {

@@ -19,6 +19,7 @@ pub struct ReportInput<'a> {
     pub control: &'a [SampleOutcome],
     /// Tables of the run whose content has changed since.
     pub changed: &'a [String],
-    /// Folder of the results in commands that a reader may give. A page of one run says [`RESULTS`], wherever it lies.
+    /// Folder of the results in commands that a reader may give. A page of one run says [`RESULTS`], wherever it lies, but that of one
+    /// of several engine orders its own folder.
     pub folder: &'a str,
 }

@@ -95,12 +95,34 @@ impl StoredRun {
         let mixed = outcomes.extract_if(.., |outcome| !outcome.group.of_population());
         let mixed = mixed.collect();
         Ok(Self {
-            record,
             outcomes,
             mixed,
             control,
             changed,
-            folder: RESULTS.to_owned(),
+            folder: in_commands(folder, &record),
+            record,
         })
     }
+}
+
+/// Name of the folder of an engine order among those of a run that takes several.
+#[must_use]
+pub fn order_folder(order: u32) -> String {
+    format!("order-{order}")
+}
+
+/// The folder as commands name it: [`RESULTS`] wherever it lies, but the folder of one of several engine orders with the folder
+/// above it, since that one has no samples of its own.
+fn in_commands(folder: &Path, record: &RunRecord) -> String {
+    let named = |order| {
+        let own = order_folder(order);
+        let absolute = folder.canonicalize().ok()?;
+        // files that are not in their places yet lie in a folder inside it
+        let mut near = absolute.ancestors().take(2);
+        let above = near.find(|path| path.ends_with(&own))?.parent()?;
+        let above = above.file_name()?.to_string_lossy().into_owned();
+        Some(format!("{above}/{own}"))
+    };
+    let order = record.disk.as_ref().map(|disk| disk.engine_order);
+    order.and_then(named).unwrap_or_else(|| RESULTS.to_owned())
 }

@@ -1,4 +1,4 @@
-//! Study files that the program refuses, and what JSON Schema can say of them: one list for both.
+//! Study files that the program and the JSON Schema refuse: one list for both. What the schema cannot say is in `program_cases`.
 
 /// What is replaced in the study of these tests, by what, and what the message must name.
 pub(crate) type Case = (&'static str, &'static str, &'static [&'static str]);
@@ -367,6 +367,28 @@ pub(crate) const REFUSED: &[Case] = &[
         "[[criteria]]\nname = \"a\"\nquantity = \"reserve-factor\"\nlimit = 1\n[output]",
         &[":41: criteria[0].quantity = ", "needs the table [stress]"],
     ),
+    (
+        "[output]",
+        "[stress]\nmodal_stress_mpa_per_um = 12\nmean_stress_mpa = 180\nendurance_limit_mpa = 350e6\n\
+             ultimate_strength_mpa = 900\n[output]",
+        &[":42: stress.endurance_limit_mpa = 3.5e8: must be from 0 to 1e6"],
+    ),
+    (
+        "[output]",
+        "[stress]\nmodal_stress_mpa_per_um = 12\nmean_stress_mpa = 180\nendurance_limit_mpa = 350\n\
+             ultimate_strength_mpa = 1e308\n[output]",
+        &[":43: stress.ultimate_strength_mpa = 1e308: must be from 0 to 1e6"],
+    ),
+    (
+        "[output]",
+        "[operation]\nspeed_rpm = [3000, 3600]\nengine_orders = [4000000000]\n[output]",
+        &[":41: operation.engine_orders[0] = 4000000000: must be at most 100000"],
+    ),
+    (
+        "[output]",
+        "[operation]\nspeed_rpm = [3000, 3600]\nengine_orders = [4]\ndwell_rpm = [1e300]\n[output]",
+        &[":42: operation.dwell_rpm[0] = 1e300: must lie in the range speed_rpm"],
+    ),
     ("seed = 7", "sed = 7", &[":2: sed: unknown key", "seed"]),
     (
         "mu = 0.3",
@@ -427,73 +449,5 @@ pub(crate) const REFUSED: &[Case] = &[
         "modal_damping_ratio = 0.01",
         "",
         &[":6: model.damping = (absent): must be given"],
-    ),
-];
-
-/// Refused by the program alone: values that are compared with each other, or with files.
-pub(crate) const BEYOND_SCHEMA: &[Case] = &[
-    (
-        "time_points = 128",
-        "time_points = 65536\nalert = { highest_harmonic = 200 }",
-        &[
-            ":34: solver.time_points = 65536: times the highest",
-            "8388608",
-        ],
-    ),
-    (
-        "[1.0, 2.0]",
-        "[1.0, 0.5]",
-        &[":4: levels[1] = 0.5: must be greater"],
-    ),
-    (
-        "low = 0.1",
-        "low = 0.9",
-        &[":30: inputs.friction_coefficient.high = 0.8: must be"],
-    ),
-    (
-        "high = 0.8",
-        "high = 0.8\ntruncation = [0, 1]",
-        &[":31: ", ".truncation = [0, 1]: must lie"],
-    ),
-    (
-        "time_points = 128",
-        "time_points = 20",
-        &[":34: solver.time_points = 20: must be more"],
-    ),
-    (
-        "[100, 200]",
-        "[200, 100]",
-        &[":37: frequency.band_hz = [200, 100]: must be [low"],
-    ),
-    (
-        "t1 = { x1 = 1.0 }",
-        "t1 = { x3 = 1.0 }",
-        &[":18: model.contact[0].t1.x3 = 1: must name a degree"],
-    ),
-    (
-        "cosine_force = { x1",
-        "cosine_force = { y",
-        &[":13: model.cosine_force.y"],
-    ),
-    (
-        "{ x1 = 1.0 }\nresp",
-        "{ x1 = 0.0 }\nresp",
-        &[":13: model.cosine_force", "zero"],
-    ),
-    (
-        "responses = [\"x1\"]",
-        "responses = [\"x9\"]",
-        &[":14: model.responses[0].x9", "degree"],
-    ),
-    (
-        "[\"x1\", \"x2\"]",
-        "[\"x1\"]",
-        &[":11: model.dof_names = 1 names: must be 2"],
-    ),
-    (
-        "[output]",
-        "[[criteria]]\nname = \"a\"\nquantity = \"amplitude-um\"\nlimit = 1\n[[criteria]]\n\
-             name = \"a\"\nquantity = \"amplitude-um\"\nlimit = 2\n[output]",
-        &[":44: criteria[1].name = a: must not be given twice"],
     ),
 ];

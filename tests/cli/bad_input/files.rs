@@ -3,6 +3,59 @@
 use super::{assert_refused, refuse_all};
 use crate::{MASS, STUDY, folder, microslip};
 
+/// Numbers of a Matrix Market file that no integer of the machine holds, and sizes that no memory does.
+const NO_SIZE: &str = "18446744073709551617";
+
+/// Not seen to fail: it holds what the reader of files does, and no other reader was built.
+#[test]
+fn integers_beyond_64_bits_are_refused() {
+    let entries = format!("2 2 {NO_SIZE}");
+    let sizes = format!("{NO_SIZE} {NO_SIZE} 2");
+    let [row, column] = [format!("{NO_SIZE} 2 1.5"), format!("2 {NO_SIZE} 1.5")];
+    let rule = |words: &str| format!("{NO_SIZE}{words}");
+    refuse_all(
+        "mass.mtx",
+        &[
+            (
+                "2 2 2",
+                &sizes,
+                &[":2: size ", &rule(": must be an integer from 1 to ")],
+            ),
+            (
+                "2 2 2",
+                &entries,
+                &[":2: ", &rule(" entries: must be an integer")],
+            ),
+            ("2 2 2", "2 2 -2", &[":2: -2 entries: must be an integer"]),
+            (
+                "2 2 2",
+                "2 2 1000000000000000",
+                &[":2: ", "entries: must be an integer"],
+            ),
+            (
+                "2 2 1.5",
+                &row,
+                &[":4: row ", &rule(": must be an integer from 1 to 2")],
+            ),
+            (
+                "2 2 1.5",
+                &column,
+                &[":4: column ", &rule(": must be an integer from 1 to 2")],
+            ),
+            (
+                "2 2 1.5",
+                "1 1 1.5",
+                &[":4: entry (1, 1): must be given once"],
+            ),
+            (
+                "2 2 1.5",
+                "2 2 1e400",
+                &[":4: entry (2, 2) = 1e400: must be a finite number"],
+            ),
+        ],
+    );
+}
+
 /// Seen to fail with the definiteness checks taken out of `checked`.
 #[test]
 fn bad_stiffnesses_name_file_and_rule() {
@@ -163,6 +216,27 @@ fn pipes_and_devices_are_refused() {
         ));
         refused(name, &["inspect", "study.toml"], name);
         std::fs::rename(path.join(name), path.join("pipe")).unwrap();
+    }
+    std::fs::write(path.join("sound.toml"), STUDY).unwrap();
+    let out = ["--output", "out"];
+    for (arguments, file) in [
+        (&["rig", "pipe"][..], "pipe"),
+        (&["solve", "pipe"], "pipe"),
+        (&["export", "pipe"], "pipe"),
+        (&["identify", "pipe.csv"], "pipe.csv"),
+        (&["identify", "pipe.tdms"], "pipe.tdms"),
+        (&["identify", "pipe.mat"], "pipe.mat"),
+        (&["identify", "pipe.unv"], "pipe.unv"),
+        (&["import", "K=pipe.mtx", "--units", "SI"], "pipe.mtx"),
+        (&["import", "pipe.inp", "--units", "SI"], "pipe.inp"),
+        (
+            &["calibrate", "sound.toml", "--measured", "pipe.csv"],
+            "pipe.csv",
+        ),
+    ] {
+        std::fs::rename(path.join("pipe"), path.join(file)).unwrap();
+        refused(arguments[0], &[arguments, &out].concat(), file);
+        std::fs::rename(path.join(file), path.join("pipe")).unwrap();
     }
     std::fs::create_dir(path.join("results")).unwrap();
     std::fs::rename(path.join("pipe"), path.join("results/run.json")).unwrap();

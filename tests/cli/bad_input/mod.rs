@@ -9,10 +9,12 @@ pub(crate) mod cases;
 pub(crate) mod disk_cases;
 mod files;
 mod measurements;
+pub(crate) mod program_cases;
 pub(crate) mod rig_cases;
 
-use cases::{BEYOND_SCHEMA, REFUSED};
+use cases::REFUSED;
 use disk_cases::{DISK, DISK_BEYOND_SCHEMA, DISK_FILES, DISK_REFUSED};
+use program_cases::BEYOND_SCHEMA;
 use rig_cases::{RIG, RIG_BEYOND_SCHEMA, RIG_REFUSED};
 
 /// Exit code 2, nothing on stdout, and one line `error: …` that holds every fragment.
@@ -117,7 +119,8 @@ fn bad_disks_name_line_key_and_rule() {
     }
 }
 
-/// Values that may be meant are computed, with file, line, key and the usual range. Seen to fail without `Study::warnings`.
+/// Values that may be meant are computed, with file, line, key and the usual range. Seen to fail without `Study::warnings`, and
+/// without those of the requirements.
 #[test]
 fn unusual_values_are_warned_of() {
     let unusual = [
@@ -135,6 +138,12 @@ fn unusual_values_are_warned_of() {
             "harmonics = 5",
             "tolerance = 1e-4",
             "study.toml:33: solver.tolerance = 1e-4: is unusual",
+        ),
+        (
+            "[frequency]",
+            "[stress]\nmodal_stress_mpa_per_um = 12\nmean_stress_mpa = 0.18\nendurance_limit_mpa = 0.35\n\
+                 ultimate_strength_mpa = 0.9\n[frequency]",
+            "study.toml:39: stress.endurance_limit_mpa = 0.35: is unusual: usual is 10 to 10000",
         ),
     ];
     for (old, new, expected) in unusual {
@@ -224,6 +233,43 @@ fn unwritable_folders_are_refused_before_any_work() {
             &[command, "study.toml", "--output", "mass.mtx/results"],
         );
         assert_refused(command, &output, &["mass.mtx/results: ", "Not a directory"]);
+    }
+}
+
+/// Seen to fail (killed after a minute) with as many threads as the environment asks for.
+#[test]
+fn the_environment_starts_no_more_threads() {
+    let folder = folder("study.toml", "samples = 10", "samples = 2");
+    let output = assert_cmd::Command::cargo_bin("microslip")
+        .unwrap()
+        .current_dir(folder.path())
+        .env("RAYON_NUM_THREADS", "100000000")
+        .args(["run", "study.toml", "--quiet"])
+        .timeout(std::time::Duration::from_secs(60))
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+}
+
+/// Mesa's layer for the choice of a device prints `error: XDG_RUNTIME_DIR` on a machine without a window system, though nothing
+/// is wrong. Seen to fail with the layer left on.
+#[test]
+fn looking_for_devices_prints_no_error() {
+    let folder = folder("study.toml", "samples = 10", "samples = 2");
+    let commands: [&[&str]; 2] = [
+        &["devices"],
+        &["run", "study.toml", "--backend", "auto", "--quiet"],
+    ];
+    for arguments in commands {
+        let output = std::process::Command::new(assert_cmd::cargo::cargo_bin("microslip"))
+            .current_dir(folder.path())
+            .env_remove("XDG_RUNTIME_DIR")
+            .args(arguments)
+            .output()
+            .unwrap();
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {message}");
+        assert!(!message.contains("error"), "{arguments:?}: {message}");
     }
 }
 

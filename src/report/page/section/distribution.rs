@@ -1,7 +1,8 @@
 //! Distribution functions and histograms.
 
 use crate::page::axis::Axis;
-use crate::page::block::{Block, Columns, Figure, Key, Mark, Row, Section};
+use crate::page::block::{Block, Figure, Key, Mark, Section};
+use crate::page::display::{hertz, significant};
 use crate::page::distribution::{confidence_band, cumulative_steps};
 use crate::page::figure::{Panel, Size};
 use crate::report::convention::PROBABILITIES;
@@ -19,10 +20,7 @@ pub(super) fn section(view: &View) -> Option<Section> {
         .chain(nominal.then(|| Key::new(Mark::Line, "rule nominal", "nominal")));
     let histograms = Shown::ALL.map(|shown| {
         let levels = 0..view.n_levels();
-        Block::Figures(Row {
-            columns: Columns::Four,
-            figures: levels.map(|i| level_histogram(view, shown, i)).collect(),
-        })
+        Block::triples(levels.map(|i| level_histogram(view, shown, i)).collect())
     });
     Some(Section {
         id: "distributions",
@@ -60,6 +58,15 @@ fn level_histogram(view: &View, shown: Shown, i: usize) -> Figure {
     let mut panel = Panel::new(Size::Small, view.level_name(i), x, y);
     let bars = bins.iter().map(|b| (b.lower, b.upper, b.count as f64));
     panel.bars(&format!("l{i}"), bars);
+    for bin in &bins {
+        let [from, to] = [bin.lower, bin.upper].map(|value| match shown {
+            Shown::Frequency => hertz(value),
+            Shown::AmplitudePerLevel => significant(value),
+        });
+        let words = [format!("{from} to {to}"), format!("{} samples", bin.count)];
+        let [middle, half] = [0.5 * (bin.lower + bin.upper), 0.5 * (bin.upper - bin.lower)];
+        panel.readout_at(middle, half, &words);
+    }
     let quantiles = PROBABILITIES.into_iter();
     for value in quantiles.filter_map(|p| quantile(&sorted, p)) {
         panel.rule("quantile", value);

@@ -2,7 +2,7 @@
 
 use super::envelope::quantile_cells;
 use crate::page::block::{Block, Cell, Section, Table};
-use crate::page::display::{DASH, hertz, percent, significant, with_digits};
+use crate::page::display::{DASH, hertz, percent, significant};
 use crate::report::numbers::distribution::Distribution;
 use crate::report::numbers::modes::ModeSummary;
 use crate::report::page::statistic_cell::share_cell;
@@ -76,7 +76,7 @@ fn presence(view: &View) -> Block {
     let count = |n: usize| Cell::number(n.to_string(), Some(n as f64));
     for (i, mode) in rows(view) {
         let clearness = match mode.clearness {
-            Some([median, lowest]) => Cell::number(with_digits(median, 3), Some(median))
+            Some([median, lowest]) => Cell::number(percent(median), Some(median))
                 .with_raw([Some(lowest)])
                 .with_small(format!("at least {}", percent(lowest))),
             None => Cell::number(DASH, None).with_raw([None]),

@@ -6,6 +6,7 @@ use super::response_frame::{
 };
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Figure, Key, Mark, Section};
+use crate::page::display::{hertz, significant};
 use crate::page::figure::{Panel, Size};
 use crate::page::thinning::thinned;
 use crate::report::page::view::{RANGES, Shown, View};
@@ -76,6 +77,11 @@ fn nominal_responses(view: &View) -> Option<Figure> {
         let peak = Shown::ALL.map(|shown| view.nominal(shown, i));
         if let [Some(x), Some(y)] = peak {
             panel.mark(i, (x, y));
+            let words = [
+                format!("{}: {} Hz", view.level_name(i), hertz(x)),
+                format!("{} {}", significant(y), view.amplitude_unit()),
+            ];
+            panel.readout_mark((x, y), &words);
             labels.push(((x, y), view.level_name(i)));
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Cell, Figure, Key, Mark, Section, Table};
-use crate::page::display::{DASH, percent, significant, with_digits};
+use crate::page::display::{percent, significant, with_digits};
 use crate::page::figure::{Panel, Size};
 use crate::report::asked::requirement::Stress;
 use crate::report::numbers::allowable::{allowable_mpa, factor};
@@ -83,11 +83,11 @@ fn haigh(view: &View, stress: &Stress) -> Figure {
         panel.mark(i, (mean, middle));
         labels.push(((mean, middle), view.level_name(i)));
         let numbers = [low, middle, high].map(significant).join(", ");
-        let bound = bound.map_or_else(|| DASH.to_owned(), significant);
-        let words = [
-            format!("{}: {numbers} MPa", view.level_name(i)),
-            format!("bound {bound} MPa"),
-        ];
+        let bound = bound.map_or_else(
+            || "no bound".to_owned(),
+            |bound| format!("bound {} MPa", significant(bound)),
+        );
+        let words = [format!("{}: {numbers} MPa", view.level_name(i)), bound];
         panel.readout_upright(mean, [low, high], &words);
     }
     let allowable = allowable_mpa(stress);
