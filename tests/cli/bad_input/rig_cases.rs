@@ -36,6 +36,54 @@ pub(crate) const RIG_REFUSED: &[Case] = &[
         &[":6: model.blade_cut_off_hz = 1e12: must be from 0 to 1e9"],
     ),
     (
+        "contact_nodes = [3, 5]",
+        "blade_damping_ratio = 1e30",
+        &[":6: model.blade_damping_ratio = 1e30: must be from 0 to 1"],
+    ),
+    (
+        "contact_nodes = [3, 5]",
+        "strip_damping_ratio = -1e-3",
+        &[":6: model.strip_damping_ratio = -0.001: must be from 0 to 1"],
+    ),
+    (
+        "contact_nodes = [3, 5]",
+        "youngs_modulus_gpa = 9e18",
+        &[":6: model.youngs_modulus_gpa = 9e18: must be from 0.001 to 10000"],
+    ),
+    (
+        "contact_nodes = [3, 5]",
+        "density_kg_m3 = 1e-300",
+        &[":6: model.density_kg_m3 = 1e-300: must be from 1 to 1e5"],
+    ),
+    (
+        "contact_nodes = [3, 5]",
+        "airfoil_mm = [4.6, 25.2, 1e-300]",
+        &[":6: model.airfoil_mm = 1e-300: must be from 0.001 to 10000"],
+    ),
+    (
+        "contact_nodes = [3, 5]",
+        "strip_element_mm = 1e308",
+        &[":6: model.strip_element_mm = 1e308: must be from 0.001 to 10000"],
+    ),
+    (
+        "contact_nodes = [3, 5]",
+        "centrifugal_load_n = 1e30",
+        &[":6: model.centrifugal_load_n = 1e30: must be from 1e-6 to 1e9"],
+    ),
+    (
+        "contact_nodes = [3, 5]",
+        "retention_n_per_m = 1e308",
+        &[":6: model.retention_n_per_m = 1e308: must be from"],
+    ),
+    (
+        "contact_nodes = [3, 5]",
+        "excitation_direction = [1e308, 0.0, 0.0]",
+        &[
+            ":6: model.excitation_direction = ",
+            "must be a vector of numbers up to 1e30",
+        ],
+    ),
+    (
         "friction_coefficient = 0.6",
         "friction_coefficient = 20",
         &[":9: contact.friction_coefficient = 20: must be from 0 to 10"],

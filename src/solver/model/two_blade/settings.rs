@@ -1,7 +1,19 @@
 //! Geometry, material, damping and loads of the rig, as a user writes them.
 
-use crate::setting::{BadSetting, non_negative, positive, within};
+use crate::setting::{BadSetting, LARGEST, positive, within};
 
+/// Lengths that a part of a rig can have (mm).
+const LENGTH_MM: [f64; 2] = [1e-3, 1e4];
+/// Young's moduli from rubber to beyond diamond (GPa).
+const YOUNGS_MODULUS_GPA: [f64; 2] = [1e-3, 1e4];
+/// Densities from foam to beyond osmium (kg/m³).
+const DENSITY_KG_M3: [f64; 2] = [1.0, 1e5];
+/// Damping ratios: 1 is critical.
+const DAMPING_RATIO: [f64; 2] = [0.0, 1.0];
+/// Loads on a strip (N).
+const LOAD_N: [f64; 2] = [1e-6, 1e9];
+/// Stiffness of the retention (N/m): round-off would spoil the strip's own stiffness beyond.
+const RETENTION_N_PER_M: [f64; 2] = [1e-6, 1e15];
 /// Highest cut-off (Hz): above it no mesh of a blade has a mode.
 const HIGHEST_CUT_OFF_HZ: f64 = 1e9;
 /// Contact nodes in one direction at most.
@@ -33,33 +45,33 @@ pub enum Phase {
 pub struct TwoBladeSettings {
     /// Neck, x × y × z (mm); clamped at its foot.
     #[serde(deserialize_with = "crate::setting::exactly")]
-    #[schemars(transform = crate::setting::positive_items)]
+    #[schemars(inner(range(min = LENGTH_MM[0], max = LENGTH_MM[1])))]
     pub neck_mm: [f64; 3],
     /// Platform on top of the neck, x × y × z (mm).
     #[serde(deserialize_with = "crate::setting::exactly")]
-    #[schemars(transform = crate::setting::positive_items)]
+    #[schemars(inner(range(min = LENGTH_MM[0], max = LENGTH_MM[1])))]
     pub platform_mm: [f64; 3],
     /// Airfoil on top of the platform, x × y × z (mm).
     #[serde(deserialize_with = "crate::setting::exactly")]
-    #[schemars(transform = crate::setting::positive_items)]
+    #[schemars(inner(range(min = LENGTH_MM[0], max = LENGTH_MM[1])))]
     pub airfoil_mm: [f64; 3],
     /// Offset of the airfoil in y (mm); couples bending and torsion.
     pub airfoil_offset_mm: f64,
     /// Gap between the platforms (mm).
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(range(min = LENGTH_MM[0], max = LENGTH_MM[1]))]
     pub gap_mm: f64,
     /// Strip, x × y × z (mm), centred under the gap.
     #[serde(deserialize_with = "crate::setting::exactly")]
-    #[schemars(transform = crate::setting::positive_items)]
+    #[schemars(inner(range(min = LENGTH_MM[0], max = LENGTH_MM[1])))]
     pub strip_mm: [f64; 3],
     /// Young's modulus of blades and strip (GPa).
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(range(min = YOUNGS_MODULUS_GPA[0], max = YOUNGS_MODULUS_GPA[1]))]
     pub youngs_modulus_gpa: f64,
     /// Poisson's ratio.
     #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
     pub poisson_ratio: f64,
     /// Density (kg/m³).
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(range(min = DENSITY_KG_M3[0], max = DENSITY_KG_M3[1]))]
     pub density_kg_m3: f64,
     /// Contact nodes per interface, [across the gap, along it]: points of Gauss' rule, each with a patch around it. At least two along the
     /// gap; one across it holds no moment about the gap.
@@ -68,11 +80,11 @@ pub struct TwoBladeSettings {
     pub contact_nodes: [usize; 2],
     /// Longest element edges in the blades along x, y, z (mm).
     #[serde(deserialize_with = "crate::setting::exactly")]
-    #[schemars(transform = crate::setting::positive_items)]
+    #[schemars(inner(range(min = LENGTH_MM[0], max = LENGTH_MM[1])))]
     pub blade_element_mm: [f64; 3],
     /// Longest element edge in the strip (mm); one layer through its thickness. Edges and middles of the contact patches
     /// are grid lines besides, so that across the gap the mesh is finer than the contact grid.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(range(min = LENGTH_MM[0], max = LENGTH_MM[1]))]
     pub strip_element_mm: f64,
     /// Craig-Bampton modes of a blade (contact patches, excited and response nodes held) are kept below this frequency (Hz);
     /// above the band. 18 modes with the default; `inspect` shows how many and the first one left out.
@@ -83,14 +95,14 @@ pub struct TwoBladeSettings {
     #[schemars(range(max = HIGHEST_CUT_OFF_HZ), extend("exclusiveMinimum" = 0))]
     pub strip_cut_off_hz: f64,
     /// Damping ratio of every blade mode.
-    #[schemars(range(min = 0))]
+    #[schemars(range(min = DAMPING_RATIO[0], max = DAMPING_RATIO[1]))]
     pub blade_damping_ratio: f64,
     /// Damping ratio of the strip at 1 kHz; grows with frequency (stiffness-proportional). The default is between steel
     /// (Q of 3000 to 10000) and joints (Q of 15 to 250), Q = 1/(2 ratio) as Gastaldi, Berruti & Gola 2018 have them.
-    #[schemars(range(min = 0))]
+    #[schemars(range(min = DAMPING_RATIO[0], max = DAMPING_RATIO[1]))]
     pub strip_damping_ratio: f64,
     /// Centrifugal load on the strip (N), towards +z; of a strip as thick as `strip_mm` says.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(range(min = LOAD_N[0], max = LOAD_N[1]))]
     pub centrifugal_load_n: f64,
     /// Share of the load of each contact node (any scale), in the order of the contact pairs; without it the load is
     /// a uniform body force.
@@ -98,13 +110,14 @@ pub struct TwoBladeSettings {
     pub pressure_weights: Option<Vec<f64>>,
     /// Stiffness that holds the mean in-plane motion of the strip, harmonic 0 only (N/m). It decides nothing but
     /// the position at which a strip in gross slip settles.
-    #[schemars(extend("exclusiveMinimum" = 0))]
+    #[schemars(range(min = RETENTION_N_PER_M[0], max = RETENTION_N_PER_M[1]))]
     pub retention_n_per_m: f64,
     /// Height of the excited point over the airfoil's root, as a fraction of the airfoil.
     #[schemars(range(min = 0, max = 1))]
     pub excitation_height: f64,
     /// Direction of the force on blade 1.
     #[serde(deserialize_with = "crate::setting::exactly")]
+    #[schemars(inner(range(min = -LARGEST, max = LARGEST)))]
     pub excitation_direction: [f64; 3],
     /// Sign of the force on blade 2.
     pub excitation_phase: Phase,
@@ -163,10 +176,10 @@ impl TwoBladeSettings {
         ];
         for (key, lengths) in solids {
             for length in lengths {
-                positive(key, length)?;
+                within(key, length, LENGTH_MM)?;
             }
         }
-        positive("gap_mm", self.gap_mm)?;
+        within("gap_mm", self.gap_mm, LENGTH_MM)?;
         BadSetting::unless(
             self.strip_mm[2] <= self.neck_mm[2],
             "strip_mm",
@@ -216,9 +229,9 @@ impl TwoBladeSettings {
 
     fn validate_discretisation(&self) -> Result<(), BadSetting> {
         for edge in self.blade_element_mm {
-            positive("blade_element_mm", edge)?;
+            within("blade_element_mm", edge, LENGTH_MM)?;
         }
-        positive("strip_element_mm", self.strip_element_mm)?;
+        within("strip_element_mm", self.strip_element_mm, LENGTH_MM)?;
         for (key, cut_off) in self.cut_offs() {
             positive(key, cut_off)?;
             within(key, cut_off, [0.0, HIGHEST_CUT_OFF_HZ])?;
@@ -287,24 +300,40 @@ impl TwoBladeSettings {
     }
 
     fn validate_physics(&self) -> Result<(), BadSetting> {
-        positive("youngs_modulus_gpa", self.youngs_modulus_gpa)?;
-        positive("density_kg_m3", self.density_kg_m3)?;
+        within(
+            "youngs_modulus_gpa",
+            self.youngs_modulus_gpa,
+            YOUNGS_MODULUS_GPA,
+        )?;
+        within("density_kg_m3", self.density_kg_m3, DENSITY_KG_M3)?;
         BadSetting::unless(
             self.poisson_ratio > -1.0 && self.poisson_ratio < 0.5,
             "poisson_ratio",
             self.poisson_ratio,
             "must lie between -1 and 0.5",
         )?;
-        non_negative("blade_damping_ratio", self.blade_damping_ratio)?;
-        non_negative("strip_damping_ratio", self.strip_damping_ratio)?;
-        positive("centrifugal_load_n", self.centrifugal_load_n)?;
-        positive("retention_n_per_m", self.retention_n_per_m)?;
+        within(
+            "blade_damping_ratio",
+            self.blade_damping_ratio,
+            DAMPING_RATIO,
+        )?;
+        within(
+            "strip_damping_ratio",
+            self.strip_damping_ratio,
+            DAMPING_RATIO,
+        )?;
+        within("centrifugal_load_n", self.centrifugal_load_n, LOAD_N)?;
+        within(
+            "retention_n_per_m",
+            self.retention_n_per_m,
+            RETENTION_N_PER_M,
+        )?;
         BadSetting::unless(
-            self.excitation_direction.iter().all(|d| d.is_finite())
+            self.excitation_direction.iter().all(|d| d.abs() <= LARGEST)
                 && self.excitation_direction.iter().any(|d| *d != 0.0),
             "excitation_direction",
             format!("{:?}", self.excitation_direction),
-            "must be a finite vector, not zero",
+            "must be a vector of numbers up to 1e30, not zero",
         )?;
         let Some(weights) = &self.pressure_weights else {
             return Ok(());
