@@ -30,6 +30,7 @@ pub mod backend;
 pub mod columns;
 pub mod further_points;
 mod inverses;
+mod lanes;
 pub mod memory;
 pub mod mistuned;
 mod mode_search;

@@ -4,7 +4,7 @@ pub mod alert;
 pub mod anchored;
 mod band;
 pub mod blades;
-mod growth;
+pub(crate) mod growth;
 pub mod level_peak;
 pub mod maxima;
 pub mod predicted;
