@@ -136,7 +136,7 @@ fn errors(told: &Told, [correction, tangent]: &[Vec<f64>; 2], expected: &Step) -
 
 /// Lanes of two inverses, more than a tile of one of them, each with contacts, load, frequency and damping of its own, against the
 /// equations in free modes, factorised in double precision. What is left is the rounding of single precision times the condition
-/// of the equations. Seen to fail with: the tile of the other inverse, the damping of all for each, no mirror images in the load.
+/// of the equations.
 #[test]
 fn newton_steps_of_lanes_are_those_of_the_processor() {
     let Some(device) = device("newton_steps_of_lanes", Precision::F32) else {
@@ -266,7 +266,7 @@ fn gpu(adapter: usize, fault: Option<Fault>) -> GpuSettings {
 }
 
 /// Samples that start from lanes have the peaks of those that do not; nearly all lanes come to their peaks; a lane that is solved
-/// alone has the same bits. Seen to fail with: starts of the sample before.
+/// alone has the same bits.
 #[test]
 fn lanes_change_no_peak() {
     let Some(adapter) = device("lanes_change_no_peak", Precision::F32).map(|d| d.adapter.index)
@@ -309,8 +309,7 @@ fn lanes_change_no_peak() {
     assert_eq!(bits(&alone[0]), bits(&found[7]));
 }
 
-/// A pass that is wrong, or whose results are no numbers, and a device that is lost cost time only. Seen to fail with: a start from a
-/// lane that is taken without the check of its amplitude and without the search of the processor.
+/// A pass that is wrong, or whose results are no numbers, and a device that is lost cost time only.
 #[test]
 fn passes_that_fail_change_no_peak() {
     let Some(adapter) = device("passes_that_fail", Precision::F32).map(|d| d.adapter.index) else {
