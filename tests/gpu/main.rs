@@ -11,6 +11,7 @@
 mod accuracy;
 mod answer;
 mod failure;
+mod lanes;
 mod layout;
 mod states;
 

@@ -31,6 +31,17 @@ impl Gpu {
         match *self {}
     }
 
+    /// Whether the processor searches the peak of these `inputs` again.
+    #[must_use]
+    pub fn compares(&self, _: &[f64]) -> bool {
+        match *self {}
+    }
+
+    /// Compares both searches.
+    pub fn compared(&self, _: [f64; 2], _: bool) {
+        match *self {}
+    }
+
     /// What the device has done so far.
     #[must_use]
     pub fn report(&self) -> GpuReport {

@@ -1,5 +1,6 @@
 //! An open device that drafts contact forces, with the threads that serve it.
 
+use super::adapter::Device;
 use super::audit::{chosen, decide, differences};
 use super::error::GpuError;
 use super::queue::{self, Lane, Queue};
@@ -78,6 +79,41 @@ impl Gpu {
         Turn { queue: &self.queue }
     }
 
+    /// The device, or why there is none any more.
+    pub(crate) fn device(&self) -> Result<Arc<Device>, GpuError> {
+        self.queue.device()
+    }
+
+    /// What lanes on `device` failed by, noted; a lost device is opened again.
+    pub(crate) fn failed(&self, device: &Arc<Device>, error: GpuError) -> GpuError {
+        match &error {
+            GpuError::Lost { .. } => self.queue.reopen(device, &error),
+            _ => self.queue.tally.note(format!("lanes: {error}")),
+        }
+        error
+    }
+
+    /// Failure on purpose.
+    pub(crate) fn fault(&self) -> Option<Fault> {
+        self.settings.fault
+    }
+
+    /// Counts lanes, and those of them that the processor takes over.
+    pub(crate) fn lanes(&self, lanes: usize, lost: usize) {
+        self.queue.tally.lanes(lanes, lost);
+    }
+
+    /// Whether the processor searches the peak of these `inputs` again, without the device.
+    #[must_use]
+    pub fn compares(&self, inputs: &[f64]) -> bool {
+        chosen(inputs, self.settings.audit)
+    }
+
+    /// Compares a peak that was searched from a lane with the same peak searched without.
+    pub fn compared(&self, differences: [f64; 2], beyond: bool) {
+        self.queue.tally.compared(differences, beyond);
+    }
+
     /// Ends the device as a driver reset would; for tests.
     pub fn lose_device(&self) {
         self.queue.lose_device();
@@ -130,7 +166,7 @@ impl Drafts for Gpu {
         if self.settings.fault == Some(Fault::WrongDrafts) {
             out.forces.iter_mut().for_each(|force| *force *= 1.01);
         }
-        if chosen(batch, self.settings.audit) {
+        if chosen(&batch.displacement, self.settings.audit) {
             self.audit(plan, batch, out);
         }
         true

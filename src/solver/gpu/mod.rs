@@ -54,3 +54,5 @@ pub use {
     self_test::{examined, self_test},
     shader::{Access, Binding, Reflection, Shape},
 };
+#[cfg(feature = "gpu")]
+pub(crate) use {kernels::Scope, readback::read};

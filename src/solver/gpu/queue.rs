@@ -216,8 +216,13 @@ impl Queue {
         Ok((device, kernels))
     }
 
+    /// The device, or why there is none any more.
+    pub(super) fn device(&self) -> Result<Arc<Device>, GpuError> {
+        lock(&self.holder).device.clone()
+    }
+
     /// Opens a lost device again, once; after that it stays away.
-    fn reopen(&self, lost: &Arc<Device>, why: &GpuError) {
+    pub(super) fn reopen(&self, lost: &Arc<Device>, why: &GpuError) {
         let mut holder = lock(&self.holder);
         if !holder
             .device

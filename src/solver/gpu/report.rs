@@ -52,6 +52,24 @@ pub struct GpuReport {
     pub adapter: AdapterFacts,
     /// Numbers of the shaders.
     pub precision: Precision,
+    /// Predicted peaks that it was given to bring closer (lanes).
+    #[serde(default)]
+    pub lanes: u64,
+    /// Of these, those that it could not bring closer.
+    #[serde(default)]
+    pub lanes_lost: u64,
+    /// Peaks that the processor searched again without the device.
+    #[serde(default)]
+    pub peaks_compared: u64,
+    /// Largest relative difference of a frequency between both searches.
+    #[serde(default)]
+    pub largest_frequency_difference: f64,
+    /// Largest relative difference of an amplitude between both searches.
+    #[serde(default)]
+    pub largest_amplitude_difference: f64,
+    /// Peaks beyond the limit; those searched without the device took their place.
+    #[serde(default)]
+    pub peaks_beyond_limit: u64,
     /// Evaluations (all pairs of one sample at one iterate) that it was asked for.
     pub evaluations: u64,
     /// Contact states in them.

@@ -55,6 +55,12 @@ pub enum Fault {
     WrongSelfTest,
     /// Every draft has a wrong force.
     WrongDrafts,
+    /// This pass over lanes has wrong results.
+    WrongPass(&'static str),
+    /// This pass over lanes has results that are no numbers.
+    NoNumbers(&'static str),
+    /// The device is lost once, before iteration number `.0` of the lanes of a batch.
+    LoseDeviceInIteration(u64),
 }
 
 /// How the device is used.

@@ -201,7 +201,7 @@ impl Shape {
     }
 
     /// Blocks of a derivative in the order of the shaders.
-    pub(super) fn blocks(&self) -> &'static [Block] {
+    pub(crate) fn blocks(&self) -> &'static [Block] {
         match self.march {
             March::Box => &[Block::T1T1, Block::T2T2, Block::T1N, Block::T2N, Block::NN],
             March::SampledCircle { .. } | March::LocatedCircle => &Block::ALL,

@@ -18,6 +18,12 @@ impl Tally {
         Self(Mutex::new(GpuReport {
             adapter: adapter.clone(),
             precision,
+            lanes: 0,
+            lanes_lost: 0,
+            peaks_compared: 0,
+            largest_frequency_difference: 0.0,
+            largest_amplitude_difference: 0.0,
+            peaks_beyond_limit: 0,
             evaluations: 0,
             states: 0,
             batches: 0,
@@ -50,6 +56,23 @@ impl Tally {
         for (pass, seconds) in seconds.into_iter().flatten() {
             *report.pass_seconds.entry((*pass).to_owned()).or_default() += seconds;
         }
+    }
+
+    pub(super) fn lanes(&self, lanes: usize, lost: usize) {
+        let mut report = lock(&self.0);
+        report.lanes += lanes as u64;
+        report.lanes_lost += lost as u64;
+    }
+
+    pub(super) fn compared(&self, [frequency, amplitude]: [f64; 2], beyond: bool) {
+        let mut report = lock(&self.0);
+        report.peaks_compared += 1;
+        let larger = f64::max;
+        report.largest_frequency_difference =
+            larger(report.largest_frequency_difference, frequency);
+        report.largest_amplitude_difference =
+            larger(report.largest_amplitude_difference, amplitude);
+        report.peaks_beyond_limit += u64::from(beyond);
     }
 
     pub(super) fn undecided(&self, states: usize) {

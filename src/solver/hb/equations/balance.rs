@@ -101,6 +101,11 @@ impl<'p> Balance<'p> {
         Self::new(self.problem, harmonics, self.plan.settings())
     }
 
+    /// How its contacts are evaluated.
+    pub(crate) fn plan(&self) -> &AftPlan<f64> {
+        &self.plan
+    }
+
     /// Time points per period.
     #[must_use]
     pub fn n_time(&self) -> usize {

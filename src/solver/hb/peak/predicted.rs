@@ -137,7 +137,7 @@ fn next_iterate<'p>(
 }
 
 /// How exactly the peak close to `predicted` is searched.
-pub(super) fn limits(
+pub(crate) fn limits(
     balance: &Balance<'_>,
     predicted: &Point,
     settings: PeakSettings,
