@@ -1,8 +1,8 @@
 //! Predicted peaks, brought close to the peaks themselves by a device.
 //!
 //! A lane is led by the rules that the search on the processor has ([`crate::hb::peak::growth`]), down to what single precision can
-//! tell. Its point is then the prediction from which the processor searches in double precision: a device decides no result, and
-//! whatever it does wrong costs time.
+//! tell, and ends as soon as it is close to its peak. Its point is then the prediction from which the processor searches in double
+//! precision: a device decides no result, and whatever it does wrong costs time.
 
 use super::system::{Lane, LaneSystem};
 use crate::hb::Status;
@@ -18,10 +18,11 @@ use crate::hb::settings::NewtonSettings;
 use crate::hb::structure::resonance::Band;
 use faer::c64;
 
-/// Residual over the dynamic displacement that single precision reaches.
-const FLOOR: f64 = 1e-5;
-/// Relative tolerance of a frequency in single precision.
-const FREQUENCY: f64 = 1e-7;
+/// Residual over the dynamic displacement at which a lane is close enough. Single precision leaves 1e-6 to 1e-4 where contacts are
+/// stiff against a light mode; the processor's next Newton step leaves the square.
+const CLOSE: f64 = 1e-4;
+/// Relative distance of the frequency from the peak at which a lane is close enough: what such a residual can tell.
+const CLOSE_FREQUENCY: f64 = 1e-6;
 
 /// What a lane tells of an iteration, at the point where it began.
 #[derive(Debug, Clone, Copy)]
@@ -73,8 +74,8 @@ impl<'a> LaneSearch<'a> {
         let same_size = anchor.inverse.size() == balance.layout.n_unknowns();
         let wanted = limits(balance, &prediction.point, settings, newton);
         let limits = Limits {
-            tolerance: wanted.tolerance.max(FLOOR * wanted.share),
-            frequency: wanted.frequency.max(FREQUENCY),
+            tolerance: wanted.tolerance.max(CLOSE * wanted.share),
+            frequency: wanted.frequency.max(CLOSE_FREQUENCY),
             ..wanted
         };
         (same_size && lane.is_finite()).then(|| Self {
@@ -92,7 +93,7 @@ impl<'a> LaneSearch<'a> {
     pub(super) fn next_step(&mut self, told: &Told) -> Result<Option<f64>, Status> {
         let size = told.size / self.scale;
         // a device that says so has met events that it has no room for
-        if self.search.ends(size, !told.undecided)? {
+        if self.search.ends(size, !told.undecided)? || self.search.is_close() {
             return Ok(None);
         }
         let response = told.response + told.by_correction;

@@ -164,6 +164,12 @@ impl PeakSearch {
         Ok(self.closing && self.closed)
     }
 
+    /// Whether the last iterate asked about was within both tolerances. The peak there depends on the iterations before, so it is no
+    /// result but a start.
+    pub(crate) fn is_close(&self) -> bool {
+        self.closing
+    }
+
     /// The step from `here`, an iterate with a residual of this `size`, at which the search has not ended.
     ///
     /// # Errors
