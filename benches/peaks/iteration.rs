@@ -2,7 +2,7 @@
 
 use crate::clock::milliseconds;
 use crate::rig::{Rig, search, settings};
-use microslip::aft::{Accuracy, Want};
+use microslip::aft::Want;
 use microslip::ensemble::Strips;
 use microslip::hb::newton::Iterate;
 use microslip::hb::peak::track::track_peaks;
@@ -40,7 +40,7 @@ pub(crate) fn print_iteration(balance: &Balance<'_>, solution: &Solution) {
     let times = [
         milliseconds(5, || drop(balance.compliance(omega))),
         milliseconds(5, || {
-            drop(balance.contact(r, Want::ForcesAndTangents, Accuracy::Full))
+            drop(balance.contact(r, Want::ForcesAndTangents))
         }),
         milliseconds(5, || {
             drop(balance.motion(&at.compliance, solution.level, r, force));
