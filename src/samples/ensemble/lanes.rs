@@ -6,6 +6,7 @@
 use super::Ensemble;
 use super::atlas::{Atlas, AtlasPrediction, Place};
 use super::inverses::Made;
+use super::with_inverse::{ANCHORS_WITH_INVERSE, LEAST_ANCHORS, MOST_UNKNOWNS};
 use crate::gpu::Gpu;
 use crate::hb::Solution;
 use crate::hb::equations::balance::{Balance, balance_on};
@@ -23,6 +24,12 @@ pub(super) const SAMPLES_OF_BATCH: usize = 1024;
 /// Largest relative difference of frequency and amplitude between a peak searched from a lane and the same searched without: ten
 /// times what two searches with the tolerance of peaks differ by.
 const LIMIT: f64 = 1e-8;
+
+/// Lanes that share an inverse on a device (`lockstep::program::TILE`).
+const TILE: usize = 64;
+/// Samples after [`LEAST_ANCHORS`] from which on `auto` takes a GPU: so many fill a tile of each inverse, so that no column of
+/// a product is without a lane.
+const SAMPLES_FOR_AUTO: usize = ANCHORS_WITH_INVERSE * TILE;
 
 /// A peak of a sample that a lane may search.
 struct Wanted {
@@ -46,6 +53,39 @@ impl Wanted {
 }
 
 impl Ensemble<'_> {
+    /// Whether a device can search peaks of this study; else why not.
+    pub(super) fn has_lanes(&self) -> Result<(), String> {
+        if self.strips.is_some() || self.mistuned.is_some() {
+            return Err("every sample has a structure of its own".to_owned());
+        }
+        let unknowns = 3 * self.contacts.len() * self.settings.harmonics.n_coefficients();
+        if unknowns > MOST_UNKNOWNS {
+            return Err(format!(
+                "a peak has {unknowns} unknowns, and the GPU takes those of up to {MOST_UNKNOWNS}"
+            ));
+        }
+        let free = || {
+            let applied = self.applied(&[]).ok()?;
+            let problem = applied.problem(self.settings.anchor).ok()?;
+            let harmonics = self.settings.harmonics.clone();
+            let balance = balance_on(&problem, harmonics, self.settings);
+            self.system(&balance, &StaticReference::new(&problem))
+        };
+        let found = free().map(|_| ());
+        found.ok_or_else(|| "its equations have no form in free modes with harmonic 1".to_owned())
+    }
+
+    /// Whether `auto` gives the study to a device; else why not.
+    pub(super) fn has_enough_lanes(&self) -> Result<(), String> {
+        let (samples, least) = (self.design.samples(), LEAST_ANCHORS + SAMPLES_FOR_AUTO);
+        match samples >= least as u64 {
+            true => Ok(()),
+            false => Err(format!(
+                "{samples} samples are too few, `auto` takes a GPU from {least} on"
+            )),
+        }
+    }
+
     /// Lets the device of the run, if there is one, bring the predicted peaks of the samples `indices` closer.
     pub(super) fn brought_closer(&self, atlas: &Atlas, indices: &[u64]) {
         let Some(gpu) = self.gpu.filter(|_| self.takes_inverses(atlas)) else {

@@ -51,7 +51,7 @@ pub struct Ensemble<'a> {
     pub mode_numbers: &'a [u32],
     /// Samples with a forced response curve: 0 … this − 1.
     pub curve_samples: u64,
-    /// A device that drafts contact forces, if any. The processor computes everything that decides a result.
+    /// A device that brings predicted peaks closer, if any. The processor computes everything that decides a result.
     pub gpu: Option<&'a Gpu>,
     /// How the peaks of a sample are computed.
     pub solver: SampleSolver,

@@ -3,7 +3,6 @@
 use super::error::GpuError;
 use super::report::{AdapterFacts, GpuReport};
 use super::settings::GpuSettings;
-use crate::aft::{AftBatch, AftForces, AftPlan, Drafts};
 
 /// A device, of which there is none in this build.
 #[derive(Debug)]
@@ -18,11 +17,6 @@ impl Gpu {
         Err(GpuError::NoAdapter {
             message: "this program was built without GPU support (feature gpu)".to_owned(),
         })
-    }
-
-    /// The right of a sample to compute on the processor.
-    pub fn turn(&self) {
-        match *self {}
     }
 
     /// The adapter.
@@ -45,12 +39,6 @@ impl Gpu {
     /// What the device has done so far.
     #[must_use]
     pub fn report(&self) -> GpuReport {
-        match *self {}
-    }
-}
-
-impl Drafts for Gpu {
-    fn draft(&self, _: &AftPlan<f64>, _: &AftBatch<f64>, _: &mut AftForces<f64>) -> bool {
         match *self {}
     }
 }

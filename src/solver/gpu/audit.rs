@@ -1,4 +1,4 @@
-//! What the processor does beside the device: it decides states that the device could not, and repeats a share of the others.
+//! What the processor does beside the device in the self-test, and which share of the peaks it searches again.
 
 use crate::aft::{AftBatch, AftForces, AftPlan, AftScratch, Block, Tangent, Want, evaluate};
 

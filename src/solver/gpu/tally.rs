@@ -1,9 +1,7 @@
-//! What the device did during a run: counts, audit, fallbacks.
+//! What the device did during a run: lanes, comparisons, failures.
 
 use super::error::GpuError;
 use super::report::{AdapterFacts, GpuReport};
-use super::settings::Precision;
-use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Notes that are kept; a device that fails more often than that has said enough.
@@ -14,48 +12,22 @@ const MOST_NOTES: usize = 20;
 pub(super) struct Tally(Mutex<GpuReport>);
 
 impl Tally {
-    pub(super) fn new(adapter: &AdapterFacts, precision: Precision) -> Self {
+    pub(super) fn new(adapter: &AdapterFacts) -> Self {
         Self(Mutex::new(GpuReport {
             adapter: adapter.clone(),
-            precision,
             lanes: 0,
             lanes_lost: 0,
             peaks_compared: 0,
             largest_frequency_difference: 0.0,
             largest_amplitude_difference: 0.0,
             peaks_beyond_limit: 0,
-            evaluations: 0,
-            states: 0,
-            batches: 0,
-            audited: 0,
-            largest_force_difference: 0.0,
-            largest_derivative_difference: 0.0,
-            beyond_limit: 0,
-            undecided: 0,
-            fallbacks: 0,
             halved: 0,
-            pass_seconds: BTreeMap::new(),
             notes: Vec::new(),
         }))
     }
 
     pub(super) fn report(&self) -> GpuReport {
         lock(&self.0).clone()
-    }
-
-    pub(super) fn batch(
-        &self,
-        evaluations: usize,
-        states: usize,
-        seconds: Option<&[(&'static str, f64)]>,
-    ) {
-        let mut report = lock(&self.0);
-        report.batches += 1;
-        report.evaluations += evaluations as u64;
-        report.states += states as u64;
-        for (pass, seconds) in seconds.into_iter().flatten() {
-            *report.pass_seconds.entry((*pass).to_owned()).or_default() += seconds;
-        }
     }
 
     pub(super) fn lanes(&self, lanes: usize, lost: usize) {
@@ -75,32 +47,10 @@ impl Tally {
         report.peaks_beyond_limit += u64::from(beyond);
     }
 
-    pub(super) fn undecided(&self, states: usize) {
-        lock(&self.0).undecided += states as u64;
-    }
-
+    /// A batch that the device refused.
     pub(super) fn halved(&self, error: &GpuError) {
         lock(&self.0).halved += 1;
         self.note(format!("{error}; halved"));
-    }
-
-    pub(super) fn fall_back(&self, error: &GpuError, evaluations: usize) {
-        lock(&self.0).fallbacks += evaluations as u64;
-        self.note(format!("{error}; the processor evaluates"));
-    }
-
-    /// The device is gone, and an evaluation did not go down.
-    pub(super) fn not_asked(&self) {
-        lock(&self.0).fallbacks += 1;
-    }
-
-    /// Adds the differences of an audited evaluation.
-    pub(super) fn audit(&self, [force, derivative]: [f64; 2], beyond: bool) {
-        let mut report = lock(&self.0);
-        report.audited += 1;
-        report.largest_force_difference = report.largest_force_difference.max(force);
-        report.largest_derivative_difference = report.largest_derivative_difference.max(derivative);
-        report.beyond_limit += u64::from(beyond);
     }
 
     /// Keeps what failed, each failure once.

@@ -91,6 +91,9 @@ fn bytes(numbers: &[f32]) -> &[u8] {
 }
 
 impl LaneKernels {
+    /// Passes over lanes that a test can let fail.
+    pub const PASSES: [&'static str; 11] = Program::PASSES;
+
     /// Compiles the passes for contacts that `plan` evaluates.
     ///
     /// # Errors
@@ -104,6 +107,10 @@ impl LaneKernels {
         let shape = Shape::of(plan, Precision::F32).ok_or_else(|| GpuError::Shader {
             message: "there is none of this law".to_owned(),
         })?;
+        if !device.adapter.is_hardware() && !shape.suits_software() {
+            let message = "the loops are too long for a software adapter".to_owned();
+            return Err(GpuError::Shader { message });
+        }
         let text = text(&system, shape.blocks());
         let contact = Kernels::new(device, shape)?;
         let scope = Scope::new(device);
@@ -128,14 +135,15 @@ impl LaneKernels {
                 cache: None,
             })
         };
-        let pipelines = Program::ENTRIES.map(|entry| (entry, pipeline(entry)));
+        let pipelines = Program::PASSES.into_iter().chain([Program::SPOILED]);
+        let pipelines = pipelines.map(|entry| (entry, pipeline(entry))).collect();
         scope.close(device, |message| GpuError::Shader { message })?;
         Ok(Self {
             system,
             contact,
             fault,
             layout,
-            pipelines: pipelines.into(),
+            pipelines,
         })
     }
 
@@ -194,6 +202,10 @@ impl LaneKernels {
         let (columns, of_tile) = Self::columns(&inverse_of, inverses.len());
         let width = of_tile.len() * TILE;
         let states = self.system.n_pairs * width;
+        if matches!(self.fault, Some(Fault::RefuseAbove(most)) if states > most) {
+            let message = "on purpose".to_owned();
+            return Err(GpuError::Refused { states, message });
+        }
         let scope = Scope::new(device);
         let contact = self.contact.buffers(device, states)?;
         self.contact.count(device, &contact, states);

@@ -55,6 +55,8 @@ impl Lanes {
                 Err(GpuError::Refused { .. }) if most > SMALLEST => {
                     most = most.min(rest.len()) / 2;
                 }
+                // opened again
+                Err(GpuError::Lost { .. }) if gpu.device().is_ok() => {}
                 Err(_) => {
                     gpu.lanes(rest.len(), rest.len());
                     rest.clear();
@@ -154,6 +156,7 @@ fn improved(
         inverses.push(group[0].search.inverse);
         batch.extend(group.iter().map(|lane| (lane.search.lane.clone(), number)));
     }
+    lanes.iter_mut().for_each(|lane| lane.search.begin());
     let mut batch = kernels.begin(device, &batch, &inverses)?;
     let mut states = vec![State::Going(0.0); lanes.len()];
     for _ in 0..MAX_ITERATIONS {

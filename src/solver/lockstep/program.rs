@@ -197,8 +197,8 @@ impl<'a> Program<'a> {
         }
     }
 
-    /// Names of the entry points.
-    pub(super) const ENTRIES: [&'static str; 12] = [
+    /// Names of the passes.
+    pub(super) const PASSES: [&'static str; 11] = [
         "moved",
         "scaled",
         "loaded",
@@ -210,8 +210,10 @@ impl<'a> Program<'a> {
         "responded",
         "begun",
         "advanced",
-        "spoiled",
     ];
+
+    /// What spoils their results, for tests.
+    pub(super) const SPOILED: &'static str = "spoiled";
 
     /// From the last iteration to the states of the contact passes.
     pub(super) fn to_contacts(&self) -> Vec<Use> {
@@ -269,7 +271,7 @@ impl<'a> Program<'a> {
                 "begun" | "responded" => (places.solution, size),
                 _ => (places.linear, size),
             };
-            let mut spoil = self.simple("spoiled", 1, rows, 1);
+            let mut spoil = self.simple(Self::SPOILED, 1, rows, 1);
             (spoil.job.x, spoil.job.alpha) = (place, factor);
             spoil
         };

@@ -89,6 +89,14 @@ impl<'a> LaneSearch<'a> {
         })
     }
 
+    /// Begins anew, from the prediction.
+    pub(super) fn begin(&mut self) {
+        let PeakPrediction {
+            phasor, sharpness, ..
+        } = self.prediction;
+        self.search = PeakSearch::new(self.limits, phasor, sharpness);
+    }
+
     /// The next step of the frequency (rad/s), none if the search has ended.
     pub(super) fn next_step(&mut self, told: &Told) -> Result<Option<f64>, Status> {
         let size = told.size / self.scale;
