@@ -18,11 +18,11 @@ use crate::hb::settings::NewtonSettings;
 use crate::hb::structure::resonance::Band;
 use faer::c64;
 
-/// Residual over the dynamic displacement at which a lane is close enough. Single precision leaves 1e-6 to 1e-4 where contacts are
+/// Residual over the dynamic displacement at which a lane is close enough. Single precision leaves 1e-6 to 2e-4 where contacts are
 /// stiff against a light mode; the processor's next Newton step leaves the square.
-const CLOSE: f64 = 1e-4;
+const CLOSE: f64 = 3e-4;
 /// Relative distance of the frequency from the peak at which a lane is close enough: what such a residual can tell.
-const CLOSE_FREQUENCY: f64 = 1e-6;
+const CLOSE_FREQUENCY: f64 = 3e-6;
 
 /// What a lane tells of an iteration, at the point where it began.
 #[derive(Debug, Clone, Copy)]
