@@ -274,6 +274,7 @@ fn gpu(adapter: usize, fault: Option<Fault>) -> GpuSettings {
 
 /// Samples that start from lanes have the peaks of those that do not; nearly all lanes come to their peaks; a lane that is solved
 /// alone has the same bits.
+/// Seen to fail with: residuals of 1e-5 asked for (`lockstep::search`), at which 16 of 32 lanes are given up.
 #[test]
 fn lanes_change_no_peak() {
     let Some(adapter) = adapter("lanes_change_no_peak") else {
