@@ -1,9 +1,9 @@
-//! The GPU backend: node-states per second against the processor, share of the adapter's roofline, batch sizes, and the
-//! default study on both backends in one run.
+//! The GPU backend: node-states per second against the processor, share of the adapter's roofline, batch sizes, and peaks of
+//! samples of the default study with and without lanes in one run.
 //!
 //!     cargo bench --bench gpu                          # the first GPU that is hardware
 //!     cargo bench --bench gpu -- --adapter llvmpipe    # another adapter, software too
-//!     cargo bench --bench gpu -- study --samples 1000  # one section, kernels or study; samples of the study (64)
+//!     cargo bench --bench gpu -- lanes --samples 1000  # one section, kernels or lanes; samples of the lanes (64)
 //!
 //! Roofline: operations and bytes of the passes, counted from the shapes of the shaders (a lower bound: root searches and
 //! what the caches miss are left out), over the rates of two small kernels measured in the same run, fused
@@ -14,20 +14,28 @@ mod states;
 
 use microslip::aft::{AftBatch, AftForces, AftPlan, AftScratch, AftSettings, Laps, Want, evaluate};
 use microslip::contact::{Events, FrictionLaw};
-use microslip::ensemble::Ensemble;
+use microslip::ensemble::atlas::Anchor;
 use microslip::ensemble::backend::{BackendChoice, BackendSettings, OpenBackend};
 use microslip::ensemble::outcome::{LevelOutcome, PeakRecord, SampleOutcome};
-use microslip::gpu::{
-    Buffers, Device, GpuReport, GpuSettings, Kernels, Precision, ScaledStates, Shape,
-};
+use microslip::ensemble::runner::{SolvedSample, Watch};
+use microslip::ensemble::times::SampleTimes;
+use microslip::gpu::{Buffers, Device, GpuSettings, Kernels, Precision, ScaledStates, Shape};
 use microslip::harmonics::HarmonicSet;
 use microslip::study::Study;
+use microslip::study::prepared::PreparedStudy;
 use states::batch;
+use std::sync::Mutex;
 use std::time::Instant;
 
 const HARMONICS: [usize; 4] = [1, 3, 5, 7];
 const POINTS: [usize; 3] = [64, 128, 256];
 const LAWS: [FrictionLaw; 2] = [FrictionLaw::Box, FrictionLaw::Circle];
+/// Highest harmonics of the lanes.
+const LANE_HARMONICS: [usize; 2] = [3, 5];
+/// Samples before those that lanes serve (`ensemble::with_inverse`).
+const ANCHORS: u64 = 244;
+/// The first sample that is timed.
+const FIRST_SAMPLE: u64 = 5000;
 /// Runs of which the fastest counts.
 const RUNS: usize = 5;
 
@@ -54,14 +62,14 @@ fn main() {
         facts.name, facts.kind, facts.interface, facts.driver
     );
     let named = |section: &str| arguments.iter().any(|a| a == section);
-    let asked = |section: &str| named(section) || !["kernels", "study"].iter().any(|s| named(s));
+    let asked = |section: &str| named(section) || !["kernels", "lanes"].iter().any(|s| named(s));
     if asked("kernels") {
         kernels(&device);
     }
     drop(device);
-    if asked("study") {
+    if asked("lanes") {
         for law in LAWS {
-            studies(law, adapter.clone(), samples);
+            lanes(law, adapter.clone(), samples);
         }
     }
 }
@@ -131,86 +139,117 @@ fn batch_sizes(device: &Device, law: FrictionLaw, most: usize) {
     }
 }
 
-/// Samples per second of the default study on both backends, and how far their answers are apart.
-fn studies(law: FrictionLaw, adapter: Option<String>, samples: u64) {
-    println!("\ndefault study, {law:?} law, {samples} samples: samples per second");
-    let (processor, expected, _) = study(law, BackendSettings::default(), samples);
-    println!("processor {:.2}", samples as f64 / processor);
-    let gpu = GpuSettings {
-        adapter,
-        ..GpuSettings::default()
-    };
-    let backend = BackendSettings {
-        choice: BackendChoice::Gpu,
-        gpu,
-    };
-    let (seconds, found, report) = study(law, backend, samples);
+/// Peaks per second of samples behind the atlas, on the processor alone and with lanes, and how far their answers are apart.
+fn lanes(law: FrictionLaw, adapter: Option<String>, samples: u64) {
     println!(
-        "gpu       {:.2}, {:.2} times the processor's",
-        samples as f64 / seconds,
-        processor / seconds
+        "\nlanes, {law:?} law, {samples} samples of the default study behind an atlas of {ANCHORS}, without an alert: peaks per second"
     );
-    if let Some(gpu) = report {
+    println!(
+        "{:>2} {:>10} {:>10} {:>12} {:>8} {:>6} {:>10} {:>10}",
+        "H", "processor", "gpu", "first call", "lanes", "lost", "frequency", "amplitude"
+    );
+    for h in LANE_HARMONICS {
+        let study = study_of_lanes(law, h);
+        let prepared = study.prepared().expect("the default model");
+        let anchors = prepared.ensemble(None).solved(ANCHORS, || {}).anchors;
+        let cpu = OpenBackend::default();
+        let (_, seconds_on_cpu, expected) = timed(&prepared, &cpu, &anchors, samples);
+        let settings = BackendSettings {
+            choice: BackendChoice::Gpu,
+            gpu: GpuSettings {
+                adapter: adapter.clone(),
+                ..GpuSettings::default()
+            },
+        };
+        let gpu = OpenBackend::open(&settings, &prepared.ensemble(None));
+        // the first call compiles
+        let (first, seconds, found) = timed(&prepared, &gpu, &anchors, samples);
+        let Some(report) = gpu.report().gpu else {
+            println!(
+                "{h:>2} no lanes: {}",
+                gpu.report().reason.unwrap_or_default()
+            );
+            continue;
+        };
+        let [frequency, amplitude] = differences(&found, &expected);
+        let peaks = expected.iter().map(|o| o.levels.len()).sum::<usize>() as f64;
         println!(
-            "{} evaluations in {} batches ({:.0} states each), on the device {:.2} s of {seconds:.2} s, audit {:.1e}",
-            gpu.evaluations,
-            gpu.batches,
-            gpu.states as f64 / gpu.batches.max(1) as f64,
-            gpu.pass_seconds.values().sum::<f64>(),
-            gpu.largest_force_difference,
+            "{h:>2} {:>10.1} {:>10.1} {:>10.1} s {:>8} {:>6} {frequency:>10.1e} {amplitude:>10.1e}",
+            peaks / seconds_on_cpu,
+            peaks / seconds,
+            first,
+            report.lanes,
+            report.lanes_lost,
         );
-        let set = HarmonicSet::up_to(5);
-        let few = batch(&set, 512);
-        let of_512 = processor_seconds(&plan(law, &set, 128), &few, Want::ForcesAndTangents);
-        let drafts = gpu.states as f64 / 512.0 * of_512;
-        println!(
-            "so many states with H = 5, Nt = 128 take one core {drafts:.3} s: {:.2} % of the processor's run",
-            100.0 * drafts / (processor * rayon::current_num_threads() as f64)
-        );
+        report.notes.iter().for_each(|note| println!("   {note}"));
     }
-    compare(&found, &expected);
 }
 
-fn compare(found: &[SampleOutcome], expected: &[SampleOutcome]) {
+fn study_of_lanes(law: FrictionLaw, highest: usize) -> Study {
+    let mut study =
+        Study::read("studies/two-blade-strip/study.toml".as_ref()).expect("the default study");
+    study.solver.harmonics = HarmonicSet::up_to(highest);
+    study.solver.aft.law = law;
+    study.solver.alert = None;
+    study.output.curve_samples = 0;
+    study
+}
+
+/// Largest relative differences of frequency and amplitude. Statuses must be equal.
+fn differences(found: &[SampleOutcome], expected: &[SampleOutcome]) -> [f64; 2] {
     let pairs = || {
         let levels = found.iter().flat_map(|o| &o.levels);
         levels.zip(expected.iter().flat_map(|o| &o.levels))
     };
     let unequal = pairs().filter(|(a, b)| a.status != b.status).count();
+    if unequal > 0 {
+        println!("   {unequal} statuses differ");
+    }
     let largest = |of: fn(&PeakRecord) -> f64| {
         let difference = |(a, b): (&LevelOutcome, &LevelOutcome)| {
             Some((of(a.peak.as_ref()?) / of(b.peak.as_ref()?) - 1.0).abs())
         };
         pairs().filter_map(difference).fold(0.0, f64::max)
     };
-    println!(
-        "{} peaks: {unequal} statuses differ, largest difference {:.1e} in frequency, {:.1e} in amplitude",
-        pairs().count(),
-        largest(|p| p.frequency_hz),
-        largest(|p| p.amplitude_m)
-    );
+    [largest(|p| p.frequency_hz), largest(|p| p.amplitude_m)]
 }
 
-/// Time (s), outcomes, and what a GPU did.
-fn study(
-    law: FrictionLaw,
-    backend: BackendSettings,
+/// Outcomes as they come.
+#[derive(Default)]
+struct Kept(Mutex<Vec<SampleOutcome>>);
+
+impl Watch for Kept {
+    fn solved(&self, sample: SolvedSample, _: SampleTimes) {
+        self.0
+            .lock()
+            .expect("no thread panicked")
+            .push(sample.outcome);
+    }
+
+    fn stops(&self) -> bool {
+        false
+    }
+}
+
+/// Times (s) of the first of two calls and of the second, and its outcomes in the order of the samples.
+fn timed(
+    prepared: &PreparedStudy<'_>,
+    backend: &OpenBackend,
+    anchors: &[Anchor],
     samples: u64,
-) -> (f64, Vec<SampleOutcome>, Option<GpuReport>) {
-    let mut study =
-        Study::read("studies/two-blade-strip/study.toml".as_ref()).expect("the default study");
-    study.solver.aft.law = law;
-    let prepared = study.prepared().expect("the default model");
-    let backend = OpenBackend::open(&backend, &study.solver);
-    let ensemble = Ensemble {
-        curve_samples: 0,
-        ..prepared.ensemble(backend.gpu())
+) -> (f64, f64, Vec<SampleOutcome>) {
+    let ensemble = prepared.ensemble(backend.gpu());
+    let indices: Vec<u64> = (FIRST_SAMPLE..FIRST_SAMPLE + samples).collect();
+    let call = || {
+        let (kept, clock) = (Kept::default(), Instant::now());
+        let solved = ensemble.solve_from(anchors, &indices, &kept);
+        solved.expect("nobody stops it");
+        let seconds = clock.elapsed().as_secs_f64();
+        (seconds, kept.0.into_inner().expect("no thread panicked"))
     };
-    let clock = Instant::now();
-    let outcomes = backend.run(&ensemble, samples, || {}).expect("threads");
-    let seconds = clock.elapsed().as_secs_f64();
-    assert_eq!(outcomes.len() as u64, samples, "no sample is lost");
-    (seconds, outcomes, backend.report().gpu)
+    let ((first, _), (second, mut outcomes)) = (call(), call());
+    outcomes.sort_by_key(|outcome| outcome.index);
+    (first, second, outcomes)
 }
 
 /// One shape with its states on the device.

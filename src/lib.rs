@@ -46,4 +46,4 @@ pub use microslip_readers::{import, record};
 #[doc(inline)]
 pub use microslip_samples::{ensemble, sampling};
 #[doc(inline)]
-pub use microslip_solver::{aft, contact, fe, gpu, harmonics, hb, linalg, model};
+pub use microslip_solver::{aft, contact, fe, gpu, harmonics, hb, linalg, lockstep, model};

@@ -390,7 +390,7 @@ const DECIDING: [&str; 11] = [
     "setting",
 ];
 
-/// What decides a sample takes such functions from the crate `libm`. Tests, shaders and drafts on a GPU do not count.
+/// What decides a sample takes such functions from the crate `libm`. Tests and shaders do not count.
 ///
 /// Seen to fail with `f64::sin_cos` in `HarmonicSet::basis`.
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::clock::milliseconds;
 use crate::rig::{Rig, search, settings};
-use microslip::aft::{Accuracy, Want};
+use microslip::aft::Want;
 use microslip::ensemble::Strips;
 use microslip::hb::newton::Iterate;
 use microslip::hb::peak::track::track_peaks;
@@ -39,9 +39,7 @@ pub(crate) fn print_iteration(balance: &Balance<'_>, solution: &Solution) {
     let (r, omega, force) = (&at.point.r, at.point.omega, &at.contact.force);
     let times = [
         milliseconds(5, || drop(balance.compliance(omega))),
-        milliseconds(5, || {
-            drop(balance.contact(r, Want::ForcesAndTangents, Accuracy::Full))
-        }),
+        milliseconds(5, || drop(balance.contact(r, Want::ForcesAndTangents))),
         milliseconds(5, || {
             drop(balance.motion(&at.compliance, solution.level, r, force));
         }),

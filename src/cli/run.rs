@@ -14,7 +14,7 @@ use super::terminal::{Bar, print};
 use clap::Args;
 use microslip::Error;
 use microslip::ensemble::backend::{BackendChoice, BackendSettings};
-use microslip::gpu::{GpuSettings, Precision};
+use microslip::gpu::GpuSettings;
 use microslip::report::Summary;
 use microslip::report::run::order_folder;
 use microslip::study::{OutputFolder, RunSettings, ShareResult, Study, join, run, solve_share};
@@ -24,20 +24,18 @@ use serde_json::json;
 pub(super) struct RunArguments {
     #[command(flatten)]
     pub study: StudyArguments,
-    /// Who drafts contact forces; the results do not depend on it. `auto` takes a GPU that is hardware, if there is one.
+    /// Who brings predicted peaks closer; the results do not depend on it. `auto` takes a GPU that is hardware, if there is one and the
+    /// study has enough samples for it.
     #[arg(long, value_enum, default_value = "cpu")]
     backend: BackendName,
     /// Adapter of the GPU: index, PCI address or part of its name, as `devices` lists them. One that is software must be
     /// named. Where several fit, processes that Slurm or MPI start on one node take one each.
     #[arg(long)]
     adapter: Option<String>,
-    /// Share of the GPU's evaluations that the processor repeats in double precision.
+    /// Share of the GPU's peaks that the processor searches again without it.
     #[arg(long, default_value_t = 0.01, value_parser = share)]
     audit: f64,
-    /// Numbers of the shaders; f64 where the adapter has it.
-    #[arg(long, value_enum, default_value = "f32")]
-    precision: PrecisionName,
-    /// Show at the end where the time went; with a GPU also the time of every pass.
+    /// Show at the end where the time went.
     #[arg(long)]
     profile: bool,
     /// Solve those samples again that an earlier process left without a solution.
@@ -54,12 +52,6 @@ enum BackendName {
     Cpu,
     Gpu,
     Auto,
-}
-
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum PrecisionName {
-    F32,
-    F64,
 }
 
 impl RunArguments {
@@ -127,7 +119,7 @@ impl RunArguments {
         show_result(&result, folder.path(), messages)?;
         if !messages.quiet {
             print(|out| {
-                show_gpu(out, &result.summary, self.profile)?;
+                show_gpu(out, &result.summary)?;
                 match self.profile {
                     true => show_profile(out, &result.profile),
                     false => Ok(()),
@@ -163,10 +155,6 @@ impl RunArguments {
             gpu: GpuSettings {
                 adapter: self.adapter.clone(),
                 local_rank: local_rank(),
-                precision: match self.precision {
-                    PrecisionName::F32 => Precision::F32,
-                    PrecisionName::F64 => Precision::F64,
-                },
                 audit: self.audit,
                 ..GpuSettings::default()
             },
@@ -182,20 +170,19 @@ fn share(text: &str) -> Result<f64, String> {
     }
 }
 
-/// What the GPU did, with the time of its passes if wanted.
-fn show_gpu(out: &mut dyn Write, summary: &Summary, profile: bool) -> std::io::Result<()> {
+/// What the GPU did.
+fn show_gpu(out: &mut dyn Write, summary: &Summary) -> std::io::Result<()> {
     let Some(gpu) = &summary.backend.gpu else {
         return Ok(());
     };
     writeln!(
         out,
-        "{}: {} evaluations in {} batches, {} audited, largest difference {:.1e} of a force",
-        gpu.adapter.name, gpu.evaluations, gpu.batches, gpu.audited, gpu.largest_force_difference
-    )?;
-    if profile {
-        for (pass, seconds) in &gpu.pass_seconds {
-            writeln!(out, "{pass:20} {seconds:.3} s on the device")?;
-        }
-    }
-    Ok(())
+        "{}: {} of {} predicted peaks brought closer, {} searched again without it, largest differences {:.1e} of a frequency and {:.1e} of an amplitude",
+        gpu.adapter.name,
+        gpu.lanes - gpu.lanes_lost,
+        gpu.lanes,
+        gpu.peaks_compared,
+        gpu.largest_frequency_difference,
+        gpu.largest_amplitude_difference
+    )
 }

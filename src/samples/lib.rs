@@ -2,7 +2,7 @@
 
 use microslip_base::{file, setting, units};
 use microslip_probability::special;
-use microslip_solver::{aft, contact, gpu, harmonics, hb, model};
+use microslip_solver::{contact, gpu, harmonics, hb, lockstep, model};
 
 pub mod ensemble;
 pub mod sampling;

@@ -9,4 +9,5 @@ pub mod gpu;
 pub mod harmonics;
 pub mod hb;
 pub mod linalg;
+pub mod lockstep;
 pub mod model;

@@ -30,7 +30,7 @@ pub(super) fn control_samples<F: Fn(Progress) + Sync>(
     let ensemble = Ensemble {
         settings: &settings,
         curve_samples: 0,
-        // drafts of so few harmonics do not pay
+        // so few harmonics do not pay there
         gpu: None,
         ..*session.ensemble
     };

@@ -130,9 +130,7 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
             }
             taken = true;
             claim.hold(|| {
-                self.written(missing.len() as u64, |watch| {
-                    self.ensemble.solve_from(anchors, &missing, watch)
-                })
+                self.written(|watch| self.ensemble.solve_from(anchors, &missing, watch))
             })?;
             found.refresh(self)?;
         }

@@ -262,7 +262,7 @@ impl PreparedStudy<'_> {
         Band { low, high }
     }
 
-    /// Its samples, contact forces drafted by `gpu` if there is one.
+    /// Its samples, predicted peaks brought closer by `gpu` if there is one.
     #[must_use]
     pub fn ensemble<'a>(&'a self, gpu: Option<&'a Gpu>) -> Ensemble<'a> {
         Ensemble {

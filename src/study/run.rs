@@ -164,9 +164,7 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
     /// Solves what is missing of the first `samples` until all of them stand in parts or results.
     fn solve(&self, resumed: &mut Resumed, samples: u64) -> Result<(), Error> {
         for _ in 0..ATTEMPTS {
-            self.written(samples, |watch| {
-                self.ensemble.extend(&mut resumed.known, samples, watch)
-            })?;
+            self.written(|watch| self.ensemble.extend(&mut resumed.known, samples, watch))?;
             resumed.look_again(&self.parts, &self.head.identity, self.settings)?;
             let there = resumed.known.indices.range(..samples).count() as u64;
             if there == samples {

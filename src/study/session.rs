@@ -57,8 +57,6 @@ pub(super) struct Session<'a, F> {
     pub settings: &'a RunSettings,
     pub meter: &'a Meter<F>,
     pub profiler: Profiler,
-    /// Samples that are in flight at most.
-    at_once: usize,
     /// What a user should know, one line each.
     pub notes: Vec<String>,
 }
@@ -79,13 +77,7 @@ pub(super) fn at_work<T: Send, F: Fn(Progress) + Sync>(
     let at_once = samples_that_fit(&prepared)?;
     let threads = rayon::current_num_threads();
     if at_once >= threads {
-        return on_this_pool(
-            begun,
-            (&prepared, profiler),
-            (at_once, Vec::new()),
-            &meter,
-            work,
-        );
+        return on_this_pool(begun, (&prepared, profiler), Vec::new(), &meter, work);
     }
     let note = format!(
         "{at_once} of {threads} threads solve: a sample takes up to {:.0} MB of memory, of which there is not enough for more",
@@ -93,15 +85,7 @@ pub(super) fn at_work<T: Send, F: Fn(Progress) + Sync>(
     );
     let pool = rayon::ThreadPoolBuilder::new().num_threads(at_once).build();
     let pool = pool.map_err(|error| Error::Threads(error.to_string()))?;
-    pool.install(|| {
-        on_this_pool(
-            begun,
-            (&prepared, profiler),
-            (at_once, vec![note]),
-            &meter,
-            work,
-        )
-    })
+    pool.install(|| on_this_pool(begun, (&prepared, profiler), vec![note], &meter, work))
 }
 
 /// Number of samples that the memory has room for at once.
@@ -119,7 +103,7 @@ fn samples_that_fit(prepared: &PreparedStudy<'_>) -> Result<usize, Error> {
 fn on_this_pool<T, F: Fn(Progress) + Sync>(
     begun: Begun<'_>,
     (prepared, profiler): (&PreparedStudy<'_>, Profiler),
-    (at_once, notes): (usize, Vec<String>),
+    notes: Vec<String>,
     meter: &Meter<F>,
     work: impl FnOnce(&Session<'_, F>) -> Result<T, Error>,
 ) -> Result<T, Error> {
@@ -130,7 +114,7 @@ fn on_this_pool<T, F: Fn(Progress) + Sync>(
         identity,
         first,
     } = begun;
-    let backend = OpenBackend::open(&settings.backend, &study.solver);
+    let backend = OpenBackend::open(&settings.backend, &prepared.ensemble(None));
     let ensemble = prepared.ensemble(backend.gpu());
     if let Some(first) = first.filter(|_| !settings.any_program) {
         refuse_other_results(study, &ensemble, &first)?;
@@ -150,16 +134,14 @@ fn on_this_pool<T, F: Fn(Progress) + Sync>(
         settings,
         meter,
         profiler,
-        at_once,
         notes,
     })
 }
 
 impl<F: Fn(Progress) + Sync> Session<'_, F> {
-    /// Does the `work` of so many samples, whose results are written as parts.
+    /// Does the `work`, whose results are written as parts.
     pub(super) fn written(
         &self,
-        samples: u64,
         work: impl FnOnce(&dyn Watch) -> Result<(), Stopped> + Send,
     ) -> Result<(), Error> {
         let control = (&self.settings.stop, self.settings.flush_every);
@@ -170,14 +152,11 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
             };
             let (writer, collector) =
                 PartWriter::start(scope, &self.parts, &self.head, control, done);
-            let ended = self.profiler.stage(Stage::Samples, || {
-                let most = samples.min(self.at_once as u64);
-                self.backend.on_threads(most, || work(&collector))
-            });
+            let ended = self.profiler.stage(Stage::Samples, || work(&collector));
             drop(collector);
             let written = writer.finish();
             written.map_err(|error| Error::Unwritten(Box::new(error.into())))?;
-            ended.map_err(|error| Error::Threads(error.to_string()))
+            Ok::<_, Error>(ended)
         })?;
         ended.map_err(|Stopped| self.stopped())
     }

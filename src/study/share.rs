@@ -83,7 +83,7 @@ pub fn solve_share(
     let meter = Meter::start(taken_over, samples, progress);
     let notes = at_work(begun, meter, |session| {
         let ensemble = session.ensemble;
-        session.written(samples, |watch| {
+        session.written(|watch| {
             ensemble.extend(known, anchors, watch)?;
             ensemble.solve_from(&known.anchors_before(anchors), &missing, watch)
         })?;

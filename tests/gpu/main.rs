@@ -1,4 +1,4 @@
-//! The GPU backend against the processor: four separate questions (layout, algorithm, precision, answer) and failures.
+//! The GPU backend against the processor: layout, algorithm and precision of the contact passes; lanes; failures.
 //!
 //! `MICROSLIP_ADAPTER` names the adapter, by default any, software too. Without one the tests that need it say that they
 //! are skipped; with `MICROSLIP_REQUIRE_GPU=1` they fail instead.
@@ -9,8 +9,8 @@
 )]
 
 mod accuracy;
-mod answer;
 mod failure;
+mod lanes;
 mod layout;
 mod states;
 

@@ -2,9 +2,7 @@
 
 use super::initial_tractions::shares;
 use super::{Ensemble, Strips};
-use crate::aft::Backend;
 use crate::contact::ContactParameters;
-use crate::gpu::Gpu;
 use crate::hb::{LinearModel, Problem, ProblemError, SliderAnchor, Status};
 use crate::sampling::Input;
 use std::borrow::Cow;
@@ -17,7 +15,6 @@ pub(super) struct Applied<'m> {
     load_scale: f64,
     /// Initial tractions over the friction limit, where they are drawn. Shape: `[pairs]`.
     tractions: Option<Vec<[f64; 2]>>,
-    gpu: Option<&'m Gpu>,
     /// Factor on the excitation levels.
     pub(super) excitation_scale: f64,
 }
@@ -48,7 +45,6 @@ impl Ensemble<'_> {
             contacts,
             load_scale: 1.0,
             tractions: None,
-            gpu: self.gpu,
             excitation_scale: 1.0,
         };
         for ((input, _), value) in self.design.inputs().iter().zip(inputs) {
@@ -75,7 +71,6 @@ impl Applied<'_> {
         if let Some(shares) = &self.tractions {
             problem.begin_with_tractions(shares)?;
         }
-        problem.backend = self.gpu.map_or(Backend::Cpu, |gpu| Backend::Device(gpu));
         Ok(problem)
     }
 

@@ -4,7 +4,7 @@
 //! samples gives a start from which a few Newton iterations converge. A prediction is only a start: every reported result
 //! solves the balance equations of its own sample.
 
-use super::inverses::Inverses;
+use super::inverses::{Inverses, StartOfSample};
 use crate::harmonics::HarmonicSet;
 use crate::hb::Solution;
 use crate::hb::newton::Point;
@@ -83,6 +83,14 @@ const ANCHORS_PER_UNKNOWN: usize = 6;
 const RIDGE: f64 = 1e-5;
 /// Regularisation of the spline, which keeps it finite if anchors coincide.
 const SMOOTHING: f64 = 1e-9;
+
+impl Place<'_> {
+    /// What it is known by to the bit.
+    pub(super) fn key(&self) -> StartOfSample {
+        let bits = self.inputs.iter().map(|x| x.to_bits());
+        (bits.collect(), self.level, self.mode)
+    }
+}
 
 impl ModePeaks {
     /// `maxima` as starts for the peaks of other samples.
@@ -234,6 +242,19 @@ impl Atlas {
             .filter_map(|(i, anchor)| Some((i, anchor.near(at)?)))
             .filter(|(_, anchor)| anchor.peak.harmonics == *harmonics);
         near.min_by(|(_, a), (_, b)| a.distance.total_cmp(&b.distance))
+    }
+
+    /// Modes of the nearest anchor at level number `level`.
+    pub(super) fn modes_near(&self, place: &[f64], level: usize) -> Vec<usize> {
+        let near = (self.anchors.iter())
+            .min_by(|a, b| distance(place, &a.place).total_cmp(&distance(place, &b.place)));
+        near.map_or_else(Vec::new, |anchor| {
+            anchor.peaks[level]
+                .0
+                .iter()
+                .map(|(mode, _)| *mode)
+                .collect()
+        })
     }
 
     /// The predicted peak at `at`; `None` if no anchor has a peak of this mode at this level.

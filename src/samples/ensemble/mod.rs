@@ -32,6 +32,7 @@ mod followed_modes;
 pub mod further_points;
 mod initial_tractions;
 mod inverses;
+mod lanes;
 pub mod memory;
 pub mod mistuned;
 mod mode_search;

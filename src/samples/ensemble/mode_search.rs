@@ -1,9 +1,9 @@
 //! The maximum of one mode of a sample, from the samples solved before it.
 //!
-//! The maximum is predicted from the atlas and corrected by Newton steps: undamped ones, in large studies at first with the inverse Jacobian
-//! of an anchor ([`super::with_inverse`]), or else damped ones. If that fails, it
-//! is followed from the nearest anchor along the straight line between the inputs. If that fails too, it is tracked over the
-//! levels from the stuck structure, as without an atlas. [`crate::hb::PeakRoute`] lists all routes.
+//! The maximum is predicted from the atlas and corrected by Newton steps: undamped ones, in large studies at first with the
+//! inverse Jacobian of an anchor ([`super::with_inverse`]), or else damped ones. If that fails, it is followed from the
+//! nearest anchor along the straight line between the inputs. If that fails too, it is tracked over the levels from the stuck
+//! structure, as without an atlas. [`crate::hb::PeakRoute`] lists all routes.
 
 use super::Ensemble;
 use super::atlas::{AnchorPeak, Atlas, AtlasPrediction, NearAnchor, PathPeak, Place};
@@ -90,7 +90,7 @@ impl Ensemble<'_> {
         let mut others = Vec::new();
         let found = atlas.predict(&at).and_then(|prediction| {
             let prediction = prediction.at_level(of.levels[level]);
-            let anchored = self.anchored(of, &at, atlas, &prediction);
+            let anchored = self.anchored_from_lane(of, &at, atlas, &prediction);
             let predicted = anchored.or_else(|| self.predicted(of, level, prediction, &mut others));
             predicted.or_else(|| self.followed(of, level, atlas.nearest(&at)?, &mut others))
         });
@@ -100,6 +100,29 @@ impl Ensemble<'_> {
             None => LevelPeak::failed(of.levels[level], Status::StepTooSmall, count),
         };
         ModeSearch { peak, others }
+    }
+
+    /// The peak found with the inverse Jacobian of an anchor, from where a device has come to if one has; a peak of another
+    /// branch than the one predicted counts as none.
+    fn anchored_from_lane(
+        &self,
+        of: &ModeOfSample<'_>,
+        at: &Place<'_>,
+        atlas: &Atlas,
+        prediction: &AtlasPrediction,
+    ) -> Option<Solution> {
+        let again = || self.anchored(of, at, atlas, prediction);
+        let from_lane = atlas.inverses().take_start(&at.key()).and_then(|peak| {
+            let start = AtlasPrediction {
+                peak,
+                ..prediction.clone()
+            };
+            self.anchored(of, at, atlas, &start)
+        });
+        match from_lane {
+            Some(found) => self.compared(at, found, again),
+            None => again(),
+        }
     }
 
     /// The peak found from a prediction with the inverse Jacobian of an anchor: the one that is found without, for less

@@ -4,6 +4,7 @@
 //! decides from which other samples it starts. So neither the number of threads nor the order of solving changes a bit.
 
 use super::atlas::{Anchor, Atlas};
+use super::lanes::SAMPLES_OF_BATCH;
 use super::mistuned::MistunedDisk;
 use super::outcome::{LevelOutcome, SampleOutcome};
 use super::stop::Stop;
@@ -50,7 +51,7 @@ pub struct Ensemble<'a> {
     pub mode_numbers: &'a [u32],
     /// Samples with a forced response curve: 0 … this − 1.
     pub curve_samples: u64,
-    /// A device that drafts contact forces, if any. The processor computes everything that decides a result.
+    /// A device that brings predicted peaks closer, if any. The processor computes everything that decides a result.
     pub gpu: Option<&'a Gpu>,
     /// How the peaks of a sample are computed.
     pub solver: SampleSolver,
@@ -212,12 +213,16 @@ impl Ensemble<'_> {
             let missing = generation.clone().filter(|i| !known.indices.contains(i));
             let missing: Vec<u64> = missing.collect();
             if generation.start < MOST_ANCHORS {
-                let new: Option<Vec<(u64, Anchor)>> = (missing.par_iter())
-                    // one sample may take as long as a hundred others
-                    .with_max_len(1)
-                    .map(|&index| Some((index, self.watched(index, &atlas, watch)?)))
-                    .collect();
-                known.anchors.extend(new.ok_or(Stopped)?);
+                for batch in self.batches(&missing) {
+                    self.brought_closer(&atlas, batch);
+                    let new: Option<Vec<(u64, Anchor)>> = (batch.par_iter())
+                        // one sample may take as long as a hundred others
+                        .with_max_len(1)
+                        .map(|&index| Some((index, self.watched(index, &atlas, watch)?)))
+                        .collect();
+                    atlas.inverses().forget_starts();
+                    known.anchors.extend(new.ok_or(Stopped)?);
+                }
                 let anchors = known.anchors.range(generation);
                 atlas.extend(anchors.map(|(_, anchor)| anchor.clone()));
             } else {
@@ -245,10 +250,23 @@ impl Ensemble<'_> {
     }
 
     fn solve_with(&self, atlas: &Atlas, indices: &[u64], watch: &dyn Watch) -> Result<(), Stopped> {
-        // in their order, so that a part holds neighbours
-        let solved = indices.iter().par_bridge();
-        let all = solved.all(|&index| self.watched(index, atlas, watch).is_some());
-        all.then_some(()).ok_or(Stopped)
+        for batch in self.batches(indices) {
+            self.brought_closer(atlas, batch);
+            // in their order, so that a part holds neighbours
+            let solved = batch.iter().par_bridge();
+            let all = solved.all(|&index| self.watched(index, atlas, watch).is_some());
+            atlas.inverses().forget_starts();
+            all.then_some(()).ok_or(Stopped)?;
+        }
+        Ok(())
+    }
+
+    /// Samples that are solved together: with a device as many as its lanes hold at a time, else all.
+    fn batches<'i>(&self, indices: &'i [u64]) -> std::slice::Chunks<'i, u64> {
+        indices.chunks(match self.gpu {
+            Some(_) => SAMPLES_OF_BATCH,
+            None => indices.len().max(1),
+        })
     }
 
     /// Solves sample `index`, unless `watch` stops, and tells it the result. Gives the sample as a start for others.

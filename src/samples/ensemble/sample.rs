@@ -12,7 +12,6 @@ use super::outcome::{
 };
 use super::times::SampleTimes;
 use super::{Ensemble, SampleSolver};
-use crate::gpu::Gpu;
 use crate::hb::newton::rest::stiffness_at_rest;
 use crate::hb::peak::maxima::{Maxima, search_maxima};
 use crate::hb::peak::predicted::{PeakPrediction, maximum_near, phase_locked};
@@ -67,7 +66,6 @@ impl Ensemble<'_> {
     }
 
     fn outcome(&self, subject: Subject, atlas: &Atlas) -> (SampleOutcome, Anchor, SampleTimes) {
-        let _turn = self.gpu.map(Gpu::turn);
         let (index, inputs) = match subject {
             Subject::Nominal => (0, Vec::new()),
             Subject::Sample(index) => (index, self.design.sample(index)),

@@ -1,25 +1,33 @@
 //! Peaks that are found with the inverse Jacobian of an anchor.
 //!
-//! Which inverse a sample takes is decided by its inputs and by the first anchors, which all processes of a run share. So neither the
-//! number of threads nor the order of solving changes a bit.
+//! Which inverse a sample takes is decided by its inputs and by the first anchors, which all processes of a run share. So
+//! neither the number of threads nor the order of solving changes a bit.
 
 use super::Ensemble;
 use super::atlas::{Atlas, AtlasPrediction, NearAnchor, Place};
+use super::inverses::Made;
 use crate::hb::equations::balance::balance_on;
 use crate::hb::equations::free::StaticReference;
 use crate::hb::equations::inverse::InverseJacobian;
 use crate::hb::peak::anchored::AnchorInverse;
+use std::sync::Arc;
 
 /// Samples in the atlas from which on inverses pay: before, there are too few samples left for what they cost.
-const LEAST_ANCHORS: usize = 244;
+pub(super) const LEAST_ANCHORS: usize = 244;
 /// The inverses of this many first anchors may be used.
-const ANCHORS_WITH_INVERSE: usize = 15;
+pub(super) const ANCHORS_WITH_INVERSE: usize = 15;
 /// Most unknowns: the memory and the time of an inverse grow with their square and cube.
-const MOST_UNKNOWNS: usize = 800;
+pub(super) const MOST_UNKNOWNS: usize = 800;
 /// Most memory of all inverses (bytes); fewer anchors have one where they would take more.
 const MOST_BYTES: usize = 128 << 20;
 
 impl Ensemble<'_> {
+    /// Whether samples that start from `atlas` take inverses.
+    pub(super) fn takes_inverses(&self, atlas: &Atlas) -> bool {
+        // a strip of another thickness is another structure
+        atlas.len() >= LEAST_ANCHORS && self.strips.is_none()
+    }
+
     /// What `search` finds with the inverse of an anchor near `at`; none without inverse.
     pub(super) fn with_inverse<T>(
         &self,
@@ -28,24 +36,36 @@ impl Ensemble<'_> {
         prediction: &AtlasPrediction,
         search: impl FnOnce(AnchorInverse<'_>) -> Option<T>,
     ) -> Option<T> {
-        // a strip of another thickness is another structure; a device drafts contact forces in its own way
-        if atlas.len() < LEAST_ANCHORS || self.strips.is_some() || self.gpu.is_some() {
-            return None;
-        }
+        let reference = self.reference_of(atlas)?;
+        let inverse = self.inverse_near(atlas, at, prediction)?;
+        let inverse = inverse.get()?.as_ref()?;
+        search(AnchorInverse { reference, inverse })
+    }
+
+    /// What holds harmonic 0 of all samples that start from `atlas`.
+    pub(super) fn reference_of<'t>(&self, atlas: &'t Atlas) -> Option<&'t StaticReference> {
+        let reference = &atlas.inverses().reference;
+        reference.get_or_init(|| self.reference()).as_ref()
+    }
+
+    /// The inverse that is taken for the peak `prediction` at `at`; none where inverses do not pay.
+    pub(super) fn inverse_near(
+        &self,
+        atlas: &Atlas,
+        at: &Place<'_>,
+        prediction: &AtlasPrediction,
+    ) -> Option<Arc<Made<InverseJacobian>>> {
         let unknowns = prediction.peak.point.r.len();
         let bytes = unknowns * unknowns * size_of::<f32>() * self.levels.len();
         let first = ANCHORS_WITH_INVERSE.min(MOST_BYTES / bytes.max(1));
-        if unknowns > MOST_UNKNOWNS || first == 0 {
+        if !self.takes_inverses(atlas) || unknowns > MOST_UNKNOWNS || first == 0 {
             return None;
         }
         let (number, anchor) = atlas.nearest_of_first(first, at, &prediction.harmonics)?;
-        let inverses = atlas.inverses();
-        let reference = inverses.reference.get_or_init(|| self.reference());
-        let reference = reference.as_ref()?;
-        let cell = inverses.at((number, at.level, at.mode));
-        let inverse = cell.get_or_init(|| self.inverse(reference, at.level, &anchor));
-        let inverse = inverse.as_ref()?;
-        search(AnchorInverse { reference, inverse })
+        let reference = self.reference_of(atlas)?;
+        let cell = atlas.inverses().at((number, at.level, at.mode));
+        cell.get_or_init(|| self.inverse(reference, at.level, &anchor));
+        Some(cell)
     }
 
     /// The nominal structure at rest.

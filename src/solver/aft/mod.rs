@@ -36,7 +36,6 @@
 //! assert!((-std::f64::consts::PI * 1e-6 * sine - 1e-5).abs() < 1e-14); // J
 //! ```
 
-mod backend;
 mod batch;
 mod box_law;
 mod circle_law;
@@ -48,7 +47,6 @@ pub mod settings;
 mod signals;
 mod vector;
 
-pub use backend::{Accuracy, Backend, Drafts};
 pub use batch::{AftBatch, Want};
 pub use evaluate::{AftScratch, evaluate};
 pub use forces::{AftForces, Block, Periodicity, StateSummary, Tangent};

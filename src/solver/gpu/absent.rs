@@ -3,7 +3,6 @@
 use super::error::GpuError;
 use super::report::{AdapterFacts, GpuReport};
 use super::settings::GpuSettings;
-use crate::aft::{AftBatch, AftForces, AftPlan, Drafts};
 
 /// A device, of which there is none in this build.
 #[derive(Debug)]
@@ -20,26 +19,26 @@ impl Gpu {
         })
     }
 
-    /// The right of a sample to compute on the processor.
-    pub fn turn(&self) {
-        match *self {}
-    }
-
     /// The adapter.
     #[must_use]
     pub fn adapter(&self) -> &AdapterFacts {
         match *self {}
     }
 
+    /// Whether the processor searches the peak of these `inputs` again.
+    #[must_use]
+    pub fn compares(&self, _: &[f64]) -> bool {
+        match *self {}
+    }
+
+    /// Compares both searches.
+    pub fn compared(&self, _: [f64; 2], _: bool) {
+        match *self {}
+    }
+
     /// What the device has done so far.
     #[must_use]
     pub fn report(&self) -> GpuReport {
-        match *self {}
-    }
-}
-
-impl Drafts for Gpu {
-    fn draft(&self, _: &AftPlan<f64>, _: &AftBatch<f64>, _: &mut AftForces<f64>) -> bool {
         match *self {}
     }
 }

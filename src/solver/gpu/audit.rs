@@ -1,4 +1,4 @@
-//! What the processor does beside the device: it decides states that the device could not, and repeats a share of the others.
+//! What the processor does beside the device in the self-test, and which share of the peaks it searches again.
 
 use crate::aft::{AftBatch, AftForces, AftPlan, AftScratch, Block, Tangent, Want, evaluate};
 
@@ -43,11 +43,11 @@ pub(super) fn decide(
     }
 }
 
-/// Whether a share of all batches holds this one: by a hash of its numbers, so that neither time nor the order of samples
+/// Whether a share of all lists of numbers holds this one: by a hash of its numbers, so that neither time nor the order of samples
 /// decides (FNV-1a over words, finished by a multiplication that spreads the last ones).
-pub(super) fn chosen(batch: &AftBatch<f64>, share: f64) -> bool {
+pub(super) fn chosen(numbers: &[f64], share: f64) -> bool {
     let mix = |hash: u64, x: &f64| (hash ^ x.to_bits()).wrapping_mul(0x0100_0000_01b3);
-    let hash = batch.displacement.iter().fold(0xcbf2_9ce4_8422_2325, mix);
+    let hash = numbers.iter().fold(0xcbf2_9ce4_8422_2325, mix);
     let spread = (hash ^ (hash >> 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     ((spread >> 11) as f64) < share * (1u64 << 53) as f64
 }

@@ -1,36 +1,31 @@
-//! An open device that drafts contact forces, with the threads that serve it.
+//! An open, tested device, and what becomes of it during a run.
 
-use super::audit::{chosen, decide, differences};
+use super::adapter::Device;
+use super::audit::chosen;
 use super::error::GpuError;
-use super::queue::{self, Lane, Queue};
 use super::report::{AdapterFacts, GpuReport};
-use super::scaled::ScaledStates;
-use super::settings::{Fault, GpuSettings};
-use super::shader::Shape;
-use crate::aft::{AftBatch, AftForces, AftPlan, AftScratch, Drafts, Want, evaluate};
-use std::cell::Cell;
-use std::sync::Arc;
-use std::thread::JoinHandle;
+use super::self_test::self_test;
+use super::settings::{Fault, GpuSettings, Precision};
+use super::tally::{Tally, lock};
+use std::sync::{Arc, Mutex};
 
-/// Largest difference of a force, over the state's largest force, that an audit accepts.
-const AUDIT_LIMIT: f64 = 1e-3;
-/// Threads that serve the device: one prepares and reads while the other's batch computes.
-const LANES: usize = 2;
+/// Times that a lost device is opened again.
+const REOPENINGS: usize = 1;
 
-/// An open, tested device with its queue. Share it between the threads of a run.
+/// An open, tested device. Share it between the threads of a run.
+#[derive(Debug)]
 pub struct Gpu {
     adapter: AdapterFacts,
-    queue: Arc<Queue>,
-    lanes: Vec<JoinHandle<()>>,
+    holder: Mutex<Holder>,
+    tally: Tally,
     settings: GpuSettings,
 }
 
-impl std::fmt::Debug for Gpu {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Gpu")
-            .field("settings", &self.settings)
-            .finish_non_exhaustive()
-    }
+/// The device, or why there is none any more.
+#[derive(Debug)]
+struct Holder {
+    device: Result<Arc<Device>, GpuError>,
+    reopened: usize,
 }
 
 impl Gpu {
@@ -39,48 +34,71 @@ impl Gpu {
     /// # Errors
     /// [`GpuError`] if there is none, it lacks something, or it fails the self-test.
     pub fn open(settings: GpuSettings) -> Result<Self, GpuError> {
-        let device = queue::open(&settings)?;
-        let adapter = device.adapter.clone();
-        let queue = Arc::new(Queue::new(device, settings.clone()));
-        let lane = |_| {
-            let queue = Arc::clone(&queue);
-            std::thread::spawn(move || Lane::default().serve(&queue))
-        };
-        let lanes = (0..LANES).map(lane).collect();
+        let device = open(&settings)?;
         Ok(Self {
-            adapter,
-            queue,
-            lanes,
+            adapter: device.adapter.clone(),
+            tally: Tally::new(&device.adapter),
+            holder: Mutex::new(Holder {
+                device: Ok(Arc::new(device)),
+                reopened: 0,
+            }),
             settings,
         })
     }
 
-    /// Repeats a draft on the processor, whose result takes its place where they differ too much.
-    fn audit(&self, plan: &AftPlan<f64>, batch: &AftBatch<f64>, out: &mut AftForces<f64>) {
-        let mut exact = AftForces::default();
-        let scratch = &mut AftScratch::default();
-        evaluate(plan, batch, Want::ForcesAndTangents, scratch, &mut exact);
-        let found = differences(batch, out, &exact);
-        let beyond = found[0].is_nan() || found[0] > AUDIT_LIMIT;
-        self.queue.tally.audit(found, beyond);
-        if beyond {
-            *out = exact;
-            let message = "audited forces beyond the limit; the processor's took their place";
-            self.queue.tally.note(message.to_owned());
+    /// The device, or why there is none any more.
+    pub(crate) fn device(&self) -> Result<Arc<Device>, GpuError> {
+        lock(&self.holder).device.clone()
+    }
+
+    /// What lanes on `device` failed by, noted; a lost device is opened again, once, and after that stays away.
+    pub(crate) fn failed(&self, device: &Arc<Device>, error: GpuError) -> GpuError {
+        match &error {
+            GpuError::Lost { .. } => self.reopen(device, &error),
+            GpuError::Refused { .. } => self.tally.halved(&error),
+            _ => self.tally.note(format!("lanes: {error}")),
         }
+        error
     }
 
-    /// A sample begins on this thread; it waits while others have their turn. Ends when dropped.
+    fn reopen(&self, lost: &Arc<Device>, why: &GpuError) {
+        let mut holder = lock(&self.holder);
+        let is_same = |device: &Arc<Device>| Arc::ptr_eq(device, lost);
+        if !holder.device.as_ref().is_ok_and(is_same) {
+            // another thread was faster
+            return;
+        }
+        lost.destroy();
+        holder.device = match holder.reopened < REOPENINGS {
+            true => open(&self.settings).map(Arc::new),
+            false => Err(why.clone()),
+        };
+        holder.reopened += 1;
+        self.tally.note(match &holder.device {
+            Ok(_) => format!("{why}; it was opened again"),
+            Err(error) => format!("{why}; the processor does the rest ({error})"),
+        });
+    }
+
+    /// Failure on purpose.
+    pub(crate) fn fault(&self) -> Option<Fault> {
+        self.settings.fault
+    }
+
+    /// Counts lanes, and those of them that the processor takes over.
+    pub(crate) fn lanes(&self, lanes: usize, lost: usize) {
+        self.tally.lanes(lanes, lost);
+    }
+
+    /// Whether the processor searches the peak of these `inputs` again, without the device.
     #[must_use]
-    pub fn turn(&self) -> Turn<'_> {
-        self.queue.begin();
-        HAS_TURN.set(true);
-        Turn { queue: &self.queue }
+    pub fn compares(&self, inputs: &[f64]) -> bool {
+        chosen(inputs, self.settings.audit)
     }
 
-    /// Ends the device as a driver reset would; for tests.
-    pub fn lose_device(&self) {
-        self.queue.lose_device();
+    /// Compares a peak that was searched from a lane with the same peak searched without.
+    pub fn compared(&self, differences: [f64; 2], beyond: bool) {
+        self.tally.compared(differences, beyond);
     }
 
     /// The adapter.
@@ -92,60 +110,17 @@ impl Gpu {
     /// What the device has done so far.
     #[must_use]
     pub fn report(&self) -> GpuReport {
-        self.queue.tally.report()
+        self.tally.report()
     }
 }
 
-impl Drop for Gpu {
-    fn drop(&mut self) {
-        self.queue.close();
-        for lane in self.lanes.drain(..) {
-            // a lane that panicked has nothing more to say
-            let _ = lane.join();
-        }
-    }
-}
-
-thread_local! {
-    /// Whether this thread computes a sample of a run.
-    static HAS_TURN: Cell<bool> = const { Cell::new(false) };
-}
-
-impl Drafts for Gpu {
-    fn draft(&self, plan: &AftPlan<f64>, batch: &AftBatch<f64>, out: &mut AftForces<f64>) -> bool {
-        let Some(shape) = Shape::of(plan, self.settings.precision) else {
-            return false;
-        };
-        if !self.adapter.is_hardware() && !shape.suits_software() {
-            return false;
-        }
-        let Some(states) = ScaledStates::new(batch) else {
-            return false;
-        };
-        let Some(forces) = self.queue.ask(shape, states.clone(), HAS_TURN.get()) else {
-            return false;
-        };
-        states.unscale(plan, batch, &forces, out);
-        decide(plan, batch, &forces.undecided, out);
-        if self.settings.fault == Some(Fault::WrongDrafts) {
-            out.forces.iter_mut().for_each(|force| *force *= 1.01);
-        }
-        if chosen(batch, self.settings.audit) {
-            self.audit(plan, batch, out);
-        }
-        true
-    }
-}
-
-/// The right of a sample to compute on the processor.
-#[derive(Debug)]
-pub struct Turn<'a> {
-    queue: &'a Queue,
-}
-
-impl Drop for Turn<'_> {
-    fn drop(&mut self) {
-        HAS_TURN.set(false);
-        self.queue.end();
-    }
+/// Opens the adapter of the settings and tests it.
+fn open(settings: &GpuSettings) -> Result<Device, GpuError> {
+    let device = Device::open(
+        settings.adapter.as_deref(),
+        settings.local_rank,
+        Precision::F32,
+    )?;
+    self_test(&device, settings)?;
+    Ok(device)
 }

@@ -56,6 +56,11 @@ impl Buffers {
     pub fn capacity(&self) -> usize {
         self.capacity
     }
+
+    /// The buffer that the shaders call `name`.
+    pub(crate) fn buffer(&self, name: &str) -> &wgpu::Buffer {
+        &self.named[name]
+    }
 }
 
 impl Kernels {
@@ -254,11 +259,8 @@ impl Kernels {
     }
 
     fn upload(&self, device: &Device, buffers: &Buffers, parts: &[&ScaledStates], n: usize) {
-        let count = u32::try_from(n).unwrap_or(u32::MAX);
+        self.count(device, buffers, n);
         let named = &buffers.named;
-        device
-            .queue
-            .write_buffer(&named["batch"], 0, &count.to_le_bytes());
         let rows = |values: fn(&ScaledStates) -> &[f64], n_rows: usize| {
             let mut all = Vec::with_capacity(n_rows * n);
             for row in 0..n_rows {
@@ -277,19 +279,25 @@ impl Kernels {
         device.queue.write_buffer(&named["states"], 0, &constants);
     }
 
-    fn record(
+    /// Says how many states the buffers hold.
+    pub(crate) fn count(&self, device: &Device, buffers: &Buffers, n: usize) {
+        let count = u32::try_from(n).unwrap_or(u32::MAX);
+        let to = &buffers.named["batch"];
+        device.queue.write_buffer(to, 0, &count.to_le_bytes());
+    }
+
+    /// The passes over the first `n` states that the buffers hold.
+    pub(crate) fn encode(
         &self,
-        device: &Device,
+        encoder: &mut wgpu::CommandEncoder,
         buffers: &Buffers,
         n: usize,
         want: Want,
-    ) -> wgpu::CommandBuffer {
-        let passes = self.passes(want);
+    ) {
         let groups = u32::try_from(n.div_ceil(self.reflection.group as usize)).unwrap_or(u32::MAX);
-        let mut encoder = device.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&buffers.named["flags"], 0, None);
         encoder.clear_buffer(&buffers.named["n_moving"], 0, None);
-        for (i, (pass, pipeline)) in passes.iter().zip(&self.pipelines).enumerate() {
+        for (i, (pass, pipeline)) in self.passes(want).iter().zip(&self.pipelines).enumerate() {
             let writes = buffers
                 .timer
                 .as_ref()
@@ -306,6 +314,18 @@ impl Kernels {
             commands.set_bind_group(0, &buffers.bind_group, &[]);
             commands.dispatch_workgroups(groups, (pass.rows)(&self.shape), 1);
         }
+    }
+
+    fn record(
+        &self,
+        device: &Device,
+        buffers: &Buffers,
+        n: usize,
+        want: Want,
+    ) -> wgpu::CommandBuffer {
+        let passes = self.passes(want);
+        let mut encoder = device.device.create_command_encoder(&Default::default());
+        self.encode(&mut encoder, buffers, n, want);
         let mut offset = TIMER_BYTES;
         for name in RETURNED {
             let size = self.size(name, n);
@@ -415,14 +435,14 @@ impl Kernels {
 }
 
 /// Catches what the device says of the calls of this thread.
-struct Scope {
+pub(crate) struct Scope {
     memory: wgpu::ErrorScopeGuard,
     validation: wgpu::ErrorScopeGuard,
     internal: wgpu::ErrorScopeGuard,
 }
 
 impl Scope {
-    fn new(device: &Device) -> Self {
+    pub(crate) fn new(device: &Device) -> Self {
         let push = |filter| device.device.push_error_scope(filter);
         Self {
             memory: push(wgpu::ErrorFilter::OutOfMemory),
@@ -432,7 +452,7 @@ impl Scope {
     }
 
     /// The first error, as `refusal` puts it. A lost device reports errors of every kind, and is no refusal.
-    fn close(
+    pub(crate) fn close(
         self,
         device: &Device,
         refusal: impl FnOnce(String) -> GpuError,

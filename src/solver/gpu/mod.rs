@@ -1,8 +1,7 @@
-//! Contact states on a GPU: drafts of the forces and tangents that steer Newton's method.
+//! Contact states on a GPU: forces and tangents, rounded to the shaders' precision.
 //!
-//! A draft is rounded to the shaders' precision; what decides a result is evaluated by the processor in double precision
-//! (`hb` asks for it below a residual). Start reading at [`Gpu`]; the shaders are in `shaders/`. Whatever the
-//! device fails to do the processor does: no sample is lost by it. A build without the feature `gpu` has no device, and
+//! They serve the lanes of [`crate::lockstep`], which lead the processor to a peak and decide no result. Start reading at [`Gpu`]; the
+//! shaders are in `shaders/`. Whatever the device fails to do the processor does: no sample is lost by it. A build without the feature `gpu` has no device, and
 //! says so where one is asked for.
 //!
 //! Passes of the box law: transform (signals at the samples) → box_march (breakpoints and sliders) → spectra → forces →
@@ -25,8 +24,6 @@ mod choice;
 mod device;
 #[cfg(feature = "gpu")]
 mod kernels;
-#[cfg(feature = "gpu")]
-mod queue;
 #[cfg(feature = "gpu")]
 mod readback;
 #[cfg(feature = "gpu")]
@@ -54,3 +51,5 @@ pub use {
     self_test::{examined, self_test},
     shader::{Access, Binding, Reflection, Shape},
 };
+#[cfg(feature = "gpu")]
+pub(crate) use {kernels::Scope, readback::read};

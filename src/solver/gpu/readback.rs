@@ -96,7 +96,7 @@ pub(super) fn seconds(passes: &[Pass], bytes: &[u8], period: f64) -> PassSeconds
 }
 
 /// Waits for a submission and copies the first `size` bytes of a staging buffer.
-pub(super) fn read(
+pub(crate) fn read(
     device: &Device,
     staging: &wgpu::Buffer,
     size: u64,

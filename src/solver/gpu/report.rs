@@ -1,8 +1,5 @@
 //! What is known of an adapter, and what it did in a run.
 
-use super::settings::Precision;
-use std::collections::BTreeMap;
-
 /// What is known of an adapter without opening it.
 #[derive(
     Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
@@ -50,31 +47,26 @@ impl AdapterFacts {
 pub struct GpuReport {
     /// The adapter.
     pub adapter: AdapterFacts,
-    /// Numbers of the shaders.
-    pub precision: Precision,
-    /// Evaluations (all pairs of one sample at one iterate) that it was asked for.
-    pub evaluations: u64,
-    /// Contact states in them.
-    pub states: u64,
-    /// Batches that they went down in.
-    pub batches: u64,
-    /// Evaluations that were repeated by the processor in double precision.
-    pub audited: u64,
-    /// Largest difference of a force in them, over the state's largest force.
-    pub largest_force_difference: f64,
-    /// Largest difference of a derivative in them, over the state's largest derivative.
-    pub largest_derivative_difference: f64,
-    /// Audited evaluations beyond the limit on forces; the processor's result took their place.
-    pub beyond_limit: u64,
-    /// States that the processor took over: they had more events than there is room for, a cycle that is hard to find, or a
-    /// number that is not finite.
-    pub undecided: u64,
-    /// Evaluations that the processor took over because the device failed.
-    pub fallbacks: u64,
-    /// Batches that were halved.
+    /// Predicted peaks that it was given to bring closer (lanes).
+    #[serde(default)]
+    pub lanes: u64,
+    /// Of these, those that it could not bring closer.
+    #[serde(default)]
+    pub lanes_lost: u64,
+    /// Peaks that the processor searched again without the device.
+    #[serde(default)]
+    pub peaks_compared: u64,
+    /// Largest relative difference of a frequency between both searches.
+    #[serde(default)]
+    pub largest_frequency_difference: f64,
+    /// Largest relative difference of an amplitude between both searches.
+    #[serde(default)]
+    pub largest_amplitude_difference: f64,
+    /// Peaks beyond the limit; those searched without the device took their place.
+    #[serde(default)]
+    pub peaks_beyond_limit: u64,
+    /// Batches that it refused and that were halved.
     pub halved: u64,
-    /// Time (s) per pass on the device, where it can tell.
-    pub pass_seconds: BTreeMap<String, f64>,
     /// What failed.
     pub notes: Vec<String>,
 }

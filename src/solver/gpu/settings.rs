@@ -3,29 +3,16 @@
 use crate::contact::{Events, FrictionLaw};
 
 /// Floating-point numbers of the shaders.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Eq,
-    Hash,
-    Default,
-    serde::Serialize,
-    serde::Deserialize,
-    schemars::JsonSchema,
-)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Precision {
     /// Single, on every adapter.
-    #[default]
     F32,
     /// Double, where the adapter has `SHADER_F64`.
     F64,
 }
 
 impl Precision {
-    /// Name in WGSL and on the command line.
+    /// Name in WGSL.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -47,14 +34,16 @@ impl Precision {
 /// A failure on purpose, for tests of what follows from it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
-    /// The device is lost once, before batch number `.0`.
-    LoseDeviceAfter(u64),
-    /// Batches of more states are refused.
+    /// Batches of more contact states are refused.
     RefuseAbove(usize),
     /// The self-test finds a wrong force.
     WrongSelfTest,
-    /// Every draft has a wrong force.
-    WrongDrafts,
+    /// This pass over lanes has wrong results.
+    WrongPass(&'static str),
+    /// This pass over lanes has results that are no numbers.
+    NoNumbers(&'static str),
+    /// The device is lost before iteration number `.0` of the lanes of each batch.
+    LoseDeviceInIteration(u64),
 }
 
 /// How the device is used.
@@ -64,12 +53,8 @@ pub struct GpuSettings {
     pub adapter: Option<String>,
     /// Number of this process among those of its node: where several adapters fit, each process takes one.
     pub local_rank: u64,
-    /// Numbers of the shaders.
-    pub precision: Precision,
-    /// Share of the evaluations that the processor repeats, 0 to 1.
+    /// Share of the peaks that the processor searches again without the device, 0 to 1.
     pub audit: f64,
-    /// Samples that compute on the processor at the same time.
-    pub turns: usize,
     /// Law and events whose shaders the self-test examines.
     pub law: FrictionLaw,
     /// See above.
@@ -83,9 +68,7 @@ impl Default for GpuSettings {
         Self {
             adapter: None,
             local_rank: 0,
-            precision: Precision::F32,
             audit: 0.01,
-            turns: 1,
             law: FrictionLaw::Box,
             events: Events::Located,
             fault: None,

@@ -58,8 +58,7 @@ pub struct Shape {
 /// 65 535 in all.
 const MOST_ITERATIONS: usize = 60_000;
 
-/// Highest harmonic for which kernels are compiled for a software adapter: each set of harmonics takes it about 10 s, and the
-/// larger sets of the error alert are evaluated a few times only.
+/// Highest harmonic for which kernels are compiled for a software adapter: each set of harmonics takes it about 10 s.
 const HIGHEST_ON_SOFTWARE: u32 = 21;
 
 /// Laps after which the shader of the circle law gives up.
@@ -201,7 +200,7 @@ impl Shape {
     }
 
     /// Blocks of a derivative in the order of the shaders.
-    pub(super) fn blocks(&self) -> &'static [Block] {
+    pub(crate) fn blocks(&self) -> &'static [Block] {
         match self.march {
             March::Box => &[Block::T1T1, Block::T2T2, Block::T1N, Block::T2N, Block::NN],
             March::SampledCircle { .. } | March::LocatedCircle => &Block::ALL,

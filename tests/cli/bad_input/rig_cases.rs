@@ -106,7 +106,7 @@ pub(crate) const RIG_BEYOND_SCHEMA: &[Case] = &[
     ),
     (
         "contact_nodes = [3, 5]",
-        "blade_element_mm = [1e-6, 1e-6, 1e-6]",
+        "blade_element_mm = [0.01, 0.01, 0.01]",
         &[":6: model.blade_element_mm = edges for ", "must be longer"],
     ),
 ];

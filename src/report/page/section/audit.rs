@@ -66,12 +66,13 @@ fn provenance(view: &View) -> Block {
 
 fn gpu_audit(gpu: &GpuReport) -> String {
     format!(
-        "{} of {} evaluations repeated in double precision, largest difference {:.1e} of a force and {:.1e} of a derivative; {} taken over by the processor",
-        gpu.audited,
-        gpu.evaluations,
-        gpu.largest_force_difference,
-        gpu.largest_derivative_difference,
-        gpu.fallbacks + gpu.beyond_limit
+        "{} of {} predicted peaks brought closer, {} of them searched again without, largest difference {:.1e} of a frequency and {:.1e} of an amplitude, {} replaced by those searched again",
+        gpu.lanes - gpu.lanes_lost,
+        gpu.lanes,
+        gpu.peaks_compared,
+        gpu.largest_frequency_difference,
+        gpu.largest_amplitude_difference,
+        gpu.peaks_beyond_limit
     )
 }
 

@@ -14,8 +14,8 @@
 use super::layout::{Layout, PairTangent};
 use super::problem::Problem;
 use crate::aft::{
-    Accuracy, AftBatch, AftForces, AftPlan, AftSettings, Block, Laps, Periodicity, StateSummary,
-    Tangent, Want,
+    AftBatch, AftForces, AftPlan, AftScratch, AftSettings, Block, Laps, Periodicity, StateSummary,
+    Tangent, Want, evaluate,
 };
 use crate::contact::{Events, FrictionLaw};
 use crate::harmonics::HarmonicSet;
@@ -42,12 +42,10 @@ pub struct ContactResponse {
     pub force: Vec<f64>,
     /// ∂g/∂r = ∂F/∂r − K_c of the pairs that do not stick all the time; empty if no derivatives were asked for.
     pub active: Vec<PairTangent>,
-    /// Per pair: the numbers of time points at which it sticks, slips, is separated. A draft gives them roughly.
+    /// Per pair: the numbers of time points at which it sticks, slips, is separated.
     pub samples: Vec<[u32; 3]>,
     /// Whether the motion of every slider is periodic. Always true where the study gives the number of laps.
     pub steady: bool,
-    /// Whether a result may depend on these forces: those of a draft only steer Newton's method.
-    pub accuracy: Accuracy,
 }
 
 /// Motion of the whole structure in modal coordinates η.
@@ -101,6 +99,11 @@ impl<'p> Balance<'p> {
         Self::new(self.problem, harmonics, self.plan.settings())
     }
 
+    /// How its contacts are evaluated.
+    pub(crate) fn plan(&self) -> &AftPlan<f64> {
+        &self.plan
+    }
+
     /// Time points per period.
     #[must_use]
     pub fn n_time(&self) -> usize {
@@ -131,9 +134,9 @@ impl<'p> Balance<'p> {
         )
     }
 
-    /// Contact forces at `r`, with their derivatives if `tangents`, at least as accurate as `accuracy` says.
+    /// Contact forces at `r`, with their derivatives if `want` says so.
     #[must_use]
-    pub fn contact(&self, r: &[f64], want: Want, accuracy: Accuracy) -> ContactResponse {
+    pub fn contact(&self, r: &[f64], want: Want) -> ContactResponse {
         let (n_c, m) = (self.layout.n_pairs, self.layout.n_coefficients);
         let batch = AftBatch {
             n_states: n_c,
@@ -141,8 +144,8 @@ impl<'p> Balance<'p> {
             parameters: self.problem.contacts.clone(),
         };
         let mut forces = AftForces::default();
-        let backend = self.problem.backend;
-        let accuracy = backend.evaluate(&self.plan, &batch, (want, accuracy), &mut forces);
+        let scratch = &mut AftScratch::default();
+        evaluate(&self.plan, &batch, want, scratch, &mut forces);
         let searched = self.plan.settings().laps == Laps::Periodic;
         let lost = |s: &StateSummary| s.periodicity == Periodicity::NotPeriodic;
         ContactResponse {
@@ -154,7 +157,6 @@ impl<'p> Balance<'p> {
                 .map(|s| [s.stick, s.slip, s.separated])
                 .collect(),
             steady: !(searched && forces.summaries.iter().any(lost)),
-            accuracy,
         }
     }
 
@@ -289,18 +291,6 @@ impl<'p> Balance<'p> {
             *load = force * rate.level - *load - inertia * rate.omega;
         }
         part.responses(&first.solve_rate(&load))[self.problem.leading]
-    }
-
-    /// Largest relative displacement (m) of the stuck structure, static or dynamic.
-    #[must_use]
-    pub fn stuck_size(&self, at: &Compliance<'_>, level: f64) -> f64 {
-        let rest = self.problem.stuck_static.relative.iter().map(|r| r.abs());
-        let moving = at
-            .harmonics
-            .first()
-            .map(|first| self.stuck_relative(first, level));
-        let moving = moving.iter().flatten().map(|z| z.norm());
-        rest.chain(moving).fold(0.0, f64::max)
     }
 
     /// r̂₁ (m) of the stuck structure.

@@ -118,6 +118,16 @@ impl<'a> FreeBalance<'a> {
         self.model().part(self.orders[i])
     }
 
+    /// Harmonics above 0.
+    pub(crate) fn orders(&self) -> &[usize] {
+        &self.orders
+    }
+
+    /// r_ref (m). Shape: `[3·n_contacts]`.
+    pub(crate) fn rest(&self) -> &[f64] {
+        &self.rest
+    }
+
     /// Parts of the model with the numbers of their harmonics above 0.
     pub(in crate::hb) fn groups(&self) -> &[(usize, Vec<usize>)] {
         &self.groups

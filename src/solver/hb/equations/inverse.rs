@@ -50,6 +50,18 @@ impl InverseJacobian {
         self.size
     }
 
+    /// All entries, column by column.
+    pub(crate) fn columns(&self) -> Vec<f32> {
+        let panels = || self.panels.chunks_exact(PANEL * self.size).enumerate();
+        let column = |j: usize| {
+            panels().flat_map(move |(p, panel)| {
+                let rows = PANEL.min(self.size - p * PANEL);
+                &panel[j * PANEL..][..rows]
+            })
+        };
+        (0..self.size).flat_map(column).copied().collect()
+    }
+
     /// J⁻¹ x for each `x`. Two together read the matrix once.
     #[must_use]
     pub fn times(&self, x: &[Vec<f32>]) -> Vec<Vec<f32>> {

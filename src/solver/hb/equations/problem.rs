@@ -1,7 +1,6 @@
 //! The nonlinear problem of one sample: linear model, contact parameters and static load.
 
 use super::effort::Effort;
-use crate::aft::Backend;
 use crate::contact::ContactParameters;
 use crate::hb::ProblemError;
 use crate::hb::settings::SliderAnchor;
@@ -25,8 +24,6 @@ pub struct Problem<'m> {
     pub static_load_scale: f64,
     /// Number of the response whose amplitude defines resonance: 0, but for the blades of a mistuned disk.
     pub leading: usize,
-    /// What evaluates the contact forces: the processor, unless it is set otherwise.
-    pub backend: Backend<'m>,
     /// Work so far, and Newton iterations left to the search that runs (no bound until [`Effort::grant`]).
     pub effort: Effort,
 }
@@ -94,7 +91,6 @@ impl<'m> Problem<'m> {
             stuck_static,
             static_load_scale,
             leading: 0,
-            backend: Backend::Cpu,
             effort: Effort::default(),
         })
     }
@@ -132,7 +128,6 @@ impl<'m> Problem<'m> {
             stuck_static: self.stuck_static.clone(),
             static_load_scale: self.static_load_scale,
             leading,
-            backend: self.backend,
             effort: Effort::default(),
         }
     }

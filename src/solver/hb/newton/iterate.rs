@@ -2,7 +2,7 @@
 //! through the point.
 
 use super::point::{Direction, Point};
-use crate::aft::{Accuracy, Want};
+use crate::aft::Want;
 use crate::hb::equations::balance::{Balance, ContactResponse, LoadRate, Motion};
 use crate::hb::equations::jacobian::{EXACT, Jacobian};
 use crate::hb::structure::compliance::Compliance;
@@ -24,10 +24,6 @@ pub struct Iterate<'p> {
     pub motion: Motion,
 }
 
-/// Residual over the motion below which contact forces must be computed in double precision. Drafts in single precision have
-/// errors of a few 1e-6 of the motion: a point that they were used at is therefore never accepted as a solution.
-pub const DRAFT_RESIDUAL: f64 = 1e-4;
-
 /// Tolerance of the linear solve of a Newton step, over the relative residual at its start ("forcing term"). A Newton step
 /// leaves about the square of the residual; the error of the linear solve is then no larger.
 /// Source: Eisenstat & Walker 1996, SIAM J. Sci. Comput. 17, 16–32.
@@ -36,7 +32,7 @@ const FORCING: f64 = 0.1;
 const LOOSEST: f64 = 1e-3;
 
 impl<'p> Iterate<'p> {
-    /// Evaluates the balance equations at `point`, contact forces in double precision.
+    /// Evaluates the balance equations at `point`.
     #[must_use]
     pub fn new(balance: &Balance<'p>, point: Point) -> Self {
         let compliance = Arc::new(balance.compliance(point.omega));
@@ -48,39 +44,7 @@ impl<'p> Iterate<'p> {
         point: Point,
         compliance: Arc<Compliance<'p>>,
     ) -> Self {
-        Self::evaluated(balance, point, compliance, Accuracy::Full)
-    }
-
-    /// The same for a step of an iteration: if the residual is large and the backend offers drafts, the contact forces are a
-    /// draft.
-    #[must_use]
-    pub fn draft(balance: &Balance<'p>, point: Point) -> Self {
-        let compliance = Arc::new(balance.compliance(point.omega));
-        let iterate = Self::evaluated(balance, point, compliance, Accuracy::Draft);
-        if iterate.contact.accuracy == Accuracy::Full || iterate.is_far(balance) {
-            return iterate;
-        }
-        Self::evaluated(balance, iterate.point, iterate.compliance, Accuracy::Full)
-    }
-
-    /// Whether the residual is large against the motion (not against its relative part, which may be a small difference).
-    fn is_far(&self, balance: &Balance<'_>) -> bool {
-        let stuck = balance.stuck_size(&self.compliance, self.point.level);
-        let floor = stuck.max(balance.problem.displacement_scale(self.point.level));
-        let motion = self.point.r.iter().fold(floor, |m, r| m.max(r.abs()));
-        self.residual
-            .iter()
-            .any(|r| r.abs() > DRAFT_RESIDUAL * motion)
-            && self.residual.iter().all(|r| r.is_finite())
-    }
-
-    fn evaluated(
-        balance: &Balance<'p>,
-        point: Point,
-        compliance: Arc<Compliance<'p>>,
-        accuracy: Accuracy,
-    ) -> Self {
-        let contact = balance.contact(&point.r, Want::ForcesAndTangents, accuracy);
+        let contact = balance.contact(&point.r, Want::ForcesAndTangents);
         let motion = balance.motion(&compliance, point.level, &point.r, &contact.force);
         let residual = balance.residual(&motion, &point.r, &contact.force);
         Self {

@@ -8,6 +8,6 @@ mod point;
 pub mod rest;
 mod solve;
 
-pub use iterate::{DRAFT_RESIDUAL, Iterate};
+pub use iterate::Iterate;
 pub use point::{Direction, Metric, Point};
 pub use solve::{Condition, newton_step, polish, solve};

@@ -11,7 +11,7 @@
 use super::growth::{Growth, Limits, MAX_ITERATIONS, PeakSearch};
 use super::predicted::{CORRECTIONS, MEASURING_STEP, PeakPrediction, limits};
 use super::search::{Located, PeakSettings};
-use crate::aft::{Accuracy, Want};
+use crate::aft::Want;
 use crate::hb::equations::balance::{Balance, ContactResponse};
 use crate::hb::equations::free::{FreeBalance, FreeMotion, StaticReference};
 use crate::hb::equations::inverse::InverseJacobian;
@@ -60,7 +60,7 @@ impl AnchorInverse<'_> {
         point: &Point,
     ) -> Option<InverseJacobian> {
         let free = FreeBalance::new(balance, reference)?;
-        let contact = balance.contact(&point.r, Want::ForcesAndTangents, Accuracy::Full);
+        let contact = balance.contact(&point.r, Want::ForcesAndTangents);
         let motion = free.motion(point.omega, point.level, &contact.force);
         InverseJacobian::new(&free, &contact, &motion)
     }
@@ -162,7 +162,7 @@ struct FreeIterate<'a> {
 impl<'a> FreeIterate<'a> {
     fn new(free: &'a FreeBalance<'a>, point: Point) -> Self {
         let want = Want::ForcesAndTangents;
-        let contact = free.balance.contact(&point.r, want, Accuracy::Full);
+        let contact = free.balance.contact(&point.r, want);
         let motion = free.motion(point.omega, point.level, &contact.force);
         let residual = free.residual(&motion, &point.r, &contact.force);
         Self {

@@ -23,49 +23,49 @@ const USABLE: std::ops::Range<f64> = 0.003..10.0;
 /// tolerance.
 const CLOSE: f64 = 0.1;
 /// Most iterations.
-pub(super) const MAX_ITERATIONS: usize = 20;
+pub(crate) const MAX_ITERATIONS: usize = 20;
 /// Iterations in a row that may fail to halve the residual (far from the branch) or the frequency step (close to it). If
 /// samples change their contact state the growth jumps, and secants do not converge.
 const PATIENCE: usize = 3;
 
 /// How exactly a peak is searched.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Limits {
+pub(crate) struct Limits {
     /// Largest residual of a solution.
-    pub(super) tolerance: f64,
+    pub(crate) tolerance: f64,
     /// Dynamic displacement at the prediction over the scale of the residual, 1 at most.
-    pub(super) share: f64,
+    pub(crate) share: f64,
     /// Relative tolerance of the frequency.
-    pub(super) frequency: f64,
+    pub(crate) frequency: f64,
 }
 
 /// What the branch through one iterate tells, after the Newton correction at its frequency.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Growth {
+pub(crate) struct Growth {
     /// Frequency (rad/s).
-    pub(super) omega: f64,
+    pub(crate) omega: f64,
     /// ŷ after the correction.
-    pub(super) response: c64,
+    pub(crate) response: c64,
     /// Derivative of its phase by the frequency (s).
-    pub(super) phase_rate: f64,
+    pub(crate) phase_rate: f64,
     /// Derivative of ln |ŷ| by the phase along the branch.
-    pub(super) growth: f64,
+    pub(crate) growth: f64,
     /// Error of `growth`.
-    pub(super) error: f64,
+    pub(crate) error: f64,
 }
 
 /// The next step of a search.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PhaseStep {
+pub(crate) struct PhaseStep {
     /// Length (rad).
-    pub(super) length: f64,
+    pub(crate) length: f64,
     /// Whether it leads to where the growth vanishes.
-    pub(super) by_growth: bool,
+    pub(crate) by_growth: bool,
 }
 
 /// State of a search.
 #[derive(Debug, Clone)]
-pub(super) struct PeakSearch {
+pub(crate) struct PeakSearch {
     limits: Limits,
     /// Predicted phasor of the response.
     phasor: c64,
@@ -96,7 +96,7 @@ impl Limits {
     }
 
     /// Error of the growth at an iterate with a residual of this `size`: it is as exact as the displacements.
-    pub(super) fn growth_error(&self, size: f64) -> f64 {
+    pub(crate) fn growth_error(&self, size: f64) -> f64 {
         GROWTH_ERROR * (size / self.share)
     }
 
@@ -114,12 +114,12 @@ impl Limits {
 
 impl Growth {
     /// Phase (rad) that `other` is behind.
-    pub(super) fn ahead_of(&self, other: &Self) -> f64 {
+    pub(crate) fn ahead_of(&self, other: &Self) -> f64 {
         (self.response / other.response).arg()
     }
 
     /// Whether a maximum lies between this iterate and one further along the branch.
-    pub(super) fn falls_to(&self, further: &Self) -> bool {
+    pub(crate) fn falls_to(&self, further: &Self) -> bool {
         usable(&((self.growth - further.growth) / further.ahead_of(self)))
     }
 }
@@ -131,7 +131,7 @@ fn usable(sharpness: &f64) -> bool {
 
 impl PeakSearch {
     /// A search for a peak with the predicted `phasor` of the response, and with the predicted `sharpness`.
-    pub(super) fn new(limits: Limits, phasor: c64, sharpness: Option<f64>) -> Self {
+    pub(crate) fn new(limits: Limits, phasor: c64, sharpness: Option<f64>) -> Self {
         Self {
             limits,
             phasor,
@@ -152,7 +152,7 @@ impl PeakSearch {
     ///
     /// # Errors
     /// [`Status::NonFinite`]; [`Status::NoSteadyCycle`] at a solution without.
-    pub(super) fn ends(&mut self, size: f64, steady: bool) -> Result<bool, Status> {
+    pub(crate) fn ends(&mut self, size: f64, steady: bool) -> Result<bool, Status> {
         if !size.is_finite() {
             return Err(Status::NonFinite);
         }
@@ -164,11 +164,17 @@ impl PeakSearch {
         Ok(self.closing && self.closed)
     }
 
+    /// Whether the last iterate asked about was within both tolerances. The peak there depends on the iterations before, so it is no
+    /// result but a start.
+    pub(crate) fn is_close(&self) -> bool {
+        self.closing
+    }
+
     /// The step from `here`, an iterate with a residual of this `size`, at which the search has not ended.
     ///
     /// # Errors
     /// [`Status::MaxIterations`] if the iterations do not converge.
-    pub(super) fn step(&mut self, size: f64, here: Growth) -> Result<PhaseStep, Status> {
+    pub(crate) fn step(&mut self, size: f64, here: Growth) -> Result<PhaseStep, Status> {
         let by_growth = self.closing || (!self.located && self.limits.trust(&here, size));
         let length = if by_growth {
             self.growth_step(&here)
@@ -191,12 +197,12 @@ impl PeakSearch {
     }
 
     /// Sharpness of the peak that was found, for those who predict others from it.
-    pub(super) fn sharpness(&self) -> Option<f64> {
+    pub(crate) fn sharpness(&self) -> Option<f64> {
         self.measured.or(self.predicted).filter(usable)
     }
 
     /// Whether the iterations have measured that the growth falls where it vanishes: the peak is a maximum.
-    pub(super) fn has_measured_maximum(&self) -> bool {
+    pub(crate) fn has_measured_maximum(&self) -> bool {
         self.measured.as_ref().is_some_and(usable)
     }
 

@@ -5,7 +5,7 @@ pub mod anchored;
 pub mod attribution;
 mod band;
 pub mod blades;
-mod growth;
+pub(crate) mod growth;
 pub mod level_peak;
 pub mod maxima;
 pub mod predicted;

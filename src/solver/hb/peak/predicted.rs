@@ -9,7 +9,6 @@
 
 use super::growth::{Growth, Limits, MAX_ITERATIONS, PeakSearch};
 use super::search::{Located, PeakSettings, find_peak, sharp_enough};
-use crate::aft::{Accuracy, Backend};
 use crate::hb::equations::balance::Balance;
 use crate::hb::newton::{Condition, Direction, Iterate, Point, solve};
 use crate::hb::settings::NewtonSettings;
@@ -61,9 +60,6 @@ const ROUGH: f64 = 1e-3;
 
 /// The maximum of |ŷ| next to `prediction`.
 ///
-/// A GPU may draft the contact forces of the first iterations. The result is always evaluated in full. If nothing was found
-/// the search is repeated in full, so that no failure is due to the drafts.
-///
 /// # Errors
 /// [`Status::NoPeakInBand`] if the frequency leaves the band, [`Status::MaxIterations`] if the prediction was too far
 /// away or no maximum is there, [`Status::NonFinite`].
@@ -73,26 +69,7 @@ pub fn correct<'p>(
     settings: PeakSettings,
     newton: NewtonSettings,
 ) -> Result<Located<'p>, Status> {
-    if matches!(balance.problem.backend, Backend::Cpu) {
-        return searched(balance, prediction, settings, newton, Iterate::new);
-    }
-    let draft = prediction.clone();
-    searched(balance, draft, settings, newton, Iterate::draft)
-        .or_else(|_| searched(balance, prediction, settings, newton, Iterate::new))
-}
-
-/// Evaluates everything at a point, as a draft or in full.
-type Evaluate<'p> = fn(&Balance<'p>, Point) -> Iterate<'p>;
-
-/// The search behind [`correct`]; `evaluate` makes the iterates until one was evaluated in full.
-fn searched<'p>(
-    balance: &Balance<'p>,
-    prediction: PeakPrediction,
-    settings: PeakSettings,
-    newton: NewtonSettings,
-    evaluate: Evaluate<'p>,
-) -> Result<Located<'p>, Status> {
-    let mut iterate = evaluate(balance, prediction.point);
+    let mut iterate = Iterate::new(balance, prediction.point);
     let limits = limits(balance, &iterate.point, settings, newton);
     let mut search = PeakSearch::new(limits, prediction.phasor, prediction.sharpness);
     let mut last = None;
@@ -114,30 +91,16 @@ fn searched<'p>(
         if !settings.band.contains(point.omega) {
             return Err(Status::NoPeakInBand);
         }
-        iterate = next_iterate(balance, iterate, point, omega_step, evaluate);
+        iterate = match omega_step == 0.0 {
+            true => Iterate::with_compliance(balance, point, iterate.compliance),
+            false => Iterate::new(balance, point),
+        };
     }
     Err(Status::MaxIterations)
 }
 
-/// The iterate at `point`, `omega_step` away from `last`, with the compliance of `last` at the same frequency.
-fn next_iterate<'p>(
-    balance: &Balance<'p>,
-    last: Iterate<'p>,
-    point: Point,
-    omega_step: f64,
-    evaluate: Evaluate<'p>,
-) -> Iterate<'p> {
-    match last.contact.accuracy {
-        Accuracy::Draft => evaluate(balance, point),
-        Accuracy::Full if omega_step == 0.0 => {
-            Iterate::with_compliance(balance, point, last.compliance)
-        }
-        Accuracy::Full => Iterate::new(balance, point),
-    }
-}
-
 /// How exactly the peak close to `predicted` is searched.
-pub(super) fn limits(
+pub(crate) fn limits(
     balance: &Balance<'_>,
     predicted: &Point,
     settings: PeakSettings,

@@ -1,0 +1,222 @@
+//! Predicted peaks of many samples, brought closer by a device before the processor searches them.
+//!
+//! Only samples that take the inverse of an anchor are given to it ([`super::with_inverse`]). A lane depends on its sample and the
+//! atlas alone, not on the lanes beside it.
+
+use super::Ensemble;
+use super::atlas::{Atlas, AtlasPrediction, Place};
+use super::inverses::Made;
+use super::with_inverse::{ANCHORS_WITH_INVERSE, LEAST_ANCHORS, MOST_UNKNOWNS};
+use crate::gpu::Gpu;
+use crate::hb::Solution;
+use crate::hb::equations::balance::{Balance, balance_on};
+use crate::hb::equations::free::{FreeBalance, StaticReference};
+use crate::hb::equations::inverse::InverseJacobian;
+use crate::hb::peak::anchored::AnchorInverse;
+use crate::hb::peak::predicted::PeakPrediction;
+use crate::lockstep::search::LaneSearch;
+use crate::lockstep::system::LaneSystem;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Samples whose lanes go to the device together.
+pub(super) const SAMPLES_OF_BATCH: usize = 1024;
+/// Largest relative difference of frequency and amplitude between a peak searched from a lane and the same searched without: ten
+/// times what two searches with the tolerance of peaks differ by.
+const LIMIT: f64 = 1e-8;
+
+/// Lanes that share an inverse on a device (`lockstep::program::TILE`).
+const TILE: usize = 64;
+/// Samples after [`LEAST_ANCHORS`] from which on `auto` takes a GPU: so many fill a tile of each inverse, so that no column of
+/// a product is without a lane.
+const SAMPLES_FOR_AUTO: usize = ANCHORS_WITH_INVERSE * TILE;
+
+/// A peak of a sample that a lane may search.
+struct Wanted {
+    /// Values of the inputs of the sample, and their place in the unit cube.
+    inputs: Vec<f64>,
+    place: Vec<f64>,
+    level: usize,
+    mode: usize,
+    prediction: AtlasPrediction,
+    inverse: Arc<Made<InverseJacobian>>,
+}
+
+impl Wanted {
+    fn at(&self) -> Place<'_> {
+        Place {
+            inputs: &self.place,
+            level: self.level,
+            mode: self.mode,
+        }
+    }
+}
+
+impl Ensemble<'_> {
+    /// Whether a device can search peaks of this study; else why not.
+    pub(super) fn has_lanes(&self) -> Result<(), String> {
+        if self.strips.is_some() || self.mistuned.is_some() {
+            return Err("every sample has a structure of its own".to_owned());
+        }
+        let unknowns = 3 * self.contacts.len() * self.settings.harmonics.n_coefficients();
+        if unknowns > MOST_UNKNOWNS {
+            return Err(format!(
+                "a peak has {unknowns} unknowns, and the GPU takes those of up to {MOST_UNKNOWNS}"
+            ));
+        }
+        let free = || {
+            let applied = self.applied(&[]).ok()?;
+            let problem = applied.problem(self.settings.anchor).ok()?;
+            let harmonics = self.settings.harmonics.clone();
+            let balance = balance_on(&problem, harmonics, self.settings);
+            self.system(&balance, &StaticReference::new(&problem))
+        };
+        let found = free().map(|_| ());
+        found.ok_or_else(|| "its equations have no form in free modes with harmonic 1".to_owned())
+    }
+
+    /// Whether `auto` gives the study to a device; else why not.
+    pub(super) fn has_enough_lanes(&self) -> Result<(), String> {
+        let (samples, least) = (self.design.samples(), LEAST_ANCHORS + SAMPLES_FOR_AUTO);
+        match samples >= least as u64 {
+            true => Ok(()),
+            false => Err(format!(
+                "{samples} samples are too few, `auto` takes a GPU from {least} on"
+            )),
+        }
+    }
+
+    /// Lets the device of the run, if there is one, bring the predicted peaks of the samples `indices` closer.
+    pub(super) fn brought_closer(&self, atlas: &Atlas, indices: &[u64]) {
+        let Some(gpu) = self.gpu.filter(|_| self.takes_inverses(atlas)) else {
+            return;
+        };
+        let wanted: Vec<Wanted> = (indices.par_iter())
+            .flat_map_iter(|&index| self.wanted(atlas, index))
+            .collect();
+        let Some(first) = wanted.first() else {
+            return;
+        };
+        // others would need kernels of their own
+        let harmonics = first.prediction.harmonics.clone();
+        let same = |wanted: &&Wanted| wanted.prediction.harmonics == harmonics;
+        let wanted: Vec<&Wanted> = wanted.iter().filter(same).collect();
+        let found = self.lanes_of(atlas, gpu, &wanted);
+        let improved = wanted.into_iter().zip(found.unwrap_or_default());
+        for (wanted, start) in improved {
+            if let Some(start) = start {
+                atlas.inverses().keep_start(wanted.at().key(), start);
+            }
+        }
+    }
+
+    /// The peaks of sample `index`, for each level and each mode of the nearest anchor.
+    fn wanted(&self, atlas: &Atlas, index: u64) -> Vec<Wanted> {
+        let inputs = self.design.sample(index);
+        let place = self.design.place(&inputs);
+        let mut wanted = Vec::new();
+        for level in 0..self.levels.len() {
+            for mode in atlas.modes_near(&place, level) {
+                let at = Place {
+                    inputs: &place,
+                    level,
+                    mode,
+                };
+                let Some(prediction) = atlas.predict(&at) else {
+                    continue;
+                };
+                if let Some(inverse) = self.inverse_near(atlas, &at, &prediction) {
+                    wanted.push(Wanted {
+                        inputs: inputs.clone(),
+                        place: place.clone(),
+                        level,
+                        mode,
+                        prediction,
+                        inverse,
+                    });
+                }
+            }
+        }
+        wanted
+    }
+
+    /// Better predictions of the `wanted` peaks, all on the same harmonics; none where there are no lanes.
+    fn lanes_of(
+        &self,
+        atlas: &Atlas,
+        gpu: &Gpu,
+        wanted: &[&Wanted],
+    ) -> Option<Vec<Option<PeakPrediction>>> {
+        let reference = self.reference_of(atlas)?;
+        let first = wanted.first()?;
+        let applied = self.applied(&[]).ok()?;
+        let problem = applied.problem(self.settings.anchor).ok()?;
+        let balance = balance_on(&problem, first.prediction.harmonics.clone(), self.settings);
+        let system = self.system(&balance, reference)?;
+        let lanes: Vec<Option<LaneSearch<'_>>> = (wanted.par_iter())
+            .map(|wanted| self.lane(wanted, reference, &system))
+            .collect();
+        let is_lane: Vec<bool> = lanes.iter().map(Option::is_some).collect();
+        let lanes = lanes.into_iter().flatten().collect();
+        let of_run = &atlas.inverses().lanes;
+        let mut found = of_run.improved(gpu, (&system, &balance), lanes).into_iter();
+        let one = |is_lane: bool| {
+            if is_lane {
+                found.next().flatten()
+            } else {
+                None
+            }
+        };
+        Some(is_lane.into_iter().map(one).collect())
+    }
+
+    /// What all lanes share, around the middle of the band.
+    fn system(&self, balance: &Balance<'_>, reference: &StaticReference) -> Option<LaneSystem> {
+        let middle = 0.5 * (self.peak.band.low + self.peak.band.high);
+        LaneSystem::new(&FreeBalance::new(balance, reference)?, middle)
+    }
+
+    fn lane<'w>(
+        &self,
+        wanted: &'w Wanted,
+        reference: &'w StaticReference,
+        system: &LaneSystem,
+    ) -> Option<LaneSearch<'w>> {
+        let applied = self.applied(&wanted.inputs).ok()?;
+        let problem = applied.problem(self.settings.anchor).ok()?;
+        let level = self.applied_levels(&applied)[wanted.level];
+        let prediction = wanted.prediction.clone().at_level(level);
+        let balance = balance_on(&problem, prediction.harmonics, self.settings);
+        let inverse = wanted.inverse.get()?.as_ref()?;
+        LaneSearch::new(
+            system,
+            &balance,
+            AnchorInverse { reference, inverse },
+            prediction.peak,
+            (self.peak, self.settings.newton),
+        )
+    }
+
+    /// The peak `found` from a lane at `at`, or for a share of the peaks the one that is found `again` without, where both differ.
+    pub(super) fn compared(
+        &self,
+        at: &Place<'_>,
+        found: Solution,
+        again: impl FnOnce() -> Option<Solution>,
+    ) -> Option<Solution> {
+        let Some(gpu) = self.gpu.filter(|gpu| gpu.compares(at.inputs)) else {
+            return Some(found);
+        };
+        let Some(again) = again() else {
+            return Some(found);
+        };
+        let difference = |a: f64, b: f64| (a / b - 1.0).abs();
+        let differences = [
+            difference(found.omega, again.omega),
+            difference(found.amplitude(0), again.amplitude(0)),
+        ];
+        let beyond = !differences.iter().all(|d| *d <= LIMIT);
+        gpu.compared(differences, beyond);
+        Some(if beyond { again } else { found })
+    }
+}

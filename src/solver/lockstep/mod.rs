@@ -1,0 +1,27 @@
+//! Peaks of many samples at once on a device.
+//!
+//! A *lane* is one peak of one sample. All lanes do the same Newton iterations in single precision, in the modes of the free structure
+//! that all samples share ([`system`]); a lane's linear systems are preconditioned by the inverse Jacobian of an anchor that its tile
+//! of lanes shares, so that nothing is factorised. A lane that has come close to its peak is the start of a search in double
+//! precision on the processor ([`search`]).
+//!
+//! Passes of an iteration: moved, scaled (states of the contact passes of [`crate::gpu`], which follow), rate and loaded (contact
+//! forces), product and divided (motion of the modes), preconditioned; then rounds of the same for the directions of correction and
+//! tangent, each ended by advanced; at last responded, and 64 bytes of each lane come back.
+
+pub mod search;
+pub mod system;
+
+#[cfg(not(feature = "gpu"))]
+mod absent;
+#[cfg(feature = "gpu")]
+pub mod kernels;
+#[cfg(feature = "gpu")]
+mod lanes;
+#[cfg(feature = "gpu")]
+mod program;
+
+#[cfg(not(feature = "gpu"))]
+pub use absent::Lanes;
+#[cfg(feature = "gpu")]
+pub use lanes::Lanes;
