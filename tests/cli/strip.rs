@@ -135,7 +135,7 @@ fn a_strip_without_a_model_is_a_failed_sample() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(
         folder.path().join("rows.csv"),
-        "strip_thickness_mm\n1e-9\n0.4\n",
+        "strip_thickness_mm\n1e-3\n0.4\n",
     )
     .unwrap();
     let file = "[design]\nkind = \"file\"\npath = \"rows.csv\"\n";
@@ -182,7 +182,7 @@ fn impossible_strips_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |study: &str, expected: &str| refuse_in(folder.path(), study, expected);
     let thick = "must not be thicker than the neck is high";
-    let positive = "must be a finite number > 0";
+    let length = "must be from 0.001 to 10000";
     let key = "inputs.strip_thickness_mm";
     for (old, new, expected) in [
         (
@@ -193,12 +193,12 @@ fn impossible_strips_are_refused() {
         (
             "low = 0.3",
             "low = 0.0",
-            format!(":19: {key} = 0: {positive}"),
+            format!(":19: {key} = 0: {length}"),
         ),
         (
             "\"uniform\"\nlow = 0.3\nhigh = 0.6",
             "\"lognormal\"\nmedian = 0.4\nlog_standard_deviation = 0.1",
-            format!(":19: {key} = 0: {positive}"),
+            format!(":19: {key} = 0: {length}"),
         ),
         (
             "low = 0.3",

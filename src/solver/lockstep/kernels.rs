@@ -210,7 +210,7 @@ impl LaneKernels {
         let contact = self.contact.buffers(device, states)?;
         self.contact.count(device, &contact, states);
         let program = Program::new(&self.system, width, self.fault);
-        let uses = [program.to_contacts(), program.from_contacts()];
+        let uses = [program.to_contacts(), program.to_directions()];
         let rows = |of: fn(&Lane) -> &[f32]| in_columns(lanes, &columns, width, of);
         let matrices: Vec<f32> = inverses.iter().flat_map(|x| x.columns()).collect();
         let numbers = empty(

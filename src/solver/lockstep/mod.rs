@@ -9,6 +9,11 @@
 //! forces), product and divided (motion of the modes), preconditioned; then rounds of the same for the directions of correction and
 //! tangent, each ended by advanced; at last responded, and 64 bytes of each lane come back.
 
+#![cfg_attr(
+    not(feature = "gpu"),
+    expect(dead_code, reason = "a device alone runs the lanes")
+)]
+
 pub mod search;
 pub mod system;
 

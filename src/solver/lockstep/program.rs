@@ -224,7 +224,7 @@ impl<'a> Program<'a> {
     }
 
     /// From the contact forces to correction, tangent and what comes back.
-    pub(super) fn from_contacts(&self) -> Vec<Use> {
+    pub(super) fn to_directions(&self) -> Vec<Use> {
         let (system, places) = (self.system, &self.places);
         let by_pair = system.n_pairs * system.n_coefficients();
         let harmonics = system.parts.len();

@@ -1,6 +1,6 @@
 //! Predicted peaks, brought close to the peaks themselves by a device.
 //!
-//! A lane is led by the rules that the search on the processor has ([`crate::hb::peak::growth`]), down to what single precision can
+//! A lane is led by the rules that the search on the processor has (`hb::peak::growth`), down to what single precision can
 //! tell, and ends as soon as it is close to its peak. Its point is then the prediction from which the processor searches in double
 //! precision: a device decides no result, and whatever it does wrong costs time.
 

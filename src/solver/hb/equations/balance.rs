@@ -100,6 +100,7 @@ impl<'p> Balance<'p> {
     }
 
     /// How its contacts are evaluated.
+    #[cfg(feature = "gpu")]
     pub(crate) fn plan(&self) -> &AftPlan<f64> {
         &self.plan
     }

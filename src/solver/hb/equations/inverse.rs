@@ -51,6 +51,7 @@ impl InverseJacobian {
     }
 
     /// All entries, column by column.
+    #[cfg(feature = "gpu")]
     pub(crate) fn columns(&self) -> Vec<f32> {
         let panels = || self.panels.chunks_exact(PANEL * self.size).enumerate();
         let column = |j: usize| {
