@@ -212,23 +212,28 @@ impl Watch for Kept {
     }
 }
 
-/// Outcomes of `indices` from `anchors`, with a device if it has settings.
-fn solved(
-    prepared: &PreparedStudy<'_>,
-    (anchors, indices): (&[Anchor], &[u64]),
-    gpu: Option<GpuSettings>,
-) -> (Vec<SampleOutcome>, Option<GpuReport>) {
-    let choice = match gpu {
-        Some(_) => BackendChoice::Gpu,
-        None => BackendChoice::Cpu,
-    };
+/// Outcomes of `indices` from `anchors` by the processor alone.
+fn on_processor(prepared: &PreparedStudy<'_>, from: (&[Anchor], &[u64])) -> Vec<SampleOutcome> {
     let settings = BackendSettings {
-        choice,
-        gpu: gpu.unwrap_or_default(),
+        choice: BackendChoice::Cpu,
+        gpu: GpuSettings::default(),
     };
     let backend = OpenBackend::open(&settings, &prepared.ensemble(None));
-    let outcomes = solved_on(&backend, prepared, (anchors, indices));
-    (outcomes, backend.report().gpu)
+    solved_on(&backend, prepared, from)
+}
+
+/// The device of an adapter, with a fault if one is wanted.
+fn on_device(prepared: &PreparedStudy<'_>, adapter: usize, fault: Option<Fault>) -> OpenBackend {
+    let settings = BackendSettings {
+        choice: BackendChoice::Gpu,
+        gpu: GpuSettings {
+            adapter: Some(adapter.to_string()),
+            audit: 0.5,
+            fault,
+            ..GpuSettings::default()
+        },
+    };
+    OpenBackend::open(&settings, &prepared.ensemble(None))
 }
 
 fn solved_on(
@@ -263,15 +268,6 @@ fn assert_agreement(found: &[SampleOutcome], expected: &[SampleOutcome], what: &
     }
 }
 
-fn gpu(adapter: usize, fault: Option<Fault>) -> GpuSettings {
-    GpuSettings {
-        adapter: Some(adapter.to_string()),
-        audit: 0.5,
-        fault,
-        ..GpuSettings::default()
-    }
-}
-
 /// Samples that start from lanes have the peaks of those that do not; nearly all lanes come to their peaks; a lane that is solved
 /// alone has the same bits.
 /// Seen to fail with: residuals of 1e-5 asked for (`lockstep::search`), at which 16 of 32 lanes are given up.
@@ -286,10 +282,11 @@ fn lanes_change_no_peak() {
         let prepared = study.prepared().unwrap();
         let anchors = prepared.ensemble(None).solved(LEAST_ANCHORS, || {}).anchors;
         let indices: Vec<u64> = (5000..5032).collect();
-        let (expected, _) = solved(&prepared, (&anchors, &indices), None);
-        let (found, report) = solved(&prepared, (&anchors, &indices), Some(gpu(adapter, None)));
+        let expected = on_processor(&prepared, (&anchors, &indices));
+        let device = on_device(&prepared, adapter, None);
+        let found = solved_on(&device, &prepared, (&anchors, &indices));
         assert_agreement(&found, &expected, "no fault");
-        let report = report.unwrap();
+        let report = device.report().gpu.unwrap();
         eprintln!("{law:?}: {report:?}");
         assert!(
             report.lanes >= 32 && one_lost_of * report.lanes_lost <= report.lanes,
@@ -303,13 +300,15 @@ fn lanes_change_no_peak() {
             report.largest_frequency_difference < AGREEMENT,
             "{report:?}"
         );
-        let alone = (&anchors[..], &indices[7..8]);
-        let (alone, _) = solved(&prepared, alone, Some(gpu(adapter, None)));
-        let bits = |outcome: &SampleOutcome| {
-            let levels = outcome.levels.iter();
-            levels.map(|level| level.peak).collect::<Vec<_>>()
-        };
-        assert_eq!(bits(&alone[0]), bits(&found[7]));
+        // under the box law alone: each run compiles its shaders, those of the circle law take a software adapter a minute
+        if law == FrictionLaw::Box {
+            let alone = solved_on(&device, &prepared, (&anchors, &indices[7..8]));
+            let bits = |outcome: &SampleOutcome| {
+                let levels = outcome.levels.iter();
+                levels.map(|level| level.peak).collect::<Vec<_>>()
+            };
+            assert_eq!(bits(&alone[0]), bits(&found[7]));
+        }
     }
 }
 
@@ -327,7 +326,7 @@ impl<'a> Failing<'a> {
         let prepared = study.prepared().unwrap();
         let anchors = prepared.ensemble(None).solved(LEAST_ANCHORS, || {}).anchors;
         let indices: Vec<u64> = (5000..5000 + samples).collect();
-        let (expected, _) = solved(&prepared, (&anchors, &indices), None);
+        let expected = on_processor(&prepared, (&anchors, &indices));
         Self {
             prepared,
             anchors,
@@ -338,11 +337,7 @@ impl<'a> Failing<'a> {
     }
 
     fn backend(&self, fault: Fault) -> OpenBackend {
-        let settings = BackendSettings {
-            choice: BackendChoice::Gpu,
-            gpu: gpu(self.adapter, Some(fault)),
-        };
-        OpenBackend::open(&settings, &self.prepared.ensemble(None))
+        on_device(&self.prepared, self.adapter, Some(fault))
     }
 
     /// The device's report of a run whose peaks are those of the processor.
@@ -408,7 +403,7 @@ fn refused_batches_are_halved() {
         return;
     };
     let study = study(1, FrictionLaw::Box);
-    let failing = Failing::new(&study, adapter, 130);
+    let failing = Failing::new(&study, adapter, 40);
     let of_a_tile = 64 * failing.prepared.ensemble(None).contacts.len();
     let halved = failing.backend(Fault::RefuseAbove(of_a_tile));
     let report = failing.survived(&halved, "tiles are taken");
