@@ -35,7 +35,7 @@ pub const CONTROL_VARIATE: &str = "control_variate.parquet";
 pub struct RunRecord {
     /// Study, seed, version, law and settings.
     pub provenance: Provenance,
-    /// What evaluated the contacts.
+    /// Who brought predicted peaks closer: nobody, or a GPU.
     pub backend: BackendReport,
     /// Sampled inputs, in the order of [`SampleOutcome::inputs`].
     pub inputs: Vec<InputRecord>,
