@@ -56,7 +56,7 @@ pub enum Error {
     #[error(transparent)]
     Report(#[from] ReportError),
     /// The run was told to stop. What it solved is kept.
-    #[error("stopped: {done} of {samples} samples are solved and kept in {}; the same command goes on", folder.join("parts").display())]
+    #[error("stopped: {done} of {samples} samples are solved and kept in {}; the same command goes on", folder.display())]
     Stopped {
         /// The result folder.
         folder: PathBuf,

@@ -16,7 +16,7 @@ pub(super) fn execute() -> Result<(), Error> {
 fn show(out: &mut dyn Write) -> std::io::Result<()> {
     let all = adapters();
     if all.is_empty() {
-        writeln!(out, "no adapter: the processor evaluates the contacts")?;
+        writeln!(out, "no adapter: the processor does all of it")?;
     }
     for facts in all {
         let yes = |has: bool| if has { "yes" } else { "no" };

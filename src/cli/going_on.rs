@@ -69,7 +69,7 @@ impl Ending {
         std::thread::sleep(GRACE);
         let message = format!(
             "stopped in the middle of samples; all others are kept in {}, and the same command goes on",
-            self.folder.join("parts").display()
+            self.folder.display()
         );
         self.log.write(&Event::Stopped(&message));
         std::process::exit(i32::from(STOPPED));

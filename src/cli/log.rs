@@ -77,6 +77,9 @@ impl Event<'_> {
             Self::Warning(message) => Some(format!("warning: {message}")),
             Self::Progress {
                 done, total, words, ..
+            } if words.is_empty() => Some(format!("{done}/{total}")),
+            Self::Progress {
+                done, total, words, ..
             } => Some(format!("{done}/{total}, {words}")),
             Self::Stopped(message) => Some((*message).to_owned()),
             Self::Error(message) => Some(format!("error: {message}")),
@@ -118,7 +121,7 @@ impl Event<'_> {
 mod tests {
     use super::*;
 
-    /// Seen to fail with the seconds left of all parts.
+    /// Seen to fail with the seconds left of all parts. (An earlier program wrote a comma after the numbers where no pace is known.)
     #[test]
     fn a_line_is_one_object() {
         let event = Event::Progress {
@@ -135,6 +138,14 @@ mod tests {
         });
         assert_eq!(line, expected);
         assert_eq!(event.text().unwrap(), "30/100, about 35s left");
+        let first = Event::Progress {
+            done: 0,
+            total: 100,
+            per_second: None,
+            newton_iterations: 0,
+            words: "",
+        };
+        assert_eq!(first.text().unwrap(), "0/100");
         let two_lines = Event::Error("a\nb").json(SystemTime::UNIX_EPOCH);
         assert!(!two_lines.contains('\n'), "{two_lines}");
     }

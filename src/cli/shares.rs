@@ -88,21 +88,55 @@ fn in_array() -> Option<(u64, u64)> {
 
 /// Number of this process among those started together, from 0; 0 where nobody says it.
 fn rank() -> u64 {
-    let names = ["SLURM_PROCID", "OMPI_COMM_WORLD_RANK", "PMI_RANK"];
-    names.into_iter().find_map(number).unwrap_or(0)
+    first_of(&RANK, number)
 }
 
 /// Number of this process among those started together on its node, from 0; 0 where nobody says it.
 pub(super) fn local_rank() -> u64 {
-    let names = [
-        "SLURM_LOCALID",
-        "OMPI_COMM_WORLD_LOCAL_RANK",
-        "MPI_LOCALRANKID",
-        "PALS_LOCAL_RANKID",
-    ];
-    names.into_iter().find_map(number).unwrap_or(0)
+    first_of(&LOCAL_RANK, number)
+}
+
+/// Variables of Slurm, Open MPI and MPICH.
+const RANK: [&str; 3] = ["SLURM_PROCID", "OMPI_COMM_WORLD_RANK", "PMI_RANK"];
+/// Variables of Slurm, Open MPI, Intel MPI with MPICH, and PALS.
+const LOCAL_RANK: [&str; 4] = [
+    "SLURM_LOCALID",
+    "OMPI_COMM_WORLD_LOCAL_RANK",
+    "MPI_LOCALRANKID",
+    "PALS_LOCAL_RANKID",
+];
+
+/// The first number among variables; 0 without one.
+fn first_of(names: &[&str], number: impl Fn(&str) -> Option<u64>) -> u64 {
+    names.iter().find_map(|name| number(name)).unwrap_or(0)
 }
 
 fn number(variable: &str) -> Option<u64> {
     std::env::var(variable).ok()?.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each process of a node knows its number there, which is not that among all nodes; so each takes a GPU of its own
+    /// (`gpu::choice`). Seen to fail with the variables of the rank in place of those of the local rank.
+    #[test]
+    fn processes_of_a_node_are_counted_on_their_node() {
+        let under = |set: &'static [(&str, u64)]| {
+            move |name: &str| set.iter().find(|(of, _)| *of == name).map(|(_, n)| *n)
+        };
+        let slurm = under(&[("SLURM_PROCID", 5), ("SLURM_LOCALID", 1)]);
+        assert_eq!(
+            [first_of(&RANK, slurm), first_of(&LOCAL_RANK, slurm)],
+            [5, 1]
+        );
+        let open_mpi = under(&[
+            ("OMPI_COMM_WORLD_RANK", 6),
+            ("OMPI_COMM_WORLD_LOCAL_RANK", 2),
+        ]);
+        let both = [&RANK[..], &LOCAL_RANK];
+        assert_eq!(both.map(|names| first_of(names, open_mpi)), [6, 2]);
+        assert_eq!(both.map(|names| first_of(names, |_| None)), [0, 0]);
+    }
 }

@@ -46,9 +46,7 @@ impl StatusArguments {
             };
             return Err(Error::Command {
                 path: self.folder.clone(),
-                message: format!(
-                    "{fault}{more}; `run` solves the samples of a damaged part again, and writes damaged results anew"
-                ),
+                message: format!("{fault}{more}"),
             });
         }
         if status.results.is_none() && status.unfinished.is_none() {

@@ -12,7 +12,7 @@ use toml::{Table, Value};
 use super::built::StudyModel;
 use super::frequency::FrequencyUnit;
 use super::read::{Study, only_of_rig};
-use super::tables::OF_INTERFACE;
+use super::solver_section::OF_INTERFACE;
 use crate::Error;
 use crate::contact::ContactParameters;
 use crate::file::{self, FileError, refuse_content, write_folder};

@@ -11,16 +11,16 @@ use std::time::Duration;
 use super::output::OutputFolder;
 use super::progress::{Meter, Progress};
 use super::read::Study;
-use super::resume::{accepted, has_results, identity, refuse_fewer, resumed};
+use super::resume::{accepted, has_results, identity, refusal, refuse_fewer, resumed};
 use super::run::run_alone;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
-use super::session::{Begun, Session, at_work};
+use super::session::{Begun, Session, at_work, unwritten};
 use super::share::{BLOCK, refuse_looks};
 use crate::Error;
 use crate::ensemble::Known;
 use crate::ensemble::atlas::Anchor;
-use crate::ensemble::parts::{Claims, Merged, PartFolder, RunIdentity, Source, StoredPart};
+use crate::ensemble::parts::{Claims, Merged, RunIdentity, Source};
 use crate::ensemble::runner::generations;
 use crate::file::FolderLock;
 
@@ -67,15 +67,12 @@ fn solve_together(
     settings: &RunSettings,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<(), Error> {
-    let parts = PartFolder::of(folder.path());
-    // listed first: what comes in between is read twice, not missed
-    let tables = parts.tables()?;
     let resumed = resumed(study, folder, &identity, settings)?;
     let begun = Begun::with(&resumed, study, folder, settings, identity);
     let mut found = Found {
         study,
         settings,
-        tables: tables.into_iter().collect(),
+        tables: resumed.tables(),
         known: resumed.known,
     };
     let meter = Meter::start(found.known.indices.len() as u64, study.samples, progress);
@@ -85,7 +82,7 @@ fn solve_together(
 impl<F: Fn(Progress) + Sync> Session<'_, F> {
     /// Solves generation by generation until no sample is missing.
     fn together(&self, rank: u64, found: &mut Found) -> Result<(), Error> {
-        let mut claims = Claims::of(&self.parts)?;
+        let mut claims = Claims::of(&self.parts).map_err(unwritten)?;
         for generation in generations(self.prepared.study.samples) {
             let anchors = found.known.anchors_before(generation.start);
             while !found.has(&generation) {
@@ -119,7 +116,8 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
             if found.has(&block) {
                 continue;
             }
-            let Some(claim) = claims.take(&format!("{:010}", block.start))? else {
+            let claim = claims.take(&format!("{:010}", block.start));
+            let Some(claim) = claim.map_err(unwritten)? else {
                 continue;
             };
             // somebody may have ended with it since the last look
@@ -158,19 +156,13 @@ struct Found<'a> {
 }
 
 impl Found<'_> {
-    /// Reads the parts that have come since the last look. A damaged one is none.
+    /// Reads the parts that have come since the last look.
     fn refresh<F>(&mut self, session: &Session<'_, F>) -> Result<(), Error> {
-        for table in session.parts.tables()? {
-            if !self.tables.insert(table.clone()) {
-                continue;
-            }
-            let Ok(part) = StoredPart::open(&table) else {
-                continue;
-            };
+        for part in session.parts.unseen(&mut self.tables)? {
             let own = accepted(&session.head.identity, &part.identity, self.settings);
             own.map_err(|difference| Error::Command {
-                path: table,
-                message: format!("is of {difference}"),
+                path: session.parts.path().to_owned(),
+                message: refusal(&difference),
             })?;
             self.known
                 .indices

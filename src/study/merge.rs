@@ -5,73 +5,95 @@ use std::path::Path;
 use super::output::OutputFolder;
 use super::progress::Progress;
 use super::read::Study;
+use super::resume::accepted;
 use super::run::run;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
-use super::status::FolderStatus;
+use super::session::unwritten;
+use super::status::RunStatus;
 use crate::Error;
-use crate::ensemble::parts::{PartFolder, RunIdentity};
+use crate::ensemble::parts::{Difference, PartFolder, StoredPart};
 
-/// Copies the parts in `folders` into those of `output` and makes the results there. Every sample must be in one of them.
+/// Copies the parts in `folders` into those of `output` and makes the results there. Every sample must be in one of them, or in a
+/// part that is in `output` already; nothing is written before that is known.
 ///
 /// # Errors
-/// [`Error::Command`] if a folder has no parts, has parts of another run, or a sample is missing; [`Error::File`] on a damaged part,
-/// or one that contradicts another; and those of [`run`].
+/// [`Error::Command`] if a folder has no parts, has a damaged part or parts of another run, a part contradicts another one, or a sample
+/// is missing; and those of [`run`].
 pub fn merge(
     folders: &[&Path],
     output: &OutputFolder,
     settings: &RunSettings,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<RunResult, Error> {
-    let refused = |path: &Path, message: String| Error::Command {
-        path: path.to_owned(),
-        message,
-    };
     let target = PartFolder::of(output.path());
-    let mut study: Option<(RunIdentity, Study)> = None;
+    let mut parts = Vec::new();
     for folder in folders {
-        let parts = PartFolder::of(folder).list()?;
-        if parts.is_empty() {
+        let before = parts.len();
+        add_parts(&mut parts, folder, settings, "leave one of the two out")?;
+        if parts.len() == before {
             let message = "holds no parts of a run: `run --shard` or `run --only-atlas` write such";
             return Err(refused(folder, message.to_owned()));
         }
-        for part in parts {
-            let part = part?;
-            let (identity, _) = match &study {
-                Some(known) => known,
-                None => {
-                    let path = folder.join(&part.identity.study.path);
-                    let own = Study::parse(&path, &part.identity.study.text)?;
-                    study.insert((part.identity.clone(), own))
-                }
-            };
-            if let Some(difference) = identity.difference(&part.identity) {
-                let message = format!(
-                    "holds samples of {difference} than {}: leave one of the two out",
-                    folders[0].display()
-                );
-                return Err(refused(folder, message));
-            }
-            if *folder != output.path() {
-                part.copy_to(target.path())?;
-            }
-        }
     }
-    let Some((_, study)) = study else {
+    if !folders.contains(&output.path()) {
+        let other = "take another --output, or delete what is there";
+        add_parts(&mut parts, output.path(), settings, other)?;
+    }
+    let Some(first) = parts.first() else {
         return Err(refused(output.path(), "no folder was given".to_owned()));
     };
-    let status = FolderStatus::of(output.path())?;
-    if let Some(fault) = status.faults.first() {
-        return Err(refused(output.path(), fault.clone()));
-    }
-    if let Some(unfinished) = status.unfinished.filter(|run| run.done < run.samples) {
+    let path = folders[0].join(&first.identity.study.path);
+    let study = Study::parse(&path, &first.identity.study.text)?;
+    let there = RunStatus::of_parts(&study, &parts);
+    let there = there.map_err(|fault| refused(output.path(), fault.to_string()))?;
+    if there.done < there.samples {
         let message = format!(
-            "{} of {} samples are there; {} are missing: solve their shards, or `run` the study with this --output",
-            unfinished.done,
-            unfinished.samples,
-            unfinished.missing_in_words()
+            "{} of {} samples are there; {} are missing: solve their shards, then merge again",
+            there.done,
+            there.samples,
+            there.missing_in_words()
         );
         return Err(refused(output.path(), message));
     }
+    for part in &parts {
+        if part.paths()[0].parent() != Some(target.path()) {
+            part.copy_to(target.path()).map_err(unwritten)?;
+        }
+    }
     run(&study, output, settings, progress)
+}
+
+fn refused(path: &Path, message: String) -> Error {
+    Error::Command {
+        path: path.to_owned(),
+        message,
+    }
+}
+
+/// Adds the parts in `folder`, all of the same run as those before; if they are not, `advice` says what to do.
+fn add_parts(
+    parts: &mut Vec<StoredPart>,
+    folder: &Path,
+    settings: &RunSettings,
+    advice: &str,
+) -> Result<(), Error> {
+    for part in PartFolder::of(folder).list()? {
+        let part = part.map_err(|fault| {
+            let message = "copy it again, or delete it and solve its shard again";
+            refused(folder, format!("{fault}: {message}"))
+        })?;
+        let first = parts.first().unwrap_or(&part);
+        if let Err(difference) = accepted(&first.identity, &part.identity, settings) {
+            let program = match difference {
+                Difference::Program(_) => ", or take it over with --any-program",
+                _ => "",
+            };
+            let other = first.paths()[0].display();
+            let message = format!("holds samples of {difference} than {other}: {advice}{program}");
+            return Err(refused(folder, message));
+        }
+        parts.push(part);
+    }
+    Ok(())
 }

@@ -54,13 +54,13 @@ pub mod run_result;
 pub mod run_settings;
 mod samples;
 pub mod schema;
-mod search;
 mod session;
 pub mod share;
 mod size;
 pub mod solve;
+pub mod solver_section;
 pub mod status;
-pub mod tables;
+mod worst_cases;
 
 pub use built::{StudyDisk, StudyModel};
 pub use compare::compare;

@@ -1,7 +1,7 @@
 //! The structure that a study asks for: `[model]`, with `[contact]` and `[pressure_field]`.
 
 use super::document::Document;
-use super::tables::ContactSection;
+use super::solver_section::ContactSection;
 use crate::Error;
 use crate::model::disk::SectorMatrices;
 use crate::model::interface::InterfaceSettings;

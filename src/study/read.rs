@@ -10,7 +10,7 @@ use super::model::{ModelSettings, NO_POSITIONS, model};
 use super::output::OutputSettings;
 use super::requirements::Asked;
 use super::samples::Samples;
-use super::tables::{ContactSection, SolverSection};
+use super::solver_section::{ContactSection, SolverSection};
 use crate::Error;
 use crate::ensemble::SampleSolver;
 use crate::file::FileRecord;

@@ -1,5 +1,6 @@
 //! What a result folder holds of a run already.
 
+use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
 use super::output::OutputFolder;
@@ -123,6 +124,12 @@ impl Resumed {
             outcomes.push(sample.outcome);
         }
         Ok(outcomes)
+    }
+
+    /// The tables of samples of the parts that were read.
+    pub(super) fn tables(&self) -> BTreeSet<PathBuf> {
+        let tables = self.compared.iter().map(|part| part.paths()[0].clone());
+        tables.collect()
     }
 
     /// Forgets all but where the samples stand: the report of a million samples has the room.

@@ -13,13 +13,13 @@ use super::resume::{Resumed, add_solved_results, finished, identity, refuse_fewe
 use super::run_record::first_record;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
-use super::search::worst_cases;
-use super::session::{Begun, Session, at_work};
+use super::session::{Begun, Session, at_work, unwritten};
+use super::worst_cases::worst_cases;
 use crate::Error;
-use crate::ensemble::Solved;
 use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::parts::{PartFolder, RunIdentity};
 use crate::ensemble::store::{ATLAS_FILE, SolvedFiles, write_samples};
+use crate::ensemble::{Known, Solved};
 use crate::file::{FileRecord, FolderLock, Together};
 use crate::report::run::{CONTROL_VARIATE, FURTHER_POINTS, StoredRun, TABLES};
 use crate::report::{self, RunRecord, Summary};
@@ -115,7 +115,7 @@ pub(super) fn run_after(
         record.wall_time_s = clock.elapsed().as_secs_f64();
         let beside = Beside { further, control };
         let placed = place_results(session, (&resumed, samples), &beside, &mut record);
-        let (summary, stored) = placed.map_err(|error| Error::Unwritten(Box::new(error)))?;
+        let (summary, stored) = placed.map_err(unwritten)?;
         session.parts.remove()?;
         Ok(RunResult {
             stored,
@@ -157,26 +157,12 @@ fn solve_samples<F: Fn(Progress) + Sync>(
     Ok(judged)
 }
 
-/// How often samples are solved whose parts have gone.
-const ATTEMPTS: usize = 3;
-
 impl<F: Fn(Progress) + Sync> Session<'_, F> {
     /// Solves what is missing of the first `samples` until all of them stand in parts or results.
     fn solve(&self, resumed: &mut Resumed, samples: u64) -> Result<(), Error> {
-        for _ in 0..ATTEMPTS {
-            self.written(|watch| self.ensemble.extend(&mut resumed.known, samples, watch))?;
-            resumed.look_again(&self.parts, &self.head.identity, self.settings)?;
-            let there = resumed.known.indices.range(..samples).count() as u64;
-            if there == samples {
-                return Ok(());
-            }
-            resumed.say_missing(samples - there);
-            self.meter.expect(samples - there);
-        }
-        let message = "parts are deleted or damaged while the run writes them: find out by whom, then `run` again".to_owned();
-        Err(Error::Command {
-            path: self.parts.path().to_owned(),
-            message,
+        let missing = |known: &Known| samples - known.indices.range(..samples).count() as u64;
+        self.kept(resumed, missing, |known, watch| {
+            self.ensemble.extend(known, samples, watch)
         })
     }
 }

@@ -9,7 +9,7 @@ use super::identified_inputs::InputsKeys;
 use super::model::{BoundaryKeys, CyclicKeys};
 use super::output::OutputSettings;
 use super::read::{KEYS, LEVEL, MOST_LEVELS};
-use super::tables::{ContactSection, SolverSection};
+use super::solver_section::{ContactSection, SolverSection};
 use crate::model::matrices::MatricesSettings;
 use crate::model::two_blade::{PressureField, TwoBladeSettings};
 use crate::report::asked::{

@@ -9,13 +9,13 @@ use super::resume::{Resumed, refuse_other_results};
 use super::run_record::provenance;
 use super::run_settings::RunSettings;
 use crate::Error;
-use crate::ensemble::Ensemble;
 use crate::ensemble::backend::OpenBackend;
 use crate::ensemble::memory::{available_bytes, samples_at_once};
 use crate::ensemble::outcome::SampleOutcome;
 use crate::ensemble::parts::{PartFolder, PartHead, PartWriter, RunIdentity};
 use crate::ensemble::runner::{Stopped, Watch};
 use crate::ensemble::times::SampleTimes;
+use crate::ensemble::{Ensemble, Known};
 
 /// What a process knows before it begins.
 pub(super) struct Begun<'a> {
@@ -138,6 +138,14 @@ fn on_this_pool<T, F: Fn(Progress) + Sync>(
     })
 }
 
+/// A part, a claim or a result could not be written.
+pub(super) fn unwritten(error: impl Into<Error>) -> Error {
+    Error::Unwritten(Box::new(error.into()))
+}
+
+/// How often samples are solved whose parts have gone.
+const ATTEMPTS: usize = 3;
+
 impl<F: Fn(Progress) + Sync> Session<'_, F> {
     /// Does the `work`, whose results are written as parts.
     pub(super) fn written(
@@ -154,11 +162,38 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
                 PartWriter::start(scope, &self.parts, &self.head, control, done);
             let ended = self.profiler.stage(Stage::Samples, || work(&collector));
             drop(collector);
-            let written = writer.finish();
-            written.map_err(|error| Error::Unwritten(Box::new(error.into())))?;
+            writer.finish().map_err(unwritten)?;
             Ok::<_, Error>(ended)
         })?;
         ended.map_err(|Stopped| self.stopped())
+    }
+
+    /// Does the `work` until none of its samples is `missing` in parts or results: somebody may have deleted or damaged some.
+    ///
+    /// # Errors
+    /// Those of [`Session::written`], and [`Error::Command`] if parts go again and again.
+    pub(super) fn kept(
+        &self,
+        resumed: &mut Resumed,
+        missing: impl Fn(&Known) -> u64,
+        work: impl Fn(&mut Known, &dyn Watch) -> Result<(), Stopped> + Sync,
+    ) -> Result<(), Error> {
+        for _ in 0..ATTEMPTS {
+            self.written(|watch| work(&mut resumed.known, watch))?;
+            resumed.look_again(&self.parts, &self.head.identity, self.settings)?;
+            match missing(&resumed.known) {
+                0 => return Ok(()),
+                lost => {
+                    resumed.say_missing(lost);
+                    self.meter.expect(lost);
+                }
+            }
+        }
+        let message = "parts are deleted or damaged while the run writes them: find out by whom, then `run` again".to_owned();
+        Err(Error::Command {
+            path: self.parts.path().to_owned(),
+            message,
+        })
     }
 
     /// The run was stopped.

@@ -10,6 +10,7 @@ use super::resume::{identity, refuse_fewer, resumed};
 use super::run_settings::RunSettings;
 use super::session::{Begun, at_work};
 use crate::Error;
+use crate::ensemble::Known;
 use crate::ensemble::runner::MOST_ANCHORS;
 use crate::file::FolderLock;
 
@@ -71,21 +72,23 @@ pub fn solve_share(
     let identity = identity(study, folder)?;
     let mut resumed = resumed(study, folder, &identity, settings)?;
     let begun = Begun::with(&resumed, study, folder, settings, identity);
-    let known = &mut resumed.known;
     let anchors = study.samples.min(MOST_ANCHORS);
-    let others: Vec<u64> = share.after_atlas(study.samples).collect();
-    let missing: Vec<u64> = (others.iter().copied())
-        .filter(|index| !known.indices.contains(index))
-        .collect();
-    let samples = anchors + others.len() as u64;
-    let taken_over =
-        known.indices.range(..anchors).count() as u64 + (others.len() - missing.len()) as u64;
+    let others = |known: &Known| -> Vec<u64> {
+        let after = share.after_atlas(study.samples);
+        after.filter(|i| !known.indices.contains(i)).collect()
+    };
+    let missing = |known: &Known| {
+        let there = known.indices.range(..anchors).count() as u64;
+        anchors - there + others(known).len() as u64
+    };
+    let samples = anchors + share.after_atlas(study.samples).count() as u64;
+    let taken_over = samples - missing(&resumed.known);
     let meter = Meter::start(taken_over, samples, progress);
     let notes = at_work(begun, meter, |session| {
-        let ensemble = session.ensemble;
-        session.written(|watch| {
-            ensemble.extend(known, anchors, watch)?;
-            ensemble.solve_from(&known.anchors_before(anchors), &missing, watch)
+        session.kept(&mut resumed, missing, |known, watch| {
+            session.ensemble.extend(known, anchors, watch)?;
+            let from = known.anchors_before(anchors);
+            session.ensemble.solve_from(&from, &others(known), watch)
         })?;
         Ok(session.notes.clone())
     })?;

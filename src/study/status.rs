@@ -8,7 +8,7 @@ use super::resume::identity_of_results;
 use crate::Error;
 use crate::ensemble::parts::{Merged, PartFolder, RunIdentity, Source, StoredPart};
 use crate::ensemble::store::read_indices;
-use crate::file::finish_placing;
+use crate::file::{FileError, finish_placing};
 use crate::report::run::{RECORD, TABLES};
 
 /// What a result folder holds.
@@ -91,7 +91,7 @@ impl FolderStatus {
         let identity = match identity_of_results(folder) {
             Ok(identity) => identity,
             Err(fault) => {
-                self.faults.push(fault.to_string());
+                self.faults.push(format!("{fault}{OF_RESULTS}"));
                 return Ok(());
             }
         };
@@ -99,7 +99,7 @@ impl FolderStatus {
         let samples = match read_indices(&table) {
             Ok(samples) => samples,
             Err(fault) => {
-                self.faults.push(fault.to_string());
+                self.faults.push(format!("{fault}{OF_RESULTS}"));
                 return Ok(());
             }
         };
@@ -122,47 +122,59 @@ impl FolderStatus {
         for part in PartFolder::of(folder).list()? {
             match part {
                 Ok(part) => parts.push(part),
-                Err(fault) => self.faults.push(fault.to_string()),
+                Err(fault) => self.faults.push(format!("{fault}{OF_PART}")),
             }
         }
-        let Some(identity) = parts.first().map(|part| part.identity.clone()) else {
+        let Some(first) = parts.first() else {
             return Ok(());
         };
         for part in &parts {
-            if let Some(difference) = identity.difference(&part.identity) {
+            if let Some(difference) = first.identity.difference(&part.identity) {
                 let path = part.paths()[0].display();
-                self.faults.push(format!("{path}: is of {difference}"));
+                self.faults
+                    .push(format!("{path}: is of {difference}{OF_ANOTHER}"));
             }
         }
-        let study_file = folder.join(&identity.study.path);
-        let study = Study::parse(&study_file, &identity.study.text)?;
+        let study_file = folder.join(&first.identity.study.path);
+        let study = Study::parse(&study_file, &first.identity.study.text)?;
+        match RunStatus::of_parts(&study, &parts) {
+            Ok(run) => self.unfinished = Some(run),
+            Err(fault) => self.faults.push(fault.to_string()),
+        }
+        Ok(())
+    }
+}
+
+/// What to do about a damaged file of the results.
+const OF_RESULTS: &str = "; `run` solves and writes damaged results anew";
+/// What to do about a damaged part.
+const OF_PART: &str = "; `run` solves the samples of a damaged part again";
+/// What to do about a part of another run.
+const OF_ANOTHER: &str = " than the first part: delete the parts of one of the two";
+
+impl RunStatus {
+    /// How far the run of `study` has come that wrote these parts, at least one.
+    ///
+    /// # Errors
+    /// [`FileError`] if a part cannot be read, or has another result of a sample than another one.
+    pub(super) fn of_parts(study: &Study, parts: &[StoredPart]) -> Result<Self, FileError> {
         let sources = parts.iter().map(Source::of).collect();
         let mut samples = Merged::new(sources, &study.design);
         let (mut indices, mut failed) = (Vec::new(), 0);
-        loop {
-            match samples.take() {
-                Ok(Some(sample)) => {
-                    indices.push(sample.outcome.index);
-                    failed += u64::from(!sample.outcome.is_solved());
-                }
-                Ok(None) => break,
-                Err(fault) => {
-                    self.faults.push(fault.to_string());
-                    return Ok(());
-                }
-            }
+        while let Some(sample) = samples.take()? {
+            indices.push(sample.outcome.index);
+            failed += u64::from(!sample.outcome.is_solved());
         }
-        self.unfinished = Some(RunStatus {
-            study_file,
-            identity,
+        Ok(Self {
+            study_file: study.path.clone(),
+            identity: parts[0].identity.clone(),
             done: indices.len() as u64,
             samples: study.samples,
             failed,
             missing: gaps(&indices, study.samples),
             parts: parts.len(),
             newest: parts.iter().filter_map(|p| written(&p.paths()[0])).max(),
-        });
-        Ok(())
+        })
     }
 }
 

@@ -82,7 +82,8 @@ fn a_report_can_be_rendered_again() {
 fn a_folder_without_results_is_refused() {
     let empty = tempfile::tempdir().unwrap();
     let output = microslip(empty.path(), &["report", "results"]);
-    assert_refused("report", &output, &["results/run.json", "No such file"]);
+    let none = "no results of `run` are in this folder";
+    assert_refused("report", &output, &["results/run.json", none]);
     std::fs::write(empty.path().join("study.toml"), "").unwrap();
     for command in ["report", "disk"] {
         let output = microslip(empty.path(), &[command, "study.toml"]);

@@ -3,6 +3,7 @@
 use crate::ensemble::backend::BackendReport;
 use crate::ensemble::one_at_a_time::OneAtATime;
 use crate::ensemble::outcome::{CurvePoint, SampleOutcome, number};
+use crate::ensemble::parts::PartFolder;
 use crate::ensemble::store::Provenance;
 use crate::file::{self, FileError};
 use crate::report::asked::bands::Bands;
@@ -35,7 +36,7 @@ pub const CONTROL_VARIATE: &str = "control_variate.parquet";
 pub struct RunRecord {
     /// Study, seed, version, law and settings.
     pub provenance: Provenance,
-    /// What evaluated the contacts.
+    /// Who brought predicted peaks closer: nobody, or a GPU.
     pub backend: BackendReport,
     /// Sampled inputs, in the order of [`SampleOutcome::inputs`].
     pub inputs: Vec<InputRecord>,
@@ -250,6 +251,9 @@ impl RunRecord {
     pub(super) fn read(folder: &Path) -> Result<(Self, bool), FileError> {
         file::finish_placing(folder)?;
         let path = folder.join(RECORD);
+        if !path.exists() {
+            return Err(FileError::content(&path, None, absent(folder)));
+        }
         let text = file::read_text(&path)?;
         let hashed = text
             .strip_prefix(OPENING)
@@ -276,6 +280,16 @@ impl RunRecord {
         };
         let tables = self.tables.iter().filter(differs);
         tables.map(|table| table.name.clone()).collect()
+    }
+}
+
+/// Why a folder has no record.
+fn absent(folder: &Path) -> &'static str {
+    match PartFolder::of(folder).path().exists() {
+        true => {
+            "does not exist: the run in this folder is not finished, and the command that began it goes on (`microslip status` shows how far it has come)"
+        }
+        false => "does not exist: no results of `run` are in this folder",
     }
 }
 

@@ -124,14 +124,6 @@ impl FeModel {
         };
         Some([0, 1, 2].map(along))
     }
-
-    /// Displacement u_`direction` = 1 of all free nodes, `[n_dofs]`.
-    #[must_use]
-    pub fn unit_translation(&self, direction: usize) -> Vec<f64> {
-        (0..self.n_dofs())
-            .map(|dof| if dof % 3 == direction { 1.0 } else { 0.0 })
-            .collect()
-    }
 }
 
 /// Adds the entries of an element matrix between free nodes.

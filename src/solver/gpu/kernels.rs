@@ -128,13 +128,6 @@ impl Kernels {
         &self.shape
     }
 
-    /// Bytes that a state takes in all buffers.
-    #[must_use]
-    pub fn bytes_per_state(&self) -> u64 {
-        let of = |b: &super::shader::Binding| b.element_bytes * b.per_state.unwrap_or(0);
-        self.reflection.bindings.values().map(of).sum()
-    }
-
     /// States of the largest batch that the device's limits allow.
     #[must_use]
     pub fn most_states(&self, device: &Device) -> usize {

@@ -1,5 +1,6 @@
 //! Parts that were damaged, and a disk that takes no more.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Stdio;
 
@@ -7,7 +8,7 @@ use assert_cmd::cargo::CommandCargoExt;
 use microslip::ensemble::parts::{PartFolder, StoredPart};
 
 use super::{
-    assert_same_results, killed_after, microslip, parts, refused, run, solved, start,
+    assert_same_results, ended, killed_after, microslip, parts, refused, run, solved, start,
     wait_for_a_part,
 };
 
@@ -40,7 +41,8 @@ fn damaged_parts_are_solved_again() {
             killed_after(path, "results", 2);
             let name = damage(path, "results", end, how);
             let fault = format!("{name}: is not the file that was written");
-            refused(path, &["verify", "results"], &fault);
+            let advice = "; `run` solves the samples of a damaged part again";
+            refused(path, &["verify", "results"], &format!("{fault}{advice}"));
             let text = run(path, "results", &[]);
             assert!(
                 text.contains(&format!("{fault}; its samples are solved again")),
@@ -126,6 +128,48 @@ fn parts_are_hashed_once() {
     assert_eq!(sound(list(known.clone())), known.len() - 1, "another time");
 }
 
+/// A joined process reads a damaged part as soon as it is whole again: a process of the same number on the same host, as containers have
+/// it, writes it again under the same name. Seen to fail with each name looked at once.
+#[test]
+fn a_part_that_was_mended_is_read() {
+    let study = solved(SAMPLES);
+    let path = study.path();
+    killed_after(path, "results", 2);
+    let folder = PartFolder::of(&path.join("results"));
+    let mut seen = BTreeSet::new();
+    let name = damage(path, "results", ".samples.parquet", |bytes| bytes[100] ^= 4);
+    let n = parts(path, "results")
+        .iter()
+        .filter(|n| n.ends_with(".samples.parquet"))
+        .count();
+    assert_eq!(folder.unseen(&mut seen).unwrap().len(), n - 1, "damaged");
+    let table = path.join("results/parts").join(name);
+    let mut bytes = std::fs::read(&table).unwrap();
+    bytes[100] ^= 4;
+    std::fs::write(&table, bytes).unwrap();
+    let mended = folder.unseen(&mut seen).unwrap();
+    assert_eq!(mended.len(), 1, "mended");
+    assert_eq!(mended[0].paths()[0], table);
+    assert!(folder.unseen(&mut seen).unwrap().is_empty(), "all are seen");
+}
+
+/// Whole results with a wrong bit are named, and solved and written anew. Seen to fail without what to do in the message.
+#[test]
+fn damaged_results_are_solved_again() {
+    let study = solved(12);
+    let path = study.path();
+    run(path, "results", &["--quiet"]);
+    let table = path.join("results/samples.parquet");
+    let mut bytes = std::fs::read(&table).unwrap();
+    bytes[100] ^= 4;
+    std::fs::write(&table, bytes).unwrap();
+    let expected =
+        "is not the file that the run wrote; `run` solves and writes damaged results anew";
+    refused(path, &["verify", "results"], expected);
+    run(path, "results", &["--quiet"]);
+    assert_same_results(path, "results");
+}
+
 /// Companions without the table that makes a part count, as a kill leaves them, are no part and no fault.
 /// Seen to fail with every file of the folder taken for a part.
 #[test]
@@ -148,7 +192,7 @@ fn files_of_no_part_are_left_alone() {
 }
 
 /// A part that cannot be written ends the run with its reason, and older results are as they were.
-/// Seen to fail with the error of a part ignored.
+/// Seen to fail with the error of a part ignored, and with that of a claim without what to do.
 #[cfg(unix)]
 #[test]
 fn a_part_that_cannot_be_written_ends_the_run() {
@@ -158,7 +202,11 @@ fn a_part_that_cannot_be_written_ends_the_run() {
     super::change(path, "seed = 7", "seed = 8");
     // a folder that cannot be made: no part can be written, as on a full disk
     std::os::unix::fs::symlink("nowhere", path.join("results/parts")).unwrap();
-    refused(path, &["run", "study.toml", "--quiet"], "results/parts");
+    for more in [&[][..], &["--join"], &["--shard", "0/1"]] {
+        let arguments = [&["run", "study.toml", "--quiet"], more].concat();
+        refused(path, &arguments, "results/parts");
+        refused(path, &arguments, "the same command goes on");
+    }
     std::fs::remove_file(path.join("results/parts")).unwrap();
     super::change(path, "seed = 8", "seed = 7");
     assert_same_results(path, "results");
@@ -175,4 +223,31 @@ fn a_lost_folder_is_made_again() {
     std::fs::rename(path.join("results"), path.join("elsewhere")).unwrap();
     assert!(child.wait().unwrap().success(), "{child:?}");
     assert_same_results(path, "results");
+}
+
+/// The same of a process that joins, whose claims were in the folder, too. Seen to fail with a claim that does not make its folder.
+#[test]
+fn a_lost_folder_is_made_again_by_a_joined_process() {
+    let study = solved(SAMPLES);
+    let path = study.path();
+    let child = start(path, "results", "20ms", &["--join"]);
+    wait_for_a_part(path, "results");
+    std::fs::rename(path.join("results"), path.join("elsewhere")).unwrap();
+    let (code, said) = ended(child);
+    assert_eq!(code, Some(0), "{said}");
+    assert_same_results(path, "results");
+}
+
+/// A share whose folder is taken away has all of its samples at its end. Seen to fail with samples that are not looked for again.
+#[test]
+fn a_share_whose_folder_is_lost_is_whole() {
+    let study = solved(SAMPLES);
+    let path = study.path();
+    let mut child = start(path, "results", "20ms", &["--shard", "0/1"]);
+    wait_for_a_part(path, "results");
+    std::fs::rename(path.join("results"), path.join("elsewhere")).unwrap();
+    assert!(child.wait().unwrap().success(), "{child:?}");
+    let merged = microslip(path, &["merge", "results", "--output", "merged"]);
+    assert!(merged.status.success(), "{merged:?}");
+    assert_same_results(path, "merged");
 }

@@ -231,3 +231,30 @@ fn a_panic_costs_one_sample() {
     let summary = std::fs::read_to_string(path.join("results/summary.json")).unwrap();
     assert!(summary.contains("panicked"), "{summary}");
 }
+
+/// A command for whole results says of a run that is not finished that its command goes on.
+/// Seen to fail with the words of a folder without a run.
+#[test]
+fn an_unfinished_run_has_no_report() {
+    let study = study(SAMPLES);
+    let path = study.path();
+    killed_after(path, "results", 2);
+    let expected = "the command that began it goes on (`microslip status` shows";
+    refused(path, &["report", "results"], expected);
+}
+
+/// However seldom parts are written, none has more samples than fit into the memory with ease.
+/// Seen to fail with parts by the clock alone.
+#[test]
+fn a_part_has_4096_samples_at_most() {
+    let uniform = "distribution = \"uniform\"\nlow = 0.0\nhigh = 1.0";
+    let study = test_functions::study("panicking", &[uniform], "monte-carlo", 9000, "");
+    let path = study.path();
+    let share = ["--shard", "0/1", "--quiet", "--flush-every", "1h"];
+    run(path, "results", &share);
+    let found = microslip::ensemble::parts::PartFolder::of(&path.join("results"));
+    let sizes = found.list().unwrap().into_iter();
+    let sizes: Vec<usize> = sizes.map(|part| part.unwrap().samples.len()).collect();
+    assert_eq!(sizes.iter().sum::<usize>(), 9000, "{sizes:?}");
+    assert!(sizes.iter().all(|n| *n <= 4096), "{sizes:?}");
+}

@@ -74,6 +74,13 @@ fn start(folder: &Path, output: &str, every: &str, more: &[&str]) -> Child {
         .unwrap()
 }
 
+/// Exit code of a process that was started, and what it said.
+fn ended(child: Child) -> (Option<i32>, String) {
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output.status.code(), said)
+}
+
 /// Fails with exit code 2 and one line that has `fragment`.
 fn refused(folder: &Path, arguments: &[&str], fragment: &str) {
     let output = microslip(folder, arguments);

@@ -64,7 +64,7 @@ fn parts_of_another_study_are_refused() {
 }
 
 /// Another program is refused unless it is accepted; then the summary names it.
-/// Seen to fail with every program taken, and with none named.
+/// Seen to fail with every program taken, with none named, and with a merge that refuses whatever is accepted.
 #[test]
 fn parts_of_another_program_are_refused_or_named() {
     let study = solved(SAMPLES);
@@ -80,6 +80,14 @@ fn parts_of_another_program_are_refused_or_named() {
         &arguments,
         "holds samples of another program (0.1.0 on a wide one)",
     );
+    run(path, "own", &["--shard", "0/1", "--quiet"]);
+    let merge = ["merge", "own", "results", "--quiet", "--output", "merged"];
+    refused(path, &merge, "of another program (0.1.0 on a wide one)");
+    refused(path, &merge, "or take it over with --any-program");
+    let merged = microslip(path, &[&merge[..], &["--any-program"]].concat());
+    assert!(merged.status.success(), "{merged:?}");
+    let summary = std::fs::read_to_string(path.join("merged/summary.json")).unwrap();
+    assert!(summary.contains("a wide one"), "the merged one names it");
     run(path, "results", &["--quiet", "--any-program"]);
     let summary = std::fs::read_to_string(path.join("results/summary.json")).unwrap();
     assert!(summary.contains("a wide one"), "the summary names it");

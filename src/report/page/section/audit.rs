@@ -8,7 +8,7 @@ use crate::report::page::view::View;
 use crate::report::run::record::FileRecord;
 
 pub(super) fn section(view: &View) -> Section {
-    let hint = "The same study file, seed, program and precision give the same samples, bit by bit, for any number of \
+    let hint = "The same study file, program and instruction set give the same samples, bit by bit, for any number of \
                 threads. `microslip report` on the folder of the results renders this page again without solving.";
     Section {
         id: "audit",

@@ -48,7 +48,15 @@ impl Claims {
     pub fn take(&mut self, name: &str) -> Result<Option<Claim>, FileError> {
         let path = self.folder.join(name);
         let system = |source| FileError::system(&path, source);
-        match File::create_new(&path) {
+        let made = match File::create_new(&path) {
+            // somebody deletes the folder of a run: what is solved from now on is worth keeping
+            Err(source) if source.kind() == ErrorKind::NotFound => {
+                std::fs::create_dir_all(&self.folder).map_err(system)?;
+                File::create_new(&path)
+            }
+            made => made,
+        };
+        match made {
             Ok(mut file) => {
                 let now = humantime::format_rfc3339_seconds(SystemTime::now());
                 writeln!(file, "{} at {now}", this_process()).map_err(system)?;

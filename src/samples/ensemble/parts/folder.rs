@@ -4,7 +4,7 @@ use super::super::runner::SolvedSample;
 use super::super::table::TableError;
 use super::part::{PartHead, SAMPLES, StoredPart, write_part};
 use crate::file::{FileError, remove_folder};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -75,6 +75,25 @@ impl PartFolder {
             _ => StoredPart::open(path),
         };
         Ok(self.tables()?.iter().map(open).collect())
+    }
+
+    /// The parts that are not among those `seen`, which they then are. A damaged one is none, and is looked at again the next time:
+    /// who solves its samples again may write it under the same name.
+    ///
+    /// # Errors
+    /// [`FileError`] if the folder cannot be listed.
+    pub fn unseen(&self, seen: &mut BTreeSet<PathBuf>) -> Result<Vec<StoredPart>, FileError> {
+        let mut found = Vec::new();
+        for table in self.tables()? {
+            if seen.contains(&table) {
+                continue;
+            }
+            if let Ok(part) = StoredPart::open(&table) {
+                seen.insert(table);
+                found.push(part);
+            }
+        }
+        Ok(found)
     }
 
     /// Writes samples as a part; the folder is made where it is missing.

@@ -32,12 +32,6 @@ impl TwoBladeModel {
         frequencies(&self.first_blade.lambda)[self.first_blade.x_bending[1]]
     }
 
-    /// Frequency of the blade's first bending in x without strip (Hz).
-    #[must_use]
-    pub fn free_first_bending(&self) -> f64 {
-        frequencies(&self.first_blade.lambda)[self.first_blade.x_bending[0]]
-    }
-
     /// Modes with springs k_n, k_t (N/m) in all contact pairs, all stuck and closed: K + Σ BᵀkB, without retention.
     ///
     /// Shape: both `[n_contacts]`; k_t holds for both tangential directions.
