@@ -76,8 +76,11 @@ impl Event<'_> {
             Self::Started(_) | Self::Finished(_) => None,
             Self::Warning(message) => Some(format!("warning: {message}")),
             Self::Progress {
-                done, total, words, ..
-            } if words.is_empty() => Some(format!("{done}/{total}")),
+                done,
+                total,
+                words: "",
+                ..
+            } => Some(format!("{done}/{total}")),
             Self::Progress {
                 done, total, words, ..
             } => Some(format!("{done}/{total}, {words}")),
