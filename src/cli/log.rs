@@ -124,7 +124,7 @@ impl Event<'_> {
 mod tests {
     use super::*;
 
-    /// Seen to fail with the seconds left of all parts. (An earlier program wrote a comma after the numbers where no pace is known.)
+    /// Seen to fail with the seconds left of all parts, and with a comma after the numbers where no pace is known.
     #[test]
     fn a_line_is_one_object() {
         let event = Event::Progress {

@@ -86,16 +86,6 @@ fn in_array() -> Option<(u64, u64)> {
         .map(|count| (number, count))
 }
 
-/// Number of this process among those started together, from 0; 0 where nobody says it.
-fn rank() -> u64 {
-    first_of(&RANK, number)
-}
-
-/// Number of this process among those started together on its node, from 0; 0 where nobody says it.
-pub(super) fn local_rank() -> u64 {
-    first_of(&LOCAL_RANK, number)
-}
-
 /// Variables of Slurm, Open MPI and MPICH.
 const RANK: [&str; 3] = ["SLURM_PROCID", "OMPI_COMM_WORLD_RANK", "PMI_RANK"];
 /// Variables of Slurm, Open MPI, Intel MPI with MPICH, and PALS.
@@ -105,6 +95,16 @@ const LOCAL_RANK: [&str; 4] = [
     "MPI_LOCALRANKID",
     "PALS_LOCAL_RANKID",
 ];
+
+/// Number of this process among those started together, from 0; 0 where nobody says it.
+fn rank() -> u64 {
+    first_of(&RANK, number)
+}
+
+/// Number of this process among those started together on its node, from 0; 0 where nobody says it.
+pub(super) fn local_rank() -> u64 {
+    first_of(&LOCAL_RANK, number)
+}
 
 /// The first number among variables; 0 without one.
 fn first_of(names: &[&str], number: impl Fn(&str) -> Option<u64>) -> u64 {

@@ -276,7 +276,7 @@ fn lanes_change_no_peak() {
     let Some(adapter) = adapter("lanes_change_no_peak") else {
         return;
     };
-    // under the circle law 5 of 32 lanes are given up, which costs time alone; why was not looked at
+    // under the circle law the shaders leave contacts without a steady cycle to the processor, and lanes that have such are given up
     for (law, one_lost_of) in [(FrictionLaw::Box, 8), (FrictionLaw::Circle, 4)] {
         let study = study(2, law);
         let prepared = study.prepared().unwrap();
@@ -300,15 +300,12 @@ fn lanes_change_no_peak() {
             report.largest_frequency_difference < AGREEMENT,
             "{report:?}"
         );
-        // under the box law alone: each run compiles its shaders, those of the circle law take a software adapter a minute
-        if law == FrictionLaw::Box {
-            let alone = solved_on(&device, &prepared, (&anchors, &indices[7..8]));
-            let bits = |outcome: &SampleOutcome| {
-                let levels = outcome.levels.iter();
-                levels.map(|level| level.peak).collect::<Vec<_>>()
-            };
-            assert_eq!(bits(&alone[0]), bits(&found[7]));
-        }
+        let alone = solved_on(&device, &prepared, (&anchors, &indices[7..8]));
+        let bits = |outcome: &SampleOutcome| {
+            let levels = outcome.levels.iter();
+            levels.map(|level| level.peak).collect::<Vec<_>>()
+        };
+        assert_eq!(bits(&alone[0]), bits(&found[7]));
     }
 }
 
@@ -403,7 +400,7 @@ fn refused_batches_are_halved() {
         return;
     };
     let study = study(1, FrictionLaw::Box);
-    let failing = Failing::new(&study, adapter, 40);
+    let failing = Failing::new(&study, adapter, 130);
     let of_a_tile = 64 * failing.prepared.ensemble(None).contacts.len();
     let halved = failing.backend(Fault::RefuseAbove(of_a_tile));
     let report = failing.survived(&halved, "tiles are taken");

@@ -1,29 +1,17 @@
 //! Parts that were damaged, and a disk that takes no more.
 
 use std::collections::BTreeSet;
-use std::path::Path;
 use std::process::Stdio;
 
 use assert_cmd::cargo::CommandCargoExt;
 use microslip::ensemble::parts::{PartFolder, StoredPart};
 
 use super::{
-    assert_same_results, ended, killed_after, microslip, parts, refused, run, solved, start,
-    wait_for_a_part,
+    assert_same_results, change_bytes, damage, ended, killed_after, microslip, parts, refused, run,
+    solved, start, wait_for_a_part,
 };
 
 const SAMPLES: u64 = 120;
-
-/// Damages the first file of the parts of `output` whose name ends so.
-fn damage(folder: &Path, output: &str, end: &str, how: fn(&mut Vec<u8>)) -> String {
-    let names = parts(folder, output);
-    let name = names.into_iter().find(|name| name.ends_with(end)).unwrap();
-    let path = folder.join(output).join("parts").join(&name);
-    let mut bytes = std::fs::read(&path).unwrap();
-    how(&mut bytes);
-    std::fs::write(&path, bytes).unwrap();
-    name
-}
 
 /// A part with a wrong bit, or cut off, or without a companion is named by `verify`, and its samples are solved again.
 /// Seen to fail with hashes that are not compared.
@@ -144,9 +132,7 @@ fn a_part_that_was_mended_is_read() {
         .count();
     assert_eq!(folder.unseen(&mut seen).unwrap().len(), n - 1, "damaged");
     let table = path.join("results/parts").join(name);
-    let mut bytes = std::fs::read(&table).unwrap();
-    bytes[100] ^= 4;
-    std::fs::write(&table, bytes).unwrap();
+    change_bytes(&table, |bytes| bytes[100] ^= 4);
     let mended = folder.unseen(&mut seen).unwrap();
     assert_eq!(mended.len(), 1, "mended");
     assert_eq!(mended[0].paths()[0], table);
@@ -159,10 +145,9 @@ fn damaged_results_are_solved_again() {
     let study = solved(12);
     let path = study.path();
     run(path, "results", &["--quiet"]);
-    let table = path.join("results/samples.parquet");
-    let mut bytes = std::fs::read(&table).unwrap();
-    bytes[100] ^= 4;
-    std::fs::write(&table, bytes).unwrap();
+    change_bytes(&path.join("results/samples.parquet"), |bytes| {
+        bytes[100] ^= 4;
+    });
     let expected =
         "is not the file that the run wrote; `run` solves and writes damaged results anew";
     refused(path, &["verify", "results"], expected);

@@ -128,6 +128,21 @@ fn parts(folder: &Path, output: &str) -> Vec<String> {
     names
 }
 
+/// Changes the bytes of a file.
+fn change_bytes(path: &Path, how: impl Fn(&mut Vec<u8>)) {
+    let mut bytes = std::fs::read(path).unwrap();
+    how(&mut bytes);
+    std::fs::write(path, bytes).unwrap();
+}
+
+/// Damages the first file of the parts of `output` whose name ends so, and tells its name.
+fn damage(folder: &Path, output: &str, end: &str, how: impl Fn(&mut Vec<u8>)) -> String {
+    let names = parts(folder, output);
+    let name = names.into_iter().find(|name| name.ends_with(end)).unwrap();
+    change_bytes(&folder.join(output).join("parts").join(&name), how);
+    name
+}
+
 /// Starts a run and ends it by force when it has written so many parts at least.
 fn killed_after(folder: &Path, output: &str, n_parts: usize) {
     let mut child = start(folder, output, "20ms", &[]);

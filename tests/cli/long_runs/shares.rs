@@ -5,7 +5,7 @@ use std::process::Child;
 use std::time::Duration;
 
 use super::{
-    assert_same_results, change, ended, microslip, parts, refused, run, solved, start, study,
+    assert_same_results, change, damage, ended, microslip, refused, run, solved, start, study,
     wait_for_a_part,
 };
 use rand::{RngExt, SeedableRng};
@@ -191,13 +191,7 @@ fn shards_that_do_not_fit_are_refused() {
         &["merge", "own", "--output", "other"],
         "take another --output",
     );
-    let part = parts(path, "own")
-        .into_iter()
-        .find(|n| n.ends_with(".samples.parquet"));
-    let part = path.join("own/parts").join(part.unwrap());
-    let mut bytes = std::fs::read(&part).unwrap();
-    bytes.truncate(100);
-    std::fs::write(part, bytes).unwrap();
+    damage(path, "own", ".samples.parquet", |bytes| bytes.truncate(100));
     let merge = ["merge", "own", "--output", "merged"];
     refused(path, &merge, "delete it and solve its shard again");
     assert!(!path.join("merged").exists(), "something was written");
