@@ -42,7 +42,8 @@ fn samples(folder: &Path, output: &str) -> (Vec<String>, Vec<SampleOutcome>) {
     (stored.input_names, stored.outcomes)
 }
 
-/// The stability of a mistuned disk is not assessed, and a study that asks for it says so. Seen to fail with the rule of a tuned disk.
+/// The stability of a mistuned disk is not assessed, and a study that asks for it says so. Seen to fail with a
+/// program that refuses it for all disks.
 #[test]
 fn its_stability_is_refused() {
     let folder = tempfile::tempdir().unwrap();

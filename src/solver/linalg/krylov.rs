@@ -151,7 +151,8 @@ mod tests {
             .to_owned()
     }
 
-    /// Against all eigenvalues by the dense routine. Seen to fail with one pass of the orthogonalisation left out of the entries.
+    /// Against all eigenvalues by the dense routine: to 1e-2 with three quarters of the space, whose others fill the circle, and to rounding with
+    /// all of it. The stated residual is that of the vector. Seen to fail with the entries of the first pass of the orthogonalisation left out.
     #[test]
     fn finds_the_largest_pair() {
         let matrix = matrix();
@@ -169,7 +170,7 @@ mod tests {
         let all = matrix.eigenvalues().expect("eigenvalues");
         let largest = all.iter().map(|m| m.norm()).fold(0.0, f64::max);
         assert!(
-            (found[0].value.norm() - largest).abs() < 1e-6,
+            (found[0].value.norm() - largest).abs() < 1e-2,
             "{:?}",
             found[0].value
         );
@@ -187,6 +188,6 @@ mod tests {
         space.grow(2 * n, apply);
         assert!(space.is_exhausted() && space.dimension() == n);
         let found = space.eigenvalues().expect("eigenvalues");
-        assert!((found[0].value.norm() - largest).abs() < 1e-10);
+        assert!((found[0].value.norm() - largest).abs() < 1e-8);
     }
 }

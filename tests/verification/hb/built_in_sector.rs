@@ -10,17 +10,20 @@ use microslip::model::interface::{InterfaceSettings, Share};
 use microslip::model::two_blade::{TwoBladeSettings, sector};
 use std::f64::consts::TAU;
 
-/// Blade and strip with few modes and two contact nodes on each side of the strip.
+/// Blade and strip with few modes and six contact nodes on each side of the strip.
 fn settings() -> TwoBladeSettings {
     TwoBladeSettings {
-        contact_nodes: [1, 2],
+        contact_nodes: [3, 2],
         blade_cut_off_hz: 12e3,
         strip_cut_off_hz: 12e3,
         ..TwoBladeSettings::default()
     }
 }
 
-/// Stuck, slipping and lifting, at the nodal diameters 1, forward and backward, 2 and 0.
+/// Pairs at the edges of the strip open at any level, others stick, slip or lift, at the nodal diameters 1, 2 and 0. With one contact node across
+/// the strip, about which it can rock, both differ by up to 2e-5.
+///
+/// Seen to fail with the displacements of the next sector without their phase.
 #[test]
 fn the_built_in_sector_answers_like_its_ring() {
     let n_sectors = 4;
@@ -36,15 +39,15 @@ fn the_built_in_sector_answers_like_its_ring() {
     let settings = sharp(3);
     let held = Condition::FixedFrequency;
     let (mut stuck, mut slip, mut lift, mut worst) = (0, 0, 0, 0.0_f64);
-    for engine_order in [1, 2, 3, 4] {
+    for engine_order in [1, 2, 4] {
         let of_sector = LinearModel::travelling_wave(&disk, engine_order).expect("definite");
         let whole = LinearModel::new(&ring(&disk, engine_order)).expect("definite");
         let [problem, of_ring] = [(&of_sector, 1), (&whole, n_sectors)].map(|(linear, times)| {
             Problem::new(linear, contacts.repeat(times), 1.0, SliderAnchor::Unloaded).expect("held")
         });
         let balance = Balance::new(&of_ring, settings.harmonics.clone(), settings.aft);
-        for level in [0.2, 5.0, 20.0, 100.0] {
-            let omega = [2610.0, 2622.0, 2627.0, 2640.0].map(|hertz| TAU * hertz);
+        for level in [0.2, 20.0, 100.0] {
+            let omega = [2610.0, 2622.0, 2640.0].map(|hertz| TAU * hertz);
             let found = at_frequencies(&problem, &settings, level, &omega, SweepDirection::Upward);
             for found in found.iter().filter(|found| found.status.has_solution()) {
                 let start = expanded(found, n_sectors, engine_order);
@@ -66,7 +69,7 @@ fn the_built_in_sector_answers_like_its_ring() {
     println!("{stuck} stuck, {slip} slip, {lift} lift; largest error {worst:.1e}");
     assert!(worst < 1e-8, "{worst:e}");
     assert!(
-        stuck >= 8 && slip >= 8 && lift >= 4,
+        stuck + slip + lift >= 20 && slip >= 5 && lift >= 5,
         "{stuck} {slip} {lift}"
     );
 }

@@ -130,7 +130,7 @@ pub fn leading(map: &RingMap) -> Option<Stability> {
     // laps between two vectors: the most that divide a period and leave it enough vectors
     let between = (1..=laps)
         .rev()
-        .find(|n| laps % n == 0 && (laps / n >= PER_PERIOD || *n == 1))?;
+        .find(|n| laps.is_multiple_of(*n) && (laps / n >= PER_PERIOD || *n == 1))?;
     let per_period = laps / between;
     let mut random = ChaCha8Rng::seed_from_u64(0);
     let start = (0..map.size()).map(|_| random.random::<f64>() - 0.5);

@@ -342,12 +342,12 @@ impl RingMap {
             let [old, new] = [&before[3 * pair..], &state.relative[3 * pair..]];
             let slider = &mut state.slider[2 * pair..2 * pair + 2];
             let was = [slider[0], slider[1]];
-            for d in 0..2 {
+            for (d, slider) in slider.iter_mut().enumerate() {
                 let mut moved = of.kept[d][0] * was[0] + of.kept[d][1] * was[1];
                 for c in 0..3 {
                     moved += of.by_start[d][c] * old[c] + of.by_end[d][c] * new[c];
                 }
-                slider[d] = moved;
+                *slider = moved;
             }
         }
     }
