@@ -1,7 +1,7 @@
 //! The structure that a study asks for: `[model]`, with `[contact]` and `[pressure_field]`.
 
 use super::document::Document;
-use super::solver_section::ContactSection;
+use super::solver_section::{ContactSection, Sectors};
 use crate::Error;
 use crate::model::disk::SectorMatrices;
 use crate::model::interface::InterfaceSettings;
@@ -70,6 +70,16 @@ impl ModelSettings {
         }
         let files = self.matrices().map_or(Vec::new(), MatricesSettings::files);
         files.into_iter().map(Path::to_owned).collect()
+    }
+
+    /// What of a disk it is.
+    #[must_use]
+    pub fn sectors(&self) -> Sectors {
+        match self {
+            Self::Cyclic(disk) if disk.blade_frequency_scatter > 0.0 => Sectors::Mistuned,
+            Self::Cyclic(_) => Sectors::Tuned,
+            Self::TwoBladeStrip { .. } | Self::Matrices(_) => Sectors::None,
+        }
     }
 
     /// The user's own matrices, if the model is made from any.

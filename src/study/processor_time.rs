@@ -39,6 +39,8 @@ const WORK_OF_FIRST: f64 = 18.0;
 const FIRST_SAMPLES: u64 = 64;
 /// Work of the stability of a peak.
 const WORK_OF_STABILITY: f64 = 5.0;
+/// Operations of the stability of a peak of a disk, per sector and per square of its degrees of freedom.
+const OPERATIONS_OF_RING: f64 = 4e4;
 /// Work of a curve.
 const WORK_OF_CURVE: f64 = 12.0;
 /// Share of that work in a study without an error alert.
@@ -116,13 +118,21 @@ fn processor_time(study: &Study, size: SolveSize, assessed: usize) -> f64 {
     };
     let curves = study.output.curve_samples.min(study.samples);
     let work = work_of_peaks(samples, alone) + WORK_OF_CURVE * curves as f64;
-    let stability = WORK_OF_STABILITY * assessed as f64 * (samples + alone) as f64;
+    let stability = time_of_stability(size) * assessed as f64 * (samples + alone) as f64;
     let share = share_of_work(study);
     let control = study.control_variate.map_or(0.0, |control| {
         let work = SHARE_WITHOUT_ALERT * work_of_peaks(control.samples(), 0);
         work * time_of_factorisation(size.unknowns_up_to(control.highest_harmonic()))
     });
-    (levels * work * share + stability) * time_of_factorisation(size.unknowns) + levels * control
+    levels * work * share * time_of_factorisation(size.unknowns) + stability + levels * control
+}
+
+/// Time of the stability of a peak (s).
+fn time_of_stability(size: SolveSize) -> f64 {
+    match size.ring {
+        None => WORK_OF_STABILITY * time_of_factorisation(size.unknowns),
+        Some([sectors, dofs]) => OPERATIONS_OF_RING * (sectors * dofs * dofs) as f64 / FLOPS,
+    }
 }
 
 /// Work of so many samples at one level without their curves, and of so many solutions that start from nothing near.

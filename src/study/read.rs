@@ -144,8 +144,7 @@ impl Study {
         let at = |bad: BadSetting| document.bad_setting(&bad);
         validate_head(&name, &levels).map_err(at)?;
         output.validate().map_err(|bad| at(bad.under("output")))?;
-        let cyclic = matches!(model, ModelSettings::Cyclic(_));
-        let solver_settings = solver.settings(&contact, cyclic).map_err(at)?;
+        let solver_settings = solver.settings(&contact, model.sectors()).map_err(at)?;
         let of_model = (&model, frequency.unit);
         let checked = asked.check(of_model, &levels, &design, &solver_settings);
         checked.map_err(at)?;

@@ -40,10 +40,10 @@ pub fn schema() -> Value {
             { "if": of_sector("matrices"), "then": { "properties": without_interface() } },
             { "if": of_kind("cyclic"), "then": {
                 "required": ["operation"],
-                "properties": {
-                    "solver": { "properties": { "stability": { "const": "off" } } },
-                    "pressure_field": false,
-                },
+                "properties": { "pressure_field": false },
+            } },
+            { "if": mistuned(), "then": {
+                "properties": { "solver": { "properties": { "stability": { "const": "off" } } } },
             } },
             needs("frequency-margin-percent", "operation"),
             needs("reserve-factor", "stress"),
@@ -67,6 +67,12 @@ fn of_kind(kind: &str) -> Value {
 fn of_sector(sector: &str) -> Value {
     let model = json!({ "properties": { "sector": { "const": sector } }, "required": ["sector"] });
     json!({ "properties": { "model": model }, "required": ["model"] })
+}
+
+/// A study of a disk whose blades differ.
+fn mistuned() -> Value {
+    let scatter = json!({ "properties": { "blade_frequency_scatter": { "exclusiveMinimum": 0 } }, "required": ["blade_frequency_scatter"] });
+    json!({ "properties": { "model": scatter }, "required": ["model"] })
 }
 
 /// What a model with its own contacts has no use for.

@@ -150,7 +150,8 @@ pub struct SolverSection {
     alert: Option<Alert>,
     /// Which solutions are assessed for stability by their Floquet multipliers: those with lift-off, all that slip or lift off, or
     /// none. Those that are unstable have the status `unstable`. What is not assessed and is open for most of the period has the status
-    /// `bouncing-contact`. A model of kind `cyclic` is not assessed.
+    /// `bouncing-contact`. A model of kind `cyclic` is assessed where this key says so, at the cost of marching all its sectors; a mistuned
+    /// one is not.
     #[schemars(extend("default" = StabilityScope::default()))]
     stability: Option<StabilityScope>,
     /// Whether a mirror-symmetric model is solved on one half of its contacts. `false` solves both halves, and so also finds
@@ -232,15 +233,26 @@ const DEFAULT_LAW: FrictionLaw = FrictionLaw::Box;
 /// Start of the sliders if the study does not say.
 const DEFAULT_ANCHOR: SliderAnchor = SliderAnchor::Unloaded;
 
+/// What of a disk a model is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sectors {
+    /// No disk.
+    None,
+    /// A disk whose blades are equal.
+    Tuned,
+    /// A disk whose blades differ.
+    Mistuned,
+}
+
 impl SolverSection {
-    /// Settings of the harmonic balance solver of a model of kind "cyclic" or of another kind.
+    /// Settings of the harmonic balance solver of a model with these sectors.
     ///
     /// # Errors
     /// [`BadSetting`] with a key relative to the file: `solver.…` or `contact.…`.
     pub fn settings(
         &self,
         contact: &ContactSection,
-        cyclic: bool,
+        sectors: Sectors,
     ) -> Result<HbSettings, BadSetting> {
         let harmonics = self.harmonics()?;
         let law = contact.law.unwrap_or(DEFAULT_LAW);
@@ -257,7 +269,7 @@ impl SolverSection {
             anchor: contact.anchor.unwrap_or(DEFAULT_ANCHOR),
             newton: self.newton(),
             alert: self.alert(&harmonics),
-            stability: self.stability(cyclic)?,
+            stability: self.stability(sectors)?,
             harmonics,
         };
         settings.validate().map_err(|mut bad| {
@@ -272,17 +284,19 @@ impl SolverSection {
         Ok(settings)
     }
 
-    /// Which solutions are assessed: of a disk none.
-    fn stability(&self, cyclic: bool) -> Result<StabilityScope, BadSetting> {
-        match (self.stability, cyclic) {
-            (None | Some(StabilityScope::Off), true) => Ok(StabilityScope::Off),
-            (Some(_), true) => {
-                let rule = "must be \"off\" for a model of kind \"cyclic\": a disturbance may have any nodal diameter, of which one sector knows one";
-                let given = "(given)";
-                BadSetting::unless(false, "solver.stability", given, rule)
-                    .map(|()| StabilityScope::Off)
+    /// Which solutions are assessed: of a tuned disk those that are asked for, of a mistuned one none.
+    fn stability(&self, sectors: Sectors) -> Result<StabilityScope, BadSetting> {
+        let off = StabilityScope::Off;
+        let stated = self.stability;
+        match sectors {
+            Sectors::None => Ok(stated.unwrap_or_default()),
+            Sectors::Tuned => Ok(stated.unwrap_or(off)),
+            Sectors::Mistuned => {
+                let rule = "must be \"off\" for a mistuned disk: a disturbance of all its sectors has too many unknowns";
+                let possible = stated.is_none_or(|stated| stated == off);
+                BadSetting::unless(possible, "solver.stability", "(given)", rule)?;
+                Ok(off)
             }
-            (stated, false) => Ok(stated.unwrap_or_default()),
         }
     }
 
@@ -353,7 +367,9 @@ mod tests {
             ("events = \"sampled\"", Events::Sampled),
         ] {
             let contact: ContactSection = toml::from_str(text).unwrap();
-            let settings = SolverSection::default().settings(&contact, false).unwrap();
+            let settings = SolverSection::default()
+                .settings(&contact, Sectors::None)
+                .unwrap();
             assert_eq!(settings.aft.events, expected, "{text}");
         }
     }

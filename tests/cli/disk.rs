@@ -185,3 +185,51 @@ fn responses_may_be_of_the_next_sector() {
         assert!((ratio / apart - 1.0).abs() < 1e-6, "{ratio} {apart}");
     }
 }
+
+/// Of each solution of the curve that slips, with this line in `[solver]`: whether it has a multiplier. All that stick have none.
+fn slipping_with_multiplier(stability: &str) -> Vec<bool> {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in DISK_FILES {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let study = DISK.replace("levels = [1.0]", "levels = [20.0]")
+        + &format!("\n[solver]\nharmonics = 3\nalert = false\n{stability}\n");
+    std::fs::write(folder.path().join("study.toml"), study).unwrap();
+    let output = microslip(
+        folder.path(),
+        &["solve", "study.toml", "--quiet", "--output", "out"],
+    );
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let mut table = csv::Reader::from_path(folder.path().join("out/curve.csv")).unwrap();
+    let head: Vec<String> = table.headers().unwrap().iter().map(str::to_owned).collect();
+    let [slip, multiplier] = ["slip_fraction", "multiplier_real"]
+        .map(|name| head.iter().position(|h| h == name).unwrap());
+    let points = table.records().map(|record| {
+        let record = record.unwrap();
+        let slips = record[slip].parse::<f64>().unwrap() > 0.0;
+        (slips, !record[multiplier].is_empty())
+    });
+    let points: Vec<(bool, bool)> = points.collect();
+    let only_slipping = points.iter().all(|(slips, known)| *slips || !known);
+    assert!(only_slipping, "{points:?}");
+    let slipping = points.iter().filter(|(slips, _)| *slips);
+    slipping.map(|(_, known)| *known).collect()
+}
+
+/// A disk is assessed where its study asks for it, and not else. Seen to fail with a program that refuses the key for
+/// disks.
+#[test]
+fn stability_of_a_disk_is_assessed_on_request() {
+    let asked = slipping_with_multiplier("stability = \"all\"");
+    assert!(
+        asked.len() > 5 && asked.iter().all(|known| *known),
+        "{asked:?}"
+    );
+    for line in ["", "stability = \"off\""] {
+        let left = slipping_with_multiplier(line);
+        assert!(
+            !left.is_empty() && left.iter().all(|known| !known),
+            "{left:?}"
+        );
+    }
+}

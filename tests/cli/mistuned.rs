@@ -6,6 +6,7 @@ use microslip::ensemble::outcome::SampleOutcome;
 use microslip::ensemble::store::read_samples;
 use serde_json::Value;
 
+use super::bad_input::assert_refused;
 use super::bad_input::disk_cases::{DISK, DISK_FILES};
 use crate::microslip;
 
@@ -39,6 +40,29 @@ fn run(folder: &Path, disk: (usize, &str), output: &str, more: &[&str]) {
 fn samples(folder: &Path, output: &str) -> (Vec<String>, Vec<SampleOutcome>) {
     let stored = read_samples(&folder.join(output).join("samples.parquet")).unwrap();
     (stored.input_names, stored.outcomes)
+}
+
+/// The stability of a mistuned disk is not assessed, and a study that asks for it says so. Seen to fail with a
+/// program that refuses it for all disks.
+#[test]
+fn its_stability_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_study(folder, (5, "0.01"));
+    let path = folder.join("study.toml");
+    let study = std::fs::read_to_string(&path).unwrap();
+    let asked = study.replace("[solver]", "[solver]\nstability = \"all\"");
+    std::fs::write(&path, asked).unwrap();
+    let refused = microslip(folder, &["inspect", "study.toml"]);
+    assert_refused(
+        "stability",
+        &refused,
+        &[": solver.stability = (given): must be \"off\" for a mistuned disk"],
+    );
+    let off = study.replace("[solver]", "[solver]\nstability = \"off\"");
+    std::fs::write(&path, off).unwrap();
+    let taken = microslip(folder, &["inspect", "study.toml"]);
+    assert_eq!(taken.status.code(), Some(0), "{taken:?}");
 }
 
 /// `inspect` counts the contacts of all sectors.

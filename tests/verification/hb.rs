@@ -7,6 +7,7 @@
 
 mod alert;
 mod anchored;
+mod built_in_sector;
 mod closed_form;
 mod compliance;
 mod curve;

@@ -34,6 +34,8 @@ const TICK_HEIGHT: f64 = 26.0;
 const MARKS_PER_LINE: usize = 6;
 /// Height of a line of words.
 const LINE: f64 = 12.0;
+/// Rows of names at the upper edge.
+const ROWS: usize = 4;
 /// Width of the place around a mark where the pointer shows its values.
 const REACH: f64 = 14.0;
 
@@ -280,6 +282,32 @@ impl Panel {
             let [from, to] = [5.0, 15.0].map(|distance| x + side * distance);
             self.path("pointer", &format!("M{from:.1} {y:.1}L{to:.1} {line:.1}"));
             write_text(&mut self.marks, class, (to + 2.0 * side, line + 3.5), text);
+        }
+    }
+
+    /// Names at the upper edge, each on the right of its place on the x axis, in the highest row that has room for it.
+    pub fn names_above(&mut self, names: &[(f64, String)]) {
+        let (width, _) = self.inner();
+        let place = |(x, name): &(f64, String)| Some((self.x.position(*x)? * width, name.clone()));
+        let mut placed: Vec<(f64, String)> = names.iter().filter_map(place).collect();
+        placed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut ends = [f64::NEG_INFINITY; ROWS];
+        for (x, name) in placed {
+            let end = x + 6.0 + CHARACTER * name.chars().count() as f64;
+            let least = |a: usize, b: usize| if ends[b] < ends[a] { b } else { a };
+            let row =
+                (ends.iter().position(|end| *end <= x)).unwrap_or_else(|| (0..ROWS).fold(0, least));
+            let (class, from) = match end > width {
+                true => ("words end", x - 4.0),
+                false => ("words", x + 4.0),
+            };
+            ends[row] = end;
+            write_text(
+                &mut self.marks,
+                class,
+                (from, 10.0 + LINE * row as f64),
+                &name,
+            );
         }
     }
 

@@ -230,7 +230,7 @@ fn campbell(view: &View) -> Figure {
     for speed in &view.disk.dwell_rpm {
         panel.rule("limit", *speed);
     }
-    let mut labels = Vec::new();
+    let mut names = Vec::new();
     for (order, [from, to]) in view.disk.orders.iter().zip(stretches(view, [slow, fast])) {
         // one band per family, over all levels
         if let Some([lower, upper]) = order_range(order) {
@@ -241,7 +241,7 @@ fn campbell(view: &View) -> Figure {
         if enters < leaves {
             let ends = [enters, leaves].map(|speed| (speed, slope * speed));
             panel.line("order", ends.into_iter());
-            labels.push((ends[1], format!("EO {}", order.engine_order)));
+            names.push((leaves, format!("EO {}", order.engine_order)));
         }
     }
     for (order, i, level) in view.bars() {
@@ -261,7 +261,7 @@ fn campbell(view: &View) -> Figure {
         ];
         panel.readout_upright(speed, [lower, upper], &words);
     }
-    panel.labels(&labels);
+    panel.names_above(&names);
     let caption = "A band spans the scatter of one nodal diameter over all levels. The bands lie on each other, so each is drawn \
                    at the speeds nearest to those where its engine order crosses; bars stand where it crosses their middle.";
     view.figure(&panel, "campbell", caption)

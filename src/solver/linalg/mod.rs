@@ -17,6 +17,7 @@
 
 mod dense_eigen;
 pub mod gcr;
+pub mod krylov;
 pub mod recycled;
 pub mod single;
 mod sparse_eigen;

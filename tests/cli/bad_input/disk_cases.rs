@@ -57,14 +57,6 @@ pub(crate) const DISK_REFUSED: &[Case] = &[
         &[":28: operation.engine_orders[0] = 0: must be a whole number >= 1"],
     ),
     (
-        "engine_orders = [3]",
-        "engine_orders = [3]\n[solver]\nstability = \"all\"",
-        &[
-            ": solver.stability = (given): must be \"off\" for a model of kind \"cyclic\"",
-            "a disturbance may have any nodal diameter",
-        ],
-    ),
-    (
         "[operation]\nspeed_rpm = [1000, 2000]\nengine_orders = [3]\n",
         "",
         &[":1: operation = (absent): must be given: its engine_orders name the engine order"],

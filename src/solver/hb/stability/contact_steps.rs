@@ -103,6 +103,14 @@ impl PairSteps {
         }
         Self { steps, moves }
     }
+
+    /// The derivative of the forces by the displacements if that is the same over the whole period and all there is: of a contact
+    /// that always sticks, or is always open.
+    pub(super) fn constant(&self) -> Option<[[f64; 3]; 3]> {
+        let first = self.steps.first()?.stiffness;
+        let same = |step: &PairStep| step.stiffness == first && step.memory == BySlider::default();
+        self.steps.iter().all(same).then_some(first)
+    }
 }
 
 impl PairStep {

@@ -21,6 +21,8 @@
 pub mod assessment;
 mod contact_steps;
 pub mod period_map;
+pub mod ring_map;
+mod sectors;
 mod structure;
 
 pub use assessment::{Instability, Stability, assess};

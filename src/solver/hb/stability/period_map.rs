@@ -54,7 +54,7 @@ pub struct PeriodMap {
 }
 
 /// Re and Im of the root a.
-const ROOT: [f64; 2] = [3.0, 1.732_050_807_568_877_2];
+pub(super) const ROOT: [f64; 2] = [3.0, 1.732_050_807_568_877_2];
 
 impl PeriodMap {
     /// The maps of `motion` of `problem`, one for each symmetry, with `n_steps` steps per period; `None` for travelling waves,
@@ -81,7 +81,7 @@ impl PeriodMap {
 }
 
 /// The linearised law of every pair over the period.
-fn pair_steps(
+pub(super) fn pair_steps(
     problem: &Problem<'_>,
     motion: &PeriodicMotion<'_>,
     n_steps: usize,

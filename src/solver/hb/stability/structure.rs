@@ -9,7 +9,7 @@
 
 use crate::hb::equations::problem::Problem;
 use crate::hb::structure::linear::ModalPart;
-use crate::linalg::symmetric_generalized_eigen;
+use crate::linalg::{Entry, symmetric_eigen, symmetric_generalized_eigen};
 use faer::Side;
 use faer::prelude::*;
 
@@ -55,7 +55,7 @@ impl Disturbed {
         let [part] = &model.parts[..] else {
             return None;
         };
-        if model.sector {
+        if model.ring.is_some() {
             return None;
         }
         let parts = [part].into_iter().chain(&model.breaking);
@@ -67,7 +67,7 @@ impl Disturbed {
         let sides = parts.len();
         let cut = (HIGHEST * omega).powi(2);
         let shapes: Vec<(Vec<f64>, Mat<f64>)> = (parts.iter())
-            .map(|part| shapes(part, stuck, cut))
+            .map(|part| shapes(part, &part.contact.real, stuck, cut))
             .collect::<Option<_>>()?;
         let n = shapes.iter().map(|(lambda, _)| lambda.len()).sum();
         if n > MOST_COORDINATES {
@@ -119,39 +119,138 @@ impl Disturbed {
     }
 }
 
+/// A wave of a disk for disturbances, in coordinates η: η̈ + Ĉ η̇ + Λ η = −Bᴴ f, r = B η.
+#[derive(Debug)]
+pub(super) struct DisturbedWave {
+    /// Λ, diagonal (1/s²). Shape: `[n]`.
+    pub(super) lambda: Vec<f64>,
+    /// Ĉ (1/s), Hermitian. Shape: n × n.
+    pub(super) damping: Mat<c64>,
+    /// B of one sector. Shape: 3 · pairs × n, rows ordered t1 of every pair, t2, n.
+    pub(super) contact: Mat<c64>,
+}
+
+/// Coordinates of a wave whose squares add up to its energy with stuck contacts: √(Λ_s + ω²) Uᴴ η, with the stuck modes U.
+#[derive(Debug)]
+pub(super) struct EnergyNorm {
+    /// U. Shape: n × n.
+    pub(super) modes: Mat<c64>,
+    /// √(Λ_s + ω²) (1/s). Shape: `[n]`.
+    pub(super) scales: Vec<f64>,
+}
+
+impl EnergyNorm {
+    /// Of η. Shape: `[n]`.
+    pub(super) fn of(&self, eta: &[c64]) -> Vec<c64> {
+        let along = self.modes.adjoint() * ColRef::from_slice(eta);
+        let scaled = along.iter().zip(&self.scales);
+        scaled.map(|(x, scale)| x * *scale).collect()
+    }
+
+    /// η. Shape: `[n]`.
+    pub(super) fn coordinates(&self, x: &[c64]) -> Vec<c64> {
+        let along = Col::from_fn(x.len(), |i| x[i] / self.scales[i]);
+        (&self.modes * along).iter().copied().collect()
+    }
+}
+
+impl DisturbedWave {
+    /// Its energy with contacts of the stiffness `stuck` (N/m); `None` if the eigenvalue iteration fails.
+    pub(super) fn energy_norm(&self, stuck: &[f64], omega: f64) -> Option<EnergyNorm> {
+        let n = self.lambda.len();
+        let sprung = Mat::from_fn(stuck.len(), n, |i, j| self.contact[(i, j)] * stuck[i]);
+        let mut stiffness = self.contact.adjoint() * sprung;
+        (0..n).for_each(|i| stiffness[(i, i)] += self.lambda[i]);
+        let real = |z: &c64| z.im == 0.0;
+        let all_real = (0..n).all(|j| stiffness.col(j).iter().all(real));
+        // a wave that stands keeps real coordinates
+        let (lambda, modes) = match all_real {
+            true => {
+                let part = Mat::from_fn(n, n, |i, j| stiffness[(i, j)].re);
+                let (lambda, modes) = symmetric_eigen(part.as_ref()).ok()?;
+                (
+                    lambda,
+                    Mat::from_fn(n, n, |i, j| c64::new(modes[(i, j)], 0.0)),
+                )
+            }
+            false => symmetric_eigen(stiffness.as_ref()).ok()?,
+        };
+        let scale = |l: &f64| (l.max(0.0) + omega * omega).sqrt();
+        Some(EnergyNorm {
+            scales: lambda.iter().map(scale).collect(),
+            modes,
+        })
+    }
+
+    /// The wave `part` at the frequency `omega` (rad/s), with contacts of the stiffness `stuck` (N/m).
+    pub(super) fn new(part: &ModalPart, stuck: &[f64], omega: f64) -> Option<Self> {
+        let cut = (HIGHEST * omega).powi(2);
+        let contact = part.contact.complex();
+        // a wave that stands has real shapes, so that disturbances keep real coordinates
+        let (lambda, shapes) = match part.is_real() {
+            false => shapes(part, &contact, stuck, cut)?,
+            true => {
+                let (lambda, shapes) = shapes(part, &part.contact.real, stuck, cut)?;
+                let complex = |i, j| c64::new(shapes[(i, j)], 0.0);
+                (
+                    lambda,
+                    Mat::from_fn(shapes.nrows(), shapes.ncols(), complex),
+                )
+            }
+        };
+        let n = lambda.len();
+        let mut damped = Mat::zeros(shapes.nrows(), n);
+        for j in 0..n {
+            let eta: Vec<c64> = shapes.col(j).iter().copied().collect();
+            let column = part.structure.damp(&eta);
+            (column.iter().enumerate()).for_each(|(i, c)| damped[(i, j)] = *c);
+        }
+        Some(Self {
+            lambda,
+            damping: shapes.adjoint() * damped,
+            contact: contact * shapes,
+        })
+    }
+}
+
 /// Λ of the coordinates, and their shapes in the modes of the part: its modes up to `cut` (1/s²), and of the others those
-/// deflections under patterns of contact forces that are soft beside contacts of the stiffness `stuck` (N/m). `None` if an
-/// eigenvalue iteration fails.
-fn shapes(part: &ModalPart, stuck: &[f64], cut: f64) -> Option<(Vec<f64>, Mat<f64>)> {
+/// deflections under patterns of contact forces that are soft beside contacts of the stiffness `stuck` (N/m). `contact` are the
+/// relative displacements of the part's modes. `None` if an eigenvalue iteration fails.
+fn shapes<E: Entry>(
+    part: &ModalPart,
+    contact: &Mat<E>,
+    stuck: &[f64],
+    cut: f64,
+) -> Option<(Vec<f64>, Mat<E>)> {
     let lambda = &part.structure.lambda;
     let low = lambda.partition_point(|&l| l <= cut);
     let n = lambda.len();
-    let contact = &part.contact.real;
-    // forces of the contacts on the higher modes, as large as the contacts are stiff: F = Bᵀ K^½, and what they move: Λ⁻¹ F
+    // forces of the contacts on the higher modes, as large as the contacts are stiff: F = Bᴴ K^½, and what they move: Λ⁻¹ F
+    let reached = contact.adjoint().to_owned();
     let forces = Mat::from_fn(n - low, stuck.len(), |j, i| {
-        contact[(i, low + j)] * (part.multiplicity * stuck[i]).sqrt()
+        reached[(low + j, i)] * (part.multiplicity * stuck[i]).sqrt()
     });
     let moved = Mat::from_fn(n - low, stuck.len(), |j, i| {
         forces[(j, i)] / lambda[low + j]
     });
-    let compliance = forces.transpose() * &moved;
+    let compliance = forces.adjoint() * &moved;
     let patterns = compliance.self_adjoint_eigen(Side::Lower).ok()?;
     let soft: Vec<usize> = (0..stuck.len())
-        .filter(|&k| patterns.S()[k] > SOFT)
+        .filter(|&k| patterns.S()[k].real_part() > SOFT)
         .collect();
     let soft = Mat::from_fn(stuck.len(), soft.len(), |i, k| patterns.U()[(i, soft[k])]);
     let moved = moved * soft;
     let pushed = Mat::from_fn(moved.nrows(), moved.ncols(), |j, k| {
-        lambda[low + j] * moved[(j, k)]
+        moved[(j, k)] * lambda[low + j]
     });
-    let (stiffness, mass) = (moved.transpose() * pushed, moved.transpose() * &moved);
+    let (stiffness, mass) = (moved.adjoint() * pushed, moved.adjoint() * &moved);
     let (high, turned) = symmetric_generalized_eigen(stiffness.as_ref(), mass.as_ref()).ok()?;
     let high_shapes = moved * turned;
     let shapes = Mat::from_fn(n, low + high.len(), |i, j| {
         match (i.checked_sub(low), j.checked_sub(low)) {
             (Some(i), Some(j)) => high_shapes[(i, j)],
-            (None, None) if i == j => 1.0,
-            _ => 0.0,
+            (None, None) if i == j => E::from(1.0),
+            _ => E::from(0.0),
         }
     });
     Some((lambda[..low].iter().copied().chain(high).collect(), shapes))

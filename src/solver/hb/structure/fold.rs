@@ -85,7 +85,7 @@ impl LinearModel {
             alternates: parts.len() > 1,
             parts,
             breaking,
-            sector: false,
+            ring: None,
             pairs,
             floats,
         }))

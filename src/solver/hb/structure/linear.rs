@@ -8,9 +8,11 @@
 use crate::hb::ProblemError;
 use crate::linalg::split::SplitMat;
 use crate::linalg::{Entry, symmetric_generalized_eigen};
+use crate::model::disk::Disk;
 use crate::model::{ContactPair, ReducedModel, SparseRow};
 use faer::prelude::*;
 use pulp::{Arch, Simd, WithSimd};
+use std::sync::{Arc, OnceLock};
 
 /// An off-diagonal entry of Ĉ counts as round-off below this share of its diagonal neighbours, |Ĉᵢⱼ| / √(Ĉᵢᵢ Ĉⱼⱼ).
 const ROUND_OFF: f64 = 1e-8;
@@ -27,10 +29,36 @@ pub struct LinearModel {
     pub pairs: Vec<usize>,
     /// Whether the free structure can move as a rigid body, in part or as a whole: such as a strip that only contacts hold.
     pub floats: bool,
-    /// Whether it is one sector of a disk, whose other sectors do the same one after the other.
-    pub sector: bool,
+    /// Of one sector: the disk, whose other sectors do the same one after the other.
+    pub ring: Option<TunedRing>,
     /// Whether the model is folded and the mirror images do the same half a period later.
     pub alternates: bool,
+}
+
+/// The disk that a sector belongs to. Its sectors do the same one after the other, but disturbances of that may be waves of every nodal
+/// diameter.
+#[derive(Debug, Clone)]
+pub struct TunedRing {
+    /// The disk.
+    pub disk: Arc<Disk>,
+    /// The engine order that excites it.
+    pub engine_order: usize,
+    /// Factor on the damping matrix of the disk.
+    pub(super) damping: f64,
+    /// A sector in the waves 0 to N/2, with the damping of the disk; computed when it is asked for.
+    pub(super) waves: Arc<OnceLock<Option<Vec<ModalPart>>>>,
+}
+
+impl TunedRing {
+    /// The ring of `disk` under an engine order.
+    pub(super) fn new(disk: &Disk, engine_order: usize) -> Self {
+        Self {
+            disk: Arc::new(disk.clone()),
+            engine_order,
+            damping: 1.0,
+            waves: Arc::default(),
+        }
+    }
 }
 
 /// The linear structure for one class of harmonics, in coordinates η: matrices, contact, load and response vectors.
@@ -84,7 +112,7 @@ impl LinearModel {
         Ok(Self {
             parts: vec![part],
             breaking: None,
-            sector: false,
+            ring: None,
             pairs: (0..model.n_contacts()).collect(),
             floats,
             alternates: false,
@@ -94,8 +122,10 @@ impl LinearModel {
     /// Multiplies the damping matrix by `factor`.
     pub fn scale_damping(&mut self, factor: f64) {
         for part in self.parts.iter_mut().chain(&mut self.breaking) {
-            (part.structure.damping.iter_mut()).for_each(|c| *c *= factor);
-            part.structure.coupling.damping.scale(factor);
+            part.scale_damping(factor);
+        }
+        if let Some(ring) = &mut self.ring {
+            ring.damping *= factor;
         }
     }
 
@@ -171,6 +201,12 @@ impl ModalPart {
                 .map(|(&c, &s)| c64::new(c, -s))
                 .collect(),
         }
+    }
+
+    /// Multiplies the damping matrix by `factor`.
+    pub(super) fn scale_damping(&mut self, factor: f64) {
+        (self.structure.damping.iter_mut()).for_each(|c| *c *= factor);
+        self.structure.coupling.damping.scale(factor);
     }
 
     /// Number n of coordinates η.

@@ -129,7 +129,7 @@ impl MistunedRing {
             pairs: (0..part.contact.nrows() / 3).collect(),
             parts: vec![part],
             breaking: None,
-            sector: false,
+            ring: None,
             alternates: false,
         })
     }

@@ -6,9 +6,9 @@
 //! phase to the next sector is a factor of each harmonic, and so exact for any N and r.
 //!
 //! Waves of the same nodal diameter in opposite directions have the same frequencies and conjugate modes. Solutions in which
-//! sectors differ by more than their phase are not found.
+//! sectors differ by more than their phase are not found. Disturbances of a solution may be any waves: [`TunedRing`] has them all.
 
-use super::linear::{Coupling, LinearModel, ModalPart, Structure};
+use super::linear::{Coupling, LinearModel, ModalPart, Structure, TunedRing};
 use crate::hb::ProblemError;
 use crate::linalg::symmetric_generalized_eigen;
 use crate::model::disk::{Disk, WaveModel};
@@ -25,36 +25,63 @@ impl LinearModel {
         assert!(engine_order > 0, "engine order 0 is no vibration");
         // harmonics k and k + period have the same wave
         let period = (1..=disk.n_sectors).find(|&k| disk.wave_of(engine_order, k) == 0);
-        let mut found: BTreeMap<usize, WaveModes> = BTreeMap::new();
-        let mut parts = Vec::new();
-        for harmonic in 0..period.unwrap_or(1) {
+        let mut found = BTreeMap::new();
+        let parts = (0..period.unwrap_or(1)).map(|harmonic| {
             let wave = disk.wave_of(engine_order, harmonic);
-            if disk.stands(wave) {
-                parts.push(ModalPart::new(&disk.standing(wave), 1.0)?.0);
-                continue;
-            }
-            let forward = disk.nodal_diameter(wave);
-            // where only contacts couple the sectors, every wave has the same modes
-            let same = if disk.is_uncoupled() { 1 } else { forward };
-            let modes = match found.entry(same) {
-                Entry::Occupied(entry) => entry.into_mut(),
-                Entry::Vacant(entry) => entry.insert(WaveModes::new(&disk.wave(same))?),
-            };
-            let model = disk.wave(wave);
-            let excited = harmonic == 1;
-            parts.push(match wave == forward {
-                true => modes.part(&model, excited),
-                false => modes.conjugate().part(&model, excited),
-            });
-        }
+            part_of_wave(disk, wave, harmonic == 1, &mut found)
+        });
+        let parts: Vec<ModalPart> = parts.collect::<Result<_, _>>()?;
         Ok(Self {
             floats: parts.iter().any(|part| part.structure.floats()),
             parts,
             breaking: None,
-            sector: true,
+            ring: Some(TunedRing::new(disk, engine_order)),
             pairs: (0..disk.contacts.len()).collect(),
             alternates: false,
         })
+    }
+}
+
+/// A sector in a wave; `found` are the modes of waves so far. What holds the sector at rest is left out of a wave that travels and that the
+/// excitation is not in.
+fn part_of_wave(
+    disk: &Disk,
+    wave: usize,
+    excited: bool,
+    found: &mut BTreeMap<usize, WaveModes>,
+) -> Result<ModalPart, ProblemError> {
+    if disk.stands(wave) {
+        return Ok(ModalPart::new(&disk.standing(wave), 1.0)?.0);
+    }
+    let forward = disk.nodal_diameter(wave);
+    // where only contacts couple the sectors, every wave has the same modes
+    let same = if disk.is_uncoupled() { 1 } else { forward };
+    let modes = match found.entry(same) {
+        Entry::Occupied(entry) => entry.into_mut(),
+        Entry::Vacant(entry) => entry.insert(WaveModes::new(&disk.wave(same))?),
+    };
+    let model = disk.wave(wave);
+    Ok(match wave == forward {
+        true => modes.part(&model, excited),
+        false => modes.conjugate().part(&model, excited),
+    })
+}
+
+impl TunedRing {
+    /// A sector in the waves 0 to N/2; `None` if an eigenvalue iteration fails.
+    #[must_use]
+    pub fn waves(&self) -> Option<Vec<ModalPart>> {
+        let parts = self.waves.get_or_init(|| {
+            let mut found = BTreeMap::new();
+            let waves = 0..=self.disk.n_sectors / 2;
+            let parts = waves.map(|wave| part_of_wave(&self.disk, wave, false, &mut found));
+            parts.collect::<Result<_, _>>().ok()
+        });
+        let mut parts = parts.clone()?;
+        for part in &mut parts {
+            part.scale_damping(self.damping);
+        }
+        Some(parts)
     }
 }
 

@@ -91,6 +91,15 @@ pub struct WaveModel {
 }
 
 impl Disk {
+    /// Number of degrees of freedom of a sector.
+    #[must_use]
+    pub fn n_dofs(&self) -> usize {
+        match &self.mass {
+            CyclicMatrix::Neighbours { own, .. } => own.nrows(),
+            CyclicMatrix::Nodal(matrices) => matrices.first().map_or(0, Mat::nrows),
+        }
+    }
+
     /// The wave of harmonic `k` of an engine order: its phase from one sector to the next is 2π/N times this number, 0 to N − 1.
     #[must_use]
     pub fn wave_of(&self, engine_order: usize, k: usize) -> usize {

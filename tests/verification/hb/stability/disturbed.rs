@@ -20,13 +20,13 @@ const MARCH: usize = 16_000;
 const SMALL: f64 = 1e-6;
 
 /// The multiplier of the period map, and that of the march, over some periods.
-struct Compared {
-    computed: c64,
-    marched: c64,
+pub(super) struct Compared {
+    pub(super) computed: c64,
+    pub(super) marched: c64,
 }
 
 impl Compared {
-    fn error(&self) -> f64 {
+    pub(super) fn error(&self) -> f64 {
         (self.marched / self.computed - 1.0).norm()
     }
 }
@@ -53,7 +53,7 @@ fn in_coordinates(map: &PeriodMap, state: &[f64]) -> Vec<f64> {
 
 /// The largest multiplier and the same by marches over `periods`, after `settle` periods in which the march finds its own periodic
 /// state.
-fn compare(
+pub(super) fn compare(
     balance: &Balance<'_>,
     iterate: &Iterate<'_>,
     [settle, periods]: [usize; 2],
