@@ -3,7 +3,9 @@
 //! Stick ends where |s − z| reaches L, with the slider z = k_t w, s = k_t u and L = mu N. In slip the traction turns as
 //! [`super::slip`] says, until its slider would move backwards: slip ends where λ = e·s' − L' falls to 0.
 
-use super::node::{Node, slip_step};
+use super::between::Between;
+use super::node::{At, Node, slip_step};
+use super::sensitivity::Basis;
 use super::slip::HalfAngle;
 use super::steady_cycle::{Hold, hold, tops};
 use crate::aft::lanes::lane::Lane;
@@ -29,6 +31,8 @@ pub(in crate::aft) struct Course<'a, T> {
     pub work: &'a Workspace<T>,
     /// The samples. Shape: `[time + 1]`.
     pub nodes: &'a [Node<T>],
+    /// Nodes between the samples, if there are any.
+    pub between: Option<&'a Between<T>>,
     /// Matrices of the slip from each sample to the next one. Shape: `[time]`.
     pub maps: &'a [[Lane<T>; 4]],
     pub lane: usize,
@@ -42,6 +46,16 @@ impl<T: Real> Course<'_, T> {
     #[inline(always)]
     pub(in crate::aft) fn sample(&self, i: usize) -> Node<T> {
         self.nodes[i]
+    }
+
+    /// A sample or a node between samples.
+    #[inline(always)]
+    pub(in crate::aft) fn node(&self, at: At) -> Option<&Node<T>> {
+        match at {
+            At::Event => None,
+            At::Sample(i) => Some(&self.nodes[i]),
+            At::Between(k) => self.between.map(|between| &between.nodes[k]),
+        }
     }
 
     #[inline(always)]
@@ -61,7 +75,7 @@ impl<T: Real> Course<'_, T> {
         });
         let limit = signal_rates(plan, row, &self.signals.gap).map(|x| p.mu * x);
         Node {
-            sample: None,
+            at: At::Event,
             theta,
             path: [first[0], second[0]],
             rate: [first[1], second[1]],
@@ -72,6 +86,46 @@ impl<T: Real> Course<'_, T> {
             limit_bend: limit[2],
             limit_jerk: limit[3],
         }
+    }
+
+    /// The basis row at a node; `row` is that of an event.
+    #[inline(always)]
+    pub(in crate::aft) fn basis<'b>(&self, node: &Node<T>, row: &'b [T]) -> Basis<'b, T>
+    where
+        Self: 'b,
+    {
+        match (node.at, self.between) {
+            (At::Sample(i), _) if i == self.plan.n_time() => Basis::Sample(0),
+            (At::Sample(i), _) => Basis::Sample(i),
+            (At::Between(k), Some(between)) => Basis::Event(between.row(k)),
+            _ => Basis::Event(row),
+        }
+    }
+
+    /// Number of nodes between samples before sample i.
+    #[inline(always)]
+    pub(in crate::aft) fn between_before(&self, i: usize) -> usize {
+        self.between.map_or(0, |between| between.before[i])
+    }
+
+    /// First phase and length of the cell before sample i whose end is node k between the samples or, where there is none before
+    /// that sample, the sample itself; nothing if the whole interval is one cell.
+    #[inline(always)]
+    pub(in crate::aft) fn cell(&self, i: usize, k: usize) -> Option<[T; 2]> {
+        let between = self.between?;
+        let before = between.before[i.saturating_sub(1)];
+        if before == between.before[i] {
+            return None;
+        }
+        let start = match k > before {
+            true => between.nodes[k - 1].theta,
+            false => self.phase(i - 1),
+        };
+        let end = match k < between.before[i] {
+            true => between.nodes[k].theta,
+            false => self.phase(i),
+        };
+        Some([start, end - start])
     }
 
     /// The signals at a root of the gap function, where the limit is exactly 0.
@@ -126,9 +180,9 @@ impl<T: Real> Course<'_, T> {
                 + end_part * (T::ONE + rest + rest) * end
                 + share * rest * (rest * rates[0] - share * rates[1]);
             // Where slip ended at `here` the traction falls from its limit: the cubic starts from an exact maximum.
-            let error = match here.sample {
-                Some(_) => T::from_f64(CUBIC_ERROR) * (top - start).or_larger(top - end),
-                None => T::ZERO,
+            let error = match here.at {
+                At::Event => T::ZERO,
+                _ => T::from_f64(CUBIC_ERROR) * (top - start).or_larger(top - end),
             };
             if top + error <= T::ZERO {
                 return None;
@@ -167,7 +221,7 @@ impl<T: Real> Course<'_, T> {
         let rates = [width * start_rate, width * end_rate];
         let half = T::from_f64(0.5);
         let held = margin * (here.limit + here.limit + margin);
-        if here.sample.is_none() && start_bend < T::ZERO {
+        if here.at == At::Event && start_bend < T::ZERO {
             // Slip ended at `here`, or the contact closed: a double zero, and a cubic beyond it, or a quartic where the
             // motion goes straight back. The quartic's guess is the larger one. From there the search comes down and never
             // meets the rounding around the double zero.
@@ -232,8 +286,8 @@ impl<T: Real> Course<'_, T> {
     /// Matrix of the slip from `here` to `next`.
     #[inline(always)]
     pub(in crate::aft) fn map(&self, here: &Node<T>, next: &Node<T>) -> [T; 4] {
-        match (here.sample, next.sample) {
-            (Some(i), Some(_)) => std::array::from_fn(|k| self.maps[i][k][self.lane]),
+        match (here.at, next.at) {
+            (At::Sample(i), At::Sample(_)) => std::array::from_fn(|k| self.maps[i][k][self.lane]),
             _ => slip_step(here, next).map(),
         }
     }

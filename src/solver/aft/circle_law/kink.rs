@@ -21,6 +21,8 @@ use std::f64::consts::TAU;
 pub(super) struct Kink<T> {
     /// Phase of the event.
     pub theta: T,
+    /// First phase and length of the cell around it, if an interval between samples has several.
+    pub cell: Option<[T; 2]>,
     /// Change of the first derivative of both tractions by the phase (N per radian).
     pub jump: [T; 2],
     /// Change of the second one (N per square radian).
@@ -36,7 +38,7 @@ impl<T: Real> Kink<T> {
         [row, missing]: [&mut Vec<T>; 2],
         force: &mut [T],
     ) {
-        let [_, second, third] = kink_weights(plan, self.theta);
+        let [_, second, third] = self.weights(plan);
         row.resize(plan.m, T::ONE);
         basis_row(plan, self.theta, row);
         for (d, force) in force.chunks_exact_mut(plan.m).enumerate() {
@@ -65,7 +67,7 @@ impl<T: Real> Kink<T> {
         row: &[T],
         instant: &Row<T>,
     ) {
-        let [first, second, third] = kink_weights(plan, self.theta);
+        let [first, second, third] = self.weights(plan);
         let twice = third + third;
         // For b, b' and b'': the factors of dJ, dK and dθ.
         let factors = |j: T, k: T| {
@@ -90,17 +92,25 @@ impl<T: Real> Kink<T> {
             blocks.weigh(simd, plan, row, of_basis);
         }
     }
-}
 
-/// B₁(x) = x − ½, ½ h B₂(x) and ⅙ h² B₃(x): each is the derivative of the next one by the phase.
-#[inline(always)]
-fn kink_weights<T: Real>(plan: &AftPlan<T>, theta: T) -> [T; 3] {
-    let n = plan.n_time() as f64;
-    let (h, x) = (TAU / n, (theta.to_f64() * (n / TAU)).fract());
-    [
-        x - 0.5,
-        0.5 * h * (x * x - x + 1.0 / 6.0),
-        h * h / 6.0 * x * (x - 0.5) * (x - 1.0),
-    ]
-    .map(T::from_f64)
+    /// B₁(x) = x − ½, ½ h B₂(x) and ⅙ h² B₃(x): each is the derivative of the next one by the phase. In a cell of another length than
+    /// the interval between samples they have its share of that interval as a factor.
+    #[inline(always)]
+    fn weights(&self, plan: &AftPlan<T>) -> [T; 3] {
+        let n = plan.n_time() as f64;
+        let theta = self.theta.to_f64();
+        let (share, h, x) = match self.cell {
+            None => (1.0, TAU / n, (theta * (n / TAU)).fract()),
+            Some([start, length]) => {
+                let h = length.to_f64();
+                (h * (n / TAU), h, (theta - start.to_f64()) / h)
+            }
+        };
+        [
+            share * (x - 0.5),
+            share * (0.5 * h * (x * x - x + 1.0 / 6.0)),
+            share * (h * h / 6.0 * x * (x - 0.5) * (x - 1.0)),
+        ]
+        .map(T::from_f64)
+    }
 }

@@ -2,10 +2,8 @@
 
 use super::course::Course;
 use super::kink::Kink;
-use super::node::Node;
-use super::sensitivity::{Base, Basis, Blocks, Row, Rows};
+use super::sensitivity::{Base, Blocks, Row, Rows};
 use super::slip::HalfAngle;
-use crate::aft::plan::AftPlan;
 use crate::aft::vector::dot;
 use crate::contact::Real;
 
@@ -21,8 +19,12 @@ pub(super) enum Motion<T> {
 /// What is known at the end of a lap, and what the lap needs on the way.
 #[derive(Debug, Clone, Default)]
 pub(in crate::aft) struct Lap<T> {
-    /// Tractions at the samples (N). Shape: `[time]`.
+    /// Tractions at the samples (N), times the weights of the samples. Shape: `[time]`.
     pub tractions: Vec<[T; 2]>,
+    /// Tractions at the nodes between samples (N), times the weights of these nodes.
+    pub(super) between: Vec<[T; 2]>,
+    /// First phase and length of the present cell, if an interval between samples has several.
+    pub(super) cell: Option<[T; 2]>,
     pub(super) kinks: Vec<Kink<T>>,
     /// Number of samples that slip.
     pub slip: u32,
@@ -52,10 +54,22 @@ pub(in crate::aft) struct Walk<'a, S, T> {
 }
 
 impl<T: Real> Lap<T> {
-    /// Adds what the kinks contribute to the traction coefficients. Shape: `force` `[2][m]`.
-    pub(in crate::aft) fn add_kinks(&mut self, plan: &AftPlan<T>, force: &mut [T]) {
+    /// Adds what the kinks and the nodes between samples contribute to the traction coefficients. Shape: `force` `[2][m]`.
+    pub(in crate::aft) fn complete(&mut self, course: Course<T>, force: &mut [T]) {
+        let plan = course.plan;
         for kink in &self.kinks {
             kink.add_force(plan, [&mut self.row, &mut self.next_row], force);
+        }
+        let Some(between) = course.between else {
+            return;
+        };
+        for (k, traction) in self.between.iter().enumerate() {
+            let terms = between.row(k).iter().zip(&plan.weight);
+            for (force, &traction) in force.chunks_exact_mut(plan.m).zip(traction) {
+                for (force, (&b, &w)) in force.iter_mut().zip(terms.clone()) {
+                    *force += w * b * traction;
+                }
+            }
         }
     }
 
@@ -74,19 +88,5 @@ impl<'a, S, T: Real> Walk<'a, S, T> {
             plan: self.course.plan,
             p: self.course.p,
         }
-    }
-}
-
-/// The basis row at a node: that of its sample, or `row` for an event.
-#[inline(always)]
-pub(super) fn basis_at<'a, T: Real>(
-    plan: &AftPlan<T>,
-    node: &Node<T>,
-    row: &'a [T],
-) -> Basis<'a, T> {
-    match node.sample {
-        Some(i) if i == plan.n_time() => Basis::Sample(0),
-        Some(i) => Basis::Sample(i),
-        None => Basis::Event(row),
     }
 }

@@ -4,6 +4,7 @@
 //! lap along this cycle computes them; so the forces have the same bits with and without derivatives. The normal force is a
 //! trigonometric polynomial between opening and closing and is integrated in closed form, as under the box law.
 
+use super::between::Between;
 use super::course::Course;
 use super::lap::{Lap, Walk};
 use super::node::Node;
@@ -33,6 +34,7 @@ pub(in crate::aft) struct LocatedCircle<T> {
     lane: LaneScratch<T>,
     /// Signals of the present state at the time points. Shape: `[time + 1]`.
     nodes: Vec<Node<T>>,
+    between: Between<T>,
     lap: Lap<T>,
     blocks: Blocks<T>,
     /// Corrections of the traction coefficients for kinks, and the coefficients of the normal force (N). Shape: `[lane][3][m]`.
@@ -128,11 +130,17 @@ impl<T: Real> LocatedCircle<T> {
             plan,
             work: at.work,
             nodes: &self.nodes,
+            between: None,
             maps: &self.maps,
             lane: at.lane,
             p: &p,
             signals,
             points,
+        };
+        let is_finer = self.between.find(course);
+        let course = Course {
+            between: is_finer.then_some(&self.between),
+            ..course
         };
         let tangents = want == Want::ForcesAndTangents;
         let offset = out.blocks.len();
@@ -150,7 +158,7 @@ impl<T: Real> LocatedCircle<T> {
         }
         let forces = &mut self.forces[at.lane * 3 * m..][..3 * m];
         forces.fill(T::ZERO);
-        self.lap.add_kinks(plan, &mut forces[..2 * m]);
+        self.lap.complete(course, &mut forces[..2 * m]);
         out.summaries.push(cycle.summary(at, self.lap.slip));
         if tangents {
             out.add_tangent(offset, cycle.stuck);

@@ -1,5 +1,6 @@
 //! The circle law: one slider for both directions of slip, and its steady cycle.
 
+mod between;
 pub(super) mod course;
 mod kink;
 pub(super) mod lap;

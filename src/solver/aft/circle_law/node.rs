@@ -11,18 +11,35 @@ use crate::aft::vector::{dot, normal};
 use crate::contact::{ContactParameters, Real};
 use std::f64::consts::TAU;
 
+/// Cosine of the angle by which the velocity may turn in a step: half a radian.
+const TURN: f64 = 0.8776;
+/// Way in a step, over the friction limit, that is short: there one step of slip resolves the turn.
+const SHORT: f64 = 0.5;
+/// Way across the path in a step, over the friction limit, below which the motion counts as straight.
+const ACROSS: f64 = 1e-3;
+
+/// What a node is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::aft) enum At {
+    /// An event of the slider or of the gap; its phase depends on the motion.
+    Event,
+    /// The sample of this number.
+    Sample(usize),
+    /// The node of this number between samples ([`super::between`]).
+    Between(usize),
+}
+
 /// The signals at one phase.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::aft) struct Node<T> {
-    /// Number of the sample; none for an event.
-    pub sample: Option<usize>,
+    pub at: At,
     pub theta: T,
-    /// s (N), and its derivatives s', s'' and s''' by the phase; s'' and s''' for events only.
+    /// s (N), and its derivatives s', s'' and s''' by the phase; s'' and s''' not for samples.
     pub path: [T; 2],
     pub rate: [T; 2],
     pub bend: [T; 2],
     pub jerk: [T; 2],
-    /// L (N), L', L'' and L'''; L'' and L''' for events only.
+    /// L (N), L', L'' and L'''; L'' and L''' not for samples.
     pub limit: T,
     pub limit_rate: T,
     pub limit_bend: T,
@@ -42,7 +59,7 @@ impl<T: Real> Node<T> {
         let at = if i == n { 0 } else { i };
         let (s, rate) = (&work.samples[at], &rates[at]);
         Self {
-            sample: Some(i),
+            at: At::Sample(i),
             theta: T::from_f64(i as f64 * TAU / n as f64),
             path: [p.k_t[0] * s.u[0][lane], p.k_t[1] * s.u[1][lane]],
             rate: [p.k_t[0] * rate[lane], p.k_t[1] * rate[LANES + lane]],
@@ -71,6 +88,20 @@ impl<T: Real> Node<T> {
     #[inline(always)]
     pub(in crate::aft) fn bending(&self, e: [T; 2]) -> T {
         dot(e, self.bend) - self.limit_bend
+    }
+
+    /// Whether the velocity turns by more than half a radian in the step to `next`, the contact moves far, and its path is not straight.
+    #[inline(always)]
+    pub(in crate::aft) fn turns_around(&self, next: &Self) -> bool {
+        let number = T::from_f64;
+        let across = (self.rate[0] * next.rate[1] - self.rate[1] * next.rate[0]).abs();
+        let length = next.theta - self.theta;
+        let speeds = [self.rate, next.rate].map(|v| dot(v, v).sqrt());
+        let limit = number(0.5) * (self.limit + next.limit);
+        let both = speeds[0] + speeds[1];
+        dot(self.rate, next.rate) < number(TURN) * speeds[0] * speeds[1]
+            && both * length > number(2.0 * SHORT) * limit
+            && across * length > number(ACROSS) * limit * both
     }
 
     /// A number depends on the step that ends here, with the derivatives `by`: its derivative by the phase of this node.

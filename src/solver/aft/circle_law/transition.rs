@@ -1,8 +1,8 @@
 //! Transitions of a contact between open, stick and slip: the slider after each of them, with its derivatives.
 
 use super::kink::Kink;
-use super::lap::{Lap, Motion, Walk, basis_at};
-use super::node::{Node, slip_step};
+use super::lap::{Lap, Motion, Walk};
+use super::node::{At, Node, slip_step};
 use super::sensitivity::{
     Base, Basis, KinkRows, Row, SignalWeights, add_row, add_signals, add_step, scale, set_rows,
 };
@@ -42,7 +42,7 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
     fn turn_towards(&mut self, node: &Node<T>, e: [T; 2], size: T) {
         let base = self.base();
         let (p, lap) = (normal(e), &mut *self.lap);
-        let at = basis_at(base.plan, node, &lap.row);
+        let at = self.course.basis(node, &lap.row);
         let [first, second] = &lap.rows.slider;
         let factors = p.map(|p| p / size);
         set_rows(&mut lap.rows.angle, [first, second], |_, a, b| {
@@ -139,7 +139,7 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
         let e = half.e;
         let p = normal(e);
         let lap = &mut *self.lap;
-        let at = basis_at(base.plan, node, &lap.row);
+        let at = self.course.basis(node, &lap.row);
         for (d, slider) in lap.rows.slider.iter_mut().enumerate() {
             let (turned, moved) = (node.limit * p[d], node.rate[d] - e[d] * node.limit_rate);
             let rows: [&[_]; 2] = [&lap.rows.angle, &lap.rows.instant];
@@ -167,16 +167,16 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
         let lap = &mut *self.lap;
         let factor = half.angle_rate(self.course.map(here, next), after);
         scale(&mut lap.rows.angle, factor);
-        let between_samples = here.sample.is_some() && next.sample.is_some();
-        if between_samples && !lap.rows.full {
+        let is_fixed = here.at != At::Event && next.at != At::Event;
+        if is_fixed && !lap.rows.full {
             return T::ZERO;
         }
         let by = slip_step(here, next).angle_rates(half);
         let (path, rate, length) = (by.path, by.rate, by.length);
         let limit = T::from_f64(0.5) * by.limit;
         let ends = [
-            basis_at(base.plan, here, &lap.row),
-            basis_at(base.plan, next, &lap.next_row),
+            self.course.basis(here, &lap.row),
+            self.course.basis(next, &lap.next_row),
         ];
         if let [Basis::Sample(here), Basis::Sample(next)] = ends {
             add_step(base, &mut lap.rows.angle, [here, next], path, rate, limit);
@@ -188,13 +188,13 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
             ..SignalWeights::NONE
         };
         add_signals(base, &mut lap.rows.angle, ends[0], weights);
-        if here.sample.is_none() {
+        if here.at == At::Event {
             let moved = limit * here.limit_rate - dot(path, here.rate) - length;
             add_row(&mut lap.rows.angle, moved, &lap.rows.instant);
         }
         (weights.path, weights.rate) = (path, rate);
         add_signals(base, &mut lap.rows.angle, ends[1], weights);
-        if next.sample.is_none() {
+        if next.at == At::Event {
             std::mem::swap(&mut lap.row, &mut lap.next_row);
         }
         next.turning(&by)
@@ -285,7 +285,12 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
         jump_rows: impl FnOnce(&mut Lap<T>, &mut KinkRows<T>),
     ) {
         let theta = node.theta;
-        let kink = Kink { theta, jump, bend };
+        let kink = Kink {
+            theta,
+            cell: self.lap.cell,
+            jump,
+            bend,
+        };
         self.lap.kinks.push(kink);
         let Some(blocks) = &mut self.target else {
             return;

@@ -1,7 +1,8 @@
 //! One lap: from sample to sample, and from event to event between them.
 
 use super::lap::{Motion, Walk};
-use super::node::Node;
+use super::node::{At, Node};
+use super::sensitivity::{Basis, SignalWeights, add_signals, set_rows};
 use super::slip::HalfAngle;
 use crate::aft::signals::breakpoints::first_sample_from;
 use crate::aft::vector::normal;
@@ -28,6 +29,8 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
         lap.tractions.clear();
         lap.tractions.resize(n, [T::ZERO; 2]);
         lap.kinks.clear();
+        lap.between.clear();
+        lap.cell = None;
         (lap.slip, lap.moved, lap.way, lap.stick_from) = (0, false, T::ZERO, None);
         let points = self.course.points;
         // Without friction the slider follows the surface all the time.
@@ -74,18 +77,25 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
         let course = self.course;
         let n = course.plan.n_time();
         // Samples are not copied: most nodes are samples.
-        let (mut event, mut at) = (here, here.sample);
-        let mut i = at.map_or_else(
-            || first_sample_from(here.theta.to_f64(), n as f64),
-            |sample| sample + 1,
-        );
+        let (mut event, mut at) = (here, here.at);
+        // The next sample, and the next node between samples: there is none in the interval of a root of the gap.
+        let (mut i, mut k) = match at {
+            At::Sample(sample) => (sample + 1, course.between_before(sample)),
+            _ => {
+                let i = first_sample_from(here.theta.to_f64(), n as f64);
+                (i, course.between_before(i))
+            }
+        };
         let mut events = 0;
         loop {
-            let here = at.map_or(&event, |sample| &course.nodes[sample]);
+            let here = course.node(at).unwrap_or(&event);
+            self.lap.cell = course.cell(i, k);
+            let finer = course.between.filter(|between| k < between.before[i]);
             let inside = end.is_none_or(|end| i < n && course.phase(i) < end);
             let root;
-            let next = match end {
-                Some(end) if !inside => {
+            let next = match (finer, end) {
+                (Some(between), _) => &between.nodes[k],
+                (None, Some(end)) if !inside => {
                     root = course.gap_root(end, &mut self.lap.next_row);
                     &root
                 }
@@ -99,18 +109,24 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
             };
             match step {
                 Step::Event(node, after) => {
-                    (event, at, motion) = (node, None, after);
+                    (event, at, motion) = (node, At::Event, after);
                     events += 1;
                     continue;
                 }
                 Step::Whole(after) => motion = after,
+            }
+            if finer.is_some() {
+                self.keep_between(k, next, motion);
+                (at, events) = (next.at, 0);
+                k += 1;
+                continue;
             }
             if !inside || i == n {
                 self.end_stick(i);
                 return (*next, motion);
             }
             self.keep(i, next, motion);
-            at = Some(i);
+            at = At::Sample(i);
             i += 1;
             events = 0;
         }
@@ -175,6 +191,60 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
                 }
             }
         }
+        if let Some(between) = self.course.between
+            && between.sample_weights[i] != T::ZERO
+        {
+            let weight = between.sample_weights[i];
+            let traction = &mut self.lap.tractions[i];
+            *traction = traction.map(|t| t + weight * t);
+            self.weigh(node, motion, weight);
+        }
+    }
+
+    /// Traction of node k between samples.
+    #[inline(never)]
+    fn keep_between(&mut self, k: usize, node: &Node<T>, motion: Motion<T>) {
+        let weight = self.course.between.map_or(T::ZERO, |b| b.weights[k]);
+        let traction = match motion {
+            Motion::Stick(slider) => [0, 1].map(|d| node.path[d] - slider[d]),
+            Motion::Slip(half) => half.e.map(|e| node.limit * e),
+        };
+        self.lap.between.push(traction.map(|t| weight * t));
+        self.weigh(node, motion, weight);
+    }
+
+    /// Adds the derivatives of the traction at a node, times `weight`.
+    #[inline(never)]
+    fn weigh(&mut self, node: &Node<T>, motion: Motion<T>, weight: T) {
+        let (base, course) = (self.base(), self.course);
+        let Some(blocks) = &mut self.target else {
+            return;
+        };
+        let at = course.basis(node, &[]);
+        for d in 0..2 {
+            let row = &mut blocks.traction[d];
+            let mut weights = SignalWeights::NONE;
+            match motion {
+                Motion::Stick(_) => {
+                    let slider = &self.lap.rows.slider[d];
+                    set_rows(row, [slider, slider], |_, z, _| -z);
+                    weights.path[d] = T::ONE;
+                }
+                Motion::Slip(half) => {
+                    let turned = node.limit * normal(half.e)[d];
+                    let angle = &self.lap.rows.angle;
+                    set_rows(row, [angle, angle], |_, angle, _| turned * angle);
+                    weights.limit = half.e[d];
+                }
+            }
+            add_signals(base, row, at, weights);
+        }
+        let b = match at {
+            Basis::Sample(i) => course.plan.row(i),
+            Basis::Event(row) => row,
+        };
+        let factors = [weight, T::ZERO, T::ZERO];
+        blocks.weigh(self.simd, course.plan, b, factors);
     }
 
     /// Stick ends before sample i: adds the derivatives of all samples of this stick.
