@@ -133,7 +133,8 @@ fn ellipse(ratio: f64, width: f64, phase: f64) -> State {
     }
 }
 
-/// Derivatives where intervals have nodes between their samples, against differences. 
+/// Derivatives where intervals have nodes between their samples, against differences. Seen to fail without the derivatives of the
+/// tractions at these nodes.
 #[test]
 fn tangents_on_narrow_ellipses_agree_with_differences() {
     let set = HarmonicSet::up_to(1);
@@ -144,16 +145,17 @@ fn tangents_on_narrow_ellipses_agree_with_differences() {
             for i in 0..20 {
                 let state = ellipse(ratio, width, 0.1 + 0.314 * f64::from(i));
                 let error = difference_error(&plan, &state);
-                println!("{ratio:.0e} {width:.0e} {i}: {error:.1e}");
                 largest = largest.max(error);
             }
         }
     }
-    assert!(largest < 1e-5, "{largest:e}");
+    println!("largest {largest:.1e}");
+    assert!(largest < 1e-7, "{largest:e}");
 }
 
-/// Narrow ellipses beyond the limit: at a tip the velocity turns around within a step, which one step of slip does not resolve. The
-/// largest error over the limit, against 64 times as many points, is stated in the page of limits.
+/// Narrow ellipses beyond the limit: at a tip the velocity turns around within a step, which nodes between the samples resolve. The
+/// largest error over the limit, against 64 times as many points, is stated in the page of limits. Seen to fail without these nodes:
+/// 4.0e-2, and 2.9e-4 times the root of the ratio.
 #[test]
 fn narrow_ellipses_err_by_as_much_as_is_stated() {
     let set = HarmonicSet::up_to(1);
@@ -174,5 +176,5 @@ fn narrow_ellipses_err_by_as_much_as_is_stated() {
         }
     }
     println!("largest {largest:?}");
-    assert!(largest[0] < 6e-2 && largest[1] < 4e-4, "{largest:?}");
+    assert!(largest[0] < 4e-3 && largest[1] < 1.2e-4, "{largest:?}");
 }

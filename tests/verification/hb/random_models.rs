@@ -56,6 +56,15 @@ fn friction_far_below_the_level_hardly_moves_the_peak() {
     assert!(apart[0].abs() < 1e-3 && apart[1].abs() < 1e-2, "{apart:?}");
 }
 
+/// A motion 3e9 times as large as what the contact sticks for, on an ellipse 600 times as long as wide: its traction turns at the tips
+/// within a step. Seen to fail without nodes between the samples: step-too-small after 4458 iterations.
+#[test]
+fn the_peak_of_a_narrow_ellipse_is_found() {
+    let found = RandomModel::of_seed(160).peak(5, BUDGET);
+    println!("{:?}", found.count);
+    assert_eq!(found.status, Status::Converged);
+}
+
 /// Preloads that balance the static load leave contacts stuck, so that a small level is a linear problem. Seen to fail with
 /// a start from the stuck structure under the load alone, which preloads have not closed: max-iterations.
 #[test]
