@@ -11,7 +11,7 @@ use super::steady_cycle::{Hold, hold, tops};
 use crate::aft::lanes::lane::Lane;
 use crate::aft::lanes::workspace::Workspace;
 use crate::aft::plan::AftPlan;
-use crate::aft::signals::breakpoints::{Breakpoint, Signals};
+use crate::aft::signals::breakpoints::{Breakpoint, Signals, first_sample_from};
 use crate::aft::signals::polynomial::{basis_row, signal_rates};
 use crate::aft::signals::roots::{crossing_share, linear_share, turn_share, zero};
 use crate::contact::{ContactParameters, Real};
@@ -41,7 +41,13 @@ pub(in crate::aft) struct Course<'a, T> {
     pub points: &'a [Breakpoint<T>],
 }
 
-impl<T: Real> Course<'_, T> {
+impl<'a, T: Real> Course<'a, T> {
+    /// The same with nodes between the samples.
+    #[inline(always)]
+    pub(in crate::aft) fn with(self, between: Option<&'a Between<T>>) -> Self {
+        Self { between, ..self }
+    }
+
     /// The sample i; i = Nt is sample 0 a period later.
     #[inline(always)]
     pub(in crate::aft) fn sample(&self, i: usize) -> Node<T> {
@@ -102,10 +108,17 @@ impl<T: Real> Course<'_, T> {
         }
     }
 
-    /// Number of nodes between samples before sample i.
+    /// The next sample after a sample or a root of the gap, and the next node between samples: the interval of a root has none.
     #[inline(always)]
-    pub(in crate::aft) fn between_before(&self, i: usize) -> usize {
-        self.between.map_or(0, |between| between.before[i])
+    pub(in crate::aft) fn after(&self, node: &Node<T>) -> (usize, usize) {
+        let (from, next) = match node.at {
+            At::Sample(i) => (i, i + 1),
+            _ => {
+                let i = first_sample_from(node.theta.to_f64(), self.plan.n_time() as f64);
+                (i, i)
+            }
+        };
+        (next, self.between.map_or(0, |nodes| nodes.before[from]))
     }
 
     /// First phase and length of the cell before sample i whose end is node k between the samples or, where there is none before

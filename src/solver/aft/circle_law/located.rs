@@ -5,6 +5,7 @@
 //! trigonometric polynomial between opening and closing and is integrated in closed form, as under the box law.
 
 use super::between::Between;
+use super::cells::Cells;
 use super::course::Course;
 use super::lap::{Lap, Walk};
 use super::node::Node;
@@ -34,6 +35,7 @@ pub(in crate::aft) struct LocatedCircle<T> {
     lane: LaneScratch<T>,
     /// Signals of the present state at the time points. Shape: `[time + 1]`.
     nodes: Vec<Node<T>>,
+    cells: Cells<T>,
     between: Between<T>,
     lap: Lap<T>,
     blocks: Blocks<T>,
@@ -137,11 +139,7 @@ impl<T: Real> LocatedCircle<T> {
             signals,
             points,
         };
-        let is_finer = self.between.find(course);
-        let course = Course {
-            between: is_finer.then_some(&self.between),
-            ..course
-        };
+        let course = course.with(self.cells.find(course, &mut self.between));
         let tangents = want == Want::ForcesAndTangents;
         let offset = out.blocks.len();
         if tangents {

@@ -1,6 +1,7 @@
 //! The circle law: one slider for both directions of slip, and its steady cycle.
 
 mod between;
+mod cells;
 pub(super) mod course;
 mod kink;
 pub(super) mod lap;

@@ -4,7 +4,6 @@ use super::lap::{Motion, Walk};
 use super::node::{At, Node};
 use super::sensitivity::{Basis, SignalWeights, add_signals, set_rows};
 use super::slip::HalfAngle;
-use crate::aft::signals::breakpoints::first_sample_from;
 use crate::aft::vector::normal;
 use crate::contact::Real;
 use pulp::Simd;
@@ -78,14 +77,7 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
         let n = course.plan.n_time();
         // Samples are not copied: most nodes are samples.
         let (mut event, mut at) = (here, here.at);
-        // The next sample, and the next node between samples: there is none in the interval of a root of the gap.
-        let (mut i, mut k) = match at {
-            At::Sample(sample) => (sample + 1, course.between_before(sample)),
-            _ => {
-                let i = first_sample_from(here.theta.to_f64(), n as f64);
-                (i, course.between_before(i))
-            }
-        };
+        let (mut i, mut k) = course.after(&here);
         let mut events = 0;
         loop {
             let here = course.node(at).unwrap_or(&event);
