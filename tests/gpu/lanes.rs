@@ -38,7 +38,23 @@ const ERRORS: [f64; 5] = [1e-3, 1e-4, 1e-5, 1e-3, 1e-4];
 
 /// The default study at one level on few harmonics.
 fn study(highest: usize, law: FrictionLaw) -> Study {
-    let mut study = Study::read("studies/two-blade-strip/study.toml".as_ref()).unwrap();
+    let study = Study::read("studies/two-blade-strip/study.toml".as_ref()).unwrap();
+    at_one_level(study, highest, law)
+}
+
+/// One engine order of the study of a disk, which is a travelling wave, in the same way.
+fn study_of_disk(highest: usize) -> Study {
+    let path = "studies/full-disk/study.toml";
+    let text = std::fs::read_to_string(path).unwrap();
+    let text = text.replace(
+        "engine_orders = [3, 4, 5, 6, 7, 8, 9, 10, 11, 12]",
+        "engine_orders = [5]",
+    );
+    let study = Study::parse(path.as_ref(), &text).unwrap();
+    at_one_level(study, highest, FrictionLaw::Box)
+}
+
+fn at_one_level(mut study: Study, highest: usize, law: FrictionLaw) -> Study {
     study.solver.harmonics = HarmonicSet::up_to(highest);
     study.solver.aft.law = law;
     study.solver.alert = None;
@@ -142,8 +158,11 @@ fn newton_steps_of_lanes_are_those_of_the_processor() {
     let Some(device) = device("newton_steps_of_lanes", Precision::F32) else {
         return;
     };
-    for law in [FrictionLaw::Box, FrictionLaw::Circle] {
-        let study = study(2, law);
+    for study in [
+        study(2, FrictionLaw::Box),
+        study(2, FrictionLaw::Circle),
+        study_of_disk(2),
+    ] {
         let prepared = study.prepared().unwrap();
         let ensemble = prepared.ensemble(None);
         let (settings, band) = (ensemble.settings, ensemble.peak.band);
@@ -191,7 +210,10 @@ fn newton_steps_of_lanes_are_those_of_the_processor() {
             .collect();
         let worse = |most: f64, e: f64| if e <= most { most } else { e };
         let largest = [0, 1, 2, 3, 4].map(|i| errors.iter().map(|e| e[i]).fold(0.0, worse));
-        eprintln!("{law:?}: correction, tangent, response and its derivatives: {largest:?}");
+        eprintln!(
+            "{}, {:?}: correction, tangent, response and its derivatives: {largest:?}",
+            study.name, settings.aft.law
+        );
         assert!(errors.len() > 7, "{} lanes are decided", errors.len());
         let within = largest.iter().zip(ERRORS).all(|(e, limit)| *e < limit);
         assert!(within, "{largest:?}");
@@ -269,7 +291,7 @@ fn assert_agreement(found: &[SampleOutcome], expected: &[SampleOutcome], what: &
 }
 
 /// Samples that start from lanes have the peaks of those that do not; nearly all lanes come to their peaks; a lane that is solved
-/// alone has the same bits.
+/// alone has the same bits. The last study is of waves, whose shapes are complex.
 /// Seen to fail with: residuals of 1e-5 asked for (`lockstep::search`), at which 16 of 32 lanes are given up.
 #[test]
 fn lanes_change_no_peak() {
@@ -277,8 +299,11 @@ fn lanes_change_no_peak() {
         return;
     };
     // under the circle law the shaders leave contacts without a steady cycle to the processor, and lanes that have such are given up
-    for (law, one_lost_of) in [(FrictionLaw::Box, 8), (FrictionLaw::Circle, 4)] {
-        let study = study(2, law);
+    for (study, one_lost_of) in [
+        (study(2, FrictionLaw::Box), 8),
+        (study(2, FrictionLaw::Circle), 4),
+        (study_of_disk(2), 8),
+    ] {
         let prepared = study.prepared().unwrap();
         let anchors = prepared.ensemble(None).solved(LEAST_ANCHORS, || {}).anchors;
         let indices: Vec<u64> = (5000..5032).collect();
@@ -287,7 +312,7 @@ fn lanes_change_no_peak() {
         let found = solved_on(&device, &prepared, (&anchors, &indices));
         assert_agreement(&found, &expected, "no fault");
         let report = device.report().gpu.unwrap();
-        eprintln!("{law:?}: {report:?}");
+        eprintln!("{}: {report:?}", study.name);
         assert!(
             report.lanes >= 32 && one_lost_of * report.lanes_lost <= report.lanes,
             "{report:?}"
