@@ -1,29 +1,29 @@
 //! Size of one nonlinear solve of a study: unknowns and memory.
 
-use super::built::StudyDisk;
-use super::prepared::PreparedStudy;
-use super::read::Study;
 use crate::harmonics::HarmonicSet;
 use crate::hb::equations::jacobian::{DENSE_FALLBACK_LIMIT, DENSE_LIMIT};
+use crate::study::built::StudyDisk;
+use crate::study::prepared::PreparedStudy;
+use crate::study::settings::read::Study;
 
 /// Size of one nonlinear solve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct SolveSize {
     /// Contact pairs that are solved together: of a mistuned disk those of all sectors.
-    pub(super) contacts: usize,
+    pub(in crate::study) contacts: usize,
     /// Blades of a mistuned disk.
     pub(super) mistuned_blades: Option<usize>,
     /// Of a tuned disk: sectors, and degrees of freedom of one.
     pub(super) ring: Option<[usize; 2]>,
     /// Unknowns on the first harmonics: three relative displacements per pair and coefficient.
-    pub(super) unknowns: usize,
+    pub(in crate::study) unknowns: usize,
     /// Unknowns on the highest harmonics.
     pub(super) most_unknowns: usize,
 }
 
 impl SolveSize {
     /// Of a study whose model, or what is solved of it, has so many contact pairs.
-    pub(super) fn of(study: &Study, n_contacts: usize, disk: Option<&StudyDisk>) -> Self {
+    pub(in crate::study) fn of(study: &Study, n_contacts: usize, disk: Option<&StudyDisk>) -> Self {
         let mistuned = disk.filter(|_| study.is_mistuned());
         let mistuned_blades = mistuned.map(|of| of.disk.n_sectors);
         let contacts = n_contacts * mistuned_blades.unwrap_or(1);
@@ -48,14 +48,14 @@ impl SolveSize {
     }
 
     /// Bytes on the highest harmonics: usually, and at most.
-    pub(super) fn memory(self) -> [f64; 2] {
+    pub(in crate::study) fn memory(self) -> [f64; 2] {
         solve_memory(self.contacts, self.most_unknowns)
     }
 }
 
 impl PreparedStudy<'_> {
     /// Bytes of one solve on the highest harmonics: usually, and at most.
-    pub(super) fn solve_memory(&self) -> [f64; 2] {
+    pub(in crate::study) fn solve_memory(&self) -> [f64; 2] {
         SolveSize::of(&self.study, self.linear.n_contacts(), self.disk.as_ref()).memory()
     }
 }

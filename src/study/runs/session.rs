@@ -1,10 +1,7 @@
 //! A process at work on a run.
 
-use super::output::OutputFolder;
-use super::prepared::PreparedStudy;
 use super::profile::{Profiler, Stage};
 use super::progress::{Meter, Progress};
-use super::read::Study;
 use super::resume::{Resumed, refuse_other_results};
 use super::run_record::provenance;
 use super::run_settings::RunSettings;
@@ -16,6 +13,9 @@ use crate::ensemble::parts::{PartFolder, PartHead, PartWriter, RunIdentity};
 use crate::ensemble::runner::{Stopped, Watch};
 use crate::ensemble::times::SampleTimes;
 use crate::ensemble::{Ensemble, Known};
+use crate::study::output::OutputFolder;
+use crate::study::prepared::PreparedStudy;
+use crate::study::settings::read::Study;
 
 /// What a process knows before it begins.
 pub(super) struct Begun<'a> {
@@ -29,7 +29,7 @@ pub(super) struct Begun<'a> {
 
 impl<'a> Begun<'a> {
     /// A process that takes over samples.
-    pub(super) fn with(
+    pub(in crate::study) fn with(
         resumed: &Resumed,
         study: &'a Study,
         folder: &'a OutputFolder,
@@ -148,7 +148,7 @@ const ATTEMPTS: usize = 3;
 
 impl<F: Fn(Progress) + Sync> Session<'_, F> {
     /// Does the `work`, whose results are written as parts.
-    pub(super) fn written(
+    pub(in crate::study) fn written(
         &self,
         work: impl FnOnce(&dyn Watch) -> Result<(), Stopped> + Send,
     ) -> Result<(), Error> {
@@ -172,7 +172,7 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
     ///
     /// # Errors
     /// Those of [`Session::written`], and [`Error::Command`] if parts go again and again.
-    pub(super) fn kept(
+    pub(in crate::study) fn kept(
         &self,
         resumed: &mut Resumed,
         missing: impl Fn(&Known) -> u64,
@@ -197,7 +197,7 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
     }
 
     /// The run was stopped.
-    pub(super) fn stopped(&self) -> Error {
+    pub(in crate::study) fn stopped(&self) -> Error {
         Error::Stopped {
             folder: self.folder.path().to_owned(),
             done: self.meter.done(),

@@ -162,7 +162,7 @@ pub struct BoundaryKeys {
 pub(super) const MOST_SECTORS: usize = 1000;
 
 /// Reads `[model]` by its `kind`.
-pub(super) fn model(
+pub(in crate::study) fn model(
     document: &mut Document<'_>,
     contact: &ContactSection,
 ) -> Result<ModelSettings, Error> {

@@ -8,9 +8,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use super::output::OutputFolder;
 use super::progress::{Meter, Progress};
-use super::read::Study;
 use super::resume::{accepted, has_results, identity, refusal, refuse_fewer, resumed};
 use super::run::run_alone;
 use super::run_result::RunResult;
@@ -23,6 +21,8 @@ use crate::ensemble::atlas::Anchor;
 use crate::ensemble::parts::{Claims, Merged, RunIdentity, Source};
 use crate::ensemble::runner::generations;
 use crate::file::FolderLock;
+use crate::study::output::OutputFolder;
+use crate::study::settings::read::Study;
 
 /// How often a process that waits for others looks at the folder.
 const LOOK_EVERY: Duration = Duration::from_millis(100);

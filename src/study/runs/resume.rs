@@ -3,9 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
-use super::output::OutputFolder;
 use super::profile::{Profiler, Stage};
-use super::read::Study;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
 use crate::Error;
@@ -21,10 +19,12 @@ use crate::ensemble::{Ensemble, Known};
 use crate::file::{FileError, finish_placing};
 use crate::report::run::{TABLES, require_unchanged};
 use crate::report::{self, RunRecord};
+use crate::study::output::OutputFolder;
+use crate::study::settings::read::Study;
 
 /// Samples that need not be solved again.
 #[derive(Default)]
-pub(super) struct Resumed {
+pub(in crate::study) struct Resumed {
     /// The samples.
     pub known: Known,
     /// Sample 0, if it is among them.
@@ -45,7 +45,7 @@ impl Resumed {
     ///
     /// # Errors
     /// [`FileError`] if they cannot be read.
-    pub(super) fn add_results(
+    pub(in crate::study) fn add_results(
         &mut self,
         folder: &Path,
         study: &Study,
@@ -102,7 +102,7 @@ impl Resumed {
     }
 
     /// All samples that stand in results and parts, ascending.
-    pub(super) fn samples<'d>(&self, study: &'d Study) -> Merged<'d> {
+    pub(in crate::study) fn samples<'d>(&self, study: &'d Study) -> Merged<'d> {
         let sources = self.results.iter().chain(&self.parts);
         Merged::new(sources.cloned().collect(), &study.design)
     }
@@ -111,7 +111,7 @@ impl Resumed {
     ///
     /// # Errors
     /// [`FileError`] if a table cannot be read.
-    pub(super) fn outcomes(
+    pub(in crate::study) fn outcomes(
         &self,
         study: &Study,
         samples: u64,
@@ -127,7 +127,7 @@ impl Resumed {
     }
 
     /// The tables of samples of the parts that were read.
-    pub(super) fn tables(&self) -> BTreeSet<PathBuf> {
+    pub(in crate::study) fn tables(&self) -> BTreeSet<PathBuf> {
         let tables = self.compared.iter().map(|part| part.paths()[0].clone());
         tables.collect()
     }
@@ -225,7 +225,7 @@ pub(super) fn identity(study: &Study, folder: &OutputFolder) -> Result<RunIdenti
 ///
 /// # Errors
 /// [`FileError`] if there are none, or a file was changed.
-pub(super) fn identity_of_results(folder: &Path) -> Result<RunIdentity, FileError> {
+pub(in crate::study) fn identity_of_results(folder: &Path) -> Result<RunIdentity, FileError> {
     require_unchanged(folder)?;
     let record = RunRecord::of_folder(folder)?;
     let provenance = record.provenance;
@@ -244,7 +244,7 @@ pub(super) fn identity_of_results(folder: &Path) -> Result<RunIdentity, FileErro
 ///
 /// # Errors
 /// [`Error::Command`] if a part belongs to another run; [`Error::File`] if parts cannot be read or contradict each other.
-pub(super) fn resumed(
+pub(in crate::study) fn resumed(
     study: &Study,
     folder: &OutputFolder,
     identity: &RunIdentity,
@@ -279,7 +279,7 @@ pub(super) fn add_solved_results(
 }
 
 /// Whether samples of the run `other` may go into this one; if another program made them, which.
-pub(super) fn accepted(
+pub(in crate::study) fn accepted(
     identity: &RunIdentity,
     other: &RunIdentity,
     settings: &RunSettings,

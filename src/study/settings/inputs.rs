@@ -18,29 +18,29 @@ use crate::setting::BadSetting;
 /// What the design of a study is made from, beside the study file's own sections of it.
 pub(super) struct Surroundings<'s> {
     /// Folder of the study file.
-    pub(super) folder: &'s Path,
+    pub(in crate::study) folder: &'s Path,
     /// The structure.
-    pub(super) model: &'s ModelSettings,
+    pub(in crate::study) model: &'s ModelSettings,
     /// Unit of the frequencies.
-    pub(super) unit: FrequencyUnit,
+    pub(in crate::study) unit: FrequencyUnit,
     /// The seed.
-    pub(super) seed: u64,
+    pub(in crate::study) seed: u64,
     /// Number of samples, if it is given.
-    pub(super) samples: Option<u64>,
+    pub(in crate::study) samples: Option<u64>,
 }
 
 /// A design, and the files that it is made from.
 pub(super) struct StatedDesign {
     /// The design.
-    pub(super) design: Design,
+    pub(in crate::study) design: Design,
     /// The file of `[design]`, relative to the study file's folder.
-    pub(super) file: Option<PathBuf>,
+    pub(in crate::study) file: Option<PathBuf>,
     /// What the file of `[inputs]` states.
-    pub(super) identified: Option<IdentifiedInputs>,
+    pub(in crate::study) identified: Option<IdentifiedInputs>,
 }
 
 /// Reads `[inputs]`, `[design]`, `[correlation]` and `[epistemic]`, and the files that they name.
-pub(super) fn design(
+pub(in crate::study) fn design(
     document: &mut Document<'_>,
     of: &Surroundings<'_>,
 ) -> Result<StatedDesign, Error> {

@@ -4,11 +4,11 @@
 //! `benches/README.md`.
 
 use super::pilot::{Pilot, levels_with_lift_off};
-use super::read::Study;
 use super::size::SolveSize;
 use crate::Error;
 use crate::ensemble::runner::generations;
 use crate::hb::StabilityScope;
+use crate::study::settings::read::Study;
 
 /// Processor time of the whole study (s), and the samples of a model of one's own that were solved for it.
 pub(super) fn estimated_time(
