@@ -10,7 +10,7 @@ use microslip::ensemble::backend::{BackendChoice, BackendSettings, OpenBackend};
 use microslip::ensemble::outcome::SampleOutcome;
 use microslip::ensemble::runner::{SolvedSample, Watch};
 use microslip::ensemble::times::SampleTimes;
-use microslip::gpu::{Fault, GpuReport, GpuSettings, Precision};
+use microslip::gpu::{Device, Fault, GpuReport, GpuSettings, Precision};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::equations::balance::balance_on;
 use microslip::hb::equations::free::{FreeBalance, StaticReference};
@@ -150,9 +150,55 @@ fn errors(told: &Told, [correction, tangent]: &[Vec<f64>; 2], expected: &Step) -
     ]
 }
 
+/// Errors of some lanes of `study` in one iteration.
+fn errors_of_lanes(device: &Device, study: &Study) -> Vec<[f64; 5]> {
+    let prepared = study.prepared().unwrap();
+    let ensemble = prepared.ensemble(None);
+    let (settings, band) = (ensemble.settings, ensemble.peak.band);
+    let mut damped = ensemble.linear.clone();
+    damped.scale_damping(1.2);
+    let problem = |linear, by, load| {
+        Problem::new(linear, scaled(ensemble.contacts, by), load, settings.anchor).unwrap()
+    };
+    let nominal = problem(ensemble.linear, 1.0, 1.0);
+    let reference = StaticReference::new(&nominal);
+    let balance = on(&nominal, settings);
+    let free = FreeBalance::new(&balance, &reference).unwrap();
+    let system = LaneSystem::new(&free, band.low).unwrap();
+    let anchors = [1.3, 4.0].map(|by| {
+        let (point, inverse) = anchor(&ensemble, &problem(ensemble.linear, by, 1.0), &reference);
+        (by, point, inverse)
+    });
+    let (mut lanes, mut expected) = (Vec::new(), Vec::new());
+    for i in 0..70 {
+        let number = usize::from(i % 10 == 0);
+        let (by, point, _) = &anchors[number];
+        let away = 0.02 + 0.001 * f64::from(i);
+        let problem = problem(&damped, by * (1.0 + away), 1.0 + 0.5 * away);
+        let balance = on(&problem, settings);
+        let mut point = point.clone();
+        point.omega *= 1.0 + 1e-4 * away;
+        let free = FreeBalance::new(&balance, &reference).unwrap();
+        lanes.push((system.lane(&free, &point), number));
+        expected.push((i % 7 == 0).then(|| step_on_processor(&balance, &reference, &point)));
+    }
+    let plan = AftPlan::new(&settings.harmonics, settings.aft);
+    let kernels = LaneKernels::new(device, system, &plan, None).unwrap();
+    let inverses = [&anchors[0].2, &anchors[1].2];
+    let mut batch = kernels.begin(device, &lanes, &inverses).unwrap();
+    let told = batch.step(&vec![Some(0.0); lanes.len()]).unwrap();
+    let solutions = batch.solutions().unwrap();
+    let all = told.iter().zip(&solutions).zip(&expected);
+    // where the device leaves a state undecided the processor takes the lane over
+    let decided = all.filter(|((told, _), _)| !told.undecided);
+    decided
+        .filter_map(|((told, solution), expected)| Some(errors(told, solution, expected.as_ref()?)))
+        .collect()
+}
+
 /// Lanes of two inverses, more than a tile of one of them, each with contacts, load, frequency and damping of its own, against the
 /// equations in free modes, factorised in double precision. What is left is the rounding of single precision times the condition
-/// of the equations.
+/// of the equations. Seen to fail with the imaginary part of a wave's shapes times i in place of −i.
 #[test]
 fn newton_steps_of_lanes_are_those_of_the_processor() {
     let Some(device) = device("newton_steps_of_lanes", Precision::F32) else {
@@ -163,56 +209,12 @@ fn newton_steps_of_lanes_are_those_of_the_processor() {
         study(2, FrictionLaw::Circle),
         study_of_disk(2),
     ] {
-        let prepared = study.prepared().unwrap();
-        let ensemble = prepared.ensemble(None);
-        let (settings, band) = (ensemble.settings, ensemble.peak.band);
-        let mut damped = ensemble.linear.clone();
-        damped.scale_damping(1.2);
-        let problem = |linear, by, load| {
-            Problem::new(linear, scaled(ensemble.contacts, by), load, settings.anchor).unwrap()
-        };
-        let nominal = problem(ensemble.linear, 1.0, 1.0);
-        let reference = StaticReference::new(&nominal);
-        let balance = on(&nominal, settings);
-        let free = FreeBalance::new(&balance, &reference).unwrap();
-        let system = LaneSystem::new(&free, band.low).unwrap();
-        let anchors = [1.3, 4.0].map(|by| {
-            let (point, inverse) =
-                anchor(&ensemble, &problem(ensemble.linear, by, 1.0), &reference);
-            (by, point, inverse)
-        });
-        let (mut lanes, mut expected) = (Vec::new(), Vec::new());
-        for i in 0..70 {
-            let number = usize::from(i % 10 == 0);
-            let (by, point, _) = &anchors[number];
-            let away = 0.02 + 0.001 * f64::from(i);
-            let problem = problem(&damped, by * (1.0 + away), 1.0 + 0.5 * away);
-            let balance = on(&problem, settings);
-            let mut point = point.clone();
-            point.omega *= 1.0 + 1e-4 * away;
-            let free = FreeBalance::new(&balance, &reference).unwrap();
-            lanes.push((system.lane(&free, &point), number));
-            expected.push((i % 7 == 0).then(|| step_on_processor(&balance, &reference, &point)));
-        }
-        let plan = AftPlan::new(&settings.harmonics, settings.aft);
-        let kernels = LaneKernels::new(&device, system, &plan, None).unwrap();
-        let inverses = [&anchors[0].2, &anchors[1].2];
-        let mut batch = kernels.begin(&device, &lanes, &inverses).unwrap();
-        let told = batch.step(&vec![Some(0.0); lanes.len()]).unwrap();
-        let solutions = batch.solutions().unwrap();
-        let all = told.iter().zip(&solutions).zip(&expected);
-        // where the device leaves a state undecided the processor takes the lane over
-        let decided = all.filter(|((told, _), _)| !told.undecided);
-        let errors: Vec<[f64; 5]> = decided
-            .filter_map(|((told, solution), expected)| {
-                Some(errors(told, solution, expected.as_ref()?))
-            })
-            .collect();
+        let errors = errors_of_lanes(&device, &study);
         let worse = |most: f64, e: f64| if e <= most { most } else { e };
         let largest = [0, 1, 2, 3, 4].map(|i| errors.iter().map(|e| e[i]).fold(0.0, worse));
         eprintln!(
             "{}, {:?}: correction, tangent, response and its derivatives: {largest:?}",
-            study.name, settings.aft.law
+            study.name, study.solver.aft.law
         );
         assert!(errors.len() > 7, "{} lanes are decided", errors.len());
         let within = largest.iter().zip(ERRORS).all(|(e, limit)| *e < limit);

@@ -73,6 +73,18 @@ impl Arrays {
         self.0.extend(rounded(&numbers));
         place
     }
+
+    /// Adds Lᵀ and L of all `parts`; their places.
+    fn add_shapes(
+        &mut self,
+        parts: &[ModalPart],
+        n_modes: usize,
+        value: fn(&faer::c64) -> f64,
+    ) -> [usize; 2] {
+        let of_parts = parts.iter().map(|part| in_modes(part, n_modes, value));
+        let of_parts: Vec<[Vec<f64>; 2]> = of_parts.collect();
+        [0, 1].map(|i| self.add(of_parts.iter().flat_map(|both| both[i].iter().copied())))
+    }
 }
 
 /// Lᵀ of `part` with the mirror images, and L, both column by column and of the real or imaginary parts that `value` takes; filled up to
@@ -124,19 +136,10 @@ impl LaneSystem {
             filled(&weights.collect::<Vec<f64>>())
         };
         let n = problem.model.n_relative();
-        let of_parts = |value: fn(&faer::c64) -> f64| {
-            let parts = model.parts.iter();
-            parts
-                .map(|part| in_modes(part, n_modes, value))
-                .collect::<Vec<_>>()
-        };
         let is_real = model.parts.iter().all(ModalPart::is_real);
-        let (real, imaginary) = (of_parts(|z| z.re), of_parts(|z| z.im));
-        let mut add = |parts: &[[Vec<f64>; 2]]| {
-            [0, 1].map(|i| arrays.add(parts.iter().flat_map(|both| both[i].iter().copied())))
-        };
-        let [loads, shapes] = add(&real);
-        let imaginary = (!is_real).then(|| add(&imaginary));
+        let mut add = |value| arrays.add_shapes(&model.parts, n_modes, value);
+        let [loads, shapes] = add(|z| z.re);
+        let imaginary = (!is_real).then(|| add(|z| z.im));
         let compliance = &free.reference.compliance;
         let places = SharedPlaces {
             spectra: arrays.add(spectra),

@@ -33,7 +33,7 @@ const BLOCKS: u64 = 16;
 /// processes that start at once to begin at different blocks.
 ///
 /// # Errors
-/// As [`super::run()`], and [`Error::Command`] where the number of samples comes out of the results.
+/// As [`super::run::run`], and [`Error::Command`] where the number of samples comes out of the results.
 pub fn join(
     study: &Study,
     folder: &OutputFolder,

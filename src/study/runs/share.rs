@@ -55,10 +55,10 @@ pub struct ShareResult {
 }
 
 /// Solves a share of a study's samples and keeps them as parts in `folder`. Once all shares are there, in this folder or gathered
-/// by [`super::merge()`], [`super::run()`] makes the results.
+/// by [`super::merge::merge`], [`super::run::run`] makes the results.
 ///
 /// # Errors
-/// As [`super::run()`], and [`Error::Command`] where the number of samples comes out of the results.
+/// As [`super::run::run`], and [`Error::Command`] where the number of samples comes out of the results.
 pub fn solve_share(
     study: &Study,
     folder: &OutputFolder,

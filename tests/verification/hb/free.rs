@@ -120,7 +120,7 @@ fn sector(n_sectors: usize, engine_order: usize) -> LinearModel {
 
 /// Two laws, stuck to open contacts; a whole model, a folded one and travelling waves, reference springs that are not those of the
 /// sample, a static load of its own. Seen to fail with K_ref in place of the sample's springs in the derivative, without the images in
-/// the load, with the sine of a motion taken with the other sign, and with the conjugate of a wave's shapes in loads or motions.
+/// the load, with the sine of a motion taken with the other sign, and with the conjugate of a wave's shapes in the loads.
 #[test]
 fn newton_steps_are_those_of_the_stuck_form() {
     let mut rng = ChaCha8Rng::seed_from_u64(20);
