@@ -66,6 +66,20 @@ fn part_of_a_period_is_no_loop() {
         "{}",
         reason(&record)
     );
+    let mut third = record.clone();
+    for column in [
+        &mut third.time,
+        &mut third.displacement,
+        &mut third.tangential_force,
+        &mut third.normal_force,
+    ] {
+        column.truncate(120);
+    }
+    assert!(
+        reason(&third).contains("shorter than one period"),
+        "{}",
+        reason(&third)
+    );
     record.conditions.frequency_hz = None;
     for column in [
         &mut record.time,
