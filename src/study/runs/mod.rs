@@ -1,6 +1,6 @@
 //! Runs: samples solved by one process or many, interrupted, resumed, put together, and written.
 //!
-//! Start reading at [`run::run`]; [`session`] is what all of them share.
+//! Start reading at [`run::run`]; `session` is what all of them share.
 
 mod control_variate;
 pub mod extend;
