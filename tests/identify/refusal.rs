@@ -52,6 +52,7 @@ fn a_force_of_the_wrong_sign_is_told() {
     );
 }
 
+/// Seen to fail among noise without the rule of a stated frequency.
 #[test]
 fn part_of_a_period_is_no_loop() {
     let mut record = Bench::default().record();
@@ -69,7 +70,13 @@ fn part_of_a_period_is_no_loop() {
         "{}",
         reason(&record)
     );
-    let mut third = record.clone();
+    // among noise a third of a period is hardly periodic, and still a part of one
+    let mut third = Bench {
+        noise: [3e-6, 0.5, 0.5],
+        ..Bench::default()
+    }
+    .record();
+    third.conditions.frequency_hz = Some(100.0);
     for column in [
         &mut third.time,
         &mut third.displacement,
