@@ -83,11 +83,10 @@ fn found(
     let stick = stick(cycle, &sides, &first)?;
     let [a, b] = halves.map(|half| plateau(&half, cycle, stick, least_normal));
     let plateaus = a.zip(b).map(|(a, b)| [a, b]);
-    let windows = match plateaus {
-        _ if knee => with_knee(cycle, &sides, stick, even_area),
-        None => first,
-        Some(_) if are_straight(cycle, &sides, &first) => first,
-        Some(_) => with_knee(cycle, &sides, stick, even_area),
+    let bends = || plateaus.is_some() && !are_straight(cycle, &sides, &first);
+    let windows = match knee || bends() {
+        true => with_knee(cycle, &sides, stick, even_area),
+        false => first,
     };
     Ok(LoopShape {
         halves,

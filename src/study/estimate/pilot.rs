@@ -36,7 +36,7 @@ impl Pilot {
     ///
     /// # Errors
     /// Whatever building the model refuses.
-    pub(in crate::study) fn of(study: &Study) -> Result<Option<Self>, Error> {
+    pub(super) fn of(study: &Study) -> Result<Option<Self>, Error> {
         let prepared = study.prepared()?;
         let mut ensemble = prepared.ensemble(None);
         ensemble.curve_samples = 0;
@@ -69,7 +69,7 @@ impl Pilot {
     }
 
     /// By how much an estimate of `seconds` per sample is too low; 1 where it stands.
-    pub(in crate::study) fn factor(&self, seconds: f64) -> f64 {
+    pub(super) fn factor(&self, seconds: f64) -> f64 {
         match self.of_later_s / seconds {
             ratio if ratio.is_finite() && ratio > BEYOND => ratio,
             _ => 1.0,

@@ -10,20 +10,20 @@ use crate::study::settings::read::Study;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct SolveSize {
     /// Contact pairs that are solved together: of a mistuned disk those of all sectors.
-    pub(in crate::study) contacts: usize,
+    pub(super) contacts: usize,
     /// Blades of a mistuned disk.
     pub(super) mistuned_blades: Option<usize>,
     /// Of a tuned disk: sectors, and degrees of freedom of one.
     pub(super) ring: Option<[usize; 2]>,
     /// Unknowns on the first harmonics: three relative displacements per pair and coefficient.
-    pub(in crate::study) unknowns: usize,
+    pub(super) unknowns: usize,
     /// Unknowns on the highest harmonics.
     pub(super) most_unknowns: usize,
 }
 
 impl SolveSize {
     /// Of a study whose model, or what is solved of it, has so many contact pairs.
-    pub(in crate::study) fn of(study: &Study, n_contacts: usize, disk: Option<&StudyDisk>) -> Self {
+    pub(super) fn of(study: &Study, n_contacts: usize, disk: Option<&StudyDisk>) -> Self {
         let mistuned = disk.filter(|_| study.is_mistuned());
         let mistuned_blades = mistuned.map(|of| of.disk.n_sectors);
         let contacts = n_contacts * mistuned_blades.unwrap_or(1);
@@ -48,7 +48,7 @@ impl SolveSize {
     }
 
     /// Bytes on the highest harmonics: usually, and at most.
-    pub(in crate::study) fn memory(self) -> [f64; 2] {
+    pub(super) fn memory(self) -> [f64; 2] {
         solve_memory(self.contacts, self.most_unknowns)
     }
 }

@@ -74,7 +74,7 @@ impl Profiler {
     }
 
     /// What was measured so far.
-    pub(in crate::study) fn read(&self) -> Profile {
+    pub(super) fn read(&self) -> Profile {
         self.with(|profile| profile.clone())
     }
 

@@ -44,7 +44,7 @@ impl<F: Fn(Progress) + Sync> Meter<F> {
     }
 
     /// Parts done.
-    pub(in crate::study) fn done(&self) -> u64 {
+    pub(super) fn done(&self) -> u64 {
         self.done.load(Ordering::Relaxed)
     }
 

@@ -102,7 +102,7 @@ impl Resumed {
     }
 
     /// All samples that stand in results and parts, ascending.
-    pub(in crate::study) fn samples<'d>(&self, study: &'d Study) -> Merged<'d> {
+    pub(super) fn samples<'d>(&self, study: &'d Study) -> Merged<'d> {
         let sources = self.results.iter().chain(&self.parts);
         Merged::new(sources.cloned().collect(), &study.design)
     }
@@ -111,7 +111,7 @@ impl Resumed {
     ///
     /// # Errors
     /// [`FileError`] if a table cannot be read.
-    pub(in crate::study) fn outcomes(
+    pub(super) fn outcomes(
         &self,
         study: &Study,
         samples: u64,
@@ -127,7 +127,7 @@ impl Resumed {
     }
 
     /// The tables of samples of the parts that were read.
-    pub(in crate::study) fn tables(&self) -> BTreeSet<PathBuf> {
+    pub(super) fn tables(&self) -> BTreeSet<PathBuf> {
         let tables = self.compared.iter().map(|part| part.paths()[0].clone());
         tables.collect()
     }
@@ -244,7 +244,7 @@ pub(in crate::study) fn identity_of_results(folder: &Path) -> Result<RunIdentity
 ///
 /// # Errors
 /// [`Error::Command`] if a part belongs to another run; [`Error::File`] if parts cannot be read or contradict each other.
-pub(in crate::study) fn resumed(
+pub(super) fn resumed(
     study: &Study,
     folder: &OutputFolder,
     identity: &RunIdentity,
@@ -279,7 +279,7 @@ pub(super) fn add_solved_results(
 }
 
 /// Whether samples of the run `other` may go into this one; if another program made them, which.
-pub(in crate::study) fn accepted(
+pub(super) fn accepted(
     identity: &RunIdentity,
     other: &RunIdentity,
     settings: &RunSettings,

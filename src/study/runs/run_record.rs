@@ -210,7 +210,7 @@ fn of_disk(study: &Study, settings: &CyclicSettings) -> String {
     )
 }
 
-pub(in crate::study) fn provenance(prepared: &PreparedStudy) -> Provenance {
+pub(super) fn provenance(prepared: &PreparedStudy) -> Provenance {
     let study = &prepared.study;
     let solver = &study.solver;
     let program = Program::this();

@@ -29,7 +29,7 @@ pub(super) struct Begun<'a> {
 
 impl<'a> Begun<'a> {
     /// A process that takes over samples.
-    pub(in crate::study) fn with(
+    pub(super) fn with(
         resumed: &Resumed,
         study: &'a Study,
         folder: &'a OutputFolder,
@@ -148,7 +148,7 @@ const ATTEMPTS: usize = 3;
 
 impl<F: Fn(Progress) + Sync> Session<'_, F> {
     /// Does the `work`, whose results are written as parts.
-    pub(in crate::study) fn written(
+    pub(super) fn written(
         &self,
         work: impl FnOnce(&dyn Watch) -> Result<(), Stopped> + Send,
     ) -> Result<(), Error> {
@@ -172,7 +172,7 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
     ///
     /// # Errors
     /// Those of [`Session::written`], and [`Error::Command`] if parts go again and again.
-    pub(in crate::study) fn kept(
+    pub(super) fn kept(
         &self,
         resumed: &mut Resumed,
         missing: impl Fn(&Known) -> u64,
@@ -197,7 +197,7 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
     }
 
     /// The run was stopped.
-    pub(in crate::study) fn stopped(&self) -> Error {
+    pub(super) fn stopped(&self) -> Error {
         Error::Stopped {
             folder: self.folder.path().to_owned(),
             done: self.meter.done(),

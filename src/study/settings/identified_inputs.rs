@@ -21,7 +21,7 @@ pub(super) struct InputsKeys {
     /// File of `microslip identify`, relative to the study file: friction coefficient and stiffnesses of the contact with their
     /// joint distribution. They are the inputs `friction_coefficient`, `tangential_stiffness_scale` and `normal_stiffness_scale`;
     /// a scale is the measured stiffness over the nominal one of an interface.
-    pub(in crate::study) from: Option<PathBuf>,
+    pub(super) from: Option<PathBuf>,
     /// What the normal stiffness is where it was not measured, unless `[inputs.normal_stiffness_scale]` states it.
     pub(super) normal_stiffness: Option<NormalStiffness>,
 }
@@ -47,7 +47,7 @@ pub struct IdentifiedInputs {
 
 impl InputsKeys {
     /// Takes the keys out of `[inputs]`.
-    pub(in crate::study) fn take(document: &mut Document<'_>) -> Result<Self, Error> {
+    pub(super) fn take(document: &mut Document<'_>) -> Result<Self, Error> {
         Ok(Self {
             from: document.take_below("inputs", "from")?,
             normal_stiffness: document.take_below("inputs", "normal_stiffness")?,
@@ -58,7 +58,7 @@ impl InputsKeys {
     ///
     /// # Errors
     /// [`Error::File`] on a file that is none; [`Error::Study`] on keys that do not go with what the file holds.
-    pub(in crate::study) fn read(
+    pub(super) fn read(
         &self,
         document: &Document<'_>,
         folder: &Path,

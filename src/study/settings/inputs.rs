@@ -18,29 +18,29 @@ use crate::setting::BadSetting;
 /// What the design of a study is made from, beside the study file's own sections of it.
 pub(super) struct Surroundings<'s> {
     /// Folder of the study file.
-    pub(in crate::study) folder: &'s Path,
+    pub(super) folder: &'s Path,
     /// The structure.
-    pub(in crate::study) model: &'s ModelSettings,
+    pub(super) model: &'s ModelSettings,
     /// Unit of the frequencies.
-    pub(in crate::study) unit: FrequencyUnit,
+    pub(super) unit: FrequencyUnit,
     /// The seed.
-    pub(in crate::study) seed: u64,
+    pub(super) seed: u64,
     /// Number of samples, if it is given.
-    pub(in crate::study) samples: Option<u64>,
+    pub(super) samples: Option<u64>,
 }
 
 /// A design, and the files that it is made from.
 pub(super) struct StatedDesign {
     /// The design.
-    pub(in crate::study) design: Design,
+    pub(super) design: Design,
     /// The file of `[design]`, relative to the study file's folder.
-    pub(in crate::study) file: Option<PathBuf>,
+    pub(super) file: Option<PathBuf>,
     /// What the file of `[inputs]` states.
-    pub(in crate::study) identified: Option<IdentifiedInputs>,
+    pub(super) identified: Option<IdentifiedInputs>,
 }
 
 /// Reads `[inputs]`, `[design]`, `[correlation]` and `[epistemic]`, and the files that they name.
-pub(in crate::study) fn design(
+pub(super) fn design(
     document: &mut Document<'_>,
     of: &Surroundings<'_>,
 ) -> Result<StatedDesign, Error> {

@@ -162,7 +162,7 @@ pub struct BoundaryKeys {
 pub(super) const MOST_SECTORS: usize = 1000;
 
 /// Reads `[model]` by its `kind`.
-pub(in crate::study) fn model(
+pub(super) fn model(
     document: &mut Document<'_>,
     contact: &ContactSection,
 ) -> Result<ModelSettings, Error> {

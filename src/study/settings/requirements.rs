@@ -22,7 +22,7 @@ impl Asked {
     ///
     /// # Errors
     /// [`Error::Study`] if one does not have its shape.
-    pub(in crate::study) fn take(document: &mut Document<'_>) -> Result<Self, Error> {
+    pub(super) fn take(document: &mut Document<'_>) -> Result<Self, Error> {
         Ok(Self {
             requirements: Requirements {
                 operation: document.take("operation")?,
@@ -38,7 +38,7 @@ impl Asked {
     ///
     /// # Errors
     /// [`BadSetting`] with a key relative to the study file.
-    pub(in crate::study) fn check(
+    pub(super) fn check(
         &self,
         of_model: (&ModelSettings, FrequencyUnit),
         levels: &[f64],

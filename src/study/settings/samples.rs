@@ -9,7 +9,7 @@ use crate::sampling::{Design, DesignKind};
 use crate::setting::BadSetting;
 
 /// What the study file says.
-pub(in crate::study) enum Samples {
+pub(super) enum Samples {
     /// So many; absent where the design decides it.
     Number(Option<u64>),
     /// Until a rule is met.
@@ -21,7 +21,7 @@ impl Samples {
     ///
     /// # Errors
     /// [`Error::Study`] if it is neither a number nor such a table.
-    pub(in crate::study) fn take(document: &mut Document<'_>) -> Result<Self, Error> {
+    pub(super) fn take(document: &mut Document<'_>) -> Result<Self, Error> {
         if !document.is_table("samples") {
             return document.take("samples").map(Self::Number);
         }
@@ -34,7 +34,7 @@ impl Samples {
     }
 
     /// Samples that the design must have room for.
-    pub(in crate::study) fn most(&self) -> Option<u64> {
+    pub(super) fn most(&self) -> Option<u64> {
         match self {
             Self::Number(number) => *number,
             Self::Until(table) => Some(table.at_most),
@@ -46,7 +46,7 @@ impl Samples {
     /// # Errors
     /// [`BadSetting`] with a key relative to the study file: also where the samples are no independent draws of one
     /// population, because a rule keeps its confidence for such alone.
-    pub(in crate::study) fn plan(
+    pub(super) fn plan(
         &self,
         requirements: &Requirements,
         design: &Design,
