@@ -29,6 +29,8 @@ struct Job {
     // Factors on A x and on what y holds.
     alpha: f32,
     keep: f32,
+    // Whether x is taken times -i, amplitude by amplitude.
+    turns: u32,
     // Number of the pair of directions.
     pair: u32,
 }

@@ -49,7 +49,9 @@ fn columns_times(group: vec3<u32>, index: u32, of_lanes: bool) {
     } else {
         matrix += parts[group.z / 2u] * job.stride;
     }
-    let x = job.x * job.lanes + group.z * job.x_step * job.columns;
+    // -i (x_c - i x_s) has the cosine -x_s and the sine x_c
+    let alpha = select(job.alpha, -job.alpha, job.turns != 0u && group.z % 2u == 0u);
+    let x = job.x * job.lanes + (group.z ^ job.turns) * job.x_step * job.columns;
     let y = job.y * job.lanes + group.z * job.y_step * job.columns;
     let rows_of = (index / 16u) * 8u;
     let columns_of = index % 16u;
@@ -70,7 +72,7 @@ fn columns_times(group: vec3<u32>, index: u32, of_lanes: bool) {
         if row < job.rows {
             let place = y + row * job.columns + first_column + 4u * columns_of;
             for (var l = 0u; l < 4u; l++) {
-                var value = job.alpha * sum[i][l];
+                var value = alpha * sum[i][l];
                 if job.keep != 0.0 {
                     value += job.keep * numbers[place + l];
                 }
@@ -142,10 +144,10 @@ fn responded(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var j = 0u; j < MODES; j++) {
         let d = spectrum(0u, j, lane);
         let opposite = vec2<f32>(numbers[at(FIRST, j, lane, job.lanes)], numbers[at(FIRST, MODES + j, lane, job.lanes)]);
-        let weight = shared_numbers[RESPONSES + j];
-        response -= weight * opposite;
-        by_correction -= weight * turned(d[0], load_of(0u, j, lane));
-        by_tangent -= weight * turned(d[0], load_of(0u, j, lane + job.lanes) - turned(d[1], opposite));
+        let weight = vec2<f32>(shared_numbers[RESPONSES + j], shared_numbers[RESPONSES + MODES + j]);
+        response -= turned(weight, opposite);
+        by_correction -= turned(weight, turned(d[0], load_of(0u, j, lane)));
+        by_tangent -= turned(weight, turned(d[0], load_of(0u, j, lane + job.lanes) - turned(d[1], opposite)));
     }
     let all = array<vec2<f32>, 3>(response, by_correction, by_tangent);
     for (var i = 0u; i < 3u; i++) {

@@ -11,7 +11,7 @@ use super::settings::{ContactTruth, ResponseSettings, StripSettings};
 use super::support::SupportSettings;
 use crate::Error;
 use crate::setting::BadSetting;
-use crate::study::document::Document;
+use crate::study::settings::document::Document;
 
 /// Top-level keys.
 const KEYS: [&str; 11] = [

@@ -1,7 +1,7 @@
 //! The nominal model of a study, built.
 
-use super::model::{CyclicSettings, ModelSettings, SectorSettings};
-use super::read::Study;
+use super::settings::model::{CyclicSettings, ModelSettings, SectorSettings};
+use super::settings::read::Study;
 use crate::Error;
 use crate::contact::ContactParameters;
 use crate::linalg::LinalgError;

@@ -25,10 +25,10 @@ use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 use super::prepared::PreparedStudy;
-use super::progress::{Meter, Progress};
-use super::read::Study;
-use super::resume::{Resumed, identity_of_results};
-use super::run_settings::RunSettings;
+use super::runs::progress::{Meter, Progress};
+use super::runs::resume::{Resumed, identity_of_results};
+use super::runs::run_settings::RunSettings;
+use super::settings::read::Study;
 use crate::Error;
 use crate::ensemble::atlas::Atlas;
 use crate::ensemble::outcome::{LevelOutcome, SampleOutcome};

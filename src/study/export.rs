@@ -10,9 +10,9 @@ use std::path::{Component, Path};
 use toml::{Table, Value};
 
 use super::built::StudyModel;
-use super::frequency::FrequencyUnit;
-use super::read::{Study, only_of_rig};
-use super::solver_section::OF_INTERFACE;
+use super::settings::frequency::FrequencyUnit;
+use super::settings::read::{Study, only_of_rig};
+use super::settings::solver_section::OF_INTERFACE;
 use crate::Error;
 use crate::contact::ContactParameters;
 use crate::file::{self, FileError, refuse_content, write_folder};

@@ -1,8 +1,8 @@
 //! A study with its model built: what all its samples share.
 
 use super::built::{StudyDisk, StudyModel};
-use super::frequency::PeakSetting;
-use super::read::Study;
+use super::settings::frequency::PeakSetting;
+use super::settings::read::Study;
 use crate::Error;
 use crate::contact::ContactParameters;
 use crate::ensemble::store::FollowedMode;

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::document::Document;
 use super::output::OutputFolder;
+use super::settings::document::Document;
 use crate::Error;
 use crate::report::StoredRun;
 use crate::report::reweighting::{LEAST_EFFECTIVE_SAMPLES, ReweightedInput, Reweighting};

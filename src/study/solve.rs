@@ -9,10 +9,10 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::frequency::{FrequencyUnit, Points};
 use super::output::OutputFolder;
-use super::progress::Progress;
-use super::read::Study;
+use super::runs::progress::Progress;
+use super::settings::frequency::{FrequencyUnit, Points};
+use super::settings::read::Study;
 use crate::Error;
 use crate::hb::response::forced_response::{
     CurveSettings, Gap, Largest, Response, Stop, over_band,

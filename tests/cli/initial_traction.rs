@@ -73,6 +73,15 @@ fn initial_tractions_move_what_sticks_in_part_alone() {
     }
 }
 
+/// Draw and amplitude of every sample.
+fn bits(samples: &[SampleOutcome]) -> Vec<[u64; 2]> {
+    let of = |o: &SampleOutcome| {
+        let amplitude = o.levels[0].peak.unwrap().amplitude_m;
+        [o.inputs[0], amplitude].map(f64::to_bits)
+    };
+    samples.iter().map(of).collect()
+}
+
 /// A sample has the same tractions on any number of threads, among any number of samples and where a run is extended. Seen to fail with the number
 /// of the thread in the draw.
 #[test]
@@ -81,13 +90,6 @@ fn tractions_of_a_sample_are_its_own() {
     let all = |more: &[&str]| {
         let folder = with(12);
         samples(folder.path(), more)
-    };
-    let bits = |samples: &[SampleOutcome]| -> Vec<[u64; 2]> {
-        let of = |o: &SampleOutcome| {
-            let amplitude = o.levels[0].peak.unwrap().amplitude_m;
-            [o.inputs[0], amplitude].map(f64::to_bits)
-        };
-        samples.iter().map(of).collect()
     };
     let one = bits(&all(&["--threads", "1"]));
     assert_eq!(one, bits(&all(&["--threads", "2"])), "threads");
@@ -106,6 +108,25 @@ fn tractions_of_a_sample_are_its_own() {
         bits(&read_samples(&table).unwrap().outcomes),
         "extended"
     );
+}
+
+/// The same where shards solve the samples that follow the atlas.
+#[test]
+fn shards_draw_the_tractions_of_their_samples() {
+    let new = || study(("box", "[5]"), 1030, INPUT);
+    let whole = new();
+    let expected = bits(&samples(whole.path(), &[]));
+    let shared = new();
+    for share in [
+        &["--only-atlas"][..],
+        &["--shard", "1/2"],
+        &["--shard", "0/2"],
+    ] {
+        let run = ["run", "study.toml", "--output", "out", "--quiet"];
+        let output = microslip(shared.path(), &[&run, share].concat());
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+    }
+    assert!(expected == bits(&samples(shared.path(), &[])), "other bits");
 }
 
 /// What cannot be meant gets one message. Seen to fail without each of the rules.

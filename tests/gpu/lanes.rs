@@ -10,7 +10,7 @@ use microslip::ensemble::backend::{BackendChoice, BackendSettings, OpenBackend};
 use microslip::ensemble::outcome::SampleOutcome;
 use microslip::ensemble::runner::{SolvedSample, Watch};
 use microslip::ensemble::times::SampleTimes;
-use microslip::gpu::{Fault, GpuReport, GpuSettings, Precision};
+use microslip::gpu::{Device, Fault, GpuReport, GpuSettings, Precision};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::equations::balance::balance_on;
 use microslip::hb::equations::free::{FreeBalance, StaticReference};
@@ -38,7 +38,23 @@ const ERRORS: [f64; 5] = [1e-3, 1e-4, 1e-5, 1e-3, 1e-4];
 
 /// The default study at one level on few harmonics.
 fn study(highest: usize, law: FrictionLaw) -> Study {
-    let mut study = Study::read("studies/two-blade-strip/study.toml".as_ref()).unwrap();
+    let study = Study::read("studies/two-blade-strip/study.toml".as_ref()).unwrap();
+    at_one_level(study, highest, law)
+}
+
+/// One engine order of the study of a disk, which is a travelling wave, in the same way.
+fn study_of_disk(highest: usize) -> Study {
+    let path = "studies/full-disk/study.toml";
+    let text = std::fs::read_to_string(path).unwrap();
+    let text = text.replace(
+        "engine_orders = [3, 4, 5, 6, 7, 8, 9, 10, 11, 12]",
+        "engine_orders = [5]",
+    );
+    let study = Study::parse(path.as_ref(), &text).unwrap();
+    at_one_level(study, highest, FrictionLaw::Box)
+}
+
+fn at_one_level(mut study: Study, highest: usize, law: FrictionLaw) -> Study {
     study.solver.harmonics = HarmonicSet::up_to(highest);
     study.solver.aft.law = law;
     study.solver.alert = None;
@@ -134,64 +150,72 @@ fn errors(told: &Told, [correction, tangent]: &[Vec<f64>; 2], expected: &Step) -
     ]
 }
 
+/// Errors of some lanes of `study` in one iteration.
+fn errors_of_lanes(device: &Device, study: &Study) -> Vec<[f64; 5]> {
+    let prepared = study.prepared().unwrap();
+    let ensemble = prepared.ensemble(None);
+    let (settings, band) = (ensemble.settings, ensemble.peak.band);
+    let mut damped = ensemble.linear.clone();
+    damped.scale_damping(1.2);
+    let problem = |linear, by, load| {
+        Problem::new(linear, scaled(ensemble.contacts, by), load, settings.anchor).unwrap()
+    };
+    let nominal = problem(ensemble.linear, 1.0, 1.0);
+    let reference = StaticReference::new(&nominal);
+    let balance = on(&nominal, settings);
+    let free = FreeBalance::new(&balance, &reference).unwrap();
+    let system = LaneSystem::new(&free, band.low).unwrap();
+    let anchors = [1.3, 4.0].map(|by| {
+        let (point, inverse) = anchor(&ensemble, &problem(ensemble.linear, by, 1.0), &reference);
+        (by, point, inverse)
+    });
+    let (mut lanes, mut expected) = (Vec::new(), Vec::new());
+    for i in 0..70 {
+        let number = usize::from(i % 10 == 0);
+        let (by, point, _) = &anchors[number];
+        let away = 0.02 + 0.001 * f64::from(i);
+        let problem = problem(&damped, by * (1.0 + away), 1.0 + 0.5 * away);
+        let balance = on(&problem, settings);
+        let mut point = point.clone();
+        point.omega *= 1.0 + 1e-4 * away;
+        let free = FreeBalance::new(&balance, &reference).unwrap();
+        lanes.push((system.lane(&free, &point), number));
+        expected.push((i % 7 == 0).then(|| step_on_processor(&balance, &reference, &point)));
+    }
+    let plan = AftPlan::new(&settings.harmonics, settings.aft);
+    let kernels = LaneKernels::new(device, system, &plan, None).unwrap();
+    let inverses = [&anchors[0].2, &anchors[1].2];
+    let mut batch = kernels.begin(device, &lanes, &inverses).unwrap();
+    let told = batch.step(&vec![Some(0.0); lanes.len()]).unwrap();
+    let solutions = batch.solutions().unwrap();
+    let all = told.iter().zip(&solutions).zip(&expected);
+    // where the device leaves a state undecided the processor takes the lane over
+    let decided = all.filter(|((told, _), _)| !told.undecided);
+    decided
+        .filter_map(|((told, solution), expected)| Some(errors(told, solution, expected.as_ref()?)))
+        .collect()
+}
+
 /// Lanes of two inverses, more than a tile of one of them, each with contacts, load, frequency and damping of its own, against the
 /// equations in free modes, factorised in double precision. What is left is the rounding of single precision times the condition
-/// of the equations.
+/// of the equations. Seen to fail with the imaginary part of a wave's shapes times i in place of −i.
 #[test]
 fn newton_steps_of_lanes_are_those_of_the_processor() {
     let Some(device) = device("newton_steps_of_lanes", Precision::F32) else {
         return;
     };
-    for law in [FrictionLaw::Box, FrictionLaw::Circle] {
-        let study = study(2, law);
-        let prepared = study.prepared().unwrap();
-        let ensemble = prepared.ensemble(None);
-        let (settings, band) = (ensemble.settings, ensemble.peak.band);
-        let mut damped = ensemble.linear.clone();
-        damped.scale_damping(1.2);
-        let problem = |linear, by, load| {
-            Problem::new(linear, scaled(ensemble.contacts, by), load, settings.anchor).unwrap()
-        };
-        let nominal = problem(ensemble.linear, 1.0, 1.0);
-        let reference = StaticReference::new(&nominal);
-        let balance = on(&nominal, settings);
-        let free = FreeBalance::new(&balance, &reference).unwrap();
-        let system = LaneSystem::new(&free, band.low).unwrap();
-        let anchors = [1.3, 4.0].map(|by| {
-            let (point, inverse) =
-                anchor(&ensemble, &problem(ensemble.linear, by, 1.0), &reference);
-            (by, point, inverse)
-        });
-        let (mut lanes, mut expected) = (Vec::new(), Vec::new());
-        for i in 0..70 {
-            let number = usize::from(i % 10 == 0);
-            let (by, point, _) = &anchors[number];
-            let away = 0.02 + 0.001 * f64::from(i);
-            let problem = problem(&damped, by * (1.0 + away), 1.0 + 0.5 * away);
-            let balance = on(&problem, settings);
-            let mut point = point.clone();
-            point.omega *= 1.0 + 1e-4 * away;
-            let free = FreeBalance::new(&balance, &reference).unwrap();
-            lanes.push((system.lane(&free, &point), number));
-            expected.push((i % 7 == 0).then(|| step_on_processor(&balance, &reference, &point)));
-        }
-        let plan = AftPlan::new(&settings.harmonics, settings.aft);
-        let kernels = LaneKernels::new(&device, system, &plan, None).unwrap();
-        let inverses = [&anchors[0].2, &anchors[1].2];
-        let mut batch = kernels.begin(&device, &lanes, &inverses).unwrap();
-        let told = batch.step(&vec![Some(0.0); lanes.len()]).unwrap();
-        let solutions = batch.solutions().unwrap();
-        let all = told.iter().zip(&solutions).zip(&expected);
-        // where the device leaves a state undecided the processor takes the lane over
-        let decided = all.filter(|((told, _), _)| !told.undecided);
-        let errors: Vec<[f64; 5]> = decided
-            .filter_map(|((told, solution), expected)| {
-                Some(errors(told, solution, expected.as_ref()?))
-            })
-            .collect();
+    for study in [
+        study(2, FrictionLaw::Box),
+        study(2, FrictionLaw::Circle),
+        study_of_disk(2),
+    ] {
+        let errors = errors_of_lanes(&device, &study);
         let worse = |most: f64, e: f64| if e <= most { most } else { e };
         let largest = [0, 1, 2, 3, 4].map(|i| errors.iter().map(|e| e[i]).fold(0.0, worse));
-        eprintln!("{law:?}: correction, tangent, response and its derivatives: {largest:?}");
+        eprintln!(
+            "{}, {:?}: correction, tangent, response and its derivatives: {largest:?}",
+            study.name, study.solver.aft.law
+        );
         assert!(errors.len() > 7, "{} lanes are decided", errors.len());
         let within = largest.iter().zip(ERRORS).all(|(e, limit)| *e < limit);
         assert!(within, "{largest:?}");
@@ -269,7 +293,7 @@ fn assert_agreement(found: &[SampleOutcome], expected: &[SampleOutcome], what: &
 }
 
 /// Samples that start from lanes have the peaks of those that do not; nearly all lanes come to their peaks; a lane that is solved
-/// alone has the same bits.
+/// alone has the same bits. The last study is of waves, whose shapes are complex.
 /// Seen to fail with: residuals of 1e-5 asked for (`lockstep::search`), at which 16 of 32 lanes are given up.
 #[test]
 fn lanes_change_no_peak() {
@@ -277,8 +301,11 @@ fn lanes_change_no_peak() {
         return;
     };
     // under the circle law the shaders leave contacts without a steady cycle to the processor, and lanes that have such are given up
-    for (law, one_lost_of) in [(FrictionLaw::Box, 8), (FrictionLaw::Circle, 4)] {
-        let study = study(2, law);
+    for (study, one_lost_of) in [
+        (study(2, FrictionLaw::Box), 8),
+        (study(2, FrictionLaw::Circle), 4),
+        (study_of_disk(2), 8),
+    ] {
         let prepared = study.prepared().unwrap();
         let anchors = prepared.ensemble(None).solved(LEAST_ANCHORS, || {}).anchors;
         let indices: Vec<u64> = (5000..5032).collect();
@@ -287,7 +314,7 @@ fn lanes_change_no_peak() {
         let found = solved_on(&device, &prepared, (&anchors, &indices));
         assert_agreement(&found, &expected, "no fault");
         let report = device.report().gpu.unwrap();
-        eprintln!("{law:?}: {report:?}");
+        eprintln!("{}: {report:?}", study.name);
         assert!(
             report.lanes >= 32 && one_lost_of * report.lanes_lost <= report.lanes,
             "{report:?}"

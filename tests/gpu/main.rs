@@ -12,6 +12,7 @@ mod accuracy;
 mod failure;
 mod lanes;
 mod layout;
+mod node;
 mod states;
 
 use microslip::gpu::{Device, Precision, adapters};

@@ -31,6 +31,7 @@ fn tests(count: u64) -> Vec<TestResult> {
     (0..count).map(test).collect()
 }
 
+/// Seen to fail with the correlation left out.
 #[test]
 fn scatter_and_correlation_of_a_population() {
     let pooled = pool(&tests(80), &IdentifySettings::default());
@@ -51,6 +52,7 @@ fn scatter_and_correlation_of_a_population() {
     assert!((correlation - CORRELATION).abs() < 0.28, "{correlation}");
 }
 
+/// Seen to fail with tests without errors.
 #[test]
 fn noise_of_the_tests_is_no_scatter() {
     let test = |seed| {
@@ -85,6 +87,7 @@ fn noise_of_the_tests_is_no_scatter() {
     );
 }
 
+/// Seen to fail with a factor of 1, and with the correlation of few tests as it is.
 #[test]
 fn few_tests_widen_the_distribution() {
     let settings = IdentifySettings::default();
@@ -111,6 +114,7 @@ fn few_tests_widen_the_distribution() {
     );
 }
 
+/// Seen to fail with every test as a specimen of its own.
 #[test]
 fn tests_of_one_specimen_are_no_further_contacts() {
     let mut all = tests(12);
@@ -142,6 +146,7 @@ fn tests_of_one_specimen_are_no_further_contacts() {
     );
 }
 
+/// Seen to fail with the gain of one force alone in the covariance.
 #[test]
 fn the_measuring_chain_is_the_same_for_all_tests() {
     let settings = IdentifySettings {
@@ -167,6 +172,7 @@ fn identified(records: &[Bench], settings: &IdentifySettings) -> Identified {
     identify(&records, settings).unwrap()
 }
 
+/// Seen to fail with a bound above the swing, and with a greatest coefficient below it.
 #[test]
 fn no_slip_gives_no_number() {
     let stuck = |seed| Bench {
@@ -217,6 +223,7 @@ fn no_slip_gives_no_number() {
     );
 }
 
+/// Seen to fail with the ratio on the friction coefficient, too.
 #[test]
 fn the_area_ratio_scales_stiffness_alone() {
     let benches = [contact(1), contact(2), contact(3)];

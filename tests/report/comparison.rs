@@ -125,7 +125,7 @@ fn empty_comparisons_render() {
     page(&compared(&runs), &runs);
 }
 
-/// Performance curves of every design, beside each other and on common axes.
+/// Performance curves of every design, beside each other and on common axes; values show under the pointer. Seen to fail without them.
 #[test]
 fn performance_curves_stand_beside_each_other() {
     let runs = [design(60, 1.0), design(60, 3.0)];
@@ -133,7 +133,9 @@ fn performance_curves_stand_beside_each_other() {
     for measure in ["frequency", "amplitude", "q-factor", "damping-ratio"] {
         for k in 0..2 {
             let file = format!("download=\"performance-{measure}-{k}.svg\"");
-            assert!(page.contains(&file), "{file}");
+            let end = page.find(&file).unwrap_or_else(|| panic!("{file}"));
+            let figure = &page[page[..end].rfind("<figure>").unwrap()..end];
+            assert!(figure.contains("class=\"readout"), "{file} has no values");
         }
     }
     let ticks = |name: &str| -> Vec<&str> {

@@ -201,11 +201,18 @@ fn levels_stand_at_their_mean_stress() {
 
 /// Values show under the pointer in the page; a picture that is saved has none of them.
 ///
-/// Seen to fail with the readouts drawn among the marks, and without those of the histograms.
+/// Seen to fail with the readouts drawn among the marks, and without those of the histograms, of the distribution functions or of
+/// the samples over an input.
 #[test]
 fn values_show_in_the_page_alone() {
     let page = page(&SyntheticStudy::new(40).input());
-    for name in ["band-0", "nominal-response", "histogram-frequency-0"] {
+    for name in [
+        "band-0",
+        "nominal-response",
+        "histogram-frequency-0",
+        "distribution-frequency",
+        "frequency-over-input-0",
+    ] {
         let found = figure(&page, name).contains("class=\"readout");
         assert!(found, "{name} has no values");
     }

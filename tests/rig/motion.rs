@@ -12,6 +12,8 @@ fn work(u: &[f64], t: &[f64]) -> f64 {
 }
 
 /// Work per cycle in gross slip is the sum over pairs of 4 μN (U − μN/k), with U half of the swing of u.
+///
+/// Seen to fail with the mean load as that of every pair.
 #[test]
 fn gross_slip_dissipates_what_masing_says() {
     for load in [
@@ -54,31 +56,35 @@ fn gross_slip_dissipates_what_masing_says() {
     }
 }
 
-/// A contact that sticks is a chain of springs: platform, k_t, strip, box. At 5 Hz the mass of neither matters.
+/// A contact that sticks is a chain of springs: platform, k_t, strip (with the punch beside it), box. At 5 Hz the mass of neither matters.
+///
+/// Seen to fail with the whole overlap in the strip's free length, with twice K11, and without the punch's stiffness.
 #[test]
 fn a_sticking_contact_is_springs_in_series() {
     let contact = "[contact]\nfriction_coefficient = 5\n";
     let excitation =
         "[excitation]\nfrequencies_hz = [5]\namplitude_um = 0.5\ncycles = 1\nrun_in_cycles = 2";
-    let rig = exact(&format!("{contact}{STEADY_AIR}{excitation}"));
-    let test = first_test(&rig);
-    assert_eq!(test.slip, Slip::Partial, "{:?}", test.motion.mobilised);
-    let k_t: f64 = 233e6;
-    // E l t over the gap and half of the overlap: 0.6 + 2.35 mm
-    let strip: f64 = 210e9 * 50e-3 * 0.4e-3 / 2.95e-3;
-    let series = 1.0 / (1.0 / k_t + 1.0 / strip + 1.0 / 150e6);
-    let most = test.motion.tangential.iter().fold(0.0f64, |m, t| m.max(*t));
-    assert!((most / (series * 0.5e-6) - 1.0).abs() < 1e-4, "{most} N");
-    let u = test
-        .motion
-        .displacement
-        .iter()
-        .fold(0.0f64, |m, t| m.max(*t));
-    assert!((u / (most / k_t) - 1.0).abs() < 1e-6, "{u} m");
+    for (loading, beside) in [(STEADY_AIR, 0.0), ("[loading]\nkind = \"punch\"\n", 50e6)] {
+        let rig = exact(&format!("{contact}{loading}{excitation}"));
+        let test = first_test(&rig);
+        assert_eq!(test.slip, Slip::Partial, "{:?}", test.motion.mobilised);
+        let k_t: f64 = 233e6;
+        // E l t over the gap and half of the overlap: 0.6 + 2.35 mm
+        let strip: f64 = 210e9 * 50e-3 * 0.4e-3 / 2.95e-3 + beside;
+        let series = 1.0 / (1.0 / k_t + 1.0 / strip + 1.0 / 150e6);
+        let largest = |signal: &[f64]| signal.iter().fold(0.0f64, |m, x| m.max(*x));
+        let most = largest(&test.motion.tangential);
+        let ratio = most / (series * 0.5e-6);
+        assert!((ratio - 1.0).abs() < 1e-4, "{loading}: {most} N, {ratio}");
+        let u = largest(&test.motion.displacement);
+        assert!((u / (most / k_t) - 1.0).abs() < 1e-6, "{loading}: {u} m");
+    }
 }
 
 /// Inertia of the box, of strip and punch: the transducer's force over that of the contact while it sticks, from the
 /// linear equations at one frequency without damping.
+///
+/// Seen to fail with the mass of the punch or that of the box left out.
 #[test]
 fn inertia_is_in_the_measured_force() {
     let contact = "[contact]\nfriction_coefficient = 5\n";
@@ -107,6 +113,8 @@ fn inertia_is_in_the_measured_force() {
 
 /// The march is converged, with friction and the punch's mass at 300 Hz: four times the steps change the displacement by less than
 /// 1e-3 of its largest value in the root mean square, and the force, which the punch makes ring after each reversal, by 6e-3.
+///
+/// Seen to fail with velocities by differences of first order.
 #[test]
 fn the_march_is_converged() {
     let with = |samples: usize| {

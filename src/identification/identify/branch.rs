@@ -3,6 +3,7 @@
 use super::half::Half;
 use super::knee::Knee;
 use super::mean_loop::{MeanLoop, median};
+use super::scatter::Batches;
 use super::slope::{Line, branch_line};
 
 /// Part of a half in which the contact sticks, and how its slope is taken.
@@ -22,6 +23,8 @@ pub(super) struct Straightened {
     pub(super) knee: Knee,
     /// T/N at the reversal before, against the motion, and its swing.
     pub(super) levels: [f64; 2],
+    /// Mean slope over all knees that are possible, over that with this one.
+    pub(super) mean: f64,
     /// Relative standard uncertainty of the slope by the choice of the knee.
     pub(super) model_error: f64,
 }
@@ -47,7 +50,7 @@ const HIDDEN_BEND: f64 = 0.05;
 /// where the branch is still straight.
 pub(super) fn window(
     half: &Half,
-    cycle: &MeanLoop,
+    loops: (&MeanLoop, Batches<'_>),
     share: &[Option<f64>],
     straightened: Option<Straightened>,
 ) -> Option<Window> {
@@ -55,7 +58,7 @@ pub(super) fn window(
     let found = ENDS.iter().enumerate().find_map(|(i, end)| {
         let places = between(share, [BEGIN, *end])?;
         let enough = places[1] + 1 - places[0] >= FEW;
-        let take = straightened.is_some() || i == last || !bends(half, cycle, places);
+        let take = straightened.is_some() || i == last || !bends(half, loops, places);
         (enough && take).then_some((places, *end))
     });
     let wide = || {
@@ -89,17 +92,17 @@ fn between(share: &[Option<f64>], [begin, end]: [f64; 2]) -> Option<[usize; 2]> 
 }
 
 /// Whether the slope falls inside the window.
-fn bends(half: &Half, cycle: &MeanLoop, places: [usize; 2]) -> bool {
-    let fall = fall(half, cycle, places);
+fn bends(half: &Half, loops: (&MeanLoop, Batches<'_>), places: [usize; 2]) -> bool {
+    let fall = fall(half, loops, places);
     fall.is_some_and(|[fall, error]| fall > BEND && fall > SURE_BEND * error)
 }
 
 /// Whether the slope does not fall inside the window, and a bend that matters would be seen.
-pub(super) fn is_straight(half: &Half, cycle: &MeanLoop, window: &Window) -> bool {
+pub(super) fn is_straight(half: &Half, loops: (&MeanLoop, Batches<'_>), window: &Window) -> bool {
     // from the middle of the window to the reversal, over the distance of the middles of its halves: the more, the shorter it is
     let beyond = |end: f64| (end + BEGIN) / (end - BEGIN);
     let beyond = beyond(window.end) / beyond(ENDS[0]);
-    let fall = fall(half, cycle, window.places);
+    let fall = fall(half, loops, window.places);
     fall.map(|both| both.map(|of| beyond * of))
         .is_some_and(|[fall, error]| {
             SURE_BEND * error < HIDDEN_BEND && fall <= BEND.max(SURE_BEND * error)
@@ -107,18 +110,32 @@ pub(super) fn is_straight(half: &Half, cycle: &MeanLoop, window: &Window) -> boo
 }
 
 /// By how much the slope of the second half of a window is smaller than that of the first one, and the standard error, both over
-/// the latter.
-fn fall(half: &Half, cycle: &MeanLoop, [first, last]: [usize; 2]) -> Option<[f64; 2]> {
-    let (x, y) = (half.displacement(cycle), half.force(cycle));
+/// the latter. The error is that by the scatter of the batches where it is larger: noise of a displacement that was put on a smooth
+/// motion is no scatter about a line.
+fn fall(
+    half: &Half,
+    (cycle, batches): (&MeanLoop, Batches<'_>),
+    [first, last]: [usize; 2],
+) -> Option<[f64; 2]> {
     let (count, middle) = (last + 1 - first, usize::midpoint(first, last + 1));
-    let line = |from: usize, to: usize| branch_line(&x[from..to], &y[from..to]);
-    let (early, late) = (line(first, middle)?, line(middle, last + 1)?);
-    let error = early.standard_error?.hypot(late.standard_error?);
+    let lines = |cycle: &MeanLoop| {
+        let (x, y) = (half.displacement(cycle), half.force(cycle));
+        let line = |from: usize, to: usize| branch_line(&x[from..to], &y[from..to]);
+        line(first, middle).zip(line(middle, last + 1))
+    };
+    let (early, late) = lines(cycle)?;
     let over = early.slope;
-    (count >= LEAST_FOR_BEND && over > 0.0).then(|| [(over - late.slope) / over, error / over])
+    let inside = early.standard_error?.hypot(late.standard_error?) / over;
+    let rise = |(early, late): (Line, Line)| 1.0 / late.slope - 1.0 / early.slope;
+    let of_batches = batches.error(|one| lines(one).map(rise));
+    // the fall is the rise of the compliance over that of the second half
+    let of_batches = of_batches.map(|error| late.slope.abs() * error.standard_error);
+    let error = of_batches.map_or(inside, |error| error.max(inside));
+    (count >= LEAST_FOR_BEND && over > 0.0).then(|| [(over - late.slope) / over, error])
 }
 
-/// The line of the branch in its window, force in the direction of the motion over the displacement since the reversal.
+/// The line of the branch in its window, force in the direction of the motion over the displacement since the reversal. With a knee its
+/// slope is the mean over all knees; it turns about the middle of the window.
 pub(super) fn slope(half: &Half, cycle: &MeanLoop, window: &Window) -> Option<Line> {
     let [first, last] = window.places;
     let (x, mut y) = (half.displacement(cycle), half.force(cycle));
@@ -134,11 +151,16 @@ pub(super) fn slope(half: &Half, cycle: &MeanLoop, window: &Window) -> Option<Li
         }
     }
     let line = branch_line(&x[first..=last], &y[first..=last])?;
-    let model_error = window
-        .straightened
-        .map_or(0.0, |s| s.model_error * line.slope.abs());
+    let Some(straightened) = &window.straightened else {
+        return Some(line);
+    };
+    let middle = 0.5 * (x[first] + x[last]);
+    let slope = straightened.mean * line.slope;
     Some(Line {
-        model_error,
+        slope,
+        intercept: line.intercept + (line.slope - slope) * middle,
+        standard_error: line.standard_error.map(|error| straightened.mean * error),
+        model_error: straightened.model_error * slope.abs(),
         ..line
     })
 }

@@ -6,6 +6,7 @@ use super::mean_loop::{
 };
 use super::result::Cycles;
 use super::run_in::run_in;
+use super::scatter::Batches;
 use super::settings::IdentifySettings;
 use super::smooth_motion::{CommonError, NEIGHBOURS, sensor_step, smooth_motion};
 use crate::record::HysteresisRecord;
@@ -29,6 +30,27 @@ pub(super) struct Steady {
     pub(super) common: CommonError,
     /// Mean of the tangential force over the steady cycles, which was taken out (N).
     pub(super) tangential_mean: f64,
+}
+
+impl Steady {
+    /// What tells the scatter of the mean loop.
+    pub(super) fn batches(&self) -> Batches<'_> {
+        Batches {
+            loops: &self.batches,
+            cycles: &self.batch_cycles,
+        }
+    }
+
+    /// Mean loop without each batch in turn; none of fewer than two batches.
+    pub(super) fn without_batches(&self) -> Vec<MeanLoop> {
+        let count = self.batches.len();
+        let others = |left_out: usize| {
+            let kept = (0..count).filter(|k| *k != left_out);
+            let kept = kept.map(|k| (&self.batches[k], self.batch_cycles[k] as f64));
+            MeanLoop::weighted(&kept.collect::<Vec<_>>())
+        };
+        (0..count).filter(|_| count > 1).map(others).collect()
+    }
 }
 
 /// Fewest samples of a cycle from which a loop can be told.
@@ -57,6 +79,7 @@ pub(super) fn cut(
     record: &HysteresisRecord,
     settings: &IdentifySettings,
 ) -> Result<Steady, String> {
+    long_enough(record)?;
     let motion = motion(record)?;
     let grid = Grid::new(&record.time, motion.frequency, motion.first_top)?;
     let mut loops = grid.loops(record, settings.normal_force_offset_n);
@@ -107,6 +130,24 @@ pub(super) fn cut(
         tangential_mean: means[1][run_in..].iter().sum::<f64>() / steady.len() as f64,
         loops,
     })
+}
+
+/// Of a record of a stated frequency: whether it holds a period. Of a part of one the share that is periodic says nothing.
+fn long_enough(record: &HysteresisRecord) -> Result<(), String> {
+    let (time, samples) = (&record.time, record.time.len());
+    let Some(frequency) = record.conditions.frequency_hz.filter(|_| samples > 1) else {
+        return Ok(());
+    };
+    // the last sample stands for its step, too
+    let length = (time[samples - 1] - time[0]) * samples as f64 / (samples - 1) as f64;
+    match length * frequency + 1e-6 < 1.0 {
+        true => Err(shorter(frequency)),
+        false => Ok(()),
+    }
+}
+
+fn shorter(frequency: f64) -> String {
+    format!("is shorter than one period of {frequency:.4} Hz: a loop needs a whole one")
 }
 
 /// The periodic motion of a record.
@@ -180,9 +221,7 @@ impl Grid {
         };
         let whole = from(start);
         if whole == 0 {
-            return Err(format!(
-                "is shorter than one period of {frequency:.4} Hz: a loop needs a whole one"
-            ));
+            return Err(shorter(frequency));
         }
         let averaged = (per_cycle / MOST_SAMPLES as f64).ceil() as usize;
         let samples = (per_cycle / averaged as f64 + 1e-6).floor() as usize;

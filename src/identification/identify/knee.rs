@@ -31,10 +31,13 @@ pub(super) struct Branch {
     pub(super) share: Vec<f64>,
 }
 
-/// A knee and the relative standard uncertainty that the choice of the knee gives each stiffness.
+/// The most probable knee, and what the others make of the stiffness of each branch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FittedKnee {
     pub(super) knee: Knee,
+    /// Mean stiffness over all knees, by their probability, over that with this one.
+    pub(super) mean: [f64; 2],
+    /// Relative standard deviation of the stiffness over all knees, by their probability.
     pub(super) model_error: [f64; 2],
 }
 
@@ -140,7 +143,7 @@ impl Knee {
     }
 }
 
-/// The most probable knee of both branches, each with its own stiffness; the others give the model error by their probability.
+/// The most probable knee of both branches, each with its own stiffness; the others give mean and model error by their probability.
 /// `even_area`: share of the contact whose slip limit is within a tenth of their mean, where it is known.
 pub(super) fn fit(branches: &[Branch; 2], even_area: Option<f64>) -> FittedKnee {
     let (knees, before): (Vec<Knee>, Vec<f64>) = possible(even_area).into_iter().unzip();
@@ -162,18 +165,18 @@ pub(super) fn fit(branches: &[Branch; 2], even_area: Option<f64>) -> FittedKnee 
         .unwrap_or(0);
     let weights: Vec<f64> = scores.iter().map(|s| exp(s - scores[best])).collect();
     let whole: f64 = weights.iter().sum();
+    let expected = |number: &dyn Fn(usize) -> f64| -> f64 {
+        let each = weights.iter().enumerate();
+        each.map(|(place, w)| w * number(place)).sum::<f64>() / whole
+    };
+    let mean = [0, 1].map(|side| expected(&|place| fits[place].0[side] / fits[best].0[side]));
     let error = |side: usize| {
-        let square = |place: usize| (fits[place].0[side] / fits[best].0[side] - 1.0).powi(2);
-        (weights
-            .iter()
-            .enumerate()
-            .map(|(place, w)| w * square(place))
-            .sum::<f64>()
-            / whole)
-            .sqrt()
+        let over = mean[side] * fits[best].0[side];
+        expected(&|place| (fits[place].0[side] / over - 1.0).powi(2)).sqrt()
     };
     FittedKnee {
         knee: knees[best],
+        mean,
         model_error: [error(0), error(1)],
     }
 }

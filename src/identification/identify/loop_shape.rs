@@ -5,6 +5,7 @@ use super::half::{Half, halves};
 use super::knee::{Branch, LEAST_POINTS, REACH, fit};
 use super::mean_loop::MeanLoop;
 use super::plateau::plateau;
+use super::scatter::Batches;
 
 /// Places of a loop.
 #[derive(Debug, Clone, Copy)]
@@ -26,7 +27,35 @@ const LEAST_NORMAL: f64 = 0.02;
 ///
 /// # Errors
 /// Why it is no loop.
-pub(super) fn shape(cycle: &MeanLoop, even_area: Option<f64>) -> Result<LoopShape, String> {
+pub(super) fn shape(
+    loops: (&MeanLoop, Batches<'_>),
+    even_area: Option<f64>,
+) -> Result<LoopShape, String> {
+    found(loops, even_area, false)
+}
+
+impl LoopShape {
+    /// Whether the knee of the branches was sought.
+    pub(super) fn has_knee(&self) -> bool {
+        let mut windows = self.windows.iter().flatten();
+        windows.any(|window| window.straightened.is_some())
+    }
+
+    /// Places of nearly the same mean loop, whose knee is sought again.
+    pub(super) fn with_own_knee(
+        loops: (&MeanLoop, Batches<'_>),
+        even_area: Option<f64>,
+    ) -> Option<Self> {
+        found(loops, even_area, true).ok()
+    }
+}
+
+/// Places of the mean loop, with a knee of its branches whether they are straight or not if `knee` says so.
+fn found(
+    (cycle, batches): (&MeanLoop, Batches<'_>),
+    even_area: Option<f64>,
+    knee: bool,
+) -> Result<LoopShape, String> {
     let normal = cycle.normal.iter().sum::<f64>() / cycle.samples() as f64;
     if normal <= 0.0 {
         return Err(format!(
@@ -48,15 +77,16 @@ pub(super) fn shape(cycle: &MeanLoop, even_area: Option<f64>) -> Result<LoopShap
         half: halves[side],
         levels: [[up, down][side], down + up],
         least_normal,
+        batches,
     });
     let first = sides.each_ref().map(|side| side.window(cycle, None));
     let stick = stick(cycle, &sides, &first)?;
     let [a, b] = halves.map(|half| plateau(&half, cycle, stick, least_normal));
     let plateaus = a.zip(b).map(|(a, b)| [a, b]);
-    let windows = match plateaus {
-        None => first,
-        Some(_) if are_straight(cycle, &sides, &first) => first,
-        Some(_) => with_knee(cycle, &sides, stick, even_area),
+    let bends = || plateaus.is_some() && !are_straight(cycle, &sides, &first);
+    let windows = match knee || bends() {
+        true => with_knee(cycle, &sides, stick, even_area),
+        false => first,
     };
     Ok(LoopShape {
         halves,
@@ -67,14 +97,15 @@ pub(super) fn shape(cycle: &MeanLoop, even_area: Option<f64>) -> Result<LoopShap
 }
 
 /// Half a cycle with T/N at its ends.
-struct Side {
+struct Side<'a> {
     half: Half,
     /// T/N at the reversal before, against the motion, and its swing.
     levels: [f64; 2],
     least_normal: f64,
+    batches: Batches<'a>,
 }
 
-impl Side {
+impl Side<'_> {
     /// Share of the swing of T/N at each place.
     fn shares(&self, cycle: &MeanLoop) -> Vec<Option<f64>> {
         let [before, swing] = self.levels;
@@ -86,7 +117,8 @@ impl Side {
     }
 
     fn window(&self, cycle: &MeanLoop, straightened: Option<Straightened>) -> Option<Window> {
-        window(&self.half, cycle, &self.shares(cycle), straightened)
+        let shares = self.shares(cycle);
+        window(&self.half, (cycle, self.batches), &shares, straightened)
     }
 
     /// The branch up to well beyond its knee, for a first guess of its slope (N/m).
@@ -109,9 +141,9 @@ impl Side {
 
 /// Whether both branches are straight where their slopes are taken: then no knee is needed. A knee of the family would be a guess
 /// all the same.
-fn are_straight(cycle: &MeanLoop, sides: &[Side; 2], windows: &[Option<Window>; 2]) -> bool {
-    let straight = |(side, window): (&Side, &Option<Window>)| {
-        window.is_some_and(|window| is_straight(&side.half, cycle, &window))
+fn are_straight(cycle: &MeanLoop, sides: &[Side<'_>; 2], windows: &[Option<Window>; 2]) -> bool {
+    let straight = |(side, window): (&Side<'_>, &Option<Window>)| {
+        window.is_some_and(|window| is_straight(&side.half, (cycle, side.batches), &window))
     };
     sides.iter().zip(windows).all(straight)
 }
@@ -122,7 +154,7 @@ const MOST_POINTS: usize = 60;
 /// Slope of the stick branches (N/m), of their mean compliance.
 fn stick(
     cycle: &MeanLoop,
-    sides: &[Side; 2],
+    sides: &[Side<'_>; 2],
     windows: &[Option<Window>; 2],
 ) -> Result<f64, String> {
     let lines = sides
@@ -145,7 +177,7 @@ fn stick(
 /// Windows of a loop that slips as a whole, with the knee of its branches.
 fn with_knee(
     cycle: &MeanLoop,
-    sides: &[Side; 2],
+    sides: &[Side<'_>; 2],
     stick: f64,
     even_area: Option<f64>,
 ) -> [Option<Window>; 2] {
@@ -158,6 +190,7 @@ fn with_knee(
         let straightened = fitted.map(|found| Straightened {
             knee: found.knee,
             levels: sides[side].levels,
+            mean: found.mean[side],
             model_error: found.model_error[side],
         });
         sides[side].window(cycle, straightened)

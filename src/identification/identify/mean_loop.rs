@@ -30,12 +30,23 @@ impl MeanLoop {
 
     /// Sample by sample mean of at least one loop.
     pub(super) fn of(loops: &[Self]) -> Self {
+        let equal: Vec<(&Self, f64)> = loops.iter().map(|cycle| (cycle, 1.0)).collect();
+        Self::weighted(&equal)
+    }
+
+    /// Mean of at least one loop, each with its weight.
+    pub(super) fn weighted(loops: &[(&Self, f64)]) -> Self {
+        let all: f64 = loops.iter().map(|(_, weight)| weight).sum();
         let mean = |signal: Signal| {
-            let n = loops.len() as f64;
-            let at = |i: usize| loops.iter().map(|l| signal(l)[i]).sum::<f64>() / n;
-            (0..loops[0].samples()).map(at).collect::<Vec<f64>>()
+            let at = |i: usize| {
+                let parts = loops
+                    .iter()
+                    .map(|(cycle, weight)| weight * signal(cycle)[i]);
+                parts.sum::<f64>() / all
+            };
+            (0..loops[0].0.samples()).map(at).collect::<Vec<f64>>()
         };
-        let measured = loops.iter().all(|l| l.approach.is_some());
+        let measured = loops.iter().all(|(cycle, _)| cycle.approach.is_some());
         Self {
             displacement: mean(|l| &l.displacement),
             tangential: mean(|l| &l.tangential),

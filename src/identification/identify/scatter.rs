@@ -1,5 +1,6 @@
 //! Standard errors of a test from the scatter of its batches, and errors of the measuring chain.
 
+use super::mean_loop::MeanLoop;
 use super::settings::IdentifySettings;
 
 /// Standard error of a mean, and its degrees of freedom.
@@ -9,6 +10,23 @@ pub(super) struct RandomError {
     pub(super) standard_error: f64,
     /// Degrees of freedom.
     pub(super) freedom: f64,
+}
+
+/// Means of some cycles each, which tell the scatter of the mean loop.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Batches<'a> {
+    /// Mean loops.
+    pub(super) loops: &'a [MeanLoop],
+    /// Cycles of each.
+    pub(super) cycles: &'a [usize],
+}
+
+impl Batches<'_> {
+    /// Error of a number of the mean loop; none of fewer than two batches.
+    pub(super) fn error(&self, number: impl Fn(&MeanLoop) -> Option<f64>) -> Option<RandomError> {
+        let each: Vec<Option<f64>> = self.loops.iter().map(number).collect();
+        of_batches(&each, self.cycles)
+    }
 }
 
 /// From values of batches of so many `cycles`; none of fewer than two.

@@ -53,6 +53,8 @@ struct Test<'a> {
     shape: LoopShape,
     mean: LoopNumbers,
     batches: Vec<LoopNumbers>,
+    /// Of the mean loop without each batch, with a knee of its own; empty where no knee was sought.
+    own_knee: Vec<LoopNumbers>,
     /// Of the mean loop without each part of the phase.
     without: Vec<LoopNumbers>,
     series: Series,
@@ -67,7 +69,7 @@ impl<'a> Test<'a> {
         even_area: Option<f64>,
         settings: &'a IdentifySettings,
     ) -> Result<Self, String> {
-        let shape = shape(&steady.mean, even_area)?;
+        let shape = shape((&steady.mean, steady.batches()), even_area)?;
         let mean = LoopNumbers::of(&steady.mean, &shape);
         let series = Series::of(settings);
         let of_each = |loops: &[MeanLoop]| -> Vec<LoopNumbers> {
@@ -82,6 +84,7 @@ impl<'a> Test<'a> {
             steady,
             shape,
             batches: of_each(&steady.batches),
+            own_knee: own_knee(steady, &shape, even_area),
             without: of_each(&steady.common.without),
             mean,
             slopes: [measured, series.contact(measured)?],
@@ -273,7 +276,12 @@ impl<'a> Test<'a> {
             standard_error: measured * found.standard_error,
             ..found
         };
-        let batches = self.scatter(&self.of_batches(&compliance)).map(relative);
+        // noise that bends a branch moves its knee, too: the scatter of batches with the knee of the mean loop does not show it
+        let batches = match self.own_knee.is_empty() {
+            true => self.scatter(&self.of_batches(&compliance)),
+            false => of_parts(&self.own_knee.iter().map(&compliance).collect::<Vec<_>>()),
+        };
+        let batches = batches.map(relative);
         let without: Vec<Option<f64>> = self.without.iter().map(compliance).collect();
         let common = of_parts(&without).map(relative);
         let steps = self.steady.common.steps.map(|steps| RandomError {
@@ -400,6 +408,19 @@ impl<'a> Test<'a> {
         };
         numbered.map(of).collect()
     }
+}
+
+/// Numbers of the mean loop without each batch in turn, with a knee of its own each; none where no knee was sought.
+fn own_knee(steady: &Steady, shape: &LoopShape, even_area: Option<f64>) -> Vec<LoopNumbers> {
+    if !shape.has_knee() {
+        return Vec::new();
+    }
+    let each = steady.without_batches();
+    let numbers = |cycle: &MeanLoop| {
+        let own = LoopShape::with_own_knee((cycle, steady.batches()), even_area);
+        LoopNumbers::of(cycle, &own.unwrap_or(*shape))
+    };
+    each.iter().map(numbers).collect()
 }
 
 fn range(values: &[f64]) -> [f64; 2] {

@@ -104,6 +104,18 @@ impl Axis {
         position.is_finite().then_some(position)
     }
 
+    /// Ends of `n` parts of equal length, from low to high.
+    pub fn parts(&self, n: usize) -> Vec<[f64; 2]> {
+        let at = |i: usize| {
+            let position = i as f64 / n as f64;
+            match self.scale {
+                Scale::Linear => self.low + position * (self.high - self.low),
+                Scale::Log => self.low * (self.high / self.low).powf(position),
+            }
+        };
+        (0..n).map(|i| [at(i), at(i + 1)]).collect()
+    }
+
     /// Values and labels of the ticks; at most as many as fit when a label of c characters takes `room(c)` of
     /// the axis length.
     pub fn ticks(&self, room: impl Fn(usize) -> f64) -> Vec<(f64, String)> {

@@ -329,9 +329,9 @@ impl Panel {
         }
     }
 
-    /// Words that show while the pointer is at `x` within `half_width` (of the axis), over the whole height.
-    pub fn readout_at(&mut self, x: f64, half_width: f64, lines: &[String]) {
-        let ends = [x - half_width, x + half_width].map(|x| self.x.position(x));
+    /// Words that show while the pointer is between two values of the axis, over the whole height.
+    pub fn readout_between(&mut self, ends: [f64; 2], lines: &[String]) {
+        let ends = ends.map(|x| self.x.position(x));
         let [Some(from), Some(to)] = ends else { return };
         let (width, height) = self.inner();
         let [from, to] = [from.max(0.0), to.min(1.0)].map(|position| position * width);

@@ -3,7 +3,7 @@
 
 use crate::page::axis::Axis;
 use crate::page::block::{Figure, Key, Mark};
-use crate::page::display::{LengthUnit, per_level};
+use crate::page::display::{LengthUnit, from_to, hertz, per_level, significant};
 use crate::page::figure::{Panel, Size};
 use crate::page::style::figure_style;
 use crate::report::numbers::peak_error::half_power_ratio;
@@ -201,6 +201,9 @@ fn panel(title: String, [x, y]: &[Axis; 2], measure: Measure, drawn: &Drawn) -> 
     for (i, point) in drawn.nominal.iter().enumerate() {
         panel.ring(&format!("l{i}"), *point);
     }
+    for place in &drawn.fan {
+        panel.readout_upright(place.ratio, place.outer, &words(measure, place));
+    }
     if measure == Measure::QFactor {
         let names = SOURCES.map(|(name, _, place)| ((low, place), name.to_owned()));
         panel.labels(&names);
@@ -212,6 +215,20 @@ fn panel(title: String, [x, y]: &[Axis; 2], measure: Measure, drawn: &Drawn) -> 
         });
     }
     panel
+}
+
+/// What shows under the pointer at one ratio.
+fn words(measure: Measure, place: &FanPlace) -> Vec<String> {
+    let number = |value: f64| match measure {
+        Measure::Frequency => hertz(value),
+        _ => significant(value),
+    };
+    let ratio = format!("at {}", significant(place.ratio));
+    let median = place
+        .median
+        .map(|median| format!("median {}", number(median)));
+    let ends = [place.outer, place.inner].map(|[low, high]| from_to([low, high], number));
+    std::iter::once(ratio).chain(median).chain(ends).collect()
 }
 
 /// What the marks mean, for samples that belong to outer points or not.

@@ -3,7 +3,7 @@
 use crate::ensemble::outcome::{CurvePoint, PeakRecord, SampleOutcome};
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Cell, Figure, Key};
-use crate::page::display::{LengthUnit, level_name, per_level, significant};
+use crate::page::display::{LengthUnit, hertz, level_name, per_level, significant};
 use crate::page::figure::Panel;
 use crate::page::style::figure_style;
 use crate::report::assessment::Assessment;
@@ -50,6 +50,14 @@ impl Shown {
         match self {
             Self::Frequency => "frequency",
             Self::AmplitudePerLevel => "amplitude",
+        }
+    }
+
+    /// A value as tables and the words under the pointer show it.
+    pub(super) fn in_words(self, value: f64) -> String {
+        match self {
+            Self::Frequency => hertz(value),
+            Self::AmplitudePerLevel => significant(value),
         }
     }
 }

@@ -72,7 +72,7 @@ impl Ensemble<'_> {
             self.system(&balance, &StaticReference::new(&problem))
         };
         let found = free().map(|_| ());
-        found.ok_or_else(|| "its equations have no form in free modes with harmonic 1".to_owned())
+        found.ok_or_else(|| "its damping couples modes, or harmonic 1 is left out".to_owned())
     }
 
     /// Whether `auto` gives the study to a device; else why not.

@@ -56,6 +56,8 @@ pub(super) struct Job {
     steps: [usize; 2],
     alpha: f32,
     keep: f32,
+    /// Whether x is taken times −i, amplitude by amplitude.
+    turns: bool,
     pair: usize,
 }
 
@@ -71,7 +73,7 @@ struct Matrix {
 
 impl Job {
     /// Its numbers as the shaders read them.
-    pub(super) fn words(&self) -> [u32; 13] {
+    pub(super) fn words(&self) -> [u32; 14] {
         let word = |x: usize| u32::try_from(x).unwrap_or(u32::MAX);
         let matrix = &self.matrix;
         [
@@ -87,6 +89,7 @@ impl Job {
             word(self.steps[1]),
             self.alpha.to_bits(),
             self.keep.to_bits(),
+            u32::from(self.turns),
             word(self.pair),
         ]
     }
@@ -231,23 +234,23 @@ impl<'a> Program<'a> {
         let mut uses = vec![
             self.rate(places.solution),
             self.simple("loaded", 1, by_pair, 1),
-            self.loads(2 * harmonics),
-            self.of_lanes("divided_residual", system.n_modes, harmonics),
         ];
+        uses.extend(self.loads(2 * harmonics));
+        uses.push(self.of_lanes("divided_residual", system.n_modes, harmonics));
         uses.extend(self.motion());
         uses.push(self.preconditioned(places.linear, -1.0));
         uses.push(self.over_lanes("begun", 0));
         for pair in 0..ROUNDS {
             let of_pair = 2 * system.size() * pair;
             uses.push(self.rate(places.directions + of_pair));
-            uses.push(self.loads(2 * harmonics));
+            uses.extend(self.loads(2 * harmonics));
             uses.push(self.simple("divided", 2, system.n_modes, harmonics));
             uses.extend(self.motion());
             uses.push(self.preconditioned(places.images + of_pair, 1.0));
             uses.push(self.over_lanes("advanced", pair));
         }
         uses.push(self.rate(places.solution));
-        uses.push(self.loads(2));
+        uses.extend(self.loads(2));
         uses.push(self.of_lanes("responded", 1, 1));
         self.with_fault(uses)
     }
@@ -339,25 +342,33 @@ impl<'a> Program<'a> {
     }
 
     /// Loads on the modes by the contact forces, for the first `batches` coefficients above 0.
-    fn loads(&self, batches: usize) -> Use {
+    fn loads(&self, batches: usize) -> Vec<Use> {
         let (modes, rows) = (self.system.n_modes, self.system.rows());
-        let matrix = Matrix {
+        let of_place = |place| Matrix {
             rows: modes,
             inner: rows,
-            place: self.system.places.loads,
+            place,
             stride: modes * rows,
         };
         let arrays = [self.places.force + 2 * rows, self.places.modal];
-        self.product(matrix, arrays, [rows, modes], batches)
+        let product = |place| self.product(of_place(place), arrays, [rows, modes], batches);
+        let shared = &self.system.places;
+        let mut uses = vec![product(shared.loads)];
+        uses.extend(
+            shared
+                .imaginary
+                .map(|[loads, _]| turned(product(loads), 1.0)),
+        );
+        uses
     }
 
     /// Motion at the contacts by the modes, and by the force on the reference springs.
-    fn motion(&self) -> [Use; 2] {
+    fn motion(&self) -> Vec<Use> {
         let (modes, rows) = (self.system.n_modes, self.system.rows());
-        let shapes = Matrix {
+        let of_place = |place| Matrix {
             rows,
             inner: modes,
-            place: self.system.places.shapes,
+            place,
             stride: modes * rows,
         };
         let compliance = Matrix {
@@ -368,10 +379,18 @@ impl<'a> Program<'a> {
         };
         let moved = [self.places.modal, self.places.product + 2 * rows];
         let at_rest = [self.places.rest_force, self.places.product];
-        let mut uses = [
-            self.product(shapes, moved, [modes, rows], 2 * self.system.parts.len()),
+        let batches = 2 * self.system.parts.len();
+        let product = |place| self.product(of_place(place), moved, [modes, rows], batches);
+        let shared = &self.system.places;
+        let mut uses = vec![
+            product(shared.shapes),
             self.product(compliance, at_rest, [0, 0], 1),
         ];
+        uses.extend(
+            shared
+                .imaginary
+                .map(|[_, shapes]| turned(product(shapes), -1.0)),
+        );
         uses.iter_mut().for_each(|used| used.job.keep = 1.0);
         uses
     }
@@ -389,4 +408,12 @@ impl<'a> Program<'a> {
         used.job.alpha = alpha;
         used
     }
+}
+
+/// What an imaginary matrix adds to what the real one has left: y += `sign` (−i) A x.
+fn turned(mut used: Use, sign: f32) -> Use {
+    used.job.turns = true;
+    used.job.alpha = sign;
+    used.job.keep = 1.0;
+    used
 }

@@ -20,14 +20,16 @@ pub(super) struct SharedPlaces {
     pub spectra: usize,
     /// Cosine and sine of the excitation. Shape: `[2][modes]`.
     pub excitation: usize,
-    /// Row of the response. Shape: `[modes]`.
+    /// Row of the response, real and imaginary part. Shape: `[2][modes]`.
     pub responses: usize,
     /// K_ref. Shape: `[rows]`.
     pub springs: usize,
-    /// Lᵀ of every part with the mirror images, column by column. Shape: `[part][rows][modes]`.
+    /// Real part of Lᵀ of every part with the mirror images, column by column. Shape: `[part][rows][modes]`.
     pub loads: usize,
-    /// L of every part, column by column. Shape: `[part][modes][rows]`.
+    /// Real part of L of every part, column by column. Shape: `[part][modes][rows]`.
     pub shapes: usize,
+    /// The same of the imaginary part of L, where a part has one.
+    pub imaginary: Option<[usize; 2]>,
     /// G_ref. Shape: `[rows][rows]`.
     pub compliance: usize,
 }
@@ -71,6 +73,36 @@ impl Arrays {
         self.0.extend(rounded(&numbers));
         place
     }
+
+    /// Adds Lᵀ and L of all `parts`; their places.
+    fn add_shapes(
+        &mut self,
+        parts: &[ModalPart],
+        n_modes: usize,
+        value: fn(&faer::c64) -> f64,
+    ) -> [usize; 2] {
+        let of_parts = parts.iter().map(|part| in_modes(part, n_modes, value));
+        let of_parts: Vec<[Vec<f64>; 2]> = of_parts.collect();
+        [0, 1].map(|i| self.add(of_parts.iter().flat_map(|both| both[i].iter().copied())))
+    }
+}
+
+/// Lᵀ of `part` with the mirror images, and L, both column by column and of the real or imaginary parts that `value` takes; filled up to
+/// `n_modes` modes with zeros.
+fn in_modes(part: &ModalPart, n_modes: usize, value: fn(&faer::c64) -> f64) -> [Vec<f64>; 2] {
+    let (rows, modes) = (part.contact.nrows(), part.n_coordinates());
+    let entry = |i: usize, j: usize| match j < modes {
+        true => value(&part.contact.entry(i, j)),
+        false => 0.0,
+    };
+    let loads = (0..rows).flat_map(|i| (0..n_modes).map(move |j| (i, j)));
+    let shapes = (0..n_modes).flat_map(|j| (0..rows).map(move |i| (i, j)));
+    [
+        loads
+            .map(|(i, j)| part.multiplicity * entry(i, j))
+            .collect(),
+        shapes.map(|(i, j)| entry(i, j)).collect(),
+    ]
 }
 
 impl LaneSystem {
@@ -99,28 +131,24 @@ impl LaneSystem {
             let values: Vec<f64> = first.force.iter().map(of).collect();
             filled(&values)
         };
-        let response = first.response.real.row(0).iter().copied();
+        let response = |of: fn(&faer::c64) -> f64| {
+            let weights = (0..first.n_coordinates()).map(|j| of(&first.response.entry(0, j)));
+            filled(&weights.collect::<Vec<f64>>())
+        };
         let n = problem.model.n_relative();
-        let loads = model.parts.iter().flat_map(|part| {
-            let row = |i: usize| -> Vec<f64> {
-                let row = part.contact.real.row(i);
-                row.iter().map(|x| part.multiplicity * x).collect()
-            };
-            (0..n).flat_map(|i| filled(&row(i))).collect::<Vec<f64>>()
-        });
-        let shapes = model.parts.iter().flat_map(|part| {
-            let columns = (0..part.n_coordinates()).flat_map(|j| part.contact.real.col_as_slice(j));
-            let zeros = std::iter::repeat_n(0.0, n * (n_modes - part.n_coordinates()));
-            columns.copied().chain(zeros).collect::<Vec<f64>>()
-        });
+        let is_real = model.parts.iter().all(ModalPart::is_real);
+        let mut add = |value| arrays.add_shapes(&model.parts, n_modes, value);
+        let [loads, shapes] = add(|z| z.re);
+        let imaginary = (!is_real).then(|| add(|z| z.im));
         let compliance = &free.reference.compliance;
         let places = SharedPlaces {
             spectra: arrays.add(spectra),
             excitation: arrays.add([force(|f| f.re), force(|f| -f.im)].concat()),
-            responses: arrays.add(filled(&response.collect::<Vec<f64>>())),
+            responses: arrays.add([response(|w| w.re), response(|w| w.im)].concat()),
             springs: arrays.add(free.reference.stiffness.iter().copied()),
-            loads: arrays.add(loads),
-            shapes: arrays.add(shapes),
+            loads,
+            shapes,
+            imaginary,
             compliance: arrays.add((0..n).flat_map(|j| compliance.col_as_slice(j)).copied()),
         };
         Some(Self {

@@ -1,5 +1,6 @@
 //! The equations in free modes against those of the stuck structure.
 
+use super::disk::{contacts as of_sector, disk};
 use super::models::{aft, space};
 use crate::two_blade::folded;
 use faer::Mat;
@@ -12,6 +13,7 @@ use microslip::hb::equations::jacobian::EXACT;
 use microslip::hb::newton::{Condition, Direction, Iterate, Point, solve};
 use microslip::hb::peak::track::stuck_point;
 use microslip::hb::{Balance, LinearModel, NewtonSettings, Problem, SliderAnchor};
+use microslip::model::disk::CyclicMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
@@ -98,18 +100,39 @@ fn jacobian_of(free: &FreeBalance<'_>, contact: &ContactResponse, motion: &FreeM
     matrix
 }
 
-/// Two laws, stuck to open contacts; a whole model and a folded one, reference springs that are not those of the sample, a
-/// static load of its own. Seen to fail with K_ref in place of the sample's springs in the derivative, without the images in
-/// the load, and with the sine of a motion taken with the other sign.
+/// A sector of the lumped disk, whose damping is a sum of mass and stiffness, under an engine order.
+fn sector(n_sectors: usize, engine_order: usize) -> LinearModel {
+    let mut disk = disk(n_sectors);
+    let [
+        CyclicMatrix::Neighbours { own: mass, .. },
+        CyclicMatrix::Neighbours { own, next },
+    ] = [&disk.mass, &disk.stiffness]
+    else {
+        panic!("the lumped disk has matrices of neighbours")
+    };
+    let damping = CyclicMatrix::Neighbours {
+        own: Scale(0.5) * mass + Scale(2e-6) * own,
+        next: Scale(2e-6) * next,
+    };
+    disk.damping = damping;
+    LinearModel::travelling_wave(&disk, engine_order).expect("definite")
+}
+
+/// Two laws, stuck to open contacts; a whole model, a folded one and travelling waves, reference springs that are not those of the
+/// sample, a static load of its own. Seen to fail with K_ref in place of the sample's springs in the derivative, without the images in
+/// the load, with the sine of a motion taken with the other sign, and with the conjugate of a wave's shapes in the loads.
 #[test]
 fn newton_steps_are_those_of_the_stuck_form() {
     let mut rng = ChaCha8Rng::seed_from_u64(20);
     let whole = space().with_contacts(1.0, 0.3);
     let whole_linear = LinearModel::new(&whole.model).expect("definite");
     let (folded, contacts) = folded(1.0, 0.4);
+    let (wave, backwards) = (sector(6, 1), sector(5, 4));
     let cases = [
         (&whole_linear, whole.contacts, [10.0, 60.0], 345.0),
         (&folded, contacts, [1.0, 20.0], 2620.0),
+        (&wave, of_sector(2), [1.0, 40.0], 330.0),
+        (&backwards, of_sector(2), [1.0, 40.0], 330.0),
     ];
     for (linear, contacts, levels, hertz) in cases {
         let problem = |contacts, load| {

@@ -318,7 +318,7 @@ fn add_readouts(view: &View, panel: &mut Panel, window: Window, strips: &[Option
             format!("{low} … {high} {}", view.amplitude_unit()),
             format!("median {}", strip.medians.map(significant)[1]),
         ];
-        panel.readout_at(strip.x, half_width, &words);
+        panel.readout_between([strip.x - half_width, strip.x + half_width], &words);
     }
 }
 

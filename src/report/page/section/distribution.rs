@@ -2,12 +2,15 @@
 
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Figure, Key, Mark, Section};
-use crate::page::display::{hertz, significant};
+use crate::page::display::percent;
 use crate::page::distribution::{confidence_band, cumulative_steps};
 use crate::page::figure::{Panel, Size};
 use crate::report::convention::PROBABILITIES;
 use crate::report::page::view::{Shown, View};
 use crate::statistics::{Sorted, histogram, quantile};
+
+/// Parts of the axis of a distribution function that show their values under the pointer.
+const STRIPS: usize = 40;
 
 /// Absent with epistemic inputs: their section has the tables and figures by outer point.
 pub(super) fn section(view: &View) -> Option<Section> {
@@ -59,13 +62,9 @@ fn level_histogram(view: &View, shown: Shown, i: usize) -> Figure {
     let bars = bins.iter().map(|b| (b.lower, b.upper, b.count as f64));
     panel.bars(&format!("l{i}"), bars);
     for bin in &bins {
-        let [from, to] = [bin.lower, bin.upper].map(|value| match shown {
-            Shown::Frequency => hertz(value),
-            Shown::AmplitudePerLevel => significant(value),
-        });
+        let [from, to] = [bin.lower, bin.upper].map(|value| shown.in_words(value));
         let words = [format!("{from} to {to}"), format!("{} samples", bin.count)];
-        let [middle, half] = [0.5 * (bin.lower + bin.upper), 0.5 * (bin.upper - bin.lower)];
-        panel.readout_at(middle, half, &words);
+        panel.readout_between([bin.lower, bin.upper], &words);
     }
     let quantiles = PROBABILITIES.into_iter();
     for value in quantiles.filter_map(|p| quantile(&sorted, p)) {
@@ -88,7 +87,9 @@ fn cdf(view: &View, shown: Shown) -> Figure {
         Shown::Frequency => "Distribution of the resonance frequency",
         Shown::AmplitudePerLevel => "Distribution of the amplitude",
     };
+    let strips = x.parts(STRIPS);
     let mut panel = Panel::new(Size::Large, title, x, y);
+    let mut of_levels = Vec::new();
     for i in 0..view.n_levels() {
         let sorted = Sorted::finite(view.values(shown, i));
         panel.band(
@@ -102,6 +103,20 @@ fn cdf(view: &View, shown: Shown) -> Figure {
         let corners = cumulative_steps(&sorted);
         panel.steps(&format!("level l{i}"), &corners, 0.0);
         panel.marks_along(i, &corners);
+        of_levels.push(sorted);
+    }
+    for [from, to] in strips {
+        let value = 0.5 * (from + to);
+        let below =
+            (of_levels.iter().enumerate()).filter(|(_, sorted)| !sorted.values().is_empty());
+        let share = |(i, sorted): (usize, &Sorted)| {
+            let values = sorted.values();
+            let share = values.partition_point(|v| *v <= value) as f64 / values.len() as f64;
+            format!("{}: {}", view.level_name(i), percent(share))
+        };
+        let first = format!("below {}", shown.in_words(value));
+        let words: Vec<String> = std::iter::once(first).chain(below.map(share)).collect();
+        panel.readout_between([from, to], &words);
     }
     view.note_if_empty(&mut panel);
     let caption = "Filled: 95 % confidence interval at each value (Clopper and Pearson), failed samples on either side.";

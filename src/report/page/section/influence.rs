@@ -11,10 +11,13 @@ use crate::report::numbers::sensitivity::{IndexResult, InputInfluence};
 use crate::report::numbers::summary::LevelSummary;
 use crate::report::page::statistic_cell::{interval_fields, range_cell, range_fields};
 use crate::report::page::view::{Shown, View};
-use crate::statistics::{ConditionalMean, Index, Influence};
+use crate::statistics::{ConditionalMean, Index, Influence, Sorted, quantile};
 
 /// Inputs that get a scatter panel, those with the strongest rank correlations.
 const MOST_SCATTER_PANELS: usize = 6;
+
+/// Parts of the axis of an input that show their samples under the pointer.
+const STRIPS: usize = 12;
 
 /// What a rank correlation is.
 const SPEARMAN: &str = "Spearman’s coefficient over the samples with a solution: ±1 where the input alone orders the results, \
@@ -386,11 +389,34 @@ fn scatter(view: &View, j: usize, shown: Shown) -> Figure {
         Shown::Frequency => format!("Frequency over {name}"),
         Shown::AmplitudePerLevel => format!("Amplitude over {name}"),
     };
-    let mut panel = Panel::new(Size::Large, title, view.input_axis(j), y);
+    let x = view.input_axis(j);
+    let strips = x.parts(STRIPS);
+    let mut panel = Panel::new(Size::Large, title, x, y);
+    let mut of_levels: Vec<Vec<(f64, f64)>> = Vec::new();
     for i in 0..view.n_levels() {
         let inputs = view.peaks(i).map(|(o, _)| o.inputs[j]);
-        let points = inputs.zip(view.values(shown, i)).collect();
-        panel.dots(i, thinned(points).into_iter());
+        let points: Vec<_> = inputs.zip(view.values(shown, i)).collect();
+        panel.dots(i, thinned(points.clone()).into_iter());
+        of_levels.push(points);
+    }
+    for [from, to] in strips {
+        let mut words = vec![format!(
+            "{name} {} to {}",
+            significant(from),
+            significant(to)
+        )];
+        for (i, points) in of_levels.iter().enumerate() {
+            let inside = points.iter().filter(|(x, _)| (from..to).contains(x));
+            let values = Sorted::finite(inside.map(|point| point.1));
+            if let Some(median) = quantile(&values, 0.5) {
+                let (level, n) = (view.level_name(i), values.values().len());
+                words.push(format!(
+                    "{level}: {n} samples, median {}",
+                    shown.in_words(median)
+                ));
+            }
+        }
+        panel.readout_between([from, to], &words);
     }
     view.note_if_empty(&mut panel);
     view.figure(&panel, format!("{}-over-input-{j}", shown.word()), "")

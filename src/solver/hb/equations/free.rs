@@ -6,9 +6,11 @@
 //!
 //! ```text
 //! R₀ = r₀ − r_ref + G_ref (F₀ − K_ref r₀)
-//! R̂ₖ = r̂ₖ − L η̂ₖ,   η̂ₖ = D_k (level f̂ₖ − Lᵀ F̂ₖ),   k = 1, 2, …
-//! J x:  x₀ + G_ref (F'₀ − K_ref x₀),  x̂ₖ + L D_k Lᵀ F̂'ₖ,   F' = (∂F/∂r) x
+//! R̂ₖ = r̂ₖ − L η̂ₖ,   η̂ₖ = D_k (level f̂ₖ − Lᴴ F̂ₖ),   k = 1, 2, …
+//! J x:  x₀ + G_ref (F'₀ − K_ref x₀),  x̂ₖ + L D_k Lᴴ F̂'ₖ,   F' = (∂F/∂r) x
 //! ```
+//!
+//! Harmonics that are waves of a disk have a complex L of their own.
 //!
 //! A free structure may float, so harmonic 0 is held by reference springs K_ref, the same ones for all samples
 //! ([`StaticReference`]). Both forms have the same solutions and Newton steps: R of this form is (I + H K_c) times that of
@@ -85,12 +87,12 @@ pub struct FreeMotion {
 }
 
 impl<'a> FreeBalance<'a> {
-    /// The free form of `balance`; none for waves of a disk or damping that couples modes, whose D_k is no diagonal.
+    /// The free form of `balance`; none for damping that couples modes, whose D_k is no diagonal.
     #[must_use]
     pub fn new(balance: &'a Balance<'a>, reference: &'a StaticReference) -> Option<Self> {
         let model = balance.problem.model;
-        let simple = |part: &ModalPart| part.is_real() && part.structure.coupling.modes.is_empty();
-        if !model.parts.iter().all(simple) {
+        let coupled = |part: &ModalPart| !part.structure.coupling.modes.is_empty();
+        if model.parts.iter().any(coupled) {
             return None;
         }
         let orders: Vec<usize> = (balance.harmonics.orders().iter().copied())
@@ -251,31 +253,28 @@ impl<'a> FreeBalance<'a> {
         }
     }
 
-    /// Lᵀ f̂ₖ with the forces of the mirror images. Shape: `[n_harmonics][n]`.
+    /// Lᴴ f̂ₖ with the forces of the mirror images. Shape: `[n_harmonics][n]`.
     fn loads(&self, f: &[f64]) -> Vec<Vec<c64>> {
         let n = self.balance.layout.n_relative();
         let mut loads = vec![Vec::new(); self.orders.len()];
         for (part, of_part) in &self.groups {
             let part = &self.model().parts[*part];
-            let shapes = part.contact.real.as_ref();
             let forces = Mat::from_fn(n, 2 * of_part.len(), |i, j| {
                 f[coefficient(of_part, j) * n + i]
             });
-            let mut product = Mat::zeros(shapes.ncols(), forces.ncols());
-            let (to, images) = (product.as_mut(), part.multiplicity);
-            matmul(
-                to,
-                Accum::Replace,
-                shapes.transpose(),
-                forces.as_ref(),
-                images,
-                Par::Seq,
-            );
+            let real = part.contact.real.transpose();
+            let along = product(real, &forces, part.multiplicity);
+            let imaginary = part.contact.imaginary.as_ref();
+            let across = imaginary.map(|a| product(a.transpose(), &forces, part.multiplicity));
             for (j, &i) in of_part.iter().enumerate() {
-                let [cosine, sine] = [2 * j, 2 * j + 1].map(|j| product.col_as_slice(j));
-                loads[i] = (cosine.iter().zip(sine))
-                    .map(|(&c, &s)| c64::new(c, -s))
-                    .collect();
+                let [c, s] = [2 * j, 2 * j + 1];
+                loads[i] = amplitudes(along.col_as_slice(c), along.col_as_slice(s));
+                if let Some(across) = &across {
+                    let turned = amplitudes(across.col_as_slice(c), across.col_as_slice(s));
+                    for (load, turned) in loads[i].iter_mut().zip(turned) {
+                        *load -= c64::new(0.0, 1.0) * turned;
+                    }
+                }
             }
         }
         loads
@@ -285,17 +284,23 @@ impl<'a> FreeBalance<'a> {
     fn add_relative(&self, eta: &[Vec<c64>], factor: f64, out: &mut [f64]) {
         let n = self.balance.layout.n_relative();
         for (part, of_part) in &self.groups {
-            let shapes = self.model().parts[*part].contact.real.as_ref();
+            let shapes = &self.model().parts[*part].contact;
             let modal = Mat::from_fn(shapes.ncols(), 2 * of_part.len(), |i, j| {
                 let eta = eta[of_part[j / 2]][i];
                 if j % 2 == 0 { eta.re } else { -eta.im }
             });
-            let mut moved = Mat::zeros(n, modal.ncols());
-            let (to, right) = (moved.as_mut(), modal.as_ref());
-            matmul(to, Accum::Replace, shapes, right, factor, Par::Seq);
-            for j in 0..moved.ncols() {
+            let along = product(shapes.real.as_ref(), &modal, factor);
+            let imaginary = shapes.imaginary.as_ref();
+            let across = imaginary.map(|a| product(a.as_ref(), &modal, factor));
+            for j in 0..modal.ncols() {
                 let a = coefficient(of_part, j);
-                axpy(1.0, moved.col_as_slice(j), &mut out[a * n..(a + 1) * n]);
+                let to = &mut out[a * n..(a + 1) * n];
+                axpy(1.0, along.col_as_slice(j), to);
+                if let Some(across) = &across {
+                    // i (x_c − i x_s) has the cosine x_s and the sine −x_c
+                    let sign = if j % 2 == 0 { 1.0 } else { -1.0 };
+                    axpy(sign, across.col_as_slice(j ^ 1), to);
+                }
             }
         }
     }
@@ -304,6 +309,20 @@ impl<'a> FreeBalance<'a> {
 /// Number of the coefficient whose column has the number `j` beside those of the harmonics `of_part`: cosine and sine of each.
 pub(in crate::hb) fn coefficient(of_part: &[usize], j: usize) -> usize {
     2 * of_part[j / 2] + 1 + j % 2
+}
+
+/// `factor` A X.
+fn product(a: MatRef<'_, f64>, x: &Mat<f64>, factor: f64) -> Mat<f64> {
+    let mut y = Mat::zeros(a.nrows(), x.ncols());
+    let to = y.as_mut();
+    matmul(to, Accum::Replace, a, x.as_ref(), factor, Par::Seq);
+    y
+}
+
+/// x_c − i x_s.
+fn amplitudes(cosine: &[f64], sine: &[f64]) -> Vec<c64> {
+    let both = cosine.iter().zip(sine);
+    both.map(|(&c, &s)| c64::new(c, -s)).collect()
 }
 
 /// x ← d x, mode by mode.

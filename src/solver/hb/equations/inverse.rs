@@ -3,7 +3,9 @@
 
 use super::balance::ContactResponse;
 use super::free::{FreeBalance, FreeMotion};
+use crate::hb::structure::linear::ModalPart;
 use crate::linalg::single::round;
+use crate::linalg::split::SplitMat;
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::DenseSolveCore;
 use faer::prelude::*;
@@ -122,7 +124,7 @@ impl<const K: usize> WithSimd for Times<'_, K> {
     }
 }
 
-/// J, harmonic by harmonic: I + H ∂F/∂r, H = L D Lᵀ.
+/// J, harmonic by harmonic: I + H ∂F/∂r, H = L D Lᴴ.
 fn jacobian(free: &FreeBalance<'_>, contact: &ContactResponse, motion: &FreeMotion) -> Mat<f64> {
     let (n, size) = (
         free.balance.layout.n_relative(),
@@ -141,16 +143,8 @@ fn jacobian(free: &FreeBalance<'_>, contact: &ContactResponse, motion: &FreeMoti
     add(0, 1.0, &free.reference.compliance, at_rest.as_ref());
     for (part, of_part) in free.groups() {
         let part = &free.balance.problem.model.parts[*part];
-        let shapes = &part.contact.real;
         for &i in of_part {
-            let compliance = |of: fn(&c64) -> f64| {
-                let d = &motion.receptance[i];
-                let scaled = Mat::from_fn(n, d.len(), |a, j| {
-                    shapes[(a, j)] * of(&d[j]) * part.multiplicity
-                });
-                scaled * shapes.transpose()
-            };
-            let (real, imaginary) = (compliance(|d| d.re), compliance(|d| d.im));
+            let [real, imaginary] = compliance(part, &motion.receptance[i]);
             let [c, s] = [(2 * i + 1) * n, (2 * i + 2) * n];
             let [cosine, sine] = [c, s].map(|row| rate.subrows(row, n));
             // (re + i im) (x_c − i x_s)
@@ -161,6 +155,27 @@ fn jacobian(free: &FreeBalance<'_>, contact: &ContactResponse, motion: &FreeMoti
         }
     }
     jacobian
+}
+
+/// Real and imaginary part of L D Lᴴ.
+fn compliance(part: &ModalPart, receptance: &[c64]) -> [Mat<f64>; 2] {
+    let (n, images) = (part.contact.nrows(), part.multiplicity);
+    if part.is_real() {
+        let shapes = &part.contact.real;
+        let of = |value: fn(&c64) -> f64| {
+            let scaled = Mat::from_fn(n, receptance.len(), |a, j| {
+                shapes[(a, j)] * value(&receptance[j]) * images
+            });
+            scaled * shapes.transpose()
+        };
+        return [of(|d| d.re), of(|d| d.im)];
+    }
+    let shapes = part.contact.complex();
+    let scaled = Mat::from_fn(n, receptance.len(), |a, j| {
+        shapes[(a, j)] * receptance[j] * images
+    });
+    let SplitMat { real, imaginary } = (scaled * shapes.adjoint()).into();
+    [real, imaginary.unwrap_or_else(|| Mat::zeros(n, n))]
 }
 
 /// ∂F/∂r.

@@ -3,6 +3,7 @@
 use super::balance::ContactResponse;
 use super::free::{FreeBalance, FreeMotion, coefficient};
 use crate::linalg::single::{LANES, add_products, filled, round, rounded};
+use faer::Mat;
 use pulp::{Arch, Simd, WithSimd};
 
 /// A matrix by columns, each filled up with zeros to whole vectors.
@@ -15,6 +16,13 @@ struct SingleMatrix {
 /// L and Lᵀ of one part of the model, the latter with the mirror images.
 #[derive(Debug)]
 struct SinglePart {
+    real: SingleShapes,
+    /// The same of the imaginary part of L, where it has one.
+    imaginary: Option<SingleShapes>,
+}
+
+#[derive(Debug)]
+struct SingleShapes {
     shapes: SingleMatrix,
     loads: SingleMatrix,
 }
@@ -91,13 +99,18 @@ impl SingleModes {
         let (reference, problem) = (free.reference, free.balance.problem);
         let n = free.balance.layout.n_relative();
         let parts = problem.model.parts.iter().map(|part| {
-            let shapes = &part.contact.real;
-            let mut loads = shapes.transpose().to_owned();
-            loads *= faer::Scale(part.multiplicity);
-            let modes = shapes.ncols();
+            let single = |shapes: &Mat<f64>| {
+                let mut loads = shapes.transpose().to_owned();
+                loads *= faer::Scale(part.multiplicity);
+                let modes = shapes.ncols();
+                SingleShapes {
+                    shapes: SingleMatrix::new(n, (0..modes).map(|j| shapes.col_as_slice(j))),
+                    loads: SingleMatrix::new(modes, (0..n).map(|j| loads.col_as_slice(j))),
+                }
+            };
             SinglePart {
-                shapes: SingleMatrix::new(n, (0..modes).map(|j| shapes.col_as_slice(j))),
-                loads: SingleMatrix::new(modes, (0..n).map(|j| loads.col_as_slice(j))),
+                real: single(&part.contact.real),
+                imaginary: part.contact.imaginary.as_ref().map(single),
             }
         });
         let compliance = &reference.compliance;
@@ -221,8 +234,18 @@ impl<'a> SingleJacobian<'a> {
                 forces.push(&rate[a * n..(a + 1) * n]);
             }
         }
-        let mut modal = part.loads.times(simd, &forces);
-        let stride = part.loads.stride;
+        let SinglePart { real, imaginary } = part;
+        let mut modal = real.loads.times(simd, &forces);
+        let stride = real.loads.stride;
+        if let Some(imaginary) = imaginary {
+            // −i (f_c − i f_s)
+            add_turned(
+                &imaginary.loads.times(simd, &forces),
+                -1.0,
+                stride,
+                &mut modal,
+            );
+        }
         for (i, both) in modal.chunks_exact_mut(2 * stride).enumerate() {
             let [real, imaginary] = &self.receptance[of_part[i % of_part.len()]];
             let (cosine, sine) = both.split_at_mut(stride);
@@ -232,8 +255,17 @@ impl<'a> SingleJacobian<'a> {
         }
         let modes = self.receptance[of_part[0]][0].len();
         let modal: Vec<&[f32]> = modal.chunks_exact(stride).map(|x| &x[..modes]).collect();
-        let moved = part.shapes.times(simd, &modal);
-        let mut moved = moved.chunks_exact(part.shapes.stride);
+        let stride = real.shapes.stride;
+        let mut moved = real.shapes.times(simd, &modal);
+        if let Some(imaginary) = imaginary {
+            add_turned(
+                &imaginary.shapes.times(simd, &modal),
+                1.0,
+                stride,
+                &mut moved,
+            );
+        }
+        let mut moved = moved.chunks_exact(stride);
         for out in out {
             for (j, moved) in (0..2 * of_part.len()).zip(&mut moved) {
                 let a = coefficient(of_part, j);
@@ -266,6 +298,23 @@ impl WithSimd for Products<'_> {
             jacobian.add_dynamic(simd, part, &rates, &mut out);
         }
         out
+    }
+}
+
+/// y += `sign` i x, amplitude by amplitude: cosines of length `stride`, and sines.
+#[inline(always)]
+fn add_turned(x: &[f32], sign: f32, stride: usize, y: &mut [f32]) {
+    for (x, y) in x
+        .chunks_exact(2 * stride)
+        .zip(y.chunks_exact_mut(2 * stride))
+    {
+        let (x, y) = (x.split_at(stride), y.split_at_mut(stride));
+        for (y, x) in y.0.iter_mut().zip(x.1) {
+            *y += sign * x;
+        }
+        for (y, x) in y.1.iter_mut().zip(x.0) {
+            *y -= sign * x;
+        }
     }
 }
 

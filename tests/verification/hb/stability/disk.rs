@@ -146,7 +146,8 @@ fn sectors_have_the_multipliers_of_the_ring() {
 }
 
 /// A wave of order 2 on 6 sectors is one of order 1 on 3 sectors, twice around. What disturbs 3 sectors disturbs 6, whose multipliers are
-/// those and more: there are vibrations that 3 sectors keep and 6 do not (3 of these states).
+/// those and more: there are vibrations that 3 sectors keep and 6 do not (3 of these states). Seen to fail with sectors that lag by
+/// their number in place of its product with the engine order.
 #[test]
 fn more_sectors_have_more_disturbances() {
     let mut only_on_more = 0;

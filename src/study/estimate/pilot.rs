@@ -3,7 +3,6 @@
 //! The numbers of factorisations behind the estimate of `inspect` are those of the built-in rig. How many harmonics the slip of
 //! one's own model takes, and whether its peaks are predicted or searched for, no number tells that is known without a solution.
 
-use super::read::Study;
 use crate::Error;
 use crate::ensemble::Ensemble;
 use crate::ensemble::atlas::Atlas;
@@ -11,6 +10,7 @@ use crate::ensemble::outcome::PeakRecord;
 use crate::ensemble::runner::{FIRST_ANCHORS, generations};
 use crate::harmonics::HarmonicSet;
 use crate::hb::{HbSettings, StabilityScope};
+use crate::study::settings::read::Study;
 use std::time::Instant;
 
 /// Samples of a pilot: the first generation, which starts from nothing near, and the next two.

@@ -2,10 +2,7 @@
 
 use std::path::Path;
 
-use super::document::Document;
-use super::output::OutputFolder;
 use super::progress::Progress;
-use super::read::Study;
 use super::resume::{accepted, identity, identity_of_results, results_source, resumed};
 use super::run::run_after;
 use super::run_result::RunResult;
@@ -18,6 +15,9 @@ use crate::report::RunRecord;
 use crate::report::asked::Stopping;
 use crate::sampling::Growth;
 use crate::sampling::design_settings::MOST_SAMPLES;
+use crate::study::output::OutputFolder;
+use crate::study::settings::document::Document;
+use crate::study::settings::read::Study;
 
 /// Solves the samples that `folder`, the results of a run, lacks of `samples`, and writes all result files anew.
 ///
@@ -26,7 +26,7 @@ use crate::sampling::design_settings::MOST_SAMPLES;
 /// is how many there are at most. What is solved is written on the way: the same call goes on after a process that died.
 ///
 /// # Errors
-/// Those of [`super::run()`], and [`Error::Command`] if the folder holds no results of `run` or one of its files was changed, the design cannot grow, its
+/// Those of [`super::run::run`], and [`Error::Command`] if the folder holds no results of `run` or one of its files was changed, the design cannot grow, its
 /// rule was met or would be judged at other looks, there are not more samples than before, or the samples there are are not what this program would give.
 pub fn extend(
     folder: &Path,

@@ -51,7 +51,7 @@ pub struct ContactSection {
 }
 
 /// Keys of `[contact]` that are constants of the interfaces of the built-in model.
-pub(super) const OF_INTERFACE: [&str; 4] = [
+pub(in crate::study) const OF_INTERFACE: [&str; 4] = [
     "normal_stiffness_n_per_um",
     "tangential_stiffness_n_per_um",
     "friction_coefficient",

@@ -1,10 +1,7 @@
 //! What a study is about to compute: sizes, linear frequencies, memory and time.
 
-use super::built::{StudyDisk, StudyModel};
-use super::frequency::{FrequencySettings, FrequencyUnit};
 use super::pilot::Pilot;
 use super::processor_time::{estimated_time, further_samples, turns};
-use super::read::Study;
 use super::size::SolveSize;
 use crate::Error;
 use crate::contact::ContactParameters;
@@ -14,6 +11,9 @@ use crate::model::two_blade::{ComponentSummary, PressureInputs};
 use crate::report::asked::Stopping;
 use crate::report::run::InputRecord;
 use crate::sampling::Input;
+use crate::study::built::{StudyDisk, StudyModel};
+use crate::study::settings::frequency::{FrequencySettings, FrequencyUnit};
+use crate::study::settings::read::Study;
 use rayon::current_num_threads;
 
 /// Number of frequencies that are shown.
@@ -138,7 +138,7 @@ impl LinearFrequencies {
 }
 
 /// The frequencies of every nodal diameter of a disk.
-pub(super) fn nodal_diameters(
+pub(in crate::study) fn nodal_diameters(
     of: &StudyDisk,
     contacts: &[ContactParameters<f64>],
     frequency: &FrequencySettings,

@@ -5,10 +5,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::control_variate::control_samples;
-use super::output::{OPTIONAL_TABLES, OutputFolder, write_arrow_tables};
 use super::profile::Stage;
 use super::progress::{Meter, Progress};
-use super::read::Study;
 use super::resume::{Resumed, add_solved_results, finished, identity, refuse_fewer, resumed};
 use super::run_record::first_record;
 use super::run_result::RunResult;
@@ -23,6 +21,8 @@ use crate::ensemble::{Known, Solved};
 use crate::file::{FileRecord, FolderLock, Together};
 use crate::report::run::{CONTROL_VARIATE, FURTHER_POINTS, StoredRun, TABLES};
 use crate::report::{self, RunRecord, Summary};
+use crate::study::output::{OPTIONAL_TABLES, OutputFolder, write_arrow_tables};
+use crate::study::settings::read::Study;
 
 /// Computes every sample and writes `samples.parquet`, `curves.parquet` (as Arrow files too, where the study wants them),
 /// `atlas.parquet` (for an extension), `further_points.parquet` where worst cases are searched, `run.json`, and the report

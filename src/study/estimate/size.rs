@@ -1,10 +1,10 @@
 //! Size of one nonlinear solve of a study: unknowns and memory.
 
-use super::built::StudyDisk;
-use super::prepared::PreparedStudy;
-use super::read::Study;
 use crate::harmonics::HarmonicSet;
 use crate::hb::equations::jacobian::{DENSE_FALLBACK_LIMIT, DENSE_LIMIT};
+use crate::study::built::StudyDisk;
+use crate::study::prepared::PreparedStudy;
+use crate::study::settings::read::Study;
 
 /// Size of one nonlinear solve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,7 +55,7 @@ impl SolveSize {
 
 impl PreparedStudy<'_> {
     /// Bytes of one solve on the highest harmonics: usually, and at most.
-    pub(super) fn solve_memory(&self) -> [f64; 2] {
+    pub(in crate::study) fn solve_memory(&self) -> [f64; 2] {
         SolveSize::of(&self.study, self.linear.n_contacts(), self.disk.as_ref()).memory()
     }
 }

@@ -1,10 +1,7 @@
 //! A process at work on a run.
 
-use super::output::OutputFolder;
-use super::prepared::PreparedStudy;
 use super::profile::{Profiler, Stage};
 use super::progress::{Meter, Progress};
-use super::read::Study;
 use super::resume::{Resumed, refuse_other_results};
 use super::run_record::provenance;
 use super::run_settings::RunSettings;
@@ -16,6 +13,9 @@ use crate::ensemble::parts::{PartFolder, PartHead, PartWriter, RunIdentity};
 use crate::ensemble::runner::{Stopped, Watch};
 use crate::ensemble::times::SampleTimes;
 use crate::ensemble::{Ensemble, Known};
+use crate::study::output::OutputFolder;
+use crate::study::prepared::PreparedStudy;
+use crate::study::settings::read::Study;
 
 /// What a process knows before it begins.
 pub(super) struct Begun<'a> {

@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use super::read::Study;
 use super::resume::identity_of_results;
 use crate::Error;
 use crate::ensemble::parts::{Merged, PartFolder, RunIdentity, Source, StoredPart};
 use crate::ensemble::store::read_indices;
 use crate::file::{FileError, finish_placing};
 use crate::report::run::{RECORD, TABLES};
+use crate::study::settings::read::Study;
 
 /// What a result folder holds.
 #[derive(Debug, Clone)]

@@ -7,7 +7,6 @@ use super::frequency::{FrequencySettings, FrequencyTable, ascending_positive};
 use super::identified_inputs::IdentifiedInputs;
 use super::inputs::{Surroundings, design};
 use super::model::{ModelSettings, NO_POSITIONS, model};
-use super::output::OutputSettings;
 use super::requirements::Asked;
 use super::samples::Samples;
 use super::solver_section::{ContactSection, SolverSection};
@@ -20,6 +19,7 @@ use crate::model::two_blade::TwoBladeSettings;
 use crate::report::asked::{ControlVariateSettings, Requirements, Stopping, SurrogateSettings};
 use crate::sampling::{Design, Input};
 use crate::setting::{BadSetting, within};
+use crate::study::output::OutputSettings;
 
 /// Top-level keys of a study file.
 pub(super) const KEYS: [&str; 19] = [
@@ -226,7 +226,7 @@ impl Study {
     }
 
     /// Whether the model is one sector of a disk.
-    pub(super) fn is_cyclic(&self) -> bool {
+    pub(in crate::study) fn is_cyclic(&self) -> bool {
         matches!(self.model, ModelSettings::Cyclic(_))
     }
 
@@ -242,7 +242,7 @@ impl Study {
         })
     }
 
-    pub(super) fn has_input(&self, input: Input) -> bool {
+    pub(in crate::study) fn has_input(&self, input: Input) -> bool {
         let mut inputs = self.design.inputs().iter();
         inputs.any(|(other, _)| *other == input)
     }
@@ -374,7 +374,7 @@ fn sample_solver(document: &mut Document<'_>, design: &Design) -> Result<SampleS
 }
 
 /// Why an input is of the built-in model alone; nothing for an input of any model.
-pub(super) fn only_of_rig(input: Input) -> Option<&'static str> {
+pub(in crate::study) fn only_of_rig(input: Input) -> Option<&'static str> {
     match input {
         Input::EdgePressure | Input::PressureMode(_) => Some(NO_POSITIONS),
         Input::StripThickness => Some(NO_STRIP),

@@ -3,9 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
-use super::output::OutputFolder;
 use super::profile::{Profiler, Stage};
-use super::read::Study;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
 use crate::Error;
@@ -21,10 +19,12 @@ use crate::ensemble::{Ensemble, Known};
 use crate::file::{FileError, finish_placing};
 use crate::report::run::{TABLES, require_unchanged};
 use crate::report::{self, RunRecord};
+use crate::study::output::OutputFolder;
+use crate::study::settings::read::Study;
 
 /// Samples that need not be solved again.
 #[derive(Default)]
-pub(super) struct Resumed {
+pub(in crate::study) struct Resumed {
     /// The samples.
     pub known: Known,
     /// Sample 0, if it is among them.
@@ -45,7 +45,7 @@ impl Resumed {
     ///
     /// # Errors
     /// [`FileError`] if they cannot be read.
-    pub(super) fn add_results(
+    pub(in crate::study) fn add_results(
         &mut self,
         folder: &Path,
         study: &Study,
@@ -225,7 +225,7 @@ pub(super) fn identity(study: &Study, folder: &OutputFolder) -> Result<RunIdenti
 ///
 /// # Errors
 /// [`FileError`] if there are none, or a file was changed.
-pub(super) fn identity_of_results(folder: &Path) -> Result<RunIdentity, FileError> {
+pub(in crate::study) fn identity_of_results(folder: &Path) -> Result<RunIdentity, FileError> {
     require_unchanged(folder)?;
     let record = RunRecord::of_folder(folder)?;
     let provenance = record.provenance;

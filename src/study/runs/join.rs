@@ -8,9 +8,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use super::output::OutputFolder;
 use super::progress::{Meter, Progress};
-use super::read::Study;
 use super::resume::{accepted, has_results, identity, refusal, refuse_fewer, resumed};
 use super::run::run_alone;
 use super::run_result::RunResult;
@@ -23,6 +21,8 @@ use crate::ensemble::atlas::Anchor;
 use crate::ensemble::parts::{Claims, Merged, RunIdentity, Source};
 use crate::ensemble::runner::generations;
 use crate::file::FolderLock;
+use crate::study::output::OutputFolder;
+use crate::study::settings::read::Study;
 
 /// How often a process that waits for others looks at the folder.
 const LOOK_EVERY: Duration = Duration::from_millis(100);
@@ -33,7 +33,7 @@ const BLOCKS: u64 = 16;
 /// processes that start at once to begin at different blocks.
 ///
 /// # Errors
-/// As [`super::run()`], and [`Error::Command`] where the number of samples comes out of the results.
+/// As [`super::run::run`], and [`Error::Command`] where the number of samples comes out of the results.
 pub fn join(
     study: &Study,
     folder: &OutputFolder,

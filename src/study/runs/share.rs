@@ -3,9 +3,7 @@
 //! The samples of a generation start from those before it, and all after the atlas from the atlas alone. So processes need
 //! nothing of each other but the parts of earlier generations, and whoever solves a sample writes the same bits.
 
-use super::output::OutputFolder;
 use super::progress::{Meter, Progress};
-use super::read::Study;
 use super::resume::{identity, refuse_fewer, resumed};
 use super::run_settings::RunSettings;
 use super::session::{Begun, at_work};
@@ -13,6 +11,8 @@ use crate::Error;
 use crate::ensemble::Known;
 use crate::ensemble::runner::MOST_ANCHORS;
 use crate::file::FolderLock;
+use crate::study::output::OutputFolder;
+use crate::study::settings::read::Study;
 
 /// Samples of a block: what a process takes at once after the atlas.
 pub(super) const BLOCK: u64 = 64;
@@ -55,10 +55,10 @@ pub struct ShareResult {
 }
 
 /// Solves a share of a study's samples and keeps them as parts in `folder`. Once all shares are there, in this folder or gathered
-/// by [`super::merge()`], [`super::run()`] makes the results.
+/// by [`super::merge::merge`], [`super::run::run`] makes the results.
 ///
 /// # Errors
-/// As [`super::run()`], and [`Error::Command`] where the number of samples comes out of the results.
+/// As [`super::run::run`], and [`Error::Command`] where the number of samples comes out of the results.
 pub fn solve_share(
     study: &Study,
     folder: &OutputFolder,

@@ -1,9 +1,5 @@
 //! What `run.json` says of a study before its samples.
 
-use super::inspect::{NodalFrequencies, nodal_diameters};
-use super::model::{CyclicSettings, ModelSettings, SectorSettings};
-use super::prepared::{FREQUENCY_TOLERANCE, PreparedStudy};
-use super::read::Study;
 use crate::Error;
 use crate::ensemble::Ensemble;
 use crate::ensemble::backend::BackendReport;
@@ -21,6 +17,10 @@ use crate::report::run::{
     StaticLoadRecord,
 };
 use crate::sampling::DesignKind;
+use crate::study::estimate::inspect::{NodalFrequencies, nodal_diameters};
+use crate::study::prepared::{FREQUENCY_TOLERANCE, PreparedStudy};
+use crate::study::settings::model::{CyclicSettings, ModelSettings, SectorSettings};
+use crate::study::settings::read::Study;
 use crate::units::rad_s_to_hz;
 
 /// Points of the linear curves in the report.
@@ -131,7 +131,7 @@ fn component_records(components: &[(&'static str, ComponentSummary)]) -> Vec<Com
 
 impl Study {
     /// Names of the inputs with their distributions or intervals.
-    pub(super) fn input_records(&self) -> Vec<InputRecord> {
+    pub(in crate::study) fn input_records(&self) -> Vec<InputRecord> {
         let design = &self.design;
         let inputs = design.inputs().iter().enumerate();
         inputs

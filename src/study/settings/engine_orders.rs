@@ -31,7 +31,7 @@ impl Study {
     ///
     /// # Errors
     /// [`Error::Study`] on their key.
-    pub(super) fn one_engine_order(&self) -> Result<(), Error> {
+    pub(in crate::study) fn one_engine_order(&self) -> Result<(), Error> {
         let Some(orders) = self.several_engine_orders() else {
             return Ok(());
         };

@@ -4,11 +4,11 @@
 //! `benches/README.md`.
 
 use super::pilot::{Pilot, levels_with_lift_off};
-use super::read::Study;
 use super::size::SolveSize;
 use crate::Error;
 use crate::ensemble::runner::generations;
 use crate::hb::StabilityScope;
+use crate::study::settings::read::Study;
 
 /// Processor time of the whole study (s), and the samples of a model of one's own that were solved for it.
 pub(super) fn estimated_time(
@@ -32,7 +32,7 @@ pub(super) fn estimated_time(
 
 /// Work of a peak at one level, in factorisations of the first harmonic set, failures and the error alert included: of a sample
 /// that is predicted from many others.
-const WORK_OF_PREDICTED: f64 = 6.0;
+const WORK_OF_PREDICTED: f64 = 9.0;
 /// What one of the first samples takes more, which has few or no others to start from.
 const WORK_OF_FIRST: f64 = 18.0;
 /// Number of such samples.
@@ -45,6 +45,8 @@ const OPERATIONS_OF_RING: f64 = 4e4;
 const WORK_OF_CURVE: f64 = 12.0;
 /// Share of that work in a study without an error alert.
 const SHARE_WITHOUT_ALERT: f64 = 0.15;
+/// Threshold of the error alert of that work.
+const THRESHOLD: f64 = 0.01;
 /// Operations per second of a dense factorisation on one core.
 const FLOPS: f64 = 5e9;
 /// Time of everything but the factorisation, per unknown (s).
@@ -96,12 +98,14 @@ fn time_of_iteration(unknowns: usize) -> f64 {
     SOLVE_PER_SQUARE * n.powi(2) + ASSEMBLY_PER_UNKNOWN * n
 }
 
-/// Share of the work of a study with an error alert.
+/// Share of the work of a study whose alert has the threshold [`THRESHOLD`]: the work on larger harmonic sets goes with the root of the
+/// threshold, as the harmonics that slip needs do.
 fn share_of_work(study: &Study) -> f64 {
-    match study.solver.alert {
-        Some(_) => 1.0,
-        None => SHARE_WITHOUT_ALERT,
-    }
+    let larger = study
+        .solver
+        .alert
+        .map_or(0.0, |alert| (THRESHOLD / alert.threshold).sqrt());
+    SHARE_WITHOUT_ALERT + (1.0 - SHARE_WITHOUT_ALERT) * larger
 }
 
 /// Time of all samples (s), whose stability is assessed at so many levels.

@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use super::output::OutputFolder;
 use super::progress::Progress;
-use super::read::Study;
 use super::resume::accepted;
 use super::run::run;
 use super::run_result::RunResult;
@@ -13,6 +11,8 @@ use super::session::unwritten;
 use super::status::RunStatus;
 use crate::Error;
 use crate::ensemble::parts::{Difference, PartFolder, StoredPart};
+use crate::study::output::OutputFolder;
+use crate::study::settings::read::Study;
 
 /// Copies the parts in `folders` into those of `output` and makes the results there. Every sample must be in one of them, or in a
 /// part that is in `output` already; nothing is written before that is known.

@@ -14,7 +14,7 @@ pub struct Progress {
 }
 
 /// Counts the parts of a command from any thread; more parts may turn up on the way.
-pub(super) struct Meter<F> {
+pub(in crate::study) struct Meter<F> {
     done: AtomicU64,
     total: AtomicU64,
     newton_iterations: AtomicU64,
@@ -23,7 +23,7 @@ pub(super) struct Meter<F> {
 
 impl<F: Fn(Progress) + Sync> Meter<F> {
     /// Says how far the command has come at its start.
-    pub(super) fn start(done: u64, total: u64, progress: F) -> Self {
+    pub(in crate::study) fn start(done: u64, total: u64, progress: F) -> Self {
         let newton_iterations = 0;
         progress(Progress {
             done,
@@ -49,7 +49,7 @@ impl<F: Fn(Progress) + Sync> Meter<F> {
     }
 
     /// One more part is done, with so many Newton iterations.
-    pub(super) fn one_more(&self, newton_iterations: u64) {
+    pub(in crate::study) fn one_more(&self, newton_iterations: u64) {
         let add = |sum: &AtomicU64, more| more + sum.fetch_add(more, Ordering::Relaxed);
         (self.progress)(Progress {
             done: add(&self.done, 1),

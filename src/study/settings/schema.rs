@@ -7,7 +7,6 @@ use serde_json::{Map, Value, json};
 use super::frequency::FrequencyTable;
 use super::identified_inputs::InputsKeys;
 use super::model::{BoundaryKeys, CyclicKeys};
-use super::output::OutputSettings;
 use super::read::{KEYS, LEVEL, MOST_LEVELS};
 use super::solver_section::{ContactSection, SolverSection};
 use crate::model::matrices::MatricesSettings;
@@ -18,6 +17,7 @@ use crate::report::asked::{
 use crate::sampling::design_settings::MOST_SAMPLES;
 use crate::sampling::{CorrelationTable, DesignTable, DistributionTable, EpistemicTable, Input};
 use crate::setting::NOT_BLANK;
+use crate::study::output::OutputSettings;
 
 /// The schema (JSON Schema, draft 2020-12) of a study file, for editors and programs.
 ///
