@@ -1,8 +1,8 @@
 //! Small random models, parameters over six decades: how many peaks are found, by which route, how the others end, and whether those
 //! structures vibrate with the period of the excitation at all, by time integration.
 //!
-//! `cargo bench --bench models [-- seeds [first seed [harmonics [budget [time points]]]] [control]]`; with `control` those with a peak are
-//! integrated, too.
+//! `cargo bench --bench models [-- seeds [first seed [harmonics [budget [time points]]]] [control] [sweep]]`; with `control` those with a
+//! peak are integrated, too; with `sweep` nothing is searched: each model is integrated at many frequencies.
 
 #![allow(clippy::expect_used, reason = "a benchmark that cannot be set up ends")]
 
@@ -12,6 +12,9 @@ mod random;
 use microslip::hb::{NewtonSettings, PeakRoute, Status};
 use random::RandomModel;
 use rayon::prelude::*;
+
+/// Frequencies of a sweep by time integration.
+const SWEPT: usize = 400;
 
 /// How the search for the peak of one model ended.
 struct Outcome {
@@ -30,6 +33,9 @@ fn main() {
     let budget = or(3, NewtonSettings::default().budget as u64);
     let points = or(4, random::TIME_POINTS as u64) as usize;
     let control = std::env::args().any(|a| a == "control");
+    if std::env::args().any(|a| a == "sweep") {
+        return (first..first + seeds).for_each(print_sweep);
+    }
     let outcome = |seed: u64| {
         let model = RandomModel {
             n_time: points,
@@ -71,6 +77,31 @@ fn outcome_of(model: &RandomModel, harmonics: usize, budget: usize, control: boo
         route,
         iterations,
         periodic: vibration.map(|found| found.is_none()),
+    }
+}
+
+/// Vibrations of one model over frequency, by time integration.
+fn print_sweep(seed: u64) {
+    let model = RandomModel::of_seed(seed);
+    println!("{}", model.text);
+    let frequencies = march::frequencies(&model, SWEPT);
+    let vibrations: Vec<_> = frequencies
+        .par_iter()
+        .map(|omega| march::vibration(&model, *omega))
+        .collect();
+    for (omega, v) in frequencies.iter().zip(&vibrations) {
+        println!(
+            "  {omega:.5} rad/s, {:.4e} m, change {:.1e}",
+            v.amplitude, v.change
+        );
+    }
+    let swept = frequencies.iter().zip(vibrations);
+    let highest = swept.max_by(|a, b| a.1.amplitude.total_cmp(&b.1.amplitude));
+    if let Some((omega, highest)) = highest {
+        println!(
+            "highest: {omega:.5} rad/s, {:.4e} m, change {:.1e}",
+            highest.amplitude, highest.change
+        );
     }
 }
 
