@@ -66,11 +66,6 @@ fn contact(from_node: Node, k: u32, n_roots: u32, state: u32) {
         if inside {
             next = sample_node(i, state);
         }
-        if inside && !here.event && turns_around(here, next) {
-            // the processor has nodes between samples there
-            overflows = true;
-            return;
-        }
         var step = step_between(here, next);
         var map = slip_map(step);
         var after = after_step(half, map);

@@ -13,9 +13,6 @@ use microslip::hb::{NewtonSettings, PeakRoute, Status};
 use random::RandomModel;
 use rayon::prelude::*;
 
-/// Frequencies of a sweep by time integration.
-const SWEPT: usize = 400;
-
 /// How the search for the peak of one model ended.
 struct Outcome {
     status: Status,
@@ -84,25 +81,19 @@ fn outcome_of(model: &RandomModel, harmonics: usize, budget: usize, control: boo
 fn print_sweep(seed: u64) {
     let model = RandomModel::of_seed(seed);
     println!("{}", model.text);
-    let frequencies = march::frequencies(&model, SWEPT);
-    let vibrations: Vec<_> = frequencies
-        .par_iter()
-        .map(|omega| march::vibration(&model, *omega))
-        .collect();
-    for (omega, v) in frequencies.iter().zip(&vibrations) {
-        println!(
-            "  {omega:.5} rad/s, {:.4e} m, change {:.1e}",
-            v.amplitude, v.change
-        );
+    let swept = march::sweep(&model);
+    for (omega, v) in &swept {
+        print_vibration(*omega, v);
     }
-    let swept = frequencies.iter().zip(vibrations);
-    let highest = swept.max_by(|a, b| a.1.amplitude.total_cmp(&b.1.amplitude));
-    if let Some((omega, highest)) = highest {
-        println!(
-            "highest: {omega:.5} rad/s, {:.4e} m, change {:.1e}",
-            highest.amplitude, highest.change
-        );
+    if let Some((omega, highest)) = march::highest(swept) {
+        print!("highest:");
+        print_vibration(omega, &highest);
     }
+}
+
+fn print_vibration(omega: f64, vibration: &march::Vibration) {
+    let (amplitude, change) = (vibration.amplitude, vibration.change);
+    println!("  {omega:.5} rad/s, {amplitude:.4e} m, change {change:.1e}");
 }
 
 /// How many searches ended with each status and found the peak by each route.

@@ -3,6 +3,7 @@
 
 use crate::random::RandomModel;
 use microslip::contact::FrictionLaw;
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Exponent of the decay of what a start from rest leaves: 1e-3.
@@ -14,6 +15,8 @@ const STEP: f64 = 0.05;
 const LEAST_STEPS: usize = 400;
 /// Frequencies tried, from `LOWEST` times the lowest free mode to `HIGHEST` times the highest stuck one, the band of the search.
 const FREQUENCIES: usize = 12;
+/// The same of a sweep.
+const SWEPT: usize = 400;
 const LOWEST: f64 = 0.6;
 const HIGHEST: f64 = 1.2;
 
@@ -30,16 +33,32 @@ struct Motion<'a> {
 }
 
 /// The first frequency tried (rad/s) at which the structure, excited from rest, does not vibrate with the period of the
-/// excitation, and the change per period there.
+/// excitation, and the change per period there. Where it does at all of them, many more are looked at, and the highest vibration decides.
 pub(crate) fn not_periodic(model: &RandomModel) -> Option<(f64, f64)> {
     let frequencies = frequencies(model, FREQUENCIES).into_iter();
-    frequencies
-        .map(|omega| (omega, vibration(model, omega).change))
-        .find(|(_, change)| *change > NOT_PERIODIC)
+    let change = |omega| (omega, vibration(model, omega).change);
+    let breaks = |&(_, change): &(f64, f64)| change > NOT_PERIODIC;
+    frequencies.map(change).find(breaks).or_else(|| {
+        let (omega, highest) = highest(sweep(model))?;
+        Some((omega, highest.change)).filter(breaks)
+    })
+}
+
+/// The vibrations at many frequencies (rad/s).
+pub(crate) fn sweep(model: &RandomModel) -> Vec<(f64, Vibration)> {
+    let frequencies = frequencies(model, SWEPT).into_par_iter();
+    let swept = frequencies.map(|omega| (omega, vibration(model, omega)));
+    swept.collect()
+}
+
+/// The vibration of the largest amplitude, and its frequency (rad/s).
+pub(crate) fn highest(swept: Vec<(f64, Vibration)>) -> Option<(f64, Vibration)> {
+    let swept = swept.into_iter();
+    swept.max_by(|a, b| a.1.amplitude.total_cmp(&b.1.amplitude))
 }
 
 /// Frequencies (rad/s) at equal ratios.
-pub(crate) fn frequencies(model: &RandomModel, count: usize) -> Vec<f64> {
+fn frequencies(model: &RandomModel, count: usize) -> Vec<f64> {
     let [free, stuck] = model.frequencies();
     let (low, high) = (LOWEST * free[0], HIGHEST * stuck[stuck.len() - 1]);
     let frequency = |k: usize| low * (high / low).powf(k as f64 / (count - 1) as f64);
@@ -55,7 +74,7 @@ pub(crate) struct Vibration {
 }
 
 /// The vibration under the excitation of the frequency `omega` (rad/s).
-pub(crate) fn vibration(model: &RandomModel, omega: f64) -> Vibration {
+fn vibration(model: &RandomModel, omega: f64) -> Vibration {
     let [_, stuck] = model.frequencies();
     let fastest = stuck[stuck.len() - 1];
     let n = model.reduced.mass.nrows();
