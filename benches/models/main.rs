@@ -1,8 +1,8 @@
 //! Small random models, parameters over six decades: how many peaks are found, by which route, how the others end, and whether those
 //! structures vibrate with the period of the excitation at all, by time integration.
 //!
-//! `cargo bench --bench models [-- seeds [first seed [harmonics [budget [time points]]]] [control]]`; with `control` those with a peak are
-//! integrated, too.
+//! `cargo bench --bench models [-- seeds [first seed [harmonics [budget [time points]]]] [control] [sweep]]`; with `control` those with a
+//! peak are integrated, too; with `sweep` nothing is searched: each model is integrated at many frequencies.
 
 #![allow(clippy::expect_used, reason = "a benchmark that cannot be set up ends")]
 
@@ -30,6 +30,9 @@ fn main() {
     let budget = or(3, NewtonSettings::default().budget as u64);
     let points = or(4, random::TIME_POINTS as u64) as usize;
     let control = std::env::args().any(|a| a == "control");
+    if std::env::args().any(|a| a == "sweep") {
+        return (first..first + seeds).for_each(print_sweep);
+    }
     let outcome = |seed: u64| {
         let model = RandomModel {
             n_time: points,
@@ -72,6 +75,25 @@ fn outcome_of(model: &RandomModel, harmonics: usize, budget: usize, control: boo
         iterations,
         periodic: vibration.map(|found| found.is_none()),
     }
+}
+
+/// Vibrations of one model over frequency, by time integration.
+fn print_sweep(seed: u64) {
+    let model = RandomModel::of_seed(seed);
+    println!("{}", model.text);
+    let swept = march::sweep(&model);
+    for (omega, v) in &swept {
+        print_vibration(*omega, v);
+    }
+    if let Some((omega, highest)) = march::highest(swept) {
+        print!("highest:");
+        print_vibration(omega, &highest);
+    }
+}
+
+fn print_vibration(omega: f64, vibration: &march::Vibration) {
+    let (amplitude, change) = (vibration.amplitude, vibration.change);
+    println!("  {omega:.5} rad/s, {amplitude:.4e} m, change {change:.1e}");
 }
 
 /// How many searches ended with each status and found the peak by each route.

@@ -3,6 +3,7 @@
 
 use crate::random::RandomModel;
 use microslip::contact::FrictionLaw;
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Exponent of the decay of what a start from rest leaves: 1e-3.
@@ -12,8 +13,10 @@ const NOT_PERIODIC: f64 = 1e-2;
 /// Phase of the fastest stuck mode per time step (rad), and the least steps per period.
 const STEP: f64 = 0.05;
 const LEAST_STEPS: usize = 400;
-/// Frequencies tried, from `LOWEST` times the lowest to `HIGHEST` times the highest free mode.
+/// Frequencies tried, from `LOWEST` times the lowest free mode to `HIGHEST` times the highest stuck one, the band of the search.
 const FREQUENCIES: usize = 12;
+/// The same of a sweep.
+const SWEPT: usize = 400;
 const LOWEST: f64 = 0.6;
 const HIGHEST: f64 = 1.2;
 
@@ -30,20 +33,50 @@ struct Motion<'a> {
 }
 
 /// The first frequency tried (rad/s) at which the structure, excited from rest, does not vibrate with the period of the
-/// excitation, and the change per period there.
+/// excitation, and the change per period there. Where it does at all of them, many more are looked at, and the highest vibration decides.
 pub(crate) fn not_periodic(model: &RandomModel) -> Option<(f64, f64)> {
-    let [free, stuck] = model.frequencies();
-    let fastest = stuck[stuck.len() - 1];
-    let (low, high) = (LOWEST * free[0], HIGHEST * free[free.len() - 1]);
-    let frequency = |k: usize| low * (high / low).powf(k as f64 / (FREQUENCIES - 1) as f64);
-    (0..FREQUENCIES).map(frequency).find_map(|omega| {
-        let change = change_per_period(model, omega, fastest);
-        (change > NOT_PERIODIC).then_some((omega, change))
+    let frequencies = frequencies(model, FREQUENCIES).into_iter();
+    let change = |omega| (omega, vibration(model, omega).change);
+    let breaks = |&(_, change): &(f64, f64)| change > NOT_PERIODIC;
+    frequencies.map(change).find(breaks).or_else(|| {
+        let (omega, highest) = highest(sweep(model))?;
+        Some((omega, highest.change)).filter(breaks)
     })
 }
 
-/// Change of the state within the last of many periods, over the largest displacement in it.
-fn change_per_period(model: &RandomModel, omega: f64, fastest: f64) -> f64 {
+/// The vibrations at many frequencies (rad/s).
+pub(crate) fn sweep(model: &RandomModel) -> Vec<(f64, Vibration)> {
+    let frequencies = frequencies(model, SWEPT).into_par_iter();
+    let swept = frequencies.map(|omega| (omega, vibration(model, omega)));
+    swept.collect()
+}
+
+/// The vibration of the largest amplitude, and its frequency (rad/s).
+pub(crate) fn highest(swept: Vec<(f64, Vibration)>) -> Option<(f64, Vibration)> {
+    let swept = swept.into_iter();
+    swept.max_by(|a, b| a.1.amplitude.total_cmp(&b.1.amplitude))
+}
+
+/// Frequencies (rad/s) at equal ratios.
+fn frequencies(model: &RandomModel, count: usize) -> Vec<f64> {
+    let [free, stuck] = model.frequencies();
+    let (low, high) = (LOWEST * free[0], HIGHEST * stuck[stuck.len() - 1]);
+    let frequency = |k: usize| low * (high / low).powf(k as f64 / (count - 1) as f64);
+    (0..count).map(frequency).collect()
+}
+
+/// What is left of a start from rest after many periods.
+pub(crate) struct Vibration {
+    /// Half of the range of the first mass in a period (m).
+    pub(crate) amplitude: f64,
+    /// Change of the state within the period, over the largest displacement in it.
+    pub(crate) change: f64,
+}
+
+/// The vibration under the excitation of the frequency `omega` (rad/s).
+fn vibration(model: &RandomModel, omega: f64) -> Vibration {
+    let [_, stuck] = model.frequencies();
+    let fastest = stuck[stuck.len() - 1];
     let n = model.reduced.mass.nrows();
     let mut motion = Motion {
         model,
@@ -63,9 +96,20 @@ fn change_per_period(model: &RandomModel, omega: f64, fastest: f64) -> f64 {
         motion.period(steps);
     }
     let before = motion.state();
-    let largest = motion.period(steps);
+    let Range { largest, first } = motion.period(steps);
     let apart = before.iter().zip(motion.state());
-    apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest
+    Vibration {
+        amplitude: 0.5 * (first[1] - first[0]),
+        change: apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest,
+    }
+}
+
+/// Where the structure has been in a period.
+struct Range {
+    /// Largest displacement of all masses (m).
+    largest: f64,
+    /// Lowest and highest displacement of the first mass (m).
+    first: [f64; 2],
 }
 
 impl Motion<'_> {
@@ -79,10 +123,11 @@ impl Motion<'_> {
             .collect()
     }
 
-    /// One period of the excitation in time steps; gives the largest displacement.
-    fn period(&mut self, steps: usize) -> f64 {
+    /// One period of the excitation in time steps.
+    fn period(&mut self, steps: usize) -> Range {
         let dt = TAU / self.omega / steps as f64;
         let mut largest = 0.0f64;
+        let mut first = [f64::INFINITY, f64::NEG_INFINITY];
         for step in 1..=steps {
             self.push(0.5 * dt);
             for (x, v) in self.displacement.iter_mut().zip(&self.velocity) {
@@ -91,8 +136,10 @@ impl Motion<'_> {
             }
             self.acceleration = self.accelerated(TAU * step as f64 / steps as f64);
             self.push(0.5 * dt);
+            let x = self.displacement[0];
+            first = [first[0].min(x), first[1].max(x)];
         }
-        largest
+        Range { largest, first }
     }
 
     /// Lets the acceleration act for a time.

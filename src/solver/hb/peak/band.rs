@@ -2,7 +2,9 @@
 //! friction, or on the branch through the whole band.
 
 use super::search::{Located, PeakSettings, find_peak, higher, maximum_on};
+use crate::hb::branch::branch_point::{BranchPoint, distance};
 use crate::hb::branch::branch_segment::BranchSegment;
+use crate::hb::branch::continuation::ContinuationEnd;
 use crate::hb::branch::sweep::{SweepDirection, SweepSettings, follow};
 use crate::hb::branch::sweep_start::first_solution;
 use crate::hb::equations::balance::Balance;
@@ -17,6 +19,8 @@ use std::ops::ControlFlow;
 const SWEEP_STEP: f64 = 0.3;
 /// Largest change of the frequency per step, as a share of the band.
 const SWEEP_ADVANCE: f64 = 0.025;
+/// Relative distance in frequency at which the ends of two sweeps are one; that of the displacements is the root of it.
+const MEETING: f64 = 1e-6;
 
 /// The highest maximum at `level` next to the resonances of the structure that slides without friction about its `rest`:
 /// friction far below the level hardly moves it. Maxima below `least` per unit level (m) do not count.
@@ -46,7 +50,7 @@ pub(super) fn sliding_maximum<'p>(
 }
 
 /// The highest maximum at `level` on the branch through the whole band, upwards or else downwards, on the harmonics of the
-/// last of `rungs`.
+/// last of `rungs`. Two sweeps that stop at one solution have passed the whole band together.
 ///
 /// # Errors
 /// [`Status::NoPeakInBand`] if the branch has none, else the status of the sweep that failed: a sweep that stopped inside the
@@ -57,19 +61,50 @@ pub(super) fn swept_maximum<'p>(
     peak: PeakSettings,
     newton: NewtonSettings,
 ) -> Result<Located<'p>, Status> {
-    let swept = |direction| highest_on_sweep(rungs, level, direction, peak, newton);
-    let highest = swept(SweepDirection::Upward).or_else(|_| swept(SweepDirection::Downward))?;
+    let balance = &rungs[rungs.len() - 1];
+    let swept = |direction| sweep(rungs, level, direction, peak, newton);
+    let upward = swept(SweepDirection::Upward);
+    let highest = match upward {
+        Ok(Swept { highest, end }) if end.status == Status::Converged => highest,
+        upward => {
+            let downward = swept(SweepDirection::Downward)?;
+            match (downward.end.status, upward) {
+                (Status::Converged, _) => downward.highest,
+                (_, Ok(upward)) if meet(balance, &upward.end.last, &downward.end.last) => {
+                    let both = [upward.highest, downward.highest].into_iter().flatten();
+                    both.reduce(|best, other| higher(balance, best, other))
+                }
+                (status, _) => return Err(status),
+            }
+        }
+    };
     highest.ok_or(Status::NoPeakInBand)
 }
 
-/// The highest maximum that one sweep through the band passes.
-fn highest_on_sweep<'p>(
+/// Whether two points of the branch are one.
+fn meet(balance: &Balance<'_>, one: &BranchPoint<'_>, other: &BranchPoint<'_>) -> bool {
+    let [one, other] = [one, other].map(|at| &at.iterate.point);
+    let apart = (one.omega / other.omega - 1.0).abs();
+    apart <= MEETING && distance(balance, one, other) <= MEETING.sqrt()
+}
+
+/// What a sweep through the band has passed.
+struct Swept<'p> {
+    highest: Option<Located<'p>>,
+    end: ContinuationEnd<'p>,
+}
+
+/// One sweep through the band.
+///
+/// # Errors
+/// The status of the search for its first solution.
+fn sweep<'p>(
     rungs: &[Balance<'p>],
     level: f64,
     direction: SweepDirection,
     peak: PeakSettings,
     newton: NewtonSettings,
-) -> Result<Option<Located<'p>>, Status> {
+) -> Result<Swept<'p>, Status> {
     let balance = &rungs[rungs.len() - 1];
     let [omega, _] = direction.ends(peak.band);
     let first = first_solution(rungs, newton, level, omega, direction)?;
@@ -85,10 +120,9 @@ fn highest_on_sweep<'p>(
         maxima.extend(maximum_on(&segment, balance, peak, newton));
         ControlFlow::Continue(())
     });
-    match end.status {
-        Status::Converged => {
-            Ok((maxima.into_iter()).reduce(|best, other| higher(balance, best, other)))
-        }
-        status => Err(status),
-    }
+    let maxima = maxima.into_iter();
+    Ok(Swept {
+        highest: maxima.reduce(|best, other| higher(balance, best, other)),
+        end,
+    })
 }
