@@ -57,8 +57,8 @@ fn friction_far_below_the_level_hardly_moves_the_peak() {
 }
 
 /// The sweeps from both ends of the band stop at one solution, at 31.8 rad/s, where neither gets on. The highest maximum is far
-/// below, at 6.770 rad/s; time integration has it there, too (`cargo bench --bench models -- 1 405 5 20000 128 sweep`). Seen to fail
-/// where two sweeps that meet count as stopped: step-too-small.
+/// below, at 6.770 rad/s; time integration has it there, too (`cargo bench --bench models -- 1 405 sweep`). Seen to fail
+/// where two sweeps that meet count as stopped: budget-spent.
 #[test]
 fn two_sweeps_that_meet_have_passed_the_band() {
     let found = RandomModel::of_seed(405).peak(5, BUDGET);
