@@ -26,6 +26,8 @@ struct Lap {
     rests: bool,
     // Whether the room for events did not suffice.
     overflows: bool,
+    // Whether the velocity turns around between two samples, as the processor sees it where it has nodes there.
+    turns: bool,
 }
 
 // Friction coefficient of the state, and traction that counts as rounding.
@@ -158,7 +160,7 @@ fn circle_march(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let unique = !(newton && (rests || from_anchor));
     let decided = (LAPS > 0u || (settled && unique)) && !overflows;
-    atomicStore(&flags[state], select(MOVED | OVERFLOW, MOVED, decided));
+    atomicStore(&flags[state], MOVED | select(OVERFLOW, 0u, decided) | select(0u, TURNS, first.turns));
     let slot = atomicAdd(&n_moving, 1u);
     slots[state] = slot;
     moving[slot] = state;

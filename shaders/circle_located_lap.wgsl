@@ -44,6 +44,8 @@ var<private> instant: Row;
 
 var<private> moves: bool;
 var<private> overflows: bool;
+// Whether the velocity turns around in an interval between two samples.
+var<private> turns: bool;
 // Where the present slip began, and the longest way of the slider in one slip.
 var<private> slip_from: vec2<real>;
 var<private> way: real;

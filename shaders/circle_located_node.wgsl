@@ -53,6 +53,24 @@ fn bending(node: Node, e: vec2<real>) -> real {
     return inner(e, node.bend) - node.limit_bend;
 }
 
+// Cosine of the angle by which the velocity may turn in a step: half a radian.
+const TURN: real = real(0.8776);
+// Way in a step, over the friction limit, that is short: there one step of slip resolves the turn.
+const SHORT: real = real(0.5);
+// Way across the path in a step, over the friction limit, below which the motion counts as straight.
+const ACROSS: real = real(1.0e-3);
+
+// Whether the velocity turns by more than that in the interval from sample `here` to sample `next`, the contact moves far, and its path
+// is not straight.
+fn turns_around(here: Node, next: Node) -> bool {
+    let across = abs(here.rate.x * next.rate.y - here.rate.y * next.rate.x);
+    let speeds = vec2<real>(norm(here.rate), norm(next.rate));
+    let limit = real(0.5) * (here.limit + next.limit);
+    let both = speeds.x + speeds.y;
+    return inner(here.rate, next.rate) < TURN * speeds.x * speeds.y && both > real(2.0) * SHORT * limit
+        && across > ACROSS * limit * both;
+}
+
 // A number depends on the step that ends at `node`, with the derivatives `by`; its derivative by the phase of `node`.
 fn turning_of(node: Node, by: SlipStep) -> real {
     return inner(by.path, node.rate) + inner(by.rate, node.bend) + real(0.5) * by.limit * node.limit_rate + by.length;

@@ -65,6 +65,7 @@ fn contact(from_node: Node, k: u32, n_roots: u32, state: u32) {
         var next = end;
         if inside {
             next = sample_node(i, state);
+            turns = turns || (!here.event && turns_around(here, next));
         }
         var step = step_between(here, next);
         var map = slip_map(step);
@@ -192,5 +193,5 @@ fn lap_from(start: vec2<real>, first: bool, state: u32) -> Lap {
     let monodromy = vec4<real>(slider_rows[0].xy, slider_rows[1].xy);
     // roots may be missing where their room is full; without friction the slider is where the surface is, always
     let leaves = overflows || counts[state] == MAX_ROOTS || mu == real(0.0);
-    return Lap(slider, monodromy, moves, way * ROOT_OF_RESOLUTION <= tolerance, leaves);
+    return Lap(slider, monodromy, moves, way * ROOT_OF_RESOLUTION <= tolerance, leaves, turns);
 }

@@ -58,7 +58,7 @@ fn lap_from(start: vec2<real>, first: bool, state: u32) -> Lap {
     let one = real(1.0);
     let margin = tolerance + tolerance;
     var overshoot = zero;
-    var lap = Lap(start, vec4<real>(one, zero, zero, one), false, false, false);
+    var lap = Lap(start, vec4<real>(one, zero, zero, one), false, false, false, false);
     for (var i = 0u; i < N_TIME; i++) {
         let s = stick_signal(i, state);
         let gap = sample_of(GAP, i, state);

@@ -56,6 +56,11 @@ struct Job {
 @group(0) @binding(12) var<storage, read> slots: array<u32>;
 @group(0) @binding(13) var<storage, read> tangents: array<f32>;
 
+// What a state did, in `flags` (shared.wgsl). A lane takes the forces where the velocity turns around, too: the processor confirms
+// its peak with nodes there.
+const MOVED: u32 = 1u;
+const OVERFLOW: u32 = 2u;
+
 // Rows of `told`.
 const SIZE: u32 = 0u;
 const RIGHT: u32 = 1u;

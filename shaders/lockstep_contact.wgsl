@@ -107,7 +107,7 @@ fn rate(@builtin(global_invocation_id) id: vec3<u32>) {
     let a = id.y % M;
     let state = pair * job.lanes + lane;
     let slot = slots[state];
-    let moves = (flags[state] & 1u) != 0u;
+    let moves = (flags[state] & MOVED) != 0u;
     var sum = vec3<f32>();
     if moves {
         for (var b = 0u; b < M; b++) {

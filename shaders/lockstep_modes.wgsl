@@ -156,7 +156,7 @@ fn responded(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     var undecided = 0.0;
     for (var pair = 0u; pair < PAIRS; pair++) {
-        undecided += select(0.0, 1.0, (flags[pair * job.lanes + lane] & ~1u) != 0u);
+        undecided += select(0.0, 1.0, (flags[pair * job.lanes + lane] & OVERFLOW) != 0u);
     }
     told[UNDECIDED * job.lanes + lane] = undecided;
     told[FREQUENCY * job.lanes + lane] = numbers[DETUNING * job.lanes + lane];

@@ -17,9 +17,11 @@ const TAU: real = 6.283185307179586476925287;
 // Signals: directions 0 and 1, then the gap function.
 const GAP: u32 = 2u;
 
-// What a state did, in `flags`: a direction moved, or its event did not fit into the room for them.
+// What a state did, in `flags`: a direction moved; its events did not fit into the room for them; its velocity turns around between
+// two samples, where only the processor has nodes.
 const MOVED: u32 = 1u;
 const OVERFLOW: u32 = 2u;
+const TURNS: u32 = 4u;
 
 struct Batch {
     n_states: u32,

@@ -33,15 +33,21 @@ struct Motion<'a> {
 }
 
 /// The first frequency tried (rad/s) at which the structure, excited from rest, does not vibrate with the period of the
-/// excitation, and the change per period there. Where it does at all of them, many more are looked at, and the highest vibration decides.
+/// excitation, and the change per period there.
 pub(crate) fn not_periodic(model: &RandomModel) -> Option<(f64, f64)> {
     let frequencies = frequencies(model, FREQUENCIES).into_iter();
     let change = |omega| (omega, vibration(model, omega).change);
-    let breaks = |&(_, change): &(f64, f64)| change > NOT_PERIODIC;
-    frequencies.map(change).find(breaks).or_else(|| {
-        let (omega, highest) = highest(sweep(model))?;
-        Some((omega, highest.change)).filter(breaks)
-    })
+    frequencies.map(change).find(is_not_periodic)
+}
+
+/// The same at the highest vibration of a sweep.
+pub(crate) fn not_periodic_at_its_highest(model: &RandomModel) -> Option<(f64, f64)> {
+    let (omega, highest) = highest(sweep(model))?;
+    Some((omega, highest.change)).filter(is_not_periodic)
+}
+
+fn is_not_periodic(&(_, change): &(f64, f64)) -> bool {
+    change > NOT_PERIODIC
 }
 
 /// The vibrations at many frequencies (rad/s).

@@ -11,6 +11,8 @@ pub mod distribution;
 pub mod document;
 pub mod figure;
 mod level_mark;
+#[cfg(test)]
+mod names_in_rows;
 pub mod sheet;
 pub mod style;
 pub mod thinning;
