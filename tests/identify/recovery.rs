@@ -1,7 +1,7 @@
 //! Parameters of one test are found again, whatever the measurement adds.
 
 use crate::synthetic::Bench;
-use microslip::identify::result::TestEstimate;
+use microslip::identify::found::result::TestEstimate;
 use microslip::identify::{IdentifySettings, TestResult, TestStatus, identify_test};
 
 pub(crate) fn result(bench: &Bench) -> TestResult {

@@ -1,20 +1,20 @@
 //! Slopes that single points do not spoil.
 
-use super::mean_loop::{median, robust_scale};
+use crate::identify::cycles::mean_loop::{median, robust_scale};
 
 /// A line through points.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Line {
+pub(in crate::identify) struct Line {
     /// Rise over run.
-    pub(super) slope: f64,
+    pub(in crate::identify) slope: f64,
     /// Height at 0.
     pub(super) intercept: f64,
     /// Standard deviation of the points about it.
     pub(super) deviation: f64,
     /// Standard error of the slope by these; none of fewer than four points.
-    pub(super) standard_error: Option<f64>,
+    pub(in crate::identify) standard_error: Option<f64>,
     /// Standard uncertainty of the slope because the points may lie on another curve; 0 where a line is all that is asked for.
-    pub(super) model_error: f64,
+    pub(in crate::identify) model_error: f64,
 }
 
 /// Points above which neighbours are averaged: the pairs grow with the square.
