@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::terminal::print;
 use clap::Args;
 use microslip::Error;
-use microslip::identify::pooled_result::PooledParameter;
+use microslip::identify::found::pooled_result::PooledParameter;
 use microslip::identify::{
     ContactParameter, Identified, IdentifySettings, TestResult, TestStatus, Uncertain,
     identify_files, write,

@@ -8,15 +8,18 @@ use super::terminal::print;
 use clap::Args;
 use microslip::Error;
 use microslip::report::reweighting::{ReweightedPoint, Reweighting};
-use microslip::study::{OutputFolder, reweight};
+use microslip::study::{NewInputs, OutputFolder, reweight};
 
 #[derive(Args)]
 pub(super) struct ReweightArguments {
     /// Folder with the results of `run`.
     folder: PathBuf,
     /// TOML file with the new distributions, as [inputs.NAME] of a study file.
-    #[arg(long)]
-    prior: PathBuf,
+    #[arg(long, value_name = "FILE", required_unless_present = "posterior")]
+    prior: Option<PathBuf>,
+    /// Draws of the inputs, such as posterior.csv of `calibrate`: the samples stand for them.
+    #[arg(long, value_name = "FILE", conflicts_with = "prior")]
+    posterior: Option<PathBuf>,
     /// Folder of reweighted.json, instead of that of the results.
     #[arg(long)]
     output: Option<PathBuf>,
@@ -28,7 +31,11 @@ pub(super) struct ReweightArguments {
 impl ReweightArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
         let output = OutputFolder::open(self.output.as_ref().unwrap_or(&self.folder))?;
-        let found = reweight(&self.folder, &self.prior, &output)?;
+        // one of the two is there: the arguments say so
+        let prior = self.prior.clone().unwrap_or_default();
+        let draws = self.posterior.clone().map(NewInputs::Draws);
+        let new = draws.unwrap_or(NewInputs::Distributions(prior));
+        let found = reweight(&self.folder, &new, &output)?;
         if self.quiet {
             return Ok(());
         }

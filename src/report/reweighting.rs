@@ -36,7 +36,7 @@ pub struct Reweighting {
 }
 
 /// An input with its distributions in words.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReweightedInput {
     /// Name.
     pub name: String,
@@ -44,6 +44,9 @@ pub struct ReweightedInput {
     pub sampled: String,
     /// The one that they stand for now.
     pub reweighted: String,
+    /// Largest difference of the distribution functions of the weighted samples and of the draws; absent for a stated distribution.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distance: Option<f64>,
 }
 
 /// How much the weights leave.

@@ -22,6 +22,7 @@
 pub mod built;
 pub mod compare;
 pub mod disk;
+pub mod draws;
 pub mod estimate;
 pub mod evaluator;
 pub mod export;
@@ -44,7 +45,7 @@ pub use output::{OutputFolder, OutputSettings, write_arrow_tables};
 pub(crate) use output_schema::schema_of;
 pub use output_schema::{OutputFile, output_schema};
 pub use prepared::PreparedStudy;
-pub use reweight::reweight;
+pub use reweight::{NewInputs, reweight};
 pub use runs::extend::extend;
 pub use runs::join::join;
 pub use runs::merge::merge;

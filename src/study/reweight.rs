@@ -1,15 +1,18 @@
 //! The samples of a run under other distributions of their inputs.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use super::draws::{DrawsDensity, LEAST_DRAWS, MOST_DRAWS, distance, largest_distance};
 use super::output::OutputFolder;
 use super::settings::document::Document;
 use crate::Error;
+use crate::file::FileError;
 use crate::report::StoredRun;
 use crate::report::reweighting::{LEAST_EFFECTIVE_SAMPLES, ReweightedInput, Reweighting};
 use crate::report::run::require_unchanged;
-use crate::sampling::{Distribution, DistributionTable, Input, Uncertainty};
+use crate::sampling::{Distribution, DistributionTable, Input, SampleTable, Uncertainty};
+use crate::statistics::Weights;
 
 /// Name of the file that [`reweight`] writes.
 pub const REWEIGHTED: &str = "reweighted.json";
@@ -26,44 +29,52 @@ struct Change {
     old: Distribution,
 }
 
-/// Statistics of the samples in `folder` under the distributions `[inputs.*]` of the file `prior`, written to
-/// `reweighted.json` in `output`. Inputs that the file does not name keep theirs. Nothing is solved.
+/// What the samples stand for.
+#[derive(Debug, Clone)]
+pub enum NewInputs {
+    /// Distributions `[inputs.*]` of a TOML file.
+    Distributions(PathBuf),
+    /// Draws, one row each, such as `posterior.csv` of a calibration.
+    Draws(PathBuf),
+}
+
+/// Statistics of the samples in `folder` under other distributions of their inputs, written to `reweighted.json` in `output`. Inputs
+/// that the file does not name keep theirs. Nothing is solved.
 ///
 /// # Errors
 /// [`Error::Study`] with line, key and rule if the file breaks one: an input that the run did not draw, a distribution
 /// beyond the range that was sampled. [`Error::Command`] if the folder holds no results, its inputs are correlated, or the
 /// weights leave too few effective samples; [`Error::File`] or [`Error::Report`] on files.
-pub fn reweight(folder: &Path, prior: &Path, output: &OutputFolder) -> Result<Reweighting, Error> {
+pub fn reweight(
+    folder: &Path,
+    new: &NewInputs,
+    output: &OutputFolder,
+) -> Result<Reweighting, Error> {
     let refused = |message: String| Error::Command {
         path: folder.to_owned(),
         message,
     };
     require_unchanged(folder)?;
     let run = StoredRun::read(folder)?;
-    let text = crate::file::read_text(prior)?;
-    let changes = changes(&run, prior, &text)?;
-    let density = |of: fn(&Change) -> &Distribution| -> Vec<f64> {
-        let product = |inputs: &[f64]| -> f64 {
-            let factor = |c: &Change| of(c).density(inputs[c.column]).unwrap_or(0.0);
-            changes.iter().map(factor).product()
-        };
-        run.outcomes.iter().map(|o| product(&o.inputs)).collect()
+    let (path, [new, old], inputs) = match new {
+        NewInputs::Distributions(path) => {
+            let text = crate::file::read_text(path)?;
+            let (densities, inputs) = of_distributions(&run, &changes(&run, path, &text)?);
+            (path, densities, inputs)
+        }
+        NewInputs::Draws(path) => {
+            let (ratios, inputs) = of_draws(&run, path)?;
+            let old = vec![1.0; ratios.len()];
+            (path, [ratios, old], inputs)
+        }
     };
-    let (new, old) = (density(|c| &c.new), density(|c| &c.old));
-    let inputs = (changes.iter())
-        .map(|change| ReweightedInput {
-            name: change.name.clone(),
-            sampled: change.old.to_string(),
-            reweighted: change.new.to_string(),
-        })
-        .collect();
     let found = Reweighting::of(&run, inputs, [&new, &old]).map_err(|left| {
         let place = left.outer.map_or_else(String::new, |o| format!(" at outer point {o}"));
         let (effective, samples) = (left.effective_samples, left.samples);
         refused(format!(
             "{samples} samples count for {effective:.1}{place} under the distributions of {}: must be at least \
              {LEAST_EFFECTIVE_SAMPLES}; a distribution closer to the sampled one, or more samples (`extend`)",
-            prior.display()
+            path.display()
         ))
     })?;
     output.write(REWEIGHTED, |file| {
@@ -71,6 +82,97 @@ pub fn reweight(folder: &Path, prior: &Path, output: &OutputFolder) -> Result<Re
         writeln!(file)
     })?;
     Ok(found)
+}
+
+/// New and old densities of the samples, and the inputs in words.
+fn of_distributions(run: &StoredRun, changes: &[Change]) -> ([Vec<f64>; 2], Vec<ReweightedInput>) {
+    let density = |of: fn(&Change) -> &Distribution| -> Vec<f64> {
+        let product = |inputs: &[f64]| -> f64 {
+            let factor = |c: &Change| of(c).density(inputs[c.column]).unwrap_or(0.0);
+            changes.iter().map(factor).product()
+        };
+        run.outcomes.iter().map(|o| product(&o.inputs)).collect()
+    };
+    let inputs = (changes.iter())
+        .map(|change| ReweightedInput {
+            name: change.name.clone(),
+            sampled: change.old.to_string(),
+            reweighted: change.new.to_string(),
+            distance: None,
+        })
+        .collect();
+    ([density(|c| &c.new), density(|c| &c.old)], inputs)
+}
+
+/// New over old densities of the samples where the file `path` has draws, and the inputs in words.
+fn of_draws(run: &StoredRun, path: &Path) -> Result<(Vec<f64>, Vec<ReweightedInput>), Error> {
+    let refused = |rule: String| Error::from(FileError::content(path, None, rule));
+    let table = SampleTable::read(path)?;
+    if run.record.design.correlated {
+        let rule =
+            "must belong to a study without correlated inputs: their densities are no product";
+        return Err(refused(rule.to_owned()));
+    }
+    if table.rows.len() < LEAST_DRAWS {
+        let rule = format!(
+            "has {} draws: must have at least {LEAST_DRAWS}",
+            table.rows.len()
+        );
+        return Err(refused(rule));
+    }
+    let draws = &table.rows[..table.rows.len().min(MOST_DRAWS)];
+    let names: Vec<&str> = table.inputs.iter().map(|input| input.name()).collect();
+    let mut columns = Vec::new();
+    for name in &names {
+        let column = run
+            .record
+            .inputs
+            .iter()
+            .position(|input| input.name == *name);
+        let law = column.and_then(|j| Some((j, run.record.inputs[j].distribution.as_ref()?)));
+        columns.push(law.ok_or_else(|| {
+            refused(format!(
+                "column {name}: must be an input that the study draws from a distribution"
+            ))
+        })?);
+    }
+    let laws: Vec<&Distribution> = columns.iter().map(|(_, law)| *law).collect();
+    let chosen = |inputs: &[f64]| {
+        columns
+            .iter()
+            .map(|(j, _)| inputs[*j])
+            .collect::<Vec<f64>>()
+    };
+    let samples: Vec<Vec<f64>> = run.outcomes.iter().map(|o| chosen(&o.inputs)).collect();
+    let density = DrawsDensity::of(draws, &laws).map_err(|(column, rule)| {
+        let at = column.map_or_else(String::new, |j| format!("column {}: ", names[j]));
+        refused(format!("{at}{rule}"))
+    })?;
+    let ratios = density.ratios(&samples, &laws);
+    let weights = Weights::of_densities(&ratios, &vec![1.0; ratios.len()]);
+    let weights =
+        weights.ok_or_else(|| refused("has draws that no sample is near to".to_owned()))?;
+    let effective = weights.effective_sample_size();
+    let mut inputs = Vec::new();
+    for (j, name) in names.iter().enumerate() {
+        let [of_samples, of_draws] =
+            [&samples[..], draws].map(|rows| rows.iter().map(|r| r[j]).collect::<Vec<f64>>());
+        let distance = distance(&of_samples, weights.values(), &of_draws);
+        // fewer effective samples than a statement needs have a message of their own
+        if effective >= LEAST_EFFECTIVE_SAMPLES && distance > largest_distance(effective) {
+            return Err(refused(format!(
+                "column {name}: the weighted samples do not have its distribution (the functions are {distance:.2} apart): a run that \
+                 covers the draws better, or a study with [design] kind = \"file\""
+            )));
+        }
+        inputs.push(ReweightedInput {
+            name: (*name).to_owned(),
+            sampled: laws[j].to_string(),
+            reweighted: format!("{} draws", draws.len()),
+            distance: Some(distance),
+        });
+    }
+    Ok((ratios, inputs))
 }
 
 /// Reads the new distributions and finds the old ones.

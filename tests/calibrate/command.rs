@@ -152,3 +152,63 @@ fn an_input_that_numbers_draws_is_refused() {
         "inputs.initial_traction = (given): must be absent: its values only number the draws";
     assert!(text.contains(rule), "{text}");
 }
+
+/// A run of the prior, re-weighted by draws of the posterior, has the posterior of the frequency 100 + load − resistance. It is known in
+/// closed form: the variance of the means is 0.07 Hz² by the frequencies and 0.18 Hz² by the amplitudes, so that its deviation is 0.22 Hz
+/// about 70 Hz, where the prior has 11.2 Hz about 50 Hz.
+#[test]
+fn a_run_is_reweighted_by_the_draws_of_a_posterior() {
+    let folder = case();
+    let at = folder.path();
+    let study = std::fs::read_to_string(at.join("study.toml")).unwrap();
+    let study = study.replacen("samples = 48", "samples = 20000", 1);
+    std::fs::write(at.join("study.toml"), study).unwrap();
+    let output = microslip(at, &["run", "study.toml", "--output", "results", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let output = calibrate(at, &["--samples", "48", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let draws = "calibrated/posterior.csv";
+    let output = microslip(at, &["reweight", "results", "--posterior", draws]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let text = std::fs::read_to_string(at.join("results/reweighted.json")).unwrap();
+    let found: Value = serde_json::from_str(&text).unwrap();
+    let quantiles = &found["levels"][0]["points"][0]["frequency_hz"];
+    let of = |k: usize, which: &str| quantiles[k][which]["estimate"].as_f64().unwrap();
+    assert!((of(1, "reweighted") - 70.0).abs() < 0.15, "{quantiles:#}");
+    let widths = ["reweighted", "sampled"].map(|which| of(2, which) - of(0, which));
+    let ratio = widths[0] / widths[1] * 125_f64.sqrt();
+    assert!((ratio / 0.224 - 1.0).abs() < 0.3, "{ratio}: {quantiles:#}");
+    let distance = found["inputs"][0]["distance"].as_f64().unwrap();
+    assert!(distance < 0.2, "{distance}");
+    for (name, text, rule) in [
+        (
+            "few.csv",
+            "stiffness_scale\n190\n191\n".to_owned(),
+            "has 2 draws: must have at least 100",
+        ),
+        (
+            "other.csv",
+            format!("damping_scale\n{}", "1.0\n1.1\n".repeat(60)),
+            "column damping_scale: must be an input that the study draws",
+        ),
+        (
+            "fixed.csv",
+            format!("stiffness_scale\n{}", "190\n".repeat(120)),
+            "must scatter in every input",
+        ),
+        (
+            "far.csv",
+            format!("stiffness_scale\n{}", "190\n400\n".repeat(60)),
+            "column stiffness_scale: the value 400 must lie inside the sampled range",
+        ),
+    ] {
+        std::fs::write(at.join(name), text).unwrap();
+        let output = microslip(at, &["reweight", "results", "--posterior", name]);
+        assert_eq!(output.status.code(), Some(2), "{name}: {output:?}");
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(
+            message.contains(name) && message.contains(rule),
+            "{message}"
+        );
+    }
+}

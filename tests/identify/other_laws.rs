@@ -1,7 +1,7 @@
 //! Loops of other equations than those of an elastic-Coulomb contact: a bad fit is told.
 
 use crate::synthetic::{Bench, normal};
-use microslip::identify::result::TestEstimate;
+use microslip::identify::found::result::TestEstimate;
 use microslip::identify::{IdentifySettings, TestResult, TestStatus, identify_test};
 
 /// What a law of friction needs.

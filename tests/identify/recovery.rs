@@ -1,7 +1,7 @@
 //! Parameters of one test are found again, whatever the measurement adds.
 
 use crate::synthetic::Bench;
-use microslip::identify::result::TestEstimate;
+use microslip::identify::found::result::TestEstimate;
 use microslip::identify::{IdentifySettings, TestResult, TestStatus, identify_test};
 
 pub(crate) fn result(bench: &Bench) -> TestResult {
@@ -324,4 +324,32 @@ fn steps_of_a_sensor_are_no_spikes() {
     assert!(found.cycles.unwrap().spikes < 10, "{:?}", found.cycles);
     let stiffness = found.estimate.unwrap().tangential.stiffness_n_per_um;
     assert!((stiffness.value / 50.0 - 1.0).abs() < 0.05, "{stiffness:?}");
+}
+
+/// A drift of T inside each cycle would tilt both plateaus and stand in the misfit.
+#[test]
+fn a_drift_of_the_force_is_taken_out_of_each_cycle() {
+    let misfit = |per_cycle: f64| {
+        let bench = Bench {
+            drift: [0.0, per_cycle],
+            ..Bench::default()
+        };
+        estimate(&bench).misfit.relative_rms
+    };
+    let (drifts, steady) = (misfit(6.0), misfit(0.0));
+    assert!(drifts < steady + 2e-3, "{drifts} beside {steady}");
+}
+
+/// Forty cycles of 64.5 samples: a grid by samples instead of phases would be off by a third of a cycle at the end.
+#[test]
+fn the_grid_goes_with_the_phase() {
+    let bench = Bench {
+        per_cycle: 64.5,
+        cycles: 40,
+        ..Bench::default()
+    };
+    let found = estimate(&bench);
+    assert!(found.misfit.relative_rms < 0.03, "{:?}", found.misfit);
+    let friction = found.friction.unwrap().coefficient.value;
+    assert!((friction / 0.6 - 1.0).abs() < 2e-3, "{friction}");
 }

@@ -20,3 +20,4 @@ mod rules;
 mod shared_mutation;
 mod tdms;
 mod uff58;
+mod written;

@@ -1,8 +1,8 @@
 //! Tests of a contact with plausible numbers, as an identification could have found them, to look at its report.
 
 use microslip::file::FileRecord;
-use microslip::identify::pooled_result::{PooledParameter, Trend, TrendOver};
-use microslip::identify::result::{
+use microslip::identify::found::pooled_result::{PooledParameter, Trend, TrendOver};
+use microslip::identify::found::result::{
     Cycles, Friction, LoopFigure, LoopResult, LoopValue, Misfit, Tangential, TestEstimate,
     TestStatus,
 };

@@ -1,11 +1,11 @@
 //! From records to the distribution of the contact parameters.
 
-use super::identified::{FORMAT, Identified};
-use super::joint::joint;
-use super::pooled::pool;
-use super::result::{TestResult, TestStatus};
+use super::found::identified::{FORMAT, Identified};
+use super::found::result::{TestResult, TestStatus};
+use super::one_test::test_estimate::identify_test;
+use super::pooling::joint::joint;
+use super::pooling::pooled::pool;
 use super::settings::IdentifySettings;
-use super::test_estimate::identify_test;
 use crate::file::{FileError, FileRecord};
 use crate::record::{HysteresisRecord, TestInFile, read_hysteresis};
 use crate::setting::BadSetting;

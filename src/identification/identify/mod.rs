@@ -1,51 +1,28 @@
 //! Contact parameters from measured hysteresis loops, as distributions for a study.
 //!
-//! A record is cut into cycles, the steady ones are averaged, and the mean loop gives the parameters of a test ([`result`]); all tests
-//! together give their distribution over contacts ([`pooled_result`]), which a study reads ([`identified`]).
+//! A record is cut into cycles, the steady ones are averaged (`cycles`), and the mean loop (`one_loop`) gives the parameters of a
+//! test ([`one_test`]); all tests together give their distribution over contacts ([`pooling`]), which a study reads ([`read`]). What is
+//! found, of a test and of all, stands in [`found`].
 
-mod branch;
-mod cycle;
-mod equations;
-mod figure;
-mod frequency;
+mod cycles;
+pub mod found;
 mod golden;
-mod half;
-mod hierarchical;
 pub mod identification;
-pub mod identified;
-mod joint;
-mod knee;
-mod loop_estimate;
-mod loop_shape;
-mod mean_loop;
-mod misfit;
-mod normal;
+mod one_loop;
+pub mod one_test;
 pub mod page;
-pub mod parameter;
-mod plateau;
-pub mod pooled;
-pub mod pooled_result;
+pub mod pooling;
 pub mod read;
-pub mod result;
-mod run_in;
-mod scatter;
-mod series;
 pub mod settings;
-mod slope;
-mod smooth_motion;
-pub mod test_estimate;
-mod test_notes;
-mod trend;
-pub mod uncertain;
 pub mod write;
 
+pub use found::identified::{Identified, IdentifiedInput};
+pub use found::parameter::ContactParameter;
+pub use found::pooled_result::Pooled;
+pub use found::result::{TestResult, TestStatus};
+pub use found::uncertain::Uncertain;
 pub use identification::{IdentifyError, identify, identify_files};
-pub use identified::{Identified, IdentifiedInput};
-pub use parameter::ContactParameter;
-pub use pooled::pool;
-pub use pooled_result::Pooled;
-pub use result::{TestResult, TestStatus};
+pub use one_test::test_estimate::identify_test;
+pub use pooling::pooled::pool;
 pub use settings::IdentifySettings;
-pub use test_estimate::identify_test;
-pub use uncertain::Uncertain;
 pub use write::write;

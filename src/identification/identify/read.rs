@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::identified::{FORMAT, Identified};
+use super::found::identified::{FORMAT, Identified};
 use crate::file::{FileError, read_bytes, text};
 use crate::sampling::Distribution;
 use crate::sampling::correlation::Copula;
@@ -83,7 +83,7 @@ impl Identified {
 
 #[cfg(test)]
 mod tests {
-    use super::super::identified::ContactParameter;
+    use super::super::found::identified::ContactParameter;
     use super::*;
 
     const GOOD: &str = r#"{

@@ -1,9 +1,9 @@
 //! The files of an identification.
 
+use super::found::identified::Identified;
+use super::found::result::{LoopResult, LoopValue};
 use super::identification::IdentifyError;
-use super::identified::Identified;
 use super::page::html;
-use super::result::{LoopResult, LoopValue};
 use crate::file;
 use std::io::{Error as IoError, Result as IoResult, Write};
 use std::path::Path;

@@ -2,9 +2,9 @@
 
 use super::parameter::{ALL, name, show, with_unit};
 use super::view::View;
-use crate::identify::parameter::ContactParameter;
-use crate::identify::pooled_result::{Pooled, PooledParameter};
-use crate::identify::result::{TestEstimate, TestStatus};
+use crate::identify::found::parameter::ContactParameter;
+use crate::identify::found::pooled_result::{Pooled, PooledParameter};
+use crate::identify::found::result::{TestEstimate, TestStatus};
 use crate::page::block::{Block, Cell, Section, Table};
 use crate::page::display::{DASH, from_to, percent, with_digits};
 

@@ -2,9 +2,9 @@
 
 use super::parameter::label;
 use super::view::{View, short_name};
-use crate::identify::parameter::ContactParameter;
-use crate::identify::result::{LoopResult, LoopValue, TestResult};
-use crate::identify::uncertain::Uncertain;
+use crate::identify::found::parameter::ContactParameter;
+use crate::identify::found::result::{LoopResult, LoopValue, TestResult};
+use crate::identify::found::uncertain::Uncertain;
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Figure, Key, Mark, Section};
 use crate::page::display::percent;

@@ -2,7 +2,7 @@
 
 use super::view::View;
 use super::{answer, cycles, joint, loops, provenance, test_table};
-use crate::identify::identified::Identified;
+use crate::identify::found::identified::Identified;
 use crate::page::document::Document;
 
 /// The page of an identification as HTML: one file, no network, no script.

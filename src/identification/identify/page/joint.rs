@@ -2,7 +2,7 @@
 
 use super::parameter::{label, name, of_test, show};
 use super::view::{View, short_name};
-use crate::identify::pooled_result::{Pooled, PooledParameter, Trend, TrendOver};
+use crate::identify::found::pooled_result::{Pooled, PooledParameter, Trend, TrendOver};
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Cell, Figure, Key, Mark, Section, Table};
 use crate::page::display::{capitalised, from_to, percent, with_digits};

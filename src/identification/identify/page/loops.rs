@@ -2,7 +2,7 @@
 
 use super::parameter::show_all;
 use super::view::{View, short_name};
-use crate::identify::result::{LoopFigure, TestResult};
+use crate::identify::found::result::{LoopFigure, TestResult};
 use crate::page::axis::Axis;
 use crate::page::block::{Block, Figure, Key, Mark, Section};
 use crate::page::display::percent;

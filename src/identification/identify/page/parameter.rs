@@ -1,8 +1,8 @@
 //! Words and units of the contact parameters, and where a test has them.
 
-use crate::identify::parameter::ContactParameter;
-use crate::identify::result::TestEstimate;
-use crate::identify::uncertain::Uncertain;
+use crate::identify::found::parameter::ContactParameter;
+use crate::identify::found::result::TestEstimate;
+use crate::identify::found::uncertain::Uncertain;
 use crate::page::display::{capitalised, with_digits};
 
 /// Digits of a number at most.

@@ -11,6 +11,9 @@ pub(super) fn section(view: &View) -> Section {
     let found = view.found;
     let program = ("Program".to_owned(), format!("microslip {}", found.version));
     let stated = found.settings.as_ref().map(fields).unwrap_or_default();
+    let stated = stated
+        .into_iter()
+        .map(|(key, value)| (with_unit(&key), value));
     let mut blocks = vec![
         distributions(view),
         sheet(
@@ -34,7 +37,7 @@ fn distributions(view: &View) -> Block {
     let found = view.found;
     let rows = found.inputs.iter().map(|input| {
         let distribution = Distribution::new(input.shape, None);
-        let words = distribution.map_or_else(|fault| fault.to_string(), |d| d.to_string());
+        let words = distribution.map_or_else(|fault| fault.to_string(), |d| in_words(&d));
         (name(input.parameter).to_owned(), words)
     });
     let count = found.inputs.len();
@@ -52,6 +55,31 @@ fn distributions(view: &View) -> Block {
         "inputs",
         rows.chain(correlations),
     )
+}
+
+/// A distribution with as many digits as a reader wants; `identified.json` has all.
+fn in_words(distribution: &Distribution) -> String {
+    let parameters = distribution.shape().parameters().into_iter();
+    let words = parameters
+        .map(|(key, value)| format!("{} {}", key.replace('_', " "), with_digits(value, 4)));
+    format!(
+        "{}: {}",
+        distribution.shape().name(),
+        words.collect::<Vec<_>>().join(", ")
+    )
+}
+
+/// The name of a setting with its unit as people write it.
+fn with_unit(key: &str) -> String {
+    let units = [
+        (" n per um", " (N/µm)"),
+        (" percent", " (%)"),
+        (" n", " (N)"),
+    ];
+    let found = units
+        .into_iter()
+        .find_map(|(end, unit)| Some(format!("{}{unit}", key.strip_suffix(end)?)));
+    found.unwrap_or_else(|| key.to_owned())
 }
 
 fn files(view: &View) -> Block {

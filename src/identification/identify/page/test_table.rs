@@ -2,9 +2,9 @@
 
 use super::parameter::{of_test, show, show_all};
 use super::view::View;
-use crate::identify::parameter::ContactParameter;
-use crate::identify::result::{TestEstimate, TestResult, TestStatus};
-use crate::identify::uncertain::Uncertain;
+use crate::identify::found::parameter::ContactParameter;
+use crate::identify::found::result::{TestEstimate, TestResult, TestStatus};
+use crate::identify::found::uncertain::Uncertain;
 use crate::page::block::{Block, Cell, Section, Table};
 use crate::page::display::{DASH, from_to, hertz, percent};
 

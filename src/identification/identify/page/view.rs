@@ -1,9 +1,9 @@
 //! What every section of the page needs: the tests, which of them are drawn, and the units in which they are shown.
 
-use crate::identify::identified::Identified;
-use crate::identify::parameter::ContactParameter;
-use crate::identify::pooled_result::PooledParameter;
-use crate::identify::result::{TestEstimate, TestResult};
+use crate::identify::found::identified::Identified;
+use crate::identify::found::parameter::ContactParameter;
+use crate::identify::found::pooled_result::PooledParameter;
+use crate::identify::found::result::{TestEstimate, TestResult};
 use crate::page::block::{Cell, Figure};
 use crate::page::display::LengthUnit;
 use crate::page::figure::Panel;

@@ -93,11 +93,12 @@ impl Reader {
             return Err("must begin with TDSm".to_owned());
         }
         let (flags, version) = (rest.u32()?, rest.u32()?);
-        if !VERSIONS.contains(&version) {
-            return Err(format!("is of version {version}: must be 4712 or 4713"));
-        }
+        // the version has the greatest byte first then, too
         if flags & BIG_ENDIAN != 0 {
             return Err("has the greatest byte first, which is not read".to_owned());
+        }
+        if !VERSIONS.contains(&version) {
+            return Err(format!("is of version {version}: must be 4712 or 4713"));
         }
         if flags & DAQMX != 0 {
             return Err(

@@ -68,6 +68,10 @@ fn tests(lines: &mut Lines<'_>) -> Result<Vec<Channels>, String> {
             lines.pass_to(MARK)?;
             continue;
         };
+        if let Some((line, rule)) = head.not_read {
+            lines.number = line;
+            return Err(rule);
+        }
         let needed = 2 * head.points;
         left = left
             .checked_sub(needed)
@@ -160,6 +164,8 @@ type Signal = (Quantity, [Unit; 2]);
 struct Head {
     identity: Vec<String>,
     double: bool,
+    /// Line and rule of a type that is not read; it matters for signals of a test alone.
+    not_read: Option<(u64, String)>,
     points: usize,
     /// First abscissa and step; absent where each point has its own.
     even: Option<[f64; 2]>,
@@ -181,16 +187,14 @@ impl Head {
                 "must have type, number of points, spacing, first abscissa and step".to_owned(),
             );
         };
-        let double = match kind {
-            "2" => false,
-            "4" => true,
-            "5" | "6" => return Err("is complex: must be real".to_owned()),
-            _ => {
-                return Err(format!(
-                    "data type {kind:.20}: must be 2 or 4, real numbers"
-                ));
-            }
+        let not_read = match kind {
+            "2" | "4" => None,
+            "5" | "6" => Some("is complex: must be real".to_owned()),
+            _ => Some(format!(
+                "data type {kind:.20}: must be 2 or 4, real numbers"
+            )),
         };
+        let not_read = not_read.map(|rule| (lines.number, rule));
         let points = points
             .parse()
             .ok()
@@ -208,7 +212,8 @@ impl Head {
         lines.need()?;
         Ok(Self {
             identity,
-            double,
+            double: kind == "4",
+            not_read,
             points,
             even,
             abscissa,

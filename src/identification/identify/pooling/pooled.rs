@@ -1,13 +1,13 @@
 //! All tests together: medians over contacts, scatter between contacts, correlation.
 
 use super::hierarchical::{Fit, Observation, fit};
-use super::parameter::ContactParameter;
-use super::pooled_result::{Pooled, PooledParameter, Trend, TrendOver};
-use super::result::{TestEstimate, TestResult, TestStatus};
-use super::scatter::ChainError;
-use super::settings::IdentifySettings;
 use super::trend::exponent;
-use super::uncertain::{Uncertain, factor};
+use crate::identify::cycles::scatter::ChainError;
+use crate::identify::found::parameter::ContactParameter;
+use crate::identify::found::pooled_result::{Pooled, PooledParameter, Trend, TrendOver};
+use crate::identify::found::result::{TestEstimate, TestResult, TestStatus};
+use crate::identify::found::uncertain::{Uncertain, factor};
+use crate::identify::settings::IdentifySettings;
 use crate::special::normal_quantile;
 use libm::{exp, log};
 use nalgebra::DMatrix;

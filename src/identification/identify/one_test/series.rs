@@ -1,6 +1,6 @@
 //! The rig's stiffness in series with the contact.
 
-use super::settings::IdentifySettings;
+use crate::identify::settings::IdentifySettings;
 use crate::units::{n_per_m_to_n_per_um, n_per_um_to_n_per_m};
 
 /// Stiffness in series, where one is stated.

@@ -1,7 +1,7 @@
 //! What a reader of a test should know.
 
-use super::result::{Cycles, TestEstimate};
-use super::settings::IdentifySettings;
+use crate::identify::found::result::{Cycles, TestEstimate};
+use crate::identify::settings::IdentifySettings;
 use crate::record::HysteresisRecord;
 
 /// Difference of the two friction coefficients that is told.

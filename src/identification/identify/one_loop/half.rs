@@ -1,10 +1,10 @@
 //! Half a cycle: from one reversal of the motion to the next.
 
-use super::mean_loop::{MeanLoop, median, smooth};
+use crate::identify::cycles::mean_loop::{MeanLoop, median, smooth};
 
 /// From a reversal to the next one.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Half {
+pub(in crate::identify) struct Half {
     /// First sample, at the reversal.
     first: usize,
     /// Samples up to the next reversal, which counts too.
@@ -94,7 +94,7 @@ impl Half {
     }
 
     /// Tangential force in the direction of the motion, at each place.
-    pub(super) fn force(&self, cycle: &MeanLoop) -> Vec<f64> {
+    pub(in crate::identify) fn force(&self, cycle: &MeanLoop) -> Vec<f64> {
         let at = |place| self.sign * cycle.tangential[self.sample(place, cycle)];
         (0..self.samples).map(at).collect()
     }
@@ -114,7 +114,11 @@ impl Half {
     }
 
     /// T/N in the direction of the motion shortly before the next reversal.
-    pub(super) fn end_ratio(&self, cycle: &MeanLoop, least_normal: f64) -> Option<f64> {
+    pub(in crate::identify) fn end_ratio(
+        &self,
+        cycle: &MeanLoop,
+        least_normal: f64,
+    ) -> Option<f64> {
         let (ratio, last) = (self.ratio(cycle, least_normal), self.last(cycle));
         let count = ((END * cycle.samples() as f64).ceil() as usize).max(3);
         let end = &ratio[(last + 1).saturating_sub(count)..=last];

@@ -4,37 +4,37 @@ use super::frequency::{Fundamental, fundamental};
 use super::mean_loop::{
     MeanLoop, inner_range, median, neighbour_correlation, robust_scale, smooth,
 };
-use super::result::Cycles;
 use super::run_in::run_in;
 use super::scatter::Batches;
-use super::settings::IdentifySettings;
 use super::smooth_motion::{CommonError, NEIGHBOURS, sensor_step, smooth_motion};
+use crate::identify::found::result::Cycles;
+use crate::identify::settings::IdentifySettings;
 use crate::record::HysteresisRecord;
 
 /// The cycles of a record on one grid of phases.
 #[derive(Debug)]
-pub(super) struct Steady {
+pub(in crate::identify) struct Steady {
     /// How the record was cut.
-    pub(super) cycles: Cycles,
+    pub(in crate::identify) cycles: Cycles,
     /// Start of each whole cycle (s).
-    pub(super) starts: Vec<f64>,
+    pub(in crate::identify) starts: Vec<f64>,
     /// Every whole cycle, about its own mean.
-    pub(super) loops: Vec<MeanLoop>,
+    pub(in crate::identify) loops: Vec<MeanLoop>,
     /// Mean of the steady cycles.
-    pub(super) mean: MeanLoop,
+    pub(in crate::identify) mean: MeanLoop,
     /// Means of some consecutive steady cycles each; they tell the scatter of the mean.
-    pub(super) batches: Vec<MeanLoop>,
+    pub(in crate::identify) batches: Vec<MeanLoop>,
     /// Cycles of each of them.
-    pub(super) batch_cycles: Vec<usize>,
+    pub(in crate::identify) batch_cycles: Vec<usize>,
     /// Error of the displacement that all cycles have in common.
-    pub(super) common: CommonError,
+    pub(in crate::identify) common: CommonError,
     /// Mean of the tangential force over the steady cycles, which was taken out (N).
-    pub(super) tangential_mean: f64,
+    pub(in crate::identify) tangential_mean: f64,
 }
 
 impl Steady {
     /// What tells the scatter of the mean loop.
-    pub(super) fn batches(&self) -> Batches<'_> {
+    pub(in crate::identify) fn batches(&self) -> Batches<'_> {
         Batches {
             loops: &self.batches,
             cycles: &self.batch_cycles,
@@ -42,7 +42,7 @@ impl Steady {
     }
 
     /// Mean loop without each batch in turn; none of fewer than two batches.
-    pub(super) fn without_batches(&self) -> Vec<MeanLoop> {
+    pub(in crate::identify) fn without_batches(&self) -> Vec<MeanLoop> {
         let count = self.batches.len();
         let others = |left_out: usize| {
             let kept = (0..count).filter(|k| *k != left_out);
@@ -75,7 +75,7 @@ const LONGEST_SPIKE: usize = 3;
 ///
 /// # Errors
 /// Why it has none that can be used, for the status of the test.
-pub(super) fn cut(
+pub(in crate::identify) fn cut(
     record: &HysteresisRecord,
     settings: &IdentifySettings,
 ) -> Result<Steady, String> {

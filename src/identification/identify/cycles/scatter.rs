@@ -1,20 +1,20 @@
 //! Standard errors of a test from the scatter of its batches, and errors of the measuring chain.
 
 use super::mean_loop::MeanLoop;
-use super::settings::IdentifySettings;
+use crate::identify::settings::IdentifySettings;
 
 /// Standard error of a mean, and its degrees of freedom.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct RandomError {
+pub(in crate::identify) struct RandomError {
     /// Standard error.
-    pub(super) standard_error: f64,
+    pub(in crate::identify) standard_error: f64,
     /// Degrees of freedom.
-    pub(super) freedom: f64,
+    pub(in crate::identify) freedom: f64,
 }
 
 /// Means of some cycles each, which tell the scatter of the mean loop.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Batches<'a> {
+pub(in crate::identify) struct Batches<'a> {
     /// Mean loops.
     pub(super) loops: &'a [MeanLoop],
     /// Cycles of each.
@@ -23,7 +23,10 @@ pub(super) struct Batches<'a> {
 
 impl Batches<'_> {
     /// Error of a number of the mean loop; none of fewer than two batches.
-    pub(super) fn error(&self, number: impl Fn(&MeanLoop) -> Option<f64>) -> Option<RandomError> {
+    pub(in crate::identify) fn error(
+        &self,
+        number: impl Fn(&MeanLoop) -> Option<f64>,
+    ) -> Option<RandomError> {
         let each: Vec<Option<f64>> = self.loops.iter().map(number).collect();
         of_batches(&each, self.cycles)
     }
@@ -33,7 +36,10 @@ impl Batches<'_> {
 ///
 /// The variance of a value is that of one cycle over its cycles: twelve batches of twenty cycles have one or two each, and taken
 /// as equal ones they would make the variance of the mean a ninth too large.
-pub(super) fn of_batches(values: &[Option<f64>], cycles: &[usize]) -> Option<RandomError> {
+pub(in crate::identify) fn of_batches(
+    values: &[Option<f64>],
+    cycles: &[usize],
+) -> Option<RandomError> {
     let both = values.iter().zip(cycles);
     let known: Vec<(f64, f64)> = both
         .filter_map(|(value, cycles)| Some(((*value)?, *cycles as f64)))
@@ -54,7 +60,7 @@ pub(super) fn of_batches(values: &[Option<f64>], cycles: &[usize]) -> Option<Ran
 }
 
 /// From values without each part in turn (jackknife); none of fewer than two.
-pub(super) fn of_parts(values: &[Option<f64>]) -> Option<RandomError> {
+pub(in crate::identify) fn of_parts(values: &[Option<f64>]) -> Option<RandomError> {
     let found = of_batches(values, &vec![1; values.len()])?;
     Some(RandomError {
         // (n − 1)/n Σ (v − mean)²: the standard error of the mean, times n − 1
@@ -64,7 +70,7 @@ pub(super) fn of_parts(values: &[Option<f64>]) -> Option<RandomError> {
 }
 
 /// Correlation of two values over the batches that have both; 0 of fewer than four.
-pub(super) fn correlation(a: &[Option<f64>], b: &[Option<f64>]) -> f64 {
+pub(in crate::identify) fn correlation(a: &[Option<f64>], b: &[Option<f64>]) -> f64 {
     let pairs: Vec<(f64, f64)> = a.iter().zip(b).filter_map(|(a, b)| a.zip(*b)).collect();
     let n = pairs.len() as f64;
     if pairs.len() < LEAST_FOR_CORRELATION {
@@ -89,7 +95,7 @@ const LEAST_FOR_CORRELATION: usize = 4;
 /// Stated errors of the measuring chain, as standard uncertainties of logarithms: the gains of T, N and displacement are
 /// independent, and the same in all tests.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ChainError {
+pub(in crate::identify) struct ChainError {
     /// Of the gain of a force.
     force: f64,
     /// Of the gain of a displacement.
@@ -98,7 +104,7 @@ pub(super) struct ChainError {
 
 impl ChainError {
     /// As stated.
-    pub(super) fn of(settings: &IdentifySettings) -> Self {
+    pub(in crate::identify) fn of(settings: &IdentifySettings) -> Self {
         Self {
             force: settings.force_error_percent / 100.0,
             displacement: settings.displacement_error_percent / 100.0,
@@ -106,18 +112,18 @@ impl ChainError {
     }
 
     /// Of ln μ, ln k_t as measured, ln k_n and ln energy: T/N, T/u, N/v, T u.
-    pub(super) fn of_ratio(&self) -> f64 {
+    pub(in crate::identify) fn of_ratio(&self) -> f64 {
         self.force.hypot(self.force)
     }
 
     /// Of ln k_t as measured, ln k_n and ln energy: T/u, N/v, T u.
-    pub(super) fn of_slope(&self) -> f64 {
+    pub(in crate::identify) fn of_slope(&self) -> f64 {
         self.force.hypot(self.displacement)
     }
 
     /// Covariance of ln μ, ln k_t and ln k_n, where that of k_t is `amplified` by the rig's stiffness. T is in μ and k_t, N in μ
     /// and k_n, the displacement in k_t and k_n.
-    pub(super) fn covariance(&self, amplified: f64) -> [[f64; 3]; 3] {
+    pub(in crate::identify) fn covariance(&self, amplified: f64) -> [[f64; 3]; 3] {
         let [t, u] = [self.force.powi(2), self.displacement.powi(2)];
         let a = amplified;
         [

@@ -1,9 +1,9 @@
 //! The joint distribution that a study reads, from what is pooled.
 
-use super::identified::IdentifiedInput;
-use super::parameter::ContactParameter;
-use super::pooled_result::{Pooled, PooledParameter, Trend, TrendOver};
-use super::settings::IdentifySettings;
+use crate::identify::found::identified::IdentifiedInput;
+use crate::identify::found::parameter::ContactParameter;
+use crate::identify::found::pooled_result::{Pooled, PooledParameter, Trend, TrendOver};
+use crate::identify::settings::IdentifySettings;
 use crate::sampling::Shape;
 use crate::setting::BadSetting;
 
@@ -16,17 +16,20 @@ const FEW: usize = 10;
 
 /// Parameters with their distributions, their correlation, and what a reader should know.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Joint {
-    pub(super) inputs: Vec<IdentifiedInput>,
-    pub(super) correlation: Vec<Vec<f64>>,
-    pub(super) notes: Vec<String>,
+pub(in crate::identify) struct Joint {
+    pub(in crate::identify) inputs: Vec<IdentifiedInput>,
+    pub(in crate::identify) correlation: Vec<Vec<f64>>,
+    pub(in crate::identify) notes: Vec<String>,
 }
 
 /// Lognormal distributions of a further contact.
 ///
 /// # Errors
 /// [`BadSetting`] if the greatest friction coefficient that is stated is below one that the tests have reached.
-pub(super) fn joint(pooled: &Pooled, settings: &IdentifySettings) -> Result<Joint, BadSetting> {
+pub(in crate::identify) fn joint(
+    pooled: &Pooled,
+    settings: &IdentifySettings,
+) -> Result<Joint, BadSetting> {
     let (mut inputs, mut places, mut notes) = (Vec::new(), Vec::new(), Vec::new());
     for (row, parameter) in pooled.parameters.iter().enumerate() {
         if let Some(shape) = shape(parameter, settings) {

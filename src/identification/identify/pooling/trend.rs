@@ -1,6 +1,6 @@
 //! Dependence of a parameter on load or frequency.
 
-use super::uncertain::factor;
+use crate::identify::found::uncertain::factor;
 
 /// Fewest tests of a trend.
 const LEAST_TESTS: usize = 4;

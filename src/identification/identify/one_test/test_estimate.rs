@@ -1,20 +1,20 @@
 //! One test: from a record to the parameters of its contact with their uncertainty.
 
-use super::branch::leaves_line;
-use super::cycle::{Steady, cut};
-use super::figure::figure;
-use super::loop_estimate::LoopNumbers;
-use super::loop_shape::{LoopShape, shape};
-use super::mean_loop::{MeanLoop, noise};
-use super::misfit::{elastic_coulomb, misfit};
-use super::result::{
+use super::series::Series;
+use super::test_notes::notes;
+use crate::identify::cycles::cycle::{Steady, cut};
+use crate::identify::cycles::mean_loop::{MeanLoop, noise};
+use crate::identify::cycles::scatter::{self, ChainError, RandomError, correlation, of_parts};
+use crate::identify::found::result::{
     Friction, LoopResult, LoopValue, Onset, Tangential, TestEstimate, TestResult, TestStatus,
 };
-use super::scatter::{self, ChainError, RandomError, correlation, of_parts};
-use super::series::Series;
-use super::settings::IdentifySettings;
-use super::test_notes::notes;
-use super::uncertain::{Uncertain, factor};
+use crate::identify::found::uncertain::{Uncertain, factor};
+use crate::identify::one_loop::branch::leaves_line;
+use crate::identify::one_loop::figure::figure;
+use crate::identify::one_loop::loop_estimate::LoopNumbers;
+use crate::identify::one_loop::loop_shape::{LoopShape, shape};
+use crate::identify::one_loop::misfit::{elastic_coulomb, misfit};
+use crate::identify::settings::IdentifySettings;
 use crate::record::HysteresisRecord;
 use crate::units::n_per_m_to_n_per_um;
 

@@ -3,21 +3,21 @@
 use super::branch::{Straightened, Window, is_straight, slope, window};
 use super::half::{Half, halves};
 use super::knee::{Branch, LEAST_POINTS, REACH, fit};
-use super::mean_loop::MeanLoop;
 use super::plateau::plateau;
-use super::scatter::Batches;
+use crate::identify::cycles::mean_loop::MeanLoop;
+use crate::identify::cycles::scatter::Batches;
 
 /// Places of a loop.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct LoopShape {
+pub(in crate::identify) struct LoopShape {
     /// The way down, and the way up.
-    pub(super) halves: [Half; 2],
+    pub(in crate::identify) halves: [Half; 2],
     /// Windows of the stick branches, after the reversal at the greatest displacement and at the least.
-    pub(super) windows: [Option<Window>; 2],
+    pub(in crate::identify) windows: [Option<Window>; 2],
     /// First and last place of both plateaus, where the whole contact slips.
-    pub(super) plateaus: Option<[[usize; 2]; 2]>,
+    pub(in crate::identify) plateaus: Option<[[usize; 2]; 2]>,
     /// Normal force below which T/N is not taken (N).
-    pub(super) least_normal: f64,
+    pub(in crate::identify) least_normal: f64,
 }
 
 /// Normal force over its mean, below which the contact may be open and T/N is not taken.
@@ -27,7 +27,7 @@ const LEAST_NORMAL: f64 = 0.02;
 ///
 /// # Errors
 /// Why it is no loop.
-pub(super) fn shape(
+pub(in crate::identify) fn shape(
     loops: (&MeanLoop, Batches<'_>),
     even_area: Option<f64>,
 ) -> Result<LoopShape, String> {
@@ -36,13 +36,13 @@ pub(super) fn shape(
 
 impl LoopShape {
     /// Whether the knee of the branches was sought.
-    pub(super) fn has_knee(&self) -> bool {
+    pub(in crate::identify) fn has_knee(&self) -> bool {
         let mut windows = self.windows.iter().flatten();
         windows.any(|window| window.straightened.is_some())
     }
 
     /// Places of nearly the same mean loop, whose knee is sought again.
-    pub(super) fn with_own_knee(
+    pub(in crate::identify) fn with_own_knee(
         loops: (&MeanLoop, Batches<'_>),
         even_area: Option<f64>,
     ) -> Option<Self> {

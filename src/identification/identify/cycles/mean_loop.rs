@@ -5,15 +5,15 @@ use std::f64::consts::TAU;
 
 /// Signals over one cycle, at equal steps of the phase; sample 0 is at the greatest displacement. In SI units.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct MeanLoop {
+pub(in crate::identify) struct MeanLoop {
     /// Relative displacement, about its mean.
-    pub(super) displacement: Vec<f64>,
+    pub(in crate::identify) displacement: Vec<f64>,
     /// Tangential force, about its mean.
-    pub(super) tangential: Vec<f64>,
+    pub(in crate::identify) tangential: Vec<f64>,
     /// Normal force.
-    pub(super) normal: Vec<f64>,
+    pub(in crate::identify) normal: Vec<f64>,
     /// Approach, where it was measured.
-    pub(super) approach: Option<Vec<f64>>,
+    pub(in crate::identify) approach: Option<Vec<f64>>,
 }
 
 /// A signal of a loop.
@@ -24,7 +24,7 @@ pub(super) const HARMONICS: usize = 6;
 
 impl MeanLoop {
     /// Samples of the cycle.
-    pub(super) fn samples(&self) -> usize {
+    pub(in crate::identify) fn samples(&self) -> usize {
         self.displacement.len()
     }
 
@@ -68,12 +68,12 @@ impl MeanLoop {
     }
 
     /// T/N, sample by sample; none where the normal force is too small to divide by.
-    pub(super) fn ratio(&self, i: usize, least_normal: f64) -> Option<f64> {
+    pub(in crate::identify) fn ratio(&self, i: usize, least_normal: f64) -> Option<f64> {
         (self.normal[i] > least_normal).then(|| self.tangential[i] / self.normal[i])
     }
 
     /// Energy per cycle ∮ T du (J), positive where the contact dissipates.
-    pub(super) fn energy(&self) -> f64 {
+    pub(in crate::identify) fn energy(&self) -> f64 {
         let n = self.samples();
         let step = |i: usize| {
             let j = (i + 1) % n;
@@ -85,7 +85,7 @@ impl MeanLoop {
 }
 
 /// The mean and the lowest harmonics of a periodic signal: noise and steps are gone, a smooth motion stays.
-pub(super) fn smooth(signal: &[f64]) -> Vec<f64> {
+pub(in crate::identify) fn smooth(signal: &[f64]) -> Vec<f64> {
     up_to_harmonic(signal, HARMONICS)
 }
 
@@ -113,7 +113,7 @@ pub(super) fn up_to_harmonic(signal: &[f64], highest: usize) -> Vec<f64> {
 }
 
 /// Middle of the values, of two the mean; none of no values.
-pub(super) fn median(values: &mut [f64]) -> Option<f64> {
+pub(in crate::identify) fn median(values: &mut [f64]) -> Option<f64> {
     let n = values.len();
     if n == 0 {
         return None;
@@ -134,14 +134,14 @@ pub(super) fn median(values: &mut [f64]) -> Option<f64> {
 pub(super) const OF_MEDIAN_DEVIATION: f64 = 1.482_602_218_505_602;
 
 /// Median, and the standard deviation from the median absolute deviation; none of no values.
-pub(super) fn robust_scale(values: &[f64]) -> Option<[f64; 2]> {
+pub(in crate::identify) fn robust_scale(values: &[f64]) -> Option<[f64; 2]> {
     let middle = median(&mut values.to_vec())?;
     let mut deviations: Vec<f64> = values.iter().map(|v| (v - middle).abs()).collect();
     median(&mut deviations).map(|deviation| [middle, OF_MEDIAN_DEVIATION * deviation])
 }
 
 /// Correlation of neighbouring values about their mean; 0 of equal values.
-pub(super) fn neighbour_correlation(values: &[f64]) -> f64 {
+pub(in crate::identify) fn neighbour_correlation(values: &[f64]) -> f64 {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
     let product = values
@@ -154,7 +154,7 @@ pub(super) fn neighbour_correlation(values: &[f64]) -> f64 {
 }
 
 /// Standard deviation of the noise of a periodic signal, from its second differences, in which a smooth signal is gone.
-pub(super) fn noise(values: &[f64]) -> f64 {
+pub(in crate::identify) fn noise(values: &[f64]) -> f64 {
     let n = values.len();
     let second = |i: usize| values[(i + n - 1) % n] - 2.0 * values[i] + values[(i + 1) % n];
     let mut sizes: Vec<f64> = (0..n).map(|i| second(i).abs()).collect();

@@ -3,8 +3,8 @@
 pub use super::parameter::ContactParameter;
 use super::pooled_result::Pooled;
 use super::result::TestResult;
-use super::settings::IdentifySettings;
 use crate::file::FileRecord;
+use crate::identify::settings::IdentifySettings;
 use crate::sampling::Shape;
 
 /// Version of the format of `identified.json`.

@@ -1,14 +1,18 @@
 //! The loop of an elastic-Coulomb contact, and how far a measured one is from it.
 
-use super::mean_loop::{MeanLoop, median};
-use super::result::Misfit;
+use crate::identify::cycles::mean_loop::{MeanLoop, median};
+use crate::identify::found::result::Misfit;
 
 /// Misfit above which a contact is not elastic-Coulomb.
 const LARGE: f64 = 0.05;
 
 /// Tangential force (N) of a spring of this stiffness (N/m) in series with a Coulomb slider of this friction coefficient, over the
 /// motion and normal force of a loop in its steady cycle. Without a coefficient it sticks.
-pub(super) fn elastic_coulomb(cycle: &MeanLoop, stiffness: f64, friction: Option<f64>) -> Vec<f64> {
+pub(in crate::identify) fn elastic_coulomb(
+    cycle: &MeanLoop,
+    stiffness: f64,
+    friction: Option<f64>,
+) -> Vec<f64> {
     let n = cycle.samples();
     let (mut force, mut column) = (0.0, vec![0.0; n]);
     // one lap from any start reaches the steady cycle, if the contact slips at all
@@ -25,7 +29,7 @@ pub(super) fn elastic_coulomb(cycle: &MeanLoop, stiffness: f64, friction: Option
 }
 
 /// Difference of a fitted loop from a measured one, less its median offset, and the misfit that it makes.
-pub(super) fn misfit(measured: &[f64], fitted: &mut [f64]) -> (Vec<f64>, Misfit) {
+pub(in crate::identify) fn misfit(measured: &[f64], fitted: &mut [f64]) -> (Vec<f64>, Misfit) {
     let rest =
         |fitted: &[f64]| -> Vec<f64> { measured.iter().zip(fitted).map(|(a, b)| a - b).collect() };
     let offset = median(&mut rest(fitted)).unwrap_or(0.0);

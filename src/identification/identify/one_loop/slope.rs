@@ -1,20 +1,20 @@
 //! Slopes that single points do not spoil.
 
-use super::mean_loop::{median, robust_scale};
+use crate::identify::cycles::mean_loop::{median, robust_scale};
 
 /// A line through points.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Line {
+pub(in crate::identify) struct Line {
     /// Rise over run.
-    pub(super) slope: f64,
+    pub(in crate::identify) slope: f64,
     /// Height at 0.
     pub(super) intercept: f64,
     /// Standard deviation of the points about it.
     pub(super) deviation: f64,
     /// Standard error of the slope by these; none of fewer than four points.
-    pub(super) standard_error: Option<f64>,
+    pub(in crate::identify) standard_error: Option<f64>,
     /// Standard uncertainty of the slope because the points may lie on another curve; 0 where a line is all that is asked for.
-    pub(super) model_error: f64,
+    pub(in crate::identify) model_error: f64,
 }
 
 /// Points above which neighbours are averaged: the pairs grow with the square.
@@ -74,4 +74,19 @@ fn thinned(values: &[f64]) -> Vec<f64> {
         .chunks(size)
         .map(|part| part.iter().sum::<f64>() / part.len() as f64)
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::branch_line;
+
+    /// Noise of the displacement is even in the compliance; it would flatten a slope of force over displacement.
+    #[test]
+    fn noise_of_the_displacement_does_not_flatten_a_branch() {
+        let noise = |k: u32| 0.6 * ((f64::from(k) * 0.618_033_988_75).fract() - 0.5);
+        let force: Vec<f64> = (0..100).map(|k| f64::from(k) / 100.0).collect();
+        let displacement: Vec<f64> = (0..100).map(|k| f64::from(k) / 100.0 + noise(k)).collect();
+        let slope = branch_line(&displacement, &force).unwrap().slope;
+        assert!((slope - 1.0).abs() < 0.02, "{slope}");
+    }
 }

@@ -1,12 +1,12 @@
 //! The knee of a branch: how the slip limits of the parts of a contact are spread.
 
-use super::golden::smallest;
+use crate::identify::golden::smallest;
 use libm::{asin, exp, log, pow};
 use std::f64::consts::FRAC_2_PI;
 
 /// How the slip limits of the parts of a contact are spread, over their mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Knee {
+pub(in crate::identify) enum Knee {
     /// None is below `least` = m, and a share (1 − (x − m)/((1 − m)(1 + q)))^q of the parts still sticks where x is the elastic swing
     /// of the force over that of full slip.
     ///
@@ -110,7 +110,7 @@ impl Knee {
     }
 
     /// Whether it changes a branch up to this share of the swing.
-    pub(super) fn bends_before(&self, share: f64) -> bool {
+    pub(in crate::identify) fn bends_before(&self, share: f64) -> bool {
         self.elastic(share) > (1.0 + SEEN) * share
     }
 

@@ -1,7 +1,7 @@
 //! Frequency and phase of a motion.
 
 use super::equations::solve;
-use super::golden::smallest;
+use crate::identify::golden::smallest;
 use libm::{atan2, cos, sin};
 use std::f64::consts::TAU;
 

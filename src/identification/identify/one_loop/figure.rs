@@ -2,14 +2,14 @@
 
 use super::loop_estimate::LoopNumbers;
 use super::loop_shape::LoopShape;
-use super::mean_loop::MeanLoop;
-use super::result::LoopFigure;
+use crate::identify::cycles::mean_loop::MeanLoop;
+use crate::identify::found::result::LoopFigure;
 
 /// Most points of a figure.
 const MOST_POINTS: usize = 500;
 
 /// Figure of the mean loop with the force that was fitted to it and the rest, all as measured; the offset of T is taken out here.
-pub(super) fn figure(
+pub(in crate::identify) fn figure(
     cycle: &MeanLoop,
     shape: &LoopShape,
     numbers: &LoopNumbers,

@@ -2,25 +2,25 @@
 
 use super::half::Half;
 use super::knee::Knee;
-use super::mean_loop::{MeanLoop, median};
-use super::scatter::Batches;
 use super::slope::{Line, branch_line};
+use crate::identify::cycles::mean_loop::{MeanLoop, median};
+use crate::identify::cycles::scatter::Batches;
 
 /// Part of a half in which the contact sticks, and how its slope is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Window {
+pub(in crate::identify) struct Window {
     /// First and last place of the half.
-    pub(super) places: [usize; 2],
+    pub(in crate::identify) places: [usize; 2],
     /// Share of the swing of T/N where it ends.
-    pub(super) end: f64,
+    pub(in crate::identify) end: f64,
     /// The knee that the branch has, where a part of it slips before the whole.
-    pub(super) straightened: Option<Straightened>,
+    pub(in crate::identify) straightened: Option<Straightened>,
 }
 
 /// How the points of a branch with a knee are put on its first slope.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Straightened {
-    pub(super) knee: Knee,
+pub(in crate::identify) struct Straightened {
+    pub(in crate::identify) knee: Knee,
     /// T/N at the reversal before, against the motion, and its swing.
     pub(super) levels: [f64; 2],
     /// Mean slope over all knees that are possible, over that with this one.
@@ -166,7 +166,11 @@ pub(super) fn slope(half: &Half, cycle: &MeanLoop, window: &Window) -> Option<Li
 }
 
 /// Displacement after the reversal, and place, where the branch lies below its line for good; none where it never does.
-pub(super) fn leaves_line(half: &Half, cycle: &MeanLoop, line: &Line) -> Option<(f64, usize)> {
+pub(in crate::identify) fn leaves_line(
+    half: &Half,
+    cycle: &MeanLoop,
+    line: &Line,
+) -> Option<(f64, usize)> {
     let (x, y) = (half.displacement(cycle), half.force(cycle));
     let swing = y[y.len() - 1] - y[0];
     let far = (SURE_LEAVE * line.deviation).max(LEAVE * swing);

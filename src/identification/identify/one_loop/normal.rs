@@ -1,7 +1,7 @@
 //! Normal stiffness: normal force over approach.
 
-use super::mean_loop::{MeanLoop, smooth};
 use super::slope::{Line, pairwise_line};
+use crate::identify::cycles::mean_loop::{MeanLoop, smooth};
 
 /// Share of the variance of the approach that its lowest harmonics must hold; below it there is noise alone.
 const MOTION: f64 = 0.5;

@@ -33,7 +33,7 @@ const TWELFTHS: usize = 12;
 
 /// Steps of a sensor, and what the noise before it leaves of them in a mean over cycles.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Steps {
+pub(in crate::identify) struct Steps {
     /// Step of the sensor.
     step: f64,
     /// Error of a mean over cycles by the steps (root mean square).
@@ -63,7 +63,7 @@ impl Steps {
     ///
     /// What noise leaves is a wave A sin(2π x/q + φ) of the displacement x. A line through it over the travel L has the slope
     /// 6A/L · j₁(πL/q) cos φ, with the spherical Bessel function j₁; where on its steps the sensor reverses nobody knows, so all φ are alike.
-    pub(super) fn error_of_slope(&self, travel: f64) -> f64 {
+    pub(in crate::identify) fn error_of_slope(&self, travel: f64) -> f64 {
         if !(travel > 0.0 && travel < self.step) {
             return 0.0;
         }
@@ -76,11 +76,11 @@ impl Steps {
 
 /// What smoothing has left of the error that all cycles have in common.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct CommonError {
+pub(in crate::identify) struct CommonError {
     /// Mean loop without each part of the phase.
-    pub(super) without: Vec<MeanLoop>,
+    pub(in crate::identify) without: Vec<MeanLoop>,
     /// Steps of the sensor; none where noise has blurred them.
-    pub(super) steps: Option<Steps>,
+    pub(in crate::identify) steps: Option<Steps>,
 }
 
 /// Step of the sensor that gave a signal: the least difference between two of its values, if all others are multiples of it; else 0.

@@ -2,43 +2,43 @@
 
 use super::branch::slope;
 use super::loop_shape::LoopShape;
-use super::mean_loop::{MeanLoop, neighbour_correlation};
 use super::normal::normal_line;
 use super::slope::Line;
+use crate::identify::cycles::mean_loop::{MeanLoop, neighbour_correlation};
 
 /// Numbers of a loop, in SI units, with the rig's stiffness in series.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct LoopNumbers {
+pub(in crate::identify) struct LoopNumbers {
     /// Mean normal force.
-    pub(super) normal: f64,
+    pub(in crate::identify) normal: f64,
     /// Half the difference of the plateaus over the mean normal force there.
-    pub(super) friction: Option<PlateauNumbers>,
+    pub(in crate::identify) friction: Option<PlateauNumbers>,
     /// Lines of both stick branches, of either sign.
-    pub(super) lines: [Option<Line>; 2],
+    pub(in crate::identify) lines: [Option<Line>; 2],
     /// Normal force over approach.
-    pub(super) normal_line: Option<Line>,
+    pub(in crate::identify) normal_line: Option<Line>,
     /// Energy of the cycle.
-    pub(super) energy: f64,
+    pub(in crate::identify) energy: f64,
 }
 
 /// What the plateaus of a loop say.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PlateauNumbers {
+pub(in crate::identify) struct PlateauNumbers {
     /// Friction coefficient.
-    pub(super) coefficient: f64,
+    pub(in crate::identify) coefficient: f64,
     /// Its standard error, from the samples of the plateaus.
-    pub(super) standard_error: Option<f64>,
+    pub(in crate::identify) standard_error: Option<f64>,
     /// Offset of T.
-    pub(super) offset: f64,
+    pub(in crate::identify) offset: f64,
     /// Slip distance per cycle; absent without a stick slope.
-    pub(super) slip_distance: Option<f64>,
+    pub(in crate::identify) slip_distance: Option<f64>,
     /// Mean normal force on the plateaus.
-    pub(super) normal: f64,
+    pub(in crate::identify) normal: f64,
 }
 
 impl LoopNumbers {
     /// Of one loop.
-    pub(super) fn of(cycle: &MeanLoop, shape: &LoopShape) -> Self {
+    pub(in crate::identify) fn of(cycle: &MeanLoop, shape: &LoopShape) -> Self {
         let lines = [0, 1].map(|side| {
             let window = shape.windows[side]?;
             slope(&shape.halves[side], cycle, &window)
@@ -56,19 +56,19 @@ impl LoopNumbers {
     }
 
     /// Mean compliance of the stick branches (m/N): of either sign, where noise hides the travel.
-    pub(super) fn compliance(&self) -> Option<f64> {
+    pub(in crate::identify) fn compliance(&self) -> Option<f64> {
         let lines = self.lines.iter().flatten();
         let each: Vec<f64> = lines.map(|line| 1.0 / line.slope).collect();
         (!each.is_empty()).then(|| each.iter().sum::<f64>() / each.len() as f64)
     }
 
     /// Slope of the stick branches (N/m), of their mean compliance.
-    pub(super) fn stick(&self) -> Option<f64> {
+    pub(in crate::identify) fn stick(&self) -> Option<f64> {
         self.compliance().filter(|mean| *mean > 0.0).map(f64::recip)
     }
 
     /// Energy over slip distance and normal force.
-    pub(super) fn friction_from_energy(&self) -> Option<f64> {
+    pub(in crate::identify) fn friction_from_energy(&self) -> Option<f64> {
         let plateaus = self.friction?;
         let slip = plateaus.slip_distance.filter(|slip| *slip > 0.0)?;
         Some(self.energy / (slip * plateaus.normal))

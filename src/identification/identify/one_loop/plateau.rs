@@ -1,7 +1,7 @@
 //! The plateau before a reversal: whether the whole contact slips, and where.
 
 use super::half::Half;
-use super::mean_loop::MeanLoop;
+use crate::identify::cycles::mean_loop::MeanLoop;
 
 /// Parts of the displacement of a half, at its end, in which a plateau is sought, longest first.
 const TAILS: [f64; 10] = [0.9, 0.8, 0.65, 0.5, 0.35, 0.25, 0.17, 0.12, 0.08, 0.05];
