@@ -10,10 +10,10 @@ use libm::{exp, log, pow};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Draws that are used at most, the first ones: more change the density less than its own error.
-pub const MOST_DRAWS: usize = 4000;
+/// Draws that are used at most, at equal steps: more change the density less than its own error.
+pub(super) const MOST_DRAWS: usize = 4000;
 /// Fewest draws: fewer show no distribution.
-pub const LEAST_DRAWS: usize = 100;
+pub(super) const LEAST_DRAWS: usize = 100;
 /// Distance of distribution functions that the kernels may have, beside what the samples scatter.
 const KERNELS: f64 = 0.1;
 /// Distance of the distribution function of n draws from its own, over 1/√n, that one case in a hundred exceeds (Kolmogorov).

@@ -22,7 +22,7 @@
 pub mod built;
 pub mod compare;
 pub mod disk;
-pub mod draws;
+mod draws;
 pub mod estimate;
 pub mod evaluator;
 pub mod export;

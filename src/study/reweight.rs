@@ -108,71 +108,85 @@ fn of_distributions(run: &StoredRun, changes: &[Change]) -> ([Vec<f64>; 2], Vec<
 fn of_draws(run: &StoredRun, path: &Path) -> Result<(Vec<f64>, Vec<ReweightedInput>), Error> {
     let refused = |rule: String| Error::from(FileError::content(path, None, rule));
     let table = SampleTable::read(path)?;
-    if run.record.design.correlated {
-        let rule =
-            "must belong to a study without correlated inputs: their densities are no product";
-        return Err(refused(rule.to_owned()));
-    }
-    if table.rows.len() < LEAST_DRAWS {
-        let rule = format!(
-            "has {} draws: must have at least {LEAST_DRAWS}",
-            table.rows.len()
-        );
+    let count = table.rows.len();
+    if count < LEAST_DRAWS {
+        let rule = format!("has {count} draws: must have at least {LEAST_DRAWS}");
         return Err(refused(rule));
     }
-    let draws = &table.rows[..table.rows.len().min(MOST_DRAWS)];
-    let names: Vec<&str> = table.inputs.iter().map(|input| input.name()).collect();
-    let mut columns = Vec::new();
-    for name in &names {
-        let column = run
-            .record
-            .inputs
-            .iter()
-            .position(|input| input.name == *name);
-        let law = column.and_then(|j| Some((j, run.record.inputs[j].distribution.as_ref()?)));
-        columns.push(law.ok_or_else(|| {
-            refused(format!(
-                "column {name}: must be an input that the study draws from a distribution"
-            ))
-        })?);
-    }
+    // at equal steps, so that draws of every chain count
+    let rows = table.rows.iter().step_by(count.div_ceil(MOST_DRAWS));
+    let draws: Vec<Vec<f64>> = rows.cloned().collect();
+    let columns = drawn_inputs(run, &table).map_err(refused)?;
     let laws: Vec<&Distribution> = columns.iter().map(|(_, law)| *law).collect();
-    let chosen = |inputs: &[f64]| {
-        columns
-            .iter()
-            .map(|(j, _)| inputs[*j])
-            .collect::<Vec<f64>>()
-    };
-    let samples: Vec<Vec<f64>> = run.outcomes.iter().map(|o| chosen(&o.inputs)).collect();
-    let density = DrawsDensity::of(draws, &laws).map_err(|(column, rule)| {
-        let at = column.map_or_else(String::new, |j| format!("column {}: ", names[j]));
+    let outcomes = run.outcomes.iter();
+    let samples: Vec<Vec<f64>> = outcomes
+        .map(|o| columns.iter().map(|(j, _)| o.inputs[*j]).collect())
+        .collect();
+    let density = DrawsDensity::of(&draws, &laws).map_err(|(column, rule)| {
+        let at = column.map_or_else(String::new, |j| {
+            format!("column {}: ", table.inputs[j].name())
+        });
         refused(format!("{at}{rule}"))
     })?;
     let ratios = density.ratios(&samples, &laws);
-    let weights = Weights::of_densities(&ratios, &vec![1.0; ratios.len()]);
-    let weights =
-        weights.ok_or_else(|| refused("has draws that no sample is near to".to_owned()))?;
-    let effective = weights.effective_sample_size();
+    let weights = Weights::of_densities(&ratios, &vec![1.0; ratios.len()])
+        .ok_or_else(|| refused("has draws that no sample is near to".to_owned()))?;
     let mut inputs = Vec::new();
-    for (j, name) in names.iter().enumerate() {
-        let [of_samples, of_draws] =
-            [&samples[..], draws].map(|rows| rows.iter().map(|r| r[j]).collect::<Vec<f64>>());
-        let distance = distance(&of_samples, weights.values(), &of_draws);
-        // fewer effective samples than a statement needs have a message of their own
-        if effective >= LEAST_EFFECTIVE_SAMPLES && distance > largest_distance(effective) {
-            return Err(refused(format!(
-                "column {name}: the weighted samples do not have its distribution (the functions are {distance:.2} apart): a run that \
-                 covers the draws better, or a study with [design] kind = \"file\""
-            )));
-        }
+    for (j, law) in laws.iter().enumerate() {
+        let name = table.inputs[j].name().to_owned();
+        let distance = distance_of(j, &samples, &weights, &draws)
+            .map_err(|rule| refused(format!("column {name}: {rule}")))?;
         inputs.push(ReweightedInput {
-            name: (*name).to_owned(),
-            sampled: laws[j].to_string(),
+            name,
+            sampled: law.to_string(),
             reweighted: format!("{} draws", draws.len()),
             distance: Some(distance),
         });
     }
     Ok((ratios, inputs))
+}
+
+/// Columns of the run's inputs that a table of draws has, and the distributions they were drawn from.
+fn drawn_inputs<'a>(
+    run: &'a StoredRun,
+    table: &SampleTable,
+) -> Result<Vec<(usize, &'a Distribution)>, String> {
+    if run.record.design.correlated {
+        let rule =
+            "must belong to a study without correlated inputs: their densities are no product";
+        return Err(rule.to_owned());
+    }
+    let inputs = &run.record.inputs;
+    let drawn = |name: &str| {
+        let j = inputs.iter().position(|input| input.name == name)?;
+        Some((j, inputs[j].distribution.as_ref()?))
+    };
+    let names = table.inputs.iter().map(|input| input.name());
+    let rule = "must be an input that the study draws from a distribution";
+    names
+        .map(|name| drawn(name).ok_or_else(|| format!("column {name}: {rule}")))
+        .collect()
+}
+
+/// Distance of weighted samples and draws in column j, or why they do not stand for the draws.
+fn distance_of(
+    j: usize,
+    samples: &[Vec<f64>],
+    weights: &Weights,
+    draws: &[Vec<f64>],
+) -> Result<f64, String> {
+    let [of_samples, of_draws] =
+        [samples, draws].map(|rows| rows.iter().map(|r| r[j]).collect::<Vec<f64>>());
+    let distance = distance(&of_samples, weights.values(), &of_draws);
+    let effective = weights.effective_sample_size();
+    // fewer effective samples than a statement needs have a message of their own
+    if effective >= LEAST_EFFECTIVE_SAMPLES && distance > largest_distance(effective) {
+        return Err(format!(
+            "the weighted samples do not have its distribution (the functions are {distance:.2} apart): a run that covers the \
+             draws better, or a study with [design] kind = \"file\""
+        ));
+    }
+    Ok(distance)
 }
 
 /// Reads the new distributions and finds the old ones.
