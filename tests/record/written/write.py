@@ -5,6 +5,8 @@
 Displacement 4 um sin, tangential force 30 N of the sign of its rate, normal force 100 N + 2 N cos; 60 samples of 10 kHz.
 """
 
+import pathlib
+
 import numpy as np
 import pyuff
 import scipy.io
@@ -34,16 +36,18 @@ with TdmsWriter("nptdms.tdms") as writer:
 
 for binary in (0, 1):
     name = "pyuff-58b.uff" if binary else "pyuff.uff"
-    for k, (key, unit, values) in enumerate(signals):
-        pyuff.UFF(name).write_sets(
-            {
-                "type": 58, "binary": binary, "id1": key, "id2": "A1", "id3": "specimen = S", "id4": "NONE", "id5": "NONE",
-                "func_type": 1, "ver_num": 0, "load_case_id": 0, "rsp_ent_name": "NONE", "rsp_node": 1, "rsp_dir": 1,
-                "ref_ent_name": "NONE", "ref_node": 1, "ref_dir": 1, "ord_data_type": 4, "num_pts": len(time),
-                "abscissa_spacing": 1, "abscissa_min": 0.0, "abscissa_inc": 1e-4, "z_axis_value": 0.0,
-                "abscissa_spec_data_type": 17, "abscissa_axis_lab": "Time", "abscissa_axis_units_lab": "s",
-                "orddenom_spec_data_type": 0, "z_axis_spec_data_type": 0, "ordinate_spec_data_type": 8 if unit == "um" else 13, "ordinate_axis_lab": key, "ordinate_axis_units_lab": unit,
-                "x": time, "data": values,
-            },
-            "overwrite" if k == 0 else "add",
-        )
+    sets = [
+        {
+            "type": 58, "binary": binary, "id1": key, "id2": "A1", "id3": "specimen = S", "id4": "NONE", "id5": "NONE",
+            "func_type": 1, "ver_num": 0, "load_case_id": 0, "rsp_ent_name": "NONE", "rsp_node": 1, "rsp_dir": 1,
+            "ref_ent_name": "NONE", "ref_node": 1, "ref_dir": 1, "ord_data_type": 4, "num_pts": len(time),
+            "abscissa_spacing": 1, "abscissa_min": 0.0, "abscissa_inc": 1e-4, "z_axis_value": 0.0,
+            "abscissa_spec_data_type": 17, "abscissa_axis_lab": "Time", "abscissa_axis_units_lab": "s",
+            "orddenom_spec_data_type": 0, "z_axis_spec_data_type": 0, "ordinate_spec_data_type": 8 if unit == "um" else 13,
+            "ordinate_axis_lab": key, "ordinate_axis_units_lab": unit, "x": time, "data": values,
+        }
+        for key, unit, values in signals
+    ]
+    # "overwrite" of pyuff 2.5.8 loses the first binary set
+    pathlib.Path(name).unlink(missing_ok=True)
+    pyuff.UFF(name).write_sets(sets, "add")
