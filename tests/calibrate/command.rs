@@ -201,6 +201,11 @@ fn a_run_is_reweighted_by_the_draws_of_a_posterior() {
             format!("stiffness_scale\n{}", "190\n400\n".repeat(60)),
             "column stiffness_scale: the value 400 must lie inside the sampled range",
         ),
+        (
+            "apart.csv",
+            format!("stiffness_scale\n{}", "190\n210\n".repeat(60)),
+            "column stiffness_scale: the weighted samples do not have its distribution",
+        ),
     ] {
         std::fs::write(at.join(name), text).unwrap();
         let output = microslip(at, &["reweight", "results", "--posterior", name]);

@@ -155,24 +155,3 @@ fn chains_do_not_depend_on_threads() {
     assert!(on(1, 3) == on(3, 3), "one thread and three");
     assert!(on(1, 3) != on(1, 4), "another seed");
 }
-
-/// Chains have random numbers of their own: with the same ones two chains come together and then say the same.
-#[test]
-fn chains_do_not_follow_each_other() {
-    let (prior, design) = normal_prior(0.0);
-    let fitted = surrogates(&prior, &design, response);
-    let data = observed([100.2, 3.15], [0.2, 0.05]);
-    let posterior = Posterior::new(&prior, &fitted, &data, Discrepancy::default());
-    let chains = Chains::draw(&posterior, &settings()).unwrap();
-    let draws = chains.each(|position| prior.values(position)[0]);
-    let n = draws[0].len() as f64;
-    let centred = |chain: &Vec<f64>| {
-        let mean = chain.iter().sum::<f64>() / n;
-        chain.iter().map(|v| v - mean).collect::<Vec<f64>>()
-    };
-    let [a, b] = [0, 1].map(|k| centred(&draws[k]));
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let correlation = product(&a, &b) / (product(&a, &a) * product(&b, &b)).sqrt();
-    // 1000 draws, hardly correlated among each other: 0.2 is five standard deviations and more
-    assert!(correlation.abs() < 0.2, "{correlation}");
-}

@@ -4,7 +4,7 @@ use microslip::record::read_hysteresis;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-/// Seen to fail with a file that was written with displacements in mm.
+/// Seen to fail where the reader of binary universal files leaves the unit of the file.
 #[test]
 fn files_of_other_writers_are_read() {
     for name in [

@@ -80,13 +80,13 @@ fn thinned(values: &[f64]) -> Vec<f64> {
 mod tests {
     use super::branch_line;
 
-    /// Noise of the displacement is even in the compliance; it would flatten a slope of force over displacement.
+    /// Noise of the displacement is even in the compliance. A slope of force over displacement is half as steep here.
     #[test]
     fn noise_of_the_displacement_does_not_flatten_a_branch() {
-        let noise = |k: u32| 0.6 * ((f64::from(k) * 0.618_033_988_75).fract() - 0.5);
+        let noise = |k: u32| 3.0 * ((f64::from(k) * 0.618_033_988_75).fract() - 0.5);
         let force: Vec<f64> = (0..100).map(|k| f64::from(k) / 100.0).collect();
         let displacement: Vec<f64> = (0..100).map(|k| f64::from(k) / 100.0 + noise(k)).collect();
         let slope = branch_line(&displacement, &force).unwrap().slope;
-        assert!((slope - 1.0).abs() < 0.02, "{slope}");
+        assert!((slope - 1.0).abs() < 0.1, "{slope}");
     }
 }
