@@ -333,11 +333,14 @@ fn resolution() {
     }
 }
 
+/// A part of the benchmark, of so many seeds.
+type Part = fn(u64);
+
 fn main() {
     let asked: Vec<String> = std::env::args().skip(1).collect();
     let after = asked.iter().skip_while(|a| *a != "--seeds").nth(1);
     let seeds: u64 = after.map_or(1, |n| n.parse().expect("a number of seeds"));
-    let parts: [(&str, fn(u64)); 4] = [
+    let parts: [(&str, Part); 4] = [
         ("map", |_| maps()),
         ("coverage", coverage),
         ("resolution", |_| resolution()),
