@@ -45,6 +45,8 @@ struct Case<'a> {
     mu: f64,
     scale: f64,
     loading: &'a str,
+    /// Gap between nozzle and strip (mm), if it is not that of the rig.
+    gap_mm: Option<f64>,
     instruments: &'a str,
     tests: u64,
     cycles: usize,
@@ -60,13 +62,15 @@ impl Case<'_> {
     }
 
     fn rig(&self) -> Rig {
+        let gap = self.gap_mm.map(|gap| format!("gap_mm = {gap}\n"));
         let text = format!(
             "name = \"closed loop\"\nseed = {}\n[contact]\nfriction_coefficient = {}\ntangential_stiffness_n_per_um = {}\n\
-             [loading]\nkind = \"{}\"\n[excitation]\namplitude_um = {}\nrepetitions = {}\ncycles = {}\n{}",
+             [loading]\nkind = \"{}\"\n{}[excitation]\namplitude_um = {}\nrepetitions = {}\ncycles = {}\n{}",
             self.seed,
             self.mu,
             NOMINAL * self.scale,
             self.loading,
+            gap.unwrap_or_default(),
             self.amplitude_um(),
             self.tests,
             self.cycles,
@@ -180,6 +184,7 @@ fn maps() {
         mu: 0.6,
         scale: 1.0,
         loading: "air",
+        gap_mm: None,
         instruments: "",
         tests: REPEATED,
         cycles: 100,
@@ -243,6 +248,7 @@ fn coverage(seeds: u64) {
             mu,
             scale,
             loading,
+            gap_mm: None,
             instruments,
             tests: COVERAGE_TESTS,
             cycles: 20,
@@ -267,12 +273,12 @@ fn varying(seeds: u64) {
         let of_rig = |k: u64| {
             let share = (k as f64 + 0.5) / rigs as f64;
             let gap = GAPS_MM[0] + share * (GAPS_MM[1] - GAPS_MM[0]);
-            let instruments = format!("[loading.air]\ngap_mm = {gap}\n");
             let case = Case {
                 mu,
                 scale,
                 loading: "air",
-                instruments: &instruments,
+                gap_mm: Some(gap),
+                instruments: "",
                 tests: TESTS_OF_A_GAP,
                 cycles: 20,
                 seed: COVERAGE_SEED + k,
@@ -323,6 +329,7 @@ fn resolution() {
                 mu: 0.6,
                 scale,
                 loading: "air",
+                gap_mm: None,
                 instruments: &instruments,
                 tests: REPEATED,
                 cycles: 100,

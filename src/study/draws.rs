@@ -10,7 +10,7 @@ use libm::{exp, log, pow};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Draws that are used at most, at equal steps: more change the density less than its own error.
+/// Draws that are used at most, the first ones: more change the density less than its own error.
 pub(super) const MOST_DRAWS: usize = 4000;
 /// Fewest draws: fewer show no distribution.
 pub(super) const LEAST_DRAWS: usize = 100;

@@ -113,16 +113,15 @@ fn of_draws(run: &StoredRun, path: &Path) -> Result<(Vec<f64>, Vec<ReweightedInp
         let rule = format!("has {count} draws: must have at least {LEAST_DRAWS}");
         return Err(refused(rule));
     }
-    // at equal steps, so that draws of every chain count
-    let rows = table.rows.iter().step_by(count.div_ceil(MOST_DRAWS));
-    let draws: Vec<Vec<f64>> = rows.cloned().collect();
+    // chains alternate in the file of a calibration: its first rows are of all of them
+    let draws = &table.rows[..count.min(MOST_DRAWS)];
     let columns = drawn_inputs(run, &table).map_err(refused)?;
     let laws: Vec<&Distribution> = columns.iter().map(|(_, law)| *law).collect();
     let outcomes = run.outcomes.iter();
     let samples: Vec<Vec<f64>> = outcomes
         .map(|o| columns.iter().map(|(j, _)| o.inputs[*j]).collect())
         .collect();
-    let density = DrawsDensity::of(&draws, &laws).map_err(|(column, rule)| {
+    let density = DrawsDensity::of(draws, &laws).map_err(|(column, rule)| {
         let at = column.map_or_else(String::new, |j| {
             format!("column {}: ", table.inputs[j].name())
         });
@@ -134,7 +133,7 @@ fn of_draws(run: &StoredRun, path: &Path) -> Result<(Vec<f64>, Vec<ReweightedInp
     let mut inputs = Vec::new();
     for (j, law) in laws.iter().enumerate() {
         let name = table.inputs[j].name().to_owned();
-        let distance = distance_of(j, &samples, &weights, &draws)
+        let distance = distance_of(j, &samples, &weights, draws)
             .map_err(|rule| refused(format!("column {name}: {rule}")))?;
         inputs.push(ReweightedInput {
             name,
