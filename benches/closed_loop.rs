@@ -1,10 +1,11 @@
-//! What an identification finds in virtual tests whose truth is known: `cargo bench --bench closed_loop [-- map coverage resolution varying] [--seeds 3]`.
+//! What an identification finds in virtual tests whose truth is known:
+//! `cargo bench --bench closed_loop [-- map coverage resolution varying] [--seeds 3]`.
 //!
 //! `map`: friction coefficient and stiffness over their range, under the instruments of the published rig and without their
 //! errors. `coverage`: how often the interval of a test holds the truth, 500 tests. `resolution`: how fine the displacement must
 //! be for the stiffness. `varying`: coverage where the gap of the air, and so the pressure map, is another one in every ten tests.
-//! `--seeds N` takes N times as many tests in `coverage` and `varying`, of N seeds. 100 cycles at 100 Hz, 20 for the coverage, 5 without errors. The amplitude is what a careful operator takes:
-//! four times the travel to gross slip, from 1 to 20 µm. All parts take some six minutes of processor time; [`REPEATED`] and
+//! `--seeds N` takes N times as many tests in `coverage` and `varying`, of N seeds. 100 cycles at 100 Hz, 20 for the coverage, 5 without
+//! errors. The amplitude is what a careful operator takes: four times the travel to gross slip, from 1 to 20 µm. All parts take some six minutes of processor time; [`REPEATED`] and
 //! [`COVERAGE_TESTS`] scale it.
 
 #![expect(clippy::expect_used, reason = "a benchmark without its rig fails")]

@@ -72,7 +72,7 @@ fn spectra_of_runs(@builtin(global_invocation_id) id: vec3<u32>) {
     let n = batch.n_states;
     let state = id.x;
     let d = id.y;
-    if state >= n || atomicLoad(&flags[state]) != MOVED {
+    if state >= n || !moved_and_fitted(state) {
         return;
     }
     let zero = real(0.0);

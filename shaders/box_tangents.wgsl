@@ -10,7 +10,7 @@ fn tangents_of_moving(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let state = moving[slot];
-    if atomicLoad(&flags[state]) != MOVED {
+    if !moved_and_fitted(state) {
         return;
     }
     let mu = states[state];

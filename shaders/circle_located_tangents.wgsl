@@ -12,7 +12,7 @@ fn step_row(row: u32, i: u32, state: u32) -> u32 {
 fn circle_steps(@builtin(global_invocation_id) id: vec3<u32>) {
     let state = id.x;
     let i = id.y;
-    if state >= batch.n_states || (atomicLoad(&flags[state]) & (MOVED | OVERFLOW)) != MOVED {
+    if state >= batch.n_states || !moved_and_fitted(state) {
         return;
     }
     mu = states[state];
@@ -174,7 +174,7 @@ fn has_derivative(slot: u32, anchored: bool) -> bool {
         return false;
     }
     let state = moving[slot];
-    return (atomicLoad(&flags[state]) & (MOVED | OVERFLOW)) == MOVED && (cycles[state].laps > 0u) == anchored;
+    return moved_and_fitted(state) && (cycles[state].laps > 0u) == anchored;
 }
 
 fn store_column(slot: u32, state: u32) {

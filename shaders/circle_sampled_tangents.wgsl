@@ -87,7 +87,7 @@ fn circle_sampled_tangents(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let state = moving[slot];
-    if atomicLoad(&flags[state]) != MOVED {
+    if !moved_and_fitted(state) {
         return;
     }
     let zero = real(0.0);

@@ -61,6 +61,11 @@ const SLOTS_PER_STATE: u32 = 1u;
 const MOVING_PER_STATE: u32 = 1u;
 const TANGENTS_PER_STATE: u32 = BLOCKS * M * M;
 
+// Whether a state moved and its events fitted into the room: then it has a derivative.
+fn moved_and_fitted(state: u32) -> bool {
+    return (atomicLoad(&flags[state]) & (MOVED | OVERFLOW)) == MOVED;
+}
+
 // Signal (0 to 2) or its rate (3 to 5) at a sample.
 fn sample_of(c: u32, i: u32, state: u32) -> real {
     return signals[(c * N_TIME + i) * batch.n_states + state];

@@ -5,7 +5,8 @@
 //! covariance S, at m + √(1 − h²) (z − m) with the covariance h² S, so that mean and covariance stay those of the draws (West, J. R.
 //! Stat. Soc. B 55 (1993) 409-422); h = (4 / (n (d + 2)))^(1 / (d + 4)) (Silverman 1986).
 
-use crate::sampling::{Distribution, Shape};
+use crate::sampling::Distribution;
+use crate::special::normal_quantile;
 use libm::{exp, log, pow};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -96,13 +97,8 @@ impl DrawsDensity {
 
 /// Normal score of a value; none at the ends of its distribution.
 fn score(law: &Distribution, value: f64) -> Option<f64> {
-    let standard = Shape::Normal {
-        mean: 0.0,
-        standard_deviation: 1.0,
-    };
     let u = law.cdf(value);
-    let normal = Distribution::new(standard, None).ok()?;
-    (u > 0.0 && u < 1.0).then(|| normal.quantile(u))
+    (u > 0.0 && u < 1.0).then(|| normal_quantile(u))
 }
 
 /// Largest difference of the distribution functions of weighted samples and of draws. Weights add up to 1.
@@ -129,6 +125,7 @@ pub(super) fn largest_distance(effective_samples: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::Shape;
 
     /// Draws of a known normal posterior of two correlated scores: the ratio is that of the densities.
     #[test]

@@ -331,15 +331,21 @@ fn triangle(low: f64, mode: f64, high: f64) -> [f64; 2] {
 /// `uniform: low 0.1, high 0.8`
 impl fmt::Display for Distribution {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let parameter = |(key, value): (&str, f64)| format!("{} {value:?}", key.replace('_', " "));
-        let parameters = self.shape.parameters().into_iter().map(parameter);
-        let cut = self.truncation().map(|ends| format!("truncation {ends:?}"));
-        let stated: Vec<String> = parameters.chain(cut).collect();
-        write!(f, "{}: {}", self.shape.name(), stated.join(", "))
+        f.write_str(&self.in_words(|value| format!("{value:?}")))
     }
 }
 
 impl Distribution {
+    /// Name and parameters, each number as `show` writes it.
+    pub fn in_words(&self, show: impl Fn(f64) -> String) -> String {
+        let parameter =
+            |(key, value): (&str, f64)| format!("{} {}", key.replace('_', " "), show(value));
+        let parameters = self.shape.parameters().into_iter().map(parameter);
+        let ends = |[low, high]: [f64; 2]| format!("truncation [{}, {}]", show(low), show(high));
+        let stated: Vec<String> = parameters.chain(self.truncation().map(ends)).collect();
+        format!("{}: {}", self.shape.name(), stated.join(", "))
+    }
+
     /// A distribution of checked parameters; `truncation` = [low, high] cuts it and normalises what is left.
     ///
     /// # Errors

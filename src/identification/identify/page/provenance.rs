@@ -37,7 +37,7 @@ fn distributions(view: &View) -> Block {
     let found = view.found;
     let rows = found.inputs.iter().map(|input| {
         let distribution = Distribution::new(input.shape, None);
-        let words = distribution.map_or_else(|fault| fault.to_string(), |d| in_words(&d));
+        let words = distribution.map_or_else(|fault| fault.to_string(), |d| four_digits(&d));
         (name(input.parameter).to_owned(), words)
     });
     let count = found.inputs.len();
@@ -57,16 +57,9 @@ fn distributions(view: &View) -> Block {
     )
 }
 
-/// A distribution with as many digits as a reader wants; `identified.json` has all.
-fn in_words(distribution: &Distribution) -> String {
-    let parameters = distribution.shape().parameters().into_iter();
-    let words = parameters
-        .map(|(key, value)| format!("{} {}", key.replace('_', " "), with_digits(value, 4)));
-    format!(
-        "{}: {}",
-        distribution.shape().name(),
-        words.collect::<Vec<_>>().join(", ")
-    )
+/// A distribution in words, with as many digits as a reader wants; `identified.json` has all.
+fn four_digits(distribution: &Distribution) -> String {
+    distribution.in_words(|value| with_digits(value, 4))
 }
 
 /// The name of a setting with its unit as people write it.
