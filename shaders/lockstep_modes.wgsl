@@ -1,45 +1,82 @@
 // Products with matrices, and the division by the dynamic stiffness of the modes.
 
-// Matrix entries, and columns, of a group of threads at a time.
-const TILE_ROWS: u32 = 32u;
+// Rows of the matrix, and columns, of a group of threads; entries of a sum at a time.
+const TILE_ROWS: u32 = 64u;
 const TILE: u32 = 64u;
 const DEPTH: u32 = 16u;
 
-var<workgroup> tile_a: array<f32, 512>;
+// Entries of the matrix and of x. Shape: [DEPTH][16]
+var<workgroup> tile_a: array<vec4<f32>, 256>;
 var<workgroup> tile_x: array<vec4<f32>, 256>;
 
-// Rows from `place.z` and columns from `place.w` of the matrix at `place.x`, and the same rows of the array at `place.y`.
+// DEPTH columns from `place.w` of the matrix at `place.x`, rows from `place.z`, and the same rows of x at `place.y`: each thread loads
+// one row of the matrix and one column of x, side by side in memory with those of the threads beside it.
 fn load_tiles(place: vec4<u32>, index: u32, of_lanes: bool) {
-    for (var i = 0u; i < 8u; i++) {
-        let entry = i * GROUP + index;
-        let row = place.z + entry % TILE_ROWS;
-        let k = place.w + entry / TILE_ROWS;
+    let row = place.z + index;
+    for (var i = 0u; i < DEPTH; i++) {
+        let k = place.w + i;
+        var entry = 0.0;
         var value = 0.0;
-        if row < job.rows && k < job.inner {
-            let from_place = place.x + k * job.rows + row;
-            if of_lanes {
-                value = inverses[from_place];
-            } else {
-                value = shared_numbers[from_place];
-            }
-        }
-        tile_a[entry] = value;
-    }
-    for (var i = 0u; i < 4u; i++) {
-        let entry = i * GROUP + index;
-        let k = place.w + entry / 16u;
-        var value = vec4<f32>();
         if k < job.inner {
-            let first = place.y + k * job.columns + 4u * (entry % 16u);
-            value = vec4<f32>(numbers[first], numbers[first + 1u], numbers[first + 2u], numbers[first + 3u]);
+            if row < job.rows {
+                let from_place = place.x + k * job.rows + row;
+                if of_lanes {
+                    entry = inverses[from_place];
+                } else {
+                    entry = shared_numbers[from_place];
+                }
+            }
+            value = numbers[place.y + k * job.columns + index];
         }
-        tile_x[entry] = value;
+        tile_a[i * 16u + index / 4u][index % 4u] = entry;
+        tile_x[i * 16u + index / 4u][index % 4u] = value;
     }
 }
 
-// y = alpha A x + keep y with a matrix that lies column by column, for all coefficients above 0 or for one: 32 rows and 64 columns
-// per group, 8 x 4 per thread. The inverse of the lanes' tile, or the matrix of the coefficient's part
-// of the model.
+// y = alpha value + keep y for four columns.
+fn put(place: u32, value: vec4<f32>) {
+    for (var l = 0u; l < 4u; l++) {
+        var y = job.alpha * value[l];
+        if job.keep != 0.0 {
+            y += job.keep * numbers[place + l];
+        }
+        numbers[place + l] = y;
+    }
+}
+
+// The same for both fours of columns of a thread, if the matrix has the row.
+fn put_row(row: u32, y: u32, first: vec4<f32>, second: vec4<f32>) {
+    if row < job.rows {
+        put(y + row * job.columns, first);
+        put(y + row * job.columns + 32u, second);
+    }
+}
+
+// The same for four rows from `row` on.
+fn put_rows(row: u32, y: u32, first: mat4x4<f32>, second: mat4x4<f32>) {
+    put_row(row, y, first[0], second[0]);
+    put_row(row + 1u, y, first[1], second[1]);
+    put_row(row + 2u, y, first[2], second[2]);
+    put_row(row + 3u, y, first[3], second[3]);
+}
+
+// Sums of a thread: fours of rows a and b by fours of columns u and v. Not an array: a compiler keeps none in registers whose index
+// it does not know.
+struct Sums {
+    au: mat4x4<f32>,
+    av: mat4x4<f32>,
+    bu: mat4x4<f32>,
+    bv: mat4x4<f32>,
+}
+
+// Every a times every u.
+fn outer(a: vec4<f32>, u: vec4<f32>) -> mat4x4<f32> {
+    return mat4x4<f32>(a.x * u, a.y * u, a.z * u, a.w * u);
+}
+
+// y = alpha A x + keep y with a matrix that lies column by column, for all coefficients above 0 or for one: 64 rows and 64 columns
+// per group, 8 x 8 per thread: rows 4 r to 4 r + 3 and 32 further, columns likewise. The inverse of the lanes' tile, or the matrix of the
+// coefficient's part of the model.
 fn columns_times(group: vec3<u32>, index: u32, of_lanes: bool) {
     let first_column = group.x * TILE;
     let first_row = group.y * TILE_ROWS;
@@ -50,36 +87,30 @@ fn columns_times(group: vec3<u32>, index: u32, of_lanes: bool) {
         matrix += parts[group.z / 2u] * job.stride;
     }
     // -i (x_c - i x_s) has the cosine -x_s and the sine x_c
-    let alpha = select(job.alpha, -job.alpha, job.turns != 0u && group.z % 2u == 0u);
+    let sign = select(1.0, -1.0, job.turns != 0u && group.z % 2u == 0u);
     let x = job.x * job.lanes + (group.z ^ job.turns) * job.x_step * job.columns;
-    let y = job.y * job.lanes + group.z * job.y_step * job.columns;
-    let rows_of = (index / 16u) * 8u;
-    let columns_of = index % 16u;
-    var sum = array<vec4<f32>, 8>();
+    let r = index / 8u;
+    let c = index % 8u;
+    var sums = Sums();
     for (var first = 0u; first < job.inner; first += DEPTH) {
         load_tiles(vec4<u32>(matrix, x + first_column, first_row, first), index, of_lanes);
         workgroupBarrier();
         for (var d = 0u; d < DEPTH; d++) {
-            let right = tile_x[d * 16u + columns_of];
-            for (var i = 0u; i < 8u; i++) {
-                sum[i] += tile_a[d * TILE_ROWS + rows_of + i] * right;
-            }
+            let a = tile_a[d * 16u + r];
+            let b = tile_a[d * 16u + 8u + r];
+            let u = tile_x[d * 16u + c];
+            let v = tile_x[d * 16u + 8u + c];
+            sums.au += outer(a, u);
+            sums.av += outer(a, v);
+            sums.bu += outer(b, u);
+            sums.bv += outer(b, v);
         }
         workgroupBarrier();
     }
-    for (var i = 0u; i < 8u; i++) {
-        let row = first_row + rows_of + i;
-        if row < job.rows {
-            let place = y + row * job.columns + first_column + 4u * columns_of;
-            for (var l = 0u; l < 4u; l++) {
-                var value = alpha * sum[i][l];
-                if job.keep != 0.0 {
-                    value += job.keep * numbers[place + l];
-                }
-                numbers[place + l] = value;
-            }
-        }
-    }
+    let row = first_row + 4u * r;
+    let y = job.y * job.lanes + group.z * job.y_step * job.columns + first_column + 4u * c;
+    put_rows(row, y, sign * sums.au, sign * sums.av);
+    put_rows(row + 32u, y, sign * sums.bu, sign * sums.bv);
 }
 
 @compute @workgroup_size(GROUP)

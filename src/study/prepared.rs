@@ -5,9 +5,9 @@ use super::settings::frequency::PeakSetting;
 use super::settings::read::Study;
 use crate::Error;
 use crate::contact::ContactParameters;
+use crate::ensemble::backend::LaneDevice;
 use crate::ensemble::store::FollowedMode;
 use crate::ensemble::{Ensemble, MistunedDisk, Strips};
-use crate::gpu::Gpu;
 use crate::hb::equations::problem::stuck_stiffness;
 use crate::hb::peak::maxima::PeakChoice;
 use crate::hb::peak::search::PeakSettings;
@@ -264,7 +264,7 @@ impl PreparedStudy<'_> {
 
     /// Its samples, predicted peaks brought closer by `gpu` if there is one.
     #[must_use]
-    pub fn ensemble<'a>(&'a self, gpu: Option<&'a Gpu>) -> Ensemble<'a> {
+    pub fn ensemble<'a>(&'a self, gpu: Option<&'a LaneDevice>) -> Ensemble<'a> {
         Ensemble {
             linear: &self.linear,
             strips: self.strips.as_ref(),

@@ -2,7 +2,8 @@
 
 use super::Ensemble;
 pub use crate::gpu::GpuReport;
-use crate::gpu::{Gpu, GpuSettings};
+use crate::gpu::GpuSettings;
+pub use crate::lockstep::LaneDevice;
 
 /// What was asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -68,7 +69,7 @@ pub struct BackendReport {
 /// The backend of a run, opened.
 #[derive(Debug, Default)]
 pub struct OpenBackend {
-    gpu: Option<Gpu>,
+    gpu: Option<LaneDevice>,
     reason: Option<String>,
 }
 
@@ -86,7 +87,10 @@ impl OpenBackend {
     }
 
     /// The device that was asked for; else why there is none.
-    fn gpu_for(settings: &BackendSettings, ensemble: &Ensemble<'_>) -> Result<Option<Gpu>, String> {
+    fn gpu_for(
+        settings: &BackendSettings,
+        ensemble: &Ensemble<'_>,
+    ) -> Result<Option<LaneDevice>, String> {
         let is_auto = match settings.choice {
             BackendChoice::Cpu => return Ok(None),
             BackendChoice::Gpu => false,
@@ -97,24 +101,24 @@ impl OpenBackend {
             ensemble.has_enough_lanes()?;
         }
         let aft = ensemble.settings.aft;
-        let gpu = Gpu::open(GpuSettings {
+        let device = LaneDevice::open(GpuSettings {
             law: aft.law,
             events: aft.events,
             ..settings.gpu.clone()
         });
-        let gpu = gpu.map_err(|error| error.to_string())?;
-        match is_auto && !gpu.adapter().is_hardware() {
+        let device = device.map_err(|error| error.to_string())?;
+        match is_auto && !device.gpu.adapter().is_hardware() {
             true => Err(format!(
                 "{} is software, which `auto` never takes",
-                gpu.adapter().name
+                device.gpu.adapter().name
             )),
-            false => Ok(Some(gpu)),
+            false => Ok(Some(device)),
         }
     }
 
     /// The device that brings predicted peaks closer, if any.
     #[must_use]
-    pub fn gpu(&self) -> Option<&Gpu> {
+    pub fn gpu(&self) -> Option<&LaneDevice> {
         self.gpu.as_ref()
     }
 
@@ -123,7 +127,7 @@ impl OpenBackend {
     pub fn report(&self) -> BackendReport {
         BackendReport {
             reason: self.reason.clone(),
-            gpu: self.gpu.as_ref().map(Gpu::report),
+            gpu: self.gpu.as_ref().map(|device| device.gpu.report()),
         }
     }
 }

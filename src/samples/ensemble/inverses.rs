@@ -3,7 +3,6 @@
 use crate::hb::equations::free::StaticReference;
 use crate::hb::equations::inverse::InverseJacobian;
 use crate::hb::peak::predicted::PeakPrediction;
-use crate::lockstep::Lanes;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -19,30 +18,36 @@ pub(super) type Made<T> = OnceLock<Option<T>>;
 pub(super) struct Inverses {
     /// What holds harmonic 0.
     pub(super) reference: Made<StaticReference>,
-    /// Compiled for the device of the run.
-    pub(super) lanes: Lanes,
-    /// Predictions that a device has improved, until their samples are solved.
-    starts: Mutex<BTreeMap<StartOfSample, PeakPrediction>>,
+    /// Predictions that a device has improved, until their samples are solved, and how often each is kept: samples may be equal.
+    starts: Mutex<BTreeMap<StartOfSample, (usize, PeakPrediction)>>,
     cells: Mutex<BTreeMap<PeakOfAnchor, Arc<Made<InverseJacobian>>>>,
 }
 
 impl Inverses {
-    /// Keeps a better prediction of the peak at `at`.
+    /// Keeps a better prediction of the peak at `at` until it is forgotten as often as it was kept.
     pub(super) fn keep_start(&self, at: StartOfSample, start: PeakPrediction) {
         let mut starts = self.starts.lock().unwrap_or_else(PoisonError::into_inner);
-        starts.insert(at, start);
+        let (times, _) = starts.entry(at).or_insert((0, start));
+        *times += 1;
     }
 
-    /// Takes it.
-    pub(super) fn take_start(&self, at: &StartOfSample) -> Option<PeakPrediction> {
-        let mut starts = self.starts.lock().unwrap_or_else(PoisonError::into_inner);
-        starts.remove(at)
+    /// The better prediction of the peak at `at`, if there is one.
+    pub(super) fn start(&self, at: &StartOfSample) -> Option<PeakPrediction> {
+        let starts = self.starts.lock().unwrap_or_else(PoisonError::into_inner);
+        starts.get(at).map(|(_, start)| start.clone())
     }
 
-    /// Forgets those that no sample took: one that is stopped, or that has not the modes of its neighbour.
-    pub(super) fn forget_starts(&self) {
+    /// Forgets those at `kept`.
+    pub(super) fn forget_starts(&self, kept: &[StartOfSample]) {
         let mut starts = self.starts.lock().unwrap_or_else(PoisonError::into_inner);
-        starts.clear();
+        for at in kept {
+            if let Some((times, _)) = starts.get_mut(at) {
+                *times -= 1;
+                if *times == 0 {
+                    starts.remove(at);
+                }
+            }
+        }
     }
 
     /// Place of the inverse at this peak.

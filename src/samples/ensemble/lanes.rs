@@ -5,22 +5,22 @@
 
 use super::Ensemble;
 use super::atlas::{Atlas, AtlasPrediction, Place};
-use super::inverses::Made;
+use super::inverses::{Made, StartOfSample};
 use super::with_inverse::{ANCHORS_WITH_INVERSE, LEAST_ANCHORS, MOST_UNKNOWNS};
-use crate::gpu::Gpu;
 use crate::hb::Solution;
 use crate::hb::equations::balance::{Balance, balance_on};
 use crate::hb::equations::free::{FreeBalance, StaticReference};
 use crate::hb::equations::inverse::InverseJacobian;
 use crate::hb::peak::anchored::AnchorInverse;
 use crate::hb::peak::predicted::PeakPrediction;
+use crate::lockstep::LaneDevice;
 use crate::lockstep::search::LaneSearch;
 use crate::lockstep::system::LaneSystem;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Samples whose lanes go to the device together.
-pub(super) const SAMPLES_OF_BATCH: usize = 1024;
+/// Samples whose lanes go to the device together: 137 lanes per level and inverse, which share tiles of 64.
+pub(super) const SAMPLES_OF_BATCH: usize = 2048;
 /// Largest relative difference of frequency and amplitude between a peak searched from a lane and the same searched without: ten
 /// times what two searches with the tolerance of peaks differ by.
 const LIMIT: f64 = 1e-8;
@@ -86,28 +86,30 @@ impl Ensemble<'_> {
         }
     }
 
-    /// Lets the device of the run, if there is one, bring the predicted peaks of the samples `indices` closer.
-    pub(super) fn brought_closer(&self, atlas: &Atlas, indices: &[u64]) {
-        let Some(gpu) = self.gpu.filter(|_| self.takes_inverses(atlas)) else {
-            return;
-        };
-        let wanted: Vec<Wanted> = (indices.par_iter())
-            .flat_map_iter(|&index| self.wanted(atlas, index))
-            .collect();
-        let Some(first) = wanted.first() else {
-            return;
-        };
-        // others would need kernels of their own
-        let harmonics = first.prediction.harmonics.clone();
-        let same = |wanted: &&Wanted| wanted.prediction.harmonics == harmonics;
-        let wanted: Vec<&Wanted> = wanted.iter().filter(same).collect();
-        let found = self.lanes_of(atlas, gpu, &wanted);
-        let improved = wanted.into_iter().zip(found.unwrap_or_default());
-        for (wanted, start) in improved {
-            if let Some(start) = start {
-                atlas.inverses().keep_start(wanted.at().key(), start);
-            }
-        }
+    /// Lets the device of the run, if there is one, bring the predicted peaks of the samples `indices` closer. Gives what it keeps of
+    /// them.
+    pub(super) fn brought_closer(&self, atlas: &Atlas, indices: &[u64]) -> Vec<StartOfSample> {
+        let device = self.gpu.filter(|_| self.takes_inverses(atlas));
+        let improved = device.and_then(|device| {
+            let wanted: Vec<Wanted> = (indices.par_iter())
+                .flat_map_iter(|&index| self.wanted(atlas, index))
+                .collect();
+            // others would need kernels of their own
+            let harmonics = wanted.first()?.prediction.harmonics.clone();
+            let same = |wanted: &Wanted| wanted.prediction.harmonics == harmonics;
+            let wanted: Vec<Wanted> = wanted.into_iter().filter(same).collect();
+            let found = self.lanes_of(atlas, device, &wanted)?;
+            Some(wanted.into_iter().zip(found))
+        });
+        let kept = improved
+            .into_iter()
+            .flatten()
+            .filter_map(|(wanted, start)| {
+                let at = wanted.at().key();
+                atlas.inverses().keep_start(at.clone(), start?);
+                Some(at)
+            });
+        kept.collect()
     }
 
     /// The peaks of sample `index`, for each level and each mode of the nearest anchor.
@@ -144,8 +146,8 @@ impl Ensemble<'_> {
     fn lanes_of(
         &self,
         atlas: &Atlas,
-        gpu: &Gpu,
-        wanted: &[&Wanted],
+        device: &LaneDevice,
+        wanted: &[Wanted],
     ) -> Option<Vec<Option<PeakPrediction>>> {
         let reference = self.reference_of(atlas)?;
         let first = wanted.first()?;
@@ -158,8 +160,7 @@ impl Ensemble<'_> {
             .collect();
         let is_lane: Vec<bool> = lanes.iter().map(Option::is_some).collect();
         let lanes = lanes.into_iter().flatten().collect();
-        let of_run = &atlas.inverses().lanes;
-        let mut found = of_run.improved(gpu, (&system, &balance), lanes).into_iter();
+        let mut found = device.improved((&system, &balance), lanes).into_iter();
         let one = |is_lane: bool| {
             if is_lane {
                 found.next().flatten()
@@ -204,7 +205,8 @@ impl Ensemble<'_> {
         found: Solution,
         again: impl FnOnce() -> Option<Solution>,
     ) -> Option<Solution> {
-        let Some(gpu) = self.gpu.filter(|gpu| gpu.compares(at.inputs)) else {
+        let gpu = self.gpu.map(|device| &device.gpu);
+        let Some(gpu) = gpu.filter(|gpu| gpu.compares(at.inputs)) else {
             return Some(found);
         };
         let Some(again) = again() else {

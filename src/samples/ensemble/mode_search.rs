@@ -112,7 +112,7 @@ impl Ensemble<'_> {
         prediction: &AtlasPrediction,
     ) -> Option<Solution> {
         let again = || self.anchored(of, at, atlas, prediction);
-        let from_lane = atlas.inverses().take_start(&at.key()).and_then(|peak| {
+        let from_lane = atlas.inverses().start(&at.key()).and_then(|peak| {
             let start = AtlasPrediction {
                 peak,
                 ..prediction.clone()

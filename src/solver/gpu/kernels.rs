@@ -2,18 +2,20 @@
 
 use super::adapter::Device;
 use super::error::GpuError;
-use super::readback::{Moving, PassSeconds, RETURNED, read, seconds, u32s};
+use super::readback::{Moving, RETURNED, read, u32s};
 use super::scaled::{ScaledForces, ScaledStates};
 use super::settings::Precision;
 use super::shader::{Access, Pass, Reflection, Shape};
+use super::timer::{PassSeconds, Timer};
 use crate::aft::Want;
 use std::collections::BTreeMap;
 use wgpu::BufferUsages as Usage;
 
 /// Passes of a shape at most.
 const MOST_PASSES: usize = 7;
-/// Bytes of the timestamps at both ends of every pass.
-const TIMER_BYTES: u64 = 16 * MOST_PASSES as u64;
+/// Bytes of the timestamps of all passes.
+const TIMER_BYTES: u64 = Timer::bytes(MOST_PASSES);
+
 /// Compiled passes for one shape.
 #[derive(Debug)]
 pub struct Kernels {
@@ -32,13 +34,6 @@ pub struct Buffers {
     tangent_staging: wgpu::Buffer,
     bind_group: wgpu::BindGroup,
     timer: Option<Timer>,
-}
-
-/// Timestamps at both ends of every pass.
-#[derive(Debug)]
-struct Timer {
-    queries: wgpu::QuerySet,
-    resolved: wgpu::Buffer,
 }
 
 /// What one batch gave.
@@ -150,6 +145,11 @@ impl Kernels {
             .collect()
     }
 
+    /// Their names.
+    pub(crate) fn pass_names(&self, want: Want) -> Vec<&'static str> {
+        self.passes(want).iter().map(|pass| pass.name).collect()
+    }
+
     /// Bytes of a buffer for `states` states.
     fn size(&self, name: &str, states: usize) -> u64 {
         let binding = self.reflection.bindings[name];
@@ -202,14 +202,6 @@ impl Kernels {
             layout: &self.layout,
             entries: &entries,
         });
-        let timer = device.adapter.timestamps.then(|| Timer {
-            queries: (device.device).create_query_set(&wgpu::QuerySetDescriptor {
-                label: None,
-                ty: wgpu::QueryType::Timestamp,
-                count: 2 * MOST_PASSES as u32,
-            }),
-            resolved: create(TIMER_BYTES, Usage::QUERY_RESOLVE | Usage::COPY_SRC),
-        });
         let circle = self.bytes(&self.shape.circle());
         device.queue.write_buffer(&named["circle"], 0, &circle);
         let orders = bytemuck::cast_slice(&self.shape.orders);
@@ -221,7 +213,7 @@ impl Kernels {
             staging,
             tangent_staging,
             bind_group,
-            timer,
+            timer: Timer::new(device, MOST_PASSES),
         })
     }
 
@@ -279,29 +271,21 @@ impl Kernels {
         device.queue.write_buffer(to, 0, &count.to_le_bytes());
     }
 
-    /// The passes over the first `n` states that the buffers hold.
+    /// The passes over the first `n` states that the buffers hold, timed from number 0 on where there is a `timer`.
     pub(crate) fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         buffers: &Buffers,
-        n: usize,
-        want: Want,
+        (n, want): (usize, Want),
+        timer: Option<&Timer>,
     ) {
         let groups = u32::try_from(n.div_ceil(self.reflection.group as usize)).unwrap_or(u32::MAX);
         encoder.clear_buffer(&buffers.named["flags"], 0, None);
         encoder.clear_buffer(&buffers.named["n_moving"], 0, None);
         for (i, (pass, pipeline)) in self.passes(want).iter().zip(&self.pipelines).enumerate() {
-            let writes = buffers
-                .timer
-                .as_ref()
-                .map(|timer| wgpu::ComputePassTimestampWrites {
-                    query_set: &timer.queries,
-                    beginning_of_pass_write_index: Some(2 * i as u32),
-                    end_of_pass_write_index: Some(2 * i as u32 + 1),
-                });
             let mut commands = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: Some(pass.name),
-                timestamp_writes: writes,
+                timestamp_writes: timer.map(|timer| timer.around(i)),
             });
             commands.set_pipeline(pipeline);
             commands.set_bind_group(0, &buffers.bind_group, &[]);
@@ -318,7 +302,7 @@ impl Kernels {
     ) -> wgpu::CommandBuffer {
         let passes = self.passes(want);
         let mut encoder = device.device.create_command_encoder(&Default::default());
-        self.encode(&mut encoder, buffers, n, want);
+        self.encode(&mut encoder, buffers, (n, want), buffers.timer.as_ref());
         let mut offset = TIMER_BYTES;
         for name in RETURNED {
             let size = self.size(name, n);
@@ -326,10 +310,7 @@ impl Kernels {
             offset += size;
         }
         if let Some(timer) = &buffers.timer {
-            let queries = 0..2 * passes.len() as u32;
-            encoder.resolve_query_set(&timer.queries, queries, &timer.resolved, 0);
-            let bytes = 16 * passes.len() as u64;
-            encoder.copy_buffer_to_buffer(&timer.resolved, 0, &buffers.staging, 0, bytes);
+            timer.copy(&mut encoder, passes.len(), &buffers.staging);
         }
         encoder.finish()
     }
@@ -355,10 +336,8 @@ impl Kernels {
         let flags = u32s(take("flags"));
         let slots = u32s(take("slots"));
         let deviations = self.numbers(take("deviations"));
-        let pass_seconds = (buffers.timer.as_ref()).map(|_| {
-            let period = f64::from(device.queue.get_timestamp_period()) * 1e-9;
-            seconds(&self.passes(want), ticks, period)
-        });
+        let names = self.pass_names(want);
+        let pass_seconds = (buffers.timer.as_ref()).map(|timer| timer.seconds(&names, ticks));
         let tangents = match (want, n_moving) {
             (Want::Forces, _) | (_, 0) => Vec::new(),
             _ => self.read_tangents(device, buffers, n_moving)?,
@@ -427,20 +406,23 @@ impl Kernels {
     }
 }
 
-/// Catches what the device says of the calls of this thread.
+/// Catches what the device says of the calls of this thread. Where nobody closes it the last scope must end first, as the fields do.
 pub(crate) struct Scope {
-    memory: wgpu::ErrorScopeGuard,
-    validation: wgpu::ErrorScopeGuard,
     internal: wgpu::ErrorScopeGuard,
+    validation: wgpu::ErrorScopeGuard,
+    memory: wgpu::ErrorScopeGuard,
 }
 
 impl Scope {
     pub(crate) fn new(device: &Device) -> Self {
         let push = |filter| device.device.push_error_scope(filter);
+        let memory = push(wgpu::ErrorFilter::OutOfMemory);
+        let validation = push(wgpu::ErrorFilter::Validation);
+        let internal = push(wgpu::ErrorFilter::Internal);
         Self {
-            memory: push(wgpu::ErrorFilter::OutOfMemory),
-            validation: push(wgpu::ErrorFilter::Validation),
-            internal: push(wgpu::ErrorFilter::Internal),
+            internal,
+            validation,
+            memory,
         }
     }
 

@@ -34,6 +34,8 @@ mod self_test;
 mod shader;
 #[cfg(feature = "gpu")]
 mod tally;
+#[cfg(feature = "gpu")]
+mod timer;
 
 pub use error::GpuError;
 pub use report::{AdapterFacts, GpuReport};
@@ -46,10 +48,10 @@ pub use {
     adapter::{Device, adapters},
     device::Gpu,
     kernels::{BatchResult, Buffers, Kernels},
-    readback::PassSeconds,
     scaled::{ScaledForces, ScaledStates},
     self_test::{examined, self_test},
     shader::{Access, Binding, Reflection, Shape},
+    timer::PassSeconds,
 };
 #[cfg(feature = "gpu")]
-pub(crate) use {kernels::Scope, readback::read};
+pub(crate) use {kernels::Scope, readback::read, timer::Timer};

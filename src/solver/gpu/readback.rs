@@ -3,7 +3,6 @@
 use super::adapter::Device;
 use super::error::GpuError;
 use super::scaled::ScaledForces;
-use super::shader::Pass;
 use crate::aft::Block;
 use std::time::Duration;
 
@@ -13,9 +12,6 @@ const MOVED: u32 = 1;
 const PATIENCE: Duration = Duration::from_secs(120);
 /// The same for a software adapter, which shares the processor with whatever else runs there.
 const SOFTWARE_PATIENCE: Duration = Duration::from_secs(1200);
-
-/// Time (s) on the device by pass.
-pub type PassSeconds = Vec<(&'static str, f64)>;
 
 /// Buffers that come back whole, in the order of the staging buffer.
 pub(super) const RETURNED: [&str; 4] = ["n_moving", "flags", "slots", "deviations"];
@@ -81,17 +77,6 @@ pub(super) fn u32s(bytes: &[u8]) -> Vec<u32> {
         .0
         .iter()
         .map(|b| u32::from_le_bytes(*b))
-        .collect()
-}
-
-/// Seconds between the two timestamps of every pass.
-pub(super) fn seconds(passes: &[Pass], bytes: &[u8], period: f64) -> PassSeconds {
-    let (ticks, _) = bytes.as_chunks::<8>();
-    (passes.iter().zip(ticks.chunks_exact(2)))
-        .map(|(pass, ends)| {
-            let [start, end] = [ends[0], ends[1]].map(u64::from_le_bytes);
-            (pass.name, end.saturating_sub(start) as f64 * period)
-        })
         .collect()
 }
 

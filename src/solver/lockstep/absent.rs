@@ -2,22 +2,32 @@
 
 use super::search::LaneSearch;
 use super::system::LaneSystem;
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, GpuError, GpuSettings};
 use crate::hb::equations::balance::Balance;
 use crate::hb::peak::predicted::PeakPrediction;
 
-/// Kernels for lanes, of which there are none in this build.
-#[derive(Debug, Default)]
-pub struct Lanes;
+/// A device for lanes, of which there is none in this build.
+#[derive(Debug)]
+pub struct LaneDevice {
+    /// The device.
+    pub gpu: Gpu,
+}
 
-impl Lanes {
+impl LaneDevice {
+    /// There is none.
+    ///
+    /// # Errors
+    /// [`GpuError::NoAdapter`].
+    pub fn open(settings: GpuSettings) -> Result<Self, GpuError> {
+        Gpu::open(settings).map(|gpu| Self { gpu })
+    }
+
     /// Nobody has a device to ask.
     pub fn improved(
         &self,
-        gpu: &Gpu,
         _: (&LaneSystem, &Balance<'_>),
         _: Vec<LaneSearch<'_>>,
     ) -> Vec<Option<PeakPrediction>> {
-        match *gpu {}
+        match self.gpu {}
     }
 }

@@ -20,13 +20,19 @@ pub mod system;
 #[cfg(not(feature = "gpu"))]
 mod absent;
 #[cfg(feature = "gpu")]
+mod arrays;
+#[cfg(feature = "gpu")]
+pub mod batch;
+#[cfg(feature = "gpu")]
 pub mod kernels;
 #[cfg(feature = "gpu")]
 mod lanes;
 #[cfg(feature = "gpu")]
+pub mod profile;
+#[cfg(feature = "gpu")]
 mod program;
 
 #[cfg(not(feature = "gpu"))]
-pub use absent::Lanes;
+pub use absent::LaneDevice;
 #[cfg(feature = "gpu")]
-pub use lanes::Lanes;
+pub use lanes::LaneDevice;

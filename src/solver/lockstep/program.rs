@@ -12,7 +12,7 @@ pub(super) const ROUNDS: usize = 6;
 /// Rows of what comes back of a lane: 64 bytes.
 pub(super) const TOLD: usize = 16;
 /// Rows of the matrix, of a group of a product.
-const TILE_ROWS: usize = 32;
+const TILE_ROWS: usize = 64;
 /// Lanes of a group that combines directions.
 const LANES_OF_GROUP: usize = 16;
 
@@ -92,6 +92,14 @@ impl Job {
             u32::from(self.turns),
             word(self.pair),
         ]
+    }
+}
+
+impl Use {
+    /// Multiplications and additions of a product with a matrix; 0 for another pass.
+    pub(super) fn operations(&self) -> f64 {
+        let Matrix { rows, inner, .. } = self.job.matrix;
+        2.0 * rows as f64 * inner as f64 * self.job.columns as f64 * self.groups[2] as f64
     }
 }
 

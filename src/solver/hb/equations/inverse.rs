@@ -52,17 +52,17 @@ impl InverseJacobian {
         self.size
     }
 
-    /// All entries, column by column.
+    /// Writes all entries, column by column.
     #[cfg(feature = "gpu")]
-    pub(crate) fn columns(&self) -> Vec<f32> {
-        let panels = || self.panels.chunks_exact(PANEL * self.size).enumerate();
-        let column = |j: usize| {
-            panels().flat_map(move |(p, panel)| {
-                let rows = PANEL.min(self.size - p * PANEL);
-                &panel[j * PANEL..][..rows]
-            })
-        };
-        (0..self.size).flat_map(column).copied().collect()
+    pub(crate) fn columns(&self, out: &mut [f32]) {
+        for (p, panel) in self.panels.chunks_exact(PANEL * self.size).enumerate() {
+            let columns = out.chunks_exact_mut(self.size);
+            for (column, rows) in columns.zip(panel.chunks_exact(PANEL)) {
+                let column = &mut column[p * PANEL..];
+                let n = column.len().min(PANEL);
+                column[..n].copy_from_slice(&rows[..n]);
+            }
+        }
     }
 
     /// J⁻¹ x for each `x`. Two together read the matrix once.

@@ -10,7 +10,7 @@
 
 use super::growth::{Growth, Limits, MAX_ITERATIONS, PeakSearch};
 use super::predicted::{CORRECTIONS, MEASURING_STEP, PeakPrediction, limits};
-use super::search::{Located, PeakSettings};
+use super::search::{HIGHER, Located, PeakSettings, highest_beside};
 use crate::aft::Want;
 use crate::hb::equations::balance::{Balance, ContactResponse};
 use crate::hb::equations::free::{FreeBalance, FreeMotion, StaticReference};
@@ -22,6 +22,7 @@ use crate::hb::status::Status;
 use crate::linalg::recycled::{RecycledSpace, norm};
 use crate::linalg::single::{round, rounded};
 use crate::linalg::vector::{self, axpy};
+use faer::prelude::c64;
 
 /// Tolerance of a linear solve over the size of the residual: Newton's method leaves about its square.
 const FORCING: f64 = 0.1;
@@ -41,6 +42,9 @@ const CLOSER: f64 = 0.3;
 const MEASURING_SIZE: f64 = 1e-3;
 /// A solve ends at this multiple of the residual asked for.
 const ENOUGH: f64 = 2.0;
+
+/// Phase (rad) on both sides of a flat maximum where searches for a higher one start.
+const BESIDE: f64 = 0.05;
 
 /// What helps to find the peaks of samples close to one that is solved.
 #[derive(Debug, Clone, Copy)]
@@ -66,7 +70,8 @@ impl AnchorInverse<'_> {
     }
 }
 
-/// The maximum of |ŷ| next to `prediction`, preconditioned by `anchor`.
+/// The maximum of |ŷ| next to `prediction`, preconditioned by `anchor`; the highest one where another lies beside it, as
+/// [`highest_beside`] says.
 ///
 /// # Errors
 /// The statuses of [`super::predicted::correct`]; [`Status::MaxIterations`], too, if the inverse is of no use for this sample or its
@@ -84,49 +89,111 @@ pub fn anchored<'p>(
     let free = FreeBalance::new(balance, anchor.reference).ok_or(Status::MaxIterations)?;
     let modes = SingleModes::new(&free);
     let limits = limits(balance, &prediction.point, settings, newton);
-    let closer = Limits {
-        tolerance: CLOSER * limits.tolerance,
-        ..limits
-    };
-    let mut search = PeakSearch::new(closer, prediction.phasor, prediction.sharpness);
-    let (mut point, mut last) = (prediction.point, None);
-    let mut solver = PreconditionedSolver {
+    let search = AnchoredSearch {
+        free: &free,
+        modes: &modes,
         inverse: anchor.inverse,
-        space: RecycledSpace::default(),
-        tangent: vec![0.0; point.r.len()],
+        limits,
+        settings,
     };
-    for _ in 0..MAX_ITERATIONS {
-        let lane = FreeIterate::new(&free, point);
-        let size = lane.size(anchor.inverse);
-        if search.ends(size, lane.contact.steady)? {
-            let falls = |last| solver.falls_further_on(&lane, &modes, last);
-            return match search.has_measured_maximum() || last.is_some_and(falls) {
-                true => certified(balance, lane.point, search.sharpness(), limits),
-                false => Err(Status::MaxIterations),
-            };
-        }
-        if balance.problem.effort.is_spent() {
-            return Err(Status::BudgetSpent);
-        }
-        balance.problem.effort.spend(0);
-        let jacobian = SingleJacobian::new(&free, &modes, &lane.contact, &lane.motion);
-        let correction = solver.solve(&lane, &jacobian, size / limits.share);
-        let correction = correction.ok_or(Status::MaxIterations)?;
-        let here = lane.growth(&correction, &solver.tangent, limits.growth_error(size));
-        let step = search.step(size, here)?;
-        let omega_step = step.length / here.phase_rate;
-        if step.by_growth {
-            last = Some(here);
-        }
-        point = lane.point;
-        axpy(1.0, &correction, &mut point.r);
-        axpy(omega_step, &solver.tangent, &mut point.r);
-        point.omega += omega_step;
-        if !settings.band.contains(point.omega) {
-            return Err(Status::NoPeakInBand);
-        }
+    let (point, sharpness) = search.from(prediction)?;
+    let found = certified(balance, point, sharpness, limits)?;
+    if !found.is_flat() {
+        return Ok(found);
     }
-    Err(Status::MaxIterations)
+    match search.higher_beside(&found) {
+        Ok(None) => Ok(found),
+        Ok(Some((point, sharpness))) => certified(balance, point, sharpness, limits),
+        Err(_) => Ok(highest_beside(balance, found, settings, newton)),
+    }
+}
+
+/// Where the iterations for one sample take what they need.
+struct AnchoredSearch<'a> {
+    free: &'a FreeBalance<'a>,
+    modes: &'a SingleModes,
+    inverse: &'a InverseJacobian,
+    limits: Limits,
+    settings: PeakSettings,
+}
+
+impl<'a> AnchoredSearch<'a> {
+    /// The maximum next to `prediction`, and its sharpness.
+    fn from(&self, prediction: PeakPrediction) -> Result<(Point, Option<f64>), Status> {
+        let limits = Limits {
+            tolerance: CLOSER * self.limits.tolerance,
+            ..self.limits
+        };
+        let effort = &self.free.balance.problem.effort;
+        let mut search = PeakSearch::new(limits, prediction.phasor, prediction.sharpness);
+        let (mut point, mut last) = (prediction.point, None);
+        let mut solver = PreconditionedSolver::new(self.inverse, point.r.len());
+        for _ in 0..MAX_ITERATIONS {
+            let lane = FreeIterate::new(self.free, point);
+            let size = lane.size(self.inverse);
+            if search.ends(size, lane.contact.steady)? {
+                let falls = |last| solver.falls_further_on(&lane, self.modes, last);
+                return match search.has_measured_maximum() || last.is_some_and(falls) {
+                    true => Ok((lane.point, search.sharpness())),
+                    false => Err(Status::MaxIterations),
+                };
+            }
+            if effort.is_spent() {
+                return Err(Status::BudgetSpent);
+            }
+            effort.spend(0);
+            let jacobian = SingleJacobian::new(self.free, self.modes, &lane.contact, &lane.motion);
+            let correction = solver.solve(&lane, &jacobian, size / limits.share);
+            let correction = correction.ok_or(Status::MaxIterations)?;
+            let here = lane.growth(&correction, &solver.tangent, limits.growth_error(size));
+            let step = search.step(size, here)?;
+            let omega_step = step.length / here.phase_rate;
+            if step.by_growth {
+                last = Some(here);
+            }
+            point = lane.point;
+            axpy(1.0, &correction, &mut point.r);
+            axpy(omega_step, &solver.tangent, &mut point.r);
+            point.omega += omega_step;
+            if !self.settings.band.contains(point.omega) {
+                return Err(Status::NoPeakInBand);
+            }
+        }
+        Err(Status::MaxIterations)
+    }
+
+    /// A higher maximum beside the flat one `found`, searched from both sides, and its sharpness.
+    ///
+    /// # Errors
+    /// Why one of the searches failed.
+    fn higher_beside(&self, found: &Located<'_>) -> Result<Option<(Point, Option<f64>)>, Status> {
+        let lane = FreeIterate::new(self.free, found.iterate.point.clone());
+        let mut solver = PreconditionedSolver::new(self.inverse, lane.point.r.len());
+        let jacobian = SingleJacobian::new(self.free, self.modes, &lane.contact, &lane.motion);
+        let correction = solver.solve(&lane, &jacobian, MEASURING_SIZE);
+        let correction = correction.ok_or(Status::MaxIterations)?;
+        let here = lane.growth(&correction, &solver.tangent, 0.0);
+        let mut highest = (lane.height(), None);
+        for phase in [-BESIDE, BESIDE] {
+            let mut point = lane.point.clone();
+            let omega_step = phase / here.phase_rate;
+            axpy(omega_step, &solver.tangent, &mut point.r);
+            point.omega += omega_step;
+            // climbs from where it starts, whatever the branch is known to do at the maximum
+            let response = here.response * c64::cis(phase);
+            let start = PeakPrediction {
+                point,
+                phasor: response / response.norm(),
+                sharpness: None,
+            };
+            let (point, sharpness) = self.from(start)?;
+            let other = FreeIterate::new(self.free, point);
+            if other.height() > (1.0 + HIGHER) * highest.0 {
+                highest = (other.height(), Some((other.point, sharpness)));
+            }
+        }
+        Ok(highest.1)
+    }
 }
 
 /// The peak at `point`, if its residual is within the tolerance. A small excitation asks for more digits than both forms of the static
@@ -189,6 +256,11 @@ impl<'a> FreeIterate<'a> {
         f64::from(largest) * whole / scale
     }
 
+    /// |ŷ| (m).
+    fn height(&self) -> f64 {
+        self.free.response(&self.motion).norm()
+    }
+
     /// J x.
     fn product(&self, x: &[f64]) -> Vec<f64> {
         let rate = self.free.contact_rate(&self.contact, x);
@@ -221,7 +293,15 @@ struct PreconditionedSolver<'a> {
     tangent: Vec<f64>,
 }
 
-impl PreconditionedSolver<'_> {
+impl<'a> PreconditionedSolver<'a> {
+    fn new(inverse: &'a InverseJacobian, size: usize) -> Self {
+        Self {
+            inverse,
+            space: RecycledSpace::default(),
+            tangent: vec![0.0; size],
+        }
+    }
+
     /// Whether the growth falls from `here`, the branch at the peak `lane`, to a point a little further along the branch.
     fn falls_further_on(
         &mut self,

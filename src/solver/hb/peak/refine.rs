@@ -100,6 +100,17 @@ pub fn refined<'p>(
     newton: NewtonSettings,
 ) -> Solution {
     let found = target.chosen(balance, found, newton);
+    raised(balance, found, sets, target, newton)
+}
+
+/// The same for a solution that is known to be the highest one beside it.
+fn raised<'p>(
+    balance: &Balance<'p>,
+    found: Located<'p>,
+    sets: Option<&AlertSets<'_, 'p>>,
+    target: RefinementTarget,
+    newton: NewtonSettings,
+) -> Solution {
     let Some(sets) = sets else {
         return found.solution(balance);
     };
@@ -268,7 +279,13 @@ pub fn refined_near(
 ) -> Result<Solution, Status> {
     let balance = balance_on(problem, harmonics.clone(), settings);
     let (route, found) = maximum_from(&balance, prediction, peak, settings.newton)?;
-    Ok(with_route(&balance, route, found, settings, peak))
+    let sets = AlertSets::new(problem, harmonics, settings);
+    let target = RefinementTarget::Maximum(peak);
+    let solution = refined(&balance, found, sets.as_ref(), target, settings.newton);
+    Ok(Solution {
+        route: Some(route),
+        ..solution
+    })
 }
 
 /// The same by undamped Newton steps that take the inverse Jacobian of another sample's peak as preconditioner.
@@ -284,27 +301,11 @@ pub fn refined_anchored(
 ) -> Result<Solution, Status> {
     let balance = balance_on(problem, harmonics.clone(), settings);
     let found = anchored(&balance, inverse, prediction, peak, settings.newton)?;
-    Ok(with_route(
-        &balance,
-        PeakRoute::Predicted,
-        found,
-        settings,
-        peak,
-    ))
-}
-
-/// The maximum `found` of `balance` with as many harmonics as the alert asks for.
-fn with_route<'p>(
-    balance: &Balance<'p>,
-    route: PeakRoute,
-    found: Located<'p>,
-    settings: &HbSettings,
-    peak: PeakSettings,
-) -> Solution {
-    let sets = AlertSets::new(balance.problem, &balance.harmonics, settings);
+    let sets = AlertSets::new(problem, harmonics, settings);
     let target = RefinementTarget::Maximum(peak);
-    Solution {
-        route: Some(route),
-        ..refined(balance, found, sets.as_ref(), target, settings.newton)
-    }
+    let solution = raised(&balance, found, sets.as_ref(), target, settings.newton);
+    Ok(Solution {
+        route: Some(PeakRoute::Predicted),
+        ..solution
+    })
 }

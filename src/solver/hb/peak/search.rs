@@ -42,6 +42,13 @@ impl Located<'_> {
     }
 }
 
+impl Located<'_> {
+    /// Whether it is flat, or its sharpness unknown: then a higher maximum may lie beside it.
+    pub(super) fn is_flat(&self) -> bool {
+        self.sharpness.is_none_or(|sharpness| sharpness < FLAT)
+    }
+}
+
 impl<'p> From<Iterate<'p>> for Located<'p> {
     /// A solution of unknown sharpness.
     fn from(iterate: Iterate<'p>) -> Self {
@@ -69,7 +76,7 @@ const BOTH_SIDES: [f64; 3] = [0.05, 0.1, 0.2];
 /// Below this sharpness the amplitude changes so little around a maximum that a second one may lie beside it.
 const FLAT: f64 = 0.5;
 /// Relative difference of height from which two maxima are two; searches of one maximum differ by less.
-const HIGHER: f64 = 1e-9;
+pub(super) const HIGHER: f64 = 1e-9;
 /// Most halvings of one step.
 const MAX_HALVINGS: usize = 8;
 
@@ -215,7 +222,7 @@ pub fn highest_beside<'p>(
     settings: PeakSettings,
     newton: NewtonSettings,
 ) -> Located<'p> {
-    if found.sharpness.is_some_and(|sharpness| sharpness >= FLAT) {
+    if !found.is_flat() {
         return found;
     }
     let height = |peak: &Located<'_>| peak.iterate.response(balance).norm();
