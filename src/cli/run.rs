@@ -24,8 +24,7 @@ use serde_json::json;
 pub(super) struct RunArguments {
     #[command(flatten)]
     pub study: StudyArguments,
-    /// Who brings predicted peaks closer; the results do not depend on it. `auto` takes a GPU that is hardware, if there is one and the
-    /// study has enough samples for it.
+    /// Who brings predicted peaks closer. `auto` takes whoever is faster: at present always the processor.
     #[arg(long, value_enum, default_value = "cpu")]
     backend: BackendName,
     /// Adapter of the GPU: index, PCI address or part of its name, as `devices` lists them. One that is software must be

@@ -18,36 +18,28 @@ pub(super) type Made<T> = OnceLock<Option<T>>;
 pub(super) struct Inverses {
     /// What holds harmonic 0.
     pub(super) reference: Made<StaticReference>,
-    /// Predictions that a device has improved, until their samples are solved, and how often each is kept: samples may be equal.
-    starts: Mutex<BTreeMap<StartOfSample, (usize, PeakPrediction)>>,
+    /// Predictions that a device has improved, until the samples of their batch are solved.
+    starts: Mutex<BTreeMap<StartOfSample, PeakPrediction>>,
     cells: Mutex<BTreeMap<PeakOfAnchor, Arc<Made<InverseJacobian>>>>,
 }
 
 impl Inverses {
-    /// Keeps a better prediction of the peak at `at` until it is forgotten as often as it was kept.
+    /// Keeps a better prediction of the peak at `at`.
     pub(super) fn keep_start(&self, at: StartOfSample, start: PeakPrediction) {
         let mut starts = self.starts.lock().unwrap_or_else(PoisonError::into_inner);
-        let (times, _) = starts.entry(at).or_insert((0, start));
-        *times += 1;
+        starts.insert(at, start);
     }
 
-    /// The better prediction of the peak at `at`, if there is one.
+    /// The better prediction of the peak at `at`, if there is one. It stays: samples may be equal.
     pub(super) fn start(&self, at: &StartOfSample) -> Option<PeakPrediction> {
         let starts = self.starts.lock().unwrap_or_else(PoisonError::into_inner);
-        starts.get(at).map(|(_, start)| start.clone())
+        starts.get(at).cloned()
     }
 
-    /// Forgets those at `kept`.
-    pub(super) fn forget_starts(&self, kept: &[StartOfSample]) {
+    /// Forgets them all.
+    pub(super) fn forget_starts(&self) {
         let mut starts = self.starts.lock().unwrap_or_else(PoisonError::into_inner);
-        for at in kept {
-            if let Some((times, _)) = starts.get_mut(at) {
-                *times -= 1;
-                if *times == 0 {
-                    starts.remove(at);
-                }
-            }
-        }
+        starts.clear();
     }
 
     /// Place of the inverse at this peak.

@@ -5,8 +5,8 @@
 
 use super::Ensemble;
 use super::atlas::{Atlas, AtlasPrediction, Place};
-use super::inverses::{Made, StartOfSample};
-use super::with_inverse::{ANCHORS_WITH_INVERSE, LEAST_ANCHORS, MOST_UNKNOWNS};
+use super::inverses::Made;
+use super::with_inverse::MOST_UNKNOWNS;
 use crate::hb::Solution;
 use crate::hb::equations::balance::{Balance, balance_on};
 use crate::hb::equations::free::{FreeBalance, StaticReference};
@@ -24,12 +24,6 @@ pub(super) const SAMPLES_OF_BATCH: usize = 2048;
 /// Largest relative difference of frequency and amplitude between a peak searched from a lane and the same searched without: ten
 /// times what two searches with the tolerance of peaks differ by.
 const LIMIT: f64 = 1e-8;
-
-/// Lanes that share an inverse on a device (`lockstep::program::TILE`).
-const TILE: usize = 64;
-/// Samples after [`LEAST_ANCHORS`] from which on `auto` takes a GPU: so many fill a tile of each inverse, so that no column of
-/// a product is without a lane.
-const SAMPLES_FOR_AUTO: usize = ANCHORS_WITH_INVERSE * TILE;
 
 /// A peak of a sample that a lane may search.
 struct Wanted {
@@ -75,41 +69,28 @@ impl Ensemble<'_> {
         found.ok_or_else(|| "its damping couples modes, or harmonic 1 is left out".to_owned())
     }
 
-    /// Whether `auto` gives the study to a device; else why not.
-    pub(super) fn has_enough_lanes(&self) -> Result<(), String> {
-        let (samples, least) = (self.design.samples(), LEAST_ANCHORS + SAMPLES_FOR_AUTO);
-        match samples >= least as u64 {
-            true => Ok(()),
-            false => Err(format!(
-                "{samples} samples are too few, `auto` takes a GPU from {least} on"
-            )),
+    /// Lets the device of the run, if there is one, bring the predicted peaks of the samples `indices` closer.
+    pub(super) fn brought_closer(&self, atlas: &Atlas, indices: &[u64]) {
+        let Some(device) = self.gpu.filter(|_| self.takes_inverses(atlas)) else {
+            return;
+        };
+        let wanted: Vec<Wanted> = (indices.par_iter())
+            .flat_map_iter(|&index| self.wanted(atlas, index))
+            .collect();
+        let Some(first) = wanted.first() else {
+            return;
+        };
+        // others would need kernels of their own
+        let harmonics = first.prediction.harmonics.clone();
+        let same = |wanted: &&Wanted| wanted.prediction.harmonics == harmonics;
+        let wanted: Vec<&Wanted> = wanted.iter().filter(same).collect();
+        let found = self.lanes_of(atlas, device, &wanted);
+        let improved = wanted.into_iter().zip(found.unwrap_or_default());
+        for (wanted, start) in improved {
+            if let Some(start) = start {
+                atlas.inverses().keep_start(wanted.at().key(), start);
+            }
         }
-    }
-
-    /// Lets the device of the run, if there is one, bring the predicted peaks of the samples `indices` closer. Gives what it keeps of
-    /// them.
-    pub(super) fn brought_closer(&self, atlas: &Atlas, indices: &[u64]) -> Vec<StartOfSample> {
-        let device = self.gpu.filter(|_| self.takes_inverses(atlas));
-        let improved = device.and_then(|device| {
-            let wanted: Vec<Wanted> = (indices.par_iter())
-                .flat_map_iter(|&index| self.wanted(atlas, index))
-                .collect();
-            // others would need kernels of their own
-            let harmonics = wanted.first()?.prediction.harmonics.clone();
-            let same = |wanted: &Wanted| wanted.prediction.harmonics == harmonics;
-            let wanted: Vec<Wanted> = wanted.into_iter().filter(same).collect();
-            let found = self.lanes_of(atlas, device, &wanted)?;
-            Some(wanted.into_iter().zip(found))
-        });
-        let kept = improved
-            .into_iter()
-            .flatten()
-            .filter_map(|(wanted, start)| {
-                let at = wanted.at().key();
-                atlas.inverses().keep_start(at.clone(), start?);
-                Some(at)
-            });
-        kept.collect()
     }
 
     /// The peaks of sample `index`, for each level and each mode of the nearest anchor.
@@ -147,7 +128,7 @@ impl Ensemble<'_> {
         &self,
         atlas: &Atlas,
         device: &LaneDevice,
-        wanted: &[Wanted],
+        wanted: &[&Wanted],
     ) -> Option<Vec<Option<PeakPrediction>>> {
         let reference = self.reference_of(atlas)?;
         let first = wanted.first()?;

@@ -213,15 +213,16 @@ impl Ensemble<'_> {
             let missing = generation.clone().filter(|i| !known.indices.contains(i));
             let missing: Vec<u64> = missing.collect();
             if generation.start < MOST_ANCHORS {
-                self.in_batches(&atlas, &missing, |batch| {
+                for batch in self.batches(&missing) {
+                    self.brought_closer(&atlas, batch);
                     let new: Option<Vec<(u64, Anchor)>> = (batch.par_iter())
                         // one sample may take as long as a hundred others
                         .with_max_len(1)
                         .map(|&index| Some((index, self.watched(index, &atlas, watch)?)))
                         .collect();
+                    atlas.inverses().forget_starts();
                     known.anchors.extend(new.ok_or(Stopped)?);
-                    Ok(())
-                })?;
+                }
                 let anchors = known.anchors.range(generation);
                 atlas.extend(anchors.map(|(_, anchor)| anchor.clone()));
             } else {
@@ -249,37 +250,23 @@ impl Ensemble<'_> {
     }
 
     fn solve_with(&self, atlas: &Atlas, indices: &[u64], watch: &dyn Watch) -> Result<(), Stopped> {
-        self.in_batches(atlas, indices, |batch| {
+        for batch in self.batches(indices) {
+            self.brought_closer(atlas, batch);
             // in their order, so that a part holds neighbours
             let solved = batch.iter().par_bridge();
             let all = solved.all(|&index| self.watched(index, atlas, watch).is_some());
-            all.then_some(()).ok_or(Stopped)
-        })
-    }
-
-    /// Gives samples of one generation to `solve`, with a device as many at a time as its lanes hold, else all. While the processor
-    /// solves one batch the device works at the next.
-    fn in_batches(
-        &self,
-        atlas: &Atlas,
-        indices: &[u64],
-        mut solve: impl FnMut(&[u64]) -> Result<(), Stopped> + Send,
-    ) -> Result<(), Stopped> {
-        let mut rest = indices.chunks(match self.gpu {
-            Some(_) => SAMPLES_OF_BATCH,
-            None => indices.len().max(1),
-        });
-        let closer = |batch: Option<&[u64]>| self.brought_closer(atlas, batch.unwrap_or_default());
-        let mut next = rest.next();
-        let mut kept = closer(next);
-        while let Some(batch) = next {
-            next = rest.next();
-            let (solved, kept_next) = rayon::join(|| solve(batch), || closer(next));
-            atlas.inverses().forget_starts(&kept);
-            kept = kept_next;
-            solved?;
+            atlas.inverses().forget_starts();
+            all.then_some(()).ok_or(Stopped)?;
         }
         Ok(())
+    }
+
+    /// Samples that are solved together: with a device as many as its lanes hold at a time, else all.
+    fn batches<'i>(&self, indices: &'i [u64]) -> std::slice::Chunks<'i, u64> {
+        indices.chunks(match self.gpu {
+            Some(_) => SAMPLES_OF_BATCH,
+            None => indices.len().max(1),
+        })
     }
 
     /// Solves sample `index`, unless `watch` stops, and tells it the result. Gives the sample as a start for others.

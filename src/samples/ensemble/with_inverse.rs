@@ -13,9 +13,9 @@ use crate::hb::peak::anchored::AnchorInverse;
 use std::sync::Arc;
 
 /// Samples in the atlas from which on inverses pay: before, there are too few samples left for what they cost.
-pub(super) const LEAST_ANCHORS: usize = 244;
+const LEAST_ANCHORS: usize = 244;
 /// The inverses of this many first anchors may be used.
-pub(super) const ANCHORS_WITH_INVERSE: usize = 15;
+const ANCHORS_WITH_INVERSE: usize = 15;
 /// Most unknowns: the memory and the time of an inverse grow with their square and cube.
 pub(super) const MOST_UNKNOWNS: usize = 800;
 /// Most memory of all inverses (bytes); fewer anchors have one where they would take more.

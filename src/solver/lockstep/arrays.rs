@@ -1,8 +1,8 @@
 //! Arrays of lanes on a device.
 
-use super::kernels::LaneKernels;
 use super::program::{LanePlaces, TOLD};
-use crate::gpu::{Buffers, Device, Fault, GpuError, Scope};
+use super::system::LaneSystem;
+use crate::gpu::{Buffers, Device, Fault, GpuError, Kernels, Scope};
 use wgpu::BufferUsages as Usage;
 
 /// Arrays that one batch after the other uses. Each is at least as long as its batch needs.
@@ -31,21 +31,20 @@ pub(super) struct LaneArrays {
 }
 
 impl LaneArrays {
-    /// Arrays for `columns` columns, whole tiles, and `inverses` inverses.
+    /// Arrays for `columns` columns, whole tiles, and `inverses` inverses; `fault` may refuse them.
     ///
     /// # Errors
     /// [`GpuError::Refused`] if the device has not the memory.
     pub(super) fn new(
-        kernels: &LaneKernels,
         device: &Device,
-        columns: usize,
-        inverses: usize,
+        (system, contact): (&LaneSystem, &Kernels),
+        (columns, inverses): (usize, usize),
+        fault: Option<Fault>,
     ) -> Result<Self, GpuError> {
-        let system = &kernels.system;
         let size = system.size();
         let states = system.n_pairs * columns;
         let scope = Scope::new(device);
-        if matches!(kernels.fault, Some(Fault::RefuseAbove(most)) if states > most) {
+        if matches!(fault, Some(Fault::RefuseAbove(most)) if states > most) {
             let message = "on purpose".to_owned();
             return Err(GpuError::Refused { states, message });
         }
@@ -53,7 +52,7 @@ impl LaneArrays {
         let arrays = Self {
             columns,
             inverses_at_most: inverses,
-            contact: kernels.contact.buffers(device, states)?,
+            contact: contact.buffers(device, states)?,
             shared: storage(system.numbers.len()),
             inverses: storage(inverses * size * size),
             inverse_of: storage(columns),

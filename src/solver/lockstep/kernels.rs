@@ -170,8 +170,9 @@ impl LaneKernels {
         }
         // their memory first
         *last = None;
-        let [columns, inverses] = [columns, inverses].map(usize::next_power_of_two);
-        let new = Arc::new(LaneArrays::new(self, device, columns, inverses)?);
+        let room = (columns.next_power_of_two(), inverses.next_power_of_two());
+        let of = (&self.system, &self.contact);
+        let new = Arc::new(LaneArrays::new(device, of, room, self.fault)?);
         *last = Some(Arc::clone(&new));
         Ok(new)
     }
