@@ -170,7 +170,8 @@ impl LaneKernels {
         }
         // their memory first
         *last = None;
-        let room = (columns.next_power_of_two(), inverses.next_power_of_two());
+        // batches differ by a few tiles; half of what the device can bind is taken at most, so that twice as much is there
+        let room = (columns.next_power_of_two(), inverses);
         let of = (&self.system, &self.contact);
         let new = Arc::new(LaneArrays::new(device, of, room, self.fault)?);
         *last = Some(Arc::clone(&new));
