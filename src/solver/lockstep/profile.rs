@@ -42,12 +42,7 @@ impl LaneBatch<'_> {
             Some(&on_contacts),
         );
         let bytes = self.timestamps(encoder, &on_contacts, of_contacts.len())?;
-        let mut times: BTreeMap<&'static str, PassTime> = BTreeMap::new();
-        for (name, seconds) in on_contacts.seconds(&of_contacts, &bytes) {
-            let of_pass = times.entry(name).or_default();
-            of_pass.uses += 1;
-            of_pass.seconds += seconds;
-        }
+        let contact_times = on_contacts.seconds(&of_contacts, &bytes);
         let mut encoder = self
             .device
             .device
@@ -56,12 +51,17 @@ impl LaneBatch<'_> {
             self.encode(&mut encoder, number..number + 1, Some(&on_lanes));
         }
         let bytes = self.timestamps(encoder, &on_lanes, of_lanes.len())?;
-        let timed = on_lanes.seconds(&of_lanes, &bytes);
-        for (used, (name, seconds)) in self.uses.iter().zip(timed) {
+        let lane_times = on_lanes.seconds(&of_lanes, &bytes);
+        let operations = self.uses.iter().map(|used| used.operations());
+        let of_contacts = contact_times.into_iter().map(|time| (time, 0.0));
+        let mut times: BTreeMap<&'static str, PassTime> = BTreeMap::new();
+        for ((name, seconds), operations) in
+            of_contacts.chain(lane_times.into_iter().zip(operations))
+        {
             let of_pass = times.entry(name).or_default();
             of_pass.uses += 1;
             of_pass.seconds += seconds;
-            of_pass.operations += used.operations();
+            of_pass.operations += operations;
         }
         Ok(Some(times))
     }

@@ -9,7 +9,7 @@ use super::alert::AlertSets;
 use super::level_peak::LevelPeak;
 use super::predicted::{PeakPrediction, maximum_near};
 use super::refine::{RefinementTarget, refined};
-use super::search::{Located, PeakSettings, find_peak};
+use super::search::{Located, PeakSettings, find_peak, highest_beside};
 use crate::hb::branch::sweep::{SweepDirection, SweepSettings, follow};
 use crate::hb::branch::sweep_start::solution_at_end;
 use crate::hb::equations::effort::{Meter, WorkCount};
@@ -198,6 +198,7 @@ fn located(
         let prediction = PeakPrediction::on_other_harmonics(&pair[0], &found, &pair[1]);
         found = maximum_near(&pair[1], prediction, peak, newton)?;
     }
+    let found = highest_beside(ladder.full(), found, peak, newton);
     let sets = AlertSets::new(problem, &settings.harmonics, settings);
     let target = RefinementTarget::Maximum(peak);
     let solution = refined(ladder.full(), found, sets.as_ref(), target, newton);

@@ -59,19 +59,6 @@ impl RefinementTarget {
         }
     }
 
-    /// The solution that counts where `found` is one of several side by side: of maxima the highest.
-    fn chosen<'p>(
-        self,
-        balance: &Balance<'p>,
-        found: Located<'p>,
-        newton: NewtonSettings,
-    ) -> Located<'p> {
-        match self {
-            Self::Frequency => found,
-            Self::Maximum(peak) => highest_beside(balance, found, peak, newton),
-        }
-    }
-
     /// The solution on `larger` harmonics, searched on both sides of the solution `found` of `balance`: for maxima only.
     fn searched_on_both_sides<'p>(
         self,
@@ -87,24 +74,12 @@ impl RefinementTarget {
     }
 }
 
-/// Raises the harmonics of the solution `found` of `balance`, or of a higher maximum beside it, as far as the alert asks. The first of `sets` has the harmonics
-/// of `balance`; without `sets` the solution stays as it is.
+/// Raises the harmonics of the solution `found` of `balance` as far as the alert asks; of maxima side by side it is the highest ([`highest_beside`]).
+/// The first of `sets` has the harmonics of `balance`; without `sets` the solution stays as it is.
 ///
 /// If the solution cannot be found on larger sets it stays on the smaller one, with [`Status::TruncationAboveThreshold`].
 #[must_use]
 pub fn refined<'p>(
-    balance: &Balance<'p>,
-    found: Located<'p>,
-    sets: Option<&AlertSets<'_, 'p>>,
-    target: RefinementTarget,
-    newton: NewtonSettings,
-) -> Solution {
-    let found = target.chosen(balance, found, newton);
-    raised(balance, found, sets, target, newton)
-}
-
-/// The same for a solution that is known to be the highest one beside it.
-fn raised<'p>(
     balance: &Balance<'p>,
     found: Located<'p>,
     sets: Option<&AlertSets<'_, 'p>>,
@@ -278,14 +253,10 @@ pub fn refined_near(
     peak: PeakSettings,
 ) -> Result<Solution, Status> {
     let balance = balance_on(problem, harmonics.clone(), settings);
-    let (route, found) = maximum_from(&balance, prediction, peak, settings.newton)?;
-    let sets = AlertSets::new(problem, harmonics, settings);
-    let target = RefinementTarget::Maximum(peak);
-    let solution = refined(&balance, found, sets.as_ref(), target, settings.newton);
-    Ok(Solution {
-        route: Some(route),
-        ..solution
-    })
+    let newton = settings.newton;
+    let (route, found) = maximum_from(&balance, prediction, peak, newton)?;
+    let found = highest_beside(&balance, found, peak, newton);
+    Ok(with_route(&balance, route, found, settings, peak))
 }
 
 /// The same by undamped Newton steps that take the inverse Jacobian of another sample's peak as preconditioner.
@@ -301,11 +272,22 @@ pub fn refined_anchored(
 ) -> Result<Solution, Status> {
     let balance = balance_on(problem, harmonics.clone(), settings);
     let found = anchored(&balance, inverse, prediction, peak, settings.newton)?;
-    let sets = AlertSets::new(problem, harmonics, settings);
+    let route = PeakRoute::Predicted;
+    Ok(with_route(&balance, route, found, settings, peak))
+}
+
+/// The maximum `found` of `balance` with as many harmonics as the alert asks for.
+fn with_route<'p>(
+    balance: &Balance<'p>,
+    route: PeakRoute,
+    found: Located<'p>,
+    settings: &HbSettings,
+    peak: PeakSettings,
+) -> Solution {
+    let sets = AlertSets::new(balance.problem, &balance.harmonics, settings);
     let target = RefinementTarget::Maximum(peak);
-    let solution = raised(&balance, found, sets.as_ref(), target, settings.newton);
-    Ok(Solution {
-        route: Some(PeakRoute::Predicted),
-        ..solution
-    })
+    Solution {
+        route: Some(route),
+        ..refined(balance, found, sets.as_ref(), target, settings.newton)
+    }
 }

@@ -12,7 +12,7 @@ use super::level_peak::LevelPeak;
 use super::maxima::{COMPETES, ModeSearch, PeakChoice, search_maxima};
 use super::predicted::{PeakPrediction, correct, maximum_near};
 use super::refine::{RefinementTarget, refined};
-use super::search::{Located, PeakSettings, find_peak, highest_nearby};
+use super::search::{Located, PeakSettings, find_peak, highest_beside, highest_nearby};
 use crate::contact::Events;
 use crate::hb::equations::balance::Balance;
 use crate::hb::equations::effort::Meter;
@@ -214,6 +214,7 @@ impl<'a, 'p> Track<'a, 'p> {
             Events::Located => found,
             _ => highest_nearby(full, found, self.peak, settings.newton),
         };
+        let found = highest_beside(full, found, self.peak, settings.newton);
         let sets = AlertSets::new(full.problem, &settings.harmonics, settings);
         let target = RefinementTarget::Maximum(self.peak);
         refined(full, found, sets.as_ref(), target, settings.newton)
