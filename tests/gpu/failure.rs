@@ -53,7 +53,7 @@ fn a_wrong_device_is_not_used() {
 
 /// `auto` leaves every study to the processor; `gpu` takes what is named. An adapter that is not there, and a law without shader lead to
 /// the processor.
-/// Seen to fail with: the self-test of another law.
+/// Seen to fail with: the self-test of another law; an `auto` that opens what is named.
 #[test]
 fn the_choice_says_why_it_is_the_processor() {
     let study = study();

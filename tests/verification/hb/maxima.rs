@@ -343,6 +343,7 @@ fn the_higher_of_two_maxima_on_a_flat_top_is_the_peak() {
 }
 
 /// So it is from a prediction at either maximum, with the inverse Jacobian there.
+/// Seen to fail with the higher maximum left where it is: the lower one is 1.2e-4 below.
 #[test]
 fn the_higher_maximum_is_found_with_an_inverse_too() {
     on_a_flat_top(|balance, settings, search, swept| {
