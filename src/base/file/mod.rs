@@ -23,7 +23,7 @@ pub use together::{Together, finish_placing, remove_folder};
 pub use written::{FileRecord, NewFile, replace};
 
 use std::fs::File;
-use std::io::{Error as IoError, Read};
+use std::io::{Error as IoError, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 /// Why a file cannot be taken.
@@ -68,6 +68,12 @@ impl FileError {
             line,
             rule: rule.into(),
         }
+    }
+
+    /// Whether the file, or the folder that it is to be in, was not there.
+    #[must_use]
+    pub fn is_absence(&self) -> bool {
+        matches!(self, Self::System { source, .. } if source.kind() == ErrorKind::NotFound)
     }
 }
 

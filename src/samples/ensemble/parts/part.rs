@@ -68,11 +68,7 @@ pub(super) fn write_part(
     let stem = format!("{:010}-{:010}-{hash}", first.index, last.index);
     let files = [(CURVES, curves), (ATLAS, atlas), (SAMPLES, samples)];
     let files = files.map(|(end, bytes)| (format!("{stem}{end}"), bytes));
-    match write_files(folder, &files) {
-        // somebody deletes the folder of a run: what is solved from now on is worth keeping
-        Err(_) if !folder.exists() => Ok(write_files(folder, &files)?),
-        written => Ok(written?),
-    }
+    Ok(write_files(folder, &files)?)
 }
 
 /// A table in memory.
@@ -82,8 +78,17 @@ fn bytes<T>(layout: TableLayout<'_, T>, rows: &[T]) -> Result<Vec<u8>, TableErro
     table.into_bytes()
 }
 
-/// Writes files in this order into `folder`, which is made where it is missing.
+/// Writes files in this order into `folder`, which is made where it is missing, also where it is lost meanwhile: somebody deletes the
+/// folder of a run, and what is solved from now on is worth keeping.
 fn write_files(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), FileError> {
+    match write_once(folder, files) {
+        // whether the folder is there says nothing: another thread may have made it again by now
+        Err(error) if error.is_absence() => write_once(folder, files),
+        written => written,
+    }
+}
+
+fn write_once(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), FileError> {
     let made = std::fs::create_dir_all(folder);
     made.map_err(|source| FileError::system(folder, source))?;
     for (name, bytes) in files {
@@ -181,4 +186,32 @@ fn stamps(paths: &[PathBuf; 3]) -> Result<[(u64, SystemTime); 3], FileError> {
     };
     let [samples, curves, atlas] = paths;
     Ok([stamp(samples)?, stamp(curves)?, stamp(atlas)?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    /// A folder that is lost while files are written, and made again by another thread before the failure is looked into. Seen to
+    /// fail with a second attempt only where the folder is missing.
+    #[test]
+    fn files_are_written_again_into_a_folder_made_by_another() {
+        let results = tempfile::tempdir().unwrap();
+        let folder = results.path().join("parts");
+        let files = ["a", "b", "c"].map(|name| (name.to_owned(), vec![0; 16]));
+        for attempt in 0..300 {
+            std::fs::create_dir_all(&folder).unwrap();
+            std::thread::scope(|scope| {
+                scope.spawn(|| {
+                    std::thread::sleep(Duration::from_micros(10 * attempt));
+                    let elsewhere = results.path().join(attempt.to_string());
+                    std::fs::rename(&folder, elsewhere).unwrap();
+                    std::fs::create_dir_all(&folder).unwrap();
+                });
+                let written = write_files(&folder, &files);
+                assert!(written.is_ok(), "{attempt}: {written:?}");
+            });
+        }
+    }
 }
