@@ -38,7 +38,7 @@ const WORK_OF_FIRST: f64 = 18.0;
 /// Number of such samples.
 const FIRST_SAMPLES: u64 = 64;
 /// Work of the stability of a peak.
-const WORK_OF_STABILITY: f64 = 5.0;
+const WORK_OF_STABILITY: f64 = 3.0;
 /// Operations of the stability of a peak of a disk, per sector and per square of its degrees of freedom.
 const OPERATIONS_OF_RING: f64 = 4e4;
 /// Work of a curve.

@@ -114,6 +114,11 @@ impl PairSteps {
 }
 
 impl PairStep {
+    /// Whether the slider of a direction is not where it was.
+    pub(super) fn moves(&self, d: usize) -> bool {
+        self.by_start[d] != [0.0; 3] || self.by_end[d] != [0.0; 3] || self.kept[d] != STAYS[d]
+    }
+
     fn of(p: &ContactParameters<f64>, samples: impl Iterator<Item = Sample>) -> Self {
         let mut step = Self {
             kept: STAYS,
@@ -122,8 +127,8 @@ impl PairStep {
         let weight = 1.0 / SAMPLES as f64;
         for (i, sample) in samples.enumerate() {
             if sample.closed {
-                step.stiffness[2][2] += weight * p.k_n;
-                step.add_traction(p, &sample, weight);
+                step.stiffness[2][2] += weight;
+                step.add_traction(&sample, weight);
             }
             let end = (i + 1) as f64 * weight;
             let (start, last, kept) = (step.by_start, step.by_end, step.kept);
@@ -135,19 +140,24 @@ impl PairStep {
                 step.kept[d] = [0, 1].map(|c| through(row, &kept, c));
             }
         }
+        // at the end, so that a contact that sticks has its stiffness without rounding
+        step.stiffness[2][2] *= p.k_n;
+        for (d, k) in p.k_t.into_iter().enumerate() {
+            step.stiffness[d] = step.stiffness[d].map(|share| k * share);
+            step.memory[d] = step.memory[d].map(|share| k * share);
+        }
         step
     }
 
-    /// Adds the share `weight` of dT = k_t (du − dw) at a sample.
-    fn add_traction(&mut self, p: &ContactParameters<f64>, sample: &Sample, weight: f64) {
+    /// Adds the share `weight` of dT/k_t = du − dw at a sample.
+    fn add_traction(&mut self, sample: &Sample, weight: f64) {
         for (d, row) in sample.kept.iter().enumerate() {
-            let k = weight * p.k_t[d];
             for (c, follows) in FOLLOWS[d].iter().enumerate() {
                 let before = through(row, &self.by_start, c) + through(row, &self.by_end, c);
                 let slider = sample.by_displacement[d][c] + before;
-                self.stiffness[d][c] += k * (follows - slider);
+                self.stiffness[d][c] += weight * (follows - slider);
             }
-            let memory = [0, 1].map(|c| k * through(row, &self.kept, c));
+            let memory = [0, 1].map(|c| weight * through(row, &self.kept, c));
             (self.memory[d].iter_mut().zip(memory)).for_each(|(m, part)| *m -= part);
         }
     }

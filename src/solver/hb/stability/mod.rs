@@ -9,8 +9,9 @@
 //! - **Contact** (`contact_steps`): the law is marched along the solution on a fine grid, and its derivative with it. A
 //!   slider that sticks keeps the disturbance that it had when stick began; a contact that closes takes the one of the place
 //!   and of the instant of closing; slip and separation forget.
-//! - **March** ([`period_map`]): in each step the contact stiffness is its mean over the step, and the step is that of Gauss'
-//!   method of fourth order, which neither adds nor takes energy.
+//! - **March** (`march`): in each step the contact stiffness is its mean over the step, and the step is that of Gauss'
+//!   method of fourth order, which neither adds nor takes energy. [`period_map`] makes the map of it; a disk has its own
+//!   march ([`ring_map`]).
 //!
 //! A slider that neither slips nor opens in the whole period keeps every disturbance for ever: its residual traction is not
 //! unique. That is no instability, and these disturbances are left out. So is the retention, which acts on a mean and not on a motion.
@@ -20,6 +21,8 @@
 
 pub mod assessment;
 mod contact_steps;
+mod march;
+mod march_step;
 pub mod period_map;
 pub mod ring_map;
 mod sectors;

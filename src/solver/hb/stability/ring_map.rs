@@ -14,7 +14,8 @@
 //! A ring of few unknowns has all of them by a dense matrix. Of others the largest ones are found in a Krylov space.
 
 use super::contact_steps::{PairStep, PairSteps};
-use super::period_map::{PeriodicMotion, ROOT, pair_steps};
+use super::march::ROOT;
+use super::period_map::{PeriodicMotion, pair_steps};
 use super::sectors::{Factors, Sectors};
 use super::structure::{DisturbedWave, EnergyNorm};
 use crate::hb::equations::problem::Problem;

@@ -2,7 +2,7 @@
 //!
 //! Waves of the whole ring do not know of each other but for the contacts, whose derivatives differ from sector to sector. Contacts that keep
 //! their derivatives over the whole period, as those that always stick do, belong to the linear part: D₀. A step of the march
-//! ([`super::period_map`]) is, for the wave w,
+//! ([`super::march`], here with the damping in it) is, for the wave w,
 //!
 //! ```text
 //! Z = Λ + s² + s Ĉ + Bᴴ D₀ B,   Y = Z⁻¹,   L = Y Bᴴ

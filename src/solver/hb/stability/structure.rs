@@ -23,15 +23,18 @@ const SOFT: f64 = 0.1;
 /// Most coordinates; a structure that needs more is not assessed.
 const MOST_COORDINATES: usize = 400;
 
-/// The structure for disturbances of one symmetry, in coordinates η: η̈ + Ĉ η̇ + Λ η = −`factor` Bᵀ f, r = B η.
+/// The structure for disturbances of one symmetry, in its modes q with stuck contacts: q̈ + C q̇ + Λ q = −`factor` Bᵀ (f − D r), r = B q,
+/// with the stiffness D of stuck contacts, which Λ has in it.
 #[derive(Debug)]
 pub(super) struct Disturbed {
     /// Λ, diagonal (1/s²). Shape: `[n]`.
     pub(super) lambda: Vec<f64>,
-    /// Ĉ (1/s). Shape: n × n.
-    pub(super) damping: Mat<f64>,
+    /// C (1/s), part by part. Shape: square, coordinates of the part.
+    pub(super) damping: Vec<Mat<f64>>,
     /// B. Shape: 3 · pairs × n, rows ordered t1 of every pair, t2, n; pairs of the other side after those of this one.
     pub(super) contact: Mat<f64>,
+    /// D, diagonal (N/m). Shape: `[3 · pairs]`.
+    pub(super) stuck: Vec<f64>,
     /// Contacts that one of the pairs stands for.
     pub(super) factor: f64,
     /// 2 if the pairs are those of both sides, and the motion of the other side is that of this one half a period later; else 1.
@@ -67,7 +70,7 @@ impl Disturbed {
         let sides = parts.len();
         let cut = (HIGHEST * omega).powi(2);
         let shapes: Vec<(Vec<f64>, Mat<f64>)> = (parts.iter())
-            .map(|part| shapes(part, &part.contact.real, stuck, cut))
+            .map(|part| stuck_shapes(part, stuck, cut))
             .collect::<Option<_>>()?;
         let n = shapes.iter().map(|(lambda, _)| lambda.len()).sum();
         if n > MOST_COORDINATES {
@@ -76,8 +79,11 @@ impl Disturbed {
         let rows = sides * parts[0].contact.nrows();
         let mut disturbed = Self {
             lambda: Vec::with_capacity(n),
-            damping: Mat::zeros(n, n),
+            damping: Vec::with_capacity(sides),
             contact: Mat::zeros(rows, n),
+            stuck: (stuck.chunks_exact((stuck.len() / 3).max(1)))
+                .flat_map(|component| component.repeat(sides))
+                .collect(),
             factor: parts[0].multiplicity / sides as f64,
             sides,
             first_odd: if sides == 2 { shapes[0].0.len() } else { n },
@@ -103,12 +109,9 @@ impl Disturbed {
                 (0..n).for_each(|j| damped[(i, j)] += c * shapes[(k, j)]);
             }
         }
-        let damping = shapes.transpose() * damped;
+        self.damping.push(shapes.transpose() * damped);
         let contact = both_sides(&(&part.contact.real * &shapes), self.sides, odd);
-        for j in 0..n {
-            (0..n).for_each(|i| self.damping[(first + i, first + j)] = damping[(i, j)]);
-            self.contact.col_mut(first + j).copy_from(contact.col(j));
-        }
+        (0..n).for_each(|j| self.contact.col_mut(first + j).copy_from(contact.col(j)));
         self.lambda.extend(lambda);
         self.shapes.push(shapes);
     }
@@ -211,6 +214,19 @@ impl DisturbedWave {
             contact: contact * shapes,
         })
     }
+}
+
+/// Λ of the modes with contacts of the stiffness `stuck` (N/m) among the [`shapes`] of a part, and their shapes in its modes.
+fn stuck_shapes(part: &ModalPart, stuck: &[f64], cut: f64) -> Option<(Vec<f64>, Mat<f64>)> {
+    let (lambda, shapes) = shapes(part, &part.contact.real, stuck, cut)?;
+    let contact = &part.contact.real * &shapes;
+    let held = Mat::from_fn(contact.nrows(), contact.ncols(), |i, j| {
+        part.multiplicity * stuck[i] * contact[(i, j)]
+    });
+    let mut stiffness = contact.transpose() * held;
+    (lambda.iter().enumerate()).for_each(|(i, lambda)| stiffness[(i, i)] += lambda);
+    let (lambda, turned) = symmetric_eigen(stiffness.as_ref()).ok()?;
+    Some((lambda, shapes * turned))
 }
 
 /// Λ of the coordinates, and their shapes in the modes of the part: its modes up to `cut` (1/s²), and of the others those

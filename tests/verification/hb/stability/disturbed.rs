@@ -52,11 +52,12 @@ fn in_coordinates(map: &PeriodMap, state: &[f64]) -> Vec<f64> {
 }
 
 /// The largest multiplier and the same by marches over `periods`, after `settle` periods in which the march finds its own periodic
-/// state.
+/// state. Of several that rounding alone tells apart, as of modes that are damped alike, it is the one nearest to `near`.
 pub(super) fn compare(
     balance: &Balance<'_>,
     iterate: &Iterate<'_>,
     [settle, periods]: [usize; 2],
+    near: c64,
 ) -> Compared {
     let motion = motion(balance, iterate);
     let maps = PeriodMap::all(balance.problem, &motion, STEPS).expect("a map");
@@ -64,8 +65,12 @@ pub(super) fn compare(
     let eigen = map.matrix.eigen().expect("eigenvalues");
     let width = map.matrix.nrows();
     let neutral = |i: usize| (eigen.S()[i] - 1.0).norm() < 1e-6;
-    let largest = (0..width).filter(|&i| !neutral(i));
-    let top = largest.max_by(|&i, &j| eigen.S()[i].norm().total_cmp(&eigen.S()[j].norm()));
+    let all = (0..width).filter(|&i| !neutral(i));
+    let size = |i: usize| eigen.S()[i].norm();
+    let largest = all.clone().map(size).fold(0.0, f64::max);
+    let apart = |i: usize| (eigen.S()[i] - near).norm();
+    let alike = all.filter(|&i| size(i) > (1.0 - 1e-6) * largest);
+    let top = alike.min_by(|&i, &j| apart(i).total_cmp(&apart(j)));
     let top = top.expect("a multiplier");
     let right = eigen.U().to_owned();
     let left = right.partial_piv_lu().inverse();
@@ -236,7 +241,7 @@ fn disturbances_grow_by_the_multipliers() {
             let start = passing(&curve, state.hertz, state.nth);
             let (balance, iterate) = raised(&problem, start, state.hertz, FrictionLaw::Box);
             let verdict = assess(&problem, &motion(&balance, &iterate)).expect("assessed");
-            let found = compare(&balance, &iterate, state.periods);
+            let found = compare(&balance, &iterate, state.periods, verdict.multiplier);
             let open: u32 = iterate.contact.samples.iter().map(|s| s[2]).sum();
             let text = format!(
                 "{} N, {} Hz, {open} samples open: {:.5} and {:.5} by the march ({:.1e}), {:?}",
@@ -279,7 +284,8 @@ fn disturbances_of_the_rig_grow_by_the_multipliers() {
                 );
                 continue;
             };
-            let found = compare(&balance, &iterate, [0, 3]);
+            let verdict = assess(&problem, &motion(&balance, &iterate)).expect("assessed");
+            let found = compare(&balance, &iterate, [0, 3], verdict.multiplier);
             println!(
                 "turned {turned}, {law:?}, {} N, open {:.2}: {:.5} and {:.5} by the march ({:.1e})",
                 peak.level,
