@@ -200,11 +200,11 @@ mod tests {
         let results = tempfile::tempdir().unwrap();
         let folder = results.path().join("parts");
         let files = ["a", "b", "c"].map(|name| (name.to_owned(), vec![0; 16]));
-        for attempt in 0..300 {
+        for attempt in 0..60 {
             std::fs::create_dir_all(&folder).unwrap();
             std::thread::scope(|scope| {
                 scope.spawn(|| {
-                    std::thread::sleep(Duration::from_micros(10 * attempt));
+                    std::thread::sleep(Duration::from_micros(50 * attempt));
                     let elsewhere = results.path().join(attempt.to_string());
                     std::fs::rename(&folder, elsewhere).unwrap();
                     std::fs::create_dir_all(&folder).unwrap();

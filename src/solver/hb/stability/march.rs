@@ -182,16 +182,16 @@ impl<'a> March<'a> {
 
     /// One step without damping.
     fn advance(&mut self, step: &MarchStep) {
-        let mut slid = &step.by_start * &self.q;
+        let mut slid = &step.slides.by_start * &self.q;
         self.pull(step);
         self.move_structure();
-        slid += &step.by_end * &self.q;
-        for (i, moved) in step.moved.iter().enumerate() {
+        slid += &step.slides.by_end * &self.q;
+        for (i, moved) in step.slides.moved.iter().enumerate() {
             for (row, kept) in moved.kept.into_iter().filter(|(_, kept)| *kept != 0.0) {
                 (0..slid.ncols()).for_each(|j| slid[(i, j)] += kept * self.slider[(row, j)]);
             }
         }
-        for (i, moved) in step.moved.iter().enumerate() {
+        for (i, moved) in step.slides.moved.iter().enumerate() {
             (0..slid.ncols()).for_each(|j| self.slider[(moved.row, j)] = slid[(i, j)]);
         }
     }

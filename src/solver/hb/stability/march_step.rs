@@ -18,7 +18,13 @@ pub(super) struct MarchStep {
     pub(super) by_others: Mat<f64>,
     /// Entries of E: force, slider, derivative (N/m).
     pub(super) memory: Vec<(usize, usize, f64)>,
-    /// Sliders that move, `[direction][pair]`.
+    /// Sliders that move.
+    pub(super) slides: Slides,
+}
+
+/// Sliders that move in a step.
+#[derive(Debug)]
+pub(super) struct Slides {
     pub(super) moved: Vec<MovedSlider>,
     /// Where they go by the coordinates at the start of the step, and by those at its end. Shape: moved sliders × n.
     pub(super) by_start: Mat<f64>,
@@ -28,7 +34,7 @@ pub(super) struct MarchStep {
 /// A slider that moves in a step.
 #[derive(Debug)]
 pub(super) struct MovedSlider {
-    /// Its row.
+    /// Its row, `[direction][pair]`.
     pub(super) row: usize,
     /// Rows of the sliders of the pair, and what is kept of each.
     pub(super) kept: [(usize, f64); 2],
@@ -103,19 +109,6 @@ impl MarchStep {
             let sliders = [0, 1].map(|d| (i, d * n_pairs + force.pair, force.memory[d]));
             sliders.into_iter().filter(|(_, _, e)| *e != 0.0)
         };
-        let moved: Vec<[usize; 2]> = (0..n_pairs)
-            .flat_map(|pair| [[pair, 0], [pair, 1]])
-            .filter(|&[pair, d]| at[pair].moves(d))
-            .collect();
-        let by = |of: &dyn Fn(usize, usize) -> [f64; 3]| {
-            Mat::from_fn(moved.len(), n, |i, j| {
-                let [pair, d] = moved[i];
-                let by_component = of(pair, d);
-                (0..3)
-                    .map(|c| by_component[c] * b[(c * n_pairs + pair, j)])
-                    .sum()
-            })
-        };
         Self {
             load: Mat::from_fn(n, forces.len(), |i, j| {
                 structure.factor * b[(forces[j].row, i)]
@@ -126,6 +119,28 @@ impl MarchStep {
             memory: forces.iter().enumerate().flat_map(entries).collect(),
             by_others,
             coupled: coupled.partial_piv_lu(),
+            slides: Slides::new(structure, at),
+        }
+    }
+}
+
+impl Slides {
+    fn new(structure: &Disturbed, at: &[&PairStep]) -> Self {
+        let (n, n_pairs) = (structure.lambda.len(), at.len());
+        let moved: Vec<[usize; 2]> = (0..n_pairs)
+            .flat_map(|pair| [[pair, 0], [pair, 1]])
+            .filter(|&[pair, d]| at[pair].moves(d))
+            .collect();
+        let by = |of: &dyn Fn(usize, usize) -> [f64; 3]| {
+            Mat::from_fn(moved.len(), n, |i, j| {
+                let [pair, d] = moved[i];
+                let by_component = of(pair, d);
+                (0..3)
+                    .map(|c| by_component[c] * structure.contact[(c * n_pairs + pair, j)])
+                    .sum()
+            })
+        };
+        Self {
             by_start: by(&|pair, d| at[pair].by_start[d]),
             by_end: by(&|pair, d| at[pair].by_end[d]),
             moved: (moved.iter())

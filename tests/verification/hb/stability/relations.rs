@@ -6,9 +6,9 @@ use crate::two_blade::contacts;
 use faer::prelude::*;
 use microslip::contact::{ContactParameters, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
+use microslip::hb::stability::Instability;
 use microslip::hb::stability::assessment::{STEPS, assess_with};
 use microslip::hb::stability::period_map::{PeriodMap, PeriodicMotion};
-use microslip::hb::stability::Instability;
 use microslip::hb::{LinearModel, Problem, SliderAnchor, Solution, StabilityScope, Status};
 use std::f64::consts::TAU;
 
