@@ -70,7 +70,8 @@ struct StuckStep {
     /// X. Shape: 3 · pairs square.
     compliance: Mat<c64>,
     /// exp(−C h/2) and exp(−C h), part by part.
-    decays: [Vec<Mat<f64>>; 2],
+    half_decay: Vec<Mat<f64>>,
+    decay: Vec<Mat<f64>>,
 }
 
 impl StuckStep {
@@ -92,11 +93,9 @@ impl StuckStep {
             structure.factor * b[(i, j)] * y[j]
         });
         let complex = Mat::from_fn(b.nrows(), b.ncols(), |i, j| c64::new(b[(i, j)], 0.0));
-        let decay = |time: f64| -> Option<Vec<Mat<f64>>> {
-            (structure.damping.iter())
-                .map(|damping| decay(damping, time))
-                .collect()
-        };
+        let half_decay: Vec<Mat<f64>> = (structure.damping.iter())
+            .map(|damping| decay(damping, length / 2.0))
+            .collect::<Option<_>>()?;
         Some(Self {
             length,
             receptance: parts(c64::new(1.0, 0.0)),
@@ -104,7 +103,8 @@ impl StuckStep {
             by_q: parts(s * s),
             by_rate: parts(s),
             compliance: complex * moved,
-            decays: [decay(length / 2.0)?, decay(length)?],
+            decay: half_decay.iter().map(|half| half * half).collect(),
+            half_decay,
         })
     }
 }
@@ -154,7 +154,7 @@ impl<'a> March<'a> {
             slider,
             stage: Mat::zeros(n, 2 * width),
         };
-        march.damp(0);
+        march.rate = damped(&march.stuck.half_decay, &march.rate);
         Some(march)
     }
 
@@ -174,8 +174,11 @@ impl<'a> March<'a> {
                 }
             };
             self.advance(derivatives);
-            let inside = step + 1 < n_steps;
-            self.damp(usize::from(inside));
+            let decay = match step + 1 == n_steps {
+                true => &self.stuck.half_decay,
+                false => &self.stuck.decay,
+            };
+            self.rate = damped(decay, &self.rate);
         }
         self.matrix()
     }
@@ -266,20 +269,6 @@ impl<'a> March<'a> {
         }
     }
 
-    /// Half a step (0) or a whole one (1) of damping alone.
-    fn damp(&mut self, which: usize) {
-        let mut after = Mat::zeros(self.rate.nrows(), self.rate.ncols());
-        let mut first = 0;
-        for decay in &self.stuck.decays[which] {
-            let n = decay.nrows();
-            let to = after.as_mut().subrows_mut(first, n);
-            let from = self.rate.as_ref().subrows(first, n);
-            matmul(to, Accum::Replace, decay.as_ref(), from, 1.0, Par::Seq);
-            first += n;
-        }
-        self.rate = after;
-    }
-
     /// The disturbances at the end of a lap; after half a period the sides change.
     fn matrix(&self) -> Mat<f64> {
         let Disturbed {
@@ -298,6 +287,20 @@ impl<'a> March<'a> {
             }
         })
     }
+}
+
+/// Rates after damping alone.
+fn damped(decay: &[Mat<f64>], rate: &Mat<f64>) -> Mat<f64> {
+    let mut after = Mat::zeros(rate.nrows(), rate.ncols());
+    let mut first = 0;
+    for of_part in decay {
+        let n = of_part.nrows();
+        let to = after.as_mut().subrows_mut(first, n);
+        let from = rate.subrows(first, n);
+        matmul(to, Accum::Replace, of_part.as_ref(), from, 1.0, Par::Seq);
+        first += n;
+    }
+    after
 }
 
 /// Derivatives of a pair in a step; a pair of the other side is half a period ahead.

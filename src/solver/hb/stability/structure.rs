@@ -8,7 +8,7 @@
 //! Source: Rubin, AIAA J. 13, 995–1006, 1975 (residual modes with their inertia).
 
 use crate::hb::equations::problem::Problem;
-use crate::hb::structure::linear::ModalPart;
+use crate::hb::structure::linear::{ModalPart, held_stiffness};
 use crate::linalg::{Entry, symmetric_eigen, symmetric_generalized_eigen};
 use faer::Side;
 use faer::prelude::*;
@@ -23,8 +23,8 @@ const SOFT: f64 = 0.1;
 /// Most coordinates; a structure that needs more is not assessed.
 const MOST_COORDINATES: usize = 400;
 
-/// The structure for disturbances of one symmetry, in its modes q with stuck contacts: q̈ + C q̇ + Λ q = −`factor` Bᵀ (f − D r), r = B q,
-/// with the stiffness D of stuck contacts, which Λ has in it.
+/// The structure for disturbances of one symmetry, in its modes q with stuck contacts: q̈ + C q̇ + Λ q = −`factor` Bᵀ (f − D_stuck r), r = B q,
+/// with the stiffness D_stuck of stuck contacts, which Λ has in it.
 #[derive(Debug)]
 pub(super) struct Disturbed {
     /// Λ, diagonal (1/s²). Shape: `[n]`.
@@ -33,7 +33,7 @@ pub(super) struct Disturbed {
     pub(super) damping: Vec<Mat<f64>>,
     /// B. Shape: 3 · pairs × n, rows ordered t1 of every pair, t2, n; pairs of the other side after those of this one.
     pub(super) contact: Mat<f64>,
-    /// D, diagonal (N/m). Shape: `[3 · pairs]`.
+    /// D_stuck, diagonal (N/m). Shape: `[3 · pairs]`.
     pub(super) stuck: Vec<f64>,
     /// Contacts that one of the pairs stands for.
     pub(super) factor: f64,
@@ -161,9 +161,7 @@ impl DisturbedWave {
     /// Its energy with contacts of the stiffness `stuck` (N/m); `None` if the eigenvalue iteration fails.
     pub(super) fn energy_norm(&self, stuck: &[f64], omega: f64) -> Option<EnergyNorm> {
         let n = self.lambda.len();
-        let sprung = Mat::from_fn(stuck.len(), n, |i, j| self.contact[(i, j)] * stuck[i]);
-        let mut stiffness = self.contact.adjoint() * sprung;
-        (0..n).for_each(|i| stiffness[(i, i)] += self.lambda[i]);
+        let stiffness = held_stiffness(&self.lambda, &self.contact, 1.0, stuck);
         let real = |z: &c64| z.im == 0.0;
         let all_real = (0..n).all(|j| stiffness.col(j).iter().all(real));
         // a wave that stands keeps real coordinates
@@ -220,11 +218,7 @@ impl DisturbedWave {
 fn stuck_shapes(part: &ModalPart, stuck: &[f64], cut: f64) -> Option<(Vec<f64>, Mat<f64>)> {
     let (lambda, shapes) = shapes(part, &part.contact.real, stuck, cut)?;
     let contact = &part.contact.real * &shapes;
-    let held = Mat::from_fn(contact.nrows(), contact.ncols(), |i, j| {
-        part.multiplicity * stuck[i] * contact[(i, j)]
-    });
-    let mut stiffness = contact.transpose() * held;
-    (lambda.iter().enumerate()).for_each(|(i, lambda)| stiffness[(i, i)] += lambda);
+    let stiffness = held_stiffness(&lambda, &contact, part.multiplicity, stuck);
     let (lambda, turned) = symmetric_eigen(stiffness.as_ref()).ok()?;
     Some((lambda, shapes * turned))
 }

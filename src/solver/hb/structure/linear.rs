@@ -221,30 +221,18 @@ impl ModalPart {
         self.contact.is_real()
     }
 
-    /// Static stiffness of the free structure. Shape: n × n.
-    fn stiffness<E: Entry>(&self) -> Mat<E> {
-        let (lambda, n) = (&self.structure.lambda, self.n_coordinates());
-        Mat::from_fn(n, n, |i, j| E::from(if i == j { lambda[i] } else { 0.0 }))
-    }
-
     /// Stiffness of the structure with springs `k` (N/m, shape `[3·n_contacts]`) between the contacts; of a real part.
     #[must_use]
     pub fn stiffness_with_springs(&self, k: &[f64]) -> Mat<f64> {
         let contact = &self.contact.real;
-        let springs = Mat::from_fn(k.len(), self.n_coordinates(), |i, j| {
-            self.multiplicity * k[i] * contact[(i, j)]
-        });
-        self.stiffness::<f64>() + contact.transpose() * springs
+        held_stiffness(&self.structure.lambda, contact, self.multiplicity, k)
     }
 
     /// The same of any part, Hermitian.
     #[must_use]
     pub fn wave_stiffness_with_springs(&self, k: &[f64]) -> Mat<c64> {
         let contact = self.contact.complex();
-        let springs = Mat::from_fn(k.len(), self.n_coordinates(), |i, j| {
-            contact[(i, j)] * (self.multiplicity * k[i])
-        });
-        self.stiffness::<c64>() + contact.adjoint() * springs
+        held_stiffness(&self.structure.lambda, &contact, self.multiplicity, k)
     }
 
     /// (dZ/dω) η for harmonic k at ω: (−2k²ω + ik Ĉ) η.
@@ -357,6 +345,24 @@ impl Coupling {
             y[i] += factor * c_eta;
         }
     }
+}
+
+/// Λ + `multiplicity` Bᴴ K B: the stiffness in coordinates with the diagonal stiffness Λ, with springs `k` (N/m) between the
+/// contacts, whose relative displacements are B (`contact`).
+pub(in crate::hb) fn held_stiffness<E: Entry>(
+    lambda: &[f64],
+    contact: &Mat<E>,
+    multiplicity: f64,
+    k: &[f64],
+) -> Mat<E> {
+    let springs = Mat::from_fn(k.len(), lambda.len(), |i, j| {
+        contact[(i, j)] * (multiplicity * k[i])
+    });
+    let mut stiffness = contact.adjoint() * springs;
+    for (i, lambda) in lambda.iter().enumerate() {
+        stiffness[(i, i)] = E::from(*lambda) + stiffness[(i, i)];
+    }
+    stiffness
 }
 
 /// The linear forms t1 of every pair, t2, n.
