@@ -16,6 +16,7 @@
 //! ```
 
 mod dense_eigen;
+pub mod filter_diagonalization;
 pub mod gcr;
 pub mod krylov;
 pub mod recycled;
