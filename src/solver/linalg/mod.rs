@@ -18,7 +18,6 @@
 mod dense_eigen;
 pub mod filter_diagonalization;
 pub mod gcr;
-pub mod krylov;
 pub mod recycled;
 pub mod single;
 mod sparse_eigen;

@@ -40,7 +40,7 @@ const FIRST_SAMPLES: u64 = 64;
 /// Work of the stability of a peak.
 const WORK_OF_STABILITY: f64 = 3.0;
 /// Operations of the stability of a peak of a disk, per sector and per square of its degrees of freedom.
-const OPERATIONS_OF_RING: f64 = 4e4;
+const OPERATIONS_OF_RING: f64 = 1.2e5;
 /// Work of a curve.
 const WORK_OF_CURVE: f64 = 12.0;
 /// Share of that work in a study without an error alert.

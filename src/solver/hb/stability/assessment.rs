@@ -1,12 +1,10 @@
 //! Whether a periodic solution is stable, by its largest Floquet multiplier.
 
+use super::leading::{ACCURACY, leading};
 use super::period_map::{PeriodMap, PeriodicMotion};
 use super::ring_map::RingMap;
 use crate::hb::equations::problem::Problem;
-use crate::linalg::krylov::{Krylov, Ritz};
 use faer::prelude::c64;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// Steps of the march per period.
 pub const STEPS: usize = 256;
@@ -17,17 +15,8 @@ pub const MARGIN: f64 = 1e-2;
 /// Multipliers this close to 1 belong to neutral directions, such as the mean position of a strip in gross slip.
 const NEUTRAL: f64 = 1e-6;
 
-/// Up to so many unknowns of a ring all multipliers are computed, by a dense matrix; of others the largest in a Krylov space.
+/// Up to so many unknowns of a ring all multipliers are computed, by a dense matrix; of others the largest alone.
 const DENSE: usize = 400;
-
-/// Vectors of the Krylov space per period, at least, where a period has so many laps.
-const PER_PERIOD: usize = 8;
-
-/// Periods after which a Krylov space is asked for the first time, and those after which it ends.
-const PERIODS: [usize; 2] = [6, 24];
-
-/// Error of the largest multiplier, as the residual states it, with which the search for it ends.
-const ACCURACY: f64 = 1e-3;
 
 /// Stability of a periodic solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,11 +67,12 @@ impl Stability {
         }
     }
 
-    /// The largest of all multipliers; `None` without any.
-    fn of(multipliers: impl Iterator<Item = c64>) -> Option<Self> {
+    /// The largest of all multipliers, which come with their errors; `None` without any.
+    fn of(multipliers: impl Iterator<Item = (c64, f64)>) -> Option<Self> {
         let mut largest: Option<c64> = None;
         let mut n_unstable = 0;
-        for multiplier in multipliers.filter(|m| (m - 1.0).norm() > NEUTRAL) {
+        let lasting = multipliers.filter(|(m, error)| (m - 1.0).norm() > NEUTRAL + error);
+        for (multiplier, _) in lasting {
             n_unstable += usize::from(multiplier.norm() > 1.0 + MARGIN);
             if largest.is_none_or(|m| multiplier.norm_sqr() > m.norm_sqr()) {
                 largest = Some(multiplier);
@@ -93,6 +83,10 @@ impl Stability {
             n_unstable,
         })
     }
+}
+
+fn exact(multipliers: Vec<c64>) -> impl Iterator<Item = (c64, f64)> {
+    multipliers.into_iter().map(|m| (m, 0.0))
 }
 
 /// Stability of `motion`, a solution of `problem`. `None` for a structure that needs too many coordinates, and if the eigenvalues
@@ -112,74 +106,25 @@ pub fn assess_with(
     if let Some(ring) = &problem.model.ring {
         let map = RingMap::new(problem, ring, motion, n_steps)?;
         return match map.size() <= DENSE {
-            true => Stability::of(map.multipliers()?.into_iter()),
-            false => leading(&map),
+            true => Stability::of(exact(map.multipliers()?)),
+            false => by_leading(&map),
         };
     }
     let maps = PeriodMap::all(problem, motion, n_steps)?;
     let multipliers: Vec<Vec<c64>> =
         (maps.iter().map(PeriodMap::multipliers)).collect::<Option<_>>()?;
-    Stability::of(multipliers.into_iter().flatten())
+    Stability::of(multipliers.into_iter().flat_map(exact))
 }
 
-/// Stability by the largest multipliers of a ring, from one disturbance of all sectors and what becomes of it. `None` where what seems to
-/// grow has not become a multiplier until the end.
+/// Stability by the largest multipliers of a ring, from what becomes of a few disturbances. `None` where not all of the largest are known, and
+/// none of the known ones is unstable.
 #[must_use]
-pub fn leading(map: &RingMap) -> Option<Stability> {
-    let laps = map.laps();
-    // laps between two vectors: the most that divide a period and leave it enough vectors
-    let between = (1..=laps)
-        .rev()
-        .find(|n| laps.is_multiple_of(*n) && (laps / n >= PER_PERIOD || *n == 1))?;
-    let per_period = laps / between;
-    let mut random = ChaCha8Rng::seed_from_u64(0);
-    let start = (0..map.size()).map(|_| random.random::<f64>() - 0.5);
-    let mut space = Krylov::new(start.collect());
-    let [first, last] = PERIODS.map(|periods| periods * per_period);
-    let mut dimension = first;
-    loop {
-        space.grow(dimension, |x| {
-            (0..between).fold(x.to_vec(), |x, _| map.lap(&x))
-        });
-        let (found, error) = largest(map, &space, per_period)?;
-        if error <= ACCURACY || dimension == last || space.is_exhausted() {
-            let known = found.is_stable() || error <= MARGIN;
-            return known.then_some(found);
-        }
-        dimension = (dimension + dimension / 2).min(last);
-    }
-}
-
-/// The largest multiplier in a Krylov space that is not neutral, and its error.
-fn largest(map: &RingMap, space: &Krylov, per_period: usize) -> Option<(Stability, f64)> {
-    let mut largest: Option<(c64, f64)> = None;
-    let mut n_unstable = 0;
-    for ritz in space.eigenvalues()? {
-        let (multiplier, error) = multiplier_of(map, space, &ritz, per_period);
-        let neutral = (multiplier - 1.0).norm() <= NEUTRAL;
-        if !neutral && largest.is_none() {
-            largest = Some((multiplier, error));
-        }
-        let grows = multiplier.norm() > 1.0 + MARGIN;
-        n_unstable += usize::from(grows && (error <= MARGIN || n_unstable == 0));
-        if !grows && largest.is_some() {
-            break;
-        }
-    }
-    largest.map(|(m, error)| {
-        let multiplier = c64::new(m.re, m.im.abs());
-        let found = Stability {
-            multiplier,
-            n_unstable,
-        };
-        (found, error)
-    })
-}
-
-/// The multiplier of an eigenvalue of the map between two vectors, and its error.
-fn multiplier_of(map: &RingMap, space: &Krylov, ritz: &Ritz, per_period: usize) -> (c64, f64) {
-    let power = per_period as i32;
-    let multiplier = ritz.value.powi(power) * map.turn_of_class(&space.vector(ritz));
-    let error = multiplier.norm() * f64::from(power) * ritz.residual / ritz.value.norm();
-    (multiplier, error)
+pub fn by_leading(map: &RingMap) -> Option<Stability> {
+    let found = leading(map)?;
+    let known = found
+        .multipliers
+        .iter()
+        .filter(|(_, error)| *error <= ACCURACY);
+    let stability = Stability::of(known.copied())?;
+    (found.settled || !stability.is_stable()).then_some(stability)
 }

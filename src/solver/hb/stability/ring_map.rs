@@ -9,9 +9,10 @@
 //! μ = γ^(N/g) ζ^(−σ)
 //! ```
 //!
-//! with ζ, a root of unity of order g, by which the disturbance differs from sector j to j + N/g, between which nothing differs.
+//! with ζ = exp(−2πi c/g), by which a disturbance of class c differs from sector j to j + N/g, between which nothing differs.
 //!
-//! A ring of few unknowns has all of them by a dense matrix. Of others the largest ones are found in a Krylov space.
+//! A ring of few unknowns has all multipliers by a dense matrix; of others the largest ones are found by what becomes of a few
+//! disturbances ([`leading`](super::leading)).
 
 use super::contact_steps::{PairStep, PairSteps};
 use super::march::ROOT;
@@ -48,15 +49,26 @@ pub struct RingMap {
     norms: Vec<EnergyNorm>,
 }
 
-/// A disturbance of all sectors.
-struct Disturbance {
+/// A coordinate of a wave in a disturbance: x(real) + i `sign` x(imaginary).
+#[derive(Debug, Clone, Copy)]
+pub struct WaveCoordinate {
+    /// Row of the real part.
+    pub real: usize,
+    /// Row of the imaginary part; `None` for a wave that stands.
+    pub imaginary: Option<usize>,
+    /// −1 for the wave in the other direction.
+    pub sign: f64,
+}
+
+/// Disturbances of all sectors, one column each.
+struct Disturbances {
     /// η and η̇ of the waves 0 to N/2.
-    eta: Vec<Vec<c64>>,
-    rate: Vec<Vec<c64>>,
-    /// Displacements of the active pairs. Shape: `[N][active][3]`.
-    relative: Vec<f64>,
-    /// Sliders. Shape: `[N][active][2]`.
-    slider: Vec<f64>,
+    eta: Vec<Mat<c64>>,
+    rate: Vec<Mat<c64>>,
+    /// Displacements of the active pairs. Rows: `[N][active][3]`.
+    relative: Mat<f64>,
+    /// Sliders. Rows: `[N][active][2]`.
+    slider: Mat<f64>,
 }
 
 fn gcd(a: usize, b: usize) -> usize {
@@ -158,79 +170,89 @@ impl RingMap {
         self.laps
     }
 
-    /// What a lap makes of a disturbance. Shape: `[size]`.
+    /// What a lap makes of disturbances, one column each. Rows: `size`.
     #[must_use]
-    pub fn lap(&self, disturbance: &[f64]) -> Vec<f64> {
-        let mut state = self.unpack(disturbance);
+    pub fn lap(&self, disturbances: &Mat<f64>) -> Mat<f64> {
+        let mut state = self.unpack(disturbances);
         for (step, factors) in self.lap.iter().enumerate() {
             self.advance(&mut state, &self.at(step), factors);
         }
         self.pack(&state, self.shift)
     }
 
-    /// The same disturbance, of the sectors that are `by` ahead.
-    #[must_use]
-    pub fn shifted(&self, disturbance: &[f64], by: usize) -> Vec<f64> {
-        self.pack(&self.unpack(disturbance), by)
-    }
-
     /// All Floquet multipliers, in no order, by a dense matrix; `None` if they were not found.
     #[must_use]
     pub fn multipliers(&self) -> Option<Vec<c64>> {
         let n = self.size();
-        let columns = |of: &dyn Fn(&[f64]) -> Vec<f64>| {
-            let unit = |j: usize| {
-                (0..n)
-                    .map(|i| f64::from(u8::from(i == j)))
-                    .collect::<Vec<_>>()
-            };
-            let columns: Vec<Vec<f64>> = (0..n).map(|j| of(&unit(j))).collect();
-            Mat::from_fn(n, n, |i, j| columns[j][i])
-        };
-        let lap = columns(&|x| self.lap(x));
+        let lap = self.lap(&Mat::identity(n, n));
         let mut period = lap.clone();
         (1..self.laps).for_each(|_| period = &lap * &period);
         let sectors = self.sectors.n_sectors;
         let back = (sectors - self.shift * self.laps % sectors) % sectors;
-        let period = columns(&|x| self.shifted(x, back)) * period;
-        period.eigenvalues().ok()
+        self.pack(&self.unpack(&period), back).eigenvalues().ok()
     }
 
-    /// ζ^(−σ) of the eigenvector of a lap with these real and imaginary parts.
+    /// g, the number of classes: disturbances of class c have waves whose number is c mod g, and those in the other direction where it
+    /// is −c; they do not mix with others.
     #[must_use]
-    pub fn turn_of_class(&self, vector: &[Vec<f64>; 2]) -> c64 {
-        let sectors = self.sectors.n_sectors;
-        let classes = sectors / self.laps;
-        if classes == 1 {
-            return c64::new(1.0, 0.0);
+    pub fn classes(&self) -> usize {
+        self.sectors.n_sectors / self.laps
+    }
+
+    /// Coordinates of the waves of a class, 0 to N − 1, in a disturbance.
+    #[must_use]
+    pub fn coordinates_of_class(&self, class: usize) -> Vec<WaveCoordinate> {
+        let n = self.sectors.n_sectors;
+        let mut rows = Vec::new();
+        let mut first = 0;
+        for (wave, norm) in self.norms.iter().enumerate() {
+            let modes = norm.scales.len();
+            let stands = (2 * wave) % n == 0;
+            let width = if stands { modes } else { 2 * modes };
+            for (of, sign) in [(wave, 1.0), (n - wave, -1.0)] {
+                let twice = stands && sign < 0.0;
+                if of % self.classes() != class || twice {
+                    continue;
+                }
+                // of η, then of η̇
+                for start in [first, first + width] {
+                    rows.extend((start..start + modes).map(|real| WaveCoordinate {
+                        real,
+                        imaginary: (!stands).then_some(real + modes),
+                        sign,
+                    }));
+                }
+            }
+            first += 2 * width;
         }
-        let [re, im] = vector;
-        let [turned_re, turned_im] = [re, im].map(|x| self.shifted(x, self.laps % sectors));
-        let along: c64 = (0..re.len())
-            .map(|i| c64::new(re[i], -im[i]) * c64::new(turned_re[i], turned_im[i]))
-            .sum();
-        let class = (libm::atan2(along.im, along.re) / TAU * classes as f64).round();
-        let angle = -TAU * class * self.shift as f64 / classes as f64;
+        rows
+    }
+
+    /// ζ^(−σ) of a class.
+    #[must_use]
+    pub fn turn_of_class(&self, class: usize) -> c64 {
+        let angle = TAU * (class * self.shift) as f64 / self.classes() as f64;
         c64::new(libm::cos(angle), libm::sin(angle))
     }
 
-    fn unpack(&self, x: &[f64]) -> Disturbance {
+    fn unpack(&self, x: &Mat<f64>) -> Disturbances {
         let n = self.sectors.n_sectors;
-        let mut rest = x;
+        let mut first = 0;
         let mut take = |count: usize| {
-            let (now, later) = rest.split_at(count);
-            rest = later;
-            now
+            let rows = x.subrows(first, count);
+            first += count;
+            rows
         };
-        let mut read = |wave: usize| -> Vec<c64> {
-            let re = take(self.norms[wave].scales.len());
+        let mut read = |wave: usize| -> Mat<c64> {
+            let modes = self.norms[wave].scales.len();
+            let re = take(modes);
             match (2 * wave) % n {
-                0 => re.iter().map(|re| c64::new(*re, 0.0)).collect(),
+                0 => Mat::from_fn(modes, x.ncols(), |i, j| c64::new(re[(i, j)], 0.0)),
                 _ => {
-                    let im = take(re.len());
-                    let both = re.iter().zip(im);
-                    both.map(|(re, im)| c64::new(*re, *im) * FRAC_1_SQRT_2)
-                        .collect()
+                    let im = take(modes);
+                    Mat::from_fn(modes, x.ncols(), |i, j| {
+                        c64::new(re[(i, j)], im[(i, j)]) * FRAC_1_SQRT_2
+                    })
                 }
             }
         };
@@ -239,13 +261,15 @@ impl RingMap {
             .map(|wave| (self.norms[wave].coordinates(&read(wave)), read(wave)))
             .unzip();
         let active = self.sectors.active.len();
-        let mut slider = vec![0.0; 2 * active * n];
-        for of_sector in slider.chunks_exact_mut((2 * active).max(1)) {
-            for (&(pair, d, scale), x) in self.sliders.iter().zip(take(self.sliders.len())) {
-                of_sector[2 * pair + d] = x / scale;
+        let mut slider = Mat::zeros(2 * active * n, x.ncols());
+        for sector in 0..n {
+            let rows = take(self.sliders.len());
+            for (i, &(pair, d, scale)) in self.sliders.iter().enumerate() {
+                let row = 2 * (active * sector + pair) + d;
+                (0..x.ncols()).for_each(|j| slider[(row, j)] = rows[(i, j)] / scale);
             }
         }
-        Disturbance {
+        Disturbances {
             relative: self.relative(&eta),
             eta,
             rate,
@@ -254,36 +278,48 @@ impl RingMap {
     }
 
     /// Displacements of the active pairs of all sectors.
-    fn relative(&self, eta: &[Vec<c64>]) -> Vec<f64> {
+    fn relative(&self, eta: &[Mat<c64>]) -> Mat<f64> {
         let n = self.sectors.n_sectors;
-        let waves: Vec<c64> = (0..n)
-            .flat_map(|wave| match eta.get(wave) {
-                Some(eta) => self.sectors.direction(wave).relative(eta),
-                None => {
-                    let same = self.sectors.direction(n - wave).relative(&eta[n - wave]);
-                    same.iter().map(|x| x.conj()).collect()
-                }
-            })
-            .collect();
-        let sectors = self.sectors.to_sectors(&waves);
-        sectors.iter().flatten().map(|x| x.re).collect()
+        let relative = |wave: usize| match eta.get(wave) {
+            Some(eta) => self.sectors.direction(wave).relative(eta),
+            None => {
+                let same = self.sectors.direction(n - wave).relative(&eta[n - wave]);
+                same.conjugate().to_owned()
+            }
+        };
+        let n_fields = eta[0].ncols();
+        let waves = side_by_side(
+            (0..n).map(relative),
+            3 * self.sectors.active.len(),
+            n_fields,
+        );
+        let sectors = self.sectors.to_sectors(&waves, n_fields);
+        Mat::from_fn(sectors.nrows(), n_fields, |i, j| sectors[(i, j)].re)
     }
 
-    /// The disturbance of the sectors that are `by` ahead.
-    fn pack(&self, state: &Disturbance, by: usize) -> Vec<f64> {
+    /// The disturbances of the sectors that are `by` ahead.
+    fn pack(&self, state: &Disturbances, by: usize) -> Mat<f64> {
         let n = self.sectors.n_sectors;
-        let mut x = Vec::with_capacity(self.size());
+        let width = state.slider.ncols();
+        let mut x = Mat::zeros(self.size(), width);
         let root = (n as f64).sqrt();
-        let mut write = |wave: usize, values: &[c64]| {
+        let mut first = 0;
+        let mut write = |wave: usize, values: &Mat<c64>| {
             let turn = self.sectors.turn(wave, by) * root;
-            let turned = values.iter().map(|x| turn * x);
-            match (2 * wave) % n {
-                0 => x.extend(turned.map(|x| x.re)),
-                _ => {
-                    x.extend(turned.clone().map(|x| SQRT_2 * x.re));
-                    x.extend(turned.map(|x| SQRT_2 * x.im));
+            let modes = values.nrows();
+            let stands = (2 * wave).is_multiple_of(n);
+            for j in 0..width {
+                for (i, value) in values.col(j).iter().enumerate() {
+                    let turned = turn * value;
+                    if stands {
+                        x[(first + i, j)] = turned.re;
+                    } else {
+                        x[(first + i, j)] = SQRT_2 * turned.re;
+                        x[(first + modes + i, j)] = SQRT_2 * turned.im;
+                    }
                 }
             }
+            first += if stands { modes } else { 2 * modes };
         };
         for (wave, (eta, rate)) in state.eta.iter().zip(&state.rate).enumerate() {
             write(wave, &self.norms[wave].of(eta));
@@ -291,70 +327,89 @@ impl RingMap {
         }
         let active = self.sectors.active.len();
         for sector in 0..n {
-            let first = 2 * active * ((sector + by) % n);
-            let of = |&(pair, d, scale): &(usize, usize, f64)| {
-                scale * state.slider[first + 2 * pair + d]
-            };
-            x.extend(self.sliders.iter().map(of));
+            let from = 2 * active * ((sector + by) % n);
+            for &(pair, d, scale) in &self.sliders {
+                let row = from + 2 * pair + d;
+                (0..width).for_each(|j| x[(first, j)] = scale * state.slider[(row, j)]);
+                first += 1;
+            }
         }
         x
     }
 
     /// One step; `at` are the derivatives of all active pairs.
-    fn advance(&self, state: &mut Disturbance, at: &[&PairStep], factors: &Factors) {
-        let (n, h) = (self.sectors.n_sectors, self.step);
-        let a = c64::new(ROOT[0], ROOT[1]);
-        let load: Vec<c64> = (at.iter().enumerate())
-            .flat_map(|(pair, of)| {
-                force(of, &state.relative[3 * pair..], &state.slider[2 * pair..])
-            })
-            .collect();
-        let load = self.sectors.to_waves(&load);
-        let mut p: Vec<Vec<c64>> = (0..n)
-            .map(|wave| self.without_change(state, wave, &load[wave]))
-            .collect();
-        let right: Vec<c64> = (p.iter().enumerate())
-            .flat_map(|(wave, p)| self.sectors.direction(wave).relative(p))
-            .collect();
-        let right = self.sectors.to_sectors(&right).concat();
-        let rho = factors.solve(&right);
-        let change: Vec<c64> = (at.iter().enumerate())
-            .flat_map(|(pair, of)| pulled(of, &rho[3 * pair..]))
-            .collect();
-        for (wave, change) in self.sectors.to_waves(&change).iter().enumerate() {
-            let moved = self.sectors.direction(wave).moved_by(change);
-            (p[wave].iter_mut().zip(moved)).for_each(|(p, moved)| *p -= moved);
-        }
-        let factor = 4.0 * ROOT[1];
-        for wave in 0..state.eta.len() {
-            let (there, back) = (&p[wave], &p[(n - wave) % n]);
-            for i in 0..there.len() {
-                // the part of the wave in the imaginary part of the field
-                let imaginary = |x: c64, y: c64| (x - y.conj()) * c64::new(0.0, -0.5);
-                state.eta[wave][i] += imaginary(there[i], back[i]) * (factor * h);
-                state.rate[wave][i] += imaginary(a * there[i], a * back[i]) * factor;
+    fn advance(&self, state: &mut Disturbances, at: &[&PairStep], factors: &Factors) {
+        let width = state.slider.ncols();
+        let mut load = Mat::zeros(3 * at.len(), width);
+        for j in 0..width {
+            let [relative, slider] = [&state.relative, &state.slider].map(|of| of.col_as_slice(j));
+            let load = load.col_as_slice_mut(j).chunks_exact_mut(3);
+            for (pair, (of, load)) in at.iter().zip(load).enumerate() {
+                load.copy_from_slice(&force(of, &relative[3 * pair..], &slider[2 * pair..]));
             }
         }
-        let after: Vec<f64> = (state.relative.iter().zip(&rho))
-            .map(|(r, rho)| r + factor * h * rho.im)
+        let load = self.sectors.to_waves(&load);
+        let n = self.sectors.n_sectors;
+        let mut p: Vec<Mat<c64>> = (0..n)
+            .map(|wave| self.without_change(state, wave, of_wave(&load, wave, width)))
             .collect();
+        let right =
+            (p.iter().enumerate()).map(|(wave, p)| self.sectors.direction(wave).relative(p));
+        let right = side_by_side(right, 3 * self.sectors.active.len(), width);
+        let rho = factors.solve(self.sectors.to_sectors(&right, width));
+        let mut change = Mat::zeros(3 * at.len(), width);
+        for j in 0..width {
+            let rho = rho.col_as_slice(j);
+            let change = change.col_as_slice_mut(j).chunks_exact_mut(3);
+            for (pair, (of, change)) in at.iter().zip(change).enumerate() {
+                change.copy_from_slice(&pulled(of, &rho[3 * pair..]));
+            }
+        }
+        let change = self.sectors.to_waves(&change);
+        for (wave, p) in p.iter_mut().enumerate() {
+            *p -= self
+                .sectors
+                .direction(wave)
+                .moved_by(of_wave(&change, wave, width));
+        }
+        self.move_waves(state, &p);
+        let factor = 4.0 * ROOT[1] * self.step;
+        let after = Mat::from_fn(rho.nrows(), width, |i, j| {
+            state.relative[(i, j)] + factor * rho[(i, j)].im
+        });
         let before = std::mem::replace(&mut state.relative, after);
-        for (pair, of) in at.iter().enumerate() {
-            let [old, new] = [&before[3 * pair..], &state.relative[3 * pair..]];
-            let slider = &mut state.slider[2 * pair..2 * pair + 2];
-            let was = [slider[0], slider[1]];
-            for (d, slider) in slider.iter_mut().enumerate() {
-                let mut moved = of.kept[d][0] * was[0] + of.kept[d][1] * was[1];
-                for c in 0..3 {
-                    moved += of.by_start[d][c] * old[c] + of.by_end[d][c] * new[c];
+        for j in 0..width {
+            let [old, new] = [&before, &state.relative].map(|of| of.col_as_slice(j));
+            let sliders = state.slider.col_as_slice_mut(j).chunks_exact_mut(2);
+            for (pair, (of, slider)) in at.iter().zip(sliders).enumerate() {
+                slide(of, &old[3 * pair..], &new[3 * pair..], slider);
+            }
+        }
+    }
+
+    /// The step of the waves by p of the waves 0 to N − 1.
+    fn move_waves(&self, state: &mut Disturbances, p: &[Mat<c64>]) {
+        let n = self.sectors.n_sectors;
+        let a = c64::new(ROOT[0], ROOT[1]);
+        let factor = 4.0 * ROOT[1];
+        // the part of the wave in the imaginary part of the field
+        let imaginary = |x: c64, y: c64| (x - y.conj()) * c64::new(0.0, -0.5);
+        for wave in 0..state.eta.len() {
+            let (there, back) = (&p[wave], &p[(n - wave) % n]);
+            for j in 0..there.ncols() {
+                let [there, back] = [there, back].map(|of| of.col_as_slice(j));
+                let eta = state.eta[wave].col_as_slice_mut(j);
+                let rate = state.rate[wave].col_as_slice_mut(j);
+                for (i, (x, y)) in there.iter().zip(back).enumerate() {
+                    eta[i] += imaginary(*x, *y) * (factor * self.step);
+                    rate[i] += imaginary(a * x, a * y) * factor;
                 }
-                *slider = moved;
             }
         }
     }
 
     /// p₀ of a wave 0 to N − 1.
-    fn without_change(&self, state: &Disturbance, wave: usize, load: &[c64]) -> Vec<c64> {
+    fn without_change(&self, state: &Disturbances, wave: usize, load: MatRef<'_, c64>) -> Mat<c64> {
         let n = self.sectors.n_sectors;
         let s = c64::new(ROOT[0], ROOT[1]) / self.step;
         let backward = wave >= state.eta.len();
@@ -362,13 +417,37 @@ impl RingMap {
         let (eta, rate) = (&state.eta[of], &state.rate[of]);
         let direction = self.sectors.direction(wave);
         let pull = self.sectors.waves[of].pull(eta, rate, s, backward);
-        let moved = direction.moved(&pull);
-        let loaded = direction.moved_by(load);
-        let turned = |x: &c64| if backward { x.conj() } else { *x };
-        (eta.iter().zip(moved).zip(loaded))
-            .map(|((eta, moved), loaded)| (turned(eta) - moved + loaded) * (1.0 / self.step))
-            .collect()
+        let mut p = direction.moved_by(load) - direction.moved(&pull);
+        let turned = |x: c64| if backward { x.conj() } else { x };
+        let scale = 1.0 / self.step;
+        for j in 0..p.ncols() {
+            for (p, eta) in p.col_as_slice_mut(j).iter_mut().zip(eta.col_as_slice(j)) {
+                *p = (*p + turned(*eta)) * scale;
+            }
+        }
+        p
     }
+}
+
+/// Fields of all waves, a column for each wave. Shape: width × fields each → fields · width × waves.
+fn side_by_side(
+    waves: impl ExactSizeIterator<Item = Mat<c64>>,
+    width: usize,
+    n_fields: usize,
+) -> Mat<c64> {
+    let mut all = Mat::zeros(n_fields * width, waves.len());
+    for (wave, of) in waves.enumerate() {
+        let to = all.col_as_slice_mut(wave).chunks_exact_mut(width.max(1));
+        to.enumerate()
+            .for_each(|(j, to)| to.copy_from_slice(of.col_as_slice(j)));
+    }
+    all
+}
+
+/// Those of one wave.
+fn of_wave(all: &Mat<c64>, wave: usize, n_fields: usize) -> MatRef<'_, c64> {
+    let column = all.col_as_slice(wave);
+    MatRef::from_column_major_slice(column, column.len() / n_fields, n_fields)
 }
 
 /// D r + E w of a pair.
@@ -381,6 +460,18 @@ fn force(of: &PairStep, relative: &[f64], slider: &[f64]) -> [c64; 3] {
         };
         c64::new(springs + memory, 0.0)
     })
+}
+
+/// Where the sliders of a pair go, whose displacements go from `old` to `new`.
+fn slide(of: &PairStep, old: &[f64], new: &[f64], slider: &mut [f64]) {
+    let was = [slider[0], slider[1]];
+    for (d, slider) in slider.iter_mut().enumerate() {
+        let mut moved = of.kept[d][0] * was[0] + of.kept[d][1] * was[1];
+        for c in 0..3 {
+            moved += of.by_start[d][c] * old[c] + of.by_end[d][c] * new[c];
+        }
+        *slider = moved;
+    }
 }
 
 /// D ρ of a pair.

@@ -10,7 +10,8 @@
 //! p = p₀ − L D ρ,   (1 + X D) ρ = B p₀,   X = B L
 //! ```
 //!
-//! where the last equation is for the contacts of all sectors together.
+//! where the last equation is for the contacts of all sectors together. Where only contacts couple the sectors, forces of these contacts reach
+//! the neighbours alone within a step: farther ones feel them through the stuck contacts from the next step on.
 
 use super::contact_steps::PairStep;
 use super::structure::DisturbedWave;
@@ -35,8 +36,8 @@ pub(super) struct Sectors {
     pub(super) active: Vec<usize>,
     /// Waves 0 to N/2.
     pub(super) waves: Vec<RingWave>,
-    /// exp(−2πi k/N)/√N. Shape: `[N]`.
-    turns: Vec<c64>,
+    /// exp(−2πi w j/N)/√N of wave w in sector j. Shape: N × N, symmetric.
+    turns: Mat<c64>,
     /// X by how many sectors a displacement is ahead of the force. Shape: `[N]`, 3·active square.
     compliance: Vec<Mat<c64>>,
     /// Whether a force reaches farther than the neighbours of its sector.
@@ -91,7 +92,9 @@ impl Sectors {
         let mut sectors = Self {
             n_sectors,
             waves,
-            turns: (0..n_sectors).map(turn).collect(),
+            turns: Mat::from_fn(n_sectors, n_sectors, |wave, sector| {
+                turn(wave * sector % n_sectors)
+            }),
             compliance: Vec::new(),
             far,
             active,
@@ -113,7 +116,7 @@ impl Sectors {
 
     /// Factor of a sector in a wave.
     pub(super) fn turn(&self, wave: usize, sector: usize) -> c64 {
-        self.turns[wave * sector % self.n_sectors]
+        self.turns[(wave, sector % self.n_sectors)]
     }
 
     fn compliances(&self) -> Vec<Mat<c64>> {
@@ -136,28 +139,31 @@ impl Sectors {
             .collect()
     }
 
-    /// A field of all sectors in waves. Shape: `[N·width]`, sector by sector → `[N][width]`.
-    pub(super) fn to_waves(&self, field: &[c64]) -> Vec<Vec<c64>> {
-        self.turned(field, |wave, sector| self.turn(wave, sector).conj())
+    /// Fields of all sectors, one column each, in waves, one column each with a field after the other. Rows: `[N][width]` → `[field][width]`.
+    pub(super) fn to_waves(&self, fields: &Mat<c64>) -> Mat<c64> {
+        let width = fields.nrows() / self.n_sectors;
+        let mut by_sector = Mat::zeros(width * fields.ncols(), self.n_sectors);
+        for j in 0..fields.ncols() {
+            let of_sectors = fields.col_as_slice(j).chunks_exact(width.max(1));
+            for (sector, from) in of_sectors.enumerate() {
+                by_sector.col_as_slice_mut(sector)[j * width..][..width].copy_from_slice(from);
+            }
+        }
+        by_sector * self.turns.conjugate()
     }
 
-    /// The opposite. Shape: `[N·width]`, wave by wave → `[N][width]`.
-    pub(super) fn to_sectors(&self, waves: &[c64]) -> Vec<Vec<c64>> {
-        self.turned(waves, |sector, wave| self.turn(wave, sector))
-    }
-
-    fn turned(&self, from: &[c64], factor: impl Fn(usize, usize) -> c64) -> Vec<Vec<c64>> {
-        let width = from.len() / self.n_sectors;
-        (0..self.n_sectors)
-            .map(|to| {
-                let mut sum = vec![c64::new(0.0, 0.0); width];
-                for (at, part) in from.chunks_exact(width.max(1)).enumerate() {
-                    let factor = factor(to, at);
-                    (sum.iter_mut().zip(part)).for_each(|(sum, x)| *sum += factor * x);
-                }
-                sum
-            })
-            .collect()
+    /// The opposite.
+    pub(super) fn to_sectors(&self, waves: &Mat<c64>, n_fields: usize) -> Mat<c64> {
+        let by_sector = waves * &self.turns;
+        let width = by_sector.nrows() / n_fields;
+        let mut fields = Mat::zeros(self.n_sectors * width, n_fields);
+        for j in 0..n_fields {
+            let of_sectors = fields.col_as_slice_mut(j).chunks_exact_mut(width.max(1));
+            for (sector, to) in of_sectors.enumerate() {
+                to.copy_from_slice(&by_sector.col_as_slice(sector)[j * width..][..width]);
+            }
+        }
+        fields
     }
 
     /// Factors of 1 + X D for the derivatives of every active pair, sector by sector; `None` if it is singular.
@@ -214,13 +220,13 @@ pub(super) enum Factors {
 }
 
 impl Factors {
-    pub(super) fn solve(&self, right: &[c64]) -> Vec<c64> {
-        let mut x = Col::from_fn(right.len(), |i| right[i]);
+    /// Shape: unknowns × right-hand sides.
+    pub(super) fn solve(&self, mut x: Mat<c64>) -> Mat<c64> {
         match self {
             Self::Dense(factors) => factors.solve_in_place(&mut x),
             Self::Sparse(factors) => factors.solve_in_place(&mut x),
         }
-        x.iter().copied().collect()
+        x
     }
 }
 
@@ -248,13 +254,16 @@ impl RingWave {
     }
 
     /// s (Ĉ η + s η + η̇) of the wave, or of the one in the other direction.
-    pub(super) fn pull(&self, eta: &[c64], rate: &[c64], s: c64, backward: bool) -> Vec<c64> {
-        let turned = |x: &c64| if backward { x.conj() } else { *x };
-        let mut sum: Vec<c64> = (eta.iter().zip(rate))
-            .map(|(eta, rate)| s * (s * turned(eta) + turned(rate)))
-            .collect();
-        for (i, j, c) in &self.damping {
-            sum[*i] += s * turned(&(c * eta[*j]));
+    pub(super) fn pull(&self, eta: &Mat<c64>, rate: &Mat<c64>, s: c64, backward: bool) -> Mat<c64> {
+        let turned = |x: c64| if backward { x.conj() } else { x };
+        let mut sum = Mat::from_fn(eta.nrows(), eta.ncols(), |i, j| {
+            s * (s * turned(eta[(i, j)]) + turned(rate[(i, j)]))
+        });
+        for j in 0..eta.ncols() {
+            let (sum, eta) = (sum.col_as_slice_mut(j), eta.col_as_slice(j));
+            for &(i, k, c) in &self.damping {
+                sum[i] += s * turned(c * eta[k]);
+            }
         }
         sum
     }
@@ -297,22 +306,17 @@ impl Direction {
     }
 
     /// Y x.
-    pub(super) fn moved(&self, x: &[c64]) -> Vec<c64> {
-        product(&self.receptance, x)
+    pub(super) fn moved(&self, x: &Mat<c64>) -> Mat<c64> {
+        &self.receptance * x
     }
 
     /// L f.
-    pub(super) fn moved_by(&self, force: &[c64]) -> Vec<c64> {
-        product(&self.per_force, force)
+    pub(super) fn moved_by(&self, force: MatRef<'_, c64>) -> Mat<c64> {
+        &self.per_force * force
     }
 
     /// B η.
-    pub(super) fn relative(&self, eta: &[c64]) -> Vec<c64> {
-        product(&self.contact, eta)
+    pub(super) fn relative(&self, eta: &Mat<c64>) -> Mat<c64> {
+        &self.contact * eta
     }
-}
-
-fn product(a: &Mat<c64>, x: &[c64]) -> Vec<c64> {
-    let y = a * ColRef::from_slice(x);
-    y.iter().copied().collect()
 }

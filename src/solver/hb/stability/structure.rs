@@ -143,17 +143,20 @@ pub(super) struct EnergyNorm {
 }
 
 impl EnergyNorm {
-    /// Of η. Shape: `[n]`.
-    pub(super) fn of(&self, eta: &[c64]) -> Vec<c64> {
-        let along = self.modes.adjoint() * ColRef::from_slice(eta);
-        let scaled = along.iter().zip(&self.scales);
-        scaled.map(|(x, scale)| x * *scale).collect()
+    /// Of each column of η.
+    pub(super) fn of(&self, eta: &Mat<c64>) -> Mat<c64> {
+        let mut along = self.modes.adjoint() * eta;
+        for j in 0..along.ncols() {
+            let scaled = along.col_as_slice_mut(j).iter_mut().zip(&self.scales);
+            scaled.for_each(|(x, scale)| *x *= *scale);
+        }
+        along
     }
 
-    /// η. Shape: `[n]`.
-    pub(super) fn coordinates(&self, x: &[c64]) -> Vec<c64> {
-        let along = Col::from_fn(x.len(), |i| x[i] / self.scales[i]);
-        (&self.modes * along).iter().copied().collect()
+    /// η of each column.
+    pub(super) fn coordinates(&self, x: &Mat<c64>) -> Mat<c64> {
+        let along = Mat::from_fn(x.nrows(), x.ncols(), |i, j| x[(i, j)] / self.scales[i]);
+        &self.modes * along
     }
 }
 

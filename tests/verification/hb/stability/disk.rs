@@ -9,7 +9,7 @@ use faer::prelude::c64;
 use microslip::contact::FrictionLaw;
 use microslip::hb::branch::sweep::SweepDirection;
 use microslip::hb::newton::{Condition, solve};
-use microslip::hb::stability::assessment::{STEPS, Stability, assess, assess_with, leading};
+use microslip::hb::stability::assessment::{STEPS, Stability, assess, assess_with, by_leading};
 use microslip::hb::stability::period_map::{PeriodMap, PeriodicMotion};
 use microslip::hb::stability::ring_map::RingMap;
 use microslip::hb::{Balance, LinearModel, Problem, SliderAnchor, Solution, Status};
@@ -185,8 +185,8 @@ fn more_sectors_have_more_disturbances() {
     assert!(only_on_more > 0);
 }
 
-/// The largest multiplier by a Krylov space against all by a dense matrix: 72 verdicts of 80 states, all of them right, the multipliers of
-/// unstable ones to 7 %; the others are not known. Seen to fail without the root of unity of engine orders that divide the sectors.
+/// The largest multiplier by what becomes of a few disturbances against all by a dense matrix: a verdict for each of 80 states, right, and the
+/// multipliers of unstable ones to 2e-7. Seen to fail without the root of unity of engine orders that divide the sectors.
 #[test]
 fn a_few_disturbances_have_the_largest_multiplier() {
     let (mut known, mut unknown, mut unstable, mut worst) = (0, 0, 0, 0.0_f64);
@@ -207,7 +207,7 @@ fn a_few_disturbances_have_the_largest_multiplier() {
                 .filter(neutral)
                 .map(|m| m.norm())
                 .fold(0.0, f64::max);
-            let found_here: Option<Stability> = leading(&map);
+            let found_here: Option<Stability> = by_leading(&map);
             println!(
                 "{} sectors, order {engine_order}, {} N at {:.0} Hz, {} unknowns: {expected} {found_here:?}",
                 disk.n_sectors,
@@ -235,11 +235,8 @@ fn a_few_disturbances_have_the_largest_multiplier() {
     println!(
         "{known} known, {unstable} of them unstable, {unknown} unknown, largest error {worst:.1e}"
     );
-    assert!(worst < 0.1, "{worst:e}");
-    assert!(
-        unstable >= 20 && 8 * unknown <= known,
-        "{unstable} {unknown}"
-    );
+    assert!(worst < 1e-5, "{worst:e}");
+    assert!(unstable >= 20 && unknown == 0, "{unstable} {unknown}");
 }
 
 /// The march of the full equations of the ring, stuck, slipping and lifting, one of them unstable. Seen to fail with allowed differences of
