@@ -186,7 +186,7 @@ fn more_sectors_have_more_disturbances() {
 }
 
 /// The largest multiplier by what becomes of a few disturbances against all by a dense matrix: a verdict for each of 80 states, right, and the
-/// multipliers of unstable ones to 2e-7. Seen to fail without the root of unity of engine orders that divide the sectors.
+/// multipliers of unstable ones to 4e-7. Seen to fail without the root of unity of engine orders that divide the sectors.
 #[test]
 fn a_few_disturbances_have_the_largest_multiplier() {
     let (mut known, mut unknown, mut unstable, mut worst) = (0, 0, 0, 0.0_f64);
