@@ -122,7 +122,7 @@ impl Powers {
     }
 }
 
-/// Eigenvalues of the map that takes the columns of `u` to those of `v`, over the growth of the powers.
+/// Eigenvalues of the map that takes the columns of `u` to those of `v`.
 fn in_window(mut u: Mat<c64>, mut v: Mat<c64>) -> Option<Vec<Eigenvalue>> {
     for j in 0..u.ncols() {
         let norm = u.col(j).norm_l2();

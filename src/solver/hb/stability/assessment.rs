@@ -1,6 +1,6 @@
 //! Whether a periodic solution is stable, by its largest Floquet multiplier.
 
-use super::leading::{ACCURACY, leading};
+use super::leading::{Multiplier, leading};
 use super::period_map::{PeriodMap, PeriodicMotion};
 use super::ring_map::RingMap;
 use crate::hb::equations::problem::Problem;
@@ -67,12 +67,12 @@ impl Stability {
         }
     }
 
-    /// The largest of all multipliers, which come with their errors; `None` without any.
-    fn of(multipliers: impl Iterator<Item = (c64, f64)>) -> Option<Self> {
+    /// The largest of all multipliers; `None` without any.
+    fn of(multipliers: impl Iterator<Item = Multiplier>) -> Option<Self> {
         let mut largest: Option<c64> = None;
         let mut n_unstable = 0;
-        let lasting = multipliers.filter(|(m, error)| (m - 1.0).norm() > NEUTRAL + error);
-        for (multiplier, _) in lasting {
+        let lasting = multipliers.filter(|m| (m.value - 1.0).norm() > NEUTRAL + m.error);
+        for multiplier in lasting.map(|m| m.value) {
             n_unstable += usize::from(multiplier.norm() > 1.0 + MARGIN);
             if largest.is_none_or(|m| multiplier.norm_sqr() > m.norm_sqr()) {
                 largest = Some(multiplier);
@@ -83,10 +83,6 @@ impl Stability {
             n_unstable,
         })
     }
-}
-
-fn exact(multipliers: Vec<c64>) -> impl Iterator<Item = (c64, f64)> {
-    multipliers.into_iter().map(|m| (m, 0.0))
 }
 
 /// Stability of `motion`, a solution of `problem`. `None` for a structure that needs too many coordinates, and if the eigenvalues
@@ -106,14 +102,14 @@ pub fn assess_with(
     if let Some(ring) = &problem.model.ring {
         let map = RingMap::new(problem, ring, motion, n_steps)?;
         return match map.size() <= DENSE {
-            true => Stability::of(exact(map.multipliers()?)),
+            true => Stability::of(map.multipliers()?.into_iter().map(Multiplier::exact)),
             false => by_leading(&map),
         };
     }
     let maps = PeriodMap::all(problem, motion, n_steps)?;
     let multipliers: Vec<Vec<c64>> =
         (maps.iter().map(PeriodMap::multipliers)).collect::<Option<_>>()?;
-    Stability::of(multipliers.into_iter().flat_map(exact))
+    Stability::of(multipliers.into_iter().flatten().map(Multiplier::exact))
 }
 
 /// Stability by the largest multipliers of a ring, from what becomes of a few disturbances. `None` where not all of the largest are known, and
@@ -121,10 +117,7 @@ pub fn assess_with(
 #[must_use]
 pub fn by_leading(map: &RingMap) -> Option<Stability> {
     let found = leading(map)?;
-    let known = found
-        .multipliers
-        .iter()
-        .filter(|(_, error)| *error <= ACCURACY);
+    let known = found.multipliers.iter().filter(|m| m.is_known());
     let stability = Stability::of(known.copied())?;
     (found.settled || !stability.is_stable()).then_some(stability)
 }

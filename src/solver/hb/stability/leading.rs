@@ -7,6 +7,7 @@
 use super::ring_map::{RingMap, WaveCoordinate};
 use crate::linalg::filter_diagonalization::Powers;
 use faer::prelude::*;
+use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -23,18 +24,36 @@ const PERIODS: [usize; 2] = [30, 150];
 const TRANSIENT: f64 = 0.15;
 
 /// Error of a multiplier, as its residual states it, below which it is known.
-pub const ACCURACY: f64 = 1e-3;
+const ACCURACY: f64 = 1e-3;
 
 /// The search ends when all multipliers are known whose modulus is less than this below the largest.
 const NEAR: f64 = 1e-2;
 
-/// Multipliers found, with their errors.
+/// A multiplier.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Multiplier {
+    pub(super) value: c64,
+    /// As its residual states it.
+    pub(super) error: f64,
+}
+
+/// Multipliers found.
 #[derive(Debug)]
-pub struct Leading {
+pub(super) struct Leading {
     /// The largest modulus first.
-    pub multipliers: Vec<(c64, f64)>,
+    pub(super) multipliers: Vec<Multiplier>,
     /// Whether none of the largest is missing.
-    pub settled: bool,
+    pub(super) settled: bool,
+}
+
+impl Multiplier {
+    pub(super) fn exact(value: c64) -> Self {
+        Self { value, error: 0.0 }
+    }
+
+    pub(super) fn is_known(&self) -> bool {
+        self.error <= ACCURACY
+    }
 }
 
 /// A coordinate, and the channel that sees it with this sign.
@@ -58,9 +77,7 @@ impl Class {
         let n_channels = CHANNELS.min(all.len());
         // each in one channel, each channel with as many
         let mut order: Vec<usize> = (0..all.len()).collect();
-        for i in (1..order.len()).rev() {
-            order.swap(i, random.random_range(0..=i));
-        }
+        order.shuffle(random);
         let coordinates = (all.into_iter().zip(order))
             .map(|(coordinate, place)| Seen {
                 coordinate,
@@ -91,8 +108,7 @@ impl Class {
 }
 
 /// The largest multipliers of `map`; `None` if an eigenvalue iteration fails.
-#[must_use]
-pub fn leading(map: &RingMap) -> Option<Leading> {
+pub(super) fn leading(map: &RingMap) -> Option<Leading> {
     let mut random = ChaCha8Rng::seed_from_u64(0);
     // those of class −c are the conjugates of those of class c
     let mut classes: Vec<Class> = (0..=map.classes() / 2)
@@ -126,25 +142,24 @@ pub fn leading(map: &RingMap) -> Option<Leading> {
 /// Multipliers by the laps from `first` on.
 fn sought(map: &RingMap, classes: &[Class], first: usize) -> Option<Leading> {
     let power = map.laps() as i32;
-    let mut multipliers: Vec<(c64, f64)> = Vec::new();
+    let mut multipliers: Vec<Multiplier> = Vec::new();
     for class in classes {
         let turn = map.turn_of_class(class.number);
         let other = (2 * class.number) % map.classes() != 0;
         for found in class.powers.eigenvalues(first)? {
-            let multiplier = found.value.powi(power) * turn;
-            let error = multiplier.norm() * f64::from(power) * found.residual / found.value.norm();
-            multipliers.push((multiplier, error));
+            let value = found.value.powi(power) * turn;
+            let error = value.norm() * f64::from(power) * found.residual / found.value.norm();
+            multipliers.push(Multiplier { value, error });
             if other {
-                multipliers.push((multiplier.conj(), error));
+                let value = value.conj();
+                multipliers.push(Multiplier { value, error });
             }
         }
     }
-    multipliers.sort_by(|(a, _), (b, _)| b.norm_sqr().total_cmp(&a.norm_sqr()));
-    let largest = multipliers.first().map_or(0.0, |(m, _)| m.norm());
-    let mut near = multipliers
-        .iter()
-        .take_while(|(m, _)| m.norm() >= largest - NEAR);
-    let settled = near.all(|(_, error)| *error <= ACCURACY);
+    multipliers.sort_by(|a, b| b.value.norm_sqr().total_cmp(&a.value.norm_sqr()));
+    let largest = multipliers.first().map_or(0.0, |m| m.value.norm());
+    let mut near = (multipliers.iter()).take_while(|m| m.value.norm() >= largest - NEAR);
+    let settled = near.all(Multiplier::is_known);
     Some(Leading {
         multipliers,
         settled,

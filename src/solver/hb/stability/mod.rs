@@ -11,7 +11,7 @@
 //!   and of the instant of closing; slip and separation forget.
 //! - **March** (`march`): in each step the contact stiffness is its mean over the step, and the step is that of Gauss'
 //!   method of fourth order, which neither adds nor takes energy. [`period_map`] makes the map of it; a disk has its own
-//!   march ([`ring_map`]), and its largest multipliers are found by what becomes of a few disturbances ([`leading`]).
+//!   march ([`ring_map`]), and its largest multipliers are found by what becomes of a few disturbances (`leading`).
 //!
 //! A slider that neither slips nor opens in the whole period keeps every disturbance for ever: its residual traction is not
 //! unique. That is no instability, and these disturbances are left out. So is the retention, which acts on a mean and not on a motion.
@@ -21,7 +21,7 @@
 
 pub mod assessment;
 mod contact_steps;
-pub mod leading;
+mod leading;
 mod march;
 mod march_step;
 pub mod period_map;

@@ -12,7 +12,7 @@
 //! with ζ = exp(−2πi c/g), by which a disturbance of class c differs from sector j to j + N/g, between which nothing differs.
 //!
 //! A ring of few unknowns has all multipliers by a dense matrix; of others the largest ones are found by what becomes of a few
-//! disturbances ([`leading`](super::leading)).
+//! disturbances (`leading`).
 
 use super::contact_steps::{PairStep, PairSteps};
 use super::march::ROOT;
@@ -51,13 +51,13 @@ pub struct RingMap {
 
 /// A coordinate of a wave in a disturbance: x(real) + i `sign` x(imaginary).
 #[derive(Debug, Clone, Copy)]
-pub struct WaveCoordinate {
+pub(super) struct WaveCoordinate {
     /// Row of the real part.
-    pub real: usize,
+    pub(super) real: usize,
     /// Row of the imaginary part; `None` for a wave that stands.
-    pub imaginary: Option<usize>,
+    pub(super) imaginary: Option<usize>,
     /// −1 for the wave in the other direction.
-    pub sign: f64,
+    pub(super) sign: f64,
 }
 
 /// Disturbances of all sectors, one column each.
@@ -156,23 +156,28 @@ impl RingMap {
     #[must_use]
     pub fn size(&self) -> usize {
         let n = self.sectors.n_sectors;
-        let modes = |(i, norm): (usize, &EnergyNorm)| match (2 * i) % n {
-            0 => norm.scales.len(),
-            _ => 2 * norm.scales.len(),
-        };
-        let modes: usize = self.norms.iter().enumerate().map(modes).sum();
-        2 * modes + n * self.sliders.len()
+        let rows: usize = (0..self.norms.len()).map(|wave| self.rows(wave)).sum();
+        2 * rows + n * self.sliders.len()
+    }
+
+    /// Whether a wave stands: its η is real.
+    fn stands(&self, wave: usize) -> bool {
+        (2 * wave).is_multiple_of(self.sectors.n_sectors)
+    }
+
+    /// Rows of η of a wave in a disturbance, and as many of η̇: real parts, then imaginary ones.
+    fn rows(&self, wave: usize) -> usize {
+        let modes = self.norms[wave].scales.len();
+        if self.stands(wave) { modes } else { 2 * modes }
     }
 
     /// N/g, the number of laps in a period.
-    #[must_use]
-    pub fn laps(&self) -> usize {
+    pub(super) fn laps(&self) -> usize {
         self.laps
     }
 
     /// What a lap makes of disturbances, one column each. Rows: `size`.
-    #[must_use]
-    pub fn lap(&self, disturbances: &Mat<f64>) -> Mat<f64> {
+    pub(super) fn lap(&self, disturbances: &Mat<f64>) -> Mat<f64> {
         let mut state = self.unpack(disturbances);
         for (step, factors) in self.lap.iter().enumerate() {
             self.advance(&mut state, &self.at(step), factors);
@@ -194,21 +199,18 @@ impl RingMap {
 
     /// g, the number of classes: disturbances of class c have waves whose number is c mod g, and those in the other direction where it
     /// is −c; they do not mix with others.
-    #[must_use]
-    pub fn classes(&self) -> usize {
+    pub(super) fn classes(&self) -> usize {
         self.sectors.n_sectors / self.laps
     }
 
     /// Coordinates of the waves of a class, 0 to N − 1, in a disturbance.
-    #[must_use]
-    pub fn coordinates_of_class(&self, class: usize) -> Vec<WaveCoordinate> {
+    pub(super) fn coordinates_of_class(&self, class: usize) -> Vec<WaveCoordinate> {
         let n = self.sectors.n_sectors;
         let mut rows = Vec::new();
         let mut first = 0;
         for (wave, norm) in self.norms.iter().enumerate() {
             let modes = norm.scales.len();
-            let stands = (2 * wave) % n == 0;
-            let width = if stands { modes } else { 2 * modes };
+            let (stands, width) = (self.stands(wave), self.rows(wave));
             for (of, sign) in [(wave, 1.0), (n - wave, -1.0)] {
                 let twice = stands && sign < 0.0;
                 if of % self.classes() != class || twice {
@@ -229,8 +231,7 @@ impl RingMap {
     }
 
     /// ζ^(−σ) of a class.
-    #[must_use]
-    pub fn turn_of_class(&self, class: usize) -> c64 {
+    pub(super) fn turn_of_class(&self, class: usize) -> c64 {
         let angle = TAU * (class * self.shift) as f64 / self.classes() as f64;
         c64::new(libm::cos(angle), libm::sin(angle))
     }
@@ -246,9 +247,9 @@ impl RingMap {
         let mut read = |wave: usize| -> Mat<c64> {
             let modes = self.norms[wave].scales.len();
             let re = take(modes);
-            match (2 * wave) % n {
-                0 => Mat::from_fn(modes, x.ncols(), |i, j| c64::new(re[(i, j)], 0.0)),
-                _ => {
+            match self.stands(wave) {
+                true => Mat::from_fn(modes, x.ncols(), |i, j| c64::new(re[(i, j)], 0.0)),
+                false => {
                     let im = take(modes);
                     Mat::from_fn(modes, x.ncols(), |i, j| {
                         c64::new(re[(i, j)], im[(i, j)]) * FRAC_1_SQRT_2
@@ -307,7 +308,7 @@ impl RingMap {
         let mut write = |wave: usize, values: &Mat<c64>| {
             let turn = self.sectors.turn(wave, by) * root;
             let modes = values.nrows();
-            let stands = (2 * wave).is_multiple_of(n);
+            let stands = self.stands(wave);
             for j in 0..width {
                 for (i, value) in values.col(j).iter().enumerate() {
                     let turned = turn * value;
@@ -319,7 +320,7 @@ impl RingMap {
                     }
                 }
             }
-            first += if stands { modes } else { 2 * modes };
+            first += self.rows(wave);
         };
         for (wave, (eta, rate)) in state.eta.iter().zip(&state.rate).enumerate() {
             write(wave, &self.norms[wave].of(eta));
