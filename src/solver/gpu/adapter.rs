@@ -4,8 +4,8 @@ use super::choice::chosen;
 use super::error::GpuError;
 use super::report::AdapterFacts;
 use super::settings::Precision;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, LazyLock};
 use wgpu::{DeviceType, Features, Limits};
 
 /// Buffers that one pass binds; an adapter must offer as many.
@@ -41,24 +41,26 @@ fn facts(index: usize, adapter: &wgpu::Adapter) -> AdapterFacts {
 /// Every adapter of this machine; none without a driver.
 #[must_use]
 pub fn adapters() -> Vec<AdapterFacts> {
-    let (_, all) = enumerate();
-    (all.iter().enumerate())
+    (enumerate().iter().enumerate())
         .map(|(index, adapter)| facts(index, adapter))
         .collect()
 }
 
-fn enumerate() -> (wgpu::Instance, Vec<wgpu::Adapter>) {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
-        backends: wgpu::Backends::PRIMARY,
-        flags: wgpu::InstanceFlags::empty(),
-        memory_budget_thresholds: wgpu::MemoryBudgetThresholds {
-            for_resource_creation: Some(MEMORY_THRESHOLD),
-            for_device_loss: None,
-        },
-        ..wgpu::InstanceDescriptor::new_without_display_handle()
+fn enumerate() -> Vec<wgpu::Adapter> {
+    // one for the whole process: NVIDIA's driver may end a process in which several threads make and drop instances at once
+    // (https://github.com/gfx-rs/wgpu/issues/5930)
+    static INSTANCE: LazyLock<wgpu::Instance> = LazyLock::new(|| {
+        wgpu::Instance::new(wgpu::InstanceDescriptor {
+            backends: wgpu::Backends::PRIMARY,
+            flags: wgpu::InstanceFlags::empty(),
+            memory_budget_thresholds: wgpu::MemoryBudgetThresholds {
+                for_resource_creation: Some(MEMORY_THRESHOLD),
+                for_device_loss: None,
+            },
+            ..wgpu::InstanceDescriptor::new_without_display_handle()
+        })
     });
-    let found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
-    (instance, found)
+    pollster::block_on(INSTANCE.enumerate_adapters(wgpu::Backends::PRIMARY))
 }
 
 /// An open device. Dropped, it waits for its work.
@@ -84,7 +86,7 @@ impl Device {
         local_rank: u64,
         precision: Precision,
     ) -> Result<Self, GpuError> {
-        let (_instance, all) = enumerate();
+        let all = enumerate();
         let all_facts: Vec<_> = (all.iter().enumerate())
             .map(|(index, adapter)| facts(index, adapter))
             .collect();
