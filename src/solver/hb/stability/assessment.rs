@@ -9,6 +9,15 @@ use faer::prelude::c64;
 /// Steps of the march per period.
 pub const STEPS: usize = 256;
 
+/// Most steps per period where the first ones are too long: a stiff contact that slips or opens turns a high mode far in one step.
+pub const MOST_STEPS: usize = 2048;
+
+/// Growth per period from which on a multiplier is found again with twice the steps: half of [`MARGIN`].
+const DOUBTFUL: f64 = 0.5 * MARGIN;
+
+/// The steps are short enough where twice as many change the growth by less than this share of it, or of [`MARGIN`].
+const AGREEMENT: f64 = 0.2;
+
 /// A disturbance that grows by less than this share per period is not told from one that stays.
 pub const MARGIN: f64 = 1e-2;
 
@@ -55,6 +64,12 @@ impl Stability {
         self.multiplier.norm() - 1.0
     }
 
+    /// Whether both say the same of the growth, as far as it matters.
+    fn agrees_with(&self, other: &Self) -> bool {
+        let apart = (self.growth() - other.growth()).abs();
+        apart <= AGREEMENT * self.growth().max(MARGIN)
+    }
+
     /// What kind of instability it is; `None` if it is stable.
     #[must_use]
     pub fn instability(&self) -> Option<Instability> {
@@ -85,11 +100,26 @@ impl Stability {
     }
 }
 
-/// Stability of `motion`, a solution of `problem`. `None` for a structure that needs too many coordinates, and if the eigenvalues
-/// were not found.
+/// Stability of `motion`, a solution of `problem`, with [`STEPS`] steps per period; where a disturbance grows or nearly does, with
+/// twice as many until that changes its growth no more. `None` for a structure that needs too many coordinates, and if the
+/// eigenvalues were not found.
 #[must_use]
 pub fn assess(problem: &Problem<'_>, motion: &PeriodicMotion<'_>) -> Option<Stability> {
-    assess_with(problem, motion, STEPS)
+    let mut found = assess_with(problem, motion, STEPS)?;
+    let mut n_steps = STEPS;
+    while found.growth() > DOUBTFUL && n_steps < MOST_STEPS {
+        n_steps *= 2;
+        // a ring may need more memory with more steps than it may take
+        let Some(finer) = assess_with(problem, motion, n_steps) else {
+            break;
+        };
+        let agrees = finer.agrees_with(&found);
+        found = finer;
+        if agrees {
+            break;
+        }
+    }
+    Some(found)
 }
 
 /// The same with `n_steps` steps per period, an even number; of a disk at least so many.

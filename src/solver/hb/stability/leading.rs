@@ -23,7 +23,7 @@ const PERIODS: [usize; 2] = [30, 150];
 /// Share of the periods in which disturbances that do not last die out.
 const TRANSIENT: f64 = 0.15;
 
-/// Error of a multiplier, as its residual states it, below which it is known.
+/// Error of a multiplier, as its residual states it, over its modulus or 1 (the larger), below which it is known.
 const ACCURACY: f64 = 1e-3;
 
 /// The search ends when all multipliers are known whose modulus is less than this below the largest.
@@ -52,7 +52,7 @@ impl Multiplier {
     }
 
     pub(super) fn is_known(&self) -> bool {
-        self.error <= ACCURACY
+        self.error <= ACCURACY * self.value.norm().max(1.0)
     }
 }
 
