@@ -1,8 +1,9 @@
 //! Small random models, parameters over six decades: how many peaks are found, by which route, how the others end, and whether those
 //! structures vibrate with the period of the excitation at all, by time integration.
 //!
-//! `cargo bench --bench models [-- seeds [first seed [harmonics [budget [time points]]]] [control] [sweep]]`; with `control` those with a
-//! peak are integrated, too; with `sweep` nothing is searched: each model is integrated at many frequencies (`-- 1 405 sweep`).
+//! `cargo bench --bench models [-- seeds [first seed [harmonics [budget [time points]]]] [control] [search] [sweep]]`; with `control` those
+//! with a peak are integrated, too, with `search` none; with `sweep` nothing is searched: each model is integrated at many frequencies
+//! (`-- 1 405 sweep`).
 
 #![allow(clippy::expect_used, reason = "a benchmark that cannot be set up ends")]
 
@@ -12,6 +13,14 @@ mod random;
 use microslip::hb::{NewtonSettings, PeakRoute, Status};
 use random::RandomModel;
 use rayon::prelude::*;
+
+/// Which models are integrated in time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Integrated {
+    All,
+    WithoutPeak,
+    None,
+}
 
 /// How the search for the peak of one model ended.
 struct Outcome {
@@ -29,8 +38,13 @@ fn main() {
     let (seeds, first, harmonics) = (or(0, 200), or(1, 0), or(2, 5));
     let budget = or(3, NewtonSettings::default().budget as u64);
     let points = or(4, random::TIME_POINTS as u64) as usize;
-    let control = std::env::args().any(|a| a == "control");
-    if std::env::args().any(|a| a == "sweep") {
+    let named = |name: &str| std::env::args().any(|a| a == name);
+    let integrated = match (named("control"), named("search")) {
+        (true, _) => Integrated::All,
+        (false, true) => Integrated::None,
+        (false, false) => Integrated::WithoutPeak,
+    };
+    if named("sweep") {
         return (first..first + seeds).for_each(print_sweep);
     }
     let outcome = |seed: u64| {
@@ -38,7 +52,7 @@ fn main() {
             n_time: points,
             ..RandomModel::of_seed(seed)
         };
-        outcome_of(&model, harmonics as usize, budget as usize, control)
+        outcome_of(&model, harmonics as usize, budget as usize, integrated)
     };
     let seeds: Vec<u64> = (first..first + seeds).collect();
     // one at a time, so that no thread waits with models behind another's slow one
@@ -49,24 +63,34 @@ fn main() {
     print_periodicity(&outcomes);
 }
 
-/// Searches for the peak of one model. One without a peak is integrated in time and printed, with `control` any. Where one without
-/// a peak vibrates with the period at all frequencies tried, many more are looked at, and the highest vibration decides.
-fn outcome_of(model: &RandomModel, harmonics: usize, budget: usize, control: bool) -> Outcome {
+/// Searches for the peak of one model. Those to be `integrated` and those without a peak are printed. Where one without a peak vibrates
+/// with the period at all frequencies tried, many more are looked at, and the highest vibration decides.
+fn outcome_of(
+    model: &RandomModel,
+    harmonics: usize,
+    budget: usize,
+    integrated: Integrated,
+) -> Outcome {
     let found = model.peak(harmonics, budget);
     let (status, iterations) = (found.status, found.count.iterations);
     let route = found.solution.as_ref().and_then(|peak| peak.route);
-    let wanted = control || !status.has_solution();
+    let wanted = match integrated {
+        Integrated::All => true,
+        Integrated::WithoutPeak => !status.has_solution(),
+        Integrated::None => false,
+    };
     let at_highest = || match status.has_solution() {
         true => None,
         false => march::not_periodic_at_its_highest(model),
     };
     let vibration = wanted.then(|| march::not_periodic(model).or_else(at_highest));
-    if let Some(vibration) = vibration {
+    if wanted || !status.has_solution() {
         let vibration = match vibration {
-            Some((omega, change)) => {
+            Some(Some((omega, change))) => {
                 format!("not periodic at {omega:.3} rad/s, change {change:.1e}")
             }
-            None => "periodic".to_owned(),
+            Some(None) => "periodic".to_owned(),
+            None => "not integrated".to_owned(),
         };
         let status = status.name();
         println!(
