@@ -109,7 +109,7 @@ pub fn assess(problem: &Problem<'_>, motion: &PeriodicMotion<'_>) -> Option<Stab
     let mut n_steps = STEPS;
     while found.growth() > DOUBTFUL && n_steps < MOST_STEPS {
         n_steps *= 2;
-        // a ring may need more memory with more steps than it may take
+        // a ring may need more memory than it may take, or leave its multipliers unknown
         let Some(finer) = assess_with(problem, motion, n_steps) else {
             break;
         };

@@ -286,14 +286,10 @@ fn disturbances_of_the_ring_grow_by_the_multipliers() {
         let balance = Balance::new(&of_ring, solution.harmonics.clone(), aft);
         let held = Condition::FixedFrequency;
         let iterate = solve(&balance, start, held, sharp(5).newton).expect("a solution");
-        let ours = assess(&of_sector, &motion(&solution, &solution.relative)).expect("assessed");
+        let one = motion(&solution, &solution.relative);
+        let with = |n_steps| assess_with(&of_sector, &one, n_steps).expect("assessed");
+        let (ours, finer) = (with(STEPS), with(4 * STEPS));
         let found = against_the_march(&balance, &iterate, periods, ours.multiplier);
-        let finer = assess_with(
-            &of_sector,
-            &motion(&solution, &solution.relative),
-            4 * STEPS,
-        );
-        let finer = finer.expect("assessed");
         let apart = (found.computed.norm() - ours.multiplier.norm()).abs();
         println!(
             "{level} N at {hertz} Hz: {} of sectors, {} of the ring, {} by the march ({:.1e}), {:.5} with four times the steps, {:?}",
