@@ -10,7 +10,7 @@ use faer::prelude::c64;
 pub const STEPS: usize = 256;
 
 /// Most steps per period where the first ones are too long: a stiff contact that slips or opens turns a high mode far in one step.
-pub const MOST_STEPS: usize = 2048;
+const MOST_STEPS: usize = 2048;
 
 /// Growth per period from which on a multiplier is found again with twice the steps: half of [`MARGIN`].
 const DOUBTFUL: f64 = 0.5 * MARGIN;
