@@ -15,7 +15,7 @@ use random::RandomModel;
 use rayon::prelude::*;
 
 /// Which models are integrated in time.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Clone, Copy)]
 enum Integrated {
     All,
     WithoutPeak,
