@@ -269,7 +269,7 @@ fn coverage(seeds: u64) {
 /// The same with a gap between nozzle and strip that is another one in every ten tests; the record states the share of its own map.
 fn varying(seeds: u64) {
     coverage_heading();
-    for (mu, scale) in [(0.6, 1.0), (0.6, 10.0), (0.1, 1.0)] {
+    for (mu, scale) in [(0.6, 1.0), (1.2, 0.1), (0.6, 10.0), (0.1, 1.0)] {
         let rigs = seeds * COVERAGE_TESTS / TESTS_OF_A_GAP;
         let of_rig = |k: u64| {
             let share = (k as f64 + 0.5) / rigs as f64;

@@ -136,7 +136,7 @@ fn show_ranking(
     let holds = match least < most {
         false => format!("in {least:.1} % of the resamples"),
         true => format!(
-            "in {least:.1} % to {most:.1} % of the resamples, as the samples that failed would have been"
+            "in {least:.1} % to {most:.1} % of the resamples, by how ties and samples that failed are decided"
         ),
     };
     writeln!(

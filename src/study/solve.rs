@@ -19,7 +19,7 @@ use crate::hb::response::forced_response::{
 };
 use crate::hb::response::values::{SlowSweep, at_frequencies};
 use crate::hb::structure::resonance::Band;
-use crate::hb::{ContactFractions, CycleWork, Problem, Solution, Status};
+use crate::hb::{ContactFractions, CycleWork, Problem, Solution, StabilityScope, Status};
 use crate::model::ReducedModel;
 
 /// Parts of the progress of one level.
@@ -74,7 +74,11 @@ pub fn solve(
             }
         };
         let judged = response.solutions.into_par_iter();
-        let judged = judged.map(|point| point.with_stability(&problem, &study.solver));
+        let judged = judged.map(|point| match study.solver.stability {
+            // it assesses peaks alone: a curve has too many points for the ring of a disk
+            StabilityScope::Bouncing => point,
+            _ => point.with_stability(&problem, &study.solver),
+        });
         let response = Response {
             solutions: judged.collect(),
             ..response

@@ -2,6 +2,9 @@
 
 use std::path::Path;
 
+use microslip::ensemble::store::read_samples;
+use microslip::hb::Status;
+use microslip::study::{Study, inspect};
 use serde_json::Value;
 
 use super::bad_input::assert_refused;
@@ -216,10 +219,10 @@ fn slipping_with_multiplier(stability: &str) -> Vec<bool> {
     slipping.map(|(_, known)| *known).collect()
 }
 
-/// A disk is assessed where its study asks for it, and not else. Seen to fail with a program that refuses the key for
-/// disks.
+/// Points of a curve are assessed where a study of a disk asks for it, and not else. Seen to fail with a program that refuses the key
+/// for disks.
 #[test]
-fn stability_of_a_disk_is_assessed_on_request() {
+fn stability_along_the_curve_of_a_disk_is_assessed_on_request() {
     let asked = slipping_with_multiplier("stability = \"all\"");
     assert!(
         asked.len() > 5 && asked.iter().all(|known| *known),
@@ -232,4 +235,76 @@ fn stability_of_a_disk_is_assessed_on_request() {
             "{left:?}"
         );
     }
+}
+
+/// A ring of six built-in sectors that bounce.
+const BOUNCING: &str = "name = \"ring\"
+seed = 1
+samples = 2
+levels = [2.0, 1000.0]
+
+[model]
+kind = \"cyclic\"
+sector = \"blade-strip\"
+sectors = 6
+contact_nodes = [2, 2]
+
+[inputs.friction_coefficient]
+distribution = \"uniform\"
+low = 0.3
+high = 0.5
+
+[solver]
+harmonics = 3
+alert = false
+
+[frequency]
+band_hz = [2600, 2660]
+
+[operation]
+speed_rpm = [13300.0, 14200.0]
+engine_orders = [2]
+
+[output]
+curve_samples = 0
+";
+
+/// Of each peak of the ring at this level, with this line in `[solver]`: its status, and whether it has a multiplier.
+fn peaks_of_the_ring(level: f64, stability: &str) -> Vec<(Status, bool)> {
+    let folder = tempfile::tempdir().unwrap();
+    let study = BOUNCING.replace("[solver]", &format!("[solver]\n{stability}"));
+    std::fs::write(folder.path().join("study.toml"), study).unwrap();
+    let run = ["run", "study.toml", "--quiet", "--output", "out"];
+    let output = microslip(folder.path(), &run);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let samples = read_samples(&folder.path().join("out/samples.parquet")).unwrap();
+    let levels = samples.outcomes.iter().flat_map(|sample| &sample.levels);
+    let at = levels.filter(|l| l.level == level);
+    at.map(|l| (l.status, l.peak.unwrap().multiplier_real.get().is_some()))
+        .collect()
+}
+
+/// Without a word in the study, peaks of a disk that would be judged as bouncing have a verdict by their multipliers in place of it; others are
+/// not assessed. `inspect` counts the one level.
+#[test]
+fn bouncing_peaks_of_a_disk_have_a_verdict() {
+    let judged = peaks_of_the_ring(1000.0, "stability = \"off\"");
+    assert_eq!(judged, [(Status::BouncingContact, false); 2]);
+    let verdicts = peaks_of_the_ring(1000.0, "");
+    println!("{verdicts:?}");
+    let is_verdict = |status| [Status::Converged, Status::Unstable].contains(&status);
+    assert!(
+        verdicts
+            .iter()
+            .all(|&(status, known)| known && is_verdict(status))
+    );
+    assert_eq!(peaks_of_the_ring(2.0, ""), [(Status::Converged, false); 2]);
+    let stated = |level: &str, scope: &str| {
+        let text = BOUNCING.replace("[2.0, 1000.0]", &format!("[{level}]"));
+        let text = text.replace("[solver]", &format!("[solver]\nstability = \"{scope}\""));
+        let study = Study::parse(Path::new("study.toml"), &text).unwrap();
+        inspect(&study).unwrap().processor_time_s
+    };
+    assert_eq!(stated("2.0", "bouncing"), stated("2.0", "off"));
+    assert!(stated("1000.0", "bouncing") > stated("1000.0", "off"));
 }

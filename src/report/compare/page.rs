@@ -217,8 +217,8 @@ fn rankings(view: &View) -> Section {
     }
     let hint = "The order is that of the quantile that 95 % of the assumed prior keeps, on the samples that every design solved. \
                 The last two columns draw the common samples anew, 1000 times, and count how often the whole order comes \
-                out again, and how often its first design is the best. A range, where samples failed: the lower end for \
-                the most unfavourable results that they could have had, the upper end for the most favourable ones.";
+                out again, and how often its first design is the best. A range, where designs tie or samples failed: the lower end \
+                if all of these were decided against it, the upper end if all for it.";
     Section {
         id: "ranking",
         title: "Ranking".to_owned(),

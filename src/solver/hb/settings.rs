@@ -94,7 +94,10 @@ impl AlertSettings {
 pub enum StabilityScope {
     /// None.
     Off,
-    /// Those at which a contact is open for part of the period.
+    /// Peaks that would have the status `bouncing-contact` without it: a part that only contacts hold flies, or its contacts are open for
+    /// most of the period. The default of a disk.
+    Bouncing,
+    /// Those at which a contact is open for part of the period. The default of other models.
     #[default]
     LiftOff,
     /// Those at which a contact slips or is open. With all contacts stuck a damped structure is stable.

@@ -10,6 +10,7 @@ use crate::hb::equations::balance::Balance;
 use crate::hb::equations::effort::WorkCount;
 use crate::hb::equations::problem::Problem;
 use crate::hb::newton::{Iterate, Point};
+use crate::hb::structure::linear::LinearModel;
 use faer::prelude::c64;
 use std::f64::consts::PI;
 
@@ -122,7 +123,7 @@ impl Solution {
             route: None,
             work_count: WorkCount::default(),
         };
-        if status.has_solution() && model.floats && solution.bounces() {
+        if status.has_solution() && solution.bounces(model) {
             solution.status = Status::BouncingContact;
         }
         solution
@@ -132,8 +133,8 @@ impl Solution {
     /// excitation is not to be trusted, as far as that can be told without its stability: the strip flies, or the pairs are open for most of the time. Time integration of the rig settles to one period up to
     /// shares of about one half (100 N) and does not any more at 300 N, where it is two thirds and more.
     #[must_use]
-    pub fn bounces(&self) -> bool {
-        self.flight_fraction > 0.0 || self.contact.separated > MOST_SEPARATED
+    pub fn bounces(&self, model: &LinearModel) -> bool {
+        model.floats && (self.flight_fraction > 0.0 || self.contact.separated > MOST_SEPARATED)
     }
 
     /// The same with its stability, where `settings` ask for it and it can be assessed, and with the status that follows.
@@ -144,6 +145,7 @@ impl Solution {
         } = self.contact;
         let wanted = match settings.stability {
             StabilityScope::Off => false,
+            StabilityScope::Bouncing => self.bounces(problem.model),
             StabilityScope::LiftOff => separated > 0.0,
             StabilityScope::All => slip > 0.0 || separated > 0.0,
         };

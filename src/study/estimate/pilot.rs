@@ -6,10 +6,10 @@
 use crate::Error;
 use crate::ensemble::Ensemble;
 use crate::ensemble::atlas::Atlas;
-use crate::ensemble::outcome::PeakRecord;
+use crate::ensemble::outcome::LevelOutcome;
 use crate::ensemble::runner::{FIRST_ANCHORS, generations};
 use crate::harmonics::HarmonicSet;
-use crate::hb::{HbSettings, StabilityScope};
+use crate::hb::{HbSettings, StabilityScope, Status};
 use crate::study::settings::read::Study;
 use std::time::Instant;
 
@@ -77,11 +77,12 @@ impl Pilot {
     }
 }
 
-/// Levels at which contacts lift off at the nominal peak, on one harmonic; a level without a peak counts as one.
+/// Levels at which the nominal peak on one harmonic lifts off or bounces so that its stability is assessed; a level without a peak
+/// counts as one.
 ///
 /// # Errors
 /// Whatever building the model refuses.
-pub(super) fn levels_with_lift_off(study: &Study) -> Result<usize, Error> {
+pub(super) fn levels_assessed(study: &Study) -> Result<usize, Error> {
     let prepared = study.prepared()?;
     let settings = HbSettings {
         harmonics: HarmonicSet::up_to(1),
@@ -94,10 +95,11 @@ pub(super) fn levels_with_lift_off(study: &Study) -> Result<usize, Error> {
         ..prepared.ensemble(None)
     };
     let nominal = ensemble.levels(&[], &Atlas::default());
-    let lifts = |peak: PeakRecord| peak.separated_fraction > 0.0;
-    Ok((nominal.iter())
-        .filter(|level| level.peak.is_none_or(lifts))
-        .count())
+    let is_assessed = |level: &LevelOutcome| match study.solver.stability {
+        StabilityScope::Bouncing => level.peak.is_none() || level.status == Status::BouncingContact,
+        _ => level.peak.is_none_or(|peak| peak.separated_fraction > 0.0),
+    };
+    Ok(nominal.iter().filter(|level| is_assessed(level)).count())
 }
 
 /// Processor time of this thread; where the system does not tell it, the time of a clock.

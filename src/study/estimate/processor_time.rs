@@ -3,7 +3,7 @@
 //! The numbers of factorisations are those of the shipped studies; the table of what was stated and what was used is in
 //! `benches/README.md`.
 
-use super::pilot::{Pilot, levels_with_lift_off};
+use super::pilot::{Pilot, levels_assessed};
 use super::size::SolveSize;
 use crate::Error;
 use crate::ensemble::runner::generations;
@@ -24,7 +24,7 @@ pub(super) fn estimated_time(
     let factor = pilot.map_or(1.0, |pilot| pilot.factor(of_sample));
     let assessed = match study.solver.stability {
         StabilityScope::Off => 0,
-        StabilityScope::LiftOff => levels_with_lift_off(study)?,
+        StabilityScope::Bouncing | StabilityScope::LiftOff => levels_assessed(study)?,
         StabilityScope::All => study.levels.len(),
     };
     Ok((factor * processor_time(study, size, assessed), pilot))

@@ -148,10 +148,10 @@ pub struct SolverSection {
     /// error is above the threshold. `false` checks nothing and adds none; `true` takes the defaults.
     #[schemars(extend("default" = true))]
     alert: Option<Alert>,
-    /// Which solutions are assessed for stability by their Floquet multipliers: those with lift-off, all that slip or lift off, or
-    /// none. Those that are unstable have the status `unstable`. What is not assessed and is open for most of the period has the status
-    /// `bouncing-contact`. A model of kind `cyclic` is assessed where this key says so, at the cost of marching all its sectors; a mistuned
-    /// one is not.
+    /// Which solutions are assessed for stability by their Floquet multipliers: those with lift-off, all that slip or lift off, peaks whose
+    /// contacts are open for most of the period, or none. Those that are unstable have the status `unstable`. What is not assessed and is
+    /// open for most of the period has the status `bouncing-contact`. A model of kind `cyclic` is assessed by marching all its sectors, and
+    /// has the default `"bouncing"`; a mistuned one is not assessed.
     #[schemars(extend("default" = StabilityScope::default()))]
     stability: Option<StabilityScope>,
     /// Whether a mirror-symmetric model is solved on one half of its contacts. `false` solves both halves, and so also finds
@@ -284,13 +284,13 @@ impl SolverSection {
         Ok(settings)
     }
 
-    /// Which solutions are assessed: of a tuned disk those that are asked for, of a mistuned one none.
+    /// Which solutions are assessed: of a tuned disk, where it is dear, those that nothing else judges, of a mistuned one none.
     fn stability(&self, sectors: Sectors) -> Result<StabilityScope, BadSetting> {
         let off = StabilityScope::Off;
         let stated = self.stability;
         match sectors {
             Sectors::None => Ok(stated.unwrap_or_default()),
-            Sectors::Tuned => Ok(stated.unwrap_or(off)),
+            Sectors::Tuned => Ok(stated.unwrap_or(StabilityScope::Bouncing)),
             Sectors::Mistuned => {
                 let rule = "must be \"off\" for a mistuned disk: a disturbance of all its sectors has too many unknowns";
                 let possible = stated.is_none_or(|stated| stated == off);

@@ -69,6 +69,19 @@ fn two_sweeps_that_meet_have_passed_the_band() {
     assert!((peak.amplitude(0) / 3.689e-4 - 1.0).abs() < 0.01);
 }
 
+/// The sweep upwards passes the highest maximum and stops at 36.1 rad/s; the one downwards passes it, too, and stops at 16.3 rad/s on its
+/// way back from there. Seen to fail where a sweep has to stop at the end of the other: step-too-small.
+#[test]
+fn two_sweeps_that_overlap_have_passed_the_band() {
+    let found = RandomModel::of_seed(1859).peak(5, 20_000);
+    println!("{:?}", found.count);
+    assert_eq!(found.status, Status::Converged);
+    let peak = found.solution.expect("a peak");
+    assert_eq!(peak.route, Some(PeakRoute::SweptOnOne));
+    assert!((peak.omega - 2.3862).abs() < 1e-3, "{}", peak.omega);
+    assert!((peak.amplitude(0) / 858.90 - 1.0).abs() < 1e-3);
+}
+
 /// Preloads that balance the static load leave contacts stuck, so that a small level is a linear problem. Seen to fail with
 /// a start from the stuck structure under the load alone, which preloads have not closed: max-iterations.
 #[test]

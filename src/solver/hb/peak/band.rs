@@ -2,14 +2,14 @@
 //! friction, or on the branch through the whole band.
 
 use super::search::{Located, PeakSettings, find_peak, higher, maximum_on};
-use crate::hb::branch::branch_point::{BranchPoint, distance};
+use crate::hb::branch::branch_point::distance;
 use crate::hb::branch::branch_segment::BranchSegment;
 use crate::hb::branch::continuation::ContinuationEnd;
 use crate::hb::branch::sweep::{SweepDirection, SweepSettings, follow};
 use crate::hb::branch::sweep_start::first_solution;
 use crate::hb::equations::balance::Balance;
 use crate::hb::newton::rest::Rest;
-use crate::hb::newton::{Condition, solve};
+use crate::hb::newton::{Condition, Direction, Point, solve};
 use crate::hb::settings::NewtonSettings;
 use crate::hb::status::Status;
 use crate::hb::structure::resonance::linear_resonances;
@@ -19,8 +19,8 @@ use std::ops::ControlFlow;
 const SWEEP_STEP: f64 = 0.3;
 /// Largest change of the frequency per step, as a share of the band.
 const SWEEP_ADVANCE: f64 = 0.025;
-/// Relative distance in frequency at which the ends of two sweeps are one; that of the displacements is the root of it.
-const MEETING: f64 = 1e-6;
+/// Relative distance in frequency up to which solutions of two sweeps are one; that of the displacements is the root of it.
+const SAME: f64 = 1e-6;
 
 /// The highest maximum at `level` next to the resonances of the structure that slides without friction about its `rest`:
 /// friction far below the level hardly moves it. Maxima below `least` per unit level (m) do not count.
@@ -50,7 +50,8 @@ pub(super) fn sliding_maximum<'p>(
 }
 
 /// The highest maximum at `level` on the branch through the whole band, upwards or else downwards, on the harmonics of the
-/// last of `rungs`. Two sweeps that stop at one solution have passed the whole band together.
+/// last of `rungs`. Two sweeps that stop within the band have passed the whole of it together if one of them stops at a
+/// solution that the other has passed, or at which it stops, too.
 ///
 /// # Errors
 /// [`Status::NoPeakInBand`] if the branch has none, else the status of the sweep that failed: a sweep that stopped inside the
@@ -65,12 +66,12 @@ pub(super) fn swept_maximum<'p>(
     let swept = |direction| sweep(rungs, level, direction, peak, newton);
     let upward = swept(SweepDirection::Upward);
     let highest = match upward {
-        Ok(Swept { highest, end }) if end.status == Status::Converged => highest,
+        Ok(Swept { highest, end, .. }) if end.status == Status::Converged => highest,
         upward => {
             let downward = swept(SweepDirection::Downward)?;
             match (downward.end.status, upward) {
                 (Status::Converged, _) => downward.highest,
-                (_, Ok(upward)) if meet(balance, &upward.end.last, &downward.end.last) => {
+                (_, Ok(upward)) if upward.joins(&downward, balance, newton) => {
                     let both = [upward.highest, downward.highest].into_iter().flatten();
                     both.reduce(|best, other| higher(balance, best, other))
                 }
@@ -81,17 +82,53 @@ pub(super) fn swept_maximum<'p>(
     highest.ok_or(Status::NoPeakInBand)
 }
 
-/// Whether two points of the branch are one.
-fn meet(balance: &Balance<'_>, one: &BranchPoint<'_>, other: &BranchPoint<'_>) -> bool {
-    let [one, other] = [one, other].map(|at| &at.iterate.point);
-    let apart = (one.omega / other.omega - 1.0).abs();
-    apart <= MEETING && distance(balance, one, other) <= MEETING.sqrt()
-}
-
 /// What a sweep through the band has passed.
 struct Swept<'p> {
     highest: Option<Located<'p>>,
+    /// The solutions at the ends of its steps, one after the other.
+    passed: Vec<Point>,
     end: ContinuationEnd<'p>,
+}
+
+impl<'p> Swept<'p> {
+    /// Whether one of two sweeps from both ends of the band stopped at a solution of the other. A branch does not divide, so
+    /// that they are on one branch then, and have passed all of it between the ends of the band.
+    fn joins(&self, other: &Self, balance: &Balance<'p>, newton: NewtonSettings) -> bool {
+        let [one, two] = [self, other].map(|swept| &swept.end.last.iterate.point);
+        is_same(balance, one, two)
+            || self.has_passed(two, balance, newton)
+            || other.has_passed(one, balance, newton)
+    }
+
+    /// Whether this sweep has passed `solution`: between two of its points around the frequency of `solution` Newton's method
+    /// leads there.
+    fn has_passed(&self, solution: &Point, balance: &Balance<'p>, newton: NewtonSettings) -> bool {
+        let steps = self.passed.windows(2);
+        let mut between = steps.filter_map(|step| interpolated(step, solution.omega));
+        between.any(|start| {
+            let solved = solve(balance, start, Condition::FixedFrequency, newton);
+            solved.is_ok_and(|found| is_same(balance, &found.point, solution))
+        })
+    }
+}
+
+/// The point at the frequency `omega` (rad/s) on the straight line of a step, if the step passes it.
+fn interpolated(step: &[Point], omega: f64) -> Option<Point> {
+    let [from, to] = step else { return None };
+    let share = (omega - from.omega) / (to.omega - from.omega);
+    let line = Direction {
+        r: from.r.iter().zip(&to.r).map(|(a, b)| b - a).collect(),
+        omega: to.omega - from.omega,
+    };
+    (0.0..=1.0)
+        .contains(&share)
+        .then(|| from.moved(&line, share))
+}
+
+/// Whether two solutions are one.
+fn is_same(balance: &Balance<'_>, one: &Point, other: &Point) -> bool {
+    let apart = (one.omega / other.omega - 1.0).abs();
+    apart <= SAME && distance(balance, one, other) <= SAME.sqrt()
 }
 
 /// One sweep through the band.
@@ -114,8 +151,10 @@ fn sweep<'p>(
         largest_step: SWEEP_STEP,
         largest_advance: SWEEP_ADVANCE,
     };
+    let mut passed = vec![first.point.clone()];
     let mut maxima = Vec::new();
     let end = follow(balance, first, sweep, newton, |from, to| {
+        passed.push(to.iterate.point.clone());
         let segment = BranchSegment::new(balance, &from, to);
         maxima.extend(maximum_on(&segment, balance, peak, newton));
         ControlFlow::Continue(())
@@ -123,6 +162,7 @@ fn sweep<'p>(
     let maxima = maxima.into_iter();
     Ok(Swept {
         highest: maxima.reduce(|best, other| higher(balance, best, other)),
+        passed,
         end,
     })
 }

@@ -15,6 +15,9 @@ const MOST_STEPS: usize = 2048;
 /// Growth per period from which on a multiplier is found again with twice the steps: half of [`MARGIN`].
 const DOUBTFUL: f64 = 0.5 * MARGIN;
 
+/// Growth per period from which on shorter steps change no verdict: they change such multipliers by large factors, but far above 1.
+const PLAIN: f64 = 9.0;
+
 /// The steps are short enough where twice as many change the growth by less than this share of it, or of [`MARGIN`].
 const AGREEMENT: f64 = 0.2;
 
@@ -100,14 +103,14 @@ impl Stability {
     }
 }
 
-/// Stability of `motion`, a solution of `problem`, with [`STEPS`] steps per period; where a disturbance grows or nearly does, with
-/// twice as many until that changes its growth no more. `None` for a structure that needs too many coordinates, and if the
+/// Stability of `motion`, a solution of `problem`, with [`STEPS`] steps per period; where a disturbance grows or nearly does, but less than
+/// tenfold in a period, with twice as many until that changes its growth no more. `None` for a structure that needs too many coordinates, and if the
 /// eigenvalues were not found.
 #[must_use]
 pub fn assess(problem: &Problem<'_>, motion: &PeriodicMotion<'_>) -> Option<Stability> {
     let mut found = assess_with(problem, motion, STEPS)?;
     let mut n_steps = STEPS;
-    while found.growth() > DOUBTFUL && n_steps < MOST_STEPS {
+    while (DOUBTFUL..PLAIN).contains(&found.growth()) && n_steps < MOST_STEPS {
         n_steps *= 2;
         // a ring may need more memory than it may take, or leave its multipliers unknown
         let Some(finer) = assess_with(problem, motion, n_steps) else {
