@@ -29,6 +29,16 @@ const REPEATED: u64 = 10;
 const COVERAGE_TESTS: u64 = 500;
 /// First seed of the coverage.
 const COVERAGE_SEED: u64 = 2;
+/// Friction coefficients and scales of the stiffness of the coverage.
+const CELLS: [(f64, f64); 7] = [
+    (0.6, 1.0),
+    (0.3, 0.3),
+    (0.9, 3.0),
+    (1.2, 0.1),
+    (0.6, 10.0),
+    (0.1, 1.0),
+    (0.1, 3.0),
+];
 /// Gaps of the rig whose pressure map varies (mm), and its tests with each.
 const GAPS_MM: [f64; 2] = [0.08, 0.12];
 const TESTS_OF_A_GAP: u64 = 10;
@@ -231,20 +241,15 @@ fn coverage_heading() {
 fn coverage(seeds: u64) {
     coverage_heading();
     let coarse = "[vibrometer]\nnoise_um = 0.02\n";
-    for (mu, scale, loading, instruments) in [
-        (0.6, 1.0, "air", ""),
-        (0.3, 0.3, "air", ""),
-        (0.9, 3.0, "air", ""),
-        (1.2, 0.1, "air", ""),
-        (0.6, 10.0, "air", ""),
-        (0.1, 1.0, "air", ""),
-        (0.1, 3.0, "air", ""),
+    let under_air = CELLS.map(|(mu, scale)| (mu, scale, "air", ""));
+    let others = [
         (0.1, 1.0, "punch", ""),
         (0.1, 3.0, "punch", ""),
         (0.6, 1.0, "air", coarse),
         (0.6, 3.0, "air", coarse),
         (0.6, 10.0, "air", coarse),
-    ] {
+    ];
+    for (mu, scale, loading, instruments) in under_air.into_iter().chain(others) {
         let case = Case {
             mu,
             scale,
@@ -269,7 +274,7 @@ fn coverage(seeds: u64) {
 /// The same with a gap between nozzle and strip that is another one in every ten tests; the record states the share of its own map.
 fn varying(seeds: u64) {
     coverage_heading();
-    for (mu, scale) in [(0.6, 1.0), (1.2, 0.1), (0.6, 10.0), (0.1, 1.0)] {
+    for (mu, scale) in CELLS {
         let rigs = seeds * COVERAGE_TESTS / TESTS_OF_A_GAP;
         let of_rig = |k: u64| {
             let share = (k as f64 + 0.5) / rigs as f64;
