@@ -37,7 +37,10 @@ pub enum LinalgError {
         matrix: &'static str,
     },
     /// The eigenvalue iteration ended before the residual was small.
-    #[error("eigenvalue iteration ended with relative residual {residual:.1e}")]
+    #[error(
+        "modes of the stiffness and mass matrices were not found, the iteration ended with a relative residual of {residual:.1e}: their entries \
+         must not differ so much in size (check units and directions of the degrees of freedom)"
+    )]
     EigenNotConverged {
         /// Largest relative residual of the wanted modes.
         residual: f64,
