@@ -16,7 +16,7 @@ const MOST_STEPS: usize = 2048;
 const DOUBTFUL: f64 = 0.5 * MARGIN;
 
 /// Growth per period from which on shorter steps change no verdict: they change such multipliers by large factors, but far above 1.
-const PLAIN: f64 = 9.0;
+const PLAIN: f64 = 99.0;
 
 /// The steps are short enough where twice as many change the growth by less than this share of it, or of [`MARGIN`].
 const AGREEMENT: f64 = 0.2;
@@ -104,7 +104,7 @@ impl Stability {
 }
 
 /// Stability of `motion`, a solution of `problem`, with [`STEPS`] steps per period; where a disturbance grows or nearly does, but less than
-/// tenfold in a period, with twice as many until that changes its growth no more. `None` for a structure that needs too many coordinates, and if the
+/// a hundredfold in a period, with twice as many until that changes its growth no more. `None` for a structure that needs too many coordinates, and if the
 /// eigenvalues were not found.
 #[must_use]
 pub fn assess(problem: &Problem<'_>, motion: &PeriodicMotion<'_>) -> Option<Stability> {
