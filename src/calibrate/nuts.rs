@@ -128,7 +128,7 @@ impl<'a> Chain<'a> {
         let mut tally = Tally::default();
         for depth in 0..MOST_DOUBLINGS {
             let side = usize::from(self.uniform() < 0.5);
-            let further = self.walk(&mut outermost[side], (side, depth), start, &mut tally);
+            let further = self.walk(&mut outermost[side], side, depth, start, &mut tally);
             if !further.whole {
                 break;
             }
@@ -147,18 +147,19 @@ impl<'a> Chain<'a> {
     fn walk(
         &mut self,
         at: &mut Point,
-        (side, depth): (usize, u32),
+        side: usize,
+        depth: u32,
         start: f64,
         tally: &mut Tally,
     ) -> Part {
         if depth == 0 {
             return self.one_step(at, side, start, tally);
         }
-        let first = self.walk(at, (side, depth - 1), start, tally);
+        let first = self.walk(at, side, depth - 1, start, tally);
         if !first.whole {
             return first;
         }
-        let second = self.walk(at, (side, depth - 1), start, tally);
+        let second = self.walk(at, side, depth - 1, start, tally);
         if !second.whole {
             return second;
         }

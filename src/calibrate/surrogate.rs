@@ -67,7 +67,7 @@ impl Surrogates {
         for level in levels {
             for (q, quantity) in Quantity::ALL.into_iter().enumerate() {
                 let results: Vec<f64> = points.results.iter().map(|r| r[*level][q]).collect();
-                let fitted = fit(prior, (&coordinates, &results, points.of_prior), seed);
+                let fitted = fit(prior, &coordinates, &results, points.of_prior, seed);
                 let (expansion, held_out, deviation) = fitted.map_err(|reason| {
                     let name = match quantity {
                         Quantity::Frequency => "frequency",
@@ -97,9 +97,13 @@ impl Surrogates {
     }
 }
 
+/// The surrogate of `results` over `coordinates`, its error held out, and its deviation. The first `of_prior` points are samples of
+/// the prior. Shape of `coordinates`: points × inputs.
 fn fit(
     prior: &Prior,
-    (coordinates, results, of_prior): (&[Vec<f64>], &[f64], usize),
+    coordinates: &[Vec<f64>],
+    results: &[f64],
+    of_prior: usize,
     seed: u64,
 ) -> Result<(Chaos, PredictionError, f64), String> {
     let failed = results.iter().filter(|r| !r.is_finite()).count();

@@ -44,17 +44,17 @@ fn show(out: &mut dyn Write, curve: &LevelCurve, unit: FrequencyUnit) -> std::io
     )?;
     if let Some(gap) = curve.response.gap {
         let answered = !curve.response.is_curve && n_solved == solutions.len();
-        write!(out, "{}", where_it_ended((gap, answered), &hertz))?;
+        write!(out, "{}", where_it_ended(gap, answered, &hertz))?;
     }
     if let Some((solution, largest)) = curve.largest() {
         let place = hertz(solution.omega);
         let is_curve = curve.response.is_curve;
-        write!(out, "{}", in_words(solution, (largest, is_curve), &place))?;
+        write!(out, "{}", in_words(solution, largest, is_curve, &place))?;
     }
     writeln!(out)
 }
 
-fn where_it_ended((gap, answered): (Gap, bool), hertz: &impl Fn(f64) -> String) -> String {
+fn where_it_ended(gap: Gap, answered: bool, hertz: &impl Fn(f64) -> String) -> String {
     let stop = |stop: Stop| {
         let (status, place) = (stop.status, hertz(stop.omega));
         format!("{place} ({}: {})", status.name(), status.explanation())
@@ -82,7 +82,7 @@ fn where_it_ended((gap, answered): (Gap, bool), hertz: &impl Fn(f64) -> String) 
     }
 }
 
-fn in_words(solution: &Solution, (largest, is_curve): (Largest, bool), place: &str) -> String {
+fn in_words(solution: &Solution, largest: Largest, is_curve: bool, place: &str) -> String {
     let amplitude = format!("{:.6e}", solution.amplitude(0));
     match largest {
         Largest::Maximum => format!(", peak {amplitude} at {place}"),

@@ -3,7 +3,6 @@
 use super::noise::{Noise, Purpose};
 use super::read::Rig;
 use super::settings::ResponseSettings;
-use super::virtual_test::Specimen;
 use crate::Error;
 use crate::ensemble::stop::Stop;
 use crate::sampling::DesignSettings;
@@ -53,8 +52,7 @@ impl Rig {
         let study = Study::read(&self.folder().join(&settings.study))?;
         let mut all = Vec::new();
         for index in 0..self.contact.specimens {
-            let truth = self.specimen(index);
-            all.extend(self.of_specimen(settings, (index, &truth), study.clone())?);
+            all.extend(self.of_specimen(settings, index, study.clone())?);
         }
         Ok(all)
     }
@@ -62,9 +60,10 @@ impl Rig {
     fn of_specimen(
         &self,
         settings: &ResponseSettings,
-        (index, truth): (u64, &Specimen),
+        index: u64,
         mut study: Study,
     ) -> Result<Vec<MeasuredResonance>, Error> {
+        let truth = self.specimen(index);
         let blades = matches!(study.model, ModelSettings::TwoBladeStrip { .. });
         if let ModelSettings::TwoBladeStrip { interface, .. } = &mut study.model {
             interface.friction_coefficient = truth.friction_coefficient;

@@ -102,14 +102,15 @@ impl Study {
     fn choice(
         &self,
         model: &StudyModel,
-        (linear, solved): (&LinearModel, &[ContactParameters<f64>]),
+        linear: &LinearModel,
+        solved: &[ContactParameters<f64>],
     ) -> Result<PeakChoice, Error> {
         let number = match self.frequency.peak {
             PeakSetting::Highest => return Ok(PeakChoice::Highest),
             PeakSetting::All => return Ok(PeakChoice::All),
             PeakSetting::Mode(number) => number,
         };
-        let found = self.numbered_modes(model, (linear, solved))?.in_band;
+        let found = self.numbered_modes(model, linear, solved)?.in_band;
         let mode = found.iter().find(|(n, _)| *n as usize == number);
         if let Some((_, candidate)) = mode {
             return Ok(PeakChoice::Mode(candidate.mode));
@@ -135,7 +136,8 @@ impl Study {
     fn numbered_modes(
         &self,
         model: &StudyModel,
-        (linear, solved): (&LinearModel, &[ContactParameters<f64>]),
+        linear: &LinearModel,
+        solved: &[ContactParameters<f64>],
     ) -> Result<NumberedModes, Error> {
         let no_modes = |error: LinalgError| Error::Problem(error.into());
         let stuck = model.frequencies(true).map_err(no_modes)?;
@@ -158,12 +160,13 @@ impl Study {
     fn followed(
         &self,
         model: &StudyModel,
-        solved: (&LinearModel, &[ContactParameters<f64>]),
+        linear: &LinearModel,
+        solved: &[ContactParameters<f64>],
     ) -> Result<(Vec<u32>, Vec<FollowedMode>), Error> {
         if self.frequency.peak != PeakSetting::All || self.is_mistuned() {
             return Ok((Vec::new(), Vec::new()));
         }
-        let found = self.numbered_modes(model, solved)?;
+        let found = self.numbered_modes(model, linear, solved)?;
         let mode = |(mode, c): (u32, Candidate)| FollowedMode {
             mode,
             stuck_frequency_hz: rad_s_to_hz(c.omega),
@@ -220,8 +223,8 @@ impl<'s> PreparedStudy<'s> {
             let rest = SliderAnchor::StaticEquilibrium;
             Problem::new(&linear, contacts.clone(), 1.0, rest)?;
         }
-        let choice = study.choice(&model, (&linear, &contacts))?;
-        let (mode_numbers, followed_modes) = study.followed(&model, (&linear, &contacts))?;
+        let choice = study.choice(&model, &linear, &contacts)?;
+        let (mode_numbers, followed_modes) = study.followed(&model, &linear, &contacts)?;
         let mistuned = match &model.disk {
             Some(of) => study.mistuned(of)?,
             None => None,

@@ -102,7 +102,8 @@ impl SyntheticStudy {
         let mut files = SolvedFiles::begin(
             [&samples, &curves, &anchors],
             &self.record.provenance,
-            (&names, group.unwrap_or_default()),
+            &names,
+            group.unwrap_or_default(),
             &study,
         )
         .unwrap();

@@ -84,7 +84,7 @@ impl Panel {
     }
 
     /// Position inside the plot area; `None` for what has no place on the axes.
-    fn place(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
+    fn place(&self, x: f64, y: f64) -> Option<(f64, f64)> {
         let (width, height) = self.inner();
         // Far outside is cut off anyway; the clamp keeps the numbers short.
         let x = self.x.position(x)?.clamp(-9.0, 9.0) * width;
@@ -101,8 +101,8 @@ impl Panel {
     fn polyline(&self, points: impl Iterator<Item = (f64, f64)>) -> String {
         let mut data = String::new();
         let mut command = 'M';
-        for point in points {
-            match self.place(point) {
+        for (x, y) in points {
+            match self.place(x, y) {
                 Some((x, y)) => {
                     let _ = write!(data, "{command}{x:.1} {y:.1}");
                     command = 'L';
@@ -134,7 +134,7 @@ impl Panel {
 
     /// One mark of an excitation level, large enough to stand on a line.
     pub fn mark(&mut self, level: usize, point: (f64, f64)) {
-        if let Some((x, y)) = self.place(point) {
+        if let Some((x, y)) = self.place(point.0, point.1) {
             let shape = shape(level);
             let _ = write!(
                 self.marks,
@@ -150,7 +150,7 @@ impl Panel {
 
     fn shapes(&mut self, class: &str, shape: &str, points: impl Iterator<Item = (f64, f64)>) {
         let mut data = String::new();
-        for (x, y) in points.filter_map(|p| self.place(p)) {
+        for (x, y) in points.filter_map(|(x, y)| self.place(x, y)) {
             let _ = write!(data, "M{x:.1} {y:.1}{shape}");
         }
         self.path(class, &data);
@@ -169,7 +169,7 @@ impl Panel {
     /// Crosses.
     pub fn crosses(&mut self, class: &str, points: impl Iterator<Item = (f64, f64)>) {
         let mut data = String::new();
-        for (x, y) in points.filter_map(|p| self.place(p)) {
+        for (x, y) in points.filter_map(|(x, y)| self.place(x, y)) {
             let _ = write!(data, "M{:.1} {:.1}l6 6m-6 0l6-6", x - 3.0, y - 3.0);
         }
         self.path(&format!("cross {class}"), &data);
@@ -177,7 +177,7 @@ impl Panel {
 
     /// A ring around a nominal value.
     pub fn ring(&mut self, class: &str, point: (f64, f64)) {
-        if let Some((x, y)) = self.place(point) {
+        if let Some((x, y)) = self.place(point.0, point.1) {
             let _ = write!(
                 self.marks,
                 "<circle class=\"ring {class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4.5\"/>"
@@ -201,7 +201,7 @@ impl Panel {
     pub fn bars(&mut self, class: &str, bars: impl Iterator<Item = (f64, f64, f64)>) {
         let mut data = String::new();
         for (left, right, height) in bars {
-            let corners = (self.place((left, 0.0)), self.place((right, height)));
+            let corners = (self.place(left, 0.0), self.place(right, height));
             if let (Some((x0, y0)), Some((x1, y1))) = corners {
                 // A bin of width 0 (all values equal) is still a bar.
                 let x1 = x1.max(x0 + 3.0);
@@ -232,7 +232,7 @@ impl Panel {
 
     /// A vertical line from `low` to `high` at `x` with a bar at each end.
     pub fn whisker(&mut self, class: &str, x: f64, [low, high]: [f64; 2]) {
-        if let (Some((x, y0)), Some((_, y1))) = (self.place((x, low)), self.place((x, high))) {
+        if let (Some((x, y0)), Some((_, y1))) = (self.place(x, low), self.place(x, high)) {
             let bar = |y: f64| format!("M{:.1} {y:.1}h8", x - 4.0);
             let data = format!("M{x:.1} {y0:.1}V{y1:.1}{}{}", bar(y0), bar(y1));
             self.path(&format!("whisker {class}"), &data);
@@ -241,7 +241,7 @@ impl Panel {
 
     /// A level line from `low` to `high` at `y` with a bar at each end.
     pub fn level_whisker(&mut self, class: &str, y: f64, [low, high]: [f64; 2]) {
-        if let (Some((x0, y)), Some((x1, _))) = (self.place((low, y)), self.place((high, y))) {
+        if let (Some((x0, y)), Some((x1, _))) = (self.place(low, y), self.place(high, y)) {
             let bar = |x: f64| format!("M{x:.1} {:.1}v8", y - 4.0);
             let data = format!("M{x0:.1} {y:.1}H{x1:.1}{}{}", bar(x0), bar(x1));
             self.path(&format!("whisker {class}"), &data);
@@ -251,8 +251,8 @@ impl Panel {
     /// A bar from `low` to `high` around the line `y`, `thickness` of the distance between lines.
     pub fn level_bar(&mut self, class: &str, y: f64, [low, high]: [f64; 2], thickness: f64) {
         let corners = (
-            self.place((low, y - 0.5 * thickness)),
-            self.place((high, y + 0.5 * thickness)),
+            self.place(low, y - 0.5 * thickness),
+            self.place(high, y + 0.5 * thickness),
         );
         if let (Some((x0, y0)), Some((x1, y1))) = corners {
             let data = format!("M{x0:.1} {y0:.1}V{y1:.1}H{x1:.1}V{y0:.1}Z");
@@ -265,8 +265,8 @@ impl Panel {
         let (_, height) = self.inner();
         let mut placed: Vec<(f64, f64, &str)> = labels
             .iter()
-            .filter_map(|(point, text)| {
-                let (x, y) = self.place(*point)?;
+            .filter_map(|((x, y), text)| {
+                let (x, y) = self.place(*x, *y)?;
                 Some((x, y, text.as_str()))
             })
             .collect();
@@ -281,7 +281,7 @@ impl Panel {
             };
             let [from, to] = [5.0, 15.0].map(|distance| x + side * distance);
             self.path("pointer", &format!("M{from:.1} {y:.1}L{to:.1} {line:.1}"));
-            write_text(&mut self.marks, class, (to + 2.0 * side, line + 3.5), text);
+            write_text(&mut self.marks, class, to + 2.0 * side, line + 3.5, text);
         }
     }
 
@@ -302,12 +302,8 @@ impl Panel {
                 false => ("words", x + 4.0),
             };
             ends[row] = end;
-            write_text(
-                &mut self.marks,
-                class,
-                (from, 10.0 + LINE * row as f64),
-                &name,
-            );
+            let y = 10.0 + LINE * row as f64;
+            write_text(&mut self.marks, class, from, y, &name);
         }
     }
 
@@ -342,7 +338,7 @@ impl Panel {
 
     /// Words that show while the pointer is on a mark.
     pub fn readout_mark(&mut self, point: (f64, f64), lines: &[String]) {
-        if let Some((x, y)) = self.place(point) {
+        if let Some((x, y)) = self.place(point.0, point.1) {
             let room = 0.5 * REACH;
             self.readout([x - room, x + room], [y - room, y + room], lines);
         }
@@ -350,7 +346,7 @@ impl Panel {
 
     /// Words that show while the pointer is on the upright line from `low` to `high` at `x`.
     pub fn readout_upright(&mut self, x: f64, [low, high]: [f64; 2], lines: &[String]) {
-        if let (Some((x, top)), Some((_, bottom))) = (self.place((x, high)), self.place((x, low))) {
+        if let (Some((x, top)), Some((_, bottom))) = (self.place(x, high), self.place(x, low)) {
             let room = 0.5 * REACH;
             self.readout([x - room, x + room], [top - room, bottom + room], lines);
         }
@@ -358,7 +354,7 @@ impl Panel {
 
     /// Words that show while the pointer is on the level line from `low` to `high` at `y`.
     pub fn readout_level(&mut self, y: f64, [low, high]: [f64; 2], lines: &[String]) {
-        if let (Some((left, y)), Some((right, _))) = (self.place((low, y)), self.place((high, y))) {
+        if let (Some((left, y)), Some((right, _))) = (self.place(low, y), self.place(high, y)) {
             let room = 0.5 * REACH;
             self.readout([left - room, right + room], [y - room, y + room], lines);
         }
@@ -377,7 +373,7 @@ impl Panel {
         );
         for (i, line) in lines.iter().enumerate() {
             let y = LINE * (i + 1) as f64;
-            write_text(&mut self.readouts, "words", (at, y), line);
+            write_text(&mut self.readouts, "words", at, y, line);
         }
         self.readouts.push_str("</g>");
     }
@@ -428,12 +424,8 @@ impl Panel {
             "<path class=\"frame\" d=\"M{left} {TOP}v{height:.1}h{width:.1}\"/>"
         );
         if let Some(note) = &self.note {
-            write_text(
-                &mut svg,
-                "note",
-                (left + width / 2.0, TOP + height / 2.0),
-                note,
-            );
+            let (x, y) = (left + width / 2.0, TOP + height / 2.0);
+            write_text(&mut svg, "note", x, y, note);
         }
         svg.push_str("</svg>");
         svg
@@ -442,7 +434,7 @@ impl Panel {
     fn write_axes(&self, svg: &mut String) {
         let (width, height) = self.inner();
         let left = self.left;
-        write_text(svg, "title", (left.min(LEFT[0]), 15.0), &self.title);
+        write_text(svg, "title", left.min(LEFT[0]), 15.0, &self.title);
         for (value, label) in self.x.ticks(|c| (c as f64 * CHARACTER + 14.0) / width) {
             if let Some(position) = self.x.position(value) {
                 let x = left + position * width;
@@ -450,7 +442,7 @@ impl Panel {
                     svg,
                     "<path class=\"grid\" d=\"M{x:.1} {TOP}v{height:.1}\"/>"
                 );
-                write_text(svg, "tick x", (x, TOP + height + 15.0), &label);
+                write_text(svg, "tick x", x, TOP + height + 15.0, &label);
             }
         }
         for (value, label) in self.y.ticks(|_| TICK_HEIGHT / height) {
@@ -460,11 +452,11 @@ impl Panel {
                     svg,
                     "<path class=\"grid\" d=\"M{left} {y:.1}h{width:.1}\"/>"
                 );
-                write_text(svg, "tick y", (left - 6.0, y + 3.8), &label);
+                write_text(svg, "tick y", left - 6.0, y + 3.8, &label);
             }
         }
-        let bottom = (left + width / 2.0, self.height - 8.0);
-        write_text(svg, "label", bottom, &self.x.label);
+        let centre = left + width / 2.0;
+        write_text(svg, "label", centre, self.height - 8.0, &self.x.label);
         let middle = TOP + height / 2.0;
         let _ = write!(
             svg,
@@ -489,7 +481,7 @@ fn stacked(heights: impl Iterator<Item = f64>, height: f64) -> VecDeque<f64> {
     lines
 }
 
-fn write_text(svg: &mut String, class: &str, (x, y): (f64, f64), text: &str) {
+fn write_text(svg: &mut String, class: &str, x: f64, y: f64, text: &str) {
     let _ = write!(
         svg,
         "<text class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\">{}</text>",

@@ -145,7 +145,8 @@ pub(super) fn calibrated(
     curves: &CurveSet,
     calibrating: &CurveSet,
     missing: MissingPoints,
-    (level, confidence): (f64, f64),
+    level: f64,
+    confidence: f64,
 ) -> Result<Envelope, EnvelopeRefusal> {
     let inside = |p: f64| p > 0.0 && p < 1.0;
     if !inside(level) || !inside(confidence) {
@@ -263,7 +264,7 @@ pub fn simultaneous_band(
         points: (0..shaping.grid().len()).map(point).collect(),
         shaped_by: shaping.total() - shaping.failed(),
     };
-    calibrated(&family, curves, &calibrating, missing, (level, confidence))
+    calibrated(&family, curves, &calibrating, missing, level, confidence)
 }
 
 #[cfg(test)]

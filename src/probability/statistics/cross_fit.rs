@@ -202,7 +202,7 @@ impl CrossFit {
                 highest + above.hypot(scatter),
             ];
             let [estimate, lower, upper] = limits.map(|v| v.clamp(0.0, 1.0));
-            Index::new(estimate, (lower, upper))
+            Index::new(estimate, lower, upper)
         };
         (0..inputs)
             .map(|j| SurrogateIndices {

@@ -115,5 +115,5 @@ pub fn depth_band(
 ) -> Result<Envelope, EnvelopeRefusal> {
     let (shaping, calibrating) = curves.halves();
     let family = Deepest::of(&shaping);
-    calibrated(&family, curves, &calibrating, missing, (level, confidence))
+    calibrated(&family, curves, &calibrating, missing, level, confidence)
 }

@@ -192,7 +192,7 @@ impl Neighbours {
         };
         let lower = (estimate - half).min(1.0 - rest * factor);
         let upper = (estimate + half).max(1.0 - rest / factor + bias.min(rest));
-        Index::new(estimate, (lower, upper.min(1.0)))
+        Index::new(estimate, lower, upper.min(1.0))
     }
 }
 

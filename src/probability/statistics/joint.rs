@@ -75,8 +75,9 @@ pub fn joint_region(pairs: &[(f64, f64)], content: f64, confidence: f64) -> Join
     }
 }
 
-/// How far out a pair lies on a side: the larger the further.
-fn outwards(side: usize, (x, y): (f64, f64)) -> f64 {
+/// How far out a pair (x, y) lies on a side: the larger the further.
+fn outwards(side: usize, pair: (f64, f64)) -> f64 {
+    let (x, y) = pair;
     match side {
         0 => y,
         1 => -x,

@@ -25,14 +25,15 @@ pub struct FrequencyMargin {
     pub denominator: Denominator,
 }
 
-/// Margin of a mode of `frequency_hz` to the engine order k over speeds (lowest, highest) in rev/min.
+/// Margin of a mode of `frequency_hz` to the engine order k over the speeds from `lowest_rpm` to `highest_rpm` (rev/min).
 ///
 /// `None` unless the frequency, the order and the speeds are positive and the speeds ascend.
 #[must_use]
 pub fn frequency_margin(
     frequency_hz: f64,
     engine_order: u32,
-    (lowest_rpm, highest_rpm): (f64, f64),
+    lowest_rpm: f64,
+    highest_rpm: f64,
     denominator: Denominator,
 ) -> Option<FrequencyMargin> {
     let sound = frequency_hz > 0.0 && frequency_hz.is_finite() && highest_rpm.is_finite();

@@ -40,7 +40,7 @@ pub struct Index {
 }
 
 impl Index {
-    pub(super) fn new(estimate: f64, (lower, upper): (f64, f64)) -> Self {
+    pub(super) fn new(estimate: f64, lower: f64, upper: f64) -> Self {
         let influence = match lower > RESOLUTION {
             true => Influence::Distinct,
             false => Influence::NotDistinguishable,

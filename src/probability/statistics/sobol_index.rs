@@ -62,7 +62,7 @@ pub fn sobol_indices(
         let estimate = estimator(&rows, &whole, j);
         let wider = 1.0 + SMALL_SAMPLE / rows.len() as f64;
         let from = |limit: f64| estimate + wider * (limit - estimate);
-        Ok(Index::new(estimate, (from(lower), from(upper))))
+        Ok(Index::new(estimate, from(lower), from(upper)))
     };
     (0..inputs)
         .map(|j| {

@@ -33,7 +33,7 @@ pub(super) fn render(
     runs: &[StoredRun],
 ) -> Result<String, ReportError> {
     let levels = 0..comparison.levels.len();
-    let amplitudes = levels.flat_map(|i| differences(Compared::AmplitudeM, runs, (0, 1), i));
+    let amplitudes = levels.flat_map(|i| differences(Compared::AmplitudeM, runs, 0, 1, i));
     let largest = amplitudes
         .filter(|v| v.is_finite())
         .map(f64::abs)
@@ -61,13 +61,8 @@ pub(super) fn render(
     page(&title, comparison.levels.len(), &sections)
 }
 
-/// Differences a − b at level `i`, one per sample, NaN where one of the pair failed.
-fn differences(
-    quantity: Compared,
-    runs: &[StoredRun],
-    (a, b): (usize, usize),
-    i: usize,
-) -> Vec<f64> {
+/// Differences of run `a` minus run `b` at level `i`, one per sample, NaN where one of the pair failed.
+fn differences(quantity: Compared, runs: &[StoredRun], a: usize, b: usize, i: usize) -> Vec<f64> {
     let of = |k: usize| quantity.of(&runs[k], i).unwrap_or_default();
     of(a).iter().zip(of(b)).map(|(a, b)| a - b).collect()
 }
@@ -359,7 +354,7 @@ fn distributions(view: &View) -> Section {
 
 fn difference_figure(view: &View, quantity: Compared, b: usize, i: usize) -> Figure {
     let (scale, unit) = view.shown(quantity);
-    let values: Vec<f64> = differences(quantity, view.runs, (0, b), i)
+    let values: Vec<f64> = differences(quantity, view.runs, 0, b, i)
         .into_iter()
         .map(|v| v * scale)
         .collect();

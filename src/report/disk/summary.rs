@@ -93,11 +93,7 @@ impl DiskSummary {
             let summary = Summary::of(&input);
             let assessment = Assessment::of(&input, &summary);
             condition.get_or_insert(assessment.condition.clone());
-            orders.push(OrderSummary::of(
-                folder,
-                (&input, summary, assessment),
-                disk,
-            ));
+            orders.push(OrderSummary::of(folder, &input, &summary, assessment, disk));
             let operation = run.record.requirements.operation.iter();
             speeds.extend(operation.flat_map(|operation| operation.speed_rpm));
         }
@@ -140,7 +136,9 @@ fn same_disk<'a>(first: &RunRecord, run: &'a RunRecord) -> Result<&'a DiskRecord
 impl OrderSummary {
     fn of(
         folder: &Path,
-        (input, summary, assessment): (&ReportInput, Summary, Assessment),
+        input: &ReportInput,
+        summary: &Summary,
+        assessment: Assessment,
         disk: &DiskRecord,
     ) -> Self {
         let levels = assessment.levels.into_iter().zip(&summary.levels);

@@ -58,7 +58,7 @@ pub(super) fn margin_size(
         MarginBase::EngineOrder => Denominator::EngineOrder,
         MarginBase::Resonance => Denominator::NaturalFrequency,
     };
-    frequency_margin(frequency_hz, engine_order, (low, high), denominator)
+    frequency_margin(frequency_hz, engine_order, low, high, denominator)
         .map_or(f64::NAN, |margin| margin.margin.abs())
 }
 

@@ -58,7 +58,7 @@ impl Ensemble<'_> {
             let contacts = self.contacts.repeat(of.ring.n_sectors());
             let applied = self.applied_to(Cow::Owned(linear), contacts, inputs);
             let problem = applied.problem(self.settings.anchor).map_err(status_of)?;
-            let tuned = self.tuned(of, &tuned, &levels, (inputs, place));
+            let tuned = self.tuned(of, &tuned, &levels, inputs, place);
             let tuned = tuned.map_err(status_of)?;
             let found = levels.iter().map(|&level| {
                 let found = largest_of_blades(&problem, self.settings, self.peak, level);
@@ -101,7 +101,8 @@ impl Ensemble<'_> {
         of: &MistunedDisk,
         tuned: &Applied<'_>,
         levels: &[f64],
-        (inputs, place): (&[f64], &[f64]),
+        inputs: &[f64],
+        place: &[f64],
     ) -> Result<Tuned, ProblemError> {
         let problem = tuned.problem(self.settings.anchor)?;
         let peaks = self.peaks(&problem, levels, place, &Atlas::default())?;

@@ -80,7 +80,7 @@ pub fn extend(
     let added = resumed.add_results(folder.path(), &study, settings, other);
     added.map_err(unreadable)?;
     refuse_other_samples(&study, &old, folder.path()).map_err(refused)?;
-    run_after(&study, &folder, (identity, resumed), settings, progress)
+    run_after(&study, &folder, identity, resumed, settings, progress)
 }
 
 /// More samples than there are, and no more than a design has.

@@ -66,7 +66,7 @@ pub(super) fn run_alone(
         return Ok(result);
     }
     add_solved_results(&mut resumed, study, folder, &identity, settings)?;
-    run_after(study, folder, (identity, resumed), settings, progress)
+    run_after(study, folder, identity, resumed, settings, progress)
 }
 
 /// The same where samples are known already.
@@ -76,7 +76,8 @@ pub(super) fn run_alone(
 pub(super) fn run_after(
     study: &Study,
     folder: &OutputFolder,
-    (identity, mut resumed): (RunIdentity, Resumed),
+    identity: RunIdentity,
+    mut resumed: Resumed,
     settings: &RunSettings,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<RunResult, Error> {
@@ -114,7 +115,7 @@ pub(super) fn run_after(
         record.backend = session.backend.report();
         record.wall_time_s = clock.elapsed().as_secs_f64();
         let beside = Beside { further, control };
-        let placed = place_results(session, (&resumed, samples), &beside, &mut record);
+        let placed = place_results(session, &resumed, samples, &beside, &mut record);
         let (summary, stored) = placed.map_err(unwritten)?;
         session.parts.remove()?;
         Ok(RunResult {
@@ -178,7 +179,8 @@ struct Beside {
 /// Writes all files of the results, which then replace older ones together.
 fn place_results<F>(
     session: &Session<'_, F>,
-    (resumed, samples): (&Resumed, u64),
+    resumed: &Resumed,
+    samples: u64,
     beside: &Beside,
     record: &mut RunRecord,
 ) -> Result<(Summary, StoredRun), Error> {
@@ -186,7 +188,7 @@ fn place_results<F>(
     let results = Together::begin(folder)?;
     let names = &session.head.input_names;
     let tables = session.profiler.stage(Stage::Tables, || {
-        write_tables(results.path(), session, (resumed, samples), record)
+        write_tables(results.path(), session, resumed, samples, record)
     });
     record.tables = tables?.to_vec();
     write_beside(results.path(), names, beside, record)?;
@@ -209,17 +211,18 @@ fn place_results<F>(
 fn write_tables<F>(
     folder: &Path,
     session: &Session<'_, F>,
-    (resumed, samples): (&Resumed, u64),
+    resumed: &Resumed,
+    samples: u64,
     record: &RunRecord,
 ) -> Result<[FileRecord; 3], Error> {
     let study = &session.prepared.study;
     let [of_samples, curves] = TABLES.map(|name| folder.join(name));
     let anchors = folder.join(ATLAS_FILE);
-    let columns = (&session.head.input_names[..], study.design.group(0));
     let mut files = SolvedFiles::begin(
         [&of_samples, &curves, &anchors],
         &record.provenance,
-        columns,
+        &session.head.input_names,
+        study.design.group(0),
         &session.head.identity.study,
     )?;
     let mut all = resumed.samples(study);

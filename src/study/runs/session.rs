@@ -77,7 +77,7 @@ pub(super) fn at_work<T: Send, F: Fn(Progress) + Sync>(
     let at_once = samples_that_fit(&prepared)?;
     let threads = rayon::current_num_threads();
     if at_once >= threads {
-        return on_this_pool(begun, (&prepared, profiler), Vec::new(), &meter, work);
+        return on_this_pool(begun, &prepared, profiler, Vec::new(), &meter, work);
     }
     let note = format!(
         "{at_once} of {threads} threads solve: a sample takes up to {:.0} MB of memory, of which there is not enough for more",
@@ -85,7 +85,7 @@ pub(super) fn at_work<T: Send, F: Fn(Progress) + Sync>(
     );
     let pool = rayon::ThreadPoolBuilder::new().num_threads(at_once).build();
     let pool = pool.map_err(|error| Error::Threads(error.to_string()))?;
-    pool.install(|| on_this_pool(begun, (&prepared, profiler), vec![note], &meter, work))
+    pool.install(|| on_this_pool(begun, &prepared, profiler, vec![note], &meter, work))
 }
 
 /// Number of samples that the memory has room for at once.
@@ -102,7 +102,8 @@ fn samples_that_fit(prepared: &PreparedStudy<'_>) -> Result<usize, Error> {
 /// The same on the threads of this pool.
 fn on_this_pool<T, F: Fn(Progress) + Sync>(
     begun: Begun<'_>,
-    (prepared, profiler): (&PreparedStudy<'_>, Profiler),
+    prepared: &PreparedStudy<'_>,
+    profiler: Profiler,
     notes: Vec<String>,
     meter: &Meter<F>,
     work: impl FnOnce(&Session<'_, F>) -> Result<T, Error>,
@@ -152,14 +153,14 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
         &self,
         work: impl FnOnce(&dyn Watch) -> Result<(), Stopped> + Send,
     ) -> Result<(), Error> {
-        let control = (&self.settings.stop, self.settings.flush_every);
+        let (stop, every) = (&self.settings.stop, self.settings.flush_every);
         let ended = std::thread::scope(|scope| {
             let done = |times: SampleTimes| {
                 self.profiler.add(times);
                 self.meter.one_more(times.newton_iterations);
             };
             let (writer, collector) =
-                PartWriter::start(scope, &self.parts, &self.head, control, done);
+                PartWriter::start(scope, &self.parts, &self.head, stop, every, done);
             let ended = self.profiler.stage(Stage::Samples, || work(&collector));
             drop(collector);
             writer.finish().map_err(unwritten)?;

@@ -62,7 +62,8 @@ impl InputsKeys {
         &self,
         document: &Document<'_>,
         folder: &Path,
-        (model, unit): (&ModelSettings, FrequencyUnit),
+        model: &ModelSettings,
+        unit: FrequencyUnit,
         own: &BTreeSet<&str>,
     ) -> Result<Option<IdentifiedInputs>, Error> {
         let Some(file) = &self.from else {

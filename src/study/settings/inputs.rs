@@ -48,7 +48,7 @@ pub(super) fn design(
     let tables: BTreeMap<String, DistributionTable> = document.take("inputs")?.unwrap_or_default();
     let own = tables.keys().map(String::as_str).collect();
     let mut inputs = own_inputs(document, &tables, of.model)?;
-    let identified = keys.read(document, of.folder, (of.model, of.unit), &own)?;
+    let identified = keys.read(document, of.folder, of.model, of.unit, &own)?;
     for (input, distribution) in identified.iter().flat_map(|found| &found.inputs) {
         inputs.push((*input, Uncertainty::Aleatory(distribution.clone())));
     }
@@ -86,7 +86,7 @@ fn own_inputs(
         ModelSettings::TwoBladeStrip { pressure, .. } => *pressure,
         ModelSettings::Matrices(_) | ModelSettings::Cyclic(_) => None,
     };
-    let scatter = match model {
+    let (blades, scatter) = match model {
         ModelSettings::Cyclic(disk) => (disk.sectors, disk.blade_frequency_scatter),
         _ => (0, 0.0),
     };
@@ -110,14 +110,12 @@ fn own_inputs(
         let normal = document.checked(Distribution::new(shape, None))?;
         inputs.push((Input::PressureMode(k), Uncertainty::Aleatory(normal)));
     }
-    inputs.extend(document.checked(blade_deviations(scatter))?);
+    inputs.extend(document.checked(blade_deviations(blades, scatter))?);
     Ok(inputs)
 }
 
-/// The deviations of all blades of a disk with so many and such a scatter; none of a tuned disk.
-fn blade_deviations(
-    (blades, scatter): (usize, f64),
-) -> Result<Vec<(Input, Uncertainty)>, BadSetting> {
+/// The deviations of all blades of a disk with so many and such a scatter (standard deviation); none of a tuned disk.
+fn blade_deviations(blades: usize, scatter: f64) -> Result<Vec<(Input, Uncertainty)>, BadSetting> {
     let blades = if scatter > 0.0 { blades } else { 0 };
     let deviation = |blade: u8| {
         let shape = Shape::Normal {

@@ -145,8 +145,8 @@ impl Study {
         validate_head(&name, &levels).map_err(at)?;
         output.validate().map_err(|bad| at(bad.under("output")))?;
         let solver_settings = solver.settings(&contact, model.sectors()).map_err(at)?;
-        let of_model = (&model, frequency.unit);
-        let checked = asked.check(of_model, &levels, &design, &solver_settings);
+        let unit = frequency.unit;
+        let checked = asked.check(&model, unit, &levels, &design, &solver_settings);
         checked.map_err(at)?;
         let stopping = samples.plan(&asked.requirements, &design).map_err(at)?;
         let unusual = unusual(&model, &design, &solver_settings, &asked.requirements);

@@ -40,12 +40,13 @@ impl Asked {
     /// [`BadSetting`] with a key relative to the study file.
     pub(super) fn check(
         &self,
-        of_model: (&ModelSettings, FrequencyUnit),
+        model: &ModelSettings,
+        unit: FrequencyUnit,
         levels: &[f64],
         design: &Design,
         solver: &HbSettings,
     ) -> Result<(), BadSetting> {
-        check_requirements(&self.requirements, of_model, levels)?;
+        check_requirements(&self.requirements, model, unit, levels)?;
         if let Some(settings) = &self.surrogate {
             check_surrogate(settings, design)?;
         }
@@ -62,7 +63,8 @@ impl Asked {
 /// [`BadSetting`] with a key relative to the study file.
 fn check_requirements(
     requirements: &Requirements,
-    (model, unit): (&ModelSettings, FrequencyUnit),
+    model: &ModelSettings,
+    unit: FrequencyUnit,
     levels: &[f64],
 ) -> Result<(), BadSetting> {
     let given = [

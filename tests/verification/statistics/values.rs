@@ -208,25 +208,24 @@ fn joint_region_cuts_each_pair_once() {
 /// Seen to fail with the lowest speed for a mode above the line.
 #[test]
 fn margins_by_hand() {
-    let margin = |f, range, d| frequency_margin(f, 2, range, d).unwrap();
-    let range = (9000.0, 10_000.0);
-    let above = margin(400.0, range, Denominator::EngineOrder);
+    let margin = |f, d| frequency_margin(f, 2, 9000.0, 10_000.0, d).unwrap();
+    let above = margin(400.0, Denominator::EngineOrder);
     assert!((above.margin - 0.2).abs() < 1e-12 && above.speed_rpm == 10_000.0);
-    let below = margin(270.0, range, Denominator::EngineOrder);
+    let below = margin(270.0, Denominator::EngineOrder);
     assert!((below.margin + 0.1).abs() < 1e-12 && below.speed_rpm == 9000.0);
-    let of_mode = margin(400.0, range, Denominator::NaturalFrequency);
+    let of_mode = margin(400.0, Denominator::NaturalFrequency);
     assert!((of_mode.margin - (1.0 - 1.0 / 1.2)).abs() < 1e-12);
-    let crossing = margin(310.0, range, Denominator::EngineOrder);
+    let crossing = margin(310.0, Denominator::EngineOrder);
     assert_eq!((crossing.margin, crossing.speed_rpm), (0.0, 9300.0));
-    for (f, k, range) in [
-        (f64::NAN, 2, range),
-        (400.0, 0, range),
-        (400.0, 2, (9000.0, 8000.0)),
-        (400.0, 2, (0.0, 8000.0)),
-        (400.0, 2, (f64::NAN, 8000.0)),
+    for (f, k, lowest, highest) in [
+        (f64::NAN, 2, 9000.0, 10_000.0),
+        (400.0, 0, 9000.0, 10_000.0),
+        (400.0, 2, 9000.0, 8000.0),
+        (400.0, 2, 0.0, 8000.0),
+        (400.0, 2, f64::NAN, 8000.0),
     ] {
         assert_eq!(
-            frequency_margin(f, k, range, Denominator::EngineOrder),
+            frequency_margin(f, k, lowest, highest, Denominator::EngineOrder),
             None
         );
     }

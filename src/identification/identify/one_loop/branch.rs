@@ -50,7 +50,8 @@ const HIDDEN_BEND: f64 = 0.05;
 /// where the branch is still straight.
 pub(super) fn window(
     half: &Half,
-    loops: (&MeanLoop, Batches<'_>),
+    cycle: &MeanLoop,
+    batches: Batches<'_>,
     share: &[Option<f64>],
     straightened: Option<Straightened>,
 ) -> Option<Window> {
@@ -58,7 +59,7 @@ pub(super) fn window(
     let found = ENDS.iter().enumerate().find_map(|(i, end)| {
         let places = between(share, [BEGIN, *end])?;
         let enough = places[1] + 1 - places[0] >= FEW;
-        let take = straightened.is_some() || i == last || !bends(half, loops, places);
+        let take = straightened.is_some() || i == last || !bends(half, cycle, batches, places);
         (enough && take).then_some((places, *end))
     });
     let wide = || {
@@ -92,17 +93,22 @@ fn between(share: &[Option<f64>], [begin, end]: [f64; 2]) -> Option<[usize; 2]> 
 }
 
 /// Whether the slope falls inside the window.
-fn bends(half: &Half, loops: (&MeanLoop, Batches<'_>), places: [usize; 2]) -> bool {
-    let fall = fall(half, loops, places);
+fn bends(half: &Half, cycle: &MeanLoop, batches: Batches<'_>, places: [usize; 2]) -> bool {
+    let fall = fall(half, cycle, batches, places);
     fall.is_some_and(|[fall, error]| fall > BEND && fall > SURE_BEND * error)
 }
 
 /// Whether the slope does not fall inside the window, and a bend that matters would be seen.
-pub(super) fn is_straight(half: &Half, loops: (&MeanLoop, Batches<'_>), window: &Window) -> bool {
+pub(super) fn is_straight(
+    half: &Half,
+    cycle: &MeanLoop,
+    batches: Batches<'_>,
+    window: &Window,
+) -> bool {
     // from the middle of the window to the reversal, over the distance of the middles of its halves: the more, the shorter it is
     let beyond = |end: f64| (end + BEGIN) / (end - BEGIN);
     let beyond = beyond(window.end) / beyond(ENDS[0]);
-    let fall = fall(half, loops, window.places);
+    let fall = fall(half, cycle, batches, window.places);
     fall.map(|both| both.map(|of| beyond * of))
         .is_some_and(|[fall, error]| {
             SURE_BEND * error < HIDDEN_BEND && fall <= BEND.max(SURE_BEND * error)
@@ -114,7 +120,8 @@ pub(super) fn is_straight(half: &Half, loops: (&MeanLoop, Batches<'_>), window: 
 /// motion is no scatter about a line.
 fn fall(
     half: &Half,
-    (cycle, batches): (&MeanLoop, Batches<'_>),
+    cycle: &MeanLoop,
+    batches: Batches<'_>,
     [first, last]: [usize; 2],
 ) -> Option<[f64; 2]> {
     let (count, middle) = (last + 1 - first, usize::midpoint(first, last + 1));

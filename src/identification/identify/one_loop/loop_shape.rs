@@ -28,10 +28,11 @@ const LEAST_NORMAL: f64 = 0.02;
 /// # Errors
 /// Why it is no loop.
 pub(in crate::identify) fn shape(
-    loops: (&MeanLoop, Batches<'_>),
+    cycle: &MeanLoop,
+    batches: Batches<'_>,
     even_area: Option<f64>,
 ) -> Result<LoopShape, String> {
-    found(loops, even_area, false)
+    found(cycle, batches, even_area, false)
 }
 
 impl LoopShape {
@@ -43,16 +44,18 @@ impl LoopShape {
 
     /// Places of nearly the same mean loop, whose knee is sought again.
     pub(in crate::identify) fn with_own_knee(
-        loops: (&MeanLoop, Batches<'_>),
+        cycle: &MeanLoop,
+        batches: Batches<'_>,
         even_area: Option<f64>,
     ) -> Option<Self> {
-        found(loops, even_area, true).ok()
+        found(cycle, batches, even_area, true).ok()
     }
 }
 
 /// Places of the mean loop, with a knee of its branches whether they are straight or not if `knee` says so.
 fn found(
-    (cycle, batches): (&MeanLoop, Batches<'_>),
+    cycle: &MeanLoop,
+    batches: Batches<'_>,
     even_area: Option<f64>,
     knee: bool,
 ) -> Result<LoopShape, String> {
@@ -118,7 +121,7 @@ impl Side<'_> {
 
     fn window(&self, cycle: &MeanLoop, straightened: Option<Straightened>) -> Option<Window> {
         let shares = self.shares(cycle);
-        window(&self.half, (cycle, self.batches), &shares, straightened)
+        window(&self.half, cycle, self.batches, &shares, straightened)
     }
 
     /// The branch up to well beyond its knee, for a first guess of its slope (N/m).
@@ -143,7 +146,7 @@ impl Side<'_> {
 /// all the same.
 fn are_straight(cycle: &MeanLoop, sides: &[Side<'_>; 2], windows: &[Option<Window>; 2]) -> bool {
     let straight = |(side, window): (&Side<'_>, &Option<Window>)| {
-        window.is_some_and(|window| is_straight(&side.half, (cycle, side.batches), &window))
+        window.is_some_and(|window| is_straight(&side.half, cycle, side.batches, &window))
     };
     sides.iter().zip(windows).all(straight)
 }

@@ -69,7 +69,7 @@ impl<'a> Test<'a> {
         even_area: Option<f64>,
         settings: &'a IdentifySettings,
     ) -> Result<Self, String> {
-        let shape = shape((&steady.mean, steady.batches()), even_area)?;
+        let shape = shape(&steady.mean, steady.batches(), even_area)?;
         let mean = LoopNumbers::of(&steady.mean, &shape);
         let series = Series::of(settings);
         let of_each = |loops: &[MeanLoop]| -> Vec<LoopNumbers> {
@@ -417,7 +417,7 @@ fn own_knee(steady: &Steady, shape: &LoopShape, even_area: Option<f64>) -> Vec<L
     }
     let each = steady.without_batches();
     let numbers = |cycle: &MeanLoop| {
-        let own = LoopShape::with_own_knee((cycle, steady.batches()), even_area);
+        let own = LoopShape::with_own_knee(cycle, steady.batches(), even_area);
         LoopNumbers::of(cycle, &own.unwrap_or(*shape))
     };
     each.iter().map(numbers).collect()

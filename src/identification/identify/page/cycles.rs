@@ -84,11 +84,12 @@ fn figures(view: &View, level: usize, test: &TestResult) -> Vec<Figure> {
         test,
         label(friction),
         format!("{name}: plateaus"),
-        (coefficient, &coefficients.iter().collect::<Vec<_>>()),
+        coefficient,
+        &coefficients.iter().collect::<Vec<_>>(),
     );
     let side = |side: usize, words: &str| {
         let title = format!("{name}: after {words}");
-        let panel = frame(test, label(tangential), title, (stiffness(side), &both));
+        let panel = frame(test, label(tangential), title, stiffness(side), &both);
         figure(words, &sides[side], panel)
     };
     vec![
@@ -120,12 +121,13 @@ fn points(
     test.loops.iter().filter_map(point).collect()
 }
 
-/// An empty panel with the run-in and the value of the mean loop; its axes hold what is `shown`.
+/// An empty panel with the run-in and the value of the mean loop, `whole`; its axes hold what is `shown`.
 fn frame(
     test: &TestResult,
     label: String,
     title: String,
-    (whole, shown): (Option<Uncertain>, &[&Point]),
+    whole: Option<Uncertain>,
+    shown: &[&Point],
 ) -> Panel {
     let limits = whole.into_iter().flat_map(|w| [w.lower, w.upper]);
     let last = test.loops.len() as f64 + 1.0;

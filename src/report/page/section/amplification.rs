@@ -13,16 +13,32 @@ use crate::report::page::statistic_cell::{BOUND_FIELDS, bound_cell};
 use crate::report::page::view::View;
 use crate::statistics::Sorted;
 
-/// The factors, what they compare, and the name of each in the download.
-type Factor = (
-    &'static str,
-    &'static str,
-    fn(&AmplificationSummary) -> &FactorSummary,
-);
+/// An amplification factor and its names.
+struct Factor {
+    /// The disks that it compares.
+    against: &'static str,
+    /// Its name in the download.
+    file: &'static str,
+    /// Its numbers at a level.
+    of: fn(&AmplificationSummary) -> &FactorSummary,
+}
+
 const FACTORS: [Factor; 3] = [
-    ("same friction", "amplification", |a| &a.amplification),
-    ("stuck, tuned", "over-linear", |a| &a.over_linear),
-    ("both stuck", "linear", |a| &a.linear),
+    Factor {
+        against: "same friction",
+        file: "amplification",
+        of: |a| &a.amplification,
+    },
+    Factor {
+        against: "stuck, tuned",
+        file: "over-linear",
+        of: |a| &a.over_linear,
+    },
+    Factor {
+        against: "both stuck",
+        file: "linear",
+        of: |a| &a.linear,
+    },
 ];
 
 /// Absent without a disk whose blades differ, and with epistemic inputs.
@@ -44,16 +60,16 @@ pub(super) fn section(view: &View) -> Option<Section> {
         id: "amplification",
         title: "Amplification by mistuning".to_owned(),
         blocks: std::iter::once(Block::Hint(hint.to_owned()))
-            .chain(FACTORS.map(|factor| table(view, factor)))
+            .chain(FACTORS.map(|factor| table(view, &factor)))
             .chain([view.level_legend([stuck]), Block::pairs(vec![figure(view)])])
             .collect(),
     })
 }
 
-fn table(view: &View, (against, file, factor): Factor) -> Block {
+fn table(view: &View, factor: &Factor) -> Block {
     let mut table = Table::of(
-        format!("Amplification factor: {against}"),
-        &format!("amplification-{file}"),
+        format!("Amplification factor: {}", factor.against),
+        &format!("amplification-{}", factor.file),
         &[
             ("Level", &["level"]),
             ("5 %", &["q05", "q05_lower", "q05_upper"]),
@@ -64,7 +80,7 @@ fn table(view: &View, (against, file, factor): Factor) -> Block {
     );
     let show = |factor: f64| with_digits(factor, 4);
     for (i, level) in view.summary.levels.iter().enumerate() {
-        let Some(of_level) = level.amplification.as_ref().map(factor) else {
+        let Some(of_level) = level.amplification.as_ref().map(factor.of) else {
             continue;
         };
         let distribution = &of_level.distribution;

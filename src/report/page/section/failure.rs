@@ -72,8 +72,10 @@ fn stability(view: &View) -> Option<String> {
 fn statuses(view: &View) -> Block {
     let mut table = counts_by_level(
         view,
-        ("Status", &["status"]),
-        ("Samples per status and level", "statuses"),
+        "Samples per status and level",
+        "statuses",
+        "Status",
+        &["status"],
     );
     for status in Status::ALL {
         let counts = view
@@ -104,8 +106,10 @@ fn statuses(view: &View) -> Block {
 fn routes(view: &View) -> Block {
     let mut table = counts_by_level(
         view,
-        ("Route", &["route"]),
-        ("How the peaks were found", "routes"),
+        "How the peaks were found",
+        "routes",
+        "Route",
+        &["route"],
     );
     for route in PeakRoute::ALL {
         let counts = view.summary.levels.iter().map(|l| l.routes[route.name()]);
@@ -114,11 +118,13 @@ fn routes(view: &View) -> Block {
     table.block()
 }
 
-/// A table with one column of counts per level and one of their sums.
+/// A table with one column of counts per level and one of their sums; its first column is headed `of`.
 fn counts_by_level(
     view: &View,
-    (of, field): (&str, &'static [&'static str]),
-    (title, file): (&str, &str),
+    title: &str,
+    file: &str,
+    of: &str,
+    field: &'static [&'static str],
 ) -> Table {
     let levels = (0..view.n_levels()).map(|i| {
         let fields: &'static [&'static str] = &["samples"];

@@ -21,14 +21,16 @@ pub(super) fn section(view: &View) -> Option<Section> {
     let length = |v: f64| significant(v * scale);
     let frequency = table(
         view,
-        ("Resonance frequency (Hz) by mode", "mode-frequency"),
+        "Resonance frequency (Hz) by mode",
+        "mode-frequency",
         |mode| &mode.frequency_hz,
         &hertz,
     );
     let title = format!("Amplitude ({}) by mode", view.unit.symbol);
     let amplitude = table(
         view,
-        (&title, "mode-amplitude"),
+        &title,
+        "mode-amplitude",
         |mode| &mode.amplitude_m,
         &length,
     );
@@ -98,7 +100,8 @@ fn presence(view: &View) -> Block {
 /// Quantiles of one result of each mode.
 fn table(
     view: &View,
-    (title, file): (&str, &str),
+    title: &str,
+    file: &str,
     of: fn(&ModeSummary) -> &Distribution,
     show: &dyn Fn(f64) -> String,
 ) -> Block {

@@ -19,7 +19,7 @@ pub(super) fn blocks(view: &View) -> Vec<Block> {
             Some((k, result, level, level.over_box.as_ref()?))
         })
         .flat_map(|(k, result, level, over)| {
-            let figure = move |j| figure(view, (k, result), (level, over), j);
+            let figure = move |j| figure(view, k, result, level, over, j);
             (0..over.inputs.len()).map(figure)
         })
         .collect();
@@ -45,10 +45,13 @@ pub(super) fn blocks(view: &View) -> Vec<Block> {
     ]
 }
 
+/// The figure of criterion `k` over epistemic input `j`, at the level that decides.
 fn figure(
     view: &View,
-    (k, result): (usize, &CriterionResult),
-    (level, over): (&LevelResult, &OverBox),
+    k: usize,
+    result: &CriterionResult,
+    level: &LevelResult,
+    over: &OverBox,
     j: usize,
 ) -> Figure {
     let criterion = &result.criterion;

@@ -48,13 +48,14 @@ impl<'scope> PartWriter<'scope> {
         scope: &'scope Scope<'scope, '_>,
         folder: &'s PartFolder,
         head: &'s PartHead,
-        (stop, every): (&'s Stop, Duration),
+        stop: &'s Stop,
+        every: Duration,
         done: F,
     ) -> (Self, Collector<'s, F>) {
         // a disk that is slower than the solver holds the solver up, before the memory is full
         let (samples, receiver) = sync_channel(FLUSH_SAMPLES);
         let thread = scope.spawn(move || {
-            let written = write_all(&receiver, folder, head, (stop, every));
+            let written = write_all(&receiver, folder, head, stop, every);
             if written.is_err() {
                 stop.ask();
             }
@@ -84,7 +85,8 @@ fn write_all(
     receiver: &Receiver<SolvedSample>,
     folder: &PartFolder,
     head: &PartHead,
-    (stop, every): (&Stop, Duration),
+    stop: &Stop,
+    every: Duration,
 ) -> Result<(), TableError> {
     let mut waiting: Vec<SolvedSample> = Vec::new();
     let mut written = Instant::now();

@@ -99,9 +99,7 @@ pub(in crate::ensemble) fn samples_layout<'t>(
     Ok(TableLayout {
         metadata,
         described: &SAMPLE_COLUMNS,
-        columns: Box::new(move |outcomes| {
-            sample_columns((input_names, group, with_modes), outcomes)
-        }),
+        columns: Box::new(move |outcomes| sample_columns(input_names, group, with_modes, outcomes)),
     })
 }
 
@@ -110,7 +108,9 @@ type LevelRow<'a> = (&'a SampleOutcome, &'a LevelOutcome);
 
 /// `group` tells which of its columns there are, and `with_modes` whether all modes are followed.
 fn sample_columns(
-    (input_names, group, with_modes): (&[String], SampleGroup, bool),
+    input_names: &[String],
+    group: SampleGroup,
+    with_modes: bool,
     outcomes: &[SampleOutcome],
 ) -> Table {
     let rows: Vec<LevelRow> = outcomes

@@ -31,7 +31,8 @@ impl<'t> SolvedFiles<'t> {
     pub fn begin(
         paths: [&Path; 3],
         provenance: &Provenance,
-        (input_names, group): (&'t [String], SampleGroup),
+        input_names: &'t [String],
+        group: SampleGroup,
         study: &StoredStudy,
     ) -> Result<Self, TableError> {
         let [samples, curves, anchors] = paths;
