@@ -301,7 +301,7 @@ fn single_steps_respect_the_limits() {
             );
             boxed[d] = z;
         }
-        let step = circle_step(k_t, flexibility, (limit, 0.0), u, circle);
+        let step = circle_step(k_t, flexibility, limit, 0.0, u, circle);
         let size = step.traction[0].hypot(step.traction[1]);
         assert!(size <= limit + round, "circle {size} {limit}");
         for d in 0..2 {

@@ -141,7 +141,7 @@ impl Ensemble<'_> {
             .collect();
         let is_lane: Vec<bool> = lanes.iter().map(Option::is_some).collect();
         let lanes = lanes.into_iter().flatten().collect();
-        let mut found = device.improved((&system, &balance), lanes).into_iter();
+        let mut found = device.improved(&system, &balance, lanes).into_iter();
         let one = |is_lane: bool| {
             if is_lane {
                 found.next().flatten()
@@ -175,7 +175,8 @@ impl Ensemble<'_> {
             &balance,
             AnchorInverse { reference, inverse },
             prediction.peak,
-            (self.peak, self.settings.newton),
+            self.peak,
+            self.settings.newton,
         )
     }
 

@@ -139,7 +139,8 @@ impl Ensemble<'_> {
             refined_anchored(
                 of.problem,
                 harmonics,
-                (peak, inverse),
+                peak,
+                inverse,
                 self.settings,
                 self.peak,
             )

@@ -46,24 +46,22 @@ pub fn evaluate<T: Real>(
     out: &mut AftForces<T>,
 ) {
     out.reset(plan, batch);
-    let arguments = (plan, batch, want, scratch, out);
-    match (plan.settings().law, plan.settings().events) {
-        (FrictionLaw::Box, Events::Located) => dispatch::<T, false, true>(arguments),
-        (FrictionLaw::Box, _) => dispatch::<T, false, false>(arguments),
-        (FrictionLaw::Circle, Events::Located) => dispatch::<T, true, true>(arguments),
-        (FrictionLaw::Circle, _) => dispatch::<T, true, false>(arguments),
-    }
+    let dispatch = match (plan.settings().law, plan.settings().events) {
+        (FrictionLaw::Box, Events::Located) => dispatch::<T, false, true>,
+        (FrictionLaw::Box, _) => dispatch::<T, false, false>,
+        (FrictionLaw::Circle, Events::Located) => dispatch::<T, true, true>,
+        (FrictionLaw::Circle, _) => dispatch::<T, true, false>,
+    };
+    dispatch(plan, batch, want, scratch, out);
 }
 
 /// Calls the function for the instruction set that is found at run time.
 fn dispatch<T: Real, const CIRCLE: bool, const LOCATED: bool>(
-    (plan, batch, want, scratch, out): (
-        &AftPlan<T>,
-        &AftBatch<T>,
-        Want,
-        &mut AftScratch<T>,
-        &mut AftForces<T>,
-    ),
+    plan: &AftPlan<T>,
+    batch: &AftBatch<T>,
+    want: Want,
+    scratch: &mut AftScratch<T>,
+    out: &mut AftForces<T>,
 ) {
     let evaluation = Evaluation::<T, CIRCLE, LOCATED> {
         plan,
@@ -107,7 +105,7 @@ impl<T: Real, const CIRCLE: bool, const LOCATED: bool> WithSimd
         for first in (0..batch.n_states).step_by(LANES) {
             scratch.work.load(simd, plan, batch, first);
             if LOCATED {
-                locate(simd, (plan, law), batch, first, scratch, (want, out));
+                locate::<S, T, CIRCLE>(simd, plan, batch, first, want, scratch, out);
                 continue;
             }
             let (cycle, events) = match law {
@@ -122,7 +120,7 @@ impl<T: Real, const CIRCLE: bool, const LOCATED: bool> WithSimd
                 out.summaries
                     .push(summary(plan, &scratch.work, &cycle, lane));
                 if want == Want::ForcesAndTangents {
-                    store_tangent((plan, law), scratch, (&cycle, events), lane, out);
+                    store_tangent(plan, law, scratch, &cycle, events, lane, out);
                 }
             }
         }
@@ -131,13 +129,14 @@ impl<T: Real, const CIRCLE: bool, const LOCATED: bool> WithSimd
 
 /// The states of a group from `first` on with located events.
 #[inline(always)]
-fn locate<S: Simd, T: Real>(
+fn locate<S: Simd, T: Real, const CIRCLE: bool>(
     simd: S,
-    (plan, law): (&AftPlan<T>, FrictionLaw),
+    plan: &AftPlan<T>,
     batch: &AftBatch<T>,
     first: usize,
+    want: Want,
     scratch: &mut AftScratch<T>,
-    (want, out): (Want, &mut AftForces<T>),
+    out: &mut AftForces<T>,
 ) {
     let AftScratch {
         work,
@@ -146,24 +145,21 @@ fn locate<S: Simd, T: Real>(
         ..
     } = scratch;
     let lanes = 0..LANES.min(batch.n_states - first);
-    match law {
-        FrictionLaw::Box => {
-            located.mark(simd, plan, work);
-            for lane in lanes {
-                located.evaluate(Place::new(plan, batch, work, (first, lane)), want, out);
-            }
+    if CIRCLE {
+        located_circle.mark(simd, plan, work);
+        for lane in lanes.clone() {
+            let place = Place::new(plan, batch, work, first, lane);
+            located_circle.evaluate(simd, place, want, out);
+            located_circle.put_tractions(work, lane);
         }
-        FrictionLaw::Circle => {
-            located_circle.mark(simd, plan, work);
-            for lane in lanes.clone() {
-                let place = Place::new(plan, batch, work, (first, lane));
-                located_circle.evaluate(simd, place, want, out);
-                located_circle.put_tractions(work, lane);
-            }
-            store_forces(simd, plan, work, first, out);
-            for lane in lanes {
-                located_circle.complete(lane, first + lane, out);
-            }
+        store_forces(simd, plan, work, first, out);
+        for lane in lanes {
+            located_circle.complete(lane, first + lane, out);
+        }
+    } else {
+        located.mark(simd, plan, work);
+        for lane in lanes {
+            located.evaluate(Place::new(plan, batch, work, first, lane), want, out);
         }
     }
 }
@@ -297,9 +293,11 @@ fn summary<T: Real>(
 
 #[inline(always)]
 fn store_tangent<T: Real>(
-    (plan, law): (&AftPlan<T>, FrictionLaw),
+    plan: &AftPlan<T>,
+    law: FrictionLaw,
     scratch: &mut AftScratch<T>,
-    (cycle, events): (&Cycle<T>, [Option<Event>; 2]),
+    cycle: &Cycle<T>,
+    events: [Option<Event>; 2],
     lane: usize,
     out: &mut AftForces<T>,
 ) {

@@ -86,7 +86,8 @@ pub struct CircleStep<T> {
 pub fn circle_step<T: Real>(
     k_t: [T; 2],
     flexibility: [T; 2],
-    (limit, margin): (T, T),
+    limit: T,
+    margin: T,
     u: [T; 2],
     slider: [T; 2],
 ) -> CircleStep<T> {

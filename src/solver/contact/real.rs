@@ -81,7 +81,8 @@ trait TableRows: Sized {
         simd: S,
         table: &[Self],
         x: &[[Self; W]],
-        out: (usize, &mut [[Self; W]]),
+        first: usize,
+        out: &mut [[Self; W]],
         onto: bool,
     );
 
@@ -105,7 +106,8 @@ macro_rules! real {
                 simd: S,
                 table: &[Self],
                 x: &[[Self; W]],
-                (first, out): (usize, &mut [[Self; W]]),
+                first: usize,
+                out: &mut [[Self; W]],
                 onto: bool,
             ) {
                 let depth = x.len();
@@ -157,11 +159,11 @@ macro_rules! real {
                 let vectors = W.div_ceil(S::$lanes);
                 let whole = vectors - vectors % VECTORS;
                 for first in (0..whole).step_by(VECTORS) {
-                    Self::block::<S, W, R, VECTORS>(simd, table, x, (first, &mut *out), onto);
+                    Self::block::<S, W, R, VECTORS>(simd, table, x, first, out, onto);
                 }
                 match vectors - whole {
-                    2 => Self::block::<S, W, R, 2>(simd, table, x, (whole, out), onto),
-                    1 => Self::block::<S, W, R, 1>(simd, table, x, (whole, out), onto),
+                    2 => Self::block::<S, W, R, 2>(simd, table, x, whole, out, onto),
+                    1 => Self::block::<S, W, R, 1>(simd, table, x, whole, out, onto),
                     _ => {}
                 }
             }

@@ -74,7 +74,7 @@ pub(super) fn differences(
             out[0] = worse(out[0], difference.abs() / scale.max(f64::MIN_POSITIVE));
         }
         let stiffness = k.into_iter().fold(f64::MIN_POSITIVE, f64::max);
-        out[1] = worse(out[1], tangent_difference(i, (found, exact), k) / stiffness);
+        out[1] = worse(out[1], tangent_difference(i, found, exact, k) / stiffness);
     }
     out
 }
@@ -82,7 +82,8 @@ pub(super) fn differences(
 /// Largest difference of the entries of the tangents of one state.
 fn tangent_difference(
     i: usize,
-    (found, exact): (&AftForces<f64>, &AftForces<f64>),
+    found: &AftForces<f64>,
+    exact: &AftForces<f64>,
     k: [f64; 3],
 ) -> f64 {
     let m = exact.n_coefficients;

@@ -238,7 +238,7 @@ impl Kernels {
         self.upload(device, buffers, parts, n);
         let commands = self.record(device, buffers, n, want);
         let submission = device.queue.submit([commands]);
-        let read = self.read_batch(device, buffers, (parts, n), want, submission);
+        let read = self.read_batch(device, buffers, parts, n, want, submission);
         scope.close(device, |message| GpuError::Refused { states: n, message })?;
         read
     }
@@ -276,7 +276,8 @@ impl Kernels {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         buffers: &Buffers,
-        (n, want): (usize, Want),
+        n: usize,
+        want: Want,
         timer: Option<&Timer>,
     ) {
         let groups = u32::try_from(n.div_ceil(self.reflection.group as usize)).unwrap_or(u32::MAX);
@@ -302,7 +303,7 @@ impl Kernels {
     ) -> wgpu::CommandBuffer {
         let passes = self.passes(want);
         let mut encoder = device.device.create_command_encoder(&Default::default());
-        self.encode(&mut encoder, buffers, (n, want), buffers.timer.as_ref());
+        self.encode(&mut encoder, buffers, n, want, buffers.timer.as_ref());
         let mut offset = TIMER_BYTES;
         for name in RETURNED {
             let size = self.size(name, n);
@@ -319,7 +320,8 @@ impl Kernels {
         &self,
         device: &Device,
         buffers: &Buffers,
-        (parts, n): (&[&ScaledStates], usize),
+        parts: &[&ScaledStates],
+        n: usize,
         want: Want,
         submission: wgpu::SubmissionIndex,
     ) -> Result<BatchResult, GpuError> {

@@ -121,13 +121,13 @@ impl Tile {
         let mut solved = [[0.0; LANES]; K];
         let now = x.each_ref().map(|x| &x[start..start + LANES]);
         let to = solved.each_mut().map(<[f32; LANES]>::as_mut_slice);
-        add_products(simd, 1.0, self.inverse.as_flattened(), (now, 1), to);
+        add_products(simd, 1.0, self.inverse.as_flattened(), now, 1, to);
         for (x, solved) in x.iter_mut().zip(&solved) {
             x[start..start + LANES].copy_from_slice(solved);
         }
         let others = x.each_mut().map(|x| &mut x[others.clone()]);
         let solved = solved.each_ref().map(<[f32; LANES]>::as_slice);
-        add_products(simd, -1.0, &self.rest, (solved, 1), others);
+        add_products(simd, -1.0, &self.rest, solved, 1, others);
     }
 }
 
@@ -201,34 +201,35 @@ pub fn add_products<S: Simd, const K: usize>(
     simd: S,
     factor: f32,
     columns: &[f32],
-    (x, stride): ([&[f32]; K], usize),
+    x: [&[f32]; K],
+    stride: usize,
     y: [&mut [f32]; K],
 ) {
     let columns = vectors::<S>(columns);
     let mut y = y.map(vectors_mut::<S>);
     let rows = y[0].len();
-    let x = (x, stride);
     for first in (0..rows).step_by(4) {
-        let at = (first, rows);
         match rows - first {
-            1 => add_rows::<S, 1, K>(simd, factor, columns, at, x, &mut y),
-            2 => add_rows::<S, 2, K>(simd, factor, columns, at, x, &mut y),
-            3 => add_rows::<S, 3, K>(simd, factor, columns, at, x, &mut y),
-            _ => add_rows::<S, 4, K>(simd, factor, columns, at, x, &mut y),
+            1 => add_rows::<S, 1, K>(simd, factor, columns, first, x, stride, &mut y),
+            2 => add_rows::<S, 2, K>(simd, factor, columns, first, x, stride, &mut y),
+            3 => add_rows::<S, 3, K>(simd, factor, columns, first, x, stride, &mut y),
+            _ => add_rows::<S, 4, K>(simd, factor, columns, first, x, stride, &mut y),
         }
     }
 }
 
-/// V registers of [`add_products`] from the register `first` of columns with `rows` registers.
+/// V registers of [`add_products`] from the register `first` of the columns.
 #[inline(always)]
 fn add_rows<S: Simd, const V: usize, const K: usize>(
     simd: S,
     factor: f32,
     columns: &[S::f32s],
-    (first, rows): (usize, usize),
-    (x, stride): ([&[f32]; K], usize),
+    first: usize,
+    x: [&[f32]; K],
+    stride: usize,
     y: &mut [&mut [S::f32s]; K],
 ) {
+    let rows = y[0].len();
     let mut sums = [[simd.splat_f32s(0.0); V]; K];
     for (j, column) in columns.chunks_exact(rows).enumerate() {
         let column = &column[first..][..V];

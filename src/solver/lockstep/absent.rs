@@ -25,7 +25,8 @@ impl LaneDevice {
     /// Nobody has a device to ask.
     pub fn improved(
         &self,
-        _: (&LaneSystem, &Balance<'_>),
+        _: &LaneSystem,
+        _: &Balance<'_>,
         _: Vec<LaneSearch<'_>>,
     ) -> Vec<Option<PeakPrediction>> {
         match self.gpu {}

@@ -37,8 +37,10 @@ impl LaneArrays {
     /// [`GpuError::Refused`] if the device has not the memory.
     pub(super) fn new(
         device: &Device,
-        (system, contact): (&LaneSystem, &Kernels),
-        (columns, inverses): (usize, usize),
+        system: &LaneSystem,
+        contact: &Kernels,
+        columns: usize,
+        inverses: usize,
         fault: Option<Fault>,
     ) -> Result<Self, GpuError> {
         let size = system.size();

@@ -208,13 +208,13 @@ impl LaneBatch<'_> {
         let mut encoder = device.device.create_command_encoder(&Default::default());
         self.encode(&mut encoder, 0..self.before_contacts, None);
         let contact = &self.kernels.contact;
-        contact.encode(&mut encoder, &self.arrays.contact, self.contacts(), None);
+        let (states, want) = self.contacts();
+        contact.encode(&mut encoder, &self.arrays.contact, states, want, None);
         self.encode(&mut encoder, self.before_contacts..self.uses.len(), None);
         let size = 4 * (TOLD * self.lanes) as u64;
         encoder.copy_buffer_to_buffer(&self.arrays.told, 0, &self.arrays.staging, 0, size);
         let submission = device.queue.submit([encoder.finish()]);
         let told = read(device, &self.arrays.staging, size, submission);
-        let (states, _) = self.contacts();
         scope.close(device, |message| GpuError::Refused { states, message })?;
         let told = numbers(&told?);
         let row = |i: usize, column: usize| f64::from(told[i * self.lanes + column]);

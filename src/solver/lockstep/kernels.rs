@@ -171,9 +171,10 @@ impl LaneKernels {
         // their memory first
         *last = None;
         // batches differ by a few tiles; half of what the device can bind is taken at most, so that twice as much is there
-        let room = (columns.next_power_of_two(), inverses);
-        let of = (&self.system, &self.contact);
-        let new = Arc::new(LaneArrays::new(device, of, room, self.fault)?);
+        let columns = columns.next_power_of_two();
+        let (system, contact) = (&self.system, &self.contact);
+        let new = LaneArrays::new(device, system, contact, columns, inverses, self.fault)?;
+        let new = Arc::new(new);
         *last = Some(Arc::clone(&new));
         Ok(new)
     }

@@ -46,7 +46,8 @@ impl LaneDevice {
     /// Predictions improved by the device; none for a lane that is lost, and for all where the device fails.
     pub fn improved(
         &self,
-        of_all: (&LaneSystem, &Balance<'_>),
+        system: &LaneSystem,
+        balance: &Balance<'_>,
         lanes: Vec<LaneSearch<'_>>,
     ) -> Vec<Option<PeakPrediction>> {
         let gpu = &self.gpu;
@@ -55,10 +56,10 @@ impl LaneDevice {
         let mut most = usize::MAX;
         while !rest.is_empty() {
             let evaluated = gpu.device().and_then(|device| {
-                let improved = self.kernels(&device, of_all).and_then(|kernels| {
+                let improved = self.kernels(&device, system, balance).and_then(|kernels| {
                     most = most.min(kernels.most_lanes(&device) / SHARE);
                     let n = fitting(&rest, most, kernels.most_inverses(&device));
-                    improved((&kernels, &device), &mut rest[..n])
+                    improved(&kernels, &device, &mut rest[..n])
                 });
                 improved.map_err(|error| gpu.failed(&device, error))
             });
@@ -87,7 +88,8 @@ impl LaneDevice {
     fn kernels(
         &self,
         device: &Arc<Device>,
-        (system, balance): (&LaneSystem, &Balance<'_>),
+        system: &LaneSystem,
+        balance: &Balance<'_>,
     ) -> Result<Arc<LaneKernels>, GpuError> {
         let mut compiled = self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
         let orders = balance.harmonics.orders().to_vec();
@@ -165,7 +167,8 @@ enum State {
 /// # Errors
 /// What the device says; then no lane is improved.
 fn improved(
-    (kernels, device): (&LaneKernels, &Device),
+    kernels: &LaneKernels,
+    device: &Device,
     lanes: &mut [Numbered<'_>],
 ) -> Result<Vec<Option<PeakPrediction>>, GpuError> {
     let mut inverses: Vec<&InverseJacobian> = Vec::new();
@@ -200,9 +203,10 @@ fn improved(
         }
     }
     let points = batch.points()?;
-    let found = (lanes.iter().zip(states).zip(points)).map(|((lane, state), point)| match state {
-        State::Found => lane.search.improved(point),
-        State::Going(_) | State::Lost => None,
-    });
+    let found =
+        (lanes.iter().zip(states).zip(points)).map(|((lane, state), (r, omega))| match state {
+            State::Found => lane.search.improved(r, omega),
+            State::Going(_) | State::Lost => None,
+        });
     Ok(found.collect())
 }

@@ -24,8 +24,9 @@ impl LaneBatch<'_> {
     /// # Errors
     /// What the device says.
     pub fn pass_times(&self) -> Result<Option<BTreeMap<&'static str, PassTime>>, GpuError> {
-        let (contact, contacts) = (&self.kernels.contact, self.contacts());
-        let of_contacts = contact.pass_names(contacts.1);
+        let contact = &self.kernels.contact;
+        let (states, want) = self.contacts();
+        let of_contacts = contact.pass_names(want);
         let of_lanes: Vec<_> = self.uses.iter().map(|used| used.entry).collect();
         let timers = [&of_contacts, &of_lanes].map(|names| Timer::new(self.device, names.len()));
         let [Some(on_contacts), Some(on_lanes)] = timers else {
@@ -38,7 +39,8 @@ impl LaneBatch<'_> {
         contact.encode(
             &mut encoder,
             &self.arrays.contact,
-            contacts,
+            states,
+            want,
             Some(&on_contacts),
         );
         let bytes = self.timestamps(encoder, &on_contacts, of_contacts.len())?;

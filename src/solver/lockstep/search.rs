@@ -67,7 +67,8 @@ impl<'a> LaneSearch<'a> {
         balance: &Balance<'_>,
         anchor: AnchorInverse<'a>,
         prediction: PeakPrediction,
-        (settings, newton): (PeakSettings, NewtonSettings),
+        settings: PeakSettings,
+        newton: NewtonSettings,
     ) -> Option<Self> {
         let free = FreeBalance::new(balance, anchor.reference)?;
         let lane = system.lane(&free, &prediction.point);
@@ -121,7 +122,7 @@ impl<'a> LaneSearch<'a> {
     }
 
     /// The prediction at the point that the lane has come to.
-    pub(super) fn improved(&self, (r, omega): (Vec<f64>, f64)) -> Option<PeakPrediction> {
+    pub(super) fn improved(&self, r: Vec<f64>, omega: f64) -> Option<PeakPrediction> {
         let finite = omega.is_finite() && r.iter().all(|x| x.is_finite());
         finite.then(|| PeakPrediction {
             point: Point {

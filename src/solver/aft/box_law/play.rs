@@ -104,7 +104,8 @@ impl<'a, T> Place<'a, T> {
         plan: &'a AftPlan<T>,
         batch: &'a AftBatch<T>,
         work: &'a Workspace<T>,
-        (first, lane): (usize, usize),
+        first: usize,
+        lane: usize,
     ) -> Self {
         Self {
             plan,
@@ -155,9 +156,9 @@ impl<T: Real> LaneScratch<T> {
             slider.reached = [false; 2];
             self.runs.clear();
             for k in 0..n {
-                let slip = self.pass(p, (d, k), &mut slider);
+                let slip = self.pass(p, d, k, &mut slider);
                 if let (Some(slip), true) = (slip, lap == laps) {
-                    self.slip_runs(at, intervals, (d, k), slip);
+                    self.slip_runs(at, intervals, d, k, slip);
                 }
             }
             if slider.stuck && slider.motion == Motion::Stick {
@@ -177,7 +178,8 @@ impl<T: Real> LaneScratch<T> {
     fn pass(
         &mut self,
         p: &ContactParameters<T>,
-        (d, k): (usize, usize),
+        d: usize,
+        k: usize,
         slider: &mut Slider<T>,
     ) -> Option<Push<T>> {
         if slider.motion != Motion::Stick {
@@ -228,7 +230,8 @@ impl<T: Real> LaneScratch<T> {
         &mut self,
         at: Place<T>,
         intervals: &Intervals<T>,
-        (d, k): (usize, usize),
+        d: usize,
+        k: usize,
         push: Push<T>,
     ) {
         let Push {
@@ -242,8 +245,8 @@ impl<T: Real> LaneScratch<T> {
         if levels[0] != stick.slider {
             let bracket = [(ends[0], levels[0]), (ends[1], levels[1])];
             let signals = &mut self.signals;
-            from = signals.reaches(at.plan, (d, side), stick.slider, bracket, |i| {
-                intervals.bound_at(at.work, (i, at.lane), (d, side))
+            from = signals.reaches(at.plan, d, side, stick.slider, bracket, |i| {
+                intervals.bound_at(at.work, i, at.lane, d, side)
             });
             self.append(Run { end: from, ..stick });
         }

@@ -124,10 +124,10 @@ impl<T: Real> LocatedCircle<T> {
         let (signals, points) = (&mut lane.signals, &mut lane.points);
         self.intervals
             .breakpoints(plan, at.work, at.lane, signals, points);
-        let group = (at.work, self.intervals.rates.as_slice());
+        let rates = &self.intervals.rates;
         self.nodes.clear();
         self.nodes
-            .extend((0..=plan.n_time()).map(|i| Node::sampled(group, &p, at.lane, i)));
+            .extend((0..=plan.n_time()).map(|i| Node::sampled(at.work, rates, &p, at.lane, i)));
         let course = Course {
             plan,
             work: at.work,

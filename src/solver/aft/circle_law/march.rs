@@ -201,7 +201,7 @@ impl<T: Real> Workspace<T> {
                 let k_t = [p.k_t[0][l], p.k_t[1][l]];
                 let flexibility = [p.flexibility[0][l], p.flexibility[1][l]];
                 let limit = p.mu[l] * s.normal(l);
-                let step = circle_step(k_t, flexibility, (limit, margin[l]), u, start);
+                let step = circle_step(k_t, flexibility, limit, margin[l], u, start);
                 [s.traction[0][l], s.traction[1][l]] = step.traction;
                 [w[0][l], w[1][l]] = step.slider;
                 let contact = s.gap[l] > T::ZERO;

@@ -50,7 +50,8 @@ impl<T: Real> Node<T> {
     /// Sample i of one state of the group; i = Nt is sample 0 one period later.
     #[inline(always)]
     pub(in crate::aft) fn sampled(
-        (work, rates): (&Workspace<T>, &[Components<T>]),
+        work: &Workspace<T>,
+        rates: &[Components<T>],
         p: &ContactParameters<T>,
         lane: usize,
         i: usize,

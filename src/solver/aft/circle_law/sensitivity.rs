@@ -267,7 +267,8 @@ impl<T: Real> Blocks<T> {
         simd: S,
         base: Base<T>,
         i: usize,
-        (angle, turned): (&Row<T>, [T; 2]),
+        angle: &Row<T>,
+        turned: [T; 2],
         e: [T; 2],
     ) {
         let plan = base.plan;

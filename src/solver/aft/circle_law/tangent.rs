@@ -135,7 +135,7 @@ impl<T: Real> CircleScratch<T> {
             let u = [s.u[0][view.lane], s.u[1][view.lane]];
             self.close_gap(view, i, view.work.closing(i, view.lane, first), u);
             let limit = p.mu * s.normal(view.lane);
-            let step = circle_step(p.k_t, flexibility, (limit, margin), u, self.slider);
+            let step = circle_step(p.k_t, flexibility, limit, margin, u, self.slider);
             let contact = s.gap[view.lane] > T::ZERO;
             if contact && !step.touches {
                 stick_start = stick_start.or(Some(i));

@@ -96,7 +96,7 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
             let step = match motion {
                 Motion::Stick(slider) => self.stick_step([here, next], slider, i),
                 Motion::Slip(half) => {
-                    self.slip_step([here, next], half, (inside, events < MOST_EVENTS))
+                    self.slip_step([here, next], half, inside, events < MOST_EVENTS)
                 }
             };
             match step {
@@ -145,7 +145,8 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
         &mut self,
         [here, next]: [&Node<T>; 2],
         half: HalfAngle<T>,
-        (inside, may_stop): (bool, bool),
+        inside: bool,
+        may_stop: bool,
     ) -> Step<T> {
         let course = self.course;
         let after = half.after(course.map(here, next));
@@ -179,7 +180,7 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
                 if let Some(blocks) = &mut self.target {
                     let turned = normal(e).map(|p| node.limit * p);
                     let angle = &self.lap.rows.angle;
-                    blocks.slip(self.simd, base, i, (angle, turned), e);
+                    blocks.slip(self.simd, base, i, angle, turned, e);
                 }
             }
         }

@@ -20,7 +20,7 @@ pub(in crate::aft) struct MaskScratch<T> {
     sums: Vec<T>,
 }
 
-/// One lane of a marched workspace.
+/// One lane of a workspace.
 #[derive(Clone, Copy)]
 pub(in crate::aft) struct View<'a, T> {
     pub plan: &'a AftPlan<T>,

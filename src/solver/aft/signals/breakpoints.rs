@@ -11,6 +11,7 @@
 use super::polynomial::{basis_row, derivatives, rate, root, value};
 use super::roots::{crossing_share, dips, linear_share, turn_share, turns_twice};
 use crate::aft::lanes::lane::{Components, LANES, Lane};
+use crate::aft::lanes::masks::View;
 use crate::aft::lanes::workspace::{Workspace, flag};
 use crate::aft::plan::AftPlan;
 use crate::contact::{ContactParameters, FrictionLaw, Real};
@@ -160,6 +161,7 @@ impl<T: Real> Intervals<T> {
         signals: &mut Signals<T>,
         points: &mut Vec<Breakpoint<T>>,
     ) {
+        let view = View { plan, work, lane };
         let first = &work.samples[0];
         points.clear();
         let mut open = first.gap[lane] <= T::ZERO;
@@ -172,7 +174,7 @@ impl<T: Real> Intervals<T> {
         for (i, marks) in self.marks.iter().enumerate() {
             if marks[lane] != T::ZERO {
                 let from = points.len();
-                self.interval(plan, work, (i, lane), signals, points);
+                self.interval(view, i, signals, points);
                 points[from..].sort_by(|a, b| a.theta.to_f64().total_cmp(&b.theta.to_f64()));
             }
         }
@@ -186,12 +188,12 @@ impl<T: Real> Intervals<T> {
     #[inline(always)]
     fn interval(
         &self,
-        plan: &AftPlan<T>,
-        work: &Workspace<T>,
-        (i, lane): (usize, usize),
+        view: View<T>,
+        i: usize,
         signals: &mut Signals<T>,
         points: &mut Vec<Breakpoint<T>>,
     ) {
+        let View { plan, work, lane } = view;
         let next = if i + 1 == plan.n_time() { 0 } else { i + 1 };
         #[allow(
             clippy::cast_possible_truncation,
@@ -200,27 +202,27 @@ impl<T: Real> Intervals<T> {
         )]
         let marks = self.marks[i][lane].to_f64() as u32;
         let before = points.len();
-        self.gap_roots(plan, work, (i, lane), marks, signals, points);
+        self.gap_roots(view, i, marks, signals, points);
         let gaps = [i, next].map(|i| work.samples[i].gap[lane]);
         if gaps[0] <= T::ZERO && gaps[1] <= T::ZERO && points.len() == before {
             return;
         }
         // A bound may touch the slider without a push: where the contact has just closed, and at the start of the period.
         let touches = points.len() > before || i == 0;
-        self.turns(plan, work, (i, lane), (marks, touches), signals, points);
+        self.turns(view, i, marks, touches, signals, points);
     }
 
     /// Roots of the gap function between sample i and the next one.
     #[inline(always)]
     fn gap_roots(
         &self,
-        plan: &AftPlan<T>,
-        work: &Workspace<T>,
-        (i, lane): (usize, usize),
+        view: View<T>,
+        i: usize,
         marks: u32,
         signals: &mut Signals<T>,
         points: &mut Vec<Breakpoint<T>>,
     ) {
+        let View { plan, work, lane } = view;
         let next = if i + 1 == plan.n_time() { 0 } else { i + 1 };
         let step = T::from_f64(TAU / plan.n_time() as f64);
         let ends = interval_ends(plan, i);
@@ -240,8 +242,10 @@ impl<T: Real> Intervals<T> {
             let rising = gaps[0] < T::ZERO;
             let guess = T::from_f64(0.5) * (ends[0] + ends[1]);
             let turn = root::<1, T>(
-                (plan, &mut signals.row),
-                (&signals.gap, T::ZERO),
+                plan,
+                &mut signals.row,
+                &signals.gap,
+                T::ZERO,
                 ends,
                 !rising,
                 guess,
@@ -263,34 +267,35 @@ impl<T: Real> Intervals<T> {
     #[inline(always)]
     fn turns(
         &self,
-        plan: &AftPlan<T>,
-        work: &Workspace<T>,
-        (i, lane): (usize, usize),
-        (marks, touches): (u32, bool),
+        view: View<T>,
+        i: usize,
+        marks: u32,
+        touches: bool,
         signals: &mut Signals<T>,
         points: &mut Vec<Breakpoint<T>>,
     ) {
+        let View { plan, work, lane } = view;
         let next = if i + 1 == plan.n_time() { 0 } else { i + 1 };
         let step = T::from_f64(TAU / plan.n_time() as f64);
         let ends = interval_ends(plan, i);
         for bound in 0..4 {
             let (d, side) = (bound / 2, bound % 2);
             if marks & (TURN << bound) != 0 {
-                let (low, first) = self.bound_at(work, (i, lane), (d, side));
-                let (high, second) = self.bound_at(work, (next, lane), (d, side));
+                let (low, first) = self.bound_at(work, i, lane, d, side);
+                let (high, second) = self.bound_at(work, next, lane, d, side);
                 let rates = [first, second];
                 let turns_away = (rates[1] > T::ZERO) == (side == 1);
                 if turns_away || touches {
                     let guess = ends[0] + step * turn_share(high - low, rates.map(|r| step * r));
                     let rising = rates[1] > T::ZERO;
-                    let theta = signals.turn(plan, (d, side), ends, rising, guess);
+                    let theta = signals.turn(plan, d, side, ends, rising, guess);
                     points.push(signals.at(plan, theta));
                 } else {
                     // The bound turns towards the slider and does not touch it: the sample before is near enough.
                     points.push(sampled(work, i, lane, ends[0]));
                 }
             } else if marks & (TURN_PAIR << bound) != 0
-                && let Some(turns) = signals.turn_pair(plan, (d, side), ends)
+                && let Some(turns) = signals.turn_pair(plan, d, side, ends)
             {
                 points.extend(turns.map(|theta| signals.at(plan, theta)));
             }
@@ -302,8 +307,10 @@ impl<T: Real> Intervals<T> {
     pub(in crate::aft) fn bound_at(
         &self,
         work: &Workspace<T>,
-        (i, lane): (usize, usize),
-        (d, side): (usize, usize),
+        i: usize,
+        lane: usize,
+        d: usize,
+        side: usize,
     ) -> (T, T) {
         let p = work.parameters.of(lane);
         let factor = if side == 0 { -p.mu } else { p.mu };
@@ -338,8 +345,8 @@ impl<T: Real> Signals<T> {
     /// Root of the gap function between two phases.
     #[inline(always)]
     fn gap_root(&mut self, plan: &AftPlan<T>, ends: [T; 2], rising: bool, guess: T) -> T {
-        let signal = (self.gap.as_slice(), T::ZERO);
-        root::<0, T>((plan, &mut self.row), signal, ends, rising, guess)
+        let (row, gap) = (&mut self.row, &self.gap);
+        root::<0, T>(plan, row, gap, T::ZERO, ends, rising, guess)
     }
 
     /// Turning point of a bound between two phases.
@@ -347,20 +354,22 @@ impl<T: Real> Signals<T> {
     fn turn(
         &mut self,
         plan: &AftPlan<T>,
-        (d, side): (usize, usize),
+        d: usize,
+        side: usize,
         ends: [T; 2],
         rising: bool,
         guess: T,
     ) -> T {
-        let bound = &self.bounds[d][side];
-        root::<1, T>((plan, &mut self.row), (bound, T::ZERO), ends, rising, guess)
+        let (row, bound) = (&mut self.row, &self.bounds[d][side]);
+        root::<1, T>(plan, row, bound, T::ZERO, ends, rising, guess)
     }
 
     /// Two turning points of a bound whose rate has the same sign at both phases, if it has another one between them.
     fn turn_pair(
         &mut self,
         plan: &AftPlan<T>,
-        (d, side): (usize, usize),
+        d: usize,
+        side: usize,
         ends: [T; 2],
     ) -> Option<[T; 2]> {
         let middle = |a: T, b: T| T::from_f64(0.5) * (a + b);
@@ -373,13 +382,7 @@ impl<T: Real> Signals<T> {
             return None;
         }
         let guess = middle(ends[0], ends[1]);
-        let top = root::<2, T>(
-            (plan, &mut self.row),
-            (bound, T::ZERO),
-            ends,
-            slopes[1],
-            guess,
-        );
+        let top = root::<2, T>(plan, &mut self.row, bound, T::ZERO, ends, slopes[1], guess);
         let sign = |theta: T, row: &mut [T]| {
             basis_row(plan, theta, row);
             rate(plan, row, bound) > T::ZERO
@@ -388,20 +391,8 @@ impl<T: Real> Signals<T> {
         if outside == inside {
             return None;
         }
-        let first = self.turn(
-            plan,
-            (d, side),
-            [ends[0], top],
-            inside,
-            middle(ends[0], top),
-        );
-        let second = self.turn(
-            plan,
-            (d, side),
-            [top, ends[1]],
-            outside,
-            middle(top, ends[1]),
-        );
+        let first = self.turn(plan, d, side, [ends[0], top], inside, middle(ends[0], top));
+        let second = self.turn(plan, d, side, [top, ends[1]], outside, middle(top, ends[1]));
         Some([first, second])
     }
 
@@ -411,7 +402,8 @@ impl<T: Real> Signals<T> {
     pub(in crate::aft) fn reaches(
         &mut self,
         plan: &AftPlan<T>,
-        (d, side): (usize, usize),
+        d: usize,
+        side: usize,
         level: T,
         [mut a, mut b]: [(T, T); 2],
         sampled: impl Fn(usize) -> (T, T),
@@ -440,13 +432,7 @@ impl<T: Real> Signals<T> {
         };
         let guess = a.0 + width * share;
         let bound = &self.bounds[d][side];
-        root::<0, T>(
-            (plan, &mut self.row),
-            (bound, level),
-            [a.0, b.0],
-            rising,
-            guess,
-        )
+        root::<0, T>(plan, &mut self.row, bound, level, [a.0, b.0], rising, guess)
     }
 }
 

@@ -69,8 +69,10 @@ pub(in crate::aft) fn rate<T: Real>(plan: &AftPlan<T>, row: &[T], q: &[T]) -> T 
 /// the first. A turning point needs half the digits, since the value there depends on the square of the error.
 #[inline(always)]
 pub(super) fn root<const N: usize, T: Real>(
-    (plan, row): (&AftPlan<T>, &mut [T]),
-    (q, level): (&[T], T),
+    plan: &AftPlan<T>,
+    row: &mut [T],
+    q: &[T],
+    level: T,
     ends: [T; 2],
     rising: bool,
     guess: T,

@@ -90,7 +90,7 @@ impl SingleMatrix {
         mut y: impl Iterator<Item = &'y mut [f32]>,
     ) {
         let y = std::array::from_fn(|_| y.next().unwrap_or_default());
-        add_products::<S, K>(simd, 1.0, &self.columns, (x, 1), y);
+        add_products::<S, K>(simd, 1.0, &self.columns, x, 1, y);
     }
 }
 
@@ -222,7 +222,8 @@ impl<'a> SingleJacobian<'a> {
     fn add_dynamic<S: Simd>(
         &self,
         simd: S,
-        (part, of_part): (&SinglePart, &[usize]),
+        part: &SinglePart,
+        of_part: &[usize],
         rates: &[Vec<f32>],
         out: &mut [Vec<f32>],
     ) {
@@ -294,8 +295,8 @@ impl WithSimd for Products<'_> {
         let mut out = x.to_vec();
         jacobian.add_rest(simd, x, &rates, &mut out);
         for (part, of_part) in jacobian.free.groups() {
-            let part = (&jacobian.modes.parts[*part], of_part.as_slice());
-            jacobian.add_dynamic(simd, part, &rates, &mut out);
+            let part = &jacobian.modes.parts[*part];
+            jacobian.add_dynamic(simd, part, of_part, &rates, &mut out);
         }
         out
     }

@@ -266,7 +266,8 @@ pub fn refined_near(
 pub fn refined_anchored(
     problem: &Problem<'_>,
     harmonics: &HarmonicSet,
-    (prediction, inverse): (PeakPrediction, AnchorInverse<'_>),
+    prediction: PeakPrediction,
+    inverse: AnchorInverse<'_>,
     settings: &HbSettings,
     peak: PeakSettings,
 ) -> Result<Solution, Status> {

@@ -247,7 +247,7 @@ impl Sample {
         now: &Displacement,
     ) {
         let flexibility = p.k_t.map(|k| if k > 0.0 { 1.0 / k } else { 0.0 });
-        let step = circle_step(p.k_t, flexibility, (limit, 0.0), [now[0], now[1]], *slider);
+        let step = circle_step(p.k_t, flexibility, limit, 0.0, [now[0], now[1]], *slider);
         *slider = step.slider;
         if !step.slips {
             return;

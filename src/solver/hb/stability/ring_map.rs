@@ -101,7 +101,7 @@ impl RingMap {
         let norms = waves.iter().map(norm).collect::<Option<_>>()?;
         let s = c64::new(ROOT[0], ROOT[1]) / step;
         let uncoupled = ring.disk.is_uncoupled();
-        let sectors = Sectors::new(waves, &constant, s, (n, uncoupled))?;
+        let sectors = Sectors::new(waves, &constant, s, n, uncoupled)?;
         let is_active = |pair: &usize| constant[*pair].is_none();
         let kept = |pair: usize| (pairs[pair].clone(), problem.contacts[pair].k_t);
         let (pairs, k_t): (Vec<_>, Vec<_>) =

@@ -71,7 +71,8 @@ impl Sectors {
         waves: Vec<DisturbedWave>,
         constant: &[Option<Stiffness>],
         s: c64,
-        (n_sectors, uncoupled): (usize, bool),
+        n_sectors: usize,
+        uncoupled: bool,
     ) -> Option<Self> {
         let active: Vec<usize> = (0..constant.len())
             .filter(|&p| constant[p].is_none())
@@ -85,9 +86,7 @@ impl Sectors {
             c64::new(cos, -sin) / (n_sectors as f64).sqrt()
         };
         let waves: Vec<RingWave> = (waves.iter().enumerate())
-            .map(|(wave, of)| {
-                RingWave::new(of, (constant, &active), s, (2 * wave) % n_sectors == 0)
-            })
+            .map(|(wave, of)| RingWave::new(of, constant, &active, s, (2 * wave) % n_sectors == 0))
             .collect();
         let mut sectors = Self {
             n_sectors,
@@ -233,7 +232,8 @@ impl Factors {
 impl RingWave {
     fn new(
         of: &DisturbedWave,
-        pairs: (&[Option<Stiffness>], &[usize]),
+        constant: &[Option<Stiffness>],
+        active: &[usize],
         s: c64,
         stands: bool,
     ) -> Self {
@@ -246,9 +246,12 @@ impl RingWave {
             .collect();
         let turned: Vec<_> = damping.iter().map(|&(i, j, c)| (i, j, c.conj())).collect();
         let other = of.contact.conjugate().to_owned();
+        let direction = |damping: &[(usize, usize, c64)], contact: &Mat<c64>| {
+            Direction::new(&of.lambda, damping, contact, constant, active, s)
+        };
         Self {
-            forward: Direction::new(&of.lambda, &damping, &of.contact, pairs, s),
-            backward: (!stands).then(|| Direction::new(&of.lambda, &turned, &other, pairs, s)),
+            forward: direction(&damping, &of.contact),
+            backward: (!stands).then(|| direction(&turned, &other)),
             damping,
         }
     }
@@ -274,7 +277,8 @@ impl Direction {
         lambda: &[f64],
         damping: &[(usize, usize, c64)],
         contact: &Mat<c64>,
-        (constant, active): (&[Option<Stiffness>], &[usize]),
+        constant: &[Option<Stiffness>],
+        active: &[usize],
         s: c64,
     ) -> Self {
         let (n, pairs) = (lambda.len(), constant.len());

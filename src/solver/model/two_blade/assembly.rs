@@ -123,7 +123,7 @@ impl System<'_> {
             .flat_map(|blade| (0..self.contact.len()).map(move |node| (blade, node)))
             .map(|(blade, node)| {
                 let name = format!("blade{}.contact{node}", blade + 1);
-                strip.pair(name, (blade, node), self.blade_node(blade, node))
+                strip.pair(name, blade, node, self.blade_node(blade, node))
             })
             .collect()
     }

@@ -175,11 +175,12 @@ fn strip_patches(contact: &[ContactCell]) -> Vec<Rectangle> {
     patches.chain(mirrored).collect()
 }
 
-/// A component with the modes below the cut-off (Hz) of a key of the settings.
+/// A component with the modes below a cut-off (Hz), which the settings give under `key`.
 fn below(
     fe: &FeModel,
     masters: &[SparseRow],
-    (key, cut_off): (&str, f64),
+    key: &str,
+    cut_off: f64,
 ) -> Result<CraigBampton, ModelError> {
     CraigBampton::new(&fe.stiffness, &fe.mass, masters, cut_off).map_err(|error| match error {
         ReductionError::Linalg(error) => ModelError::from(error),
@@ -201,12 +202,12 @@ impl Blade {
         let heights = [settings.excitation_height, settings.response_height];
         let fe = layout.blade(patches, &heights)?;
         let points = heights.map(|height| layout.airfoil_point(height));
-        let cut_off = ("blade_cut_off_hz", settings.blade_cut_off_hz);
-        let reduce = |masters: &[SparseRow]| below(&fe, masters, cut_off);
+        let cut_off = settings.blade_cut_off_hz;
+        let reduce = |masters: &[SparseRow]| below(&fe, masters, "blade_cut_off_hz", cut_off);
         let component = Component::new(&fe, patches, &points, reduce)?;
         let reduced = &component.reduced;
         let (lambda, shapes) = reduced.modes()?;
-        let summary = ComponentSummary::new(&fe, reduced, &lambda, cut_off.1, 0.0)?;
+        let summary = ComponentSummary::new(&fe, reduced, &lambda, cut_off, 0.0)?;
         let in_x = |q: usize| q < reduced.n_masters && q.is_multiple_of(3);
         let mirror = (0..reduced.n_dofs()).map(|q| if in_x(q) { -1.0 } else { 1.0 });
         let blade = Self {
@@ -227,13 +228,13 @@ impl Component {
         layout: &Layout,
         contact: &[ContactCell],
     ) -> Result<(Self, ComponentSummary), ModelError> {
-        let cut_off = ("strip_cut_off_hz", settings.strip_cut_off_hz);
+        let cut_off = settings.strip_cut_off_hz;
         let fe = layout.strip()?;
         let strip = Self::new(&fe, &strip_patches(contact), &[], |masters| {
-            below(&fe, masters, cut_off)
+            below(&fe, masters, "strip_cut_off_hz", cut_off)
         })?;
         let (lambda, _) = strip.reduced.modes()?;
-        let summary = ComponentSummary::new(&fe, &strip.reduced, &lambda, cut_off.1, STRIP_SHIFT)?;
+        let summary = ComponentSummary::new(&fe, &strip.reduced, &lambda, cut_off, STRIP_SHIFT)?;
         Ok((strip, summary))
     }
 

@@ -40,7 +40,8 @@ impl PlacedStrip<'_> {
     pub(super) fn pair(
         &self,
         name: String,
-        (side, node): (usize, usize),
+        side: usize,
+        node: usize,
         platform: usize,
     ) -> ContactPair {
         let row = |axis: usize| -> SparseRow {

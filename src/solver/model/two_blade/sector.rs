@@ -72,7 +72,7 @@ fn assembled(
     let pair = |side: usize, node: usize| {
         let platform = component.nodes[side * nodes + node] + side * n;
         let name = format!("{}.contact{node}", ["blade", "next"][side]);
-        strip.pair(name, (side, node), platform)
+        strip.pair(name, side, node, platform)
     };
     let direction = settings.excitation_direction;
     let norm = direction.iter().map(|d| d * d).sum::<f64>().sqrt();

@@ -138,7 +138,7 @@ impl GaussSeidel {
             for (row, columns) in &slot.reads {
                 let x = x.each_ref().map(|x| &x[*row..]);
                 let y = (y.each_mut()).map(|y| &mut y[first * self.m..][..stride]);
-                add_products(simd, factor, columns, (x, self.n), y);
+                add_products(simd, factor, columns, x, self.n, y);
             }
         }
     }
@@ -157,7 +157,7 @@ impl GaussSeidel {
             let column = &self.compliance[0][0][slot.row * n..][..n];
             let y = y.map(|y| &y[i * m..]);
             let rest = x.each_mut().map(|x| &mut x[..n]);
-            add_products(simd, 1.0, column, (y, 1), rest);
+            add_products(simd, 1.0, column, y, 1, rest);
         }
         for k in 0..self.compliance.len() - 1 {
             let coefficient = 1 + 2 * k;
