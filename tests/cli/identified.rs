@@ -174,7 +174,7 @@ fn what_contradicts_the_file_is_refused() {
     );
 }
 
-/// `[correlation]` adds pairs of other inputs to those of the file.
+/// `[correlation]` adds pairs of other inputs to those of the file. Seen to fail with those of the table alone.
 #[test]
 fn the_table_of_correlations_adds_pairs() {
     let inputs = format!(
