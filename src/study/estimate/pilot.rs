@@ -77,12 +77,21 @@ impl Pilot {
     }
 }
 
-/// Levels at which the nominal peak on one harmonic lifts off or bounces so that its stability is assessed; a level without a peak
-/// counts as one.
+/// Levels at which stability is assessed, as the nominal peak on one harmonic tells; a level without a peak counts as one.
 ///
 /// # Errors
 /// Whatever building the model refuses.
 pub(super) fn levels_assessed(study: &Study) -> Result<usize, Error> {
+    let is_assessed: fn(&LevelOutcome) -> bool = match study.solver.stability {
+        StabilityScope::Off => return Ok(0),
+        StabilityScope::All => return Ok(study.levels.len()),
+        StabilityScope::Bouncing => {
+            |level| level.peak.is_none() || level.status == Status::BouncingContact
+        }
+        StabilityScope::LiftOff => {
+            |level| level.peak.is_none_or(|peak| peak.separated_fraction > 0.0)
+        }
+    };
     let prepared = study.prepared()?;
     let settings = HbSettings {
         harmonics: HarmonicSet::up_to(1),
@@ -95,10 +104,6 @@ pub(super) fn levels_assessed(study: &Study) -> Result<usize, Error> {
         ..prepared.ensemble(None)
     };
     let nominal = ensemble.levels(&[], &Atlas::default());
-    let is_assessed = |level: &LevelOutcome| match study.solver.stability {
-        StabilityScope::Bouncing => level.peak.is_none() || level.status == Status::BouncingContact,
-        _ => level.peak.is_none_or(|peak| peak.separated_fraction > 0.0),
-    };
     Ok(nominal.iter().filter(|level| is_assessed(level)).count())
 }
 

@@ -7,7 +7,6 @@ use super::pilot::{Pilot, levels_assessed};
 use super::size::SolveSize;
 use crate::Error;
 use crate::ensemble::runner::generations;
-use crate::hb::StabilityScope;
 use crate::study::settings::read::Study;
 
 /// Processor time of the whole study (s), and the samples of a model of one's own that were solved for it.
@@ -22,11 +21,7 @@ pub(super) fn estimated_time(
     };
     let of_sample = time_of_sample(study, size);
     let factor = pilot.map_or(1.0, |pilot| pilot.factor(of_sample));
-    let assessed = match study.solver.stability {
-        StabilityScope::Off => 0,
-        StabilityScope::Bouncing | StabilityScope::LiftOff => levels_assessed(study)?,
-        StabilityScope::All => study.levels.len(),
-    };
+    let assessed = levels_assessed(study)?;
     Ok((factor * processor_time(study, size, assessed), pilot))
 }
 
