@@ -19,7 +19,7 @@ use crate::hb::response::forced_response::{
 };
 use crate::hb::response::values::{SlowSweep, at_frequencies};
 use crate::hb::structure::resonance::Band;
-use crate::hb::{ContactFractions, CycleWork, Problem, Solution, StabilityScope, Status};
+use crate::hb::{ContactFractions, CycleWork, Problem, Solution, Status};
 use crate::model::ReducedModel;
 
 /// Parts of the progress of one level.
@@ -73,12 +73,8 @@ pub fn solve(
                 at_frequencies(&problem, &study.solver, level, sweep, progress)
             }
         };
-        let judged = response.solutions.into_par_iter();
-        let judged = judged.map(|point| match study.solver.stability {
-            // it assesses peaks alone: a curve has too many points for the ring of a disk
-            StabilityScope::Bouncing => point,
-            _ => point.with_stability(&problem, &study.solver),
-        });
+        let points = response.solutions.into_par_iter();
+        let judged = points.map(|point| point.with_stability(&problem, &study.solver));
         let response = Response {
             solutions: judged.collect(),
             ..response

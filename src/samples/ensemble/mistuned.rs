@@ -66,17 +66,21 @@ impl Ensemble<'_> {
                 found
             });
             let found: Vec<LargestBlade> = found.collect();
-            let levels: Vec<LevelOutcome> = (found.iter().zip(self.levels).enumerate())
-                .map(|(i, (found, nominal))| tuned.compared(i, found, *nominal))
+            let (larger_sets, to_peaks) = (problem.effort.alert_time(), begun.elapsed());
+            let assessed = found.into_iter().map(|found| LargestBlade {
+                peak: found.peak.with_stability(&problem, self.settings),
+                ..found
+            });
+            let levels: Vec<LevelOutcome> = (assessed.zip(self.levels).enumerate())
+                .map(|(i, (found, nominal))| tuned.compared(i, &found, *nominal))
                 .collect();
-            let larger_sets = problem.effort.alert_time();
             Ok(Found {
                 peaks: vec![ModePeaks::default(); levels.len()],
                 times: SampleTimes {
-                    peaks: begun.elapsed().saturating_sub(larger_sets),
+                    peaks: to_peaks.saturating_sub(larger_sets),
                     larger_sets,
+                    curves: begun.elapsed() - to_peaks,
                     newton_iterations: newton_iterations(&levels),
-                    ..SampleTimes::default()
                 },
                 levels,
             })

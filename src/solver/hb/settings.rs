@@ -94,7 +94,7 @@ impl AlertSettings {
 pub enum StabilityScope {
     /// None.
     Off,
-    /// Peaks that would have the status `bouncing-contact` without it: a part that only contacts hold flies, or its contacts are open for
+    /// Those that would have the status `bouncing-contact` without it: a part that only contacts hold flies, or its contacts are open for
     /// most of the period. The default of a disk.
     Bouncing,
     /// Those at which a contact is open for part of the period. The default of other models.

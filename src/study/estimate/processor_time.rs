@@ -36,6 +36,8 @@ const FIRST_SAMPLES: u64 = 64;
 const WORK_OF_STABILITY: f64 = 3.0;
 /// Operations of the stability of a peak of a disk, per sector and per square of its degrees of freedom.
 const OPERATIONS_OF_RING: f64 = 1.2e5;
+/// The same of a mistuned disk, per cube of its degrees of freedom.
+const OPERATIONS_OF_MISTUNED: f64 = 200.0;
 /// Work of a curve.
 const WORK_OF_CURVE: f64 = 12.0;
 /// Share of that work in a study without an error alert.
@@ -71,7 +73,7 @@ fn time_of_factorisation(unknowns: usize) -> f64 {
     2.0 / 3.0 * n.powi(3) / FLOPS + ASSEMBLY_PER_UNKNOWN * n
 }
 
-/// Time of one of the first samples at all levels (s), without its curves.
+/// Time of one of the first samples at all levels (s), without its curves and its stability.
 fn time_of_sample(study: &Study, size: SolveSize) -> f64 {
     let levels = study.levels.len() as f64;
     if let Some(blades) = size.mistuned_blades {
@@ -107,9 +109,10 @@ fn share_of_work(study: &Study) -> f64 {
 fn processor_time(study: &Study, size: SolveSize, assessed: usize) -> f64 {
     let levels = study.levels.len() as f64;
     let samples = study.samples.saturating_add(further_samples(study));
+    let of_stability = time_of_stability(size) * assessed as f64;
     if size.mistuned_blades.is_some() {
         // a disk hardly gains from those before it: no other has the same modes
-        return samples as f64 * time_of_sample(study, size);
+        return samples as f64 * (time_of_sample(study, size) + of_stability);
     }
     let alone = match study.output.one_at_a_time {
         true => 1 + 2 * study.design.drawn().len() as u64,
@@ -117,7 +120,7 @@ fn processor_time(study: &Study, size: SolveSize, assessed: usize) -> f64 {
     };
     let curves = study.output.curve_samples.min(study.samples);
     let work = work_of_peaks(samples, alone) + WORK_OF_CURVE * curves as f64;
-    let stability = time_of_stability(size) * assessed as f64 * (samples + alone) as f64;
+    let stability = of_stability * (samples + alone) as f64;
     let share = share_of_work(study);
     let control = study.control_variate.map_or(0.0, |control| {
         let work = SHARE_WITHOUT_ALERT * work_of_peaks(control.samples(), 0);
@@ -128,10 +131,14 @@ fn processor_time(study: &Study, size: SolveSize, assessed: usize) -> f64 {
 
 /// Time of the stability of a peak (s).
 fn time_of_stability(size: SolveSize) -> f64 {
-    match size.ring {
-        None => WORK_OF_STABILITY * time_of_factorisation(size.unknowns),
-        Some([sectors, dofs]) => OPERATIONS_OF_RING * (sectors * dofs * dofs) as f64 / FLOPS,
-    }
+    let Some([sectors, dofs]) = size.ring else {
+        return WORK_OF_STABILITY * time_of_factorisation(size.unknowns);
+    };
+    let operations = match size.mistuned_blades {
+        None => OPERATIONS_OF_RING * (sectors * dofs * dofs) as f64,
+        Some(_) => OPERATIONS_OF_MISTUNED * ((sectors * dofs) as f64).powi(3),
+    };
+    operations / FLOPS
 }
 
 /// Work of so many samples at one level without their curves, and of so many solutions that start from nothing near.

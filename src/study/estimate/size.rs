@@ -13,7 +13,7 @@ pub(super) struct SolveSize {
     pub(super) contacts: usize,
     /// Blades of a mistuned disk.
     pub(super) mistuned_blades: Option<usize>,
-    /// Of a tuned disk: sectors, and degrees of freedom of one.
+    /// Of a disk: sectors, and degrees of freedom of one.
     pub(super) ring: Option<[usize; 2]>,
     /// Unknowns on the first harmonics: three relative displacements per pair and coefficient.
     pub(super) unknowns: usize,
@@ -35,8 +35,7 @@ impl SolveSize {
         Self {
             contacts,
             mistuned_blades,
-            ring: (disk.filter(|_| mistuned.is_none()))
-                .map(|of| [of.disk.n_sectors, of.disk.n_dofs()]),
+            ring: disk.map(|of| [of.disk.n_sectors, of.disk.n_dofs()]),
             unknowns: 3 * contacts * first,
             most_unknowns: 3 * contacts * highest,
         }

@@ -1,8 +1,9 @@
 //! The structure that a study asks for: `[model]`, with `[contact]` and `[pressure_field]`.
 
 use super::document::Document;
-use super::solver_section::{ContactSection, Sectors};
+use super::solver_section::ContactSection;
 use crate::Error;
+use crate::hb::StabilityScope;
 use crate::model::disk::SectorMatrices;
 use crate::model::interface::InterfaceSettings;
 use crate::model::matrices::MatricesSettings;
@@ -72,13 +73,12 @@ impl ModelSettings {
         files.into_iter().map(Path::to_owned).collect()
     }
 
-    /// What of a disk it is.
+    /// Which solutions are assessed for stability where the file does not say: of a disk, where it is dear, those that nothing else judges.
     #[must_use]
-    pub fn sectors(&self) -> Sectors {
+    pub fn assessed(&self) -> StabilityScope {
         match self {
-            Self::Cyclic(disk) if disk.blade_frequency_scatter > 0.0 => Sectors::Mistuned,
-            Self::Cyclic(_) => Sectors::Tuned,
-            Self::TwoBladeStrip { .. } | Self::Matrices(_) => Sectors::None,
+            Self::Cyclic(_) => StabilityScope::Bouncing,
+            Self::TwoBladeStrip { .. } | Self::Matrices(_) => StabilityScope::default(),
         }
     }
 

@@ -144,7 +144,7 @@ impl Study {
         let at = |bad: BadSetting| document.bad_setting(&bad);
         validate_head(&name, &levels).map_err(at)?;
         output.validate().map_err(|bad| at(bad.under("output")))?;
-        let solver_settings = solver.settings(&contact, model.sectors()).map_err(at)?;
+        let solver_settings = solver.settings(&contact, model.assessed()).map_err(at)?;
         let unit = frequency.unit;
         let checked = asked.check(&model, unit, &levels, &design, &solver_settings);
         checked.map_err(at)?;

@@ -42,9 +42,6 @@ pub fn schema() -> Value {
                 "required": ["operation"],
                 "properties": { "pressure_field": false },
             } },
-            { "if": mistuned(), "then": {
-                "properties": { "solver": { "properties": { "stability": { "const": "off" } } } },
-            } },
             needs("frequency-margin-percent", "operation"),
             needs("reserve-factor", "stress"),
             needs("probability-of-exceedance", "stress"),
@@ -67,12 +64,6 @@ fn of_kind(kind: &str) -> Value {
 fn of_sector(sector: &str) -> Value {
     let model = json!({ "properties": { "sector": { "const": sector } }, "required": ["sector"] });
     json!({ "properties": { "model": model }, "required": ["model"] })
-}
-
-/// A study of a disk whose blades differ.
-fn mistuned() -> Value {
-    let scatter = json!({ "properties": { "blade_frequency_scatter": { "exclusiveMinimum": 0 } }, "required": ["blade_frequency_scatter"] });
-    json!({ "properties": { "model": scatter }, "required": ["model"] })
 }
 
 /// What a model with its own contacts has no use for.

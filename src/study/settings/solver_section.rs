@@ -148,10 +148,10 @@ pub struct SolverSection {
     /// error is above the threshold. `false` checks nothing and adds none; `true` takes the defaults.
     #[schemars(extend("default" = true))]
     alert: Option<Alert>,
-    /// Which solutions are assessed for stability by their Floquet multipliers: those with lift-off, all that slip or lift off, peaks whose
+    /// Which solutions are assessed for stability by their Floquet multipliers: those with lift-off, all that slip or lift off, those whose
     /// contacts are open for most of the period, or none. Those that are unstable have the status `unstable`. What is not assessed and is
     /// open for most of the period has the status `bouncing-contact`. A model of kind `cyclic` is assessed by marching all its sectors, and
-    /// has the default `"bouncing"`; a mistuned one is not assessed.
+    /// has the default `"bouncing"`.
     #[schemars(extend("default" = StabilityScope::default()))]
     stability: Option<StabilityScope>,
     /// Whether a mirror-symmetric model is solved on one half of its contacts. `false` solves both halves, and so also finds
@@ -233,26 +233,15 @@ const DEFAULT_LAW: FrictionLaw = FrictionLaw::Box;
 /// Start of the sliders if the study does not say.
 const DEFAULT_ANCHOR: SliderAnchor = SliderAnchor::Unloaded;
 
-/// What of a disk a model is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sectors {
-    /// No disk.
-    None,
-    /// A disk whose blades are equal.
-    Tuned,
-    /// A disk whose blades differ.
-    Mistuned,
-}
-
 impl SolverSection {
-    /// Settings of the harmonic balance solver of a model with these sectors.
+    /// Settings of the harmonic balance solver; `assessed` are the solutions that are assessed for stability where the file does not say.
     ///
     /// # Errors
     /// [`BadSetting`] with a key relative to the file: `solver.…` or `contact.…`.
     pub fn settings(
         &self,
         contact: &ContactSection,
-        sectors: Sectors,
+        assessed: StabilityScope,
     ) -> Result<HbSettings, BadSetting> {
         let harmonics = self.harmonics()?;
         let law = contact.law.unwrap_or(DEFAULT_LAW);
@@ -269,7 +258,7 @@ impl SolverSection {
             anchor: contact.anchor.unwrap_or(DEFAULT_ANCHOR),
             newton: self.newton(),
             alert: self.alert(&harmonics),
-            stability: self.stability(sectors)?,
+            stability: self.stability.unwrap_or(assessed),
             harmonics,
         };
         settings.validate().map_err(|mut bad| {
@@ -282,22 +271,6 @@ impl SolverSection {
             bad.under(section)
         })?;
         Ok(settings)
-    }
-
-    /// Which solutions are assessed: of a tuned disk, where it is dear, those that nothing else judges, of a mistuned one none.
-    fn stability(&self, sectors: Sectors) -> Result<StabilityScope, BadSetting> {
-        let off = StabilityScope::Off;
-        let stated = self.stability;
-        match sectors {
-            Sectors::None => Ok(stated.unwrap_or_default()),
-            Sectors::Tuned => Ok(stated.unwrap_or(StabilityScope::Bouncing)),
-            Sectors::Mistuned => {
-                let rule = "must be \"off\" for a mistuned disk: a disturbance of all its sectors has too many unknowns";
-                let possible = stated.is_none_or(|stated| stated == off);
-                BadSetting::unless(possible, "solver.stability", "(given)", rule)?;
-                Ok(off)
-            }
-        }
     }
 
     /// Whether a mirror-symmetric model is solved on one half of its contacts.
@@ -368,7 +341,7 @@ mod tests {
         ] {
             let contact: ContactSection = toml::from_str(text).unwrap();
             let settings = SolverSection::default()
-                .settings(&contact, Sectors::None)
+                .settings(&contact, StabilityScope::default())
                 .unwrap();
             assert_eq!(settings.aft.events, expected, "{text}");
         }

@@ -24,7 +24,7 @@ const N: usize = 7;
 const BLADE: [usize; 3] = [0, 1, 2];
 
 /// The lumped disk, whose blade is known.
-fn bladed(n_sectors: usize, coupled: bool) -> Disk {
+pub(super) fn bladed(n_sectors: usize, coupled: bool) -> Disk {
     let mut disk = disk(n_sectors);
     if !coupled {
         for matrix in [&mut disk.mass, &mut disk.damping, &mut disk.stiffness] {
@@ -47,7 +47,7 @@ fn bladed(n_sectors: usize, coupled: bool) -> Disk {
 }
 
 /// The whole ring, as it is, with blades of other frequencies.
-fn mistuned_ring(disk: &Disk, engine_order: usize, deviations: &[f64]) -> ReducedModel {
+pub(super) fn mistuned_ring(disk: &Disk, engine_order: usize, deviations: &[f64]) -> ReducedModel {
     let mut whole = ring(disk, engine_order);
     let of_blade = disk.blade_stiffness.as_ref().expect("a blade");
     for (sector, deviation) in deviations.iter().enumerate() {
@@ -60,7 +60,7 @@ fn mistuned_ring(disk: &Disk, engine_order: usize, deviations: &[f64]) -> Reduce
 }
 
 /// Normal deviations of a sample, by Box and Muller.
-fn deviations(sample: u64, blades: usize, scatter: f64) -> Vec<f64> {
+pub(super) fn deviations(sample: u64, blades: usize, scatter: f64) -> Vec<f64> {
     let normal = |blade: usize| {
         let [a, b] = [2 * blade, 2 * blade + 1].map(|j| uniform(7, sample, j as u32));
         (-2.0 * a.ln()).sqrt() * (TAU * b).cos()

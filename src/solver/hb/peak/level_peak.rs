@@ -1,6 +1,8 @@
 //! How the search for the peak at one level ended.
 
 use crate::hb::equations::effort::WorkCount;
+use crate::hb::equations::problem::Problem;
+use crate::hb::settings::HbSettings;
 use crate::hb::solution::Solution;
 use crate::hb::status::Status;
 
@@ -38,5 +40,15 @@ impl LevelPeak {
             solution: None,
             count,
         }
+    }
+
+    /// The same with the stability of the solution, where `settings` ask for it, and with the status that follows.
+    #[must_use]
+    pub fn with_stability(mut self, problem: &Problem<'_>, settings: &HbSettings) -> Self {
+        self.solution = (self.solution).map(|solution| solution.with_stability(problem, settings));
+        if let Some(solution) = &self.solution {
+            self.status = solution.status;
+        }
+        self
     }
 }

@@ -21,7 +21,7 @@ const HIGHEST: f64 = 20.0;
 const SOFT: f64 = 0.1;
 
 /// Most coordinates; a structure that needs more is not assessed.
-const MOST_COORDINATES: usize = 400;
+const MOST_COORDINATES: usize = 1500;
 
 /// The structure for disturbances of one symmetry, in its modes q with stuck contacts: q̈ + C q̇ + Λ q = −`factor` Bᵀ (f − D_stuck r), r = B q,
 /// with the stiffness D_stuck of stuck contacts, which Λ has in it.

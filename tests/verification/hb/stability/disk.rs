@@ -2,6 +2,7 @@
 //! disturbances are marched over a whole period, and against the march of the full equations of the ring.
 
 use super::super::disk::{contacts, disk, expanded, ring, sharp, uncoupled};
+use super::super::mistuned::{bladed, deviations, mistuned_ring};
 use super::disturbed::compare as against_the_march;
 use super::raised;
 use crate::response::at_frequencies;
@@ -12,6 +13,7 @@ use microslip::hb::newton::{Condition, solve};
 use microslip::hb::stability::assessment::{STEPS, Stability, assess, assess_with, by_leading};
 use microslip::hb::stability::period_map::{PeriodMap, PeriodicMotion};
 use microslip::hb::stability::ring_map::RingMap;
+use microslip::hb::structure::mistuned::MistunedRing;
 use microslip::hb::{Balance, LinearModel, Problem, SliderAnchor, Solution, Status};
 use microslip::model::disk::Disk;
 use std::f64::consts::TAU;
@@ -145,6 +147,43 @@ fn sectors_have_the_multipliers_of_the_ring() {
     );
     assert!(least >= Some(20), "{least:?}");
     assert!(worst < 2e-5 && beyond <= 1, "{worst:e} {beyond}");
+}
+
+/// A mistuned disk has the multipliers of the whole ring with the same stiffness of each blade: stuck, slipping and lifting. Seen to fail with
+/// the deviations in the opposite order.
+#[test]
+fn a_mistuned_disk_has_the_multipliers_of_the_ring() {
+    let (mut compared, mut slip, mut lift, mut unstable) = (0, 0, 0, 0);
+    for (n_sectors, engine_order, coupled) in [(4, 1, true), (5, 2, false)] {
+        let disk = bladed(n_sectors, coupled);
+        let deviations = deviations(n_sectors as u64, n_sectors, 0.02);
+        let of_disk = MistunedRing::new(&disk, engine_order, 1e6).expect("definite");
+        let model = of_disk.linear(&deviations).expect("finite");
+        let whole = mistuned_ring(&disk, engine_order, &deviations);
+        let whole = LinearModel::new(&whole).expect("definite");
+        let problems = [&model, &whole].map(problem);
+        for found in solutions(&problems[0]) {
+            let one = motion(&found, &found.relative);
+            let [ours, expected] = problems.each_ref().map(|problem| {
+                let maps = PeriodMap::all(problem, &one, EVEN / 2).expect("maps");
+                maps[0].multipliers().expect("eigenvalues")
+            });
+            let error = distance(&ours, &expected).max(distance(&expected, &ours));
+            println!(
+                "{n_sectors} sectors, {} N at {:.0} Hz: {error:.1e}, {:?}",
+                found.level,
+                found.omega / TAU,
+                found.contact
+            );
+            assert!(error < 1e-5, "{error:e}");
+            compared += 1;
+            slip += usize::from(found.contact.slip > 0.05);
+            lift += usize::from(found.contact.separated > 0.05);
+            unstable += usize::from(expected.iter().any(|m| m.norm() > 1.01));
+        }
+    }
+    println!("{compared} compared: {slip} slip, {lift} lift, {unstable} unstable");
+    assert!([slip, lift, unstable].into_iter().min() >= Some(10));
 }
 
 /// A wave of order 2 on 6 sectors is one of order 1 on 3 sectors, twice around. What disturbs 3 sectors disturbs 6, whose multipliers are
