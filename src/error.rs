@@ -1,5 +1,6 @@
 //! Why a command cannot go on. A sample that does not converge is a [`crate::hb::Status`], not an error.
 
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 use crate::ensemble::table::TableError;
@@ -65,13 +66,37 @@ pub enum Error {
         /// Samples in all, at most.
         samples: u64,
     },
-    /// The study lacks what the command needs, or the model has no such numbers.
-    #[error("{}: {message}", path.display())]
-    Command {
+    /// The study lacks what the command needs, its model has no such numbers, or it no longer gives the results that there are.
+    #[error("{}: {message}", study.display())]
+    Unfit {
         /// The study file.
-        path: PathBuf,
+        study: PathBuf,
         /// What is missing and how to give it.
         message: String,
+    },
+    /// Results or parts that are of another run, damaged or incomplete, or that the command has no use for.
+    #[error("{}: {message}", folder.display())]
+    Results {
+        /// Their folder.
+        folder: PathBuf,
+        /// What is wrong with them and what to do.
+        message: String,
+    },
+    /// A value of an option breaks a rule that only shows when the command runs.
+    #[error("{option}: {rule}")]
+    Option {
+        /// The option, such as `--shard`.
+        option: &'static str,
+        /// The rule.
+        rule: &'static str,
+    },
+    /// An address is taken, or not one of this machine.
+    #[error("{address}: cannot listen there: {source}; another --port or --bind")]
+    Address {
+        /// The address.
+        address: SocketAddr,
+        /// What the system says.
+        source: std::io::Error,
     },
 }
 

@@ -44,7 +44,7 @@ pub enum Stage {
 ///
 /// # Errors
 /// [`Error::Study`] on inputs without a prior distribution; [`Error::File`] on a response that cannot be taken;
-/// [`Error::Command`] if no surrogate can be made or the chains cannot go on.
+/// [`Error::Unfit`] if no surrogate can be made or the chains cannot go on.
 pub fn calibrate(
     study: Study,
     measured: &Path,
@@ -141,8 +141,8 @@ struct Refused(PathBuf);
 
 impl Refused {
     fn because(&self, message: String) -> Error {
-        Error::Command {
-            path: self.0.clone(),
+        Error::Unfit {
+            study: self.0.clone(),
             message,
         }
     }

@@ -52,9 +52,9 @@ impl Shard {
     fn share(self) -> Result<Share, Error> {
         let (number, of) = match self {
             Self::Given(number, of) => (number, of),
-            Self::Array => in_array().ok_or_else(|| Error::Command {
-                path: "--shard".into(),
-                message: "must be I/N where SLURM_ARRAY_TASK_ID, SLURM_ARRAY_TASK_MIN and SLURM_ARRAY_TASK_COUNT are not set".to_owned(),
+            Self::Array => in_array().ok_or_else(|| Error::Option {
+                option: "--shard",
+                rule: "must be I/N where SLURM_ARRAY_TASK_ID, SLURM_ARRAY_TASK_MIN and SLURM_ARRAY_TASK_COUNT are not set",
             })?,
         };
         Ok(Share::Shard { number, of })

@@ -44,14 +44,14 @@ impl StatusArguments {
                 1 => String::new(),
                 n => format!(" (and {} more faults: `microslip status`)", n - 1),
             };
-            return Err(Error::Command {
-                path: self.folder.clone(),
+            return Err(Error::Results {
+                folder: self.folder.clone(),
                 message: format!("{fault}{more}"),
             });
         }
         if status.results.is_none() && status.unfinished.is_none() {
-            return Err(Error::Command {
-                path: self.folder.clone(),
+            return Err(Error::Results {
+                folder: self.folder.clone(),
                 message: "holds no results and no parts of `run`".to_owned(),
             });
         }

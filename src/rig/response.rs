@@ -82,8 +82,8 @@ impl Rig {
         study.output.curve_samples = 0;
         let path = study.path.clone();
         let never = Stop::default();
-        let failed = |error: EvaluationError| Error::Command {
-            path: path.clone(),
+        let failed = |error: EvaluationError| Error::Unfit {
+            study: path.clone(),
             message: error.to_string(),
         };
         let model = Evaluator::solved(study.into_prepared()?, 0, &never, |_| {});

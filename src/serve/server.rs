@@ -27,12 +27,9 @@ impl Server {
     /// Listens at `address`; port 0 takes one that is free. Clients wait until [`Server::run`].
     ///
     /// # Errors
-    /// [`Error::Command`] with the address if it is taken or not one of this machine.
+    /// [`Error::Address`] if it is taken or not one of this machine.
     pub fn bind(address: SocketAddr) -> Result<Self, Error> {
-        let refused = |source: std::io::Error| Error::Command {
-            path: address.to_string().into(),
-            message: format!("cannot listen there: {source}; another --port or --bind"),
-        };
+        let refused = |source: std::io::Error| Error::Address { address, source };
         let listener = TcpListener::bind(address).map_err(refused)?;
         let address = listener.local_addr().map_err(refused)?;
         Ok(Self {

@@ -14,14 +14,14 @@ use crate::report::run::CHANGED;
 /// distribution differs is taken as a part of the designs, any other must have the same values in every sample.
 ///
 /// # Errors
-/// [`Error::Report`] if a folder holds no results; [`Error::Command`] on the first run that cannot be paired with the
+/// [`Error::Report`] if a folder holds no results; [`Error::Results`] on the first run that cannot be paired with the
 /// first of them, or with fewer than two runs; [`Error::File`] or [`Error::Report`] if the results cannot be written.
 pub fn compare(folders: &[&Path], output: &OutputFolder) -> Result<DesignComparison, Error> {
     for (i, folder) in folders.iter().enumerate() {
         let same = |other: &&&Path| other.canonicalize().ok() == folder.canonicalize().ok();
         if folder.exists() && folders[..i].iter().any(|other| same(&other)) {
-            return Err(Error::Command {
-                path: folder.to_path_buf(),
+            return Err(Error::Results {
+                folder: folder.to_path_buf(),
                 message: "is given twice: a comparison needs the results of different runs"
                     .to_owned(),
             });
@@ -37,8 +37,8 @@ pub fn compare(folders: &[&Path], output: &OutputFolder) -> Result<DesignCompari
         return Err(too_few(output));
     }
     for (folder, run) in folders.iter().zip(&runs) {
-        check(run, first).map_err(|reason| Error::Command {
-            path: folder.to_path_buf(),
+        check(run, first).map_err(|reason| Error::Results {
+            folder: folder.to_path_buf(),
             message: format!("cannot be compared with {}: {reason}", folders[0].display()),
         })?;
     }
@@ -48,8 +48,8 @@ pub fn compare(folders: &[&Path], output: &OutputFolder) -> Result<DesignCompari
 }
 
 fn too_few(output: &OutputFolder) -> Error {
-    Error::Command {
-        path: output.path().to_owned(),
+    Error::Results {
+        folder: output.path().to_owned(),
         message: "a comparison needs the results of two runs at least".to_owned(),
     }
 }

@@ -12,7 +12,7 @@ use crate::report::disk::{self, DiskSummary};
 /// Nothing is solved. The runs must have the same sector, number of sectors and levels, and an engine order each.
 ///
 /// # Errors
-/// [`Error::Report`] if a folder holds no results; [`Error::Command`] on the first run that is not of the disk of the first of
+/// [`Error::Report`] if a folder holds no results; [`Error::Results`] on the first run that is not of the disk of the first of
 /// them, or has the engine order of another; [`Error::File`] or [`Error::Report`] if the results cannot be written.
 pub fn disk(folders: &[&Path], output: &OutputFolder) -> Result<DiskSummary, Error> {
     let read = |folder: &&Path| {
@@ -22,8 +22,8 @@ pub fn disk(folders: &[&Path], output: &OutputFolder) -> Result<DiskSummary, Err
         Ok::<_, Error>(StoredRun { folder, ..run })
     };
     let runs: Vec<StoredRun> = folders.iter().map(read).collect::<Result<_, _>>()?;
-    let refused = |place: usize, message: String| Error::Command {
-        path: folders
+    let refused = |place: usize, message: String| Error::Results {
+        folder: folders
             .get(place)
             .map_or(output.path(), |folder| *folder)
             .to_owned(),

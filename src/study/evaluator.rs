@@ -127,7 +127,7 @@ impl<'s> Evaluator<'s> {
     /// Takes the first `anchors` samples from `folder`, the results of a run of the same study: nothing is solved.
     ///
     /// # Errors
-    /// [`Error::Command`] if they are results of another study or of other files; [`Error::File`] if they cannot be read or were
+    /// [`Error::Results`] if they are results of another study or of other files; [`Error::File`] if they cannot be read or were
     /// changed.
     pub fn stored(prepared: PreparedStudy<'s>, folder: &Path, anchors: u64) -> Result<Self, Error> {
         refuse_other_study(&prepared.study, folder)?;
@@ -219,8 +219,8 @@ fn refuse_other_study(study: &Study, folder: &Path) -> Result<(), Error> {
     };
     match own.difference(&stored) {
         None | Some(Difference::Program(_)) => Ok(()),
-        Some(difference) => Err(Error::Command {
-            path: folder.to_owned(),
+        Some(difference) => Err(Error::Results {
+            folder: folder.to_owned(),
             message: format!("are results of {difference}: `run` anew"),
         }),
     }

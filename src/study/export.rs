@@ -60,8 +60,8 @@ pub fn export(study: &Study, output: &Path) -> Result<Exported, Error> {
         let path = folder.join("study.toml");
         file::replace(&path, |out| out.write_all(text.as_bytes()))?;
         let written = Study::read(&path).and_then(|written| written.build_model());
-        written.map(|_| ()).map_err(|error| Error::Command {
-            path: study.path.clone(),
+        written.map(|_| ()).map_err(|error| Error::Unfit {
+            study: study.path.clone(),
             message: format!("what export writes of it is no study: {error}"),
         })
     })?;
@@ -106,8 +106,8 @@ impl Study {
 
     /// The keys of the study file that hold for matrices, too, and what of them had to change.
     fn kept(&self) -> Result<(Table, Option<String>), Error> {
-        let no_table = |error: toml::de::Error| Error::Command {
-            path: self.path.clone(),
+        let no_table = |error: toml::de::Error| Error::Unfit {
+            study: self.path.clone(),
             message: format!("export cannot write this file again: {}", error.message()),
         };
         let mut kept: Table = toml::from_str(&self.text).map_err(no_table)?;
@@ -151,8 +151,8 @@ fn study_text(study: &Study, model: &StudyModel, kept: &Table) -> Result<String,
             .iter()
             .filter(|(_, value)| is_section(value) == sections);
         let entries = entries.map(|(key, value)| (key.clone(), value.clone()));
-        toml::to_string(&entries.collect::<Table>()).map_err(|error| Error::Command {
-            path: study.path.clone(),
+        toml::to_string(&entries.collect::<Table>()).map_err(|error| Error::Unfit {
+            study: study.path.clone(),
             message: format!("export cannot write this file again: {error}"),
         })
     };

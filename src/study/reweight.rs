@@ -43,15 +43,15 @@ pub enum NewInputs {
 ///
 /// # Errors
 /// [`Error::Study`] with line, key and rule if the file breaks one: an input that the run did not draw, a distribution
-/// beyond the range that was sampled. [`Error::Command`] if the folder holds no results, its inputs are correlated, or the
+/// beyond the range that was sampled. [`Error::Results`] if the folder holds no results, its inputs are correlated, or the
 /// weights leave too few effective samples; [`Error::File`] or [`Error::Report`] on files.
 pub fn reweight(
     folder: &Path,
     new: &NewInputs,
     output: &OutputFolder,
 ) -> Result<Reweighting, Error> {
-    let refused = |message: String| Error::Command {
-        path: folder.to_owned(),
+    let refused = |message: String| Error::Results {
+        folder: folder.to_owned(),
         message,
     };
     require_unchanged(folder)?;

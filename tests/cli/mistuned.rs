@@ -62,19 +62,18 @@ fn its_stability_is_assessed() {
         let levels = outcomes.iter().flat_map(|outcome| &outcome.levels);
         levels.map(|level| level.peak.expect("a peak")).collect()
     };
-    let multiplier = |peak: &PeakRecord| {
-        let re = peak.multiplier_real.get();
-        re.zip(peak.multiplier_imaginary.get())
-            .map(|(re, im)| re.hypot(im))
-    };
     let (judged, assessed) = (peaks("judged"), peaks("assessed"));
-    assert!(judged.iter().all(|peak| multiplier(peak).is_none()));
+    assert!(
+        judged
+            .iter()
+            .all(|peak| peak.multiplier_modulus().is_none())
+    );
     let mut slipping = 0;
     for (before, peak) in judged.iter().zip(&assessed) {
         assert_eq!(peak.frequency_hz, before.frequency_hz);
         let slips = peak.slip_fraction > 0.0 || peak.separated_fraction > 0.0;
         slipping += usize::from(slips);
-        match multiplier(peak) {
+        match peak.multiplier_modulus() {
             Some(modulus) => assert!(slips && modulus > 0.0 && modulus < 1.01, "{modulus}"),
             None => assert!(!slips, "{peak:?}"),
         }

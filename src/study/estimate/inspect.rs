@@ -168,7 +168,7 @@ fn flexible(omega: Vec<f64>) -> Vec<f64> {
 /// Gathers the facts; of a disk under several engine orders those of the first, with the times of all.
 ///
 /// # Errors
-/// Whatever building the model refuses; [`Error::Command`] if its eigenvalue problem fails.
+/// Whatever building the model refuses; [`Error::Unfit`] if its eigenvalue problem fails.
 pub fn inspect(study: &Study) -> Result<Inspection, Error> {
     let Some(orders) = study.several_engine_orders() else {
         return inspect_one(study);
@@ -190,11 +190,10 @@ fn inspect_one(study: &Study) -> Result<Inspection, Error> {
     let asymmetric = whole && study.folds() && built.reduced.mirror.is_some();
     let components = built.components();
     let unit = study.frequency.unit;
-    let linear =
-        LinearFrequencies::of(&built, &study.frequency).map_err(|error| Error::Command {
-            path: study.path.clone(),
-            message: format!("linear modes of the model: {error}"),
-        })?;
+    let linear = LinearFrequencies::of(&built, &study.frequency).map_err(|error| Error::Unfit {
+        study: study.path.clone(),
+        message: format!("linear modes of the model: {error}"),
+    })?;
     let excited = (built.disk.as_ref()).map(|of| (of.engine_order, of.nodal_diameter()));
     let StudyModel {
         reduced: model,

@@ -33,7 +33,7 @@ const BLOCKS: u64 = 16;
 /// processes that start at once to begin at different blocks.
 ///
 /// # Errors
-/// As [`super::run::run`], and [`Error::Command`] where the number of samples comes out of the results.
+/// As [`super::run::run`], and [`Error::Unfit`] where the number of samples comes out of the results.
 pub fn join(
     study: &Study,
     folder: &OutputFolder,
@@ -160,8 +160,8 @@ impl Found<'_> {
     fn refresh<F>(&mut self, session: &Session<'_, F>) -> Result<(), Error> {
         for part in session.parts.unseen(&mut self.tables)? {
             let own = accepted(&session.head.identity, &part.identity, self.settings);
-            own.map_err(|difference| Error::Command {
-                path: session.parts.path().to_owned(),
+            own.map_err(|difference| Error::Results {
+                folder: session.parts.path().to_owned(),
                 message: refusal(&difference),
             })?;
             self.known

@@ -18,7 +18,7 @@ use crate::study::settings::read::Study;
 /// part that is in `output` already; nothing is written before that is known.
 ///
 /// # Errors
-/// [`Error::Command`] if a folder has no parts, has a damaged part or parts of another run, a part contradicts another one, or a sample
+/// [`Error::Results`] if a folder has no parts, has a damaged part or parts of another run, a part contradicts another one, or a sample
 /// is missing; and those of [`run`].
 pub fn merge(
     folders: &[&Path],
@@ -65,8 +65,8 @@ pub fn merge(
 }
 
 fn refused(path: &Path, message: String) -> Error {
-    Error::Command {
-        path: path.to_owned(),
+    Error::Results {
+        folder: path.to_owned(),
         message,
     }
 }

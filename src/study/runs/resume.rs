@@ -179,8 +179,8 @@ impl Resumed {
             match part {
                 Ok(part) => {
                     let other = accepted(identity, &part.identity, settings);
-                    let other = other.map_err(|difference| Error::Command {
-                        path: folder.path().to_owned(),
+                    let other = other.map_err(|difference| Error::Results {
+                        folder: folder.path().to_owned(),
                         message: refusal(&difference),
                     })?;
                     self.add_programs(other.into_iter());
@@ -243,7 +243,7 @@ pub(in crate::study) fn identity_of_results(folder: &Path) -> Result<RunIdentity
 /// The samples in the parts of `folder`. A damaged part is left out.
 ///
 /// # Errors
-/// [`Error::Command`] if a part belongs to another run; [`Error::File`] if parts cannot be read or contradict each other.
+/// [`Error::Results`] if a part belongs to another run; [`Error::File`] if parts cannot be read or contradict each other.
 pub(super) fn resumed(
     study: &Study,
     folder: &OutputFolder,
@@ -305,7 +305,7 @@ pub(super) fn refusal(difference: &Difference) -> String {
 /// Refuses to put the results of fewer samples in the place of more of the same study.
 ///
 /// # Errors
-/// [`Error::Command`] if the results in `folder` are of this study with more samples; [`Error::File`] if files that wait there cannot
+/// [`Error::Results`] if the results in `folder` are of this study with more samples; [`Error::File`] if files that wait there cannot
 /// be placed.
 pub(super) fn refuse_fewer(study: &Study, folder: &OutputFolder) -> Result<(), Error> {
     finish_placing(folder.path())?;
@@ -318,8 +318,8 @@ pub(super) fn refuse_fewer(study: &Study, folder: &OutputFolder) -> Result<(), E
         "holds {more} samples of this study, of which its file asks for {}: `report` makes their report anew; for fewer samples take another --output, or delete these",
         study.samples
     );
-    Err(Error::Command {
-        path: folder.path().to_owned(),
+    Err(Error::Results {
+        folder: folder.path().to_owned(),
         message,
     })
 }
@@ -380,8 +380,8 @@ pub(super) fn refuse_other_results(
     if numbers(first) == numbers(&again) {
         return Ok(());
     }
-    Err(Error::Command {
-        path: study.path.clone(),
+    Err(Error::Unfit {
+        study: study.path.clone(),
         message: "sample 0 solved again is not that of the results: the model's files, the program or the processor's \
                   instruction set has changed; `run` anew"
             .to_owned(),

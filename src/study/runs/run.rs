@@ -35,7 +35,7 @@ use crate::study::settings::read::Study;
 ///
 /// # Errors
 /// Whatever building the model refuses; [`Error::Problem`] if the nominal model is no harmonic balance problem;
-/// [`Error::Command`] if it has no resonance in the band, or `folder` holds parts of another run, or results of this study with more
+/// [`Error::Unfit`] if it has no resonance in the band; [`Error::Results`] if `folder` holds parts of another run, or results of this study with more
 /// samples; [`Error::Threads`] if the system gives no more threads; [`Error::File`] if another process works in the folder; [`Error::Store`] or [`Error::Report`] if
 /// a result cannot be written; [`Error::Stopped`] if the run was stopped. Older results are then as they were.
 pub fn run(
@@ -72,7 +72,7 @@ pub(super) fn run_alone(
 /// The same where samples are known already.
 ///
 /// # Errors
-/// Those of [`run`], and [`Error::Command`] if sample 0 is not what it was.
+/// Those of [`run`], and [`Error::Unfit`] if sample 0 is not what it was.
 pub(super) fn run_after(
     study: &Study,
     folder: &OutputFolder,
@@ -228,8 +228,8 @@ fn write_tables<F>(
     let mut all = resumed.samples(study);
     for index in 0..samples {
         let next = all.take()?.filter(|sample| sample.outcome.index == index);
-        let sample = next.ok_or_else(|| Error::Command {
-            path: session.parts.path().to_owned(),
+        let sample = next.ok_or_else(|| Error::Results {
+            folder: session.parts.path().to_owned(),
             message: format!("sample {index} is missing: `run` again"),
         })?;
         files.write(sample)?;

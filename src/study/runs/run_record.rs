@@ -154,8 +154,8 @@ fn linear_record(
 ) -> Result<LinearRecord, Error> {
     let resonance = linear_resonance(model, k, band)
         .map_err(|error| Error::Problem(error.into()))?
-        .ok_or_else(|| Error::Command {
-            path: study.path.clone(),
+        .ok_or_else(|| Error::Unfit {
+            study: study.path.clone(),
             message: format!(
                 "frequency: the band {} to {} holds no natural frequency of the structure with {} contacts; `inspect` lists them",
                 study.frequency.unit.of_rad_s(band.low),

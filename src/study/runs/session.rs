@@ -65,7 +65,7 @@ pub(super) struct Session<'a, F> {
 /// there are threads, or fewer where the memory is not enough.
 ///
 /// # Errors
-/// Whatever building the model refuses; [`Error::Command`] if sample 0 is not what it was, or no sample fits into the memory;
+/// Whatever building the model refuses; [`Error::Unfit`] if sample 0 is not what it was, or no sample fits into the memory;
 /// [`Error::Threads`] if the system gives no more threads; those of `work`.
 pub(super) fn at_work<T: Send, F: Fn(Progress) + Sync>(
     begun: Begun<'_>,
@@ -93,8 +93,8 @@ fn samples_that_fit(prepared: &PreparedStudy<'_>) -> Result<usize, Error> {
     let Some(available) = available_bytes() else {
         return Ok(usize::MAX);
     };
-    samples_at_once(prepared.solve_memory(), available).map_err(|message| Error::Command {
-        path: prepared.study.path.clone(),
+    samples_at_once(prepared.solve_memory(), available).map_err(|message| Error::Unfit {
+        study: prepared.study.path.clone(),
         message,
     })
 }
@@ -172,7 +172,7 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
     /// Does the `work` until none of its samples is `missing` in parts or results: somebody may have deleted or damaged some.
     ///
     /// # Errors
-    /// Those of [`Session::written`], and [`Error::Command`] if parts go again and again.
+    /// Those of [`Session::written`], and [`Error::Results`] if parts go again and again.
     pub(super) fn kept(
         &self,
         resumed: &mut Resumed,
@@ -191,8 +191,8 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
             }
         }
         let message = "parts are deleted or damaged while the run writes them: find out by whom, then `run` again".to_owned();
-        Err(Error::Command {
-            path: self.parts.path().to_owned(),
+        Err(Error::Results {
+            folder: self.parts.path().to_owned(),
             message,
         })
     }

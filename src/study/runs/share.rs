@@ -58,7 +58,7 @@ pub struct ShareResult {
 /// by [`super::merge::merge`], [`super::run::run`] makes the results.
 ///
 /// # Errors
-/// As [`super::run::run`], and [`Error::Command`] where the number of samples comes out of the results.
+/// As [`super::run::run`], and [`Error::Unfit`] where the number of samples comes out of the results.
 pub fn solve_share(
     study: &Study,
     folder: &OutputFolder,
@@ -104,8 +104,8 @@ pub fn solve_share(
 pub(super) fn refuse_looks(study: &Study) -> Result<(), Error> {
     match study.stopping {
         None => Ok(()),
-        Some(_) => Err(Error::Command {
-            path: study.path.clone(),
+        Some(_) => Err(Error::Unfit {
+            study: study.path.clone(),
             message: "samples: a run that decides its own number of samples cannot be shared; give a number".to_owned(),
         }),
     }
