@@ -12,7 +12,7 @@ copy=${CARGO_TARGET_DIR:-$root/target}/constants
 export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$root/target} CARGO_PROFILE_BENCH_INCREMENTAL=true
 
 mkdir -p "$copy"
-for part in Cargo.toml Cargo.lock src shaders benches tests; do
+for part in Cargo.toml Cargo.lock src shaders benches tests python; do
     cp -a --update "$part" "$copy/"
 done
 cd "$copy"
