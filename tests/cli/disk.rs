@@ -309,3 +309,37 @@ fn bouncing_peaks_of_a_disk_have_a_verdict() {
     assert_eq!(stated("2.0", "bouncing"), stated("2.0", "off"));
     assert!(stated("1000.0", "bouncing") > stated("1000.0", "off"));
 }
+
+/// Without a word in the study, a point of the curve of a disk that would be judged as bouncing has a verdict by its multiplier, and another is not
+/// assessed. Seen to fail with a `solve` that assesses peaks alone.
+#[test]
+fn bouncing_points_of_a_disk_have_a_verdict() {
+    let points = |stability: &str| -> Vec<(String, bool)> {
+        let folder = tempfile::tempdir().unwrap();
+        let study = BOUNCING
+            .replace("[2.0, 1000.0]", "[1000.0]")
+            .replace("2660]", "2660]\nvalues_hz = [2605, 2620]")
+            .replace("[solver]", &format!("[solver]\n{stability}"));
+        std::fs::write(folder.path().join("study.toml"), study).unwrap();
+        let solve = ["solve", "study.toml", "--quiet", "--output", "out"];
+        let output = microslip(folder.path(), &solve);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        let text = std::fs::read_to_string(folder.path().join("out/solution.json")).unwrap();
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let points = json["levels"][0]["points"].as_array().unwrap().iter();
+        points
+            .map(|point| {
+                let status = point["status"].as_str().unwrap().to_owned();
+                (status, point["multiplier"].is_array())
+            })
+            .collect()
+    };
+    let judged = [("converged", false), ("bouncing-contact", false)];
+    assert_eq!(points("stability = \"off\""), judged.map(owned));
+    let assessed = [("converged", false), ("unstable", true)];
+    assert_eq!(points(""), assessed.map(owned));
+}
+
+fn owned(point: (&str, bool)) -> (String, bool) {
+    (point.0.to_owned(), point.1)
+}
