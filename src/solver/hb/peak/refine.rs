@@ -152,16 +152,16 @@ impl<'p> Refinement<'_, '_, 'p> {
         // one of the two may be small by accident; a solve with twice the harmonics costs more than all before
         if let (Some(other), Some(by_change)) = (other, by_change)
             && other.set > set
+            && sets.is_enough(other.set)
             && sets.is_accepted(by_change.max(by_step.error))
         {
             return ControlFlow::Break(by_change.max(by_step.error));
         }
         let estimate = sets.estimate(set, iterate, by_step, condition);
         if let Some(larger) = self.on_larger_set(at, &estimate, phasor) {
-            let twice = sets.twice(set);
             let known = match estimate.amplitude {
-                Some(amplitude) if twice > larger.set => KnownAmplitude {
-                    set: twice,
+                Some(amplitude) if estimate.set > larger.set => KnownAmplitude {
+                    set: estimate.set,
                     amplitude,
                 },
                 _ => KnownAmplitude { set, amplitude },
@@ -212,7 +212,7 @@ impl<'p> Refinement<'_, '_, 'p> {
         let sets = self.sets;
         let larger = sets.balance(set);
         let starts = [
-            (sets.balance(sets.twice(at.set)), &estimate.point),
+            (sets.balance(estimate.set), &estimate.point),
             (sets.balance(at.set), &at.found.iterate.point),
         ];
         starts.into_iter().find_map(|(from, point)| {
