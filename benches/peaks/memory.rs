@@ -128,6 +128,7 @@ fn provenance(settings: &HbSettings) -> Provenance {
         folded: true,
         truncation_threshold: settings.alert.map(|alert| alert.threshold),
         highest_harmonic: settings.alert.map(|alert| alert.highest_harmonic),
+        compared_with: settings.alert.map(|alert| alert.compared_with),
         followed_modes: Vec::new(),
     }
 }

@@ -15,6 +15,7 @@ use std::collections::BTreeMap;
 pub(crate) const CERTIFIED: AlertSettings = AlertSettings {
     threshold: 1e-3,
     highest_harmonic: 21,
+    compared_with: 20,
 };
 
 /// Samples solved, and those of them that are compared with 31 harmonics.

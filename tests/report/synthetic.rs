@@ -248,6 +248,7 @@ pub(crate) fn provenance() -> Provenance {
         folded: true,
         truncation_threshold: Some(0.01),
         highest_harmonic: Some(9),
+        compared_with: Some(20),
         followed_modes: Vec::new(),
     }
 }

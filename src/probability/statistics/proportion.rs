@@ -1,6 +1,6 @@
 //! Shares of samples with Clopper–Pearson limits, also where some samples leave the answer open.
 
-use statrs::distribution::{Beta, ContinuousCDF};
+use crate::special::beta_quantile;
 
 /// A share of samples with its Clopper–Pearson confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
@@ -27,11 +27,11 @@ pub fn proportion(count: usize, n: usize, confidence: f64) -> Option<Proportion>
         estimate: yes / n as f64,
         lower: match count == 0 {
             true => 0.0,
-            false => Beta::new(yes, no + 1.0).ok()?.inverse_cdf(tail),
+            false => beta_quantile(yes, no + 1.0, tail),
         },
         upper: match count == n {
             true => 1.0,
-            false => Beta::new(yes + 1.0, no).ok()?.inverse_cdf(1.0 - tail),
+            false => beta_quantile(yes + 1.0, no, 1.0 - tail),
         },
     })
 }
@@ -98,6 +98,18 @@ mod tests {
             let all = proportion(n, n, 0.95).unwrap();
             assert!((all.lower - (1.0 - exact)).abs() < 1e-8 * all.lower.max(1e-3));
             assert_eq!(all.upper, 1.0);
+        }
+    }
+
+    /// Closed form: one in n has the lower limit 1 − (1 − α/2)^(1/n), also where n is that of the largest study. Seen to fail with the
+    /// quantile of `statrs` 0.19: it is 1.3e-4 off for a million samples, and never ends for ten million.
+    #[test]
+    fn one_failure_of_many_samples_has_the_closed_form_limit() {
+        for n in [1000, 1_000_000, 10_000_000, 100_000_000] {
+            let rate = proportion(1, n, 0.95).unwrap();
+            let exact = -((-0.025_f64).ln_1p() / n as f64).exp_m1();
+            let lower = rate.lower;
+            assert!((lower / exact - 1.0).abs() < 1e-9, "n = {n}: {lower}");
         }
     }
 

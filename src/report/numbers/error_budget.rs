@@ -6,6 +6,7 @@ use super::peaks::usable_peak;
 use super::summary::{LevelSummary, Summary};
 use super::surrogate::{LevelSurrogates, SurrogateResult};
 use crate::contact::{Events, FrictionLaw};
+use crate::ensemble::store::Provenance;
 use crate::page::display::significant;
 use crate::report::run::input::ReportInput;
 use crate::report::run::record::RunRecord;
@@ -152,11 +153,22 @@ fn harmonics(input: &ReportInput, summary: &Summary) -> ErrorLine {
         source: HARMONICS,
         frequency_hz: largest((0..summary.levels.len()).map(shift)),
         amplitude_relative: largest(summary.levels.iter().map(q95)),
-        basis: match input.record.provenance.truncation_threshold {
-            Some(_) => "95 % quantile of the error that the alert states: twice the change of the amplitude with twice the harmonics; frequency: the same share of the half-power half-width",
-            None => "the error alert is off",
-        }
-        .to_owned(),
+        basis: match &input.record.provenance {
+            of if of.truncation_threshold.is_some() => format!(
+                "95 % quantile of the error that the alert states: {}; frequency: the same share of the half-power half-width",
+                stated_truncation_error(of)
+            ),
+            _ => "the error alert is off".to_owned(),
+        },
+    }
+}
+
+/// What the alert states as the error by the harmonics left out.
+pub(in crate::report) fn stated_truncation_error(of: &Provenance) -> String {
+    let twice = "twice the change of the amplitude with twice the harmonics".to_owned();
+    match of.compared_with {
+        Some(fewest) => format!("{twice}, or more by the change with {fewest}"),
+        None => twice,
     }
 }
 

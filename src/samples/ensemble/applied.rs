@@ -108,14 +108,22 @@ impl Applied<'_> {
     }
 }
 
+/// Scales the normal stiffness. A negative force at zero approach stands for a gap, a length that stays; a preload is a force that stays.
+fn scale_normal_stiffness(contact: &mut ContactParameters<f64>, factor: f64) {
+    contact.k_n *= factor;
+    if contact.n_0 < 0.0 {
+        contact.n_0 *= factor;
+    }
+}
+
 /// Applies an input of the contacts to one pair.
 fn apply_to_contact(contact: &mut ContactParameters<f64>, input: Input, value: f64) {
     match input {
         Input::StiffnessScale | Input::LeftStiffnessScale | Input::RightStiffnessScale => {
-            contact.k_n *= value;
+            scale_normal_stiffness(contact, value);
             contact.k_t = contact.k_t.map(|k| k * value);
         }
-        Input::NormalStiffnessScale => contact.k_n *= value,
+        Input::NormalStiffnessScale => scale_normal_stiffness(contact, value),
         Input::TangentialStiffnessScale => contact.k_t = contact.k_t.map(|k| k * value),
         Input::FrictionCoefficient
         | Input::LeftFrictionCoefficient

@@ -219,7 +219,7 @@ pub struct PeakRecord {
     /// How it was found; absent where no solver did.
     pub route: Option<PeakRoute>,
     /// Stated relative error of the amplitude by the harmonics left out; absent without an alert, or where nothing was found
-    /// with twice the harmonics.
+    /// with more harmonics.
     #[serde(default)]
     #[schemars(with = "Option<f64>")]
     pub truncation_error: MaybeReal,

@@ -59,6 +59,8 @@ pub struct AlertSettings {
     pub threshold: f64,
     /// Harmonics are raised up to this order, not beyond.
     pub highest_harmonic: usize,
+    /// Fewest harmonics on which a solution is compared before it is accepted.
+    pub compared_with: usize,
 }
 
 impl Default for AlertSettings {
@@ -66,6 +68,7 @@ impl Default for AlertSettings {
         Self {
             threshold: 0.01,
             highest_harmonic: 56,
+            compared_with: 20,
         }
     }
 }
@@ -75,6 +78,12 @@ impl AlertSettings {
     #[must_use]
     pub fn accepts(&self, error: f64) -> bool {
         error <= self.threshold
+    }
+
+    /// Highest harmonic of the largest set on which a solution up to `highest` is compared before it is accepted.
+    #[must_use]
+    pub fn most_compared(&self, highest: usize) -> usize {
+        (2 * highest).max(self.compared_with)
     }
 }
 
@@ -150,6 +159,7 @@ impl HbSettings {
         if let Some(alert) = self.alert {
             within("alert.threshold", alert.threshold, THRESHOLD)?;
             highest_harmonic("alert.highest_harmonic", alert.highest_harmonic)?;
+            highest_harmonic("alert.compared_with", alert.compared_with)?;
             BadSetting::unless(
                 alert.highest_harmonic >= self.harmonics.highest(),
                 "alert.highest_harmonic",
@@ -158,7 +168,9 @@ impl HbSettings {
             )?;
         }
         let highest = self.harmonics.highest();
-        let most = (self.alert).map_or(highest, |alert| alert.highest_harmonic);
+        let most = self.alert.map_or(highest, |alert| {
+            alert.highest_harmonic.max(alert.compared_with)
+        });
         BadSetting::unless(
             self.aft.n_time * most <= LARGEST_TABLE,
             "time_points",

@@ -65,7 +65,7 @@ pub struct Solution {
     /// largest. See [`Solution::damping_ratio`].
     pub kinetic_energy: f64,
     /// Stated error of the amplitude by the harmonics left out: relative, not below the change by twice the harmonics
-    /// ([`super::peak::alert`]). `None` without an alert, or where no solution was found with twice the harmonics.
+    /// ([`super::peak::alert`]). `None` without an alert, or where no solution was found with more harmonics.
     pub truncation_error: Option<f64>,
     /// Stability; `None` where it was not assessed.
     pub stability: Option<Stability>,

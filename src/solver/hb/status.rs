@@ -99,7 +99,7 @@ impl Status {
                 "the balance equations hold, and the stated truncation error is not above the threshold"
             }
             Self::TruncationAboveThreshold => {
-                "the balance equations hold, but the truncation error is above the threshold, or not known because no solution was found with twice the harmonics; if the sample has the alert's highest_harmonic, raise it"
+                "the balance equations hold, but the truncation error is above the threshold, or not known because no solution was found with more harmonics to compare it with; if the sample has the alert's highest_harmonic, raise it"
             }
             Self::Unstable => {
                 "the balance equations hold, but a small disturbance grows from period to period: the structure does not stay in this vibration"

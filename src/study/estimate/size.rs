@@ -28,10 +28,10 @@ impl SolveSize {
         let mistuned_blades = mistuned.map(|of| of.disk.n_sectors);
         let contacts = n_contacts * mistuned_blades.unwrap_or(1);
         let first = study.solver.harmonics.n_coefficients();
-        let highest = study
-            .solver
-            .alert
-            .map_or(first, |alert| first.max(2 * alert.highest_harmonic + 1));
+        let highest = study.solver.alert.map_or(first, |alert| {
+            let compared = alert.most_compared(alert.highest_harmonic);
+            first.max(HarmonicSet::up_to(compared).n_coefficients())
+        });
         Self {
             contacts,
             mistuned_blades,

@@ -236,6 +236,7 @@ pub(super) fn provenance(prepared: &PreparedStudy) -> Provenance {
         folded: prepared.folded(),
         truncation_threshold: solver.alert.map(|alert| alert.threshold),
         highest_harmonic: solver.alert.map(|alert| alert.highest_harmonic),
+        compared_with: solver.alert.map(|alert| alert.compared_with),
         followed_modes: prepared.followed_modes.clone(),
     }
 }

@@ -144,8 +144,8 @@ pub struct SolverSection {
         extend("default" = NewtonSettings::default().budget)
     )]
     budget: Option<usize>,
-    /// Error alert: each solution is solved for again with twice its harmonics, and gets more where the stated truncation
-    /// error is above the threshold. `false` checks nothing and adds none; `true` takes the defaults.
+    /// Error alert: each solution is solved for again with twice its harmonics and with `compared_with` at least, and gets more where the
+    /// stated truncation error is above the threshold. `false` checks nothing and adds none; `true` takes the defaults.
     #[schemars(extend("default" = true))]
     alert: Option<Alert>,
     /// Which solutions are assessed for stability by their Floquet multipliers: those with lift-off, all that slip or lift off, those whose
@@ -200,7 +200,7 @@ enum NamedLaps {
 #[derive(Debug, Clone, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(
     untagged,
-    expecting = "expected false, or a table with threshold and highest_harmonic (numbers)"
+    expecting = "expected false, or a table with threshold, highest_harmonic and compared_with (numbers)"
 )]
 enum Alert {
     Switch(bool),
@@ -222,6 +222,13 @@ struct AlertTable {
         extend("default" = AlertSettings::default().highest_harmonic)
     )]
     highest_harmonic: Option<usize>,
+    /// Fewest harmonics on which a solution is compared before it is accepted: 40 miss fewer resonances of contacts on their springs than
+    /// 20, and take more time.
+    #[schemars(
+        range(min = 1, max = HIGHEST_HARMONIC),
+        extend("default" = AlertSettings::default().compared_with)
+    )]
+    compared_with: Option<usize>,
 }
 
 /// Harmonics of the first solution if the study does not say.
@@ -315,12 +322,13 @@ impl SolverSection {
         match &self.alert {
             Some(Alert::Switch(false)) => None,
             None | Some(Alert::Switch(true)) => Some(AlertSettings {
-                threshold: default.threshold,
                 highest_harmonic: highest,
+                ..default
             }),
             Some(Alert::On(table)) => Some(AlertSettings {
                 threshold: table.threshold.unwrap_or(default.threshold),
                 highest_harmonic: table.highest_harmonic.unwrap_or(highest),
+                compared_with: table.compared_with.unwrap_or(default.compared_with),
             }),
         }
     }

@@ -339,6 +339,11 @@ pub(crate) const REFUSED: &[Case] = &[
     ),
     (
         "time_points = 128",
+        "alert = { compared_with = 0 }",
+        &[":34: solver.alert.compared_with = 0: ", "from 1 to 200"],
+    ),
+    (
+        "time_points = 128",
         "alert = { threshold = 5 }",
         &[":34: solver.alert.threshold = 5: must be from 1e-9 to 1"],
     ),

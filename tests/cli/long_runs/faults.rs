@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, SystemTime};
 
 use super::super::test_functions::LIMIT_STATE;
-use super::super::{STUDY, folder};
+use super::super::{STUDY, folder, microslip};
 use super::{assert_same_results, change, parts, run, solved};
 use assert_cmd::cargo::cargo_bin;
 use microslip::ensemble::parts::{Claims, PartFolder};
@@ -280,4 +280,24 @@ fn little_memory_means_fewer_samples_at_once() {
     let (code, said) = limited(300_000, "none");
     assert_eq!(code, Some(2), "{said}");
     assert!(said.contains("MB are available: fewer harmonics"), "{said}");
+}
+
+/// The stated memory is that of the largest harmonic set on which a solution is compared, 20 at least. Seen to fail with twice the
+/// highest harmonic of the alert.
+#[test]
+fn the_stated_memory_is_that_of_the_largest_comparison() {
+    let stated = |highest: usize| {
+        let folder = tempfile::tempdir().unwrap();
+        let study = include_str!("../../../studies/two-blade-strip/study.toml");
+        let alert = format!("highest_harmonic = {highest} }}");
+        let study = study.replace("highest_harmonic = 56 }", &alert);
+        std::fs::write(folder.path().join("study.toml"), study).unwrap();
+        let output = microslip(folder.path(), &["inspect", "study.toml"]);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        let facts = String::from_utf8(output.stdout).unwrap();
+        let line = facts.lines().find(|line| line.starts_with("memory"));
+        line.unwrap().to_owned()
+    };
+    assert_eq!(stated(5), stated(10));
+    assert_ne!(stated(10), stated(28));
 }

@@ -405,6 +405,7 @@ fn peaks_not_located_on_more_harmonics_stay_on_fewer() {
         settings.alert = Some(AlertSettings {
             threshold: 1e-9,
             highest_harmonic: 9,
+            compared_with: 20,
         });
         let on_few = HbSettings {
             alert: None,

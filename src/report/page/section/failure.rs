@@ -9,6 +9,7 @@ use crate::page::display::{DASH, from_to, percent, short, significant};
 use crate::page::figure::{Panel, Size};
 use crate::page::thinning::thinned;
 use crate::report::assessment::InputFailures;
+use crate::report::numbers::error_budget::stated_truncation_error;
 use crate::report::numbers::peaks::usable_peak;
 use crate::report::numbers::population::hull;
 use crate::report::page::statistic_cell::{percent_range, range_fields};
@@ -300,7 +301,8 @@ fn truncation(view: &View) -> Option<Figure> {
     let sorted = Sorted::finite(errors.map(f64::log10));
     let bins = histogram(&sorted, 40);
     let highest = bins.iter().map(|b| b.count).max()?;
-    let threshold = view.input.record.provenance.truncation_threshold;
+    let provenance = &view.input.record.provenance;
+    let threshold = provenance.truncation_threshold;
     let edges = bins.iter().flat_map(|b| [b.lower, b.upper]);
     let edges = edges.map(|e| 10f64.powf(e)).chain(threshold);
     let x = Axis::around("Stated relative truncation error", edges);
@@ -314,8 +316,10 @@ fn truncation(view: &View) -> Option<Figure> {
     if let Some(threshold) = threshold {
         panel.rule("limit", threshold);
     }
-    let caption = "Stated error of the amplitude by the harmonics left out: twice its relative change when the peak is solved \
-                   for with twice the harmonics; red: threshold, above which harmonics are added.";
+    let caption = format!(
+        "Stated relative error of the amplitude by the harmonics left out: {}; red: threshold, above which harmonics are added.",
+        stated_truncation_error(provenance)
+    );
     Some(view.figure(&panel, "truncation", caption))
 }
 

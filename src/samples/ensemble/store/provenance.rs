@@ -40,6 +40,9 @@ pub struct Provenance {
     pub truncation_threshold: Option<f64>,
     /// Harmonics are raised up to this order; absent if they are fixed.
     pub highest_harmonic: Option<usize>,
+    /// Fewest harmonics on which a solution was compared before it was accepted; absent if it was not, or not stated by the program.
+    #[serde(default)]
+    pub compared_with: Option<usize>,
     /// The modes that are searched in the band, where the study follows all modes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub followed_modes: Vec<FollowedMode>,

@@ -5,8 +5,8 @@
 //! the same law gives the error from it.
 //!
 //! The error does not always fall: below a resonance of the parts in contact on their contact springs it may stay the same with
-//! twice the harmonics. So what twice the harmonics accept is solved for on `FEWEST_COMPARED` harmonics, too, if twice is
-//! fewer, and the larger of the two errors is stated.
+//! twice the harmonics. So what twice the harmonics accept is solved for on [`AlertSettings::compared_with`] harmonics, too,
+//! if twice is fewer, and the larger of the two errors is stated.
 //!
 //! One Newton step onto 2H harmonics, as in the Jacobian Alert Algorithm of Gastaldi & Berruti 2017, does not replace the
 //! solve. The step misses what a resonance of the strip adds, and its estimate is far too large where the strip lifts off
@@ -22,10 +22,6 @@ use crate::hb::solution::Solution;
 use crate::hb::status::Status;
 use std::cell::OnceCell;
 use std::collections::BTreeSet;
-
-/// Fewest harmonics on which a solution is compared before it is accepted. Of 50 peaks of the default study that 10 harmonics accepted
-/// on 5, 18 were 1.2 to 3.7 % off; compared with 20, none is.
-const FEWEST_COMPARED: usize = 20;
 
 /// Most Newton iterations of a solve on more harmonics; the solves that converge take 4 to 9.
 const MOST_ITERATIONS: usize = 10;
@@ -95,7 +91,7 @@ impl<'s, 'p> AlertSets<'s, 'p> {
             rungs.insert(highest);
         }
         let mut sizes: BTreeSet<usize> = rungs.iter().flat_map(|&rung| [rung, 2 * rung]).collect();
-        sizes.insert((2 * first.highest()).max(FEWEST_COMPARED));
+        sizes.insert(alert.most_compared(first.highest()));
         let larger = sizes.into_iter().skip(1).map(HarmonicSet::up_to);
         let sets = [first.clone()].into_iter().chain(larger);
         Some(Self {
@@ -133,7 +129,7 @@ impl<'s, 'p> AlertSets<'s, 'p> {
     /// Whether a solution may be accepted after it was compared with the one on set `i` alone.
     #[must_use]
     pub fn is_enough(&self, i: usize) -> bool {
-        self.highest(i) >= FEWEST_COMPARED
+        self.highest(i) >= self.alert.compared_with
     }
 
     /// Sets that may come after set `i`, up to twice its harmonics, the smallest first.
@@ -198,7 +194,7 @@ impl<'s, 'p> AlertSets<'s, 'p> {
     }
 
     /// Estimate of the error of `solution` on set `i` by a solve on twice its harmonics and, if these would accept it but are
-    /// too few to do so, by a second one on `FEWEST_COMPARED`.
+    /// too few to do so, by a second one on as many as the settings ask for.
     #[must_use]
     pub fn estimate_by_solve(
         &self,
@@ -214,7 +210,7 @@ impl<'s, 'p> AlertSets<'s, 'p> {
         if self.is_enough(on_twice.set) || !self.is_accepted(on_twice.error) {
             return on_twice;
         }
-        let (enough, error) = (self.with_at_least(FEWEST_COMPARED), on_twice.error);
+        let (enough, error) = (self.with_at_least(self.alert.compared_with), on_twice.error);
         let on_enough = self.solved_on(enough, i, solution, on_twice, condition);
         TruncationEstimate {
             error: on_enough.error.max(error),
