@@ -370,3 +370,34 @@ fn samples_know_their_outer_point_and_replicate() {
     assert_eq!([friction(0), friction(1)], [friction(1), friction(2)]);
     assert_ne!(friction(0), friction(3));
 }
+
+/// Warnings of `inspect` where the friction coefficients stand in a file.
+fn warnings_of_column(values: &str) -> Vec<String> {
+    let table =
+        "[inputs.friction_coefficient]\ndistribution = \"uniform\"\nlow = 0.1\nhigh = 0.8\n";
+    let folder = folder("study.toml", table, "");
+    let path = folder.path().join("study.toml");
+    let study = std::fs::read_to_string(&path).unwrap();
+    let study = study.replace("samples = 10\n", "");
+    let design = "[design]\nkind = \"file\"\npath = \"mu.csv\"\n";
+    std::fs::write(&path, format!("{study}\n{design}")).unwrap();
+    let column = format!("friction_coefficient\n{values}");
+    std::fs::write(folder.path().join("mu.csv"), column).unwrap();
+    let output = microslip(folder.path(), &["inspect", "study.toml"]);
+    assert!(output.status.success(), "{output:?}");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let warnings = text.lines().filter(|line| line.starts_with("warning"));
+    warnings.map(str::to_owned).collect()
+}
+
+/// A column of a file is judged by its own values, and the message names the file. Seen to fail with the distribution that stands for the
+/// scale of a column: every one had a warning of 0.0095 in the study file.
+#[test]
+fn unusual_values_of_a_file_are_those_in_it() {
+    let usual = warnings_of_column("0.3\n0.4\n0.5\n");
+    assert!(usual.is_empty(), "{usual:?}");
+    let unusual = warnings_of_column("0.3\n3.5\n0.4\n");
+    let expected = "mu.csv: friction_coefficient = 3.5: is unusual: usual is 0.05 to 1.5";
+    assert_eq!(unusual.len(), 1, "{unusual:?}");
+    assert!(unusual[0].contains(expected), "{unusual:?}");
+}

@@ -6,6 +6,7 @@ use super::input::Input;
 use super::outer::OuterPoints;
 use super::pick_freeze::is_independent;
 use super::plan::{DesignKind, Growth, Plan};
+use crate::setting::BadSetting;
 
 /// Random inputs, how they are drawn, and the seed that all samples come from.
 ///
@@ -74,17 +75,47 @@ impl Design {
     /// the file.
     #[must_use]
     pub fn range(&self, place: usize) -> [f64; 2] {
-        let column = |(columns, rows): &(Vec<usize>, Vec<Vec<f64>>)| {
-            let column = columns.iter().position(|c| *c == place)?;
-            let values = rows.iter().map(|row| row[column]);
-            Some(
-                values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
-                    [v.min(low), v.max(high)]
-                }),
-            )
+        let column = self.column(place).map(|values| {
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
+                [v.min(low), v.max(high)]
+            })
+        });
+        column.unwrap_or_else(|| self.inputs[place].1.support())
+    }
+
+    /// What may be meant but is unusual among the inputs with a distribution or an interval; keys are their names.
+    #[must_use]
+    pub fn unusual(&self) -> Vec<BadSetting> {
+        let inputs = self.inputs.iter().enumerate();
+        let stated = inputs.filter(|(place, _)| self.column(*place).is_none());
+        stated
+            .filter_map(|(_, (input, distribution))| {
+                input.unusual([0.01, 0.99].map(|p| distribution.quantile(p)))
+            })
+            .collect()
+    }
+
+    /// The same among the columns of the file, with values that stand in it.
+    #[must_use]
+    pub fn unusual_in_file(&self) -> Vec<BadSetting> {
+        let ends = |place: usize| {
+            let mut values: Vec<f64> = self.column(place)?.collect();
+            values.sort_by(f64::total_cmp);
+            let beyond = values.len() / 100;
+            let [least, greatest] = [beyond, values.len().checked_sub(1 + beyond)?];
+            Some([values[least], values[greatest]])
         };
-        let in_file = self.file.as_ref().and_then(column);
-        in_file.unwrap_or_else(|| self.inputs[place].1.support())
+        let inputs = self.inputs.iter().enumerate();
+        inputs
+            .filter_map(|(place, (input, _))| input.unusual(ends(place)?))
+            .collect()
+    }
+
+    /// Values of the input at a place among [`Design::inputs`] in the file, if it is a column of it.
+    fn column(&self, place: usize) -> Option<impl Iterator<Item = f64>> {
+        let (columns, rows) = self.file.as_ref()?;
+        let column = columns.iter().position(|c| *c == place)?;
+        Some(rows.iter().map(move |row| row[column]))
     }
 
     /// Values of sample `i`, in the order of [`Design::inputs`]: F_j⁻¹(u(i, j)), or the file's or outer point's value.

@@ -199,11 +199,10 @@ impl Input {
         }
     }
 
-    /// What may be meant but is unusual: values that one sample in a hundred lies below or above.
+    /// What may be meant but is unusual among the values that one sample in a hundred lies below, or above.
     #[must_use]
-    pub fn unusual(self, distribution: &Distribution) -> Option<BadSetting> {
+    pub fn unusual(self, ends: [f64; 2]) -> Option<BadSetting> {
         let usual = self.usual()?;
-        let ends = [0.01, 0.99].map(|p| distribution.quantile(p));
         ends.iter()
             .find_map(|end| unusual(self.name(), *end, usual))
     }

@@ -12,7 +12,7 @@ use super::samples::Samples;
 use super::solver_section::{ContactSection, SolverSection};
 use crate::Error;
 use crate::ensemble::SampleSolver;
-use crate::file::FileRecord;
+use crate::file::{FileError, FileRecord};
 use crate::hb::HbSettings;
 use crate::model::ReducedModel;
 use crate::model::two_blade::TwoBladeSettings;
@@ -150,13 +150,12 @@ impl Study {
         checked.map_err(at)?;
         let stopping = samples.plan(&asked.requirements, &design).map_err(at)?;
         let unusual = unusual(&model, &design, &solver_settings, &asked.requirements);
+        let of_file = (stated.file.iter()).flat_map(|file| unusual_in_file(path, file, &design));
+        let warnings = unusual.into_iter().map(|bad| at(bad).to_string());
         Ok(Self {
             path: path.to_owned(),
             text: text.to_owned(),
-            warnings: unusual
-                .iter()
-                .map(|bad| at(bad.clone()).to_string())
-                .collect(),
+            warnings: warnings.chain(of_file).collect(),
             name,
             samples: design.samples(),
             stopping,
@@ -435,10 +434,17 @@ fn unusual(
     if let Some(matrices) = model.matrices() {
         found.extend(matrices.unusual().into_iter().map(|b| b.under("model")));
     }
-    let inputs = design.inputs().iter();
-    let of_inputs = inputs.filter_map(|(input, distribution)| input.unusual(distribution));
+    let of_inputs = design.unusual().into_iter();
     found.extend(of_inputs.map(|bad| bad.under("inputs")));
     found.extend(solver.unusual().map(|bad| bad.under("solver")));
     found.extend(requirements.unusual());
     found
+}
+
+/// The same of the `file` of `[design]`, which the study file `path` names.
+fn unusual_in_file(path: &Path, file: &Path, design: &Design) -> Vec<String> {
+    let file = folder_of(path).join(file);
+    let found = design.unusual_in_file().into_iter();
+    let warning = |bad: BadSetting| FileError::content(&file, None, bad.to_string()).to_string();
+    found.map(warning).collect()
 }
