@@ -15,6 +15,8 @@ pub const CALIBRATION: &str = "calibration.json";
 pub const PAGE: &str = "calibration.html";
 /// Draws of the posterior, which a design of kind "file" reads.
 pub const POSTERIOR: &str = "posterior.csv";
+/// All of them.
+pub const FILES: [&str; 3] = [POSTERIOR, CALIBRATION, PAGE];
 
 /// The schema (JSON Schema, draft 2020-12) of `calibration.json`, with the meaning and unit of every field.
 #[must_use]

@@ -8,7 +8,9 @@ use super::threads::Threads;
 use clap::Args;
 use microslip::Error;
 use microslip::calibrate::settings::Discrepancy;
+use microslip::calibrate::write::FILES;
 use microslip::calibrate::{Calibration, CalibrationSettings, Stage, calibrate};
+use microslip::file::refuse_inputs;
 use microslip::study::{OutputFolder, Study};
 
 #[derive(Args)]
@@ -61,6 +63,8 @@ impl CalibrateArguments {
             ..CalibrationSettings::default()
         };
         let study = Study::read(&self.study)?;
+        let read = [study.inputs_on_disk(), vec![self.measured.clone()]].concat();
+        refuse_inputs(FILES.map(|name| self.output.join(name)), &read)?;
         let output = OutputFolder::open(&self.output)?;
         let found = calibrate(study, &self.measured, &settings, |stage| self.tell(stage))?;
         let files = found.write(&output)?;

@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use super::terminal::print;
 use clap::Args;
 use microslip::Error;
+use microslip::file::refuse_inputs;
 use microslip::identify::found::pooled_result::PooledParameter;
+use microslip::identify::write::FILES;
 use microslip::identify::{
     ContactParameter, Identified, IdentifySettings, TestResult, TestStatus, Uncertain,
     identify_files, write,
@@ -57,6 +59,7 @@ pub(super) struct IdentifyArguments {
 
 impl IdentifyArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
+        refuse_inputs(FILES.map(|name| self.output.join(name)), &self.files)?;
         let identified = identify_files(&self.files, &self.settings())?;
         let output = OutputFolder::open(&self.output)?;
         write(output.path(), &identified)?;

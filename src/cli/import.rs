@@ -8,6 +8,7 @@ use super::terminal::print;
 use super::total_mass::show_mass;
 use clap::{Args, ValueEnum};
 use microslip::Error;
+use microslip::file::refuse_inputs;
 use microslip::import::{
     ImportError, Imported, PairConstants, Proposal, Reduction, ReductionFacts, Request, Role,
     Source, Units, import, propose,
@@ -321,6 +322,8 @@ impl PairsArguments {
                 }));
             }
         };
+        let read = [&self.nodes, &self.a, &self.b].map(Clone::clone);
+        refuse_inputs([self.output.clone()], &read)?;
         let found = propose(&self.nodes, &self.a, &self.b, self.tolerance, normal);
         let proposal = found.map_err(ImportError::File)?;
         proposal.write(&self.output).map_err(ImportError::File)?;

@@ -7,7 +7,9 @@ use super::levels::{INDICATIONS, at_point};
 use super::terminal::print;
 use clap::Args;
 use microslip::Error;
+use microslip::file::refuse_inputs;
 use microslip::report::reweighting::{ReweightedPoint, Reweighting};
+use microslip::study::reweight::REWEIGHTED;
 use microslip::study::{NewInputs, OutputFolder, reweight};
 
 #[derive(Args)]
@@ -30,7 +32,11 @@ pub(super) struct ReweightArguments {
 
 impl ReweightArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
-        let output = OutputFolder::open(self.output.as_ref().unwrap_or(&self.folder))?;
+        let folder = self.output.as_ref().unwrap_or(&self.folder);
+        let read = [&self.prior, &self.posterior].map(Clone::clone);
+        let read: Vec<PathBuf> = read.into_iter().flatten().collect();
+        refuse_inputs([folder.join(REWEIGHTED)], &read)?;
+        let output = OutputFolder::open(folder)?;
         // one of the two is there: the arguments say so
         let prior = self.prior.clone().unwrap_or_default();
         let draws = self.posterior.clone().map(NewInputs::Draws);

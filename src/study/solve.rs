@@ -14,6 +14,7 @@ use super::runs::progress::Progress;
 use super::settings::frequency::{FrequencyUnit, Points};
 use super::settings::read::Study;
 use crate::Error;
+use crate::file::refuse_inputs;
 use crate::hb::response::forced_response::{
     CurveSettings, Gap, Largest, Response, Stop, over_band,
 };
@@ -21,6 +22,11 @@ use crate::hb::response::values::{SlowSweep, at_frequencies};
 use crate::hb::structure::resonance::Band;
 use crate::hb::{ContactFractions, CycleWork, Problem, Solution, Status};
 use crate::model::ReducedModel;
+
+/// The curves.
+const CURVE: &str = "curve.csv";
+/// All harmonics.
+const SOLUTION: &str = "solution.json";
 
 /// Parts of the progress of one level.
 const PARTS: u64 = 100;
@@ -32,12 +38,16 @@ const PARTS: u64 = 100;
 ///
 /// # Errors
 /// Whatever building the model refuses; [`Error::Problem`] if it is no harmonic balance problem; [`Error::File`] if
-/// a result cannot be written.
+/// a result cannot be written or would replace a file of the study.
 pub fn solve(
     study: &Study,
     folder: &OutputFolder,
     progress: impl Fn(Progress),
 ) -> Result<Vec<LevelCurve>, Error> {
+    refuse_inputs(
+        [CURVE, SOLUTION].map(|name| folder.path().join(name)),
+        &study.inputs_on_disk(),
+    )?;
     let prepared = study.prepared()?;
     let contacts = prepared.contacts.clone();
     let problem = Problem::new(&prepared.linear, contacts, 1.0, study.solver.anchor)?;
@@ -133,11 +143,11 @@ pub fn write_curves(
             .map(|curve| LevelRecord::new(curve, unit, &names))
             .collect(),
     };
-    folder.write("solution.json", |out| {
+    folder.write(SOLUTION, |out| {
         serde_json::to_writer(&mut *out, &record)?;
         writeln!(out)
     })?;
-    folder.write("curve.csv", |out| write_csv(out, unit, &names, curves))?;
+    folder.write(CURVE, |out| write_csv(out, unit, &names, curves))?;
     Ok(())
 }
 

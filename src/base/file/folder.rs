@@ -52,6 +52,26 @@ pub fn refuse_content(output: &Path) -> Result<(), FileError> {
     }
 }
 
+/// Refuses to write files over those that are read.
+///
+/// # Errors
+/// [`FileError`] on the first of `outputs` that is one of `inputs`, by whatever path.
+pub fn refuse_inputs(
+    outputs: impl IntoIterator<Item = PathBuf>,
+    inputs: &[PathBuf],
+) -> Result<(), FileError> {
+    // what is not there yet is no input, and an input that is not there is another message
+    let whole = |path: &PathBuf| path.canonicalize().ok();
+    let read: Vec<PathBuf> = inputs.iter().filter_map(whole).collect();
+    for output in outputs {
+        if whole(&output).is_some_and(|there| read.contains(&there)) {
+            let rule = "is an input of this command, which would replace it: take another --output";
+            return Err(FileError::content(&output, None, rule));
+        }
+    }
+    Ok(())
+}
+
 /// Writes the folder `output`, which must not exist or be empty: `fill` gets a folder beside it, which then takes its name.
 ///
 /// # Errors

@@ -13,7 +13,7 @@ pub mod together;
 pub mod written;
 
 pub use delimited::{Row, Rows};
-pub use folder::{MadeFolders, refuse_content, write_folder};
+pub use folder::{MadeFolders, refuse_content, refuse_inputs, write_folder};
 pub use lock::FolderLock;
 pub use number::{
     finite_number, parse_number, scaled_number, shortest_decimal, significant_digits,

@@ -15,6 +15,8 @@ pub const LOOPS: &str = "loops.csv";
 
 /// The page for people.
 pub const REPORT: &str = "report.html";
+/// All of them.
+pub const FILES: [&str; 3] = [IDENTIFIED, LOOPS, REPORT];
 
 /// Columns of `loops.csv`.
 const COLUMNS: [&str; 15] = [

@@ -193,13 +193,25 @@ impl Study {
     /// # Errors
     /// [`Error::File`] on the first one that cannot be read.
     pub fn file_records(&self) -> Result<Vec<FileRecord>, Error> {
-        let of_model = self.model.files();
-        let identified = self.identified.iter().map(|found| found.file.as_path());
-        let of_model = of_model.iter().map(PathBuf::as_path);
-        let files = of_model.chain(self.design_file.as_deref());
-        let files = files.chain(identified);
-        let record = |path: &Path| FileRecord::in_folder(self.folder(), &path.to_string_lossy());
+        let files = self.named_files().into_iter();
+        let record = |path: PathBuf| FileRecord::in_folder(self.folder(), &path.to_string_lossy());
         Ok(files.map(record).collect::<Result<_, _>>()?)
+    }
+
+    /// The files that the study names, relative to its folder.
+    fn named_files(&self) -> Vec<PathBuf> {
+        let identified = self.identified.iter().map(|found| found.file.clone());
+        let of_model = self.model.files().into_iter();
+        let files = of_model.chain(self.design_file.clone());
+        files.chain(identified).collect()
+    }
+
+    /// Every file that is read: the study file and those that it names.
+    #[must_use]
+    pub fn inputs_on_disk(&self) -> Vec<PathBuf> {
+        let named = self.named_files().into_iter();
+        let named = named.map(|path| self.folder().join(path));
+        [self.path.clone()].into_iter().chain(named).collect()
     }
 
     /// File that states the distribution of `input`; `None` where the study file does.
