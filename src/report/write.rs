@@ -10,6 +10,9 @@ use crate::report::run::stored_run::StoredRun;
 use std::io::Write;
 use std::path::Path;
 
+/// The files of a report.
+pub const REPORT_FILES: [&str; 3] = ["summary.json", "report.json", "report.html"];
+
 /// Writes the report of the run in `folder` from its files alone, and returns the summary with the samples.
 ///
 /// # Errors
@@ -33,9 +36,9 @@ pub fn write(folder: &Path, input: &ReportInput) -> Result<Summary, ReportError>
     let report = serde_json::to_string_pretty(&assessment)?;
     let page = study_page(input, &summary, &assessment)?;
     let files = [
-        ("summary.json", json),
-        ("report.json", report),
-        ("report.html", page),
+        (REPORT_FILES[0], json),
+        (REPORT_FILES[1], report),
+        (REPORT_FILES[2], page),
     ];
     for (name, text) in files {
         file::replace(&folder.join(name), |file| file.write_all(text.as_bytes()))?;

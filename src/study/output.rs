@@ -51,7 +51,7 @@ impl OutputSettings {
 }
 
 /// Tables that some studies have.
-pub(super) const OPTIONAL_TABLES: [&str; 2] = [FURTHER_POINTS, CONTROL_VARIATE];
+pub(in crate::study) const OPTIONAL_TABLES: [&str; 2] = [FURTHER_POINTS, CONTROL_VARIATE];
 
 /// Writes the tables of the results in `folder` as Arrow files, too: `samples.arrow`, `curves.arrow` and, where there are
 /// such, `further_points.arrow` and `control_variate.arrow`.

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::progress::{Meter, Progress};
-use super::resume::{accepted, has_results, identity, refusal, refuse_fewer, resumed};
+use super::resume::{accepted, admitted, has_results, refusal, refuse_own_inputs, resumed};
 use super::run::run_alone;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
@@ -42,9 +42,9 @@ pub fn join(
     progress: impl Fn(Progress) + Sync,
 ) -> Result<RunResult, Error> {
     refuse_looks(study)?;
+    refuse_own_inputs(study, folder)?;
     let shared = FolderLock::shared(folder.path())?;
-    refuse_fewer(study, folder)?;
-    let identity = identity(study, folder)?;
+    let identity = admitted(study, folder)?;
     if !has_results(folder, &identity, settings) {
         solve_together(study, folder, identity, rank, settings, &progress)?;
     }

@@ -16,10 +16,10 @@ use crate::ensemble::program::Program;
 use crate::ensemble::runner::MOST_ANCHORS;
 use crate::ensemble::store::{ATLAS_FILE, StoredStudy, read_indices, read_study};
 use crate::ensemble::{Ensemble, Known};
-use crate::file::{FileError, finish_placing};
-use crate::report::run::{TABLES, require_unchanged};
-use crate::report::{self, RunRecord};
-use crate::study::output::OutputFolder;
+use crate::file::{FileError, finish_placing, refuse_inputs};
+use crate::report::run::{RECORD, TABLES, require_unchanged};
+use crate::report::{self, REPORT_FILES, RunRecord};
+use crate::study::output::{OPTIONAL_TABLES, OutputFolder};
 use crate::study::settings::read::Study;
 
 /// Samples that need not be solved again.
@@ -221,6 +221,27 @@ pub(super) fn identity(study: &Study, folder: &OutputFolder) -> Result<RunIdenti
     })
 }
 
+/// The same before anything is solved for it.
+///
+/// # Errors
+/// [`Error::File`] if a file of the study cannot be read; [`Error::Results`] if `folder` holds results of this run with more samples.
+pub(super) fn admitted(study: &Study, folder: &OutputFolder) -> Result<RunIdentity, Error> {
+    let identity = identity(study, folder)?;
+    refuse_fewer(study, folder, &identity)?;
+    Ok(identity)
+}
+
+/// Refuses results that would replace a file of their own study.
+///
+/// # Errors
+/// [`Error::File`] on the first one.
+pub(super) fn refuse_own_inputs(study: &Study, folder: &OutputFolder) -> Result<(), Error> {
+    let optional = OPTIONAL_TABLES.into_iter().chain([ATLAS_FILE, RECORD]);
+    let names = TABLES.into_iter().chain(REPORT_FILES).chain(optional);
+    let written = names.map(|name| folder.path().join(name));
+    Ok(refuse_inputs(written, &study.inputs_on_disk())?)
+}
+
 /// The run whose whole results lie in `folder`.
 ///
 /// # Errors
@@ -302,13 +323,18 @@ pub(super) fn refusal(difference: &Difference) -> String {
     )
 }
 
-/// Refuses to put the results of fewer samples in the place of more of the same study.
+/// Refuses to put the results of fewer samples in the place of more of the same study. Where a file that it names has another content
+/// by now they are not of the same study any more.
 ///
 /// # Errors
 /// [`Error::Results`] if the results in `folder` are of this study with more samples; [`Error::File`] if files that wait there cannot
 /// be placed.
-pub(super) fn refuse_fewer(study: &Study, folder: &OutputFolder) -> Result<(), Error> {
+fn refuse_fewer(study: &Study, folder: &OutputFolder, identity: &RunIdentity) -> Result<(), Error> {
     finish_placing(folder.path())?;
+    let record = RunRecord::of_folder(folder.path());
+    if record.is_ok_and(|record| record.files != identity.files) {
+        return Ok(());
+    }
     // what cannot be read is replaced
     let stored = read_study(folder.path()).ok();
     let Some(more) = stored.and_then(|stored| more_samples(&study.text, &stored.text)) else {

@@ -7,7 +7,7 @@ use std::time::Instant;
 use super::control_variate::control_samples;
 use super::profile::Stage;
 use super::progress::{Meter, Progress};
-use super::resume::{Resumed, add_solved_results, finished, identity, refuse_fewer, resumed};
+use super::resume::{Resumed, add_solved_results, admitted, finished, refuse_own_inputs, resumed};
 use super::run_record::first_record;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
@@ -44,6 +44,7 @@ pub fn run(
     settings: &RunSettings,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<RunResult, Error> {
+    refuse_own_inputs(study, folder)?;
     let _lock = FolderLock::alone(folder.path())?;
     run_alone(study, folder, settings, progress)
 }
@@ -58,8 +59,7 @@ pub(super) fn run_alone(
     settings: &RunSettings,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<RunResult, Error> {
-    refuse_fewer(study, folder)?;
-    let identity = identity(study, folder)?;
+    let identity = admitted(study, folder)?;
     let mut resumed = resumed(study, folder, &identity, settings)?;
     if let Some(result) = finished(study, folder, &identity, settings)? {
         PartFolder::of(folder.path()).remove()?;

@@ -4,7 +4,7 @@
 //! nothing of each other but the parts of earlier generations, and whoever solves a sample writes the same bits.
 
 use super::progress::{Meter, Progress};
-use super::resume::{identity, refuse_fewer, resumed};
+use super::resume::{admitted, refuse_own_inputs, resumed};
 use super::run_settings::RunSettings;
 use super::session::{Begun, at_work};
 use crate::Error;
@@ -67,9 +67,9 @@ pub fn solve_share(
     progress: impl Fn(Progress) + Sync,
 ) -> Result<ShareResult, Error> {
     refuse_looks(study)?;
+    refuse_own_inputs(study, folder)?;
     let _lock = FolderLock::shared(folder.path())?;
-    refuse_fewer(study, folder)?;
-    let identity = identity(study, folder)?;
+    let identity = admitted(study, folder)?;
     let mut resumed = resumed(study, folder, &identity, settings)?;
     let begun = Begun::with(&resumed, study, folder, settings, identity);
     let anchors = study.samples.min(MOST_ANCHORS);

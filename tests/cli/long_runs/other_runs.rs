@@ -167,6 +167,28 @@ fn extended_results_are_not_replaced_by_fewer_samples() {
     assert!(table() != before, "another study solves its own samples");
 }
 
+/// Results of another content of a file that the study names are not of this study: a run solves its own samples, fewer or as many, as
+/// `extend` says. Seen to fail with the studies alone compared, which refused the run as one of this study.
+#[test]
+fn results_of_another_content_are_replaced_by_fewer_samples() {
+    let study = solved(12);
+    let path = study.path();
+    let extended = microslip(path, &["extend", "whole", "--samples", "30", "--quiet"]);
+    assert!(extended.status.success(), "{extended:?}");
+    let stiffness = std::fs::read_to_string(path.join("stiffness.mtx")).unwrap();
+    let other = stiffness.replace("8e5", "8.1e5");
+    std::fs::write(path.join("stiffness.mtx"), other).unwrap();
+    let further = ["extend", "whole", "--samples", "40", "--quiet"];
+    let expected = "are results of another content of stiffness.mtx: `run` anew";
+    refused(path, &further, expected);
+    let text = run(path, "whole", &[]);
+    assert!(text.contains("12 of 12 samples solved"), "{text}");
+    assert!(!text.contains("solved before"), "{text}");
+    run(path, "fresh", &["--quiet"]);
+    let table = |of: &str| std::fs::read(path.join(of).join("samples.parquet")).unwrap();
+    assert!(table("whole") == table("fresh"), "samples of both contents");
+}
+
 /// A sample without a solution is taken over as it is, and solved again where that is asked for.
 /// Seen to fail with the option ignored.
 #[test]
