@@ -1,13 +1,13 @@
 //! `status`: what a result folder holds. `verify`: whether it is what was written.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use super::terminal::print;
 use clap::Args;
 use microslip::Error;
-use microslip::study::{FolderStatus, RunStatus};
+use microslip::study::{FolderStatus, RunStatus, order_folders};
 
 #[derive(Args)]
 pub(super) struct StatusArguments {
@@ -17,56 +17,109 @@ pub(super) struct StatusArguments {
 
 impl StatusArguments {
     pub(super) fn status(&self) -> Result<(), Error> {
-        let status = FolderStatus::of(&self.folder)?;
+        let found = self.read()?;
         print(|out| {
-            if let Some(run) = &status.results {
-                show(out, "whole results", run)?;
-            }
-            if let Some(run) = &status.unfinished {
-                show(out, "unfinished", run)?;
-                let study = run.study_file.display();
-                writeln!(out, "the command that began it goes on; its study: {study}")?;
-            }
-            if status.results.is_none() && status.unfinished.is_none() {
-                writeln!(out, "no samples")?;
-            }
-            for fault in &status.faults {
-                writeln!(out, "fault: {fault}")?;
+            for (folder, status) in &found {
+                if !self.is_alone(&found) {
+                    writeln!(out, "{}:", folder.display())?;
+                }
+                show_folder(out, status)?;
             }
             Ok(())
         })
     }
 
     pub(super) fn verify(&self) -> Result<(), Error> {
-        let status = FolderStatus::of(&self.folder)?;
-        if let Some(fault) = status.faults.first() {
-            let more = match status.faults.len() {
-                1 => String::new(),
-                n => format!(" (and {} more faults: `microslip status`)", n - 1),
-            };
-            return Err(Error::Results {
-                folder: self.folder.clone(),
-                message: format!("{fault}{more}"),
-            });
-        }
-        if status.results.is_none() && status.unfinished.is_none() {
-            return Err(Error::Results {
-                folder: self.folder.clone(),
-                message: "holds no results and no parts of `run`".to_owned(),
-            });
-        }
+        let found = self.read()?;
+        let mut refused: Vec<Error> = Vec::new();
         print(|out| {
-            let parts = status.unfinished.map_or(0, |run| run.parts);
-            let results = match status.results {
-                Some(run) => format!("the results of {} samples", run.done),
-                None => "no whole results".to_owned(),
-            };
-            writeln!(
-                out,
-                "every file is what was written: {results}, {parts} parts"
-            )
-        })
+            for (folder, status) in &found {
+                match whole(folder, status) {
+                    Ok(words) if !self.is_alone(&found) => {
+                        writeln!(out, "{}: {words}", folder.display())?
+                    }
+                    Ok(words) => writeln!(out, "{words}")?,
+                    Err(error) => refused.push(error),
+                }
+            }
+            Ok(())
+        })?;
+        match refused.len() {
+            0 | 1 => refused.pop().map_or(Ok(()), Err),
+            n => Err(Error::Results {
+                folder: self.folder.clone(),
+                message: format!("{n} folders have faults: {}", in_words(&refused)),
+            }),
+        }
     }
+
+    /// Whether what was found is all in the folder itself, which need not be named then.
+    fn is_alone(&self, found: &[(PathBuf, FolderStatus)]) -> bool {
+        found.iter().all(|(folder, _)| *folder == self.folder)
+    }
+
+    /// What the folder holds, and each folder of an engine order in it; the folder itself is left out where it holds these alone.
+    fn read(&self) -> Result<Vec<(PathBuf, FolderStatus)>, Error> {
+        let own = FolderStatus::of(&self.folder)?;
+        let mut found = vec![(self.folder.clone(), own)];
+        for folder in order_folders(&self.folder)? {
+            let status = FolderStatus::of(&folder)?;
+            found.push((folder, status));
+        }
+        if found.len() > 1 && found[0].1.is_empty() {
+            found.remove(0);
+        }
+        Ok(found)
+    }
+}
+
+fn in_words(errors: &[Error]) -> String {
+    let words: Vec<String> = errors.iter().map(Error::to_string).collect();
+    words.join("; ")
+}
+
+/// What `verify` says of a folder in which every file is what was written.
+fn whole(folder: &Path, status: &FolderStatus) -> Result<String, Error> {
+    let refused = |message: String| Error::Results {
+        folder: folder.to_owned(),
+        message,
+    };
+    if let Some(fault) = status.faults.first() {
+        let more = match status.faults.len() {
+            1 => String::new(),
+            n => format!(" (and {} more faults: `microslip status`)", n - 1),
+        };
+        return Err(refused(format!("{fault}{more}")));
+    }
+    if status.is_empty() {
+        return Err(refused("holds no results and no parts of `run`".to_owned()));
+    }
+    let parts = status.unfinished.as_ref().map_or(0, |run| run.parts);
+    let results = match &status.results {
+        Some(run) => format!("the results of {} samples", run.done),
+        None => "no whole results".to_owned(),
+    };
+    Ok(format!(
+        "every file is what was written: {results}, {parts} parts"
+    ))
+}
+
+fn show_folder(out: &mut dyn Write, status: &FolderStatus) -> std::io::Result<()> {
+    if let Some(run) = &status.results {
+        show(out, "whole results", run)?;
+    }
+    if let Some(run) = &status.unfinished {
+        show(out, "unfinished", run)?;
+        let study = run.study_file.display();
+        writeln!(out, "the command that began it goes on; its study: {study}")?;
+    }
+    if status.results.is_none() && status.unfinished.is_none() {
+        writeln!(out, "no samples")?;
+    }
+    for fault in &status.faults {
+        writeln!(out, "fault: {fault}")?;
+    }
+    Ok(())
 }
 
 fn show(out: &mut dyn Write, what: &str, run: &RunStatus) -> std::io::Result<()> {

@@ -55,7 +55,7 @@ pub use runs::run::run;
 pub use runs::run_result::RunResult;
 pub use runs::run_settings::RunSettings;
 pub use runs::share::{Share, ShareResult, solve_share};
-pub use runs::status::{FolderStatus, RunStatus};
+pub use runs::status::{FolderStatus, RunStatus, order_folders};
 pub use settings::frequency::{FrequencySettings, FrequencyUnit, Points};
 pub use settings::identified_inputs::IdentifiedInputs;
 pub use settings::key_reference::key_reference;

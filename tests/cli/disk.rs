@@ -148,6 +148,53 @@ fn one_run_takes_several_engine_orders() {
     );
 }
 
+/// `status` and `verify` of a run over several engine orders name the folder of each, and the exit code is the worst. Seen to fail with a
+/// program that knows the folder itself alone: no samples, and no results.
+#[test]
+fn status_and_verify_go_through_the_engine_orders() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    std::fs::create_dir(&out).unwrap();
+    solved(folder.path(), &[3, 5]);
+    for order in ["order-3", "order-5"] {
+        std::fs::rename(folder.path().join(order), out.join(order)).unwrap();
+    }
+    let said = |command: &str| {
+        let output = microslip(folder.path(), &[command, "out"]);
+        let words = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        (
+            output.status.code(),
+            words(&output.stdout),
+            words(&output.stderr),
+        )
+    };
+    let (code, text, _) = said("status");
+    assert_eq!(code, Some(0), "{text}");
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len(), 4, "{text}");
+    for (place, order) in [(0, "order-3:"), (2, "order-5:")] {
+        assert!(lines[place].ends_with(order), "{text}");
+        let whole = "whole results: 6 of 6 samples";
+        assert!(lines[place + 1].starts_with(whole), "{text}");
+    }
+    let (code, text, _) = said("verify");
+    assert_eq!(code, Some(0), "{text}");
+    let every = "every file is what was written: the results of 6 samples, 0 parts";
+    for (line, order) in text.lines().zip(["order-3: ", "order-5: "]) {
+        assert!(line.ends_with(&format!("{order}{every}")), "{text}");
+    }
+    assert_eq!(text.lines().count(), 2, "{text}");
+    std::fs::write(out.join("order-5/samples.parquet"), "damaged").unwrap();
+    let (code, text, error) = said("verify");
+    assert_eq!(code, Some(2), "{text}{error}");
+    assert_eq!(text.lines().count(), 1, "{text}");
+    assert_eq!(error.lines().count(), 1, "{error}");
+    assert!(error.contains("order-5"), "{error}");
+    let (code, text, _) = said("status");
+    assert_eq!(code, Some(0), "{text}");
+    assert!(text.contains("fault: "), "{text}");
+}
+
 /// A displacement on the right boundary is that of the left one of the next sector: as large, and later. Two displacements of one sector and
 /// of the next may make one response. Seen to fail (a panic) with responses of the next sector taken as those of this one where all
 /// sectors do the same.

@@ -111,6 +111,13 @@ pub fn order_folder(order: u32) -> String {
     format!("order-{order}")
 }
 
+/// The engine order whose folder has this name, if one has.
+#[must_use]
+pub fn order_of_folder(name: &str) -> Option<u32> {
+    let order = name.strip_prefix("order-")?.parse().ok()?;
+    (order_folder(order) == name).then_some(order)
+}
+
 /// The folder as commands name it: [`RESULTS`] wherever it lies, but the folder of one of several engine orders with the folder
 /// above it, since that one has no samples of its own.
 fn in_commands(folder: &Path, record: &RunRecord) -> String {

@@ -8,7 +8,7 @@ use crate::Error;
 use crate::ensemble::parts::{Merged, PartFolder, RunIdentity, Source, StoredPart};
 use crate::ensemble::store::read_indices;
 use crate::file::{FileError, finish_placing};
-use crate::report::run::{RECORD, TABLES};
+use crate::report::run::{RECORD, TABLES, order_folder, order_of_folder};
 use crate::study::settings::read::Study;
 
 /// What a result folder holds.
@@ -63,6 +63,23 @@ impl RunStatus {
     }
 }
 
+/// The folders in `folder` of a run that takes several engine orders, ascending; none of another run.
+///
+/// # Errors
+/// [`Error::File`] if the folder cannot be listed.
+pub fn order_folders(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let system = |source| Error::file(folder, source);
+    let mut orders = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(system)? {
+        let name = entry.map_err(system)?.file_name();
+        let order = order_of_folder(&name.to_string_lossy());
+        orders.extend(order.filter(|_| folder.join(&name).is_dir()));
+    }
+    orders.sort_unstable();
+    let path = |order| folder.join(order_folder(order));
+    Ok(orders.into_iter().map(path).collect())
+}
+
 /// Ranges of missing samples that are named.
 const MOST_RANGES: usize = 5;
 
@@ -85,6 +102,12 @@ impl FolderStatus {
         }
         status.read_parts(folder)?;
         Ok(status)
+    }
+
+    /// Whether nothing of a run is there, not even a damaged file.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.results.is_none() && self.unfinished.is_none() && self.faults.is_empty()
     }
 
     fn read_results(&mut self, folder: &Path) -> Result<(), Error> {
