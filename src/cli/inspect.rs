@@ -88,8 +88,10 @@ fn show_samples(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> 
         names => names.join(", "),
     };
     writeln!(out, "random inputs       {inputs}")?;
+    let longest = facts.inputs.iter().map(|name| name.len()).max();
+    let width = longest.unwrap_or(0).max(24);
     for (name, distribution) in facts.inputs.iter().zip(&facts.distributions) {
-        writeln!(out, "  {name:26}{distribution}")?;
+        writeln!(out, "  {name:width$}  {distribution}")?;
     }
     writeln!(out, "design              {}", facts.design)?;
     if let Some(field) = &facts.pressure_field {

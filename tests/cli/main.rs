@@ -18,6 +18,7 @@ mod function_case;
 mod identified;
 mod initial_traction;
 mod inputs;
+mod inspect;
 mod log;
 mod long_runs;
 mod mistuned;
