@@ -2,27 +2,32 @@
 
 use std::io::Write;
 
+use super::log::Event;
 use super::study_arguments::StudyArguments;
 use super::terminal::print;
 use super::total_mass::show_mass;
 use microslip::Error;
 use microslip::study::{FrequencyUnit, Inspection, Study, inspect};
+use serde_json::json;
 
 pub(super) fn execute(arguments: &StudyArguments) -> Result<(), Error> {
     arguments.threads.start()?;
     let study = Study::read(&arguments.study)?;
     let facts = inspect(&study)?;
-    print(|out| show(out, &facts))
+    let log = arguments.messages.log;
+    log.warn(&facts.warnings);
+    // what was asked for: shown with `--quiet`, too
+    print(|out| show(out, &facts))?;
+    log.write(&Event::Finished(json!({
+        "study": arguments.study.display().to_string(),
+    })));
+    Ok(())
 }
 
 fn show(out: &mut dyn Write, facts: &Inspection) -> std::io::Result<()> {
     show_structure(out, facts)?;
     show_samples(out, facts)?;
-    show_cost(out, facts)?;
-    for warning in &facts.warnings {
-        writeln!(out, "warning: {warning}")?;
-    }
-    Ok(())
+    show_cost(out, facts)
 }
 
 /// The model and its natural frequencies.

@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 /// How much a command says, and how.
 #[derive(Args)]
 pub(super) struct Messages {
-    /// No progress and no summary.
+    /// No progress and no summary. Warnings stay, and so does all that `inspect` shows.
     #[arg(long)]
     pub quiet: bool,
     /// Warnings, progress and the end on standard error: lines for people, or a JSON object per line.

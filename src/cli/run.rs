@@ -130,6 +130,11 @@ impl RunArguments {
 
     fn show_share(&self, share: &ShareResult, folder: &Path) -> Result<(), Error> {
         self.study.messages.log.warn(&share.notes);
+        self.study.messages.log.write(&Event::Finished(json!({
+            "folder": folder.display().to_string(),
+            "samples": share.samples,
+            "taken_over": share.taken_over,
+        })));
         if self.study.messages.quiet {
             return Ok(());
         }

@@ -50,11 +50,13 @@ impl ServeArguments {
             std::process::exit(0);
         });
         handled.map_err(|error| Error::Threads(format!("signals cannot be taken: {error}")))?;
-        let Some(model) = self.model(study, &server)? else {
-            return Ok(());
-        };
-        self.say(&server, &model)?;
-        server.run(&model);
+        if let Some(model) = self.model(study, &server)? {
+            self.say(&server, &model)?;
+            server.run(&model);
+        }
+        self.process.messages.log.write(&Event::Finished(json!({
+            "study": self.study.display().to_string(),
+        })));
         Ok(())
     }
 

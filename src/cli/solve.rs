@@ -1,13 +1,16 @@
 //! `solve`: the nominal forced response at every level.
 
 use std::io::Write;
+use std::path::Path;
 
+use super::log::Event;
 use super::study_arguments::StudyArguments;
 use super::terminal::{Bar, print};
 use microslip::Error;
 use microslip::hb::response::forced_response::{Gap, Largest, Stop};
 use microslip::hb::{Solution, Status};
 use microslip::study::{FrequencyUnit, LevelCurve, Study, solve};
+use serde_json::{Value, json};
 
 pub(super) fn execute(arguments: &StudyArguments) -> Result<(), Error> {
     arguments.threads.start()?;
@@ -17,6 +20,8 @@ pub(super) fn execute(arguments: &StudyArguments) -> Result<(), Error> {
     let bar = Bar::new(&arguments.messages);
     let curves = solve(&study, &folder, |progress| bar.show(progress))?;
     bar.clear();
+    let ended = Event::Finished(in_json(&curves, folder.path()));
+    arguments.messages.log.write(&ended);
     if arguments.messages.quiet {
         return Ok(());
     }
@@ -29,13 +34,31 @@ pub(super) fn execute(arguments: &StudyArguments) -> Result<(), Error> {
     })
 }
 
+/// What a program should know of the curves: where they are, and how many points have a solution at each level.
+fn in_json(curves: &[LevelCurve], folder: &Path) -> Value {
+    let level = |curve: &LevelCurve| {
+        json!({
+            "level": curve.level,
+            "points": curve.response.solutions.len(),
+            "solved": n_solved(curve),
+        })
+    };
+    json!({
+        "folder": folder.display().to_string(),
+        "levels": curves.iter().map(level).collect::<Value>(),
+    })
+}
+
+fn n_solved(curve: &LevelCurve) -> usize {
+    let solutions = curve.response.solutions.iter();
+    solutions.filter(|s| s.status.has_solution()).count()
+}
+
 /// Number of points, where the response could not be followed, and the largest amplitude of the first response.
 fn show(out: &mut dyn Write, curve: &LevelCurve, unit: FrequencyUnit) -> std::io::Result<()> {
     let hertz = |omega: f64| format!("{:.6} {}", unit.of_rad_s(omega), unit.name());
     let solutions = &curve.response.solutions;
-    let n_solved = (solutions.iter())
-        .filter(|s| s.status.has_solution())
-        .count();
+    let n_solved = n_solved(curve);
     write!(
         out,
         "level {}: {n_solved} of {} points solved",

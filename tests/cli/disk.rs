@@ -135,7 +135,7 @@ fn one_run_takes_several_engine_orders() {
     );
     assert_eq!(again.status.code(), Some(0), "{again:?}");
     let facts = microslip(folder.path(), &["inspect", "both.toml"]);
-    let text = String::from_utf8_lossy(&facts.stdout);
+    let text = String::from_utf8_lossy(&facts.stderr);
     assert!(
         text.contains("engine orders [3, 5] are solved one after the other"),
         "{text}"

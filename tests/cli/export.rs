@@ -240,7 +240,7 @@ fn a_mirror_of_another_model_is_named() {
         microslip(folder.path(), &["inspect", "study.toml"])
     };
     let output = inspect("1 2 1.0\n2 1 1.0");
-    let said = String::from_utf8(output.stdout).unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
     assert!(
         said.contains("warning: model.mirror: the mirror changes a matrix"),
         "{said}"

@@ -1,4 +1,4 @@
-//! What `run` says of its work: JSON lines for programs, and where the time went.
+//! What commands say of their work: JSON lines for programs, and where the time went.
 
 use serde_json::Value;
 
@@ -46,6 +46,44 @@ fn every_line_of_the_log_is_json() {
     assert_eq!(log.len(), 1);
     assert_eq!(log[0]["event"], "error");
     assert!(log[0]["message"].as_str().unwrap().contains("sead"));
+}
+
+/// Warnings are no part of what `inspect` shows. Seen to fail with warnings as plain text on the standard output, and no end.
+#[test]
+fn inspect_warns_in_the_log() {
+    let folder = folder("study.toml", "mu = 0.3", "mu = 3.0");
+    let output = microslip(folder.path(), &["inspect", "study.toml", "--log", "json"]);
+    assert!(output.status.success(), "{output:?}");
+    let log = lines(&output.stderr);
+    let events: Vec<&str> = log.iter().map(|l| l["event"].as_str().unwrap()).collect();
+    assert_eq!(events, ["warning", "finished"]);
+    let message = log[0]["message"].as_str().unwrap();
+    assert!(message.contains("model.contact[0].mu = 3"), "{message}");
+    let shown = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(shown.contains("degrees of freedom"), "{shown}");
+    assert!(!shown.contains("is unusual"), "{shown}");
+}
+
+/// Seen to fail with progress as the last line.
+#[test]
+fn solve_logs_its_end() {
+    let folder = folder(
+        "study.toml",
+        "[100, 200]",
+        "[100, 200]\nvalues_hz = [150, 160]",
+    );
+    let output = microslip(folder.path(), &["solve", "study.toml", "--log", "json"]);
+    assert!(output.status.success(), "{output:?}");
+    let log = lines(&output.stderr);
+    let end = log.last().unwrap();
+    assert_eq!(end["event"], "finished");
+    assert_eq!(end["levels"].as_array().unwrap().len(), 2, "{end}");
+    let level = &end["levels"][1];
+    assert_eq!((&level["points"], &level["solved"]), (&2.into(), &2.into()));
+    assert!(
+        end["folder"].as_str().unwrap().ends_with("results"),
+        "{end}"
+    );
 }
 
 /// Seen to fail with the time of the curves counted among the peaks.
