@@ -56,35 +56,24 @@ impl HexMesh {
     /// `None` unless the rectangle has grid lines at its edges and nodes at all their crossings.
     #[must_use]
     pub fn mean_over(&self, rectangle: &Rectangle) -> Option<Vec<(usize, f64)>> {
-        let tolerance = self.tolerance();
-        let within = |[from, to]: [f64; 2], at: f64| from - tolerance <= at && at <= to + tolerance;
-        let inside: Vec<usize> = (0..self.nodes.len())
-            .filter(|&node| {
-                let [x, y, z] = self.nodes[node];
-                within([rectangle.z; 2], z) && within(rectangle.x, x) && within(rectangle.y, y)
-            })
-            .collect();
-        let [x, y] = [(0, rectangle.x), (1, rectangle.y)].map(|(axis, [from, to])| {
-            let mut lines: Vec<f64> = inside.iter().map(|&node| self.nodes[node][axis]).collect();
-            lines.sort_by(f64::total_cmp);
-            lines.dedup_by(|b, a| *b - *a <= tolerance);
-            let ends = [lines.first(), lines.last()].map(|end| end.copied().unwrap_or(f64::NAN));
-            let spans = (ends[0] - from).abs() <= tolerance && (ends[1] - to).abs() <= tolerance;
-            spans.then(|| line_means(lines))
-        });
-        let (x, y) = (x?, y?);
-        let weight = |node: usize| -> Option<(usize, f64)> {
-            let on = |lines: &[(f64, f64)], at: f64| {
-                let line = lines
-                    .iter()
-                    .find(|(line, _)| (line - at).abs() <= tolerance);
-                line.map(|(_, weight)| *weight)
-            };
+        let height = self.tolerance();
+        let in_plane = |node: &usize| (self.nodes[*node][2] - rectangle.z).abs() <= height;
+        let plane: Vec<usize> = (0..self.nodes.len()).filter(in_plane).collect();
+        let lines_of = |axis: usize, edges: [f64; 2]| {
+            let lines = plane.iter().map(|&node| self.nodes[node][axis]);
+            lines_between(lines.collect(), edges).map(line_means)
+        };
+        let (x, y) = (lines_of(0, rectangle.x)?, lines_of(1, rectangle.y)?);
+        let on = |lines: &[(f64, f64)], at: f64| {
+            let line = lines.iter().find(|(line, _)| *line == at);
+            line.map(|(_, weight)| *weight)
+        };
+        let weighted = |&node: &usize| {
             let at = self.nodes[node];
             Some((node, on(&x, at[0])? * on(&y, at[1])?))
         };
-        let complete = inside.len() == x.len() * y.len();
-        complete.then(|| inside.into_iter().filter_map(weight).collect())
+        let weights: Vec<_> = plane.iter().filter_map(weighted).collect();
+        (weights.len() == x.len() * y.len()).then_some(weights)
     }
 
     /// A millionth of the mesh's extent.
@@ -101,6 +90,29 @@ impl HexMesh {
             .iter()
             .position(|x| (0..3).all(|i| (x[i] - position[i]).abs() <= tolerance))
     }
+}
+
+/// The grid lines from one edge to the other; `None` where an edge is on no line, or both are on one.
+///
+/// An edge is on the nearest line, as far away as [`grid_lines`] may have moved it: two lines may be hardly further apart.
+fn lines_between(mut lines: Vec<f64>, [from, to]: [f64; 2]) -> Option<Vec<f64>> {
+    lines.sort_by(f64::total_cmp);
+    lines.dedup();
+    let moved = closest(lines.last()? - lines.first()?);
+    let line_at = |edge: f64| {
+        let distance = |line: &f64| (line - edge).abs();
+        let nearest = lines.iter().copied();
+        let nearest = nearest.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.filter(|line| distance(line) <= moved)
+    };
+    let (first, last) = (line_at(from)?, line_at(to)?);
+    lines.retain(|line| (first..=last).contains(line));
+    (lines.len() > 1).then_some(lines)
+}
+
+/// Distance up to which required lines are one: a millionth of their span.
+fn closest(span: f64) -> f64 {
+    1e-6 * span
 }
 
 /// Lines with the weights of the mean of a function that is linear between them.
@@ -123,7 +135,7 @@ pub fn grid_lines(required: &[f64], step: f64) -> Vec<f64> {
     let mut sorted = required.to_vec();
     sorted.sort_by(f64::total_cmp);
     let span = sorted.last().unwrap_or(&0.0) - sorted.first().unwrap_or(&0.0);
-    sorted.dedup_by(|b, a| *b - *a <= 1e-6 * span);
+    sorted.dedup_by(|b, a| *b - *a <= closest(span));
     let mut lines = Vec::new();
     for pair in sorted.windows(2) {
         // The small allowance keeps a length of exactly n steps at n steps despite round-off.

@@ -109,4 +109,9 @@ pub(crate) const RIG_BEYOND_SCHEMA: &[Case] = &[
         "blade_element_mm = [0.01, 0.01, 0.01]",
         &[":6: model.blade_element_mm = edges for ", "must be longer"],
     ),
+    (
+        "contact_nodes = [3, 5]",
+        "contact_nodes = [50, 2]\ngap_mm = 9.98",
+        &[":6: model.contact_nodes = [50, 2]: must be fewer"],
+    ),
 ];

@@ -151,7 +151,8 @@ impl TwoBladeModel {
         let layout = Layout::new(&settings)?;
         let contact = layout.contact_cells();
         let fe = layout.strip()?;
-        let strip = Component::new(&fe, &strip_patches(&contact), &[], |masters| {
+        let patches = strip_patches(&contact);
+        let strip = Component::new(&settings, &fe, &patches, &[], |masters| {
             Ok(CraigBampton::with_modes(
                 &fe.stiffness,
                 &fe.mass,
@@ -162,6 +163,19 @@ impl TwoBladeModel {
         let mut model = assembly::reduced_model(&settings, &contact, &self.first_blade, &strip);
         model.loads = (self.pressure).loads(settings.centrifugal_load_n, &model);
         Ok(model)
+    }
+}
+
+/// The refusal of a contact grid with a patch that lies between two lines of a mesh.
+fn too_fine(settings: &TwoBladeSettings) -> BadSetting {
+    BadSetting {
+        key: "contact_nodes".to_owned(),
+        value: format!("{:?}", settings.contact_nodes),
+        rule: format!(
+            "must be fewer where the strip lies under a platform by only {:.3e} mm: a contact patch is narrower than a \
+             millionth of the blade or of the strip, which no mesh resolves",
+            settings.strip_overlap_mm()
+        ),
     }
 }
 
@@ -204,7 +218,7 @@ impl Blade {
         let points = heights.map(|height| layout.airfoil_point(height));
         let cut_off = settings.blade_cut_off_hz;
         let reduce = |masters: &[SparseRow]| below(&fe, masters, "blade_cut_off_hz", cut_off);
-        let component = Component::new(&fe, patches, &points, reduce)?;
+        let component = Component::new(settings, &fe, patches, &points, reduce)?;
         let reduced = &component.reduced;
         let (lambda, shapes) = reduced.modes()?;
         let summary = ComponentSummary::new(&fe, reduced, &lambda, cut_off, 0.0)?;
@@ -230,7 +244,7 @@ impl Component {
     ) -> Result<(Self, ComponentSummary), ModelError> {
         let cut_off = settings.strip_cut_off_hz;
         let fe = layout.strip()?;
-        let strip = Self::new(&fe, &strip_patches(contact), &[], |masters| {
+        let strip = Self::new(settings, &fe, &strip_patches(contact), &[], |masters| {
             below(&fe, masters, "strip_cut_off_hz", cut_off)
         })?;
         let (lambda, _) = strip.reduced.modes()?;
@@ -239,8 +253,9 @@ impl Component {
     }
 
     /// The component with the mean displacements of `patches` and the displacements of the nodes at `points` as masters,
-    /// which `reduce` keeps.
+    /// which `reduce` keeps. The settings are what a patch that the mesh cannot hold is blamed on.
     fn new(
+        settings: &TwoBladeSettings,
         fe: &FeModel,
         patches: &[Rectangle],
         points: &[[f64; 3]],
@@ -249,12 +264,9 @@ impl Component {
         let mut masters: Vec<SparseRow> = Vec::new();
         let mut nodes = Vec::new();
         for patch in patches {
-            let [x, y] = patch.centre();
-            let no_node = ModelError::NoFreeNode {
-                position: [x, y, patch.z],
-            };
+            let means = fe.mean_over(patch);
             nodes.push(masters.len());
-            masters.extend(fe.mean_over(patch).ok_or(no_node)?);
+            masters.extend(means.ok_or_else(|| too_fine(settings))?);
         }
         for &position in points {
             let Some(dofs) = fe.dofs_at(position) else {
