@@ -4,12 +4,14 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use super::log::Event;
 use super::process::Process;
 use super::terminal::{Bar, print};
 use clap::Args;
 use microslip::Error;
 use microslip::rig::{Rig, RigSummary, Slip, write_tests};
 use microslip::study::Progress;
+use serde_json::json;
 
 #[derive(Args)]
 pub(super) struct RigArguments {
@@ -26,7 +28,11 @@ impl RigArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
         self.process.threads.start()?;
         let rig = Rig::read(&self.rig)?;
-        let bar = Bar::new(&self.process.messages);
+        let messages = &self.process.messages;
+        if let Some(study) = &rig.study {
+            messages.log.warn(&study.warnings);
+        }
+        let bar = Bar::new(messages);
         let (done, total) = (AtomicU64::new(0), rig.number_of_tests());
         let summary = write_tests(&rig, &self.output, || {
             let done = 1 + done.fetch_add(1, Ordering::Relaxed);
@@ -37,7 +43,12 @@ impl RigArguments {
             });
         })?;
         bar.clear();
-        if self.process.messages.quiet {
+        messages.log.write(&Event::Finished(json!({
+            "folder": self.output.display().to_string(),
+            "tests": summary.tests.len(),
+            "resonances": summary.resonances.len(),
+        })));
+        if messages.quiet {
             return Ok(());
         }
         print(|out| {

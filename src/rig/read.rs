@@ -12,6 +12,7 @@ use super::support::SupportSettings;
 use crate::Error;
 use crate::setting::BadSetting;
 use crate::study::settings::document::Document;
+use crate::study::{ModelSettings, Study};
 
 /// Top-level keys.
 const KEYS: [&str; 11] = [
@@ -29,7 +30,7 @@ const KEYS: [&str; 11] = [
 ];
 
 /// A virtual rig and its tests.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Rig {
     /// The file.
     pub path: PathBuf,
@@ -55,25 +56,27 @@ pub struct Rig {
     pub vibrometer: VibrometerSettings,
     /// Configuration b, if wanted.
     pub response: Option<ResponseSettings>,
+    /// Its study: read with the rig, so that a wrong one costs no simulation.
+    pub study: Option<Study>,
 }
 
 impl Rig {
-    /// Reads and checks a rig file.
+    /// Reads and checks a rig file and the study that it names.
     ///
     /// # Errors
-    /// [`Error::File`] if it cannot be read, [`Error::Study`] with file, line, key and rule otherwise.
+    /// [`Error::File`] if one cannot be read, [`Error::Study`] with file, line, key and rule otherwise.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let text = crate::file::read_text(path)?;
         Self::parse(path, &text)
     }
 
-    /// Checks `text`, the content of `path`.
+    /// Checks `text`, the content of `path`, and the study that it names.
     ///
     /// # Errors
-    /// [`Error::Study`] with file, line, key and rule.
+    /// [`Error::File`] if the study cannot be read, [`Error::Study`] with file, line, key and rule.
     pub fn parse(path: &Path, text: &str) -> Result<Self, Error> {
         let mut document = Document::parse(path, text)?;
-        let rig = Self {
+        let mut rig = Self {
             path: path.to_owned(),
             name: document.required("name")?,
             seed: document.take("seed")?.unwrap_or(0),
@@ -86,9 +89,11 @@ impl Rig {
             force_cells: document.take("force_cells")?.unwrap_or_default(),
             vibrometer: document.take("vibrometer")?.unwrap_or_default(),
             response: document.take("response")?,
+            study: None,
         };
         document.finish(&KEYS)?;
         document.checked(rig.validate())?;
+        rig.study = rig.response_study()?;
         Ok(rig)
     }
 
@@ -117,6 +122,19 @@ impl Rig {
             Some(response) => response.validate().map_err(under("response")),
             None => Ok(()),
         }
+    }
+
+    /// The study of `[response]`, which must be one of two blades.
+    fn response_study(&self) -> Result<Option<Study>, Error> {
+        let Some(settings) = &self.response else {
+            return Ok(None);
+        };
+        let study = Study::read(&self.folder().join(&settings.study))?;
+        let blades = matches!(study.model, ModelSettings::TwoBladeStrip { .. });
+        let rule = "must be \"two-blade-strip\" for a virtual rig";
+        let kind = BadSetting::unless(blades, "model.kind", study.model.kind(), rule);
+        kind.map_err(|bad| study.bad_setting(&bad))?;
+        Ok(Some(study))
     }
 
     /// Folder of the file: what its file names are relative to.

@@ -6,7 +6,6 @@ use super::settings::ResponseSettings;
 use crate::Error;
 use crate::ensemble::stop::Stop;
 use crate::sampling::DesignSettings;
-use crate::setting::BadSetting;
 use crate::study::{EvaluationError, Evaluator, ModelSettings, Study};
 use crate::units::{m_to_um, n_per_um_to_n_per_m};
 
@@ -44,12 +43,11 @@ impl Rig {
     /// Resonances of every specimen at every level of the study; empty without `[response]`.
     ///
     /// # Errors
-    /// What the study or its model refuses; [`Error::Study`] where it has no two blades.
+    /// What the model of the study refuses.
     pub fn resonances(&self) -> Result<Vec<MeasuredResonance>, Error> {
-        let Some(settings) = &self.response else {
+        let (Some(settings), Some(study)) = (&self.response, &self.study) else {
             return Ok(Vec::new());
         };
-        let study = Study::read(&self.folder().join(&settings.study))?;
         let mut all = Vec::new();
         for index in 0..self.contact.specimens {
             all.extend(self.of_specimen(settings, index, study.clone())?);
@@ -64,16 +62,12 @@ impl Rig {
         mut study: Study,
     ) -> Result<Vec<MeasuredResonance>, Error> {
         let truth = self.specimen(index);
-        let blades = matches!(study.model, ModelSettings::TwoBladeStrip { .. });
         if let ModelSettings::TwoBladeStrip { interface, .. } = &mut study.model {
             interface.friction_coefficient = truth.friction_coefficient;
             interface.tangential_stiffness =
                 n_per_um_to_n_per_m(truth.tangential_stiffness_n_per_um);
             interface.normal_stiffness = n_per_um_to_n_per_m(truth.normal_stiffness_n_per_um);
         }
-        let rule = "must be \"two-blade-strip\" for a virtual rig";
-        let kind = BadSetting::unless(blades, "model.kind", "\"matrices\"", rule);
-        kind.map_err(|bad| study.bad_setting(&bad))?;
         let without_inputs = DesignSettings {
             samples: Some(1),
             ..DesignSettings::default()

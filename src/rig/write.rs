@@ -111,9 +111,10 @@ pub fn write_tests(rig: &Rig, output: &Path, done: impl Fn() + Sync) -> Result<R
             done();
             Ok(truth)
         };
+        // first: what the model of the study refuses costs no simulation
+        summary.resonances = rig.resonances()?;
         let tests = (0..rig.number_of_tests()).into_par_iter().map(written);
         summary.tests = tests.collect::<Result<_, _>>()?;
-        summary.resonances = rig.resonances()?;
         for specimen in summary.resonances.chunk_by(|a, b| a.specimen == b.specimen) {
             write_specimen(folder, specimen, &note)?;
         }

@@ -250,6 +250,72 @@ fn bad_files_are_refused() {
     }
 }
 
+/// Studies that no virtual rig has, by name; the narrow one is refused when its model is built.
+const NO_STUDIES: [(&str, &str); 2] = [
+    (
+        "disk.toml",
+        "[model]\nkind = \"cyclic\"\nsector = \"blade-strip\"\nsectors = 12\n[operation]\nspeed_rpm = [1000, 2000]\n\
+         engine_orders = [3]\n",
+    ),
+    (
+        "narrow.toml",
+        "[model]\nkind = \"two-blade-strip\"\ncontact_nodes = [50, 2]\ngap_mm = 9.98\nblade_element_mm = [15, 25, 25]\n\
+         [contact]\nfriction_coefficient = 3\n",
+    ),
+];
+
+/// What `rig` says on standard error with a study of `[response]` that it refuses.
+fn refused_response(study: &str) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, sections) in NO_STUDIES {
+        let head = "name = \"no rig\"\nlevels = [1.0]\n";
+        let text = format!("{head}{sections}[frequency]\nband_hz = [2605, 2635]\n");
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let text = format!("{RIG}[response]\nstudy = \"{study}\"\n");
+    let output = run(folder.path(), &text, &[]);
+    assert_eq!(output.status.code(), Some(2), "{study}: {output:?}");
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// No test is simulated before: there is no progress. A disk is called so, and unusual values are warned of. Seen to fail with the
+/// study read after the tests, with `kind = "matrices"` for a disk, and without the warning.
+#[test]
+fn a_wrong_response_study_costs_no_simulation() {
+    for (study, expected) in [
+        ("none.toml", &["error: none.toml: "][..]),
+        (
+            "disk.toml",
+            &["error: disk.toml:4: model.kind = cyclic: must be \"two-blade-strip\""],
+        ),
+        (
+            "narrow.toml",
+            &[
+                "warning: narrow.toml:9: contact.friction_coefficient = 3: is unusual",
+                "error: narrow.toml:5: model.contact_nodes = [50, 2]: must be fewer",
+            ],
+        ),
+    ] {
+        let said = refused_response(study);
+        assert_eq!(said.lines().count(), expected.len(), "{study}: {said}");
+        for (line, expected) in said.lines().zip(expected) {
+            assert!(line.starts_with(expected), "{study}: {said}");
+        }
+    }
+}
+
+/// The log ends with what was made. Seen to fail with progress as the last line.
+#[test]
+fn the_log_ends_with_the_tests() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run(folder.path(), RIG, &["--log", "json"]);
+    assert!(output.status.success(), "{output:?}");
+    let log = String::from_utf8_lossy(&output.stderr).into_owned();
+    let end: Value = serde_json::from_str(log.lines().last().unwrap()).unwrap();
+    assert_eq!(end["event"], "finished", "{log}");
+    assert_eq!(end["tests"], 4, "{log}");
+}
+
 /// The shipped rigs are valid.
 #[test]
 fn shipped_rigs_are_valid() {

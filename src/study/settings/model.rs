@@ -35,6 +35,16 @@ pub enum ModelSettings {
 }
 
 impl ModelSettings {
+    /// The value of `model.kind` that it was read with.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::TwoBladeStrip { .. } => "two-blade-strip",
+            Self::Matrices(_) => "matrices",
+            Self::Cyclic(_) => "cyclic",
+        }
+    }
+
     /// The built-in blades, if the model has any.
     #[must_use]
     pub fn blades(&self) -> Option<&TwoBladeSettings> {
