@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
+use super::log::Log;
 use super::terminal::print;
 use super::threads::Threads;
 use clap::Args;
@@ -65,12 +66,11 @@ impl CalibrateArguments {
         let study = Study::read(&self.study)?;
         let read = [study.inputs_on_disk(), vec![self.measured.clone()]].concat();
         refuse_inputs(FILES.map(|name| self.output.join(name)), &read)?;
+        Log::default().warn(&study.warnings);
         let output = OutputFolder::open(&self.output)?;
         let found = calibrate(study, &self.measured, &settings, |stage| self.tell(stage))?;
         let files = found.write(&output)?;
-        for warning in &found.summary.warnings {
-            eprintln!("warning: {warning}");
-        }
+        Log::default().warn(&found.summary.warnings);
         if self.quiet {
             return Ok(());
         }

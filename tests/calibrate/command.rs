@@ -79,6 +79,24 @@ fn a_simulated_response_gives_its_truth_back() {
     );
 }
 
+/// Unusual values of the study are warned of, as `run` does. Seen to fail without that.
+#[test]
+fn unusual_values_of_the_study_are_warned_of() {
+    let folder = case();
+    let path = folder.path().join("study.toml");
+    let study = std::fs::read_to_string(&path).unwrap();
+    assert!(study.contains("mu = 0.4"), "{study}");
+    std::fs::write(&path, study.replacen("mu = 0.4", "mu = 3.0", 1)).unwrap();
+    // refused after the study was read: nothing is solved
+    let output = calibrate(folder.path(), &["--chains", "1"]);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let first = said.lines().next().unwrap();
+    let warned = first.starts_with("warning: study.toml:")
+        && first.contains("model.contact[0].mu = 3: is unusual");
+    assert!(warned, "{said}");
+}
+
 /// A response that the prior cannot give brings warnings; one that cannot be taken is refused.
 #[test]
 fn a_response_that_cannot_be_is_named() {
