@@ -76,6 +76,7 @@ pub fn largest_of_blades(
     };
     let mut best: Option<(f64, usize, Solution)> = None;
     let mut end = Status::NoPeakInBand;
+    let mut lost = 0.0_f64;
     let mut count = meter.read();
     for (at, blade) in maxima(&seen) {
         let led = problem.led_by(blade);
@@ -89,15 +90,20 @@ pub fn largest_of_blades(
                     best = Some((amplitude, blade, solution));
                 }
             }
-            Err(status) => end = status,
+            Err(Status::NoPeakInBand) => {}
+            Err(status) => {
+                end = status;
+                lost = lost.max(seen[at].amplitudes[blade]);
+            }
         }
     }
     match best {
-        Some((_, blade, solution)) => LargestBlade {
+        // a maximum that was seen but not located may be the largest
+        Some((known, blade, solution)) if known >= lost => LargestBlade {
             peak: LevelPeak::found(solution, count),
             blade,
         },
-        None => failed(end, count),
+        _ => failed(end, count),
     }
 }
 

@@ -133,7 +133,8 @@ impl Maxima {
         self.count += peak.count;
         let is_lost = peak.solution.is_none() && peak.status != Status::NoPeakInBand;
         self.unfinished += usize::from(is_lost);
-        if peak.solution.is_none() && others.is_empty() {
+        let of_another = |found: &Solution| self.is_of_another(candidate.mode, found);
+        if peak.solution.is_none() && others.iter().all(of_another) {
             self.failed
                 .push((candidate.reach * self.level, peak.status));
         }
@@ -412,5 +413,21 @@ mod tests {
         assert_eq!(run(PeakChoice::All, lost).1, Status::StepTooSmall);
         let outside = run(PeakChoice::Highest, || failed(Status::NoPeakInBand));
         assert_eq!(outside, (vec![4, 7], converged, Some(103.0)));
+    }
+
+    /// The search of a mode fails. If all that it has found is the maximum of another mode, its own may be higher and the peak is not known;
+    /// a maximum of its own, on another branch than expected, is one. Seen to fail where any other maximum counts for the mode.
+    #[test]
+    fn a_failed_search_that_found_the_maximum_of_another_mode_has_failed() {
+        let ends = |other: f64| {
+            let mut at = Maxima::none(1.0);
+            at.add(&mode(7, 2.0), search(maximum(103.0, 1.5, 3), Vec::new()));
+            let others = vec![maximum(other, 1.5, 3)];
+            let lost = failed(Status::StepTooSmall);
+            at.add(&mode(4, 3.0), ModeSearch { others, ..lost });
+            at.status()
+        };
+        assert_eq!(ends(103.0), Status::StepTooSmall);
+        assert_eq!(ends(99.0), Status::Converged);
     }
 }

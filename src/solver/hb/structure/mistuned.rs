@@ -338,30 +338,30 @@ impl LinearRing {
         }
         let (lambda, shapes) = symmetric_eigen(stiffness.as_ref())?;
         let damped = &self.damping * &shapes;
-        let mut places = vec![self.band.low, self.band.high];
-        let mut narrowest = self.band.width();
+        // each with the half-power half-width of its mode
+        let mut places: Vec<(f64, f64)> = Vec::new();
         for (mode, lambda) in lambda.iter().enumerate() {
             let omega = lambda.max(0.0).sqrt();
             let diagonal = (0..n)
                 .map(|i| shapes[(i, mode)] * damped[(i, mode)])
                 .sum::<f64>();
             let half = 0.5 * diagonal;
-            let inside = PLACES.iter().map(|at| omega + at * half);
-            let before = places.len();
-            places.extend(inside.filter(|omega| self.band.contains(*omega)));
-            if places.len() > before {
-                narrowest = narrowest.min(half);
-            }
+            let inside = PLACES.iter().map(|at| (omega + at * half, half));
+            places.extend(inside.filter(|(omega, _)| self.band.contains(*omega)));
         }
-        let mut found: Vec<LinearLargest> = places
+        let narrowest = places
             .iter()
-            .map(|&omega| self.at(&stiffness, omega))
+            .fold(self.band.width(), |least, (_, half)| least.min(*half));
+        places.extend([self.band.low, self.band.high].map(|end| (end, narrowest)));
+        let mut found: Vec<(LinearLargest, f64)> = places
+            .iter()
+            .map(|&(omega, half)| (self.at(&stiffness, omega), half))
             .collect();
-        found.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
+        found.sort_by(|(a, _), (b, _)| b.amplitude.total_cmp(&a.amplitude));
         found.truncate(REFINED);
         let refined = found
             .iter()
-            .map(|at| self.refined(&stiffness, *at, narrowest));
+            .map(|(at, half)| self.refined(&stiffness, *at, *half));
         let highest = refined.reduce(|a, b| if b.amplitude > a.amplitude { b } else { a });
         Ok(highest.filter(|_| n > 0))
     }
