@@ -94,6 +94,17 @@ impl<T: Real> AftPlan<T> {
         }
     }
 
+    /// Numbers in its tables that grow with time points and harmonics.
+    #[must_use]
+    pub fn n_tabulated(harmonics: &HarmonicSet, settings: AftSettings) -> usize {
+        let (n, m) = (settings.n_time, harmonics.n_coefficients());
+        let basis = n * m;
+        let waves = 2 * n * m.next_multiple_of(CHUNK);
+        let halves = 2 * (n / 2 + 1) * m;
+        let prefix = (n + 1) * 2 * (2 * harmonics.highest() + 1);
+        basis + waves + halves + prefix
+    }
+
     /// Settings of the evaluation.
     #[must_use]
     pub fn settings(&self) -> AftSettings {
@@ -245,4 +256,35 @@ fn prefix_sums<T: Real>(cos: &[f64], sin: &[f64], n_orders: usize) -> Vec<T> {
         }
     }
     table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::settings::Laps;
+    use super::*;
+    use crate::contact::{Events, FrictionLaw};
+
+    /// Seen to fail without the padding of the waves.
+    #[test]
+    fn tables_have_the_stated_size() {
+        for (highest, n_time) in [(0, 8), (5, 128), (20, 256), (21, 300)] {
+            let harmonics = HarmonicSet::up_to(highest);
+            let settings = AftSettings {
+                n_time,
+                law: FrictionLaw::Box,
+                events: Events::Located,
+                laps: Laps::Periodic,
+            };
+            let plan = AftPlan::<f64>::new(&harmonics, settings);
+            let tables = [
+                plan.basis.len(),
+                CHUNK * plan.waves.len(),
+                plan.cosines.len() + plan.sines.len(),
+                plan.cosine_weights.len() + plan.sine_weights.len(),
+                plan.prefix.len(),
+            ];
+            let stated = AftPlan::<f64>::n_tabulated(&harmonics, settings);
+            assert_eq!(tables.iter().sum::<usize>(), stated, "{highest}, {n_time}");
+        }
+    }
 }

@@ -49,8 +49,8 @@ impl Default for NewtonSettings {
 /// Highest harmonic that a solution may have: tables of the contact evaluation grow with its square.
 pub const HIGHEST_HARMONIC: usize = 200;
 
-/// Largest product of time points and harmonics: the largest table of a contact evaluation has 16 bytes for each (134 MB).
-const LARGEST_TABLE: usize = 1 << 23;
+/// Largest product of time points and harmonics: the largest table of a contact evaluation has 32 bytes for each (0.5 GB).
+const LARGEST_TABLE: usize = 1 << 24;
 
 /// When harmonics are added.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -168,15 +168,15 @@ impl HbSettings {
             )?;
         }
         let highest = self.harmonics.highest();
-        let most = self.alert.map_or(highest, |alert| {
-            alert.highest_harmonic.max(alert.compared_with)
-        });
+        let most = self
+            .alert
+            .map_or(highest, |alert| alert.most_compared(alert.highest_harmonic));
         BadSetting::unless(
             self.aft.n_time * most <= LARGEST_TABLE,
             "time_points",
             self.aft.n_time,
             &format!(
-                "times the highest harmonic, that of the alert included, must be at most {LARGEST_TABLE}"
+                "times the highest harmonic, twice that of the alert included, must be at most {LARGEST_TABLE}"
             ),
         )
     }

@@ -1,7 +1,11 @@
 //! Size of one nonlinear solve of a study: unknowns and memory.
 
+use crate::aft::AftPlan;
 use crate::harmonics::HarmonicSet;
+use crate::hb::HbSettings;
+use crate::hb::equations::balance::time_points;
 use crate::hb::equations::jacobian::{DENSE_FALLBACK_LIMIT, DENSE_LIMIT};
+use crate::hb::peak::alert::searched_on;
 use crate::study::built::StudyDisk;
 use crate::study::prepared::PreparedStudy;
 use crate::study::settings::read::Study;
@@ -19,6 +23,8 @@ pub(super) struct SolveSize {
     pub(super) unknowns: usize,
     /// Unknowns on the highest harmonics.
     pub(super) most_unknowns: usize,
+    /// Numbers in the tables of the contact evaluation on all harmonic sets.
+    tabulated: usize,
 }
 
 impl SolveSize {
@@ -38,6 +44,7 @@ impl SolveSize {
             ring: disk.map(|of| [of.disk.n_sectors, of.disk.n_dofs()]),
             unknowns: 3 * contacts * first,
             most_unknowns: 3 * contacts * highest,
+            tabulated: tabulated(&study.solver),
         }
     }
 
@@ -48,8 +55,22 @@ impl SolveSize {
 
     /// Bytes on the highest harmonics: usually, and at most.
     pub(super) fn memory(self) -> [f64; 2] {
-        solve_memory(self.contacts, self.most_unknowns)
+        let tables = 8.0 * self.tabulated as f64;
+        solve_memory(self.contacts, self.most_unknowns).map(|bytes| bytes + tables)
     }
+}
+
+/// Numbers in the tables of the contact evaluation: a sample keeps those of every harmonic set that it was searched on.
+fn tabulated(solver: &HbSettings) -> usize {
+    let of_set = |highest: usize| {
+        let harmonics = HarmonicSet::up_to(highest);
+        let aft = match highest == solver.harmonics.highest() {
+            true => solver.aft,
+            false => time_points(solver.aft, &harmonics),
+        };
+        AftPlan::<f64>::n_tabulated(&harmonics, aft)
+    };
+    searched_on(solver).into_iter().map(of_set).sum()
 }
 
 impl PreparedStudy<'_> {

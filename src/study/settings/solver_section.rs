@@ -117,8 +117,8 @@ pub struct SolverSection {
     /// Harmonics of the first solution, before the alert adds any.
     #[schemars(extend("default" = DEFAULT_HARMONIC))]
     harmonics: Option<Harmonics>,
-    /// Samples per period of the contact evaluation: more than 4 times the highest harmonic; times the highest harmonic, that
-    /// of the alert included, at most 8388608.
+    /// Samples per period of the contact evaluation: more than 4 times the highest harmonic; times the highest harmonic, twice
+    /// that of the alert included, at most 16777216.
     #[schemars(range(min = 5, max = MOST_TIME_POINTS), extend("default" = DEFAULT_TIME_POINTS))]
     time_points: Option<usize>,
     /// Passes over the period from the start of the sliders; the forces are those of the last. Two are exact for the box law
@@ -145,7 +145,8 @@ pub struct SolverSection {
     )]
     budget: Option<usize>,
     /// Error alert: each solution is solved for again with twice its harmonics and with `compared_with` at least, and gets more where the
-    /// stated truncation error is above the threshold. `false` checks nothing and adds none; `true` takes the defaults.
+    /// stated truncation error is above the threshold. The points of a curve of `solve`, its peak among them, have the error stated but keep
+    /// `harmonics`. `false` checks nothing and adds none; `true` takes the defaults.
     #[schemars(extend("default" = true))]
     alert: Option<Alert>,
     /// Which solutions are assessed for stability by their Floquet multipliers: those with lift-off, all that slip or lift off, those whose

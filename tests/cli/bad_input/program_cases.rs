@@ -21,7 +21,7 @@ pub(crate) const BEYOND_SCHEMA: &[Case] = &[
         "time_points = 65536\nalert = { highest_harmonic = 200 }",
         &[
             ":34: solver.time_points = 65536: times the highest",
-            "8388608",
+            "16777216",
         ],
     ),
     (

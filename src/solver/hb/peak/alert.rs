@@ -48,6 +48,39 @@ fn enlarged(highest: usize) -> usize {
     (7 * highest).div_ceil(5)
 }
 
+/// Highest harmonics of the sets that a solution may have which starts with the harmonics up to `first`.
+fn rungs(alert: AlertSettings, first: usize) -> BTreeSet<usize> {
+    let mut highest = first;
+    let mut rungs = BTreeSet::from([highest]);
+    while highest < alert.highest_harmonic {
+        highest = enlarged(highest).min(alert.highest_harmonic);
+        rungs.insert(highest);
+    }
+    rungs
+}
+
+/// These and the highest harmonics of the sets on which such solutions are compared.
+fn sizes(alert: AlertSettings, rungs: &BTreeSet<usize>) -> BTreeSet<usize> {
+    let compared = rungs.iter().map(|&rung| 2 * rung);
+    let fewest = rungs.first().map(|&first| alert.most_compared(first));
+    rungs
+        .iter()
+        .copied()
+        .chain(compared)
+        .chain(fewest)
+        .collect()
+}
+
+/// Highest harmonics of all sets on which solutions are searched that start with the harmonics of `settings`.
+#[must_use]
+pub fn searched_on(settings: &HbSettings) -> BTreeSet<usize> {
+    let first = settings.harmonics.highest();
+    match settings.alert {
+        Some(alert) => sizes(alert, &rungs(alert, first)),
+        None => BTreeSet::from([first]),
+    }
+}
+
 /// A problem on the harmonics of a solution and on larger harmonic sets. Each set is discretised when it is first used.
 #[derive(Debug)]
 pub struct AlertSets<'s, 'p> {
@@ -84,14 +117,8 @@ impl<'s, 'p> AlertSets<'s, 'p> {
         settings: &'s HbSettings,
     ) -> Option<Self> {
         let alert = settings.alert?;
-        let mut highest = first.highest();
-        let mut rungs = BTreeSet::from([highest]);
-        while highest < alert.highest_harmonic {
-            highest = enlarged(highest).min(alert.highest_harmonic);
-            rungs.insert(highest);
-        }
-        let mut sizes: BTreeSet<usize> = rungs.iter().flat_map(|&rung| [rung, 2 * rung]).collect();
-        sizes.insert(alert.most_compared(first.highest()));
+        let rungs = rungs(alert, first.highest());
+        let sizes = sizes(alert, &rungs);
         let larger = sizes.into_iter().skip(1).map(HarmonicSet::up_to);
         let sets = [first.clone()].into_iter().chain(larger);
         Some(Self {

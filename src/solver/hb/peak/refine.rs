@@ -148,6 +148,9 @@ impl<'p> Refinement<'_, '_, 'p> {
             let change = other.amplitude / amplitude - 1.0;
             sets.error_by(set, other.set, change)
         });
+        // two small sets may agree in what both leave out
+        let told_by_change =
+            by_change.filter(|_| other.is_some_and(|other| sets.is_enough(set.max(other.set))));
         let by_step = sets.estimate_by_step(set, iterate, condition);
         // one of the two may be small by accident; a solve with twice the harmonics costs more than all before
         if let (Some(other), Some(by_change)) = (other, by_change)
@@ -169,7 +172,7 @@ impl<'p> Refinement<'_, '_, 'p> {
             return ControlFlow::Continue((larger, known));
         }
         let estimate = sets.estimate_by_solve(set, iterate, estimate, condition);
-        ControlFlow::Break(match by_change {
+        ControlFlow::Break(match told_by_change {
             Some(error) if estimate.error.is_infinite() => error,
             _ => estimate.error,
         })
