@@ -12,7 +12,7 @@ use crate::hb::equations::problem::stuck_stiffness;
 use crate::hb::peak::maxima::PeakChoice;
 use crate::hb::peak::search::PeakSettings;
 use crate::hb::structure::resonance::{Band, Candidate, candidates, natural_frequencies};
-use crate::hb::{LinearModel, Problem, SliderAnchor};
+use crate::hb::{LinearModel, Problem, ProblemError, SliderAnchor};
 use crate::linalg::LinalgError;
 use crate::model::ReducedModel;
 use crate::model::two_blade::ComponentSummary;
@@ -189,6 +189,30 @@ impl Study {
 }
 
 impl Study {
+    /// Requires a static equilibrium without friction where the sliders start from it: a sample without one could only fail.
+    fn check_rest(
+        &self,
+        linear: &LinearModel,
+        contacts: &[ContactParameters<f64>],
+    ) -> Result<(), Error> {
+        let rest = SliderAnchor::StaticEquilibrium;
+        let (key, value) = match self.solver.anchor {
+            _ if self.has_input(Input::InitialTraction) => ("inputs.initial_traction", "{}"),
+            SliderAnchor::StaticEquilibrium => ("contact.anchor", "\"static-equilibrium\""),
+            SliderAnchor::Unloaded => return Ok(()),
+        };
+        match Problem::new(linear, contacts.to_vec(), 1.0, rest) {
+            Err(
+                rule @ (ProblemError::NotHeldWithoutFriction | ProblemError::NoStaticEquilibrium),
+            ) => Err(self.bad_setting(&BadSetting {
+                key: key.to_owned(),
+                value: value.to_owned(),
+                rule: rule.to_string(),
+            })),
+            other => Ok(other.map(drop)?),
+        }
+    }
+
     /// Whether the blades of its disk differ.
     pub(super) fn is_mistuned(&self) -> bool {
         let differ = |(input, _): &(Input, _)| matches!(input, Input::BladeFrequency(_));
@@ -218,11 +242,7 @@ impl<'s> PreparedStudy<'s> {
         let contacts: Vec<_> = linear.pairs.iter().map(contact).collect();
         let inputs = study.design.inputs().iter().map(|(input, _)| *input);
         let own_strips = inputs.clone().any(|input| input == Input::StripThickness);
-        if study.has_input(Input::InitialTraction) {
-            // a sample without such a rest could only fail
-            let rest = SliderAnchor::StaticEquilibrium;
-            Problem::new(&linear, contacts.clone(), 1.0, rest)?;
-        }
+        study.check_rest(&linear, &contacts)?;
         let choice = study.choice(&model, &linear, &contacts)?;
         let (mode_numbers, followed_modes) = study.followed(&model, &linear, &contacts)?;
         let mistuned = match &model.disk {

@@ -174,7 +174,9 @@ fn tractions_that_cannot_be_meant_are_refused() {
     let text = text.replace("retention = \"retention.mtx\"\n", "");
     std::fs::write(path, text).unwrap();
     let output = microslip(folder.path(), &["run", "study.toml", "--quiet"]);
-    assert_refused("not held", &output, &["can move as a rigid body"]);
+    let place =
+        "study.toml:66: inputs.initial_traction = {}: without friction the contacts do not hold";
+    assert_refused("not held", &output, &[place]);
 }
 
 /// There are no results along the number of a draw. Seen to fail with results at its 5 % and 95 % value.

@@ -298,7 +298,7 @@ impl Ensemble<'_> {
 /// How a sample ends whose constants make no harmonic balance problem.
 pub(super) fn status_of(error: ProblemError) -> Status {
     match error {
-        ProblemError::Linalg(_) => Status::NonFinite,
+        ProblemError::Linalg(_) | ProblemError::NotFinite { .. } => Status::NonFinite,
         _ => Status::NotHeld,
     }
 }

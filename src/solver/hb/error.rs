@@ -21,6 +21,11 @@ pub enum ProblemError {
     /// The harmonic force moves no contact.
     #[error("the harmonic force does not move any contact pair: check the excitation")]
     NoLoad,
+    /// A rigid-body motion is held by friction alone, so that the static equilibrium without friction is not defined.
+    #[error(
+        "without friction the contacts do not hold the structure: there is no static equilibrium where the sliders could start"
+    )]
+    NotHeldWithoutFriction,
     /// The frictionless static equilibrium for the anchors was not found.
     #[error("no static equilibrium without friction was found for the slider anchors")]
     NoStaticEquilibrium,

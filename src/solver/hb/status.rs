@@ -120,7 +120,9 @@ impl Status {
             Self::LeftBand => {
                 "the branch of solutions left the frequency band at the end where the continuation began, and did not return"
             }
-            Self::NotHeld => "with all contacts stuck the structure can still move as a rigid body",
+            Self::NotHeld => {
+                "with all contacts stuck the structure can still move as a rigid body; or the sliders start from a rest without friction that does not exist"
+            }
             Self::Panicked => {
                 "the program met a defect of its own: please report it with the study and the inputs of the sample"
             }

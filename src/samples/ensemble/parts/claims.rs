@@ -11,6 +11,7 @@ use std::fs::File;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::Thread;
 use std::time::{Duration, Instant, SystemTime};
 
 /// How often a claim is refreshed.
@@ -104,11 +105,25 @@ impl Claim {
                     let _ = file.and_then(|file| file.set_modified(SystemTime::now()));
                 }
             });
-            let result = work();
-            ended.store(true, Ordering::Relaxed);
-            beat.thread().unpark();
-            result
+            let _end = EndOfWork {
+                ended: &ended,
+                beat: beat.thread(),
+            };
+            work()
         })
+    }
+}
+
+/// Ends the refreshing when it is dropped, after a panic too: a claim must not outlive its work.
+struct EndOfWork<'a> {
+    ended: &'a AtomicBool,
+    beat: &'a Thread,
+}
+
+impl Drop for EndOfWork<'_> {
+    fn drop(&mut self) {
+        self.ended.store(true, Ordering::Relaxed);
+        self.beat.unpark();
     }
 }
 

@@ -99,7 +99,7 @@ impl<'m> Problem<'m> {
     /// Shape: `[n_contacts]`.
     ///
     /// # Errors
-    /// [`ProblemError::NotHeld`] or [`ProblemError::NoStaticEquilibrium`] if there is no such rest.
+    /// [`ProblemError::NotHeldWithoutFriction`] or [`ProblemError::NoStaticEquilibrium`] if there is no such rest.
     pub fn begin_with_tractions(&mut self, shares: &[[f64; 2]]) -> Result<(), ProblemError> {
         assert_eq!(
             shares.len(),
@@ -274,7 +274,7 @@ fn frictionless_equilibrium(
             k[2 * n_c + i] = c.k_n;
             preload[2 * n_c + i] = c.n_0;
         }
-        let factor = static_factor(part, &k)?;
+        let factor = static_factor(part, &k).map_err(|_| ProblemError::NotHeldWithoutFriction)?;
         let load = Col::from_fn(part.n_coordinates(), |j| load_scale * part.static_force[j]);
         let eta = factor.solve(load - contact.transpose() * preload * Scale(part.multiplicity));
         let r = contact * eta;
