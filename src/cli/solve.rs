@@ -105,8 +105,25 @@ fn where_it_ended(gap: Gap, answered: bool, hertz: &impl Fn(f64) -> String) -> S
     }
 }
 
+/// Why a solution is not to be trusted as it stands; empty if it is.
+fn reservation(solution: &Solution) -> String {
+    let highest = solution.harmonics.highest();
+    match (solution.status, solution.truncation_error) {
+        (Status::Converged, _) => String::new(),
+        (Status::TruncationAboveThreshold, Some(error)) => format!(
+            " (not certified: the harmonics above {highest} are estimated to change it by {:.2} %)",
+            100.0 * error
+        ),
+        (Status::TruncationAboveThreshold, None) => {
+            format!(" (not certified: what the harmonics above {highest} change is not known)")
+        }
+        (status, _) => format!(" ({}: {})", status.name(), status.explanation()),
+    }
+}
+
 fn in_words(solution: &Solution, largest: Largest, is_curve: bool, place: &str) -> String {
     let amplitude = format!("{:.6e}", solution.amplitude(0));
+    let place = &format!("{place}{}", reservation(solution));
     match largest {
         Largest::Maximum => format!(", peak {amplitude} at {place}"),
         Largest::OfValues => format!(", largest amplitude {amplitude} at {place}"),

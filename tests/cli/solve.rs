@@ -204,3 +204,55 @@ fn a_curve_that_stops_says_where_and_why() {
     assert_eq!(level["gap"]["below"]["status"], "budget-spent");
     assert_eq!(level["largest_amplitude"]["is"], "of-part");
 }
+
+/// A peak that is not certified says so beside its amplitude. Seen to fail with the amplitude alone.
+#[test]
+fn a_peak_that_is_not_certified_says_so() {
+    let said = |harmonics: &str| {
+        let study = std::fs::read_to_string("studies/own-matrices/study.toml").unwrap();
+        let study = study.replace("levels = [1.0, 20.0]", "levels = [20.0]");
+        let solver =
+            format!("[solver]\n{harmonics}\nalert = {{ threshold = 1e-4 }}\n\n[frequency]");
+        let (folder, study) = in_own_folder(study.replace("[frequency]", &solver));
+        let output = microslip(folder.path(), &["solve", &study, "--output", "out"]);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let few = said("harmonics = 1");
+    assert!(
+        few.contains(", peak ") && few.contains("Hz (not certified: the harmonics above 1 "),
+        "{few}"
+    );
+    let many = said("harmonics = 21");
+    assert!(
+        many.contains(", peak ") && !many.contains("not certified"),
+        "{many}"
+    );
+}
+
+/// The damper of this study is held along the blades by friction alone. Seen to fail, without file and key, for a structure with all
+/// contacts stuck.
+#[test]
+fn a_rest_that_only_friction_holds_is_refused_as_a_start() {
+    let study = std::fs::read_to_string("studies/own-matrices/study.toml").unwrap();
+    let anchored = "[contact]\nanchor = \"static-equilibrium\"\n\n[frequency]";
+    let (folder, study) = in_own_folder(study.replace("[frequency]", anchored));
+    for command in ["inspect", "solve"] {
+        let output = microslip(folder.path(), &[command, &study]);
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        let said = String::from_utf8(output.stderr).unwrap();
+        let place = "study.toml:46: contact.anchor = \"static-equilibrium\": without friction";
+        assert!(said.contains(place), "{said}");
+    }
+}
+
+/// A study of `studies/own-matrices` with its files.
+fn in_own_folder(study: String) -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    for file in ["mass.mtx", "stiffness.mtx"] {
+        let from = Path::new("studies/own-matrices").join(file);
+        std::fs::copy(from, folder.path().join(file)).unwrap();
+    }
+    std::fs::write(folder.path().join("study.toml"), study).unwrap();
+    (folder, "study.toml".to_owned())
+}
