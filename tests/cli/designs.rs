@@ -385,7 +385,7 @@ fn warnings_of_column(values: &str) -> Vec<String> {
     std::fs::write(folder.path().join("mu.csv"), column).unwrap();
     let output = microslip(folder.path(), &["inspect", "study.toml"]);
     assert!(output.status.success(), "{output:?}");
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
     let warnings = text.lines().filter(|line| line.starts_with("warning"));
     warnings.map(str::to_owned).collect()
 }

@@ -161,6 +161,13 @@ fn bad_rigs_name_line_key_and_rule() {
 #[test]
 fn bad_responses_name_line_column_and_rule() {
     let folder = case();
+    // nothing is solved: a usual load brings no warning beside the error
+    let study = folder.path().join("study.toml");
+    let text = std::fs::read_to_string(&study).unwrap();
+    let load = "mean = 150\nstandard_deviation = 5\ntruncation = [100, 200]";
+    assert!(text.contains(load), "{text}");
+    let usual = "mean = 1.5\nstandard_deviation = 0.05\ntruncation = [1, 2]";
+    std::fs::write(&study, text.replace(load, usual)).unwrap();
     let good = std::fs::read_to_string(folder.path().join("response.csv")).unwrap();
     let calibrate = ["calibrate", "study.toml", "--measured", "response.csv"];
     let calibrate = [&calibrate[..], &["--output", "out", "--quiet"]].concat();
