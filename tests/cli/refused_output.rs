@@ -5,9 +5,12 @@ use std::path::Path;
 
 use super::{STUDY, folder, microslip};
 
-/// A rig whose tests are made before the study of its resonances is found missing.
+/// A rig whose folder is made before the model of its resonances is refused.
 const RIG: &str = "name = \"rig\"\n[loading]\nkind = \"air\"\n[excitation]\ncycles = 1\nrun_in_cycles = 1\n\
-    [response]\nstudy = \"none.toml\"\n";
+    [response]\nstudy = \"blades.toml\"\n";
+/// No mesh resolves the patches of this contact grid.
+const BLADES: &str = "name = \"blades\"\nlevels = [1.0]\n[model]\nkind = \"two-blade-strip\"\ngap_mm = 9.98\n\
+    contact_nodes = [50, 2]\n[frequency]\nband_hz = [2605, 2635]\n";
 /// A test whose normal force pulls.
 const LOOP: &str = "time [s],displacement [um],tangential [N],normal [N]\n0,0,1,-5\n0.1,1,2,-5\n";
 
@@ -19,6 +22,7 @@ fn a_refused_command_leaves_no_folder() {
     let at = folder.path();
     for (name, text) in [
         ("rig.toml", RIG),
+        ("blades.toml", BLADES),
         ("loop.csv", LOOP),
         ("K.mtx", "no matrix\n"),
     ] {

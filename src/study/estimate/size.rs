@@ -3,7 +3,7 @@
 use crate::aft::AftPlan;
 use crate::harmonics::HarmonicSet;
 use crate::hb::HbSettings;
-use crate::hb::equations::balance::time_points;
+use crate::hb::equations::balance::evaluation_on;
 use crate::hb::equations::jacobian::{DENSE_FALLBACK_LIMIT, DENSE_LIMIT};
 use crate::hb::peak::alert::searched_on;
 use crate::study::built::StudyDisk;
@@ -62,15 +62,12 @@ impl SolveSize {
 
 /// Numbers in the tables of the contact evaluation: a sample keeps those of every harmonic set that it was searched on.
 fn tabulated(solver: &HbSettings) -> usize {
-    let of_set = |highest: usize| {
-        let harmonics = HarmonicSet::up_to(highest);
-        let aft = match highest == solver.harmonics.highest() {
-            true => solver.aft,
-            false => time_points(solver.aft, &harmonics),
-        };
-        AftPlan::<f64>::n_tabulated(&harmonics, aft)
+    let of_set = |set: &HarmonicSet| {
+        let aft = evaluation_on(solver, set);
+        AftPlan::<f64>::n_tabulated(set, aft)
     };
-    searched_on(solver).into_iter().map(of_set).sum()
+    let sets = searched_on(&solver.harmonics, solver.alert);
+    sets.iter().map(of_set).sum()
 }
 
 impl PreparedStudy<'_> {

@@ -13,6 +13,7 @@ use microslip::ensemble::program::this_process;
 use microslip::hb::Status;
 use microslip::report::RunRecord;
 use microslip::study::Study;
+use tempfile::TempDir;
 
 const SAMPLES: u64 = 120;
 
@@ -143,14 +144,21 @@ fn parts_that_contradict_each_other_are_an_error() {
     assert_same_results(path, "results");
 }
 
+/// A study with results of so many samples, extended to more.
+fn solved_and_extended(samples: u64, more: &str) -> TempDir {
+    let study = solved(samples);
+    let further = ["extend", "whole", "--samples", more, "--quiet"];
+    let extended = microslip(study.path(), &further);
+    assert!(extended.status.success(), "{extended:?}");
+    study
+}
+
 /// A run of a study whose results were extended would lose samples: it is refused in every way, and what there is stays.
 /// Seen to fail without the refusal, which solved the fewer samples and put them in the place of all.
 #[test]
 fn extended_results_are_not_replaced_by_fewer_samples() {
-    let study = solved(12);
+    let study = solved_and_extended(12, "30");
     let path = study.path();
-    let extended = microslip(path, &["extend", "whole", "--samples", "30", "--quiet"]);
-    assert!(extended.status.success(), "{extended:?}");
     let table = || std::fs::read(path.join("whole/samples.parquet")).unwrap();
     let before = table();
     let expected = "holds 30 samples of this study, of which its file asks for 12";
@@ -171,10 +179,8 @@ fn extended_results_are_not_replaced_by_fewer_samples() {
 /// `extend` says. Seen to fail with the studies alone compared, which refused the run as one of this study.
 #[test]
 fn results_of_another_content_are_replaced_by_fewer_samples() {
-    let study = solved(12);
+    let study = solved_and_extended(12, "30");
     let path = study.path();
-    let extended = microslip(path, &["extend", "whole", "--samples", "30", "--quiet"]);
-    assert!(extended.status.success(), "{extended:?}");
     let stiffness = std::fs::read_to_string(path.join("stiffness.mtx")).unwrap();
     let other = stiffness.replace("8e5", "8.1e5");
     std::fs::write(path.join("stiffness.mtx"), other).unwrap();

@@ -329,11 +329,17 @@ pub fn balance_on<'p>(
     harmonics: HarmonicSet,
     settings: &HbSettings,
 ) -> Balance<'p> {
-    let aft = match harmonics == settings.harmonics {
-        true => settings.aft,
-        false => time_points(settings.aft, &harmonics),
-    };
+    let aft = evaluation_on(settings, &harmonics);
     Balance::new(problem, harmonics, aft)
+}
+
+/// How contacts are evaluated on `harmonics`: as the study says on its own, with as many time points as they need on others.
+#[must_use]
+pub fn evaluation_on(settings: &HbSettings, harmonics: &HarmonicSet) -> AftSettings {
+    match *harmonics == settings.harmonics {
+        true => settings.aft,
+        false => time_points(settings.aft, harmonics),
+    }
 }
 
 /// Number of time points for `harmonics`: at least 12 per period of the highest harmonic, so that the error by the sampling is

@@ -71,14 +71,14 @@ fn sizes(alert: AlertSettings, rungs: &BTreeSet<usize>) -> BTreeSet<usize> {
         .collect()
 }
 
-/// Highest harmonics of all sets on which solutions are searched that start with the harmonics of `settings`.
+/// All sets on which solutions are searched that start on `first`: this one, and larger ones, ascending, where there is an alert.
 #[must_use]
-pub fn searched_on(settings: &HbSettings) -> BTreeSet<usize> {
-    let first = settings.harmonics.highest();
-    match settings.alert {
-        Some(alert) => sizes(alert, &rungs(alert, first)),
-        None => BTreeSet::from([first]),
-    }
+pub fn searched_on(first: &HarmonicSet, alert: Option<AlertSettings>) -> Vec<HarmonicSet> {
+    let larger = alert.into_iter().flat_map(|alert| {
+        let sizes = sizes(alert, &rungs(alert, first.highest()));
+        sizes.into_iter().skip(1).map(HarmonicSet::up_to)
+    });
+    [first.clone()].into_iter().chain(larger).collect()
 }
 
 /// A problem on the harmonics of a solution and on larger harmonic sets. Each set is discretised when it is first used.
@@ -118,9 +118,7 @@ impl<'s, 'p> AlertSets<'s, 'p> {
     ) -> Option<Self> {
         let alert = settings.alert?;
         let rungs = rungs(alert, first.highest());
-        let sizes = sizes(alert, &rungs);
-        let larger = sizes.into_iter().skip(1).map(HarmonicSet::up_to);
-        let sets = [first.clone()].into_iter().chain(larger);
+        let sets = searched_on(first, Some(alert)).into_iter();
         Some(Self {
             problem,
             settings,
