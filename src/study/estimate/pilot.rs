@@ -1,4 +1,4 @@
-//! A few samples of a study, solved to see what a sample takes; and the nominal one, to see where contacts lift off.
+//! A few samples of a study, solved to see what a sample takes; and the nominal one, to see where contacts slip and lift off.
 //!
 //! The numbers of factorisations behind the estimate of `inspect` are those of the built-in rig. How many harmonics the slip of
 //! one's own model takes, and whether its peaks are predicted or searched for, no number tells that is known without a solution.
@@ -6,7 +6,7 @@
 use crate::Error;
 use crate::ensemble::Ensemble;
 use crate::ensemble::atlas::Atlas;
-use crate::ensemble::outcome::LevelOutcome;
+use crate::ensemble::outcome::{LevelOutcome, PeakRecord};
 use crate::ensemble::runner::{FIRST_ANCHORS, generations};
 use crate::harmonics::HarmonicSet;
 use crate::hb::{HbSettings, StabilityScope, Status};
@@ -77,34 +77,60 @@ impl Pilot {
     }
 }
 
-/// Levels at which stability is assessed, as the nominal peak on one harmonic tells; a level without a peak counts as one.
-///
-/// # Errors
-/// Whatever building the model refuses.
-pub(super) fn levels_assessed(study: &Study) -> Result<usize, Error> {
-    let is_assessed: fn(&LevelOutcome) -> bool = match study.solver.stability {
-        StabilityScope::Off => return Ok(0),
-        StabilityScope::All => return Ok(study.levels.len()),
-        StabilityScope::Bouncing => {
-            |level| level.peak.is_none() || level.status == Status::BouncingContact
+/// Levels of a study that cost more than a linear solve, as its nominal peaks on one harmonic tell; one without a peak counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct CostlyLevels {
+    /// Those at which contacts slip or lift off.
+    pub(super) slipping: usize,
+    /// Those at which stability is assessed.
+    pub(super) assessed: usize,
+}
+
+impl CostlyLevels {
+    /// # Errors
+    /// Whatever building the model refuses.
+    pub(super) fn of(study: &Study) -> Result<Self, Error> {
+        let all = study.levels.len();
+        if study.is_mistuned() && study.solver.stability == StabilityScope::Off {
+            return Ok(Self {
+                slipping: all,
+                assessed: 0,
+            });
         }
-        StabilityScope::LiftOff => {
-            |level| level.peak.is_none_or(|peak| peak.separated_fraction > 0.0)
-        }
-    };
-    let prepared = study.prepared()?;
-    let settings = HbSettings {
-        harmonics: HarmonicSet::up_to(1),
-        alert: None,
-        stability: StabilityScope::Off,
-        ..study.solver.clone()
-    };
-    let ensemble = Ensemble {
-        settings: &settings,
-        ..prepared.ensemble(None)
-    };
-    let nominal = ensemble.levels(&[], &Atlas::default());
-    Ok(nominal.iter().filter(|level| is_assessed(level)).count())
+        let prepared = study.prepared()?;
+        let settings = HbSettings {
+            harmonics: HarmonicSet::up_to(1),
+            alert: None,
+            stability: StabilityScope::Off,
+            ..study.solver.clone()
+        };
+        let ensemble = Ensemble {
+            settings: &settings,
+            ..prepared.ensemble(None)
+        };
+        let nominal = ensemble.levels(&[], &Atlas::default());
+        let count = |is: &dyn Fn(&LevelOutcome) -> bool| nominal.iter().filter(|l| is(l)).count();
+        Ok(Self {
+            slipping: count(&slips),
+            assessed: count(&|level| is_assessed(level, study.solver.stability)),
+        })
+    }
+}
+
+/// Whether contacts slip or lift off at a peak.
+fn slips(level: &LevelOutcome) -> bool {
+    let moves = |peak: PeakRecord| peak.slip_fraction > 0.0 || peak.separated_fraction > 0.0;
+    level.peak.is_none_or(moves)
+}
+
+/// Whether the stability of a peak is assessed.
+fn is_assessed(level: &LevelOutcome, scope: StabilityScope) -> bool {
+    match scope {
+        StabilityScope::Off => false,
+        StabilityScope::All => true,
+        StabilityScope::Bouncing => level.peak.is_none() || level.status == Status::BouncingContact,
+        StabilityScope::LiftOff => level.peak.is_none_or(|peak| peak.separated_fraction > 0.0),
+    }
 }
 
 /// Processor time of this thread; where the system does not tell it, the time of a clock.

@@ -3,7 +3,7 @@
 //! The numbers of factorisations are those of the shipped studies; the table of what was stated and what was used is in
 //! `benches/README.md`.
 
-use super::pilot::{Pilot, levels_assessed};
+use super::pilot::{CostlyLevels, Pilot};
 use super::size::SolveSize;
 use crate::Error;
 use crate::ensemble::runner::generations;
@@ -19,17 +19,17 @@ pub(super) fn estimated_time(
         true => None,
         false => Pilot::of(study)?,
     };
-    let of_sample = time_of_sample(study, size);
+    let levels = CostlyLevels::of(study)?;
+    let of_sample = time_of_sample(study, size, levels.slipping);
     let factor = pilot.map_or(1.0, |pilot| pilot.factor(of_sample));
-    let assessed = levels_assessed(study)?;
-    Ok((factor * processor_time(study, size, assessed), pilot))
+    Ok((factor * processor_time(study, size, levels), pilot))
 }
 
-/// Work of a peak at one level, in factorisations of the first harmonic set, failures and the error alert included: of a sample
-/// that is predicted from many others.
-const WORK_OF_PREDICTED: f64 = 9.0;
+/// Work of a peak at a level with slip, in factorisations of the first harmonic set, failures and the error alert included. Most of it
+/// is the alert's, which a prediction from other samples hardly shortens.
+const WORK_OF_PREDICTED: f64 = 22.0;
 /// What one of the first samples takes more, which has few or no others to start from.
-const WORK_OF_FIRST: f64 = 18.0;
+const WORK_OF_FIRST: f64 = 5.0;
 /// Number of such samples.
 const FIRST_SAMPLES: u64 = 64;
 /// Work of the stability of a peak.
@@ -38,7 +38,9 @@ const WORK_OF_STABILITY: f64 = 3.0;
 const OPERATIONS_OF_RING: f64 = 1.2e5;
 /// The same of a mistuned disk, per cube of its degrees of freedom.
 const OPERATIONS_OF_MISTUNED: f64 = 200.0;
-/// Work of a curve.
+/// Work of a peak at a level without slip, which one harmonic solves.
+const WORK_OF_STUCK: f64 = 1.0;
+/// Work of a curve at a level with slip.
 const WORK_OF_CURVE: f64 = 12.0;
 /// Share of that work in a study without an error alert.
 const SHARE_WITHOUT_ALERT: f64 = 0.15;
@@ -73,14 +75,15 @@ fn time_of_factorisation(unknowns: usize) -> f64 {
     2.0 / 3.0 * n.powi(3) / FLOPS + ASSEMBLY_PER_UNKNOWN * n
 }
 
-/// Time of one of the first samples at all levels (s), without its curves and its stability.
-fn time_of_sample(study: &Study, size: SolveSize) -> f64 {
-    let levels = study.levels.len() as f64;
+/// Time of one of the first samples at all levels (s), contacts slipping at so many, without its curves and its stability.
+fn time_of_sample(study: &Study, size: SolveSize, slipping: usize) -> f64 {
     if let Some(blades) = size.mistuned_blades {
-        return levels * time_of_mistuned(size, blades);
+        return study.levels.len() as f64 * time_of_mistuned(size, blades);
     }
-    let work = share_of_work(study) * work_of_peaks(1, 0);
-    levels * work * time_of_factorisation(size.unknowns)
+    let stuck = study.levels.len() - slipping;
+    let work =
+        slipping as f64 * share_of_work(study) * work_of_peaks(1, 0) + stuck as f64 * WORK_OF_STUCK;
+    work * time_of_factorisation(size.unknowns)
 }
 
 /// Time of a mistuned disk at one level (s): a sweep that passes the resonances of all blades, and the highest maxima located.
@@ -105,28 +108,30 @@ fn share_of_work(study: &Study) -> f64 {
     SHARE_WITHOUT_ALERT + (1.0 - SHARE_WITHOUT_ALERT) * larger
 }
 
-/// Time of all samples (s), whose stability is assessed at so many levels.
-fn processor_time(study: &Study, size: SolveSize, assessed: usize) -> f64 {
-    let levels = study.levels.len() as f64;
+/// Time of all samples (s).
+fn processor_time(study: &Study, size: SolveSize, levels: CostlyLevels) -> f64 {
     let samples = study.samples.saturating_add(further_samples(study));
-    let of_stability = time_of_stability(size) * assessed as f64;
+    let of_stability = time_of_stability(size) * levels.assessed as f64;
     if size.mistuned_blades.is_some() {
         // a disk hardly gains from those before it: no other has the same modes
-        return samples as f64 * (time_of_sample(study, size) + of_stability);
+        let of_sample = time_of_sample(study, size, levels.slipping);
+        return samples as f64 * (of_sample + of_stability);
     }
     let alone = match study.output.one_at_a_time {
         true => 1 + 2 * study.design.drawn().len() as u64,
         false => 0,
     };
+    let (slipping, all) = (levels.slipping as f64, study.levels.len() as f64);
     let curves = study.output.curve_samples.min(study.samples);
     let work = work_of_peaks(samples, alone) + WORK_OF_CURVE * curves as f64;
+    let stuck = WORK_OF_STUCK * (samples + alone + curves) as f64;
     let stability = of_stability * (samples + alone) as f64;
-    let share = share_of_work(study);
     let control = study.control_variate.map_or(0.0, |control| {
         let work = SHARE_WITHOUT_ALERT * work_of_peaks(control.samples(), 0);
         work * time_of_factorisation(size.unknowns_up_to(control.highest_harmonic()))
     });
-    levels * work * share * time_of_factorisation(size.unknowns) + stability + levels * control
+    let factorisations = slipping * work * share_of_work(study) + (all - slipping) * stuck;
+    factorisations * time_of_factorisation(size.unknowns) + stability + slipping * control
 }
 
 /// Time of the stability of a peak (s).
