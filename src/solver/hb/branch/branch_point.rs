@@ -16,7 +16,7 @@ pub struct BranchPoint<'p> {
     pub tangent: Direction,
     /// Inner product in which lengths along the branch are measured, scaled to this point.
     pub metric: Metric,
-    /// First harmonic ŷ of response 0 (m).
+    /// First harmonic ŷ of the response that defines resonance (m).
     pub response: c64,
     /// dŷ/ds along the tangent.
     pub response_rate: c64,

@@ -291,7 +291,7 @@ impl<'p> Balance<'p> {
         for ((load, inertia), force) in load.iter_mut().zip(&inertia).zip(&part.force) {
             *load = force * rate.level - *load - inertia * rate.omega;
         }
-        part.responses(&first.solve_rate(&load))[self.problem.leading]
+        part.responses(&first.solve_rate(&load))[self.problem.resonance_response]
     }
 
     /// r̂₁ (m) of the stuck structure.

@@ -221,10 +221,10 @@ impl<'a> FreeBalance<'a> {
         out
     }
 
-    /// Complex amplitude of the first harmonic of response 0 (m).
+    /// Complex amplitude of the first harmonic of the response that defines resonance (m).
     #[must_use]
     pub fn response(&self, motion: &FreeMotion) -> c64 {
-        self.part(0).responses(&motion.dynamic[0])[0]
+        self.part(0).responses(&motion.dynamic[0])[self.balance.problem.resonance_response]
     }
 
     /// Its derivative along a path on which the contact forces have the derivative `rate` and the frequency `omega`.
@@ -236,7 +236,7 @@ impl<'a> FreeBalance<'a> {
         let eta: Vec<c64> = (load.iter().zip(&inertia).zip(&motion.receptance[0]))
             .map(|((load, inertia), d)| -(load + inertia * omega) * d)
             .collect();
-        part.responses(&eta)[0]
+        part.responses(&eta)[self.balance.problem.resonance_response]
     }
 
     /// (dZ/dω) η̂ of the i-th harmonic above 0.

@@ -23,7 +23,7 @@ pub struct Problem<'m> {
     /// Factor on the static force f₀.
     pub static_load_scale: f64,
     /// Number of the response whose amplitude defines resonance: 0, but for the blades of a mistuned disk.
-    pub leading: usize,
+    pub resonance_response: usize,
     /// Work so far, and Newton iterations left to the search that runs (no bound until [`Effort::grant`]).
     pub effort: Effort,
 }
@@ -90,7 +90,7 @@ impl<'m> Problem<'m> {
             stuck_stiffness,
             stuck_static,
             static_load_scale,
-            leading: 0,
+            resonance_response: 0,
             effort: Effort::default(),
         })
     }
@@ -118,16 +118,16 @@ impl<'m> Problem<'m> {
         Ok(())
     }
 
-    /// The same problem with the response `leading` as the one that defines resonance, and no work yet.
+    /// The same problem with the response of this number as the one that defines resonance, and no work yet.
     #[must_use]
-    pub fn led_by(&self, leading: usize) -> Self {
+    pub fn with_resonance_response(&self, number: usize) -> Self {
         Self {
             model: self.model,
             contacts: self.contacts.clone(),
             stuck_stiffness: self.stuck_stiffness.clone(),
             stuck_static: self.stuck_static.clone(),
             static_load_scale: self.static_load_scale,
-            leading,
+            resonance_response: number,
             effort: Effort::default(),
         }
     }

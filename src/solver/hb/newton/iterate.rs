@@ -92,7 +92,7 @@ impl<'p> Iterate<'p> {
     /// Complex amplitude of the first harmonic of the response that defines resonance (m).
     #[must_use]
     pub fn response(&self, balance: &Balance<'_>) -> c64 {
-        self.responses(balance)[balance.problem.leading]
+        self.responses(balance)[balance.problem.resonance_response]
     }
 
     /// Complex amplitudes of the first harmonics of all responses (m).
@@ -128,7 +128,7 @@ impl<'p> Iterate<'p> {
         negated(&jacobian.solve(&balance.level_slope(&self.compliance)))
     }
 
-    /// Derivative of response 0 if the point moves along `direction` and the level along `level`.
+    /// Derivative of the response that defines resonance if the point moves along `direction` and the level along `level`.
     #[must_use]
     pub fn response_rate(
         &self,

@@ -17,10 +17,10 @@ use std::sync::Arc;
 pub enum Condition<'a> {
     /// The frequency is given.
     FixedFrequency,
-    /// Response 0 is in phase with this unit phasor (phase resonance).
+    /// The response that defines resonance is in phase with this unit phasor (phase resonance).
     PhaseLocked(c64),
-    /// Response 0 is `amplitude` times this unit phasor; the excitation level follows. A resonance is single-valued in its
-    /// amplitude also where it is not in its level.
+    /// The response that defines resonance is `amplitude` times this unit phasor; the excitation level follows. A resonance is
+    /// single-valued in its amplitude also where it is not in its level.
     Amplitude {
         /// Unit phasor.
         phasor: c64,

@@ -79,10 +79,12 @@ pub fn largest_of_blades(
     let mut lost = 0.0_f64;
     let mut count = meter.read();
     for (at, blade) in maxima(&seen) {
-        let led = problem.led_by(blade);
-        led.effort.grant(settings.newton.budget);
-        let located = located(&led, settings, peak, &seen[at].point);
-        count += led.effort.count();
+        let of_blade = problem.with_resonance_response(blade);
+        of_blade.effort.grant(settings.newton.budget);
+        let located = located(&of_blade, settings, peak, &seen[at].point);
+        count += of_blade.effort.count();
+        let alert_time = of_blade.effort.alert_time();
+        problem.effort.add_alert_time(alert_time);
         match located {
             Ok(solution) => {
                 let amplitude = solution.amplitude(blade);

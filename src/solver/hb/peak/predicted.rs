@@ -21,7 +21,7 @@ use faer::prelude::c64;
 pub struct PeakPrediction {
     /// Displacements and frequency.
     pub point: Point,
-    /// Unit phasor of response 0.
+    /// Unit phasor of the response that defines resonance.
     pub phasor: c64,
     /// Sharpness of the peak (see [`Located`]).
     pub sharpness: Option<f64>,

@@ -56,7 +56,7 @@ struct Track<'a, 'p> {
     peak: PeakSettings,
     /// Frequencies that the phase resonance may have.
     path: Band,
-    /// Direction of the first harmonic of response 0 at resonance.
+    /// Direction of the first harmonic, at resonance, of the response that defines it.
     phasor: c64,
     /// The structure at rest, if there is an equilibrium.
     rest: Option<Rest>,

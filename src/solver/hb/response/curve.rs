@@ -24,7 +24,7 @@ use std::ops::ControlFlow;
 pub struct CurvePoint {
     /// Excitation frequency (rad/s).
     pub omega: f64,
-    /// Amplitude |ŷ| of response 0 (m).
+    /// Amplitude |ŷ| of the response that defines resonance (m).
     pub amplitude: f64,
 }
 

@@ -72,8 +72,8 @@ pub enum Largest {
     OfPart,
 }
 
-/// Solutions along the branch from the lower to the upper end of the band, with the maxima of the amplitude of response 0
-/// among them; overhanging parts are included, also where they leave the band.
+/// Solutions along the branch from the lower to the upper end of the band, with the maxima of the amplitude that
+/// defines resonance among them; overhanging parts are included, also where they leave the band.
 ///
 /// All solutions are on the harmonics of the settings; the truncation error is estimated, not reduced. If the branch cannot
 /// be followed to its end, a point with the status that says why ends the first part. The second part, swept from the upper
@@ -119,7 +119,7 @@ pub fn over_band(
 }
 
 impl Response {
-    /// The largest amplitude of response 0 in `band`, and what it is.
+    /// The largest amplitude of the response that defines resonance in `band`, and what it is.
     #[must_use]
     pub fn largest(&self, band: Band) -> Option<(&Solution, Largest)> {
         let solved: Vec<&Solution> = (self.solutions.iter())
