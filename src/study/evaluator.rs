@@ -22,7 +22,6 @@
 //! ```
 
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
 
 use super::prepared::PreparedStudy;
 use super::runs::progress::{Meter, Progress};
@@ -30,15 +29,13 @@ use super::runs::resume::{Resumed, identity_of_results};
 use super::runs::run_settings::RunSettings;
 use super::settings::read::Study;
 use crate::Error;
-use crate::ensemble::atlas::Atlas;
+use crate::ensemble::atlas::{Anchor, Atlas};
 use crate::ensemble::outcome::{LevelOutcome, SampleOutcome};
 use crate::ensemble::parts::{Difference, RunIdentity};
 use crate::ensemble::program::Program;
-use crate::ensemble::runner::{MOST_ANCHORS, Stopped, Watch};
+use crate::ensemble::runner::{MOST_ANCHORS, Stopped};
 use crate::ensemble::stop::Stop;
 use crate::ensemble::store::StoredStudy;
-use crate::ensemble::times::SampleTimes;
-use crate::ensemble::{Known, SolvedSample};
 use crate::setting::BadSetting;
 use rayon::prelude::*;
 
@@ -72,25 +69,6 @@ pub enum EvaluationError {
     Stopped,
 }
 
-/// Tells of the anchors as they are solved.
-struct Starting<'a, F> {
-    stop: &'a Stop,
-    meter: Meter<F>,
-    solved: Mutex<Vec<SampleOutcome>>,
-}
-
-impl<F: Fn(Progress) + Sync> Watch for Starting<'_, F> {
-    fn solved(&self, sample: SolvedSample, times: SampleTimes) {
-        self.meter.one_more(times.newton_iterations);
-        let mut solved = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
-        solved.push(sample.outcome);
-    }
-
-    fn stops(&self) -> bool {
-        self.stop.asked()
-    }
-}
-
 impl<'s> Evaluator<'s> {
     /// Solves the first `anchors` samples of the study to start from: at most as many as it has, and at most [`MOST_ANCHORS`]. None
     /// is allowed; each point then takes some ten times as long.
@@ -106,21 +84,14 @@ impl<'s> Evaluator<'s> {
         let samples = anchors.min(prepared.study.samples).min(MOST_ANCHORS);
         let mut ensemble = prepared.ensemble(None);
         ensemble.curve_samples = 0;
-        let mut known = Known::default();
         let meter = Meter::start(0, samples, progress);
-        let starting = Starting {
-            stop,
-            meter,
-            solved: Mutex::default(),
-        };
-        let solved = ensemble.extend(&mut known, samples, &starting);
-        solved.map_err(|Stopped| EvaluationError::Stopped)?;
-        let sampled = starting.solved.into_inner();
-        let mut sampled = sampled.unwrap_or_else(PoisonError::into_inner);
-        sampled.sort_by_key(|outcome| outcome.index);
+        let solved = ensemble.solved_until(samples, stop, |times| {
+            meter.one_more(times.newton_iterations);
+        });
+        let solved = solved.map_err(|Stopped| EvaluationError::Stopped)?;
         Ok(Self {
-            sampled,
-            ..Self::starting_from(prepared, &known, samples)
+            sampled: solved.outcomes,
+            ..Self::starting_from(prepared, solved.anchors)
         })
     }
 
@@ -133,11 +104,11 @@ impl<'s> Evaluator<'s> {
         refuse_other_study(&prepared.study, folder)?;
         let mut resumed = Resumed::default();
         resumed.add_results(folder, &prepared.study, &RunSettings::default(), None)?;
-        Ok(Self::starting_from(prepared, &resumed.known, anchors))
+        let anchors = resumed.known.anchors_before(anchors);
+        Ok(Self::starting_from(prepared, anchors))
     }
 
-    fn starting_from(prepared: PreparedStudy<'s>, known: &Known, anchors: u64) -> Self {
-        let anchors = known.anchors_before(anchors);
+    fn starting_from(prepared: PreparedStudy<'s>, anchors: Vec<Anchor>) -> Self {
         let mut evaluator = Self {
             prepared,
             anchors: anchors.len(),

@@ -10,11 +10,12 @@ use microslip::hb::peak::track::track_peaks;
 use microslip::hb::structure::compliance::Compliance;
 use microslip::hb::structure::mistuned::{LinearRing, MistunedRing};
 use microslip::hb::structure::resonance::Band;
-use microslip::hb::{LinearModel, Problem, SliderAnchor, Status};
+use microslip::hb::{AlertSettings, HbSettings, LinearModel, Problem, SliderAnchor, Status};
 use microslip::model::ReducedModel;
 use microslip::model::disk::{CyclicMatrix, Disk};
 use microslip::sampling::stream::uniform;
 use std::f64::consts::TAU;
+use std::time::Duration;
 
 use crate::response::at_frequencies;
 
@@ -194,6 +195,20 @@ fn without_deviations_it_is_the_tuned_disk() {
         }
         assert!(seen[0] == 1.0 && seen[1] > 0.05, "{seen:?}");
     }
+}
+
+/// The time of the error alert of every blade counts to that of the problem. Seen to fail without: it was 0.
+#[test]
+fn the_alert_of_blades_takes_time() {
+    let disk = bladed(4, true);
+    let model = MistunedRing::new(&disk, 1, search().band.high).expect("definite");
+    let linear = model.linear(&[0.0, 1e-3, -1e-3, 0.0]).expect("finite");
+    let whole = problem(&linear);
+    let alert = Some(AlertSettings::default());
+    let settings = HbSettings { alert, ..sharp(3) };
+    let found = largest_of_blades(&whole, &settings, search(), 30.0);
+    assert!(found.peak.solution.is_some(), "{:?}", found.peak.status);
+    assert!(whole.effort.alert_time() > Duration::ZERO);
 }
 
 /// Slip and lift-off with blades that differ, against the ring that is not reduced: where only contacts couple the sectors they
