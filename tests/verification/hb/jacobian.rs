@@ -309,7 +309,7 @@ fn bordered_steps_agree_with_differences() {
             let base = solved.point.clone();
             let y = solved.response(balance);
             let phasor = y / y.norm() * c64::new(1e-3f64.cos(), 1e-3f64.sin());
-            let branch = BranchPoint::new(balance, solved, 300.0 * TAU, None, None);
+            let branch = BranchPoint::new(balance, solved, 300.0 * TAU);
             let arc = Condition::ArcLength {
                 base: &base,
                 tangent: &branch.tangent,

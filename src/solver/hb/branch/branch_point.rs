@@ -23,29 +23,23 @@ pub struct BranchPoint<'p> {
 }
 
 impl<'p> BranchPoint<'p> {
-    /// `iterate` with the tangent there. The tangent turns less than 90° from `previous`; without `previous` the frequency
-    /// increases along it.
-    ///
-    /// Without `metric` the inner product is scaled to this point.
+    /// `iterate` with the tangent along which the frequency increases. The inner product is scaled to this point and to `omega_scale`
+    /// (rad/s).
     #[must_use]
-    pub fn new(
-        balance: &Balance<'p>,
-        iterate: Iterate<'p>,
-        omega_scale: f64,
-        metric: Option<Metric>,
-        previous: Option<&Direction>,
-    ) -> Self {
-        let n = balance.layout.n_relative();
-        let metric = metric.unwrap_or_else(|| Metric::at(balance, &iterate.point, omega_scale));
+    pub fn new(balance: &Balance<'p>, iterate: Iterate<'p>, omega_scale: f64) -> Self {
+        let metric = Metric::at(balance, &iterate.point, omega_scale);
+        Self::in_metric(balance, iterate, metric)
+    }
+
+    /// The same with an inner product that is given.
+    #[must_use]
+    pub fn in_metric(balance: &Balance<'p>, iterate: Iterate<'p>, metric: Metric) -> Self {
         let jacobian = iterate.jacobian(balance);
         let mut tangent = Direction {
             r: iterate.frequency_rate(balance, &jacobian),
             omega: 1.0,
         };
-        let mut scale = 1.0 / metric.dot(n, &tangent, &tangent).sqrt();
-        if previous.is_some_and(|p| metric.dot(n, p, &tangent) < 0.0) {
-            scale = -scale;
-        }
+        let scale = 1.0 / metric.length(&tangent);
         tangent.r.iter_mut().for_each(|r| *r *= scale);
         tangent.omega *= scale;
         let response_rate = iterate.response_rate(balance, &jacobian, &tangent, 0.0);
@@ -110,23 +104,27 @@ impl<'p> BranchPoint<'p> {
 
     /// Distance of another point from this one: along the tangent, and normal to it.
     #[must_use]
-    pub fn distances(&self, balance: &Balance<'_>, other: &Point) -> [f64; 2] {
+    pub fn distances(&self, other: &Point) -> [f64; 2] {
         let base = &self.iterate.point;
-        let gone = Direction {
-            r: (other.r.iter().zip(&base.r)).map(|(a, b)| a - b).collect(),
-            omega: other.omega - base.omega,
-        };
-        let n = balance.layout.n_relative();
-        let along = self.metric.dot(n, &gone, &self.tangent);
-        let beside = self.metric.dot(n, &gone, &gone) - along * along;
+        let gone = Direction::between(base, other);
+        let along = self.metric.dot(&gone, &self.tangent);
+        let beside = self.metric.dot(&gone, &gone) - along * along;
         [along, beside.max(0.0).sqrt()]
     }
 
     /// The length `length`, in the metric of this point, as a length in the metric of `other`.
     #[must_use]
-    pub fn length_at(&self, balance: &Balance<'_>, other: &Self, length: f64) -> f64 {
-        let n = balance.layout.n_relative();
-        length / self.metric.dot(n, &other.tangent, &other.tangent).sqrt()
+    pub fn length_at(&self, other: &Self, length: f64) -> f64 {
+        length / self.metric.length(&other.tangent)
+    }
+
+    /// The same point with the tangent less than 90° from `previous`.
+    #[must_use]
+    pub fn following(self, previous: &Direction) -> Self {
+        match self.metric.dot(previous, &self.tangent) < 0.0 {
+            true => self.reversed(),
+            false => self,
+        }
     }
 
     /// The same point with the tangent towards higher frequencies if `sign` is positive, else towards lower ones.
@@ -151,9 +149,8 @@ impl<'p> BranchPoint<'p> {
 /// Distance of two points relative to the dynamic displacements at `a`.
 pub(in crate::hb) fn distance(balance: &Balance<'_>, a: &Point, b: &Point) -> f64 {
     let metric = Metric::at(balance, a, 1.0);
-    let gone = Direction {
-        r: a.r.iter().zip(&b.r).map(|(a, b)| a - b).collect(),
+    metric.length(&Direction {
         omega: 0.0,
-    };
-    metric.dot(balance.layout.n_relative(), &gone, &gone).sqrt()
+        ..Direction::between(b, a)
+    })
 }

@@ -33,8 +33,8 @@ pub struct BranchSegment<'s, 'p> {
 impl<'s, 'p> BranchSegment<'s, 'p> {
     /// The segment between two points of a branch.
     #[must_use]
-    pub fn new(balance: &Balance<'_>, from: &'s BranchPoint<'p>, to: &'s BranchPoint<'p>) -> Self {
-        let [length, _] = from.distances(balance, &to.iterate.point);
+    pub fn new(from: &'s BranchPoint<'p>, to: &'s BranchPoint<'p>) -> Self {
+        let [length, _] = from.distances(&to.iterate.point);
         Self { from, to, length }
     }
 
@@ -70,8 +70,8 @@ impl<'s, 'p> BranchSegment<'s, 'p> {
 
     /// Whether the solution `other` lies on the segment.
     #[must_use]
-    pub fn passes(&self, balance: &Balance<'_>, other: &Point) -> bool {
-        let [along, normal] = self.from.distances(balance, other);
+    pub fn passes(&self, other: &Point) -> bool {
+        let [along, normal] = self.from.distances(other);
         let slack = FLOOR * self.length;
         (-slack..=self.length + slack).contains(&along) && normal <= CLOSE * self.length
     }
@@ -85,8 +85,8 @@ impl<'s, 'p> BranchSegment<'s, 'p> {
     ) -> Option<BranchPoint<'p>> {
         let iterate = self.crossing(balance, omega, newton).ok()?;
         let scale = self.from.metric.omega_scale();
-        let forward = Some(&self.from.tangent);
-        Some(BranchPoint::new(balance, iterate, scale, None, forward))
+        let point = BranchPoint::new(balance, iterate, scale);
+        Some(point.following(&self.from.tangent))
     }
 
     /// The solution at a frequency `omega` between those of the ends, for a segment without fold.
@@ -136,7 +136,7 @@ impl<'s, 'p> BranchSegment<'s, 'p> {
         newton: NewtonSettings,
         halvings: usize,
     ) -> Result<Iterate<'p>, Status> {
-        let predicted = self.at_frequency(balance, omega);
+        let predicted = self.at_frequency(omega);
         let fixed = Condition::FixedFrequency;
         let failure = match solve(balance, predicted.clone(), fixed, newton) {
             Ok(found) => {
@@ -156,8 +156,8 @@ impl<'s, 'p> BranchSegment<'s, 'p> {
         let at = middle.iterate.point.omega;
         let is_first = (self.from.iterate.point.omega - omega) * (at - omega) <= 0.0;
         let half = match is_first {
-            true => BranchSegment::new(balance, self.from, &middle),
-            false => BranchSegment::new(balance, &middle, self.to),
+            true => BranchSegment::new(self.from, &middle),
+            false => BranchSegment::new(&middle, self.to),
         };
         half.crossing_within(balance, omega, newton, halvings - 1)
     }
@@ -174,26 +174,26 @@ impl<'s, 'p> BranchSegment<'s, 'p> {
         newton: NewtonSettings,
     ) -> Result<BranchPoint<'p>, Status> {
         let from = self.from;
-        let on_cubic = self.cubic(balance, at / self.length);
-        let [along, _] = from.distances(balance, &on_cubic);
+        let on_cubic = self.cubic(at / self.length);
+        let [along, _] = from.distances(&on_cubic);
         let predicted = on_cubic.moved(&from.tangent, at - along);
         let found = from.step_to(balance, predicted.clone(), at, newton)?;
         if distance(balance, &found.point, &predicted) > FLOOR.max(CLOSE * self.length) {
             return Err(Status::StepTooSmall);
         }
         let scale = from.metric.omega_scale();
-        let point = BranchPoint::new(balance, found, scale, None, Some(&from.tangent));
-        match BranchSegment::new(balance, &point, self.to).length > 0.0 {
+        let point = BranchPoint::new(balance, found, scale).following(&from.tangent);
+        match BranchSegment::new(&point, self.to).length > 0.0 {
             true => Ok(point),
             false => Err(Status::StepTooSmall),
         }
     }
 
     /// The point at the share `t` of the cubic through both ends with their tangents.
-    fn cubic(&self, balance: &Balance<'_>, t: f64) -> Point {
+    fn cubic(&self, t: f64) -> Point {
         let (a, b) = (&self.from.iterate.point, &self.to.iterate.point);
         let (ta, tb) = (&self.from.tangent, &self.to.tangent);
-        let weights = self.weights(balance, t);
+        let weights = self.weights(t);
         let at = |values: [f64; 4]| weights.iter().zip(values).map(|(w, v)| w * v).sum::<f64>();
         Point {
             r: (0..a.r.len())
@@ -205,15 +205,15 @@ impl<'s, 'p> BranchSegment<'s, 'p> {
     }
 
     /// Weights of value and tangent at the start, value and tangent at the end, of the cubic at the share `t`.
-    fn weights(&self, balance: &Balance<'_>, t: f64) -> [f64; 4] {
+    fn weights(&self, t: f64) -> [f64; 4] {
         // each tangent has unit length in the metric of its own point
-        let length_at_end = self.from.length_at(balance, self.to, self.length);
+        let length_at_end = self.from.length_at(self.to, self.length);
         let [a, ta, b, tb] = hermite(t);
         [a, ta * self.length, b, tb * length_at_end]
     }
 
     /// The point with the frequency `omega` on the cubic.
-    fn at_frequency(&self, balance: &Balance<'_>, omega: f64) -> Point {
+    fn at_frequency(&self, omega: f64) -> Point {
         let (a, b) = (&self.from.iterate.point, &self.to.iterate.point);
         let ends = [
             a.omega,
@@ -225,7 +225,7 @@ impl<'s, 'p> BranchSegment<'s, 'p> {
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..50 {
             let middle = 0.5 * (low + high);
-            let weights = self.weights(balance, middle);
+            let weights = self.weights(middle);
             let at: f64 = weights.iter().zip(ends).map(|(w, v)| w * v).sum();
             match sign * (at - omega) < 0.0 {
                 true => low = middle,
@@ -234,7 +234,7 @@ impl<'s, 'p> BranchSegment<'s, 'p> {
         }
         Point {
             omega,
-            ..self.cubic(balance, 0.5 * (low + high))
+            ..self.cubic(0.5 * (low + high))
         }
     }
 }

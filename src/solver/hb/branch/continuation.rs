@@ -110,13 +110,8 @@ struct Parabola {
 
 impl Parabola {
     /// The parabola through `to` that continues the step of the length `length` from `from` to `to`.
-    fn new(
-        balance: &Balance<'_>,
-        from: &BranchPoint<'_>,
-        to: &BranchPoint<'_>,
-        length: f64,
-    ) -> Self {
-        let length_at_end = from.length_at(balance, to, length);
+    fn new(from: &BranchPoint<'_>, to: &BranchPoint<'_>, length: f64) -> Self {
+        let length_at_end = from.length_at(to, length);
         let turn = |a: f64, b: f64| length_at_end * b - length * a;
         let (a, b) = (&from.tangent, &to.tangent);
         Self {
@@ -309,7 +304,7 @@ impl<'b, 'p> Continuation<'b, 'p> {
         let (balance, length) = (self.balance, found.length);
         let forward = found.turned.as_ref().unwrap_or(&self.point.tangent);
         let scale = self.steps.omega_scale;
-        let next = BranchPoint::new(balance, found.iterate, scale, None, Some(forward));
+        let next = BranchPoint::new(balance, found.iterate, scale).following(forward);
         let folds = next.tangent.omega * self.point.tangent.omega < 0.0;
         if folds && length > FOLD_STEP {
             self.length = 0.5 * length;
@@ -320,7 +315,7 @@ impl<'b, 'p> Continuation<'b, 'p> {
         self.parabola = match self.steps.predictor {
             // no parabola continues the branch around a corner
             Predictor::Parabola if found.turned.is_none() => {
-                Some(Parabola::new(balance, &before, &self.point, length))
+                Some(Parabola::new(&before, &self.point, length))
             }
             Predictor::Parabola | Predictor::Tangent => None,
         };
@@ -346,7 +341,7 @@ fn past_corner<'p>(
 ) -> Option<(Iterate<'p>, Direction)> {
     let base = &at.iterate.point;
     let beyond = Iterate::new(balance, base.moved(&at.tangent, CORNER));
-    let beyond = BranchPoint::new(balance, beyond, 1.0, Some(at.metric), None);
+    let beyond = BranchPoint::in_metric(balance, beyond, at.metric);
     let back = base.moved(&at.tangent, -CORNER);
     [1.0, -1.0].into_iter().find_map(|sign| {
         let tangent = beyond.tangent.scaled(sign);

@@ -129,7 +129,7 @@ pub fn follow<'p>(
     let steps = sweep.steps(balance.events());
     let sign = sweep.direction.sign();
     let [begin, far_end] = sweep.direction.ends(sweep.band);
-    let first = BranchPoint::new(balance, start, steps.omega_scale, None, None).towards(sign);
+    let first = BranchPoint::new(balance, start, steps.omega_scale).towards(sign);
     let mut left = false;
     let mut end = continue_branch(balance, first, newton, steps, |from, to, _| {
         let wanted = visit(from, to).is_continue();

@@ -9,7 +9,7 @@ use super::sweep::SweepDirection;
 use crate::hb::equations::balance::Balance;
 use crate::hb::newton::ladder::climb;
 use crate::hb::newton::rest::Rest;
-use crate::hb::newton::{Condition, Iterate, Point, solve};
+use crate::hb::newton::{Condition, Direction, Iterate, Point, solve};
 use crate::hb::settings::NewtonSettings;
 use crate::hb::status::Status;
 
@@ -167,7 +167,7 @@ impl<'p> SweepStart<'_, 'p> {
         for largest in LARGEST_STEPS {
             let start = Iterate::new(balance, from.clone());
             let scale = start.point.omega;
-            let start = BranchPoint::new(balance, start, scale, None, None);
+            let start = BranchPoint::new(balance, start, scale);
             let steps = StepSettings {
                 largest,
                 first: largest.min(0.05),
@@ -179,7 +179,8 @@ impl<'p> SweepStart<'_, 'p> {
             let end = continue_branch(balance, start, self.newton, steps, |before, after, _| {
                 let (a, b) = (before.iterate.point.omega, after.iterate.point.omega);
                 if (a - omega) * (b - omega) <= 0.0 {
-                    crossing = Some(between(&before.iterate.point, &after.iterate.point, omega));
+                    let (before, after) = (&before.iterate.point, &after.iterate.point);
+                    crossing = Some(before.at_frequency(after, omega));
                 }
                 let reach = 2.0 * (omega - from.omega).abs();
                 on_if(crossing.is_none() && (b - from.omega).abs() < reach)
@@ -199,26 +200,12 @@ impl<'p> SweepStart<'_, 'p> {
 
 /// Tangent predictor in the level at a fixed frequency.
 fn by_level(balance: &Balance<'_>, at: &Iterate<'_>, level: f64) -> Point {
-    let rate = at.level_rate(balance, &at.jacobian(balance));
+    let rate = Direction {
+        r: at.level_rate(balance, &at.jacobian(balance)),
+        omega: 0.0,
+    };
     Point {
-        r: moved(&at.point.r, level - at.point.level, &rate),
-        omega: at.point.omega,
         level,
+        ..at.point.moved(&rate, level - at.point.level)
     }
-}
-
-/// The point with the frequency `omega` on the straight line from `a` to `b`.
-fn between(a: &Point, b: &Point, omega: f64) -> Point {
-    let share = (omega - a.omega) / (b.omega - a.omega);
-    let gone = moved(&b.r, -1.0, &a.r);
-    Point {
-        r: moved(&a.r, share, &gone),
-        omega,
-        level: a.level,
-    }
-}
-
-/// `from + step · along`.
-fn moved(from: &[f64], step: f64, along: &[f64]) -> Vec<f64> {
-    from.iter().zip(along).map(|(x, d)| x + step * d).collect()
 }

@@ -26,6 +26,17 @@ impl Point {
         }
     }
 
+    /// The point with the frequency `omega` (rad/s) on the straight line to `other`, or beyond it; at the level of this point.
+    #[must_use]
+    pub fn at_frequency(&self, other: &Self, omega: f64) -> Self {
+        let line = Direction::between(self, other);
+        let share = (omega - self.omega) / line.omega;
+        Self {
+            omega,
+            ..self.moved(&line, share)
+        }
+    }
+
     /// The same motion on the harmonics of another balance.
     #[must_use]
     pub fn padded(&self, from: &Balance<'_>, to: &Balance<'_>) -> Self {
@@ -69,6 +80,17 @@ pub struct Direction {
 }
 
 impl Direction {
+    /// From one point to another.
+    #[must_use]
+    pub fn between(from: &Point, to: &Point) -> Self {
+        Self {
+            r: (to.r.iter().zip(&from.r))
+                .map(|(to, from)| to - from)
+                .collect(),
+            omega: to.omega - from.omega,
+        }
+    }
+
     /// `factor` times this direction.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
@@ -87,6 +109,8 @@ pub struct Metric {
     pub displacement: f64,
     /// Weight of the frequency (s²/rad²).
     pub frequency: f64,
+    /// Number of relative displacements, which are the entries of the 0th harmonic.
+    n_relative: usize,
 }
 
 impl Metric {
@@ -99,6 +123,7 @@ impl Metric {
         Self {
             displacement: 1.0 / size.max(floor * floor),
             frequency: 1.0 / (omega_scale * omega_scale),
+            n_relative: n,
         }
     }
 
@@ -108,14 +133,17 @@ impl Metric {
         self.frequency.sqrt().recip()
     }
 
-    /// ⟨a, b⟩ for unknowns whose 0th harmonic has `n_relative` entries.
+    /// ⟨a, b⟩.
     #[must_use]
-    pub fn dot(&self, n_relative: usize, a: &Direction, b: &Direction) -> f64 {
-        let r: f64 = a.r[n_relative..]
-            .iter()
-            .zip(&b.r[n_relative..])
-            .map(|(a, b)| a * b)
-            .sum();
+    pub fn dot(&self, a: &Direction, b: &Direction) -> f64 {
+        let [a_r, b_r] = [a, b].map(|direction| &direction.r[self.n_relative..]);
+        let r: f64 = a_r.iter().zip(b_r).map(|(a, b)| a * b).sum();
         self.displacement * r + self.frequency * a.omega * b.omega
+    }
+
+    /// Length √⟨a, a⟩.
+    #[must_use]
+    pub fn length(&self, a: &Direction) -> f64 {
+        self.dot(a, a).sqrt()
     }
 }

@@ -316,9 +316,7 @@ fn advance<'p>(linear: &Linearized<'_, 'p>, first: f64) -> (Iterate<'p>, f64) {
     let step = linear.step();
     let moving = step.direction.omega != 0.0;
     let metric = Metric::at(balance, &from.point, from.point.omega);
-    let n_relative = balance.layout.n_relative();
-    let length =
-        |step: &NewtonStep| (metric.dot(n_relative, &step.direction, &step.direction)).sqrt();
+    let length = |step: &NewtonStep| metric.length(&step.direction);
     let trial = |factor: f64| {
         let mut point = from.point.moved(&step.direction, factor);
         point.level += factor * step.level;
@@ -364,16 +362,8 @@ impl Condition<'_> {
                 step,
                 metric,
             } => {
-                let gone = Direction {
-                    r: (iterate.point.r.iter().zip(&base.r))
-                        .map(|(a, b)| a - b)
-                        .collect(),
-                    omega: iterate.point.omega - base.omega,
-                };
-                [
-                    metric.dot(balance.layout.n_relative(), &gone, tangent) - step,
-                    0.0,
-                ]
+                let gone = Direction::between(base, &iterate.point);
+                [metric.dot(&gone, tangent) - step, 0.0]
             }
         }
     }
@@ -399,10 +389,7 @@ impl Condition<'_> {
             }
             Self::ArcLength {
                 tangent, metric, ..
-            } => [
-                metric.dot(balance.layout.n_relative(), direction, tangent),
-                0.0,
-            ],
+            } => [metric.dot(direction, tangent), 0.0],
         }
     }
 }

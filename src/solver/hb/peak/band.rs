@@ -9,7 +9,7 @@ use crate::hb::branch::sweep::{SweepDirection, SweepSettings, follow};
 use crate::hb::branch::sweep_start::first_solution;
 use crate::hb::equations::balance::Balance;
 use crate::hb::newton::rest::Rest;
-use crate::hb::newton::{Condition, Direction, Point, solve};
+use crate::hb::newton::{Condition, Point, solve};
 use crate::hb::settings::NewtonSettings;
 use crate::hb::status::Status;
 use crate::hb::structure::resonance::linear_resonances;
@@ -116,13 +116,9 @@ impl<'p> Swept<'p> {
 fn interpolated(step: &[Point], omega: f64) -> Option<Point> {
     let [from, to] = step else { return None };
     let share = (omega - from.omega) / (to.omega - from.omega);
-    let line = Direction {
-        r: from.r.iter().zip(&to.r).map(|(a, b)| b - a).collect(),
-        omega: to.omega - from.omega,
-    };
     (0.0..=1.0)
         .contains(&share)
-        .then(|| from.moved(&line, share))
+        .then(|| from.at_frequency(to, omega))
 }
 
 /// Whether two solutions are one.
@@ -155,7 +151,7 @@ fn sweep<'p>(
     let mut maxima = Vec::new();
     let end = follow(balance, first, sweep, newton, |from, to| {
         passed.push(to.iterate.point.clone());
-        let segment = BranchSegment::new(balance, &from, to);
+        let segment = BranchSegment::new(&from, to);
         maxima.extend(maximum_on(&segment, balance, peak, newton));
         ControlFlow::Continue(())
     });

@@ -103,7 +103,7 @@ pub fn find_peak<'p>(
         ..newton
     };
     let omega_scale = 2.0 * settings.band.width();
-    let first = BranchPoint::new(balance, start, omega_scale, None, None);
+    let first = BranchPoint::new(balance, start, omega_scale);
     let metric = first.metric;
     let mut step = first.growth() / first.phase_rate().powi(2);
     step = step
@@ -117,13 +117,7 @@ pub fn find_peak<'p>(
     for _ in 0..MAX_POINTS {
         let from = bracket.nearest(step);
         let (iterate, length) = halving_step(balance, &from.point, step - from.s, newton)?;
-        let point = BranchPoint::new(
-            balance,
-            iterate,
-            omega_scale,
-            Some(metric),
-            Some(&from.point.tangent),
-        );
+        let point = BranchPoint::in_metric(balance, iterate, metric).following(&from.point.tangent);
         let omega = point.iterate.point.omega;
         if !settings.band.contains(omega) {
             return Err(Status::NoPeakInBand);
@@ -162,7 +156,7 @@ pub fn maximum_on<'p>(
     let start = Iterate::new(balance, higher.iterate.point.clone());
     let found = find_peak(balance, start, settings, newton).ok()?;
     let top = found.iterate.response(balance).norm();
-    let is_on_it = segment.passes(balance, &found.iterate.point)
+    let is_on_it = segment.passes(&found.iterate.point)
         && top >= f64::max(from.response.norm(), to.response.norm());
     is_on_it.then_some(found)
 }
@@ -237,7 +231,7 @@ fn along_branch<'p>(
     settings: PeakSettings,
 ) -> BranchPoint<'p> {
     let omega_scale = 2.0 * settings.band.width();
-    BranchPoint::new(balance, iterate, omega_scale, None, None)
+    BranchPoint::new(balance, iterate, omega_scale)
 }
 
 /// The higher of two maxima, the first of equals.

@@ -1,7 +1,6 @@
 //! The forced response between two solutions: cubics of frequency and dynamic stiffness, their error, their points.
 
 use crate::hb::branch::branch_point::BranchPoint;
-use crate::hb::equations::balance::Balance;
 use crate::hb::structure::resonance::Band;
 use faer::prelude::c64;
 
@@ -68,14 +67,9 @@ pub(super) struct CubicSegment {
 }
 
 impl CubicSegment {
-    pub(super) fn new(
-        balance: &Balance<'_>,
-        from: &BranchPoint<'_>,
-        to: &BranchPoint<'_>,
-        length: f64,
-    ) -> Self {
+    pub(super) fn new(from: &BranchPoint<'_>, to: &BranchPoint<'_>, length: f64) -> Self {
         // each tangent has unit length in the metric of its own point; both rates must be per the same arclength
-        let length_at_end = from.length_at(balance, to, length);
+        let length_at_end = from.length_at(to, length);
         let rate = |p: &BranchPoint<'_>, length: f64| {
             -p.response_rate / (p.response * p.response) * length
         };

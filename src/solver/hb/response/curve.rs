@@ -216,7 +216,7 @@ impl<'b, 'p> CurveSide<'b, 'p> {
         };
         let omega_scale = steps.omega_scale;
         let iterate = Iterate::new(balance, peak.clone());
-        let start = BranchPoint::new(balance, iterate, omega_scale, None, None);
+        let start = BranchPoint::new(balance, iterate, omega_scale);
         let scales = ComplexScales::of(&start, band);
         let start = if upwards { start } else { start.reversed() };
         let (mut points, mut lengths) = (Vec::new(), Vec::new());
@@ -227,7 +227,7 @@ impl<'b, 'p> CurveSide<'b, 'p> {
                 let share = segment.error(&scales, length, to) / ESTIMATES[0];
                 longest = f64::max(segment.length / share.sqrt().sqrt(), STEPS[1]);
             }
-            before = Some(CubicSegment::new(balance, &from, to, length));
+            before = Some(CubicSegment::new(&from, to, length));
             points.push(from);
             lengths.push(length);
             match band.contains(to.iterate.point.omega) {
@@ -258,7 +258,7 @@ impl<'b, 'p> CurveSide<'b, 'p> {
         let omega_scale = StepSettings::for_band(band.width()).omega_scale;
         let sign = if upwards { 1.0 } else { -1.0 };
         let iterate = Iterate::new(balance, peak.clone());
-        let start = BranchPoint::new(balance, iterate, omega_scale, None, None).towards(sign);
+        let start = BranchPoint::new(balance, iterate, omega_scale).towards(sign);
         let scales = ComplexScales::of(&start, band);
         let mut side = Self {
             balance,
@@ -300,7 +300,7 @@ impl<'b, 'p> CurveSide<'b, 'p> {
             ..from.iterate.point.clone()
         };
         let solved = solve(self.balance, point, Condition::FixedFrequency, self.newton).ok()?;
-        let found = BranchPoint::new(self.balance, solved, self.omega_scale, None, None);
+        let found = BranchPoint::new(self.balance, solved, self.omega_scale);
         Some(found.towards(from.tangent.omega))
     }
 
@@ -308,12 +308,7 @@ impl<'b, 'p> CurveSide<'b, 'p> {
         if self.linear {
             return CubicSegment::over_frequency(&self.points[i], &self.points[i + 1]);
         }
-        CubicSegment::new(
-            self.balance,
-            &self.points[i],
-            &self.points[i + 1],
-            self.lengths[i],
-        )
+        CubicSegment::new(&self.points[i], &self.points[i + 1], self.lengths[i])
     }
 
     /// Error of segment i, measured at the solutions beyond its ends.
@@ -356,10 +351,10 @@ impl<'b, 'p> CurveSide<'b, 'p> {
         let Ok(iterate) = solved else {
             return false;
         };
-        let tangent = Some(&from.tangent);
-        let middle = BranchPoint::new(self.balance, iterate, self.omega_scale, None, tangent);
+        let middle = BranchPoint::new(self.balance, iterate, self.omega_scale);
+        let middle = middle.following(&from.tangent);
         // past a corner the branch is longer than the step over it
-        let [rest, _] = middle.distances(self.balance, &self.points[i + 1].iterate.point);
+        let [rest, _] = middle.distances(&self.points[i + 1].iterate.point);
         if rest <= 0.0 {
             return false;
         }

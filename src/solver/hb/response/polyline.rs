@@ -95,11 +95,11 @@ impl<'b, 'p> Polyline<'b, 'p> {
         let mut clipped = None;
         let end = follow(balance, first.solution, sweep, newton, |from, to| {
             let work_of_step = meter.read();
-            let segment = BranchSegment::new(balance, &from, to);
+            let segment = BranchSegment::new(&from, to);
             let reached = to.iterate.point.omega;
             done = done.max(sign * (reached - begin) / (sign * (far_end - begin)));
             progress(done.min(1.0));
-            met = other.is_some_and(|other| segment.passes(balance, other));
+            met = other.is_some_and(|other| segment.passes(other));
             if sign * (reached - far_end) > 0.0 {
                 clipped = segment.clipped(balance, far_end, newton);
             }
@@ -142,7 +142,7 @@ impl<'b, 'p> Polyline<'b, 'p> {
 
     fn segment(&self, i: usize) -> BranchSegment<'_, 'p> {
         let [from, to] = [i, i + 1].map(|i| &self.points[i].solution);
-        BranchSegment::new(self.balance, from, to)
+        BranchSegment::new(from, to)
     }
 
     /// Adds solutions where straight lines are not exact enough.

@@ -166,7 +166,7 @@ impl<'p> LevelProblem<'_, 'p> {
         let newton = self.settings.newton;
         let all = answers.omega.len() as f64;
         let end = follow(self.balance(), first, sweep, newton, |from, to| {
-            let segment = BranchSegment::new(self.balance(), &from, to);
+            let segment = BranchSegment::new(&from, to);
             let reached = self.answer(&segment, sign, &mut open, answers);
             front = sign * f64::max(sign * front, sign * reached);
             progress(1.0 - open.len() as f64 / all);
@@ -197,7 +197,7 @@ impl<'p> LevelProblem<'_, 'p> {
             false => None,
         };
         let to = tip.as_ref().unwrap_or(taken.to);
-        let segment = BranchSegment::new(balance, taken.from, to);
+        let segment = BranchSegment::new(taken.from, to);
         let reached = to.iterate.point.omega;
         while let Some(i) = open.pop_if(|i| sign * (answers.omega[*i] - reached) <= 0.0) {
             let omega = answers.omega[i];
