@@ -4,7 +4,7 @@ use super::Ensemble;
 use super::applied::Applied;
 use super::atlas::{Atlas, ModePeaks};
 use super::outcome::{AroundPeak, LevelOutcome, MistunedRecord, newton_iterations};
-use super::sample::{Found, record, status_of};
+use super::sample::{Found, record};
 use super::times::SampleTimes;
 use crate::hb::peak::blades::{LargestBlade, largest_of_blades};
 use crate::hb::peak::maxima::Maxima;
@@ -57,9 +57,11 @@ impl Ensemble<'_> {
             let linear = linear.map_err(|_| Status::NonFinite)?;
             let contacts = self.contacts.repeat(of.ring.n_sectors());
             let applied = self.applied_to(Cow::Owned(linear), contacts, inputs);
-            let problem = applied.problem(self.settings.anchor).map_err(status_of)?;
+            let problem = applied
+                .problem(self.settings.anchor)
+                .map_err(|error| error.status())?;
             let tuned = self.tuned(of, &tuned, &levels, inputs, place);
-            let tuned = tuned.map_err(status_of)?;
+            let tuned = tuned.map_err(|error| error.status())?;
             let found = levels.iter().map(|&level| {
                 let found = largest_of_blades(&problem, self.settings, self.peak, level);
                 problem.effort.grant(self.settings.newton.budget);

@@ -124,9 +124,11 @@ impl Ensemble<'_> {
         let begun = Instant::now();
         let solved = self.applied(inputs).and_then(|applied| {
             let levels = self.applied_levels(&applied);
-            let problem = applied.problem(self.settings.anchor).map_err(status_of)?;
+            let problem = applied
+                .problem(self.settings.anchor)
+                .map_err(|error| error.status())?;
             let peaks = self.peaks(&problem, &levels, place, atlas);
-            let peaks = peaks.map_err(status_of)?;
+            let peaks = peaks.map_err(|error| error.status())?;
             let (larger_sets, to_peaks) = (problem.effort.alert_time(), begun.elapsed());
             let shapes = self.mode_shapes(problem.model);
             let level = |(found, nominal)| {
@@ -292,14 +294,6 @@ impl Ensemble<'_> {
             peaks: vec![ModePeaks::default(); self.levels.len()],
             times: SampleTimes::default(),
         }
-    }
-}
-
-/// How a sample ends whose constants make no harmonic balance problem.
-pub(super) fn status_of(error: ProblemError) -> Status {
-    match error {
-        ProblemError::Linalg(_) | ProblemError::NotFinite { .. } => Status::NonFinite,
-        _ => Status::NotHeld,
     }
 }
 

@@ -1,8 +1,9 @@
 //! Why a harmonic balance problem cannot be set up.
 
+use super::status::Status;
+
 /// A model or sample that is not a harmonic balance problem.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum ProblemError {
     /// The eigenproblem of the free structure cannot be solved.
     #[error(transparent)]
@@ -29,4 +30,18 @@ pub enum ProblemError {
     /// The frictionless static equilibrium for the anchors was not found.
     #[error("no static equilibrium without friction was found for the slider anchors")]
     NoStaticEquilibrium,
+}
+
+impl ProblemError {
+    /// How a sample ends whose problem cannot be set up.
+    #[must_use]
+    pub fn status(&self) -> Status {
+        match self {
+            Self::Linalg(_) | Self::NotFinite { .. } => Status::NonFinite,
+            Self::NotHeld | Self::NotHeldWithoutFriction | Self::NoStaticEquilibrium => {
+                Status::NotHeld
+            }
+            Self::NoLoad => Status::NoPeakInBand,
+        }
+    }
 }
