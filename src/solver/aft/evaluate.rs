@@ -274,11 +274,7 @@ fn summary<T: Real>(
     cycle: &Cycle<T>,
     lane: usize,
 ) -> StateSummary {
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a whole number between 0 and Nt"
-    )]
+    // a number between 0 and Nt
     let whole = |x: T| x.to_f64() as u32;
     let (slip, separated) = (whole(cycle.count.slip[lane]), whole(work.separated[lane]));
     let total = u32::try_from(plan.n_time()).unwrap_or(u32::MAX);

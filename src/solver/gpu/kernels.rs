@@ -386,7 +386,6 @@ impl Kernels {
 
     /// Numbers in the shape's precision.
     fn bytes(&self, values: &[f64]) -> Vec<u8> {
-        #[allow(clippy::cast_possible_truncation, reason = "rounding to f32 is meant")]
         let single = |x: &f64| *x as f32;
         match self.shape.precision {
             Precision::F32 => {

@@ -391,11 +391,7 @@ impl<T: Real> Cycle<T> {
 
     #[inline(always)]
     fn summary(&self, at: Place<T>, slip: u32) -> StateSummary {
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a whole number between 0 and Nt"
-        )]
+        // a whole number between 0 and Nt
         let separated = at.work.separated[at.lane].to_f64() as u32;
         let total = u32::try_from(at.plan.n_time()).unwrap_or(u32::MAX);
         StateSummary {
