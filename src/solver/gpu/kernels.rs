@@ -141,7 +141,7 @@ impl Kernels {
     /// Passes that `want` takes.
     fn passes(&self, want: Want) -> Vec<Pass> {
         let all = self.shape.passes().iter().copied();
-        all.filter(|pass| !pass.tangents || want == Want::ForcesAndTangents)
+        all.filter(|pass| !pass.only_tangents || want == Want::ForcesAndTangents)
             .collect()
     }
 
