@@ -140,7 +140,7 @@ impl Study {
         solved: &[ContactParameters<f64>],
     ) -> Result<NumberedModes, Error> {
         let no_modes = |error: LinalgError| Error::Problem(error.into());
-        let stuck = model.frequencies(true).map_err(no_modes)?;
+        let stuck = model.stuck_frequencies().map_err(no_modes)?;
         let springs = stuck_stiffness(solved);
         let own = natural_frequencies(linear, &springs).map_err(no_modes)?;
         let numbers = mode_numbers(&stuck, &own);
