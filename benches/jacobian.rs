@@ -13,7 +13,6 @@ use microslip::aft::{AftSettings, Laps};
 use microslip::contact::{Events, FrictionLaw};
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::equations::balance::time_points;
-use microslip::hb::equations::jacobian::{EXACT, Jacobian};
 use microslip::hb::newton::{Iterate, Point};
 use microslip::hb::peak::search::PeakSettings;
 use microslip::hb::peak::track::track_peaks;
@@ -22,6 +21,7 @@ use microslip::hb::{
     Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, StabilityScope,
 };
 use microslip::linalg::gcr::{GcrSettings, SearchSpace};
+use microslip::linalg::vector::axpy;
 use microslip::model::interface::{InterfaceSettings, Share};
 use microslip::model::two_blade::{TwoBladeSettings, build};
 use microslip::units::hz_to_rad_s;
@@ -160,13 +160,6 @@ fn harmonic_blocks(iterate: &Iterate<'_>, balance: &Balance<'_>, sides: &[Vec<f6
     let blocks: Vec<_> = (0..iterate.compliance.harmonics.len() + 1)
         .map(|k| factors(iterate, balance, k..k + 1))
         .collect();
-    let nothing_active = Jacobian::new(
-        &balance.layout,
-        balance.problem,
-        &iterate.compliance,
-        &[],
-        EXACT,
-    );
     let jacobian = iterate.jacobian(balance);
     let product = |v: &[f64]| {
         let mut z = v.to_vec();
@@ -177,7 +170,7 @@ fn harmonic_blocks(iterate: &Iterate<'_>, balance: &Balance<'_>, sides: &[Vec<f6
             rest = after;
         }
         let mut w = z.clone();
-        nothing_active.add_compliance(&jacobian.deviation(&z), &mut w);
+        add_compliance(iterate, balance, &jacobian.deviation(&z), &mut w);
         (z, w)
     };
     let settings = GcrSettings {
@@ -186,6 +179,21 @@ fn harmonic_blocks(iterate: &Iterate<'_>, balance: &Balance<'_>, sides: &[Vec<f6
     };
     for b in sides {
         black_box(SearchSpace::default().solve(product, b, settings));
+    }
+}
+
+/// y += G x, harmonic by harmonic.
+fn add_compliance(iterate: &Iterate<'_>, balance: &Balance<'_>, x: &[f64], y: &mut [f64]) {
+    let n = balance.layout.n_relative();
+    let at_rest = &balance.problem.stuck_static.compliance;
+    for (j, &x) in x[..n].iter().enumerate() {
+        axpy(x, at_rest.col_as_slice(j), &mut y[..n]);
+    }
+    let harmonics = x[n..]
+        .chunks_exact(2 * n)
+        .zip(y[n..].chunks_exact_mut(2 * n));
+    for (h, (x, y)) in iterate.compliance.harmonics.iter().zip(harmonics) {
+        h.add_real(x.split_at(n), y.split_at_mut(n));
     }
 }
 

@@ -15,6 +15,20 @@ pub struct BadSetting {
 }
 
 impl BadSetting {
+    /// The value of `key` that breaks `rule`.
+    #[must_use]
+    pub fn new(
+        key: impl Into<String>,
+        value: impl std::fmt::Display,
+        rule: impl Into<String>,
+    ) -> Self {
+        Self {
+            key: key.into(),
+            value: value.to_string(),
+            rule: rule.into(),
+        }
+    }
+
     /// `Err` with key, value and rule unless `holds`.
     ///
     /// # Errors
@@ -28,11 +42,7 @@ impl BadSetting {
         if holds {
             Ok(())
         } else {
-            Err(Self {
-                key: key.to_owned(),
-                value: value.to_string(),
-                rule: rule.to_owned(),
-            })
+            Err(Self::new(key, value, rule))
         }
     }
 

@@ -1,6 +1,6 @@
-//! The no-U-turn sampler: Hoffman & Gelman, J. Mach. Learn. Res. 15 (2014) 1593–1623, with multinomial sampling of the path and the
-//! general criterion of a turn (Betancourt, arXiv 1701.02434), and the warm-up of Stan: step by dual averaging, diagonal mass matrix
-//! from windows of doubling length.
+//! The no-U-turn sampler: Hoffman & Gelman, J. Mach. Learn. Res. 15 (2014) 1593–1623, algorithm 6, whose names it bears, with
+//! multinomial sampling of the path and the general criterion of a turn (Betancourt, arXiv 1701.02434), and the warm-up of Stan:
+//! step by dual averaging, diagonal mass matrix from windows of doubling length.
 //!
 //! Own code and no crate: sums run in one order on every processor, so a chain is the same bits on all of them.
 
@@ -27,21 +27,38 @@ struct Point {
     density: f64,
 }
 
-/// Part of a path, in the order in which it was walked.
-struct Part {
+/// Where a path is made longer.
+#[derive(Debug, Clone, Copy)]
+enum TimeDirection {
+    Backward,
+    Forward,
+}
+
+impl TimeDirection {
+    /// Indices of the end of a path in this direction and of its other end.
+    fn ends(self) -> [usize; 2] {
+        match self {
+            Self::Backward => [0, 1],
+            Self::Forward => [1, 0],
+        }
+    }
+}
+
+/// The leaves of a subtree: a piece of the path, in the order in which it was built.
+struct Subtree {
     /// Momenta at its ends.
     ends: [Vec<f64>; 2],
     /// Sum of all momenta.
     sum: Vec<f64>,
     /// A place drawn from it by its weights.
-    drawn: Point,
+    proposal: Point,
     /// Logarithm of the sum of the weights.
     log_weight: f64,
-    /// Neither turned nor diverged.
-    whole: bool,
+    /// No U-turn and no divergence.
+    is_valid: bool,
 }
 
-/// What the walk of one path tells of its step.
+/// What the building of one path tells of its step.
 #[derive(Debug, Clone, Copy, Default)]
 struct Tally {
     steps: u32,
@@ -117,60 +134,73 @@ impl<'a> Chain<'a> {
         }
         let start = self.energy(&self.at);
         let momentum = self.at.momentum.clone();
-        let mut path = Part {
+        let mut path = Subtree {
             ends: [momentum.clone(), momentum.clone()],
             sum: momentum,
-            drawn: self.at.clone(),
+            proposal: self.at.clone(),
             log_weight: 0.0,
-            whole: true,
+            is_valid: true,
         };
         let mut outermost = [self.at.clone(), self.at.clone()];
         let mut tally = Tally::default();
         for depth in 0..MOST_DOUBLINGS {
-            let side = usize::from(self.uniform() < 0.5);
-            let further = self.walk(&mut outermost[side], side, depth, start, &mut tally);
-            if !further.whole {
+            let direction = match self.uniform() < 0.5 {
+                true => TimeDirection::Forward,
+                false => TimeDirection::Backward,
+            };
+            let [end, _] = direction.ends();
+            let further = self.build_tree(&mut outermost[end], direction, depth, start, &mut tally);
+            if !further.is_valid {
                 break;
             }
-            // later parts are preferred to earlier ones, which moves farther and keeps the distribution
-            let taken = log(self.uniform()) < further.log_weight - path.log_weight;
-            path = self.joined(path, further, side, taken);
-            if !path.whole {
+            // later subtrees are preferred to earlier ones, which moves farther and keeps the distribution
+            let log_probability = further.log_weight - path.log_weight;
+            path = self.joined(path, further, direction, log_probability);
+            if !path.is_valid {
                 break;
             }
         }
-        self.at = path.drawn;
+        self.at = path.proposal;
         tally
     }
 
-    /// Walks 2^depth steps from `at`, which ends at the last one; side 1 is forwards.
-    fn walk(
+    /// Takes 2^depth steps from `at`, which ends at the last one.
+    fn build_tree(
         &mut self,
         at: &mut Point,
-        side: usize,
+        direction: TimeDirection,
         depth: u32,
         start: f64,
         tally: &mut Tally,
-    ) -> Part {
+    ) -> Subtree {
         if depth == 0 {
-            return self.one_step(at, side, start, tally);
+            return self.one_step(at, direction, start, tally);
         }
-        let first = self.walk(at, side, depth - 1, start, tally);
-        if !first.whole {
+        let first = self.build_tree(at, direction, depth - 1, start, tally);
+        if !first.is_valid {
             return first;
         }
-        let second = self.walk(at, side, depth - 1, start, tally);
-        if !second.whole {
+        let second = self.build_tree(at, direction, depth - 1, start, tally);
+        if !second.is_valid {
             return second;
         }
         let total = log_sum(first.log_weight, second.log_weight);
-        let taken = log(self.uniform()) < second.log_weight - total;
-        // both were walked away from the start, so that the second follows the first whatever the side
-        self.joined(first, second, 1, taken)
+        let log_probability = second.log_weight - total;
+        // both were built away from the start, so that the second follows the first whatever the direction
+        self.joined(first, second, TimeDirection::Forward, log_probability)
     }
 
-    fn one_step(&self, at: &mut Point, side: usize, start: f64, tally: &mut Tally) -> Part {
-        let step = if side == 1 { self.step } else { -self.step };
+    fn one_step(
+        &self,
+        at: &mut Point,
+        direction: TimeDirection,
+        start: f64,
+        tally: &mut Tally,
+    ) -> Subtree {
+        let step = match direction {
+            TimeDirection::Forward => self.step,
+            TimeDirection::Backward => -self.step,
+        };
         for (p, g) in at.momentum.iter_mut().zip(&at.gradient) {
             *p += 0.5 * step * g;
         }
@@ -189,42 +219,54 @@ impl<'a> Chain<'a> {
         } else {
             f64::NEG_INFINITY
         };
-        let whole = log_weight > -DIVERGENT;
+        let is_valid = log_weight > -DIVERGENT;
         tally.steps += 1;
         tally.acceptance += exp(log_weight.min(0.0));
-        tally.diverged |= !whole;
-        Part {
+        tally.diverged |= !is_valid;
+        Subtree {
             ends: [at.momentum.clone(), at.momentum.clone()],
             sum: at.momentum.clone(),
-            drawn: at.clone(),
+            proposal: at.clone(),
             log_weight,
-            whole,
+            is_valid,
         }
     }
 
-    /// `path` with `further` at its end of that side; `taken` says whose place is kept.
-    fn joined(&self, path: Part, further: Part, side: usize, taken: bool) -> Part {
+    /// `path` with `further` at its end in this direction; it proposes what `further` proposes with the probability
+    /// e^`log_probability`, at most 1.
+    fn joined(
+        &mut self,
+        path: Subtree,
+        further: Subtree,
+        direction: TimeDirection,
+        log_probability: f64,
+    ) -> Subtree {
+        let takes_further = log(self.uniform()) < log_probability;
         let plus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect::<Vec<f64>>();
         let sum = plus(&path.sum, &further.sum);
         let [inner, outer] = &further.ends;
-        let (near, far) = (&path.ends[side], &path.ends[1 - side]);
-        // the whole, and each part with the first momentum of the other
-        let whole = self.goes_on(&sum, far, outer)
-            && self.goes_on(&plus(&path.sum, inner), far, inner)
-            && self.goes_on(&plus(&further.sum, near), near, outer);
+        let [near_end, far_end] = direction.ends();
+        let (near, far) = (&path.ends[near_end], &path.ends[far_end]);
+        // the joined path, and each of the two with the first momentum of the other
+        let is_valid = self.has_no_u_turn(&sum, far, outer)
+            && self.has_no_u_turn(&plus(&path.sum, inner), far, inner)
+            && self.has_no_u_turn(&plus(&further.sum, near), near, outer);
         let mut ends = path.ends.clone();
-        ends[side].clone_from(outer);
-        Part {
+        ends[near_end].clone_from(outer);
+        Subtree {
             ends,
             sum,
             log_weight: log_sum(path.log_weight, further.log_weight),
-            drawn: if taken { further.drawn } else { path.drawn },
-            whole,
+            proposal: match takes_further {
+                true => further.proposal,
+                false => path.proposal,
+            },
+            is_valid,
         }
     }
 
     /// Whether a path with this sum of momenta still moves away at both ends.
-    fn goes_on(&self, sum: &[f64], one: &[f64], other: &[f64]) -> bool {
+    fn has_no_u_turn(&self, sum: &[f64], one: &[f64], other: &[f64]) -> bool {
         let along = |end: &[f64]| -> f64 {
             let products = sum.iter().zip(end).zip(&self.variances);
             products.map(|((s, p), v)| s * p * v).sum()

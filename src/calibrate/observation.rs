@@ -88,11 +88,8 @@ impl Observations {
         for point in &record.points {
             let same = |level: &f64| (level / point.level_n - 1.0).abs() <= SAME_LEVEL;
             let rule = || format!("must be one of the levels of the study: {levels:?}");
-            let place = levels.iter().position(same).ok_or_else(|| BadSetting {
-                key: "level".to_owned(),
-                value: point.level_n.to_string(),
-                rule: rule(),
-            })?;
+            let refused = || BadSetting::new("level", point.level_n, rule());
+            let place = levels.iter().position(same).ok_or_else(refused)?;
             at[place].push(point);
         }
         let stated = |quantity: Quantity| {

@@ -315,11 +315,8 @@ impl PairsArguments {
             [x, y, z] if [x, y, z].iter().all(|c| c.is_finite()) => Some([x, y, z]),
             _ => {
                 let given: Vec<_> = self.normal.iter().map(f64::to_string).collect();
-                return Err(bad(BadSetting {
-                    key: "--normal".to_owned(),
-                    value: given.join(","),
-                    rule: "must be three finite numbers: x,y,z".to_owned(),
-                }));
+                let rule = "must be three finite numbers: x,y,z";
+                return Err(bad(BadSetting::new("--normal", given.join(","), rule)));
             }
         };
         let read = [&self.nodes, &self.a, &self.b].map(Clone::clone);

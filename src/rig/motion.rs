@@ -78,8 +78,7 @@ impl Interface {
     }
 
     /// Coulomb limit of all pairs at the mean load (N).
-    #[must_use]
-    pub fn whole_limit(&self) -> f64 {
+    fn whole_limit(&self) -> f64 {
         self.limit.iter().sum()
     }
 

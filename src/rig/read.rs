@@ -152,10 +152,9 @@ fn loading(document: &mut Document<'_>) -> Result<Loading, Error> {
         "punch" => Ok(Loading::Punch(
             document.required::<PunchSettings>("loading")?,
         )),
-        _ => Err(document.bad_setting(&BadSetting {
-            key: "loading.kind".to_owned(),
-            value: kind,
-            rule: "must be \"air\" or \"punch\"".to_owned(),
-        })),
+        _ => {
+            let rule = "must be \"air\" or \"punch\"";
+            Err(document.bad_setting(&BadSetting::new("loading.kind", kind, rule)))
+        }
     }
 }

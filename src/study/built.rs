@@ -60,18 +60,25 @@ impl StudyModel {
         of_rig.chain(of_sector).collect()
     }
 
-    /// Natural angular frequencies (rad/s) of what the first harmonic excites, ascending: without contact forces, or with all
-    /// contacts stuck.
+    /// Natural angular frequencies (rad/s) of what the first harmonic excites, ascending, without contact forces.
     ///
     /// # Errors
     /// [`LinalgError`] if the matrices are not what the model promises.
-    pub fn frequencies(&self, stuck: bool) -> Result<Vec<f64>, LinalgError> {
-        match (&self.disk, stuck) {
-            (Some(of), _) => of
-                .disk
-                .frequencies(of.wave(), stuck.then_some(&self.contacts)),
-            (None, true) => self.reduced.stuck_frequencies(&self.contacts),
-            (None, false) => self.reduced.free_frequencies(),
+    pub fn free_frequencies(&self) -> Result<Vec<f64>, LinalgError> {
+        match &self.disk {
+            Some(of) => of.disk.frequencies(of.wave(), None),
+            None => self.reduced.free_frequencies(),
+        }
+    }
+
+    /// The same with all contacts stuck.
+    ///
+    /// # Errors
+    /// [`LinalgError`] if the matrices are not what the model promises.
+    pub fn stuck_frequencies(&self) -> Result<Vec<f64>, LinalgError> {
+        match &self.disk {
+            Some(of) => of.disk.frequencies(of.wave(), Some(&self.contacts)),
+            None => self.reduced.stuck_frequencies(&self.contacts),
         }
     }
 }

@@ -87,8 +87,7 @@ impl Study {
                     input => format!("inputs.{}", input.name()),
                 };
                 let rule = format!("must be absent for an export: {reason}");
-                let refused = BadSetting::unless(false, &key, "(given)", &rule);
-                refused.map_err(|bad| self.bad_setting(&bad))?;
+                return Err(self.bad_setting(&BadSetting::new(key, "(given)", rule)));
             }
         }
         Ok(())

@@ -122,14 +122,11 @@ impl Study {
         if numbers.is_empty() {
             numbers.push("none".to_owned());
         }
-        Err(self.bad_setting(&BadSetting {
-            key: "frequency.peak".to_owned(),
-            value: number.to_string(),
-            rule: format!(
-                "must be a mode that is excited and has its stuck or its free frequency in the band: {}",
-                numbers.join(", ")
-            ),
-        }))
+        let rule = format!(
+            "must be a mode that is excited and has its stuck or its free frequency in the band: {}",
+            numbers.join(", ")
+        );
+        Err(self.bad_setting(&BadSetting::new("frequency.peak", number, rule)))
     }
 
     /// Numbers of all modes of what is solved, by their index, and the modes in the band with theirs, ascending.
@@ -140,7 +137,7 @@ impl Study {
         solved: &[ContactParameters<f64>],
     ) -> Result<NumberedModes, Error> {
         let no_modes = |error: LinalgError| Error::Problem(error.into());
-        let stuck = model.frequencies(true).map_err(no_modes)?;
+        let stuck = model.stuck_frequencies().map_err(no_modes)?;
         let springs = stuck_stiffness(solved);
         let own = natural_frequencies(linear, &springs).map_err(no_modes)?;
         let numbers = mode_numbers(&stuck, &own);
@@ -204,11 +201,7 @@ impl Study {
         match Problem::new(linear, contacts.to_vec(), 1.0, rest) {
             Err(
                 rule @ (ProblemError::NotHeldWithoutFriction | ProblemError::NoStaticEquilibrium),
-            ) => Err(self.bad_setting(&BadSetting {
-                key: key.to_owned(),
-                value: value.to_owned(),
-                rule: rule.to_string(),
-            })),
+            ) => Err(self.bad_setting(&BadSetting::new(key, value, rule.to_string()))),
             other => Ok(other.map(drop)?),
         }
     }

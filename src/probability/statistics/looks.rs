@@ -7,8 +7,7 @@
 //! (1977) 191–199, and spending functions, Lan & DeMets, Biometrika 70 (1983) 659–663.
 
 /// Share of the risk that look number `look` takes, counted from 1; all of it for 0, no look at all.
-#[must_use]
-pub fn share_of_risk(look: usize) -> f64 {
+fn share_of_risk(look: usize) -> f64 {
     match look {
         0 => 1.0,
         j => 1.0 / (j as f64 * (j as f64 + 1.0)),

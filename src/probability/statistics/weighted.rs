@@ -61,17 +61,27 @@ struct Share {
     missing: f64,
 }
 
+/// Where a share counts observations of unknown value: the failed samples, and the one that is missing.
+#[derive(Debug, Clone, Copy)]
+enum Unknown {
+    Counted,
+    NotCounted,
+}
+
 /// Shares of the weight below which rounding hides a sample.
 const ROUNDING: f64 = 1e-12;
 
 impl Share {
-    /// Parameters of the beta law of the share with the missing observation, counted or not.
-    fn with_one_more(&self, counted: bool) -> [f64; 2] {
+    /// Parameters of the beta law of the share with the missing observation.
+    fn with_one_more(&self, missing: Unknown) -> [f64; 2] {
         let (h, [yes, yes_squares], [all, squares]) = (self.missing, self.yes, self.all);
-        let more = |counts: bool| f64::from(u8::from(counts));
-        let p = (yes + h * more(counted)) / (all + h);
-        let counted_squares = yes_squares + h * h * more(counted);
-        let others = (squares - yes_squares).max(0.0) + h * h * more(!counted);
+        let [counted, not_counted] = match missing {
+            Unknown::Counted => [1.0, 0.0],
+            Unknown::NotCounted => [0.0, 1.0],
+        };
+        let p = (yes + h * counted) / (all + h);
+        let counted_squares = yes_squares + h * h * counted;
+        let others = (squares - yes_squares).max(0.0) + h * h * not_counted;
         let variance = (counted_squares * (1.0 - p).powi(2) + others * p * p) / (all + h).powi(2);
         let n = p * (1.0 - p) / variance;
         [p * n, (1.0 - p) * n]
@@ -86,14 +96,14 @@ impl Share {
     fn lower(&self, tail: f64) -> Option<f64> {
         match self.yes[0] <= ROUNDING * self.all[0] {
             true => Some(0.0),
-            false => Self::quantile(self.with_one_more(false), tail),
+            false => Self::quantile(self.with_one_more(Unknown::NotCounted), tail),
         }
     }
 
     fn upper(&self, tail: f64) -> Option<f64> {
         match self.all[0] - self.yes[0] <= ROUNDING * self.all[0] {
             true => Some(1.0),
-            false => Self::quantile(self.with_one_more(true), 1.0 - tail),
+            false => Self::quantile(self.with_one_more(Unknown::Counted), 1.0 - tail),
         }
     }
 }
@@ -156,14 +166,14 @@ impl Weighted {
         self.sums[self.valid.len()][0]
     }
 
-    /// Share of the first `k` valid samples; with the failed ones, or without.
-    fn up_to(&self, k: usize, with_failed: bool) -> Share {
+    /// Share of the first `k` valid samples, and of the failed ones where these are counted.
+    fn up_to(&self, k: usize, failed: Unknown) -> Share {
         let plus = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a + c, b + d];
         let yes = self.sums[k];
         Share {
-            yes: match with_failed {
-                true => plus(yes, self.failed),
-                false => yes,
+            yes: match failed {
+                Unknown::Counted => plus(yes, self.failed),
+                Unknown::NotCounted => yes,
             },
             all: plus(self.sums[self.valid.len()], self.failed),
             missing: self.missing,
@@ -197,11 +207,11 @@ pub fn weighted_quantile(
     let steps: Vec<usize> = (0..=weighted.valid.len()).collect();
     // Between value k and the next, P(result <= value) is the share of the first k.
     let below = |k: &usize| {
-        let upper = weighted.up_to(*k, true).upper(tail);
+        let upper = weighted.up_to(*k, Unknown::Counted).upper(tail);
         upper.is_some_and(|upper| upper < probability)
     };
     let not_above = |k: &usize| {
-        let lower = weighted.up_to(*k, false).lower(tail);
+        let lower = weighted.up_to(*k, Unknown::NotCounted).lower(tail);
         lower.is_none_or(|lower| lower <= probability)
     };
     let first = steps.partition_point(below);
@@ -240,8 +250,8 @@ pub fn weighted_exceedance(
     Some(WeightedExceedance {
         threshold,
         estimate: (valid > 0.0).then(|| (above / valid).clamp(0.0, 1.0)),
-        lower: 1.0 - weighted.up_to(below, true).upper(tail)?,
-        upper: 1.0 - weighted.up_to(below, false).lower(tail)?,
+        lower: 1.0 - weighted.up_to(below, Unknown::Counted).upper(tail)?,
+        upper: 1.0 - weighted.up_to(below, Unknown::NotCounted).lower(tail)?,
         effective_samples: weighted.effective_samples,
     })
 }

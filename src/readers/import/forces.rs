@@ -32,11 +32,7 @@ impl Forces {
         names: &Names<'_>,
         units: Units,
     ) -> Result<(), BadSetting> {
-        let bad = |rule: String| BadSetting {
-            key: "--excite".to_owned(),
-            value: word.to_owned(),
-            rule,
-        };
+        let bad = |rule: String| BadSetting::new("--excite", word, rule);
         let (name, values) = word.split_once('=').ok_or_else(|| {
             bad("must be DOF=COSINE or DOF=COSINE,SINE, such as 12.1=1.0".to_owned())
         })?;

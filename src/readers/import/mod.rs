@@ -177,11 +177,7 @@ fn attached(
     }
     for name in &request.responses {
         let known = names.dof(name);
-        known.map_err(|rule| BadSetting {
-            key: "--response".to_owned(),
-            value: name.clone(),
-            rule,
-        })?;
+        known.map_err(|rule| BadSetting::new("--response", name, rule))?;
     }
     Ok((pairs, forces))
 }

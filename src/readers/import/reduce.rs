@@ -133,10 +133,7 @@ fn craig_bampton(
     masters: &[usize],
     cut_off: f64,
 ) -> Result<CraigBampton, ImportError> {
-    let bad = |rule: String| {
-        let (key, value) = ("--cut-off".to_owned(), cut_off.to_string());
-        ImportError::Setting(BadSetting { key, value, rule })
-    };
+    let bad = |rule: String| ImportError::Setting(BadSetting::new("--cut-off", cut_off, rule));
     if masters.is_empty() {
         let rule = "needs degrees of freedom that are kept: --pairs, --excite, --forces, --response or --keep";
         return Err(bad(rule.to_owned()));

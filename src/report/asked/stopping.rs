@@ -120,11 +120,8 @@ impl StoppingTable {
             BadSetting::unless(some, "until", "\"decided\"", rule)?;
             return Ok(StoppingRule::Decided);
         }
-        let absent = |key: &str| BadSetting {
-            key: key.to_owned(),
-            value: "(absent)".to_owned(),
-            rule: "must be given with until = \"width\"".to_owned(),
-        };
+        let absent =
+            |key: &str| BadSetting::new(key, "(absent)", "must be given with until = \"width\"");
         let quantile = self.quantile.unwrap_or(0.5);
         let inside = quantile > 0.0 && quantile < 1.0;
         BadSetting::unless(inside, "quantile", quantile, "must lie between 0 and 1")?;

@@ -11,6 +11,7 @@ use crate::report::numbers::population::hull;
 use crate::report::page::document::page;
 use crate::report::page::view::length_unit;
 use crate::report::run::input::ReportInput;
+use crate::report::run::record::NodalRecord;
 use crate::report::run::stored_run::StoredRun;
 use crate::report::verdict::criterion_result::CriterionResult;
 use crate::report::verdict::sentence::word;
@@ -20,6 +21,9 @@ use crate::statistics::Judgement;
 const BESIDE: f64 = 0.12;
 /// Half the gap between two bands of the Campbell diagram, as a share of its width.
 const GAP: f64 = 0.003;
+
+/// Linear frequencies (Hz) of a nodal diameter, of one kind.
+type FrequenciesOf = fn(&NodalRecord) -> &Vec<f64>;
 
 /// A disk as the page shows it.
 struct View<'a> {
@@ -354,17 +358,15 @@ fn safe(view: &View) -> Figure {
 fn families(view: &View, panel: &mut Panel) {
     let diameters = &view.disk.nodal_diameters;
     let [low, high] = view.window;
-    for (class, of) in [("free", true), ("stuck", false)] {
-        let frequencies = |at: usize| match of {
-            true => &diameters[at].free_hz,
-            false => &diameters[at].stuck_hz,
-        };
-        let families = (0..diameters.len()).map(|at| frequencies(at).len()).min();
+    let shown: [(&str, FrequenciesOf); 2] = [
+        ("free", |diameter| &diameter.free_hz),
+        ("stuck", |diameter| &diameter.stuck_hz),
+    ];
+    for (class, frequencies) in shown {
+        let families = diameters.iter().map(|d| frequencies(d).len()).min();
         for family in 0..families.unwrap_or(0) {
-            let points = (0..diameters.len()).map(|at| {
-                let number = diameters[at].nodal_diameter as f64;
-                (number, frequencies(at)[family])
-            });
+            let points =
+                (diameters.iter()).map(|d| (d.nodal_diameter as f64, frequencies(d)[family]));
             let points: Vec<(f64, f64)> = points.collect();
             if points.iter().any(|(_, f)| (low..=high).contains(f)) {
                 panel.line(class, points.into_iter());

@@ -129,14 +129,17 @@ impl CorrelationTable {
         }
         match cholesky(&matrix) {
             Ok(_) => Ok(matrix),
-            Err(i) => Err(BadSetting {
-                key: "pairs".to_owned(),
-                value: format!("[..., {}, ...]", inputs[i].name()),
-                rule: format!(
-                    "must make a positive definite matrix: the correlations of {} contradict those of the inputs before it",
-                    inputs[i].name()
-                ),
-            }),
+            Err(i) => {
+                let name = inputs[i].name();
+                let rule = format!(
+                    "must make a positive definite matrix: the correlations of {name} contradict those of the inputs before it"
+                );
+                Err(BadSetting::new(
+                    "pairs",
+                    format!("[..., {name}, ...]"),
+                    rule,
+                ))
+            }
         }
     }
 }
@@ -155,17 +158,20 @@ impl CorrelatedPair {
             }
             None => return Ok(()),
         };
-        BadSetting::unless(false, "inputs", format!("{:?}", self.inputs), &rule)
+        Err(BadSetting::new(
+            "inputs",
+            format!("{:?}", self.inputs),
+            rule,
+        ))
     }
 
     fn places(&self, inputs: &[Input]) -> Result<[usize; 2], BadSetting> {
         let place = |name: &String| {
             let at = inputs.iter().position(|input| input.name() == name);
             let known: Vec<_> = inputs.iter().map(|input| input.name()).collect();
-            at.ok_or_else(|| BadSetting {
-                key: "inputs".to_owned(),
-                value: format!("{name:?}"),
-                rule: format!("must be inputs with a distribution: {}", known.join(", ")),
+            at.ok_or_else(|| {
+                let rule = format!("must be inputs with a distribution: {}", known.join(", "));
+                BadSetting::new("inputs", format!("{name:?}"), rule)
             })
         };
         Ok([place(&self.inputs[0])?, place(&self.inputs[1])?])

@@ -153,7 +153,7 @@ impl DesignSettings {
                 Uncertainty::Aleatory(distribution) => input.accepts(distribution),
                 Uncertainty::Epistemic(_) if input.numbers_draws() => {
                     let rule = "must be \"aleatory\": its values only number the draws of a field, so that none is worse than others";
-                    BadSetting::unless(false, "kind", "\"epistemic\"", rule)
+                    Err(BadSetting::new("kind", "\"epistemic\"", rule))
                 }
                 Uncertainty::Epistemic(known) => (input.accepts_value("lower", known.lower))
                     .and_then(|()| input.accepts_value("upper", known.upper)),

@@ -196,11 +196,6 @@ impl DesignTable {
 
     /// Points per input of a grid, in the order of `inputs`.
     fn grid(&self, inputs: &[Input]) -> Result<Vec<u64>, BadSetting> {
-        let bad = |key: String, value: String, rule: &str| BadSetting {
-            key,
-            value,
-            rule: rule.to_owned(),
-        };
         let points: Vec<u64> = match &self.points {
             None => Vec::new(),
             Some(Points::Each(n)) => vec![*n; inputs.len()],
@@ -211,26 +206,19 @@ impl DesignTable {
                     .find(|k| !inputs.iter().any(|i| named(i) == **k))
                 {
                     let rule = "must name an input with a distribution";
-                    return Err(bad(
-                        format!("design.points.{name}"),
-                        "(given)".to_owned(),
-                        rule,
-                    ));
+                    let key = format!("design.points.{name}");
+                    return Err(BadSetting::new(key, "(given)", rule));
                 }
                 let of = |input: &Input| {
                     let rule = format!("must hold {} too", input.name());
                     let points = table.get(input.name()).copied();
-                    points.ok_or_else(|| bad("design.points".to_owned(), "{...}".to_owned(), &rule))
+                    points.ok_or_else(|| BadSetting::new("design.points", "{...}", rule))
                 };
                 inputs.iter().map(of).collect::<Result<_, _>>()?
             }
         };
         match points.iter().find(|n| **n < 1) {
-            Some(n) => Err(bad(
-                "design.points".to_owned(),
-                n.to_string(),
-                "must be at least 1",
-            )),
+            Some(n) => Err(BadSetting::new("design.points", n, "must be at least 1")),
             None => Ok(points),
         }
     }
@@ -298,11 +286,8 @@ impl DesignTable {
 }
 
 fn given(samples: Option<u64>) -> Result<u64, BadSetting> {
-    samples.ok_or_else(|| BadSetting {
-        key: "samples".to_owned(),
-        value: "(absent)".to_owned(),
-        rule: "must be given for this kind of design".to_owned(),
-    })
+    let rule = "must be given for this kind of design";
+    samples.ok_or_else(|| BadSetting::new("samples", "(absent)", rule))
 }
 
 fn pick_freeze(samples: Option<u64>, inputs: &[Input]) -> Result<Plan, BadSetting> {
@@ -338,11 +323,7 @@ fn latin_hypercube(
     correlation: Option<&[Vec<f64>]>,
 ) -> Result<LatinHypercube, BadSetting> {
     let samples = given(samples)?;
-    let bad = |rule: String| BadSetting {
-        key: "samples".to_owned(),
-        value: samples.to_string(),
-        rule,
-    };
+    let bad = |rule: String| BadSetting::new("samples", samples, rule);
     let count = u32::try_from(samples)
         .ok()
         .filter(|_| samples <= MOST_STRATA);

@@ -176,12 +176,8 @@ impl DistributionTable {
         BadSetting::unless(!cut, "truncation", "(given)", &rule)?;
         self.refuse_superfluous(|_| false, name)?;
         let end = |key: &str, value: Option<f64>| {
-            let missing = BadSetting {
-                key: key.to_owned(),
-                value: "(absent)".to_owned(),
-                rule: format!("must be given for {name}"),
-            };
-            let value = value.ok_or(missing)?;
+            let rule = format!("must be given for {name}");
+            let value = value.ok_or_else(|| BadSetting::new(key, "(absent)", rule))?;
             let finite = value.is_finite();
             BadSetting::unless(finite, key, value, "must be a finite number")?;
             Ok::<f64, BadSetting>(value)
@@ -202,11 +198,9 @@ impl DistributionTable {
     }
 
     fn shape(&self) -> Result<Shape, BadSetting> {
-        let family = self.distribution.ok_or_else(|| BadSetting {
-            key: "distribution".to_owned(),
-            value: "(absent)".to_owned(),
-            rule: "must be given, or kind = \"epistemic\" with lower and upper".to_owned(),
-        })?;
+        let rule = "must be given, or kind = \"epistemic\" with lower and upper";
+        let family =
+            (self.distribution).ok_or_else(|| BadSetting::new("distribution", "(absent)", rule))?;
         Ok(match family {
             Family::Fixed => Shape::Fixed {
                 value: required("value", self.value)?,
@@ -272,9 +266,6 @@ impl DistributionTable {
 }
 
 fn required(key: &str, value: Option<f64>) -> Result<f64, BadSetting> {
-    value.ok_or_else(|| BadSetting {
-        key: key.to_owned(),
-        value: "(absent)".to_owned(),
-        rule: "must be given for this distribution".to_owned(),
-    })
+    let rule = "must be given for this distribution";
+    value.ok_or_else(|| BadSetting::new(key, "(absent)", rule))
 }

@@ -15,7 +15,7 @@ use crate::aft::circle_law::tangent::{CircleScratch, circle_tangent};
 use crate::aft::lanes::lane::LANES;
 use crate::aft::lanes::masks::{MaskScratch, View};
 use crate::aft::lanes::motions::Event;
-use crate::aft::lanes::workspace::Workspace;
+use crate::aft::lanes::workspace::{LapPosition, Workspace};
 use crate::contact::{Events, FrictionLaw, Real};
 use pulp::{Simd, WithSimd};
 
@@ -182,22 +182,22 @@ fn march_box<T: Real>(
     // Forces need nothing of the first lap but its end, unless it is the last.
     let brief = want == Want::Forces && laps > 1;
     let mut count = if brief {
-        work.box_lap::<false>(&mut z, true)
+        work.box_lap::<false>(&mut z, LapPosition::First)
     } else {
-        work.box_lap::<true>(&mut z, true)
+        work.box_lap::<true>(&mut z, LapPosition::First)
     };
     let stuck: [bool; LANES] =
         std::array::from_fn(|l| count.slip[l] == T::ZERO && work.separated[l] == T::ZERO);
     let all_stuck = stuck.iter().all(|&s| s);
     if all_stuck && brief {
-        work.box_lap::<true>(&mut z, true);
+        work.box_lap::<true>(&mut z, LapPosition::First);
     }
     for _ in 1..if all_stuck { 1 } else { laps } {
         if want == Want::ForcesAndTangents {
             update_events(plan, work, &stuck, &mut events);
         }
         start = z;
-        count = work.box_lap::<true>(&mut z, false);
+        count = work.box_lap::<true>(&mut z, LapPosition::Later);
     }
     let mut cycle = Cycle {
         count,
@@ -274,11 +274,7 @@ fn summary<T: Real>(
     cycle: &Cycle<T>,
     lane: usize,
 ) -> StateSummary {
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a whole number between 0 and Nt"
-    )]
+    // a number between 0 and Nt
     let whole = |x: T| x.to_f64() as u32;
     let (slip, separated) = (whole(cycle.count.slip[lane]), whole(work.separated[lane]));
     let total = u32::try_from(plan.n_time()).unwrap_or(u32::MAX);

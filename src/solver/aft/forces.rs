@@ -4,7 +4,7 @@
 
 use super::batch::AftBatch;
 use super::plan::AftPlan;
-use crate::contact::{ContactParameters, Real};
+use crate::contact::Real;
 
 /// How the slider repeats from one period to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -133,41 +133,6 @@ impl<T: Real> AftForces<T> {
     pub fn block(&self, offset: usize, block: Block) -> &[T] {
         let size = self.n_coefficients * self.n_coefficients;
         &self.blocks[offset + block as usize * size..][..size]
-    }
-
-    /// Force increment dF = J x of one state.
-    ///
-    /// Shape: `x` and `out` `[3][coefficient]`. `parameters` are those of the state.
-    pub fn apply_tangent(
-        &self,
-        state: usize,
-        parameters: &ContactParameters<T>,
-        x: &[T],
-        out: &mut [T],
-    ) {
-        let m = self.n_coefficients;
-        assert!(
-            x.len() == 3 * m && out.len() == 3 * m,
-            "vectors of one state have three components"
-        );
-        out.fill(T::ZERO);
-        let Tangent::Blocks(offset) = self.tangents[state] else {
-            let k = [parameters.k_t[0], parameters.k_t[1], parameters.k_n];
-            for (j, (out, &x)) in out.iter_mut().zip(x).enumerate() {
-                *out = k[j / m] * x;
-            }
-            return;
-        };
-        for block in Block::ALL {
-            let values = self.block(offset, block);
-            let x = &x[block.column_component() * m..][..m];
-            let out = &mut out[block.row_component() * m..][..m];
-            for (out, row) in out.iter_mut().zip(values.chunks_exact(m)) {
-                for (&a, &x) in row.iter().zip(x) {
-                    *out += a * x;
-                }
-            }
-        }
     }
 
     /// Sets the sizes for a batch and forgets the tangents.

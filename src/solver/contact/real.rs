@@ -175,7 +175,6 @@ macro_rules! real {
             const EPSILON: Self = $type::EPSILON;
 
             #[inline(always)]
-            #[allow(clippy::cast_possible_truncation, reason = "rounding to f32 is meant")]
             fn from_f64(x: f64) -> Self {
                 x as $type
             }

@@ -141,7 +141,7 @@ impl Kernels {
     /// Passes that `want` takes.
     fn passes(&self, want: Want) -> Vec<Pass> {
         let all = self.shape.passes().iter().copied();
-        all.filter(|pass| !pass.tangents || want == Want::ForcesAndTangents)
+        all.filter(|pass| !pass.only_tangents || want == Want::ForcesAndTangents)
             .collect()
     }
 
@@ -386,7 +386,6 @@ impl Kernels {
 
     /// Numbers in the shape's precision.
     fn bytes(&self, values: &[f64]) -> Vec<u8> {
-        #[allow(clippy::cast_possible_truncation, reason = "rounding to f32 is meant")]
         let single = |x: &f64| *x as f32;
         match self.shape.precision {
             Precision::F32 => {

@@ -36,7 +36,7 @@ pub(super) struct Pass {
     /// Threads per state, of a shape.
     pub rows: fn(&Shape) -> u32,
     /// Whether it is for derivatives alone.
-    pub tangents: bool,
+    pub only_tangents: bool,
 }
 
 /// What decides a shader text.
@@ -64,35 +64,43 @@ const HIGHEST_ON_SOFTWARE: u32 = 21;
 /// Laps after which the shader of the circle law gives up.
 const MOST_CIRCLE_LAPS: usize = 40;
 
-const fn pass(name: &'static str, rows: fn(&Shape) -> u32, tangents: bool) -> Pass {
+const fn always(name: &'static str, rows: fn(&Shape) -> u32) -> Pass {
     Pass {
         name,
         rows,
-        tangents,
+        only_tangents: false,
+    }
+}
+
+const fn for_tangents(name: &'static str, rows: fn(&Shape) -> u32) -> Pass {
+    Pass {
+        name,
+        rows,
+        only_tangents: true,
     }
 }
 
 const BOX_PASSES: [Pass; 5] = [
-    pass("transform", |shape| shape.n_time, false),
-    pass("box_march", |_| 2, false),
-    pass("spectra_of_runs", |_| 2, false),
-    pass("forces", |shape| 3 * shape.rows(), false),
-    pass("tangents_of_moving", Shape::rows, true),
+    always("transform", |shape| shape.n_time),
+    always("box_march", |_| 2),
+    always("spectra_of_runs", |_| 2),
+    always("forces", |shape| 3 * shape.rows()),
+    for_tangents("tangents_of_moving", Shape::rows),
 ];
 const SAMPLED_CIRCLE_PASSES: [Pass; 4] = [
-    pass("transform", |shape| shape.n_time, false),
-    pass("circle_march", |_| 1, false),
-    pass("forces", |shape| 3 * shape.rows(), false),
-    pass("circle_sampled_tangents", |shape| 3 * shape.rows(), true),
+    always("transform", |shape| shape.n_time),
+    always("circle_march", |_| 1),
+    always("forces", |shape| 3 * shape.rows()),
+    for_tangents("circle_sampled_tangents", |shape| 3 * shape.rows()),
 ];
 const LOCATED_CIRCLE_PASSES: [Pass; 7] = [
-    pass("transform", |shape| shape.n_time, false),
-    pass("gap_roots", |_| 1, false),
-    pass("circle_march", |_| 1, false),
-    pass("forces", |shape| 3 * shape.rows(), false),
-    pass("circle_steps", |shape| shape.n_time, true),
-    pass("circle_located_tangents", |shape| 3 * shape.rows(), true),
-    pass("circle_anchored_tangents", |shape| 3 * shape.rows(), true),
+    always("transform", |shape| shape.n_time),
+    always("gap_roots", |_| 1),
+    always("circle_march", |_| 1),
+    always("forces", |shape| 3 * shape.rows()),
+    for_tangents("circle_steps", |shape| shape.n_time),
+    for_tangents("circle_located_tangents", |shape| 3 * shape.rows()),
+    for_tangents("circle_anchored_tangents", |shape| 3 * shape.rows()),
 ];
 
 /// Evaluations of polynomials in the root searches of one event. Seen cut: 13 harmonics at 256 samples, all in motion.

@@ -152,10 +152,6 @@ fn inverse(
 }
 
 /// `x` in single precision.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounding to single precision is meant"
-)]
 #[inline(always)]
 pub fn round(x: &[f64], single: &mut [f32]) {
     for (single, x) in single.iter_mut().zip(x) {

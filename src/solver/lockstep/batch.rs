@@ -192,7 +192,6 @@ impl LaneBatch<'_> {
     pub fn step(&mut self, steps: &[Option<f64>]) -> Result<Vec<Told>, GpuError> {
         let mut all = vec![f32::NAN; self.lanes];
         for (column, step) in self.columns.iter().zip(steps) {
-            #[expect(clippy::cast_possible_truncation, reason = "rounding is meant")]
             let step = step.map_or(f32::NAN, |step| step as f32);
             all[*column] = step;
         }

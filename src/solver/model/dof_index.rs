@@ -19,11 +19,7 @@ impl DofIndex {
             let key = format!("{key}.{dof}");
             let rule = "must name a degree of freedom of the model";
             let Some(&i) = self.0.get(dof) else {
-                return Err(BadSetting {
-                    key,
-                    value: weight.to_string(),
-                    rule: rule.to_owned(),
-                });
+                return Err(BadSetting::new(key, weight, rule));
             };
             within(&key, weight, [-LARGEST, LARGEST])?;
             if weight != 0.0 {

@@ -275,10 +275,9 @@ impl MatricesSettings {
     ) -> Result<Mat<f64>, MatricesError> {
         let ratio = self.modal_damping_ratio.unwrap_or(0.0);
         let (lambda, shapes) = symmetric_generalized_eigen(stiffness.as_ref(), mass.as_ref())
-            .map_err(|error| BadSetting {
-                key: "modal_damping_ratio".to_owned(),
-                value: ratio.to_string(),
-                rule: format!("needs the modes of the structure, but {error}"),
+            .map_err(|error| {
+                let rule = format!("needs the modes of the structure, but {error}");
+                BadSetting::new("modal_damping_ratio", ratio, rule)
             })?;
         let weighted = mass * &shapes;
         let scaled = Mat::from_fn(mass.nrows(), lambda.len(), |i, m| {

@@ -122,9 +122,9 @@ impl LinearFrequencies {
         Ok(Self {
             free: match &built.disk {
                 None => in_unit(free.split_off(rigid.count)),
-                Some(_) => in_unit(flexible(built.frequencies(false)?)),
+                Some(_) => in_unit(flexible(built.free_frequencies()?)),
             },
-            stuck: in_unit(built.frequencies(true)?),
+            stuck: in_unit(built.stuck_frequencies()?),
             nodal_diameters: match &built.disk {
                 None => Vec::new(),
                 Some(of) => {

@@ -36,10 +36,6 @@ impl Study {
             return Ok(());
         };
         let rule = "must be one engine order here: each excites another nodal diameter; `run` takes several, one after the other";
-        Err(self.bad_setting(&BadSetting {
-            key: KEY.to_owned(),
-            value: format!("{orders:?}"),
-            rule: rule.to_owned(),
-        }))
+        Err(self.bad_setting(&BadSetting::new(KEY, format!("{orders:?}"), rule)))
     }
 }

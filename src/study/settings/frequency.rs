@@ -190,9 +190,11 @@ impl FrequencyTable {
         match self.peak {
             None | Some(PeakTable::Named(NamedPeak::Highest)) => Ok(PeakSetting::Highest),
             Some(PeakTable::Named(NamedPeak::All)) => Ok(PeakSetting::All),
-            Some(PeakTable::Mode(0)) => {
-                Err(refused("peak", &0, "must be at least 1, the lowest mode"))
-            }
+            Some(PeakTable::Mode(0)) => Err(BadSetting::new(
+                "peak",
+                0,
+                "must be at least 1, the lowest mode",
+            )),
             Some(PeakTable::Mode(number)) => Ok(PeakSetting::Mode(number)),
         }
     }
@@ -203,11 +205,11 @@ impl FrequencyTable {
             (None, Some(band)) => Ok((FrequencyUnit::RadiansPerSecond, band)),
             (None, None) => {
                 let rule = "must be given, or band_rad_s for a non-dimensional model";
-                Err(refused("band_hz", &"(absent)", rule))
+                Err(BadSetting::new("band_hz", "(absent)", rule))
             }
             (Some(_), Some(_)) => {
                 let rule = "must be absent if band_hz is given";
-                Err(refused("band_rad_s", &"[...]", rule))
+                Err(BadSetting::new("band_rad_s", "[...]", rule))
             }
         }
     }
@@ -225,16 +227,16 @@ impl FrequencyTable {
         BadSetting::unless((2..=MOST_POINTS).contains(&count), "points", count, &rule)?;
         let values = match (values, points) {
             (Some(_), Some(_)) => {
-                return Err(refused(
+                return Err(BadSetting::new(
                     "points",
-                    &count,
+                    count,
                     "must be absent if values are given",
                 ));
             }
             (None, None) => {
                 let rule = "must be absent for a continuous curve, which has all solutions";
                 return match self.sweep {
-                    Some(sweep) => Err(refused("sweep", &sweep.name(), rule)),
+                    Some(sweep) => Err(BadSetting::new("sweep", sweep.name(), rule)),
                     None => Ok(Points::Continuation),
                 };
             }
@@ -251,14 +253,6 @@ impl FrequencyTable {
             omega: values.iter().map(|f| unit.to_rad_s(*f)).collect(),
             sweep: self.sweep.unwrap_or_default(),
         })
-    }
-}
-
-fn refused(key: &str, value: &dyn std::fmt::Display, rule: &str) -> BadSetting {
-    BadSetting {
-        key: key.to_owned(),
-        value: value.to_string(),
-        rule: rule.to_owned(),
     }
 }
 

@@ -211,11 +211,10 @@ pub(super) fn model(
             Ok(ModelSettings::Matrices(settings))
         }
         "cyclic" => Ok(ModelSettings::Cyclic(cyclic(document, contact)?)),
-        _ => Err(document.bad_setting(&BadSetting {
-            key: "model.kind".to_owned(),
-            value: kind,
-            rule: "must be \"two-blade-strip\", \"matrices\" or \"cyclic\"".to_owned(),
-        })),
+        _ => {
+            let rule = "must be \"two-blade-strip\", \"matrices\" or \"cyclic\"";
+            Err(document.bad_setting(&BadSetting::new("model.kind", kind, rule)))
+        }
     }
 }
 
@@ -290,11 +289,8 @@ fn cyclic(document: &mut Document<'_>, contact: &ContactSection) -> Result<Cycli
             SectorSettings::Matrices(settings)
         }
         _ => {
-            return Err(document.bad_setting(&BadSetting {
-                key: "model.sector".to_owned(),
-                value: sector,
-                rule: "must be \"blade-strip\" or \"matrices\"".to_owned(),
-            }));
+            let rule = "must be \"blade-strip\" or \"matrices\"";
+            return Err(document.bad_setting(&BadSetting::new("model.sector", sector, rule)));
         }
     };
     Ok(CyclicSettings {

@@ -266,7 +266,7 @@ impl Study {
         for (place, (input, _)) in self.design.inputs().iter().enumerate() {
             let absent = self.lacking(*input, model).map_or(Ok(()), |reason| {
                 let rule = format!("must be absent: {reason}");
-                BadSetting::unless(false, "", "(given)", &rule)
+                Err(BadSetting::new("", "(given)", rule))
             });
             let checked = absent.and_then(|()| self.check_strips(*input, place));
             checked.map_err(|bad| {

@@ -297,11 +297,9 @@ impl SolverSection {
         highest_harmonic("solver.harmonics", highest)?;
         match &self.harmonics {
             Some(Harmonics::List(orders)) => {
-                HarmonicSet::new(orders.clone()).map_err(|_| BadSetting {
-                    key: "solver.harmonics".to_owned(),
-                    value: format!("{orders:?}"),
-                    rule: "must be ascending without repetition and contain 0 and 1".to_owned(),
-                })
+                let rule = "must be ascending without repetition and contain 0 and 1";
+                HarmonicSet::new(orders.clone())
+                    .map_err(|_| BadSetting::new("solver.harmonics", format!("{orders:?}"), rule))
             }
             _ => Ok(HarmonicSet::up_to(highest)),
         }

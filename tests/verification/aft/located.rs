@@ -104,8 +104,7 @@ fn located_forces_are_homogeneous() {
     }
     let out = run(&plan, &states, Want::ForcesAndTangents);
     for (i, s) in states.iter().enumerate() {
-        let mut product = vec![0.0; s.q.len()];
-        out.apply_tangent(i, &s.p, &s.q, &mut product);
+        let product = apply_tangent(&out, i, &s.p, &s.q);
         let error = relative_difference(&product, &forces(&out, i));
         assert!(error < 1e-12, "J U of state {i}: {error:e}");
     }

@@ -10,6 +10,7 @@ use microslip::hb::newton::{Condition, Direction, Iterate, Metric, Point, newton
 use microslip::hb::peak::track::stuck_point;
 use microslip::hb::structure::linear::LinearModel;
 use microslip::hb::{Balance, NewtonSettings, Problem, SliderAnchor};
+use microslip::linalg::vector::axpy;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -162,9 +163,19 @@ fn difference_error(
 
 /// J x = x + G dg x.
 fn times(iterate: &Iterate<'_>, balance: &Balance<'_>, x: &[f64]) -> Vec<f64> {
-    let jacobian = iterate.jacobian_within(balance, EXACT);
+    let moved = iterate.jacobian_within(balance, EXACT).deviation(x);
     let mut y = x.to_vec();
-    jacobian.add_compliance(&jacobian.deviation(x), &mut y);
+    let n = balance.layout.n_relative();
+    let at_rest = &balance.problem.stuck_static.compliance;
+    for (j, &moved) in moved[..n].iter().enumerate() {
+        axpy(moved, at_rest.col_as_slice(j), &mut y[..n]);
+    }
+    let harmonics = moved[n..]
+        .chunks_exact(2 * n)
+        .zip(y[n..].chunks_exact_mut(2 * n));
+    for (h, (moved, y)) in iterate.compliance.harmonics.iter().zip(harmonics) {
+        h.add_real(moved.split_at(n), y.split_at_mut(n));
+    }
     y
 }
 

@@ -2,7 +2,7 @@
 
 use crate::aft::lanes::lane::{LANES, Lane};
 use crate::aft::lanes::motions::WORD;
-use crate::aft::lanes::workspace::{LapCount, Workspace, flag, mark, whole};
+use crate::aft::lanes::workspace::{LapCount, LapPosition, Workspace, flag, mark, whole};
 use crate::contact::Real;
 use crate::contact::law::{anchored_at_closing, box_slider, box_step, closing_instant};
 use std::ops::Range;
@@ -14,14 +14,14 @@ impl<T: Real> Workspace<T> {
     pub(in crate::aft) fn box_lap<const RECORD: bool>(
         &mut self,
         z: &mut [Lane<T>; 2],
-        first: bool,
+        lap: LapPosition,
     ) -> LapCount<T> {
         let mut slip = [0; LANES];
         let (mut upper, mut lower) = ([[0; LANES]; 2], [[0; LANES]; 2]);
         for w in 0..self.words.len() {
             // samples at the upper and at the lower limit
             let (mut above, mut below) = ([[0; LANES]; 2], [[0; LANES]; 2]);
-            let mut closings = self.closings_of(w, first);
+            let mut closings = self.closings_of(w, lap);
             // The sliders stay in registers over a stretch without closing.
             let mut start = w * WORD;
             let end = (start + WORD).min(self.samples.len());

@@ -10,6 +10,7 @@ use crate::aft::lanes::masks::{
     MaskScratch, View, add_masked_gram, add_scaled, clear, set, subtract_product,
 };
 use crate::aft::lanes::motions::{Event, Motion, runs};
+use crate::aft::lanes::workspace::LapPosition;
 use crate::contact::Real;
 
 /// Rows of the segment form.
@@ -118,7 +119,7 @@ impl<T: Real> SegmentScratch<T> {
         let n = view.plan.n_time();
         let sample = (before + 1) % n;
         let s = view.work.samples.as_slice();
-        let instant = view.work.closing(sample, view.lane, false);
+        let instant = view.work.closing(sample, view.lane, LapPosition::Later);
         if instant == T::ZERO {
             return;
         }

@@ -46,6 +46,7 @@ pub(in crate::aft) struct LocatedCircle<T> {
 /// Search for the steady cycle of one state, lap by lap.
 #[derive(Debug, Clone, Copy)]
 struct Cycle<T> {
+    want: Want,
     stage: Stage<T>,
     /// Slider k_t w (N) at the start of the next lap.
     next: [T; 2],
@@ -146,7 +147,7 @@ impl<T: Real> LocatedCircle<T> {
             out.blocks.resize(offset + Block::COUNT * m * m, T::ZERO);
         }
         let (lap, blocks) = (&mut self.lap, &mut self.blocks);
-        let cycle = Cycle::found(simd, course, lap, blocks, tangents);
+        let cycle = Cycle::found(simd, course, lap, blocks, want);
         if tangents && !cycle.stuck {
             if cycle.origin == Origin::Itself {
                 close_cycle(plan, &mut self.lap.rows, &mut self.blocks);
@@ -233,16 +234,16 @@ fn close_cycle<T: Real>(plan: &AftPlan<T>, rows: &mut Rows<T>, blocks: &mut Bloc
 }
 
 impl<T: Real> Cycle<T> {
-    /// Makes laps until the cycle is found, and with `tangents` the laps that compute derivatives.
+    /// Makes laps until the cycle is found, and the laps that compute derivatives if they are wanted.
     #[inline(always)]
     fn found<S: Simd>(
         simd: S,
         course: Course<T>,
         lap: &mut Lap<T>,
         blocks: &mut Blocks<T>,
-        tangents: bool,
+        want: Want,
     ) -> Self {
-        let mut cycle = Self::new(course.p);
+        let mut cycle = Self::new(course.p, want);
         while !matches!(cycle.stage, Stage::Done) {
             if cycle.starts_rows() {
                 let full = cycle.carries_rows();
@@ -261,13 +262,14 @@ impl<T: Real> Cycle<T> {
                 target: cycle.is_last().then_some(&mut *blocks),
             };
             let end = walk.go(cycle.next);
-            cycle.advance(course, lap, end, tangents);
+            cycle.advance(course, lap, end);
         }
         cycle
     }
 
-    fn new(p: &ContactParameters<T>) -> Self {
+    fn new(p: &ContactParameters<T>, want: Want) -> Self {
         Self {
+            want,
             stage: Stage::First,
             next: anchor(p),
             laps: 1,
@@ -299,7 +301,7 @@ impl<T: Real> Cycle<T> {
 
     /// Decides, from the slider at the end of a lap, on the next lap.
     #[inline(never)]
-    fn advance(&mut self, course: Course<T>, lap: &Lap<T>, end: [T; 2], tangents: bool) {
+    fn advance(&mut self, course: Course<T>, lap: &Lap<T>, end: [T; 2]) {
         let took = LapEnd {
             start: self.next,
             end,
@@ -313,18 +315,18 @@ impl<T: Real> Cycle<T> {
                 self.next = end;
                 self.stage = match course.plan.settings.laps {
                     _ if self.stuck => Stage::Done,
-                    Laps::Fixed(1) => self.fixed(course.p, took, 1, tangents),
+                    Laps::Fixed(1) => self.fixed(course.p, took, 1),
                     Laps::Fixed(_) => Stage::Fixed(2),
                     Laps::Periodic => Stage::Search(Search::new(end)),
                 };
             }
             Stage::Fixed(number) => match course.plan.settings.laps {
                 Laps::Fixed(n) if number as usize >= n => {
-                    self.stage = self.fixed(course.p, took, number, tangents);
+                    self.stage = self.fixed(course.p, took, number);
                 }
                 _ => (self.stage, self.next) = (Stage::Fixed(number + 1), end),
             },
-            Stage::Search(search) => self.search(search, course, took, tangents),
+            Stage::Search(search) => self.search(search, course, took),
             Stage::Tangent(_) if self.is_last() => self.stage = Stage::Done,
             Stage::Tangent(number) => {
                 (self.stage, self.next) = (Stage::Tangent(number + 1), end);
@@ -334,21 +336,15 @@ impl<T: Real> Cycle<T> {
     }
 
     /// After the last lap of a given number of laps.
-    fn fixed(
-        &mut self,
-        p: &ContactParameters<T>,
-        took: LapEnd<T>,
-        laps: u32,
-        tangents: bool,
-    ) -> Stage<T> {
+    fn fixed(&mut self, p: &ContactParameters<T>, took: LapEnd<T>, laps: u32) -> Stage<T> {
         self.laps = laps;
         self.periodicity = classify(took.closes(), took.monodromy);
-        self.finish(p, took.start, tangents)
+        self.finish(p, took.start)
     }
 
     /// What follows once the cycle from `start` is found.
-    fn finish(&mut self, p: &ContactParameters<T>, start: [T; 2], tangents: bool) -> Stage<T> {
-        if !tangents {
+    fn finish(&mut self, p: &ContactParameters<T>, start: [T; 2]) -> Stage<T> {
+        if self.want == Want::Forces {
             return Stage::Done;
         }
         self.next = match self.origin {
@@ -359,13 +355,7 @@ impl<T: Real> Cycle<T> {
     }
 
     /// A lap of the search.
-    fn search(
-        &mut self,
-        mut search: Search<T, T>,
-        course: Course<T>,
-        took: LapEnd<T>,
-        tangents: bool,
-    ) {
+    fn search(&mut self, mut search: Search<T, T>, course: Course<T>, took: LapEnd<T>) {
         let filled = std::mem::take(&mut self.near);
         let next = search.take(took, |slider| course.held(slider));
         self.laps = search.laps;
@@ -375,7 +365,7 @@ impl<T: Real> Cycle<T> {
             Next::From(slider) => {
                 self.next = slider;
                 let small = |step: T| step * T::EPSILON.sqrt() <= took.tolerance;
-                self.near = tangents && search.step.is_some_and(small);
+                self.near = self.want == Want::ForcesAndTangents && search.step.is_some_and(small);
             }
             Next::Nothing => {
                 (self.origin, self.periodicity) = (search.origin, search.periodicity);
@@ -383,7 +373,7 @@ impl<T: Real> Cycle<T> {
                 self.stage = if done {
                     Stage::Done
                 } else {
-                    self.finish(course.p, took.start, tangents)
+                    self.finish(course.p, took.start)
                 };
             }
         }
@@ -391,11 +381,7 @@ impl<T: Real> Cycle<T> {
 
     #[inline(always)]
     fn summary(&self, at: Place<T>, slip: u32) -> StateSummary {
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a whole number between 0 and Nt"
-        )]
+        // a whole number between 0 and Nt
         let separated = at.work.separated[at.lane].to_f64() as u32;
         let total = u32::try_from(at.plan.n_time()).unwrap_or(u32::MAX);
         StateSummary {

@@ -5,7 +5,7 @@
 use super::steady_cycle::{Hold, LapEnd, Next, Origin, Search, Touch, classify, hold, tops};
 use crate::aft::forces::Periodicity;
 use crate::aft::lanes::lane::{LANES, Lane};
-use crate::aft::lanes::workspace::{LapCount, Workspace, flag};
+use crate::aft::lanes::workspace::{LapCount, LapPosition, Workspace, flag};
 use crate::aft::plan::AftPlan;
 use crate::aft::settings::Laps;
 use crate::aft::vector::{dot, normal};
@@ -48,7 +48,7 @@ pub(in crate::aft) fn march_circle<T: Real>(
 ) -> Cycle<T> {
     let mut w = work.parameters.anchor;
     let mut monodromy = identity();
-    let count = work.circle_lap(&mut w, &mut monodromy, true);
+    let count = work.circle_lap(&mut w, &mut monodromy, LapPosition::First);
     let mut cycle = Cycle {
         stuck: std::array::from_fn(|l| count.slip[l] == T::ZERO && work.separated[l] == T::ZERO),
         count,
@@ -80,7 +80,7 @@ impl<T: Real> Cycle<T> {
         for _ in 1..laps {
             self.start = w;
             monodromy = identity();
-            self.count = work.circle_lap(&mut w, &mut monodromy, false);
+            self.count = work.circle_lap(&mut w, &mut monodromy, LapPosition::Later);
         }
         for l in 0..LANES {
             if !self.stuck[l] {
@@ -104,7 +104,7 @@ impl<T: Real> Cycle<T> {
         let mut searching = self.stuck.map(|stuck| !stuck);
         while searching.contains(&true) {
             let (mut end, mut monodromy) = (self.start, identity());
-            self.count = work.circle_lap(&mut end, &mut monodromy, false);
+            self.count = work.circle_lap(&mut end, &mut monodromy, LapPosition::Later);
             for (l, searching) in searching.iter_mut().enumerate().filter(|(_, s)| **s) {
                 let lap = self.end(work, l, &end, &monodromy);
                 let next = search[l].take(lap, |slider| held(work, l, slider));
@@ -179,15 +179,15 @@ impl<T: Real> Workspace<T> {
         &mut self,
         w: &mut [Lane<T>; 2],
         monodromy: &mut [Lane<T>; 4],
-        first: bool,
+        lap: LapPosition,
     ) -> LapCount<T> {
         let margin: Lane<T> = std::array::from_fn(|l| self.touch_margin(l));
         let p = &self.parameters;
         let mut count = LapCount::<T>::default();
         for i in 0..self.samples.len() {
             let closing: Option<Lane<T>> = self
-                .closes(i, first)
-                .then(|| std::array::from_fn(|l| self.closing(i, l, first)));
+                .closes(i, lap)
+                .then(|| std::array::from_fn(|l| self.closing(i, l, lap)));
             let s = &mut self.samples[i];
             for l in 0..LANES {
                 let u = [s.u[0][l], s.u[1][l]];

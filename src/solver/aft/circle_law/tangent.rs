@@ -11,6 +11,7 @@ use crate::aft::forces::Block;
 use crate::aft::lanes::masks::{
     MaskScratch, RANK, View, add_masked_gram, add_products, add_scaled,
 };
+use crate::aft::lanes::workspace::LapPosition;
 use crate::aft::vector::size;
 use crate::contact::Real;
 use crate::contact::law::{CircleStep, anchored_at_closing, circle_step};
@@ -73,7 +74,11 @@ pub(in crate::aft) fn circle_tangent<T: Real>(
             masks: &mut *masks,
             out: &mut *out,
         });
-        scratch.lap(view, origin == Origin::Anchor && lap == 1, target);
+        let position = match (origin, lap) {
+            (Origin::Anchor, 1) => LapPosition::First,
+            _ => LapPosition::Later,
+        };
+        scratch.lap(view, position, target);
     }
     masks.contact_spectrum(view);
     let nn = &mut out[Block::NN as usize * size..][..size];
@@ -126,14 +131,14 @@ impl<T: Real> CircleScratch<T> {
 
     /// One lap of slider and derivative; with a target, the traction derivatives are analysed into its blocks.
     #[inline(always)]
-    fn lap(&mut self, view: View<T>, first: bool, mut target: Option<Target<T>>) {
+    fn lap(&mut self, view: View<T>, position: LapPosition, mut target: Option<Target<T>>) {
         let p = view.parameters();
         let flexibility = lane2(&view.work.parameters.flexibility, view.lane);
         let margin = view.work.touch_margin(view.lane);
         let mut stick_start = None;
         for (i, s) in view.work.samples.iter().enumerate() {
             let u = [s.u[0][view.lane], s.u[1][view.lane]];
-            self.close_gap(view, i, view.work.closing(i, view.lane, first), u);
+            self.close_gap(view, i, view.work.closing(i, view.lane, position), u);
             let limit = p.mu * s.normal(view.lane);
             let step = circle_step(p.k_t, flexibility, limit, margin, u, self.slider);
             let contact = s.gap[view.lane] > T::ZERO;

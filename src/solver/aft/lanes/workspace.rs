@@ -24,6 +24,13 @@ impl<T: Real> Default for Points<T> {
     }
 }
 
+/// Whether anything was marched before a lap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::aft) enum LapPosition {
+    First,
+    Later,
+}
+
 /// What one lap counts, per state, as floating-point numbers (exact: at most 65536).
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::aft) struct LapCount<T> {
@@ -173,20 +180,20 @@ impl<T: Real> Workspace<T> {
 
     /// Samples of a word before which a contact of the lanes closes; in the first lap none does before the first one.
     #[inline(always)]
-    pub(in crate::aft) fn closings_of(&self, word: usize, first: bool) -> u64 {
-        self.closings[word] & !u64::from(first && word == 0)
+    pub(in crate::aft) fn closings_of(&self, word: usize, lap: LapPosition) -> u64 {
+        self.closings[word] & !u64::from(lap == LapPosition::First && word == 0)
     }
 
     /// Whether a contact of the lanes closes just before the sample.
     #[inline(always)]
-    pub(in crate::aft) fn closes(&self, sample: usize, first: bool) -> bool {
-        self.closings_of(sample / WORD, first) >> (sample % WORD) & 1 == 1
+    pub(in crate::aft) fn closes(&self, sample: usize, lap: LapPosition) -> bool {
+        self.closings_of(sample / WORD, lap) >> (sample % WORD) & 1 == 1
     }
 
     /// Instant of closing since the sample before; 0 if the contact does not close, and for events at samples.
     #[inline(always)]
-    pub(in crate::aft) fn closing(&self, sample: usize, lane: usize, first: bool) -> T {
-        if self.closes(sample, first) {
+    pub(in crate::aft) fn closing(&self, sample: usize, lane: usize, lap: LapPosition) -> T {
+        if self.closes(sample, lap) {
             closing_instant(
                 self.before(sample).gap[lane],
                 self.samples[sample].gap[lane],

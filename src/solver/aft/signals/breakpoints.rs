@@ -195,11 +195,7 @@ impl<T: Real> Intervals<T> {
     ) {
         let View { plan, work, lane } = view;
         let next = if i + 1 == plan.n_time() { 0 } else { i + 1 };
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a whole number below 1024"
-        )]
+        // a whole number below 1024
         let marks = self.marks[i][lane].to_f64() as u32;
         let before = points.len();
         self.gap_roots(view, i, marks, signals, points);
@@ -437,11 +433,6 @@ impl<T: Real> Signals<T> {
 }
 
 /// Index of the first of `n` samples at or after the phase.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a phase in one period"
-)]
 #[inline(always)]
 pub(in crate::aft) fn first_sample_from(theta: f64, n: f64) -> usize {
     (theta * (n / TAU)).ceil().clamp(0.0, n) as usize

@@ -31,57 +31,23 @@ const SMALLEST_RATIO: f64 = 1.005;
 type Solved<'p> = Result<Iterate<'p>, Status>;
 
 /// A sweep whose first solution is searched.
-struct SweepStart<'a, 'p> {
-    rungs: &'a [Balance<'p>],
-    newton: NewtonSettings,
-    level: f64,
-    direction: SweepDirection,
-}
-
-/// The solution on all harmonics of `rungs` at the frequency `omega` (rad/s), where a sweep in `direction` begins.
-///
-/// # Errors
-/// The status of the last attempt.
-pub(in crate::hb) fn first_solution<'p>(
-    rungs: &[Balance<'p>],
-    newton: NewtonSettings,
-    level: f64,
-    omega: f64,
-    direction: SweepDirection,
-) -> Result<Iterate<'p>, Status> {
-    let sweep_start = SweepStart {
-        rungs,
-        newton,
-        level,
-        direction,
-    };
-    sweep_start.at(omega)
-}
-
-/// The same, first tried at that frequency itself: where many resonances lie between it and a frequency far outside, as below the band of
-/// a mistuned disk, the way from there is long.
-///
-/// # Errors
-/// The status of the last attempt.
-pub(in crate::hb) fn solution_at_end<'p>(
-    rungs: &[Balance<'p>],
-    newton: NewtonSettings,
-    level: f64,
-    omega: f64,
-    direction: SweepDirection,
-) -> Result<Iterate<'p>, Status> {
-    let sweep_start = SweepStart {
-        rungs,
-        newton,
-        level,
-        direction,
-    };
-    let raised = sweep_start.raised(&rungs[0], omega);
-    (raised.and_then(|start| sweep_start.climb(start))).or_else(|_| sweep_start.at(omega))
+pub(in crate::hb) struct SweepStart<'a, 'p> {
+    /// The same problem on ever more harmonics.
+    pub rungs: &'a [Balance<'p>],
+    /// Settings of every solve.
+    pub newton: NewtonSettings,
+    /// Excitation level.
+    pub level: f64,
+    /// Direction of the sweep.
+    pub direction: SweepDirection,
 }
 
 impl<'p> SweepStart<'_, 'p> {
-    fn at(&self, omega: f64) -> Solved<'p> {
+    /// The solution on all harmonics at the frequency `omega` (rad/s), where the sweep begins.
+    ///
+    /// # Errors
+    /// The status of the last attempt.
+    pub(in crate::hb) fn solution(&self, omega: f64) -> Solved<'p> {
         if !(omega.is_finite() && self.level.is_finite()) {
             return Err(Status::NonFinite);
         }
@@ -104,6 +70,16 @@ impl<'p> SweepStart<'_, 'p> {
                 let start = self.sliding(first, omega)?;
                 self.climb(start)
             })
+    }
+
+    /// The same, first tried at that frequency itself: where many resonances lie between it and a frequency far outside, as below the band of
+    /// a mistuned disk, the way from there is long.
+    ///
+    /// # Errors
+    /// The status of the last attempt.
+    pub(in crate::hb) fn solution_at_end(&self, omega: f64) -> Solved<'p> {
+        let raised = self.raised(&self.rungs[0], omega);
+        (raised.and_then(|start| self.climb(start))).or_else(|_| self.solution(omega))
     }
 
     fn climb(&self, start: Iterate<'p>) -> Solved<'p> {

@@ -52,9 +52,7 @@ const MAX_ITERATIONS: usize = 400;
 
 /// J = I + G dg at one point, prepared for solves with it.
 #[derive(Debug)]
-pub struct Jacobian<'a> {
-    static_compliance: &'a Mat<f64>,
-    compliance: &'a Compliance<'a>,
+pub struct Jacobian {
     capacitance: Capacitance,
     solver: Solver,
 }
@@ -78,13 +76,13 @@ struct Krylov {
     dense: OnceCell<PartialPivLu<f64>>,
 }
 
-impl<'a> Jacobian<'a> {
+impl Jacobian {
     /// Factorises what the solves need. A solve of a large system ends at the relative residual `tolerance`.
     #[must_use]
     pub fn new(
         layout: &Layout,
-        problem: &'a Problem<'_>,
-        compliance: &'a Compliance<'a>,
+        problem: &Problem<'_>,
+        compliance: &Compliance<'_>,
         active: &[PairTangent],
         tolerance: f64,
     ) -> Self {
@@ -101,8 +99,6 @@ impl<'a> Jacobian<'a> {
             })
         };
         Self {
-            static_compliance,
-            compliance,
             capacitance,
             solver,
         }
@@ -144,22 +140,6 @@ impl<'a> Jacobian<'a> {
     #[must_use]
     pub fn deviation(&self, x: &[f64]) -> Vec<f64> {
         self.capacitance.deviation(x)
-    }
-
-    /// y += G x, harmonic by harmonic.
-    pub fn add_compliance(&self, x: &[f64], y: &mut [f64]) {
-        let n = self.static_compliance.nrows();
-        for (j, &x) in x[..n].iter().enumerate() {
-            axpy(x, self.static_compliance.col_as_slice(j), &mut y[..n]);
-        }
-        for (h, (x, y)) in (self.compliance.harmonics.iter()).zip(
-            x[n..]
-                .chunks_exact(2 * n)
-                .zip(y[n..].chunks_exact_mut(2 * n)),
-        ) {
-            let (y_c, y_s) = y.split_at_mut(n);
-            h.add_real((&x[..n], &x[n..]), (y_c, y_s));
-        }
     }
 }
 

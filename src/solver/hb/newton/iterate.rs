@@ -70,7 +70,7 @@ impl<'p> Iterate<'p> {
 
     /// The Jacobian at this point, with linear solves as exact as a Newton step from here needs.
     #[must_use]
-    pub fn jacobian<'a>(&'a self, balance: &'a Balance<'p>) -> Jacobian<'a> {
+    pub fn jacobian(&self, balance: &Balance<'p>) -> Jacobian {
         let size = self.relative_residual(balance) / self.point.dynamic_share(balance).min(1.0);
         // a residual that is not a number gives no tolerance
         let tolerance = if size > 0.0 { FORCING * size } else { EXACT };
@@ -79,7 +79,7 @@ impl<'p> Iterate<'p> {
 
     /// The same with linear solves to the relative residual `tolerance`.
     #[must_use]
-    pub fn jacobian_within<'a>(&'a self, balance: &'a Balance<'p>, tolerance: f64) -> Jacobian<'a> {
+    pub fn jacobian_within(&self, balance: &Balance<'p>, tolerance: f64) -> Jacobian {
         Jacobian::new(
             &balance.layout,
             balance.problem,
@@ -108,7 +108,7 @@ impl<'p> Iterate<'p> {
     pub fn correction_and_frequency_rate(
         &self,
         balance: &Balance<'_>,
-        jacobian: &Jacobian<'_>,
+        jacobian: &Jacobian,
     ) -> [Vec<f64>; 2] {
         let slope = balance.frequency_slope(&self.compliance, &self.motion);
         let solved = jacobian.solve_all([&self.residual, &slope]);
@@ -117,14 +117,14 @@ impl<'p> Iterate<'p> {
 
     /// dr/dω (m/(rad/s)) along the branch of solutions: −J⁻¹ ∂R/∂ω.
     #[must_use]
-    pub fn frequency_rate(&self, balance: &Balance<'_>, jacobian: &Jacobian<'_>) -> Vec<f64> {
+    pub fn frequency_rate(&self, balance: &Balance<'_>, jacobian: &Jacobian) -> Vec<f64> {
         let slope = balance.frequency_slope(&self.compliance, &self.motion);
         negated(&jacobian.solve(&slope))
     }
 
     /// dr/dlevel (m per unit level) along solutions of a fixed frequency: −J⁻¹ ∂R/∂level.
     #[must_use]
-    pub fn level_rate(&self, balance: &Balance<'_>, jacobian: &Jacobian<'_>) -> Vec<f64> {
+    pub fn level_rate(&self, balance: &Balance<'_>, jacobian: &Jacobian) -> Vec<f64> {
         negated(&jacobian.solve(&balance.level_slope(&self.compliance)))
     }
 
@@ -133,7 +133,7 @@ impl<'p> Iterate<'p> {
     pub fn response_rate(
         &self,
         balance: &Balance<'_>,
-        jacobian: &Jacobian<'_>,
+        jacobian: &Jacobian,
         direction: &Direction,
         level: f64,
     ) -> c64 {

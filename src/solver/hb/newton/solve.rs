@@ -143,7 +143,7 @@ pub fn polish<'p>(balance: &Balance<'p>, solved: Iterate<'p>) -> Iterate<'p> {
 pub fn newton_step(
     balance: &Balance<'_>,
     iterate: &Iterate<'_>,
-    jacobian: &Jacobian<'_>,
+    jacobian: &Jacobian,
     condition: Condition<'_>,
 ) -> Direction {
     let linear = Linearized::new(balance, iterate, jacobian, condition);
@@ -170,7 +170,7 @@ impl NewtonStep {
 struct Linearized<'a, 'p> {
     balance: &'a Balance<'p>,
     iterate: &'a Iterate<'p>,
-    jacobian: &'a Jacobian<'a>,
+    jacobian: &'a Jacobian,
     condition: Condition<'a>,
     /// −J⁻¹ R: the step at a fixed frequency.
     correction: Vec<f64>,
@@ -183,7 +183,7 @@ impl<'a, 'p> Linearized<'a, 'p> {
     fn new(
         balance: &'a Balance<'p>,
         iterate: &'a Iterate<'p>,
-        jacobian: &'a Jacobian<'a>,
+        jacobian: &'a Jacobian,
         condition: Condition<'a>,
     ) -> Self {
         let (correction, by_omega) = match condition {
@@ -372,7 +372,7 @@ impl Condition<'_> {
         self,
         balance: &Balance<'_>,
         iterate: &Iterate<'_>,
-        jacobian: &Jacobian<'_>,
+        jacobian: &Jacobian,
         direction: &Direction,
         level: f64,
     ) -> [f64; 2] {

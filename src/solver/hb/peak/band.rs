@@ -6,7 +6,7 @@ use crate::hb::branch::branch_point::distance;
 use crate::hb::branch::branch_segment::BranchSegment;
 use crate::hb::branch::continuation::ContinuationEnd;
 use crate::hb::branch::sweep::{SweepDirection, SweepSettings, follow};
-use crate::hb::branch::sweep_start::first_solution;
+use crate::hb::branch::sweep_start::SweepStart;
 use crate::hb::equations::balance::Balance;
 use crate::hb::newton::rest::Rest;
 use crate::hb::newton::{Condition, Point, solve};
@@ -140,7 +140,13 @@ fn sweep<'p>(
 ) -> Result<Swept<'p>, Status> {
     let balance = &rungs[rungs.len() - 1];
     let [omega, _] = direction.ends(peak.band);
-    let first = first_solution(rungs, newton, level, omega, direction)?;
+    let start = SweepStart {
+        rungs,
+        newton,
+        level,
+        direction,
+    };
+    let first = start.solution(omega)?;
     let sweep = SweepSettings {
         band: peak.band,
         direction,

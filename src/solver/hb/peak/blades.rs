@@ -11,7 +11,7 @@ use super::predicted::{PeakPrediction, maximum_near};
 use super::refine::{RefinementTarget, refined};
 use super::search::{Located, PeakSettings, find_peak, highest_beside};
 use crate::hb::branch::sweep::{SweepDirection, SweepSettings, follow};
-use crate::hb::branch::sweep_start::solution_at_end;
+use crate::hb::branch::sweep_start::SweepStart;
 use crate::hb::equations::effort::{Meter, WorkCount};
 use crate::hb::equations::problem::Problem;
 use crate::hb::newton::ladder::Ladder;
@@ -126,7 +126,13 @@ fn swept(
     let rungs = &ladder.rungs()[..1];
     let balance = &rungs[0];
     let [begin, _] = direction.ends(peak.band);
-    let first = solution_at_end(rungs, newton, level, begin, direction)?;
+    let start = SweepStart {
+        rungs,
+        newton,
+        level,
+        direction,
+    };
+    let first = start.solution_at_end(begin)?;
     let sweep = SweepSettings {
         band: peak.band,
         direction,

@@ -13,6 +13,7 @@ use super::cubic_segment::{ComplexScales, CubicSegment};
 use crate::harmonics::HarmonicSet;
 use crate::hb::branch::branch_point::BranchPoint;
 use crate::hb::branch::continuation::{StepSettings, continue_branch};
+use crate::hb::branch::sweep::SweepDirection;
 use crate::hb::equations::balance::Balance;
 use crate::hb::newton::{Condition, Iterate, Point, solve};
 use crate::hb::settings::NewtonSettings;
@@ -93,16 +94,16 @@ pub fn response_curve(
     };
     let linear = linear_sides(balance, peak, band, newton);
     let [(below, width), (above, _)] = linear.unwrap_or_else(|| {
-        [false, true].map(|upwards| {
-            let mut side = CurveSide::outwards(balance, peak, upwards, band, newton);
+        [SweepDirection::Downward, SweepDirection::Upward].map(|direction| {
+            let mut side = CurveSide::outwards(balance, peak, direction, band, newton);
             side.refine();
             (side.branch(), side.scales.width)
         })
     });
-    let mut points = met(below.iter().copied(), false, band);
+    let mut points = met(below.iter().copied(), SweepDirection::Downward, band);
     points.reverse();
     points.pop();
-    points.extend(met(above.iter().copied(), true, band));
+    points.extend(met(above.iter().copied(), SweepDirection::Upward, band));
     let branch: Vec<CurvePoint> = (below.into_iter().rev())
         .chain(above.into_iter().skip(1))
         .collect();
@@ -124,13 +125,16 @@ fn linear_sides(
     }
     let few = balance.on(HarmonicSet::up_to(1));
     let peak = peak.padded(balance, &few);
-    let side = |upwards| {
-        let mut side = CurveSide::linear(&few, &peak, upwards, band, newton)?;
+    let side = |direction| {
+        let mut side = CurveSide::linear(&few, &peak, direction, band, newton)?;
         side.refine();
         let all = side.points.iter().all(|p| is_linear(&few, &p.iterate));
         all.then(|| (side.branch(), side.scales.width))
     };
-    Some([side(false)?, side(true)?])
+    Some([
+        side(SweepDirection::Downward)?,
+        side(SweepDirection::Upward)?,
+    ])
 }
 
 /// Whether every contact sticks or is open over the whole period, so that its dynamic force is linear in the displacements. Its mean
@@ -146,9 +150,13 @@ fn is_linear(balance: &Balance<'_>, iterate: &Iterate<'_>) -> bool {
     iterate.contact.steady && (0..n).all(|row| of_row(&deviation, row) || of_row(force, row))
 }
 
-/// The points of `branch`, in the band, that a sweep in the direction of the branch meets: `upwards` to higher frequencies.
-fn met(branch: impl Iterator<Item = CurvePoint>, upwards: bool, band: Band) -> Vec<CurvePoint> {
-    let sign = if upwards { 1.0 } else { -1.0 };
+/// The points of `branch`, in the band, that a sweep along the branch, in this direction, meets.
+fn met(
+    branch: impl Iterator<Item = CurvePoint>,
+    direction: SweepDirection,
+    band: Band,
+) -> Vec<CurvePoint> {
+    let sign = direction.sign();
     let mut front = f64::NEG_INFINITY;
     let ahead = branch.filter(|point| {
         let ahead = sign * point.omega > front;
@@ -180,8 +188,12 @@ fn sweeps(branch: &[CurvePoint], band: Band, resolution: f64) -> Option<Sweeps> 
         }
     }
     Some(Sweeps {
-        upward: highest(met(branch.iter().copied(), true, band))?,
-        downward: highest(met(branch.iter().rev().copied(), false, band))?,
+        upward: highest(met(branch.iter().copied(), SweepDirection::Upward, band))?,
+        downward: highest(met(
+            branch.iter().rev().copied(),
+            SweepDirection::Downward,
+            band,
+        ))?,
         several,
     })
 }
@@ -204,7 +216,7 @@ impl<'b, 'p> CurveSide<'b, 'p> {
     fn outwards(
         balance: &'b Balance<'p>,
         peak: &Point,
-        upwards: bool,
+        direction: SweepDirection,
         band: Band,
         newton: NewtonSettings,
     ) -> Self {
@@ -218,7 +230,7 @@ impl<'b, 'p> CurveSide<'b, 'p> {
         let iterate = Iterate::new(balance, peak.clone());
         let start = BranchPoint::new(balance, iterate, omega_scale);
         let scales = ComplexScales::of(&start, band);
-        let start = if upwards { start } else { start.reversed() };
+        let start = start.towards(direction.sign());
         let (mut points, mut lengths) = (Vec::new(), Vec::new());
         let mut before: Option<CubicSegment> = None;
         let end = continue_branch(balance, start, newton, steps, |from, to, length| {
@@ -251,12 +263,12 @@ impl<'b, 'p> CurveSide<'b, 'p> {
     fn linear(
         balance: &'b Balance<'p>,
         peak: &Point,
-        upwards: bool,
+        direction: SweepDirection,
         band: Band,
         newton: NewtonSettings,
     ) -> Option<Self> {
         let omega_scale = StepSettings::for_band(band.width()).omega_scale;
-        let sign = if upwards { 1.0 } else { -1.0 };
+        let sign = direction.sign();
         let iterate = Iterate::new(balance, peak.clone());
         let start = BranchPoint::new(balance, iterate, omega_scale).towards(sign);
         let scales = ComplexScales::of(&start, band);

@@ -2,7 +2,7 @@
 
 use super::gap::Stop;
 use crate::hb::branch::sweep::SweepDirection;
-use crate::hb::branch::sweep_start::first_solution;
+use crate::hb::branch::sweep_start::SweepStart;
 use crate::hb::equations::balance::Balance;
 use crate::hb::equations::effort::Meter;
 use crate::hb::equations::problem::Problem;
@@ -65,7 +65,14 @@ impl<'a, 'p> LevelProblem<'a, 'p> {
         let [omega, _] = direction.ends(band);
         let newton = self.settings.newton;
         self.balance().problem.effort.grant(newton.budget);
-        first_solution(self.ladder.rungs(), newton, self.level, omega, direction)
+        let start = SweepStart {
+            rungs: self.ladder.rungs(),
+            newton,
+            level: self.level,
+            direction,
+        };
+        start
+            .solution(omega)
             .map(|first| polish(self.balance(), first))
             .map_err(|status| Stop { omega, status })
     }

@@ -285,7 +285,7 @@ pub(super) fn definite(mass: &CyclicMatrix, n_sectors: usize) -> Result<(), BadS
                 "must be positive definite with its neighbours, but for nodal diameter {diameter} row {} is a combination of rows before it",
                 row + 1
             );
-            return BadSetting::unless(false, "mass", "(matrix)", &rule);
+            return Err(BadSetting::new("mass", "(matrix)", rule));
         }
     }
     Ok(())
@@ -300,10 +300,9 @@ pub(super) fn modal_damping(
     let of_wave = |diameter: usize| {
         let [k, m] = [stiffness, mass].map(|a| a.at(diameter, n_sectors));
         let found = symmetric_generalized_eigen(k.as_ref(), m.as_ref());
-        let (lambda, shapes) = found.map_err(|error| BadSetting {
-            key: "modal_damping_ratio".to_owned(),
-            value: ratio.to_string(),
-            rule: format!("needs the modes of the structure, but {error}"),
+        let (lambda, shapes) = found.map_err(|error| {
+            let rule = format!("needs the modes of the structure, but {error}");
+            BadSetting::new("modal_damping_ratio", ratio, rule)
         })?;
         let weighted = &m * &shapes;
         let scaled = Mat::from_fn(m.nrows(), lambda.len(), |i, mode| {

@@ -82,8 +82,7 @@ impl TwoBladeModel {
     }
 
     /// The mode most like in-phase neck bending of the free blades.
-    #[must_use]
-    pub fn neck_bending_in(&self, modes: &LinearModes) -> TrackedMode {
+    fn neck_bending_in(&self, modes: &LinearModes) -> TrackedMode {
         let mode = self.first_blade.x_bending[1];
         self.most_like(modes, self.shape(mode, Phase::InPhase))
     }

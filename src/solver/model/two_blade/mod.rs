@@ -168,15 +168,16 @@ impl TwoBladeModel {
 
 /// The refusal of a contact grid with a patch that lies between two lines of a mesh.
 fn too_fine(settings: &TwoBladeSettings) -> BadSetting {
-    BadSetting {
-        key: "contact_nodes".to_owned(),
-        value: format!("{:?}", settings.contact_nodes),
-        rule: format!(
-            "must be fewer where the strip lies under a platform by only {:.3e} mm: a contact patch is narrower than a \
-             millionth of the blade or of the strip, which no mesh resolves",
-            settings.strip_overlap_mm()
-        ),
-    }
+    let rule = format!(
+        "must be fewer where the strip lies under a platform by only {:.3e} mm: a contact patch is narrower than a \
+         millionth of the blade or of the strip, which no mesh resolves",
+        settings.strip_overlap_mm()
+    );
+    BadSetting::new(
+        "contact_nodes",
+        format!("{:?}", settings.contact_nodes),
+        rule,
+    )
 }
 
 /// Contact patches of the strip: under blade 1, then under blade 2.
@@ -198,11 +199,9 @@ fn below(
 ) -> Result<CraigBampton, ModelError> {
     CraigBampton::new(&fe.stiffness, &fe.mass, masters, cut_off).map_err(|error| match error {
         ReductionError::Linalg(error) => ModelError::from(error),
-        ReductionError::TooManyModes { .. } => ModelError::from(BadSetting {
-            key: key.to_owned(),
-            value: cut_off.to_string(),
-            rule: error.to_string(),
-        }),
+        ReductionError::TooManyModes { .. } => {
+            ModelError::from(BadSetting::new(key, cut_off, error.to_string()))
+        }
     })
 }
 
