@@ -139,7 +139,10 @@ fn random_states(rng: &mut ChaCha8Rng, set: &HarmonicSet, n: usize) -> Vec<State
 fn moving_states(set: &HarmonicSet, s: AftSettings, seed: u64, n: usize) -> Vec<State> {
     let mut states = random_states(&mut ChaCha8Rng::seed_from_u64(seed), set, 3 * n);
     let out = run(&AftPlan::<f64>::new(set, s), &states, Want::Forces);
-    let mut moving = out.summaries.iter().map(|s| s.slip + s.separated > 0);
+    let mut moving = out
+        .summaries
+        .iter()
+        .map(|s| s.counts.slip + s.counts.separated > 0);
     states.retain(|_| moving.next() == Some(true));
     states.truncate(n);
     assert_eq!(states.len(), n, "enough states move");
@@ -325,9 +328,12 @@ fn random_states_stick_slip_lift_and_mix() {
                 > 10,
             "stuck"
         );
-        assert!(count(|s| s.slip > 0 && s.separated == 0) > 50, "slip");
         assert!(
-            count(|s| s.stick > 0 && s.slip > 0 && s.separated > 0) > 20,
+            count(|s| s.counts.slip > 0 && s.counts.separated == 0) > 50,
+            "slip"
+        );
+        assert!(
+            count(|s| s.counts.stick > 0 && s.counts.slip > 0 && s.counts.separated > 0) > 20,
             "mixed"
         );
         assert!(
@@ -344,9 +350,7 @@ fn random_states_stick_slip_lift_and_mix() {
             "not periodic"
         );
         assert!(
-            out.summaries
-                .iter()
-                .all(|s| s.stick + s.slip + s.separated == 48),
+            out.summaries.iter().all(|s| s.counts.total() == 48),
             "samples"
         );
     }

@@ -1,7 +1,7 @@
 //! Evaluation of a batch on the processor.
 
 use super::batch::{AftBatch, Want};
-use super::forces::{AftForces, Block, Periodicity, StateSummary, Tangent};
+use super::forces::{AftForces, Block, Periodicity, StateCounts, StateSummary, Tangent};
 use super::plan::AftPlan;
 use super::settings::Laps;
 use super::vector::size;
@@ -274,14 +274,10 @@ fn summary<T: Real>(
     cycle: &Cycle<T>,
     lane: usize,
 ) -> StateSummary {
-    // a number between 0 and Nt
-    let whole = |x: T| x.to_f64() as u32;
-    let (slip, separated) = (whole(cycle.count.slip[lane]), whole(work.separated[lane]));
-    let total = u32::try_from(plan.n_time()).unwrap_or(u32::MAX);
+    let [slip, separated] =
+        [cycle.count.slip, work.separated].map(|numbers| numbers[lane].to_f64() as u32);
     StateSummary {
-        stick: total - slip - separated,
-        slip,
-        separated,
+        counts: StateCounts::new(plan.n_time(), slip, separated),
         laps: cycle.laps[lane],
         periodicity: cycle.periodicity[lane],
     }

@@ -17,15 +17,41 @@ pub enum Periodicity {
     NotPeriodic,
 }
 
-/// What one state did over the last lap.
+/// Samples of a period by what the contact does there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct StateSummary {
+pub struct StateCounts {
     /// Samples in contact without slip.
     pub stick: u32,
     /// Samples in contact with slip in at least one direction.
     pub slip: u32,
     /// Samples out of contact.
     pub separated: u32,
+}
+
+impl StateCounts {
+    /// Of `n_time` samples; those that neither slip nor are out of contact stick.
+    #[must_use]
+    pub fn new(n_time: usize, slip: u32, separated: u32) -> Self {
+        let total = u32::try_from(n_time).unwrap_or(u32::MAX);
+        Self {
+            stick: total - slip - separated,
+            slip,
+            separated,
+        }
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub fn total(self) -> u32 {
+        self.stick + self.slip + self.separated
+    }
+}
+
+/// What one state did over the last lap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StateSummary {
+    /// Its samples.
+    pub counts: StateCounts,
     /// Laps marched.
     pub laps: u32,
     /// Whether the slider is periodic.

@@ -49,6 +49,6 @@ mod vector;
 
 pub use batch::{AftBatch, Want};
 pub use evaluate::{AftScratch, evaluate};
-pub use forces::{AftForces, Block, Periodicity, StateSummary, Tangent};
+pub use forces::{AftForces, Block, Periodicity, StateCounts, StateSummary, Tangent};
 pub use plan::AftPlan;
 pub use settings::{AftSettings, Laps};

@@ -7,7 +7,7 @@
 
 use crate::aft::AftBatch;
 use crate::aft::AftPlan;
-use crate::aft::{AftForces, Block, Periodicity, StateSummary, Tangent};
+use crate::aft::{AftForces, Block, Periodicity, StateCounts, StateSummary, Tangent};
 
 /// States in the units of the shaders.
 #[derive(Debug, Clone)]
@@ -110,13 +110,11 @@ impl ScaledStates {
                 out.forces[row * n + i] = stuck + self.scale[i] * deviation;
             }
         }
-        let total = u32::try_from(plan.n_time()).unwrap_or(u32::MAX);
+        let all = StateCounts::new(plan.n_time(), 0, 0).stick;
         for slot in &scaled.slots {
-            let moves = slot.is_some();
+            let slip = if slot.is_some() { all } else { 0 };
             out.summaries.push(StateSummary {
-                stick: if moves { 0 } else { total },
-                slip: if moves { total } else { 0 },
-                separated: 0,
+                counts: StateCounts::new(plan.n_time(), slip, 0),
                 laps: 2,
                 periodicity: Periodicity::DependsOnAnchor,
             });

@@ -5,6 +5,7 @@ use super::settings::{HbSettings, StabilityScope};
 use super::stability::period_map::PeriodicMotion;
 use super::stability::{Stability, assess};
 use super::status::Status;
+use crate::aft::StateCounts;
 use crate::harmonics::{HarmonicSet, phases};
 use crate::hb::equations::balance::Balance;
 use crate::hb::equations::effort::WorkCount;
@@ -113,7 +114,7 @@ impl Solution {
             force: iterate.contact.force.clone(),
             responses,
             residual: iterate.relative_residual(balance),
-            contact: ContactFractions::new(&iterate.contact.samples),
+            contact: ContactFractions::new(&iterate.contact.counts),
             flight_fraction: flight_fraction(balance, &iterate.point.r),
             work: CycleWork::new(balance, iterate),
             kinetic_energy: kinetic_energy(iterate),
@@ -215,14 +216,14 @@ impl Solution {
 }
 
 impl ContactFractions {
-    /// Shares of the samples [stick, slip, separated] counted per pair, and of the flight.
-    fn new(samples: &[[u32; 3]]) -> Self {
-        let total = f64::from(samples.iter().flatten().sum::<u32>().max(1));
-        let share = |state: usize| f64::from(samples.iter().map(|s| s[state]).sum::<u32>()) / total;
+    /// Shares of the samples of all pairs.
+    fn new(pairs: &[StateCounts]) -> Self {
+        let sum = |of: fn(&StateCounts) -> u32| f64::from(pairs.iter().map(of).sum::<u32>());
+        let total = sum(|counts| counts.total()).max(1.0);
         Self {
-            stick: share(0),
-            slip: share(1),
-            separated: share(2),
+            stick: sum(|counts| counts.stick) / total,
+            slip: sum(|counts| counts.slip) / total,
+            separated: sum(|counts| counts.separated) / total,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::models::{aft, short, space};
 use faer::prelude::c64;
+use microslip::aft::StateCounts;
 use microslip::contact::FrictionLaw;
 use microslip::harmonics::HarmonicSet;
 use microslip::hb::branch::branch_point::BranchPoint;
@@ -56,13 +57,16 @@ struct Kinds([[usize; 4]; 2]);
 
 impl Kinds {
     fn count(&mut self, law: FrictionLaw, iterate: &Iterate<'_>) {
-        let states = &iterate.contact.samples;
-        let has = |state: usize| states.iter().any(|s| s[state] > 0);
+        let pairs = &iterate.contact.counts;
+        let slips = pairs.iter().any(|counts| counts.slip > 0);
+        let separates = pairs.iter().any(|counts| counts.separated > 0);
+        let does_all =
+            |counts: &StateCounts| counts.stick > 0 && counts.slip > 0 && counts.separated > 0;
         let kinds = [
-            !has(1) && !has(2),
-            has(1) && !has(2),
-            has(2),
-            states.iter().any(|s| s.iter().all(|n| *n > 0)),
+            !slips && !separates,
+            slips && !separates,
+            separates,
+            pairs.iter().any(does_all),
         ];
         let counts = &mut self.0[usize::from(law == FrictionLaw::Circle)];
         for (count, kind) in counts.iter_mut().zip(kinds) {

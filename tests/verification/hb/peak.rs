@@ -141,7 +141,7 @@ fn truncation(draw: &Draw, highest: usize) -> Option<(f64, f64, bool)> {
         let padded = iterate.point.padded(&balance, &larger);
         let better = solve(&larger, padded, fixed, newton).ok()?;
         let ratio = better.response(&larger).norm() / iterate.response(&balance).norm();
-        let separated = iterate.contact.samples.iter().any(|s| s[2] > 0);
+        let separated = iterate.contact.counts.iter().any(|s| s.separated > 0);
         Some((estimate.abs(), (ratio - 1.0).abs(), separated))
     })
 }

@@ -13,7 +13,7 @@
 
 use super::play::{LaneScratch, Place, Play, Source, phase};
 use crate::aft::batch::Want;
-use crate::aft::forces::{AftForces, Block, Periodicity, StateSummary};
+use crate::aft::forces::{AftForces, Block, Periodicity, StateCounts, StateSummary};
 use crate::aft::lanes::masks::{
     add_masked_gram, add_masked_product, add_scaled, clear, subtract_product, sums_of_run,
 };
@@ -86,7 +86,7 @@ impl<T: Real> Located<T> {
         scratch.normal(plan, &p, nn);
         scratch.store(at, 2, &mut out.forces);
         let summary = scratch.summary(at, plays);
-        let stuck = plays[0].stuck && plays[1].stuck && summary.separated == 0;
+        let stuck = plays[0].stuck && plays[1].stuck && summary.counts.separated == 0;
         if tangents {
             out.add_tangent(offset, stuck);
         }
@@ -259,9 +259,7 @@ impl<T: Real> LaneScratch<T> {
         };
         let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         StateSummary {
-            stick: count(n - slip - separated),
-            slip: count(slip),
-            separated: count(separated),
+            counts: StateCounts::new(n, count(slip), count(separated)),
             laps: count(laps),
             periodicity,
         }

@@ -16,7 +16,7 @@ use super::steady_cycle::{
 };
 use crate::aft::batch::Want;
 use crate::aft::box_law::play::{LaneScratch, Place};
-use crate::aft::forces::{AftForces, Block, Periodicity, StateSummary};
+use crate::aft::forces::{AftForces, Block, Periodicity, StateCounts, StateSummary};
 use crate::aft::lanes::lane::{LANES, Lane};
 use crate::aft::lanes::workspace::Workspace;
 use crate::aft::plan::{AftPlan, CHUNK};
@@ -381,13 +381,9 @@ impl<T: Real> Cycle<T> {
 
     #[inline(always)]
     fn summary(&self, at: Place<T>, slip: u32) -> StateSummary {
-        // a whole number between 0 and Nt
         let separated = at.work.separated[at.lane].to_f64() as u32;
-        let total = u32::try_from(at.plan.n_time()).unwrap_or(u32::MAX);
         StateSummary {
-            stick: total - slip - separated,
-            slip,
-            separated,
+            counts: StateCounts::new(at.plan.n_time(), slip, separated),
             laps: self.laps,
             periodicity: self.periodicity,
         }

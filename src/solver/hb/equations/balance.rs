@@ -14,8 +14,8 @@
 use super::layout::{Layout, PairTangent};
 use super::problem::Problem;
 use crate::aft::{
-    AftBatch, AftForces, AftPlan, AftScratch, AftSettings, Block, Laps, Periodicity, StateSummary,
-    Tangent, Want, evaluate,
+    AftBatch, AftForces, AftPlan, AftScratch, AftSettings, Block, Laps, Periodicity, StateCounts,
+    StateSummary, Tangent, Want, evaluate,
 };
 use crate::contact::{Events, FrictionLaw};
 use crate::harmonics::HarmonicSet;
@@ -42,8 +42,8 @@ pub struct ContactResponse {
     pub force: Vec<f64>,
     /// ∂g/∂r = ∂F/∂r − K_c of the pairs that do not stick all the time; empty if no derivatives were asked for.
     pub active: Vec<PairTangent>,
-    /// Per pair: the numbers of time points at which it sticks, slips, is separated.
-    pub samples: Vec<[u32; 3]>,
+    /// What each pair does. Shape: `[n_pairs]`.
+    pub counts: Vec<StateCounts>,
     /// Whether the motion of every slider is periodic. Always true where the study gives the number of laps.
     pub steady: bool,
 }
@@ -152,11 +152,7 @@ impl<'p> Balance<'p> {
         ContactResponse {
             force: transpose_blocks(&forces.forces, 3, m, n_c),
             active: self.active_pairs(&forces),
-            samples: forces
-                .summaries
-                .iter()
-                .map(|s| [s.stick, s.slip, s.separated])
-                .collect(),
+            counts: forces.summaries.iter().map(|s| s.counts).collect(),
             steady: !(searched && forces.summaries.iter().any(lost)),
         }
     }

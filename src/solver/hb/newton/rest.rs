@@ -157,7 +157,7 @@ impl Rest {
 
 fn closed_stiffness(balance: &Balance<'_>, rest: &Iterate<'_>) -> Vec<f64> {
     let n_pairs = balance.layout.n_pairs;
-    let is_open = |pair: usize| rest.contact.samples[pair][2] > 0;
+    let is_open = |pair: usize| rest.contact.counts[pair].separated > 0;
     (balance.problem.stuck_stiffness.iter().enumerate())
         .map(|(i, k)| if is_open(i % n_pairs) { 0.0 } else { *k })
         .collect()

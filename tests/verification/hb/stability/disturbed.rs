@@ -249,7 +249,7 @@ fn disturbances_grow_by_the_multipliers() {
             let (balance, iterate) = raised(&problem, start, state.hertz, FrictionLaw::Box);
             let verdict = assess(&problem, &motion(&balance, &iterate)).expect("assessed");
             let found = compare(&balance, &iterate, state.periods, verdict.multiplier);
-            let open: u32 = iterate.contact.samples.iter().map(|s| s[2]).sum();
+            let open: u32 = iterate.contact.counts.iter().map(|s| s.separated).sum();
             let text = format!(
                 "{} N, {} Hz, {open} samples open: {:.5} and {:.5} by the march ({:.1e}), {:?}",
                 state.level,
