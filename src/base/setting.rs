@@ -119,6 +119,17 @@ pub fn unusual(key: &str, value: f64, usual: [f64; 2]) -> Option<BadSetting> {
     BadSetting::unless(inside, key, Plain(value), &rule).err()
 }
 
+/// Significant digits of a computed number that a message shows: more than anyone states, fewer than rounding spoils.
+const SHOWN_DIGITS: usize = 12;
+
+/// A number for a message that was not read but computed, such as one that was converted to another unit and back: 500, not
+/// 499.99999999999994.
+#[must_use]
+pub fn without_round_off(value: f64) -> f64 {
+    let shown = format!("{value:.*e}", SHOWN_DIGITS - 1);
+    shown.parse().unwrap_or(value)
+}
+
 /// A number as people write it: 0.05, 1e9.
 #[derive(Debug, Clone, Copy)]
 pub struct Plain(pub f64);
@@ -169,5 +180,21 @@ pub fn positive_items(schema: &mut schemars::Schema) {
         .and_then(|items| items.as_object_mut());
     if let Some(items) = items {
         items.insert("exclusiveMinimum".to_owned(), 0.into());
+    }
+}
+
+#[cfg(test)]
+mod unit_tests {
+    use super::without_round_off;
+
+    #[test]
+    fn round_off_is_not_shown() {
+        for value in [500.0, 540.0, 0.1, 369.5, 1e-6, 123_456.789_012, 1e9, 0.0] {
+            for error in [-3e-16, 0.0, 3e-16] {
+                assert_eq!(without_round_off(value * (1.0 + error)), value);
+            }
+        }
+        assert!(without_round_off(f64::NAN).is_nan());
+        assert_eq!(without_round_off(f64::INFINITY), f64::INFINITY);
     }
 }

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use super::chains::Chains;
+use super::check::{errors, round, spread};
 use super::found::{Calibrated, Origin, Round};
 use super::observation::Observations;
 use super::posterior::Posterior;
 use super::prior::Prior;
 use super::settings::CalibrationSettings;
 use super::summary::{Drawn, summary};
-use super::surrogate::{SolvedPoints, Surrogates, root_mean_square};
-use super::warnings::largest_ratio;
+use super::surrogate::{SolvedPoints, Surrogates};
 use crate::Error;
 use crate::ensemble::outcome::LevelOutcome;
 use crate::ensemble::program::Program;
@@ -24,10 +24,6 @@ use libm::log;
 const ANCHORS: u64 = 64;
 /// Rounds of fit, chains and check at most.
 const MOST_ROUNDS: usize = 4;
-
-/// Share of the measurement's standard deviation below which an error of a surrogate moves no posterior: it adds 1 % to the
-/// variance.
-const NEGLIGIBLE: f64 = 0.1;
 
 /// What a calibration is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,11 +76,17 @@ pub fn calibrate(
         let draws: Vec<Vec<f64>> = scores.iter().map(values).collect();
         let results: Vec<_> = solve(&draws)?.iter().map(|p| numbers(p)).collect();
         let errors = errors(&posterior, &surrogates, &scores, &results);
-        let ratio = worst_ratio(&surrogates, &observations, &errors);
-        let round = round(points.inputs.len(), draws.len(), &errors, ratio);
-        let enough = round.worst_ratio <= largest_ratio(round.checked - round.failed);
+        let round = round(
+            points.inputs.len(),
+            draws.len(),
+            &posterior,
+            &surrogates,
+            &errors,
+        );
+        // draws without a solution teach nothing: a further round would be this one again
+        let last = round.is_enough() || round.solved() == 0;
         rounds.push(round);
-        if enough || rounds.len() == MOST_ROUNDS {
+        if last || rounds.len() == MOST_ROUNDS {
             let drawn = Drawn {
                 posterior: &posterior,
                 surrogates: &surrogates,
@@ -166,54 +168,4 @@ fn numbers(levels: &[LevelOutcome]) -> Vec<[f64; 2]> {
         solved.map_or([f64::NAN; 2], |p| [p.frequency_hz, log(p.amplitude_m)])
     };
     levels.iter().map(of_level).collect()
-}
-
-/// Scores of `wanted` draws, evenly over all chains.
-fn spread(chains: &Chains, wanted: usize, scores: usize) -> Vec<Vec<f64>> {
-    let all: Vec<&[f64]> = chains.all().collect();
-    let place = |k: usize| k * all.len() / wanted;
-    (0..wanted.min(all.len()))
-        .map(|k| all[place(k)][..scores].to_vec())
-        .collect()
-}
-
-/// Solver minus surrogate at draws of the posterior, solved ones alone, in the order of the surrogates.
-fn errors(
-    posterior: &Posterior<'_>,
-    surrogates: &Surrogates,
-    scores: &[Vec<f64>],
-    results: &[Vec<[f64; 2]>],
-) -> Vec<Vec<f64>> {
-    let mut errors = vec![Vec::new(); surrogates.all.len()];
-    for (scores, results) in scores.iter().zip(results) {
-        let predicted = surrogates.predict(&posterior.prior().coordinates(scores));
-        let each = errors.iter_mut().zip(predicted).zip(&surrogates.all);
-        for ((slot, (predicted, _)), surrogate) in each {
-            let solved = results[surrogate.level][surrogate.quantity as usize];
-            slot.extend(Some(solved - predicted).filter(|error| error.is_finite()));
-        }
-    }
-    errors
-}
-
-/// Largest error of a surrogate at draws of the posterior over what enters the likelihood for it. An error far below that of the
-/// measurement moves no posterior, so that a share of the latter counts as known.
-fn worst_ratio(surrogates: &Surrogates, observations: &Observations, errors: &[Vec<f64>]) -> f64 {
-    let known = surrogates.all.iter().zip(&observations.means);
-    let known = known.map(|(s, o)| s.deviation.hypot(NEGLIGIBLE * o.variance.sqrt()));
-    let ratios = errors
-        .iter()
-        .zip(known)
-        .map(|(e, known)| root_mean_square(e) / known);
-    ratios.fold(0.0, f64::max)
-}
-
-fn round(points: usize, checked: usize, errors: &[Vec<f64>], worst_ratio: f64) -> Round {
-    let solved = errors.iter().map(Vec::len).min().unwrap_or(0);
-    Round {
-        points,
-        checked,
-        failed: checked - solved,
-        worst_ratio,
-    }
 }

@@ -70,9 +70,9 @@ pub struct Round {
     pub checked: usize,
     /// Those of them without a solution at a measured level.
     pub failed: usize,
-    /// Largest ratio, over levels and quantities, of the error at these draws (root mean square) to the one that entered the
-    /// likelihood, or to a tenth of the measurement's standard deviation where that is larger.
-    pub worst_ratio: f64,
+    /// Largest ratio, over levels and quantities, of the error at the solved draws (root mean square) to the one that entered the
+    /// likelihood, or to a tenth of the measurement's standard deviation where that is larger; absent if no draw has a solution.
+    pub worst_ratio: Option<f64>,
 }
 
 /// An input before and after.

@@ -7,6 +7,7 @@
 
 pub mod calibration;
 pub mod chains;
+mod check;
 pub mod found;
 mod nuts;
 pub mod observation;

@@ -3,6 +3,7 @@
 use crate::record::{ResponsePoint, ResponseRecord};
 use crate::setting::BadSetting;
 use libm::log;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// A measured quantity of a resonance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
@@ -54,6 +55,15 @@ pub struct Scatter {
     pub degrees_of_freedom: usize,
 }
 
+/// Scatter of repetitions beside the standard deviations that their file states, of all levels together.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct StatedCheck {
+    /// Scatter over what the stated deviations explain.
+    pub factor: f64,
+    /// Probability of so much scatter or more if the stated deviations are right.
+    pub probability: f64,
+}
+
 /// All that was measured.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Observations {
@@ -61,6 +71,8 @@ pub struct Observations {
     pub means: Vec<Observation>,
     /// Scatter by quantity; absent where the deviations are stated.
     pub scatter: [Option<Scatter>; 2],
+    /// Whether repetitions agree with stated deviations, by quantity; absent where none are stated or no level is repeated.
+    pub stated: [Option<StatedCheck>; 2],
 }
 
 /// Fewest degrees of freedom of a scatter that stands for a standard deviation: Student's distribution has a variance then.
@@ -92,14 +104,15 @@ impl Observations {
             let place = levels.iter().position(same).ok_or_else(refused)?;
             at[place].push(point);
         }
-        let stated = |quantity: Quantity| {
+        let is_stated = |quantity: Quantity| {
             let mut points = record.points.iter();
             points.all(|point| quantity.of(point).1.is_some())
         };
-        let mut scatter = [None; 2];
-        for (slot, quantity) in scatter.iter_mut().zip(Quantity::ALL) {
-            if !stated(quantity) {
-                *slot = Some(pooled(quantity, &at)?);
+        let (mut scatter, mut stated) = ([None; 2], [None; 2]);
+        for (k, quantity) in Quantity::ALL.into_iter().enumerate() {
+            match is_stated(quantity) {
+                true => stated[k] = stated_check(quantity, &at),
+                false => scatter[k] = Some(pooled(quantity, &at)?),
             }
         }
         let measured = at
@@ -111,7 +124,11 @@ impl Observations {
             quantities.map(move |(quantity, scatter)| mean(level, quantity, points, scatter))
         });
         let means = means.collect();
-        Ok(Self { means, scatter })
+        Ok(Self {
+            means,
+            scatter,
+            stated,
+        })
     }
 
     /// Places of the levels that were measured.
@@ -167,5 +184,26 @@ fn pooled(quantity: Quantity, at: &[Vec<&ResponsePoint>]) -> Result<Scatter, Bad
     Ok(Scatter {
         standard_deviation: (square / degrees_of_freedom as f64).sqrt(),
         degrees_of_freedom,
+    })
+}
+
+/// Repetitions against their stated deviations: Σ ((y − ȳ)/σ)² about the weighted means ȳ of the levels is χ² with one degree of
+/// freedom less per level than repetitions.
+fn stated_check(quantity: Quantity, at: &[Vec<&ResponsePoint>]) -> Option<StatedCheck> {
+    let (mut square, mut degrees_of_freedom) = (0.0, 0);
+    for points in at.iter().filter(|points| points.len() > 1) {
+        let about = mean(0, quantity, points, None).mean;
+        let of_points = points.iter().map(|point| quantity.of(point));
+        let squares =
+            of_points.filter_map(|(y, deviation)| Some(((y - about) / deviation?).powi(2)));
+        square += squares.sum::<f64>();
+        degrees_of_freedom += points.len() - 1;
+    }
+    let freedom = degrees_of_freedom as f64;
+    // refused without a degree of freedom
+    let law = ChiSquared::new(freedom).ok()?;
+    Some(StatedCheck {
+        factor: (square / freedom).sqrt(),
+        probability: law.sf(square),
     })
 }

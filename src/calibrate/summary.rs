@@ -48,6 +48,7 @@ pub(super) fn summary(of: Origin, rounds: Vec<Round>, drawn: &Drawn<'_>) -> Cali
                 inputs: &inputs,
                 deviations: &deviations,
                 observations: &observations,
+                stated: posterior.observations().stated,
                 levels: &of.levels,
                 rounds: &rounds,
                 misfit: misfit_probability,

@@ -44,10 +44,10 @@ pub struct Surrogates {
 const PARTS: usize = 5;
 /// Points that shape a surrogate at most: its cost grows with their number, its accuracy hardly beyond.
 const MOST_FITTED: usize = 2000;
-/// Largest share of points without a solution: where they lie nothing shapes a surrogate and nothing checks it.
+/// Largest share of samples without a solution: where they lie nothing shapes a surrogate and nothing checks it.
 const MOST_FAILED: f64 = 0.05;
 /// Fewest draws of a posterior whose errors are judged on their own.
-const FEWEST_LOCAL: usize = 8;
+pub(super) const FEWEST_LOCAL: usize = 8;
 
 impl Surrogates {
     /// Fits a surrogate to each quantity at each of `levels`.
@@ -106,11 +106,13 @@ fn fit(
     of_prior: usize,
     seed: u64,
 ) -> Result<(Chaos, PredictionError, f64), String> {
-    let failed = results.iter().filter(|r| !r.is_finite()).count();
-    if failed as f64 > MOST_FAILED * results.len() as f64 {
+    // of the prior alone: draws of a posterior without a solution are told by its check
+    let samples = &results[..of_prior];
+    let failed = samples.iter().filter(|r| !r.is_finite()).count();
+    if failed as f64 > MOST_FAILED * samples.len() as f64 {
         return Err(format!(
             "{failed} of {} samples have no solution: must be at most {:.0} %, because a surrogate only guesses there",
-            results.len(),
+            samples.len(),
             100.0 * MOST_FAILED
         ));
     }

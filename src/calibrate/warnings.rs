@@ -1,7 +1,10 @@
 //! What to look at before the result of a calibration is used.
 
+use super::check::largest_ratio;
 use super::found::{CalibratedInput, Checked, FoundDeviation, Round};
-use super::observation::Quantity;
+use super::observation::{Quantity, StatedCheck};
+use super::surrogate::FEWEST_LOCAL;
+use crate::page::display::with_digits;
 use crate::statistics::Mixing;
 
 /// Largest R̂ of chains that agree, and fewest effective draws: Vehtari et al. 2021.
@@ -13,14 +16,20 @@ const MOST_BEYOND: f64 = 0.4;
 const LEAST_SIDE: f64 = 0.005;
 /// Smallest p-value at which the model counts as one that can have given the measurement.
 const LEAST_MISFIT: f64 = 0.01;
+/// Smallest probability of the scatter of repetitions at which stated deviations count as right.
+const LEAST_STATED: f64 = 0.01;
 /// Largest share of draws whose path diverged.
 const MOST_DIVERGENT: f64 = 0.01;
+
+/// How to find why draws have no solution.
+const WHY_UNSOLVED: &str = "a run whose design is posterior.csv tells the status of each (the band of [frequency] may end too near)";
 
 /// What the warnings are about.
 pub(super) struct Judged<'a> {
     pub(super) inputs: &'a [CalibratedInput],
     pub(super) deviations: &'a [FoundDeviation],
     pub(super) observations: &'a [Checked],
+    pub(super) stated: [Option<StatedCheck>; 2],
     pub(super) levels: &'a [f64],
     pub(super) rounds: &'a [Round],
     pub(super) misfit: f64,
@@ -30,11 +39,14 @@ pub(super) struct Judged<'a> {
 /// All warnings, the most serious kind first.
 pub(super) fn warnings(of: &Judged<'_>) -> Vec<String> {
     let mut found = Vec::new();
+    found.extend(of.rounds.last().and_then(unsolved));
     found.extend(
         of.observations
             .iter()
             .filter_map(|o| beyond_prior(o, of.levels)),
     );
+    let stated = Quantity::ALL.into_iter().zip(of.stated);
+    found.extend(stated.filter_map(|(quantity, check)| understated(quantity, check?)));
     found.extend(of.inputs.iter().filter_map(at_the_edge));
     if of.misfit < LEAST_MISFIT {
         found.push(format!(
@@ -61,11 +73,15 @@ pub(super) fn warnings(of: &Judged<'_>) -> Vec<String> {
 
 /// Name of an observation.
 pub(super) fn name_of(checked: &Checked, levels: &[f64]) -> String {
-    let quantity = match checked.measured.quantity {
+    let quantity = name_of_quantity(checked.measured.quantity);
+    format!("{quantity} at level {}", levels[checked.measured.level])
+}
+
+fn name_of_quantity(quantity: Quantity) -> &'static str {
+    match quantity {
         Quantity::Frequency => "resonance frequency",
         Quantity::LogAmplitude => "amplitude",
-    };
-    format!("{quantity} at level {}", levels[checked.measured.level])
+    }
 }
 
 fn beyond_prior(checked: &Checked, levels: &[f64]) -> Option<String> {
@@ -75,6 +91,22 @@ fn beyond_prior(checked: &Checked, levels: &[f64]) -> Option<String> {
         format!(
             "the measured {} lies {side} what the prior can give: widen the distributions, or look for what the model lacks",
             name_of(checked, levels)
+        )
+    })
+}
+
+/// Stated deviations that the repetitions contradict.
+fn understated(quantity: Quantity, check: StatedCheck) -> Option<String> {
+    let column = match quantity {
+        Quantity::Frequency => "frequency deviation",
+        Quantity::LogAmplitude => "amplitude deviation",
+    };
+    (check.probability < LEAST_STATED).then(|| {
+        format!(
+            "repetitions of the {} scatter {} times as much as their stated deviations. The stated ones were used, so the intervals are \
+             too narrow: state larger ones, or leave the column {column} out, so that the scatter counts",
+            name_of_quantity(quantity),
+            with_digits(check.factor, 2)
         )
     })
 }
@@ -91,20 +123,35 @@ fn at_the_edge(input: &CalibratedInput) -> Option<String> {
 }
 
 fn unchecked(last: &Round) -> Option<String> {
-    (last.worst_ratio > largest_ratio(last.checked)).then(|| {
+    let ratio = last.worst_ratio?;
+    (ratio > largest_ratio(last.solved())).then(|| {
         format!(
-            "the surrogate errs {:.1} times as much at the posterior as the likelihood takes it for, after all rounds: more samples \
-             (--samples)",
-            last.worst_ratio
+            "the surrogate errs {ratio:.1} times as much at the posterior as the likelihood takes it for, after all rounds: more \
+             samples (--samples)"
         )
     })
 }
 
-/// Largest ratio of the error at `n` checked draws to the one that it was taken for that their own scatter explains: two standard
-/// deviations of a root mean square.
-#[must_use]
-pub(super) fn largest_ratio(n: usize) -> f64 {
-    1.0 + 2.0 / (2.0 * n.max(1) as f64).sqrt()
+/// Draws of the posterior at which the model has no answer.
+fn unsolved(last: &Round) -> Option<String> {
+    let Round {
+        checked, failed, ..
+    } = *last;
+    let means = match (failed, last.solved()) {
+        (0, _) => return None,
+        (_, 0) => {
+            return Some(format!(
+                "none of {checked} draws of the posterior has a solution: it rests on surrogates that nothing checks, and must not be \
+                 used; {WHY_UNSOLVED}"
+            ));
+        }
+        (_, solved) if solved < FEWEST_LOCAL => "too few are left to check the surrogates",
+        _ => "where they lie nothing checks the surrogates",
+    };
+    let have = if failed == 1 { "has" } else { "have" };
+    Some(format!(
+        "{failed} of {checked} draws of the posterior {have} no solution: {means}; {WHY_UNSOLVED}"
+    ))
 }
 
 fn unmixed(name: &str, mixing: Option<Mixing>) -> Option<String> {

@@ -8,6 +8,7 @@ use super::terminal::print;
 use super::threads::Threads;
 use clap::Args;
 use microslip::Error;
+use microslip::calibrate::found::Round;
 use microslip::calibrate::settings::Discrepancy;
 use microslip::calibrate::write::FILES;
 use microslip::calibrate::{Calibration, CalibrationSettings, Stage, calibrate};
@@ -114,24 +115,38 @@ fn show(out: &mut dyn Write, found: &Calibration) -> std::io::Result<()> {
         found.divergences
     )?;
     if let Some(last) = found.rounds.last() {
+        let rounds = match found.rounds.len() {
+            1 => "1 round".to_owned(),
+            n => format!("{n} rounds"),
+        };
         writeln!(
             out,
-            "surrogates of {} points, checked at {} draws of the posterior: their error is at most {:.2} times what the \
-             likelihood takes it for ({} {})",
+            "surrogates of {} points, {} ({rounds})",
             last.points,
-            last.checked - last.failed,
-            last.worst_ratio,
-            found.rounds.len(),
-            if found.rounds.len() == 1 {
-                "round"
-            } else {
-                "rounds"
-            },
+            checked(last)
         )?;
     }
     writeln!(
         out,
         "posterior predictive p = {:.3}",
         found.misfit_probability
+    )
+}
+
+/// At what the surrogates were checked, and what came out.
+fn checked(last: &Round) -> String {
+    let Some(ratio) = last.worst_ratio else {
+        return format!(
+            "checked at no draw of the posterior: none of {} has a solution",
+            last.checked
+        );
+    };
+    let unsolved = match last.failed {
+        0 => String::new(),
+        failed => format!(" ({failed} more have no solution)"),
+    };
+    format!(
+        "checked at {} draws of the posterior{unsolved}: their error is at most {ratio:.2} times what the likelihood takes it for",
+        last.solved()
     )
 }

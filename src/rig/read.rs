@@ -13,6 +13,7 @@ use crate::Error;
 use crate::setting::BadSetting;
 use crate::study::settings::document::Document;
 use crate::study::{ModelSettings, Study};
+use crate::units::rad_s_to_hz;
 
 /// Top-level keys.
 const KEYS: [&str; 11] = [
@@ -93,7 +94,7 @@ impl Rig {
         };
         document.finish(&KEYS)?;
         document.checked(rig.validate())?;
-        rig.study = rig.response_study()?;
+        rig.study = rig.response_study(&document)?;
         Ok(rig)
     }
 
@@ -125,7 +126,7 @@ impl Rig {
     }
 
     /// The study of `[response]`, which must be one of two blades.
-    fn response_study(&self) -> Result<Option<Study>, Error> {
+    fn response_study(&self, document: &Document<'_>) -> Result<Option<Study>, Error> {
         let Some(settings) = &self.response else {
             return Ok(None);
         };
@@ -134,6 +135,8 @@ impl Rig {
         let rule = "must be \"two-blade-strip\" for a virtual rig";
         let kind = BadSetting::unless(blades, "model.kind", study.model.kind(), rule);
         kind.map_err(|bad| study.bad_setting(&bad))?;
+        let checked = settings.check_band(rad_s_to_hz(study.frequency.band[0]));
+        document.checked(checked.map_err(|bad| bad.under("response")))?;
         Ok(Some(study))
     }
 

@@ -2,11 +2,17 @@
 
 use crate::model::interface::{InterfaceSettings, STIFFNESS_N_PER_UM};
 use crate::model::two_blade::TwoBladeSettings;
-use crate::setting::{BadSetting, friction_coefficient, non_negative, positive, within};
+use crate::setting::{
+    BadSetting, Plain, friction_coefficient, non_negative, positive, within, without_round_off,
+};
 use std::path::PathBuf;
 
 /// Specimens at most.
 const MOST_SPECIMENS: u64 = 10_000;
+
+/// Largest standard deviation of a measured frequency or amplitude over the number itself: 0 lies ten deviations away then, so that no
+/// draw is negative.
+const LARGEST_DEVIATION: f64 = 0.1;
 
 /// The true contact of the specimens: what a test is to find.
 #[derive(Debug, Clone, PartialEq, serde::Deserialize)]
@@ -181,9 +187,23 @@ impl ResponseSettings {
     /// [`BadSetting`] with a key relative to `[response]`.
     pub fn validate(&self) -> Result<(), BadSetting> {
         non_negative("frequency_deviation_hz", self.frequency_deviation_hz)?;
-        non_negative(
-            "amplitude_deviation_percent",
-            self.amplitude_deviation_percent,
-        )
+        let most = 100.0 * LARGEST_DEVIATION;
+        let percent = self.amplitude_deviation_percent;
+        within("amplitude_deviation_percent", percent, [0.0, most])
+    }
+
+    /// Refuses frequencies that might be measured as negative, in a band from `lowest_hz` (Hz) on.
+    ///
+    /// # Errors
+    /// [`BadSetting`] with a key relative to `[response]`.
+    pub fn check_band(&self, lowest_hz: f64) -> Result<(), BadSetting> {
+        let most = LARGEST_DEVIATION * lowest_hz;
+        let rule = format!(
+            "must be at most a tenth of the frequency at which the band of the study begins: {} Hz",
+            Plain(without_round_off(most))
+        );
+        let deviation = self.frequency_deviation_hz;
+        let key = "frequency_deviation_hz";
+        BadSetting::unless(deviation <= most, key, Plain(deviation), &rule)
     }
 }

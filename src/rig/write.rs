@@ -137,14 +137,16 @@ fn write_specimen(
         return Ok(());
     };
     let name = format!("response-{:04}", first.specimen + 1);
+    // nothing is stated of a number that is exact: readers take deviations above 0 alone
+    let stated = |deviation: f64| (deviation > 0.0).then_some(deviation);
     let point = |resonance: &MeasuredResonance| {
         let peak = resonance.peak?;
         Some(ResponsePoint {
             level_n: resonance.level,
             frequency_hz: peak.frequency_hz,
             amplitude_m: um_to_m(peak.amplitude_um),
-            frequency_deviation_hz: Some(peak.frequency_deviation_hz),
-            amplitude_deviation_m: Some(um_to_m(peak.amplitude_deviation_um)),
+            frequency_deviation_hz: stated(peak.frequency_deviation_hz),
+            amplitude_deviation_m: stated(um_to_m(peak.amplitude_deviation_um)),
         })
     };
     let points: Vec<_> = resonances.iter().filter_map(point).collect();

@@ -79,6 +79,73 @@ fn a_simulated_response_gives_its_truth_back() {
     );
 }
 
+/// A band that ends below the measured frequency leaves the posterior without solutions, where nothing checks the surrogates: the first
+/// warning says it, and page, table and summary. A second round would be the first one again.
+#[test]
+fn a_posterior_without_solutions_is_not_called_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let own = Path::new("studies/own-matrices");
+    for name in ["mass.mtx", "stiffness.mtx"] {
+        std::fs::copy(own.join(name), at.join(name)).unwrap();
+    }
+    let study = std::fs::read_to_string(own.join("study.toml")).unwrap();
+    let narrow = study.replacen("[300, 400]", "[300, 369.5]", 1);
+    assert_ne!(narrow, study);
+    std::fs::write(at.join("study.toml"), narrow).unwrap();
+    let measured = "level [-],frequency [Hz],amplitude [um],frequency deviation [Hz],amplitude deviation [um]\n1,371,16,0.4,5\n";
+    std::fs::write(at.join("response.csv"), measured).unwrap();
+    let output = calibrate(at, &["--draws", "100"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let first = said.lines().find(|line| line.starts_with("warning: "));
+    let expected = "warning: none of 32 draws of the posterior has a solution: it rests on surrogates that nothing checks";
+    assert!(first.unwrap().starts_with(expected), "{said}");
+    let shown = String::from_utf8_lossy(&output.stdout).into_owned();
+    let expected = "surrogates of 100 points, checked at no draw of the posterior: none of 32 has a solution (1 round)";
+    assert!(shown.contains(expected), "{shown}");
+    let read = |name: &str| std::fs::read_to_string(at.join("calibrated").join(name)).unwrap();
+    let found: Value = serde_json::from_str(&read("calibration.json")).unwrap();
+    let round = &found["rounds"][0];
+    assert_eq!(
+        (&round["checked"], &round["failed"]),
+        (&32.into(), &32.into())
+    );
+    assert_eq!(round["worst_ratio"], Value::Null);
+    assert_described(&validator("calibration"), &found, "calibration.json");
+    let page = read("calibration.html");
+    assert!(page.contains("none of 32 draws of the posterior has a solution"));
+}
+
+/// Repetitions that scatter far more than their stated deviations are warned of; the stated ones are used.
+#[test]
+fn stated_deviations_that_repetitions_contradict_are_warned_of() {
+    let folder = case();
+    let path = folder.path().join("response.csv");
+    let good = std::fs::read_to_string(&path).unwrap();
+    let warned = |deviations: [&str; 2]| {
+        let rows = good.lines().enumerate().map(|(i, line)| match i {
+            0 => format!("{line},frequency deviation [Hz],amplitude deviation [um]\n"),
+            _ => format!("{line},{},{}\n", deviations[0], deviations[1]),
+        });
+        std::fs::write(&path, rows.collect::<String>()).unwrap();
+        let output = calibrate(folder.path(), &[]);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    // 0.5, -0.4 and -0.1 Hz scatter by 0.46 Hz, amplitudes by 1 % of 70 um
+    let right = warned(["0.4", "0.8"]);
+    assert!(!right.contains("scatter"), "{right}");
+    let small = warned(["0.02", "0.8"]);
+    let expected = "warning: repetitions of the resonance frequency scatter 23 times as much as their stated deviations. The stated ones \
+                    were used";
+    assert!(small.contains(expected), "{small}");
+    assert!(!small.contains("repetitions of the amplitude"), "{small}");
+    let small = warned(["0.4", "0.1"]);
+    let expected = "warning: repetitions of the amplitude scatter 7.3 times as much";
+    assert!(small.contains(expected), "{small}");
+}
+
 /// Unusual values of the study are warned of, as `run` does. Seen to fail without that.
 #[test]
 fn unusual_values_of_the_study_are_warned_of() {

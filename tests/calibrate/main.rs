@@ -79,6 +79,7 @@ fn observed(values: [f64; 2], deviations: [f64; 2]) -> Observations {
     Observations {
         means: Quantity::ALL.into_iter().zip(pairs).map(one).collect(),
         scatter: [None; 2],
+        stated: [None; 2],
     }
 }
 

@@ -61,6 +61,32 @@ fn stated_deviations_weigh() {
     near(first.variance, 1.0 / 6.0, "variance");
 }
 
+/// χ² of the repetitions about the weighted means of their levels. Closed forms of its tail with an even number n of degrees of freedom:
+/// exp(−x/2) Σ (x/2)^k/k! up to k = n/2 − 1.
+#[test]
+fn repetitions_are_held_against_stated_deviations() {
+    let levels = [1.0, 2.0];
+    let frequencies = [[100.0, 101.0, 104.0], [200.0; 3]];
+    let of_record = record(frequencies, Some([1.0, 0.5, 1.0]));
+    let found = Observations::of(&of_record, &levels).unwrap();
+    let check = found.stated[0].unwrap();
+    // about 304/3: (16 + 4 · 1 + 64)/9, four degrees of freedom
+    let square = 84.0 / 9.0;
+    near(check.factor, (square / 4.0_f64).sqrt(), "factor");
+    let expected = (-0.5 * square).exp() * (1.0 + 0.5 * square);
+    near(check.probability, expected, "probability");
+    let equal = found.stated[1].unwrap();
+    near(equal.probability, 1.0, "amplitudes that do not scatter");
+    let unstated = Observations::of(&record([[100.0, 101.0, 102.0]; 2], None), &levels).unwrap();
+    assert!(unstated.stated[0].is_none(), "nothing stated");
+    let single = ResponseRecord {
+        points: of_record.points.into_iter().step_by(3).collect(),
+        name: of_record.name,
+    };
+    let single = Observations::of(&single, &levels).unwrap();
+    assert_eq!(single.stated, [None; 2], "nothing repeated");
+}
+
 /// One position of a linear response, 1.2 deviations above and half of one below what is measured.
 ///
 /// Seen to fail with the variance in place of the deviation, and without the error of the surrogate.

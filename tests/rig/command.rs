@@ -1,7 +1,7 @@
 //! `microslip rig`, as a user runs it.
 
 use crate::program::microslip;
-use microslip::record::read_hysteresis;
+use microslip::record::{read_hysteresis, read_response};
 use microslip::rig::Rig;
 use serde_json::Value;
 use std::path::Path;
@@ -161,6 +161,11 @@ const DAMAGES: &[(&str, &str, &str)] = &[
         "= 100\n",
         "= 100\n[response]\nstudy = \"none.toml\"",
         "none.toml",
+    ),
+    (
+        "= 100\n",
+        "= 100\n[response]\nstudy = \"none.toml\"\namplitude_deviation_percent = 90",
+        "rig.toml:18: response.amplitude_deviation_percent = 90: must be from 0 to 10",
     ),
     (
         "= 100\n",
@@ -325,14 +330,52 @@ fn shipped_rigs_are_valid() {
     }
 }
 
+/// The study of two blades with a coarse contact, at one level.
+fn coarse_study() -> String {
+    let study = std::fs::read_to_string("studies/two-blade-strip/study.toml").unwrap();
+    let study = study.replace("levels = [0.1, 5.0, 20.0]", "levels = [20.0]");
+    let coarse = "kind = \"two-blade-strip\"\ncontact_nodes = [2, 2]";
+    study.replace("kind = \"two-blade-strip\"", coarse)
+}
+
+/// A frequency that is measured below 0 is none. Seen to fail without the limit.
+#[test]
+fn a_frequency_deviation_leaves_a_frequency() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("study.toml"), coarse_study()).unwrap();
+    let keys = "study = \"study.toml\"\nfrequency_deviation_hz = 300";
+    let output = run(folder.path(), &format!("{RIG}[response]\n{keys}\n"), &[]);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    let expected = "rig.toml:18: response.frequency_deviation_hz = 300: must be at most a tenth of the frequency at which the band of the \
+                    study begins: 260.5 Hz";
+    assert!(error.contains(expected), "{error}");
+}
+
+/// Nothing is stated of a frequency that is measured exactly, so that the file can be read. Seen to fail with a column of zeros.
+#[test]
+fn a_response_states_no_deviation_of_zero() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("study.toml"), coarse_study()).unwrap();
+    let keys = "study = \"study.toml\"\nfrequency_deviation_hz = 0";
+    let rig = RIG.replace("specimens = 2", "specimens = 1");
+    let output = run(folder.path(), &format!("{rig}[response]\n{keys}\n"), &[]);
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{error}");
+    let read = read_response(&folder.path().join("out/response-0001.csv")).unwrap();
+    let [point] = read.points[..] else {
+        panic!("{read:?}");
+    };
+    assert_eq!(point.frequency_deviation_hz, None);
+    let relative = point.amplitude_deviation_m.unwrap() / point.amplitude_m;
+    assert!((relative / 0.01 - 1.0).abs() < 0.1, "{relative}");
+}
+
 /// Configuration b: the peaks are those of `solve` with the contact of the specimen, plus errors of the stated size. Seen to fail with the
 /// friction coefficient of the study in place of the specimen's.
 #[test]
 fn resonances_are_those_of_the_study_with_the_true_contact() {
-    let study = std::fs::read_to_string("studies/two-blade-strip/study.toml").unwrap();
-    let study = study.replace("levels = [0.1, 5.0, 20.0]", "levels = [20.0]");
-    let coarse = "kind = \"two-blade-strip\"\ncontact_nodes = [2, 2]";
-    let study = study.replace("kind = \"two-blade-strip\"", coarse);
+    let study = coarse_study();
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("study.toml"), &study).unwrap();
     let text = RIG.replace("specimens = 2", "friction_coefficient = 0.3");

@@ -152,14 +152,15 @@ fn linear_record(
     k: &[f64],
     band: Band,
 ) -> Result<LinearRecord, Error> {
+    let unit = study.frequency.unit;
     let resonance = linear_resonance(model, k, band)
         .map_err(|error| Error::Problem(error.into()))?
         .ok_or_else(|| Error::Unfit {
             study: study.path.clone(),
             message: format!(
                 "frequency: the band {} to {} holds no natural frequency of the structure with {} contacts; `inspect` lists them",
-                study.frequency.unit.of_rad_s(band.low),
-                study.frequency.unit.of_rad_s(band.high),
+                unit.shown(band.low),
+                unit.shown(band.high),
                 if k.iter().all(|k| *k == 0.0) { "open" } else { "stuck" },
             ),
         })?;

@@ -1,7 +1,7 @@
 //! Frequencies of a study: the band of the resonance search, and where `solve` evaluates the response.
 
 use crate::hb::branch::sweep::SweepDirection;
-use crate::setting::{BadSetting, positive, within};
+use crate::setting::{BadSetting, Plain, positive, within, without_round_off};
 use crate::units::{hz_to_rad_s, rad_s_to_hz};
 
 /// Unit in which a study states and reports frequencies.
@@ -50,6 +50,13 @@ impl FrequencyUnit {
             Self::Hertz => rad_s_to_hz(omega),
             Self::RadiansPerSecond => omega,
         }
+    }
+
+    /// An angular frequency (rad/s) in this unit, as a message shows it.
+    #[must_use]
+    pub fn shown(self, omega: f64) -> String {
+        let value = Plain(without_round_off(self.of_rad_s(omega)));
+        format!("{value} {}", self.name())
     }
 }
 

@@ -60,6 +60,16 @@ fn the_unchanged_study_is_accepted() {
     assert!(text.contains("110.479962 163.199157 Hz"), "{text}");
 }
 
+/// Ends of a band are shown as they are written, though they are kept in rad/s. Seen to fail with "499.99999999999994 to 540".
+#[test]
+fn the_ends_of_a_band_are_shown_without_round_off() {
+    let folder = folder("study.toml", "band_hz = [100, 200]", "band_hz = [500, 540]");
+    let arguments = ["run", "study.toml", "--output", "results", "--quiet"];
+    let output = microslip(folder.path(), &arguments);
+    let expected = "the band 500 Hz to 540 Hz holds no natural frequency";
+    assert_refused("band", &output, &[expected]);
+}
+
 /// Seen to fail with the line counted from the value's end, with a `BadSetting` that lost its section, without the
 /// limits of numbers and lists, and with "no free node" in place of the contact nodes that no mesh resolves.
 #[test]

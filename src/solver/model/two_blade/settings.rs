@@ -1,6 +1,6 @@
 //! Geometry, material, damping and loads of the rig, as a user writes them.
 
-use crate::setting::{BadSetting, LARGEST, positive, within};
+use crate::setting::{BadSetting, LARGEST, Plain, positive, within, without_round_off};
 
 /// Lengths that a part of a rig can have (mm).
 const LENGTH_MM: [f64; 2] = [1e-3, 1e4];
@@ -294,7 +294,8 @@ impl TwoBladeSettings {
     /// # Errors
     /// [`BadSetting`] with a key relative to `[model]`.
     pub fn check_band(&self, highest_hz: f64) -> Result<(), BadSetting> {
-        let rule = format!("must be above the band of [frequency], which ends at {highest_hz} Hz");
+        let end = Plain(without_round_off(highest_hz));
+        let rule = format!("must be above the band of [frequency], which ends at {end} Hz");
         let value = self.blade_cut_off_hz;
         BadSetting::unless(value > highest_hz, "blade_cut_off_hz", value, &rule)
     }
