@@ -1,16 +1,19 @@
 //! What an identification finds in virtual tests whose truth is known:
-//! `cargo bench --bench closed_loop [-- map coverage resolution varying] [--seeds 3]`.
+//! `cargo bench --bench closed_loop [-- map coverage resolution varying map-given] [--seeds 3]`.
 //!
 //! `map`: friction coefficient and stiffness over their range, under the instruments of the published rig and without their
 //! errors. `coverage`: how often the interval of a test holds the truth, 500 tests. `resolution`: how fine the displacement must
 //! be for the stiffness. `varying`: coverage where the gap of the air, and so the pressure map, is another one in every ten tests.
-//! `--seeds N` takes N times as many tests in `coverage` and `varying`, of N seeds. 100 cycles at 100 Hz, 20 for the coverage, 5 without
+//! `map-given`: coverage with the instruments of `coverage`, where the pressure map of the contact is given. `--seeds N` takes N times as
+//! many tests in `coverage`, `varying` and `map-given`, of N seeds. 100 cycles at 100 Hz, 20 for the coverage, 5 without
 //! errors. The amplitude is what a careful operator takes: four times the travel to gross slip, from 1 to 20 µm. All parts take some six minutes of processor time; [`REPEATED`] and
 //! [`COVERAGE_TESTS`] scale it.
 
 #![expect(clippy::expect_used, reason = "a benchmark without its rig fails")]
 
-use microslip::identify::{IdentifySettings, TestResult, identify_test};
+use microslip::identify::{
+    IdentifySettings, KnownPressure, TestResult, identify_pressed_test, identify_test,
+};
 use microslip::rig::{Rig, Slip, Stand, VirtualTest};
 use rayon::prelude::*;
 use std::path::Path;
@@ -62,6 +65,16 @@ struct Case<'a> {
     tests: u64,
     cycles: usize,
     seed: u64,
+    pressure: Pressure,
+}
+
+/// What the identification is told of the pressure.
+#[derive(Clone, Copy)]
+enum Pressure {
+    /// The record states the share of its area within a tenth of the mean.
+    EvenArea,
+    /// The map is given.
+    Map,
 }
 
 impl Case<'_> {
@@ -93,7 +106,11 @@ impl Case<'_> {
     fn identified(&self, settings: &IdentifySettings) -> Vec<(VirtualTest, TestResult)> {
         let rig = self.rig();
         let stand = rig.stand().expect("a contact grid");
-        let one = |index| identified(&rig, &stand, index, settings);
+        let map = match self.pressure {
+            Pressure::EvenArea => None,
+            Pressure::Map => Some(KnownPressure::new(&stand.map.pressure_map())),
+        };
+        let one = |index| identified(&rig, &stand, index, settings, map.as_ref());
         (0..rig.number_of_tests())
             .into_par_iter()
             .map(one)
@@ -106,9 +123,13 @@ fn identified(
     stand: &Stand,
     index: u64,
     settings: &IdentifySettings,
+    map: Option<&KnownPressure>,
 ) -> (VirtualTest, TestResult) {
     let test = rig.test(stand, index);
-    let result = identify_test(&test.record, settings);
+    let result = match map {
+        None => identify_test(&test.record, settings),
+        Some(map) => identify_pressed_test(&test.record, settings, map),
+    };
     (test, result)
 }
 
@@ -200,6 +221,7 @@ fn maps() {
         tests: REPEATED,
         cycles: 100,
         seed: 1,
+        pressure: Pressure::EvenArea,
     };
     map(
         "Air, instruments of the published rig",
@@ -239,6 +261,15 @@ fn coverage_heading() {
 
 /// Share of the tests whose interval holds the truth, of those that have one.
 fn coverage(seeds: u64) {
+    held(seeds, Pressure::EvenArea);
+}
+
+/// The same where the pressure map is given.
+fn map_given(seeds: u64) {
+    held(seeds, Pressure::Map);
+}
+
+fn held(seeds: u64, pressure: Pressure) {
     coverage_heading();
     let coarse = "[vibrometer]\nnoise_um = 0.02\n";
     let under_air = CELLS.map(|(mu, scale)| (mu, scale, "air", ""));
@@ -259,6 +290,7 @@ fn coverage(seeds: u64) {
             tests: COVERAGE_TESTS,
             cycles: 20,
             seed: COVERAGE_SEED,
+            pressure,
         };
         let of_seed = |seed| Case { seed, ..case }.identified(&stated());
         let seeds = COVERAGE_SEED..COVERAGE_SEED + seeds;
@@ -266,7 +298,11 @@ fn coverage(seeds: u64) {
             true => "0.04 um noise",
             false => "0.02 um noise",
         };
-        let setting = format!("{mu} | {scale} | {loading}, {noise}");
+        let told = match pressure {
+            Pressure::EvenArea => "",
+            Pressure::Map => ", map given",
+        };
+        let setting = format!("{mu} | {scale} | {loading}, {noise}{told}");
         shares(&setting, &seeds.flat_map(of_seed).collect::<Vec<_>>());
     }
 }
@@ -288,6 +324,7 @@ fn varying(seeds: u64) {
                 tests: TESTS_OF_A_GAP,
                 cycles: 20,
                 seed: COVERAGE_SEED + k,
+                pressure: Pressure::EvenArea,
             };
             case.identified(&stated())
         };
@@ -340,6 +377,7 @@ fn resolution() {
                 tests: REPEATED,
                 cycles: 100,
                 seed: 3,
+                pressure: Pressure::EvenArea,
             };
             row(&case, &stated());
         }
@@ -353,11 +391,12 @@ fn main() {
     let asked: Vec<String> = std::env::args().skip(1).collect();
     let after = asked.iter().skip_while(|a| *a != "--seeds").nth(1);
     let seeds: u64 = after.map_or(1, |n| n.parse().expect("a number of seeds"));
-    let parts: [(&str, Part); 4] = [
+    let parts: [(&str, Part); 5] = [
         ("map", |_| maps()),
         ("coverage", coverage),
         ("resolution", |_| resolution()),
         ("varying", varying),
+        ("map-given", map_given),
     ];
     let named = parts
         .iter()

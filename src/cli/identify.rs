@@ -23,6 +23,9 @@ pub(super) struct IdentifyArguments {
     /// Folder of identified.json, loops.csv and report.html.
     #[arg(long, default_value = "identified")]
     output: PathBuf,
+    /// Table of the pressure on the contact in all tests: pressure and, unless they are equal, area of each cell, with units in the header.
+    #[arg(long, value_name = "FILE")]
+    pressure_map: Option<PathBuf>,
     /// Confidence of the intervals.
     #[arg(long, default_value_t = IdentifySettings::default().confidence)]
     confidence: f64,
@@ -59,8 +62,10 @@ pub(super) struct IdentifyArguments {
 
 impl IdentifyArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
-        refuse_inputs(FILES.map(|name| self.output.join(name)), &self.files)?;
-        let identified = identify_files(&self.files, &self.settings())?;
+        let map = self.pressure_map.as_ref();
+        let inputs: Vec<PathBuf> = self.files.iter().chain(map).cloned().collect();
+        refuse_inputs(FILES.map(|name| self.output.join(name)), &inputs)?;
+        let identified = identify_files(&self.files, map, &self.settings())?;
         let output = OutputFolder::open(&self.output)?;
         write(output.path(), &identified)?;
         if self.quiet {

@@ -7,6 +7,7 @@ use super::air::AirSettings;
 use super::settings::StripSettings;
 use crate::model::ModelError;
 use crate::model::two_blade::{InterfaceCell, interface_cells};
+use crate::record::{PressureCell, PressureMap};
 use crate::setting::{BadSetting, non_negative, positive};
 use crate::units::STANDARD_GRAVITY;
 
@@ -122,6 +123,21 @@ impl Loading {
                 punch.punch_mass_kg,
                 crate::units::n_per_um_to_n_per_m(punch.punch_stiffness_n_per_um),
             ),
+        }
+    }
+}
+
+impl LoadMap {
+    /// The pressure on the cells of the interface, as the contact pairs feel it.
+    #[must_use]
+    pub fn pressure_map(&self) -> PressureMap {
+        let cells = self.cells.iter().zip(&self.loads);
+        let cells = cells.map(|(cell, load)| PressureCell {
+            pressure_pa: load / cell.area,
+            area_m2: cell.area,
+        });
+        PressureMap {
+            cells: cells.collect(),
         }
     }
 }

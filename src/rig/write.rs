@@ -1,6 +1,6 @@
-//! The files of a rig: one record per test, resonances, and the truth.
+//! The files of a rig: one record per test, the pressure map, resonances, and the truth.
 //!
-//! `test-0001.csv`, …: what a laboratory has. `response-0001.csv`, …: resonances of each specimen in configuration b. `truth.json`: what a laboratory does not know.
+//! `test-0001.csv`, … and `pressure-map.csv`: what a laboratory has. `response-0001.csv`, …: resonances of each specimen in configuration b. `truth.json`: what a laboratory does not know.
 
 use std::io::Write;
 use std::path::Path;
@@ -13,12 +13,17 @@ use super::stand::BladeFrequencies;
 use super::virtual_test::{PlatformMotion, Slip, Specimen, VirtualTest};
 use crate::Error;
 use crate::file::{replace, write_folder};
-use crate::record::{ResponsePoint, ResponseRecord, write_hysteresis, write_response};
+use crate::record::{
+    ResponsePoint, ResponseRecord, write_hysteresis, write_pressure_map, write_response,
+};
 use crate::units::um_to_m;
 use rayon::prelude::*;
 
 /// Version of `truth.json`.
 const FORMAT: u32 = 1;
+
+/// The pressure map: one, since all tests have one loading.
+const PRESSURE_MAP: &str = "pressure-map.csv";
 
 /// What was written, and what is true: `truth.json`.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -113,6 +118,8 @@ pub fn write_tests(rig: &Rig, output: &Path, done: impl Fn() + Sync) -> Result<R
         };
         // first: what the model of the study refuses costs no simulation
         summary.resonances = rig.resonances()?;
+        let path = folder.join(PRESSURE_MAP);
+        write_pressure_map(&path, &map.pressure_map(), &[note.as_str()])?;
         let tests = (0..rig.number_of_tests()).into_par_iter().map(written);
         summary.tests = tests.collect::<Result<_, _>>()?;
         for specimen in summary.resonances.chunk_by(|a, b| a.specimen == b.specimen) {

@@ -14,6 +14,7 @@ mod fuzz;
 mod mat_file;
 mod matlab;
 mod page;
+mod pressure_map;
 mod response;
 mod rules;
 #[path = "../common/mutation.rs"]

@@ -237,6 +237,84 @@ fn a_blade_has_its_truth() {
     assert!((0.001..1000.0).contains(&amplitude), "{platform}");
 }
 
+/// A rig whose vibrometer hides how the branch bends.
+const HIDDEN: &str = "name = \"hidden\"
+[loading]
+kind = \"air\"
+[excitation]
+amplitude_um = 8
+[vibrometer]
+noise_um = 0.15
+";
+
+/// The map that a rig writes narrows the interval of the stiffness, and stands in the result with its hash.
+///
+/// TO SEE
+#[test]
+fn the_map_of_a_rig_tells_its_stiffness() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run(folder.path(), HIDDEN, &[]);
+    assert!(output.status.success(), "{output:?}");
+    let test = std::fs::read_to_string(folder.path().join("out/test-0001.csv")).unwrap();
+    let stated = test.lines().filter(|line| !line.contains("mean pressure"));
+    let bare = folder.path().join("bare.csv");
+    std::fs::write(&bare, stated.collect::<Vec<_>>().join("\n")).unwrap();
+    let width = |options: &[&str]| {
+        let fixed = ["identify", "bare.csv"];
+        let output = microslip(folder.path(), &[&fixed, options].concat());
+        assert!(output.status.success(), "{output:?}");
+        let found = json(&folder.path().join("identified/identified.json"));
+        let k_t = &found["tests"][0]["estimate"]["tangential"]["stiffness_n_per_um"];
+        let end = |name: &str| k_t[name].as_f64().unwrap();
+        assert!((end("lower")..=end("upper")).contains(&233.0), "{k_t}");
+        (end("upper") - end("lower"), found)
+    };
+    let (without, found) = width(&[]);
+    assert_eq!(found["pressure_map"], Value::Null);
+    let (with, found) = width(&["--pressure-map", "out/pressure-map.csv"]);
+    assert!(with < 0.9 * without, "{with} {without}");
+    let given = &found["pressure_map"];
+    assert_eq!(given["cells"], 96, "{given}");
+    assert_eq!(given["file"]["name"], "pressure-map.csv", "{given}");
+    assert_eq!(found["files"][1], given["file"], "{found}");
+    let page = std::fs::read_to_string(folder.path().join("identified/report.html")).unwrap();
+    let hash = given["file"]["blake3"].as_str().unwrap();
+    assert!(page.contains("pressure-map.csv: 96 cells"), "no map");
+    assert!(page.matches(hash).count() >= 2, "no hash");
+}
+
+/// A damaged map is one message with exit code 2, and a result does not replace a map. Seen to fail with the map left out of the inputs that
+/// are not replaced.
+#[test]
+fn a_damaged_map_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(run(folder.path(), RIG, &[]).status.success());
+    let out = folder.path().join("out");
+    std::fs::write(out.join("loops.csv"), "pressure [MPa]\n1\n2\n3\n-4\n").unwrap();
+    for (options, expected) in [
+        (
+            &[][..],
+            "error: out/loops.csv:5: pressure = -4 MPa: must be from 0 to",
+        ),
+        (
+            &["--output", "out"],
+            "error: out/loops.csv: is an input of this command",
+        ),
+    ] {
+        let fixed = [
+            "identify",
+            "out/test-0001.csv",
+            "--pressure-map",
+            "out/loops.csv",
+        ];
+        let output = microslip(folder.path(), &[&fixed, options].concat());
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(error.starts_with(expected), "{error}");
+        assert_eq!(error.lines().count(), 1, "{error}");
+        assert_eq!(output.status.code(), Some(2), "{error}");
+    }
+}
+
 /// Every wrong key or value is refused with file, line, key and rule, and exit code 2.
 #[test]
 fn bad_files_are_refused() {

@@ -4,6 +4,7 @@
 //! each format is a file of `format` that gives the signals of tests in SI units, and `checks` holds the rules of all formats.
 //! Sizes that a file states are checked before memory is taken for them.
 
+pub mod pressure_map;
 pub mod quantity;
 pub mod read;
 pub mod response;
@@ -16,6 +17,7 @@ mod condition;
 mod format;
 mod table;
 
+pub use pressure_map::{PressureCell, PressureMap, read_pressure_map, write_pressure_map};
 pub use quantity::Quantity;
 pub use read::{TestInFile, read_hysteresis, read_tests};
 pub use response::{ResponsePoint, ResponseRecord, read_response, write_response};

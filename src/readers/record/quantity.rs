@@ -27,6 +27,10 @@ pub enum Quantity {
     FrequencyDeviation,
     /// Standard deviation of an amplitude.
     AmplitudeDeviation,
+    /// Pressure on a cell of a pressure map.
+    Pressure,
+    /// Area of a cell of a pressure map.
+    Area,
 }
 
 /// What units measure.
@@ -42,6 +46,10 @@ pub enum Dimension {
     Frequency,
     /// A part of a whole.
     Share,
+    /// In pascals.
+    Pressure,
+    /// In square metres.
+    Area,
 }
 
 /// A unit: the SI unit of its dimension times a power of ten.
@@ -54,7 +62,7 @@ pub struct Unit {
 }
 
 /// Symbols of the units. The micro sign has two code points.
-const UNITS: [(&str, Unit); 23] = [
+const UNITS: [(&str, Unit); 32] = [
     ("s", unit(Dimension::Time, 0)),
     ("sec", unit(Dimension::Time, 0)),
     ("ms", unit(Dimension::Time, -3)),
@@ -78,6 +86,15 @@ const UNITS: [(&str, Unit); 23] = [
     ("kHz", unit(Dimension::Frequency, 3)),
     ("%", unit(Dimension::Share, -2)),
     ("percent", unit(Dimension::Share, -2)),
+    ("Pa", unit(Dimension::Pressure, 0)),
+    ("kPa", unit(Dimension::Pressure, 3)),
+    ("kpa", unit(Dimension::Pressure, 3)),
+    ("MPa", unit(Dimension::Pressure, 6)),
+    ("mpa", unit(Dimension::Pressure, 6)),
+    ("m2", unit(Dimension::Area, 0)),
+    ("cm2", unit(Dimension::Area, -4)),
+    ("mm2", unit(Dimension::Area, -6)),
+    ("mm\u{b2}", unit(Dimension::Area, -6)),
 ];
 
 /// Unit of a level that is a factor.
@@ -118,6 +135,8 @@ impl Dimension {
             Self::Force => "force: N, mN, kN",
             Self::Frequency => "frequency: Hz, kHz",
             Self::Share => "a share: %",
+            Self::Pressure => "pressure: Pa, kPa, MPa",
+            Self::Area => "area: m2, cm2, mm2",
         }
     }
 
@@ -130,6 +149,8 @@ impl Dimension {
             Self::Force => "N",
             Self::Frequency => "Hz",
             Self::Share => "%",
+            Self::Pressure => "Pa",
+            Self::Area => "m2",
         }
     }
 }
@@ -196,6 +217,8 @@ impl Quantity {
             Self::Amplitude => &["amplitude", "resonance amplitude", "peak amplitude"],
             Self::FrequencyDeviation => &["frequency deviation", "frequency standard deviation"],
             Self::AmplitudeDeviation => &["amplitude deviation", "amplitude standard deviation"],
+            Self::Pressure => &["pressure", "contact pressure"],
+            Self::Area => &["area", "cell area"],
         }
     }
 
@@ -218,6 +241,8 @@ impl Quantity {
                 Dimension::Frequency
             }
             Self::EvenArea => Dimension::Share,
+            Self::Pressure => Dimension::Pressure,
+            Self::Area => Dimension::Area,
         }
     }
 
@@ -262,6 +287,8 @@ pub fn written_unit(quantity: Quantity) -> (&'static str, i32) {
     match quantity.dimension() {
         Dimension::Length => ("um", -6),
         Dimension::Share => ("%", -2),
+        Dimension::Pressure => ("MPa", 6),
+        Dimension::Area => ("mm2", -6),
         dimension => (dimension.si(), 0),
     }
 }

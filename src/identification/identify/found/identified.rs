@@ -25,6 +25,9 @@ pub struct Identified {
     /// What was stated for the identification; absent in a file that was written by hand.
     #[serde(default)]
     pub settings: Option<IdentifySettings>,
+    /// Pressure map that was given for all tests.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure_map: Option<GivenPressure>,
     /// All tests together; absent in a file that was written by hand.
     #[serde(default)]
     pub pooled: Option<Pooled>,
@@ -37,6 +40,17 @@ pub struct Identified {
     /// Version of the program.
     #[serde(default)]
     pub version: String,
+}
+
+/// A pressure map that was given.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct GivenPressure {
+    /// Its file, which is among `files`, too.
+    pub file: FileRecord,
+    /// Cells with pressure.
+    pub cells: usize,
+    /// Share of their area whose pressure is within a tenth of its mean.
+    pub even_area: f64,
 }
 
 /// A parameter of the contact and its distribution.

@@ -8,19 +8,19 @@ use crate::identify::cycles::scatter::Batches;
 
 /// Part of a half in which the contact sticks, and how its slope is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::identify) struct Window {
+pub(in crate::identify) struct Window<'m> {
     /// First and last place of the half.
     pub(in crate::identify) places: [usize; 2],
     /// Share of the swing of T/N where it ends.
     pub(in crate::identify) end: f64,
     /// The knee that the branch has, where a part of it slips before the whole.
-    pub(in crate::identify) straightened: Option<Straightened>,
+    pub(in crate::identify) straightened: Option<Straightened<'m>>,
 }
 
 /// How the points of a branch with a knee are put on its first slope.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::identify) struct Straightened {
-    pub(in crate::identify) knee: Knee,
+pub(in crate::identify) struct Straightened<'m> {
+    pub(in crate::identify) knee: Knee<'m>,
     /// T/N at the reversal before, against the motion, and its swing.
     pub(super) levels: [f64; 2],
     /// Mean slope over all knees that are possible, over that with this one.
@@ -48,13 +48,13 @@ const HIDDEN_BEND: f64 = 0.05;
 
 /// The window of a half, from the share of the swing at each place; none where it has fewer than two samples. Without a knee it ends
 /// where the branch is still straight.
-pub(super) fn window(
+pub(super) fn window<'m>(
     half: &Half,
     cycle: &MeanLoop,
     batches: Batches<'_>,
     share: &[Option<f64>],
-    straightened: Option<Straightened>,
-) -> Option<Window> {
+    straightened: Option<Straightened<'m>>,
+) -> Option<Window<'m>> {
     let last = ENDS.len() - 1;
     let found = ENDS.iter().enumerate().find_map(|(i, end)| {
         let places = between(share, [BEGIN, *end])?;
@@ -103,7 +103,7 @@ pub(super) fn is_straight(
     half: &Half,
     cycle: &MeanLoop,
     batches: Batches<'_>,
-    window: &Window,
+    window: &Window<'_>,
 ) -> bool {
     // from the middle of the window to the reversal, over the distance of the middles of its halves: the more, the shorter it is
     let beyond = |end: f64| (end + BEGIN) / (end - BEGIN);
@@ -143,7 +143,7 @@ fn fall(
 
 /// The line of the branch in its window, force in the direction of the motion over the displacement since the reversal. With a knee its
 /// slope is the mean over all knees; it turns about the middle of the window.
-pub(super) fn slope(half: &Half, cycle: &MeanLoop, window: &Window) -> Option<Line> {
+pub(super) fn slope(half: &Half, cycle: &MeanLoop, window: &Window<'_>) -> Option<Line> {
     let [first, last] = window.places;
     let (x, mut y) = (half.displacement(cycle), half.force(cycle));
     if let Some(straightened) = &window.straightened {

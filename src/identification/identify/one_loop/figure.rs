@@ -11,7 +11,7 @@ const MOST_POINTS: usize = 500;
 /// Figure of the mean loop with the force that was fitted to it and the rest, all as measured; the offset of T is taken out here.
 pub(in crate::identify) fn figure(
     cycle: &MeanLoop,
-    shape: &LoopShape,
+    shape: &LoopShape<'_>,
     numbers: &LoopNumbers,
     fitted: &[f64],
     rest: &[f64],

@@ -1,12 +1,13 @@
 //! The knee of a branch: how the slip limits of the parts of a contact are spread.
 
+use super::slip_limits::{PressureSpread, SlipLimits, TENTH};
 use crate::identify::golden::smallest;
 use libm::{asin, exp, log, pow};
 use std::f64::consts::FRAC_2_PI;
 
 /// How the slip limits of the parts of a contact are spread, over their mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::identify) enum Knee {
+pub(in crate::identify) enum Knee<'m> {
     /// None is below `least` = m, and a share (1 − (x − m)/((1 − m)(1 + q)))^q of the parts still sticks where x is the elastic swing
     /// of the force over that of full slip.
     ///
@@ -20,6 +21,8 @@ pub(in crate::identify) enum Knee {
     /// Those under a rigid flat punch, p = (2/π)/√(1 − t²) with t even from 0 to 1 (Johnson 1985, Contact Mechanics, sec. 2.8): none
     /// is below 2/π, few are very large.
     Punch,
+    /// Those of a pressure map.
+    Map(&'m SlipLimits),
 }
 
 /// A branch: displacement since the reversal, and the share of the swing of T/N.
@@ -33,8 +36,8 @@ pub(super) struct Branch {
 
 /// The most probable knee, and what the others make of the stiffness of each branch.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct FittedKnee {
-    pub(super) knee: Knee,
+pub(super) struct FittedKnee<'m> {
+    pub(super) knee: Knee<'m>,
     /// Mean stiffness over all knees, by their probability, over that with this one.
     pub(super) mean: [f64; 2],
     /// Relative standard deviation of the stiffness over all knees, by their probability.
@@ -45,14 +48,12 @@ pub(super) struct FittedKnee {
 const LEAST: [f64; 10] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
 /// ...and exponents, besides 0.
 const EXPONENTS: [f64; 5] = [0.25, 0.5, 0.75, 1.0, 2.0];
-/// Exponents besides these where a map of the pressure is known: most of the contact near the mean, the rest far below it, as where air
+/// Exponents besides these where the share of the area about the mean pressure is stated: most of the contact near the mean, the rest far below it, as where air
 /// presses and escapes at the edges.
 const FINE_EXPONENTS: [f64; 3] = [0.05, 0.1, 0.15];
-/// "About the mean": within this share of it.
-const TENTH: f64 = 0.1;
 /// Standard uncertainty of the share of the contact about the mean: of the map, and because no contact is exactly a knee of the family.
 const OF_MAP: f64 = 0.05;
-/// Probability of one slip limit for all before the loop is seen, where no map is known.
+/// Probability of one slip limit for all before the loop is seen, where nothing is known of the pressure.
 const ONE_LIMIT: f64 = 0.5;
 /// Range of the stiffness that is tried, over the first guess, and steps of the search.
 const RANGE: [f64; 2] = [0.7, 1.6];
@@ -69,7 +70,7 @@ const SEEN: f64 = 0.01;
 /// Displacement, over that of full slip without a knee, up to which a branch tells its knee.
 pub(super) const REACH: f64 = 2.5;
 
-impl Knee {
+impl Knee<'_> {
     /// Share of the swing at an elastic swing of `x` times that of full slip.
     fn share(&self, x: f64) -> f64 {
         match *self {
@@ -87,6 +88,7 @@ impl Knee {
                 let t = (1.0 - (FRAC_2_PI / x).powi(2)).sqrt();
                 FRAC_2_PI * asin(t) + x * (1.0 - t)
             }
+            Self::Map(limits) => limits.share(x),
         }
     }
 
@@ -101,6 +103,7 @@ impl Knee {
             } => pow((1.0 - (x - m) / ((1.0 - m) * (1.0 + q))).max(0.0), q),
             Self::Punch if x <= FRAC_2_PI => 1.0,
             Self::Punch => 1.0 - (1.0 - (FRAC_2_PI / x).powi(2)).sqrt(),
+            Self::Map(limits) => limits.above(x),
         }
     }
 
@@ -139,14 +142,14 @@ impl Knee {
                 }
                 0.5 * (low + high)
             }
+            Self::Map(limits) => limits.elastic(share),
         }
     }
 }
 
 /// The most probable knee of both branches, each with its own stiffness; the others give mean and model error by their probability.
-/// `even_area`: share of the contact whose slip limit is within a tenth of their mean, where it is known.
-pub(super) fn fit(branches: &[Branch; 2], even_area: Option<f64>) -> FittedKnee {
-    let (knees, before): (Vec<Knee>, Vec<f64>) = possible(even_area).into_iter().unzip();
+pub(super) fn fit<'m>(branches: &[Branch; 2], spread: PressureSpread<'m>) -> FittedKnee<'m> {
+    let (knees, before): (Vec<Knee<'m>>, Vec<f64>) = possible(spread).into_iter().unzip();
     let fits: Vec<([f64; 2], f64)> = knees.iter().map(|knee| stiffness(branches, knee)).collect();
     let points = branches
         .iter()
@@ -183,28 +186,42 @@ pub(super) fn fit(branches: &[Branch; 2], even_area: Option<f64>) -> FittedKnee 
 
 /// Knees with their probability before the loop is seen, up to a factor.
 ///
-/// Where nothing is known of the pressure one limit for all is as probable as all others. Where a map of it is known, those are probable
-/// whose share of the contact about the mean limit is that of the map.
-fn possible(even_area: Option<f64>) -> Vec<(Knee, f64)> {
+/// Where nothing is known of the pressure one limit for all is as probable as all others. Where the share of the contact about the mean
+/// is known, those are probable that have it. Where a map is known, it is the knee, to its own uncertainty.
+fn possible(spread: PressureSpread<'_>) -> Vec<(Knee<'_>, f64)> {
+    match spread {
+        PressureSpread::Unknown => {
+            let knees = family(&EXPONENTS);
+            let others = (1.0 - ONE_LIMIT) / (knees.len() - 1) as f64;
+            let before = [ONE_LIMIT].into_iter().chain(std::iter::repeat(others));
+            knees.into_iter().zip(before).collect()
+        }
+        PressureSpread::EvenArea(stated) => {
+            let before =
+                |knee: &Knee<'_>| exp(-0.5 * ((knee.even_area() - stated) / OF_MAP).powi(2));
+            let knees = family(&[&FINE_EXPONENTS[..], &EXPONENTS].concat()).into_iter();
+            knees.map(|knee| (knee, before(&knee))).collect()
+        }
+        PressureSpread::Map(known) => {
+            let maps = known.maps().iter();
+            maps.map(|map| (Knee::Map(&map.limits), map.before))
+                .collect()
+        }
+    }
+}
+
+/// Knees with these exponents that are tried where no map is known; the first is one limit for all.
+fn family<'m>(exponents: &[f64]) -> Vec<Knee<'m>> {
     let spread = |least, exponent| Knee::Spread { least, exponent };
     let mut knees = vec![spread(0.0, 0.0), Knee::Punch];
     for least in LEAST {
-        let fine = FINE_EXPONENTS.iter().filter(|_| even_area.is_some());
-        knees.extend(fine.chain(&EXPONENTS).map(|q| spread(least, *q)));
+        knees.extend(exponents.iter().map(|q| spread(least, *q)));
     }
-    let others = (1.0 - ONE_LIMIT) / (knees.len() - 1) as f64;
-    let before = |place: usize, knee: &Knee| match even_area {
-        None if place == 0 => ONE_LIMIT,
-        None => others,
-        Some(stated) => exp(-0.5 * ((knee.even_area() - stated) / OF_MAP).powi(2)),
-    };
-    let both = knees.iter().enumerate();
-    both.map(|(place, knee)| (*knee, before(place, knee)))
-        .collect()
+    knees
 }
 
 /// Stiffness of both branches over its first guess, by least squares, and the sum of the squares.
-fn stiffness(branches: &[Branch; 2], knee: &Knee) -> ([f64; 2], f64) {
+fn stiffness(branches: &[Branch; 2], knee: &Knee<'_>) -> ([f64; 2], f64) {
     let [a, b] = branches.each_ref().map(|branch| {
         let square = |k: f64| -> f64 {
             let both = branch.displacement.iter().zip(&branch.share);

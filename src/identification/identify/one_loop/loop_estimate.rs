@@ -38,7 +38,7 @@ pub(in crate::identify) struct PlateauNumbers {
 
 impl LoopNumbers {
     /// Of one loop.
-    pub(in crate::identify) fn of(cycle: &MeanLoop, shape: &LoopShape) -> Self {
+    pub(in crate::identify) fn of(cycle: &MeanLoop, shape: &LoopShape<'_>) -> Self {
         let lines = [0, 1].map(|side| {
             let window = shape.windows[side]?;
             slope(&shape.halves[side], cycle, &window)
@@ -78,7 +78,7 @@ impl LoopNumbers {
 /// T = ± μ N + offset on both plateaus: two equations of the means over the samples.
 fn plateaus(
     cycle: &MeanLoop,
-    shape: &LoopShape,
+    shape: &LoopShape<'_>,
     places: [[usize; 2]; 2],
     stick: Option<f64>,
 ) -> PlateauNumbers {
@@ -121,7 +121,7 @@ fn plateaus(
 /// Samples of a plateau where the normal force is large enough.
 pub(super) fn samples(
     cycle: &MeanLoop,
-    shape: &LoopShape,
+    shape: &LoopShape<'_>,
     side: usize,
     [first, last]: [usize; 2],
 ) -> Vec<usize> {

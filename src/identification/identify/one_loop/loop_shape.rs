@@ -4,16 +4,17 @@ use super::branch::{Straightened, Window, is_straight, slope, window};
 use super::half::{Half, halves};
 use super::knee::{Branch, LEAST_POINTS, REACH, fit};
 use super::plateau::plateau;
+use super::slip_limits::PressureSpread;
 use crate::identify::cycles::mean_loop::MeanLoop;
 use crate::identify::cycles::scatter::Batches;
 
 /// Places of a loop.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::identify) struct LoopShape {
+pub(in crate::identify) struct LoopShape<'m> {
     /// The way down, and the way up.
     pub(in crate::identify) halves: [Half; 2],
     /// Windows of the stick branches, after the reversal at the greatest displacement and at the least.
-    pub(in crate::identify) windows: [Option<Window>; 2],
+    pub(in crate::identify) windows: [Option<Window<'m>>; 2],
     /// First and last place of both plateaus, where the whole contact slips.
     pub(in crate::identify) plateaus: Option<[[usize; 2]; 2]>,
     /// Normal force below which T/N is not taken (N).
@@ -23,19 +24,19 @@ pub(in crate::identify) struct LoopShape {
 /// Normal force over its mean, below which the contact may be open and T/N is not taken.
 const LEAST_NORMAL: f64 = 0.02;
 
-/// Places of the mean loop. `even_area`: share of the contact whose pressure is within a tenth of its mean, where it is known.
+/// Places of the mean loop of a contact whose pressure is known as `spread` says.
 ///
 /// # Errors
 /// Why it is no loop.
-pub(in crate::identify) fn shape(
+pub(in crate::identify) fn shape<'m>(
     cycle: &MeanLoop,
     batches: Batches<'_>,
-    even_area: Option<f64>,
-) -> Result<LoopShape, String> {
-    found(cycle, batches, even_area, false)
+    spread: PressureSpread<'m>,
+) -> Result<LoopShape<'m>, String> {
+    found(cycle, batches, spread, false)
 }
 
-impl LoopShape {
+impl<'m> LoopShape<'m> {
     /// Whether the knee of the branches was sought.
     pub(in crate::identify) fn has_knee(&self) -> bool {
         let mut windows = self.windows.iter().flatten();
@@ -46,19 +47,19 @@ impl LoopShape {
     pub(in crate::identify) fn with_own_knee(
         cycle: &MeanLoop,
         batches: Batches<'_>,
-        even_area: Option<f64>,
+        spread: PressureSpread<'m>,
     ) -> Option<Self> {
-        found(cycle, batches, even_area, true).ok()
+        found(cycle, batches, spread, true).ok()
     }
 }
 
 /// Places of the mean loop, with a knee of its branches whether they are straight or not if `knee` says so.
-fn found(
+fn found<'m>(
     cycle: &MeanLoop,
     batches: Batches<'_>,
-    even_area: Option<f64>,
+    spread: PressureSpread<'m>,
     knee: bool,
-) -> Result<LoopShape, String> {
+) -> Result<LoopShape<'m>, String> {
     let normal = cycle.normal.iter().sum::<f64>() / cycle.samples() as f64;
     if normal <= 0.0 {
         return Err(format!(
@@ -86,9 +87,11 @@ fn found(
     let stick = stick(cycle, &sides, &first)?;
     let [a, b] = halves.map(|half| plateau(&half, cycle, stick, least_normal));
     let plateaus = a.zip(b).map(|(a, b)| [a, b]);
-    let bends = || plateaus.is_some() && !are_straight(cycle, &sides, &first);
+    // a known knee is no guess: a straight branch has it, too
+    let known = matches!(spread, PressureSpread::Map(_));
+    let bends = || plateaus.is_some() && (known || !are_straight(cycle, &sides, &first));
     let windows = match knee || bends() {
-        true => with_knee(cycle, &sides, stick, even_area),
+        true => with_knee(cycle, &sides, stick, spread),
         false => first,
     };
     Ok(LoopShape {
@@ -119,7 +122,11 @@ impl Side<'_> {
             .collect()
     }
 
-    fn window(&self, cycle: &MeanLoop, straightened: Option<Straightened>) -> Option<Window> {
+    fn window<'m>(
+        &self,
+        cycle: &MeanLoop,
+        straightened: Option<Straightened<'m>>,
+    ) -> Option<Window<'m>> {
         let shares = self.shares(cycle);
         window(&self.half, cycle, self.batches, &shares, straightened)
     }
@@ -144,8 +151,12 @@ impl Side<'_> {
 
 /// Whether both branches are straight where their slopes are taken: then no knee is needed. A knee of the family would be a guess
 /// all the same.
-fn are_straight(cycle: &MeanLoop, sides: &[Side<'_>; 2], windows: &[Option<Window>; 2]) -> bool {
-    let straight = |(side, window): (&Side<'_>, &Option<Window>)| {
+fn are_straight(
+    cycle: &MeanLoop,
+    sides: &[Side<'_>; 2],
+    windows: &[Option<Window<'_>>; 2],
+) -> bool {
+    let straight = |(side, window): (&Side<'_>, &Option<Window<'_>>)| {
         window.is_some_and(|window| is_straight(&side.half, cycle, side.batches, &window))
     };
     sides.iter().zip(windows).all(straight)
@@ -158,7 +169,7 @@ const MOST_POINTS: usize = 60;
 fn stick(
     cycle: &MeanLoop,
     sides: &[Side<'_>; 2],
-    windows: &[Option<Window>; 2],
+    windows: &[Option<Window<'_>>; 2],
 ) -> Result<f64, String> {
     let lines = sides
         .iter()
@@ -178,17 +189,17 @@ fn stick(
 }
 
 /// Windows of a loop that slips as a whole, with the knee of its branches.
-fn with_knee(
+fn with_knee<'m>(
     cycle: &MeanLoop,
     sides: &[Side<'_>; 2],
     stick: f64,
-    even_area: Option<f64>,
-) -> [Option<Window>; 2] {
+    spread: PressureSpread<'m>,
+) -> [Option<Window<'m>>; 2] {
     let branches = sides.each_ref().map(|side| side.branch(cycle, stick));
     let told = branches
         .iter()
         .all(|branch| branch.share.len() >= LEAST_POINTS);
-    let fitted = told.then(|| fit(&branches, even_area));
+    let fitted = told.then(|| fit(&branches, spread));
     [0, 1].map(|side| {
         let straightened = fitted.map(|found| Straightened {
             knee: found.knee,

@@ -11,4 +11,5 @@ pub(super) mod loop_shape;
 pub(super) mod misfit;
 mod normal;
 mod plateau;
+pub(super) mod slip_limits;
 mod slope;

@@ -1,7 +1,7 @@
 //! One test: from a record to the parameters of its contact with their uncertainty.
 
 use super::series::Series;
-use super::test_notes::notes;
+use super::test_notes::{notes, other_share};
 use crate::identify::cycles::cycle::{Steady, cut};
 use crate::identify::cycles::mean_loop::{MeanLoop, noise};
 use crate::identify::cycles::scatter::{self, ChainError, RandomError, correlation, of_parts};
@@ -14,13 +14,37 @@ use crate::identify::one_loop::figure::figure;
 use crate::identify::one_loop::loop_estimate::LoopNumbers;
 use crate::identify::one_loop::loop_shape::{LoopShape, shape};
 use crate::identify::one_loop::misfit::{elastic_coulomb, misfit};
+use crate::identify::one_loop::slip_limits::{KnownPressure, PressureSpread};
 use crate::identify::settings::IdentifySettings;
 use crate::record::HysteresisRecord;
 use crate::units::n_per_m_to_n_per_um;
 
-/// What one test says.
+/// What one test says, with what its record states of the pressure.
 #[must_use]
 pub fn identify_test(record: &HysteresisRecord, settings: &IdentifySettings) -> TestResult {
+    let stated = record.conditions.even_area;
+    let spread = stated.map_or(PressureSpread::Unknown, PressureSpread::EvenArea);
+    identified(record, settings, spread)
+}
+
+/// What one test says of a contact whose pressure is known, whatever its record states of it.
+#[must_use]
+pub fn identify_pressed_test(
+    record: &HysteresisRecord,
+    settings: &IdentifySettings,
+    pressure: &KnownPressure,
+) -> TestResult {
+    let spread = PressureSpread::Map(pressure);
+    let mut result = identified(record, settings, spread);
+    result.notes.extend(other_share(record, pressure));
+    result
+}
+
+fn identified(
+    record: &HysteresisRecord,
+    settings: &IdentifySettings,
+    spread: PressureSpread<'_>,
+) -> TestResult {
     let unusable = |reason| TestResult {
         name: record.name.clone(),
         conditions: record.conditions.clone(),
@@ -36,8 +60,7 @@ pub fn identify_test(record: &HysteresisRecord, settings: &IdentifySettings) -> 
         Err(reason) => return unusable(reason),
     };
     let cycles = Some(steady.cycles);
-    let even_area = record.conditions.even_area;
-    match Test::new(&steady, even_area, settings) {
+    match Test::new(&steady, spread, settings) {
         Ok(test) => test.result(record),
         Err(reason) => TestResult {
             cycles,
@@ -50,7 +73,7 @@ pub fn identify_test(record: &HysteresisRecord, settings: &IdentifySettings) -> 
 struct Test<'a> {
     settings: &'a IdentifySettings,
     steady: &'a Steady,
-    shape: LoopShape,
+    shape: LoopShape<'a>,
     mean: LoopNumbers,
     batches: Vec<LoopNumbers>,
     /// Of the mean loop without each batch, with a knee of its own; empty where no knee was sought.
@@ -66,10 +89,10 @@ struct Test<'a> {
 impl<'a> Test<'a> {
     fn new(
         steady: &'a Steady,
-        even_area: Option<f64>,
+        spread: PressureSpread<'a>,
         settings: &'a IdentifySettings,
     ) -> Result<Self, String> {
-        let shape = shape(&steady.mean, steady.batches(), even_area)?;
+        let shape = shape(&steady.mean, steady.batches(), spread)?;
         let mean = LoopNumbers::of(&steady.mean, &shape);
         let series = Series::of(settings);
         let of_each = |loops: &[MeanLoop]| -> Vec<LoopNumbers> {
@@ -84,7 +107,7 @@ impl<'a> Test<'a> {
             steady,
             shape,
             batches: of_each(&steady.batches),
-            own_knee: own_knee(steady, &shape, even_area),
+            own_knee: own_knee(steady, &shape, spread),
             without: of_each(&steady.common.without),
             mean,
             slopes: [measured, series.contact(measured)?],
@@ -411,13 +434,17 @@ impl<'a> Test<'a> {
 }
 
 /// Numbers of the mean loop without each batch in turn, with a knee of its own each; none where no knee was sought.
-fn own_knee(steady: &Steady, shape: &LoopShape, even_area: Option<f64>) -> Vec<LoopNumbers> {
+fn own_knee<'m>(
+    steady: &Steady,
+    shape: &LoopShape<'m>,
+    spread: PressureSpread<'m>,
+) -> Vec<LoopNumbers> {
     if !shape.has_knee() {
         return Vec::new();
     }
     let each = steady.without_batches();
     let numbers = |cycle: &MeanLoop| {
-        let own = LoopShape::with_own_knee(cycle, steady.batches(), even_area);
+        let own = LoopShape::with_own_knee(cycle, steady.batches(), spread);
         LoopNumbers::of(cycle, &own.unwrap_or(*shape))
     };
     each.iter().map(numbers).collect()

@@ -1,6 +1,7 @@
 //! What a reader of a test should know.
 
 use crate::identify::found::result::{Cycles, TestEstimate};
+use crate::identify::one_loop::slip_limits::KnownPressure;
 use crate::identify::settings::IdentifySettings;
 use crate::record::HysteresisRecord;
 
@@ -16,6 +17,20 @@ const HARDLY_KNOWN: f64 = 0.05;
 const PARTIAL_SLIP: f64 = 0.01;
 /// Offset of T over the force at slip that is told.
 const OFFSET: f64 = 0.05;
+
+/// Difference between the stated share of the area about the mean pressure and that of a pressure map, that is told.
+const SHARES_APART: f64 = 0.05;
+
+/// A sentence where the record states another share of the area about the mean pressure than the map has.
+pub(super) fn other_share(record: &HysteresisRecord, pressure: &KnownPressure) -> Option<String> {
+    let (stated, found) = (record.conditions.even_area?, pressure.even_area());
+    let [stated_percent, found_percent] = [stated, found].map(|share| 100.0 * share);
+    ((stated - found).abs() > SHARES_APART).then(|| {
+        format!(
+            "{stated_percent:.0} % of the area are stated to be within a tenth of the mean pressure, the pressure map has {found_percent:.0} %: the map is used"
+        )
+    })
+}
 
 /// Sentences on one test.
 pub(super) fn notes(

@@ -2,6 +2,7 @@
 
 use super::parameter::name;
 use super::view::View;
+use crate::identify::found::identified::GivenPressure;
 use crate::page::block::{Block, Cell, Section, Table};
 use crate::page::display::with_digits;
 use crate::page::sheet::{fields, sheet};
@@ -14,13 +15,11 @@ pub(super) fn section(view: &View) -> Section {
     let stated = stated
         .into_iter()
         .map(|(key, value)| (with_unit(&key), value));
+    let pressure = found.pressure_map.as_ref().map(pressure_map);
+    let rows = [program].into_iter().chain(stated).chain(pressure);
     let mut blocks = vec![
         distributions(view),
-        sheet(
-            "Identification",
-            "settings",
-            [program].into_iter().chain(stated),
-        ),
+        sheet("Identification", "settings", rows),
     ];
     if !found.files.is_empty() {
         blocks.push(files(view));
@@ -30,6 +29,16 @@ pub(super) fn section(view: &View) -> Section {
         title: "For a study, and provenance".to_owned(),
         blocks,
     }
+}
+
+/// A row on the pressure map.
+fn pressure_map(given: &GivenPressure) -> (String, String) {
+    let (name, hash) = (&given.file.name, &given.file.blake3);
+    let (cells, percent) = (given.cells, with_digits(100.0 * given.even_area, 2));
+    let words = format!(
+        "{name}: {cells} cells, {percent} % of their area within a tenth of the mean; BLAKE3 {hash}"
+    );
+    ("Pressure map".to_owned(), words)
 }
 
 /// The distributions of `identified.json`, with their correlation.
