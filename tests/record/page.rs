@@ -1,7 +1,7 @@
 //! The page on files of measurements says what is read.
 
 use microslip::record::quantity::Quantity;
-use microslip::record::{TestConditions, read_response};
+use microslip::record::{TestConditions, read_pressure_map, read_response};
 
 use crate::contact::contact;
 use crate::csv::written;
@@ -25,7 +25,8 @@ fn all_names_and_units_are_on_the_page() {
             assert!(text.contains(&format!("`{name}`")), "{PAGE} lacks {name}");
         }
     }
-    for quantity in Quantity::RESPONSE {
+    let tables = (Quantity::RESPONSE.into_iter()).chain([Quantity::Pressure, Quantity::Area]);
+    for quantity in tables {
         let row = text.lines().filter(|line| line.starts_with('|'));
         let mut row = row.filter(|line| line.contains(&format!("| {}", quantity.name())));
         let row = row.next().unwrap();
@@ -52,7 +53,10 @@ fn examples_of_the_page_are_files() {
     let examples = examples();
     assert_eq!(lines(&examples[0])[..], lines(&text)[1..7]);
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("blade.csv");
+    let path = folder.path().join("map.csv");
     std::fs::write(&path, &examples[1]).unwrap();
+    assert_eq!(read_pressure_map(&path).unwrap().cells.len(), 4);
+    let path = folder.path().join("blade.csv");
+    std::fs::write(&path, &examples[2]).unwrap();
     assert_eq!(read_response(&path).unwrap().points.len(), 3);
 }

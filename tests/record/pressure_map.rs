@@ -36,7 +36,7 @@ fn pressures(text: &str) -> Vec<f64> {
     cells.map(|cell| cell.pressure_pa).collect()
 }
 
-/// TO SEE
+/// Seen to fail with areas written as if they were pressures.
 #[test]
 fn what_is_written_is_read_back_to_the_bit() {
     let text = written(&map());
@@ -47,7 +47,7 @@ fn what_is_written_is_read_back_to_the_bit() {
     assert_eq!(read_as(&text).unwrap(), map(), "{text}");
 }
 
-/// TO SEE
+/// Seen to fail with cells without pressure kept.
 #[test]
 fn units_are_read_and_cells_without_pressure_left_out() {
     let expected = [1.0, 2.0, 2.5, 3.0].map(|mpa| 1e6 * mpa);
@@ -88,7 +88,7 @@ const DAMAGES: &str = "
 5 | 0.1                          | :5: has 1 fields: must have 2
 ";
 
-/// TO SEE
+/// Seen to fail with areas of any size taken.
 #[test]
 fn damaged_maps_are_refused() {
     let count = MAPS.refuse("map.csv", &written(&map()), DAMAGES);

@@ -243,13 +243,11 @@ const HIDDEN: &str = "name = \"hidden\"
 kind = \"air\"
 [excitation]
 amplitude_um = 8
-[vibrometer]
-noise_um = 0.15
 ";
 
 /// The map that a rig writes narrows the interval of the stiffness, and stands in the result with its hash.
 ///
-/// TO SEE
+/// Seen to fail with the map left out of the files.
 #[test]
 fn the_map_of_a_rig_tells_its_stiffness() {
     let folder = tempfile::tempdir().unwrap();
@@ -259,24 +257,25 @@ fn the_map_of_a_rig_tells_its_stiffness() {
     let stated = test.lines().filter(|line| !line.contains("mean pressure"));
     let bare = folder.path().join("bare.csv");
     std::fs::write(&bare, stated.collect::<Vec<_>>().join("\n")).unwrap();
-    let width = |options: &[&str]| {
+    let interval = |options: &[&str]| {
         let fixed = ["identify", "bare.csv"];
         let output = microslip(folder.path(), &[&fixed, options].concat());
         assert!(output.status.success(), "{output:?}");
         let found = json(&folder.path().join("identified/identified.json"));
         let k_t = &found["tests"][0]["estimate"]["tangential"]["stiffness_n_per_um"];
-        let end = |name: &str| k_t[name].as_f64().unwrap();
-        assert!((end("lower")..=end("upper")).contains(&233.0), "{k_t}");
-        (end("upper") - end("lower"), found)
+        let ends = ["lower", "upper"].map(|name| k_t[name].as_f64().unwrap());
+        (ends, found)
     };
-    let (without, found) = width(&[]);
+    let (without, found) = interval(&[]);
     assert_eq!(found["pressure_map"], Value::Null);
-    let (with, found) = width(&["--pressure-map", "out/pressure-map.csv"]);
-    assert!(with < 0.9 * without, "{with} {without}");
+    let (with, found) = interval(&["--pressure-map", "out/pressure-map.csv"]);
+    let [narrow, wide] = [with, without].map(|[lower, upper]| upper - lower);
+    assert!(narrow < 0.6 * wide, "{with:?} {without:?}");
+    assert!((with[0]..=with[1]).contains(&233.0), "{with:?}");
     let given = &found["pressure_map"];
     assert_eq!(given["cells"], 96, "{given}");
     assert_eq!(given["file"]["name"], "pressure-map.csv", "{given}");
-    assert_eq!(found["files"][1], given["file"], "{found}");
+    assert_eq!(found["files"][1], given["file"], "{}", found["files"]);
     let page = std::fs::read_to_string(folder.path().join("identified/report.html")).unwrap();
     let hash = given["file"]["blake3"].as_str().unwrap();
     assert!(page.contains("pressure-map.csv: 96 cells"), "no map");
