@@ -46,9 +46,9 @@ var<private> moves: bool;
 var<private> overflows: bool;
 // Whether the velocity turns around in an interval between two samples.
 var<private> turns: bool;
-// Where the present slip began, and the longest way of the slider in one slip.
+// Where the present slip began, and the longest slip of the slider.
 var<private> slip_from: vec2<real>;
-var<private> way: real;
+var<private> longest_slip: real;
 var<private> n_events: u32;
 // Loop iterations so far: a widespread software adapter ends loops silently after 65 535.
 var<private> spent: u32;

@@ -226,7 +226,7 @@ fn circle_anchored_tangents(@builtin(global_invocation_id) id: vec3<u32>, @built
     start_lap(anchor_of(state));
     for (var lap = 1u; lap <= cycle.laps && !overflows; lap++) {
         sums_up = lap == cycle.laps;
-        walk(state);
+        march_lap(state);
     }
     store_column(slot, state);
 }

@@ -24,7 +24,7 @@ fn stop_slider(node: Node) {
 
 // The slider, which slipped, has come to `to_place`.
 fn note_way(to_place: vec2<real>) {
-    way = max(way, norm(to_place - slip_from));
+    longest_slip = max(longest_slip, norm(to_place - slip_from));
 }
 
 // Motion of a contact that is closed at the start of the lap.

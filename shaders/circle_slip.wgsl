@@ -14,7 +14,7 @@ struct SlipStep {
 }
 
 struct SlipParts {
-    way: real,
+    distance: real,
     limit: real,
     flexibility: real,
     y: real,
@@ -41,12 +41,12 @@ fn slip_parts(step: SlipStep) -> SlipParts {
     let one = real(1.0);
     var parts = SlipParts();
     let square = inner(step.path, step.path);
-    parts.way = sqrt(square);
-    parts.limit = max(step.limit, parts.way / LONGEST);
+    parts.distance = sqrt(square);
+    parts.limit = max(step.limit, parts.distance / LONGEST);
     if parts.limit > LEAST_LIMIT {
         parts.flexibility = one / parts.limit;
     }
-    let y = parts.way * parts.flexibility;
+    let y = parts.distance * parts.flexibility;
     parts.y = y;
     let cubic = ((y / real(120.0) + one / real(24.0)) * y + one / real(6.0)) * y;
     parts.growth = (cubic + real(0.5)) * y + one;
@@ -122,8 +122,8 @@ fn angle_rates(step: SlipStep, before: HalfAngle) -> SlipStep {
     let by_a = parts.odd * vec2<real>(inner(turned, vec2<real>(c, -s)), inner(turned, vec2<real>(s, c)));
 
     var unit = vec2<real>(real(0.0), real(0.0));
-    if parts.way > real(0.0) {
-        unit = step.path / parts.way;
+    if parts.distance > real(0.0) {
+        unit = step.path / parts.distance;
     }
     let ahead = parts.ahead;
     var by = SlipStep();

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use super::going_on::GoingOn;
 use super::levels::show_result;
 use super::process::Process;
+use super::run_control::RunControl;
 use super::terminal::Bar;
 use clap::Args;
 use microslip::Error;
@@ -20,14 +20,14 @@ pub(super) struct ExtendArguments {
     #[command(flatten)]
     pub process: Process,
     #[command(flatten)]
-    going_on: GoingOn,
+    control: RunControl,
 }
 
 impl ExtendArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
         self.process.threads.start()?;
         let settings = self
-            .going_on
+            .control
             .settings(&self.folder, self.process.messages.log)?;
         let bar = Bar::new(&self.process.messages);
         let result = extend(&self.folder, self.samples, &settings, |progress| {

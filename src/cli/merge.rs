@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::going_on::GoingOn;
 use super::levels::show_result;
 use super::process::Process;
+use super::run_control::RunControl;
 use super::terminal::Bar;
 use clap::Args;
 use microslip::Error;
@@ -21,7 +21,7 @@ pub(super) struct MergeArguments {
     #[command(flatten)]
     pub process: Process,
     #[command(flatten)]
-    going_on: GoingOn,
+    control: RunControl,
 }
 
 impl MergeArguments {
@@ -29,7 +29,7 @@ impl MergeArguments {
         self.process.threads.start()?;
         let output = OutputFolder::open(&self.output)?;
         let settings = self
-            .going_on
+            .control
             .settings(&self.output, self.process.messages.log)?;
         let folders: Vec<&Path> = self.folders.iter().map(PathBuf::as_path).collect();
         let bar = Bar::new(&self.process.messages);

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::device_layer;
 use super::disk::gather;
-use super::going_on::GoingOn;
 use super::levels::{show_profile, show_result};
 use super::log::Event;
+use super::run_control::RunControl;
 use super::shares::{Shares, Work, local_rank};
 use super::study_arguments::StudyArguments;
 use super::terminal::{Bar, print};
@@ -41,7 +41,7 @@ pub(super) struct RunArguments {
     #[arg(long)]
     retry_failed: bool,
     #[command(flatten)]
-    going_on: GoingOn,
+    control: RunControl,
     #[command(flatten)]
     shares: Shares,
 }
@@ -73,7 +73,7 @@ impl RunArguments {
         let settings = RunSettings {
             backend: self.backend(),
             retry_failed: self.retry_failed,
-            ..self.going_on.settings(folder.path(), messages.log)?
+            ..self.control.settings(folder.path(), messages.log)?
         };
         let Some(orders) = study.several_engine_orders() else {
             return self.one(&study, &folder, &settings).map(|_| ());

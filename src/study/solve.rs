@@ -169,7 +169,7 @@ pub(super) struct SolutionRecord<'a> {
 struct LevelRecord<'a> {
     /// Excitation level (N on each blade for the built-in model, else a factor).
     level: f64,
-    /// Where the ways from both ends of the band stopped: the branch between is not known; null where nothing is missing.
+    /// Frequencies at which the continuations from both ends of the band stopped: the branch between is not known; null where nothing is missing.
     gap: Option<GapRecord>,
     /// The largest amplitude of the first response; null without a solution.
     largest_amplitude: Option<LargestRecord>,

@@ -301,7 +301,7 @@ impl Shape {
                 include_str!("../../../shaders/circle_located_course.wgsl"),
                 include_str!("../../../shaders/circle_located_kink.wgsl"),
                 include_str!("../../../shaders/circle_located_transition.wgsl"),
-                include_str!("../../../shaders/circle_located_walk.wgsl"),
+                include_str!("../../../shaders/circle_located_lap_march.wgsl"),
                 include_str!("../../../shaders/circle_gap_roots.wgsl"),
                 include_str!("../../../shaders/circle_located_forces.wgsl"),
                 include_str!("../../../shaders/circle_located_tangents.wgsl"),

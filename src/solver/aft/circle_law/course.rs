@@ -280,9 +280,9 @@ impl<'a, T: Real> Course<'a, T> {
             let mut node = self.instant(theta, &mut row);
             for _ in 0..TOP_STEPS {
                 let [_, rate, bend] = node.excess(slider);
-                let way = -(rate / bend);
-                if bend < T::ZERO && way.abs() <= step {
-                    node = self.instant(node.theta + way, &mut row);
+                let offset = -(rate / bend);
+                if bend < T::ZERO && offset.abs() <= step {
+                    node = self.instant(node.theta + offset, &mut row);
                 }
             }
             node.touch(slider)

@@ -30,8 +30,8 @@ pub(in crate::aft) struct Lap<T> {
     pub slip: u32,
     /// Whether anything moved the slider.
     pub moved: bool,
-    /// Longest way of the slider in one slip (N); infinite if the contact opens.
-    pub way: T,
+    /// Longest slip of the slider (N); infinite if the contact opens.
+    pub longest_slip: T,
     /// Derivatives of the present state; at the end of the lap those of the slider.
     pub rows: Rows<T>,
     /// Basis rows at the last event and at the next one, which is searched for.
@@ -46,7 +46,7 @@ pub(in crate::aft) struct Lap<T> {
 }
 
 /// A lap in progress; `target` takes the derivatives of the forces, where they are wanted.
-pub(in crate::aft) struct Walk<'a, S, T> {
+pub(in crate::aft) struct LapMarch<'a, S, T> {
     pub simd: S,
     pub course: Course<'a, T>,
     pub lap: &'a mut Lap<T>,
@@ -74,13 +74,13 @@ impl<T: Real> Lap<T> {
     }
 
     /// The slider, which slipped, has come to `slider`.
-    pub(super) fn note_way(&mut self, slider: [T; 2]) {
-        let way = [slider[0] - self.slider[0], slider[1] - self.slider[1]];
-        self.way = self.way.or_larger(dot(way, way).sqrt());
+    pub(super) fn note_slip(&mut self, slider: [T; 2]) {
+        let slip = [slider[0] - self.slider[0], slider[1] - self.slider[1]];
+        self.longest_slip = self.longest_slip.or_larger(dot(slip, slip).sqrt());
     }
 }
 
-impl<'a, S, T: Real> Walk<'a, S, T> {
+impl<'a, S, T: Real> LapMarch<'a, S, T> {
     /// What the rows depend on.
     #[inline(always)]
     pub(super) fn base(&self) -> Base<'a, T> {

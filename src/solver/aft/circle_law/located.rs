@@ -7,7 +7,7 @@
 use super::between::Between;
 use super::cells::Cells;
 use super::course::Course;
-use super::lap::{Lap, Walk};
+use super::lap::{Lap, LapMarch};
 use super::node::Node;
 use super::sensitivity::{Base, Basis, Blocks, Rows, SignalWeights, add_signals};
 use super::slip::SlipStep;
@@ -255,13 +255,13 @@ impl<T: Real> Cycle<T> {
                     }
                 }
             }
-            let walk = Walk {
+            let march = LapMarch {
                 simd,
                 course,
                 lap: &mut *lap,
                 target: cycle.is_last().then_some(&mut *blocks),
             };
-            let end = walk.go(cycle.next);
+            let end = march.go(cycle.next);
             cycle.advance(course, lap, end);
         }
         cycle
@@ -306,7 +306,7 @@ impl<T: Real> Cycle<T> {
             start: self.next,
             end,
             monodromy: lap.rows.monodromy(),
-            way: lap.way,
+            longest_slip: lap.longest_slip,
             tolerance: course.work.tolerance[course.lane],
         };
         match self.stage {

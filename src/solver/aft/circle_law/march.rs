@@ -140,7 +140,7 @@ impl<T: Real> Cycle<T> {
             start: path(&self.start),
             end: path(end),
             monodromy: lane4(monodromy, l),
-            way: self.count.way[l].sqrt(),
+            longest_slip: self.count.largest_slip_squared[l].sqrt(),
             tolerance: work.tolerance[l],
         }
     }
@@ -208,7 +208,8 @@ impl<T: Real> Workspace<T> {
                 count.slip[l] += flag(step.slips & contact);
                 let missing = T::ONE - step.ratio;
                 let square = step.trial[0] * step.trial[0] + step.trial[1] * step.trial[1];
-                count.way[l] = count.way[l].or_larger(missing * missing * square);
+                count.largest_slip_squared[l] =
+                    count.largest_slip_squared[l].or_larger(missing * missing * square);
                 // entry by entry: with a closure this loop is no vector code
                 let factor = [
                     monodromy[0][l],

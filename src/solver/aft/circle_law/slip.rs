@@ -33,7 +33,7 @@ pub(in crate::aft) struct SlipStep<T> {
 #[derive(Debug, Clone, Copy)]
 struct Parts<T> {
     /// |Δs| (N).
-    way: T,
+    distance: T,
     /// L̄ (N), but at least so large that y is at most [`LONGEST`].
     limit: T,
     /// 1/L̄; 0 where the limit is 0.
@@ -95,15 +95,15 @@ impl<T: Real> SlipStep<T> {
         let number = T::from_f64;
         let [p, q] = self.path;
         let square = p * p + q * q;
-        let way = square.sqrt();
-        let limit = self.limit.or_larger(number(1.0 / LONGEST) * way);
+        let distance = square.sqrt();
+        let limit = self.limit.or_larger(number(1.0 / LONGEST) * distance);
         let floor = number(f64::from(f32::MIN_POSITIVE));
         let flexibility = if limit > floor {
             T::ONE / limit
         } else {
             T::ZERO
         };
-        let y = way * flexibility;
+        let y = distance * flexibility;
         let growth = ((number(1.0 / 120.0) * y + number(1.0 / 24.0)) * y + number(1.0 / 6.0)) * y;
         let growth = (growth + number(0.5)) * y + T::ONE;
         let exponential = growth * y + T::ONE;
@@ -121,7 +121,7 @@ impl<T: Real> SlipStep<T> {
         let polynomial = (polynomial + number(1.0 / 12.0)) * y + number(1.0 / 6.0);
         let weight = polynomial * y * y * (scale + scale);
         Parts {
-            way,
+            distance,
             limit,
             flexibility,
             y,
@@ -183,12 +183,12 @@ impl<T: Real> SlipStep<T> {
         let by_a = [parts.odd * turned(c, -s), parts.odd * turned(s, c)];
 
         let (ahead, flexibility) = (parts.ahead, parts.flexibility);
-        let inverse_way = if parts.way > T::ZERO {
-            T::ONE / parts.way
+        let inverse_distance = if parts.distance > T::ZERO {
+            T::ONE / parts.distance
         } else {
             T::ZERO
         };
-        let unit = self.path.map(|path| path * inverse_way);
+        let unit = self.path.map(|path| path * inverse_distance);
         let mut path = [
             flexibility * (by_a[0] + by_y * unit[0]) + by_cross * ahead[1] + twice * self.path[0],
             flexibility * (by_a[1] + by_y * unit[1]) - by_cross * ahead[0] + twice * self.path[1],

@@ -37,8 +37,8 @@ pub(in crate::aft) struct LapEnd<T> {
     pub end: [T; 2],
     /// Derivative M of the end by the start, row-major.
     pub monodromy: [T; 4],
-    /// Longest way of the slider in one slip.
-    pub way: T,
+    /// Longest slip of the slider.
+    pub longest_slip: T,
     /// Largest traction that counts as rounding.
     pub tolerance: T,
 }
@@ -52,7 +52,7 @@ impl<T: Real> LapEnd<T> {
     /// Whether nothing but rounding moved the slider.
     #[inline(always)]
     fn rests(&self) -> bool {
-        self.way <= self.tolerance
+        self.longest_slip <= self.tolerance
     }
 
     #[inline(always)]

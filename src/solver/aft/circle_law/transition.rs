@@ -1,7 +1,7 @@
 //! Transitions of a contact between open, stick and slip: the slider after each of them, with its derivatives.
 
 use super::kink::Kink;
-use super::lap::{Lap, Motion, Walk};
+use super::lap::{Lap, LapMarch, Motion};
 use super::node::{At, Node, slip_step};
 use super::sensitivity::{
     Base, Basis, KinkRows, Row, SignalWeights, add_row, add_signals, add_step, scale, set_rows,
@@ -12,7 +12,7 @@ use crate::aft::vector::{dot, normal};
 use crate::contact::Real;
 use pulp::Simd;
 
-impl<S: Simd, T: Real> Walk<'_, S, T> {
+impl<S: Simd, T: Real> LapMarch<'_, S, T> {
     /// Motion at the start of the lap of a contact that is closed there.
     pub(super) fn resume(&mut self, node: &Node<T>, slider: [T; 2]) -> Motion<T> {
         let t = [node.path[0] - slider[0], node.path[1] - slider[1]];
@@ -120,7 +120,7 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
         scale(&mut lap.rows.instant, factor);
         add_row(&mut lap.rows.angle, turning, &lap.rows.instant);
         let slider = self.stop(node, after);
-        self.lap.note_way(slider);
+        self.lap.note_slip(slider);
         let bending = node.bending(e);
         let jumps = [[T::ZERO; 2], e.map(|e| bending * e)];
         self.kink(node, jumps, |lap, out| {
@@ -251,7 +251,7 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
     pub(super) fn open(&mut self, node: &Node<T>, half: HalfAngle<T>, turning: T) {
         let base = self.base();
         let lap = &mut *self.lap;
-        lap.note_way(node.path);
+        lap.note_slip(node.path);
         lap.instant_of_gap_root(base, node);
         add_row(&mut lap.rows.angle, turning, &lap.rows.instant);
         self.limit_kink(node, half.e, -T::ONE);
@@ -318,7 +318,7 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
             Motion::Slip(half) => {
                 self.lap.rows.instant.fill([T::ZERO; CHUNK]);
                 let slider = self.stop(&node, half);
-                self.lap.note_way(slider);
+                self.lap.note_slip(slider);
                 slider
             }
         }

@@ -168,7 +168,7 @@ pub(in crate::aft) fn last_event(words: &[Word], lane: usize, d: usize) -> Optio
 mod tests {
     use super::*;
 
-    /// The stretches and the last event are those of a walk sample by sample, over the ends of words and at a last
+    /// The stretches and the last event are those of a march sample by sample, over the ends of words and at a last
     /// word that is not full. Seen to fail with: `rest` not reset after the first word.
     #[test]
     fn stretches_are_those_of_single_samples() {

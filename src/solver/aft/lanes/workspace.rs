@@ -41,7 +41,7 @@ pub(in crate::aft) struct LapCount<T> {
     /// See `upper`.
     pub lower: [Lane<T>; 2],
     /// Square of the largest |T*| − L, by which a sample moves the slider (N², circle law only).
-    pub way: Lane<T>,
+    pub largest_slip_squared: Lane<T>,
 }
 
 /// Buffers of one group of lanes.

@@ -14,7 +14,7 @@ use microslip::study::RunSettings;
 const GRACE: Duration = Duration::from_secs(4);
 
 #[derive(Args)]
-pub(super) struct GoingOn {
+pub(super) struct RunControl {
     /// Stop after this time, such as 23h or 90min: what is solved is kept, and the same command goes on.
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
     stop_after: Option<Duration>,
@@ -26,7 +26,7 @@ pub(super) struct GoingOn {
     any_program: bool,
 }
 
-impl GoingOn {
+impl RunControl {
     /// The settings of a run in `folder` that ends on a signal or after the time asked for.
     pub(super) fn settings(&self, folder: &Path, log: Log) -> Result<RunSettings, Error> {
         let stop = Stop::default();

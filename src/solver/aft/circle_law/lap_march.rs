@@ -1,6 +1,6 @@
 //! One lap: from sample to sample, and from event to event between them.
 
-use super::lap::{Motion, Walk};
+use super::lap::{LapMarch, Motion};
 use super::node::{At, Node};
 use super::sensitivity::{Basis, SignalWeights, add_signals, set_rows};
 use super::slip::HalfAngle;
@@ -19,7 +19,7 @@ enum Step<T> {
     Whole(Motion<T>),
 }
 
-impl<S: Simd, T: Real> Walk<'_, S, T> {
+impl<S: Simd, T: Real> LapMarch<'_, S, T> {
     /// The lap from the slider k_t w (N); returns the slider at its end.
     #[inline(always)]
     pub(in crate::aft) fn go(mut self, slider: [T; 2]) -> [T; 2] {
@@ -30,12 +30,12 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
         lap.kinks.clear();
         lap.between.clear();
         lap.cell = None;
-        (lap.slip, lap.moved, lap.way, lap.stick_from) = (0, false, T::ZERO, None);
+        (lap.slip, lap.moved, lap.longest_slip, lap.stick_from) = (0, false, T::ZERO, None);
         let points = self.course.points;
         // Without friction the slider follows the surface all the time.
         let smooth = self.course.p.mu == T::ZERO;
         if smooth {
-            self.lap.way = T::from_f64(f64::INFINITY);
+            self.lap.longest_slip = T::from_f64(f64::INFINITY);
             let contact = n - self.course.work.separated[self.course.lane].to_f64() as usize;
             (self.lap.moved, self.lap.slip) = (true, contact as u32);
             return self.rest(Motion::Stick(slider), true);
@@ -45,7 +45,7 @@ impl<S: Simd, T: Real> Walk<'_, S, T> {
         for (k, point) in points.iter().enumerate() {
             let end = points.get(k + 1).map(|p| p.theta);
             if point.open {
-                (self.lap.moved, self.lap.way) = (true, T::from_f64(f64::INFINITY));
+                (self.lap.moved, self.lap.longest_slip) = (true, T::from_f64(f64::INFINITY));
                 if let Some(theta) = end {
                     (here, motion) = self.close(theta);
                 }

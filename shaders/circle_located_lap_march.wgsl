@@ -1,4 +1,4 @@
-// One lap from sample to sample and from event to event, the twin of aft/circle_law/walk.rs.
+// One lap from sample to sample and from event to event, the twin of aft/circle_law/lap_march.rs.
 
 // Counts an event of the slider at `node`, and stores it.
 fn add_event(node: Node, state: u32) {
@@ -136,7 +136,7 @@ fn begin_lap(state: u32) -> Node {
     n_events = 0u;
     moves = false;
     slips = false;
-    way = real(0.0);
+    longest_slip = real(0.0);
     spend(2u * N_TIME);
     let here = sample_node(0u, state);
     open = sample_of(GAP, 0u, state) <= real(0.0);
@@ -168,7 +168,7 @@ fn pass_open(k: u32, n_roots: u32, state: u32) -> Node {
 }
 
 // One lap from `slider` and its rows.
-fn walk(state: u32) {
+fn march_lap(state: u32) {
     let n_roots = counts[state];
     var here = begin_lap(state);
     for (var k = 0u; k <= n_roots && !overflows; k++) {
@@ -189,9 +189,9 @@ fn walk(state: u32) {
 fn lap_from(start: vec2<real>, first: bool, state: u32) -> Lap {
     stores = true;
     start_lap(start);
-    walk(state);
+    march_lap(state);
     let monodromy = vec4<real>(slider_rows[0].xy, slider_rows[1].xy);
     // roots may be missing where their room is full; without friction the slider is where the surface is, always
     let leaves = overflows || counts[state] == MAX_ROOTS || mu == real(0.0);
-    return Lap(slider, monodromy, moves, way * ROOT_OF_RESOLUTION <= tolerance, leaves, turns);
+    return Lap(slider, monodromy, moves, longest_slip * ROOT_OF_RESOLUTION <= tolerance, leaves, turns);
 }
