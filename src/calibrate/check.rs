@@ -103,7 +103,7 @@ fn worst_ratio(
 mod unit_tests {
     use super::*;
 
-    /// Seen to fail with the error of no draws taken as none, and with a ratio of a few draws that counts.
+    /// Draws without a solution are not taken for draws without an error, and a few say too little.
     #[test]
     fn draws_without_a_solution_confirm_nothing() {
         let round = |failed, worst_ratio| Round {
