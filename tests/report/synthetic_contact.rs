@@ -67,6 +67,7 @@ fn pooled(n: usize) -> Pooled {
     let parameter = |parameter, value: f64, scatter: f64| PooledParameter {
         parameter,
         tests: n,
+        specimens: n,
         median: uncertain(value, 0.3 * scatter),
         log_scatter: (n > 1).then_some(scatter),
         predictive_log_standard_deviation: 1.1 * scatter,

@@ -73,14 +73,27 @@ impl MeanLoop {
     }
 
     /// Energy per cycle ∮ T du (J), positive where the contact dissipates.
+    ///
+    /// The polygon through the samples cuts the corners of the loop, and its error goes with the square of the step: that of
+    /// polygons through every second sample is four times as large, so a third of their difference is added (Richardson).
     pub(in crate::identify) fn energy(&self) -> f64 {
+        self.polygon(1) + self.energy_at_corners()
+    }
+
+    /// What is added to the energy for the corners between samples (J). Where between two samples a corner lies changes it by as much.
+    pub(in crate::identify) fn energy_at_corners(&self) -> f64 {
+        (self.polygon(1) - self.polygon(2)) / 3.0
+    }
+
+    /// Area of the polygon through every sample, or mean area of those through every `stride`-th one.
+    fn polygon(&self, stride: usize) -> f64 {
         let n = self.samples();
         let step = |i: usize| {
-            let j = (i + 1) % n;
+            let j = (i + stride) % n;
             let mean = 0.5 * (self.tangential[i] + self.tangential[j]);
             mean * (self.displacement[j] - self.displacement[i])
         };
-        (0..n).map(step).sum()
+        (0..n).map(step).sum::<f64>() / stride as f64
     }
 }
 
@@ -171,4 +184,55 @@ pub(super) fn inner_range(values: &[f64]) -> [f64; 2] {
     sorted.sort_unstable_by(f64::total_cmp);
     let place = (CLIPPED * sorted.len() as f64).ceil() as usize;
     [sorted[place], sorted[sorted.len() - 1 - place]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::MeanLoop;
+    use std::f64::consts::TAU;
+
+    /// Loop of a contact of 30 N/um and 40 N at slip under 5 um; the first sample is this share of a step after the reversal.
+    fn elastic_coulomb(samples: usize, share: f64) -> MeanLoop {
+        let at = |i: usize| 5e-6 * (TAU * (i as f64 + share) / samples as f64).cos();
+        let fine = 64;
+        let mut force = 0.0_f64;
+        let mut tangential = vec![0.0; samples];
+        for step in 1..3 * samples * fine {
+            let [before, now] =
+                [step - 1, step].map(|k| (k / fine, (k % fine) as f64 / fine as f64));
+            let place = |(i, part): (usize, f64)| {
+                5e-6 * (TAU * (i as f64 + part + share) / samples as f64).cos()
+            };
+            force = (force + 30e6 * (place(now) - place(before))).clamp(-40.0, 40.0);
+            if step % fine == 0 {
+                tangential[step / fine % samples] = force;
+            }
+        }
+        MeanLoop {
+            displacement: (0..samples).map(at).collect(),
+            tangential,
+            normal: vec![100.0; samples],
+            approach: None,
+        }
+    }
+
+    /// Seen to fail with the polygon alone: up to -2.4e-2 with 20 samples.
+    #[test]
+    fn the_energy_of_few_samples_has_no_bias_and_its_error_is_known() {
+        let exact = 4.0 * 40.0 * (5e-6 - 40.0 / 30e6);
+        for (samples, bias) in [(20, 1e-3), (41, 1e-4), (100, 1e-5), (500, 1e-6)] {
+            let mut mean = 0.0;
+            for share in 0..16 {
+                let cycle = elastic_coulomb(samples, f64::from(share) / 16.0);
+                let error = cycle.energy() / exact - 1.0;
+                let told = cycle.energy_at_corners().abs() / exact;
+                assert!(
+                    error.abs() < 1.1 * told,
+                    "{samples} samples: {error:e}, told {told:e}"
+                );
+                mean += error / 16.0;
+            }
+            assert!(mean.abs() < bias, "{samples} samples: {mean:e}");
+        }
+    }
 }

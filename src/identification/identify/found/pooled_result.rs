@@ -14,7 +14,8 @@ pub struct Pooled {
     pub between_tests: Vec<Vec<f64>>,
     /// Covariance of the means of ln parameters, the errors of the measuring chain included.
     pub of_mean: Vec<Vec<f64>>,
-    /// Covariance of ln parameters at a further contact, before the factor for few tests.
+    /// Covariance of ln parameters at a further contact, that of the distributions: with the factors for few specimens and the errors
+    /// of the measuring chain.
     pub predictive: Vec<Vec<f64>>,
     /// Correlation of the same.
     pub correlation: Vec<Vec<f64>>,
@@ -33,14 +34,17 @@ pub struct PooledParameter {
     pub parameter: ContactParameter,
     /// Tests that have it.
     pub tests: usize,
+    /// Specimens of these tests; 0 in a file of an earlier version.
+    #[serde(default)]
+    pub specimens: usize,
     /// Its median over contacts, in the unit of its name, for the tested interface. Standard errors are those of a value, not of
     /// its logarithm.
     pub median: Uncertain,
     /// Standard deviation of its logarithm between contacts; absent with one test.
     pub log_scatter: Option<f64>,
-    /// Standard deviation of its logarithm at a further contact, with the factor for few tests.
+    /// Standard deviation of its logarithm at a further contact, with the factor for few specimens.
     pub predictive_log_standard_deviation: f64,
-    /// Factor for few tests that it holds: Student's over the normal quantile.
+    /// Factor for few specimens that it holds: Student's over the normal quantile. Of one specimen it is that for few tests.
     pub few_tests_factor: f64,
     /// Interval of a further contact at the stated confidence, for the tested interface.
     pub further_contact: [f64; 2],

@@ -166,17 +166,20 @@ impl<'a> Test<'a> {
         scatter::of_batches(of_batches, &self.steady.batch_cycles)
     }
 
-    /// A value of the mean loop with the scatter of the batches, or with `inside`, the error inside the only loop.
+    /// A value of the mean loop with the scatter of the batches, or with `inside`, the error inside the only loop; and with the error
+    /// of the model, which is the same in all cycles.
     fn uncertain(
         &self,
         value: f64,
         number: impl Fn(&LoopNumbers) -> Option<f64>,
         inside: RandomError,
+        model_error: f64,
         systematic: f64,
     ) -> Uncertain {
         let random = self.scatter(&self.of_batches(number)).unwrap_or(inside);
-        let errors = [random.standard_error, systematic];
-        Uncertain::new(value, errors, random.freedom, self.settings.confidence)
+        let errors = [random.standard_error.hypot(model_error), systematic];
+        let freedom = with_model_error(random, model_error);
+        Uncertain::new(value, errors, freedom, self.settings.confidence)
     }
 
     fn friction(&self) -> Option<Friction> {
@@ -198,6 +201,8 @@ impl<'a> Test<'a> {
                 plateaus.coefficient,
                 |numbers| numbers.friction.map(|p| p.coefficient),
                 inside,
+                // half a cycle lies between the plateaus: a drift of T moves them apart by half of it
+                0.25 * self.steady.untold_drift / plateaus.normal,
                 plateaus.coefficient * self.chain.of_ratio(),
             ),
             sides: [side(1.0), side(-1.0)],
@@ -324,15 +329,10 @@ impl<'a> Test<'a> {
             self.chain.of_slope(),
         ];
         let amplified = self.series.derivative(measured) * measured / contact;
-        // Welch and Satterthwaite: the model error has no degrees of freedom that the batches could limit
-        let share = match random.standard_error > 0.0 {
-            true => (model_error / random.standard_error).powi(2),
-            false => 0.0,
-        };
         Uncertain::of_logarithm(
             libm::log(n_per_m_to_n_per_um(contact)),
             errors.map(|error| amplified * error),
-            random.freedom * (1.0 + share).powi(2),
+            with_model_error(random, model_error),
             self.settings.confidence,
         )
     }
@@ -348,6 +348,7 @@ impl<'a> Test<'a> {
             line.slope,
             number,
             inside,
+            0.0,
             line.slope * self.chain.of_slope(),
         );
         (line.slope > 0.0).then(|| found.scaled(n_per_m_to_n_per_um(1.0)))
@@ -367,6 +368,8 @@ impl<'a> Test<'a> {
             energy,
             |numbers| Some(numbers.energy),
             inside,
+            // the corners between samples are the same in all cycles: their scatter does not show them
+            cycle.energy_at_corners(),
             energy.abs() * self.chain.of_slope(),
         )
     }
@@ -448,6 +451,16 @@ fn own_knee<'m>(
         LoopNumbers::of(cycle, &own.unwrap_or(*shape))
     };
     each.iter().map(numbers).collect()
+}
+
+/// Degrees of freedom of a random error with an error of the model, which has none that the batches could limit (Welch and
+/// Satterthwaite).
+fn with_model_error(random: RandomError, model_error: f64) -> f64 {
+    let share = match random.standard_error > 0.0 {
+        true => (model_error / random.standard_error).powi(2),
+        false => 0.0,
+    };
+    random.freedom * (1.0 + share).powi(2)
 }
 
 fn range(values: &[f64]) -> [f64; 2] {

@@ -11,7 +11,7 @@ use crate::setting::BadSetting;
 const LARGEST_LOG_DEVIATION: f64 = 10.0;
 /// Standard deviation of a logarithm below which a value is fixed.
 const SMALLEST_LOG_DEVIATION: f64 = 1e-9;
-/// Tests up to which the factor for few tests is told.
+/// Specimens up to which the factor for few of them is told.
 const FEW: usize = 10;
 
 /// Parameters with their distributions, their correlation, and what a reader should know.
@@ -44,7 +44,7 @@ pub(in crate::identify) fn joint(
                 "{name}: {tests} tests leave it unknown by a factor of thousands: it is not in the distributions"
             ));
         }
-        notes.extend(of_scatter(parameter, pooled));
+        notes.extend(of_scatter(parameter));
     }
     let row = |i: &usize| places.iter().map(|j| pooled.correlation[*i][*j]).collect();
     let correlation: Vec<Vec<f64>> = places.iter().map(row).collect();
@@ -83,22 +83,20 @@ fn shape(parameter: &PooledParameter, settings: &IdentifySettings) -> Option<Sha
     }
 }
 
-fn of_scatter(parameter: &PooledParameter, pooled: &Pooled) -> Option<String> {
-    let (name, tests) = (parameter.parameter.name(), parameter.tests);
-    if tests == 1 {
-        return Some(format!(
+fn of_scatter(parameter: &PooledParameter) -> Option<String> {
+    let (name, factor) = (parameter.parameter.name(), parameter.few_tests_factor);
+    match (parameter.tests, parameter.specimens) {
+        (1, _) => Some(format!(
             "{name}: one test, so the distribution is that of the tested contact: the scatter between contacts is not in it"
-        ));
-    }
-    if pooled.specimens == 1 {
-        return Some(format!(
+        )),
+        (_, 1) => Some(format!(
             "{name}: tests of one specimen, so the distribution holds the scatter between its tests, not that between specimens"
-        ));
+        )),
+        // many tests of few specimens tell the scatter between specimens no better
+        (_, specimens) => (specimens <= FEW).then(|| {
+            format!("{name}: {specimens} specimens, so the standard deviation of its logarithm is {factor:.2} times the estimated one")
+        }),
     }
-    let factor = parameter.few_tests_factor;
-    (tests <= FEW).then(|| {
-        format!("{name}: {tests} tests, so the standard deviation of its logarithm is {factor:.2} times the estimated one")
-    })
 }
 
 /// What tests say that never slip.
@@ -160,4 +158,37 @@ fn of_trends(pooled: &Pooled) -> Vec<String> {
         )
     };
     pooled.trends.iter().filter(depends).map(sentence).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::of_scatter;
+    use crate::identify::found::parameter::ContactParameter;
+    use crate::identify::found::pooled_result::PooledParameter;
+    use crate::identify::found::uncertain::Uncertain;
+
+    fn note(tests: usize, specimens: usize) -> Option<String> {
+        of_scatter(&PooledParameter {
+            parameter: ContactParameter::FrictionCoefficient,
+            tests,
+            specimens,
+            median: Uncertain::new(0.5, [0.01, 0.0], 1.0, 0.95),
+            log_scatter: Some(0.1),
+            predictive_log_standard_deviation: 0.1,
+            few_tests_factor: 6.48,
+            further_contact: [0.3, 0.7],
+        })
+    }
+
+    /// Seen to fail with the note on few tests.
+    #[test]
+    fn many_tests_of_few_specimens_have_the_note() {
+        let told = note(16, 2);
+        assert!(
+            told.as_ref()
+                .is_some_and(|n| n.contains("2 specimens") && n.contains("6.48")),
+            "{told:?}"
+        );
+        assert_eq!(note(16, 16), None);
+    }
 }
