@@ -171,7 +171,7 @@ fn table(view: &View, pooled: &Pooled) -> Block {
             ("Median", &["median", "median_lower", "median_upper"]),
             ("Scatter between contacts", &["log_scatter"]),
             ("Further contact", further),
-            ("Factor for few tests", &["few_tests_factor"]),
+            ("Factor for few specimens", &["few_tests_factor"]),
         ],
     );
     for found in &pooled.parameters {

@@ -24,8 +24,6 @@ use faer::prelude::*;
 
 /// Highest frequency of the nominal modes that mistuning may combine, over the highest one of interest.
 pub const NOMINAL: f64 = 2.0;
-/// Modes of the linear disk whose frequency is farther from the band than this factor are left out of its response.
-const NEAR: f64 = 1.5;
 /// A mode whose stiffness is the blade's by less than this share of the largest one does not combine.
 const TAKES_PART: f64 = 1e-14;
 
@@ -265,7 +263,7 @@ fn ascending(part: ModalPart, damping: &Mat<f64>) -> ModalPart {
     }
 }
 
-/// A mistuned disk without contacts, or with springs in their place: linear, in the nominal modes near a band.
+/// A mistuned disk without contacts, or with springs in their place: linear, in its nominal modes up to [`NOMINAL`] times the end of a band.
 #[derive(Debug, Clone)]
 pub struct LinearRing {
     lambda: Vec<f64>,
@@ -303,8 +301,7 @@ impl LinearRing {
     /// [`ProblemError::Linalg`] if M is not positive definite or the eigensolver fails.
     pub fn new(disk: &Disk, engine_order: usize, band: Band) -> Result<Self, ProblemError> {
         let ring = RingModes::new(disk)?;
-        let near = [(band.low / NEAR).powi(2), (band.high * NEAR).powi(2)];
-        let modes = ring.coordinates(near);
+        let modes = ring.coordinates([f64::NEG_INFINITY, (NOMINAL * band.high).powi(2)]);
         let blades = disk.blade_stiffness.iter().flat_map(|stiffness| {
             (0..disk.n_sectors).map(|blade| ring.of_sector(&modes, blade, stiffness))
         });
