@@ -39,6 +39,7 @@ pub(crate) fn identified(n: usize) -> Identified {
             "The offset of the normal force is not known from loops of one load.".to_owned(),
         ],
         settings: Some(IdentifySettings::default()),
+        pressure_map: None,
         pooled: Some(pooled(n)),
         tests: (0..n).map(test).collect(),
         files: vec![FileRecord::of("tests.csv", b"tests")],

@@ -279,7 +279,7 @@ fn the_map_of_a_rig_tells_its_stiffness() {
     let page = std::fs::read_to_string(folder.path().join("identified/report.html")).unwrap();
     let hash = given["file"]["blake3"].as_str().unwrap();
     assert!(page.contains("pressure-map.csv: 96 cells"), "no map");
-    assert!(page.matches(hash).count() >= 2, "no hash");
+    assert!(page.contains(hash), "no hash");
 }
 
 /// A damaged map is one message with exit code 2, and a result does not replace a map. Seen to fail with the map left out of the inputs that

@@ -31,13 +31,12 @@ pub(super) fn section(view: &View) -> Section {
     }
 }
 
-/// A row on the pressure map.
+/// A row on the pressure map; its hash stands among those of the files.
 fn pressure_map(given: &GivenPressure) -> (String, String) {
-    let (name, hash) = (&given.file.name, &given.file.blake3);
+    let name = &given.file.name;
     let (cells, percent) = (given.cells, with_digits(100.0 * given.even_area, 2));
-    let words = format!(
-        "{name}: {cells} cells, {percent} % of their area within a tenth of the mean; BLAKE3 {hash}"
-    );
+    let words =
+        format!("{name}: {cells} cells, {percent} % of their area within a tenth of the mean");
     ("Pressure map".to_owned(), words)
 }
 
