@@ -31,7 +31,6 @@ fn uncertain(value: f64, relative: f64) -> Uncertain {
 /// An identification from `n` tests that slip.
 pub(crate) fn identified(n: usize) -> Identified {
     Identified {
-        pressure_map: None,
         format: 1,
         inputs: inputs(),
         correlation: vec![vec![1.0, 0.3], vec![0.3, 1.0]],
