@@ -27,7 +27,7 @@ pub(super) fn estimated_time(
 
 /// Work of a peak at a level with slip, in factorisations of the first harmonic set, failures and the error alert included. Most of it
 /// is the alert's, which a prediction from other samples hardly shortens.
-const WORK_OF_PREDICTED: f64 = 22.0;
+const WORK_OF_PREDICTED: f64 = 18.0;
 /// What one of the first samples takes more, which has few or no others to start from.
 const WORK_OF_FIRST: f64 = 5.0;
 /// Number of such samples.
