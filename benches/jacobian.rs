@@ -21,12 +21,16 @@ use microslip::hb::{
     Balance, HbSettings, LinearModel, NewtonSettings, Problem, SliderAnchor, StabilityScope,
 };
 use microslip::linalg::gcr::{GcrSettings, SearchSpace};
-use microslip::linalg::vector::axpy;
 use microslip::model::interface::{InterfaceSettings, Share};
 use microslip::model::two_blade::{TwoBladeSettings, build};
 use microslip::units::hz_to_rad_s;
 use std::ops::Range;
 use std::sync::LazyLock;
+
+#[path = "../tests/common/compliance_product.rs"]
+mod compliance_product;
+
+use compliance_product::add_compliance;
 
 const AFT: AftSettings = AftSettings {
     n_time: 128,
@@ -179,21 +183,6 @@ fn harmonic_blocks(iterate: &Iterate<'_>, balance: &Balance<'_>, sides: &[Vec<f6
     };
     for b in sides {
         black_box(SearchSpace::default().solve(product, b, settings));
-    }
-}
-
-/// y += G x, harmonic by harmonic.
-fn add_compliance(iterate: &Iterate<'_>, balance: &Balance<'_>, x: &[f64], y: &mut [f64]) {
-    let n = balance.layout.n_relative();
-    let at_rest = &balance.problem.stuck_static.compliance;
-    for (j, &x) in x[..n].iter().enumerate() {
-        axpy(x, at_rest.col_as_slice(j), &mut y[..n]);
-    }
-    let harmonics = x[n..]
-        .chunks_exact(2 * n)
-        .zip(y[n..].chunks_exact_mut(2 * n));
-    for (h, (x, y)) in iterate.compliance.harmonics.iter().zip(harmonics) {
-        h.add_real(x.split_at(n), y.split_at_mut(n));
     }
 }
 

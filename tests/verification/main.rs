@@ -1,6 +1,8 @@
 //! Verification: every numerical routine against an independent truth.
 
 mod aft;
+#[path = "../common/compliance_product.rs"]
+mod compliance_product;
 mod contact;
 mod fe;
 mod hb;

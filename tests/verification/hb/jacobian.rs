@@ -1,6 +1,7 @@
 //! Derivatives of the balance equations against differences of fourth order.
 
 use super::models::{aft, short, space};
+use crate::compliance_product::add_compliance;
 use faer::prelude::c64;
 use microslip::aft::StateCounts;
 use microslip::contact::FrictionLaw;
@@ -11,7 +12,6 @@ use microslip::hb::newton::{Condition, Direction, Iterate, Metric, Point, newton
 use microslip::hb::peak::track::stuck_point;
 use microslip::hb::structure::linear::LinearModel;
 use microslip::hb::{Balance, NewtonSettings, Problem, SliderAnchor};
-use microslip::linalg::vector::axpy;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -169,17 +169,7 @@ fn difference_error(
 fn times(iterate: &Iterate<'_>, balance: &Balance<'_>, x: &[f64]) -> Vec<f64> {
     let moved = iterate.jacobian_within(balance, EXACT).deviation(x);
     let mut y = x.to_vec();
-    let n = balance.layout.n_relative();
-    let at_rest = &balance.problem.stuck_static.compliance;
-    for (j, &moved) in moved[..n].iter().enumerate() {
-        axpy(moved, at_rest.col_as_slice(j), &mut y[..n]);
-    }
-    let harmonics = moved[n..]
-        .chunks_exact(2 * n)
-        .zip(y[n..].chunks_exact_mut(2 * n));
-    for (h, (moved, y)) in iterate.compliance.harmonics.iter().zip(harmonics) {
-        h.add_real(moved.split_at(n), y.split_at_mut(n));
-    }
+    add_compliance(iterate, balance, &moved, &mut y);
     y
 }
 
