@@ -93,134 +93,274 @@ fn start(observations: &[Observation], parameters: usize) -> DMatrix<f64> {
     DMatrix::from_diagonal(&DVector::from_fn(parameters, |j, _| variance(j)))
 }
 
-/// Values of one group in one column.
+/// Tests of one group.
 struct Group {
-    y: DVector<f64>,
-    /// Which value is which parameter: a one in each row. Shape `[values, parameters]`.
-    incidence: DMatrix<f64>,
-    /// The same for each test: rows of other tests are zero.
-    tests: Vec<DMatrix<f64>>,
+    tests: Vec<Test>,
+}
+
+/// A test whose absent values are zero, as are the rows and columns of its matrices that belong to them.
+struct Test {
+    values: DVector<f64>,
+    /// Parameters that it has.
+    known: Vec<usize>,
     errors: DMatrix<f64>,
 }
 
 fn groups(observations: &[Observation]) -> Vec<Group> {
     let count = observations.iter().map(|o| o.group + 1).max().unwrap_or(0);
     let members = |group: usize| observations.iter().filter(move |o| o.group == group);
-    (0..count)
-        .map(|group| Group::of(&members(group).collect::<Vec<_>>()))
-        .filter(|g| !g.y.is_empty())
-        .collect()
+    let tests = |group: usize| -> Vec<Test> {
+        let all = members(group).map(Test::of);
+        all.filter(|test| !test.known.is_empty()).collect()
+    };
+    let all = (0..count).map(|group| Group {
+        tests: tests(group),
+    });
+    all.filter(|group| !group.tests.is_empty()).collect()
 }
 
-impl Group {
-    fn of(tests: &[&Observation]) -> Self {
-        let parameters = tests[0].values.len();
-        let places = tests.iter().enumerate().flat_map(|(test, o)| {
-            (0..parameters)
-                .filter(|j| o.values[*j].is_some())
-                .map(move |j| (test, j))
-        });
-        let places: Vec<(usize, usize)> = places.collect();
-        let n = places.len();
-        let value = |row: usize| tests[places[row].0].values[places[row].1].unwrap_or(0.0);
-        let one = |holds: bool| f64::from(u8::from(holds));
-        let error = |a: usize, b: usize| {
-            let ((s, i), (t, j)) = (places[a], places[b]);
-            let covariance = if s == t { tests[s].errors[(i, j)] } else { 0.0 };
-            covariance + LEAST_VARIANCE * one(a == b)
-        };
+impl Test {
+    fn of(observation: &Observation) -> Self {
+        let values = &observation.values;
         Self {
-            y: DVector::from_fn(n, |row, _| value(row)),
-            incidence: DMatrix::from_fn(n, parameters, |row, j| one(places[row].1 == j)),
-            tests: (0..tests.len())
-                .map(|t| DMatrix::from_fn(n, parameters, |row, j| one(places[row] == (t, j))))
-                .collect(),
-            errors: DMatrix::from_fn(n, n, error),
+            values: DVector::from_fn(values.len(), |j, _| values[j].unwrap_or(0.0)),
+            known: (0..values.len()).filter(|j| values[*j].is_some()).collect(),
+            errors: observation.errors.clone(),
         }
     }
 
-    /// Covariance of the values.
-    fn covariance(&self, [groups, tests]: &[DMatrix<f64>; 2]) -> DMatrix<f64> {
-        let mut sum = &self.errors + &self.incidence * groups * self.incidence.transpose();
-        for test in &self.tests {
-            sum += test * tests * test.transpose();
+    /// Inverse of its covariance within the group.
+    fn weight(&self, between_tests: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+        let (known, count) = (&self.known, self.values.len());
+        let covariance = |a: usize, b: usize| {
+            let least = if a == b { LEAST_VARIANCE } else { 0.0 };
+            let (i, j) = (known[a], known[b]);
+            self.errors[(i, j)] + between_tests[(i, j)] + least
+        };
+        let covariance = DMatrix::from_fn(known.len(), known.len(), covariance);
+        let inverse = covariance.cholesky()?.inverse();
+        let mut weight = DMatrix::zeros(count, count);
+        for (a, i) in known.iter().enumerate() {
+            for (b, j) in known.iter().enumerate() {
+                weight[(*i, *j)] = inverse[(a, b)];
+            }
         }
-        sum
+        Some(weight)
+    }
+}
+
+/// A group for given covariances.
+struct Weighted<'a> {
+    group: &'a Group,
+    /// A: of each test.
+    weights: Vec<DMatrix<f64>>,
+    /// S: their sum.
+    sum: DMatrix<f64>,
+    /// M = (1 + G S)⁻¹ with the covariance G between groups: what the scatter of the group leaves of its weight.
+    left: DMatrix<f64>,
+    /// M G.
+    given: DMatrix<f64>,
+    /// Sum of the weighted values.
+    values: DVector<f64>,
+}
+
+impl<'a> Weighted<'a> {
+    fn new(group: &'a Group, [groups, tests]: &[DMatrix<f64>; 2]) -> Option<Self> {
+        let parameters = groups.nrows();
+        let weights = group.tests.iter().map(|test| test.weight(tests));
+        let weights: Vec<DMatrix<f64>> = weights.collect::<Option<_>>()?;
+        let mut sum = DMatrix::zeros(parameters, parameters);
+        let mut values = DVector::zeros(parameters);
+        for (test, weight) in group.tests.iter().zip(&weights) {
+            sum += weight;
+            values += weight * &test.values;
+        }
+        let left = (DMatrix::identity(parameters, parameters) + groups * &sum).try_inverse()?;
+        Some(Self {
+            given: &left * groups,
+            group,
+            weights,
+            sum,
+            left,
+            values,
+        })
+    }
+
+    /// Weight of the group in the means: S M.
+    fn weight(&self) -> DMatrix<f64> {
+        &self.sum * &self.left
+    }
+
+    /// Rest of the values for these means, weighted and summed over the group's tests.
+    fn rest(&self, mean: &DVector<f64>) -> DVector<f64> {
+        &self.values - &self.sum * mean
     }
 }
 
 /// Means and what they leave, for given covariances.
+///
+/// The covariance of a group's values is a block for each test, and G in all blocks. So its inverse is A for each test, less A M G A' between
+/// two tests (Woodbury), and no matrix is larger than the number of parameters.
 struct Solved<'a> {
-    groups: &'a [Group],
+    groups: Vec<Weighted<'a>>,
     mean: DVector<f64>,
     of_mean: DMatrix<f64>,
-    /// Inverse covariance of each group, less what the means take (P of restricted likelihood, its block).
-    projections: Vec<DMatrix<f64>>,
-    /// Inverse covariance times the rest of each group.
-    weighted: Vec<DVector<f64>>,
+}
+
+/// What the data say of one part of the values: the inverse covariance less what the means take (P of restricted likelihood, its block),
+/// and the weighted rest.
+struct Part {
+    projection: DMatrix<f64>,
+    rest: DVector<f64>,
 }
 
 impl<'a> Solved<'a> {
     fn new(groups: &'a [Group], between: &[DMatrix<f64>; 2]) -> Option<Self> {
         let parameters = between[0].nrows();
-        let inverse = |group: &Group| group.covariance(between).cholesky().map(|c| c.inverse());
-        let inverses: Vec<DMatrix<f64>> = groups.iter().map(inverse).collect::<Option<_>>()?;
+        let weighted = groups.iter().map(|group| Weighted::new(group, between));
+        let groups: Vec<Weighted<'_>> = weighted.collect::<Option<_>>()?;
         let mut information = DMatrix::zeros(parameters, parameters);
         let mut sum = DVector::zeros(parameters);
-        for (group, inverse) in groups.iter().zip(&inverses) {
-            let weighted = group.incidence.transpose() * inverse;
-            information += &weighted * &group.incidence;
-            sum += weighted * &group.y;
+        for group in &groups {
+            information += group.weight();
+            sum += group.left.transpose() * &group.values;
         }
         let of_mean = information.cholesky()?.inverse();
-        let mean = &of_mean * sum;
-        let both = || groups.iter().zip(&inverses);
-        let projection = |(group, inverse): (&Group, &DMatrix<f64>)| {
-            let weighted = inverse * &group.incidence;
-            inverse - &weighted * &of_mean * weighted.transpose()
-        };
-        let rest = |(group, inverse): (&Group, &DMatrix<f64>)| {
-            inverse * (&group.y - &group.incidence * &mean)
-        };
         Some(Self {
-            projections: both().map(projection).collect(),
-            weighted: both().map(rest).collect(),
+            mean: &of_mean * sum,
             groups,
             of_mean,
-            mean,
         })
     }
 
     /// Mean over the tests of the expected square of their part.
     fn tests_given_data(&self, between: &DMatrix<f64>) -> DMatrix<f64> {
-        self.expected(between, |group| &group.tests)
+        let of_group = |group: &Weighted<'_>| -> Vec<Part> {
+            let rest = &group.given * group.rest(&self.mean);
+            let tests = group.group.tests.iter().zip(&group.weights);
+            let part = |(test, weight): (&Test, &DMatrix<f64>)| {
+                let of_means = weight * &group.left;
+                let of_group = weight * &group.given * weight;
+                Part {
+                    projection: weight
+                        - of_group
+                        - &of_means * &self.of_mean * of_means.transpose(),
+                    rest: weight * (&test.values - &self.mean - &rest),
+                }
+            };
+            tests.map(part).collect()
+        };
+        expected(between, self.groups.iter().flat_map(of_group))
     }
 
     /// The same over the groups.
     fn groups_given_data(&self, between: &DMatrix<f64>) -> DMatrix<f64> {
-        self.expected(between, |group| std::slice::from_ref(&group.incidence))
+        let part = |group: &Weighted<'_>| {
+            let weight = group.weight();
+            Part {
+                projection: &weight - &weight * &self.of_mean * weight.transpose(),
+                rest: group.left.transpose() * group.rest(&self.mean),
+            }
+        };
+        expected(between, self.groups.iter().map(part))
+    }
+}
+
+/// Mean of the expected squares of parts with the covariance `between`.
+fn expected(between: &DMatrix<f64>, parts: impl Iterator<Item = Part>) -> DMatrix<f64> {
+    let mut sum = DMatrix::zeros(between.nrows(), between.ncols());
+    let mut count = 0.0;
+    for Part { projection, rest } in parts {
+        let mean = between * rest;
+        sum += between - between * projection * between + &mean * mean.transpose();
+        count += 1.0;
+    }
+    sum / count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three groups of one to three tests of two parameters, one value absent.
+    fn observations() -> Vec<Observation> {
+        let test = |group: usize, a: f64, b: Option<f64>| Observation {
+            group,
+            values: vec![Some(a), b],
+            errors: DMatrix::from_row_slice(2, 2, &[0.3 + a, 0.1, 0.1, 0.5]),
+        };
+        vec![
+            test(0, 1.0, Some(2.0)),
+            test(0, 1.4, None),
+            test(0, 0.7, Some(1.1)),
+            test(1, 2.0, Some(2.5)),
+            test(2, 1.1, Some(0.4)),
+            test(2, 0.2, Some(1.9)),
+        ]
     }
 
-    fn expected(
-        &self,
-        between: &DMatrix<f64>,
-        parts: impl Fn(&Group) -> &[DMatrix<f64>],
-    ) -> DMatrix<f64> {
-        let mut sum = DMatrix::zeros(between.nrows(), between.ncols());
-        let mut count = 0.0;
-        for ((group, projection), weighted) in self
-            .groups
-            .iter()
-            .zip(&self.projections)
-            .zip(&self.weighted)
-        {
-            for part in parts(group) {
-                let mean = between * part.transpose() * weighted;
-                let known = between * part.transpose() * projection * part * between;
-                sum += between - known + &mean * mean.transpose();
-                count += 1.0;
+    /// Means and one step of both covariances from whole matrices, as the papers write them.
+    ///
+    /// Seen to fail without the covariance between groups in the projection of a test, and in its rest.
+    #[test]
+    fn a_step_is_that_of_whole_matrices() {
+        let all = observations();
+        let between = [
+            DMatrix::from_row_slice(2, 2, &[0.4, 0.2, 0.2, 0.3]),
+            DMatrix::from_row_slice(2, 2, &[0.5, -0.1, -0.1, 0.2]),
+        ];
+        let places: Vec<(usize, usize)> = (0..all.len())
+            .flat_map(|test| (0..2).map(move |j| (test, j)))
+            .filter(|(test, j)| all[*test].values[*j].is_some())
+            .collect();
+        let n = places.len();
+        let y = DVector::from_fn(n, |row, _| {
+            all[places[row].0].values[places[row].1].unwrap()
+        });
+        let covariance = DMatrix::from_fn(n, n, |a, b| {
+            let ((s, i), (t, j)) = (places[a], places[b]);
+            let group = if all[s].group == all[t].group {
+                between[0][(i, j)]
+            } else {
+                0.0
+            };
+            group
+                + if s == t {
+                    all[s].errors[(i, j)] + between[1][(i, j)]
+                } else {
+                    0.0
+                }
+        });
+        let one = |holds: bool| f64::from(u8::from(holds));
+        let x = DMatrix::from_fn(n, 2, |row, j| one(places[row].1 == j));
+        let inverse = covariance.try_inverse().unwrap();
+        let of_mean = (x.transpose() * &inverse * &x).try_inverse().unwrap();
+        let projection = &inverse - &inverse * &x * &of_mean * x.transpose() * &inverse;
+        let mean = &of_mean * x.transpose() * &inverse * &y;
+        let step = |between: &DMatrix<f64>, parts: usize, part_of: &dyn Fn(usize) -> usize| {
+            let mut sum = DMatrix::zeros(2, 2);
+            for part in 0..parts {
+                let z = DMatrix::from_fn(n, 2, |row, j| {
+                    one(part_of(places[row].0) == part && places[row].1 == j)
+                });
+                let expected = between * z.transpose() * &projection * &y;
+                let known = between * z.transpose() * &projection * &z * between;
+                sum += between - known + &expected * expected.transpose();
             }
-        }
-        sum / count
+            sum / parts as f64
+        };
+        let groups = groups(&all);
+        let solved = Solved::new(&groups, &between).unwrap();
+        let close = |a: &DMatrix<f64>, b: &DMatrix<f64>| (a - b).amax() < 1e-12;
+        assert!((&solved.mean - &mean).amax() < 1e-12, "{mean}");
+        assert!(close(&solved.of_mean, &of_mean), "{of_mean}");
+        let tests = step(&between[1], all.len(), &|test| test);
+        assert!(
+            close(&solved.tests_given_data(&between[1]), &tests),
+            "{tests}"
+        );
+        let of_groups = step(&between[0], 3, &|test| all[test].group);
+        let found = solved.groups_given_data(&between[0]);
+        assert!(close(&found, &of_groups), "{found} {of_groups}");
     }
 }
