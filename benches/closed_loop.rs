@@ -1,12 +1,12 @@
 //! What an identification finds in virtual tests whose truth is known:
-//! `cargo bench --bench closed_loop [-- map coverage resolution varying map-given] [--seeds 3]`.
+//! `cargo bench --bench closed_loop [-- map coverage resolution varying map-given frequencies] [--seeds 3]`.
 //!
 //! `map`: friction coefficient and stiffness over their range, under the instruments of the published rig and without their
 //! errors. `coverage`: how often the interval of a test holds the truth, 500 tests. `resolution`: how fine the displacement must
 //! be for the stiffness. `varying`: coverage where the gap of the air, and so the pressure map, is another one in every ten tests.
-//! `map-given`: coverage with the instruments of `coverage`, where the pressure map of the contact is given. `--seeds N` takes N times as
-//! many tests in `coverage`, `varying` and `map-given`, of N seeds. 100 cycles at 100 Hz, 20 for the coverage, 5 without
-//! errors. The amplitude is what a careful operator takes: four times the travel to gross slip, from 1 to 20 µm. All parts take some six minutes of processor time; [`REPEATED`] and
+//! `map-given`: coverage with the instruments of `coverage`, where the pressure map of the contact is given. `frequencies`: errors
+//! and coverage with the map given from 5 to 600 Hz. `--seeds N` takes N times as many tests in `coverage`, `varying`, `map-given`
+//! and `frequencies`, of N seeds. 100 cycles at 100 Hz, 20 for the coverage, 5 without errors. The amplitude is what a careful operator takes: four times the travel to gross slip, from 1 to 20 µm. All parts take some six minutes of processor time; [`REPEATED`] and
 //! [`COVERAGE_TESTS`] scale it.
 
 #![expect(clippy::expect_used, reason = "a benchmark without its rig fails")]
@@ -32,6 +32,9 @@ const REPEATED: u64 = 10;
 const COVERAGE_TESTS: u64 = 500;
 /// First seed of the coverage.
 const COVERAGE_SEED: u64 = 2;
+const USUAL_HZ: f64 = 100.0;
+/// Frequencies of the published rig.
+const FREQUENCIES_HZ: [f64; 6] = [5.0, 50.0, 100.0, 200.0, 400.0, 600.0];
 /// Friction coefficients and scales of the stiffness of the coverage.
 const CELLS: [(f64, f64); 7] = [
     (0.6, 1.0),
@@ -64,6 +67,7 @@ struct Case<'a> {
     instruments: &'a str,
     tests: u64,
     cycles: usize,
+    frequency_hz: f64,
     seed: u64,
     pressure: Pressure,
 }
@@ -89,7 +93,7 @@ impl Case<'_> {
         let gap = self.gap_mm.map(|gap| format!("gap_mm = {gap}\n"));
         let text = format!(
             "name = \"closed loop\"\nseed = {}\n[contact]\nfriction_coefficient = {}\ntangential_stiffness_n_per_um = {}\n\
-             [loading]\nkind = \"{}\"\n{}[excitation]\namplitude_um = {}\nrepetitions = {}\ncycles = {}\n{}",
+             [loading]\nkind = \"{}\"\n{}[excitation]\namplitude_um = {}\nrepetitions = {}\ncycles = {}\nfrequencies_hz = [{}]\n{}",
             self.seed,
             self.mu,
             NOMINAL * self.scale,
@@ -98,6 +102,7 @@ impl Case<'_> {
             self.amplitude_um(),
             self.tests,
             self.cycles,
+            self.frequency_hz,
             self.instruments
         );
         Rig::parse(Path::new("closed loop"), &text).expect("a rig")
@@ -154,6 +159,17 @@ fn errors((test, result): &(VirtualTest, TestResult)) -> [Option<f64>; 2] {
     ]
 }
 
+/// Half of the interval of the stiffness over its value.
+fn width((_, result): &(VirtualTest, TestResult)) -> Option<f64> {
+    let k_t = result.estimate.as_ref()?.tangential.stiffness_n_per_um;
+    Some(0.5 * (k_t.upper - k_t.lower) / k_t.value)
+}
+
+/// Frequency of the resonance of the force, where it was found.
+fn resonance_hz((_, result): &(VirtualTest, TestResult)) -> Option<f64> {
+    Some(result.cycles?.force_resonance?.frequency_hz)
+}
+
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
@@ -170,11 +186,7 @@ fn row(case: &Case<'_>, settings: &IdentifySettings) {
     let of = |k: usize| all.iter().filter_map(|e| e[k]).collect::<Vec<f64>>();
     let within = |k: usize| of(k).iter().filter(|e| e.abs() <= PUBLISHED[k]).count();
     let gross = found.iter().filter(|(test, _)| test.slip == Slip::Gross);
-    let widths = found.iter().filter_map(|(_, result)| {
-        let k_t = result.estimate.as_ref()?.tangential.stiffness_n_per_um;
-        Some(0.5 * (k_t.upper - k_t.lower) / k_t.value)
-    });
-    let width = percent(median(widths.collect()));
+    let width = percent(median(found.iter().filter_map(width).collect()));
     let reached = found
         .iter()
         .map(|(test, _)| test.motion.mobilised[0].min(test.motion.mobilised[1]));
@@ -220,6 +232,7 @@ fn maps() {
         instruments: "",
         tests: REPEATED,
         cycles: 100,
+        frequency_hz: USUAL_HZ,
         seed: 1,
         pressure: Pressure::EvenArea,
     };
@@ -289,6 +302,7 @@ fn held(seeds: u64, pressure: Pressure) {
             instruments,
             tests: COVERAGE_TESTS,
             cycles: 20,
+            frequency_hz: USUAL_HZ,
             seed: COVERAGE_SEED,
             pressure,
         };
@@ -323,6 +337,7 @@ fn varying(seeds: u64) {
                 instruments: "",
                 tests: TESTS_OF_A_GAP,
                 cycles: 20,
+                frequency_hz: USUAL_HZ,
                 seed: COVERAGE_SEED + k,
                 pressure: Pressure::EvenArea,
             };
@@ -330,6 +345,53 @@ fn varying(seeds: u64) {
         };
         let found: Vec<_> = (0..rigs).flat_map(of_rig).collect();
         shares(&format!("{mu} | {scale} | air, gap varies"), &found);
+    }
+}
+
+/// The same over the frequencies of the rig, with median errors.
+fn frequencies(seeds: u64) {
+    let of = |(mu, scale), frequency_hz| Case {
+        mu,
+        scale,
+        loading: "air",
+        gap_mm: None,
+        instruments: "",
+        tests: COVERAGE_TESTS / 5,
+        cycles: 20,
+        frequency_hz,
+        seed: COVERAGE_SEED,
+        pressure: Pressure::Map,
+    };
+    let all = FREQUENCIES_HZ.map(|frequency_hz| {
+        CELLS.map(|cell| {
+            let case = of(cell, frequency_hz);
+            let of_seed = |seed| Case { seed, ..case }.identified(&stated());
+            let seeds = COVERAGE_SEED..COVERAGE_SEED + seeds;
+            let found: Vec<_> = seeds.flat_map(of_seed).collect();
+            let setting = format!("{} | {} | {frequency_hz} Hz", case.mu, case.scale);
+            (setting, found)
+        })
+    });
+    println!(
+        "\n| mu | scale | frequency | median error of mu % | median error of k_t % | half of its interval % | resonance of the force found | its median Hz |"
+    );
+    println!("|-|-|-|-|-|-|-|-|");
+    for (setting, found) in all.iter().flatten() {
+        let errors: Vec<_> = found.iter().map(errors).collect();
+        let middle = |k: usize| percent(median(errors.iter().filter_map(|e| e[k]).collect()));
+        let resonances: Vec<f64> = found.iter().filter_map(resonance_hz).collect();
+        println!(
+            "| {setting} | {} | {} | {} | {} | {:.0} |",
+            middle(0),
+            middle(1),
+            percent(median(found.iter().filter_map(width).collect())),
+            resonances.len(),
+            median(resonances.clone()).unwrap_or_default()
+        );
+    }
+    coverage_heading();
+    for (setting, found) in all.iter().flatten() {
+        shares(setting, found);
     }
 }
 
@@ -376,6 +438,7 @@ fn resolution() {
                 instruments: &instruments,
                 tests: REPEATED,
                 cycles: 100,
+                frequency_hz: USUAL_HZ,
                 seed: 3,
                 pressure: Pressure::EvenArea,
             };
@@ -391,12 +454,13 @@ fn main() {
     let asked: Vec<String> = std::env::args().skip(1).collect();
     let after = asked.iter().skip_while(|a| *a != "--seeds").nth(1);
     let seeds: u64 = after.map_or(1, |n| n.parse().expect("a number of seeds"));
-    let parts: [(&str, Part); 5] = [
+    let parts: [(&str, Part); 6] = [
         ("map", |_| maps()),
         ("coverage", coverage),
         ("resolution", |_| resolution()),
         ("varying", varying),
         ("map-given", map_given),
+        ("frequencies", frequencies),
     ];
     let named = parts
         .iter()

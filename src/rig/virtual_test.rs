@@ -153,7 +153,7 @@ impl Rig {
                 conditions: TestConditions {
                     frequency_hz: Some(frequency_hz),
                     specimen: Some(format!("specimen-{}", specimen + 1)),
-                    even_area: Some(stand.map.pressure.within_tenth),
+                    even_area: Some(stand.map.even_area()),
                 },
             },
             platform: (stand.blade.as_ref()).map(|_| PlatformMotion::new(&motion, frequency_hz)),

@@ -38,6 +38,8 @@ pub struct RigSummary {
     pub load_n: f64,
     /// Pressure map.
     pub pressure: PressureFacts,
+    /// Share of the area of the contact pairs within a tenth of their mean pressure, as the tests state it.
+    pub even_area: f64,
     /// Natural frequencies of the blade, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub blade: Option<BladeFrequencies>,
@@ -99,6 +101,7 @@ pub fn write_tests(rig: &Rig, output: &Path, done: impl Fn() + Sync) -> Result<R
         seed: rig.seed,
         load_n: map.loads.iter().sum(),
         pressure: map.pressure,
+        even_area: map.even_area(),
         blade: rig.blade_frequencies(&stand),
         specimens: (0..rig.contact.specimens)
             .map(|i| rig.specimen(i))

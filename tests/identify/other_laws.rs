@@ -34,7 +34,10 @@ fn result(over: f64, seed: u64, mut force: impl FnMut(f64, f64) -> f64) -> TestR
         record.tangential_force[i] = force(before, *displacement) + 0.6 * normal(seed, i as u64, 1);
         before = *displacement;
     }
-    identify_test(&record, &IdentifySettings::default())
+    let found = identify_test(&record, &IdentifySettings::default());
+    let resonance = found.cycles.and_then(|cycles| cycles.force_resonance);
+    assert_eq!(resonance, None, "a law of friction is no resonance");
+    found
 }
 
 fn estimate(result: &TestResult) -> &TestEstimate {

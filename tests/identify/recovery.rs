@@ -5,7 +5,10 @@ use microslip::identify::found::result::TestEstimate;
 use microslip::identify::{IdentifySettings, TestResult, TestStatus, identify_test};
 
 pub(crate) fn result(bench: &Bench) -> TestResult {
-    identify_test(&bench.record(), &IdentifySettings::default())
+    let found = identify_test(&bench.record(), &IdentifySettings::default());
+    let resonance = found.cycles.and_then(|cycles| cycles.force_resonance);
+    assert_eq!(resonance, None, "a bench without force cells: {bench:?}");
+    found
 }
 
 pub(crate) fn estimate(bench: &Bench) -> TestEstimate {

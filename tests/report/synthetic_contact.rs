@@ -115,6 +115,7 @@ fn test(i: usize) -> TestResult {
             displacement_drift_m_per_s: 0.0,
             tangential_force_drift_n_per_s: 0.0,
             spikes: 0,
+            force_resonance: None,
         }),
         estimate: Some(estimate(i, friction, stiffness, load)),
         loops: (0..CYCLES)

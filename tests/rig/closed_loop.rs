@@ -1,7 +1,9 @@
 //! The closed loop: what the identification finds in virtual tests. The whole map is `cargo bench --bench closed_loop`.
 
 use super::{STEADY_AIR, exact, first_test, rig};
-use microslip::identify::{IdentifySettings, TestResult, TestStatus, identify_test};
+use microslip::identify::{
+    IdentifySettings, KnownPressure, TestResult, TestStatus, identify_pressed_test, identify_test,
+};
 use microslip::rig::{Slip, VirtualTest};
 
 fn found(test: &VirtualTest) -> TestResult {
@@ -99,6 +101,44 @@ fn a_travel_below_a_step_is_found() {
             holds_stiffness(&test, &result),
             "{case}: not in its interval"
         );
+    }
+}
+
+/// At 400 and 600 Hz the box of the published rig, itself at 5 kHz, vibrates with a fifth of the force, and the contact sticks for a
+/// moment before it reverses. With the map of the pressure friction and stiffness are as near as at 100 Hz; its frequency, that of box and half the strip
+/// on K11, is found.
+///
+/// The benchmark `closed_loop -- frequencies` has the figures without the correction: friction 4.9 % low and a stiffness 26 times too large at
+/// mu 0.3, scale 0.3 and 600 Hz. With the mean of the whole plateau friction was 1.9 % low at mu 0.6, scale 1 and 400 Hz; with a displacement that follows
+/// the force of the cell alone stiffnesses of a short travel were up to 80 % off.
+#[test]
+fn the_mass_before_the_force_cell_is_taken_out() {
+    let gains = "[force_cells]\nerror_percent = 0\n[support]\noffset_mm = 0\n";
+    for (mu, scale, amplitude) in [(0.3, 0.3, 1.72), (0.6, 1.0, 2.0), (0.9, 3.0, 2.2)] {
+        for frequency in [400.0, 600.0] {
+            let text = contact(mu, scale, amplitude, 100);
+            let text = format!(
+                "name = \"fast\"\nseed = 1\n{text}frequencies_hz = [{frequency}]\n{STEADY_AIR}{gains}"
+            );
+            let rig = rig(&text);
+            let stand = rig.stand().unwrap();
+            let test = rig.test(&stand, 0);
+            let map = KnownPressure::new(&stand.map.pressure_map());
+            let result = identify_pressed_test(&test.record, &IdentifySettings::default(), &map);
+            let [friction, stiffness] = errors(&test, &result);
+            let resonance = result.cycles.unwrap().force_resonance.unwrap();
+            let case = format!(
+                "mu {mu}, scale {scale}, {frequency} Hz: {friction:.4} {stiffness:.4} {resonance:?}"
+            );
+            println!("{case}");
+            assert!(friction.abs() < 0.002, "{case}");
+            assert!(stiffness.abs() < 0.02, "{case}");
+            let own = (150e6_f64 / 0.15).sqrt() / std::f64::consts::TAU;
+            assert!((resonance.frequency_hz / own - 1.0).abs() < 0.01, "{case}");
+            assert!((resonance.damping_ratio - 0.01).abs() < 0.001, "{case}");
+            let told = |note: &String| note.contains("the force cell has a resonance at 50");
+            assert!(result.notes.iter().any(told), "{case}: {:?}", result.notes);
+        }
     }
 }
 

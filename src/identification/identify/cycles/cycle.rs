@@ -1,5 +1,6 @@
 //! A record cut into cycles: which of them are steady, and their means.
 
+use super::force_resonance::LoopResonance;
 use super::frequency::{Fundamental, fundamental};
 use super::mean_loop::{
     MeanLoop, inner_range, median, neighbour_correlation, robust_scale, smooth,
@@ -89,20 +90,18 @@ pub(in crate::identify) fn cut(
     let mut loops = grid.loops(record, settings.normal_force_offset_n);
     let (means, spikes) = centre(&mut loops);
     let whole = loops.len();
-    let run_in = match settings.run_in_cycles {
-        Some(stated) if stated < whole => stated,
-        Some(stated) => {
-            return Err(format!(
-                "has {whole} cycles, of which {stated} are run-in: none is left"
-            ));
-        }
-        None => run_in(&loops),
-    };
+    let run_in = cycles_left_out(settings, &loops)?;
     let drift = means.each_ref().map(|means| drift(&means[run_in..]));
     take_drift_out(&mut loops, displacement, drift[0]);
     take_drift_out(&mut loops, tangential, drift[1]);
     align(&mut loops, run_in);
-    let common = smooth_motion(&mut loops, run_in, sensor_step(&record.displacement));
+    let resonance = LoopResonance::of(&MeanLoop::of(&loops[run_in..]));
+    let step = sensor_step(&record.displacement);
+    let mut common = smooth_motion(&mut loops, run_in, step, resonance.as_ref());
+    if let Some(resonance) = &resonance {
+        let all = loops.iter_mut().chain(&mut common.without);
+        all.for_each(|cycle| resonance.take_out(cycle));
+    }
     let steady = &loops[run_in..];
     let count = steady.len().min(MOST_BATCHES);
     let batch = |k: usize| &steady[k * steady.len() / count..(k + 1) * steady.len() / count];
@@ -123,6 +122,7 @@ pub(in crate::identify) fn cut(
             displacement_drift_m_per_s: drift[0] * motion.frequency,
             tangential_force_drift_n_per_s: drift[1] * motion.frequency,
             spikes,
+            force_resonance: resonance.map(|found| found.at(motion.frequency)),
         },
         starts: (0..whole)
             .map(|k| grid.start + k as f64 / grid.frequency)
@@ -135,6 +135,18 @@ pub(in crate::identify) fn cut(
         untold_drift: untold_drift(&means[1][run_in..]),
         loops,
     })
+}
+
+/// Cycles at the start that are left out: as stated, or as found.
+fn cycles_left_out(settings: &IdentifySettings, loops: &[MeanLoop]) -> Result<usize, String> {
+    let whole = loops.len();
+    match settings.run_in_cycles {
+        Some(stated) if stated < whole => Ok(stated),
+        Some(stated) => Err(format!(
+            "has {whole} cycles, of which {stated} are run-in: none is left"
+        )),
+        None => Ok(run_in(loops)),
+    }
 }
 
 /// Of a record of a stated frequency: whether it holds a period. Of a part of one the share that is periodic says nothing.

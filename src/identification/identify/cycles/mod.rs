@@ -4,6 +4,7 @@
 
 pub(super) mod cycle;
 mod equations;
+mod force_resonance;
 mod frequency;
 pub(super) mod mean_loop;
 mod run_in;

@@ -1,17 +1,20 @@
 //! The displacement of a rig that moves smoothly: noise and steps of the sensor are taken out of it.
 //!
 //! A platform moves as a few harmonics, p(t); the sensor sees that motion less what the rig between them gives way under the
-//! force, u(t) = p(t) − c T(t). Harmonics and the coefficient of T are fitted to a whole cycle, so that the few samples
+//! force, u(t) = p(t) − c T(t). Where a force cell has a resonance its spring gives way under the force of the cell, and what lies between
+//! cell and contact under that of the contact. Harmonics and the coefficients of the forces are fitted to a whole cycle, so that the few samples
 //! in which the contact sticks have the displacement that all samples tell: where the elastic travel is as small as a step of the
 //! sensor, the samples of the travel alone would not. A rig that holds the displacement itself has c = 0. The coefficient is found
 //! from the force above the harmonics, for of the others the motion has its own.
 
+use super::force_resonance::LoopResonance;
 use super::mean_loop::{
     HARMONICS, MeanLoop, neighbour_correlation, noise as noise_of, up_to_harmonic,
 };
 use libm::{cos, exp, log, sin};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{PI, TAU};
+use std::iter::once;
 
 /// Fewest samples of a cycle in which noise is told from high harmonics of the motion.
 const LEAST_TO_SMOOTH: usize = 64;
@@ -104,13 +107,18 @@ pub(super) fn sensor_step(signal: &[f64]) -> f64 {
 /// than noise and steps, sample by sample and in blocks. The rest of another motion is small, but lies where the contact sticks.
 ///
 /// Where steps are left in the mean all cycles have the same error, which the mean loop without each twelfth of the phase tells.
-pub(super) fn smooth_motion(loops: &mut [MeanLoop], run_in: usize, step: f64) -> CommonError {
+pub(super) fn smooth_motion(
+    loops: &mut [MeanLoop],
+    run_in: usize,
+    step: f64,
+    resonance: Option<&LoopResonance>,
+) -> CommonError {
     let steady = &loops[run_in..];
     let mean = MeanLoop::of(steady);
     if mean.samples() < LEAST_TO_SMOOTH {
         return CommonError::default();
     }
-    let model = SmoothMotion::of(&mean);
+    let model = SmoothMotion::of(&mean, resonance);
     let rest = model.rest(&mean);
     let rounding = largest(&rest) <= ROUNDING * largest(&mean.displacement);
     let blocks = Blocks::of(&rest);
@@ -135,18 +143,20 @@ pub(super) fn smooth_motion(loops: &mut [MeanLoop], run_in: usize, step: f64) ->
 }
 
 /// Harmonics of the platform and the force that the rig gives way under.
-struct SmoothMotion {
+struct SmoothMotion<'r> {
     /// Highest harmonic of the platform.
     highest: usize,
-    /// Force of the mean loop above these harmonics.
-    instrument: Vec<f64>,
+    /// Resonance of the force.
+    resonance: Option<&'r LoopResonance>,
+    /// Forces of the mean loop above these harmonics.
+    instruments: Vec<Vec<f64>>,
 }
 
-impl SmoothMotion {
+impl<'r> SmoothMotion<'r> {
     /// As many harmonics as the mean loop shows by Schwarz' criterion, with as many independent samples as the rest has: a harmonic that is
     /// not seen moves a stiffness by less than the noise of all of them would.
-    fn of(mean: &MeanLoop) -> Self {
-        let whole = Self::up_to(mean, HARMONICS);
+    fn of(mean: &MeanLoop, resonance: Option<&'r LoopResonance>) -> Self {
+        let whole = Self::up_to(mean, HARMONICS, resonance);
         let rest = whole.rest(mean);
         let samples = rest.len() as f64;
         let independent = samples / Blocks::of(&rest).alike(&rest);
@@ -157,7 +167,7 @@ impl SmoothMotion {
         };
         let mut best = (score(&whole), whole);
         for fewer in (1..HARMONICS).rev() {
-            let model = Self::up_to(mean, fewer);
+            let model = Self::up_to(mean, fewer, resonance);
             let found = score(&model);
             if found <= best.0 {
                 best = (found, model);
@@ -166,29 +176,39 @@ impl SmoothMotion {
         best.1
     }
 
-    fn up_to(mean: &MeanLoop, highest: usize) -> Self {
+    fn up_to(mean: &MeanLoop, highest: usize, resonance: Option<&'r LoopResonance>) -> Self {
         Self {
             highest,
-            instrument: above(&mean.tangential, highest),
+            resonance,
+            instruments: forces(mean, highest, resonance),
         }
     }
 
-    /// Harmonics of the displacement and the multiple of the force above its harmonics. The multiple is found with the force of the mean
-    /// loop as the instrument: noise of a single loop's force, in both sums, does not make it smaller.
+    /// Harmonics of the displacement and the multiples of the forces above its harmonics. The multiples are found with the forces of the
+    /// mean loop as instruments: noise of a single loop's force, in both sums, does not make them smaller.
     fn of_loop(&self, cycle: &MeanLoop) -> Vec<f64> {
-        let own = above(&cycle.tangential, self.highest);
-        let product = |signal: &[f64]| -> f64 {
-            let both = signal.iter().zip(&self.instrument);
-            both.map(|(a, b)| a * b).sum()
-        };
-        let (with_displacement, with_force) = (product(&cycle.displacement), product(&own));
-        let multiple = match with_force > 0.0 {
-            true => with_displacement / with_force,
-            false => 0.0,
+        let own = forces(cycle, self.highest, self.resonance);
+        let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+        let count = own.len();
+        let with_forces =
+            DMatrix::from_fn(count, count, |i, j| product(&own[j], &self.instruments[i]));
+        let with_displacement = DVector::from_fn(count, |i, _| {
+            product(&cycle.displacement, &self.instruments[i])
+        });
+        let multiples = match with_forces[(0, 0)] > 0.0 {
+            true => with_forces.lu().solve(&with_displacement),
+            false => None,
         };
         let motion = up_to_harmonic(&cycle.displacement, self.highest);
-        let both = motion.iter().zip(own);
-        both.map(|(p, t)| p + multiple * t).collect()
+        let Some(multiples) = multiples else {
+            return motion;
+        };
+        let given_way = |i: usize| -> f64 {
+            let parts = multiples.iter().zip(&own);
+            parts.map(|(multiple, force)| multiple * force[i]).sum()
+        };
+        let both = motion.iter().enumerate();
+        both.map(|(i, p)| p + given_way(i)).collect()
     }
 
     fn rest(&self, cycle: &MeanLoop) -> Vec<f64> {
@@ -202,26 +222,24 @@ impl SmoothMotion {
         let n = mean.samples();
         // parts begin half of one before the reversal, so that it lies in their middle
         let of_part = |i: usize| (2 * TWELFTHS * i / n).div_ceil(2) % TWELFTHS;
+        let of_force = |force: &Vec<f64>| largest(force).max(f64::MIN_POSITIVE);
+        let scales: Vec<f64> = self.instruments.iter().map(of_force).collect();
         let row = |i: usize| {
             let wave = |k: usize| {
                 let phase = TAU * ((k.div_ceil(2) * i) % n) as f64 / n as f64;
                 if k % 2 == 1 { cos(phase) } else { sin(phase) }
             };
             let waves = (1..=2 * self.highest).map(wave);
-            let row: Vec<f64> = [1.0, self.instrument[i]].into_iter().chain(waves).collect();
+            let forces = self.instruments.iter().zip(&scales);
+            let forces = forces.map(|(force, scale)| force[i] / scale);
+            let row: Vec<f64> = once(1.0).chain(forces).chain(waves).collect();
             DVector::from_vec(row)
         };
-        let unknowns = 2 + 2 * self.highest;
+        let unknowns = 1 + self.instruments.len() + 2 * self.highest;
         let mut normal = DMatrix::zeros(unknowns, unknowns);
         let mut right = DVector::zeros(unknowns);
-        let scale = largest(&self.instrument).max(f64::MIN_POSITIVE);
-        let scaled = |i: usize| {
-            let mut row = row(i);
-            row[1] /= scale;
-            row
-        };
         for i in (0..n).filter(|i| of_part(*i) != part) {
-            let row = scaled(i);
+            let row = row(i);
             right += &row * mean.displacement[i];
             normal += &row * row.transpose();
         }
@@ -229,12 +247,25 @@ impl SmoothMotion {
         of_others.displacement = match normal.cholesky() {
             Some(factor) => {
                 let found = factor.solve(&right);
-                (0..n).map(|i| scaled(i).dot(&found)).collect()
+                (0..n).map(|i| row(i).dot(&found)).collect()
             }
             None => self.of_loop(mean),
         };
         of_others
     }
+}
+
+/// Forces that a rig gives way under, without their harmonics up to one: that of the cell's spring and, where the cell has a resonance,
+/// of the contact.
+fn forces(cycle: &MeanLoop, highest: usize, resonance: Option<&LoopResonance>) -> Vec<Vec<f64>> {
+    let forces = match resonance {
+        None => vec![cycle.tangential.clone()],
+        Some(resonance) => vec![
+            resonance.spring_force(cycle),
+            resonance.contact_force(cycle),
+        ],
+    };
+    forces.iter().map(|force| above(force, highest)).collect()
 }
 
 /// A signal without its mean and its harmonics up to one.

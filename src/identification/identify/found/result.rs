@@ -57,6 +57,17 @@ pub struct Cycles {
     pub tangential_force_drift_n_per_s: f64,
     /// Values taken out of the averages as spikes.
     pub spikes: usize,
+    /// Resonance of the force measurement that was taken out of the tangential force; absent where it shows none.
+    pub force_resonance: Option<ForceResonance>,
+}
+
+/// Resonance of a force cell with the mass before it.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct ForceResonance {
+    /// Frequency (Hz) of the free vibration without damping.
+    pub frequency_hz: f64,
+    /// Damping over the critical one.
+    pub damping_ratio: f64,
 }
 
 /// Parameters of the contact and what characterises the loop of one test.

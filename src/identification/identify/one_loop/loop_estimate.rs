@@ -4,7 +4,7 @@ use super::branch::slope;
 use super::loop_shape::LoopShape;
 use super::normal::normal_line;
 use super::slope::Line;
-use crate::identify::cycles::mean_loop::{MeanLoop, neighbour_correlation};
+use crate::identify::cycles::mean_loop::{MeanLoop, neighbour_correlation, robust_scale};
 
 /// Numbers of a loop, in SI units, with the rig's stiffness in series.
 #[derive(Debug, Clone, Copy)]
@@ -118,7 +118,8 @@ fn plateaus(
     }
 }
 
-/// Samples of a plateau where the normal force is large enough.
+/// Samples of a plateau where the normal force is large enough and the contact slips: where it sticks for a moment, as a rig that
+/// vibrates makes it do, T/N lies far from its usual value.
 pub(super) fn samples(
     cycle: &MeanLoop,
     shape: &LoopShape<'_>,
@@ -131,11 +132,22 @@ pub(super) fn samples(
         .filter(|i| cycle.normal[*i] > shape.least_normal)
         .collect();
     if closed.is_empty() {
-        all.collect()
-    } else {
-        closed
+        return all.collect();
     }
+    let ratio = |i: &usize| cycle.tangential[*i] / cycle.normal[*i];
+    let ratios: Vec<f64> = closed.iter().map(ratio).collect();
+    let Some([usual, deviation]) = robust_scale(&ratios) else {
+        return closed;
+    };
+    let far = (FAR * deviation).max(FAR_OF_RATIO * usual.abs());
+    let slips = |i: &usize| (ratio(i) - usual).abs() <= far;
+    closed.into_iter().filter(slips).collect()
 }
+
+/// Distance of a T/N from its median, in standard deviations (of the median absolute deviation), from which on the contact sticks...
+const FAR: f64 = 6.0;
+/// ...and over the median.
+const FAR_OF_RATIO: f64 = 0.01;
 
 /// Standard error of the mean of values whose neighbours may be alike; none of fewer than four.
 fn mean_error(values: &[f64]) -> Option<f64> {

@@ -3,7 +3,7 @@
 use super::branch::{Straightened, Window, is_straight, slope, window};
 use super::half::{Half, halves};
 use super::knee::{Branch, LEAST_POINTS, REACH, fit};
-use super::plateau::plateau;
+use super::plateau::{level, plateau};
 use super::slip_limits::PressureSpread;
 use crate::identify::cycles::mean_loop::MeanLoop;
 use crate::identify::cycles::scatter::Batches;
@@ -77,16 +77,28 @@ fn found<'m>(
     if down + up <= 0.0 {
         return Err("has a tangential force against the displacement: one of them needs the other sign, or this is no hysteresis loop".to_owned());
     }
-    let sides = [0, 1].map(|side| Side {
-        half: halves[side],
-        levels: [[up, down][side], down + up],
-        least_normal,
-        batches,
-    });
-    let first = sides.each_ref().map(|side| side.window(cycle, None));
-    let stick = stick(cycle, &sides, &first)?;
+    let sides_of = |[down, up]: [f64; 2]| {
+        [0, 1].map(|side| Side {
+            half: halves[side],
+            levels: [[up, down][side], down + up],
+            least_normal,
+            batches,
+        })
+    };
+    let windows = |sides: &[Side<'_>; 2]| sides.each_ref().map(|side| side.window(cycle, None));
+    let ends = [down, up];
+    let stick = stick(cycle, &sides_of(ends), &windows(&sides_of(ends)))?;
     let [a, b] = halves.map(|half| plateau(&half, cycle, stick, least_normal));
     let plateaus = a.zip(b).map(|(a, b)| [a, b]);
+    let levels = match plateaus {
+        Some(places) => [0, 1].map(|side| {
+            let half = &halves[side];
+            level(half, cycle, places[side], least_normal, ends[side])
+        }),
+        None => ends,
+    };
+    let sides = sides_of(levels);
+    let first = windows(&sides);
     // a known knee is no guess: a straight branch has it, too
     let known = matches!(spread, PressureSpread::Map(_));
     let bends = || plateaus.is_some() && (known || !are_straight(cycle, &sides, &first));
@@ -140,8 +152,12 @@ impl Side<'_> {
             .partition_point(|x| *x < REACH * full)
             .min(self.half.last(cycle));
         let step = last.div_ceil(MOST_POINTS).max(1);
-        let points = x.iter().zip(self.shares(cycle)).take(last).step_by(step);
-        let (displacement, share) = points.filter_map(|(x, s)| s.map(|s| (x / full, s))).unzip();
+        let shares = self.shares(cycle);
+        // a contact that has stuck for a moment before the reversal begins its branch on the way
+        let begun = shares.first().copied().flatten().unwrap_or(0.0);
+        let points = x.iter().zip(shares).take(last).step_by(step);
+        let point = |(x, share): (&f64, Option<f64>)| Some((begun + x / full, share?));
+        let (displacement, share) = points.filter_map(point).unzip();
         Branch {
             displacement,
             share,

@@ -1,7 +1,7 @@
 //! The plateau before a reversal: whether the whole contact slips, and where.
 
 use super::half::Half;
-use crate::identify::cycles::mean_loop::MeanLoop;
+use crate::identify::cycles::mean_loop::{MeanLoop, median};
 
 /// Parts of the displacement of a half, at its end, in which a plateau is sought, longest first.
 const TAILS: [f64; 10] = [0.9, 0.8, 0.65, 0.5, 0.35, 0.25, 0.17, 0.12, 0.08, 0.05];
@@ -11,6 +11,8 @@ const KEPT: f64 = 0.6;
 const FLAT: f64 = 0.03;
 /// Standard errors of the slope that are added before it is compared: what noise hides is no plateau.
 const SURE: f64 = 2.0;
+/// T/N at the end of a half over that of its plateau, from which on the contact still slips.
+const STILL_SLIPS: f64 = 0.98;
 /// Fewest samples of a plateau.
 const LEAST_SAMPLES: usize = 5;
 
@@ -37,6 +39,23 @@ pub(super) fn plateau(
     })?;
     let first = begin(KEPT * flat);
     (last + 1 - first >= LEAST_SAMPLES).then_some([first, last])
+}
+
+/// T/N in the direction of the motion at the end of a half, as `end` says, or as its plateau says where the contact sticks for a moment
+/// at the end.
+pub(super) fn level(
+    half: &Half,
+    cycle: &MeanLoop,
+    [first, last]: [usize; 2],
+    least_normal: f64,
+    end: f64,
+) -> f64 {
+    let ratio = half.ratio(cycle, least_normal);
+    let mut slipping: Vec<f64> = ratio[first..=last].iter().copied().flatten().collect();
+    match median(&mut slipping) {
+        Some(usual) if end < STILL_SLIPS * usual => usual,
+        _ => end,
+    }
 }
 
 /// Whether the slope is surely not above `limit`.

@@ -67,6 +67,12 @@ fn of_cycles(cycles: &Cycles, record: &HysteresisRecord, notes: &mut Vec<String>
     if cycles.steady == 1 {
         notes.push("one loop: the intervals hold the noise inside of it, not the scatter from loop to loop".to_owned());
     }
+    if let Some(resonance) = cycles.force_resonance {
+        let (frequency, damping) = (resonance.frequency_hz, 100.0 * resonance.damping_ratio);
+        notes.push(format!(
+            "the force cell has a resonance at {frequency:.0} Hz (damping ratio {damping:.1} %): the force of the mass before it is taken out of the tangential force"
+        ));
+    }
     if cycles.spikes > 0 {
         let spikes = cycles.spikes;
         notes.push(format!(
