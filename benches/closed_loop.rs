@@ -6,7 +6,7 @@
 //! be for the stiffness. `varying`: coverage where the gap of the air, and so the pressure map, is another one in every ten tests.
 //! `map-given`: coverage with the instruments of `coverage`, where the pressure map of the contact is given. `frequencies`: errors
 //! and coverage with the map given from 5 to 600 Hz. `--seeds N` takes N times as many tests in `coverage`, `varying`, `map-given`
-//! and `frequencies`, of N seeds. 100 cycles at 100 Hz, 20 for the coverage, 5 without errors. The amplitude is what a careful operator takes: four times the travel to gross slip, from 1 to 20 µm. All parts take some six minutes of processor time; [`REPEATED`] and
+//! and `frequencies`, of N seeds. 100 cycles at 100 Hz, 20 for the coverage, 5 without errors. The amplitude is what a careful operator takes: four times the travel to gross slip, from 1 to 20 µm. All parts take some fifteen minutes of processor time; [`REPEATED`] and
 //! [`COVERAGE_TESTS`] scale it.
 
 #![expect(clippy::expect_used, reason = "a benchmark without its rig fails")]
