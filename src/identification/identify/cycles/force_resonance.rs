@@ -9,8 +9,8 @@
 //! anew with each slip and each reversal, the same in all cycles, so that no mean takes it out. Below the resonance
 //! the mass also adds to a force that changes fast: at an eighth of ω₀ a stick branch without the correction is no line at all.
 
-use super::equations::solve;
-use super::mean_loop::{MeanLoop, smooth};
+use super::equations::least_squares;
+use super::mean_loop::{MeanLoop, largest, smooth};
 use crate::identify::found::result::ForceResonance;
 use crate::identify::golden::smallest;
 use libm::{cos, exp, sin};
@@ -33,7 +33,7 @@ const MOST_DAMPING: f64 = 0.2;
 /// Times that frequency and damping are sharpened in turn, and steps of each.
 const ROUNDS: usize = 3;
 const STEPS: usize = 20;
-/// Share of the variance about a parabola that a vibration must hold: noise of 140 samples gives at most a tenth. A vibration that
+/// Share of the variance about a parabola that a vibration must hold: noise of 180 samples gives at most a tenth. A vibration that
 /// holds less is as small as the noise.
 const HELD: f64 = 0.75;
 /// Unknowns of a way: a parabola, cosine and sine.
@@ -53,7 +53,7 @@ pub(super) struct LoopResonance {
     harmonic: f64,
     /// ζ.
     damping: f64,
-    /// Frequency over that of the resonance at which the low-pass has fallen to exp(−½).
+    /// Frequency over that of the resonance at which the low-pass has fallen to exp(−½); infinite without one.
     passed: f64,
 }
 
@@ -77,7 +77,7 @@ impl LoopResonance {
         let mut found = Self {
             harmonic: tried[best],
             damping: DAMPING,
-            passed: 0.0,
+            passed: f64::INFINITY,
         };
         for _ in 0..ROUNDS {
             let about = [found.harmonic - step, found.harmonic + step];
@@ -94,8 +94,7 @@ impl LoopResonance {
 
     /// The widest low-pass that leaves a force with this noise (N) little enough of it.
     fn widest(&self, mean: &MeanLoop, noise: f64) -> f64 {
-        let (force, n) = (&mean.tangential, mean.samples());
-        let half_swing = force.iter().fold(0.0, |most: f64, t| most.max(t.abs()));
+        let (n, half_swing) = (mean.samples(), largest(&mean.tangential));
         let least = PASSED[PASSED.len() - 1];
         let sharpest = n as f64 / (self.harmonic * TAU * ROUNDED);
         let small = |passed: &f64| {
@@ -132,16 +131,12 @@ impl LoopResonance {
 
     /// Force in the spring of the cell, which the damper beside it does not carry: K b, in proportion to its displacement.
     pub(super) fn spring_force(&self, cycle: &MeanLoop) -> Vec<f64> {
-        let mut force = cycle.tangential.clone();
-        self.filter(&mut force, |r| 1.0 / self.carried(r));
-        force
+        self.filtered(&cycle.tangential, |r| 1.0 / self.carried(r))
     }
 
     /// Tangential force of the contact.
     pub(super) fn contact_force(&self, cycle: &MeanLoop) -> Vec<f64> {
-        let mut force = cycle.tangential.clone();
-        self.filter(&mut force, |r| self.of_contact(r));
-        force
+        self.filtered(&cycle.tangential, |r| self.of_contact(r))
     }
 
     /// Puts the force of the contact in place of that of the cell. All signals pass the same low-pass, so that a line stays a line.
@@ -149,7 +144,7 @@ impl LoopResonance {
         cycle.tangential = self.contact_force(cycle);
         let others = [&mut cycle.displacement, &mut cycle.normal];
         for signal in others.into_iter().chain(&mut cycle.approach) {
-            self.filter(signal, |r| self.low_pass(r));
+            *signal = self.filtered(signal, |r| self.low_pass(r));
         }
     }
 
@@ -161,8 +156,8 @@ impl LoopResonance {
         }
     }
 
-    /// Multiplies each harmonic of a periodic signal by a factor of its frequency over that of the resonance.
-    fn filter(&self, signal: &mut [f64], factor: impl Fn(f64) -> Complex64) {
+    /// A periodic signal with each harmonic times a factor of its frequency over that of the resonance.
+    fn filtered(&self, signal: &[f64], factor: impl Fn(f64) -> Complex64) -> Vec<f64> {
         let n = signal.len();
         let mut planner = FftPlanner::new();
         let complex = signal.iter().map(|value| Complex64::new(*value, 0.0));
@@ -173,9 +168,7 @@ impl LoopResonance {
             *value *= if 2 * k <= n { factor } else { factor.conj() };
         }
         planner.plan_fft_inverse(n).process(&mut spectrum);
-        for (value, filtered) in signal.iter_mut().zip(spectrum) {
-            *value = filtered.re;
-        }
+        spectrum.iter().map(|value| value.re).collect()
     }
 }
 
@@ -223,20 +216,10 @@ fn parabola_rest(way: &[f64]) -> f64 {
 fn left<const N: usize>(values: &[f64], row: impl Fn(usize, f64) -> [f64; N]) -> f64 {
     let n = values.len() as f64;
     let middle = values.iter().sum::<f64>() / n;
-    let (mut m, mut v, mut square) = ([[0.0; N]; N], [0.0; N], 0.0);
-    for (i, value) in values.iter().enumerate() {
-        let row = row(i, (i as f64 + 0.5) / n - 0.5);
-        let value = value - middle;
-        for j in 0..N {
-            for k in 0..N {
-                m[j][k] += row[j] * row[k];
-            }
-            v[j] += row[j] * value;
-        }
-        square += value * value;
-    }
-    let held = solve(m, v).map_or(0.0, |found| found.iter().zip(v).map(|(a, b)| a * b).sum());
-    (square - held).max(0.0)
+    let points = values.iter().enumerate();
+    let points = points.map(|(i, value)| (row(i, (i as f64 + 0.5) / n - 0.5), value - middle));
+    let fitted = least_squares(points);
+    (fitted.square - fitted.held).max(0.0)
 }
 
 #[cfg(test)]
@@ -267,7 +250,7 @@ mod tests {
     /// What a cell shows of it, with noise of this size (N).
     fn measured(cell: LoopResonance, noise: f64) -> MeanLoop {
         let mut cycle = contact(|_| 1.0);
-        cell.filter(&mut cycle.tangential, |r| {
+        cycle.tangential = cell.filtered(&cycle.tangential, |r| {
             let carried = Complex64::new(1.0, 2.0 * cell.damping * r);
             carried / (carried - r * r)
         });
@@ -282,7 +265,7 @@ mod tests {
         LoopResonance {
             harmonic,
             damping,
-            passed: 1.0,
+            passed: f64::INFINITY,
         }
     }
 
@@ -294,6 +277,8 @@ mod tests {
             let mut cycle = measured(cell(harmonic, damping), 0.0);
             let found = LoopResonance::of(&cycle).unwrap();
             let case = format!("{harmonic}, {damping}: {found:?}");
+            println!("CASE {case}");
+            println!("CASE {case}");
             assert!((found.harmonic / harmonic - 1.0).abs() < 2e-3, "{case}");
             assert!((found.damping - damping).abs() < 2e-3, "{case}");
             found.take_out(&mut cycle);

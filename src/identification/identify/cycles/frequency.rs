@@ -1,6 +1,6 @@
 //! Frequency and phase of a motion.
 
-use super::equations::solve;
+use super::equations::{LeastSquares, least_squares};
 use crate::identify::golden::smallest;
 use libm::{atan2, cos, sin};
 use std::f64::consts::TAU;
@@ -87,21 +87,15 @@ fn sharpened(time: &[f64], rest: &[f64], start: f64, reach: f64) -> f64 {
 /// Least squares a cos ωt + b sin ωt + c + d t: a, b, and the share of the variance that the wave holds; t from the first instant on.
 fn fitted(time: &[f64], rest: &[f64], frequency: f64) -> [f64; 3] {
     let length = time[time.len() - 1] - time[0];
-    let (mut m, mut v, mut square) = ([[0.0; 4]; 4], [0.0; 4], 0.0);
-    for (t, x) in time.iter().zip(rest) {
+    let points = time.iter().zip(rest).map(|(t, x)| {
         let phase = TAU * frequency * (t - time[0]);
         let row = [1.0, (t - time[0]) / length, cos(phase), sin(phase)];
-        for i in 0..4 {
-            for j in 0..4 {
-                m[i][j] += row[i] * row[j];
-            }
-            v[i] += row[i] * x;
-        }
-        square += x * x;
-    }
-    let Some(solved) = solve(m, v) else {
-        return [0.0; 3];
-    };
-    let held: f64 = solved.iter().zip(v).map(|(a, b)| a * b).sum();
-    [solved[2], solved[3], held / square.max(f64::MIN_POSITIVE)]
+        (row, *x)
+    });
+    let LeastSquares {
+        coefficients: [_, _, a, b],
+        held,
+        square,
+    } = least_squares(points);
+    [a, b, held / square.max(f64::MIN_POSITIVE)]
 }

@@ -125,6 +125,11 @@ pub(super) fn up_to_harmonic(signal: &[f64], highest: usize) -> Vec<f64> {
     sum
 }
 
+/// Greatest size of a value.
+pub(super) fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, v| v.abs().max(most))
+}
+
 /// Middle of the values, of two the mean; none of no values.
 pub(in crate::identify) fn median(values: &mut [f64]) -> Option<f64> {
     let n = values.len();

@@ -9,7 +9,7 @@
 
 use super::force_resonance::LoopResonance;
 use super::mean_loop::{
-    HARMONICS, MeanLoop, neighbour_correlation, noise as noise_of, up_to_harmonic,
+    HARMONICS, MeanLoop, largest, neighbour_correlation, noise as noise_of, up_to_harmonic,
 };
 use libm::{cos, exp, log, sin};
 use nalgebra::{DMatrix, DVector};
@@ -303,11 +303,6 @@ impl Blocks {
         let alike = self.deviation.powi(2) * self.length as f64 / square.max(f64::MIN_POSITIVE);
         alike.clamp(1.0, self.length as f64)
     }
-}
-
-/// Greatest size of a value.
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, v| v.abs().max(most))
 }
 
 /// Standard deviation of a sample of the displacement from cycle to cycle; 0 of one cycle.

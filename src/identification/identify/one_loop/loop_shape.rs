@@ -77,17 +77,11 @@ fn found<'m>(
     if down + up <= 0.0 {
         return Err("has a tangential force against the displacement: one of them needs the other sign, or this is no hysteresis loop".to_owned());
     }
-    let sides_of = |[down, up]: [f64; 2]| {
-        [0, 1].map(|side| Side {
-            half: halves[side],
-            levels: [[up, down][side], down + up],
-            least_normal,
-            batches,
-        })
-    };
+    let sides_of = |levels| Side::both(halves, levels, least_normal, batches);
     let windows = |sides: &[Side<'_>; 2]| sides.each_ref().map(|side| side.window(cycle, None));
     let ends = [down, up];
-    let stick = stick(cycle, &sides_of(ends), &windows(&sides_of(ends)))?;
+    let (sides, first) = (sides_of(ends), windows(&sides_of(ends)));
+    let stick = stick(cycle, &sides, &first)?;
     let [a, b] = halves.map(|half| plateau(&half, cycle, stick, least_normal));
     let plateaus = a.zip(b).map(|(a, b)| [a, b]);
     let levels = match plateaus {
@@ -97,8 +91,10 @@ fn found<'m>(
         }),
         None => ends,
     };
-    let sides = sides_of(levels);
-    let first = windows(&sides);
+    let (sides, first) = match levels == ends {
+        true => (sides, first),
+        false => (sides_of(levels), windows(&sides_of(levels))),
+    };
     // a known knee is no guess: a straight branch has it, too
     let known = matches!(spread, PressureSpread::Map(_));
     let bends = || plateaus.is_some() && (known || !are_straight(cycle, &sides, &first));
@@ -123,7 +119,22 @@ struct Side<'a> {
     batches: Batches<'a>,
 }
 
-impl Side<'_> {
+impl<'a> Side<'a> {
+    /// Both, with T/N at the end of the way down and of the way up.
+    fn both(
+        halves: [Half; 2],
+        [down, up]: [f64; 2],
+        least_normal: f64,
+        batches: Batches<'a>,
+    ) -> [Self; 2] {
+        [0, 1].map(|side| Self {
+            half: halves[side],
+            levels: [[up, down][side], down + up],
+            least_normal,
+            batches,
+        })
+    }
+
     /// Share of the swing of T/N at each place.
     fn shares(&self, cycle: &MeanLoop) -> Vec<Option<f64>> {
         let [before, swing] = self.levels;

@@ -12,7 +12,7 @@ const FLAT: f64 = 0.03;
 /// Standard errors of the slope that are added before it is compared: what noise hides is no plateau.
 const SURE: f64 = 2.0;
 /// T/N at the end of a half over that of its plateau, from which on the contact still slips.
-const STILL_SLIPS: f64 = 0.98;
+const END_SLIPS: f64 = 0.98;
 /// Fewest samples of a plateau.
 const LEAST_SAMPLES: usize = 5;
 
@@ -53,7 +53,7 @@ pub(super) fn level(
     let ratio = half.ratio(cycle, least_normal);
     let mut slipping: Vec<f64> = ratio[first..=last].iter().copied().flatten().collect();
     match median(&mut slipping) {
-        Some(usual) if end < STILL_SLIPS * usual => usual,
+        Some(usual) if end < END_SLIPS * usual => usual,
         _ => end,
     }
 }
