@@ -117,7 +117,7 @@ enum Command {
     Merge(MergeArguments),
     /// Show how far a run has come that is not finished, and what its folder holds.
     Status(StatusArguments),
-    /// Check that every file of results and parts is what was written.
+    /// Check that every file of results and parts is what was written, and the report what the tables give.
     Verify(StatusArguments),
     /// Render the report of a run again from its stored samples, without solving.
     Report(ReportArguments),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use super::levels::{INDICATIONS, at_point};
 use super::terminal::print;
-use clap::Args;
+use clap::{ArgGroup, Args};
 use microslip::Error;
 use microslip::file::refuse_inputs;
 use microslip::report::reweighting::{ReweightedPoint, Reweighting};
@@ -13,14 +13,15 @@ use microslip::study::reweight::REWEIGHTED;
 use microslip::study::{NewInputs, OutputFolder, reweight};
 
 #[derive(Args)]
+#[command(group = ArgGroup::new("new inputs").required(true).args(["prior", "posterior"]))]
 pub(super) struct ReweightArguments {
     /// Folder with the results of `run`.
     folder: PathBuf,
     /// TOML file with the new distributions, as [inputs.NAME] of a study file.
-    #[arg(long, value_name = "FILE", required_unless_present = "posterior")]
+    #[arg(long, value_name = "FILE")]
     prior: Option<PathBuf>,
     /// Draws of the inputs, such as posterior.csv of `calibrate`: the samples stand for them.
-    #[arg(long, value_name = "FILE", conflicts_with = "prior")]
+    #[arg(long, value_name = "FILE")]
     posterior: Option<PathBuf>,
     /// Folder of reweighted.json, instead of that of the results.
     #[arg(long)]

@@ -1,7 +1,7 @@
 //! `run`: all samples, statistics and report.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::device_layer;
 use super::disk::gather;
@@ -17,7 +17,9 @@ use microslip::ensemble::backend::{BackendChoice, BackendSettings};
 use microslip::gpu::GpuSettings;
 use microslip::report::Summary;
 use microslip::report::run::order_folder;
-use microslip::study::{OutputFolder, RunSettings, ShareResult, Study, join, run, solve_share};
+use microslip::study::{
+    OutputFolder, RunSettings, ShareResult, Study, check_folder, join, run, solve_share,
+};
 use serde_json::json;
 
 #[derive(Args)]
@@ -78,20 +80,25 @@ impl RunArguments {
         let Some(orders) = study.several_engine_orders() else {
             return self.one(&study, &folder, &settings).map(|_| ());
         };
-        let mut solved = Vec::new();
-        for &order in orders {
-            let of_order = study.of_engine_order(order)?;
+        let of_order = |&order: &u32| {
             let own = folder.path().join(order_folder(order));
-            if self.one(&of_order, &OutputFolder::open(&own)?, &settings)? {
-                solved.push(own);
+            let (study, folder) = (study.of_engine_order(order)?, OutputFolder::open(&own)?);
+            // the last order is not to be refused after hours for the others
+            check_folder(&study, &folder)?;
+            Ok((study, folder))
+        };
+        let studies: Vec<_> = orders.iter().map(of_order).collect::<Result<_, Error>>()?;
+        let mut solved = Vec::new();
+        for (study, folder) in &studies {
+            if self.one(study, folder, &settings)? {
+                solved.push(folder.path());
             }
         }
         // shares of the samples make no results yet
         if solved.len() < orders.len() {
             return Ok(());
         }
-        let folders: Vec<&Path> = solved.iter().map(PathBuf::as_path).collect();
-        gather(&folders, &folder, messages.quiet)
+        gather(&solved, &folder, messages.quiet)
     }
 
     /// One study; whether its results are there.

@@ -7,6 +7,8 @@ use std::time::{Duration, SystemTime};
 use super::terminal::print;
 use clap::Args;
 use microslip::Error;
+use microslip::report::disk::DISK_NUMBERS;
+use microslip::report::outdated;
 use microslip::study::{FolderStatus, RunStatus, order_folders};
 
 #[derive(Args)]
@@ -25,8 +27,19 @@ impl StatusArguments {
                 }
                 show_folder(out, status)?;
             }
-            Ok(())
+            match self.lacks_page(&found) {
+                true => writeln!(
+                    out,
+                    "{DISK_NUMBERS} does not exist: `run` has not come to the last engine order, or `disk` has not put these together"
+                ),
+                false => Ok(()),
+            }
         })
+    }
+
+    /// Whether there are engine orders of a disk, and nothing that was made of all of them.
+    fn lacks_page(&self, found: &[(PathBuf, FolderStatus)]) -> bool {
+        !self.is_alone(found) && !self.folder.join(DISK_NUMBERS).exists()
     }
 
     pub(super) fn verify(&self) -> Result<(), Error> {
@@ -94,6 +107,12 @@ fn whole(folder: &Path, status: &FolderStatus) -> Result<String, Error> {
     if status.is_empty() {
         return Err(refused("holds no results and no parts of `run`".to_owned()));
     }
+    if status.results.is_some()
+        && let Some(name) = outdated(folder)?.first()
+    {
+        let message = "is not what this program makes of the tables: `report` writes it anew";
+        return Err(refused(format!("{name} {message}")));
+    }
     let parts = status.unfinished.as_ref().map_or(0, |run| run.parts);
     let results = match &status.results {
         Some(run) => format!("the results of {} samples", run.done),
@@ -110,10 +129,19 @@ fn show_folder(out: &mut dyn Write, status: &FolderStatus) -> std::io::Result<()
     }
     if let Some(run) = &status.unfinished {
         show(out, "unfinished", run)?;
-        let study = run.study_file.display();
-        writeln!(out, "the command that began it goes on; its study: {study}")?;
+        match status.extends {
+            true => writeln!(
+                out,
+                "`extend --samples {}` of this folder goes on",
+                run.samples
+            )?,
+            false => {
+                let study = run.study_file.display();
+                writeln!(out, "the command that began it goes on; its study: {study}")?;
+            }
+        }
     }
-    if status.results.is_none() && status.unfinished.is_none() {
+    if status.is_empty() {
         writeln!(out, "no samples")?;
     }
     for fault in &status.faults {

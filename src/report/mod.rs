@@ -42,4 +42,4 @@ pub use enough::at_look;
 pub use error::ReportError;
 pub use numbers::Summary;
 pub use run::{ReportInput, RunRecord, StoredRun};
-pub use write::{REPORT_FILES, render, write};
+pub use write::{REPORT_FILES, outdated, render, write};

@@ -8,6 +8,7 @@ use crate::report::page::document::study_page;
 use crate::report::run::input::ReportInput;
 use crate::report::run::stored_run::StoredRun;
 use std::io::Write;
+use std::ops::Not;
 use std::path::Path;
 
 /// The files of a report.
@@ -30,18 +31,37 @@ pub fn render(folder: &Path) -> Result<(Summary, StoredRun), ReportError> {
 /// # Errors
 /// [`ReportError`] if a file cannot be written.
 pub fn write(folder: &Path, input: &ReportInput) -> Result<Summary, ReportError> {
+    let (summary, texts) = texts(input)?;
+    for (name, text) in REPORT_FILES.into_iter().zip(texts) {
+        file::replace(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
+    }
+    Ok(summary)
+}
+
+/// Names of the report's files in `folder` that are not what this program makes of the tables there; absent ones among them.
+///
+/// # Errors
+/// [`ReportError`] if tables or record cannot be read.
+pub fn outdated(folder: &Path) -> Result<Vec<&'static str>, ReportError> {
+    let run = StoredRun::read(folder)?;
+    let (_, texts) = texts(&run.input())?;
+    let differs = |name: &str, text: &str| {
+        let there = std::fs::read(folder.join(name));
+        there.is_ok_and(|there| there == text.as_bytes()).not()
+    };
+    let files = REPORT_FILES.into_iter().zip(texts);
+    Ok(files
+        .filter(|(name, text)| differs(name, text))
+        .map(|(name, _)| name)
+        .collect())
+}
+
+/// What stands in [`REPORT_FILES`], and the summary.
+fn texts(input: &ReportInput) -> Result<(Summary, [String; 3]), ReportError> {
     let summary = Summary::of(input);
     let json = serde_json::to_string_pretty(&summary)?;
     let assessment = Assessment::of(input, &summary);
     let report = serde_json::to_string_pretty(&assessment)?;
     let page = study_page(input, &summary, &assessment)?;
-    let files = [
-        (REPORT_FILES[0], json),
-        (REPORT_FILES[1], report),
-        (REPORT_FILES[2], page),
-    ];
-    for (name, text) in files {
-        file::replace(&folder.join(name), |file| file.write_all(text.as_bytes()))?;
-    }
-    Ok(summary)
+    Ok((summary, [json, report, page]))
 }

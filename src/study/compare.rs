@@ -37,6 +37,12 @@ pub fn compare(folders: &[&Path], output: &OutputFolder) -> Result<DesignCompari
         return Err(too_few(output));
     }
     for (folder, run) in folders.iter().zip(&runs) {
+        if let Some(name) = run.changed.first() {
+            return Err(Error::Results {
+                folder: folder.to_path_buf(),
+                message: format!("{name} {CHANGED}"),
+            });
+        }
         check(run, first).map_err(|reason| Error::Results {
             folder: folder.to_path_buf(),
             message: format!("cannot be compared with {}: {reason}", folders[0].display()),
@@ -56,9 +62,6 @@ fn too_few(output: &OutputFolder) -> Error {
 
 /// Whether the samples of `run` pair with those of `first` by index.
 fn check(run: &StoredRun, first: &StoredRun) -> Result<(), String> {
-    if let Some(name) = run.changed.first() {
-        return Err(format!("{name} {CHANGED}"));
-    }
     let (this, that) = (&run.record, &first.record);
     let same = |what: &str, this: String, that: String| match this == that {
         true => Ok(()),

@@ -9,7 +9,8 @@ use crate::report::disk::{self, DiskSummary};
 
 /// Gathers the runs in `folders`, one per engine order of one disk, and writes `disk.json` and `disk.html` into `output`.
 ///
-/// Nothing is solved. The runs must have the same sector, number of sectors and levels, and an engine order each.
+/// Nothing is solved. The runs must have the same sector, number of sectors, levels, random inputs and speeds, and an engine order each; their
+/// tables must be those that they wrote.
 ///
 /// # Errors
 /// [`Error::Report`] if a folder holds no results; [`Error::Results`] on the first run that is not of the disk of the first of

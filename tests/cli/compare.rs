@@ -182,6 +182,14 @@ fn what_cannot_be_paired_is_refused() {
     let pairs = "[correlation]\npairs = [{ inputs = [\"stiffness_scale\", \"friction_coefficient\"], value = 0.5 }]\n";
     run(path, "a", &hypercube);
     run(path, "correlated", &format!("{hypercube}{pairs}"));
+    let design = "its design of the samples is latin-hypercube, 10 samples, correlated";
+    refuse("correlated", &[design]);
+    // so close that both designs read the same
+    run(
+        path,
+        "a",
+        &format!("{hypercube}{}", pairs.replace("0.5", "0.50001")),
+    );
     refuse(
         "correlated",
         &["has another", "although its distribution is the same"],

@@ -42,7 +42,7 @@ fn inspect_shows_the_design() {
         (
             "samples = 64\n",
             format!("[design]\nkind = \"sobol\"\nreplicates = 4\n{SECOND}{pair}"),
-            "sobol, 4 replicates of 16 points, correlated",
+            "sobol, 4 replicates of 16 points, correlated (stiffness_scale and friction_coefficient 0.5 of the normal scores)",
         ),
         (
             "samples = 64\n",

@@ -111,6 +111,9 @@ fn one_run_takes_several_engine_orders() {
         assert!(text.contains(&words), "{words} is not in {text}");
         let words = words.trim_start_matches('`');
         assert!(page.contains(words), "{words} is not in the page");
+        // wherever the results are moved to, their report stays the same
+        let words = format!("microslip extend results/{order} --samples");
+        let words = words.as_str();
         let own = folder.path().join(format!("both/{order}/report.html"));
         let own = std::fs::read_to_string(own).unwrap();
         let own = own.replace("&#x2f;", "/");
@@ -148,6 +151,86 @@ fn one_run_takes_several_engine_orders() {
     );
 }
 
+/// Runs that `disk` cannot speak of together are refused; of different numbers of samples each is said.
+#[test]
+fn runs_of_other_disks_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    solved(path, &[3, 5]);
+    let text = std::fs::read_to_string(path.join("order-5.toml")).unwrap();
+    let changed = |name: &str, old: &str, new: &str| {
+        assert!(text.contains(old), "the study has no {old:?}");
+        let study = format!("{name}.toml");
+        std::fs::write(path.join(&study), text.replace(old, new)).unwrap();
+        let run = microslip(path, &["run", &study, "--output", name, "--quiet"]);
+        assert_eq!(run.status.code(), Some(0), "{run:?}");
+        microslip(path, &["disk", "order-3", name, "--output", "disk"])
+    };
+    let cases = [
+        ("prior", "low = 0.5", "low = 0.4", "has other random inputs"),
+        ("friction", "mu = 0.3", "mu = 0.4", "has another sector"),
+        (
+            "speed",
+            "[1000, 2000]",
+            "[1000, 2100]",
+            "has another range of speeds",
+        ),
+        ("levels", "[1.0, 20.0]", "[1.0, 21.0]", "has other levels"),
+    ];
+    for (name, old, new, rule) in cases {
+        assert_refused(
+            name,
+            &changed(name, old, new),
+            &[&format!("{name}: {rule}")],
+        );
+    }
+    let fewer = changed("fewer", "samples = 6", "samples = 4");
+    assert_eq!(fewer.status.code(), Some(0), "{fewer:?}");
+    let json = std::fs::read_to_string(path.join("disk/disk.json")).unwrap();
+    let json: Value = serde_json::from_str(&json).unwrap();
+    for (order, samples) in [(0, "6 samples"), (1, "4 samples")] {
+        let condition = json["orders"][order]["condition"].as_str().unwrap();
+        assert!(condition.contains(samples), "{condition}");
+    }
+    std::fs::copy(
+        path.join("fewer/samples.parquet"),
+        path.join("order-5/samples.parquet"),
+    )
+    .unwrap();
+    let edited = microslip(path, &["disk", "order-3", "order-5"]);
+    let rule = "order-5: samples.parquet is not the file that the run wrote";
+    assert_refused("edited", &edited, &[rule]);
+}
+
+/// What the last of several engine orders refuses is known before the first one is solved.
+#[test]
+fn refusals_of_all_engine_orders_come_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    solved(path, &[3, 5]);
+    let text = std::fs::read_to_string(path.join("order-3.toml")).unwrap();
+    let both = text.replace("engine_orders = [3]", "engine_orders = [3, 5]");
+    std::fs::write(
+        path.join("both.toml"),
+        both.replace("samples = 6", "samples = 4"),
+    )
+    .unwrap();
+    std::fs::create_dir(path.join("both")).unwrap();
+    let whole = text.replace("engine_orders = [3]", "engine_orders = [5]");
+    std::fs::write(path.join("longer.toml"), whole).unwrap();
+    let run = microslip(
+        path,
+        &["run", "longer.toml", "--output", "both/order-5", "--quiet"],
+    );
+    assert_eq!(run.status.code(), Some(0), "{run:?}");
+    let run = microslip(path, &["run", "both.toml", "--output", "both", "--quiet"]);
+    assert_refused("both", &run, &["order-5: holds 6 samples of this study"]);
+    assert!(
+        !path.join("both/order-3/run.json").exists(),
+        "order 3 was solved"
+    );
+}
+
 /// `status` and `verify` of a run over several engine orders name the folder of each, and the exit code is the worst. Seen to fail with a
 /// program that knows the folder itself alone: no samples, and no results.
 #[test]
@@ -171,7 +254,8 @@ fn status_and_verify_go_through_the_engine_orders() {
     let (code, text, _) = said("status");
     assert_eq!(code, Some(0), "{text}");
     let lines: Vec<&str> = text.lines().collect();
-    assert_eq!(lines.len(), 4, "{text}");
+    assert_eq!(lines.len(), 5, "{text}");
+    assert!(lines[4].starts_with("disk.json does not exist"), "{text}");
     for (place, order) in [(0, "order-3:"), (2, "order-5:")] {
         assert!(lines[place].ends_with(order), "{text}");
         let whole = "whole results: 6 of 6 samples";

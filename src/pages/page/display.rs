@@ -43,13 +43,17 @@ pub fn with_digits(value: f64, digits: i32) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
-    let exponent = (value.abs() * (1.0 + 1e-12)).log10().floor() as i32;
+    // that of the rounded number: 9.999 is 10.00
+    let rounded = format!("{:.*e}", (digits - 1).max(0) as usize, value.abs());
+    let exponent = (rounded.split_once('e')).map_or(0, |(_, e)| e.parse::<i32>().unwrap_or(0));
     if (-3..5).contains(&exponent) {
         let decimals = (digits - 1 - exponent).clamp(0, 6) as usize;
         return minus_sign(&format!("{value:.decimals$}"));
     }
-    let mantissa = value / 10f64.powi(exponent);
-    minus_sign(&format!("{mantissa:.2}·10{}", superscript(exponent)))
+    let rounded = format!("{value:.2e}");
+    let (mantissa, exponent) = rounded.split_once('e').unwrap_or((&rounded, "0"));
+    let exponent = exponent.parse().unwrap_or(0);
+    minus_sign(&format!("{mantissa}·10{}", superscript(exponent)))
 }
 
 /// A number as short as it can be written: excitation levels, inputs.
@@ -71,12 +75,16 @@ pub fn hertz(value: f64) -> String {
     }
 }
 
-/// A share as a percentage with two digits.
+/// A share as a percentage with two digits; with as many as it takes to tell it from the whole.
 pub fn percent(share: f64) -> String {
     let value = 100.0 * share;
     match value.abs() {
         0.0 => "0 %".to_owned(),
         small if small < 9.95 => format!("{} %", with_digits(value, 2)),
+        most if (99.5..100.0).contains(&most) => {
+            let decimals = -(100.0 - most).log10().floor();
+            format!("{value:.0$} %", decimals.clamp(1.0, 12.0) as usize)
+        }
         large if large.is_finite() => format!("{value:.0} %"),
         _ => DASH.to_owned(),
     }
@@ -154,6 +162,15 @@ mod tests {
         assert_eq!(significant(1095.4), "1095");
         assert_eq!(significant(-2.5e-7), "−2.50·10⁻⁷");
         assert_eq!(significant(0.0), "0");
+        // rounded to the next power of ten
+        assert_eq!(significant(9.9996), "10.00");
+        assert_eq!(significant(-9.999_6e-8), "−1.00·10⁻⁷");
+        assert_eq!(percent(0.997), "99.7 %");
+        assert_eq!(percent(0.999_999_999_9), "99.99999999 %");
+        assert_eq!(
+            (percent(1.0), percent(0.994)),
+            ("100 %".into(), "99 %".into())
+        );
         assert_eq!((short(300.0), short(0.1)), ("300".into(), "0.1".into()));
         assert_eq!(hertz(2968.304), "2968.30");
         assert_eq!(

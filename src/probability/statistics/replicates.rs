@@ -14,11 +14,12 @@ pub struct ReplicateMean {
     pub mean: f64,
     /// Standard deviation of the replicates' means over the root of their number.
     pub standard_error: f64,
-    /// Confidence interval: the hull of Student's and of Hall's for skewed laws.
+    /// Confidence interval: the hull of Student's and of Hall's for skewed laws; unbounded with failed samples, which may have had any
+    /// value.
     pub interval: Interval,
     /// Number of replicates.
     pub replicates: usize,
-    /// Failed samples, which no number here knows of.
+    /// Failed samples, which the mean does not know of.
     pub failed: usize,
 }
 
@@ -33,7 +34,8 @@ pub struct ReplicateQuantile {
 
 /// Mean with its error of values with the number of their replicate; `None` with fewer than two replicates.
 ///
-/// A value that is not finite is a failed sample: counted, and left out. A replicate without any other has no mean.
+/// A value that is not finite is a failed sample: counted, and left out of the mean, which has no bounds then. A replicate without any
+/// other has no mean.
 #[must_use]
 pub fn replicate_mean(
     values: impl IntoIterator<Item = (u64, f64)>,
@@ -59,7 +61,10 @@ pub fn replicate_mean(
     Some(ReplicateMean {
         mean: sample.mean,
         standard_error: sample.error,
-        interval: Interval::between(lower, upper),
+        interval: match failed {
+            0 => Interval::between(lower, upper),
+            _ => Interval::UNBOUNDED,
+        },
         replicates: means.len(),
         failed,
     })
@@ -189,6 +194,10 @@ mod tests {
         ];
         let found = replicate_mean(values, 0.95).unwrap();
         assert_eq!((found.mean, found.replicates, found.failed), (3.0, 3, 2));
+        assert_eq!(found.interval, Interval::UNBOUNDED, "failed samples");
+        let solved = values.into_iter().filter(|(_, value)| value.is_finite());
+        let found = replicate_mean(solved, 0.95).unwrap();
+        assert_eq!((found.mean, found.replicates, found.failed), (3.0, 3, 0));
         let error = (7.0_f64 / 3.0).sqrt();
         assert!((found.standard_error - error).abs() < 1e-15);
         let [lower, upper] =

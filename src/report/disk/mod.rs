@@ -8,4 +8,4 @@ pub mod summary;
 mod write;
 
 pub use summary::{DiskSummary, OrderLevel, OrderSummary};
-pub use write::write;
+pub use write::{DISK_NUMBERS, write};

@@ -99,6 +99,17 @@ impl View<'_> {
     }
 }
 
+/// What the probabilities depend on: once where it is the same for all orders.
+fn conditions(orders: &[OrderSummary]) -> String {
+    let of_all = orders.first().map(|order| &order.condition);
+    if orders.iter().all(|order| Some(&order.condition) == of_all) {
+        return of_all.cloned().unwrap_or_default();
+    }
+    let of_order = |order: &OrderSummary| format!("EO {}: {}", order.engine_order, order.condition);
+    let each: Vec<String> = orders.iter().map(of_order).collect();
+    each.join(" ")
+}
+
 fn verdicts(view: &View) -> Section {
     let orders = &view.disk.orders;
     let mut blocks = Vec::new();
@@ -109,7 +120,8 @@ fn verdicts(view: &View) -> Section {
     let hint = format!(
         "Engine order r excites the nodal diameter that r leaves modulo {0} sectors, or {0} minus it. All sectors are equal: \
          what scatters is common to the whole disk. {1}",
-        view.disk.sectors, view.disk.condition
+        view.disk.sectors,
+        conditions(orders)
     );
     blocks.push(Block::Hint(hint));
     Section {

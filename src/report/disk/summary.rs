@@ -6,7 +6,7 @@ use crate::report::numbers::population::Populations;
 use crate::report::numbers::summary::Summary;
 use crate::report::run::input::ReportInput;
 use crate::report::run::record::{DiskRecord, NodalRecord, RunRecord};
-use crate::report::run::stored_run::StoredRun;
+use crate::report::run::stored_run::{CHANGED, StoredRun};
 use crate::report::verdict::criterion_result::CriterionResult;
 use serde::Serialize;
 use std::path::Path;
@@ -23,7 +23,7 @@ pub struct DiskSummary {
     pub levels: Vec<f64>,
     /// Unit of the levels.
     pub level_unit: String,
-    /// Lowest and highest speed of all runs (1/min).
+    /// Range of the speed, that of every run (1/min).
     pub speed_rpm: [f64; 2],
     /// Speeds that are held (1/min).
     pub dwell_rpm: Vec<f64>,
@@ -31,8 +31,6 @@ pub struct DiskSummary {
     pub orders: Vec<OrderSummary>,
     /// Linear frequencies of every nodal diameter at nominal inputs.
     pub nodal_diameters: Vec<NodalRecord>,
-    /// What every probability depends on, of the first run.
-    pub condition: String,
 }
 
 /// What the run of an engine order says.
@@ -48,6 +46,8 @@ pub struct OrderSummary {
     pub folder: String,
     /// Number of samples, failed ones included.
     pub samples: usize,
+    /// What every probability of this order depends on.
+    pub condition: String,
     /// Judgements.
     pub criteria: Vec<CriterionResult>,
     /// One entry per excitation level.
@@ -81,10 +81,8 @@ impl DiskSummary {
             return Err((0, "no run is given".to_owned()));
         };
         let mut orders: Vec<OrderSummary> = Vec::new();
-        let mut condition = None;
-        let mut speeds: Vec<f64> = Vec::new();
         for (i, (folder, run)) in folders.iter().zip(runs).enumerate() {
-            let disk = same_disk(&first.record, &run.record).map_err(|reason| (i, reason))?;
+            let disk = same_disk(first, run).map_err(|reason| (i, reason))?;
             let same_order = |other: &&OrderSummary| other.engine_order == disk.engine_order;
             if let Some(other) = orders.iter().find(same_order) {
                 return Err((i, format!("has the engine order of {}", other.folder)));
@@ -92,10 +90,7 @@ impl DiskSummary {
             let input = run.input();
             let summary = Summary::of(&input);
             let assessment = Assessment::of(&input, &summary);
-            condition.get_or_insert(assessment.condition.clone());
             orders.push(OrderSummary::of(folder, &input, &summary, assessment, disk));
-            let operation = run.record.requirements.operation.iter();
-            speeds.extend(operation.flat_map(|operation| operation.speed_rpm));
         }
         orders.sort_by_key(|order| order.engine_order);
         let disk = first.record.disk.as_ref();
@@ -104,31 +99,54 @@ impl DiskSummary {
             sectors: disk.map_or(0, |disk| disk.sectors),
             levels: first.record.levels.clone(),
             level_unit: first.record.level_unit.clone(),
-            speed_rpm: [
-                speeds.iter().copied().fold(f64::INFINITY, f64::min),
-                speeds.iter().copied().fold(0.0, f64::max),
-            ],
+            speed_rpm: operation.map_or([0.0; 2], |operation| operation.speed_rpm),
             dwell_rpm: operation.map_or(Vec::new(), |operation| operation.dwell_rpm.clone()),
             orders,
             nodal_diameters: disk.map_or(Vec::new(), |disk| disk.nodal_diameters.clone()),
-            condition: condition.unwrap_or_default(),
         })
     }
 }
 
-/// The disk of `run`, if it is that of `first` at the same levels.
-fn same_disk<'a>(first: &RunRecord, run: &'a RunRecord) -> Result<&'a DiskRecord, String> {
+/// The disk of `run`, if it is that of `first` at the same levels and speeds, with the same random inputs.
+fn same_disk<'a>(first: &StoredRun, run: &'a StoredRun) -> Result<&'a DiskRecord, String> {
+    if let Some(name) = run.changed.first() {
+        return Err(format!("{name} {CHANGED}"));
+    }
+    let (first, run) = (&first.record, &run.record);
     let Some(disk) = &run.disk else {
         return Err("is no run of a model of kind \"cyclic\"".to_owned());
     };
     let Some(of_first) = &first.disk else {
         return Err("the first run is none of a model of kind \"cyclic\"".to_owned());
     };
-    if disk.sectors != of_first.sectors || disk.nodal_diameters != of_first.nodal_diameters {
+    let stated = |of: &DiskRecord| (of.sectors, of.nodal_diameters.clone());
+    if stated(disk) != stated(of_first) {
         return Err("has another disk: its sectors or their nominal frequencies differ".to_owned());
+    }
+    if disk.sector != of_first.sector || run.provenance.law != first.provenance.law {
+        let what = "[model], [contact] or a file that its study names differs from the first run's";
+        return Err(format!("has another sector: {what}"));
     }
     if run.levels != first.levels || run.level_unit != first.level_unit {
         return Err("has other levels".to_owned());
+    }
+    let inputs = |of: &RunRecord| -> Vec<String> {
+        let inputs = of.inputs.iter();
+        inputs
+            .map(|i| format!("{} ({})", i.name, i.prior))
+            .collect()
+    };
+    let [these, those] = [run, first].map(|of| inputs(of).join(", "));
+    if these != those {
+        let message = "has other random inputs than the first run";
+        return Err(format!("{message}: {these}; there {those}"));
+    }
+    let speeds = |of: &RunRecord| {
+        let operation = of.requirements.operation.as_ref();
+        operation.map(|operation| (operation.speed_rpm, operation.dwell_rpm.clone()))
+    };
+    if speeds(run) != speeds(first) {
+        return Err("has another range of speeds, or other speeds that are held".to_owned());
     }
     Ok(disk)
 }
@@ -155,6 +173,7 @@ impl OrderSummary {
             study: summary.provenance.study.clone(),
             folder: folder.display().to_string(),
             samples: summary.samples,
+            condition: assessment.condition,
             levels: levels.collect(),
             criteria: assessment.criteria,
         }

@@ -197,6 +197,9 @@ pub struct DiskRecord {
     pub nodal_diameter: usize,
     /// Linear frequencies at nominal inputs, by nodal diameter.
     pub nodal_diameters: Vec<NodalRecord>,
+    /// Hash of what the study states of a sector: runs of one disk have the same. Absent in records of an older program.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sector: Option<String>,
 }
 
 /// First natural frequencies of a nodal diameter.

@@ -118,17 +118,16 @@ pub fn order_of_folder(name: &str) -> Option<u32> {
     (order_folder(order) == name).then_some(order)
 }
 
-/// The folder as commands name it: [`RESULTS`] wherever it lies, but the folder of one of several engine orders with the folder
-/// above it, since that one has no samples of its own.
+/// The folder as commands name it: [`RESULTS`] wherever it lies, so that a report stays the same where results are moved; inside it the
+/// folder of one of several engine orders, since the folder above has no samples of its own.
 fn in_commands(folder: &Path, record: &RunRecord) -> String {
     let named = |order| {
         let own = order_folder(order);
         let absolute = folder.canonicalize().ok()?;
         // files that are not in their places yet lie in a folder inside it
         let mut near = absolute.ancestors().take(2);
-        let above = near.find(|path| path.ends_with(&own))?.parent()?;
-        let above = above.file_name()?.to_string_lossy().into_owned();
-        Some(format!("{above}/{own}"))
+        near.find(|path| path.ends_with(&own))?;
+        Some(format!("{RESULTS}/{own}"))
     };
     let order = record.disk.as_ref().map(|disk| disk.engine_order);
     order.and_then(named).unwrap_or_else(|| RESULTS.to_owned())

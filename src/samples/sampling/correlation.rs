@@ -38,7 +38,7 @@ struct CorrelatedPair {
     /// Names of two inputs.
     #[serde(deserialize_with = "crate::setting::exactly")]
     inputs: [String; 2],
-    /// Their correlation.
+    /// Their correlation, not 0: pairs that are not named are independent.
     #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 1, "not" = { "const": 0 }))]
     value: f64,
 }

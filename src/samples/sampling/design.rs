@@ -301,8 +301,9 @@ impl Design {
             }
             _ => format!("{}, {inner} samples", self.kind.name()),
         };
-        if self.copula.is_some() {
-            text.push_str(", correlated");
+        if let Some(correlation) = &self.correlation {
+            let pairs = correlated_pairs(&self.drawn, correlation);
+            text.push_str(&format!(", correlated ({pairs} of the normal scores)"));
         }
         if self.outer.is_some() {
             let n = self.outer_points();
@@ -310,6 +311,20 @@ impl Design {
         }
         text
     }
+}
+
+/// Correlations that are not 0, such as `a and b 0.7`.
+fn correlated_pairs(inputs: &[Input], correlation: &[Vec<f64>]) -> String {
+    let mut pairs = Vec::new();
+    for (i, row) in correlation.iter().enumerate() {
+        let others = row[..i].iter().enumerate();
+        for (j, value) in others.filter(|(_, value)| **value != 0.0) {
+            let [first, second] = [j, i].map(|k| inputs[k].name());
+            let rounded = (1e4 * value).round() / 1e4;
+            pairs.push(format!("{first} and {second} {rounded}"));
+        }
+    }
+    pairs.join(", ")
 }
 
 /// Index into memory; a design never asks for more samples than it holds.

@@ -19,7 +19,7 @@ use crate::aft::lanes::workspace::{LapPosition, Workspace};
 use crate::contact::{Events, FrictionLaw, Real};
 use pulp::{Simd, WithSimd};
 
-/// Buffers of an evaluation, kept from one to the next.
+/// Buffers of an evaluation; a later one may use them again.
 #[derive(Debug, Clone, Default)]
 pub struct AftScratch<T> {
     work: Workspace<T>,

@@ -10,7 +10,7 @@ pub enum ProblemError {
     Linalg(#[from] crate::linalg::LinalgError),
     /// A rigid-body motion is held neither by the structure, nor by stuck contacts, nor by the retention.
     #[error(
-        "the structure with all contacts stuck can move as a rigid body: add contact stiffness, supports or retention"
+        "the structure with all contacts stuck can move as a rigid body, or its own stiffness is lost beside that of its contacts: add contact stiffness, supports or retention, or check the units of the contact stiffness"
     )]
     NotHeld,
     /// A contact parameter is infinite or not a number; the law would take such a friction coefficient for stick.

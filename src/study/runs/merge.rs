@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::progress::Progress;
 use super::resume::accepted;
-use super::run::run;
+use super::run::{check_folder, run};
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
 use super::session::unwritten;
@@ -45,7 +45,7 @@ pub fn merge(
     };
     let path = folders[0].join(&first.identity.study.path);
     let study = Study::parse(&path, &first.identity.study.text)?;
-    let there = RunStatus::of_parts(&study, &parts);
+    let there = RunStatus::of_parts(&study, &parts, None);
     let there = there.map_err(|fault| refused(output.path(), fault.to_string()))?;
     if there.done < there.samples {
         let message = format!(
@@ -56,6 +56,8 @@ pub fn merge(
         );
         return Err(refused(output.path(), message));
     }
+    // a copy that the run then refuses would be in the way of the results there
+    check_folder(&study, output)?;
     for part in &parts {
         if part.paths()[0].parent() != Some(target.path()) {
             part.copy_to(target.path()).map_err(unwritten)?;

@@ -278,23 +278,34 @@ pub(super) fn resumed(
     Ok(resumed)
 }
 
-/// Takes over the results in the folder that have a solution, where the others are to be solved again.
+/// Takes over what whole results in the folder hold of this run: their samples where the study only asks other things of them, those with
+/// a solution where the others are to be solved again. Of results of another study it notes that they are replaced.
 ///
 /// # Errors
 /// [`Error::File`] if they cannot be read.
-pub(super) fn add_solved_results(
+pub(super) fn add_results_there(
     resumed: &mut Resumed,
     study: &Study,
     folder: &OutputFolder,
     identity: &RunIdentity,
     settings: &RunSettings,
 ) -> Result<(), Error> {
-    let stored = identity_of_results(folder.path());
-    let (true, Ok(stored)) = (settings.retry_failed, stored) else {
+    let Ok(mut stored) = identity_of_results(folder.path()) else {
         return Ok(());
     };
-    if let Ok(other) = accepted(identity, &stored, settings) {
-        resumed.add_results(folder.path(), study, settings, other)?;
+    let asks_other = identity.has_other_requirements(&stored);
+    if asks_other {
+        stored.study = identity.study.clone();
+    }
+    match accepted(identity, &stored, settings) {
+        Ok(other) if asks_other || settings.retry_failed => {
+            resumed.add_results(folder.path(), study, settings, other)?;
+        }
+        Ok(_) => {}
+        Err(difference) => resumed.notes.push(format!(
+            "replaces the results that were in {}, of {difference}",
+            folder.path().display()
+        )),
     }
     Ok(())
 }
@@ -341,7 +352,7 @@ fn refuse_fewer(study: &Study, folder: &OutputFolder, identity: &RunIdentity) ->
         return Ok(());
     };
     let message = format!(
-        "holds {more} samples of this study, of which its file asks for {}: `report` makes their report anew; for fewer samples take another --output, or delete these",
+        "holds {more} samples of this study, of which its file asks for {}: ask for {more}, or for fewer samples take another --output, or delete these",
         study.samples
     );
     Err(Error::Results {

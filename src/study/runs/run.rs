@@ -7,7 +7,7 @@ use std::time::Instant;
 use super::control_variate::control_samples;
 use super::profile::Stage;
 use super::progress::{Meter, Progress};
-use super::resume::{Resumed, add_solved_results, admitted, finished, refuse_own_inputs, resumed};
+use super::resume::{Resumed, add_results_there, admitted, finished, refuse_own_inputs, resumed};
 use super::run_record::first_record;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
@@ -22,6 +22,7 @@ use crate::file::{FileRecord, FolderLock, Together};
 use crate::report::run::{CONTROL_VARIATE, FURTHER_POINTS, StoredRun, TABLES};
 use crate::report::{self, RunRecord, Summary};
 use crate::study::output::{OPTIONAL_TABLES, OutputFolder, write_arrow_tables};
+use crate::study::reweight::REWEIGHTED;
 use crate::study::settings::read::Study;
 
 /// Computes every sample and writes `samples.parquet`, `curves.parquet` (as Arrow files too, where the study wants them),
@@ -29,7 +30,7 @@ use crate::study::settings::read::Study;
 /// made from these. They replace older results together, at the end.
 ///
 /// What is solved is written to `parts` on the way, and a later call goes on from there. Where `folder` holds the whole results
-/// of this study already, only the report is made anew.
+/// of this study already, only the report is made anew; where they differ only in what is asked of the samples, these are taken over.
 ///
 /// Runs on the current rayon thread pool; `progress` is called before the first sample and after each.
 ///
@@ -49,6 +50,16 @@ pub fn run(
     run_alone(study, folder, settings, progress)
 }
 
+/// Refuses the folders that [`run`] refuses before it solves anything: those with more samples of the study, and with its own files
+/// where results would come.
+///
+/// # Errors
+/// [`Error::Results`] and [`Error::File`], as those of [`run`].
+pub fn check_folder(study: &Study, folder: &OutputFolder) -> Result<(), Error> {
+    refuse_own_inputs(study, folder)?;
+    admitted(study, folder).map(|_| ())
+}
+
 /// The same where no other process works in the folder.
 ///
 /// # Errors
@@ -65,7 +76,7 @@ pub(super) fn run_alone(
         PartFolder::of(folder.path()).remove()?;
         return Ok(result);
     }
-    add_solved_results(&mut resumed, study, folder, &identity, settings)?;
+    add_results_there(&mut resumed, study, folder, &identity, settings)?;
     run_after(study, folder, identity, resumed, settings, progress)
 }
 
@@ -202,6 +213,8 @@ fn place_results<F>(
     let arrow = OPTIONAL_TABLES.map(|name| name.replace(".parquet", ".arrow"));
     let optional: Vec<&str> = (OPTIONAL_TABLES.into_iter())
         .chain(arrow.iter().map(String::as_str))
+        // it is of the samples before
+        .chain([REWEIGHTED])
         .collect();
     results.place(&optional)?;
     Ok(rendered)

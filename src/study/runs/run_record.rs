@@ -104,11 +104,22 @@ fn disk(prepared: &PreparedStudy) -> Result<Option<DiskRecord>, Error> {
         stuck_hz: of.stuck,
     };
     Ok(Some(DiskRecord {
+        sector: Some(sector(&prepared.study)?),
         sectors: of.disk.n_sectors,
         engine_order: of.engine_order as u32,
         nodal_diameter: of.nodal_diameter(),
         nodal_diameters: found.into_iter().map(record).collect(),
     }))
+}
+
+/// Hash of `[model]`, `[contact]` and the files that the study names. The matrices of the sector themselves would not do: their last
+/// digits depend on the instruction set.
+fn sector(study: &Study) -> Result<String, Error> {
+    let mut stated = format!("{:?}", study.model);
+    for file in study.file_records()? {
+        stated += &file.blake3;
+    }
+    Ok(FileRecord::of("", stated.as_bytes()).blake3)
 }
 
 /// The centrifugal load on the strip of the built-in rig.

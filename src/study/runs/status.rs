@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use super::resume::identity_of_results;
+use super::resume::{identity_of_results, results_source};
 use crate::Error;
-use crate::ensemble::parts::{Merged, PartFolder, RunIdentity, Source, StoredPart};
+use crate::ensemble::parts::{Merged, PartFolder, RunIdentity, Source, StoredPart, more_samples};
 use crate::ensemble::store::read_indices;
 use crate::file::{FileError, finish_placing};
 use crate::report::run::{RECORD, TABLES, order_folder, order_of_folder};
@@ -18,6 +18,8 @@ pub struct FolderStatus {
     pub results: Option<RunStatus>,
     /// A run that is not finished.
     pub unfinished: Option<RunStatus>,
+    /// Whether that run adds samples to the whole results.
+    pub extends: bool,
     /// Files that are not what was written, absent companions and contradictions among them; one line each.
     pub faults: Vec<String>,
 }
@@ -95,6 +97,7 @@ impl FolderStatus {
         let mut status = Self {
             results: None,
             unfinished: None,
+            extends: false,
             faults: Vec::new(),
         };
         if folder.join(RECORD).exists() {
@@ -160,7 +163,13 @@ impl FolderStatus {
         }
         let study_file = folder.join(&first.identity.study.path);
         let study = Study::parse(&study_file, &first.identity.study.text)?;
-        match RunStatus::of_parts(&study, &parts) {
+        let results = self.results.as_ref().map(|run| &run.identity);
+        self.extends = results.is_some_and(|of| extends(&first.identity, of));
+        let before = match self.extends {
+            true => Some(results_source(folder)),
+            false => None,
+        };
+        match RunStatus::of_parts(&study, &parts, before) {
             Ok(run) => self.unfinished = Some(run),
             Err(fault) => self.faults.push(fault.to_string()),
         }
@@ -175,14 +184,24 @@ const OF_PART: &str = "; `run` solves the samples of a damaged part again";
 /// What to do about a part of another run.
 const OF_ANOTHER: &str = " than the first part: delete the parts of one of the two";
 
+/// Whether the run `longer` is the run `results` with more samples.
+fn extends(longer: &RunIdentity, results: &RunIdentity) -> bool {
+    let more = more_samples(&results.study.text, &longer.study.text);
+    more.is_some() && longer.files == results.files
+}
+
 impl RunStatus {
-    /// How far the run of `study` has come that wrote these parts, at least one.
+    /// How far the run of `study` has come that wrote these parts, at least one, `before` it those of whole results.
     ///
     /// # Errors
     /// [`FileError`] if a part cannot be read, or has another result of a sample than another one.
-    pub(super) fn of_parts(study: &Study, parts: &[StoredPart]) -> Result<Self, FileError> {
-        let sources = parts.iter().map(Source::of).collect();
-        let mut samples = Merged::new(sources, &study.design);
+    pub(super) fn of_parts(
+        study: &Study,
+        parts: &[StoredPart],
+        before: Option<Source>,
+    ) -> Result<Self, FileError> {
+        let sources = before.into_iter().chain(parts.iter().map(Source::of));
+        let mut samples = Merged::new(sources.collect(), &study.design);
         let (mut indices, mut failed) = (Vec::new(), 0);
         while let Some(sample) = samples.take()? {
             indices.push(sample.outcome.index);

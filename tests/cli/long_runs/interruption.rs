@@ -206,6 +206,14 @@ fn a_killed_extension_goes_on() {
         &["run", "study.toml", "--output", "extended"],
         "holds samples of another study",
     );
+    let status = microslip(path, &["status", "extended"]).stdout;
+    let status = String::from_utf8_lossy(&status);
+    let goes_on = format!("`extend --samples {n}` of this folder goes on");
+    assert!(status.contains(&goes_on), "{status}");
+    assert!(
+        !status.contains("missing: 0 to"),
+        "samples of the results: {status}"
+    );
     let done = microslip(path, &["extend", "extended", "--samples", &n]);
     assert!(done.status.success(), "{done:?}");
     change(path, "samples = 40", &format!("samples = {SAMPLES}"));

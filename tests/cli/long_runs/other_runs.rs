@@ -169,10 +169,60 @@ fn extended_results_are_not_replaced_by_fewer_samples() {
         assert!(table() == before, "{more:?} changed the results");
     }
     assert!(parts(path, "whole").is_empty(), "something was solved");
-    // another study replaces them, as ever
+    // requirements change no sample
+    require(path);
+    refused(
+        path,
+        &["run", "study.toml", "--quiet", "--output", "whole"],
+        expected,
+    );
+    // another study replaces them, as ever, and says so
     change(path, "seed = 7", "seed = 8");
-    run(path, "whole", &["--quiet"]);
+    let text = run(path, "whole", &["--quiet"]);
     assert!(table() != before, "another study solves its own samples");
+    assert!(
+        text.contains("replaces the results that were in whole, of another study (-"),
+        "{text}"
+    );
+}
+
+/// Adds a criterion to the study of `folder`.
+fn require(folder: &Path) {
+    let criterion =
+        "[[criteria]]\nname = \"amplitude\"\nquantity = \"amplitude-um\"\nlimit = 200\n\n[output]";
+    change(folder, "[output]", criterion);
+}
+
+/// A study that only asks other things of its samples takes them over: those that `extend` solved, too. The results are those of a run of
+/// the new study.
+#[test]
+fn samples_serve_other_requirements() {
+    let study = study(12);
+    let path = study.path();
+    run(path, "results", &["--quiet"]);
+    let further = ["extend", "results", "--samples", "30", "--quiet"];
+    assert!(microslip(path, &further).status.success());
+    require(path);
+    change(path, "samples = 12", "samples = 30");
+    let text = run(path, "results", &[]);
+    assert!(
+        text.contains("30 samples were solved before and taken over"),
+        "{text}"
+    );
+    assert!(!text.contains("replaces"), "{text}");
+    run(path, "whole", &["--quiet"]);
+    assert_same_results(path, "results");
+}
+
+/// What a run refuses, `merge` refuses before it copies a part: a copy would be in the way of the results there.
+#[test]
+fn a_refused_merge_leaves_nothing() {
+    let study = solved_and_extended(12, "30");
+    let path = study.path();
+    run(path, "share", &["--quiet", "--shard", "0/1"]);
+    let expected = "holds 30 samples of this study, of which its file asks for 12";
+    refused(path, &["merge", "share", "--output", "whole"], expected);
+    assert!(parts(path, "whole").is_empty(), "parts were copied");
 }
 
 /// Results of another content of a file that the study names are not of this study: a run solves its own samples, fewer or as many, as

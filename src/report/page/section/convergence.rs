@@ -121,7 +121,7 @@ fn replicates(view: &View) -> Option<[Block; 2]> {
     }
     let hint = "Points of one replicate depend on each other, so their scatter says nothing about the error; that of the \
                 replicates does. Small figures and quantiles: 95 % intervals from the scatter of so many replicates. \
-                The means know nothing of failed samples; these lie on either side of the quantiles.";
+                A failed sample may have had any value: a mean of the others has no bounds, and quantiles count it on either side.";
     Some([table.block(), Block::Hint(hint.to_owned())])
 }
 

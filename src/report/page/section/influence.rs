@@ -86,9 +86,15 @@ fn explanation(view: &View) -> String {
              its own samples; the interval holds theirs."
         }
     };
+    let alone = match view.input.record.design.correlated {
+        false => "share of the variance that the input explains alone. ",
+        true => {
+            "share of the variance that the value of the input explains. Inputs are correlated: what moves along with an input counts \
+             as its own, so that shares may sum to more than 1. "
+        }
+    };
     format!(
-        "First-order index: share of the variance that the input explains alone. {kind}Independent inputs are presumed; \
-         {source}. “Not distinguishable from 0”: these samples show no influence.{range}"
+        "First-order index: {alone}{kind}It is {source}. “Not distinguishable from 0”: these samples show no influence.{range}"
     )
 }
 

@@ -43,6 +43,14 @@ impl RunIdentity {
         }
         (self.program != other.program).then(|| Difference::Program(other.program.clone()))
     }
+
+    /// Whether the studies of the two differ, but in nothing that changes a sample: name, `[operation]`, `[stress]` and `[[criteria]]`.
+    #[must_use]
+    pub fn has_other_requirements(&self, other: &Self) -> bool {
+        let [own, others] = [self, other].map(|of| &of.study.text);
+        let samples = without_requirements(own);
+        !same_values(own, others) && samples.is_some() && samples == without_requirements(others)
+    }
 }
 
 /// Whether two study files say the same.
@@ -51,11 +59,24 @@ fn same_values(a: &str, b: &str) -> bool {
     a == b || values(a).is_some_and(|table| Some(table) == values(b))
 }
 
-/// Number of samples of the study `stored`, if it is the study `own` with more of them: such as `extend` makes.
+/// The values of a study file without those that change no sample, but only what is asked of all.
+fn without_requirements(text: &str) -> Option<toml::Table> {
+    let mut table = text.parse::<toml::Table>().ok()?;
+    for key in ["name", "criteria", "stress"] {
+        table.remove(key);
+    }
+    if let Some(toml::Value::Table(operation)) = table.get_mut("operation") {
+        // the engine order of a disk excites its wave
+        operation.retain(|key, _| key == "engine_orders");
+    }
+    Some(table)
+}
+
+/// Number of samples of the study `stored`, if it is the study `own` with more of them, such as `extend` makes, whatever its requirements.
 #[must_use]
 pub fn more_samples(own: &str, stored: &str) -> Option<i64> {
     let parted = |text: &str| {
-        let mut table = text.parse::<toml::Table>().ok()?;
+        let mut table = without_requirements(text)?;
         let number = match table.remove("samples") {
             Some(toml::Value::Table(mut rule)) => {
                 let most = rule.remove("at_most");
@@ -141,6 +162,22 @@ mod tests {
         let other = run("seed = 1\nsamples = 4\n", "a", "2");
         let expected = "another program (2 on avx2)";
         assert_eq!(said(&other).as_deref(), Some(expected));
+    }
+
+    #[test]
+    fn requirements_change_no_sample() {
+        let study = |requirements: &str| run(&format!("seed = 1\n{requirements}"), "a", "1");
+        let own = study("[operation]\nengine_orders = [3]\nspeed_rpm = [1.0, 2.0]\n");
+        let differs = |text: &str| own.has_other_requirements(&study(text));
+        assert!(!differs(&own.study.text["seed = 1\n".len()..]), "the same");
+        assert!(differs("[operation]\nengine_orders = [3]\n"), "speeds");
+        let more = "[operation]\nengine_orders = [3]\n[[criteria]]\nlimit = 1.0\n";
+        assert!(differs(more), "criteria");
+        assert!(!differs("[operation]\nengine_orders = [4]\n"), "order");
+        let other = "[operation]\nengine_orders = [3]\n[output]\ncurve_samples = 3\n";
+        assert!(!differs(other), "curves");
+        let longer = "samples = 40\n[[criteria]]\nlimit = 1.0\n";
+        assert_eq!(more_samples("samples = 10\n", longer), Some(40));
     }
 
     /// Seen to fail with other keys not compared, and with the numbers compared the other way around.
