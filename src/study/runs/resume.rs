@@ -132,7 +132,7 @@ impl Resumed {
         tables.collect()
     }
 
-    /// Forgets all but where the samples stand: the report of a million samples has the room.
+    /// Forgets all but where the samples stand: the report of a million samples has the memory.
     pub(super) fn forget(&mut self) {
         self.known = Known::default();
         self.compared = Vec::new();

@@ -116,9 +116,9 @@ fn check(problem: &Problem<'_>, band: Band, levels: &[f64]) -> Vec<f64> {
             curve.len()
         );
         let ends = [curve[0].omega, curve[curve.len() - 1].omega];
-        let room = 0.2 * band.width();
+        let margin = 0.2 * band.width();
         assert!(
-            ends[0] < band.low + room && ends[1] > band.high - room,
+            ends[0] < band.low + margin && ends[1] > band.high - margin,
             "{ends:?}"
         );
         assert!(curve.is_sorted_by(|a, b| a.omega < b.omega), "ascending");
