@@ -146,7 +146,7 @@ fn keep_again(i: u32, state: u32) {
 }
 
 // Passes the lap of the steady cycle again.
-fn walk_again(state: u32) {
+fn lap_again(state: u32) {
     let n_roots = counts[state];
     var here = begin_lap(state);
     for (var k = 0u; k <= n_roots; k++) {
@@ -206,7 +206,7 @@ fn circle_located_tangents(@builtin(global_invocation_id) id: vec3<u32>, @builti
         start_lap(cycle.start);
         slider_rows[0].z = by.x;
         slider_rows[1].z = by.y;
-        walk_again(state);
+        lap_again(state);
         let monodromy = vec4<real>(slider_rows[0].xy, slider_rows[1].xy);
         by = solve_identity_minus(monodromy, vec2<real>(slider_rows[0].z, slider_rows[1].z));
     }

@@ -434,7 +434,7 @@ fn stored_study(study: &Study, folder: &OutputFolder) -> Result<StoredStudy, Err
     })
 }
 
-/// The way from `start` to `path`, both without symbolic links; `path` itself where they have no root in common.
+/// The relative path from `start` to `path`, both without symbolic links; `path` itself where they have no root in common.
 fn relative(path: &Path, start: &Path) -> PathBuf {
     let common = path.components().zip(start.components());
     let n = common.take_while(|(a, b)| a == b).count();

@@ -1,4 +1,4 @@
-//! The forced response around a peak against a densely walked one.
+//! The forced response around a peak against a densely followed one.
 
 use super::invariants::settings;
 use super::models::plane;

@@ -26,7 +26,7 @@ fn with_problem<T>(case: &Case, visit: impl FnOnce(&Problem<'_>) -> T) -> T {
     visit(&problem)
 }
 
-/// Tracked peaks against the top of a finely walked curve in a narrow band around them.
+/// Tracked peaks against the top of a finely followed curve in a narrow band around them.
 /// Seen to fail with: the maximum of ω|ŷ| in place of |ŷ|.
 #[test]
 fn tracked_peaks_are_the_tops_of_the_curves() {
@@ -89,7 +89,7 @@ fn tracked_peaks_are_the_tops_of_the_curves() {
     });
 }
 
-/// Out of phase at 40 N the blades' curve folds over: the walk turns back twice and passes the upper branch.
+/// Out of phase at 40 N the blades' curve folds over: the continuation turns back twice and passes the upper branch.
 /// Seen to fail with: tangents that always point to higher frequencies.
 #[test]
 fn the_walk_passes_folds() {

@@ -55,7 +55,7 @@ fn too_few_iterations_are_a_status() {
 }
 
 /// One iteration per step: a curve gives up early, and a sweep finds a solution or gives up. Seen to fail without the
-/// pace of a walk: 8623 points on the curve.
+/// pace of a sweep: 8623 points on the curve.
 #[test]
 fn hopeless_walks_end_early() {
     with_problem(|problem, mut settings| {

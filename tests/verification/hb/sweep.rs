@@ -55,8 +55,8 @@ fn crossings(curve: &[Solution], omega: f64) -> Vec<(f64, bool)> {
         .collect()
 }
 
-/// What a sweep meets at `omega`: the first crossing on its way along the curve. Legs between folds alternate between
-/// stable and unstable ones, and it is a leg on which the frequency goes the way of the sweep.
+/// What a sweep meets at `omega`: the first crossing along the curve. Legs between folds alternate between
+/// stable and unstable ones, and it is a leg on which the frequency moves as in the sweep.
 fn met(curve: &[Solution], omega: f64, direction: SweepDirection) -> f64 {
     let along = crossings(curve, omega);
     let (amplitude, rises) = match direction {
@@ -64,7 +64,7 @@ fn met(curve: &[Solution], omega: f64, direction: SweepDirection) -> f64 {
         SweepDirection::Downward => along.last(),
     }
     .expect("on the curve");
-    assert!(*rises, "a leg walked forward");
+    assert!(*rises, "a leg on which the frequency rises");
     *amplitude
 }
 
@@ -186,7 +186,7 @@ fn away(solution: &Solution, curve: &Response, [width, height]: [f64; 2]) -> f64
         .fold(f64::INFINITY, f64::min)
 }
 
-/// With a budget of 70 Newton iterations no walk gets through: the response says from where to where nothing is known, and no
+/// With a budget of 70 Newton iterations no sweep gets through: the response says from where to where nothing is known, and no
 /// amplitude of it passes for a peak. A value that the opposite sweep answers leaves nothing open.
 #[test]
 fn a_response_with_a_gap_says_so() {
@@ -214,7 +214,7 @@ fn a_response_with_a_gap_says_so() {
             let (_, what) = response.largest(band).expect("both ends are solved");
             assert_eq!(what, Largest::OfPart);
         }
-        // the way up had passed the fold at 360.3 Hz when it stopped at 356.3 Hz; a sweep stops where it was furthest
+        // the sweep up had passed the fold at 360.3 Hz when it stopped at 356.3 Hz; a sweep stops where it was furthest
         let [by_curve, gap] = [&curve, &values].map(|response| response.gap.expect("a gap"));
         let way_up = (curve.solutions.iter()).take_while(|s| s.status.has_solution());
         let furthest = way_up.map(|s| s.omega).fold(0.0, f64::max);
