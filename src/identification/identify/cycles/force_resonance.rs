@@ -1,6 +1,6 @@
 //! The resonance of a force cell with the mass before it: found where the contact slips, and taken out of the force.
 //!
-//! A cell shows the force in its spring, not that of the contact: with the mass M of the box before it and the spring and damper of the
+//! A cell shows the force in its spring, not that of the contact. With the mass M of the box before it and the spring and damper of the
 //! cell, T = M b̈ + F and F = K b + D ḃ, so that for each harmonic of the circular frequency ω
 //!
 //! T = F (1 − r²/(1 + 2iζ r)),   r = ω/ω₀,   ω₀² = K/M,   2ζ = D ω₀/K.
