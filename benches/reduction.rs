@@ -1,11 +1,15 @@
 //! Import of a large model and its reduction: `cargo bench --bench reduction -- [cells along the thickness]`.
 //!
-//! A clamped blade of cubes, 1 : 2 : 8, as CalculiX writes its matrices (`.sti`, `.mas`, `.dof`); the nodes of a line across its
+//! A clamped blade of cubes, 1 : 2 : 8, as CalculiX writes its matrices (`.sti`, `.mas`, `.dof`). The nodes of a line across its
 //! tip and of a patch on its side are kept, with the modes below three times the tenth frequency. 16 cells have 215 000
 //! degrees of freedom.
 
 #![expect(clippy::expect_used, reason = "a benchmark without its state fails")]
 
+#[path = "../tests/common/memory.rs"]
+mod memory;
+
+use memory::most_memory_kb;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
@@ -52,7 +56,7 @@ fn main() {
         reduced.masters,
         reduced.modes,
         began.elapsed().as_secs_f64(),
-        memory_mb()
+        most_memory_kb() / 1024
     );
     for (full, reduced) in imported
         .facts
@@ -127,12 +131,4 @@ fn write(path: &Path, matrix: &SparseColMat<usize, f64>) {
         writeln!(out, "{row} {column} {:.13e}", entry.val).expect("space on the disk");
     }
     out.flush().expect("space on the disk");
-}
-
-/// Most memory that this process has had; 0 where the system does not say.
-fn memory_mb() -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find(|line| line.starts_with("VmHWM"));
-    let number = line.and_then(|line| line.split_whitespace().nth(1));
-    number.and_then(|word| word.parse().ok()).unwrap_or(0) / 1024
 }

@@ -1,4 +1,4 @@
-// Forces of the box law by Gram matrices of the motions.
+// Forces of the box law by Gram matrices of the motions, the twin of those in aft/box_law/located.rs.
 
 fn deviation(c: u32, a: u32, state: u32) -> real {
     if c == GAP {

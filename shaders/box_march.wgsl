@@ -1,4 +1,4 @@
-// Box law with located events, the twin of aft/signals/breakpoints.rs and aft/box_law/located.rs: one thread per state and direction.
+// Box law with located events, the twin of aft/signals/breakpoints.rs and aft/box_law/play.rs: one thread per state and direction.
 //
 // A slider is a play: it stays unless one of its bounds, s - mu N and s + mu N, pushes it. Between two breakpoints
 // (roots of the gap function, turning points of a bound) a bound can push at the end only. Within an interval between

@@ -1,4 +1,5 @@
-// Spectra of the stretches of each motion, from antiderivatives at their ends: one thread per state and direction.
+// Spectra of the stretches of each motion, from antiderivatives at their ends: one thread per state and direction. The twin of
+// aft/box_law/located.rs, with box_forces.wgsl and box_tangents.wgsl.
 
 // Per stick with a source: sums of the basis over it; basis at the source and the slider's rate by the gap function.
 // Shape: [MAX_STICKS][2][2][M + 1][state]

@@ -1,5 +1,5 @@
-// Derivatives in segment form: one thread per state that moves and row. A stick adds one product of the sums over it and
-// the basis where its slider was set; masks add Gram matrices.
+// Derivatives in segment form, the twin of those in aft/box_law/located.rs: one thread per state that moves and row.
+// A stick adds one product of the sums over it and the basis where its slider was set; masks add Gram matrices.
 
 @compute @workgroup_size(GROUP)
 fn tangents_of_moving(@builtin(global_invocation_id) id: vec3<u32>) {

@@ -24,7 +24,7 @@ struct Lap {
     // Whether anything moved the slider, and whether that was hardly more than rounding.
     moves: bool,
     rests: bool,
-    // Whether the room for events did not suffice.
+    // Whether the capacity for events did not suffice.
     overflows: bool,
     // Whether the velocity turns around between two samples, as the processor sees it where it has nodes there.
     turns: bool,

@@ -1,4 +1,5 @@
-// Roots of the gap function, at which the contact opens and closes, and the spectrum of the open contact.
+// Roots of the gap function, at which the contact opens and closes, and the spectrum of the open contact: the twin of `gap_roots` in
+// aft/signals/breakpoints.rs and of `normal` in aft/box_law/located.rs.
 
 @compute @workgroup_size(GROUP)
 fn gap_roots(@builtin(global_invocation_id) id: vec3<u32>) {

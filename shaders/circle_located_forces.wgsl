@@ -1,5 +1,5 @@
 // Forces of the circle law with located events. A sum over the samples misses what `kink` in circle_located_kink.wgsl says;
-// the normal force is exact.
+// the normal force is exact. The twin of `add_force` in aft/circle_law/kink.rs.
 
 fn missed(c: u32, a: u32, event: Event) -> real {
     let factors = kink_weights(event.share);

@@ -191,7 +191,7 @@ fn lap_from(start: vec2<real>, first: bool, state: u32) -> Lap {
     start_lap(start);
     march_lap(state);
     let monodromy = vec4<real>(slider_rows[0].xy, slider_rows[1].xy);
-    // roots may be missing where their room is full; without friction the slider is where the surface is, always
+    // roots may be missing where their array is full; without friction the slider is where the surface is, always
     let leaves = overflows || counts[state] == MAX_ROOTS || mu == real(0.0);
     return Lap(slider, monodromy, moves, longest_slip * ROOT_OF_RESOLUTION <= tolerance, leaves, turns);
 }

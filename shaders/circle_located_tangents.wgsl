@@ -1,5 +1,5 @@
-// Derivatives of the circle law with located events: one thread per state that moves and column. A lap with a fixed
-// start tells how the slider's end depends on the column; from that follows the start of the steady cycle, and the next
+// Derivatives of the circle law with located events, the twin of those in aft/circle_law/located.rs: one thread per state that moves
+// and column. A lap with a fixed start tells how the slider's end depends on the column; from that follows the start of the steady cycle, and the next
 // lap adds up the forces. Both go along the events and tractions that the march has stored.
 
 fn step_row(row: u32, i: u32, state: u32) -> u32 {
@@ -145,8 +145,8 @@ fn keep_again(i: u32, state: u32) {
     add_sample(i, rate - stuck_rate(i));
 }
 
-// Walks the lap of the steady cycle.
-fn walk_again(state: u32) {
+// Passes the lap of the steady cycle again.
+fn lap_again(state: u32) {
     let n_roots = counts[state];
     var here = begin_lap(state);
     for (var k = 0u; k <= n_roots; k++) {
@@ -206,7 +206,7 @@ fn circle_located_tangents(@builtin(global_invocation_id) id: vec3<u32>, @builti
         start_lap(cycle.start);
         slider_rows[0].z = by.x;
         slider_rows[1].z = by.y;
-        walk_again(state);
+        lap_again(state);
         let monodromy = vec4<real>(slider_rows[0].xy, slider_rows[1].xy);
         by = solve_identity_minus(monodromy, vec2<real>(slider_rows[0].z, slider_rows[1].z));
     }

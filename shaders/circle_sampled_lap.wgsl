@@ -1,4 +1,4 @@
-// Lap of the circle law decided at the samples, the twin of aft/circle_law/march.rs.
+// Lap of the circle law decided at the samples, the twin of `circle_lap` in aft/circle_law/march.rs.
 
 // Row of `signals` with the tractions: rates are not needed.
 const TRACTION: u32 = 3u;

@@ -1,4 +1,4 @@
-// From a lane's point to its contact states, and back from forces and tangents.
+// From a lane's point to its contact states (`scaled`, the twin of gpu/scaled.rs), and back from forces and tangents.
 
 // The point moves along the last correction and tangent; a lane that rests stays where it is.
 @compute @workgroup_size(GROUP)
@@ -50,7 +50,7 @@ fn scale_of(pair: u32, lane: u32) -> f32 {
     return power_of_two(largest);
 }
 
-// States of the contact passes: the twin of gpu/scaled.rs.
+// States of the contact passes.
 @compute @workgroup_size(GROUP)
 fn scaled(@builtin(global_invocation_id) id: vec3<u32>) {
     let lane = id.x;

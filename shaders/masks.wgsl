@@ -1,4 +1,5 @@
-// Spectra of masks over the period, from antiderivatives at the ends of their stretches, and Gram matrices from them.
+// Spectra of masks over the period, from antiderivatives at the ends of their stretches, and Gram matrices from them
+// (`gram`, the twin of `add_masked_gram` in aft/lanes/masks.rs).
 // In front of this text stands MASKS, their number; the last one is that of the open contact.
 
 // Orders in the spectrum of a mask.

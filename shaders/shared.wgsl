@@ -2,7 +2,7 @@
 //   alias real = f32 or f64
 //   HARMONICS   orders above 0            HIGHEST   highest order         N_TIME  samples per period
 //   TERMS       terms of Taylor series    STEP      2 pi / N_TIME         LAPS    passes over the period
-//   MAX_...         rooms of a law for what a state may do over a period
+//   MAX_...         capacities of a law for what a state may do over a period
 //   MAX_ITERATIONS  of the loops of one invocation, where they are counted
 //   RESOLUTION  rounding of a share of an interval, and its root
 //   BLOCKS      blocks of a derivative    INTERPOLATED  whether closing is located by linear interpolation
@@ -17,7 +17,7 @@ const TAU: real = 6.283185307179586476925287;
 // Signals: directions 0 and 1, then the gap function.
 const GAP: u32 = 2u;
 
-// What a state did, in `flags`: a direction moved; its events did not fit into the room for them; its velocity turns around between
+// What a state did, in `flags`: a direction moved; its events did not fit into their array; its velocity turns around between
 // two samples, where only the processor has nodes.
 const MOVED: u32 = 1u;
 const OVERFLOW: u32 = 2u;
@@ -61,7 +61,7 @@ const SLOTS_PER_STATE: u32 = 1u;
 const MOVING_PER_STATE: u32 = 1u;
 const TANGENTS_PER_STATE: u32 = BLOCKS * M * M;
 
-// Whether a state moved and its events fitted into the room: then it has a derivative.
+// Whether a state moved and its events fitted into their array: then it has a derivative.
 fn moved_and_fitted(state: u32) -> bool {
     return (atomicLoad(&flags[state]) & (MOVED | OVERFLOW)) == MOVED;
 }

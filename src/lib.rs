@@ -21,8 +21,8 @@
 //! # }
 //! ```
 //!
-//! `study` composes all other rooms; [`hb`] is where one sample is solved, [`ensemble`] where many are, [`statistics`] and
-//! [`report`] what is made of them. The rooms, from the ground floor up, and what each may import stand in
+//! `study` composes all other modules; [`hb`] is where one sample is solved, [`ensemble`] where many are, [`statistics`] and
+//! [`report`] what is made of them. The modules, from the ground up, and what each may import stand in
 //! `ARCHITECTURE.md`; `tests/architecture.rs` keeps that table true. Numbers are in SI units.
 
 pub mod calibrate;

@@ -1,4 +1,4 @@
-//! Imports follow the room table of ARCHITECTURE.md, and no source file or function outgrows its limit.
+//! Imports follow the module table of ARCHITECTURE.md, and no source file or function outgrows its limit.
 #![allow(
     clippy::unwrap_used,
     reason = "a test that cannot read the sources fails"
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 const LONGEST_FILE: usize = 500;
 /// Most lines of a function, from `fn` to the brace that closes it.
 const LONGEST_FUNCTION: usize = 60;
-/// Files that declare the rooms; they import none.
+/// Files that declare the modules; they import none.
 const ROOTS: [&str; 2] = ["lib", "main"];
 
 /// Rows of the table of ARCHITECTURE.md whose first column is called `first`; cell 1 of a row is its first.
@@ -35,9 +35,9 @@ fn words(cell: &str) -> BTreeSet<String> {
     words.filter(|word| !word.is_empty()).collect()
 }
 
-/// Room → rooms that it may import, from the table under `## Rooms`.
-fn room_table() -> BTreeMap<String, BTreeSet<String>> {
-    let rows = rows("room | answers").into_iter();
+/// Module → modules that it may import, from the table under `## Modules`.
+fn module_table() -> BTreeMap<String, BTreeSet<String>> {
+    let rows = rows("module | purpose").into_iter();
     rows.map(|cells| (cells[1].clone(), words(&cells[3])))
         .collect()
 }
@@ -56,8 +56,8 @@ fn source_files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// First folder or file name below the package.
-fn room_of(file: &Path) -> String {
+/// The module of a file: the first folder or file name below the package.
+fn module_of(file: &Path) -> String {
     let first = below_package(file).iter().next().unwrap();
     first.to_str().unwrap().trim_end_matches(".rs").to_owned()
 }
@@ -68,26 +68,26 @@ fn without_comments(text: &str) -> String {
     code.collect::<Vec<_>>().join("\n")
 }
 
-/// Rooms that a text names after `crate::` or `microslip::`, groups in braces included; comments do not count.
-fn imported_rooms(text: &str) -> BTreeSet<String> {
+/// Modules that a text names after `crate::` or `microslip::`, groups in braces included; comments do not count.
+fn imported_modules(text: &str) -> BTreeSet<String> {
     let code = without_comments(text);
-    let mut rooms = BTreeSet::new();
+    let mut modules = BTreeSet::new();
     for root in ["crate::", "microslip::"] {
         for (at, _) in code.match_indices(root) {
             let rest = &code[at + root.len()..];
             match rest.strip_prefix('{') {
                 Some(group) => {
-                    rooms.extend(group_members(group).iter().filter_map(|m| first_word(m)));
+                    modules.extend(group_members(group).iter().filter_map(|m| first_word(m)));
                 }
-                None => rooms.extend(first_word(rest)),
+                None => modules.extend(first_word(rest)),
             }
         }
     }
-    // `crate::Error` is the room `error`, re-exported.
-    if rooms.remove("Error") {
-        rooms.insert("error".to_owned());
+    // `crate::Error` is the module `error`, re-exported.
+    if modules.remove("Error") {
+        modules.insert("error".to_owned());
     }
-    rooms
+    modules
 }
 
 /// Members of `a::b, c::{d, e}, f}`, up to the brace that closes the group.
@@ -117,41 +117,41 @@ fn first_word(text: &str) -> Option<String> {
 
 /// Seen to fail with `use crate::hb::Status;` in `src/solver/contact/mod.rs` and with the row of `report` taken out.
 #[test]
-fn imports_follow_the_room_table() {
-    let table = room_table();
+fn imports_follow_the_module_table() {
+    let table = module_table();
     let mut broken = Vec::new();
     let mut seen = BTreeSet::new();
     for file in source_files(Path::new("src")) {
-        let room = room_of(&file);
-        if ROOTS.contains(&room.as_str()) {
+        let module = module_of(&file);
+        if ROOTS.contains(&module.as_str()) {
             continue;
         }
-        let Some(allowed) = table.get(&room) else {
+        let Some(allowed) = table.get(&module) else {
             broken.push(format!(
-                "{}: room {room} is not in the table",
+                "{}: module {module} is not in the table",
                 file.display()
             ));
             continue;
         };
-        for import in imported_rooms(&std::fs::read_to_string(&file).unwrap()) {
-            if import != room && !allowed.contains(&import) {
+        for import in imported_modules(&std::fs::read_to_string(&file).unwrap()) {
+            if import != module && !allowed.contains(&import) {
                 broken.push(format!(
-                    "{}: {room} may not import {import}",
+                    "{}: {module} may not import {import}",
                     file.display()
                 ));
             }
         }
-        seen.insert(room);
+        seen.insert(module);
     }
-    for room in table.keys().filter(|room| !seen.contains(*room)) {
-        broken.push(format!("ARCHITECTURE.md: room {room} does not exist"));
+    for module in table.keys().filter(|module| !seen.contains(*module)) {
+        broken.push(format!("ARCHITECTURE.md: module {module} does not exist"));
     }
     assert!(broken.is_empty(), "\n{}", broken.join("\n"));
 }
 
 /// Seen to fail with `model` left out of the row of the solver.
 #[test]
-fn packages_hold_the_rooms_that_their_rows_name() {
+fn packages_hold_the_modules_that_their_rows_name() {
     let rows = rows("package");
     assert!(rows.len() > 2, "the table has {} rows", rows.len());
     for cells in rows {
@@ -159,35 +159,38 @@ fn packages_hold_the_rooms_that_their_rows_name() {
         if folder == "src" {
             continue;
         }
-        let rooms = source_files(Path::new(folder))
+        let modules = source_files(Path::new(folder))
             .iter()
-            .map(|f| room_of(f))
+            .map(|f| module_of(f))
             .collect::<BTreeSet<_>>();
-        let rooms: BTreeSet<_> = rooms.into_iter().filter(|room| room != "lib").collect();
+        let modules: BTreeSet<_> = modules
+            .into_iter()
+            .filter(|module| module != "lib")
+            .collect();
         let named = words(cells[3].split(':').next().unwrap());
-        assert_eq!(rooms, named, "{}", cells[1]);
+        assert_eq!(modules, named, "{}", cells[1]);
     }
 }
 
-/// Rooms depend on each other in one direction only.
+/// Modules depend on each other in one direction only.
 #[test]
-fn the_room_table_has_no_cycle() {
-    let mut table = room_table();
+fn the_module_table_has_no_cycle() {
+    let mut table = module_table();
     while !table.is_empty() {
         let floor: Vec<_> = table
             .iter()
-            .filter(|(_, imports)| imports.iter().all(|room| !table.contains_key(room)))
-            .map(|(room, _)| room.clone())
+            .filter(|(_, imports)| imports.iter().all(|module| !table.contains_key(module)))
+            .map(|(module, _)| module.clone())
             .collect();
         assert!(!floor.is_empty(), "a cycle among {:?}", table.keys());
-        for room in floor {
-            table.remove(&room);
+        for module in floor {
+            table.remove(&module);
         }
     }
 }
 
 /// `hb::peak::track` for `src/solver/hb/peak/track.rs`; none for a file that declares a folder or a package.
-fn module_of(file: &Path) -> Option<String> {
+fn path_of(file: &Path) -> Option<String> {
     let path = below_package(file).with_extension("");
     let names: Vec<_> = path.iter().map(|name| name.to_str().unwrap()).collect();
     let declares = names == ["lib"] || names.last() == Some(&"mod");
@@ -252,7 +255,7 @@ fn siblings(a: &str, b: &str) -> (String, String) {
 fn files_do_not_import_each_other_in_circles() {
     let mut texts = BTreeMap::new();
     for file in source_files(Path::new("src")) {
-        if let Some(module) = module_of(&file) {
+        if let Some(module) = path_of(&file) {
             texts.insert(module, std::fs::read_to_string(&file).unwrap());
         }
     }
@@ -365,7 +368,7 @@ fn lengths_are_those_from_the_name_to_the_closing_brace() {
 #[test]
 fn imports_are_found_wherever_they_stand() {
     let text = "use crate::hb::{Status};\nuse crate::{aft, contact::{a, b}, Error};\nlet x = crate::fe::y(); // crate::no\n";
-    let found = imported_rooms(text);
+    let found = imported_modules(text);
     let expected = ["aft", "contact", "error", "fe", "hb"].map(str::to_owned);
     assert_eq!(found, BTreeSet::from(expected));
 }
@@ -375,7 +378,7 @@ const INEXACT: [&str; 19] = [
     "sin", "cos", "tan", "sin_cos", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp",
     "exp_m1", "ln", "ln_1p", "log10", "powf", "hypot", "cbrt",
 ];
-/// Rooms whose numbers decide a sample.
+/// Modules whose numbers decide a sample.
 const DECIDING: [&str; 11] = [
     "harmonics",
     "linalg",
@@ -397,7 +400,7 @@ const DECIDING: [&str; 11] = [
 fn samples_do_not_depend_on_the_c_library() {
     let mut found = Vec::new();
     for file in source_files(Path::new("src")) {
-        if !DECIDING.contains(&room_of(&file).as_str()) {
+        if !DECIDING.contains(&module_of(&file).as_str()) {
             continue;
         }
         let text = std::fs::read_to_string(&file).unwrap();

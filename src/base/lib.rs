@@ -1,4 +1,4 @@
-//! Rooms without physics, below all others: units, rules of settings, files.
+//! Modules without physics, below all others: units, rules of settings, files.
 
 pub mod file;
 pub mod setting;

@@ -118,8 +118,8 @@ fn density(input: &CalibratedInput, values: Vec<f64>, style: &str) -> Figure {
     let (before, after) = (input.prior, input.posterior);
     let low = before.q025.min(after.q025);
     let high = before.q975.max(after.q975);
-    let room = 0.05 * (high - low);
-    let [low, high] = [low - room, high + room];
+    let space = 0.05 * (high - low);
+    let [low, high] = [low - space, high + space];
     let width = (high - low) / BARS as f64;
     let mut counts = vec![0.0; BARS];
     for value in &values {

@@ -1,7 +1,7 @@
 //! Density of the posterior with its gradient.
 //!
-//! Mean of a measured number: y = m(z) + surrogate's error + discrepancy + measurement error, all normal, so that
-//! ln p = −½ |z|² − ½ Σ ((y − m)² / V + ln V) with V = σ²/n + s² + d² (Kennedy & O'Hagan, J. R. Stat. Soc. B 63 (2001) 425–464, with
+//! Mean of a measured number: y = m(z) + surrogate's error + discrepancy + measurement error, all normal. Hence ln
+//! p = −½ |z|² − ½ Σ ((y − m)² / V + ln V) with V = σ²/n + s² + d² (Kennedy & O'Hagan, J. R. Stat. Soc. B 63 (2001) 425–464, with
 //! one discrepancy per level). The standard deviation d is an unknown, too, with a prior.
 
 use super::observation::{Observation, Observations, Quantity};

@@ -1,4 +1,4 @@
-//! The room that finds contact parameters in measured hysteresis loops.
+//! The module that finds contact parameters in measured hysteresis loops.
 
 use microslip_base::{file, setting, units};
 use microslip_pages::page;

@@ -1,4 +1,4 @@
-//! The room of all HTML and SVG.
+//! The module of all HTML and SVG.
 
 use microslip_probability::statistics;
 

@@ -45,7 +45,7 @@ impl ModeStep {
     }
 }
 
-/// A mode on its way.
+/// State of a mode during the march.
 #[derive(Debug, Clone, Copy)]
 struct Moving {
     step: ModeStep,
@@ -55,7 +55,7 @@ struct Moving {
     force: f64,
 }
 
-/// The blade on its way from rest.
+/// State of the blade during the march from rest.
 #[derive(Debug)]
 pub(super) struct BladeMarch<'a> {
     blade: &'a Blade,

@@ -4,7 +4,7 @@ use super::blade::Blade;
 use super::blade_march::BladeMarch;
 use super::excitation::Excitation;
 
-/// The platform on its way.
+/// State of the platform during the march.
 pub(super) struct Platform<'a> {
     excitation: &'a Excitation,
     frequency_hz: f64,

@@ -1,4 +1,4 @@
-//! Rooms of many samples: their random inputs, and how they are solved, stored and gone on with.
+//! Modules of many samples: their random inputs, and how they are solved, stored and gone on with.
 
 use microslip_base::{file, setting, units};
 use microslip_probability::special;

@@ -1,4 +1,4 @@
-//! Rooms that solve one sample: the structure, its contacts, and their harmonic balance.
+//! Modules that solve one sample: the structure, its contacts, and their harmonic balance.
 
 use microslip_base::{file, setting, units};
 

@@ -1,6 +1,6 @@
 //! The study file and the commands on it.
 //!
-//! Reads `study.toml` into the rooms' own settings ([`Study`]) and orchestrates them; holds no numerics.
+//! Reads `study.toml` into the modules' own settings ([`Study`]) and orchestrates them; holds no numerics.
 //! Start reading at [`Study::read`]; the commands are [`inspect()`], [`solve()`], [`run()`], [`extend()`],
 //! [`compare()`] and [`reweight()`]. [`Evaluator`] is the model of a study as a function of its inputs.
 //!

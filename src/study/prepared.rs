@@ -21,9 +21,9 @@ use crate::setting::BadSetting;
 use crate::units::rad_s_to_hz;
 use std::borrow::Cow;
 
-/// Relative change of frequency at which a peak counts as located. A peak reached on two ways, or with two backends, differs by 1e-9
-/// or so: 99 % of 2100 random ones by less than 2.8e-10 (`cargo bench --bench peaks -- slow-path`); with and without the inverses of
-/// anchors by 2.0e-9 at most, more than 1e-9 in 5 of 6144.
+/// Relative change of frequency at which a peak counts as located. A peak reached by two routes, or with two backends, differs by 1e-9
+/// or so: 99 % of 2100 random ones by less than 2.8e-10 (`cargo bench --bench peaks -- slow-path`). With and without the inverses of
+/// anchors it differs by 2.0e-9 at most, more than 1e-9 in 5 of 6144.
 pub(super) const FREQUENCY_TOLERANCE: f64 = 1e-9;
 
 /// A study with its model built.

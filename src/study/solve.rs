@@ -191,18 +191,18 @@ struct FrequencyRecord {
 /// Both ends of a gap.
 #[derive(Serialize, JsonSchema)]
 struct GapRecord {
-    /// Where the way from the lower end stopped.
+    /// Where the sweep from the lower end stopped.
     below: StopRecord,
-    /// Where the way from the upper end stopped.
+    /// Where the sweep from the upper end stopped.
     above: StopRecord,
 }
 
-/// Where a way along the response stopped.
+/// Where a sweep along the response stopped.
 #[derive(Serialize, JsonSchema)]
 struct StopRecord {
     #[serde(flatten)]
     frequency: FrequencyRecord,
-    /// Why; `converged` where this way answered every value that the other one did not reach.
+    /// Why; `converged` where this sweep answered every value that the other one did not reach.
     status: Status,
 }
 

@@ -43,11 +43,13 @@ mod tutorial;
 mod worst_case;
 
 use program::microslip;
+use serde_json::Value;
+use std::path::Path;
 use tempfile::TempDir;
 
 /// A folder with the matrices of a case of `tests/reference`, and the text of its study.
 fn reference_study(case: &str) -> (TempDir, String) {
-    let source = std::path::Path::new("tests/reference").join(case);
+    let source = Path::new("tests/reference").join(case);
     let folder = tempfile::tempdir().unwrap();
     for entry in std::fs::read_dir(&source).unwrap() {
         let path = entry.unwrap().path();
@@ -102,6 +104,40 @@ band_hz = [100, 200]
 
 const MASS: &str = "%%MatrixMarket matrix coordinate real symmetric\n2 2 2\n1 1 1.0\n2 2 1.5\n";
 const STIFFNESS: &str = "%%MatrixMarket matrix array real general\n2 2\n1e6\n-2e5\n-2e5\n8e5\n";
+
+/// Standard output of a command that succeeds.
+fn succeed(folder: &Path, arguments: &[&str]) -> String {
+    let output = microslip(folder, arguments);
+    assert!(output.status.success(), "{output:?}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Replaces `old` by `new` in the study of `folder`.
+fn change(folder: &Path, old: &str, new: &str) {
+    let path = folder.join("study.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.contains(old), "the study has no {old:?}");
+    std::fs::write(path, text.replacen(old, new, 1)).unwrap();
+}
+
+/// The tables, the report and all but the wall time of the summary in `output` are those of `whole`.
+fn assert_same_files(folder: &Path, output: &str) {
+    let read = |of: &str, name: &str| std::fs::read(folder.join(of).join(name)).unwrap();
+    for name in [
+        "samples.parquet",
+        "curves.parquet",
+        "atlas.parquet",
+        "report.json",
+    ] {
+        assert!(read(output, name) == read("whole", name), "{name} differs");
+    }
+    let summary = |of: &str| {
+        let mut json: Value = serde_json::from_slice(&read(of, "summary.json")).unwrap();
+        json.as_object_mut().unwrap().remove("wall_time_s").unwrap();
+        json
+    };
+    assert_eq!(summary(output), summary("whole"), "summary.json");
+}
 
 /// Asks a process to end, as a scheduler does.
 fn terminate(child: &std::process::Child) {

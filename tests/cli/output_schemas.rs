@@ -6,12 +6,7 @@ use tempfile::TempDir;
 use super::described::{assert_described, schema, validator};
 use super::test_functions::{LIMIT_STATE, REQUIREMENTS, UNIFORM, study};
 use super::worst_case::{CRITERION, INTERVAL};
-use super::{folder, microslip, report};
-
-fn succeed(folder: &TempDir, command: &str) {
-    let output = microslip(folder.path(), &[command, "study.toml", "--quiet"]);
-    assert!(output.status.success(), "{output:?}");
-}
+use super::{folder, microslip, report, succeed};
 
 fn result(folder: &TempDir, name: &str) -> Value {
     let path = folder.path().join("results").join(name);
@@ -19,7 +14,7 @@ fn result(folder: &TempDir, name: &str) -> Value {
 }
 
 fn assert_run_described(folder: &TempDir, what: &str) {
-    succeed(folder, "run");
+    succeed(folder.path(), &["run", "study.toml", "--quiet"]);
     for of in ["summary", "report"] {
         let file = result(folder, &format!("{of}.json"));
         assert_described(&validator(of), &file, &format!("{what}, {of}.json"));

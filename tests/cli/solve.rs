@@ -30,7 +30,7 @@ fn solve_reproduces_the_reference_solutions_of_three_problems() {
     }
 }
 
-/// The way to the frictionless limit: the amplitude of the default study near its peak falls short of it in proportion to a
+/// Towards the frictionless limit: the amplitude of the default study near its peak falls short of it in proportion to a
 /// small friction coefficient. Seen to fail with sweeps that start from the stuck structure: no answer at 1e-3 within a minute;
 /// and without the start from the structure that slides without friction: no answer at 1e-7.
 #[test]
@@ -186,7 +186,7 @@ fn a_band_without_the_resonance_says_so() {
     assert!((edge - 150.0).abs() < 1e-9, "{edge}");
 }
 
-/// A walk that cannot go on (its budget is 60 Newton iterations) is no success: text, table and record say where and why.
+/// A sweep that cannot go on (its budget is 60 Newton iterations) is no success: text, table and record say where and why.
 #[test]
 fn a_curve_that_stops_says_where_and_why() {
     let (text, csv, json) = solved("time_points = 128", "time_points = 128\nbudget = 60");

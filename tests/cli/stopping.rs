@@ -5,8 +5,8 @@ use std::path::Path;
 use tempfile::TempDir;
 
 use super::bad_input::assert_refused;
-use super::microslip;
 use super::test_functions::{UNIFORM, study};
+use super::{change, microslip, succeed};
 
 /// A study of u + 6 exp(…) of x and u, with `samples` as given; x is fixed far from where it matters, so that the result is u.
 fn write(samples: &str, limit: f64, seed: u64) -> TempDir {
@@ -16,28 +16,13 @@ fn write(samples: &str, limit: f64, seed: u64) -> TempDir {
     );
     let inputs = [fixed, UNIFORM];
     let folder = study("narrow-worst-case", &inputs, "monte-carlo", 10, &criterion);
-    replace(
+    change(
         folder.path(),
         "samples = 10",
         &format!("samples = {samples}"),
     );
-    replace(folder.path(), "seed = 7", &format!("seed = {seed}"));
+    change(folder.path(), "seed = 7", &format!("seed = {seed}"));
     folder
-}
-
-/// Changes the study file.
-fn replace(folder: &Path, old: &str, new: &str) {
-    let path = folder.join("study.toml");
-    let text = std::fs::read_to_string(&path).unwrap();
-    assert!(text.contains(old), "{old}");
-    std::fs::write(&path, text.replace(old, new)).unwrap();
-}
-
-/// Standard output of a command that succeeds.
-fn succeed(folder: &Path, arguments: &[&str]) -> String {
-    let output = microslip(folder, arguments);
-    assert!(output.status.success(), "{output:?}");
-    String::from_utf8(output.stdout).unwrap()
 }
 
 fn run(folder: &Path, threads: &str) -> Value {
@@ -175,7 +160,7 @@ fn rules_of_other_designs_are_refused() {
     ] {
         let rule = format!("{{ until = \"decided\", at_most = {at_most} }}");
         let folder = write(&rule, 2.0, 7);
-        replace(folder.path(), old, new);
+        change(folder.path(), old, new);
         let output = microslip(folder.path(), &["inspect", "study.toml"]);
         assert_refused(new, &output, &[":3: ", words]);
     }

@@ -6,8 +6,8 @@ use std::path::Path;
 use tempfile::TempDir;
 
 use super::bad_input::assert_refused;
-use super::microslip;
 use super::test_functions::{UNIFORM, study};
+use super::{change, microslip, succeed};
 
 pub(crate) const INTERVAL: &str =
     "kind = \"epistemic\"\nlower = 0.001\nupper = 0.999\nscale = \"linear\"";
@@ -30,19 +30,6 @@ fn write(points: u64, samples: u64, epistemic: &str) -> TempDir {
         samples * (3 + points),
         &more,
     )
-}
-
-/// Changes the study file.
-fn replace(folder: &Path, old: &str, new: &str) {
-    let path = folder.join("study.toml");
-    let text = std::fs::read_to_string(&path).unwrap();
-    assert!(text.contains(old), "{old}");
-    std::fs::write(&path, text.replace(old, new)).unwrap();
-}
-
-fn succeed(folder: &Path, arguments: &[&str]) {
-    let output = microslip(folder, arguments);
-    assert!(output.status.success(), "{output:?}");
 }
 
 /// The only criterion of the report.
@@ -99,7 +86,7 @@ fn a_worst_case_between_the_points_is_found() {
 #[test]
 fn a_pass_says_what_was_searched() {
     let folder = write(0, 100, "");
-    replace(folder.path(), "limit = 1.43", "limit = 8.0");
+    change(folder.path(), "limit = 1.43", "limit = 8.0");
     let facts = microslip(folder.path(), &["inspect", "study.toml"]).stdout;
     let facts = String::from_utf8(facts).unwrap();
     assert!(facts.contains("worst-case search   up to 900 samples more"));
@@ -132,7 +119,7 @@ fn a_pass_says_what_was_searched() {
 fn further_points_are_those_of_the_whole_run() {
     let [whole, folder] = [100, 50].map(|samples| write(0, samples, ""));
     for (folder, threads) in [(&whole, "1"), (&folder, "3")] {
-        replace(folder.path(), "[output]", "[output]\narrow = true");
+        change(folder.path(), "[output]", "[output]\narrow = true");
         run(folder.path(), threads);
     }
     let arguments = ["extend", "results", "--samples", "300", "--quiet"];
@@ -157,7 +144,7 @@ fn further_points_are_those_of_the_whole_run() {
 fn further_points_are_part_of_the_results() {
     let folder = write(0, 50, "");
     run(folder.path(), "2");
-    replace(folder.path(), "points = 0", "points = 0\nsearch = 20");
+    change(folder.path(), "points = 0", "points = 0\nsearch = 20");
     let arguments = ["run", "study.toml", "--quiet", "--output", "more"];
     succeed(folder.path(), &arguments);
     let arguments = ["compare", "results", "more", "--output", "compared"];
@@ -170,7 +157,7 @@ fn further_points_are_part_of_the_results() {
         "is not the file that the run wrote",
     ];
     assert_refused("extend", &extended, &words);
-    replace(folder.path(), "search = 20", "search = 0");
+    change(folder.path(), "search = 20", "search = 0");
     run(folder.path(), "2");
     assert!(!table.exists());
 }

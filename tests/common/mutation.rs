@@ -2,6 +2,10 @@
 //!
 //! 2 000 files per reader; so many as MICROSLIP_MUTATIONS says where it is set.
 
+#[path = "memory.rs"]
+mod memory;
+
+use memory::most_memory_kb;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -84,23 +88,13 @@ pub(crate) fn survive(read: fn(&Path) -> bool, name: &str, bytes: &[u8]) {
         refused += u64::from(!read(&path));
         longest = longest.max(began.elapsed());
     }
-    println!(
-        "{name}: {refused} of {many} refused, the longest took {longest:?}, {} kB",
-        memory_kb()
-    );
+    let memory_kb = most_memory_kb();
+    println!("{name}: {refused} of {many} refused, the longest took {longest:?}, {memory_kb} kB");
     assert!(
         refused > many / 4,
         "{name}: only {refused} of {many} refused"
     );
     assert!(refused < many, "{name}: every one refused");
     assert!(longest < LONGEST, "{name}: {longest:?}");
-    assert!(memory_kb() < MOST_MEMORY_KB, "{name}: {} kB", memory_kb());
-}
-
-/// Most memory that this process has had (kB); 0 where the system does not say.
-fn memory_kb() -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find(|line| line.starts_with("VmHWM"));
-    let number = line.and_then(|line| line.split_whitespace().nth(1));
-    number.and_then(|word| word.parse().ok()).unwrap_or(0)
+    assert!(memory_kb < MOST_MEMORY_KB, "{name}: {memory_kb} kB");
 }

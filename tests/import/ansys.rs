@@ -287,7 +287,7 @@ fn damaged_mappings_are_refused() {
     );
 }
 
-/// The reader of Matrix Market files has its own list in `src/model/matrix_market.rs`; here what the import adds.
+/// The reader of Matrix Market files has its own list in `src/solver/model/matrix_market.rs`; here what the import adds.
 ///
 /// Seen to fail with one side of a general matrix accepted.
 #[test]

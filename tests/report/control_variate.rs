@@ -4,7 +4,7 @@ use crate::synthetic::SyntheticStudy;
 use microslip::hb::Status;
 use microslip::report::asked::ControlVariateSettings;
 use microslip::report::numbers::control_variate::LevelControlVariate;
-use microslip::report::{self, Assessment, Summary};
+use microslip::report::{Assessment, Summary};
 
 /// Level of 100 N, the only one at which the study states limits of the amplitude.
 const LEVEL: usize = 6;
@@ -60,12 +60,7 @@ fn failed_samples_are_counted() {
 /// The page has the section with what each number is worth; without the table of the study file it has not.
 #[test]
 fn the_page_shows_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let page = |study: &SyntheticStudy| {
-        report::write(folder.path(), &study.input()).unwrap();
-        std::fs::read_to_string(folder.path().join("report.html")).unwrap()
-    };
-    let shown = page(&with_control(60, 300));
+    let shown = with_control(60, 300).page();
     for words in [
         "Means by control variate",
         "Probability that the amplitude exceeds a limit, by control variate",
@@ -74,5 +69,5 @@ fn the_page_shows_it() {
         assert!(shown.contains(words), "{words:?} is not in the page");
     }
     assert!(!shown.contains("NaN"));
-    assert!(!page(&SyntheticStudy::new(60)).contains("ontrol variate"));
+    assert!(!SyntheticStudy::new(60).page().contains("ontrol variate"));
 }

@@ -6,7 +6,7 @@ use microslip::report::numbers::Extreme;
 use microslip::report::numbers::IndexResult;
 use microslip::report::numbers::{Bound, Quantiles};
 use microslip::report::run::ContactGridRecord;
-use microslip::report::{self, Assessment, Summary};
+use microslip::report::{Assessment, Summary};
 use microslip::statistics::{
     GivenData, Index, Judgement, Limit, Observed, Side, first_order_index, quantile_estimate,
     rank_correlation, tolerance_bound,
@@ -45,12 +45,6 @@ fn section<'p>(page: &'p str, id: &str) -> &'p str {
     let start = format!("<section id=\"{id}\">");
     let section = page.split(&start).nth(1).unwrap();
     section.split("</section>").next().unwrap()
-}
-
-fn page(study: &SyntheticStudy) -> String {
-    let folder = tempfile::tempdir().unwrap();
-    report::write(folder.path(), &study.input()).unwrap();
-    std::fs::read_to_string(folder.path().join("report.html")).unwrap()
 }
 
 /// Each end of a range is the quantile of its point's samples, and so are rates and means. Seen to fail with the samples of two
@@ -116,7 +110,7 @@ fn pooled_statistics_are_no_probabilities() {
             .condition
             .contains("contact stiffness scale is only known to an interval")
     );
-    let page = page(&study);
+    let page = study.page();
     assert!(page.contains("Ranges over the epistemic inputs") && page.contains("at points "));
     for absent in [
         "NaN",
@@ -201,7 +195,7 @@ fn margins_and_reserves_are_those_of_the_points() {
         close(found[0].range.lowest, lowest(&points, &q05));
         close(found_bound, lowest(&points, &bound));
     }
-    let page = page(&study);
+    let page = study.page();
     for id in ["campbell", "stress"] {
         assert!(section(&page, id).contains("at points "), "{id}");
     }
@@ -232,7 +226,7 @@ fn replicates_are_those_of_the_points() {
         assert!((found.mean / mean - 1.0).abs() < 1e-12, "{found:?}");
     }
     assert_eq!(summary.replicate_means().len(), 3 * summary.levels.len());
-    let page = page(&study);
+    let page = study.page();
     assert!(page.contains("Means over the replicates"));
 }
 
@@ -291,7 +285,7 @@ fn a_point_that_stands_twice_moves_no_range() {
         outcome.group.outer = Some(3);
     }
     twice.outcomes.extend(again);
-    let pages = [page(&once), page(&twice)];
+    let pages = [once.page(), twice.page()];
     for id in ["stress", "performance"] {
         let [once, twice] = [0, 1].map(|k| section(&pages[k], id));
         // the condition counts the outer points
@@ -392,7 +386,7 @@ fn the_worst_case_is_drawn_at_the_points() {
     let mut study = nested(180);
     study.record.design.outer_points = 2;
     study.record.design.further_points = 1;
-    let page = page(&study);
+    let page = study.page();
     let section = section(&page, "epistemic");
     let mut figures = section.split("<figure>");
     let figure = figures.find(|f| f.contains("\"worst-case-0-0.svg\""));

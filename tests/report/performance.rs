@@ -2,13 +2,7 @@
 
 use crate::synthetic::{LEVELS, SyntheticStudy};
 use microslip::ensemble::outcome::MaybeReal;
-use microslip::report::{self, ReportInput, RunRecord, Summary};
-
-fn page(input: &ReportInput) -> String {
-    let folder = tempfile::tempdir().unwrap();
-    report::write(folder.path(), input).unwrap();
-    std::fs::read_to_string(folder.path().join("report.html")).unwrap()
-}
+use microslip::report::{RunRecord, Summary};
 
 /// The bytes of a link that holds its own content.
 fn decoded(link: &str) -> String {
@@ -76,7 +70,7 @@ fn scaled(n: u64) -> SyntheticStudy {
 #[test]
 fn curves_stand_over_the_ratio_of_each_sample() {
     let study = scaled(200);
-    let (fields, rows) = table(&page(&study.input()));
+    let (fields, rows) = table(&study.page());
     let at = |name: &str| fields.iter().position(|f| f == name).unwrap();
     assert_eq!(rows.len(), LEVELS.len(), "places");
     for row in &rows {
@@ -113,7 +107,7 @@ fn fans_are_the_quantiles_of_the_levels() {
     let mut study = SyntheticStudy::new(100);
     let mut check = |change: fn(&mut RunRecord), label: &str, load: f64| {
         change(&mut study.record);
-        let page = page(&study.input());
+        let page = study.page();
         assert!(page.contains(label), "no axis of {label}");
         let (fields, rows) = table(&page);
         let at = |name: &str| fields.iter().position(|f| f == name).unwrap();
@@ -160,7 +154,7 @@ fn results_without_damping_ratios_say_so() {
             peak.damping_ratio = MaybeReal::NONE;
         }
     }
-    let page = page(&study.input());
+    let page = study.page();
     assert_eq!(
         page.matches("no damping ratio in these results</text>")
             .count(),

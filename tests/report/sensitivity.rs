@@ -6,7 +6,7 @@ use microslip::report::asked::Requirements;
 use microslip::report::asked::SurrogateSettings;
 use microslip::report::numbers::IndexResult;
 use microslip::report::numbers::SurrogateResult;
-use microslip::report::{self, Assessment, StoredRun, Summary};
+use microslip::report::{Assessment, StoredRun, Summary};
 use microslip::sampling::{Distribution, Shape};
 use microslip::statistics::{Influence, SobolIndex};
 
@@ -24,12 +24,6 @@ fn found(index: &IndexResult) -> SobolIndex {
     }
 }
 
-fn page(study: &SyntheticStudy) -> String {
-    let folder = tempfile::tempdir().unwrap();
-    report::write(folder.path(), &study.input()).unwrap();
-    std::fs::read_to_string(folder.path().join("report.html")).unwrap()
-}
-
 /// At 0.1 N the frequency of the synthetic study is a function of the stiffness alone, but for noise of 0.05 Hz.
 /// Seen to fail with A and B exchanged.
 #[test]
@@ -43,7 +37,7 @@ fn indices_come_from_the_rows() {
     }
     assert!(friction.total.estimate < 0.05, "{friction:?}");
     assert_eq!(friction.first.influence, Influence::NotDistinguishable);
-    let page = page(&study);
+    let page = study.page();
     for words in [
         "First-order and total indices",
         "not distinguishable from 0",
@@ -102,7 +96,7 @@ fn a_failed_sample_refuses_the_indices() {
     let summary = Summary::of(&study.input());
     assert_eq!(summary.levels[0].failed, 0);
     assert_eq!(summary.levels[0].mixed.as_ref().unwrap().failed, 1);
-    let page = page(&study);
+    let page = study.page();
     for words in ["1 of 256 evaluations failed", "have no solution"] {
         assert!(page.contains(words), "{words:?} is not in the page");
     }
@@ -200,7 +194,11 @@ fn a_surrogate_says_what_it_is_worth() {
         .find(|line| line.source == "Surrogate")
         .unwrap();
     assert_eq!(line.frequency_hz, None);
-    assert!(page(&study).contains("not available: 11 of 200 samples have no solution"));
+    assert!(
+        study
+            .page()
+            .contains("not available: 11 of 200 samples have no solution")
+    );
     // too few
     let SurrogateResult::Refused(reason) = surrogate(&with_surrogate(12), 0) else {
         panic!("a surrogate of 9 samples");
@@ -256,7 +254,7 @@ fn nothing_is_told_along_an_input_that_numbers_draws() {
             "means of the stiffness"
         );
     }
-    let page = page(&study);
+    let page = study.page();
     assert!(page.contains("Frequency over contact stiffness scale"));
     assert!(
         !page.contains("Frequency over initial_traction"),

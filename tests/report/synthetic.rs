@@ -13,7 +13,7 @@ use microslip::report::asked::{Criterion, MarginBase, Operation, Quantity, Requi
 use microslip::report::run::{
     DesignRecord, FileRecord, InputRecord, LinearRecord, StaticLoadRecord, TABLES,
 };
-use microslip::report::{ReportInput, RunRecord};
+use microslip::report::{self, ReportInput, RunRecord};
 use microslip::sampling::{DesignKind, Growth, SampleGroup};
 
 pub(crate) const LEVELS: [f64; 8] = [0.1, 1.0, 5.0, 10.0, 20.0, 50.0, 100.0, 300.0];
@@ -72,6 +72,13 @@ impl SyntheticStudy {
             changed: &[],
             folder: "results",
         }
+    }
+
+    /// The page of a report.
+    pub(crate) fn page(&self) -> String {
+        let folder = tempfile::tempdir().unwrap();
+        report::write(folder.path(), &self.input()).unwrap();
+        std::fs::read_to_string(folder.path().join("report.html")).unwrap()
     }
 
     pub(crate) fn input_names(&self) -> Vec<String> {

@@ -3,7 +3,7 @@
 use crate::synthetic::SyntheticStudy;
 use microslip::hb::Status;
 use microslip::report::verdict::{CriterionResult, LevelResult};
-use microslip::report::{self, Assessment, Summary};
+use microslip::report::{Assessment, Summary};
 use microslip::sampling::{Distribution, Growth, Shape};
 use microslip::statistics::{Judgement, Limit, Remedy};
 
@@ -36,12 +36,6 @@ fn only_level(result: &CriterionResult) -> &LevelResult {
     level
 }
 
-fn page(study: &SyntheticStudy) -> String {
-    let folder = tempfile::tempdir().unwrap();
-    report::write(folder.path(), &study.input()).unwrap();
-    std::fs::read_to_string(folder.path().join("report.html")).unwrap()
-}
-
 /// 22 of 200 samples are unstable, bounce, or have a truncation error above the threshold: they have a solution and nobody knows the
 /// blade's, so that up to 22 may break a limit that every solution keeps. Other numbers count them, and the page says so. Seen to fail (PASS) with such samples counted as
 /// any other.
@@ -70,7 +64,7 @@ fn samples_that_are_not_trusted_are_unknown() {
         assert_eq!(level.remedy, Some(Remedy::FewerUnknown));
         let words = "22 of 200 samples are unknown (22 not to be trusted)";
         assert!(result.sentence.contains(words), "{}", result.sentence);
-        let page = page(&study);
+        let page = study.page();
         assert!(page.contains("22 unknown: 22 not to be trusted"));
         let solves = 200 * study.record.levels.len();
         let words = format!("22 of {solves} solves have a solution that is not to be trusted.");
@@ -109,7 +103,7 @@ fn the_numerical_error_widens_what_is_judged() {
         (level.counted.broken, level.unknown_because.within_error),
         (0, 8)
     );
-    assert!(page(&study).contains("numerical error widens by"));
+    assert!(study.page().contains("numerical error widens by"));
 }
 
 /// A share of the work that the balance misses is an error of the amplitude; sources that nobody estimated are named in the
@@ -128,7 +122,7 @@ fn every_known_error_enters_and_every_unknown_one_is_named() {
     assert!((upper / 1.96 - 1.0).abs() < 1e-9, "{upper}");
     let unknown = &only_level(&result).numerical_error.not_estimated;
     assert!(unknown.contains(&"Reduction of the model"), "{unknown:?}");
-    assert!(page(&study).contains("not estimated: "));
+    assert!(study.page().contains("not estimated: "));
 }
 
 /// The frequency may lie off by the truncation error times the half-power half-width, 0.6 Hz here, so a margin of 1.5 % is
@@ -176,7 +170,7 @@ fn verdicts_speak_of_the_assumed_prior() {
     assert_eq!(result.sentence, expected);
     let power = only_level(&result).power;
     assert!((power.kept - 0.975).abs() < 1e-12 && (0.4..0.8).contains(&power.probability));
-    let page = page(&study);
+    let page = study.page();
     assert!(page.contains(expected) && page.contains("so many samples would pass in"));
     assert!(!page.contains("of the blades"));
     let lead = page.split("<ul class=\"verdicts\">").nth(1).unwrap();
@@ -190,10 +184,14 @@ fn verdicts_speak_of_the_assumed_prior() {
 #[test]
 fn verdicts_of_other_designs_are_indications() {
     let mut study = study(200, 500.0);
-    assert!(!judged(&study).indication && !page(&study).contains("(indication)</span>"));
+    assert!(!judged(&study).indication && !study.page().contains("(indication)</span>"));
     study.record.design.independent = false;
     assert!(judged(&study).indication);
-    assert!(page(&study).contains("<span class=\"badge pass\">PASS (indication)</span>"));
+    assert!(
+        study
+            .page()
+            .contains("<span class=\"badge pass\">PASS (indication)</span>")
+    );
 }
 
 /// 20 samples that all keep the limit bound no 95 % quantile; 59 do, in the numbers that the design takes. Seen to fail
@@ -304,7 +302,11 @@ fn flat_inputs_are_judged_as_intervals_too() {
         (result.judgement, found.judgement),
         (Judgement::Fail, Judgement::Fail)
     );
-    assert!(page(&study).contains("contact stiffness scale as intervals"));
+    assert!(
+        study
+            .page()
+            .contains("contact stiffness scale as intervals")
+    );
 }
 
 /// Three outer points, the middle one too high: the verdict names where it fails and where it passes, and a PASS says at how
@@ -336,7 +338,11 @@ fn verdicts_over_a_box_name_their_points() {
             .sentence
             .contains("Shown at 3 points, not between them.")
     );
-    assert!(page(&study).contains("<span class=\"badge pass\">PASS at 3 points</span>"));
+    assert!(
+        study
+            .page()
+            .contains("<span class=\"badge pass\">PASS at 3 points</span>")
+    );
     let few = judged(&{
         study.outcomes.truncate(60);
         study

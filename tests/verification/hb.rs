@@ -23,6 +23,7 @@ mod models;
 mod modes;
 mod nodal;
 mod peak;
+mod polyline;
 mod random_models;
 mod stability;
 mod status;

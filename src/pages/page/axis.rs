@@ -68,7 +68,7 @@ impl Axis {
         }
     }
 
-    /// An axis that shows all finite values with some room; logarithmic where they are positive and spread
+    /// An axis that shows all finite values with some space; logarithmic where they are positive and spread
     /// over more than a factor of 20. From 0 to 1 without values.
     pub fn around(label: impl Into<String>, values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = values
@@ -80,11 +80,11 @@ impl Axis {
             return Self::linear(label, 0.0, 1.0);
         }
         if low > 0.0 && high / low > 20.0 {
-            let room = (high / low).powf(0.04);
-            return Self::log(label, low / room, high * room);
+            let space = (high / low).powf(0.04);
+            return Self::log(label, low / space, high * space);
         }
-        let room = 0.05 * (high - low);
-        Self::linear(label, low - room, high + room)
+        let space = 0.05 * (high - low);
+        Self::linear(label, low - space, high + space)
     }
 
     /// The same axis starting at zero.
@@ -116,9 +116,9 @@ impl Axis {
         (0..n).map(|i| [at(i), at(i + 1)]).collect()
     }
 
-    /// Values and labels of the ticks; at most as many as fit when a label of c characters takes `room(c)` of
+    /// Values and labels of the ticks; at most as many as fit when a label of c characters takes `space(c)` of
     /// the axis length.
-    pub fn ticks(&self, room: impl Fn(usize) -> f64) -> Vec<(f64, String)> {
+    pub fn ticks(&self, space: impl Fn(usize) -> f64) -> Vec<(f64, String)> {
         if !self.names.is_empty() {
             let name = |(i, name): (usize, &String)| (-(i as f64), name.clone());
             return self.names.iter().enumerate().map(name).collect();
@@ -130,7 +130,7 @@ impl Axis {
                 Scale::Log => self.log_ticks(wanted),
             };
             let widest = ticks.iter().map(|t| t.1.chars().count()).max().unwrap_or(0);
-            let fits = ticks.len() as f64 * room(widest) <= 1.0;
+            let fits = ticks.len() as f64 * space(widest) <= 1.0;
             if ticks.len() > best.len() && (fits || best.len() < 2) {
                 best = ticks;
             }

@@ -17,9 +17,9 @@ pub enum Size {
     Rows(usize),
 }
 
-/// Room for the ticks of the vertical axis at least, and beside the widest of them.
+/// Space for the ticks of the vertical axis at least, and beside the widest of them.
 const LEFT: [f64; 2] = [54.0, 26.0];
-/// Room for half a tick label at the end of the axis.
+/// Space for half a tick label at the end of the axis.
 const RIGHT: f64 = 24.0;
 const TOP: f64 = 24.0;
 const BOTTOM: f64 = 42.0;
@@ -285,7 +285,7 @@ impl Panel {
         }
     }
 
-    /// Names at the upper edge, each on the right of its place on the x axis, in the highest row that has room for it.
+    /// Names at the upper edge, each on the right of its place on the x axis, in the highest row that has space for it.
     pub fn names_above(&mut self, names: &[(f64, String)]) {
         let (width, _) = self.inner();
         let place = |(x, name): &(f64, String)| Some((self.x.position(*x)? * width, name.clone()));
@@ -307,13 +307,13 @@ impl Panel {
         }
     }
 
-    /// 1 where the name of a place stands on its right, -1 on its left: to the right where there is room, but on the other side where
+    /// 1 where the name of a place stands on its right, -1 on its left: to the right where there is space, but on the other side where
     /// an upright line would run through it.
     fn side_of_label(&self, x: f64, text: &str) -> f64 {
         let (width, _) = self.inner();
-        let room = CHARACTER * text.chars().count() as f64;
+        let length = CHARACTER * text.chars().count() as f64;
         let free = |side: f64| {
-            let ends = [17.0, 17.0 + room].map(|distance| x + side * distance);
+            let ends = [17.0, 17.0 + length].map(|distance| x + side * distance);
             let [from, to] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
             let struck = self.upright.iter().any(|line| (from..=to).contains(line));
             from >= 0.0 && to <= width && !struck
@@ -339,24 +339,24 @@ impl Panel {
     /// Words that show while the pointer is on a mark.
     pub fn readout_mark(&mut self, point: (f64, f64), lines: &[String]) {
         if let Some((x, y)) = self.place(point.0, point.1) {
-            let room = 0.5 * REACH;
-            self.readout([x - room, x + room], [y - room, y + room], lines);
+            let reach = 0.5 * REACH;
+            self.readout([x - reach, x + reach], [y - reach, y + reach], lines);
         }
     }
 
     /// Words that show while the pointer is on the upright line from `low` to `high` at `x`.
     pub fn readout_upright(&mut self, x: f64, [low, high]: [f64; 2], lines: &[String]) {
         if let (Some((x, top)), Some((_, bottom))) = (self.place(x, high), self.place(x, low)) {
-            let room = 0.5 * REACH;
-            self.readout([x - room, x + room], [top - room, bottom + room], lines);
+            let reach = 0.5 * REACH;
+            self.readout([x - reach, x + reach], [top - reach, bottom + reach], lines);
         }
     }
 
     /// Words that show while the pointer is on the level line from `low` to `high` at `y`.
     pub fn readout_level(&mut self, y: f64, [low, high]: [f64; 2], lines: &[String]) {
         if let (Some((left, y)), Some((right, _))) = (self.place(low, y), self.place(high, y)) {
-            let room = 0.5 * REACH;
-            self.readout([left - room, right + room], [y - room, y + room], lines);
+            let reach = 0.5 * REACH;
+            self.readout([left - reach, right + reach], [y - reach, y + reach], lines);
         }
     }
 

@@ -18,7 +18,7 @@ fn places(svg: &str) -> Vec<(String, f64, f64)> {
         .collect()
 }
 
-/// Names close to each other stand in rows below each other, with room for five letters of at least 4 px in each row; names far apart
+/// Names close to each other stand in rows below each other, with space for five letters of at least 4 px in each row; names far apart
 /// stay in the first row; one at the right edge ends at its place.
 ///
 /// Seen to fail with every name in the first row.

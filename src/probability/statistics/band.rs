@@ -138,7 +138,7 @@ pub(super) trait Family {
 /// Smallest member of `family` that holds ⌈(m + 1) level⌉ of the m calibrating samples, failed ones never.
 ///
 /// The samples are exchangeable and the family does not depend on the calibrating ones, so a further curve lies inside
-/// with probability k/(m + 1) or more, for any law of the curves (split conformal prediction; Vovk, Gammerman & Shafer,
+/// with probability k/(m + 1) or more, for any law of the curves. This is split conformal prediction (Vovk, Gammerman & Shafer,
 /// Algorithmic Learning in a Random World, 2005; Diquigiovanni, Fontana & Vantini, J. Multivar. Anal. 189 (2022) 104879).
 pub(super) fn calibrated(
     family: &impl Family,

@@ -108,7 +108,7 @@ struct Fitted {
 
 impl ControlledSamples<'_> {
     /// Mean of the result: that of `result − β κ control` over the samples plus β κ times that of the control over the further
-    /// ones, with the slope β and κ = m/(n + m) of n samples and m further ones, which have the least variance.
+    /// ones. The slope β and κ = m/(n + m) of n samples and m further ones have the least variance.
     ///
     /// The interval is composed of those of the two means, which are independent; that of the first is widened for the slope,
     /// which the same samples give. A failed sample lies at the lower (upper) end of `possible` for the lower (upper) limit.

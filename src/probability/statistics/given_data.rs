@@ -54,8 +54,8 @@ const SMALL_SAMPLE: f64 = 30.0;
 /// Neighbours in one sequence of quasi-random points differ in the other inputs by rule: only those of different replicates
 /// count, R replicates widen the interval by √(R/(R − 1)), and one sequence alone has no index.
 ///
-/// The interval: the terms of the estimate depend on their neighbours alone, so that their variance is γ₀ + 2 (γ₁ − γ₂) of
-/// the autocovariances along the order, the trend along the input left out; the hull of the intervals of the index and of
+/// The terms of the estimate depend on their neighbours alone. So their variance is γ₀ + 2 (γ₁ − γ₂) of
+/// the autocovariances along the order, the trend along the input left out. The interval is the hull of the intervals of the index and of
 /// ln(1 − index), at most 1. Sources: Chatterjee, J. Amer. Statist. Assoc. 116 (2021) 2009–2022; Gamboa, Gremaud, Klein &
 /// Lagnoux, Bernoulli 28 (2022) 2345–2374.
 ///

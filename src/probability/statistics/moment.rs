@@ -49,7 +49,7 @@ pub struct MomentEstimate {
 ///
 /// Mean: the hull of Student's interval and of Hall's for skewed laws, failed samples at the lower (upper) end of `possible`
 /// for the lower (upper) limit. Standard deviation: the hull of Bonett's interval and of Hall's for the mean of the squared
-/// deviations, of at least 40 samples, failed ones at the valid mean for the lower limit and at the two ends of
+/// deviations, of at least 40 samples. Failed ones count at the valid mean for the lower limit and at the two ends of
 /// `possible`, split so that the variance is largest, for the upper one. A side of `possible` that is open leaves the
 /// limit unbounded as soon as one sample failed. Both intervals are asymptotic: their coverage approaches `confidence`
 /// for laws with four moments, unlike that of quantiles, which holds for every n and law (`cargo bench --bench coverage`).

@@ -2,7 +2,7 @@
 //!
 //! Weights are normalised by their sum. An interval takes for n what the share itself shows: p (1 − p) over its linearised
 //! variance, so that a tail that carries the weight counts for the few samples that it has (Korn & Graubard 1998). The
-//! sample that was not drawn is the danger: for each limit one observation more counts against it (as in Fay & Feuer 1997
+//! sample that was not drawn is the danger. For each limit one observation more counts against it (as in Fay & Feuer 1997
 //! for weighted Poisson counts), with the heaviest weight that twice as many samples would show, by the Pareto tail of the
 //! weights (Hill 1975). With equal weights these are the limits of Clopper & Pearson.
 

@@ -206,8 +206,8 @@ fn projected(a: &SparseColMat<usize, f64>, basis: &Mat<f64>) -> Mat<f64> {
 
 /// The nearest positive semidefinite matrix, after scaling to a unit diagonal; and its most negative eigenvalue, if it was not.
 ///
-/// A reduced matrix is a difference of large numbers, so what rounding to the digits of the file changes is a larger share of it:
-/// rounding the entries of A by the share ε changes (ΨᵀAΨ)_ij by at most ε √(e_i e_j), e_i = Σ |Ψ_ki| |A_kl| |Ψ_li|, hence the
+/// A reduced matrix is a difference of large numbers, so what rounding to the digits of the file changes is a larger share of it.
+/// Rounding the entries of A by the share ε changes (ΨᵀAΨ)_ij by at most ε √(e_i e_j), e_i = Σ |Ψ_ki| |A_kl| |Ψ_li|, hence the
 /// eigenvalues with a unit diagonal by at most ε Σ e_i / (ΨᵀAΨ)_ii.
 fn semidefinite(
     part: &Part<Symmetric>,

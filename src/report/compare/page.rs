@@ -361,9 +361,9 @@ fn difference_figure(view: &View, quantity: Compared, b: usize, i: usize) -> Fig
     let pair = format!("{} − {}", view.label(0), view.label(b));
     let finite = values.iter().copied().filter(|v| v.is_finite());
     let (low, high) = finite.fold((0.0_f64, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
-    let room = 0.05 * (high - low);
+    let space = 0.05 * (high - low);
     let label = format!("{}, {pair} ({unit})", capitalised(quantity.name()));
-    let x = Axis::linear(label, low - room, high + room);
+    let x = Axis::linear(label, low - space, high + space);
     let y = Axis::linear("Share of pairs below", 0.0, 1.0);
     let level = view.comparison.levels[i].level;
     let title = format!(

@@ -17,7 +17,7 @@ use crate::report::verdict::criterion_result::CriterionResult;
 use crate::report::verdict::sentence::word;
 use crate::statistics::Judgement;
 
-/// Room between the bars of two levels at one nodal diameter.
+/// Space between the bars of two levels at one nodal diameter.
 const BESIDE: f64 = 0.12;
 /// Half the gap between two bands of the Campbell diagram, as a share of its width.
 const GAP: f64 = 0.003;
@@ -31,7 +31,7 @@ struct View<'a> {
     /// Unit of the amplitudes.
     unit: LengthUnit,
     style: String,
-    /// Frequencies that matter (Hz): all scatter bars with room around.
+    /// Frequencies that matter (Hz): all scatter bars with space around.
     window: [f64; 2],
 }
 
@@ -41,12 +41,12 @@ pub(super) fn render(disk: &DiskSummary, runs: &[StoredRun]) -> Result<String, R
     let bars = disk.orders.iter().flat_map(|order| &order.levels);
     let ends = bars.filter_map(|level| level.frequency_hz);
     let [low, high] = hull(ends.flat_map(|[low, _, high]| [low, high])).unwrap_or([0.0, 1.0]);
-    let room = (high - low).max(2e-3 * high);
+    let space = (high - low).max(2e-3 * high);
     let view = View {
         disk,
         unit: length_unit(&inputs),
         style: figure_style(disk.levels.len()),
-        window: [low - room, high + room],
+        window: [low - space, high + space],
     };
     let title = match disk.orders.first() {
         Some(order) => format!("Disk of {} sectors: {}", disk.sectors, order.study),
@@ -236,8 +236,8 @@ fn campbell(view: &View) -> Figure {
     });
     let seen = crossings.chain(view.disk.speed_rpm);
     let [slow, fast] = hull(seen).unwrap_or([0.0, 1.0]);
-    let room = 0.08 * (fast - slow).max(0.1 * fast);
-    let [slow, fast] = [(slow - room).max(0.0), fast + room];
+    let space = 0.08 * (fast - slow).max(0.1 * fast);
+    let [slow, fast] = [(slow - space).max(0.0), fast + space];
     let x = Axis::linear("Speed (1/min)", slow, fast);
     let y = Axis::linear("Frequency (Hz)", low, high);
     let mut panel = Panel::new(Size::Large, "Campbell diagram", x, y);

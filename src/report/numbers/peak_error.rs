@@ -1,6 +1,6 @@
 //! What the solver may have wrong in one peak, as far as the peak itself says it.
 //!
-//! A force that is missing changes the amplitude at resonance by the share e if it acts in phase with the velocity; acting
+//! A force that is missing changes the amplitude at resonance by the share e if it acts in phase with the velocity. Acting
 //! in phase with the displacement it moves the resonance by about e times the half-power half-width, that is by e ζ of the
 //! frequency. ζ is that of the linear structure times input over viscous work.
 

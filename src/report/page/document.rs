@@ -1,4 +1,4 @@
-//! The pages of this room: what they are about, and that of a study.
+//! The pages of this module: what they are about, and that of a study.
 
 use super::section::sections;
 use super::view::View;

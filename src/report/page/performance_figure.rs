@@ -122,7 +122,7 @@ impl Performance<'_> {
         let [low, high] = ends(ratios);
         let label = ratio_label(self.runs[0].record);
         let x = match low > 0.0 && high > low {
-            true => Axis::log(label, low / ROOM, high * ROOM),
+            true => Axis::log(label, low / SPACE, high * SPACE),
             false => Axis::around(label, [low, high].into_iter()),
         };
         let fans = drawn
@@ -141,8 +141,8 @@ impl Performance<'_> {
     }
 }
 
-/// Room at the ends of the axis of ratios, as a factor.
-const ROOM: f64 = 1.2;
+/// Space at the ends of the axis of ratios, as a factor.
+const SPACE: f64 = 1.2;
 
 /// Smallest and largest finite value; NaN without any.
 fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {

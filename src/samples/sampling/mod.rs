@@ -2,8 +2,8 @@
 //!
 //! x(i, j) = F_j⁻¹(u(i, j)), where u is a function of the seed, the design, sample i and input j alone: sample i is the
 //! same whatever else runs, in whatever order. In a Monte Carlo design it is also the same whatever other inputs and how
-//! many samples there are; Sobol' points, pick-freeze rows of them too, depend on the list of inputs (the first dimensions
-//! are the most even), a Latin hypercube and a grid on the number of samples too. Knows no blade and no contact. Start reading at [`design`].
+//! many samples there are. Sobol' points, pick-freeze rows of them too, depend on the list of inputs (the first dimensions
+//! are the most even). A Latin hypercube and a grid depend on the number of samples too. Knows no blade and no contact. Start reading at [`design`].
 //!
 //! ```
 //! use microslip::sampling::{Design, Distribution, Input, Shape};

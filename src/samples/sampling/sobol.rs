@@ -1,8 +1,8 @@
 //! Sobol' points with nested uniform scrambling, addressed by their index.
 //!
 //! Order and direction numbers are those of Joe & Kuo 2008 in Gray code order, as in `SciPy`. The scrambling is Owen's
-//! (Owen 1998): bit b of a coordinate is flipped by a hash of the replicate's key, the dimension and the b bits above it,
-//! so every prefix of 2ᵐ points keeps one point in each of its elementary intervals, and every point alone is uniform.
+//! (Owen 1998). Bit b of a coordinate is flipped by a hash of the replicate's key, the dimension and the b bits above it.
+//! So every prefix of 2ᵐ points keeps one point in each of its elementary intervals, and every point alone is uniform.
 
 use super::joe_kuo::DIRECTIONS;
 use super::stream::{BITS, unit, word};

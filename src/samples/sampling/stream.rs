@@ -5,8 +5,8 @@
 //! number x of dimension j is the little-endian 64-bit word j of the key stream; u = (⌊x / 2¹²⌋ + ½) / 2⁵².
 //!
 //! Dimensions below 2¹⁶ are those of the inputs in a Monte Carlo design; the ones above are taken in blocks of 2¹⁶ by
-//! what other designs need: the place within a stratum of a Latin hypercube, the keys that scramble Sobol' points, those of
-//! the outer points of a nested design, the points at which a surrogate is evaluated, starts of Markov chains, and fields that an input
+//! what other designs need. These are the place within a stratum of a Latin hypercube, the keys that scramble Sobol' points,
+//! those of the outer points of a nested design, the points at which a surrogate is evaluated, starts of Markov chains, and fields that an input
 //! numbers.
 
 use rand::{Rng, SeedableRng};

@@ -163,11 +163,11 @@ impl Shape {
         n.max(4)
     }
 
-    /// Names and sizes of the rooms for what a state may do over a period; per direction in the box law.
-    fn rooms(&self) -> Vec<(&'static str, usize)> {
+    /// Names and sizes of the arrays for what a state may do over a period; per direction in the box law.
+    fn capacities(&self) -> Vec<(&'static str, usize)> {
         let highest = self.highest() as usize;
         match self.march {
-            March::Box => self.box_rooms().into(),
+            March::Box => self.box_capacities().into(),
             March::SampledCircle { .. } => Vec::new(),
             // a gap function of this order has no more roots, but for one counted twice at a sample
             March::LocatedCircle => vec![
@@ -177,7 +177,7 @@ impl Shape {
         }
     }
 
-    fn box_rooms(&self) -> [(&'static str, usize); 3] {
+    fn box_capacities(&self) -> [(&'static str, usize); 3] {
         let highest = self.highest() as usize;
         [
             ("MAX_POINTS", 24 + 4 * highest),
@@ -188,14 +188,14 @@ impl Shape {
 
     /// Whether the kernels are worth compiling for a software adapter, and no invocation can need more loop iterations than it
     /// counts, silently. Box law: the march with
-    /// all its room for events used, series and root searches at every one of them. Circle law: all laps, and the sums of
+    /// its whole capacity for events used, series and root searches at every one of them. Circle law: all laps, and the sums of
     /// the last one; with located events the shader counts what it spends, and leaves what would be too much undecided.
     #[must_use]
     pub fn suits_software(&self) -> bool {
         let (n_time, m) = (self.n_time as usize, self.n_coefficients());
         let iterations = match self.march {
             March::Box => {
-                let [(_, points), (_, runs), _] = self.box_rooms();
+                let [(_, points), (_, runs), _] = self.box_capacities();
                 let event = self.terms() * (2 * self.orders.len() + ROOT_LOOPS);
                 3 * n_time + (points + runs) * event + self.laps as usize * points
             }
@@ -252,7 +252,7 @@ impl Shape {
             ("BLOCKS", self.blocks().len()),
             ("MAX_ITERATIONS", most_iterations),
         ];
-        for (name, value) in whole.into_iter().chain(self.rooms()) {
+        for (name, value) in whole.into_iter().chain(self.capacities()) {
             // writing to a string cannot fail
             let _ = writeln!(text, "const {name}: u32 = {value}u;");
         }

@@ -131,7 +131,8 @@ impl Solution {
     }
 
     /// Whether the contacts of a part that only they hold bounce so much that a response with the period of the
-    /// excitation is not to be trusted, as far as that can be told without its stability: the strip flies, or the pairs are open for most of the time. Time integration of the rig settles to one period up to
+    /// excitation is not to be trusted, as far as that can be told without its stability. They do so where the strip flies, or the
+    /// pairs are open for most of the time. Time integration of the rig settles to one period up to
     /// shares of about one half (100 N) and does not any more at 300 N, where it is two thirds and more.
     #[must_use]
     pub fn bounces(&self, model: &LinearModel) -> bool {

@@ -8,7 +8,7 @@ use wgpu::BufferUsages as Usage;
 /// Arrays that one batch after the other uses. Each is at least as long as its batch needs.
 #[derive(Debug)]
 pub(super) struct LaneArrays {
-    /// Columns and inverses that they have room for.
+    /// Columns and inverses that they can hold.
     columns: usize,
     inverses_at_most: usize,
     /// Those of the contact passes.

@@ -151,7 +151,7 @@ impl LaneKernels {
         usize::try_from(largest / 4).unwrap_or(usize::MAX) / (size * size)
     }
 
-    /// Arrays with room for `columns` columns and `inverses` inverses: those of the last batch where it has ended and they suffice.
+    /// Arrays for `columns` columns and `inverses` inverses: those of the last batch where it has ended and they suffice.
     ///
     /// # Errors
     /// [`GpuError::Refused`] if the device has not the memory.

@@ -6,8 +6,8 @@
 //! precision on the processor ([`search`]).
 //!
 //! Passes of an iteration: moved, scaled (states of the contact passes of [`crate::gpu`], which follow), rate and loaded (contact
-//! forces), product and divided (motion of the modes), preconditioned; then rounds of the same for the directions of correction and
-//! tangent, each ended by advanced; at last responded, and 64 bytes of each lane come back.
+//! forces), product and divided (motion of the modes), preconditioned. Then follow rounds of the same for the directions of correction and
+//! tangent, each ended by advanced. The last pass is responded, and 64 bytes of each lane come back.
 
 #![cfg_attr(
     not(feature = "gpu"),

@@ -31,7 +31,7 @@ pub fn parts(n: usize, lower: impl Iterator<Item = (usize, usize, f64)>) -> Vec<
     (0..n).map(|row| root(&mut parent, row)).collect()
 }
 
-/// The least row of the part that a row is known to be in. The way there becomes shorter.
+/// The least row of the part that a row is known to be in. The chain of parents to it becomes shorter.
 fn root(parent: &mut [usize], mut row: usize) -> usize {
     while parent[row] != row {
         parent[row] = parent[parent[row]];

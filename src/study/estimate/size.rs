@@ -81,7 +81,7 @@ impl PreparedStudy<'_> {
 /// densely, which systems of up to [`DENSE_FALLBACK_LIMIT`] unknowns are (matrix, copy, factors).
 ///
 /// Compliances of all harmonics, from which the springs of the contacts are taken and which sweeps have in single precision,
-/// too; derivatives of the contact forces, seven blocks per pair in four copies; and, of a large system, factors of the
+/// too. Derivatives of the contact forces, seven blocks per pair in four copies. Of a large system also factors of the
 /// blocks of the sweep and the directions of an exact solve. Small ones are factorised densely
 /// (`hb::equations::jacobian`).
 fn solve_memory(n_contacts: usize, unknowns: usize) -> [f64; 2] {

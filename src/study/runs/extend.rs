@@ -26,7 +26,7 @@ use crate::study::settings::read::Study;
 /// is how many there are at most. What is solved is written on the way: the same call goes on after a process that died.
 ///
 /// # Errors
-/// Those of [`super::run::run`], and [`Error::Results`] if the folder holds no results of `run` or one of its files was changed, the design cannot grow, its
+/// Those of [`super::run::run`]. Also [`Error::Results`] if the folder holds no results of `run` or one of its files was changed, the design cannot grow, its
 /// rule was met or would be judged at other looks, there are not more samples than before, or the samples there are are not what this program would give.
 pub fn extend(
     folder: &Path,

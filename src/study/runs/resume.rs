@@ -132,7 +132,7 @@ impl Resumed {
         tables.collect()
     }
 
-    /// Forgets all but where the samples stand: the report of a million samples has the room.
+    /// Forgets all but where the samples stand: the report of a million samples has the memory.
     pub(super) fn forget(&mut self) {
         self.known = Known::default();
         self.compared = Vec::new();
@@ -445,7 +445,7 @@ fn stored_study(study: &Study, folder: &OutputFolder) -> Result<StoredStudy, Err
     })
 }
 
-/// The way from `start` to `path`, both without symbolic links; `path` itself where they have no root in common.
+/// The relative path from `start` to `path`, both without symbolic links; `path` itself where they have no root in common.
 fn relative(path: &Path, start: &Path) -> PathBuf {
     let common = path.components().zip(start.components());
     let n = common.take_while(|(a, b)| a == b).count();

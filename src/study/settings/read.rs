@@ -1,4 +1,4 @@
-//! From `study.toml` to the settings of every room.
+//! From `study.toml` to the settings of every module.
 
 use std::path::{Path, PathBuf};
 

@@ -137,7 +137,7 @@ pub struct SolverSection {
         extend("default" = NewtonSettings::default().max_iterations)
     )]
     max_iterations: Option<usize>,
-    /// Newton iterations of one search for a peak, of one curve of a sample, of one way of `solve` through the band, or of one
+    /// Newton iterations of one search for a peak, of one curve of a sample, of one sweep of `solve` through the band, or of one
     /// solution on it; more end it with the status `budget-spent`.
     #[schemars(
         range(min = 1, max = MOST_BUDGET),

@@ -9,7 +9,7 @@ mod shares;
 use std::path::Path;
 use std::process::{Child, Stdio};
 
-use super::{folder, microslip};
+use super::{assert_same_files, change, folder, microslip};
 use assert_cmd::cargo::CommandCargoExt;
 use tempfile::TempDir;
 
@@ -41,14 +41,6 @@ fn wait_for_a_part(folder: &Path, output: &str) {
     while !parts(folder, output).iter().any(whole) {
         std::thread::sleep(std::time::Duration::from_millis(2));
     }
-}
-
-/// Replaces `old` by `new` in the study of `folder`.
-fn change(folder: &Path, old: &str, new: &str) {
-    let path = folder.join("study.toml");
-    let text = std::fs::read_to_string(&path).unwrap();
-    assert!(text.contains(old), "the study has no {old:?}");
-    std::fs::write(path, text.replacen(old, new, 1)).unwrap();
 }
 
 /// Runs the study to its end into `output`; returns what it said.
@@ -91,24 +83,9 @@ fn refused(folder: &Path, arguments: &[&str], fragment: &str) {
     assert!(found, "{fragment:?} is not in: {message}");
 }
 
-/// The tables and all but the wall time of the summary are those of `whole`.
+/// The results are those of `whole`, and nothing else is left beside them.
 fn assert_same_results(folder: &Path, output: &str) {
-    let read = |of: &str, name: &str| std::fs::read(folder.join(of).join(name)).unwrap();
-    for name in [
-        "samples.parquet",
-        "curves.parquet",
-        "atlas.parquet",
-        "report.json",
-    ] {
-        assert!(read(output, name) == read("whole", name), "{name} differs");
-    }
-    let summary = |of: &str| {
-        let text = std::fs::read_to_string(folder.join(of).join("summary.json")).unwrap();
-        let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
-        json.as_object_mut().unwrap().remove("wall_time_s").unwrap();
-        json
-    };
-    assert_eq!(summary(output), summary("whole"), "summary.json");
+    assert_same_files(folder, output);
     let left = ["parts", ".unfinished", ".placing"].map(|name| folder.join(output).join(name));
     assert!(left.iter().all(|path| !path.exists()), "something is left");
     let verified = microslip(folder, &["verify", output]);

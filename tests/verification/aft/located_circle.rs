@@ -67,7 +67,7 @@ fn single_precision_follows_double_precision_on_the_circle() {
 }
 
 /// Motions up to 1e10 times as large as what the contact sticks for, as small friction and a large level make them: where
-/// the motion turns back, the slider rests for less than a thousandth of a step, and round-off of its way is not far below
+/// the motion turns back, the slider rests for less than a thousandth of a step, and round-off of its travel is not far below
 /// the limit. Random models met the first two. The sum over samples misses of so short a stick what grows as the root of
 /// that ratio (3.5e-6 times it at 128 points). Seen to fail (no end within ten minutes) with the search for the start of slip from
 /// the zero of a cubic, which ends in the round-off about the turning point: slip began and ended there for ever; and without the

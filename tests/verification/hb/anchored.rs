@@ -76,7 +76,7 @@ fn peaks(outcomes: &[SampleOutcome]) -> Vec<Option<PeakRecord>> {
 fn settings() -> HbSettings {
     HbSettings {
         harmonics: HarmonicSet::up_to(2),
-        // decided at the time points forces have kinks: then neither way ends, and peaks are tracked
+        // decided at the time points forces have kinks: then neither search ends, and peaks are tracked
         aft: AftSettings {
             events: Events::Located,
             ..aft(128, FrictionLaw::Box)

@@ -1,45 +1,17 @@
-//! The forced response around a peak against a densely walked one.
+//! The forced response around a peak against a densely followed one.
 
 use super::invariants::settings;
 use super::models::plane;
+use super::polyline::{distance, half_width, points};
 use crate::response::over_band;
 use crate::two_blade::folded;
 use microslip::contact::{Events, FrictionLaw};
 use microslip::hb::peak::search::PeakSettings;
 use microslip::hb::peak::track::track_peaks;
-use microslip::hb::response::curve::{CURVE_ERROR, CurvePoint, ResponseCurve, response_curve};
+use microslip::hb::response::curve::{CURVE_ERROR, ResponseCurve, response_curve};
 use microslip::hb::structure::resonance::Band;
 use microslip::hb::{Balance, LinearModel, Problem, SliderAnchor, Solution};
 use std::f64::consts::TAU;
-
-/// Half of the frequencies around the peak at which the amplitude exceeds 0.7 of it.
-fn half_width(dense: &[Solution], top: f64) -> f64 {
-    let high = dense.iter().filter(|s| s.amplitude(0) > 0.7 * top);
-    let (low, high) = high.fold((f64::INFINITY, 0.0f64), |(l, h), s| {
-        (l.min(s.omega), h.max(s.omega))
-    });
-    0.5 * (high - low)
-}
-
-/// Largest distance of the curve's points from the dense one, over half width and peak.
-fn distance(curve: &[CurvePoint], dense: &[Solution], [width, top]: [f64; 2]) -> f64 {
-    let dense: Vec<[f64; 2]> = dense
-        .iter()
-        .map(|s| [s.omega / width, s.amplitude(0) / top])
-        .collect();
-    let to_segment = |p: [f64; 2], a: [f64; 2], b: [f64; 2]| {
-        let (ab, ap) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
-        let share = (ab[0] * ap[0] + ab[1] * ap[1]) / (ab[0] * ab[0] + ab[1] * ab[1]);
-        let share = share.clamp(0.0, 1.0);
-        f64::hypot(ap[0] - share * ab[0], ap[1] - share * ab[1])
-    };
-    let nearest = |p: &CurvePoint| {
-        let p = [p.omega / width, p.amplitude / top];
-        let segments = dense.windows(2).map(|s| to_segment(p, s[0], s[1]));
-        segments.fold(f64::INFINITY, f64::min)
-    };
-    curve.iter().map(nearest).fold(0.0, f64::max)
-}
 
 /// Largest amplitude of the points of `dense` that lie beyond all before them in the direction `sign` of the frequency: those that a
 /// slow sweep meets, which jumps at folds.
@@ -109,16 +81,19 @@ fn check(problem: &Problem<'_>, band: Band, levels: &[f64]) -> Vec<f64> {
             folded.push(found.level);
         }
         let curve = curve.points;
-        let error = distance(&curve, &dense, [width, top]);
+        let places: Vec<_> = (curve.iter())
+            .map(|p| [p.omega / width, p.amplitude / top])
+            .collect();
+        let error = distance(&places, &points(&dense, [width, top]));
         println!(
             "{} N: {} points, {count:?}, error {error:.1e}",
             found.level,
             curve.len()
         );
         let ends = [curve[0].omega, curve[curve.len() - 1].omega];
-        let room = 0.2 * band.width();
+        let margin = 0.2 * band.width();
         assert!(
-            ends[0] < band.low + room && ends[1] > band.high - room,
+            ends[0] < band.low + margin && ends[1] > band.high - margin,
             "{ends:?}"
         );
         assert!(curve.is_sorted_by(|a, b| a.omega < b.omega), "ascending");

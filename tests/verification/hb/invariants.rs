@@ -1,6 +1,6 @@
 //! What every solution must satisfy, on random problems, and its linear limits.
 
-use super::models::{Case, LOAD, aft, plane, short, space};
+use super::models::{Case, LOAD, aft, plane, short, space, with_problem};
 use crate::response::at_frequencies;
 use faer::prelude::*;
 use microslip::contact::{ContactParameters, FrictionLaw};
@@ -30,6 +30,13 @@ pub(super) fn settings(highest: usize, law: FrictionLaw) -> HbSettings {
         alert: None,
         stability: StabilityScope::Off,
     }
+}
+
+/// The lumped blades in the plane, excited out of phase, on harmonics up to 3.
+pub(super) fn with_plane(visit: impl FnOnce(&Problem<'_>, HbSettings)) {
+    with_problem(&plane(-1.0), |problem| {
+        visit(problem, settings(3, FrictionLaw::Box));
+    });
 }
 
 /// A random problem at a random level and frequency.

@@ -3,6 +3,7 @@
 use faer::Mat;
 use microslip::aft::{AftSettings, Laps};
 use microslip::contact::{ContactParameters, Events, FrictionLaw};
+use microslip::hb::{LinearModel, Problem, SliderAnchor};
 use microslip::model::{ContactPair, ReducedModel, Response, SparseRow};
 
 /// A model and its nominal contact parameters.
@@ -25,6 +26,14 @@ impl Case {
         }
         self
     }
+}
+
+/// The equations of a case at its own loads.
+pub(super) fn with_problem<T>(case: &Case, visit: impl FnOnce(&Problem<'_>) -> T) -> T {
+    let linear = LinearModel::new(&case.model).expect("definite");
+    let anchor = SliderAnchor::Unloaded;
+    let problem = Problem::new(&linear, case.contacts.clone(), 1.0, anchor).expect("held");
+    visit(&problem)
 }
 
 /// Closing instant interpolated, periodic sliders.

@@ -1,7 +1,7 @@
 //! Peaks, folds and the error alert.
 
 use super::invariants::{Draw, settings, solved};
-use super::models::{Case, plane, short};
+use super::models::{plane, short, with_problem};
 use crate::response::{at_frequencies, over_band};
 use faer::prelude::c64;
 use microslip::contact::{Events, FrictionLaw};
@@ -14,19 +14,10 @@ use microslip::hb::peak::refine::{RefinementTarget, refined};
 use microslip::hb::peak::search::{PeakSettings, highest_on_both_sides};
 use microslip::hb::peak::track::{stuck_point, track_peaks};
 use microslip::hb::structure::resonance::Band;
-use microslip::hb::{
-    AlertSettings, Balance, HbSettings, LinearModel, Problem, SliderAnchor, Status,
-};
+use microslip::hb::{AlertSettings, Balance, HbSettings, Status};
 use std::f64::consts::TAU;
 
-fn with_problem<T>(case: &Case, visit: impl FnOnce(&Problem<'_>) -> T) -> T {
-    let linear = LinearModel::new(&case.model).expect("definite");
-    let anchor = SliderAnchor::Unloaded;
-    let problem = Problem::new(&linear, case.contacts.clone(), 1.0, anchor).expect("held");
-    visit(&problem)
-}
-
-/// Tracked peaks against the top of a finely walked curve in a narrow band around them.
+/// Tracked peaks against the top of a finely followed curve in a narrow band around them.
 /// Seen to fail with: the maximum of ω|ŷ| in place of |ŷ|.
 #[test]
 fn tracked_peaks_are_the_tops_of_the_curves() {
@@ -89,7 +80,7 @@ fn tracked_peaks_are_the_tops_of_the_curves() {
     });
 }
 
-/// Out of phase at 40 N the blades' curve folds over: the walk turns back twice and passes the upper branch.
+/// Out of phase at 40 N the blades' curve folds over: the continuation turns back twice and passes the upper branch.
 /// Seen to fail with: tangents that always point to higher frequencies.
 #[test]
 fn the_walk_passes_folds() {

@@ -1,17 +1,14 @@
 //! Solves that cannot succeed end with a status.
 
-use super::invariants::settings;
+use super::invariants::with_plane;
 use super::models::plane;
 use crate::response::{at_frequencies, over_band};
-use microslip::contact::FrictionLaw;
 use microslip::hb::branch::sweep::SweepDirection;
 use microslip::hb::newton::{Condition, solve};
 use microslip::hb::peak::search::{PeakSettings, find_peak};
 use microslip::hb::peak::track::{stuck_point, track_peaks};
 use microslip::hb::structure::resonance::Band;
-use microslip::hb::{
-    Balance, HbSettings, LinearModel, Problem, ProblemError, SliderAnchor, Status,
-};
+use microslip::hb::{Balance, LinearModel, Problem, ProblemError, SliderAnchor, Status};
 use std::f64::consts::TAU;
 
 fn band(low: f64, high: f64) -> Band {
@@ -28,19 +25,11 @@ fn peak(band: Band) -> PeakSettings {
     }
 }
 
-fn with_problem(visit: impl FnOnce(&Problem<'_>, HbSettings)) {
-    let case = plane(-1.0);
-    let linear = LinearModel::new(&case.model).expect("definite");
-    let anchor = SliderAnchor::Unloaded;
-    let problem = Problem::new(&linear, case.contacts, 1.0, anchor).expect("held");
-    visit(&problem, settings(3, FrictionLaw::Box));
-}
-
 /// One iteration is not enough where contacts slip, and enough where they stick.
 /// Seen to fail with: 40 times the iterations allowed.
 #[test]
 fn too_few_iterations_are_a_status() {
-    with_problem(|problem, mut settings| {
+    with_plane(|problem, mut settings| {
         settings.newton.max_iterations = 1;
         let balance = Balance::new(problem, settings.harmonics.clone(), settings.aft);
         let one = |level: f64| {
@@ -55,10 +44,10 @@ fn too_few_iterations_are_a_status() {
 }
 
 /// One iteration per step: a curve gives up early, and a sweep finds a solution or gives up. Seen to fail without the
-/// pace of a walk: 8623 points on the curve.
+/// pace of a sweep: 8623 points on the curve.
 #[test]
 fn hopeless_walks_end_early() {
-    with_problem(|problem, mut settings| {
+    with_plane(|problem, mut settings| {
         settings.newton.max_iterations = 1;
         let curve = over_band(problem, &settings, 40.0, band(330.0, 430.0));
         let ends = (curve.iter().filter(|s| !s.status.has_solution())).map(|s| s.status);
@@ -81,7 +70,7 @@ fn hopeless_walks_end_early() {
 /// Seen to fail without a check of the budget in `newton`: the slipping level is found with 43 iterations.
 #[test]
 fn a_spent_budget_is_a_status() {
-    with_problem(|problem, mut settings| {
+    with_plane(|problem, mut settings| {
         settings.newton.budget = 20;
         let levels = [0.1, 40.0, 0.2];
         let peaks = track_peaks(problem, &settings, peak(band(300.0, 450.0)), &levels);
@@ -98,7 +87,7 @@ fn a_spent_budget_is_a_status() {
 /// fail without the check of the residual in `newton`.
 #[test]
 fn numbers_that_are_none_are_a_status() {
-    with_problem(|problem, settings| {
+    with_plane(|problem, settings| {
         let nan = f64::NAN;
         for (level, omega) in [
             (nan, 400.0 * TAU),
@@ -157,7 +146,7 @@ fn contacts_that_are_no_numbers_are_refused() {
 /// Seen to fail with: the band not checked in the search.
 #[test]
 fn bands_without_peak_are_a_status() {
-    with_problem(|problem, settings| {
+    with_plane(|problem, settings| {
         let empty = peak(band(500.0, 600.0));
         for found in track_peaks(problem, &settings, empty, &[1.0, 20.0]).expect("modes") {
             assert_eq!(found.status, Status::NoPeakInBand);

@@ -1,16 +1,14 @@
 //! Slow sweeps against the continuous curve, where several solutions exist.
 
-use super::invariants::settings;
-use super::models::plane;
+use super::invariants::with_plane;
+use super::polyline::{distance, half_width, points};
 use crate::response::over_band;
-use microslip::contact::{Events, FrictionLaw};
+use microslip::contact::Events;
 use microslip::hb::branch::sweep::SweepDirection;
-use microslip::hb::response::forced_response::{
-    self, CurveSettings, Largest, PLOT_ERROR, Response,
-};
+use microslip::hb::response::forced_response::{self, CurveSettings, Largest, PLOT_ERROR};
 use microslip::hb::response::values::{SlowSweep, at_frequencies};
 use microslip::hb::structure::resonance::Band;
-use microslip::hb::{HbSettings, LinearModel, Problem, SliderAnchor, Solution, Status};
+use microslip::hb::{HbSettings, LinearModel, Problem, Solution, Status};
 use microslip::study::Study;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -35,14 +33,6 @@ fn with_in_phase(visit: impl FnOnce(&Problem<'_>, &HbSettings)) {
     visit(&problem, &study.solver);
 }
 
-fn with_plane(visit: impl FnOnce(&Problem<'_>, HbSettings)) {
-    let case = plane(-1.0);
-    let linear = LinearModel::new(&case.model).expect("definite");
-    let anchor = SliderAnchor::Unloaded;
-    let problem = Problem::new(&linear, case.contacts, 1.0, anchor).expect("held");
-    visit(&problem, settings(3, FrictionLaw::Box));
-}
-
 /// Amplitudes at `omega` along the curve, each with whether the frequency rises there.
 fn crossings(curve: &[Solution], omega: f64) -> Vec<(f64, bool)> {
     (curve.windows(2))
@@ -55,8 +45,8 @@ fn crossings(curve: &[Solution], omega: f64) -> Vec<(f64, bool)> {
         .collect()
 }
 
-/// What a sweep meets at `omega`: the first crossing on its way along the curve. Legs between folds alternate between
-/// stable and unstable ones, and it is a leg on which the frequency goes the way of the sweep.
+/// What a sweep meets at `omega`: the first crossing along the curve. Legs between folds alternate between
+/// stable and unstable ones, and it is a leg on which the frequency moves as in the sweep.
 fn met(curve: &[Solution], omega: f64, direction: SweepDirection) -> f64 {
     let along = crossings(curve, omega);
     let (amplitude, rises) = match direction {
@@ -64,7 +54,7 @@ fn met(curve: &[Solution], omega: f64, direction: SweepDirection) -> f64 {
         SweepDirection::Downward => along.last(),
     }
     .expect("on the curve");
-    assert!(*rises, "a leg walked forward");
+    assert!(*rises, "a leg on which the frequency rises");
     *amplitude
 }
 
@@ -138,7 +128,8 @@ fn curves_are_as_close_together_as_a_picture_needs() {
                 let (peak, what) = thin.largest(band).expect("solved");
                 assert_eq!(what, Largest::Maximum, "{level} N");
                 let top = peak.amplitude(0);
-                let missed = missed(&dense, &thin, top);
+                let scale = [half_width(&dense, top), top];
+                let missed = distance(&points(&dense, scale), &points(&thin.solutions, scale));
                 let [n, many] = [thin.solutions.len(), dense.len()];
                 println!("{events:?}, {level} N: {n} of {many} points, {missed:.1e} away");
                 assert!(missed < PLOT_ERROR, "{level} N: {missed:e}");
@@ -159,34 +150,7 @@ fn curves_are_as_close_together_as_a_picture_needs() {
     });
 }
 
-/// Largest distance of the solutions `dense` from the straight lines of a curve with the peak `top`, over half width and
-/// height of the peak.
-fn missed(dense: &[Solution], curve: &Response, top: f64) -> f64 {
-    let high = dense.iter().filter(|s| s.amplitude(0) > 0.7 * top);
-    let (low, high) = high.fold((f64::INFINITY, 0.0f64), |(l, h), s| {
-        (l.min(s.omega), h.max(s.omega))
-    });
-    let scale = [0.5 * (high - low), top];
-    (dense.iter()).fold(0.0, |m: f64, s| m.max(away(s, curve, scale)))
-}
-
-/// Distance of a solution from the straight lines between others, over half width and height of the peak.
-fn away(solution: &Solution, curve: &Response, [width, height]: [f64; 2]) -> f64 {
-    let place = |s: &Solution| [s.omega / width, s.amplitude(0) / height];
-    let p = place(solution);
-    (curve.solutions.windows(2))
-        .map(|w| {
-            let [a, b] = [place(&w[0]), place(&w[1])];
-            let ab = [b[0] - a[0], b[1] - a[1]];
-            let ap = [p[0] - a[0], p[1] - a[1]];
-            let share = (ab[0] * ap[0] + ab[1] * ap[1]) / (ab[0] * ab[0] + ab[1] * ab[1]);
-            let share = share.clamp(0.0, 1.0);
-            f64::hypot(ap[0] - share * ab[0], ap[1] - share * ab[1])
-        })
-        .fold(f64::INFINITY, f64::min)
-}
-
-/// With a budget of 70 Newton iterations no walk gets through: the response says from where to where nothing is known, and no
+/// With a budget of 70 Newton iterations no sweep gets through: the response says from where to where nothing is known, and no
 /// amplitude of it passes for a peak. A value that the opposite sweep answers leaves nothing open.
 #[test]
 fn a_response_with_a_gap_says_so() {
@@ -214,7 +178,7 @@ fn a_response_with_a_gap_says_so() {
             let (_, what) = response.largest(band).expect("both ends are solved");
             assert_eq!(what, Largest::OfPart);
         }
-        // the way up had passed the fold at 360.3 Hz when it stopped at 356.3 Hz; a sweep stops where it was furthest
+        // the sweep up had passed the fold at 360.3 Hz when it stopped at 356.3 Hz; a sweep stops where it was furthest
         let [by_curve, gap] = [&curve, &values].map(|response| response.gap.expect("a gap"));
         let way_up = (curve.solutions.iter()).take_while(|s| s.status.has_solution());
         let furthest = way_up.map(|s| s.omega).fold(0.0, f64::max);

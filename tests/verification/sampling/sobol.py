@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes sobol.json (points to compare with) and the table of src/sampling/joe_kuo.rs, both from SciPy.
+"""Writes sobol.json (points to compare with) and the table of src/samples/sampling/joe_kuo.rs, both from SciPy.
 
 Usage: sobol.py, with scipy 1.17.1 and numpy 2.4.6. SciPy's direction numbers are the file new-joe-kuo-6.21201 of
 S. Joe and F. Y. Kuo, https://web.maths.unsw.edu.au/~fkuo/sobol/, under the BSD licence printed there.
@@ -24,7 +24,7 @@ for polynomial, start in zip(table["poly"][:DIMENSIONS], table["vinit"][:DIMENSI
     degree = int(polynomial).bit_length() - 1
     numbers = ", ".join(str(int(m)) for m in start[: max(degree, 1)])
     lines.append(f"    ({int(polynomial)}, &[{numbers}]),")
-target = HERE.parents[2] / "src" / "sampling" / "joe_kuo.rs"
+target = HERE.parents[2] / "src" / "samples" / "sampling" / "joe_kuo.rs"
 head = target.read_text().split("\n    (1, &[1]),")[0]
 target.write_text("\n".join([head, *lines, "];", ""]))
 

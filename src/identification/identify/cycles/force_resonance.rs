@@ -1,6 +1,6 @@
 //! The resonance of a force cell with the mass before it: found where the contact slips, and taken out of the force.
 //!
-//! A cell shows the force in its spring, not that of the contact: with the mass M of the box before it and the spring and damper of the
+//! A cell shows the force in its spring, not that of the contact. With the mass M of the box before it and the spring and damper of the
 //! cell, T = M b̈ + F and F = K b + D ḃ, so that for each harmonic of the circular frequency ω
 //!
 //! T = F (1 − r²/(1 + 2iζ r)),   r = ω/ω₀,   ω₀² = K/M,   2ζ = D ω₀/K.
@@ -36,7 +36,7 @@ const STEPS: usize = 20;
 /// Share of the variance about a parabola that a vibration must hold: noise of 180 samples gives at most a tenth. A vibration that
 /// holds less is as small as the noise.
 const HELD: f64 = 0.75;
-/// Unknowns of a way: a parabola, cosine and sine.
+/// Unknowns of a half of the cycle: a parabola, cosine and sine.
 const UNKNOWNS: usize = 5;
 /// Frequencies over that of the resonance, largest first, at which a Gaussian low-pass may have fallen to exp(−½). It rounds a corner
 /// by a period over 2π times as much: the less, the more noise passes, which the correction makes larger.
@@ -61,13 +61,13 @@ impl LoopResonance {
     /// That which the force of a mean loop shows; none where it shows none that noise could not.
     pub(super) fn of(mean: &MeanLoop) -> Option<Self> {
         let n = mean.samples() as f64;
-        let ways = ways(mean)?;
-        let shorter = ways.iter().map(Vec::len).min()? as f64;
+        let halves = halves(mean)?;
+        let shorter = halves.iter().map(Vec::len).min()? as f64;
         let step = n / (FINENESS * shorter);
         let [least, most] = [LEAST_PERIODS * n / shorter, n / LEAST_SAMPLES_OF_PERIOD];
         let tried = (0..).map(|k| least + step * f64::from(k));
         let tried: Vec<f64> = tried.take_while(|harmonic| *harmonic <= most).collect();
-        let rest = |harmonic: f64, damping: f64| rest(&ways, TAU * harmonic / n, damping);
+        let rest = |harmonic: f64, damping: f64| rest(&halves, TAU * harmonic / n, damping);
         let each: Vec<f64> = tried.iter().map(|h| rest(*h, DAMPING)).collect();
         let best = (0..each.len()).min_by(|a, b| each[*a].total_cmp(&each[*b]))?;
         // a slow change that is no vibration is described best by the slowest one
@@ -85,9 +85,9 @@ impl LoopResonance {
             let range = [0.0, MOST_DAMPING];
             found.damping = smallest(range, STEPS, |damping| rest(found.harmonic, damping));
         }
-        let without: f64 = ways.iter().map(|way| parabola_rest(way)).sum();
+        let without: f64 = halves.iter().map(|half| parabola_rest(half)).sum();
         let left = rest(found.harmonic, found.damping);
-        let freedom = ways.iter().map(Vec::len).sum::<usize>() - 2 * UNKNOWNS;
+        let freedom = halves.iter().map(Vec::len).sum::<usize>() - 2 * UNKNOWNS;
         found.passed = found.widest(mean, (left / freedom as f64).sqrt());
         (left < (1.0 - HELD) * without).then_some(found)
     }
@@ -172,13 +172,13 @@ impl LoopResonance {
     }
 }
 
-/// T less its mean ratio to N times N, where the vibration is sought on the way down and on the way up.
-fn ways(mean: &MeanLoop) -> Option<[Vec<f64>; 2]> {
+/// T less its mean ratio to N times N, where the vibration is sought in the half down and in the half up.
+fn halves(mean: &MeanLoop) -> Option<[Vec<f64>; 2]> {
     let n = mean.samples();
     let motion = smooth(&mean.displacement);
     let top = (0..n).max_by(|a, b| motion[*a].total_cmp(&motion[*b]))?;
     let bottom = (0..n).min_by(|a, b| motion[*a].total_cmp(&motion[*b]))?;
-    let way = |from: usize, to: usize| -> Option<Vec<f64>> {
+    let half = |from: usize, to: usize| -> Option<Vec<f64>> {
         let whole = motion[to] - motion[from];
         let all = (0..(to + n - from) % n).map(|place| (from + place) % n);
         let passed = |part: f64| {
@@ -192,24 +192,24 @@ fn ways(mean: &MeanLoop) -> Option<[Vec<f64>; 2]> {
         let rest = |i: &usize| mean.tangential[*i] - ratio * mean.normal[*i];
         (places.len() > 2 * UNKNOWNS).then(|| places.iter().map(rest).collect())
     };
-    Some([way(top, bottom)?, way(bottom, top)?])
+    Some([half(top, bottom)?, half(bottom, top)?])
 }
 
-/// Sum of the squares that a parabola and a vibration on each way leave; `phase`: of the vibration, per sample.
-fn rest(ways: &[Vec<f64>; 2], phase: f64, damping: f64) -> f64 {
-    let of_way = |way: &Vec<f64>| {
-        left(way, |i, x| {
+/// Sum of the squares that a parabola and a vibration in each half leave; `phase`: of the vibration, per sample.
+fn rest(halves: &[Vec<f64>; 2], phase: f64, damping: f64) -> f64 {
+    let of_half = |half: &Vec<f64>| {
+        left(half, |i, x| {
             let phase = phase * i as f64;
             let size = exp(-damping * phase);
             [1.0, x, x * x, size * cos(phase), size * sin(phase)]
         })
     };
-    ways.iter().map(of_way).sum()
+    halves.iter().map(of_half).sum()
 }
 
 /// The same without a vibration.
-fn parabola_rest(way: &[f64]) -> f64 {
-    left(way, |_, x| [1.0, x, x * x])
+fn parabola_rest(half: &[f64]) -> f64 {
+    left(half, |_, x| [1.0, x, x * x])
 }
 
 /// Sum of the squares that least squares leave of values; `row`: of the place and its distance from the middle over the length.

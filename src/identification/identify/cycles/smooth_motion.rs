@@ -3,7 +3,7 @@
 //! A platform moves as a few harmonics, p(t); the sensor sees that motion less what the rig between them gives way under the
 //! force, u(t) = p(t) − c T(t). Where a force cell has a resonance its spring gives way under the force of the cell, and what lies between
 //! cell and contact under that of the contact. Harmonics and the coefficients of the forces are fitted to a whole cycle, so that the few samples
-//! in which the contact sticks have the displacement that all samples tell: where the elastic travel is as small as a step of the
+//! in which the contact sticks have the displacement that all samples tell. Where the elastic travel is as small as a step of the
 //! sensor, the samples of the travel alone would not. A rig that holds the displacement itself has c = 0. The coefficient is found
 //! from the force above the harmonics, for of the others the motion has its own.
 

@@ -27,7 +27,7 @@ const STILL_SLIPS: f64 = 0.95;
 /// Share of the samples whose T/N counts as at its limit when reversals are sought: a contact that is nearly open has larger ones.
 const LIMITED: f64 = 0.1;
 
-/// The way down from the greatest displacement, then the way up.
+/// The half down from the greatest displacement, then the half up.
 ///
 /// Where the rig gives way, the contact rests at a reversal while the force falls: the displacement has a flat top, and its
 /// smooth motion turns in the middle of it. The reversal is the corner of the loop before it, where displacement and T/N, each

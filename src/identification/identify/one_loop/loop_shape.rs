@@ -11,7 +11,7 @@ use crate::identify::cycles::scatter::Batches;
 /// Places of a loop.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::identify) struct LoopShape<'m> {
-    /// The way down, and the way up.
+    /// The half down, and the half up.
     pub(in crate::identify) halves: [Half; 2],
     /// Windows of the stick branches, after the reversal at the greatest displacement and at the least.
     pub(in crate::identify) windows: [Option<Window<'m>>; 2],
@@ -120,7 +120,7 @@ struct Side<'a> {
 }
 
 impl<'a> Side<'a> {
-    /// Both, with T/N at the end of the way down and of the way up.
+    /// Both, with T/N at the end of the half down and of the half up.
     fn both(
         halves: [Half; 2],
         [down, up]: [f64; 2],
@@ -164,7 +164,7 @@ impl<'a> Side<'a> {
             .min(self.half.last(cycle));
         let step = last.div_ceil(MOST_POINTS).max(1);
         let shares = self.shares(cycle);
-        // a contact that has stuck for a moment before the reversal begins its branch on the way
+        // a contact that has stuck for a moment before the reversal begins its branch part of the way along it
         let begun = shares.first().copied().flatten().unwrap_or(0.0);
         let points = x.iter().zip(shares).take(last).step_by(step);
         let point = |(x, share): (&f64, Option<f64>)| Some((begun + x / full, share?));

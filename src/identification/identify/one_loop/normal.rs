@@ -8,7 +8,7 @@ const MOTION: f64 = 0.5;
 /// Part of the swing of the approach at each end that is left out: there pairs of samples are close together.
 const ENDS: f64 = 0.1;
 
-/// The line of the normal force over the approach, mean of the ways in and out; none where the approach was not measured, or is noise.
+/// The line of the normal force over the approach, mean of loading and unloading; none where the approach was not measured, or is noise.
 pub(super) fn normal_line(cycle: &MeanLoop) -> Option<Line> {
     let approach = cycle.approach.as_deref()?;
     let motion = smooth(approach);
@@ -25,7 +25,7 @@ pub(super) fn normal_line(cycle: &MeanLoop) -> Option<Line> {
         let share = (motion[*i] - low) / (high - low);
         (ENDS..=1.0 - ENDS).contains(&share) && cycle.normal[*i] > 0.0
     };
-    let way = |from: usize, to: usize, turned: bool| {
+    let half_line = |from: usize, to: usize, turned: bool| {
         let count = (to + n - from) % n;
         let mut places: Vec<usize> = (0..=count).map(|k| (from + k) % n).filter(inside).collect();
         if turned {
@@ -35,7 +35,10 @@ pub(super) fn normal_line(cycle: &MeanLoop) -> Option<Line> {
         let y: Vec<f64> = places.iter().map(|i| cycle.normal[*i]).collect();
         pairwise_line(&x, &y)
     };
-    let (rise, fall) = (way(bottom, top, false)?, way(top, bottom, true)?);
+    let (rise, fall) = (
+        half_line(bottom, top, false)?,
+        half_line(top, bottom, true)?,
+    );
     let error = rise.standard_error.zip(fall.standard_error);
     Some(Line {
         slope: 0.5 * (rise.slope + fall.slope),

@@ -1,4 +1,4 @@
-//! `report.html` of an identification: what it shows, in the blocks of the room `page`.
+//! `report.html` of an identification: what it shows, in the blocks of the module `page`.
 //!
 //! A function of [`Identified`](super::Identified) alone. Start reading in `document`, which lists the sections in the order of
 //! the page; `view` holds what they share, `parameter` the words for the contact parameters.

@@ -70,8 +70,8 @@ fn close_up(view: &View) -> Option<[f64; 2]> {
     let bars = (0..view.n_levels()).filter_map(|i| bar(view, i));
     let ends = bars.map(|[low, _, high]| [low, high]);
     let [low, high] = ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
-    let room = (high - low).max(2e-3 * high);
-    Some([low - room, high + room])
+    let space = (high - low).max(2e-3 * high);
+    Some([low - space, high + space])
 }
 
 /// Speeds of the close-up: the range of speeds and the crossings of the window (Hz) close to it.
@@ -82,8 +82,8 @@ fn speeds_in_sight(operation: &Operation, [low, high]: [f64; 2]) -> [f64; 2] {
     let crossings = orders.map(|k| 60.0 * middle / f64::from(*k));
     let close = crossings.filter(|c| (0.85 * slow..=1.15 * fast).contains(c));
     let [slow, fast] = close.fold([slow, fast], |[a, b], c| [a.min(c), b.max(c)]);
-    let room = (0.1 * (fast - slow)).max(0.01 * fast);
-    [(slow - room).max(0.0), fast + room]
+    let space = (0.1 * (fast - slow)).max(0.01 * fast);
+    [(slow - space).max(0.0), fast + space]
 }
 
 /// What a diagram shows: speeds (1/min) and frequencies (Hz).
@@ -93,7 +93,7 @@ struct Window {
 }
 
 impl Window {
-    /// The range of speeds with room, the resonances and the engine orders there.
+    /// The range of speeds with space, the resonances and the engine orders there.
     fn overview(view: &View, operation: &Operation) -> Self {
         let [slow, fast] = operation.speed_rpm;
         let orders = operation.engine_orders.iter();
@@ -101,11 +101,11 @@ impl Window {
         let bars = (0..view.n_levels()).filter_map(|i| bar(view, i));
         let resonances = bars.flat_map(|[low, _, high]| [low, high]);
         let [low, high] = hull(excited.chain(resonances)).unwrap_or([0.0, 1.0]);
-        let room = (0.12 * (high - low)).max(0.02 * high);
+        let space = (0.12 * (high - low)).max(0.02 * high);
         let aside = (fast - slow).max(0.12 * fast);
         Self {
             speeds: [(slow - aside).max(0.0), fast + aside],
-            frequencies: [(low - room).max(0.0), high + room],
+            frequencies: [(low - space).max(0.0), high + space],
         }
     }
 

@@ -52,8 +52,8 @@ fn level_histogram(view: &View, shown: Shown, i: usize) -> Figure {
         });
     let highest = bins.iter().map(|b| b.count).max().unwrap_or(1);
     let x = if low <= high {
-        let room = 0.04 * (high - low);
-        Axis::linear(view.label(shown), low - room, high + room)
+        let space = 0.04 * (high - low);
+        Axis::linear(view.label(shown), low - space, high + space)
     } else {
         Axis::linear(view.label(shown), 0.0, 1.0)
     };

@@ -12,7 +12,7 @@ use crate::statistics::{Sorted, quantile};
 /// Label of the abscissa.
 pub(super) const FREQUENCY: &str = "Excitation frequency (Hz)";
 
-/// Frequencies that hold nearly all resonances of every population, the free and the stuck one included, with room for the
+/// Frequencies that hold nearly all resonances of every population, the free and the stuck one included, with space for the
 /// flanks.
 pub(super) fn window(view: &View) -> (f64, f64) {
     let ReportInput {
@@ -27,8 +27,8 @@ pub(super) fn window(view: &View) -> (f64, f64) {
     let nominal = (0..view.n_levels()).filter_map(|i| view.nominal(Shown::Frequency, i));
     let linear = [record.free.frequency_hz, record.stuck.frequency_hz];
     let [low, high] = hull(most.chain(linear).chain(nominal)).unwrap_or(linear);
-    let room = (0.15 * (high - low)).max(4e-4 * high);
-    (low - room, high + room)
+    let space = (0.15 * (high - low)).max(4e-4 * high);
+    (low - space, high + space)
 }
 
 pub(super) fn amplitude_axis(view: &View, top: f64) -> Axis {

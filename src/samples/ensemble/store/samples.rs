@@ -65,7 +65,7 @@ pub(super) const MODE_COLUMNS: [&str; 5] = [
 /// Writes one row per sample and level.
 ///
 /// Columns: `sample`, those of [`SampleGroup`] that the design has, the inputs by name, `level`, `status`, then the fields
-/// of [`PeakRecord`] (null without a solution), `other_frequencies_hz` and `other_amplitudes_m` (lists of the lower maxima,
+/// of [`PeakRecord`] (null without a solution). Then come `other_frequencies_hz` and `other_amplitudes_m` (lists of the lower maxima,
 /// highest first, empty without a solution), what sweeps meet (null without a curve), the modes of the maxima where all modes are
 /// followed, `newton_iterations`, `factorizations`.
 /// [`SAMPLE_COLUMNS`] has their units and meanings, and so has the metadata of each column.

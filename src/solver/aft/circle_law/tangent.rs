@@ -1,7 +1,7 @@
 //! Exact derivative of the circle law.
 //!
 //! The slider carries the derivative B = k_t dw of its position by all displacement coefficients. A stick segment adds
-//! k_t b_i − B (one masked sum and one rank-1 product); a slip sample returns the predicted derivative to the disc,
+//! k_t b_i − B (one masked sum and one rank-1 product). A slip sample returns the predicted derivative to the disc,
 //! dT = (L/|T*|) p pᵀ dT* + mu k_n e b_i with e = T*/|T*| and p normal to e, and adds one rank-1 product.
 
 use super::march::slip_monodromy;

@@ -73,7 +73,7 @@ impl<'p> SweepStart<'_, 'p> {
     }
 
     /// The same, first tried at that frequency itself: where many resonances lie between it and a frequency far outside, as below the band of
-    /// a mistuned disk, the way from there is long.
+    /// a mistuned disk, the branch from there is long.
     ///
     /// # Errors
     /// The status of the last attempt.

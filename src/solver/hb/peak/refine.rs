@@ -1,8 +1,8 @@
 //! More harmonics for a solution until its stated truncation error is not above the threshold of the error alert.
 //!
-//! The error of a solution on one harmonic set is known in up to three ways, from the cheapest to the most expensive: by the
-//! change of the amplitude from another set on which the solution was found before, by one Newton step onto twice the
-//! harmonics, and by a solve with twice the harmonics ([`super::alert`]). [`refined`] tries them in this order.
+//! The error of a solution on one harmonic set is known in up to three ways, from the cheapest to the most expensive. The first
+//! is the change of the amplitude from another set on which the solution was found before, the second one Newton step
+//! onto twice the harmonics, the third a solve with twice the harmonics ([`super::alert`]). [`refined`] tries them in this order.
 
 use super::alert::{AlertSets, TruncationEstimate};
 use super::anchored::{AnchorInverse, anchored};

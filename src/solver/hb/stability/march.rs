@@ -40,7 +40,7 @@ use std::f64::consts::TAU;
 /// Re and Im of the root a.
 pub(super) const ROOT: [f64; 2] = [3.0, 1.732_050_807_568_877_2];
 
-/// All disturbances on their way through a lap.
+/// All disturbances during the march through a lap.
 pub(super) struct March<'a> {
     structure: &'a Disturbed,
     pairs: &'a [PairSteps],

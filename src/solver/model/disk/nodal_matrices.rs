@@ -1,7 +1,7 @@
 //! A disk from matrices that are reduced for each of its nodal diameters: one file for each, of one sector.
 //!
 //! Between 0 and N/2 a nodal diameter has complex Hermitian matrices, K(θ) = A + iB, for displacements φ of sector 0 in the wave
-//! φ e^(−iθj); or the same in real numbers, for the cosine and the sine part of a wave: sector j moves by q_c cos θj + q_s sin θj, and
+//! φ e^(−iθj). Or it has the same in real numbers, for the cosine and the sine part of a wave: sector j moves by q_c cos θj + q_s sin θj, and
 //!
 //! ```text
 //! [ A  −B ] [ q_c ]

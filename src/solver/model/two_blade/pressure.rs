@@ -7,10 +7,10 @@
 //!
 //! Random field: the deviation of a node's load from its nominal one, relative to this, is a Gaussian field δ of mean 0,
 //! independent on the two interfaces. Its covariance is that of a field with correlation exp(−d²/2ℓ²) at the distance d
-//! from which the mean over the interface was taken, so that every sample has the same load on both:
-//! C′ = (I − 1wᵀ) C (I − w1ᵀ), with w the nominal shares of the interface's load. It is expanded in its first modes (Karhunen & Loève;
+//! from which the mean over the interface was taken, so that every sample has the same load on both.
+//! It is C′ = (I − 1wᵀ) C (I − w1ᵀ), with w the nominal shares of the interface's load. It is expanded in its first modes (Karhunen & Loève;
 //! nodes weighed by w, Ghanem & Spanos 1991, sec. 2.3), δ = σ Σ_k √(λ_k/Λ) φ_k ξ_k with independent standard normal ξ_k
-//! and Λ the sum of the λ_k kept: the mean variance Σ_i w_i var δ_i is σ², whatever the mean took and the modes left out.
+//! and Λ the sum of the λ_k kept. The mean variance Σ_i w_i var δ_i is σ², whatever the mean took and the modes left out.
 //! The variance of a single node is above σ² at the ends of the interface and below it in the middle.
 
 use super::TwoBladeSettings;
