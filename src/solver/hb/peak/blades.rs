@@ -12,7 +12,7 @@ use super::refine::{RefinementTarget, refined};
 use super::search::{Located, PeakSettings, find_peak, highest_beside};
 use crate::hb::branch::sweep::{SweepDirection, SweepSettings, follow};
 use crate::hb::branch::sweep_start::SweepStart;
-use crate::hb::equations::effort::{Meter, WorkCount};
+use crate::hb::equations::effort::Meter;
 use crate::hb::equations::problem::Problem;
 use crate::hb::newton::ladder::Ladder;
 use crate::hb::newton::{Iterate, Point};
@@ -217,11 +217,7 @@ fn located(
     let target = RefinementTarget::Maximum(peak);
     let solution = refined(ladder.full(), found, sets.as_ref(), target, newton);
     Ok(Solution {
-        route: Some(match settings.harmonics.orders().len() {
-            ..=2 => PeakRoute::SweptOnOne,
-            _ => PeakRoute::SweptOnFew,
-        }),
-        work_count: WorkCount::default(),
+        route: Some(PeakRoute::SweptOnOne),
         ..solution
     })
 }
