@@ -10,8 +10,8 @@ use super::level_peak::LevelPeak;
 use super::predicted::{PeakPrediction, maximum_near};
 use super::refine::{RefinementTarget, refined};
 use super::search::{Located, PeakSettings, find_peak, highest_beside};
-use crate::hb::branch::sweep::{SweepDirection, SweepSettings, follow};
-use crate::hb::branch::sweep_start::SweepStart;
+use crate::hb::branch::sweep::{SweepDirection, SweepSettings};
+use crate::hb::branch::sweep_start::Sweep;
 use crate::hb::equations::effort::Meter;
 use crate::hb::equations::problem::Problem;
 use crate::hb::newton::ladder::Ladder;
@@ -125,20 +125,18 @@ fn swept(
     let ladder = Ladder::new(problem, settings);
     let rungs = &ladder.rungs()[..1];
     let balance = &rungs[0];
-    let [begin, _] = direction.ends(peak.band);
-    let start = SweepStart {
+    let sweep = Sweep {
         rungs,
         newton,
         level,
-        direction,
+        settings: SweepSettings {
+            band: peak.band,
+            direction,
+            largest_step: SWEEP_STEP,
+            largest_advance: SWEEP_ADVANCE,
+        },
     };
-    let first = start.solution_at_end(begin)?;
-    let sweep = SweepSettings {
-        band: peak.band,
-        direction,
-        largest_step: SWEEP_STEP,
-        largest_advance: SWEEP_ADVANCE,
-    };
+    let first = sweep.first_at_end()?;
     let mut seen = Vec::new();
     let see = |iterate: &Iterate<'_>| Seen {
         point: iterate.point.clone(),
@@ -146,7 +144,7 @@ fn swept(
             .map(|y| y.norm())
             .collect(),
     };
-    let end = follow(balance, first, sweep, newton, |from, to| {
+    let end = sweep.followed(first, |from, to| {
         if seen.is_empty() {
             seen.push(see(&from.iterate));
         }

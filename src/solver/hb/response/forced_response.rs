@@ -185,7 +185,13 @@ impl<'p> LevelProblem<'_, 'p> {
         other: Option<&Point>,
         progress: &impl Fn(f64),
     ) -> SweptPart {
-        let first = match self.first(curve.band, direction) {
+        let sweep = SweepSettings {
+            band: curve.band,
+            direction,
+            largest_step: curve.step,
+            largest_advance: CURVE_ADVANCE,
+        };
+        let first = match self.first(sweep) {
             Ok(solution) => Counted {
                 solution,
                 work: self.meter.read(),
@@ -198,12 +204,6 @@ impl<'p> LevelProblem<'_, 'p> {
                     last: None,
                 };
             }
-        };
-        let sweep = SweepSettings {
-            band: curve.band,
-            direction,
-            largest_step: curve.step,
-            largest_advance: CURVE_ADVANCE,
         };
         let (balance, newton) = (self.balance(), self.settings.newton);
         let (mut polyline, end) = Polyline::swept(balance, first, sweep, newton, other, progress);

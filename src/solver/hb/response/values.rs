@@ -144,8 +144,14 @@ impl<'p> LevelProblem<'_, 'p> {
         if open.is_empty() {
             return None;
         }
-        let (band, sign) = (answers.band, direction.sign());
-        let first = match self.first(band, direction) {
+        let sign = direction.sign();
+        let sweep = SweepSettings {
+            band: answers.band,
+            direction,
+            largest_step: SWEEP_STEP,
+            largest_advance: SWEEP_ADVANCE,
+        };
+        let first = match self.first(sweep) {
             Ok(first) => first,
             Err(stop) => return Some(stop),
         };
@@ -157,12 +163,6 @@ impl<'p> LevelProblem<'_, 'p> {
         if open.is_empty() {
             return None;
         }
-        let sweep = SweepSettings {
-            band,
-            direction,
-            largest_step: SWEEP_STEP,
-            largest_advance: SWEEP_ADVANCE,
-        };
         let newton = self.settings.newton;
         let all = answers.omega.len() as f64;
         let end = follow(self.balance(), first, sweep, newton, |from, to| {
