@@ -5,11 +5,10 @@
 //! band with one harmonic, and the first response of every blade is watched. The highest maxima that the points of the branch show are
 //! then located with all harmonics of the study, each as the peak of its blade.
 
-use super::alert::AlertSets;
 use super::level_peak::LevelPeak;
-use super::predicted::{PeakPrediction, maximum_near};
-use super::refine::{RefinementTarget, refined};
-use super::search::{Located, PeakSettings, find_peak, highest_beside};
+use super::predicted::raised;
+use super::refine::refined_maximum;
+use super::search::{PeakSettings, find_peak};
 use crate::hb::branch::sweep::{SweepDirection, SweepSettings};
 use crate::hb::branch::sweep_start::Sweep;
 use crate::hb::equations::effort::Meter;
@@ -205,17 +204,10 @@ fn located(
     let newton = settings.newton;
     let ladder = Ladder::new(problem, settings);
     let start = Iterate::new(ladder.first(), point.clone());
-    let mut found: Located<'_> = find_peak(ladder.first(), start, peak, newton)?;
-    for pair in ladder.rungs().windows(2) {
-        let prediction = PeakPrediction::on_other_harmonics(&pair[0], &found, &pair[1]);
-        found = maximum_near(&pair[1], prediction, peak, newton)?;
-    }
-    let found = highest_beside(ladder.full(), found, peak, newton);
-    let sets = AlertSets::new(problem, &settings.harmonics, settings);
-    let target = RefinementTarget::Maximum(peak);
-    let solution = refined(ladder.full(), found, sets.as_ref(), target, newton);
+    let found = find_peak(ladder.first(), start, peak, newton)?;
+    let found = raised(ladder.rungs(), found, peak, newton)?;
     Ok(Solution {
         route: Some(PeakRoute::SweptOnOne),
-        ..solution
+        ..refined_maximum(ladder.full(), found, settings, peak)
     })
 }

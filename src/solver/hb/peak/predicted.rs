@@ -220,6 +220,22 @@ pub fn maximum_near<'p>(
     })
 }
 
+/// The maximum on the last of `rungs` that belongs to the maximum `found` on the first: rung by rung.
+///
+/// # Errors
+/// The status of the rung that failed.
+pub(super) fn raised<'p>(
+    rungs: &[Balance<'p>],
+    found: Located<'p>,
+    settings: PeakSettings,
+    newton: NewtonSettings,
+) -> Result<Located<'p>, Status> {
+    rungs.windows(2).try_fold(found, |found, pair| {
+        let prediction = PeakPrediction::on_other_harmonics(&pair[0], &found, &pair[1]);
+        maximum_near(&pair[1], prediction, settings, newton)
+    })
+}
+
 /// The solution with the predicted phase.
 ///
 /// # Errors
