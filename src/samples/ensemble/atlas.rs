@@ -141,11 +141,7 @@ impl AnchorPeak {
     pub fn as_prediction(&self) -> AtlasPrediction {
         AtlasPrediction {
             harmonics: self.harmonics.clone(),
-            peak: PeakPrediction {
-                point: self.point.clone(),
-                phasor: self.response / self.response.norm(),
-                sharpness: self.sharpness,
-            },
+            peak: PeakPrediction::new(self.point.clone(), self.response, self.sharpness),
             amplitude: self.response.norm(),
         }
     }
@@ -198,17 +194,14 @@ fn combined(parts: &[(f64, &AnchorPeak)]) -> AtlasPrediction {
         response += peak.response * *weight;
         sharpness = (sharpness.zip(peak.sharpness)).map(|(sum, s)| sum + weight * s);
     }
+    let point = Point {
+        r,
+        omega,
+        level: first.point.level,
+    };
     AtlasPrediction {
         harmonics,
-        peak: PeakPrediction {
-            point: Point {
-                r,
-                omega,
-                level: first.point.level,
-            },
-            phasor: response / response.norm(),
-            sharpness,
-        },
+        peak: PeakPrediction::new(point, response, sharpness),
         amplitude: response.norm(),
     }
 }

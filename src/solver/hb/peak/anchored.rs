@@ -180,12 +180,7 @@ impl<'a> AnchoredSearch<'a> {
             axpy(omega_step, &solver.tangent, &mut point.r);
             point.omega += omega_step;
             // climbs from where it starts, whatever the branch is known to do at the maximum
-            let response = here.response * c64::cis(phase);
-            let start = PeakPrediction {
-                point,
-                phasor: response / response.norm(),
-                sharpness: None,
-            };
+            let start = PeakPrediction::new(point, here.response * c64::cis(phase), None);
             let (point, sharpness) = self.from(start)?;
             let other = FreeIterate::new(self.free, point);
             if other.height() > (1.0 + HIGHER) * highest.0 {
