@@ -4,7 +4,7 @@ use super::gap::Stop;
 use crate::hb::branch::sweep::SweepSettings;
 use crate::hb::branch::sweep_start::Sweep;
 use crate::hb::equations::balance::Balance;
-use crate::hb::equations::effort::Meter;
+use crate::hb::equations::effort::{Counted, Meter, WorkCount};
 use crate::hb::equations::problem::Problem;
 use crate::hb::newton::ladder::Ladder;
 use crate::hb::newton::{Iterate, polish};
@@ -53,10 +53,13 @@ impl<'a, 'p> LevelProblem<'a, 'p> {
     }
 
     /// A frequency without solution.
-    pub(super) fn unsolved(&self, omega: f64, status: Status) -> Solution {
+    pub(super) fn unsolved(&self, omega: f64, status: Status) -> Counted<Solution> {
         let stuck = stuck_point(self.balance(), omega, self.level);
         let iterate = Iterate::new(self.balance(), stuck);
-        Solution::new(self.balance(), &iterate, status)
+        Counted {
+            solution: Solution::new(self.balance(), &iterate, status),
+            work: WorkCount::default(),
+        }
     }
 
     /// The solution where the sweep begins.
