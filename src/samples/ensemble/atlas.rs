@@ -85,7 +85,7 @@ const RIDGE: f64 = 1e-5;
 const SMOOTHING: f64 = 1e-9;
 
 impl Place<'_> {
-    /// What it is known by to the bit.
+    /// A key that is equal for equal places, bit by bit.
     pub(super) fn key(&self) -> StartOfSample {
         let bits = self.inputs.iter().map(|x| x.to_bits());
         (bits.collect(), self.level, self.mode)
@@ -203,6 +203,16 @@ fn combined(parts: &[(f64, &AnchorPeak)]) -> AtlasPrediction {
         harmonics,
         peak: PeakPrediction::new(point, response, sharpness),
         amplitude: response.norm(),
+    }
+}
+
+impl FromIterator<Anchor> for Atlas {
+    /// Of anchors at the same distance the first one comes first.
+    fn from_iter<I: IntoIterator<Item = Anchor>>(anchors: I) -> Self {
+        Self {
+            anchors: anchors.into_iter().collect(),
+            inverses: Arc::default(),
+        }
     }
 }
 
@@ -345,9 +355,8 @@ mod tests {
                 )])],
             }
         };
-        let mut atlas = Atlas::default();
-        atlas.extend((0..side * side).map(|k| anchor((k / side, k % side))));
-        atlas
+        let grid = (0..side * side).map(|k| (k / side, k % side));
+        grid.map(anchor).collect()
     }
 
     /// Level 0 of mode 3.

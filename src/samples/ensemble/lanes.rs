@@ -164,20 +164,13 @@ impl Ensemble<'_> {
         reference: &'w StaticReference,
         system: &LaneSystem,
     ) -> Option<LaneSearch<'w>> {
-        let applied = self.applied(&wanted.inputs).ok()?;
-        let problem = applied.problem(self.settings.anchor).ok()?;
-        let level = self.applied_levels(&applied)[wanted.level];
-        let prediction = wanted.prediction.clone().at_level(level);
-        let balance = balance_on(&problem, prediction.harmonics, self.settings);
         let inverse = wanted.inverse.get()?.as_ref()?;
-        LaneSearch::new(
-            system,
-            &balance,
-            AnchorInverse { reference, inverse },
-            prediction.peak,
-            self.peak,
-            self.settings.newton,
-        )
+        let anchor = AnchorInverse { reference, inverse };
+        let (settings, newton) = (self.peak, self.settings.newton);
+        let prediction = wanted.prediction.clone();
+        self.search_at(&wanted.inputs, wanted.level, prediction, |balance, peak| {
+            LaneSearch::new(system, balance, anchor, peak, settings, newton)
+        })
     }
 
     /// The peak `found` from a lane at `at`, or for a share of the peaks the one that is found `again` without, where both differ.

@@ -3,7 +3,7 @@
 use super::Ensemble;
 use super::applied::Applied;
 use super::atlas::{Atlas, ModePeaks};
-use super::outcome::{AroundPeak, LevelOutcome, MistunedRecord, newton_iterations};
+use super::outcome::{AroundPeak, LevelOutcome, MistunedRecord};
 use super::sample::{Found, record};
 use super::times::SampleTimes;
 use crate::hb::peak::blades::{LargestBlade, largest_of_blades};
@@ -78,12 +78,7 @@ impl Ensemble<'_> {
                 .collect();
             Ok(Found {
                 peaks: vec![ModePeaks::default(); levels.len()],
-                times: SampleTimes {
-                    peaks: to_peaks.saturating_sub(larger_sets),
-                    larger_sets,
-                    curves: begun.elapsed() - to_peaks,
-                    newton_iterations: newton_iterations(&levels),
-                },
+                times: SampleTimes::until_now(begun, to_peaks, larger_sets, &levels),
                 levels,
             })
         });

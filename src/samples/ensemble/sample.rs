@@ -8,7 +8,6 @@ use super::atlas::{Anchor, Atlas, ModePeaks};
 use super::mode_search::ModeOfSample;
 use super::outcome::{
     AroundPeak, CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
-    newton_iterations,
 };
 use super::times::SampleTimes;
 use super::{Ensemble, SampleSolver};
@@ -143,12 +142,7 @@ impl Ensemble<'_> {
             let levels: Vec<_> = of_levels.map(level).collect();
             Ok(Found {
                 peaks: peaks.iter().map(ModePeaks::new).collect(),
-                times: SampleTimes {
-                    peaks: to_peaks.saturating_sub(larger_sets),
-                    larger_sets,
-                    curves: begun.elapsed() - to_peaks,
-                    newton_iterations: newton_iterations(&levels),
-                },
+                times: SampleTimes::until_now(begun, to_peaks, larger_sets, &levels),
                 levels,
             })
         });
