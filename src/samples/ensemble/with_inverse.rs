@@ -5,7 +5,7 @@
 
 use super::Ensemble;
 use super::atlas::{Atlas, AtlasPrediction, NearAnchor, Place};
-use super::inverses::Made;
+use super::inverses::Lazy;
 use crate::hb::equations::free::StaticReference;
 use crate::hb::equations::inverse::InverseJacobian;
 use crate::hb::peak::anchored::AnchorInverse;
@@ -53,7 +53,7 @@ impl Ensemble<'_> {
         atlas: &Atlas,
         at: &Place<'_>,
         prediction: &AtlasPrediction,
-    ) -> Option<Arc<Made<InverseJacobian>>> {
+    ) -> Option<Arc<Lazy<InverseJacobian>>> {
         let unknowns = prediction.peak.point.r.len();
         let bytes = unknowns * unknowns * size_of::<f32>() * self.levels.len();
         let first = ANCHORS_WITH_INVERSE.min(MOST_BYTES / bytes.max(1));

@@ -45,7 +45,7 @@ pub struct LargestBlade {
 }
 
 /// A point of the branch, with the amplitudes of all blades.
-struct Seen {
+struct SweepPoint {
     point: Point,
     amplitudes: Vec<f64>,
 }
@@ -115,7 +115,7 @@ fn swept(
     peak: PeakSettings,
     level: f64,
     direction: SweepDirection,
-) -> Result<Vec<Seen>, Status> {
+) -> Result<Vec<SweepPoint>, Status> {
     // its solutions are only starts for others
     let newton = NewtonSettings {
         tolerance: settings.newton.tolerance.max(SWEEP_TOLERANCE),
@@ -137,7 +137,7 @@ fn swept(
     };
     let first = sweep.first_at_end()?;
     let mut seen = Vec::new();
-    let see = |iterate: &Iterate<'_>| Seen {
+    let see = |iterate: &Iterate<'_>| SweepPoint {
         point: iterate.point.clone(),
         amplitudes: (iterate.responses(balance).iter())
             .map(|y| y.norm())
@@ -157,7 +157,7 @@ fn swept(
 }
 
 /// The highest maxima of each blade's amplitude over the points: number of the point and blade, highest first.
-fn maxima(seen: &[Seen]) -> Vec<(usize, usize)> {
+fn maxima(seen: &[SweepPoint]) -> Vec<(usize, usize)> {
     let largest = seen
         .iter()
         .flat_map(|at| &at.amplitudes)
