@@ -21,8 +21,7 @@ pub(crate) fn memory() {
     let few: Vec<_> = (0..4)
         .map(|index| ensemble.sample(index, &Atlas::default()))
         .collect();
-    let mut atlas = Atlas::default();
-    atlas.extend((0..1024).map(|i| few[i % 4].1.clone()));
+    let atlas: Atlas = (0..1024).map(|i| few[i % 4].1.clone()).collect();
     let outcomes: Vec<(SampleOutcome, Option<Anchor>)> = (0..100_000)
         .map(|index| {
             let mut outcome = few[index as usize % 4].0.clone();

@@ -164,7 +164,7 @@ fn number_of_samples(study: &Study, settings: &CalibrationSettings) -> Result<us
 /// Frequency (Hz) and ln amplitude (m) of each level; NaN without a solution.
 fn numbers(levels: &[LevelOutcome]) -> Vec<[f64; 2]> {
     let of_level = |level: &LevelOutcome| {
-        let solved = level.peak.filter(|_| level.status.has_solution());
+        let solved = level.solved_peak();
         solved.map_or([f64::NAN; 2], |p| [p.frequency_hz, log(p.amplitude_m)])
     };
     levels.iter().map(of_level).collect()

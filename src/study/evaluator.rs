@@ -109,14 +109,12 @@ impl<'s> Evaluator<'s> {
     }
 
     fn starting_from(prepared: PreparedStudy<'s>, anchors: Vec<Anchor>) -> Self {
-        let mut evaluator = Self {
+        Self {
             prepared,
             anchors: anchors.len(),
-            atlas: Atlas::default(),
+            atlas: anchors.into_iter().collect(),
             sampled: Vec::new(),
-        };
-        evaluator.atlas.extend(anchors);
-        evaluator
+        }
     }
 
     /// The study.

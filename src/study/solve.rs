@@ -20,7 +20,7 @@ use crate::hb::response::forced_response::{
 };
 use crate::hb::response::values::{SlowSweep, at_frequencies};
 use crate::hb::structure::resonance::Band;
-use crate::hb::{ContactFractions, CycleWork, Problem, Solution, Status};
+use crate::hb::{ContactFractions, CycleWork, Problem, Solution, Status, WorkCount};
 use crate::model::ReducedModel;
 
 /// The curves.
@@ -264,7 +264,9 @@ impl<'a> LevelRecord<'a> {
             frequency: FrequencyRecord::new(stop.omega, unit),
             status: stop.status,
         };
-        let points = curve.response.solutions.iter();
+        let Response {
+            solutions, work, ..
+        } = &curve.response;
         Self {
             level: curve.level,
             gap: curve.response.gap.map(|Gap { below, above }| GapRecord {
@@ -276,15 +278,20 @@ impl<'a> LevelRecord<'a> {
                 amplitude: solution.amplitude(0),
                 is,
             }),
-            points: points
-                .map(|solution| PointRecord::new(solution, unit, names))
+            points: (solutions.iter().zip(work))
+                .map(|(solution, work)| PointRecord::new(solution, *work, unit, names))
                 .collect(),
         }
     }
 }
 
 impl<'a> PointRecord<'a> {
-    fn new(solution: &'a Solution, unit: FrequencyUnit, names: &[&'a str]) -> Self {
+    fn new(
+        solution: &'a Solution,
+        work: WorkCount,
+        unit: FrequencyUnit,
+        names: &[&'a str],
+    ) -> Self {
         let coefficients = |i: usize| {
             let rows = solution.responses.chunks_exact(names.len());
             rows.map(|row| row[i]).collect()
@@ -301,8 +308,8 @@ impl<'a> PointRecord<'a> {
             truncation_error: solution.truncation_error,
             multiplier: multiplier(solution),
             residual: solution.residual,
-            newton_iterations: solution.work_count.iterations,
-            factorizations: solution.work_count.factorizations,
+            newton_iterations: work.iterations,
+            factorizations: work.factorizations,
         }
     }
 }
@@ -336,10 +343,13 @@ fn write_csv(
     let mut table = csv::Writer::from_writer(out);
     table.write_record(head.concat())?;
     for curve in curves {
-        for solution in &curve.response.solutions {
+        let Response {
+            solutions, work, ..
+        } = &curve.response;
+        for (solution, work) in solutions.iter().zip(work) {
             let frequency = unit.of_rad_s(solution.omega);
             let place = [curve.level.to_string(), frequency.to_string()];
-            table.write_record(row(place, solution, names.len()))?;
+            table.write_record(row(place, solution, *work, names.len()))?;
         }
     }
     table.flush()
@@ -359,7 +369,12 @@ const LAST_COLUMNS: [&str; 9] = [
 ];
 
 /// A row at a level and frequency: what a failed solve does not have stays empty.
-fn row(place: [String; 2], solution: &Solution, n_responses: usize) -> Vec<String> {
+fn row(
+    place: [String; 2],
+    solution: &Solution,
+    work: WorkCount,
+    n_responses: usize,
+) -> Vec<String> {
     let solved = solution.status.has_solution();
     let optional = |value: Option<f64>| value.map_or(String::new(), |v| v.to_string());
     let if_solved = |value: f64| optional(solved.then_some(value));
@@ -376,8 +391,7 @@ fn row(place: [String; 2], solution: &Solution, n_responses: usize) -> Vec<Strin
     let multiplier = multiplier(solution);
     row.extend([0, 1].map(|part| optional(multiplier.map(|m| m[part]))));
     row.push(optional(Some(solution.residual).filter(|r| r.is_finite())));
-    let count = &solution.work_count;
-    row.extend([count.iterations, count.factorizations].map(|n| n.to_string()));
+    row.extend([work.iterations, work.factorizations].map(|n| n.to_string()));
     row
 }
 
@@ -385,7 +399,6 @@ fn row(place: [String; 2], solution: &Solution, n_responses: usize) -> Vec<Strin
 mod tests {
     use super::*;
     use crate::harmonics::HarmonicSet;
-    use crate::hb::WorkCount;
 
     fn solution(status: Status) -> Solution {
         Solution {
@@ -405,12 +418,13 @@ mod tests {
             sharpness: None,
             route: None,
             force: Vec::new(),
-            work_count: WorkCount {
-                iterations: 3,
-                factorizations: 2,
-            },
         }
     }
+
+    const WORK: WorkCount = WorkCount {
+        iterations: 3,
+        factorizations: 2,
+    };
 
     fn curve(solutions: Vec<Solution>) -> LevelCurve {
         LevelCurve {
@@ -420,6 +434,7 @@ mod tests {
                 high: 1000.0,
             },
             response: Response {
+                work: vec![WORK; solutions.len()],
                 solutions,
                 is_curve: true,
                 gap: None,
@@ -469,7 +484,8 @@ mod tests {
     #[test]
     fn records_order_coefficients_by_response() {
         let solution = solution(Status::Converged);
-        let record = PointRecord::new(&solution, FrequencyUnit::RadiansPerSecond, &["x", "y"]);
+        let unit = FrequencyUnit::RadiansPerSecond;
+        let record = PointRecord::new(&solution, WORK, unit, &["x", "y"]);
         let responses = record.responses.unwrap();
         assert_eq!(responses["x"], [0.0, 3.0, 4.0]);
         assert_eq!(responses["y"], [7.0, 0.0, 1.0]);

@@ -1,7 +1,7 @@
 //! Forced responses as most tests want them: solutions alone.
 
 use microslip::hb::branch::sweep::SweepDirection;
-use microslip::hb::response::forced_response::{self, CurveSettings};
+use microslip::hb::response::forced_response::{self, CurveSettings, Response};
 use microslip::hb::response::values::{self, SlowSweep};
 use microslip::hb::structure::resonance::Band;
 use microslip::hb::{HbSettings, Problem, Solution};
@@ -34,6 +34,17 @@ pub(crate) fn at_frequencies(
     (0..omega.len()).filter_map(solution).collect()
 }
 
+/// The response over `band` with solutions close together.
+pub(crate) fn dense_curve(
+    problem: &Problem<'_>,
+    settings: &HbSettings,
+    level: f64,
+    band: Band,
+) -> Response {
+    let curve = CurveSettings { band, step: DENSE };
+    forced_response::over_band(problem, settings, level, curve, |_| ())
+}
+
 /// Solutions along the branch over `band`, close together.
 pub(crate) fn over_band(
     problem: &Problem<'_>,
@@ -41,6 +52,5 @@ pub(crate) fn over_band(
     level: f64,
     band: Band,
 ) -> Vec<Solution> {
-    let curve = CurveSettings { band, step: DENSE };
-    forced_response::over_band(problem, settings, level, curve, |_| ()).solutions
+    dense_curve(problem, settings, level, band).solutions
 }

@@ -6,7 +6,7 @@ use crate::statistics::{Sorted, moments};
 
 /// The peak of a level if it solves the balance equations and its numbers are finite.
 pub(in crate::report) fn usable_peak(level: &LevelOutcome) -> Option<PeakRecord> {
-    let peak = level.peak.filter(|_| level.status.has_solution())?;
+    let peak = level.solved_peak()?;
     let finite = peak.frequency_hz.is_finite() && peak.amplitude_m.is_finite();
     finite.then_some(peak)
 }

@@ -1,9 +1,12 @@
 //! The nominal model with the inputs of one sample applied.
 
+use super::atlas::AtlasPrediction;
 use super::initial_tractions::shares;
 use super::{Ensemble, Strips};
 use crate::contact::ContactParameters;
-use crate::hb::{LinearModel, Problem, ProblemError, SliderAnchor, Status};
+use crate::hb::equations::balance::balance_on;
+use crate::hb::peak::predicted::PeakPrediction;
+use crate::hb::{Balance, LinearModel, Problem, ProblemError, SliderAnchor, Status};
 use crate::sampling::Input;
 use std::borrow::Cow;
 
@@ -51,6 +54,22 @@ impl Ensemble<'_> {
             applied.apply_input(*input, *value, self);
         }
         applied
+    }
+
+    /// What `search` finds from `prediction` at input values: it is given their balance equations on the harmonics of the prediction, and
+    /// the predicted peak at their own level number `level`. None, too, where they make no problem.
+    pub(super) fn search_at<T>(
+        &self,
+        inputs: &[f64],
+        level: usize,
+        prediction: AtlasPrediction,
+        search: impl FnOnce(&Balance<'_>, PeakPrediction) -> Option<T>,
+    ) -> Option<T> {
+        let applied = self.applied(inputs).ok()?;
+        let problem = applied.problem(self.settings.anchor).ok()?;
+        let prediction = prediction.at_level(self.applied_levels(&applied)[level]);
+        let balance = balance_on(&problem, prediction.harmonics, self.settings);
+        search(&balance, prediction.peak)
     }
 
     fn thickness_mm(&self, inputs: &[f64]) -> Option<(&Strips, f64)> {

@@ -85,7 +85,7 @@ const RIDGE: f64 = 1e-5;
 const SMOOTHING: f64 = 1e-9;
 
 impl Place<'_> {
-    /// What it is known by to the bit.
+    /// A key that is equal for equal places, bit by bit.
     pub(super) fn key(&self) -> StartOfSample {
         let bits = self.inputs.iter().map(|x| x.to_bits());
         (bits.collect(), self.level, self.mode)
@@ -141,11 +141,7 @@ impl AnchorPeak {
     pub fn as_prediction(&self) -> AtlasPrediction {
         AtlasPrediction {
             harmonics: self.harmonics.clone(),
-            peak: PeakPrediction {
-                point: self.point.clone(),
-                phasor: self.response / self.response.norm(),
-                sharpness: self.sharpness,
-            },
+            peak: PeakPrediction::new(self.point.clone(), self.response, self.sharpness),
             amplitude: self.response.norm(),
         }
     }
@@ -198,18 +194,25 @@ fn combined(parts: &[(f64, &AnchorPeak)]) -> AtlasPrediction {
         response += peak.response * *weight;
         sharpness = (sharpness.zip(peak.sharpness)).map(|(sum, s)| sum + weight * s);
     }
+    let point = Point {
+        r,
+        omega,
+        level: first.point.level,
+    };
     AtlasPrediction {
         harmonics,
-        peak: PeakPrediction {
-            point: Point {
-                r,
-                omega,
-                level: first.point.level,
-            },
-            phasor: response / response.norm(),
-            sharpness,
-        },
+        peak: PeakPrediction::new(point, response, sharpness),
         amplitude: response.norm(),
+    }
+}
+
+impl FromIterator<Anchor> for Atlas {
+    /// Of anchors at the same distance the first one comes first.
+    fn from_iter<I: IntoIterator<Item = Anchor>>(anchors: I) -> Self {
+        Self {
+            anchors: anchors.into_iter().collect(),
+            inverses: Arc::default(),
+        }
     }
 }
 
@@ -352,9 +355,8 @@ mod tests {
                 )])],
             }
         };
-        let mut atlas = Atlas::default();
-        atlas.extend((0..side * side).map(|k| anchor((k / side, k % side))));
-        atlas
+        let grid = (0..side * side).map(|k| (k / side, k % side));
+        grid.map(anchor).collect()
     }
 
     /// Level 0 of mode 3.

@@ -11,16 +11,16 @@ pub(super) type PeakOfAnchor = (usize, usize, usize);
 /// Place of a sample in the unit cube to the bit, level and mode.
 pub(super) type StartOfSample = (Vec<u64>, usize, usize);
 /// What is made when it is first asked for, by any thread; none where there is no such.
-pub(super) type Made<T> = OnceLock<Option<T>>;
+pub(super) type Lazy<T> = OnceLock<Option<T>>;
 
 /// The inverses of an atlas.
 #[derive(Debug, Default)]
 pub(super) struct Inverses {
     /// What holds harmonic 0.
-    pub(super) reference: Made<StaticReference>,
+    pub(super) reference: Lazy<StaticReference>,
     /// Predictions that a device has improved, until the samples of their batch are solved.
     starts: Mutex<BTreeMap<StartOfSample, PeakPrediction>>,
-    cells: Mutex<BTreeMap<PeakOfAnchor, Arc<Made<InverseJacobian>>>>,
+    cells: Mutex<BTreeMap<PeakOfAnchor, Arc<Lazy<InverseJacobian>>>>,
 }
 
 impl Inverses {
@@ -43,7 +43,7 @@ impl Inverses {
     }
 
     /// Place of the inverse at this peak.
-    pub(super) fn at(&self, peak: PeakOfAnchor) -> Arc<Made<InverseJacobian>> {
+    pub(super) fn at(&self, peak: PeakOfAnchor) -> Arc<Lazy<InverseJacobian>> {
         let cells = self.cells.lock();
         let mut cells = cells.unwrap_or_else(PoisonError::into_inner);
         Arc::clone(cells.entry(peak).or_default())

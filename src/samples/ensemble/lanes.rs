@@ -5,7 +5,7 @@
 
 use super::Ensemble;
 use super::atlas::{Atlas, AtlasPrediction, Place};
-use super::inverses::Made;
+use super::inverses::Lazy;
 use super::with_inverse::MOST_UNKNOWNS;
 use crate::hb::Solution;
 use crate::hb::equations::balance::{Balance, balance_on};
@@ -26,17 +26,17 @@ pub(super) const SAMPLES_OF_BATCH: usize = 2048;
 const LIMIT: f64 = 1e-8;
 
 /// A peak of a sample that a lane may search.
-struct Wanted {
+struct WantedPeak {
     /// Values of the inputs of the sample, and their place in the unit cube.
     inputs: Vec<f64>,
     place: Vec<f64>,
     level: usize,
     mode: usize,
     prediction: AtlasPrediction,
-    inverse: Arc<Made<InverseJacobian>>,
+    inverse: Arc<Lazy<InverseJacobian>>,
 }
 
-impl Wanted {
+impl WantedPeak {
     fn at(&self) -> Place<'_> {
         Place {
             inputs: &self.place,
@@ -74,7 +74,7 @@ impl Ensemble<'_> {
         let Some(device) = self.gpu.filter(|_| self.takes_inverses(atlas)) else {
             return;
         };
-        let wanted: Vec<Wanted> = (indices.par_iter())
+        let wanted: Vec<WantedPeak> = (indices.par_iter())
             .flat_map_iter(|&index| self.wanted(atlas, index))
             .collect();
         let Some(first) = wanted.first() else {
@@ -82,8 +82,8 @@ impl Ensemble<'_> {
         };
         // others would need kernels of their own
         let harmonics = first.prediction.harmonics.clone();
-        let same = |wanted: &&Wanted| wanted.prediction.harmonics == harmonics;
-        let wanted: Vec<&Wanted> = wanted.iter().filter(same).collect();
+        let same = |wanted: &&WantedPeak| wanted.prediction.harmonics == harmonics;
+        let wanted: Vec<&WantedPeak> = wanted.iter().filter(same).collect();
         let found = self.lanes_of(atlas, device, &wanted);
         let improved = wanted.into_iter().zip(found.unwrap_or_default());
         for (wanted, start) in improved {
@@ -94,7 +94,7 @@ impl Ensemble<'_> {
     }
 
     /// The peaks of sample `index`, for each level and each mode of the nearest anchor.
-    fn wanted(&self, atlas: &Atlas, index: u64) -> Vec<Wanted> {
+    fn wanted(&self, atlas: &Atlas, index: u64) -> Vec<WantedPeak> {
         let inputs = self.design.sample(index);
         let place = self.design.place(&inputs);
         let mut wanted = Vec::new();
@@ -109,7 +109,7 @@ impl Ensemble<'_> {
                     continue;
                 };
                 if let Some(inverse) = self.inverse_near(atlas, &at, &prediction) {
-                    wanted.push(Wanted {
+                    wanted.push(WantedPeak {
                         inputs: inputs.clone(),
                         place: place.clone(),
                         level,
@@ -128,7 +128,7 @@ impl Ensemble<'_> {
         &self,
         atlas: &Atlas,
         device: &LaneDevice,
-        wanted: &[&Wanted],
+        wanted: &[&WantedPeak],
     ) -> Option<Vec<Option<PeakPrediction>>> {
         let reference = self.reference_of(atlas)?;
         let first = wanted.first()?;
@@ -160,24 +160,17 @@ impl Ensemble<'_> {
 
     fn lane<'w>(
         &self,
-        wanted: &'w Wanted,
+        wanted: &'w WantedPeak,
         reference: &'w StaticReference,
         system: &LaneSystem,
     ) -> Option<LaneSearch<'w>> {
-        let applied = self.applied(&wanted.inputs).ok()?;
-        let problem = applied.problem(self.settings.anchor).ok()?;
-        let level = self.applied_levels(&applied)[wanted.level];
-        let prediction = wanted.prediction.clone().at_level(level);
-        let balance = balance_on(&problem, prediction.harmonics, self.settings);
         let inverse = wanted.inverse.get()?.as_ref()?;
-        LaneSearch::new(
-            system,
-            &balance,
-            AnchorInverse { reference, inverse },
-            prediction.peak,
-            self.peak,
-            self.settings.newton,
-        )
+        let anchor = AnchorInverse { reference, inverse };
+        let (settings, newton) = (self.peak, self.settings.newton);
+        let prediction = wanted.prediction.clone();
+        self.search_at(&wanted.inputs, wanted.level, prediction, |balance, peak| {
+            LaneSearch::new(system, balance, anchor, peak, settings, newton)
+        })
     }
 
     /// The peak `found` from a lane at `at`, or for a share of the peaks the one that is found `again` without, where both differ.

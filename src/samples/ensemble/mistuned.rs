@@ -3,8 +3,8 @@
 use super::Ensemble;
 use super::applied::Applied;
 use super::atlas::{Atlas, ModePeaks};
-use super::outcome::{AroundPeak, LevelOutcome, MistunedRecord, newton_iterations};
-use super::sample::{Found, record};
+use super::outcome::{AroundPeak, LevelOutcome, MistunedRecord};
+use super::sample::{SampleResult, record};
 use super::times::SampleTimes;
 use crate::hb::peak::blades::{LargestBlade, largest_of_blades};
 use crate::hb::peak::maxima::Maxima;
@@ -48,7 +48,12 @@ impl MistunedDisk {
 
 impl Ensemble<'_> {
     /// Records of the levels of a mistuned disk. Where a sample starts from others it hardly gains: no other disk has the same modes.
-    pub(super) fn mistuned(&self, of: &MistunedDisk, inputs: &[f64], place: &[f64]) -> Found {
+    pub(super) fn mistuned(
+        &self,
+        of: &MistunedDisk,
+        inputs: &[f64],
+        place: &[f64],
+    ) -> SampleResult {
         let begun = Instant::now();
         let solved = self.applied(inputs).and_then(|tuned| {
             let levels = self.applied_levels(&tuned);
@@ -76,14 +81,9 @@ impl Ensemble<'_> {
             let levels: Vec<LevelOutcome> = (assessed.zip(self.levels).enumerate())
                 .map(|(i, (found, nominal))| tuned.compared(i, &found, *nominal))
                 .collect();
-            Ok(Found {
+            Ok(SampleResult {
                 peaks: vec![ModePeaks::default(); levels.len()],
-                times: SampleTimes {
-                    peaks: to_peaks.saturating_sub(larger_sets),
-                    larger_sets,
-                    curves: begun.elapsed() - to_peaks,
-                    newton_iterations: newton_iterations(&levels),
-                },
+                times: SampleTimes::until_now(begun, to_peaks, larger_sets, &levels),
                 levels,
             })
         });

@@ -7,7 +7,6 @@
 
 use super::Ensemble;
 use super::atlas::{AnchorPeak, Atlas, AtlasPrediction, NearAnchor, PathPeak, Place};
-use crate::hb::equations::balance::balance_on;
 use crate::hb::peak::level_peak::LevelPeak;
 use crate::hb::peak::maxima::{Maxima, ModeSearch};
 use crate::hb::peak::predicted::correct;
@@ -220,13 +219,9 @@ impl Ensemble<'_> {
         share: f64,
         prediction: AtlasPrediction,
     ) -> Option<AnchorPeak> {
-        let inputs: Vec<f64> = (self.design.inputs().iter().zip(start.iter().zip(of.place)))
-            .map(|((_, distribution), (a, b))| distribution.quantile(a + share * (b - a)))
+        let place: Vec<f64> = (start.iter().zip(of.place))
+            .map(|(a, b)| a + share * (b - a))
             .collect();
-        let applied = self.applied(&inputs).ok()?;
-        let prediction = prediction.at_level(self.applied_levels(&applied)[level]);
-        let problem = applied.problem(self.settings.anchor).ok()?;
-        let balance = balance_on(&problem, prediction.harmonics, self.settings);
         let amplitude = prediction.amplitude;
         let peak = PeakSettings {
             frequency_tolerance: self.peak.frequency_tolerance.max(INTERMEDIATE_TOLERANCE),
@@ -236,9 +231,12 @@ impl Ensemble<'_> {
             tolerance: self.settings.newton.tolerance.max(INTERMEDIATE_TOLERANCE),
             ..self.settings.newton
         };
-        let corrected = correct(&balance, prediction.peak, peak, newton);
-        of.problem.effort.add(problem.effort.count());
-        let found = corrected.ok()?.solution(&balance);
+        let inputs = self.design.values_at(&place);
+        let found = self.search_at(&inputs, level, prediction, |balance, start| {
+            let corrected = correct(balance, start, peak, newton);
+            of.problem.effort.add(balance.problem.effort.count());
+            Some(corrected.ok()?.solution(balance))
+        })?;
         (!surprising(found.amplitude(0), amplitude)).then(|| AnchorPeak::new(&found))
     }
 }

@@ -44,6 +44,14 @@ pub struct LevelOutcome {
     pub factorizations: u32,
 }
 
+impl LevelOutcome {
+    /// The resonance peak, if it is a solution.
+    #[must_use]
+    pub fn solved_peak(&self) -> Option<PeakRecord> {
+        self.peak.filter(|_| self.status.has_solution())
+    }
+}
+
 /// What is known beside the peak of a level. Most levels of most samples have nothing, and a report holds millions of levels: then
 /// it takes one pointer.
 #[derive(Debug, Clone, Default, Deserialize)]

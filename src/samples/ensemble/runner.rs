@@ -189,8 +189,7 @@ impl Ensemble<'_> {
         anchors: &[Anchor],
     ) -> impl Fn(&[f64]) -> Vec<LevelOutcome> + Sync {
         let on_processor = Ensemble { gpu: None, ..*self };
-        let mut atlas = Atlas::default();
-        atlas.extend(anchors.iter().cloned());
+        let atlas: Atlas = anchors.iter().cloned().collect();
         move |inputs| on_processor.levels(inputs, &atlas)
     }
 
@@ -244,8 +243,7 @@ impl Ensemble<'_> {
         indices: &[u64],
         watch: &dyn Watch,
     ) -> Result<(), Stopped> {
-        let mut atlas = Atlas::default();
-        atlas.extend(anchors.iter().cloned());
+        let atlas: Atlas = anchors.iter().cloned().collect();
         self.solve_with(&atlas, indices, watch)
     }
 

@@ -8,7 +8,6 @@ use super::atlas::{Anchor, Atlas, ModePeaks};
 use super::mode_search::ModeOfSample;
 use super::outcome::{
     AroundPeak, CurvePoint, LevelOutcome, OtherMaximum, PeakRecord, SampleOutcome, SweepRecord,
-    newton_iterations,
 };
 use super::times::SampleTimes;
 use super::{Ensemble, SampleSolver};
@@ -33,7 +32,7 @@ enum Subject {
 }
 
 /// What is found at some inputs.
-pub(super) struct Found {
+pub(super) struct SampleResult {
     /// Shape: `[levels]`.
     pub(super) levels: Vec<LevelOutcome>,
     /// The peaks as starts for other samples. Shape: `[levels]`.
@@ -79,7 +78,7 @@ impl Ensemble<'_> {
                 index < self.curve_samples && group.of_population(),
             ),
         };
-        let Found {
+        let SampleResult {
             levels,
             peaks,
             times,
@@ -104,7 +103,7 @@ impl Ensemble<'_> {
     }
 
     /// Records of the levels, with the forced response if wanted.
-    fn found_at(&self, inputs: &[f64], place: &[f64], atlas: &Atlas, curve: bool) -> Found {
+    fn found_at(&self, inputs: &[f64], place: &[f64], atlas: &Atlas, curve: bool) -> SampleResult {
         let solved = || match (self.solver, self.mistuned) {
             // without inputs it is the nominal disk, which is tuned
             (SampleSolver::HarmonicBalance, Some(disk)) if !inputs.is_empty() => {
@@ -120,7 +119,7 @@ impl Ensemble<'_> {
     }
 
     /// The same by harmonic balance.
-    fn balanced(&self, inputs: &[f64], place: &[f64], atlas: &Atlas, curve: bool) -> Found {
+    fn balanced(&self, inputs: &[f64], place: &[f64], atlas: &Atlas, curve: bool) -> SampleResult {
         let begun = Instant::now();
         let solved = self.applied(inputs).and_then(|applied| {
             let levels = self.applied_levels(&applied);
@@ -141,14 +140,9 @@ impl Ensemble<'_> {
             };
             let of_levels = peaks.iter().zip(self.levels.iter().copied());
             let levels: Vec<_> = of_levels.map(level).collect();
-            Ok(Found {
+            Ok(SampleResult {
                 peaks: peaks.iter().map(ModePeaks::new).collect(),
-                times: SampleTimes {
-                    peaks: to_peaks.saturating_sub(larger_sets),
-                    larger_sets,
-                    curves: begun.elapsed() - to_peaks,
-                    newton_iterations: newton_iterations(&levels),
-                },
+                times: SampleTimes::until_now(begun, to_peaks, larger_sets, &levels),
                 levels,
             })
         });
@@ -157,7 +151,11 @@ impl Ensemble<'_> {
 
     /// The same from a function, which is the same at every level; of the medians where `inputs` is empty.
     #[cfg(feature = "test-functions")]
-    fn evaluated(&self, function: super::test_function::TestFunction, inputs: &[f64]) -> Found {
+    fn evaluated(
+        &self,
+        function: super::test_function::TestFunction,
+        inputs: &[f64],
+    ) -> SampleResult {
         let medians = self
             .design
             .inputs()
@@ -175,7 +173,7 @@ impl Ensemble<'_> {
             newton_iterations: 0,
             factorizations: 0,
         };
-        Found {
+        SampleResult {
             levels: self.levels.iter().map(level).collect(),
             peaks: vec![ModePeaks::default(); self.levels.len()],
             times: SampleTimes::default(),
@@ -280,7 +278,7 @@ impl Ensemble<'_> {
     }
 
     /// A sample that fails at every level, without peaks.
-    pub(super) fn without_solution(&self, status: Status) -> Found {
+    pub(super) fn without_solution(&self, status: Status) -> SampleResult {
         let levels = (self.levels.iter()).map(|&level| LevelOutcome {
             level,
             status,
@@ -289,7 +287,7 @@ impl Ensemble<'_> {
             newton_iterations: 0,
             factorizations: 0,
         });
-        Found {
+        SampleResult {
             levels: levels.collect(),
             peaks: vec![ModePeaks::default(); self.levels.len()],
             times: SampleTimes::default(),

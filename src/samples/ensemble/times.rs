@@ -1,7 +1,8 @@
 //! Where the time of a sample goes, and its work. The time is measured, never stored with results, and decides nothing.
 
+use super::outcome::{LevelOutcome, newton_iterations};
 use std::ops::AddAssign;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Time of one thread on a sample, by purpose, and its work.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -14,6 +15,24 @@ pub struct SampleTimes {
     pub curves: Duration,
     /// Newton iterations for all of these.
     pub newton_iterations: u64,
+}
+
+impl SampleTimes {
+    /// Those of a sample that began at `begun` and ends now, with these `levels`. Its peaks took `to_peaks`, of which `larger_sets` went
+    /// into larger harmonic sets.
+    pub(super) fn until_now(
+        begun: Instant,
+        to_peaks: Duration,
+        larger_sets: Duration,
+        levels: &[LevelOutcome],
+    ) -> Self {
+        Self {
+            peaks: to_peaks.saturating_sub(larger_sets),
+            larger_sets,
+            curves: begun.elapsed() - to_peaks,
+            newton_iterations: newton_iterations(levels),
+        }
+    }
 }
 
 impl AddAssign for SampleTimes {

@@ -5,8 +5,7 @@
 
 use super::Ensemble;
 use super::atlas::{Atlas, AtlasPrediction, NearAnchor, Place};
-use super::inverses::Made;
-use crate::hb::equations::balance::balance_on;
+use super::inverses::Lazy;
 use crate::hb::equations::free::StaticReference;
 use crate::hb::equations::inverse::InverseJacobian;
 use crate::hb::peak::anchored::AnchorInverse;
@@ -54,7 +53,7 @@ impl Ensemble<'_> {
         atlas: &Atlas,
         at: &Place<'_>,
         prediction: &AtlasPrediction,
-    ) -> Option<Arc<Made<InverseJacobian>>> {
+    ) -> Option<Arc<Lazy<InverseJacobian>>> {
         let unknowns = prediction.peak.point.r.len();
         let bytes = unknowns * unknowns * size_of::<f32>() * self.levels.len();
         let first = ANCHORS_WITH_INVERSE.min(MOST_BYTES / bytes.max(1));
@@ -82,14 +81,10 @@ impl Ensemble<'_> {
         level: usize,
         anchor: &NearAnchor<'_>,
     ) -> Option<InverseJacobian> {
-        let inputs: Vec<f64> = (self.design.inputs().iter().zip(anchor.place))
-            .map(|((_, distribution), share)| distribution.quantile(*share))
-            .collect();
-        let applied = self.applied(&inputs).ok()?;
-        let problem = applied.problem(self.settings.anchor).ok()?;
-        let prediction =
-            (anchor.peak.as_prediction()).at_level(self.applied_levels(&applied)[level]);
-        let balance = balance_on(&problem, prediction.harmonics, self.settings);
-        AnchorInverse::inverse_at(reference, &balance, &prediction.peak.point)
+        let inputs = self.design.values_at(anchor.place);
+        let known = anchor.peak.as_prediction();
+        self.search_at(&inputs, level, known, |balance, peak| {
+            AnchorInverse::inverse_at(reference, balance, &peak.point)
+        })
     }
 }

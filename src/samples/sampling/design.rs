@@ -203,6 +203,14 @@ impl Design {
             .collect()
     }
 
+    /// Values of the inputs at a place in the unit cube: their quantiles. The inverse of [`Design::place`].
+    #[must_use]
+    pub fn values_at(&self, place: &[f64]) -> Vec<f64> {
+        (self.inputs.iter().zip(place))
+            .map(|((_, distribution), share)| distribution.quantile(*share))
+            .collect()
+    }
+
     /// Outer point, replicate and place in its row of sample `i`.
     #[must_use]
     pub fn group(&self, i: u64) -> SampleGroup {

@@ -5,7 +5,7 @@ use super::forces::{AftForces, Block, Periodicity, StateCounts, StateSummary, Ta
 use super::plan::AftPlan;
 use super::settings::Laps;
 use super::vector::size;
-use crate::aft::box_law::located::Located;
+use crate::aft::box_law::located::LocatedBox;
 use crate::aft::box_law::play::Place;
 use crate::aft::box_law::tangent::{SegmentScratch, box_tangent};
 use crate::aft::circle_law::located::LocatedCircle;
@@ -26,7 +26,7 @@ pub struct AftScratch<T> {
     segments: SegmentScratch<T>,
     masks: MaskScratch<T>,
     circle: CircleScratch<T>,
-    located: Located<T>,
+    located: LocatedBox<T>,
     located_circle: LocatedCircle<T>,
 }
 

@@ -8,7 +8,6 @@ use super::status::Status;
 use crate::aft::StateCounts;
 use crate::harmonics::{HarmonicSet, phases};
 use crate::hb::equations::balance::Balance;
-use crate::hb::equations::effort::WorkCount;
 use crate::hb::equations::problem::Problem;
 use crate::hb::newton::{Iterate, Point};
 use crate::hb::structure::linear::LinearModel;
@@ -74,8 +73,6 @@ pub struct Solution {
     pub sharpness: Option<f64>,
     /// How a peak was found; `None` where the frequency was given.
     pub route: Option<PeakRoute>,
-    /// Newton iterations and factorisations spent on it: set by who has searched for it.
-    pub work_count: WorkCount,
 }
 
 /// Share of (pair, time) out of contact above which the strip bounces.
@@ -122,7 +119,6 @@ impl Solution {
             stability: None,
             sharpness: None,
             route: None,
-            work_count: WorkCount::default(),
         };
         if status.has_solution() && solution.bounces(model) {
             solution.status = Status::BouncingContact;

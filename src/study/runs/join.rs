@@ -69,28 +69,28 @@ fn solve_together(
 ) -> Result<(), Error> {
     let resumed = resumed(study, folder, &identity, settings)?;
     let begun = Begun::with(&resumed, study, folder, settings, identity);
-    let mut found = Found {
+    let mut shared = SharedSamples {
         study,
         settings,
         tables: resumed.tables(),
         known: resumed.known,
     };
-    let meter = Meter::start(found.known.indices.len() as u64, study.samples, progress);
-    at_work(begun, meter, |session| session.together(rank, &mut found))
+    let meter = Meter::start(shared.known.indices.len() as u64, study.samples, progress);
+    at_work(begun, meter, |session| session.together(rank, &mut shared))
 }
 
 impl<F: Fn(Progress) + Sync> Session<'_, F> {
     /// Solves generation by generation until no sample is missing.
-    fn together(&self, rank: u64, found: &mut Found) -> Result<(), Error> {
+    fn together(&self, rank: u64, shared: &mut SharedSamples) -> Result<(), Error> {
         let mut claims = Claims::of(&self.parts).map_err(unwritten)?;
         for generation in generations(self.prepared.study.samples) {
-            let anchors = found.known.anchors_before(generation.start);
-            while !found.has(&generation) {
-                let taken = self.one_round(&generation, rank, &anchors, &mut claims, found)?;
+            let anchors = shared.known.anchors_before(generation.start);
+            while !shared.has(&generation) {
+                let taken = self.one_round(&generation, rank, &anchors, &mut claims, shared)?;
                 if !taken {
                     std::thread::sleep(LOOK_EVERY);
                 }
-                found.refresh(self)?;
+                shared.refresh(self)?;
             }
         }
         Ok(())
@@ -103,7 +103,7 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
         rank: u64,
         anchors: &[Anchor],
         claims: &mut Claims,
-        found: &mut Found,
+        shared: &mut SharedSamples,
     ) -> Result<bool, Error> {
         let mut blocks: Vec<Range<u64>> = blocks(generation).collect();
         let first = rank as usize % blocks.len().max(1);
@@ -113,7 +113,7 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
             if self.settings.stop.asked() {
                 return Err(self.stopped());
             }
-            if found.has(&block) {
+            if shared.has(&block) {
                 continue;
             }
             let claim = claims.take(&format!("{:010}", block.start));
@@ -121,8 +121,8 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
                 continue;
             };
             // somebody may have ended with it since the last look
-            found.refresh(self)?;
-            let missing = found.missing(&block);
+            shared.refresh(self)?;
+            let missing = shared.missing(&block);
             if missing.is_empty() {
                 continue;
             }
@@ -130,7 +130,7 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
             claim.hold(|| {
                 self.written(|watch| self.ensemble.solve_from(anchors, &missing, watch))
             })?;
-            found.refresh(self)?;
+            shared.refresh(self)?;
         }
         Ok(taken)
     }
@@ -146,7 +146,7 @@ fn blocks(generation: &Range<u64>) -> impl Iterator<Item = Range<u64>> {
 }
 
 /// What all processes have written so far.
-struct Found<'a> {
+struct SharedSamples<'a> {
     study: &'a Study,
     settings: &'a RunSettings,
     /// Tables that were read.
@@ -155,7 +155,7 @@ struct Found<'a> {
     known: Known,
 }
 
-impl Found<'_> {
+impl SharedSamples<'_> {
     /// Reads the parts that have come since the last look.
     fn refresh<F>(&mut self, session: &Session<'_, F>) -> Result<(), Error> {
         for part in session.parts.unseen(&mut self.tables)? {
@@ -179,7 +179,9 @@ impl Found<'_> {
     }
 
     fn has(&self, range: &Range<u64>) -> bool {
-        self.missing(range).is_empty()
+        range
+            .clone()
+            .all(|index| self.known.indices.contains(&index))
     }
 
     fn missing(&self, range: &Range<u64>) -> Vec<u64> {

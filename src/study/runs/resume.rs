@@ -410,8 +410,8 @@ pub(super) fn refuse_other_results(
 ) -> Result<(), Error> {
     let (again, _) = ensemble.sample(0, &Atlas::default());
     let numbers = |outcome: &SampleOutcome| -> Vec<_> {
-        let peak = |level: &LevelOutcome| level.peak.filter(|_| level.status.has_solution());
-        let of = |level: &LevelOutcome| (level.status, peak(level), level.newton_iterations);
+        let of =
+            |level: &LevelOutcome| (level.status, level.solved_peak(), level.newton_iterations);
         outcome.levels.iter().map(of).collect()
     };
     if numbers(first) == numbers(&again) {

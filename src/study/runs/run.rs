@@ -125,8 +125,8 @@ pub(super) fn run_after(
         };
         record.backend = session.backend.report();
         record.wall_time_s = clock.elapsed().as_secs_f64();
-        let beside = Beside { further, control };
-        let placed = place_results(session, &resumed, samples, &beside, &mut record);
+        let extra = ExtraSamples { further, control };
+        let placed = place_results(session, &resumed, samples, &extra, &mut record);
         let (summary, stored) = placed.map_err(unwritten)?;
         session.parts.remove()?;
         Ok(RunResult {
@@ -180,7 +180,7 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
 }
 
 /// Samples beside those of the design.
-struct Beside {
+struct ExtraSamples {
     /// At further points of the epistemic inputs.
     further: Vec<SampleOutcome>,
     /// Of the control variate.
@@ -192,7 +192,7 @@ fn place_results<F>(
     session: &Session<'_, F>,
     resumed: &Resumed,
     samples: u64,
-    beside: &Beside,
+    extra: &ExtraSamples,
     record: &mut RunRecord,
 ) -> Result<(Summary, StoredRun), Error> {
     let (study, folder) = (&session.prepared.study, session.folder.path());
@@ -202,7 +202,7 @@ fn place_results<F>(
         write_tables(results.path(), session, resumed, samples, record)
     });
     record.tables = tables?.to_vec();
-    write_beside(results.path(), names, beside, record)?;
+    write_extra(results.path(), names, extra, record)?;
     let there = |name: &Path| folder.join(name).exists();
     let arrow = study.output.arrow;
     write_arrow_tables(results.path(), |name| arrow || there(name))?;
@@ -251,22 +251,22 @@ fn write_tables<F>(
 }
 
 /// Writes the samples beside those of the design, where there are such, and notes them in the record.
-fn write_beside(
+fn write_extra(
     folder: &Path,
     input_names: &[String],
-    beside: &Beside,
+    extra: &ExtraSamples,
     record: &mut RunRecord,
 ) -> Result<(), Error> {
     let tables = [
-        (FURTHER_POINTS, &beside.further),
-        (CONTROL_VARIATE, &beside.control),
+        (FURTHER_POINTS, &extra.further),
+        (CONTROL_VARIATE, &extra.control),
     ];
     for (name, samples) in tables.into_iter().filter(|(_, s)| !s.is_empty()) {
         let path = folder.join(name);
         let table = write_samples(&path, &record.provenance, input_names, samples)?;
         record.tables.push(table);
     }
-    let points: BTreeSet<Option<u32>> = beside.further.iter().map(|o| o.group.outer).collect();
+    let points: BTreeSet<Option<u32>> = extra.further.iter().map(|o| o.group.outer).collect();
     record.design.further_points = points.len() as u64;
     Ok(())
 }

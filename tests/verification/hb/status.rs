@@ -2,11 +2,12 @@
 
 use super::invariants::with_plane;
 use super::models::plane;
-use crate::response::{at_frequencies, over_band};
+use crate::response::{at_frequencies, dense_curve};
 use microslip::hb::branch::sweep::SweepDirection;
 use microslip::hb::newton::{Condition, solve};
 use microslip::hb::peak::search::{PeakSettings, find_peak};
 use microslip::hb::peak::track::{stuck_point, track_peaks};
+use microslip::hb::response::values::{self, SlowSweep};
 use microslip::hb::structure::resonance::Band;
 use microslip::hb::{Balance, LinearModel, Problem, ProblemError, SliderAnchor, Status};
 use std::f64::consts::TAU;
@@ -49,17 +50,23 @@ fn too_few_iterations_are_a_status() {
 fn hopeless_walks_end_early() {
     with_plane(|problem, mut settings| {
         settings.newton.max_iterations = 1;
-        let curve = over_band(problem, &settings, 40.0, band(330.0, 430.0));
+        let response = dense_curve(problem, &settings, 40.0, band(330.0, 430.0));
+        let curve = response.solutions;
         let ends = (curve.iter().filter(|s| !s.status.has_solution())).map(|s| s.status);
         let ends: Vec<Status> = ends.collect();
-        let most = curve.iter().map(|s| s.work_count.iterations).max();
+        let most = response.work.iter().map(|work| work.iterations).max();
         println!("{} points, {ends:?}, {most:?}", curve.len());
         assert_eq!((ends[0], ends.len()), (Status::StepTooSmall, 2));
         assert!(curve.len() <= 400, "{} points", curve.len());
         assert!(most <= Some(1000), "{most:?} iterations");
-        let omega = [335.0 * TAU, 400.0 * TAU];
-        for found in at_frequencies(problem, &settings, 40.0, &omega, SweepDirection::Upward) {
-            let iterations = found.work_count.iterations;
+        let sweep = SlowSweep {
+            band: band(335.0, 400.0),
+            direction: SweepDirection::Upward,
+            omega: &[335.0 * TAU, 400.0 * TAU],
+        };
+        let found = values::at_frequencies(problem, &settings, 40.0, sweep, |_| ());
+        for (found, work) in found.solutions.iter().zip(&found.work) {
+            let iterations = work.iterations;
             println!("{:?}, {iterations} iterations", found.status);
             assert!(iterations <= 2000, "{iterations} iterations");
         }

@@ -172,13 +172,13 @@ fn input_columns(input_names: &[String], group: SampleGroup, rows: &[LevelRow]) 
 
 /// The peaks of the rows, the lower maxima and what sweeps meet; empty where the search has no solution.
 fn peak_columns(rows: &[LevelRow]) -> Table {
-    let peak = |level: &LevelOutcome| level.peak.filter(|_| level.status.has_solution());
     let real = |name: &str, f: fn(&PeakRecord) -> Option<f64>| {
-        let value = |(_, level): &LevelRow| peak(level).as_ref().and_then(f).and_then(finite);
+        let value =
+            |(_, level): &LevelRow| level.solved_peak().as_ref().and_then(f).and_then(finite);
         named(name, Column::Real(rows.iter().map(value).collect()))
     };
-    let route = |(_, l): &LevelRow| peak(l).and_then(|p| p.route).map(PeakRoute::name);
-    let highest = |(_, l): &LevelRow| peak(l).and_then(|p| count(p.highest_harmonic));
+    let route = |(_, l): &LevelRow| l.solved_peak().and_then(|p| p.route).map(PeakRoute::name);
+    let highest = |(_, l): &LevelRow| l.solved_peak().and_then(|p| count(p.highest_harmonic));
     let mut table = vec![
         real("frequency_hz", |p| Some(p.frequency_hz)),
         real("amplitude_m", |p| Some(p.amplitude_m)),
@@ -200,7 +200,7 @@ fn peak_columns(rows: &[LevelRow]) -> Table {
         real("residual", |p| Some(p.residual)),
     ];
     for (name, of) in OTHER_COLUMNS {
-        let others = |(_, l): &LevelRow| match peak(l) {
+        let others = |(_, l): &LevelRow| match l.solved_peak() {
             Some(_) => l.around.others().iter().map(of).collect(),
             None => Vec::new(),
         };

@@ -30,12 +30,12 @@ use std::f64::consts::TAU;
 
 /// Scratch of the located evaluation.
 #[derive(Debug, Clone, Default)]
-pub(in crate::aft) struct Located<T> {
+pub(in crate::aft) struct LocatedBox<T> {
     intervals: Intervals<T>,
     lane: LaneScratch<T>,
 }
 
-impl<T: Real> Located<T> {
+impl<T: Real> LocatedBox<T> {
     /// Finds the intervals between time points that contain events, for a group of states. Overwrites the displacement
     /// coefficients in `work`.
     #[inline(always)]

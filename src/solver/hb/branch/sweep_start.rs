@@ -1,17 +1,18 @@
-//! The first solution of a sweep, where no solution is known yet.
+//! A sweep at one level, with the search for its first solution, where none is known yet.
 //!
-//! The sweep begins far outside the band. There the level is raised from a level at which the contacts stick, with few
+//! The search begins far outside the band. There the level is raised from a level at which the contacts stick, with few
 //! harmonics. The branch is followed to the end of the band, and the other harmonics are added there.
 
 use super::branch_point::{BranchPoint, distance};
-use super::continuation::{StepSettings, continue_branch, on_if};
-use super::sweep::SweepDirection;
+use super::continuation::{ContinuationEnd, StepSettings, continue_branch, on_if};
+use super::sweep::{SweepSettings, follow};
 use crate::hb::equations::balance::Balance;
 use crate::hb::newton::ladder::climb;
 use crate::hb::newton::rest::Rest;
 use crate::hb::newton::{Condition, Direction, Iterate, Point, solve};
 use crate::hb::settings::NewtonSettings;
 use crate::hb::status::Status;
+use std::ops::ControlFlow;
 
 /// Largest distance between a start and its solution, relative to the displacements, at which both surely lie on one branch.
 const CLOSE: f64 = 0.2;
@@ -30,61 +31,86 @@ const SMALLEST_RATIO: f64 = 1.005;
 
 type Solved<'p> = Result<Iterate<'p>, Status>;
 
-/// A sweep whose first solution is searched.
-pub(in crate::hb) struct SweepStart<'a, 'p> {
-    /// The same problem on ever more harmonics.
+/// A sweep at one level.
+pub(in crate::hb) struct Sweep<'a, 'p> {
+    /// The same problem on ever more harmonics; the sweep follows the branch on those of the last.
     pub rungs: &'a [Balance<'p>],
     /// Settings of every solve.
     pub newton: NewtonSettings,
     /// Excitation level.
     pub level: f64,
-    /// Direction of the sweep.
-    pub direction: SweepDirection,
+    /// Band, direction and steps.
+    pub settings: SweepSettings,
 }
 
-impl<'p> SweepStart<'_, 'p> {
-    /// The solution on all harmonics at the frequency `omega` (rad/s), where the sweep begins.
+/// A search for the solution of a balance at a frequency (rad/s).
+type Attempt<'a, 'p> = fn(&Sweep<'a, 'p>, &Balance<'p>, f64) -> Solved<'p>;
+
+impl<'a, 'p> Sweep<'a, 'p> {
+    /// The solution on all harmonics at the end of the band where the sweep begins.
     ///
     /// # Errors
     /// The status of the last attempt.
-    pub(in crate::hb) fn solution(&self, omega: f64) -> Solved<'p> {
-        if !(omega.is_finite() && self.level.is_finite()) {
-            return Err(Status::NonFinite);
-        }
-        let (first, full) = (&self.rungs[0], &self.rungs[self.rungs.len() - 1]);
-        let away = omega * (1.0 - START_DISTANCE * self.direction.sign());
-        let reached = (self.raised(first, away))
-            .and_then(|start| self.continued(first, &start.point, omega))
-            .and_then(|start| self.climb(start));
-        reached
-            .or_else(|_| {
-                let start = self.raised(first, omega)?;
-                self.climb(start)
-            })
-            .or_else(|_| {
-                let start = self.raised(full, away)?;
-                self.continued(full, &start.point, omega)
-            })
-            .or_else(|_| self.raised(full, omega))
-            .or_else(|_| {
-                let start = self.sliding(first, omega)?;
-                self.climb(start)
-            })
+    pub(in crate::hb) fn first(&self) -> Solved<'p> {
+        self.first_by([Self::raised_outside, Self::raised])
     }
 
-    /// The same, first tried at that frequency itself: where many resonances lie between it and a frequency far outside, as below the band of
+    /// The same, first tried at that end itself: where many resonances lie between it and a frequency far outside, as below the band of
     /// a mistuned disk, the branch from there is long.
     ///
     /// # Errors
     /// The status of the last attempt.
-    pub(in crate::hb) fn solution_at_end(&self, omega: f64) -> Solved<'p> {
-        let raised = self.raised(&self.rungs[0], omega);
-        (raised.and_then(|start| self.climb(start))).or_else(|_| self.solution(omega))
+    pub(in crate::hb) fn first_at_end(&self) -> Solved<'p> {
+        self.first_by([Self::raised, Self::raised_outside])
     }
 
-    fn climb(&self, start: Iterate<'p>) -> Solved<'p> {
+    /// Follows the branch from its `first` solution, as [`follow`] does.
+    pub(in crate::hb) fn followed(
+        &self,
+        first: Iterate<'p>,
+        visit: impl FnMut(BranchPoint<'p>, &BranchPoint<'p>) -> ControlFlow<()>,
+    ) -> ContinuationEnd<'p> {
+        let balance = &self.rungs[self.rungs.len() - 1];
+        follow(balance, first, self.settings, self.newton, visit)
+    }
+
+    /// The first solution that an attempt finds: those of `on_few` on the fewest harmonics, then on all of them, and last about the
+    /// structure that slides.
+    fn first_by(&self, on_few: [Attempt<'a, 'p>; 2]) -> Solved<'p> {
+        let [omega, _] = self.settings.direction.ends(self.settings.band);
+        if !(omega.is_finite() && self.level.is_finite()) {
+            return Err(Status::NonFinite);
+        }
+        let mut attempts = on_few.map(|attempt| (0, attempt)).to_vec();
+        let full = self.rungs.len() - 1;
+        // with one rung these have been tried
+        if full > 0 {
+            attempts.push((full, Self::raised_outside));
+            attempts.push((full, Self::raised));
+        }
+        attempts.push((0, Self::sliding));
+        let mut failure = Status::StepTooSmall;
+        for (rung, attempt) in attempts {
+            let start = attempt(self, &self.rungs[rung], omega);
+            match start.and_then(|start| self.climb(rung, start)) {
+                Ok(first) => return Ok(first),
+                Err(status) => failure = status,
+            }
+        }
+        Err(failure)
+    }
+
+    /// Takes a solution on `rung` to all harmonics.
+    fn climb(&self, rung: usize, start: Iterate<'p>) -> Solved<'p> {
         let condition = Condition::FixedFrequency;
-        climb(self.rungs, start.point, condition, self.newton)
+        climb(&self.rungs[rung..], start.point, condition, self.newton)
+    }
+
+    /// The solution at the frequency `omega`, with the level raised far outside the band, and the branch followed from there.
+    fn raised_outside(&self, balance: &Balance<'p>, omega: f64) -> Solved<'p> {
+        let away = omega * (1.0 - START_DISTANCE * self.settings.direction.sign());
+        let start = self.raised(balance, away)?;
+        self.continued(balance, &start.point, omega)
     }
 
     /// The solution at the frequency of `start`, and whether it is close to `start`.
@@ -151,7 +177,7 @@ impl<'p> SweepStart<'_, 'p> {
                 ..StepSettings::for_band((omega - from.omega).abs())
             };
             let mut crossing = None;
-            let start = start.towards(self.direction.sign());
+            let start = start.towards(self.settings.direction.sign());
             let end = continue_branch(balance, start, self.newton, steps, |before, after, _| {
                 let (a, b) = (before.iterate.point.omega, after.iterate.point.omega);
                 if (a - omega) * (b - omega) <= 0.0 {

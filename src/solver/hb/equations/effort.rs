@@ -34,6 +34,13 @@ impl std::ops::AddAssign for WorkCount {
     }
 }
 
+/// A solution with the work that it took.
+#[derive(Debug)]
+pub(in crate::hb) struct Counted<T> {
+    pub(in crate::hb) solution: T,
+    pub(in crate::hb) work: WorkCount,
+}
+
 /// Work done on a problem, the time of its error alert, and Newton iterations left to the search that runs: one at a time.
 #[derive(Debug)]
 pub struct Effort {

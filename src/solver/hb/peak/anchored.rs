@@ -129,12 +129,12 @@ impl<'a> AnchoredSearch<'a> {
         let (mut point, mut last) = (prediction.point, None);
         let mut solver = PreconditionedSolver::new(self.inverse, point.r.len());
         for _ in 0..MAX_ITERATIONS {
-            let lane = FreeIterate::new(self.free, point);
-            let size = lane.size(self.inverse);
-            if search.ends(size, lane.contact.steady)? {
-                let falls = |last| solver.falls_further_on(&lane, self.modes, last);
+            let iterate = FreeIterate::new(self.free, point);
+            let size = iterate.size(self.inverse);
+            if search.ends(size, iterate.contact.steady)? {
+                let falls = |last| solver.falls_further_on(&iterate, self.modes, last);
                 return match search.has_measured_maximum() || last.is_some_and(falls) {
-                    true => Ok((lane.point, search.sharpness())),
+                    true => Ok((iterate.point, search.sharpness())),
                     false => Err(Status::MaxIterations),
                 };
             }
@@ -142,16 +142,17 @@ impl<'a> AnchoredSearch<'a> {
                 return Err(Status::BudgetSpent);
             }
             effort.spend(0);
-            let jacobian = SingleJacobian::new(self.free, self.modes, &lane.contact, &lane.motion);
-            let correction = solver.solve(&lane, &jacobian, size / limits.share);
+            let jacobian =
+                SingleJacobian::new(self.free, self.modes, &iterate.contact, &iterate.motion);
+            let correction = solver.solve(&iterate, &jacobian, size / limits.share);
             let correction = correction.ok_or(Status::MaxIterations)?;
-            let here = lane.growth(&correction, &solver.tangent, limits.growth_error(size));
+            let here = iterate.growth(&correction, &solver.tangent, limits.growth_error(size));
             let step = search.step(size, here)?;
             let omega_step = step.length / here.phase_rate;
             if step.by_growth {
                 last = Some(here);
             }
-            point = lane.point;
+            point = iterate.point;
             axpy(1.0, &correction, &mut point.r);
             axpy(omega_step, &solver.tangent, &mut point.r);
             point.omega += omega_step;
@@ -167,25 +168,21 @@ impl<'a> AnchoredSearch<'a> {
     /// # Errors
     /// Why one of the searches failed.
     fn higher_beside(&self, found: &Located<'_>) -> Result<Option<(Point, Option<f64>)>, Status> {
-        let lane = FreeIterate::new(self.free, found.iterate.point.clone());
-        let mut solver = PreconditionedSolver::new(self.inverse, lane.point.r.len());
-        let jacobian = SingleJacobian::new(self.free, self.modes, &lane.contact, &lane.motion);
-        let correction = solver.solve(&lane, &jacobian, MEASURING_SIZE);
+        let iterate = FreeIterate::new(self.free, found.iterate.point.clone());
+        let mut solver = PreconditionedSolver::new(self.inverse, iterate.point.r.len());
+        let jacobian =
+            SingleJacobian::new(self.free, self.modes, &iterate.contact, &iterate.motion);
+        let correction = solver.solve(&iterate, &jacobian, MEASURING_SIZE);
         let correction = correction.ok_or(Status::MaxIterations)?;
-        let here = lane.growth(&correction, &solver.tangent, 0.0);
-        let mut highest = (lane.height(), None);
+        let here = iterate.growth(&correction, &solver.tangent, 0.0);
+        let mut highest = (iterate.height(), None);
         for phase in [-BESIDE, BESIDE] {
-            let mut point = lane.point.clone();
+            let mut point = iterate.point.clone();
             let omega_step = phase / here.phase_rate;
             axpy(omega_step, &solver.tangent, &mut point.r);
             point.omega += omega_step;
             // climbs from where it starts, whatever the branch is known to do at the maximum
-            let response = here.response * c64::cis(phase);
-            let start = PeakPrediction {
-                point,
-                phasor: response / response.norm(),
-                sharpness: None,
-            };
+            let start = PeakPrediction::new(point, here.response * c64::cis(phase), None);
             let (point, sharpness) = self.from(start)?;
             let other = FreeIterate::new(self.free, point);
             if other.height() > (1.0 + HIGHER) * highest.0 {
@@ -302,20 +299,21 @@ impl<'a> PreconditionedSolver<'a> {
         }
     }
 
-    /// Whether the growth falls from `here`, the branch at the peak `lane`, to a point a little further along the branch.
+    /// Whether the growth falls from `here`, the branch at the peak `iterate`, to a point a little further along the branch.
     fn falls_further_on(
         &mut self,
-        lane: &FreeIterate<'_>,
+        iterate: &FreeIterate<'_>,
         modes: &SingleModes,
         here: Growth,
     ) -> bool {
-        let mut point = lane.point.clone();
+        let mut point = iterate.point.clone();
         let omega_step = MEASURING_STEP / here.phase_rate.abs();
         axpy(omega_step, &self.tangent, &mut point.r);
         point.omega += omega_step;
         for _ in 0..CORRECTIONS {
-            let further = FreeIterate::new(lane.free, point);
-            let jacobian = SingleJacobian::new(lane.free, modes, &further.contact, &further.motion);
+            let further = FreeIterate::new(iterate.free, point);
+            let jacobian =
+                SingleJacobian::new(iterate.free, modes, &further.contact, &further.motion);
             let Some(correction) = self.solve(&further, &jacobian, MEASURING_SIZE) else {
                 return false;
             };
@@ -328,11 +326,11 @@ impl<'a> PreconditionedSolver<'a> {
         false
     }
 
-    /// The correction −J⁻¹ R at `lane`, a point with a residual of this `size`; sets the tangent to −J⁻¹ ∂R/∂ω. None if a solve
+    /// The correction −J⁻¹ R at `iterate`, a point with a residual of this `size`; sets the tangent to −J⁻¹ ∂R/∂ω. None if a solve
     /// does not converge.
     fn solve(
         &mut self,
-        lane: &FreeIterate<'_>,
+        iterate: &FreeIterate<'_>,
         jacobian: &SingleJacobian<'_>,
         size: f64,
     ) -> Option<Vec<f64>> {
@@ -343,9 +341,9 @@ impl<'a> PreconditionedSolver<'a> {
         } = self;
         space.next_system();
         let product = |x: &[Vec<f32>]| inverse.times(&jacobian.products(x));
-        let mut slope = lane.free.frequency_slope(&lane.motion);
-        axpy(1.0, &lane.product(tangent), &mut slope);
-        let sides = [lane.residual.clone(), slope];
+        let mut slope = iterate.free.frequency_slope(&iterate.motion);
+        axpy(1.0, &iterate.product(tangent), &mut slope);
+        let sides = [iterate.residual.clone(), slope];
         let mut left = sides.clone();
         let mut solved = [0, 1].map(|i| vec![0.0; sides[i].len()]);
         let mut goals = None;
@@ -372,7 +370,7 @@ impl<'a> PreconditionedSolver<'a> {
             }
             for i in 0..2 {
                 left[i].copy_from_slice(&sides[i]);
-                axpy(-1.0, &lane.product(&solved[i]), &mut left[i]);
+                axpy(-1.0, &iterate.product(&solved[i]), &mut left[i]);
             }
         }
         let [correction, change] = solved;

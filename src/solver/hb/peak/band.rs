@@ -5,8 +5,8 @@ use super::search::{Located, PeakSettings, find_peak, higher, maximum_on};
 use crate::hb::branch::branch_point::distance;
 use crate::hb::branch::branch_segment::BranchSegment;
 use crate::hb::branch::continuation::ContinuationEnd;
-use crate::hb::branch::sweep::{SweepDirection, SweepSettings, follow};
-use crate::hb::branch::sweep_start::SweepStart;
+use crate::hb::branch::sweep::{SweepDirection, SweepSettings};
+use crate::hb::branch::sweep_start::Sweep;
 use crate::hb::equations::balance::Balance;
 use crate::hb::newton::rest::Rest;
 use crate::hb::newton::{Condition, Point, solve};
@@ -139,23 +139,21 @@ fn sweep<'p>(
     newton: NewtonSettings,
 ) -> Result<Swept<'p>, Status> {
     let balance = &rungs[rungs.len() - 1];
-    let [omega, _] = direction.ends(peak.band);
-    let start = SweepStart {
+    let sweep = Sweep {
         rungs,
         newton,
         level,
-        direction,
+        settings: SweepSettings {
+            band: peak.band,
+            direction,
+            largest_step: SWEEP_STEP,
+            largest_advance: SWEEP_ADVANCE,
+        },
     };
-    let first = start.solution(omega)?;
-    let sweep = SweepSettings {
-        band: peak.band,
-        direction,
-        largest_step: SWEEP_STEP,
-        largest_advance: SWEEP_ADVANCE,
-    };
+    let first = sweep.first()?;
     let mut passed = vec![first.point.clone()];
     let mut maxima = Vec::new();
-    let end = follow(balance, first, sweep, newton, |from, to| {
+    let end = sweep.followed(first, |from, to| {
         passed.push(to.iterate.point.clone());
         let segment = BranchSegment::new(&from, to);
         maxima.extend(maximum_on(&segment, balance, peak, newton));

@@ -5,14 +5,13 @@
 //! band with one harmonic, and the first response of every blade is watched. The highest maxima that the points of the branch show are
 //! then located with all harmonics of the study, each as the peak of its blade.
 
-use super::alert::AlertSets;
 use super::level_peak::LevelPeak;
-use super::predicted::{PeakPrediction, maximum_near};
-use super::refine::{RefinementTarget, refined};
-use super::search::{Located, PeakSettings, find_peak, highest_beside};
-use crate::hb::branch::sweep::{SweepDirection, SweepSettings, follow};
-use crate::hb::branch::sweep_start::SweepStart;
-use crate::hb::equations::effort::{Meter, WorkCount};
+use super::predicted::raised;
+use super::refine::refined_maximum;
+use super::search::{PeakSettings, find_peak};
+use crate::hb::branch::sweep::{SweepDirection, SweepSettings};
+use crate::hb::branch::sweep_start::Sweep;
+use crate::hb::equations::effort::Meter;
 use crate::hb::equations::problem::Problem;
 use crate::hb::newton::ladder::Ladder;
 use crate::hb::newton::{Iterate, Point};
@@ -46,7 +45,7 @@ pub struct LargestBlade {
 }
 
 /// A point of the branch, with the amplitudes of all blades.
-struct Seen {
+struct SweepPoint {
     point: Point,
     amplitudes: Vec<f64>,
 }
@@ -116,7 +115,7 @@ fn swept(
     peak: PeakSettings,
     level: f64,
     direction: SweepDirection,
-) -> Result<Vec<Seen>, Status> {
+) -> Result<Vec<SweepPoint>, Status> {
     // its solutions are only starts for others
     let newton = NewtonSettings {
         tolerance: settings.newton.tolerance.max(SWEEP_TOLERANCE),
@@ -125,28 +124,26 @@ fn swept(
     let ladder = Ladder::new(problem, settings);
     let rungs = &ladder.rungs()[..1];
     let balance = &rungs[0];
-    let [begin, _] = direction.ends(peak.band);
-    let start = SweepStart {
+    let sweep = Sweep {
         rungs,
         newton,
         level,
-        direction,
+        settings: SweepSettings {
+            band: peak.band,
+            direction,
+            largest_step: SWEEP_STEP,
+            largest_advance: SWEEP_ADVANCE,
+        },
     };
-    let first = start.solution_at_end(begin)?;
-    let sweep = SweepSettings {
-        band: peak.band,
-        direction,
-        largest_step: SWEEP_STEP,
-        largest_advance: SWEEP_ADVANCE,
-    };
+    let first = sweep.first_at_end()?;
     let mut seen = Vec::new();
-    let see = |iterate: &Iterate<'_>| Seen {
+    let see = |iterate: &Iterate<'_>| SweepPoint {
         point: iterate.point.clone(),
         amplitudes: (iterate.responses(balance).iter())
             .map(|y| y.norm())
             .collect(),
     };
-    let end = follow(balance, first, sweep, newton, |from, to| {
+    let end = sweep.followed(first, |from, to| {
         if seen.is_empty() {
             seen.push(see(&from.iterate));
         }
@@ -160,7 +157,7 @@ fn swept(
 }
 
 /// The highest maxima of each blade's amplitude over the points: number of the point and blade, highest first.
-fn maxima(seen: &[Seen]) -> Vec<(usize, usize)> {
+fn maxima(seen: &[SweepPoint]) -> Vec<(usize, usize)> {
     let largest = seen
         .iter()
         .flat_map(|at| &at.amplitudes)
@@ -207,21 +204,10 @@ fn located(
     let newton = settings.newton;
     let ladder = Ladder::new(problem, settings);
     let start = Iterate::new(ladder.first(), point.clone());
-    let mut found: Located<'_> = find_peak(ladder.first(), start, peak, newton)?;
-    for pair in ladder.rungs().windows(2) {
-        let prediction = PeakPrediction::on_other_harmonics(&pair[0], &found, &pair[1]);
-        found = maximum_near(&pair[1], prediction, peak, newton)?;
-    }
-    let found = highest_beside(ladder.full(), found, peak, newton);
-    let sets = AlertSets::new(problem, &settings.harmonics, settings);
-    let target = RefinementTarget::Maximum(peak);
-    let solution = refined(ladder.full(), found, sets.as_ref(), target, newton);
+    let found = find_peak(ladder.first(), start, peak, newton)?;
+    let found = raised(ladder.rungs(), found, peak, newton)?;
     Ok(Solution {
-        route: Some(match settings.harmonics.orders().len() {
-            ..=2 => PeakRoute::SweptOnOne,
-            _ => PeakRoute::SweptOnFew,
-        }),
-        work_count: WorkCount::default(),
-        ..solution
+        route: Some(PeakRoute::SweptOnOne),
+        ..refined_maximum(ladder.full(), found, settings, peak)
     })
 }

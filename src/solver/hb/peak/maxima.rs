@@ -301,7 +301,6 @@ mod tests {
             stability: None,
             sharpness: None,
             route: None,
-            work_count: WorkCount::default(),
         }
     }
 

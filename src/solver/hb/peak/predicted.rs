@@ -28,26 +28,28 @@ pub struct PeakPrediction {
 }
 
 impl PeakPrediction {
+    /// A peak at `point` where the response that defines resonance is `response`.
+    #[must_use]
+    pub fn new(point: Point, response: c64, sharpness: Option<f64>) -> Self {
+        Self {
+            point,
+            phasor: response / response.norm(),
+            sharpness,
+        }
+    }
+
     /// The peak of a problem close to one whose peak is `solution`, on the same harmonics.
     #[must_use]
     pub fn of(solution: &Solution) -> Self {
         let response = solution.first_harmonic(0);
-        Self {
-            point: solution.point(),
-            phasor: response / response.norm(),
-            sharpness: solution.sharpness,
-        }
+        Self::new(solution.point(), response, solution.sharpness)
     }
 
     /// The peak on the harmonics of `to`, if it is at `peak` on those of `from`.
     #[must_use]
     pub fn on_other_harmonics(from: &Balance<'_>, peak: &Located<'_>, to: &Balance<'_>) -> Self {
-        let response = peak.iterate.response(from);
-        Self {
-            point: peak.iterate.point.padded(from, to),
-            phasor: response / response.norm(),
-            sharpness: peak.sharpness,
-        }
+        let point = peak.iterate.point.padded(from, to);
+        Self::new(point, peak.iterate.response(from), peak.sharpness)
     }
 }
 
@@ -217,6 +219,22 @@ pub fn maximum_near<'p>(
     correct(balance, start.clone(), settings, newton).or_else(|_| {
         let locked = phase_locked(balance, start, newton)?;
         find_peak(balance, locked, settings, newton)
+    })
+}
+
+/// The maximum on the last of `rungs` that belongs to the maximum `found` on the first: rung by rung.
+///
+/// # Errors
+/// The status of the rung that failed.
+pub(super) fn raised<'p>(
+    rungs: &[Balance<'p>],
+    found: Located<'p>,
+    settings: PeakSettings,
+    newton: NewtonSettings,
+) -> Result<Located<'p>, Status> {
+    rungs.windows(2).try_fold(found, |found, pair| {
+        let prediction = PeakPrediction::on_other_harmonics(&pair[0], &found, &pair[1]);
+        maximum_near(&pair[1], prediction, settings, newton)
     })
 }
 

@@ -258,8 +258,10 @@ pub fn refined_near(
     let balance = balance_on(problem, harmonics.clone(), settings);
     let newton = settings.newton;
     let (route, found) = maximum_from(&balance, prediction, peak, newton)?;
-    let found = highest_beside(&balance, found, peak, newton);
-    Ok(with_route(&balance, route, found, settings, peak))
+    Ok(Solution {
+        route: Some(route),
+        ..refined_maximum(&balance, found, settings, peak)
+    })
 }
 
 /// The same by undamped Newton steps that take the inverse Jacobian of another sample's peak as preconditioner.
@@ -276,22 +278,32 @@ pub fn refined_anchored(
 ) -> Result<Solution, Status> {
     let balance = balance_on(problem, harmonics.clone(), settings);
     let found = anchored(&balance, inverse, prediction, peak, settings.newton)?;
-    let route = PeakRoute::Predicted;
-    Ok(with_route(&balance, route, found, settings, peak))
+    Ok(Solution {
+        route: Some(PeakRoute::Predicted),
+        ..on_enough_harmonics(&balance, found, settings, peak)
+    })
+}
+
+/// What is reported of the maximum `found` of `balance`: the highest one beside it ([`highest_beside`]), with as many harmonics as the
+/// alert asks for.
+pub(super) fn refined_maximum<'p>(
+    balance: &Balance<'p>,
+    found: Located<'p>,
+    settings: &HbSettings,
+    peak: PeakSettings,
+) -> Solution {
+    let found = highest_beside(balance, found, peak, settings.newton);
+    on_enough_harmonics(balance, found, settings, peak)
 }
 
 /// The maximum `found` of `balance` with as many harmonics as the alert asks for.
-fn with_route<'p>(
+fn on_enough_harmonics<'p>(
     balance: &Balance<'p>,
-    route: PeakRoute,
     found: Located<'p>,
     settings: &HbSettings,
     peak: PeakSettings,
 ) -> Solution {
     let sets = AlertSets::new(balance.problem, &balance.harmonics, settings);
     let target = RefinementTarget::Maximum(peak);
-    Solution {
-        route: Some(route),
-        ..refined(balance, found, sets.as_ref(), target, settings.newton)
-    }
+    refined(balance, found, sets.as_ref(), target, settings.newton)
 }

@@ -40,9 +40,7 @@ impl Located<'_> {
             ..Solution::new(balance, &self.iterate, Status::Converged)
         }
     }
-}
 
-impl Located<'_> {
     /// Whether it is flat, or its sharpness unknown: then a higher maximum may lie beside it.
     pub(super) fn is_flat(&self) -> bool {
         self.sharpness.is_none_or(|sharpness| sharpness < FLAT)

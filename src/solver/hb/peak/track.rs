@@ -6,13 +6,12 @@
 //! resonance is located. Then the maximum gets the harmonics of the study, and more until the error alert accepts it. If that
 //! fails the other routes of [`PeakRoute`] are tried.
 
-use super::alert::AlertSets;
 use super::band::{sliding_maximum, swept_maximum};
 use super::level_peak::LevelPeak;
 use super::maxima::{COMPETES, ModeSearch, PeakChoice, search_maxima};
-use super::predicted::{PeakPrediction, correct, maximum_near};
-use super::refine::{RefinementTarget, refined};
-use super::search::{Located, PeakSettings, find_peak, highest_beside, highest_nearby};
+use super::predicted::{PeakPrediction, correct, raised};
+use super::refine::refined_maximum;
+use super::search::{Located, PeakSettings, find_peak, highest_nearby};
 use crate::contact::Events;
 use crate::hb::equations::balance::Balance;
 use crate::hb::equations::effort::Meter;
@@ -214,10 +213,7 @@ impl<'a, 'p> Track<'a, 'p> {
             Events::Located => found,
             _ => highest_nearby(full, found, self.peak, settings.newton),
         };
-        let found = highest_beside(full, found, self.peak, settings.newton);
-        let sets = AlertSets::new(full.problem, &settings.harmonics, settings);
-        let target = RefinementTarget::Maximum(self.peak);
-        refined(full, found, sets.as_ref(), target, settings.newton)
+        refined_maximum(full, found, settings, self.peak)
     }
 
     /// The maximum on the harmonics of `rung` next to the phase resonance at `level`.
@@ -241,13 +237,7 @@ impl<'a, 'p> Track<'a, 'p> {
 
     /// The maximum on the harmonics of the study that belongs to the maximum `found` on those of `rung`.
     fn raised(&self, rung: usize, found: Located<'p>) -> Result<Located<'p>, Status> {
-        let newton = self.settings.newton;
-        let mut found = found;
-        for pair in self.ladder[rung..].windows(2) {
-            let prediction = PeakPrediction::on_other_harmonics(&pair[0], &found, &pair[1]);
-            found = maximum_near(&pair[1], prediction, self.peak, newton)?;
-        }
-        Ok(found)
+        raised(&self.ladder[rung..], found, self.peak, self.settings.newton)
     }
 
     /// Newton's method for solutions that are only starts for others.

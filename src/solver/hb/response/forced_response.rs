@@ -6,11 +6,11 @@
 pub use super::gap::{Gap, Stop};
 use super::level_problem::LevelProblem;
 pub use super::polyline::PLOT_ERROR;
-use super::polyline::{Counted, Polyline};
+use super::polyline::Polyline;
 use crate::hb::branch::branch_point::BranchPoint;
 use crate::hb::branch::branch_segment::BranchSegment;
 use crate::hb::branch::sweep::{SweepDirection, SweepSettings};
-use crate::hb::equations::effort::Meter;
+use crate::hb::equations::effort::{Counted, Meter, WorkCount};
 use crate::hb::equations::problem::Problem;
 use crate::hb::newton::ladder::Ladder;
 use crate::hb::newton::{Condition, Iterate, Point};
@@ -32,6 +32,8 @@ const PEAK_TOLERANCE: f64 = 1e-9;
 pub struct Response {
     /// Solutions; a frequency without solution has the status that says why.
     pub solutions: Vec<Solution>,
+    /// Newton iterations and factorisations spent on each of them. Shape: `[solutions]`.
+    pub work: Vec<WorkCount>,
     /// Whether they are a curve; else they are at prescribed frequencies.
     pub is_curve: bool,
     /// Present if the branch could not be followed from one end of the band to the other, or to the last frequency asked for.
@@ -91,11 +93,7 @@ pub fn over_band(
     let upward = level.sweep(curve, SweepDirection::Upward, None, &progress);
     let mut solutions = upward.solutions;
     let Some(below) = upward.stop else {
-        return Response {
-            solutions,
-            is_curve: true,
-            gap: None,
-        };
+        return Response::new(solutions, true, None);
     };
     let downward = level.sweep(
         curve,
@@ -111,14 +109,22 @@ pub fn over_band(
         solutions.clear();
     }
     solutions.extend(downward.solutions.into_iter().rev());
-    Response {
-        solutions,
-        is_curve: true,
-        gap: downward.stop.map(|above| Gap { below, above }),
-    }
+    let gap = downward.stop.map(|above| Gap { below, above });
+    Response::new(solutions, true, gap)
 }
 
 impl Response {
+    pub(super) fn new(solved: Vec<Counted<Solution>>, is_curve: bool, gap: Option<Gap>) -> Self {
+        let solved = solved.into_iter();
+        let (solutions, work) = solved.map(|point| (point.solution, point.work)).unzip();
+        Self {
+            solutions,
+            work,
+            is_curve,
+            gap,
+        }
+    }
+
     /// The largest amplitude of the response that defines resonance in `band`, and what it is.
     #[must_use]
     pub fn largest(&self, band: Band) -> Option<(&Solution, Largest)> {
@@ -152,7 +158,7 @@ impl Response {
 /// The part of the band that one sweep has passed.
 struct SweptPart {
     /// Solutions in the order of the sweep.
-    solutions: Vec<Solution>,
+    solutions: Vec<Counted<Solution>>,
     /// Where the sweep ended, unless it reached the other end of the band or met the opposite sweep.
     stop: Option<Stop>,
     /// Whether it met the opposite sweep.
@@ -185,7 +191,13 @@ impl<'p> LevelProblem<'_, 'p> {
         other: Option<&Point>,
         progress: &impl Fn(f64),
     ) -> SweptPart {
-        let first = match self.first(curve.band, direction) {
+        let sweep = SweepSettings {
+            band: curve.band,
+            direction,
+            largest_step: curve.step,
+            largest_advance: CURVE_ADVANCE,
+        };
+        let first = match self.first(sweep) {
             Ok(solution) => Counted {
                 solution,
                 work: self.meter.read(),
@@ -199,12 +211,6 @@ impl<'p> LevelProblem<'_, 'p> {
                 };
             }
         };
-        let sweep = SweepSettings {
-            band: curve.band,
-            direction,
-            largest_step: curve.step,
-            largest_advance: CURVE_ADVANCE,
-        };
         let (balance, newton) = (self.balance(), self.settings.newton);
         let (mut polyline, end) = Polyline::swept(balance, first, sweep, newton, other, progress);
         self.with_own_budget(|| polyline.refine());
@@ -217,9 +223,9 @@ impl<'p> LevelProblem<'_, 'p> {
                 status: end.status,
             });
         if let (Some(last), true) = (&last, stop.is_some()) {
-            solutions.push(Solution {
-                work_count: end.work,
-                ..Solution::new(balance, last, end.status)
+            solutions.push(Counted {
+                solution: Solution::new(balance, last, end.status),
+                work: end.work,
             });
         }
         SweptPart {
@@ -232,16 +238,16 @@ impl<'p> LevelProblem<'_, 'p> {
 
     /// The solutions of a sweep with their truncation errors, with the maxima between them, and with a status without solution
     /// on segments that could not be refined.
-    fn solutions(&self, polyline: &Polyline<'_, 'p>, band: Band) -> Vec<Solution> {
+    fn solutions(&self, polyline: &Polyline<'_, 'p>, band: Band) -> Vec<Counted<Solution>> {
         let solved = |point: &Counted<BranchPoint<'_>>| {
             let iterate = &point.solution.iterate;
-            let solution = Solution {
-                work_count: point.work,
-                ..Solution::new(self.balance(), iterate, Status::Converged)
-            };
-            self.with_own_budget(|| self.with_error(iterate, solution))
+            let solution = Solution::new(self.balance(), iterate, Status::Converged);
+            Counted {
+                solution: self.with_own_budget(|| self.with_error(iterate, solution)),
+                work: point.work,
+            }
         };
-        let mut solutions: Vec<Solution> =
+        let mut solutions: Vec<Counted<Solution>> =
             polyline.points.first().map(solved).into_iter().collect();
         for ((segment, failure), to) in polyline.segments().zip(&polyline.points[1..]) {
             solutions.extend(failure.map(|status| {
@@ -255,7 +261,7 @@ impl<'p> LevelProblem<'_, 'p> {
     }
 
     /// The maximum of the amplitude on a segment of the curve, if there is one and it can be located.
-    fn maximum(&self, segment: &BranchSegment<'_, 'p>, band: Band) -> Option<Solution> {
+    fn maximum(&self, segment: &BranchSegment<'_, 'p>, band: Band) -> Option<Counted<Solution>> {
         let search = PeakSettings {
             band,
             frequency_tolerance: PEAK_TOLERANCE,
@@ -263,10 +269,8 @@ impl<'p> LevelProblem<'_, 'p> {
         let (balance, newton) = (self.balance(), self.settings.newton);
         let meter = Meter::new(&balance.problem.effort);
         let found = maximum_on(segment, balance, search, newton)?;
-        let solution = Solution {
-            work_count: meter.read(),
-            ..found.solution(balance)
-        };
-        Some(self.with_error(&found.iterate, solution))
+        let work = meter.read();
+        let solution = self.with_error(&found.iterate, found.solution(balance));
+        Some(Counted { solution, work })
     }
 }

@@ -1,10 +1,10 @@
 //! A problem at one level, for sweeps through the band: the start of a sweep, and budgets of the searches within it.
 
 use super::gap::Stop;
-use crate::hb::branch::sweep::SweepDirection;
-use crate::hb::branch::sweep_start::SweepStart;
+use crate::hb::branch::sweep::SweepSettings;
+use crate::hb::branch::sweep_start::Sweep;
 use crate::hb::equations::balance::Balance;
-use crate::hb::equations::effort::Meter;
+use crate::hb::equations::effort::{Counted, Meter, WorkCount};
 use crate::hb::equations::problem::Problem;
 use crate::hb::newton::ladder::Ladder;
 use crate::hb::newton::{Iterate, polish};
@@ -13,7 +13,6 @@ use crate::hb::peak::track::stuck_point;
 use crate::hb::settings::HbSettings;
 use crate::hb::solution::Solution;
 use crate::hb::status::Status;
-use crate::hb::structure::resonance::Band;
 
 /// A problem at one level.
 pub(super) struct LevelProblem<'a, 'p> {
@@ -54,25 +53,28 @@ impl<'a, 'p> LevelProblem<'a, 'p> {
     }
 
     /// A frequency without solution.
-    pub(super) fn unsolved(&self, omega: f64, status: Status) -> Solution {
+    pub(super) fn unsolved(&self, omega: f64, status: Status) -> Counted<Solution> {
         let stuck = stuck_point(self.balance(), omega, self.level);
         let iterate = Iterate::new(self.balance(), stuck);
-        Solution::new(self.balance(), &iterate, status)
+        Counted {
+            solution: Solution::new(self.balance(), &iterate, status),
+            work: WorkCount::default(),
+        }
     }
 
-    /// The solution at the end of `band` where a sweep in `direction` begins.
-    pub(super) fn first(&self, band: Band, direction: SweepDirection) -> Result<Iterate<'p>, Stop> {
-        let [omega, _] = direction.ends(band);
+    /// The solution where the sweep begins.
+    pub(super) fn first(&self, settings: SweepSettings) -> Result<Iterate<'p>, Stop> {
+        let [omega, _] = settings.direction.ends(settings.band);
         let newton = self.settings.newton;
         self.balance().problem.effort.grant(newton.budget);
-        let start = SweepStart {
+        let sweep = Sweep {
             rungs: self.ladder.rungs(),
             newton,
             level: self.level,
-            direction,
+            settings,
         };
-        start
-            .solution(omega)
+        sweep
+            .first()
             .map(|first| polish(self.balance(), first))
             .map_err(|status| Stop { omega, status })
     }

@@ -10,7 +10,7 @@ use crate::hb::branch::branch_segment::BranchSegment;
 use crate::hb::branch::continuation::ContinuationEnd;
 use crate::hb::branch::sweep::{SweepSettings, follow};
 use crate::hb::equations::balance::Balance;
-use crate::hb::equations::effort::{Meter, WorkCount};
+use crate::hb::equations::effort::{Counted, Meter, WorkCount};
 use crate::hb::newton::{Iterate, Point};
 use crate::hb::settings::NewtonSettings;
 use crate::hb::status::Status;
@@ -24,13 +24,6 @@ pub const PLOT_ERROR: f64 = 3e-3;
 const MOST_DIVISIONS: usize = 10;
 /// Shares of a segment at which a solution is tried that divides it.
 const SHARES: [f64; 4] = [0.5, 0.35, 0.65, 0.2];
-
-/// A solution with the work that it took.
-#[derive(Debug)]
-pub(super) struct Counted<T> {
-    pub(super) solution: T,
-    pub(super) work: WorkCount,
-}
 
 /// The solutions of one sweep through the band, in the order of the sweep.
 #[derive(Debug)]

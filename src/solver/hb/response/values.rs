@@ -5,6 +5,7 @@ use super::gap::{Gap, Stop};
 use super::level_problem::LevelProblem;
 use crate::hb::branch::branch_segment::BranchSegment;
 use crate::hb::branch::sweep::{SweepDirection, SweepSettings, follow};
+use crate::hb::equations::effort::Counted;
 use crate::hb::equations::problem::Problem;
 use crate::hb::newton::ladder::Ladder;
 use crate::hb::newton::{Condition, Iterate, Point, polish, solve};
@@ -78,11 +79,7 @@ pub fn at_frequencies(
             None => level.unsolved(omega, status),
         })
         .collect();
-    Response {
-        solutions,
-        is_curve: false,
-        gap,
-    }
+    Response::new(solutions, false, gap)
 }
 
 /// Frequencies asked for, and the solutions at those that a sweep has met.
@@ -94,7 +91,7 @@ struct Answers<'a> {
 
 /// The result at one frequency.
 struct Answer {
-    solution: Solution,
+    solution: Counted<Solution>,
     /// The solution on the harmonics of the settings, if there is one.
     point: Option<Point>,
 }
@@ -144,8 +141,14 @@ impl<'p> LevelProblem<'_, 'p> {
         if open.is_empty() {
             return None;
         }
-        let (band, sign) = (answers.band, direction.sign());
-        let first = match self.first(band, direction) {
+        let sign = direction.sign();
+        let sweep = SweepSettings {
+            band: answers.band,
+            direction,
+            largest_step: SWEEP_STEP,
+            largest_advance: SWEEP_ADVANCE,
+        };
+        let first = match self.first(sweep) {
             Ok(first) => first,
             Err(stop) => return Some(stop),
         };
@@ -157,12 +160,6 @@ impl<'p> LevelProblem<'_, 'p> {
         if open.is_empty() {
             return None;
         }
-        let sweep = SweepSettings {
-            band,
-            direction,
-            largest_step: SWEEP_STEP,
-            largest_advance: SWEEP_ADVANCE,
-        };
         let newton = self.settings.newton;
         let all = answers.omega.len() as f64;
         let end = follow(self.balance(), first, sweep, newton, |from, to| {
@@ -247,9 +244,9 @@ impl<'p> LevelProblem<'_, 'p> {
         let newton = self.settings.newton;
         let solution = refined(self.balance(), iterate.into(), sets, target, newton);
         Answer {
-            solution: Solution {
-                work_count: self.meter.read(),
-                ..solution
+            solution: Counted {
+                solution,
+                work: self.meter.read(),
             },
             point,
         }
