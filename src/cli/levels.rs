@@ -69,6 +69,7 @@ fn in_json(result: &RunResult, folder: &Path) -> Value {
         "thread_seconds_of_samples": {
             "peaks": times.peaks.as_secs_f64(),
             "larger harmonic sets": times.larger_sets.as_secs_f64(),
+            "stability": times.stability.as_secs_f64(),
             "curves": times.curves.as_secs_f64(),
         },
         "newton_iterations": times.newton_iterations,
@@ -86,6 +87,7 @@ pub(super) fn show_profile(out: &mut dyn Write, profile: &Profile) -> std::io::R
     for (name, time) in [
         ("peaks", times.peaks),
         ("larger harmonic sets", times.larger_sets),
+        ("stability", times.stability),
         ("curves", times.curves),
     ] {
         writeln!(out, "  {name:24} {:9.2} s", time.as_secs_f64())?;

@@ -106,7 +106,7 @@ fn the_profile_says_where_the_time_went() {
     let first = profile(&microslip(folder.path(), &arguments).stdout);
     let names: Vec<&str> = first.iter().map(|(name, _)| name.as_str()).collect();
     let stages = ["model", "samples", "tables", "report"];
-    let times = ["peaks", "larger harmonic sets", "curves"];
+    let times = ["peaks", "larger harmonic sets", "stability", "curves"];
     assert_eq!(names, [&stages[..], &times[..]].concat());
     let of = |name: &str| first.iter().find(|(of, _)| of == name).unwrap().1;
     let sum: f64 = times.iter().map(|name| of(name)).sum();

@@ -73,7 +73,7 @@ impl Ensemble<'_> {
                 found
             });
             let found: Vec<LargestBlade> = found.collect();
-            let (larger_sets, to_peaks) = (problem.effort.alert_time(), begun.elapsed());
+            let to_peaks = begun.elapsed();
             let assessed = found.into_iter().map(|found| LargestBlade {
                 peak: found.peak.with_stability(&problem, self.settings),
                 ..found
@@ -83,7 +83,7 @@ impl Ensemble<'_> {
                 .collect();
             Ok(SampleResult {
                 peaks: vec![ModePeaks::default(); levels.len()],
-                times: SampleTimes::until_now(begun, to_peaks, larger_sets, &levels),
+                times: SampleTimes::until_now(begun, to_peaks, &problem.effort, &levels),
                 levels,
             })
         });

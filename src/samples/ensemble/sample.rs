@@ -128,7 +128,7 @@ impl Ensemble<'_> {
                 .map_err(|error| error.status())?;
             let peaks = self.peaks(&problem, &levels, place, atlas);
             let peaks = peaks.map_err(|error| error.status())?;
-            let (larger_sets, to_peaks) = (problem.effort.alert_time(), begun.elapsed());
+            let to_peaks = begun.elapsed();
             let shapes = self.mode_shapes(problem.model);
             let level = |(found, nominal)| {
                 let mut level = self.level(&problem, found, nominal, curve);
@@ -142,7 +142,7 @@ impl Ensemble<'_> {
             let levels: Vec<_> = of_levels.map(level).collect();
             Ok(SampleResult {
                 peaks: peaks.iter().map(ModePeaks::new).collect(),
-                times: SampleTimes::until_now(begun, to_peaks, larger_sets, &levels),
+                times: SampleTimes::until_now(begun, to_peaks, &problem.effort, &levels),
                 levels,
             })
         });

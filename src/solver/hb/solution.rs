@@ -13,6 +13,7 @@ use crate::hb::newton::{Iterate, Point};
 use crate::hb::structure::linear::LinearModel;
 use faer::prelude::c64;
 use std::f64::consts::PI;
+use std::time::Instant;
 
 /// Shares of (pair, time) in each contact state; they add up to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, schemars::JsonSchema)]
@@ -156,7 +157,9 @@ impl Solution {
             omega: self.omega,
             law: settings.aft.law,
         };
+        let begun = Instant::now();
         self.stability = assess(problem, &motion);
+        problem.effort.add_stability_time(begun.elapsed());
         let Some(stability) = self.stability else {
             return self;
         };

@@ -41,13 +41,14 @@ pub(in crate::hb) struct Counted<T> {
     pub(in crate::hb) work: WorkCount,
 }
 
-/// Work done on a problem, the time of its error alert, and Newton iterations left to the search that runs: one at a time.
+/// Work done on a problem, the time of its error alert and of its stability, and Newton iterations left to the search that runs: one at a time.
 #[derive(Debug)]
 pub struct Effort {
     left: AtomicUsize,
     iterations: AtomicUsize,
     factorizations: AtomicUsize,
     alert_nanoseconds: AtomicU64,
+    stability_nanoseconds: AtomicU64,
 }
 
 impl Default for Effort {
@@ -58,6 +59,7 @@ impl Default for Effort {
             iterations: AtomicUsize::new(0),
             factorizations: AtomicUsize::new(0),
             alert_nanoseconds: AtomicU64::new(0),
+            stability_nanoseconds: AtomicU64::new(0),
         }
     }
 }
@@ -98,9 +100,17 @@ impl Effort {
     }
 
     pub(in crate::hb) fn add_alert_time(&self, time: Duration) {
-        let nanoseconds = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
-        self.alert_nanoseconds
-            .fetch_add(nanoseconds, Ordering::Relaxed);
+        add_time(&self.alert_nanoseconds, time);
+    }
+
+    /// Time that assessments of stability have taken. Nothing is decided by it.
+    #[must_use]
+    pub fn stability_time(&self) -> Duration {
+        Duration::from_nanos(self.stability_nanoseconds.load(Ordering::Relaxed))
+    }
+
+    pub(in crate::hb) fn add_stability_time(&self, time: Duration) {
+        add_time(&self.stability_nanoseconds, time);
     }
 
     /// Counts a Newton iteration with its factorisations, and takes it from what is left.
@@ -120,6 +130,11 @@ impl Effort {
         self.factorizations
             .fetch_add(work.factorizations, Ordering::Relaxed);
     }
+}
+
+fn add_time(nanoseconds: &AtomicU64, time: Duration) {
+    let more = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
+    nanoseconds.fetch_add(more, Ordering::Relaxed);
 }
 
 /// A meter of the work on a problem: each reading gives the work since the one before.
