@@ -1,6 +1,6 @@
 //! The answer in a sentence, the numbers that matter most, and what must be known before they are used.
 
-use super::parameter::{ALL, name, show, with_unit};
+use super::parameter::{show, with_unit};
 use super::view::View;
 use crate::identify::found::parameter::ContactParameter;
 use crate::identify::found::pooled_result::{Pooled, PooledParameter};
@@ -30,7 +30,10 @@ pub(super) fn section(view: &View) -> Section {
 
 /// What is known of a further contact, and what is not bounded.
 fn sentence(view: &View) -> String {
-    let known: Vec<&PooledParameter> = ALL.into_iter().filter_map(|p| view.pooled(p)).collect();
+    let known: Vec<&PooledParameter> = ContactParameter::ALL
+        .into_iter()
+        .filter_map(|p| view.pooled(p))
+        .collect();
     let mut parts = known.iter().enumerate().map(|(i, found)| {
         let [low, high] = found.further_contact.map(show);
         let median = with_unit(found.parameter, &show(found.median.value));
@@ -41,7 +44,7 @@ fn sentence(view: &View) -> String {
             }
             _ => format!("{median} ({low} to {high})"),
         };
-        format!("a {} of {words}", name(found.parameter))
+        format!("a {} of {words}", found.parameter.in_words())
     });
     let first = match (parts.next(), parts.collect::<Vec<_>>().as_slice()) {
         (None, _) => "The tests give no parameter of the contact.".to_owned(),
@@ -57,7 +60,9 @@ fn sentence(view: &View) -> String {
             )
         }
     };
-    let unknown = ALL.into_iter().filter(|p| view.pooled(*p).is_none());
+    let unknown = ContactParameter::ALL
+        .into_iter()
+        .filter(|p| view.pooled(*p).is_none());
     let unknown = unknown.map(|parameter| not_bounded(view, parameter));
     [first]
         .into_iter()
@@ -99,7 +104,7 @@ fn not_bounded(view: &View, parameter: ContactParameter) -> String {
             "Its normal stiffness is not bounded: no test shows normal motion that is large enough."
                 .to_owned()
         }
-        _ => format!("Its {} is not bounded.", name(parameter)),
+        _ => format!("Its {} is not bounded.", parameter.in_words()),
     }
 }
 
@@ -179,7 +184,7 @@ fn table(view: &View, pooled: &Pooled) -> Block {
         let show_unit = |text: String| with_unit(found.parameter, &text);
         let [low, high] = found.further_contact;
         table.row(vec![
-            Cell::text(name(found.parameter)).with_class("text brief"),
+            Cell::text(found.parameter.in_words()).with_class("text brief"),
             Cell::number(found.tests.to_string(), Some(found.tests as f64)),
             Cell::number(show_unit(show(median.value)), Some(median.value))
                 .with_raw([median.lower, median.upper].map(Some))
