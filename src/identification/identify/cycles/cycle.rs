@@ -3,7 +3,7 @@
 use super::force_resonance::LoopResonance;
 use super::frequency::{Fundamental, fundamental};
 use super::mean_loop::{
-    MeanLoop, inner_range, median, neighbour_correlation, robust_scale, smooth,
+    MeanLoop, extremes, inner_range, median, neighbour_correlation, robust_scale, smooth, swing,
 };
 use super::run_in::run_in;
 use super::scatter::Batches;
@@ -308,9 +308,9 @@ fn tangential(cycle: &mut MeanLoop) -> &mut Vec<f64> {
 /// Begins every loop at the greatest displacement of the mean steady loop.
 fn align(loops: &mut [MeanLoop], run_in: usize) {
     let mean = smooth(&MeanLoop::of(&loops[run_in..]).displacement);
-    let top = (0..mean.len()).max_by(|a, b| mean[*a].total_cmp(&mean[*b]));
+    let top = extremes(&mean).map_or(0, |[_, top]| top);
     for cycle in loops {
-        cycle.rotate(top.unwrap_or(0));
+        cycle.rotate(top);
     }
 }
 
@@ -409,13 +409,6 @@ fn deviation(values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
-}
-
-/// Greatest less least value.
-fn swing(values: &[f64]) -> f64 {
-    let ends = |(low, high): (f64, f64), v: &f64| (low.min(*v), high.max(*v));
-    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
-    high - low
 }
 
 #[cfg(test)]

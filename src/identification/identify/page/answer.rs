@@ -7,6 +7,7 @@ use crate::identify::found::pooled_result::{Pooled, PooledParameter};
 use crate::identify::found::result::{TestEstimate, TestStatus};
 use crate::page::block::{Block, Cell, Section, Table};
 use crate::page::display::{DASH, from_to, percent, with_digits};
+use crate::statistics::hull;
 
 pub(super) fn section(view: &View) -> Section {
     let mut blocks = vec![Block::Sentence(sentence(view)), Block::Facts(facts(view))];
@@ -125,12 +126,9 @@ fn facts(view: &View) -> Vec<(String, String)> {
         .sum::<usize>();
     let range = |of: fn(&TestEstimate) -> f64, scale: f64, unit: &str| {
         let values = view.estimates().map(|(_, _, e)| of(e) * scale);
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-            (l.min(v), h.max(v))
-        });
-        match low <= high {
-            true => format!("{} {unit}", from_to([low, high], |v| with_digits(v, 2))),
-            false => DASH.to_owned(),
+        match hull(values) {
+            Some(ends) => format!("{} {unit}", from_to(ends, |v| with_digits(v, 2))),
+            None => DASH.to_owned(),
         }
     };
     let unit = view.unit;
