@@ -50,10 +50,7 @@ pub fn reweight(
     new: &NewInputs,
     output: &OutputFolder,
 ) -> Result<Reweighting, Error> {
-    let refused = |message: String| Error::Results {
-        folder: folder.to_owned(),
-        message,
-    };
+    let refused = |message: String| Error::results(folder, message);
     require_unchanged(folder)?;
     let run = StoredRun::read(folder)?;
     let (path, [new, old], inputs) = match new {
