@@ -1,6 +1,6 @@
 //! From a study and a measured response to the posterior of its inputs.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::chains::Chains;
 use super::check::{errors, round, spread};
@@ -127,14 +127,12 @@ fn observed(study: &Study, measured: &Path) -> Result<Observations, FileError> {
 }
 
 fn origin(study: &Study, measured: &Path) -> Result<Origin, Error> {
-    let name = measured.file_name().unwrap_or_default().to_string_lossy();
-    let folder = measured.parent().unwrap_or_else(|| Path::new(""));
     Ok(Origin {
         study: study.name.clone(),
         program: Program::this(),
         study_file: FileRecord::of(&study.file_name(), study.text.as_bytes()),
         files: study.file_records()?,
-        measured_file: FileRecord::in_folder(folder, &name)?,
+        measured_file: FileRecord::of_file(measured)?,
         levels: study.levels.clone(),
     })
 }

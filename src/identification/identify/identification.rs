@@ -11,7 +11,7 @@ use crate::file::{FileError, FileRecord};
 use crate::record::{HysteresisRecord, TestInFile, read_hysteresis, read_pressure_map};
 use crate::setting::BadSetting;
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Why nothing is identified.
 #[derive(Debug, thiserror::Error)]
@@ -41,11 +41,7 @@ pub fn identify_files(
     settings: &IdentifySettings,
 ) -> Result<Identified, IdentifyError> {
     settings.validate()?;
-    let record = |path: &PathBuf| {
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        FileRecord::in_folder(folder, &name)
-    };
+    let record = |path: &PathBuf| FileRecord::of_file(path);
     let given = pressure_map.map(|path| -> Result<_, FileError> {
         Ok((KnownPressure::new(&read_pressure_map(path)?), record(path)?))
     });
