@@ -137,7 +137,7 @@ fn identify_at(
 mod tests {
     use super::*;
     use crate::identify::Uncertain;
-    use crate::record::{PressureCell, PressureMap, TestConditions};
+    use crate::record::{PressureCell, PressureMap};
     use crate::sampling::stream::uniform;
     use crate::special::normal_quantile;
     use std::f64::consts::TAU;
@@ -165,15 +165,7 @@ mod tests {
         let whole: f64 = map.cells.iter().map(force).sum();
         let mut forces = vec![0.0_f64; map.cells.len()];
         let mut before = 0.0;
-        let mut record = HysteresisRecord {
-            name: format!("elements {seed}"),
-            time: Vec::new(),
-            displacement: Vec::new(),
-            tangential_force: Vec::new(),
-            normal_force: Vec::new(),
-            approach: None,
-            conditions: TestConditions::default(),
-        };
+        let mut record = HysteresisRecord::empty(format!("elements {seed}"));
         for i in 0..8240_u32 {
             let cycle = f64::from(i) / 400.0;
             let motion = 8e-6 * (TAU * (cycle + 0.1)).sin();
