@@ -40,7 +40,7 @@ pub struct Summary {
     pub confidence: f64,
     /// Wall time of the command that wrote the results (s); earlier ones, whose samples it took over, are not in it.
     pub wall_time_s: f64,
-    /// Who brought predicted peaks closer, nobody or a GPU, with the audit of a GPU.
+    /// Whether a GPU improved the predicted peaks, with its audit.
     pub backend: BackendReport,
     /// One entry per excitation level.
     pub levels: Vec<LevelSummary>,

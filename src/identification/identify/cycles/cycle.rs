@@ -31,8 +31,8 @@ pub(in crate::identify) struct Steady {
     pub(in crate::identify) common: CommonError,
     /// Mean of the tangential force over the steady cycles, which was taken out (N).
     pub(in crate::identify) tangential_mean: f64,
-    /// Change of that mean per cycle, where too few cycles tell a drift from a start (N); 0 of one cycle, or of enough.
-    pub(in crate::identify) untold_drift: f64,
+    /// Drift of that mean per cycle where the record has too few cycles to separate it from the start-up (N); 0 of one cycle, or of enough.
+    pub(in crate::identify) unresolved_drift: f64,
 }
 
 impl Steady {
@@ -132,7 +132,7 @@ pub(in crate::identify) fn cut(
         batch_cycles: (0..count).map(|k| batch(k).len()).collect(),
         common,
         tangential_mean: means[1][run_in..].iter().sum::<f64>() / steady.len() as f64,
-        untold_drift: untold_drift(&means[1][run_in..]),
+        unresolved_drift: unresolved_drift(&means[1][run_in..]),
         loops,
     })
 }
@@ -341,7 +341,7 @@ fn drift(means: &[f64]) -> f64 {
 }
 
 /// Mean change per cycle of means that are too few for a drift; 0 of one.
-fn untold_drift(means: &[f64]) -> f64 {
+fn unresolved_drift(means: &[f64]) -> f64 {
     match means {
         [first, .., last] if means.len() < LEAST_FOR_DRIFT => {
             (last - first) / (means.len() - 1) as f64
@@ -413,7 +413,7 @@ fn deviation(values: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{drift, untold_drift};
+    use super::{drift, unresolved_drift};
 
     /// The mean force of the first cycle is another one, as the contact starts without force.
     ///
@@ -426,7 +426,7 @@ mod tests {
             assert_eq!(drift(&means), 0.0, "{cycles} cycles");
             let steady: Vec<f64> = (0..cycles).map(|k| 0.5 * k as f64).collect();
             // a drift is taken out of four cycles or more, and is part of the error of two or three
-            let [taken, left] = [drift(&steady), untold_drift(&steady)];
+            let [taken, left] = [drift(&steady), unresolved_drift(&steady)];
             let all = if cycles == 1 { 0.0 } else { 0.5 };
             assert!((taken + left - all).abs() < 1e-12, "{taken} {left}");
             assert_eq!(taken != 0.0, cycles > 3, "{cycles} cycles");

@@ -203,7 +203,7 @@ impl<'a> Test<'a> {
                 |numbers| numbers.friction.map(|p| p.coefficient),
                 inside,
                 // half a cycle lies between the plateaus: a drift of T moves them apart by half of it
-                0.25 * self.steady.untold_drift / plateaus.normal,
+                0.25 * self.steady.unresolved_drift / plateaus.normal,
                 plateaus.coefficient * self.chain.of_ratio(),
             ),
             sides: [side(1.0), side(-1.0)],
