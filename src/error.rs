@@ -106,4 +106,22 @@ impl Error {
     pub fn file(path: &Path, source: std::io::Error) -> Self {
         Self::File(FileError::system(path, source))
     }
+
+    /// `message` says what is wrong with the results or parts in `folder`, and what to do.
+    #[must_use]
+    pub fn results(folder: &Path, message: impl Into<String>) -> Self {
+        Self::Results {
+            folder: folder.to_owned(),
+            message: message.into(),
+        }
+    }
+
+    /// `message` says what the study lacks or why it does not do, and what to do.
+    #[must_use]
+    pub fn unfit(study: &Path, message: impl Into<String>) -> Self {
+        Self::Unfit {
+            study: study.to_owned(),
+            message: message.into(),
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! From a study and a measured response to the posterior of its inputs.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::chains::Chains;
 use super::check::{errors, round, spread};
@@ -47,15 +47,16 @@ pub fn calibrate(
     settings: &CalibrationSettings,
     progress: impl Fn(Stage),
 ) -> Result<Calibrated, Error> {
-    let refused = Refused(study.path.clone());
-    (settings.validate()).map_err(|bad| refused.because(format!("--{bad}")))?;
+    let path = study.path.clone();
+    let refused = |message: String| Error::unfit(&path, message);
+    (settings.validate()).map_err(|bad| refused(format!("--{bad}")))?;
     let prior = Prior::of(&study.design).map_err(|bad| study.bad_setting(&bad))?;
     let observations = observed(&study, measured)?;
-    let samples = number_of_samples(&study, settings).map_err(|rule| refused.because(rule))?;
+    let samples = number_of_samples(&study, settings).map_err(refused)?;
     let origin = origin(&study, measured)?;
     progress(Stage::Samples(samples));
     let never = Stop::default();
-    let stopped = |error: EvaluationError| refused.because(error.to_string());
+    let stopped = |error: EvaluationError| refused(error.to_string());
     let anchors = ANCHORS.min(samples as u64);
     let evaluator = Evaluator::solved(study.into_prepared()?, anchors, &never, |_| {});
     let evaluator = evaluator.map_err(stopped)?;
@@ -64,12 +65,12 @@ pub fn calibrate(
     let mut rounds: Vec<Round> = Vec::new();
     loop {
         let fitted = Surrogates::fit(&prior, &points, &observations.levels(), settings.seed);
-        let surrogates = fitted.map_err(|reason| refused.because(reason))?;
+        let surrogates = fitted.map_err(refused)?;
         let asked = settings.discrepancy;
         let posterior = Posterior::new(&prior, &surrogates, &observations, asked);
         progress(Stage::Chains(rounds.len() + 1));
         let chains = Chains::draw(&posterior, settings);
-        let chains = chains.map_err(|reason| refused.because(reason))?;
+        let chains = chains.map_err(refused)?;
         progress(Stage::Check(settings.checked));
         let scores = spread(&chains, settings.checked, posterior.scores());
         let values = |z: &Vec<f64>| prior.with_fixed(&prior.values(z));
@@ -126,28 +127,14 @@ fn observed(study: &Study, measured: &Path) -> Result<Observations, FileError> {
 }
 
 fn origin(study: &Study, measured: &Path) -> Result<Origin, Error> {
-    let name = measured.file_name().unwrap_or_default().to_string_lossy();
-    let folder = measured.parent().unwrap_or_else(|| Path::new(""));
     Ok(Origin {
         study: study.name.clone(),
         program: Program::this(),
         study_file: FileRecord::of(&study.file_name(), study.text.as_bytes()),
         files: study.file_records()?,
-        measured_file: FileRecord::in_folder(folder, &name)?,
+        measured_file: FileRecord::of_file(measured)?,
         levels: study.levels.clone(),
     })
-}
-
-/// Errors about the study as a whole.
-struct Refused(PathBuf);
-
-impl Refused {
-    fn because(&self, message: String) -> Error {
-        Error::Unfit {
-            study: self.0.clone(),
-            message,
-        }
-    }
 }
 
 fn number_of_samples(study: &Study, settings: &CalibrationSettings) -> Result<usize, String> {

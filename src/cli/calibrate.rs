@@ -3,9 +3,9 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use super::log::Log;
+use super::log::{Event, Messages};
+use super::process::Process;
 use super::terminal::print;
-use super::threads::Threads;
 use clap::Args;
 use microslip::Error;
 use microslip::calibrate::found::Round;
@@ -14,6 +14,7 @@ use microslip::calibrate::write::FILES;
 use microslip::calibrate::{Calibration, CalibrationSettings, Stage, calibrate};
 use microslip::file::refuse_inputs;
 use microslip::study::{OutputFolder, Study};
+use serde_json::json;
 
 #[derive(Args)]
 pub(super) struct CalibrateArguments {
@@ -43,16 +44,14 @@ pub(super) struct CalibrateArguments {
     /// The same in amplitude, in percent.
     #[arg(long, default_value_t = 0.0)]
     discrepancy_percent: f64,
-    /// No table and no progress.
-    #[arg(long)]
-    quiet: bool,
     #[command(flatten)]
-    threads: Threads,
+    pub process: Process,
 }
 
 impl CalibrateArguments {
     pub(super) fn execute(&self) -> Result<(), Error> {
-        self.threads.start()?;
+        self.process.threads.start()?;
+        let messages = &self.process.messages;
         let settings = CalibrationSettings {
             samples: self.samples,
             chains: self.chains,
@@ -67,12 +66,18 @@ impl CalibrateArguments {
         let study = Study::read(&self.study)?;
         let read = [study.inputs_on_disk(), vec![self.measured.clone()]].concat();
         refuse_inputs(FILES.map(|name| self.output.join(name)), &read)?;
-        Log::default().warn(&study.warnings);
+        messages.log.warn(&study.warnings);
         let output = OutputFolder::open(&self.output)?;
         let found = calibrate(study, &self.measured, &settings, |stage| self.tell(stage))?;
         let files = found.write(&output)?;
-        Log::default().warn(&found.summary.warnings);
-        if self.quiet {
+        messages.log.warn(&found.summary.warnings);
+        messages.log.write(&Event::Finished(json!({
+            "folder": output.path().display().to_string(),
+            "rounds": found.summary.rounds.len(),
+            "divergences": found.summary.divergences,
+            "misfit_probability": found.summary.misfit_probability,
+        })));
+        if messages.quiet {
             return Ok(());
         }
         print(|out| {
@@ -85,14 +90,28 @@ impl CalibrateArguments {
     }
 
     fn tell(&self, stage: Stage) {
-        if self.quiet {
+        let Messages { quiet, log } = self.process.messages;
+        if quiet {
             return;
         }
-        match stage {
-            Stage::Samples(n) => eprintln!("solving {n} samples"),
-            Stage::Chains(round) => eprintln!("round {round}: fit, and chains"),
-            Stage::Check(n) => eprintln!("solving {n} draws of the posterior"),
-        }
+        let (words, fields) = match stage {
+            Stage::Samples(n) => (
+                format!("solving {n} samples"),
+                json!({ "stage": "samples", "samples": n }),
+            ),
+            Stage::Chains(round) => (
+                format!("round {round}: fit, and chains"),
+                json!({ "stage": "chains", "round": round }),
+            ),
+            Stage::Check(n) => (
+                format!("solving {n} draws of the posterior"),
+                json!({ "stage": "check", "draws": n }),
+            ),
+        };
+        log.write(&Event::Stage {
+            words: &words,
+            fields,
+        });
     }
 }
 

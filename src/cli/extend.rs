@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use super::levels::show_result;
+use super::levels::{show_profile, show_result};
 use super::process::Process;
 use super::run_control::RunControl;
-use super::terminal::Bar;
+use super::terminal::{Bar, print};
 use clap::Args;
 use microslip::Error;
 use microslip::study::extend;
@@ -17,6 +17,9 @@ pub(super) struct ExtendArguments {
     /// Number of samples in all.
     #[arg(long)]
     samples: u64,
+    /// Show at the end where the time went.
+    #[arg(long)]
+    profile: bool,
     #[command(flatten)]
     pub process: Process,
     #[command(flatten)]
@@ -34,6 +37,10 @@ impl ExtendArguments {
             bar.show(progress);
         })?;
         bar.clear();
-        show_result(&result, &self.folder, &self.process.messages)
+        show_result(&result, &self.folder, &self.process.messages)?;
+        match self.profile && !self.process.messages.quiet {
+            true => print(|out| show_profile(out, &result.profile)),
+            false => Ok(()),
+        }
     }
 }

@@ -10,8 +10,7 @@ use microslip::file::refuse_inputs;
 use microslip::identify::found::pooled_result::PooledParameter;
 use microslip::identify::write::FILES;
 use microslip::identify::{
-    ContactParameter, Identified, IdentifySettings, TestResult, TestStatus, Uncertain,
-    identify_files, write,
+    Identified, IdentifySettings, TestResult, TestStatus, Uncertain, identify_files, write,
 };
 use microslip::study::OutputFolder;
 
@@ -180,11 +179,10 @@ fn in_words(value: &Uncertain) -> String {
 }
 
 fn show_parameter(out: &mut dyn Write, pooled: &PooledParameter) -> IoResult<()> {
-    let (name, unit) = match pooled.parameter {
-        ContactParameter::FrictionCoefficient => ("friction coefficient", ""),
-        ContactParameter::TangentialStiffnessNPerUm => ("tangential stiffness", " N/um"),
-        ContactParameter::NormalStiffnessNPerUm => ("normal stiffness", " N/um"),
-    };
+    let name = pooled.parameter.in_words();
+    // not every terminal shows the letter of micro
+    let unit = pooled.parameter.unit();
+    let unit = unit.map_or_else(String::new, |unit| format!(" {}", unit.replace('µ', "u")));
     let [low, high] = pooled.further_contact;
     writeln!(
         out,

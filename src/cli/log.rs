@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 
 /// How much a command says, and how.
-#[derive(Args)]
+#[derive(Clone, Copy, Args)]
 pub(super) struct Messages {
     /// No progress and no summary. Warnings stay, and so does all that `inspect` shows.
     #[arg(long)]
@@ -41,6 +41,12 @@ pub(super) enum Event<'a> {
         newton_iterations: u64,
         /// The rest in words.
         words: &'a str,
+    },
+    /// A stage of the work begins.
+    Stage {
+        words: &'a str,
+        /// The same for programs.
+        fields: Value,
     },
     /// The command has its results; with what it says of them.
     Finished(Value),
@@ -84,6 +90,7 @@ impl Event<'_> {
             Self::Progress {
                 done, total, words, ..
             } => Some(format!("{done}/{total}, {words}")),
+            Self::Stage { words, .. } => Some((*words).to_owned()),
             Self::Stopped(message) => Some((*message).to_owned()),
             Self::Error(message) => Some(format!("error: {message}")),
         }
@@ -107,6 +114,7 @@ impl Event<'_> {
                 });
                 ("progress", progress)
             }
+            Self::Stage { fields, .. } => ("stage", fields.clone()),
             Self::Finished(fields) => ("finished", fields.clone()),
             Self::Stopped(message) => ("stopped", json!({ "message": message })),
             Self::Error(message) => ("error", json!({ "message": message })),

@@ -163,6 +163,7 @@ impl Command {
             Self::Merge(arguments) => arguments.process.messages.log,
             Self::Serve(arguments) => arguments.process.messages.log,
             Self::Rig(arguments) => arguments.process.messages.log,
+            Self::Calibrate(arguments) => arguments.process.messages.log,
             _ => Log::Text,
         }
     }

@@ -26,7 +26,7 @@ use serde_json::json;
 pub(super) struct RunArguments {
     #[command(flatten)]
     pub study: StudyArguments,
-    /// Who brings predicted peaks closer. `auto` takes whoever is faster: at present always the processor.
+    /// Whether a GPU improves the predicted peaks. `auto` takes what is faster: at present always the processor alone.
     #[arg(long, value_enum, default_value = "cpu")]
     backend: BackendName,
     /// Adapter of the GPU: index, PCI address or part of its name, as `devices` lists them. One that is software must be
@@ -188,7 +188,7 @@ fn show_gpu(out: &mut dyn Write, summary: &Summary) -> std::io::Result<()> {
     };
     writeln!(
         out,
-        "{}: {} of {} predicted peaks brought closer, {} searched again without it, largest differences {:.1e} of a frequency and {:.1e} of an amplitude",
+        "{}: {} of {} predicted peaks improved, {} searched again without it, largest differences {:.1e} of a frequency and {:.1e} of an amplitude",
         gpu.adapter.name,
         gpu.lanes - gpu.lanes_lost,
         gpu.lanes,

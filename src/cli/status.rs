@@ -59,10 +59,10 @@ impl StatusArguments {
         })?;
         match refused.len() {
             0 | 1 => refused.pop().map_or(Ok(()), Err),
-            n => Err(Error::Results {
-                folder: self.folder.clone(),
-                message: format!("{n} folders have faults: {}", in_words(&refused)),
-            }),
+            n => Err(Error::results(
+                &self.folder,
+                format!("{n} folders have faults: {}", in_words(&refused)),
+            )),
         }
     }
 
@@ -93,10 +93,7 @@ fn in_words(errors: &[Error]) -> String {
 
 /// What `verify` says of a folder in which every file is what was written.
 fn whole(folder: &Path, status: &FolderStatus) -> Result<String, Error> {
-    let refused = |message: String| Error::Results {
-        folder: folder.to_owned(),
-        message,
-    };
+    let refused = |message: String| Error::results(folder, message);
     if let Some(fault) = status.faults.first() {
         let more = match status.faults.len() {
             1 => String::new(),

@@ -200,8 +200,8 @@ impl LevelAssessment {
             let populations = Populations::of(input, i, result);
             [Side::Lower, Side::Upper].map(|side| populations.bound(side))
         };
-        let pooled = nested(input.outcomes);
-        let prefixes = |result, p: f64| match pooled {
+        let nested = nested(input.outcomes);
+        let prefixes = |result, p: f64| match nested {
             true => Vec::new(),
             false => convergence(&values(input.outcomes, i, result), FIRST_PREFIX, |o| {
                 quantile_estimate(o, p, input.record.confidence())
@@ -213,7 +213,7 @@ impl LevelAssessment {
             level: input.record.levels[i],
             frequency_bounds_hz: bounds(results[0]),
             amplitude_bound_m,
-            joint_region: (!pooled).then(|| region(input, i)),
+            joint_region: (!nested).then(|| region(input, i)),
             margins: (requirements.operation.as_ref())
                 .map_or_else(Vec::new, |operation| order_margins(input, i, operation)),
             reserve: (requirements.stress.as_ref()).map(|stress| reserve(input, i, stress)),

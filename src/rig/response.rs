@@ -76,10 +76,7 @@ impl Rig {
         study.output.curve_samples = 0;
         let path = study.path.clone();
         let never = Stop::default();
-        let failed = |error: EvaluationError| Error::Unfit {
-            study: path.clone(),
-            message: error.to_string(),
-        };
+        let failed = |error: EvaluationError| Error::unfit(&path, error.to_string());
         let model = Evaluator::solved(study.into_prepared()?, 0, &never, |_| {});
         let model = model.map_err(failed)?;
         let nominal: [&[f64]; 1] = [&[]];

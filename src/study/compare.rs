@@ -20,11 +20,10 @@ pub fn compare(folders: &[&Path], output: &OutputFolder) -> Result<DesignCompari
     for (i, folder) in folders.iter().enumerate() {
         let same = |other: &&&Path| other.canonicalize().ok() == folder.canonicalize().ok();
         if folder.exists() && folders[..i].iter().any(|other| same(&other)) {
-            return Err(Error::Results {
-                folder: folder.to_path_buf(),
-                message: "is given twice: a comparison needs the results of different runs"
-                    .to_owned(),
-            });
+            return Err(Error::results(
+                folder,
+                "is given twice: a comparison needs the results of different runs",
+            ));
         }
     }
     let runs: Vec<StoredRun> = (folders.iter())
@@ -38,14 +37,13 @@ pub fn compare(folders: &[&Path], output: &OutputFolder) -> Result<DesignCompari
     }
     for (folder, run) in folders.iter().zip(&runs) {
         if let Some(name) = run.changed.first() {
-            return Err(Error::Results {
-                folder: folder.to_path_buf(),
-                message: format!("{name} {CHANGED}"),
-            });
+            return Err(Error::results(folder, format!("{name} {CHANGED}")));
         }
-        check(run, first).map_err(|reason| Error::Results {
-            folder: folder.to_path_buf(),
-            message: format!("cannot be compared with {}: {reason}", folders[0].display()),
+        check(run, first).map_err(|reason| {
+            Error::results(
+                folder,
+                format!("cannot be compared with {}: {reason}", folders[0].display()),
+            )
         })?;
     }
     let comparison = DesignComparison::of(folders, &runs);
@@ -54,10 +52,10 @@ pub fn compare(folders: &[&Path], output: &OutputFolder) -> Result<DesignCompari
 }
 
 fn too_few(output: &OutputFolder) -> Error {
-    Error::Results {
-        folder: output.path().to_owned(),
-        message: "a comparison needs the results of two runs at least".to_owned(),
-    }
+    Error::results(
+        output.path(),
+        "a comparison needs the results of two runs at least",
+    )
 }
 
 /// Whether the samples of `run` pair with those of `first` by index.

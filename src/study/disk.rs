@@ -23,12 +23,11 @@ pub fn disk(folders: &[&Path], output: &OutputFolder) -> Result<DiskSummary, Err
         Ok::<_, Error>(StoredRun { folder, ..run })
     };
     let runs: Vec<StoredRun> = folders.iter().map(read).collect::<Result<_, _>>()?;
-    let refused = |place: usize, message: String| Error::Results {
-        folder: folders
-            .get(place)
-            .map_or(output.path(), |folder| *folder)
-            .to_owned(),
-        message,
+    let refused = |place: usize, message: String| {
+        Error::results(
+            folders.get(place).map_or(output.path(), |folder| *folder),
+            message,
+        )
     };
     let summary = DiskSummary::of(folders, &runs).map_err(|(place, why)| refused(place, why))?;
     disk::write(output.path(), &summary, &runs)?;

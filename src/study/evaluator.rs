@@ -25,7 +25,7 @@ use std::path::Path;
 
 use super::prepared::PreparedStudy;
 use super::runs::progress::{Meter, Progress};
-use super::runs::resume::{Resumed, identity_of_results};
+use super::runs::resume::{Resumed, identity_of_results, results_refusal};
 use super::runs::run_settings::RunSettings;
 use super::settings::read::Study;
 use crate::Error;
@@ -188,9 +188,6 @@ fn refuse_other_study(study: &Study, folder: &Path) -> Result<(), Error> {
     };
     match own.difference(&stored) {
         None | Some(Difference::Program(_)) => Ok(()),
-        Some(difference) => Err(Error::Results {
-            folder: folder.to_owned(),
-            message: format!("are results of {difference}: `run` anew"),
-        }),
+        Some(difference) => Err(Error::results(folder, results_refusal(&difference))),
     }
 }

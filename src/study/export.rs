@@ -60,9 +60,11 @@ pub fn export(study: &Study, output: &Path) -> Result<Exported, Error> {
         let path = folder.join("study.toml");
         file::replace(&path, |out| out.write_all(text.as_bytes()))?;
         let written = Study::read(&path).and_then(|written| written.build_model());
-        written.map(|_| ()).map_err(|error| Error::Unfit {
-            study: study.path.clone(),
-            message: format!("what export writes of it is no study: {error}"),
+        written.map(|_| ()).map_err(|error| {
+            Error::unfit(
+                &study.path,
+                format!("what export writes of it is no study: {error}"),
+            )
         })
     })?;
     let rig = model.rig.is_some();
@@ -105,9 +107,11 @@ impl Study {
 
     /// The keys of the study file that hold for matrices, too, and what of them had to change.
     fn kept(&self) -> Result<(Table, Option<String>), Error> {
-        let no_table = |error: toml::de::Error| Error::Unfit {
-            study: self.path.clone(),
-            message: format!("export cannot write this file again: {}", error.message()),
+        let no_table = |error: toml::de::Error| {
+            Error::unfit(
+                &self.path,
+                format!("export cannot write this file again: {}", error.message()),
+            )
         };
         let mut kept: Table = toml::from_str(&self.text).map_err(no_table)?;
         kept.remove("model");
@@ -150,9 +154,11 @@ fn study_text(study: &Study, model: &StudyModel, kept: &Table) -> Result<String,
             .iter()
             .filter(|(_, value)| is_section(value) == sections);
         let entries = entries.map(|(key, value)| (key.clone(), value.clone()));
-        toml::to_string(&entries.collect::<Table>()).map_err(|error| Error::Unfit {
-            study: study.path.clone(),
-            message: format!("export cannot write this file again: {error}"),
+        toml::to_string(&entries.collect::<Table>()).map_err(|error| {
+            Error::unfit(
+                &study.path,
+                format!("export cannot write this file again: {error}"),
+            )
         })
     };
     let si = study.frequency.unit == FrequencyUnit::Hertz;

@@ -60,3 +60,41 @@ fn close(schema: &mut Value) {
         _ => {}
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{JsonSchema, Value, schema_of};
+    use crate::hb::{PeakRoute, Status};
+    use crate::sampling::DesignKind;
+
+    /// Names of all variants in files, as the schema has them from the type itself.
+    fn in_files<T: JsonSchema>() -> Vec<String> {
+        let schema = schema_of::<T>("names");
+        let variants = schema["oneOf"].as_array().expect("variants with words");
+        let name = |variant: &Value| variant["const"].as_str().map(str::to_owned);
+        variants.iter().filter_map(name).collect()
+    }
+
+    /// Programs that read files, and readers of a report, find the same name. Seen to fail with a status twice in the list.
+    #[test]
+    fn statuses_have_their_names_of_files() {
+        assert_eq!(in_files::<Status>(), Status::ALL.map(Status::name));
+    }
+
+    /// Seen to fail with another name of one.
+    #[test]
+    fn routes_have_their_names_of_files() {
+        assert_eq!(in_files::<PeakRoute>(), PeakRoute::ALL.map(PeakRoute::name));
+    }
+
+    /// Seen to fail with another name of one.
+    #[test]
+    fn designs_have_their_names_of_files() {
+        let kinds = in_files::<DesignKind>();
+        assert!(kinds.len() > 1, "{kinds:?}");
+        for name in kinds {
+            let kind: DesignKind = serde_json::from_value(Value::from(name.clone())).expect("kind");
+            assert_eq!(kind.name(), name);
+        }
+    }
+}

@@ -278,7 +278,7 @@ impl PreparedStudy<'_> {
         Band { low, high }
     }
 
-    /// Its samples, predicted peaks brought closer by `gpu` if there is one.
+    /// Its samples, predicted peaks improved by `gpu` if there is one.
     #[must_use]
     pub fn ensemble<'a>(&'a self, gpu: Option<&'a LaneDevice>) -> Ensemble<'a> {
         Ensemble {

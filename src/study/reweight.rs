@@ -12,7 +12,7 @@ use crate::report::StoredRun;
 use crate::report::reweighting::{LEAST_EFFECTIVE_SAMPLES, ReweightedInput, Reweighting};
 use crate::report::run::require_unchanged;
 use crate::sampling::{Distribution, DistributionTable, Input, SampleTable, Uncertainty};
-use crate::statistics::Weights;
+use crate::statistics::{Weights, hull};
 
 /// Name of the file that [`reweight`] writes.
 pub const REWEIGHTED: &str = "reweighted.json";
@@ -50,10 +50,7 @@ pub fn reweight(
     new: &NewInputs,
     output: &OutputFolder,
 ) -> Result<Reweighting, Error> {
-    let refused = |message: String| Error::Results {
-        folder: folder.to_owned(),
-        message,
-    };
+    let refused = |message: String| Error::results(folder, message);
     require_unchanged(folder)?;
     let run = StoredRun::read(folder)?;
     let (path, [new, old], inputs) = match new {
@@ -248,9 +245,9 @@ fn check_range(
             "must lie in the sampled range {from} .. {to}, not {low} .. {high}; cut it with truncation = [low, high]"
         ));
     }
-    let (least, largest) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-        (l.min(v), h.max(v))
-    });
+    let Some([least, largest]) = hull(values) else {
+        return Err("must lie where the samples are: there are none".to_owned());
+    };
     let beyond = new.cdf(least) + 1.0 - new.cdf(largest);
     if beyond > MOST_BEYOND {
         return Err(format!(

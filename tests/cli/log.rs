@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use super::{folder, microslip};
+use crate::function_case::case;
 
 /// The lines of a text as JSON.
 fn lines(text: &[u8]) -> Vec<Value> {
@@ -86,6 +87,52 @@ fn solve_logs_its_end() {
     );
 }
 
+/// Seen to fail with the stages as plain lines, and without an end.
+#[test]
+fn calibrate_logs_its_stages_and_its_end() {
+    let folder = case();
+    let files = ["--measured", "response.csv", "--output", "calibrated"];
+    let arguments = [
+        &["calibrate", "study.toml"],
+        &files[..],
+        &["--draws", "100", "--log", "json"],
+    ];
+    let output = microslip(folder.path(), &arguments.concat());
+    assert!(output.status.success(), "{output:?}");
+    let log = lines(&output.stderr);
+    let of = |event: &str| -> Vec<&Value> { log.iter().filter(|l| l["event"] == event).collect() };
+    let stages = of("stage");
+    assert_eq!(
+        (&stages[0]["stage"], &stages[0]["samples"]),
+        (&"samples".into(), &48.into())
+    );
+    assert_eq!(
+        (&stages[1]["stage"], &stages[1]["round"]),
+        (&"chains".into(), &1.into())
+    );
+    let end = log.last().unwrap();
+    assert_eq!(end["event"], "finished");
+    assert!(
+        end["folder"].as_str().unwrap().ends_with("calibrated"),
+        "{end}"
+    );
+    let rounds = of("stage")
+        .iter()
+        .filter(|l| l["stage"] == "chains")
+        .count();
+    assert_eq!(end["rounds"], rounds);
+    assert!(end["misfit_probability"].as_f64().unwrap() > 0.0, "{end}");
+
+    let refused = microslip(
+        folder.path(),
+        &[&arguments.concat()[..], &["--chains", "1"]].concat(),
+    );
+    assert_eq!(refused.status.code(), Some(2));
+    let log = lines(&refused.stderr);
+    let message = log.last().unwrap()["message"].as_str().unwrap();
+    assert!(message.contains("--chains = 1"), "{message}");
+}
+
 /// Seen to fail with the time of the curves counted among the peaks.
 #[test]
 fn the_profile_says_where_the_time_went() {
@@ -115,4 +162,18 @@ fn the_profile_says_where_the_time_went() {
     // whole results: only the report is made
     let again = profile(&microslip(folder.path(), &arguments).stdout);
     assert_eq!(again[0].0, "report");
+}
+
+/// Seen to fail with an `extend` that says it where it is quiet alone.
+#[test]
+fn extend_says_where_the_time_went() {
+    let folder = folder("study.toml", "samples = 10", "samples = 2");
+    let output = microslip(folder.path(), &["run", "study.toml", "--quiet"]);
+    assert!(output.status.success(), "{output:?}");
+    let more = ["extend", "results", "--samples", "4", "--profile"];
+    let output = microslip(folder.path(), &more);
+    let shown = String::from_utf8_lossy(&output.stdout).into_owned();
+    for words in ["wall time of this process by stage:", "Newton iterations:"] {
+        assert!(shown.contains(words), "{words}: {output:?}");
+    }
 }

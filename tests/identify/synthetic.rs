@@ -1,6 +1,6 @@
 //! Hysteresis tests made from equations, with the faults of a measurement.
 
-use microslip::record::{HysteresisRecord, TestConditions};
+use microslip::record::HysteresisRecord;
 use microslip::sampling::stream::uniform;
 use microslip::special::normal_quantile;
 use std::f64::consts::TAU;
@@ -61,15 +61,7 @@ impl Bench {
     pub(crate) fn record(&self) -> HysteresisRecord {
         let count = (self.per_cycle * (self.cycles as f64 + 0.6)) as usize;
         let (mut contact, mut before) = (0.0_f64, 0.0);
-        let mut record = HysteresisRecord {
-            name: format!("bench {}", self.seed),
-            time: Vec::new(),
-            displacement: Vec::new(),
-            tangential_force: Vec::new(),
-            normal_force: Vec::new(),
-            approach: None,
-            conditions: TestConditions::default(),
-        };
+        let mut record = HysteresisRecord::empty(format!("bench {}", self.seed));
         for i in 0..count {
             let cycle = i as f64 / self.per_cycle;
             let motion = self.amplitude * (TAU * (cycle + 0.1)).sin();

@@ -103,8 +103,15 @@ pub fn open(path: &Path) -> Result<File, FileError> {
 /// # Errors
 /// [`FileError`] if it cannot be read, is longer, or is no UTF-8; then with the line and the encoding that it may have.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
-    let found = text(read_bytes(path, LONGEST_TEXT)?);
-    found.map_err(|(line, rule)| FileError::content(path, Some(line), rule))
+    text_of(path, read_bytes(path, LONGEST_TEXT)?)
+}
+
+/// The bytes of a file as text.
+///
+/// # Errors
+/// [`FileError`] if they are no UTF-8, with the line and the encoding that it may have.
+pub fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, FileError> {
+    text(bytes).map_err(|(line, rule)| FileError::content(path, Some(line), rule))
 }
 
 /// The bytes of a file, at most `most`.

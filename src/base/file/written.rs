@@ -32,15 +32,30 @@ impl FileRecord {
     /// # Errors
     /// [`FileError`] if it cannot be read.
     pub fn in_folder(folder: &Path, name: &str) -> Result<Self, FileError> {
-        let path = folder.join(name);
-        let mut hasher = blake3::Hasher::new();
-        let read = hasher.update_reader(super::open(&path)?);
-        read.map_err(|source| FileError::system(&path, source))?;
         Ok(Self {
             name: name.to_owned(),
-            blake3: hasher.finalize().to_hex().to_string(),
+            blake3: hash_of(&folder.join(name))?,
         })
     }
+
+    /// Record of a file under its name alone.
+    ///
+    /// # Errors
+    /// [`FileError`] if it cannot be read.
+    pub fn of_file(path: &Path) -> Result<Self, FileError> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        Ok(Self {
+            name: name.into_owned(),
+            blake3: hash_of(path)?,
+        })
+    }
+}
+
+fn hash_of(path: &Path) -> Result<String, FileError> {
+    let mut hasher = blake3::Hasher::new();
+    let read = hasher.update_reader(super::open(path)?);
+    read.map_err(|source| FileError::system(path, source))?;
+    Ok(hasher.finalize().to_hex().to_string())
 }
 
 /// A new file that takes its name when it is whole; it hashes what goes to it.
@@ -64,7 +79,7 @@ impl NewFile {
             use std::os::unix::fs::PermissionsExt;
             builder.permissions(std::fs::Permissions::from_mode(0o666));
         }
-        let file = builder.tempfile_in(folder_of(path));
+        let file = builder.tempfile_in(folder_to_open(path));
         Ok(Self {
             path: path.to_owned(),
             file: file.map_err(|source| FileError::system(path, source))?,
@@ -82,7 +97,7 @@ impl NewFile {
         self.file.as_file().sync_all().map_err(system)?;
         let placed = self.file.persist(&self.path);
         placed.map_err(|error| system(error.error))?;
-        sync_folder(folder_of(&self.path))?;
+        sync_folder(folder_to_open(&self.path))?;
         let name = self.path.file_name().unwrap_or_default().to_string_lossy();
         Ok(FileRecord {
             name: name.into_owned(),
@@ -116,7 +131,8 @@ pub fn replace(
     file.finish()
 }
 
-fn folder_of(path: &Path) -> &Path {
+/// Folder of a file as the system opens it: that of a bare name is `.`.
+fn folder_to_open(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if parent != Path::new("") => parent,
         _ => Path::new("."),

@@ -11,7 +11,7 @@ use crate::file::{FileError, FileRecord};
 use crate::record::{HysteresisRecord, TestInFile, read_hysteresis, read_pressure_map};
 use crate::setting::BadSetting;
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Why nothing is identified.
 #[derive(Debug, thiserror::Error)]
@@ -41,11 +41,7 @@ pub fn identify_files(
     settings: &IdentifySettings,
 ) -> Result<Identified, IdentifyError> {
     settings.validate()?;
-    let record = |path: &PathBuf| {
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        FileRecord::in_folder(folder, &name)
-    };
+    let record = |path: &PathBuf| FileRecord::of_file(path);
     let given = pressure_map.map(|path| -> Result<_, FileError> {
         Ok((KnownPressure::new(&read_pressure_map(path)?), record(path)?))
     });
@@ -141,7 +137,7 @@ fn identify_at(
 mod tests {
     use super::*;
     use crate::identify::Uncertain;
-    use crate::record::{PressureCell, PressureMap, TestConditions};
+    use crate::record::{PressureCell, PressureMap};
     use crate::sampling::stream::uniform;
     use crate::special::normal_quantile;
     use std::f64::consts::TAU;
@@ -169,15 +165,7 @@ mod tests {
         let whole: f64 = map.cells.iter().map(force).sum();
         let mut forces = vec![0.0_f64; map.cells.len()];
         let mut before = 0.0;
-        let mut record = HysteresisRecord {
-            name: format!("elements {seed}"),
-            time: Vec::new(),
-            displacement: Vec::new(),
-            tangential_force: Vec::new(),
-            normal_force: Vec::new(),
-            approach: None,
-            conditions: TestConditions::default(),
-        };
+        let mut record = HysteresisRecord::empty(format!("elements {seed}"));
         for i in 0..8240_u32 {
             let cycle = f64::from(i) / 400.0;
             let motion = 8e-6 * (TAU * (cycle + 0.1)).sin();

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::found::identified::{FORMAT, Identified};
-use crate::file::{FileError, read_bytes, text};
+use crate::file::{FileError, read_bytes, text_of};
 use crate::sampling::Distribution;
 use crate::sampling::correlation::Copula;
 use crate::setting::BadSetting;
@@ -18,8 +18,7 @@ impl Identified {
     /// [`FileError`] if it cannot be read, is longer than 64 MiB or no such file; with the line where it is no JSON, else with key,
     /// value and rule.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let content = text(read_bytes(path, LONGEST)?)
-            .map_err(|(line, rule)| FileError::content(path, Some(line), rule))?;
+        let content = text_of(path, read_bytes(path, LONGEST)?)?;
         let identified: Self = serde_json::from_str(&content).map_err(|error| {
             let rule = format!("is no file of `microslip identify`: {error}");
             FileError::content(path, Some(error.line() as u64), rule)

@@ -1,6 +1,7 @@
 //! Axes: where a value lies, and ticks that can be read.
 
 use super::display::{minus_sign, superscript};
+use crate::statistics::hull;
 
 /// How values map to positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,14 +72,9 @@ impl Axis {
     /// An axis that shows all finite values with some space; logarithmic where they are positive and spread
     /// over more than a factor of 20. From 0 to 1 without values.
     pub fn around(label: impl Into<String>, values: impl Iterator<Item = f64>) -> Self {
-        let (low, high) = values
-            .filter(|v| v.is_finite())
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-                (l.min(v), h.max(v))
-            });
-        if low > high {
+        let Some([low, high]) = hull(values.filter(|v| v.is_finite())) else {
             return Self::linear(label, 0.0, 1.0);
-        }
+        };
         if low > 0.0 && high / low > 20.0 {
             let space = (high / low).powf(0.04);
             return Self::log(label, low / space, high * space);

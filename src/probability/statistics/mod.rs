@@ -34,6 +34,7 @@ pub mod distribution;
 pub mod exceedance;
 pub mod failure;
 pub mod given_data;
+mod hull;
 pub mod joint;
 pub mod limit;
 pub mod looks;
@@ -74,6 +75,7 @@ pub use failure::{FailureBin, FailurePattern, failure_pattern};
 pub use given_data::{
     ConditionalMean, GivenData, GivenDataIndex, conditional_means, first_order_index,
 };
+pub use hull::hull;
 pub use joint::{JointRegion, joint_region};
 pub use limit::{Interval, Limit};
 pub use looks::{confidence_at, looks};

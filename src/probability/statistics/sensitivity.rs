@@ -1,5 +1,6 @@
 //! What the estimators of sensitivity share: an index with its interval, the verdict on it, and why there is none.
 
+use super::hull::hull;
 use std::fmt;
 
 /// Share of the variance up to which an index counts as 0: a thousandth of the standard deviation, for peaks solved to
@@ -108,9 +109,8 @@ const ROUNDING: f64 = 1e-12;
 /// Whether finite values differ by more than rounding. What does not vary has no index, no correlation and no fit.
 #[must_use]
 pub fn varies(values: impl Iterator<Item = f64>) -> bool {
-    let none = (f64::INFINITY, f64::NEG_INFINITY);
-    let (low, high) = values.fold(none, |(low, high), v| (low.min(v), high.max(v)));
-    high - low > ROUNDING * high.abs().max(low.abs())
+    let differ = |[low, high]: [f64; 2]| high - low > ROUNDING * high.abs().max(low.abs());
+    hull(values).is_some_and(differ)
 }
 
 /// Refuses results that hold a failed one, or fewer than `needed`.

@@ -78,8 +78,7 @@ pub fn read(path: &Path) -> Result<Reading, FileError> {
     if file::matlab::begins(&bytes) || mat {
         return Ok(reading(Format::Matlab, matlab::read(path, &bytes)?, None));
     }
-    let text = file::text(bytes);
-    let text = text.map_err(|(line, rule)| FileError::content(path, Some(line), rule))?;
+    let text = file::text_of(path, bytes)?;
     let format = Format::of(path, &text)
         .ok_or_else(|| FileError::content(path, None, UNKNOWN.to_owned()))?;
     let (matrices, names) = format.read(path, &text)?;

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use super::quantity::{Quantity, written_unit as unit};
 use super::read::LONGEST_FILE;
-use super::table::{self, Expected, Table};
+use super::table::{self, Expected};
+use super::write::write_notes;
 use crate::file::{self, FileError, FileRecord, replace, shortest_decimal};
 
 /// Cells with pressure of a map, at least and at most.
@@ -36,16 +37,15 @@ pub struct PressureCell {
 /// # Errors
 /// [`FileError`] with the line and the rule that it breaks.
 pub fn read_pressure_map(path: &Path) -> Result<PressureMap, FileError> {
-    let text = file::text(file::read_bytes(path, LONGEST_FILE)?);
-    let text = text.map_err(|(line, rule)| FileError::content(path, Some(line), rule))?;
+    let text = file::text_of(path, file::read_bytes(path, LONGEST_FILE)?)?;
     let expected = Expected {
         needed: &[Quantity::Pressure],
         optional: &[Quantity::Area],
         labels: &[],
     };
     let table = table::read(path, &text, expected)?;
-    in_range(path, &table, Quantity::Pressure, [0.0, LARGEST_PA])?;
-    in_range(path, &table, Quantity::Area, AREAS_M2)?;
+    table.require_within(path, Quantity::Pressure, [0.0, LARGEST_PA])?;
+    table.require_within(path, Quantity::Area, AREAS_M2)?;
     let pressures = table.numbers.get(&Quantity::Pressure).into_iter().flatten();
     let areas = table.numbers.get(&Quantity::Area);
     let cells = pressures.enumerate().map(|(row, pressure)| PressureCell {
@@ -62,28 +62,6 @@ pub fn read_pressure_map(path: &Path) -> Result<PressureMap, FileError> {
     Ok(PressureMap { cells })
 }
 
-/// Refuses the first number outside of a range.
-fn in_range(
-    path: &Path,
-    table: &Table,
-    quantity: Quantity,
-    [least, most]: [f64; 2],
-) -> Result<(), FileError> {
-    let numbers = table
-        .numbers
-        .get(&quantity)
-        .map_or(&[][..], |found| &found[..]);
-    let outside = |value: &f64| !(least..=most).contains(value);
-    let Some(row) = numbers.iter().position(outside) else {
-        return Ok(());
-    };
-    let (name, (unit, power)) = (quantity.name(), unit(quantity));
-    let [shown, least, most] =
-        [numbers[row], least, most].map(|value| shortest_decimal(value, power));
-    let rule = format!("{name} = {shown} {unit}: must be from {least} to {most} {unit}");
-    Err(FileError::content(path, Some(table.lines[row]), rule))
-}
-
 /// Writes the table that [`read_pressure_map`] reads. `notes` become comments at the beginning.
 ///
 /// # Errors
@@ -95,9 +73,7 @@ pub fn write_pressure_map(
 ) -> Result<FileRecord, FileError> {
     replace(path, |file| {
         let mut file = std::io::BufWriter::new(file);
-        for note in notes.iter().flat_map(|note| note.lines()) {
-            writeln!(file, "# {note}")?;
-        }
+        write_notes(&mut file, notes)?;
         let columns = [Quantity::Pressure, Quantity::Area];
         let [pressure, area] = columns.map(|q| format!("{} [{}]", q.name(), unit(q).0));
         writeln!(file, "{pressure},{area}")?;

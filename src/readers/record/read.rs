@@ -97,7 +97,6 @@ fn tests(path: &Path, bytes: Vec<u8>) -> Result<Vec<Channels>, FileError> {
     if uff58::begins(&bytes) {
         return uff58::read(path, &bytes);
     }
-    let text = file::text(bytes);
-    let text = text.map_err(|(line, rule)| FileError::content(path, Some(line), rule))?;
+    let text = file::text_of(path, bytes)?;
     csv::read(path, &text)
 }

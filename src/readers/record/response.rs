@@ -6,6 +6,7 @@ use std::path::Path;
 use super::quantity::{Quantity, written_unit as unit};
 use super::read::LONGEST_FILE;
 use super::table::{self, Expected};
+use super::write::write_notes;
 use crate::file::{self, FileError, FileRecord, replace, shortest_decimal};
 
 /// Points of a response at most.
@@ -42,8 +43,7 @@ pub struct ResponsePoint {
 /// # Errors
 /// [`FileError`] with the line and the rule that it breaks.
 pub fn read_response(path: &Path) -> Result<ResponseRecord, FileError> {
-    let text = file::text(file::read_bytes(path, LONGEST_FILE)?);
-    let text = text.map_err(|(line, rule)| FileError::content(path, Some(line), rule))?;
+    let text = file::text_of(path, file::read_bytes(path, LONGEST_FILE)?)?;
     let expected = Expected {
         needed: &[
             Quantity::Level,
@@ -59,17 +59,8 @@ pub fn read_response(path: &Path) -> Result<ResponseRecord, FileError> {
         let rule = format!("has {rows} rows: must have 1 to {MOST_POINTS}");
         return Err(FileError::content(path, Some(table.heading), rule));
     }
-    for (quantity, numbers) in &table.numbers {
-        let [least, most] = MEANT;
-        let outside = |value: &f64| !(least..=most).contains(value);
-        if let Some(row) = numbers.iter().position(outside) {
-            let (name, unit) = (quantity.name(), quantity.dimension().si());
-            let rule = format!(
-                "{name} = {:e} {unit}: must be from {least:e} to {most:e} {unit}",
-                numbers[row]
-            );
-            return Err(FileError::content(path, Some(table.lines[row]), rule));
-        }
+    for quantity in table.numbers.keys() {
+        table.require_within(path, *quantity, MEANT)?;
     }
     let at = |quantity, row: usize| table.numbers.get(&quantity).map(|numbers| numbers[row]);
     let needed = |quantity, row| at(quantity, row).unwrap_or_default();
@@ -108,9 +99,7 @@ pub fn write_response(
     let columns: Vec<_> = columns.filter(|(_, stated)| *stated).collect();
     replace(path, |file| {
         let mut file = std::io::BufWriter::new(file);
-        for note in notes.iter().flat_map(|note| note.lines()) {
-            writeln!(file, "# {note}")?;
-        }
+        write_notes(&mut file, notes)?;
         let names = columns
             .iter()
             .map(|(q, _)| format!("{} [{}]", q.name(), unit(*q).0));

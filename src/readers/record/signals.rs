@@ -22,6 +22,22 @@ pub struct HysteresisRecord {
     pub conditions: TestConditions,
 }
 
+impl HysteresisRecord {
+    /// A test without samples of which nothing else is known.
+    #[must_use]
+    pub fn empty(name: String) -> Self {
+        Self {
+            name,
+            time: Vec::new(),
+            displacement: Vec::new(),
+            tangential_force: Vec::new(),
+            normal_force: Vec::new(),
+            approach: None,
+            conditions: TestConditions::default(),
+        }
+    }
+}
+
 /// What is known of a test beside its signals.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct TestConditions {

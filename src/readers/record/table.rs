@@ -8,12 +8,14 @@ use std::path::Path;
 
 use super::channels::{MOST_NUMBERS, MOST_TESTS};
 use super::condition::{SPECIMEN, TEST, is_one_of, label};
-use super::quantity::{Quantity, Unit, name_and_unit};
+use super::quantity::{Quantity, Unit, name_and_unit, written_unit};
 use crate::file::delimited::is_passed_over;
-use crate::file::{FileError, Row, Rows, scaled_number};
+use crate::file::{FileError, Row, Rows, scaled_number, shortest_decimal};
 
 /// Columns at most.
 const MOST_COLUMNS: usize = 1000;
+/// Characters of a number that a message shows without an exponent.
+const LONGEST_PLAIN: usize = 10;
 
 /// A column of texts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -67,6 +69,35 @@ struct Reader<'t> {
     /// The mark that was seen first.
     mark: Option<Mark>,
     table: Table,
+}
+
+impl Table {
+    /// Refuses the first number of a column outside of a range in SI units. The message is in the unit in which files are written.
+    pub(super) fn require_within(
+        &self,
+        path: &Path,
+        quantity: Quantity,
+        [least, most]: [f64; 2],
+    ) -> Result<(), FileError> {
+        let numbers = self.numbers.get(&quantity).map_or(&[][..], Vec::as_slice);
+        let outside = |value: &f64| !(least..=most).contains(value);
+        let Some(row) = numbers.iter().position(outside) else {
+            return Ok(());
+        };
+        let (name, (unit, power)) = (quantity.name(), written_unit(quantity));
+        let [found, least, most] = [numbers[row], least, most].map(|value| shown(value, power));
+        let rule = format!("{name} = {found} {unit}: must be from {least} to {most} {unit}");
+        Err(FileError::content(path, Some(self.lines[row]), rule))
+    }
+}
+
+/// A number over ten to a power, with an exponent where it is long.
+fn shown(value: f64, power: i32) -> String {
+    let plain = shortest_decimal(value, power);
+    match plain.parse::<f64>() {
+        Ok(number) if plain.len() > LONGEST_PLAIN => format!("{number:e}"),
+        _ => plain,
+    }
 }
 
 /// Reads a table of `text`.

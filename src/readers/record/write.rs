@@ -1,6 +1,6 @@
 //! Files of hysteresis tests, written as tables that read back to the same bits.
 
-use std::io::Write;
+use std::io::{Result as IoResult, Write};
 use std::path::Path;
 
 use super::condition::{SPECIMEN, TEST};
@@ -42,9 +42,7 @@ pub fn write_hysteresis(
     let layout = Layout::of(tests).map_err(fault)?;
     replace(path, |file| {
         let mut file = std::io::BufWriter::new(file);
-        for note in notes.iter().flat_map(|note| note.lines()) {
-            writeln!(file, "# {note}")?;
-        }
+        write_notes(&mut file, notes)?;
         for (name, value) in &layout.comments {
             writeln!(file, "# {name} = {value}")?;
         }
@@ -64,6 +62,12 @@ pub fn write_hysteresis(
         }
         file.flush()
     })
+}
+
+/// Notes as comments of a table.
+pub(super) fn write_notes(file: &mut impl Write, notes: &[&str]) -> IoResult<()> {
+    let mut lines = notes.iter().flat_map(|note| note.lines());
+    lines.try_for_each(|line| writeln!(file, "# {line}"))
 }
 
 /// A text that is the same in a whole test.

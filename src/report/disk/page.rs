@@ -7,7 +7,6 @@ use crate::page::display::{DASH, LengthUnit, hertz, level_name, percent, signifi
 use crate::page::figure::{Panel, Size};
 use crate::page::style::figure_style;
 use crate::report::error::ReportError;
-use crate::report::numbers::population::hull;
 use crate::report::page::document::page;
 use crate::report::page::view::length_unit;
 use crate::report::run::input::ReportInput;
@@ -15,7 +14,7 @@ use crate::report::run::record::NodalRecord;
 use crate::report::run::stored_run::StoredRun;
 use crate::report::verdict::criterion_result::CriterionResult;
 use crate::report::verdict::sentence::word;
-use crate::statistics::Judgement;
+use crate::statistics::{Judgement, hull};
 
 /// Space between the bars of two levels at one nodal diameter.
 const BESIDE: f64 = 0.12;

@@ -35,13 +35,13 @@ pub struct FactorSummary {
 
 impl AmplificationSummary {
     /// Of the samples of one level; none of a disk whose blades are equal, and of any other model, and where the samples are those of
-    /// several outer points, `pooled`.
-    pub(super) fn of(records: &[&LevelOutcome], pooled: bool, confidence: f64) -> Option<Self> {
+    /// several outer points, `nested`.
+    pub(super) fn of(records: &[&LevelOutcome], nested: bool, confidence: f64) -> Option<Self> {
         let known: Vec<&MistunedRecord> = (records.iter())
             .filter(|record| usable_peak(record).is_some())
             .filter_map(|record| record.around.mistuned())
             .collect();
-        if known.is_empty() || pooled {
+        if known.is_empty() || nested {
             return None;
         }
         let factor = |of: fn(&MistunedRecord) -> MaybeReal| {

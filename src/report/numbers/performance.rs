@@ -7,12 +7,11 @@
 
 use super::outer_points::{chosen, outer_groups};
 use super::peaks::usable_peak;
-use super::population::hull;
 use crate::ensemble::outcome::{PeakRecord, SampleOutcome};
 use crate::report::run::input::ReportInput;
 use crate::report::run::record::RunRecord;
 use crate::sampling::Input;
-use crate::statistics::{Sorted, quantile};
+use crate::statistics::{Sorted, hull, quantile};
 
 /// Share of the samples whose lines reach the first and the last place of a fan, at least.
 const REACHING: f64 = 0.95;

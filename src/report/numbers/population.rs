@@ -11,17 +11,11 @@ use crate::ensemble::outcome::PeakRecord;
 use crate::report::convention::{CONTENT, PROBABILITIES};
 use crate::report::run::input::ReportInput;
 use crate::statistics::{
-    Exceedance, Observed, QuantileEstimate, Side, ToleranceBound, exceedance, quantile,
+    Exceedance, Observed, QuantileEstimate, Side, ToleranceBound, exceedance, hull, quantile,
     quantile_estimate, tolerance_bound,
 };
 use schemars::JsonSchema;
 use serde::Serialize;
-
-/// Lowest and highest value; `None` without any.
-pub(in crate::report) fn hull(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
-    let ends = values.map(|v| [v, v]);
-    ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
-}
 
 /// Values of a result, failed samples among them, and the confidence that its intervals and bounds have.
 #[derive(Debug, Clone, PartialEq)]

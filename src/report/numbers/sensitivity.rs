@@ -57,12 +57,12 @@ pub(in crate::report) fn influences(input: &ReportInput, i: usize) -> Vec<InputI
     let [frequency, amplitude] = results.map(|value| indices(input, i, value));
     let values = results.map(|value| values(input.outcomes, i, value));
     let inputs = input.record.inputs.iter().enumerate();
-    let pooled = nested(input.outcomes);
+    let nested = nested(input.outcomes);
     inputs
         .zip(frequency.into_iter().zip(amplitude))
         .map(|((j, record), (frequency, amplitude))| {
             let (x, open) = (column(input, j), Interval::UNBOUNDED);
-            let means = |results: &[f64]| match pooled || record.numbers_draws() {
+            let means = |results: &[f64]| match nested || record.numbers_draws() {
                 true => Vec::new(),
                 false => conditional_means(&x, results, GROUPS, open, input.record.confidence()),
             };
@@ -97,7 +97,7 @@ fn indices(input: &ReportInput, i: usize, value: Results) -> Vec<IndexResult> {
     }
     let results = values(input.outcomes, i, value);
     let replicates = replicates(input);
-    let pooled = nested(input.outcomes);
+    let nested = nested(input.outcomes);
     let index = |j: usize| {
         if input.record.inputs[j].numbers_draws() {
             return IndexResult::Refused(NUMBERED.to_owned());
@@ -110,7 +110,7 @@ fn indices(input: &ReportInput, i: usize, value: Results) -> Vec<IndexResult> {
             seed: input.record.provenance.seed,
             confidence: input.record.confidence(),
         };
-        match pooled {
+        match nested {
             true => by_point(input, &data),
             false => match first_order_index(&data) {
                 Ok(index) => IndexResult::Index(index),

@@ -40,7 +40,7 @@ pub struct Summary {
     pub confidence: f64,
     /// Wall time of the command that wrote the results (s); earlier ones, whose samples it took over, are not in it.
     pub wall_time_s: f64,
-    /// Who brought predicted peaks closer, nobody or a GPU, with the audit of a GPU.
+    /// Whether a GPU improved the predicted peaks, with its audit.
     pub backend: BackendReport,
     /// One entry per excitation level.
     pub levels: Vec<LevelSummary>,
@@ -191,9 +191,9 @@ impl LevelSummary {
         let distribution = |value: &dyn Fn(&PeakRecord) -> Option<f64>| {
             Distribution::of(peaks().filter_map(|peak| value(&peak)), failed, confidence)
         };
-        let pooled = nested(input.outcomes);
-        let population = if pooled { &[] } else { input.outcomes };
-        let of_blades = |value: &dyn Fn(&PeakRecord) -> Option<f64>| match pooled {
+        let nested = nested(input.outcomes);
+        let population = if nested { &[] } else { input.outcomes };
+        let of_population = |value: &dyn Fn(&PeakRecord) -> Option<f64>| match nested {
             true => Distribution {
                 valid: peaks().filter_map(|peak| value(&peak)).count(),
                 ..Distribution::default()
@@ -217,11 +217,11 @@ impl LevelSummary {
                 .nominal
                 .as_ref()
                 .and_then(|o| usable_peak(&o.levels[i])),
-            frequency_hz: of_blades(&|p| Some(p.frequency_hz)),
-            amplitude_m: of_blades(&|p| Some(p.amplitude_m)),
-            amplitude_per_unit_level_m: of_blades(&|p| Some(p.amplitude_m / level)),
-            damping_ratio: of_blades(&|p| p.damping_ratio.get()),
-            amplification: AmplificationSummary::of(&records, pooled, confidence),
+            frequency_hz: of_population(&|p| Some(p.frequency_hz)),
+            amplitude_m: of_population(&|p| Some(p.amplitude_m)),
+            amplitude_per_unit_level_m: of_population(&|p| Some(p.amplitude_m / level)),
+            damping_ratio: of_population(&|p| p.damping_ratio.get()),
+            amplification: AmplificationSummary::of(&records, nested, confidence),
             modes: of_modes(input, &records, confidence),
             replicate_means: ReplicateMeans::of(population.iter(), i),
             truncation_error: distribution(&|p| p.truncation_error.get()),
@@ -229,7 +229,7 @@ impl LevelSummary {
             several_maxima: (records.iter())
                 .filter(|r| usable_peak(r).is_some() && !r.around.others().is_empty())
                 .count(),
-            several_answers: SeveralAnswers::of(&records, !pooled, confidence),
+            several_answers: SeveralAnswers::of(&records, !nested, confidence),
             mean_contact_fractions: mean_fractions(population.iter(), i),
             worst_work_balance: worst_work_balance(peaks()),
             newton_iterations: WorkPerSample::of(records.iter().map(|r| r.newton_iterations)),

@@ -36,7 +36,7 @@ pub const CONTROL_VARIATE: &str = "control_variate.parquet";
 pub struct RunRecord {
     /// Study, seed, version, law and settings.
     pub provenance: Provenance,
-    /// Who brought predicted peaks closer: nobody, or a GPU.
+    /// Whether a GPU improved the predicted peaks.
     pub backend: BackendReport,
     /// Sampled inputs, in the order of [`SampleOutcome::inputs`].
     pub inputs: Vec<InputRecord>,

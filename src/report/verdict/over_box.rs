@@ -4,8 +4,7 @@
 //! not between them.
 
 use crate::page::display::{from_to, short};
-use crate::report::numbers::population::hull;
-use crate::statistics::Judgement;
+use crate::statistics::{Judgement, hull};
 use schemars::JsonSchema;
 use serde::Serialize;
 

@@ -137,21 +137,21 @@ impl HbSettings {
         unusual("tolerance", self.newton.tolerance, [1e-12, 1e-6])
     }
 
-    /// Checks every rule between the settings.
+    /// Checks every rule between the settings; keys as in a study file.
     ///
     /// # Errors
     /// The first [`BadSetting`].
     pub fn validate(&self) -> Result<(), BadSetting> {
         highest_harmonic("harmonics", self.harmonics.highest())?;
         self.aft.validate(self.harmonics.highest())?;
-        within("newton.tolerance", self.newton.tolerance, TOLERANCE)?;
+        within("tolerance", self.newton.tolerance, TOLERANCE)?;
         for (key, count, most) in [
             (
-                "newton.max_iterations",
+                "max_iterations",
                 self.newton.max_iterations,
                 MOST_ITERATIONS,
             ),
-            ("newton.budget", self.newton.budget, MOST_BUDGET),
+            ("budget", self.newton.budget, MOST_BUDGET),
         ] {
             let rule = format!("must be from 1 to {most}");
             BadSetting::unless((1..=most).contains(&count), key, count, &rule)?;

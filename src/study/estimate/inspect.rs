@@ -190,9 +190,8 @@ fn inspect_one(study: &Study) -> Result<Inspection, Error> {
     let asymmetric = whole && study.folds() && built.reduced.mirror.is_some();
     let components = built.components();
     let unit = study.frequency.unit;
-    let linear = LinearFrequencies::of(&built, &study.frequency).map_err(|error| Error::Unfit {
-        study: study.path.clone(),
-        message: format!("linear modes of the model: {error}"),
+    let linear = LinearFrequencies::of(&built, &study.frequency).map_err(|error| {
+        Error::unfit(&study.path, format!("linear modes of the model: {error}"))
     })?;
     let excited = (built.disk.as_ref()).map(|of| (of.engine_order, of.nodal_diameter()));
     let StudyModel {

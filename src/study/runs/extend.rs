@@ -3,12 +3,14 @@
 use std::path::Path;
 
 use super::progress::Progress;
-use super::resume::{accepted, identity, identity_of_results, results_source, resumed};
+use super::resume::{
+    accepted, identity, identity_of_results, results_refusal, results_source, resumed,
+};
 use super::run::run_after;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
 use crate::Error;
-use crate::ensemble::parts::{Difference, Merged, RunIdentity};
+use crate::ensemble::parts::{Merged, RunIdentity};
 use crate::ensemble::store::ATLAS_FILE;
 use crate::file::{FileError, FolderLock, finish_placing};
 use crate::report::RunRecord;
@@ -34,10 +36,7 @@ pub fn extend(
     settings: &RunSettings,
     progress: impl Fn(Progress) + Sync,
 ) -> Result<RunResult, Error> {
-    let refused = |message: String| Error::Results {
-        folder: folder.to_owned(),
-        message,
-    };
+    let refused = |message: String| Error::results(folder, message);
     let unreadable =
         |error: FileError| refused(format!("no results that can be extended: {error}"));
     let none = || refused(format!("holds no {ATLAS_FILE}: no results of `run`"));
@@ -76,7 +75,7 @@ pub fn extend(
         ..stored
     };
     let other = accepted(&identity, &same_study, settings);
-    let other = other.map_err(|difference| refused(refusal(&difference)))?;
+    let other = other.map_err(|difference| refused(results_refusal(&difference)))?;
     let added = resumed.add_results(folder.path(), &study, settings, other);
     added.map_err(unreadable)?;
     refuse_other_samples(&study, &old, folder.path()).map_err(refused)?;
@@ -94,15 +93,6 @@ fn refuse_number(samples: u64, there: u64) -> Result<(), String> {
         )),
         _ => Ok(()),
     }
-}
-
-/// Why results are not extended, and what to do.
-fn refusal(difference: &Difference) -> String {
-    let program = match difference {
-        Difference::Program(_) => ", or take them over with --any-program",
-        _ => "",
-    };
-    format!("are results of {difference}: `run` anew{program}")
 }
 
 /// A rule that was met takes no more samples, and one that was not is judged at the looks of the whole run.

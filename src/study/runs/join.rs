@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::progress::{Meter, Progress};
-use super::resume::{accepted, admitted, has_results, refusal, refuse_own_inputs, resumed};
+use super::resume::{accepted_part, admitted, has_results, refuse_own_inputs, resumed};
 use super::run::run_alone;
 use super::run_result::RunResult;
 use super::run_settings::RunSettings;
@@ -159,11 +159,7 @@ impl SharedSamples<'_> {
     /// Reads the parts that have come since the last look.
     fn refresh<F>(&mut self, session: &Session<'_, F>) -> Result<(), Error> {
         for part in session.parts.unseen(&mut self.tables)? {
-            let own = accepted(&session.head.identity, &part.identity, self.settings);
-            own.map_err(|difference| Error::Results {
-                folder: session.parts.path().to_owned(),
-                message: refusal(&difference),
-            })?;
+            accepted_part(&session.parts, &part, &session.head.identity, self.settings)?;
             self.known
                 .indices
                 .extend(part.samples.iter().map(|(index, _)| index));

@@ -33,7 +33,7 @@ pub fn merge(
         add_parts(&mut parts, folder, settings, "leave one of the two out")?;
         if parts.len() == before {
             let message = "holds no parts of a run: `run --shard` or `run --only-atlas` write such";
-            return Err(refused(folder, message.to_owned()));
+            return Err(Error::results(folder, message));
         }
     }
     if !folders.contains(&output.path()) {
@@ -41,12 +41,12 @@ pub fn merge(
         add_parts(&mut parts, output.path(), settings, other)?;
     }
     let Some(first) = parts.first() else {
-        return Err(refused(output.path(), "no folder was given".to_owned()));
+        return Err(Error::results(output.path(), "no folder was given"));
     };
     let path = folders[0].join(&first.identity.study.path);
     let study = Study::parse(&path, &first.identity.study.text)?;
     let there = RunStatus::of_parts(&study, &parts, None);
-    let there = there.map_err(|fault| refused(output.path(), fault.to_string()))?;
+    let there = there.map_err(|fault| Error::results(output.path(), fault.to_string()))?;
     if there.done < there.samples {
         let message = format!(
             "{} of {} samples are there; {} are missing: solve their shards, then merge again",
@@ -54,7 +54,7 @@ pub fn merge(
             there.samples,
             there.missing_in_words()
         );
-        return Err(refused(output.path(), message));
+        return Err(Error::results(output.path(), message));
     }
     // a copy that the run then refuses would be in the way of the results there
     check_folder(&study, output)?;
@@ -64,13 +64,6 @@ pub fn merge(
         }
     }
     run(&study, output, settings, progress)
-}
-
-fn refused(path: &Path, message: String) -> Error {
-    Error::Results {
-        folder: path.to_owned(),
-        message,
-    }
 }
 
 /// Adds the parts in `folder`, all of the same run as those before; if they are not, `advice` says what to do.
@@ -83,7 +76,7 @@ fn add_parts(
     for part in PartFolder::of(folder).list()? {
         let part = part.map_err(|fault| {
             let message = "copy it again, or delete it and solve its shard again";
-            refused(folder, format!("{fault}: {message}"))
+            Error::results(folder, format!("{fault}: {message}"))
         })?;
         let first = parts.first().unwrap_or(&part);
         if let Err(difference) = accepted(&first.identity, &part.identity, settings) {
@@ -93,7 +86,7 @@ fn add_parts(
             };
             let other = first.paths()[0].display();
             let message = format!("holds samples of {difference} than {other}: {advice}{program}");
-            return Err(refused(folder, message));
+            return Err(Error::results(folder, message));
         }
         parts.push(part);
     }

@@ -178,11 +178,7 @@ impl Resumed {
         for part in folder.list_again(compared)? {
             match part {
                 Ok(part) => {
-                    let other = accepted(identity, &part.identity, settings);
-                    let other = other.map_err(|difference| Error::Results {
-                        folder: folder.path().to_owned(),
-                        message: refusal(&difference),
-                    })?;
+                    let other = accepted_part(folder, &part, identity, settings)?;
                     self.add_programs(other.into_iter());
                     self.parts.push(Source::of(&part));
                     stood.extend(&part.samples);
@@ -323,15 +319,36 @@ pub(super) fn accepted(
     }
 }
 
-/// Why parts are not taken over, and what to do.
-pub(super) fn refusal(difference: &Difference) -> String {
+/// The same of a part in `folder`.
+///
+/// # Errors
+/// [`Error::Results`] if its samples may not: why, and what to do.
+pub(super) fn accepted_part(
+    folder: &PartFolder,
+    part: &StoredPart,
+    identity: &RunIdentity,
+    settings: &RunSettings,
+) -> Result<Option<Program>, Error> {
+    let refused = |difference: Difference| {
+        let program = match difference {
+            Difference::Program(_) => ", take its samples over with --any-program",
+            _ => "",
+        };
+        let message = format!(
+            "holds samples of {difference}: finish that run{program}, take another --output, or delete this folder with its samples"
+        );
+        Error::results(folder.path(), message)
+    };
+    accepted(identity, &part.identity, settings).map_err(refused)
+}
+
+/// Why whole results are not taken over, and what to do.
+pub(in crate::study) fn results_refusal(difference: &Difference) -> String {
     let program = match difference {
-        Difference::Program(_) => ", take its samples over with --any-program",
+        Difference::Program(_) => ", or take them over with --any-program",
         _ => "",
     };
-    format!(
-        "holds samples of {difference}: finish that run{program}, take another --output, or delete this folder with its samples"
-    )
+    format!("are results of {difference}: `run` anew{program}")
 }
 
 /// Refuses to put the results of fewer samples in the place of more of the same study. Where a file that it names has another content
@@ -355,10 +372,7 @@ fn refuse_fewer(study: &Study, folder: &OutputFolder, identity: &RunIdentity) ->
         "holds {more} samples of this study, of which its file asks for {}: ask for {more}, or for fewer samples take another --output, or delete these",
         study.samples
     );
-    Err(Error::Results {
-        folder: folder.path().to_owned(),
-        message,
-    })
+    Err(Error::results(folder.path(), message))
 }
 
 /// Whether the whole results of this run lie in `folder`, and nothing of them is to be solved again. What cannot be read is replaced.
@@ -417,12 +431,11 @@ pub(super) fn refuse_other_results(
     if numbers(first) == numbers(&again) {
         return Ok(());
     }
-    Err(Error::Unfit {
-        study: study.path.clone(),
-        message: "sample 0 solved again is not that of the results: the model's files, the program or the processor's \
-                  instruction set has changed; `run` anew"
-            .to_owned(),
-    })
+    Err(Error::unfit(
+        &study.path,
+        "sample 0 solved again is not that of the results: the model's files, the program or the processor's \
+                  instruction set has changed; `run` anew",
+    ))
 }
 
 /// The study as it is stored with its samples. Its path is relative to the results wherever there is such a path, so that both

@@ -241,9 +241,11 @@ fn write_tables<F>(
     let mut all = resumed.samples(study);
     for index in 0..samples {
         let next = all.take()?.filter(|sample| sample.outcome.index == index);
-        let sample = next.ok_or_else(|| Error::Results {
-            folder: session.parts.path().to_owned(),
-            message: format!("sample {index} is missing: `run` again"),
+        let sample = next.ok_or_else(|| {
+            Error::results(
+                session.parts.path(),
+                format!("sample {index} is missing: `run` again"),
+            )
         })?;
         files.write(sample)?;
     }

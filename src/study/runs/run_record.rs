@@ -166,15 +166,12 @@ fn linear_record(
     let unit = study.frequency.unit;
     let resonance = linear_resonance(model, k, band)
         .map_err(|error| Error::Problem(error.into()))?
-        .ok_or_else(|| Error::Unfit {
-            study: study.path.clone(),
-            message: format!(
+        .ok_or_else(|| Error::unfit(&study.path, format!(
                 "frequency: the band {} to {} holds no natural frequency of the structure with {} contacts; `inspect` lists them",
                 unit.shown(band.low),
                 unit.shown(band.high),
                 if k.iter().all(|k| *k == 0.0) { "open" } else { "stuck" },
-            ),
-        })?;
+            )))?;
     let even =
         (0..LINEAR_POINTS).map(|i| band.low + band.width() * i as f64 / (LINEAR_POINTS - 1) as f64);
     let mut omega: Vec<f64> = even.chain([resonance.omega]).collect();

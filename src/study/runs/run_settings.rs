@@ -9,7 +9,7 @@ use crate::ensemble::stop::Stop;
 /// How a run is carried out. Nothing of it changes a result.
 #[derive(Debug, Clone)]
 pub struct RunSettings {
-    /// Who brings predicted peaks closer; what it fails to do the processor does.
+    /// Whether a GPU improves the predicted peaks; what it fails to do the processor does.
     pub backend: BackendSettings,
     /// Ends the run before its last sample.
     pub stop: Stop,

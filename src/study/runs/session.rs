@@ -93,10 +93,8 @@ fn samples_that_fit(prepared: &PreparedStudy<'_>) -> Result<usize, Error> {
     let Some(available) = available_bytes() else {
         return Ok(usize::MAX);
     };
-    samples_at_once(prepared.solve_memory(), available).map_err(|message| Error::Unfit {
-        study: prepared.study.path.clone(),
-        message,
-    })
+    samples_at_once(prepared.solve_memory(), available)
+        .map_err(|message| Error::unfit(&prepared.study.path, message))
 }
 
 /// The same on the threads of this pool.
@@ -191,10 +189,7 @@ impl<F: Fn(Progress) + Sync> Session<'_, F> {
             }
         }
         let message = "parts are deleted or damaged while the run writes them: find out by whom, then `run` again".to_owned();
-        Err(Error::Results {
-            folder: self.parts.path().to_owned(),
-            message,
-        })
+        Err(Error::results(self.parts.path(), message))
     }
 
     /// The run was stopped.

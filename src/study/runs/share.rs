@@ -104,9 +104,9 @@ pub fn solve_share(
 pub(super) fn refuse_looks(study: &Study) -> Result<(), Error> {
     match study.stopping {
         None => Ok(()),
-        Some(_) => Err(Error::Unfit {
-            study: study.path.clone(),
-            message: "samples: a run that decides its own number of samples cannot be shared; give a number".to_owned(),
-        }),
+        Some(_) => Err(Error::unfit(
+            &study.path,
+            "samples: a run that decides its own number of samples cannot be shared; give a number",
+        )),
     }
 }

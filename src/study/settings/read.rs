@@ -128,7 +128,7 @@ impl Study {
         let stated = design(
             &mut document,
             &Surroundings {
-                folder: folder_of(path),
+                folder: before_name(path),
                 model: &model,
                 unit: frequency.unit,
                 seed,
@@ -178,7 +178,7 @@ impl Study {
     /// Folder of the study file: what its file names are relative to.
     #[must_use]
     pub fn folder(&self) -> &Path {
-        folder_of(&self.path)
+        before_name(&self.path)
     }
 
     /// Name of the study file, without its folder.
@@ -393,8 +393,8 @@ pub(in crate::study) fn only_of_rig(input: Input) -> Option<&'static str> {
     }
 }
 
-/// Folder of a file.
-fn folder_of(path: &Path) -> &Path {
+/// What stands before the name of a file: nothing before a bare name, so that paths beside it are as short.
+fn before_name(path: &Path) -> &Path {
     path.parent().unwrap_or_else(|| Path::new(""))
 }
 
@@ -455,7 +455,7 @@ fn unusual(
 
 /// The same of the `file` of `[design]`, which the study file `path` names.
 fn unusual_in_file(path: &Path, file: &Path, design: &Design) -> Vec<String> {
-    let file = folder_of(path).join(file);
+    let file = before_name(path).join(file);
     let found = design.unusual_in_file().into_iter();
     let warning = |bad: BadSetting| FileError::content(&file, None, bad.to_string()).to_string();
     found.map(warning).collect()

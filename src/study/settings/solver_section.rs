@@ -269,9 +269,7 @@ impl SolverSection {
             stability: self.stability.unwrap_or(assessed),
             harmonics,
         };
-        settings.validate().map_err(|mut bad| {
-            // The file has one flat table where the settings have one struct for Newton's method.
-            bad.key = bad.key.replace("newton.", "");
+        settings.validate().map_err(|bad| {
             let section = match bad.key.as_str() {
                 "events" => "contact",
                 _ => "solver",

@@ -3,7 +3,7 @@
 use super::force_resonance::LoopResonance;
 use super::frequency::{Fundamental, fundamental};
 use super::mean_loop::{
-    MeanLoop, inner_range, median, neighbour_correlation, robust_scale, smooth,
+    MeanLoop, extremes, inner_range, median, neighbour_correlation, robust_scale, smooth, swing,
 };
 use super::run_in::run_in;
 use super::scatter::Batches;
@@ -31,8 +31,8 @@ pub(in crate::identify) struct Steady {
     pub(in crate::identify) common: CommonError,
     /// Mean of the tangential force over the steady cycles, which was taken out (N).
     pub(in crate::identify) tangential_mean: f64,
-    /// Change of that mean per cycle, where too few cycles tell a drift from a start (N); 0 of one cycle, or of enough.
-    pub(in crate::identify) untold_drift: f64,
+    /// Drift of that mean per cycle where the record has too few cycles to separate it from the start-up (N); 0 of one cycle, or of enough.
+    pub(in crate::identify) unresolved_drift: f64,
 }
 
 impl Steady {
@@ -132,7 +132,7 @@ pub(in crate::identify) fn cut(
         batch_cycles: (0..count).map(|k| batch(k).len()).collect(),
         common,
         tangential_mean: means[1][run_in..].iter().sum::<f64>() / steady.len() as f64,
-        untold_drift: untold_drift(&means[1][run_in..]),
+        unresolved_drift: unresolved_drift(&means[1][run_in..]),
         loops,
     })
 }
@@ -308,9 +308,9 @@ fn tangential(cycle: &mut MeanLoop) -> &mut Vec<f64> {
 /// Begins every loop at the greatest displacement of the mean steady loop.
 fn align(loops: &mut [MeanLoop], run_in: usize) {
     let mean = smooth(&MeanLoop::of(&loops[run_in..]).displacement);
-    let top = (0..mean.len()).max_by(|a, b| mean[*a].total_cmp(&mean[*b]));
+    let top = extremes(&mean).map_or(0, |[_, top]| top);
     for cycle in loops {
-        cycle.rotate(top.unwrap_or(0));
+        cycle.rotate(top);
     }
 }
 
@@ -341,7 +341,7 @@ fn drift(means: &[f64]) -> f64 {
 }
 
 /// Mean change per cycle of means that are too few for a drift; 0 of one.
-fn untold_drift(means: &[f64]) -> f64 {
+fn unresolved_drift(means: &[f64]) -> f64 {
     match means {
         [first, .., last] if means.len() < LEAST_FOR_DRIFT => {
             (last - first) / (means.len() - 1) as f64
@@ -411,16 +411,9 @@ fn deviation(values: &[f64]) -> f64 {
     (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
 }
 
-/// Greatest less least value.
-fn swing(values: &[f64]) -> f64 {
-    let ends = |(low, high): (f64, f64), v: &f64| (low.min(*v), high.max(*v));
-    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
-    high - low
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{drift, untold_drift};
+    use super::{drift, unresolved_drift};
 
     /// The mean force of the first cycle is another one, as the contact starts without force.
     ///
@@ -433,7 +426,7 @@ mod tests {
             assert_eq!(drift(&means), 0.0, "{cycles} cycles");
             let steady: Vec<f64> = (0..cycles).map(|k| 0.5 * k as f64).collect();
             // a drift is taken out of four cycles or more, and is part of the error of two or three
-            let [taken, left] = [drift(&steady), untold_drift(&steady)];
+            let [taken, left] = [drift(&steady), unresolved_drift(&steady)];
             let all = if cycles == 1 { 0.0 } else { 0.5 };
             assert!((taken + left - all).abs() < 1e-12, "{taken} {left}");
             assert_eq!(taken != 0.0, cycles > 3, "{cycles} cycles");

@@ -10,7 +10,7 @@
 //! the mass also adds to a force that changes fast: at an eighth of ω₀ a stick branch without the correction is no line at all.
 
 use super::equations::least_squares;
-use super::mean_loop::{MeanLoop, largest, smooth};
+use super::mean_loop::{MeanLoop, extremes, largest, smooth};
 use crate::identify::found::result::ForceResonance;
 use crate::identify::golden::smallest;
 use libm::{cos, exp, sin};
@@ -176,8 +176,7 @@ impl LoopResonance {
 fn halves(mean: &MeanLoop) -> Option<[Vec<f64>; 2]> {
     let n = mean.samples();
     let motion = smooth(&mean.displacement);
-    let top = (0..n).max_by(|a, b| motion[*a].total_cmp(&motion[*b]))?;
-    let bottom = (0..n).min_by(|a, b| motion[*a].total_cmp(&motion[*b]))?;
+    let [bottom, top] = extremes(&motion)?;
     let half = |from: usize, to: usize| -> Option<Vec<f64>> {
         let whole = motion[to] - motion[from];
         let all = (0..(to + n - from) % n).map(|place| (from + place) % n);

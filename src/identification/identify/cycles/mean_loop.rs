@@ -1,5 +1,6 @@
 //! One cycle of all signals on a grid of phases, and means of several.
 
+use crate::statistics::hull;
 use libm::{cos, sin};
 use std::f64::consts::TAU;
 
@@ -169,6 +170,23 @@ pub(in crate::identify) fn neighbour_correlation(values: &[f64]) -> f64 {
         true => product.sum::<f64>() / square,
         false => 0.0,
     }
+}
+
+/// Places of the least and of the greatest value of a periodic signal.
+pub(in crate::identify) fn extremes(signal: &[f64]) -> Option<[usize; 2]> {
+    let places = 0..signal.len();
+    let order = |a: &usize, b: &usize| signal[*a].total_cmp(&signal[*b]);
+    Some([places.clone().min_by(order)?, places.max_by(order)?])
+}
+
+/// Greatest less least value over a cycle.
+pub(in crate::identify) fn swing(signal: &[f64]) -> f64 {
+    hull(signal.iter().copied()).map_or(0.0, |[low, high]| high - low)
+}
+
+/// Half of it: the amplitude.
+pub(in crate::identify) fn half_swing(signal: &[f64]) -> f64 {
+    0.5 * swing(signal)
 }
 
 /// Standard deviation of the noise of a periodic signal, from its second differences, in which a smooth signal is gone.

@@ -1,5 +1,6 @@
 //! What is found of one test: plain data for tables, files and figures.
 
+use super::parameter::ContactParameter;
 use super::uncertain::Uncertain;
 use crate::record::TestConditions;
 
@@ -97,6 +98,18 @@ pub struct TestEstimate {
     pub error_correlation: f64,
     /// Difference between the loop and that of an elastic-Coulomb contact with these parameters.
     pub misfit: Misfit,
+}
+
+impl TestEstimate {
+    /// What the test says of a contact parameter.
+    #[must_use]
+    pub fn value(&self, parameter: ContactParameter) -> Option<Uncertain> {
+        match parameter {
+            ContactParameter::FrictionCoefficient => self.friction.map(|f| f.coefficient),
+            ContactParameter::TangentialStiffnessNPerUm => Some(self.tangential.stiffness_n_per_um),
+            ContactParameter::NormalStiffnessNPerUm => self.normal_stiffness_n_per_um,
+        }
+    }
 }
 
 /// Friction coefficient of a test.

@@ -1,6 +1,6 @@
 //! Half a cycle: from one reversal of the motion to the next.
 
-use crate::identify::cycles::mean_loop::{MeanLoop, median, smooth};
+use crate::identify::cycles::mean_loop::{MeanLoop, half_swing, median, smooth};
 
 /// From a reversal to the next one.
 #[derive(Debug, Clone, Copy)]
@@ -41,7 +41,7 @@ pub(super) fn halves(cycle: &MeanLoop, least_normal: f64) -> [Half; 2] {
             .max_by(|a, b| along(a).total_cmp(&along(b)))
             .unwrap_or(0)
     };
-    let reach = swing(&motion);
+    let reach = half_swing(&motion).max(f64::MIN_POSITIVE);
     let ratio: Vec<f64> = (0..n)
         .map(|i| cycle.ratio(i, least_normal).unwrap_or(0.0))
         .collect();
@@ -70,14 +70,6 @@ pub(super) fn halves(cycle: &MeanLoop, least_normal: f64) -> [Half; 2] {
         sign,
     };
     [half(top, bottom, -1.0), half(bottom, top, 1.0)]
-}
-
-/// Half of the distance between the ends of a signal; never 0.
-fn swing(signal: &[f64]) -> f64 {
-    let ends = signal.iter().fold([f64::MAX, f64::MIN], |[low, high], x| {
-        [low.min(*x), high.max(*x)]
-    });
-    (0.5 * (ends[1] - ends[0])).max(f64::MIN_POSITIVE)
 }
 
 impl Half {

@@ -1,6 +1,6 @@
 //! The loop of an elastic-Coulomb contact, and how far a measured one is from it.
 
-use crate::identify::cycles::mean_loop::{MeanLoop, median};
+use crate::identify::cycles::mean_loop::{MeanLoop, median, swing};
 use crate::identify::found::result::Misfit;
 
 /// Misfit above which a contact is not elastic-Coulomb.
@@ -36,12 +36,7 @@ pub(in crate::identify) fn misfit(measured: &[f64], fitted: &mut [f64]) -> (Vec<
     fitted.iter_mut().for_each(|force| *force += offset);
     let rest = rest(fitted);
     let square = rest.iter().map(|r| r * r).sum::<f64>() / rest.len() as f64;
-    let (low, high) = measured
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(*v), high.max(*v))
-        });
-    let relative_rms = square.sqrt() / (high - low);
+    let relative_rms = square.sqrt() / swing(measured);
     (
         rest,
         Misfit {

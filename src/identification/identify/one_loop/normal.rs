@@ -1,7 +1,7 @@
 //! Normal stiffness: normal force over approach.
 
 use super::slope::{Line, pairwise_line};
-use crate::identify::cycles::mean_loop::{MeanLoop, smooth};
+use crate::identify::cycles::mean_loop::{MeanLoop, extremes, smooth};
 
 /// Share of the variance of the approach that its lowest harmonics must hold; below it there is noise alone.
 const MOTION: f64 = 0.5;
@@ -18,8 +18,7 @@ pub(super) fn normal_line(cycle: &MeanLoop) -> Option<Line> {
         return None;
     }
     let n = motion.len();
-    let top = (0..n).max_by(|a, b| motion[*a].total_cmp(&motion[*b]))?;
-    let bottom = (0..n).min_by(|a, b| motion[*a].total_cmp(&motion[*b]))?;
+    let [bottom, top] = extremes(&motion)?;
     let [low, high] = [motion[bottom], motion[top]];
     let inside = |i: &usize| {
         let share = (motion[*i] - low) / (high - low);

@@ -3,7 +3,7 @@
 use super::series::Series;
 use super::test_notes::{notes, other_share};
 use crate::identify::cycles::cycle::{Steady, cut};
-use crate::identify::cycles::mean_loop::{MeanLoop, noise};
+use crate::identify::cycles::mean_loop::{MeanLoop, half_swing, noise, swing};
 use crate::identify::cycles::scatter::{self, ChainError, RandomError, correlation, of_parts};
 use crate::identify::found::result::{
     Friction, LoopResult, LoopValue, Onset, Tangential, TestEstimate, TestResult, TestStatus,
@@ -17,6 +17,7 @@ use crate::identify::one_loop::misfit::{elastic_coulomb, misfit};
 use crate::identify::one_loop::slip_limits::{KnownPressure, PressureSpread};
 use crate::identify::settings::IdentifySettings;
 use crate::record::HysteresisRecord;
+use crate::statistics::hull;
 use crate::units::n_per_m_to_n_per_um;
 
 /// What one test says, with what its record states of the pressure.
@@ -124,7 +125,7 @@ impl<'a> Test<'a> {
         let friction = self.friction();
         let estimate = TestEstimate {
             normal_force_n: self.mean.normal,
-            normal_force_range_n: range(&cycle.normal),
+            normal_force_range_n: hull(cycle.normal.iter().copied()).unwrap_or_default(),
             displacement_amplitude_m: half_swing(&cycle.displacement),
             tangential_force_amplitude_n: half_swing(&cycle.tangential),
             friction,
@@ -202,7 +203,7 @@ impl<'a> Test<'a> {
                 |numbers| numbers.friction.map(|p| p.coefficient),
                 inside,
                 // half a cycle lies between the plateaus: a drift of T moves them apart by half of it
-                0.25 * self.steady.untold_drift / plateaus.normal,
+                0.25 * self.steady.unresolved_drift / plateaus.normal,
                 plateaus.coefficient * self.chain.of_ratio(),
             ),
             sides: [side(1.0), side(-1.0)],
@@ -313,8 +314,7 @@ impl<'a> Test<'a> {
         let without: Vec<Option<f64>> = self.without.iter().map(compliance).collect();
         let common = of_parts(&without).map(relative);
         let steps = self.steady.common.steps.map(|steps| RandomError {
-            standard_error: steps
-                .error_of_slope(2.0 * half_swing(&self.steady.mean.tangential) / measured),
+            standard_error: steps.error_of_slope(swing(&self.steady.mean.tangential) / measured),
             freedom: f64::INFINITY,
         });
         // what all cycles have in common, such as a rig that rings after each reversal, is inside the line or between its parts
@@ -461,17 +461,4 @@ fn with_model_error(random: RandomError, model_error: f64) -> f64 {
         false => 0.0,
     };
     random.freedom * (1.0 + share).powi(2)
-}
-
-fn range(values: &[f64]) -> [f64; 2] {
-    values
-        .iter()
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
-            [low.min(*v), high.max(*v)]
-        })
-}
-
-fn half_swing(values: &[f64]) -> f64 {
-    let [low, high] = range(values);
-    0.5 * (high - low)
 }

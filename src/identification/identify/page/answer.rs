@@ -1,12 +1,13 @@
 //! The answer in a sentence, the numbers that matter most, and what must be known before they are used.
 
-use super::parameter::{ALL, name, show, with_unit};
+use super::parameter::{show, with_unit};
 use super::view::View;
 use crate::identify::found::parameter::ContactParameter;
 use crate::identify::found::pooled_result::{Pooled, PooledParameter};
 use crate::identify::found::result::{TestEstimate, TestStatus};
 use crate::page::block::{Block, Cell, Section, Table};
 use crate::page::display::{DASH, from_to, percent, with_digits};
+use crate::statistics::hull;
 
 pub(super) fn section(view: &View) -> Section {
     let mut blocks = vec![Block::Sentence(sentence(view)), Block::Facts(facts(view))];
@@ -30,7 +31,10 @@ pub(super) fn section(view: &View) -> Section {
 
 /// What is known of a further contact, and what is not bounded.
 fn sentence(view: &View) -> String {
-    let known: Vec<&PooledParameter> = ALL.into_iter().filter_map(|p| view.pooled(p)).collect();
+    let known: Vec<&PooledParameter> = ContactParameter::ALL
+        .into_iter()
+        .filter_map(|p| view.pooled(p))
+        .collect();
     let mut parts = known.iter().enumerate().map(|(i, found)| {
         let [low, high] = found.further_contact.map(show);
         let median = with_unit(found.parameter, &show(found.median.value));
@@ -41,7 +45,7 @@ fn sentence(view: &View) -> String {
             }
             _ => format!("{median} ({low} to {high})"),
         };
-        format!("a {} of {words}", name(found.parameter))
+        format!("a {} of {words}", found.parameter.in_words())
     });
     let first = match (parts.next(), parts.collect::<Vec<_>>().as_slice()) {
         (None, _) => "The tests give no parameter of the contact.".to_owned(),
@@ -57,7 +61,9 @@ fn sentence(view: &View) -> String {
             )
         }
     };
-    let unknown = ALL.into_iter().filter(|p| view.pooled(*p).is_none());
+    let unknown = ContactParameter::ALL
+        .into_iter()
+        .filter(|p| view.pooled(*p).is_none());
     let unknown = unknown.map(|parameter| not_bounded(view, parameter));
     [first]
         .into_iter()
@@ -99,7 +105,7 @@ fn not_bounded(view: &View, parameter: ContactParameter) -> String {
             "Its normal stiffness is not bounded: no test shows normal motion that is large enough."
                 .to_owned()
         }
-        _ => format!("Its {} is not bounded.", name(parameter)),
+        _ => format!("Its {} is not bounded.", parameter.in_words()),
     }
 }
 
@@ -120,12 +126,9 @@ fn facts(view: &View) -> Vec<(String, String)> {
         .sum::<usize>();
     let range = |of: fn(&TestEstimate) -> f64, scale: f64, unit: &str| {
         let values = view.estimates().map(|(_, _, e)| of(e) * scale);
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-            (l.min(v), h.max(v))
-        });
-        match low <= high {
-            true => format!("{} {unit}", from_to([low, high], |v| with_digits(v, 2))),
-            false => DASH.to_owned(),
+        match hull(values) {
+            Some(ends) => format!("{} {unit}", from_to(ends, |v| with_digits(v, 2))),
+            None => DASH.to_owned(),
         }
     };
     let unit = view.unit;
@@ -179,7 +182,7 @@ fn table(view: &View, pooled: &Pooled) -> Block {
         let show_unit = |text: String| with_unit(found.parameter, &text);
         let [low, high] = found.further_contact;
         table.row(vec![
-            Cell::text(name(found.parameter)).with_class("text brief"),
+            Cell::text(found.parameter.in_words()).with_class("text brief"),
             Cell::number(found.tests.to_string(), Some(found.tests as f64)),
             Cell::number(show_unit(show(median.value)), Some(median.value))
                 .with_raw([median.lower, median.upper].map(Some))

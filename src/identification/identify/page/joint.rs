@@ -1,6 +1,6 @@
 //! All tests beside each other, and the joint distribution of the parameters at a further contact.
 
-use super::parameter::{label, name, of_test, show};
+use super::parameter::{label, show};
 use super::view::{View, short_name};
 use crate::identify::found::pooled_result::{Pooled, PooledParameter, Trend, TrendOver};
 use crate::page::axis::Axis;
@@ -64,7 +64,7 @@ pub(super) fn section(view: &View) -> Option<Section> {
 fn forest(view: &View, pooled: &PooledParameter) -> Figure {
     let parameter = pooled.parameter;
     let having: Vec<_> = (view.estimates())
-        .filter_map(|(i, test, estimate)| Some((i, test, of_test(parameter, estimate)?)))
+        .filter_map(|(i, test, estimate)| Some((i, test, estimate.value(parameter)?)))
         .collect();
     // those whose loops are drawn first
     let mut chosen: Vec<_> = having.iter().collect();
@@ -78,7 +78,7 @@ fn forest(view: &View, pooled: &PooledParameter) -> Figure {
     let names = chosen.iter().map(|(_, test, _)| short_name(&test.name));
     let names: Vec<String> = names.chain(["Further contact".to_owned()]).collect();
     let last = -(chosen.len() as f64);
-    let title = format!("{} by test", capitalised(name(parameter)));
+    let title = format!("{} by test", capitalised(parameter.in_words()));
     let mut panel = Panel::new(Size::Rows(names.len()), title, x, Axis::of_names(names));
     let [low, high] = pooled.further_contact;
     panel.band("range", &[(low, last - 0.5, 0.5), (high, last - 0.5, 0.5)]);
@@ -121,7 +121,7 @@ fn contours(view: &View, pooled: &Pooled, [a, b]: [usize; 2]) -> Figure {
             Some((
                 i,
                 test,
-                [of_test(first.parameter, e)?, of_test(second.parameter, e)?],
+                [e.value(first.parameter)?, e.value(second.parameter)?],
             ))
         })
         .collect();
@@ -215,7 +215,7 @@ fn trend_row(trend: &Trend) -> Vec<Cell> {
         _ => "no dependence can be told from 0",
     };
     vec![
-        Cell::text(name(trend.parameter)).with_class("text brief"),
+        Cell::text(trend.parameter.in_words()).with_class("text brief"),
         Cell::text(over).with_class("text"),
         Cell::number(trend.tests.to_string(), Some(trend.tests as f64)),
         Cell::number(with_digits(trend.exponent, 2), Some(trend.exponent))

@@ -1,6 +1,5 @@
 //! What a study reads, and what produced the numbers.
 
-use super::parameter::name;
 use super::view::View;
 use crate::identify::found::identified::GivenPressure;
 use crate::page::block::{Block, Cell, Section, Table};
@@ -46,13 +45,13 @@ fn distributions(view: &View) -> Block {
     let rows = found.inputs.iter().map(|input| {
         let distribution = Distribution::new(input.shape, None);
         let words = distribution.map_or_else(|fault| fault.to_string(), |d| four_digits(&d));
-        (name(input.parameter).to_owned(), words)
+        (input.parameter.in_words().to_owned(), words)
     });
     let count = found.inputs.len();
     let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
     let correlations = pairs.filter_map(|(a, b)| {
         let value = *found.correlation.get(a)?.get(b)?;
-        let names = [a, b].map(|k| name(found.inputs[k].parameter));
+        let names = [a, b].map(|k| found.inputs[k].parameter.in_words());
         Some((
             format!("correlation of {} and {}", names[0], names[1]),
             with_digits(value, 3),

@@ -1,6 +1,6 @@
 //! All tests in a table, and what was noted of each.
 
-use super::parameter::{of_test, show, show_all};
+use super::parameter::{show, show_all};
 use super::view::View;
 use crate::identify::found::parameter::ContactParameter;
 use crate::identify::found::result::{TestEstimate, TestResult, TestStatus};
@@ -113,7 +113,7 @@ fn name_cell(view: &View, i: usize, test: &TestResult) -> Cell {
 }
 
 fn value(test: &TestResult, parameter: ContactParameter) -> Option<Uncertain> {
-    of_test(parameter, test.estimate.as_ref()?)
+    test.estimate.as_ref()?.value(parameter)
 }
 
 fn numbers(view: &View, test: &TestResult) -> Vec<Cell> {

@@ -50,13 +50,13 @@ pub(super) fn fit(observations: &[Observation]) -> Option<Fit> {
         false => [zero.clone(), start],
     };
     for _ in 0..MOST_STEPS {
-        let solved = Solved::new(&groups, &between)?;
+        let means = MeansAtCovariances::new(&groups, &between)?;
         let next = [
             match nested {
-                true => solved.groups_given_data(&between[0]),
+                true => means.groups_given_data(&between[0]),
                 false => zero.clone(),
             },
-            solved.tests_given_data(&between[1]),
+            means.tests_given_data(&between[1]),
         ];
         let size = between.iter().map(DMatrix::amax).fold(0.0, f64::max);
         let change = between
@@ -69,11 +69,11 @@ pub(super) fn fit(observations: &[Observation]) -> Option<Fit> {
             break;
         }
     }
-    let solved = Solved::new(&groups, &between)?;
+    let means = MeansAtCovariances::new(&groups, &between)?;
     let [between_groups, between_tests] = between;
     Some(Fit {
-        mean: solved.mean,
-        of_mean: solved.of_mean,
+        mean: means.mean,
+        of_mean: means.of_mean,
         between_groups,
         between_tests,
     })
@@ -201,7 +201,7 @@ impl<'a> Weighted<'a> {
 ///
 /// The covariance of a group's values is a block for each test, and G in all blocks. So its inverse is A for each test, less A M G A' between
 /// two tests (Woodbury), and no matrix is larger than the number of parameters.
-struct Solved<'a> {
+struct MeansAtCovariances<'a> {
     groups: Vec<Weighted<'a>>,
     mean: DVector<f64>,
     of_mean: DMatrix<f64>,
@@ -214,7 +214,7 @@ struct Part {
     rest: DVector<f64>,
 }
 
-impl<'a> Solved<'a> {
+impl<'a> MeansAtCovariances<'a> {
     fn new(groups: &'a [Group], between: &[DMatrix<f64>; 2]) -> Option<Self> {
         let parameters = between[0].nrows();
         let weighted = groups.iter().map(|group| Weighted::new(group, between));
@@ -350,17 +350,17 @@ mod tests {
             sum / parts as f64
         };
         let groups = groups(&all);
-        let solved = Solved::new(&groups, &between).unwrap();
+        let means = MeansAtCovariances::new(&groups, &between).unwrap();
         let close = |a: &DMatrix<f64>, b: &DMatrix<f64>| (a - b).amax() < 1e-12;
-        assert!((&solved.mean - &mean).amax() < 1e-12, "{mean}");
-        assert!(close(&solved.of_mean, &of_mean), "{of_mean}");
+        assert!((&means.mean - &mean).amax() < 1e-12, "{mean}");
+        assert!(close(&means.of_mean, &of_mean), "{of_mean}");
         let tests = step(&between[1], all.len(), &|test| test);
         assert!(
-            close(&solved.tests_given_data(&between[1]), &tests),
+            close(&means.tests_given_data(&between[1]), &tests),
             "{tests}"
         );
         let of_groups = step(&between[0], 3, &|test| all[test].group);
-        let found = solved.groups_given_data(&between[0]);
+        let found = means.groups_given_data(&between[0]);
         assert!(close(&found, &of_groups), "{found} {of_groups}");
     }
 }

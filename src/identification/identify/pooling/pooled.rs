@@ -12,12 +12,7 @@ use crate::special::normal_quantile;
 use libm::{exp, log};
 use nalgebra::DMatrix;
 
-/// All parameters, in the order of the tables.
-const ALL: [ContactParameter; 3] = [
-    ContactParameter::FrictionCoefficient,
-    ContactParameter::TangentialStiffnessNPerUm,
-    ContactParameter::NormalStiffnessNPerUm,
-];
+const ALL: [ContactParameter; 3] = ContactParameter::ALL;
 /// Tests without correlation that are added to those that tell a correlation: two tests alone would say that it is one.
 const TESTS_WITHOUT_CORRELATION: f64 = 1.0;
 
@@ -33,7 +28,7 @@ struct Used<'a> {
 pub fn pool(tests: &[TestResult], settings: &IdentifySettings) -> Pooled {
     let used = used(tests);
     let parameters: Vec<usize> = (0..ALL.len())
-        .filter(|j| used.iter().any(|u| value(u.estimate, ALL[*j]).is_some()))
+        .filter(|j| used.iter().any(|u| positive(u.estimate, ALL[*j]).is_some()))
         .collect();
     let at_least = used.iter().filter_map(|u| u.estimate.friction_at_least);
     let mut pooled = Pooled {
@@ -91,20 +86,16 @@ fn used(tests: &[TestResult]) -> Vec<Used<'_>> {
     used
 }
 
-/// The value of a parameter that a test gives.
-fn value(estimate: &TestEstimate, parameter: ContactParameter) -> Option<Uncertain> {
-    match parameter {
-        ContactParameter::FrictionCoefficient => estimate.friction.map(|f| f.coefficient),
-        ContactParameter::TangentialStiffnessNPerUm => Some(estimate.tangential.stiffness_n_per_um),
-        ContactParameter::NormalStiffnessNPerUm => estimate.normal_stiffness_n_per_um,
-    }
-    .filter(|uncertain| uncertain.value > 0.0)
+/// The value of a parameter that a test gives, where it has a logarithm.
+fn positive(estimate: &TestEstimate, parameter: ContactParameter) -> Option<Uncertain> {
+    let found = estimate.value(parameter);
+    found.filter(|uncertain| uncertain.value > 0.0)
 }
 
 fn observation(used: &Used<'_>, parameters: &[usize]) -> Observation {
     let found: Vec<Option<Uncertain>> = parameters
         .iter()
-        .map(|j| value(used.estimate, ALL[*j]))
+        .map(|j| positive(used.estimate, ALL[*j]))
         .collect();
     let error = |i: usize| found[i].map_or(0.0, |u| u.standard_error / u.value);
     // only the errors of the friction coefficient and of the tangential stiffness are from the same samples
@@ -144,7 +135,7 @@ struct Counts {
 fn counts(used: &[Used<'_>], parameter: ContactParameter) -> Counts {
     let having: Vec<(usize, Uncertain)> = used
         .iter()
-        .filter_map(|u| value(u.estimate, parameter).map(|found| (u.group, found)))
+        .filter_map(|u| positive(u.estimate, parameter).map(|found| (u.group, found)))
         .collect();
     let mut groups: Vec<usize> = having.iter().map(|(group, _)| *group).collect();
     groups.sort_unstable();
@@ -252,7 +243,7 @@ fn trends(used: &[Used<'_>], confidence: f64) -> Vec<Trend> {
                     TrendOver::NormalForce => u.estimate.normal_force_n,
                     TrendOver::Frequency => u.test.cycles?.frequency_hz,
                 };
-                value(u.estimate, parameter).map(|found| Point {
+                positive(u.estimate, parameter).map(|found| Point {
                     group: u.group,
                     over: x,
                     value: log(found.value),

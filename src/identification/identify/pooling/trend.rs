@@ -131,8 +131,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Sums over all specimens for given variances. Pairs are of the variance between specimens and of that between tests.
-struct Solved {
+/// Intercept and slope for given variances, and sums over all specimens. Pairs are of the variance between specimens and of that between tests.
+struct LineAtVariances {
     /// Covariance of intercept and slope.
     covariance: Matrix2<f64>,
     coefficients: Vector2<f64>,
@@ -198,16 +198,16 @@ impl Model {
             (true, false) => [0.5 * self.spread; 2],
             (true, true) => [FIXED * self.spread, self.spread],
         };
-        let design = self.solved([0.5 * self.spread; 2])?;
+        let design = self.line_at([0.5 * self.spread; 2])?;
         design.of_variances(self.nested)?;
         let errors = self.groups.iter().flat_map(|group| &group.errors);
         let least = errors.copied().fold(f64::INFINITY, f64::min);
         for _ in 0..MOST_STEPS {
-            let solved = self.solved(variances)?;
-            solved.of_variances(self.free())?;
+            let line = self.line_at(variances)?;
+            line.of_variances(self.free())?;
             // each step raises the likelihood, and no variance gets below 0
             let step = |k: usize| {
-                let ratio = solved.squares[k] / solved.expected[k].max(f64::MIN_POSITIVE);
+                let ratio = line.squares[k] / line.expected[k].max(f64::MIN_POSITIVE);
                 variances[k] * ratio.sqrt()
             };
             let next = match self.free() {
@@ -227,32 +227,28 @@ impl Model {
 
     /// Slope, its standard error, and the degrees of freedom of that.
     fn slope(&self, variances: [f64; 2]) -> Option<(f64, f64, f64)> {
-        let solved = self.solved(variances)?;
-        let of_variances = solved.of_variances(self.free())?;
-        let covariance = solved.covariance;
-        let at = |k: usize| (covariance * solved.decrease[k] * covariance)[(1, 1)];
+        let line = self.line_at(variances)?;
+        let of_variances = line.of_variances(self.free())?;
+        let covariance = line.covariance;
+        let at = |k: usize| (covariance * line.decrease[k] * covariance)[(1, 1)];
         let gradient = Vector2::new(at(0), at(1));
         let freedom = 2.0 * covariance[(1, 1)].powi(2)
             / gradient
                 .dot(&(of_variances * gradient))
                 .max(f64::MIN_POSITIVE);
         // variances that are estimated, too, make the weights of specimens and tests inexact
-        let [a, b] = solved.decrease;
-        let [both, mixed, tests] = solved.second;
+        let [a, b] = line.decrease;
+        let [both, mixed, tests] = line.second;
         let inexact = of_variances[(0, 0)] * (both - a * covariance * a)
             + of_variances[(0, 1)]
                 * (mixed + mixed.transpose() - a * covariance * b - b * covariance * a)
             + of_variances[(1, 1)] * (tests - b * covariance * b);
         let more = (covariance * inexact * covariance)[(1, 1)].max(0.0);
         let error = (covariance[(1, 1)] + 2.0 * more).sqrt();
-        (error.is_finite() && freedom.is_finite()).then_some((
-            solved.coefficients[1],
-            error,
-            freedom,
-        ))
+        (error.is_finite() && freedom.is_finite()).then_some((line.coefficients[1], error, freedom))
     }
 
-    fn solved(&self, variances: [f64; 2]) -> Option<Solved> {
+    fn line_at(&self, variances: [f64; 2]) -> Option<LineAtVariances> {
         let sums: Vec<Sums> = self.groups.iter().map(|g| g.sums(variances)).collect();
         let matrix = |of: &dyn Fn(&Sums) -> Matrix2<f64>| sums.iter().map(of).sum::<Matrix2<f64>>();
         let number = |of: &dyn Fn(&Sums) -> f64| sums.iter().map(of).sum::<f64>();
@@ -290,7 +286,7 @@ impl Model {
             (covariance * second[i + j]).trace() - 0.5 * product.trace()
         };
         let all = Matrix2::new(taken(0, 0), taken(0, 1), taken(0, 1), taken(1, 1));
-        Some(Solved {
+        Some(LineAtVariances {
             expected: [
                 number(&|s| s.total[0]) - (covariance * decrease[0]).trace(),
                 number(&|s| s.traces[0]) - (covariance * decrease[1]).trace(),
@@ -306,7 +302,7 @@ impl Model {
     }
 }
 
-impl Solved {
+impl LineAtVariances {
     /// Covariance of both variances; none where the tests do not tell them.
     fn of_variances(&self, nested: bool) -> Option<Matrix2<f64>> {
         let [a, b] = [0, 1].map(|k| self.information[(k, k)]);

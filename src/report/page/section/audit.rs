@@ -66,7 +66,7 @@ fn provenance(view: &View) -> Block {
 
 fn gpu_audit(gpu: &GpuReport) -> String {
     format!(
-        "{} of {} predicted peaks brought closer, {} of them searched again without, largest difference {:.1e} of a frequency and {:.1e} of an amplitude, {} replaced by those searched again",
+        "{} of {} predicted peaks improved, {} of them searched again without, largest difference {:.1e} of a frequency and {:.1e} of an amplitude, {} replaced by those searched again",
         gpu.lanes - gpu.lanes_lost,
         gpu.lanes,
         gpu.peaks_compared,

@@ -6,11 +6,12 @@ use crate::page::display::{hertz, percent, short};
 use crate::page::figure::{Panel, Size};
 use crate::report::asked::requirement::{MarginBase, Operation};
 use crate::report::numbers::margins::OrderMargin;
-use crate::report::numbers::population::{Populations, hull};
+use crate::report::numbers::population::Populations;
 use crate::report::page::statistic_cell::{
     BOUND_FIELDS, bound_cell, interval_fields, quantile_cell,
 };
 use crate::report::page::view::View;
+use crate::statistics::hull;
 
 /// Probabilities of a scatter bar.
 const BAR: [f64; 2] = [0.01, 0.99];

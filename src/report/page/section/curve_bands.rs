@@ -15,11 +15,11 @@ use crate::report::asked::bands::Bands;
 use crate::report::convention::{CONTENT, PROBABILITIES};
 use crate::report::numbers::outer_points::outer_groups;
 use crate::report::numbers::peaks::usable_peak;
-use crate::report::numbers::population::{Populations, hull};
+use crate::report::numbers::population::Populations;
 use crate::report::page::view::{Shown, View};
 use crate::report::run::record::RunRecord;
 use crate::statistics::{
-    Band, Curve, CurveSet, Envelope, EnvelopeRefusal, MissingPoints, Sorted, depth_band,
+    Band, Curve, CurveSet, Envelope, EnvelopeRefusal, MissingPoints, Sorted, depth_band, hull,
     pointwise_band, quantile, simultaneous_band,
 };
 

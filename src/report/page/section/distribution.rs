@@ -7,7 +7,7 @@ use crate::page::distribution::{confidence_band, cumulative_steps};
 use crate::page::figure::{Panel, Size};
 use crate::report::convention::PROBABILITIES;
 use crate::report::page::view::{Shown, View};
-use crate::statistics::{Sorted, histogram, quantile};
+use crate::statistics::{Sorted, histogram, hull, quantile};
 
 /// Parts of the axis of a distribution function that show their values under the pointer.
 const STRIPS: usize = 40;
@@ -45,17 +45,13 @@ fn level_histogram(view: &View, shown: Shown, i: usize) -> Figure {
     let bins = histogram(&sorted, 30);
     let nominal = view.nominal(shown, i);
     let edges = bins.iter().flat_map(|b| [b.lower, b.upper]);
-    let (low, high) = edges
-        .chain(nominal)
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-            (l.min(v), h.max(v))
-        });
     let highest = bins.iter().map(|b| b.count).max().unwrap_or(1);
-    let x = if low <= high {
-        let space = 0.04 * (high - low);
-        Axis::linear(view.label(shown), low - space, high + space)
-    } else {
-        Axis::linear(view.label(shown), 0.0, 1.0)
+    let x = match hull(edges.chain(nominal)) {
+        Some([low, high]) => {
+            let space = 0.04 * (high - low);
+            Axis::linear(view.label(shown), low - space, high + space)
+        }
+        None => Axis::linear(view.label(shown), 0.0, 1.0),
     };
     let y = Axis::linear("Samples", 0.0, 1.08 * highest as f64);
     let mut panel = Panel::new(Size::Small, view.level_name(i), x, y);

@@ -11,10 +11,9 @@ use crate::page::thinning::thinned;
 use crate::report::assessment::InputFailures;
 use crate::report::numbers::error_budget::stated_truncation_error;
 use crate::report::numbers::peaks::usable_peak;
-use crate::report::numbers::population::hull;
 use crate::report::page::statistic_cell::{percent_range, range_fields};
 use crate::report::page::view::View;
-use crate::statistics::{FailurePattern, Proportion, Sorted, histogram};
+use crate::statistics::{FailurePattern, Proportion, Sorted, histogram, hull};
 
 pub(super) fn section(view: &View) -> Section {
     let mut blocks = vec![statuses(view)];

@@ -6,12 +6,11 @@ use crate::page::display::{DASH, from_to, minus_sign, percent, significant};
 use crate::page::figure::{Panel, Size};
 use crate::page::thinning::thinned;
 use crate::report::numbers::correlation::InputCorrelation;
-use crate::report::numbers::population::hull;
 use crate::report::numbers::sensitivity::{IndexResult, InputInfluence};
 use crate::report::numbers::summary::LevelSummary;
 use crate::report::page::statistic_cell::{interval_fields, range_cell, range_fields};
 use crate::report::page::view::{Shown, View};
-use crate::statistics::{ConditionalMean, Index, Influence, Sorted, quantile};
+use crate::statistics::{ConditionalMean, Index, Influence, Sorted, hull, quantile};
 
 /// Inputs that get a scatter panel, those with the strongest rank correlations.
 const MOST_SCATTER_PANELS: usize = 6;
@@ -442,7 +441,7 @@ fn correlations(view: &View, shown: Shown, value: fn(&InputCorrelation) -> Optio
         let cell = |i: usize| {
             let found = correlations_of(view, i, j).into_iter().map(value);
             let found: Option<Vec<f64>> = found.collect();
-            correlation_cell(found.and_then(|rho| hull(rho.into_iter())), view.nested())
+            correlation_cell(found.and_then(hull), view.nested())
         };
         let name = Cell::text(&input.name);
         let cells = (0..view.n_levels()).map(cell);

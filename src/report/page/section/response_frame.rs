@@ -4,10 +4,9 @@ use crate::page::axis::Axis;
 use crate::page::figure::Panel;
 use crate::report::numbers::outer_points::outer_groups;
 use crate::report::numbers::peaks::usable_peak;
-use crate::report::numbers::population::hull;
 use crate::report::page::view::{Shown, View};
 use crate::report::run::input::ReportInput;
-use crate::statistics::{Sorted, quantile};
+use crate::statistics::{Sorted, hull, quantile};
 
 /// Label of the abscissa.
 pub(super) const FREQUENCY: &str = "Excitation frequency (Hz)";

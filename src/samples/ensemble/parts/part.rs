@@ -123,11 +123,8 @@ impl StoredPart {
         let stamps = stamps(&paths)?;
         let damaged =
             |path: &Path| FileError::content(path, None, "is not the file that was written");
-        let hash = |path: &Path| -> Result<String, FileError> {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let folder = path.parent().unwrap_or(Path::new(""));
-            Ok(FileRecord::in_folder(folder, &name)?.blake3)
-        };
+        let hash =
+            |path: &Path| -> Result<String, FileError> { Ok(FileRecord::of_file(path)?.blake3) };
         if !stem.ends_with(&hash(samples)?[..DIGITS]) {
             return Err(damaged(samples));
         }
