@@ -1,4 +1,4 @@
-//! Peaks that lanes of a device bring closer: one Newton step against the processor's, whole samples, and passes that fail.
+//! Predicted peaks that lanes of a device improve: one Newton step against the processor's, whole samples, and passes that fail.
 
 use crate::device;
 use faer::prelude::*;

@@ -247,10 +247,21 @@ impl Atlas {
         near.min_by(|(_, a), (_, b)| a.distance.total_cmp(&b.distance))
     }
 
+    /// How much a sample at a place may cost beside others: the squares of the highest harmonics of the peaks of its nearest anchor.
+    pub(super) fn expected_work(&self, place: &[f64]) -> usize {
+        let near = self.nearest_anchor(place).into_iter();
+        let peaks = near.flat_map(|anchor| anchor.peaks.iter().flat_map(ModePeaks::iter));
+        peaks.map(|peak| peak.harmonics.highest().pow(2)).sum()
+    }
+
+    fn nearest_anchor(&self, place: &[f64]) -> Option<&Anchor> {
+        let to = |anchor: &Anchor| distance(place, &anchor.place);
+        (self.anchors.iter()).min_by(|a, b| to(a).total_cmp(&to(b)))
+    }
+
     /// Modes of the nearest anchor at level number `level`.
     pub(super) fn modes_near(&self, place: &[f64], level: usize) -> Vec<usize> {
-        let near = (self.anchors.iter())
-            .min_by(|a, b| distance(place, &a.place).total_cmp(&distance(place, &b.place)));
+        let near = self.nearest_anchor(place);
         near.map_or_else(Vec::new, |anchor| {
             anchor.peaks[level]
                 .0

@@ -1,4 +1,4 @@
-//! Who brings the predicted peaks of a run closer: the choice, and what came of it.
+//! Whether a GPU improves the predicted peaks of a run: the choice, and what came of it.
 
 use super::Ensemble;
 pub use crate::gpu::GpuReport;
@@ -28,7 +28,7 @@ impl BackendReport {
         match &self.gpu {
             None => "CPU, double precision".to_owned(),
             Some(_) => {
-                "GPU brings predicted peaks closer in single precision, CPU decides in double precision"
+                "GPU improves predicted peaks in single precision, CPU decides in double precision"
                     .to_owned()
             }
         }
@@ -110,7 +110,7 @@ impl OpenBackend {
         device.map(Some).map_err(|error| error.to_string())
     }
 
-    /// The device that brings predicted peaks closer, if any.
+    /// The device that improves predicted peaks, if any.
     #[must_use]
     pub fn gpu(&self) -> Option<&LaneDevice> {
         self.gpu.as_ref()

@@ -1,4 +1,4 @@
-//! Predicted peaks of many samples, brought closer by a device before the processor searches them.
+//! Predicted peaks of many samples, improved by a device before the processor searches them.
 //!
 //! Only samples that take the inverse of an anchor are given to it ([`super::with_inverse`]). A lane depends on its sample and the
 //! atlas alone, not on the lanes beside it.
@@ -69,8 +69,8 @@ impl Ensemble<'_> {
         found.ok_or_else(|| "its damping couples modes, or harmonic 1 is left out".to_owned())
     }
 
-    /// Lets the device of the run, if there is one, bring the predicted peaks of the samples `indices` closer.
-    pub(super) fn brought_closer(&self, atlas: &Atlas, indices: &[u64]) {
+    /// Lets the device of the run, if there is one, improve the predicted peaks of the samples `indices`.
+    pub(super) fn improve_predictions(&self, atlas: &Atlas, indices: &[u64]) {
         let Some(device) = self.gpu.filter(|_| self.takes_inverses(atlas)) else {
             return;
         };

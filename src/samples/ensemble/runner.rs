@@ -17,6 +17,7 @@ use crate::hb::{HbSettings, LinearModel};
 use crate::lockstep::LaneDevice;
 use crate::sampling::{Design, Input};
 use rayon::prelude::*;
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
@@ -51,7 +52,7 @@ pub struct Ensemble<'a> {
     pub mode_numbers: &'a [u32],
     /// Samples with a forced response curve: 0 … this − 1.
     pub curve_samples: u64,
-    /// A device that brings predicted peaks closer, if any. The processor computes everything that decides a result.
+    /// A device that improves predicted peaks, if any. The processor computes everything that decides a result.
     pub gpu: Option<&'a LaneDevice>,
     /// How the peaks of a sample are computed.
     pub solver: SampleSolver,
@@ -213,11 +214,10 @@ impl Ensemble<'_> {
             let missing: Vec<u64> = missing.collect();
             if generation.start < MOST_ANCHORS {
                 for batch in self.batches(&missing) {
-                    self.brought_closer(&atlas, batch);
-                    let new: Option<Vec<(u64, Anchor)>> = (batch.par_iter())
-                        // one sample may take as long as a hundred others
-                        .with_max_len(1)
-                        .map(|&index| Some((index, self.watched(index, &atlas, watch)?)))
+                    self.improve_predictions(&atlas, batch);
+                    let costly_first = self.costly_first(&atlas, batch).into_iter();
+                    let new: Option<Vec<(u64, Anchor)>> = (costly_first.par_bridge())
+                        .map(|index| Some((index, self.watched(index, &atlas, watch)?)))
                         .collect();
                     atlas.inverses().forget_starts();
                     known.anchors.extend(new.ok_or(Stopped)?);
@@ -230,6 +230,18 @@ impl Ensemble<'_> {
             known.indices.extend(missing);
         }
         Ok(())
+    }
+
+    /// The samples `indices` in the order in which they are begun. One sample may take as long as a hundred others: begun last it would keep
+    /// one thread at work while all others wait for the next generation.
+    fn costly_first(&self, atlas: &Atlas, indices: &[u64]) -> Vec<u64> {
+        let work = |&index: &u64| {
+            let place = self.design.place(&self.design.sample(index));
+            Reverse(atlas.expected_work(&place))
+        };
+        let mut ordered = indices.to_vec();
+        ordered.sort_by_cached_key(work);
+        ordered
     }
 
     /// Solves the samples `indices` of one generation from `anchors`, those of the generations before it. Only `watch` is told of
@@ -249,7 +261,7 @@ impl Ensemble<'_> {
 
     fn solve_with(&self, atlas: &Atlas, indices: &[u64], watch: &dyn Watch) -> Result<(), Stopped> {
         for batch in self.batches(indices) {
-            self.brought_closer(atlas, batch);
+            self.improve_predictions(atlas, batch);
             // in their order, so that a part holds neighbours
             let solved = batch.iter().par_bridge();
             let all = solved.all(|&index| self.watched(index, atlas, watch).is_some());

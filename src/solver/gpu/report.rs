@@ -47,10 +47,10 @@ impl AdapterFacts {
 pub struct GpuReport {
     /// The adapter.
     pub adapter: AdapterFacts,
-    /// Predicted peaks that it was given to bring closer (lanes).
+    /// Predicted peaks that it was given to improve (lanes).
     #[serde(default)]
     pub lanes: u64,
-    /// Of these, those that it could not bring closer.
+    /// Of these, those that it could not improve.
     #[serde(default)]
     pub lanes_lost: u64,
     /// Peaks that the processor searched again without the device.
