@@ -178,22 +178,16 @@ fn what_cannot_be_paired_is_refused() {
             &[&format!("{name}: cannot be compared with a: {fragment}")],
         );
     }
-    let hypercube = format!("{text}[design]\nkind = \"latin-hypercube\"\n");
     let pairs = "[correlation]\npairs = [{ inputs = [\"stiffness_scale\", \"friction_coefficient\"], value = 0.5 }]\n";
-    run(path, "a", &hypercube);
-    run(path, "correlated", &format!("{hypercube}{pairs}"));
-    let design = "its design of the samples is latin-hypercube, 10 samples, correlated";
+    run(path, "correlated", &format!("{text}{pairs}"));
+    let design = "its design of the samples is monte-carlo, 10 samples, correlated";
     refuse("correlated", &[design]);
     // so close that both designs read the same
-    run(
-        path,
-        "a",
-        &format!("{hypercube}{}", pairs.replace("0.5", "0.50001")),
-    );
-    refuse(
-        "correlated",
-        &["has another", "although its distribution is the same"],
-    );
+    run(path, "a", &format!("{text}{pairs}"));
+    let close = pairs.replace("0.5", "0.50001");
+    run(path, "correlated", &format!("{text}{close}"));
+    let rule = "although its distribution is the same";
+    refuse("correlated", &["has another", rule]);
     std::fs::copy(
         path.join("seed/samples.parquet"),
         path.join("a/samples.parquet"),

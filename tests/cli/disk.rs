@@ -151,7 +151,8 @@ fn one_run_takes_several_engine_orders() {
     );
 }
 
-/// Runs that `disk` cannot speak of together are refused; of different numbers of samples each is said.
+/// Runs that `disk` cannot speak of together are refused; of different numbers of samples each is said. Seen to fail with the program before,
+/// which took runs with other inputs for one disk.
 #[test]
 fn runs_of_other_disks_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -193,7 +194,7 @@ fn runs_of_other_disks_are_refused() {
         assert!(condition.contains(samples), "{condition}");
     }
     std::fs::copy(
-        path.join("fewer/samples.parquet"),
+        path.join("prior/samples.parquet"),
         path.join("order-5/samples.parquet"),
     )
     .unwrap();
@@ -202,7 +203,8 @@ fn runs_of_other_disks_are_refused() {
     assert_refused("edited", &edited, &[rule]);
 }
 
-/// What the last of several engine orders refuses is known before the first one is solved.
+/// What the last of several engine orders refuses is known before the first one is solved. Seen to fail with the program before, which solved
+/// order 3.
 #[test]
 fn refusals_of_all_engine_orders_come_first() {
     let folder = tempfile::tempdir().unwrap();

@@ -154,7 +154,8 @@ pub fn level_name(level: f64, unit: &str) -> String {
 mod tests {
     use super::*;
 
-    /// Seen to fail with the exponent rounded instead of floored.
+    /// Seen to fail with the exponent rounded instead of floored, with that of the number before it is rounded, and with shares in whole
+    /// percent up to 1.
     #[test]
     fn numbers_are_short_and_exact() {
         assert_eq!(significant(3.2654), "3.265");

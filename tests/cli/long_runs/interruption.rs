@@ -172,7 +172,7 @@ fn older_results_stay_until_new_ones_are_whole() {
 }
 
 /// A killed extension goes on, too, and `run` does not take its parts for those of the shorter study.
-/// Seen to fail with parts that are not looked at.
+/// Seen to fail with parts that are not looked at, and with a status that knows the samples of the parts alone.
 #[test]
 fn a_killed_extension_goes_on() {
     let study = study(40);

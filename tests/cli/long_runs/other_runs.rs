@@ -154,7 +154,8 @@ fn solved_and_extended(samples: u64, more: &str) -> TempDir {
 }
 
 /// A run of a study whose results were extended would lose samples: it is refused in every way, and what there is stays.
-/// Seen to fail without the refusal, which solved the fewer samples and put them in the place of all.
+/// Seen to fail without the refusal, which solved the fewer samples and put them in the place of all; and with requirements that count as
+/// another study.
 #[test]
 fn extended_results_are_not_replaced_by_fewer_samples() {
     let study = solved_and_extended(12, "30");
@@ -194,7 +195,7 @@ fn require(folder: &Path) {
 }
 
 /// A study that only asks other things of its samples takes them over: those that `extend` solved, too. The results are those of a run of
-/// the new study.
+/// the new study. Seen to fail with the program before, which solved all samples again.
 #[test]
 fn samples_serve_other_requirements() {
     let study = study(12);
@@ -215,6 +216,7 @@ fn samples_serve_other_requirements() {
 }
 
 /// What a run refuses, `merge` refuses before it copies a part: a copy would be in the way of the results there.
+/// Seen to fail with the program before, which copied the parts.
 #[test]
 fn a_refused_merge_leaves_nothing() {
     let study = solved_and_extended(12, "30");
