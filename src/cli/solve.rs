@@ -131,7 +131,7 @@ fn in_words(solution: &Solution, largest: Largest, is_curve: bool, place: &str) 
             ", largest amplitude {amplitude} at {place}, an end of the values: no peak, it may grow on beyond"
         ),
         Largest::AtEdge => format!(
-            ", no peak: the amplitude is largest, {amplitude}, at the edge, {place}; the band ends before the resonance"
+            ", no peak: the amplitude is largest, {amplitude}, at the edge, {place}; the resonance lies outside the band"
         ),
         Largest::OfPart => format!(
             ", largest amplitude found {amplitude} at {place}: no peak, it may be larger on the part not found"

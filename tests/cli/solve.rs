@@ -175,7 +175,7 @@ fn a_band_without_the_resonance_says_so() {
     let (text, _, json) = solved("band_hz = [100, 200]", "band_hz = [100, 150]");
     let first = text.lines().next().unwrap();
     assert!(
-        first.contains("the band ends before the resonance"),
+        first.contains("the resonance lies outside the band"),
         "{text}"
     );
     assert!(!first.contains(", peak "), "{text}");

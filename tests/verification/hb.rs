@@ -7,6 +7,7 @@
 
 mod alert;
 mod anchored;
+mod branch_maximum;
 mod built_in_sector;
 mod closed_form;
 mod compliance;

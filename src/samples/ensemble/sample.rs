@@ -12,8 +12,9 @@ use super::outcome::{
 use super::times::SampleTimes;
 use super::{Ensemble, SampleSolver};
 use crate::hb::newton::rest::stiffness_at_rest;
-use crate::hb::peak::maxima::{Maxima, search_maxima};
-use crate::hb::peak::predicted::{PeakPrediction, maximum_near, phase_locked};
+use crate::hb::peak::branch_maximum::higher_on_branch;
+use crate::hb::peak::maxima::{Maxima, add_higher_on_branches, search_maxima};
+use crate::hb::peak::predicted::on_harmonics;
 use crate::hb::response::curve::{self, response_curve};
 use crate::hb::structure::resonance::{Candidate, candidates};
 use crate::hb::{Balance, Problem, ProblemError, Solution, Status};
@@ -205,9 +206,12 @@ impl Ensemble<'_> {
                 place,
                 known,
             };
-            Ok(self.of_mode(&of_mode, wanted, atlas))
+            Ok::<_, ProblemError>(self.of_mode(&of_mode, wanted, atlas))
         };
-        search_maxima(&modes, self.choice, levels, search)
+        let mut maxima = search_maxima(&modes, self.choice, levels, search)?;
+        let along = |found: &Solution| higher_on_branch(problem, self.settings, self.peak, found);
+        add_higher_on_branches(&mut maxima, self.choice, along);
+        Ok(maxima)
     }
 
     /// Record of the nominal level `level`, with the forced response through its peak if wanted.
@@ -251,20 +255,8 @@ impl Ensemble<'_> {
         let harmonics = &self.settings.harmonics;
         let balance = Balance::new(problem, harmonics.clone(), self.settings.aft);
         problem.effort.grant(self.settings.newton.budget);
-        let n_relative = balance.layout.n_relative();
-        let mut prediction = PeakPrediction::of(solution);
-        prediction.point.r =
-            (solution.harmonics).convert(&prediction.point.r, n_relative, harmonics);
-        let start = match solution.harmonics == *harmonics {
-            true => Ok(prediction.point),
-            false => {
-                let maximum = maximum_near(&balance, prediction.clone(), self.peak, newton);
-                // the curve may start beside the maximum
-                (maximum.map(|peak| peak.iterate))
-                    .or_else(|_| phase_locked(&balance, prediction, newton))
-                    .map(|found| found.point)
-            }
-        };
+        // the curve may start beside the maximum
+        let start = on_harmonics(&balance, solution, self.peak, newton);
         let Ok(start) = start else {
             return Default::default();
         };

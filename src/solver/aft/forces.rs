@@ -29,6 +29,16 @@ pub struct StateCounts {
 }
 
 impl StateCounts {
+    /// The same of a pair without tangential stiffness: it has no traction that could reach a limit, so that it sticks where it is closed.
+    #[must_use]
+    pub fn without_traction(self) -> Self {
+        Self {
+            stick: self.stick + self.slip,
+            slip: 0,
+            ..self
+        }
+    }
+
     /// Of `n_time` samples; those that neither slip nor are out of contact stick.
     #[must_use]
     pub fn new(n_time: usize, slip: u32, separated: u32) -> Self {

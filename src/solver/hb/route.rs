@@ -34,11 +34,13 @@ pub enum PeakRoute {
     SweptOnOne,
     /// The same with few harmonics.
     SweptOnFew,
+    /// Highest maximum on the branch through a maximum that one of the routes without other samples has led to.
+    OnBranch,
 }
 
 impl PeakRoute {
     /// Every route, in the order in which they are tried.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Predicted,
         Self::Damped,
         Self::Followed,
@@ -47,6 +49,7 @@ impl PeakRoute {
         Self::Sliding,
         Self::SweptOnOne,
         Self::SweptOnFew,
+        Self::OnBranch,
     ];
 
     /// Whether the peak was found from those of other samples, and not from the structure at rest or the band.
@@ -67,6 +70,7 @@ impl PeakRoute {
             Self::Sliding => "sliding",
             Self::SweptOnOne => "swept-on-one",
             Self::SweptOnFew => "swept-on-few",
+            Self::OnBranch => "on-branch",
         }
     }
 
@@ -92,6 +96,7 @@ impl PeakRoute {
             Self::SweptOnFew => {
                 "highest maximum of a sweep through the whole band with few harmonics"
             }
+            Self::OnBranch => "highest maximum on the branch through a lower one",
         }
     }
 }

@@ -47,7 +47,7 @@ pub struct ContactTable {
     /// Normal force at zero approach; without `n` the constant normal force.
     #[schemars(range(min = -LARGEST, max = LARGEST), extend("default" = 0.0))]
     pub n_0: Option<f64>,
-    /// Gap at zero approach (length) instead of `n_0`: n_0 = −k_n · gap. Inputs that scale k_n leave the gap as it is.
+    /// Gap at zero approach (length) instead of `n_0`: n_0 = −k_n · gap. Inputs that scale k_n leave the gap as it is, that of a negative `n_0` as well.
     #[schemars(range(min = 0, max = LARGEST))]
     pub gap: Option<f64>,
     /// Interface that the pair belongs to (0, 1, …): inputs of the left side act on interface 0, of the right side on 1.

@@ -245,7 +245,12 @@ impl Study {
     #[must_use]
     pub fn unfolded(&self) -> Option<String> {
         let names = self.one_sided();
-        (self.mirror && !names.is_empty() && !self.is_cyclic()).then(|| {
+        let has_mirror = match &self.model {
+            ModelSettings::TwoBladeStrip { .. } => true,
+            ModelSettings::Matrices(matrices) => matrices.mirror.is_some(),
+            ModelSettings::Cyclic(_) => false,
+        };
+        (self.mirror && !names.is_empty() && has_mirror).then(|| {
             format!(
                 "solved on all contacts, not on one half of them: the sides differ by {}",
                 names.join(", ")

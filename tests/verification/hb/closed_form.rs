@@ -1,7 +1,9 @@
 //! Closed forms of one-degree-of-freedom oscillators with dry friction.
 
-use super::models::{aft, jenkins, short};
+use super::invariants::settings;
+use super::models::{aft, jenkins, open_contact, short, with_problem};
 use faer::prelude::c64;
+use microslip::aft::Want;
 use microslip::contact::FrictionLaw;
 use microslip::harmonics::{HarmonicSet, phases};
 use microslip::hb::newton::{Condition, Iterate, Point, solve};
@@ -264,5 +266,25 @@ fn stiff_elements_approach_rigid_coulomb_friction() {
             assert!((0.85..1.1).contains(&order), "order {order} in 1/√k_t");
         }
         assert!(limit.abs() < 0.1 * errors[2].abs(), "{limit:e}");
+    }
+}
+
+/// A pair without tangential stiffness carries no traction: where it is closed it sticks, whatever its friction coefficient. Seen to fail with
+/// the circle law's count, by which it slips where the coefficient is 0.
+#[test]
+fn a_pair_without_traction_does_not_slip() {
+    for law in [FrictionLaw::Box, FrictionLaw::Circle] {
+        let mut case = open_contact();
+        case.contacts[0].mu = 0.0;
+        case.contacts[0].n_0 = 0.2;
+        with_problem(&case, |problem| {
+            let settings = settings(5, law);
+            let balance = Balance::new(problem, settings.harmonics.clone(), settings.aft);
+            let mut r = vec![0.0; balance.layout.n_unknowns()];
+            r[3 + 2] = 1.0;
+            let counts = balance.contact(&r, Want::Forces).counts[0];
+            assert_eq!(counts.slip, 0, "{law:?}");
+            assert!(counts.stick > 0 && counts.separated > 0, "{counts:?}");
+        });
     }
 }

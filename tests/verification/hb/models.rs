@@ -114,6 +114,26 @@ pub(super) fn jenkins(damping: f64, k_t: f64, limit: f64) -> Case {
     }
 }
 
+/// Two masses 1 on springs, with a contact that closes only where both move far in the negative direction; force cos ωt on the first.
+pub(super) fn open_contact() -> Case {
+    let row = pair(0, [vec![], vec![], vec![(1, -0.7), (0, -0.4)]], 0);
+    let mut model = assembled([&[1.0; 2], &[0.02; 2], &[1.2; 2]], None, vec![row]);
+    model.stiffness[(0, 1)] = -0.5;
+    model.stiffness[(1, 0)] = -0.5;
+    model.cosine_force[0] = 1.0;
+    let contact = ContactParameters {
+        k_n: 0.7,
+        k_t: [0.0; 2],
+        mu: 0.3,
+        n_0: -0.2,
+        anchor: [0.0; 2],
+    };
+    Case {
+        model,
+        contacts: vec![contact],
+    }
+}
+
 /// Place a (m) of a node along the strip's width, blade (0 or 1), and motion of the platform there in the normal
 /// direction per motion of the blade in the tangential one.
 const NODES: [(f64, usize, f64); 4] = [

@@ -43,7 +43,7 @@ pub(super) fn section(view: &View) -> Section {
         "The peak is the highest maximum that grows from the modes of the stuck and the free structure in the band (or \
          from the mode that the study names). Several maxima met: samples with lower ones, too. Isolated branches of \
          solutions are not searched. Several answers: where a curve folds over, a slow sweep upwards and one downwards jump \
-         at different frequencies and may meet different largest amplitudes; the peak is the higher one. Known of samples with \
+         at different frequencies and may meet different largest amplitudes; the peak is sought as the higher one. Known of samples with \
          a curve."
             .to_owned(),
     ));

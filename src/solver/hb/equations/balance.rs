@@ -152,7 +152,12 @@ impl<'p> Balance<'p> {
         ContactResponse {
             force: transpose_blocks(&forces.forces, 3, m, n_c),
             active: self.active_pairs(&forces),
-            counts: forces.summaries.iter().map(|s| s.counts).collect(),
+            counts: (forces.summaries.iter().zip(&batch.parameters))
+                .map(|(summary, pair)| match pair.k_t == [0.0; 2] {
+                    true => summary.counts.without_traction(),
+                    false => summary.counts,
+                })
+                .collect(),
             steady: !(searched && forces.summaries.iter().any(lost)),
         }
     }

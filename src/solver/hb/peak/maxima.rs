@@ -101,6 +101,18 @@ pub fn search_maxima<E>(
     Ok(maxima)
 }
 
+/// Adds to `maxima` the higher ones on the branches through the highest that were found, unless one mode is wanted. `along` gives such a
+/// maximum on the branch through one, and its work.
+pub fn add_higher_on_branches(
+    maxima: &mut [Maxima],
+    choice: PeakChoice,
+    along: impl Fn(&Solution) -> (Option<Solution>, WorkCount),
+) {
+    if !matches!(choice, PeakChoice::Mode(_)) {
+        (maxima.iter_mut()).for_each(|at| at.add_higher_on_branch(&along));
+    }
+}
+
 impl Maxima {
     /// Nothing found yet.
     fn none(level: f64) -> Self {
@@ -177,6 +189,23 @@ impl Maxima {
                 .retain(|(of, s)| *of != candidate.mode || !is_same_maximum(s, &tracked));
             self.found.push((candidate.mode, own));
         }
+    }
+
+    /// Adds a higher maximum on the branch through the highest one, for the mode whose search has found that one. The maxima of other
+    /// samples, from which a prediction starts, were looked for so.
+    fn add_higher_on_branch(&mut self, along: impl Fn(&Solution) -> (Option<Solution>, WorkCount)) {
+        let Some(highest) = self.highest() else {
+            return;
+        };
+        let is_own = |s: &Solution| s.route.is_some_and(|route| !route.is_from_others());
+        let mut found = self.found.iter();
+        let first = found.find(|(_, s)| is_own(s) && is_same_maximum(s, highest));
+        let Some((mode, solution)) = first else {
+            return;
+        };
+        let (mode, (higher, work)) = (*mode, along(solution));
+        self.count += work;
+        self.found.extend(higher.map(|solution| (mode, solution)));
     }
 
     /// The highest maximum found; the first of equal ones, so that it depends only on the problem and its starts.

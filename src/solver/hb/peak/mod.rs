@@ -5,6 +5,7 @@ pub mod anchored;
 pub mod attribution;
 mod band;
 pub mod blades;
+pub mod branch_maximum;
 pub(crate) mod growth;
 pub mod level_peak;
 pub mod maxima;

@@ -238,6 +238,29 @@ pub(super) fn raised<'p>(
     })
 }
 
+/// The maximum `found` on the harmonics of `balance`; where it is not found there, the solution with its phase.
+///
+/// # Errors
+/// The status of the solve at that phase.
+pub fn on_harmonics(
+    balance: &Balance<'_>,
+    found: &Solution,
+    settings: PeakSettings,
+    newton: NewtonSettings,
+) -> Result<Point, Status> {
+    let mut prediction = PeakPrediction::of(found);
+    if found.harmonics == balance.harmonics {
+        return Ok(prediction.point);
+    }
+    let n_relative = balance.layout.n_relative();
+    let r = &prediction.point.r;
+    prediction.point.r = (found.harmonics).convert(r, n_relative, &balance.harmonics);
+    let maximum = maximum_near(balance, prediction.clone(), settings, newton);
+    (maximum.map(|peak| peak.iterate))
+        .or_else(|_| phase_locked(balance, prediction, newton))
+        .map(|found| found.point)
+}
+
 /// The solution with the predicted phase.
 ///
 /// # Errors

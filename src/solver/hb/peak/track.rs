@@ -7,8 +7,9 @@
 //! fails the other routes of [`PeakRoute`] are tried.
 
 use super::band::{sliding_maximum, swept_maximum};
+use super::branch_maximum::higher_on_branch;
 use super::level_peak::LevelPeak;
-use super::maxima::{COMPETES, ModeSearch, PeakChoice, search_maxima};
+use super::maxima::{COMPETES, ModeSearch, PeakChoice, add_higher_on_branches, search_maxima};
 use super::predicted::{PeakPrediction, correct, raised};
 use super::refine::refined_maximum;
 use super::search::{Located, PeakSettings, find_peak, highest_nearby};
@@ -90,7 +91,9 @@ pub fn track_peaks(
         let found = track_mode(problem, settings, peak, mode, &levels);
         Ok::<_, LinalgError>(found.into_iter().map(ModeSearch::from).collect())
     };
-    let maxima = search_maxima(&modes, PeakChoice::Highest, levels, search)?;
+    let mut maxima = search_maxima(&modes, PeakChoice::Highest, levels, search)?;
+    let along = |found: &Solution| higher_on_branch(problem, settings, peak, found);
+    add_higher_on_branches(&mut maxima, PeakChoice::Highest, along);
     Ok(maxima.into_iter().map(LevelPeak::from).collect())
 }
 

@@ -1,0 +1,105 @@
+//! A higher maximum on the branch through one that was found.
+//!
+//! A search leads to one maximum of the amplitude. Where contacts open, or the track of a mode is lost, a higher one may lie on the
+//! same branch. So the branch is followed from the maximum to both ends of the band, and searched on both sides close to it.
+
+use super::predicted::on_harmonics;
+use super::refine::refined_maximum;
+use super::search::{Located, PeakSettings, higher, highest_on_both_sides, maximum_on};
+use crate::hb::branch::branch_segment::BranchSegment;
+use crate::hb::branch::sweep::{SweepDirection, SweepSettings, follow};
+use crate::hb::equations::balance::{Balance, balance_on};
+use crate::hb::equations::effort::WorkCount;
+use crate::hb::equations::problem::Problem;
+use crate::hb::newton::{Iterate, Point};
+use crate::hb::route::PeakRoute;
+use crate::hb::settings::HbSettings;
+use crate::hb::solution::Solution;
+use std::ops::ControlFlow;
+
+/// Largest relative change of the displacements per step.
+const STEP: f64 = 0.3;
+/// Largest change of the frequency per step, as a share of the band.
+const ADVANCE: f64 = 0.1;
+/// Share by which the maximum must be higher.
+const HIGHER: f64 = 1e-3;
+/// A step may hide a top that is so many times as high as its ends.
+const HIDDEN: f64 = 1.5;
+/// Newton iterations that may be spent on a branch.
+const BUDGET: usize = 3000;
+
+/// The highest maximum on the branch through the maximum `found`, with as many harmonics as the alert asks for, if it is higher; and the
+/// work. The branch is that on the harmonics of the study.
+///
+/// None where all contacts stick at `found`, whose response is linear, and where the branch cannot be followed.
+pub fn higher_on_branch(
+    problem: &Problem<'_>,
+    settings: &HbSettings,
+    peak: PeakSettings,
+    found: &Solution,
+) -> (Option<Solution>, WorkCount) {
+    let effort = &problem.effort;
+    let before = effort.count();
+    let budget = settings.newton.budget.min(BUDGET);
+    let higher = match found.contact.stick < 1.0 {
+        true => effort.with_own_budget(budget, || highest(problem, settings, peak, found)),
+        false => None,
+    };
+    (higher, effort.count().since(before))
+}
+
+fn highest(
+    problem: &Problem<'_>,
+    settings: &HbSettings,
+    peak: PeakSettings,
+    found: &Solution,
+) -> Option<Solution> {
+    let balance = balance_on(problem, settings.harmonics.clone(), settings);
+    let start = on_harmonics(&balance, found, peak, settings.newton).ok()?;
+    let height = |located: &Located<'_>| located.iterate.response(&balance).norm();
+    let sides = [SweepDirection::Downward, SweepDirection::Upward];
+    let maxima = sides.map(|side| on_side(&balance, &start, side, settings, peak));
+    // a step is longer than the distance of two maxima side by side
+    let start = Iterate::new(&balance, start);
+    let beside = highest_on_both_sides(&balance, &start, &balance, peak, settings.newton);
+    let own = start.response(&balance).norm();
+    let best = (maxima.into_iter().flatten().chain(beside))
+        .reduce(|best, other| higher(&balance, best, other))
+        .filter(|best| height(best) > (1.0 + HIGHER) * own)?;
+    Some(Solution {
+        route: Some(PeakRoute::OnBranch),
+        ..refined_maximum(&balance, best, settings, peak)
+    })
+}
+
+/// The highest maximum that the branch passes from `start` to one end of the band.
+fn on_side<'p>(
+    balance: &Balance<'p>,
+    start: &Point,
+    direction: SweepDirection,
+    settings: &HbSettings,
+    peak: PeakSettings,
+) -> Option<Located<'p>> {
+    let newton = settings.newton;
+    let sweep = SweepSettings {
+        band: peak.band,
+        direction,
+        largest_step: STEP,
+        largest_advance: ADVANCE,
+    };
+    let start = Iterate::new(balance, start.clone());
+    let mut least = start.response(balance).norm();
+    let mut maxima: Vec<Located<'p>> = Vec::new();
+    follow(balance, start, sweep, newton, |from, to| {
+        let top = f64::max(from.response.norm(), to.response.norm());
+        if HIDDEN * top > least {
+            let segment = BranchSegment::new(&from, to);
+            let located = maximum_on(&segment, balance, peak, newton);
+            least = least.max(top);
+            maxima.extend(located);
+        }
+        ControlFlow::Continue(())
+    });
+    let maxima = maxima.into_iter();
+    maxima.reduce(|best, other| higher(balance, best, other))
+}

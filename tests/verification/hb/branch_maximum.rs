@@ -1,0 +1,74 @@
+//! A maximum that the searches of the modes miss, on the branch through one that they find.
+
+use super::invariants::settings;
+use super::models::{open_contact, with_problem};
+use microslip::contact::FrictionLaw;
+use microslip::hb::PeakRoute;
+use microslip::hb::peak::search::PeakSettings;
+use microslip::hb::peak::track::track_peaks;
+use microslip::hb::structure::resonance::Band;
+use std::f64::consts::TAU;
+
+const LEVEL: f64 = 2.0;
+const PERIODS: usize = 400;
+const STEPS: usize = 1000;
+
+type State = [f64; 4];
+
+/// Rates of displacements and velocities of [`open_contact`] under cos ωt of the level.
+fn rates([x, y, u, v]: State, phase: f64) -> State {
+    let normal = f64::max(0.0, 0.7 * (-0.4 * x - 0.7 * y) - 0.2);
+    let force = LEVEL * phase.cos();
+    [
+        u,
+        v,
+        force - 0.02 * u - 1.2 * x + 0.5 * y + 0.4 * normal,
+        -0.02 * v + 0.5 * x - 1.2 * y + 0.7 * normal,
+    ]
+}
+
+/// Amplitude of the first harmonic of the first mass in the last of many periods from rest, by Runge and Kutta's method.
+fn amplitude_from_rest(omega: f64) -> f64 {
+    let (mut state, h) = ([0.0; 4], TAU / omega / STEPS as f64);
+    let mut sums = [0.0; 2];
+    for step in 0..PERIODS * STEPS {
+        let phase = |share: f64| TAU * ((step % STEPS) as f64 + share) / STEPS as f64;
+        if step >= (PERIODS - 1) * STEPS {
+            sums[0] += state[0] * phase(0.0).cos();
+            sums[1] += state[0] * phase(0.0).sin();
+        }
+        let from = |slope: State, share: f64| -> State {
+            std::array::from_fn(|i| state[i] + share * h * slope[i])
+        };
+        let a = rates(state, phase(0.0));
+        let b = rates(from(a, 0.5), phase(0.5));
+        let c = rates(from(b, 0.5), phase(0.5));
+        let d = rates(from(c, 1.0), phase(1.0));
+        state =
+            std::array::from_fn(|i| state[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
+    }
+    2.0 / STEPS as f64 * sums[0].hypot(sums[1])
+}
+
+/// The contact opens in every period, and the search of the first mode ends at the maximum of the second. The one of the first is higher by
+/// three quarters; time integration from rest has it, too.
+#[test]
+fn the_peak_is_the_top_of_its_branch() {
+    let search = PeakSettings {
+        band: Band {
+            low: 0.5,
+            high: 3.5,
+        },
+        frequency_tolerance: 1e-9,
+    };
+    with_problem(&open_contact(), |problem| {
+        let settings = settings(9, FrictionLaw::Box);
+        let found = track_peaks(problem, &settings, search, &[LEVEL]).expect("modes");
+        let peak = found[0].solution.as_ref().expect("a peak");
+        let marched = amplitude_from_rest(peak.omega);
+        let amplitude = peak.amplitude(0);
+        println!("{amplitude} at {} rad/s, from rest {marched}", peak.omega);
+        assert_eq!(peak.route, Some(PeakRoute::OnBranch));
+        assert!((amplitude / marched - 1.0).abs() < 1e-3, "{marched}");
+    });
+}
