@@ -114,6 +114,26 @@ pub(super) fn jenkins(damping: f64, k_t: f64, limit: f64) -> Case {
     }
 }
 
+/// Two masses 1 on springs of about the same stiffness, with a contact that sticks; force cos ωt on the first.
+pub(super) fn stuck_masses() -> Case {
+    let row = pair(0, [vec![(0, 1.0), (1, 0.4)], vec![], vec![]], 0);
+    let mut model = assembled([&[1.0; 2], &[0.02; 2], &[1.2, 1.5]], None, vec![row]);
+    model.stiffness[(0, 1)] = -0.1;
+    model.stiffness[(1, 0)] = -0.1;
+    model.cosine_force[0] = 1.0;
+    let contact = ContactParameters {
+        k_n: 0.0,
+        k_t: [0.5, 0.0],
+        mu: 1.0,
+        n_0: 1e6,
+        anchor: [0.0; 2],
+    };
+    Case {
+        model,
+        contacts: vec![contact],
+    }
+}
+
 /// Two masses 1 on springs, with a contact that closes only where both move far in the negative direction; force cos ωt on the first.
 pub(super) fn open_contact() -> Case {
     let row = pair(0, [vec![], vec![], vec![(1, -0.7), (0, -0.4)]], 0);

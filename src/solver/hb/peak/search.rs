@@ -65,6 +65,8 @@ const LONGEST_STEP: f64 = 0.3;
 const GROWTH_SHARE: f64 = 1e-2;
 /// Residuals below this are round-off.
 const SHARPEST: f64 = 1e-13;
+/// Steps up to this length (relative change of the displacements) are round-off: the solution from which one would begin is the maximum.
+const NEGLIGIBLE: f64 = 1e-12;
 /// Most points of one search.
 const MAX_POINTS: usize = 40;
 /// Distances at which [`highest_nearby`] starts its searches (relative change of the displacements).
@@ -114,6 +116,9 @@ pub fn find_peak<'p>(
     });
     for _ in 0..MAX_POINTS {
         let from = bracket.nearest(step);
+        if bracket.is_maximum() && (step - from.s).abs() <= NEGLIGIBLE {
+            return Ok(bracket.ended());
+        }
         let (iterate, length) = halving_step(balance, &from.point, step - from.s, newton)?;
         let point = BranchPoint::in_metric(balance, iterate, metric).following(&from.point.tangent);
         let omega = point.iterate.point.omega;
