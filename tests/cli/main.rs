@@ -5,6 +5,7 @@
 )]
 
 mod bad_input;
+mod branch_maximum;
 mod compare;
 mod control_variate;
 #[path = "../common/described.rs"]

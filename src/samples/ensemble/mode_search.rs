@@ -81,7 +81,12 @@ impl Ensemble<'_> {
     }
 
     /// The maximum that is found from the atlas at level number `level`, if any.
-    fn found_from_atlas(&self, of: &ModeOfSample<'_>, level: usize, atlas: &Atlas) -> ModeSearch {
+    pub(super) fn found_from_atlas(
+        &self,
+        of: &ModeOfSample<'_>,
+        level: usize,
+        atlas: &Atlas,
+    ) -> ModeSearch {
         let effort = &of.problem.effort;
         effort.grant(self.settings.newton.budget);
         let before = effort.count();

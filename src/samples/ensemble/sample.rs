@@ -13,7 +13,7 @@ use super::times::SampleTimes;
 use super::{Ensemble, SampleSolver};
 use crate::hb::newton::rest::stiffness_at_rest;
 use crate::hb::peak::branch_maximum::higher_on_branch;
-use crate::hb::peak::maxima::{Maxima, add_higher_on_branches, search_maxima};
+use crate::hb::peak::maxima::{Maxima, ON_BRANCH, add_higher_on_branches, search_maxima};
 use crate::hb::peak::predicted::on_harmonics;
 use crate::hb::response::curve::{self, response_curve};
 use crate::hb::structure::resonance::{Candidate, candidates};
@@ -209,8 +209,22 @@ impl Ensemble<'_> {
             Ok::<_, ProblemError>(self.of_mode(&of_mode, wanted, atlas))
         };
         let mut maxima = search_maxima(&modes, self.choice, levels, search)?;
+        let mut lost = vec![false; levels.len()];
+        for (level, lost) in lost.iter_mut().enumerate() {
+            for mode in modes_on_branches(&modes, &atlas.modes_near(place, level)) {
+                let of_mode = ModeOfSample {
+                    problem,
+                    mode: &mode,
+                    levels,
+                    place,
+                    known: &maxima,
+                };
+                let found = self.found_from_atlas(&of_mode, level, atlas);
+                *lost |= !maxima[level].add_predicted_on_branch(mode.mode, found);
+            }
+        }
         let along = |found: &Solution| higher_on_branch(problem, self.settings, self.peak, found);
-        add_higher_on_branches(&mut maxima, self.choice, along);
+        add_higher_on_branches(&mut maxima, self.choice, &lost, along);
         Ok(maxima)
     }
 
@@ -285,6 +299,20 @@ impl Ensemble<'_> {
             times: SampleTimes::default(),
         }
     }
+}
+
+/// Of the modes `near` that are maxima on the branches of others, those of the sample's own `candidates`.
+fn modes_on_branches(candidates: &[Candidate], near: &[usize]) -> Vec<Candidate> {
+    let on_branch = near.iter().filter(|mode| **mode >= ON_BRANCH);
+    let of_sample = |&mode: &usize| {
+        let mut own = candidates.iter();
+        let own = own.find(|candidate| candidate.mode == mode % ON_BRANCH)?;
+        Some(Candidate {
+            mode,
+            ..own.clone()
+        })
+    };
+    on_branch.filter_map(of_sample).collect()
 }
 
 fn in_hertz(point: curve::CurvePoint) -> CurvePoint {

@@ -14,6 +14,8 @@ use crate::hb::structure::resonance::Candidate;
 
 /// A mode is searched if its reach is at least this part of the highest maximum found so far.
 pub const COMPETES: f64 = 0.5;
+/// A higher maximum on the branch through that of mode m counts as one of the mode m plus this number, which the structure has not got.
+pub const ON_BRANCH: usize = 1 << 16;
 /// Two solutions are the same maximum up to these relative distances of frequency and amplitude.
 const SAME: [f64; 2] = [1e-6, 1e-5];
 /// The same for solutions on different harmonics, whose truncation errors differ.
@@ -102,14 +104,17 @@ pub fn search_maxima<E>(
 }
 
 /// Adds to `maxima` the higher ones on the branches through the highest that were found, unless one mode is wanted. `along` gives such a
-/// maximum on the branch through one, and its work.
+/// maximum on the branch through one, and its work. It is asked where the highest was not predicted from other samples, whose branches were
+/// looked along; and where a prediction of such a maximum was `lost`. Shape of `lost`: as `maxima`.
 pub fn add_higher_on_branches(
     maxima: &mut [Maxima],
     choice: PeakChoice,
+    lost: &[bool],
     along: impl Fn(&Solution) -> (Option<Solution>, WorkCount),
 ) {
     if !matches!(choice, PeakChoice::Mode(_)) {
-        (maxima.iter_mut()).for_each(|at| at.add_higher_on_branch(&along));
+        let levels = maxima.iter_mut().zip(lost);
+        levels.for_each(|(at, lost)| at.add_higher_on_branch(*lost, &along));
     }
 }
 
@@ -191,21 +196,36 @@ impl Maxima {
         }
     }
 
-    /// Adds a higher maximum on the branch through the highest one, for the mode whose search has found that one. The maxima of other
-    /// samples, from which a prediction starts, were looked for so.
-    fn add_higher_on_branch(&mut self, along: impl Fn(&Solution) -> (Option<Solution>, WorkCount)) {
+    /// Adds a higher maximum on the branch through the highest one, as a maximum of its own: what the search of the mode has led to stays a
+    /// start for others.
+    fn add_higher_on_branch(
+        &mut self,
+        lost: bool,
+        along: impl Fn(&Solution) -> (Option<Solution>, WorkCount),
+    ) {
         let Some(highest) = self.highest() else {
             return;
         };
-        let is_own = |s: &Solution| s.route.is_some_and(|route| !route.is_from_others());
+        let is_own = |s: &Solution| lost || s.route.is_some_and(|route| !route.is_from_others());
         let mut found = self.found.iter();
         let first = found.find(|(_, s)| is_own(s) && is_same_maximum(s, highest));
         let Some((mode, solution)) = first else {
             return;
         };
-        let (mode, (higher, work)) = (*mode, along(solution));
+        let (mode, (higher, work)) = (mode % ON_BRANCH, along(solution));
         self.count += work;
-        self.found.extend(higher.map(|solution| (mode, solution)));
+        let higher = higher.map(|solution| (ON_BRANCH + mode, solution));
+        self.found.extend(higher);
+    }
+
+    /// Adds the maximum that the prediction of one on the branch of another has led to; says whether there is one. `mode` is at least
+    /// [`ON_BRANCH`].
+    pub fn add_predicted_on_branch(&mut self, mode: usize, search: ModeSearch) -> bool {
+        self.count += search.peak.count;
+        let found = search.peak.solution;
+        let is_there = found.is_some();
+        self.found.extend(found.map(|solution| (mode, solution)));
+        is_there
     }
 
     /// The highest maximum found; the first of equal ones, so that it depends only on the problem and its starts.

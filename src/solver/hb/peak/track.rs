@@ -93,7 +93,8 @@ pub fn track_peaks(
     };
     let mut maxima = search_maxima(&modes, PeakChoice::Highest, levels, search)?;
     let along = |found: &Solution| higher_on_branch(problem, settings, peak, found);
-    add_higher_on_branches(&mut maxima, PeakChoice::Highest, along);
+    let lost = vec![false; levels.len()];
+    add_higher_on_branches(&mut maxima, PeakChoice::Highest, &lost, along);
     Ok(maxima.into_iter().map(LevelPeak::from).collect())
 }
 
