@@ -270,8 +270,8 @@ fn stiff_elements_approach_rigid_coulomb_friction() {
     }
 }
 
-/// A pair without tangential stiffness carries no traction: where it is closed it sticks, whatever its friction coefficient. Seen to fail with
-/// the circle law's count, by which it slips where the coefficient is 0.
+/// A pair without tangential stiffness carries no traction: where it is closed it sticks, whatever its friction coefficient; the
+/// circle law itself counts it as slipping where the coefficient is 0.
 #[test]
 fn a_pair_without_traction_does_not_slip() {
     for law in [FrictionLaw::Box, FrictionLaw::Circle] {
