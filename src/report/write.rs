@@ -8,7 +8,6 @@ use crate::report::page::document::study_page;
 use crate::report::run::input::ReportInput;
 use crate::report::run::stored_run::StoredRun;
 use std::io::Write;
-use std::ops::Not;
 use std::path::Path;
 
 /// The files of a report.
@@ -45,15 +44,12 @@ pub fn write(folder: &Path, input: &ReportInput) -> Result<Summary, ReportError>
 pub fn outdated(folder: &Path) -> Result<Vec<&'static str>, ReportError> {
     let run = StoredRun::read(folder)?;
     let (_, texts) = texts(&run.input())?;
-    let differs = |name: &str, text: &str| {
-        let there = std::fs::read(folder.join(name));
-        there.is_ok_and(|there| there == text.as_bytes()).not()
+    let differs = |(name, text): (&'static str, String)| {
+        let there = std::fs::read(folder.join(name)).ok();
+        (there.as_deref() != Some(text.as_bytes())).then_some(name)
     };
     let files = REPORT_FILES.into_iter().zip(texts);
-    Ok(files
-        .filter(|(name, text)| differs(name, text))
-        .map(|(name, _)| name)
-        .collect())
+    Ok(files.filter_map(differs).collect())
 }
 
 /// What stands in [`REPORT_FILES`], and the summary.

@@ -119,11 +119,12 @@ fn same_disk<'a>(first: &StoredRun, run: &'a StoredRun) -> Result<&'a DiskRecord
     let Some(of_first) = &first.disk else {
         return Err("the first run is none of a model of kind \"cyclic\"".to_owned());
     };
-    let stated = |of: &DiskRecord| (of.sectors, of.nodal_diameters.clone());
-    if stated(disk) != stated(of_first) {
+    if disk.sectors != of_first.sectors || disk.nodal_diameters != of_first.nodal_diameters {
         return Err("has another disk: its sectors or their nominal frequencies differ".to_owned());
     }
-    if disk.sector != of_first.sector || run.provenance.law != first.provenance.law {
+    let sectors = disk.sector.as_ref().zip(of_first.sector.as_ref());
+    let differ = sectors.is_some_and(|(this, that)| this != that);
+    if differ || run.provenance.law != first.provenance.law {
         let what = "[model], [contact] or a file that its study names differs from the first run's";
         return Err(format!("has another sector: {what}"));
     }

@@ -1,4 +1,4 @@
-//! Closed forms of one-degree-of-freedom oscillators with dry friction.
+//! Closed forms of oscillators with dry friction, and of two masses whose contact sticks.
 
 use super::invariants::settings;
 use super::models::{aft, jenkins, open_contact, short, stuck_masses, with_problem};

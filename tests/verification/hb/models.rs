@@ -114,13 +114,24 @@ pub(super) fn jenkins(damping: f64, k_t: f64, limit: f64) -> Case {
     }
 }
 
-/// Two masses 1 on springs of about the same stiffness, with a contact that sticks; force cos ωt on the first.
-pub(super) fn stuck_masses() -> Case {
-    let row = pair(0, [vec![(0, 1.0), (1, 0.4)], vec![], vec![]], 0);
-    let mut model = assembled([&[1.0; 2], &[0.02; 2], &[1.2, 1.5]], None, vec![row]);
-    model.stiffness[(0, 1)] = -0.1;
-    model.stiffness[(1, 0)] = -0.1;
+/// Two masses 1 with a contact, force cos ωt on the first; stiffness of each against the ground and the coupling, as in the matrix.
+fn two_masses(
+    stiffness: [f64; 2],
+    coupling: f64,
+    rows: [SparseRow; 3],
+    contact: ContactParameters<f64>,
+) -> Case {
+    let diagonals: [&[f64]; 3] = [&[1.0; 2], &[0.02; 2], &stiffness];
+    let mut model = assembled(diagonals, None, vec![pair(0, rows, 0)]);
+    (model.stiffness[(0, 1)], model.stiffness[(1, 0)]) = (coupling, coupling);
     model.cosine_force[0] = 1.0;
+    let contacts = vec![contact];
+    Case { model, contacts }
+}
+
+/// Two masses on springs of about the same stiffness, with a contact that sticks.
+pub(super) fn stuck_masses() -> Case {
+    let rows = [vec![(0, 1.0), (1, 0.4)], vec![], vec![]];
     let contact = ContactParameters {
         k_n: 0.0,
         k_t: [0.5, 0.0],
@@ -128,19 +139,12 @@ pub(super) fn stuck_masses() -> Case {
         n_0: 1e6,
         anchor: [0.0; 2],
     };
-    Case {
-        model,
-        contacts: vec![contact],
-    }
+    two_masses([1.2, 1.5], -0.1, rows, contact)
 }
 
-/// Two masses 1 on springs, with a contact that closes only where both move far in the negative direction; force cos ωt on the first.
+/// Two masses with a contact that closes only where both move far in the negative direction.
 pub(super) fn open_contact() -> Case {
-    let row = pair(0, [vec![], vec![], vec![(1, -0.7), (0, -0.4)]], 0);
-    let mut model = assembled([&[1.0; 2], &[0.02; 2], &[1.2; 2]], None, vec![row]);
-    model.stiffness[(0, 1)] = -0.5;
-    model.stiffness[(1, 0)] = -0.5;
-    model.cosine_force[0] = 1.0;
+    let rows = [vec![], vec![], vec![(1, -0.7), (0, -0.4)]];
     let contact = ContactParameters {
         k_n: 0.7,
         k_t: [0.0; 2],
@@ -148,10 +152,7 @@ pub(super) fn open_contact() -> Case {
         n_0: -0.2,
         anchor: [0.0; 2],
     };
-    Case {
-        model,
-        contacts: vec![contact],
-    }
+    two_masses([1.2, 1.2], -0.5, rows, contact)
 }
 
 /// Place a (m) of a node along the strip's width, blade (0 or 1), and motion of the platform there in the normal

@@ -16,7 +16,7 @@ use crate::hb::structure::resonance::linear_resonances;
 use std::ops::ControlFlow;
 
 /// Largest relative change of the displacements per step of a sweep.
-const SWEEP_STEP: f64 = 0.3;
+pub(super) const SWEEP_STEP: f64 = 0.3;
 /// Largest change of the frequency per step, as a share of the band.
 const SWEEP_ADVANCE: f64 = 0.025;
 /// Relative distance in frequency up to which solutions of two sweeps are one; that of the displacements is the root of it.

@@ -3,6 +3,7 @@
 //! A search leads to one maximum of the amplitude. Where contacts open, or the track of a mode is lost, a higher one may lie on the
 //! same branch. So the branch is followed from the maximum to both ends of the band, and searched on both sides close to it.
 
+use super::band::SWEEP_STEP;
 use super::predicted::on_harmonics;
 use super::refine::refined_maximum;
 use super::search::{Located, PeakSettings, higher, highest_on_both_sides, maximum_on};
@@ -17,12 +18,10 @@ use crate::hb::settings::HbSettings;
 use crate::hb::solution::Solution;
 use std::ops::ControlFlow;
 
-/// Largest relative change of the displacements per step.
-const STEP: f64 = 0.3;
 /// Largest change of the frequency per step, as a share of the band.
 const ADVANCE: f64 = 0.1;
 /// Share by which the maximum must be higher.
-const HIGHER: f64 = 1e-3;
+const LEAST_GAIN: f64 = 1e-3;
 /// A step may hide a top that is so many times as high as its ends.
 const HIDDEN: f64 = 1.5;
 /// Newton iterations that may be spent on a branch.
@@ -31,7 +30,8 @@ const BUDGET: usize = 3000;
 /// The highest maximum on the branch through the maximum `found`, with as many harmonics as the alert asks for, if it is higher; and the
 /// work. The branch is that on the harmonics of the study.
 ///
-/// None where all contacts stick at `found`, whose response is linear, and where the branch cannot be followed.
+/// None where all contacts stick at `found`, whose response is linear. Of a branch that cannot be followed to the end of the band that part
+/// counts which can.
 pub fn higher_on_branch(
     problem: &Problem<'_>,
     settings: &HbSettings,
@@ -65,7 +65,7 @@ fn highest(
     let own = start.response(&balance).norm();
     let best = (maxima.into_iter().flatten().chain(beside))
         .reduce(|best, other| higher(&balance, best, other))
-        .filter(|best| height(best) > (1.0 + HIGHER) * own)?;
+        .filter(|best| height(best) > (1.0 + LEAST_GAIN) * own)?;
     Some(Solution {
         route: Some(PeakRoute::OnBranch),
         ..refined_maximum(&balance, best, settings, peak)
@@ -84,7 +84,7 @@ fn on_side<'p>(
     let sweep = SweepSettings {
         band: peak.band,
         direction,
-        largest_step: STEP,
+        largest_step: SWEEP_STEP,
         largest_advance: ADVANCE,
     };
     let start = Iterate::new(balance, start.clone());
