@@ -65,7 +65,9 @@ const FOLD_STEP: f64 = 0.1;
 const SURE_STEP: f64 = 0.02;
 /// Length of the step over a corner of the branch. It is tried after longer steps have failed.
 const CORNER: f64 = 1e-4;
-/// Largest distance of a solution from the tangent of a leg of the corner, over [`CORNER`], at which it lies on that leg.
+/// Lengths of the last steps over a corner, tried where steps have become too small: then the corner is next to the last point.
+const LAST_CORNERS: [f64; 3] = [1e-4, 1e-5, 1e-6];
+/// Largest distance of a solution from the tangent of a leg of the corner, over the length of the step, at which it lies on that leg.
 const LEG: f64 = 0.2;
 /// Residual over the length of a step: a short step around a sharp bend of the branch must be solved more exactly.
 const STEP_SHARE: f64 = 1e-3;
@@ -223,10 +225,10 @@ impl<'b, 'p> Continuation<'b, 'p> {
         }
     }
 
-    /// Newton's method for a step of the current length.
-    fn sharp_newton(&self) -> NewtonSettings {
+    /// Newton's method for a step of this length.
+    fn sharp_newton(&self, length: f64) -> NewtonSettings {
         let share = self.point.iterate.point.dynamic_share(self.balance);
-        let sharp = STEP_SHARE * self.length * share;
+        let sharp = STEP_SHARE * length * share;
         NewtonSettings {
             tolerance: self.newton.tolerance.min(sharp),
             ..self.newton
@@ -243,7 +245,7 @@ impl<'b, 'p> Continuation<'b, 'p> {
             Some(parabola) => parabola.predicted(&self.point, length),
             None => self.point.iterate.point.moved(&self.point.tangent, length),
         };
-        let newton = self.sharp_newton();
+        let newton = self.sharp_newton(length);
         let meter = Meter::new(&balance.problem.effort);
         let solved = (self.point).step_to(balance, predicted.clone(), length, newton);
         let iterate = match solved {
@@ -269,24 +271,19 @@ impl<'b, 'p> Continuation<'b, 'p> {
     fn after_failure(&mut self, status: Status) -> Result<Option<StepSolution<'p>>, Status> {
         let is_spent = status == Status::BudgetSpent;
         self.length *= 0.5;
-        // without located events the branch is ragged, and that would be taken for corners
-        let has_corners = self.balance.events() == Events::Located;
-        let may_turn = (0.5 * CORNER..CORNER).contains(&self.length) && has_corners;
-        if may_turn && !is_spent {
-            let newton = self.sharp_newton();
-            let turned = past_corner(self.balance, &self.point, newton);
-            if let Some((iterate, direction)) = turned {
-                return Ok(Some(StepSolution {
-                    iterate,
-                    length: CORNER,
-                    iterations: WANTED_ITERATIONS as usize,
-                    turned: Some(direction),
-                }));
-            }
+        if (0.5 * CORNER..CORNER).contains(&self.length)
+            && !is_spent
+            && let Some(turned) = self.turned(CORNER)
+        {
+            return Ok(Some(turned));
         }
         let has_stalled = self.tally.has_stalled(None, self.steps.largest);
         if !(is_spent || has_stalled || self.length < self.steps.smallest) {
             return Ok(None);
+        }
+        let mut corners = LAST_CORNERS.iter().filter(|_| !is_spent);
+        if let Some(turned) = corners.find_map(|&corner| self.turned(corner)) {
+            return Ok(Some(turned));
         }
         match self.far_solution.take_if(|_| !is_spent) {
             // the next step is to be a short one
@@ -296,6 +293,22 @@ impl<'b, 'p> Continuation<'b, 'p> {
             })),
             None => Err(of_failed_step(status)),
         }
+    }
+
+    /// The step of the length `corner` past a corner of the branch, if there is one.
+    fn turned(&self, corner: f64) -> Option<StepSolution<'p>> {
+        // without located events the branch is ragged, and that would be taken for corners
+        if self.balance.events() != Events::Located {
+            return None;
+        }
+        let newton = self.sharp_newton(corner);
+        let (iterate, direction) = past_corner(self.balance, &self.point, corner, newton)?;
+        Some(StepSolution {
+            iterate,
+            length: corner,
+            iterations: WANTED_ITERATIONS as usize,
+            turned: Some(direction),
+        })
     }
 
     /// Accepts a step and gives the point before. A long step over a fold is not accepted: it is repeated with half its
@@ -330,31 +343,32 @@ impl<'b, 'p> Continuation<'b, 'p> {
     }
 }
 
-/// A solution past a corner of the branch at `at`, and the direction that leads to it.
+/// A solution past a corner of the branch at `at`, at the distance `corner`, and the direction that leads to it.
 ///
 /// If a contact begins or ceases to slip the branch may turn by more than 90°. Then no step along the tangent has a solution.
 /// The tangent of the other leg is that of the equations a little further on, where the contact has its new state.
 fn past_corner<'p>(
     balance: &Balance<'p>,
     at: &BranchPoint<'p>,
+    corner: f64,
     newton: NewtonSettings,
 ) -> Option<(Iterate<'p>, Direction)> {
     let base = &at.iterate.point;
-    let beyond = Iterate::new(balance, base.moved(&at.tangent, CORNER));
+    let beyond = Iterate::new(balance, base.moved(&at.tangent, corner));
     let beyond = BranchPoint::in_metric(balance, beyond, at.metric);
-    let back = base.moved(&at.tangent, -CORNER);
+    let back = base.moved(&at.tangent, -corner);
     [1.0, -1.0].into_iter().find_map(|sign| {
         let tangent = beyond.tangent.scaled(sign);
-        let predicted = base.moved(&tangent, CORNER);
+        let predicted = base.moved(&tangent, corner);
         let condition = Condition::ArcLength {
             base,
             tangent: &tangent,
-            step: CORNER,
+            step: corner,
             metric: at.metric,
         };
         let found = solve(balance, predicted.clone(), condition, newton).ok()?;
-        let is_leg = distance(balance, &found.point, &predicted) <= LEG * CORNER
-            && distance(balance, &found.point, &back) > LEG * CORNER;
+        let is_leg = distance(balance, &found.point, &predicted) <= LEG * corner
+            && distance(balance, &found.point, &back) > LEG * corner;
         is_leg.then_some((found, tangent))
     })
 }

@@ -17,6 +17,8 @@ use std::ops::ControlFlow;
 
 /// Largest relative change of the displacements per step of a sweep.
 pub(super) const SWEEP_STEP: f64 = 0.3;
+/// The same of the second sweeps, where the first ones have failed: long steps may leave the branch.
+const SHORT_STEP: f64 = 0.1;
 /// Largest change of the frequency per step, as a share of the band.
 const SWEEP_ADVANCE: f64 = 0.025;
 /// Relative distance in frequency up to which solutions of two sweeps are one; that of the displacements is the root of it.
@@ -50,8 +52,7 @@ pub(super) fn sliding_maximum<'p>(
 }
 
 /// The highest maximum at `level` on the branch through the whole band, upwards or else downwards, on the harmonics of the
-/// last of `rungs`. Two sweeps that stop within the band have passed the whole of it together if one of them stops at a
-/// solution that the other has passed, or at which it stops, too.
+/// last of `rungs`; with short steps if that fails with long ones.
 ///
 /// # Errors
 /// [`Status::NoPeakInBand`] if the branch has none, else the status of the sweep that failed: a sweep that stopped inside the
@@ -62,24 +63,98 @@ pub(super) fn swept_maximum<'p>(
     peak: PeakSettings,
     newton: NewtonSettings,
 ) -> Result<Located<'p>, Status> {
-    let balance = &rungs[rungs.len() - 1];
-    let swept = |direction| sweep(rungs, level, direction, peak, newton);
-    let upward = swept(SweepDirection::Upward);
-    let highest = match upward {
-        Ok(Swept { highest, end, .. }) if end.status == Status::Converged => highest,
-        upward => {
-            let downward = swept(SweepDirection::Downward)?;
-            match (downward.end.status, upward) {
-                (Status::Converged, _) => downward.highest,
-                (_, Ok(upward)) if upward.joins(&downward, balance, newton) => {
-                    let both = [upward.highest, downward.highest].into_iter().flatten();
-                    both.reduce(|best, other| higher(balance, best, other))
-                }
-                (status, _) => return Err(status),
-            }
+    let swept = |step| {
+        BandSweep {
+            rungs,
+            level,
+            peak,
+            newton,
+            step,
         }
+        .maximum()
     };
-    highest.ok_or(Status::NoPeakInBand)
+    match swept(SWEEP_STEP) {
+        Err(status) if !matches!(status, Status::NoPeakInBand | Status::BudgetSpent) => {
+            swept(SHORT_STEP)
+        }
+        ended => ended,
+    }
+}
+
+/// Sweeps through a band at one level.
+struct BandSweep<'a, 'p> {
+    /// The same problem on ever more harmonics; the sweeps follow the branch on those of the last.
+    rungs: &'a [Balance<'p>],
+    level: f64,
+    peak: PeakSettings,
+    newton: NewtonSettings,
+    /// Largest relative change of the displacements per step.
+    step: f64,
+}
+
+impl<'p> BandSweep<'_, 'p> {
+    fn balance(&self) -> &Balance<'p> {
+        &self.rungs[self.rungs.len() - 1]
+    }
+
+    /// The highest maximum that the upward sweep passes, or else the downward one. Two sweeps that stop within the band have passed the
+    /// whole of it together if one of them stops at a solution that the other has passed, or at which it stops, too.
+    ///
+    /// # Errors
+    /// As of [`swept_maximum`].
+    fn maximum(&self) -> Result<Located<'p>, Status> {
+        let (balance, newton) = (self.balance(), self.newton);
+        let upward = self.swept(SweepDirection::Upward);
+        let highest = match upward {
+            Ok(Swept { highest, end, .. }) if end.status == Status::Converged => highest,
+            upward => {
+                let downward = self.swept(SweepDirection::Downward)?;
+                match (downward.end.status, upward) {
+                    (Status::Converged, _) => downward.highest,
+                    (_, Ok(upward)) if upward.joins(&downward, balance, newton) => {
+                        let both = [upward.highest, downward.highest].into_iter().flatten();
+                        both.reduce(|best, other| higher(balance, best, other))
+                    }
+                    (status, _) => return Err(status),
+                }
+            }
+        };
+        highest.ok_or(Status::NoPeakInBand)
+    }
+
+    /// One sweep.
+    ///
+    /// # Errors
+    /// The status of the search for its first solution.
+    fn swept(&self, direction: SweepDirection) -> Result<Swept<'p>, Status> {
+        let (balance, newton, peak) = (self.balance(), self.newton, self.peak);
+        let sweep = Sweep {
+            rungs: self.rungs,
+            newton,
+            level: self.level,
+            settings: SweepSettings {
+                band: peak.band,
+                direction,
+                largest_step: self.step,
+                largest_advance: SWEEP_ADVANCE,
+            },
+        };
+        let first = sweep.first()?;
+        let mut passed = vec![first.point.clone()];
+        let mut maxima = Vec::new();
+        let end = sweep.followed(first, |from, to| {
+            passed.push(to.iterate.point.clone());
+            let segment = BranchSegment::new(&from, to);
+            maxima.extend(maximum_on(&segment, balance, peak, newton));
+            ControlFlow::Continue(())
+        });
+        let maxima = maxima.into_iter();
+        Ok(Swept {
+            highest: maxima.reduce(|best, other| higher(balance, best, other)),
+            passed,
+            end,
+        })
+    }
 }
 
 /// What a sweep through the band has passed.
@@ -125,44 +200,4 @@ fn interpolated(step: &[Point], omega: f64) -> Option<Point> {
 fn is_same(balance: &Balance<'_>, one: &Point, other: &Point) -> bool {
     let apart = (one.omega / other.omega - 1.0).abs();
     apart <= SAME && distance(balance, one, other) <= SAME.sqrt()
-}
-
-/// One sweep through the band.
-///
-/// # Errors
-/// The status of the search for its first solution.
-fn sweep<'p>(
-    rungs: &[Balance<'p>],
-    level: f64,
-    direction: SweepDirection,
-    peak: PeakSettings,
-    newton: NewtonSettings,
-) -> Result<Swept<'p>, Status> {
-    let balance = &rungs[rungs.len() - 1];
-    let sweep = Sweep {
-        rungs,
-        newton,
-        level,
-        settings: SweepSettings {
-            band: peak.band,
-            direction,
-            largest_step: SWEEP_STEP,
-            largest_advance: SWEEP_ADVANCE,
-        },
-    };
-    let first = sweep.first()?;
-    let mut passed = vec![first.point.clone()];
-    let mut maxima = Vec::new();
-    let end = sweep.followed(first, |from, to| {
-        passed.push(to.iterate.point.clone());
-        let segment = BranchSegment::new(&from, to);
-        maxima.extend(maximum_on(&segment, balance, peak, newton));
-        ControlFlow::Continue(())
-    });
-    let maxima = maxima.into_iter();
-    Ok(Swept {
-        highest: maxima.reduce(|best, other| higher(balance, best, other)),
-        passed,
-        end,
-    })
 }

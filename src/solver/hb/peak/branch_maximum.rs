@@ -6,7 +6,7 @@
 use super::band::SWEEP_STEP;
 use super::predicted::on_harmonics;
 use super::refine::refined_maximum;
-use super::search::{Located, PeakSettings, higher, highest_on_both_sides, maximum_on};
+use super::search::{Located, PeakSettings, higher, higher_on_both_sides, maximum_on};
 use crate::hb::branch::branch_segment::BranchSegment;
 use crate::hb::branch::sweep::{SweepDirection, SweepSettings, follow};
 use crate::hb::equations::balance::{Balance, balance_on};
@@ -61,11 +61,12 @@ fn highest(
     let maxima = sides.map(|side| on_side(&balance, &start, side, settings, peak));
     // a step is longer than the distance of two maxima side by side
     let start = Iterate::new(&balance, start);
-    let beside = highest_on_both_sides(&balance, &start, &balance, peak, settings.newton);
+    let least = 1.0 + LEAST_GAIN;
+    let beside = higher_on_both_sides(&balance, &start, least, peak, settings.newton);
     let own = start.response(&balance).norm();
     let best = (maxima.into_iter().flatten().chain(beside))
         .reduce(|best, other| higher(&balance, best, other))
-        .filter(|best| height(best) > (1.0 + LEAST_GAIN) * own)?;
+        .filter(|best| height(best) > least * own)?;
     Some(Solution {
         route: Some(PeakRoute::OnBranch),
         ..refined_maximum(&balance, best, settings, peak)

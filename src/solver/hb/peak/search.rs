@@ -71,8 +71,10 @@ const NEGLIGIBLE: f64 = 1e-12;
 const MAX_POINTS: usize = 40;
 /// Distances at which [`highest_nearby`] starts its searches (relative change of the displacements).
 const NEARBY: [f64; 4] = [-3e-3, -1.5e-3, 1.5e-3, 3e-3];
-/// Distances at which [`highest_on_both_sides`] starts its searches, on each side.
+/// Distances at which searches on both sides of a maximum start, on each side.
 const BOTH_SIDES: [f64; 3] = [0.05, 0.1, 0.2];
+/// Signs of the directions along the branch.
+const SIDES: [f64; 2] = [-1.0, 1.0];
 /// Below this sharpness the amplitude changes so little around a maximum that a second one may lie beside it.
 const FLAT: f64 = 0.5;
 /// Relative difference of height from which two maxima are two; searches of one maximum differ by less.
@@ -149,10 +151,12 @@ pub fn maximum_on<'p>(
     newton: NewtonSettings,
 ) -> Option<Located<'p>> {
     let (from, to) = (segment.from, segment.to);
-    if from.growth() <= 0.0 || to.growth() > 0.0 {
+    let falls = from.response.norm() > to.response.norm();
+    // it rises from the lower end, but past a minimum; or it falls to the lower end, but past a maximum
+    if (from.growth() <= 0.0 && falls) || (to.growth() > 0.0 && !falls) {
         return None;
     }
-    let higher = match from.response.norm() > to.response.norm() {
+    let higher = match falls {
         true => from,
         false => to,
     };
@@ -196,17 +200,48 @@ pub fn highest_on_both_sides<'p>(
     settings: PeakSettings,
     newton: NewtonSettings,
 ) -> Option<Located<'p>> {
-    let found = Iterate::new(balance, found.point.clone());
-    let first = along_branch(balance, found, settings);
-    let search = |step: f64| {
-        let beside = first.step(balance, step, newton).ok()?;
-        let start = beside.point.padded(balance, larger);
-        let start = solve(larger, start, Condition::FixedFrequency, newton).ok()?;
-        find_peak(larger, start, settings, newton).ok()
-    };
-    let sides = [-1.0, 1.0].into_iter();
-    let maxima = sides.filter_map(|side| BOTH_SIDES.iter().find_map(|step| search(side * step)));
+    let first = along_branch(
+        balance,
+        Iterate::new(balance, found.point.clone()),
+        settings,
+    );
+    let [one, other] = SIDES.map(|side| {
+        let starts = BOTH_SIDES.iter().map(|step| side * step);
+        let mut starts = starts.filter_map(|step| {
+            let beside = first.step(balance, step, newton).ok()?;
+            let start = beside.point.padded(balance, larger);
+            solve(larger, start, Condition::FixedFrequency, newton).ok()
+        });
+        starts.find_map(|start| find_peak(larger, start, settings, newton).ok())
+    });
+    let maxima = one.into_iter().chain(other);
     maxima.reduce(|best, other| higher(larger, best, other))
+}
+
+/// A maximum next to the maximum `found` whose amplitude is more than `least` times that of `found`, the higher one of both sides. A start
+/// close to `found` may lead back to it; then one farther away is taken.
+pub fn higher_on_both_sides<'p>(
+    balance: &Balance<'p>,
+    found: &Iterate<'p>,
+    least: f64,
+    settings: PeakSettings,
+    newton: NewtonSettings,
+) -> Option<Located<'p>> {
+    let first = along_branch(
+        balance,
+        Iterate::new(balance, found.point.clone()),
+        settings,
+    );
+    let height = |iterate: &Iterate<'p>| iterate.response(balance).norm();
+    let own = height(&first.iterate);
+    let maxima = SIDES.iter().filter_map(|side| {
+        let starts = BOTH_SIDES.iter().map(|step| side * step);
+        let starts = starts.filter_map(|step| first.step(balance, step, newton).ok());
+        let mut maxima =
+            starts.filter_map(|start| find_peak(balance, start, settings, newton).ok());
+        maxima.find(|maximum| height(&maximum.iterate) > least * own)
+    });
+    maxima.reduce(|best, other| higher(balance, best, other))
 }
 
 /// The highest maximum next to the maximum `found`, if that one is flat or its sharpness unknown.
@@ -222,10 +257,8 @@ pub fn highest_beside<'p>(
     if !found.is_flat() {
         return found;
     }
-    let height = |peak: &Located<'_>| peak.iterate.response(balance).norm();
-    let least = (1.0 + HIGHER) * height(&found);
-    let other = highest_on_both_sides(balance, &found.iterate, balance, settings, newton);
-    other.filter(|other| height(other) > least).unwrap_or(found)
+    let higher = higher_on_both_sides(balance, &found.iterate, 1.0 + HIGHER, settings, newton);
+    higher.unwrap_or(found)
 }
 
 fn along_branch<'p>(

@@ -12,6 +12,7 @@
 use super::cubic_segment::{ComplexScales, CubicSegment};
 use crate::harmonics::HarmonicSet;
 use crate::hb::branch::branch_point::BranchPoint;
+use crate::hb::branch::branch_segment::CLOSE;
 use crate::hb::branch::continuation::{StepSettings, continue_branch};
 use crate::hb::branch::sweep::SweepDirection;
 use crate::hb::equations::balance::Balance;
@@ -166,8 +167,8 @@ fn met(
     ahead.filter(|point| band.contains(point.omega)).collect()
 }
 
-/// What slow sweeps meet on a branch from below the band to above it. Parts that go back by less than `resolution` (rad/s) are no
-/// folds.
+/// What slow sweeps meet on a branch from below the band to above it. Parts that go back by less than `resolution` (rad/s) within the band
+/// are no folds.
 fn sweeps(branch: &[CurvePoint], band: Band, resolution: f64) -> Option<Sweeps> {
     let [first, last] = [branch.first()?.omega, branch.last()?.omega];
     if first > band.low || last < band.high {
@@ -182,9 +183,10 @@ fn sweeps(branch: &[CurvePoint], band: Band, resolution: f64) -> Option<Sweeps> 
     let mut several: Option<[f64; 2]> = None;
     for omega in branch.iter().map(|point| point.omega) {
         front = front.max(omega);
-        if front - omega > resolution {
-            let [low, high] = several.unwrap_or([omega, front]);
-            several = Some([low.min(omega), high.max(front)]);
+        let [back, ahead] = [omega.max(band.low), front.min(band.high)];
+        if ahead - back > resolution {
+            let [low, high] = several.unwrap_or([back, ahead]);
+            several = Some([low.min(back), high.max(ahead)]);
         }
     }
     Some(Sweeps {
@@ -224,6 +226,7 @@ impl<'b, 'p> CurveSide<'b, 'p> {
             first: STEPS[0],
             largest: STEPS[2],
             max_steps: MOST_STEPS,
+            closeness: CLOSE,
             ..StepSettings::for_band(band.width())
         };
         let omega_scale = steps.omega_scale;

@@ -141,10 +141,7 @@ impl Response {
         let (i, top) = highest?;
         let below = |j: Option<usize>| j.and_then(amplitude).is_some_and(|a| a <= top);
         let is_inside = below(i.checked_sub(1)) && below(Some(i + 1));
-        let is_part = match self.is_curve {
-            true => self.gap.is_some(),
-            false => solved.len() < self.solutions.len(),
-        };
+        let is_part = self.gap.is_some() || solved.len() < self.solutions.len();
         let what = match (is_part, is_inside) {
             (true, _) => Largest::OfPart,
             (false, false) => Largest::AtEdge,
